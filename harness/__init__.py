@@ -1,0 +1,3 @@
+"""Cross-validation of dry friction in physics engines."""
+
+__version__ = "0.1.0"

@@ -1,0 +1,1 @@
+"""What moves between the rooms; imports nothing of ours."""

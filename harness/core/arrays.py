@@ -1,0 +1,11 @@
+"""Names for the array types that everything speaks in."""
+
+from typing import TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+FloatArray: TypeAlias = NDArray[np.float64]
+IntArray: TypeAlias = NDArray[np.int64]
+BoolArray: TypeAlias = NDArray[np.bool_]
+ModeArray: TypeAlias = NDArray[np.int8]

@@ -1,0 +1,41 @@
+"""Errors for people: what was found, where, and what would be accepted."""
+
+
+class HarnessError(Exception):
+    """Anything this program reports to a person. Its text is exactly one line."""
+
+    exit_code = 1
+
+    def __str__(self) -> str:
+        return " ".join(super().__str__().split())
+
+
+class InputError(HarnessError):
+    """Bad input or usage.
+
+    Parameters
+    ----------
+    where : the file, line, option or field that is wrong.
+    found : what stood there.
+    accepted : what would have been accepted.
+    """
+
+    exit_code = 2
+
+    def __init__(self, where: str, found: str, accepted: str) -> None:
+        super().__init__(f"{where}: {found}; {accepted}")
+        self.where, self.found, self.accepted = where, found, accepted
+
+    def __reduce__(self) -> tuple[type["InputError"], tuple[str, str, str]]:
+        # the default would replay the joined text into a three-argument constructor
+        return type(self), (self.where, self.found, self.accepted)
+
+
+class SimulationError(HarnessError):
+    """A run that could not be completed (diverged, unsupported); the row or file it belongs to says why."""
+
+
+class StoreError(HarnessError):
+    """A result that could not be written: full disk, no permission, path taken."""
+
+    exit_code = 2

@@ -1,0 +1,64 @@
+"""What happens between samples: reversals, sticking, break-away."""
+
+from dataclasses import dataclass, field
+from enum import IntEnum
+
+import numpy as np
+
+from harness.core.arrays import FloatArray, IntArray
+from harness.core.checks import vector
+from harness.core.errors import InputError
+
+
+class Mode(IntEnum):
+    """State of the dry contact."""
+
+    SLIP_NEGATIVE = -1
+    STICK = 0
+    SLIP_POSITIVE = 1
+
+
+class EventKind(IntEnum):
+    """Kinds of events, in the order of increasing specialty."""
+
+    REVERSAL = 0
+    STICK = 1
+    BREAK_AWAY = 2
+    KNOCK = 3
+
+
+def _empty() -> FloatArray:
+    return np.empty(0)
+
+
+@dataclass(frozen=True, slots=True)
+class Events:
+    """Events of a trajectory in order of time; all arrays have shape (n,).
+
+    t : s. kind : values of EventKind. x : position at the event, m.
+    a_before, a_after : acceleration on either side, m/s^2 (the jump of Liang's eq. 11).
+    """
+
+    t: FloatArray = field(default_factory=_empty)
+    kind: IntArray = field(default_factory=lambda: np.empty(0, dtype=np.int64))
+    x: FloatArray = field(default_factory=_empty)
+    a_before: FloatArray = field(default_factory=_empty)
+    a_after: FloatArray = field(default_factory=_empty)
+
+    def __post_init__(self) -> None:
+        n = np.size(self.t)
+        for name in ("t", "x", "a_before", "a_after"):
+            object.__setattr__(self, name, vector(f"events: {name}", getattr(self, name), n))
+        kind = np.ascontiguousarray(self.kind, dtype=np.int64)
+        if kind.shape != (n,):
+            raise InputError("events: kind", f"shape {kind.shape}", f"a vector of {n} kinds is accepted")
+        kind.flags.writeable = False
+        object.__setattr__(self, "kind", kind)
+
+    def __len__(self) -> int:
+        return int(self.t.size)
+
+    def of(self, *kinds: EventKind) -> "Events":
+        """Only the events of these kinds."""
+        keep = np.isin(self.kind, [int(k) for k in kinds])
+        return Events(self.t[keep], self.kind[keep], self.x[keep], self.a_before[keep], self.a_after[keep])

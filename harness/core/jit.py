@@ -1,0 +1,58 @@
+"""The one place where plain functions become compiled ones.
+
+Kernels are written as ordinary functions and compiled here, so that with NUMBA_DISABLE_JIT=1 coverage and mutation
+testing see the plain code. The cache lies beside the source when that can be written, else in a folder of the user's,
+else in a temporary one: a read-only home costs a compilation, not a failure.
+"""
+
+import os
+import tempfile
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any, TypeVar, cast
+
+from platformdirs import user_cache_path
+
+F = TypeVar("F", bound=Callable[..., Any])
+
+
+def _writable(folder: Path) -> bool:
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        with tempfile.TemporaryFile(dir=folder):
+            return True
+    except OSError:
+        return False
+
+
+def cache_folder() -> Path:
+    """The folder in which compiled kernels are kept; made if need be."""
+    named = os.environ.get("NUMBA_CACHE_DIR")
+    if named and _writable(Path(named)):
+        return Path(named)
+    for folder in (user_cache_path("friction-harness") / "numba", Path(tempfile.gettempdir()) / f"friction-harness-{os.getuid()}"):
+        if _writable(folder):
+            return folder
+    return Path(tempfile.mkdtemp(prefix="friction-harness-"))
+
+
+os.environ["NUMBA_CACHE_DIR"] = str(cache_folder())
+
+import numba  # noqa: E402  (reads its cache folder from the environment when it is imported)
+
+numba.config.CACHE_DIR = os.environ["NUMBA_CACHE_DIR"]
+
+
+def compiled(function: F, *, parallel: bool = False, fastmath: bool = False, inline: bool = False) -> F:
+    """Compile a plain function with Numba, cached on disk, without the interpreter lock.
+
+    ``fastmath`` allows reassociation and is for loops whose rounding was bounded by a test; nan stays nan.
+    """
+    options: dict[str, Any] = {"cache": True, "nogil": True, "error_model": "numpy"}
+    if parallel:
+        options["parallel"] = True
+    if fastmath:
+        options["fastmath"] = {"contract", "reassoc", "nsz", "arcp"}
+    if inline:
+        options["inline"] = "always"
+    return cast(F, numba.njit(**options)(function))

@@ -1,0 +1,1 @@
+"""Pydantic models of every result file; a JSON Schema is generated from each and shipped. Imports core only."""

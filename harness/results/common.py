@@ -1,0 +1,85 @@
+"""Pieces that several results share: P (a number), WHERE (a place in a recording)."""
+
+from typing import Annotated, Any, Literal
+
+from pydantic import BaseModel, ConfigDict, Field, model_validator
+
+from harness.core.quantity import Quantity
+
+
+class Result(BaseModel):
+    """Base of every result model: strict about names, so that a typo is an error and not a new field."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True, ser_json_inf_nan="null", populate_by_name=True)
+
+
+class P(Result):
+    """A number: value, standard error, unit; what is null says why."""
+
+    value: float | None
+    stderr: float | None
+    unit: str
+    why: str | None = None
+
+    @model_validator(mode="after")
+    def _nothing_missing_without_reason(self) -> "P":
+        if (self.value is None or self.stderr is None) and not self.why:
+            raise ValueError("null value or stderr needs a why")
+        return self
+
+    @classmethod
+    def of(cls, quantity: Quantity) -> "P":
+        """The result form of a core Quantity."""
+        return cls(value=quantity.value, stderr=quantity.stderr, unit=quantity.unit, why=quantity.why)
+
+
+Span = Annotated[list[float], Field(min_length=2, max_length=2, description="[t0, t1] in s")]
+
+Regime = Literal[
+    "reversal",
+    "stick",
+    "low-speed",
+    "high-speed",
+    "large-displacement",
+    "one-direction",
+    "one-side",
+    "early",
+    "late",
+    "throughout",
+    "channel",
+]
+
+
+class Where(Result):
+    """Where a mismatch lies: time spans, a regime, a plain condition, and the share of the mean square it holds."""
+
+    time_s: list[Span]
+    regime: Regime
+    condition: str
+    share: float | None
+
+
+class Machine(Result):
+    """What a result was made with."""
+
+    python: str
+    packages: dict[str, str]
+    system: str
+    cores: int
+    seeds: dict[str, int] = Field(default_factory=dict)
+
+
+class RecordingInfo(Result):
+    """What was read."""
+
+    file: str
+    sha256: str
+    samples: int
+    channels: list[str]
+    rate_hz: float
+    duration_s: float
+    noise: dict[str, float | str | None]
+    notes: list[str] = Field(default_factory=list)
+
+
+Json = dict[str, Any]

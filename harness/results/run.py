@@ -1,0 +1,55 @@
+"""The result of the main job: harness.run/1."""
+
+from typing import Any, Literal
+
+from pydantic import Field
+
+from harness.results.common import Machine, P, Result
+
+
+class Metrics(Result):
+    """How far a trace is from the exact one; null where the scenario has no such figure."""
+
+    max_error_m: float | None = Field(description="largest |x - exact x|, m")
+    rest_error_m: float | None = Field(description="last x minus the exact rest position, m")
+    stick_time_s: float | None = Field(description="time from which the slider does not move any more, s")
+    creep_m_s: float | None = Field(description="mean speed over the part in which the exact slider rests, m/s")
+    half_cycles: int | None = Field(description="half-cycles until it rests")
+    reversal_lead_s: float | None = Field(description="by how much friction reverses before the speed does, s")
+    energy_error: float | None = Field(description="largest error of the energy balance over the starting energy")
+    lift_m: float | None = Field(default=None, description="contact route: largest height above the floor, m")
+
+
+class Estimates(Result):
+    """What one estimator reads from one trace."""
+
+    omega_n: P
+    zeta: P
+    x_k: P
+    reversals: int
+    per_reversal: list[dict[str, Any]] = Field(default_factory=list)
+
+
+class TraceResult(Result):
+    """One source of the run."""
+
+    source: str
+    preset: str
+    version: str
+    settings: dict[str, Any]
+    ignored: list[str]
+    dt_s: float | None
+    wall_s: float | None
+    metrics: Metrics
+    estimates: dict[str, Estimates]
+
+
+class RunResult(Result):
+    """harness run."""
+
+    schema_: Literal["harness.run/1"] = Field(default="harness.run/1", alias="schema")
+    scenario: dict[str, Any]
+    traces: list[TraceResult]
+    conclusions: list[str] = Field(default_factory=list, description="what differs and why, in sentences")
+    machine: Machine
+    files: dict[str, str]
