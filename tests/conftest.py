@@ -1,0 +1,29 @@
+"""Shared fixtures: the long forms stay out of the default run, recordings are found where they are."""
+
+import os
+from pathlib import Path
+
+import pytest
+from hypothesis import settings
+
+settings.register_profile("stable", derandomize=True, deadline=None, max_examples=60, print_blob=False)
+settings.load_profile("stable")
+
+CHECKOUT = Path(__file__).resolve().parents[1]
+
+
+def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
+    """Leave out the long forms unless -m asks for them."""
+    if "full" in str(config.getoption("-m")):
+        return
+    config.hook.pytest_deselected(items=[item for item in items if item.get_closest_marker("full")])
+    items[:] = [item for item in items if not item.get_closest_marker("full")]
+
+
+@pytest.fixture(scope="session")
+def recordings() -> Path:
+    """The folder of measured recordings, which are not part of the project."""
+    for folder in (os.environ.get("HARNESS_RECORDINGS", ""), str(CHECKOUT.parent / "shared" / "recordings")):
+        if folder and Path(folder).is_dir():
+            return Path(folder)
+    pytest.skip("no measured recordings here (set HARNESS_RECORDINGS)")
