@@ -1,0 +1,1 @@
+"""Closed forms: free decay, moving belt, harmonic forcing, static hold."""

@@ -1,0 +1,96 @@
+"""Half-cycle by half-cycle: where each begins, about which centre it swings, when it sticks.
+
+Source: Liang, eqs. 2 to 6, extended to any start and any damping ratio.
+"""
+
+import math
+
+import numpy as np
+
+from harness.core.arrays import FloatArray
+from harness.core.jit import compiled
+from harness.exact.flow import discriminant, flow
+
+# columns of the table of half-cycles
+START, POSITION, SPEED, CENTRE, DIRECTION = range(5)
+
+
+def _first_reversal(omega_n: float, zeta: float, x_k: float, x0: float, v0: float) -> tuple[float, float]:
+    """Time in s and position in m where a slider that starts with speed ``v0`` != 0 first comes to rest.
+
+    The time is inf when that never happens (zeta >= 1 without an overshoot).
+    """
+    sigma = zeta * omega_n
+    disc = discriminant(omega_n, zeta)
+    sign = 1.0 if v0 > 0.0 else -1.0
+    speed = abs(v0)
+    centre = -sign * x_k
+    y0 = x0 - centre
+    stiff = sign * omega_n * omega_n * y0
+    if disc > 0.0:
+        omega_d = math.sqrt(disc)
+        tau = math.atan2(omega_d * speed, stiff + sigma * speed) / omega_d
+    else:
+        kappa = math.sqrt(-disc)
+        gap = stiff + speed * omega_n * omega_n / (sigma + kappa)
+        if gap <= 0.0:
+            return math.inf, centre
+        tau = math.log1p(2.0 * kappa * speed / gap) / (2.0 * kappa) if kappa > 0.0 else speed / gap
+    cos_like, sin_like = flow(tau, omega_n, sigma, disc)
+    return tau, centre + y0 * cos_like + (v0 + sigma * y0) * sin_like
+
+
+first_reversal = compiled(_first_reversal)
+
+
+def _walk(
+    omega_n: float, zeta: float, x_k: float, x_s: float, x0: float, v0: float, until: float, table: FloatArray
+) -> int:
+    """Write the half-cycles that begin before ``until`` (s) into ``table`` (rows, 5) while rows last; return how many.
+
+    A row is start time, position, speed, centre, direction (-1, 1; 0 at rest). The last row lasts for ever when it
+    is at rest or does not end, else to its own end.
+    """
+    rows = table.shape[0]
+    disc = discriminant(omega_n, zeta)
+    half, q = math.inf, 0.0
+    if disc > 0.0:
+        half = math.pi / math.sqrt(disc)
+        q = math.exp(-zeta * omega_n * half)
+    count, begin, position = 0, 0.0, x0
+    if v0 != 0.0:
+        sign = 1.0 if v0 > 0.0 else -1.0
+        if rows > 0:
+            table[0, START], table[0, POSITION], table[0, SPEED] = 0.0, x0, v0
+            table[0, CENTRE], table[0, DIRECTION] = -sign * x_k, sign
+        count = 1
+        begin, position = first_reversal(omega_n, zeta, x_k, x0, v0)
+    first, swings = begin, 0
+    while begin <= until and begin < math.inf:
+        sticks = abs(position) <= x_s
+        sign = 0.0 if sticks else (-1.0 if position > 0.0 else 1.0)
+        centre = position if sticks else -sign * x_k
+        if count < rows:
+            table[count, START], table[count, POSITION], table[count, SPEED] = begin, position, 0.0
+            table[count, CENTRE], table[count, DIRECTION] = centre, sign
+        count += 1
+        if sticks:
+            break
+        swings += 1
+        begin = first + swings * half
+        position = centre - q * (position - centre)
+    return count
+
+
+walk = compiled(_walk)
+
+
+def _half_cycles(omega_n: float, zeta: float, x_k: float, x_s: float, x0: float, v0: float, until: float) -> FloatArray:
+    """The table of half-cycles that begin up to ``until`` (s), shape (n, 5); see ``walk`` for its columns."""
+    count = walk(omega_n, zeta, x_k, x_s, x0, v0, until, np.empty((0, 5)))
+    table = np.empty((count, 5))
+    walk(omega_n, zeta, x_k, x_s, x0, v0, until, table)
+    return table
+
+
+half_cycles = compiled(_half_cycles)
