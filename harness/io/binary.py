@@ -1,0 +1,115 @@
+"""Tables in binary files: Parquet, MATLAB .mat from v4 to 7.3, NumPy .npz."""
+
+import zipfile
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from harness.core.arrays import FloatArray
+from harness.core.errors import InputError
+from harness.io.table import ArrayTable, Table, table_of_arrays
+from harness.io.units import split_header
+
+
+class ParquetTable(Table):
+    """A Parquet file."""
+
+    def __init__(self, path: Path) -> None:
+        import pyarrow as pa
+        import pyarrow.parquet as pq
+
+        try:
+            self._file = pq.ParquetFile(path)
+        except (pa.ArrowException, OSError) as error:
+            raise InputError(
+                str(path), f"not a Parquet file ({error})", "a readable Parquet file is accepted"
+            ) from None
+        headers = list(self._file.schema_arrow.names)
+        split = [split_header(header) for header in headers]
+        super().__init__(path, [name for name, _ in split], {i: u for i, (_, u) in enumerate(split) if u is not None})
+        self._headers = headers
+
+    def read(self, positions: Sequence[int]) -> list[FloatArray]:
+        """See Table."""
+        import pyarrow as pa
+
+        columns = []
+        for i in positions:
+            where = f"{self.path}: row 1, column {self.names[i]}"
+            kind = self._file.schema_arrow.field(i).type
+            if not (pa.types.is_integer(kind) or pa.types.is_floating(kind) or pa.types.is_decimal(kind)):
+                raise InputError(where, f"a column of type {kind}", "a column of numbers is accepted")
+            try:
+                column = self._file.read(columns=[self._headers[i]]).column(0).cast(pa.float64(), safe=False)
+            except (pa.ArrowException, OSError) as error:
+                raise InputError(where, f"unreadable ({error})", "a readable Parquet file is accepted") from None
+            columns.append(np.asarray(column.to_numpy(), dtype=np.float64))
+        return columns
+
+
+def _flatten(prefix: str, value: Any) -> Iterator[tuple[str, Any]]:
+    """Fields of MATLAB structs as dotted names."""
+    from scipy.io.matlab import mat_struct
+
+    if isinstance(value, mat_struct):
+        for field in value._fieldnames:
+            yield from _flatten(f"{prefix}.{field}", getattr(value, field))
+    else:
+        yield prefix, value
+
+
+def _hdf5_arrays(path: Path) -> dict[str, Any]:
+    """Numeric data sets of a MATLAB 7.3 file, groups as dotted names; MATLAB stores the transpose."""
+    import h5py
+
+    arrays: dict[str, Any] = {}
+
+    def visit(name: str, item: Any) -> None:
+        if not isinstance(item, h5py.Dataset) or name.startswith("#"):
+            return
+        kind = item.attrs.get("MATLAB_class", b"")
+        if bytes(kind) not in (b"char", b"cell") and "MATLAB_empty" not in item.attrs and item.dtype.kind in "fiub":
+            arrays[name.replace("/", ".")] = np.asarray(item[()]).T
+
+    with h5py.File(path, "r") as file:
+        file.visititems(visit)
+    return arrays
+
+
+def open_mat(path: Path) -> ArrayTable:
+    """Open a MATLAB file of any version."""
+    accepted = "a MATLAB file of version 4 to 7.3 is accepted"
+    try:
+        with path.open("rb") as file:
+            is_hdf5 = file.read(128).startswith(b"MATLAB 7.3") or _hdf5_signature(path)
+        if is_hdf5:
+            return table_of_arrays(path, _hdf5_arrays(path))
+        import scipy.io
+
+        content = scipy.io.loadmat(path, struct_as_record=False, squeeze_me=True)
+    except InputError:
+        raise
+    except Exception as error:  # SciPy's and HDF5's parsers raise whatever the broken bytes lead them to
+        raise InputError(str(path), f"not a MATLAB file ({error})", accepted) from None
+    arrays = {k: v for key, value in content.items() if not key.startswith("__") for k, v in _flatten(key, value)}
+    return table_of_arrays(path, arrays)
+
+
+def _hdf5_signature(path: Path) -> bool:
+    import h5py
+
+    return bool(h5py.is_hdf5(path))
+
+
+def open_npz(path: Path) -> ArrayTable:
+    """Open a NumPy archive; pickled objects are refused."""
+    try:
+        with np.load(path, allow_pickle=False) as archive:
+            arrays = {name: archive[name] for name in archive.files}
+    except (ValueError, OSError, EOFError, AttributeError, zipfile.BadZipFile) as error:
+        raise InputError(
+            str(path), f"not an .npz archive ({error})", "numeric arrays saved by numpy.savez are accepted"
+        ) from None
+    return table_of_arrays(path, arrays)

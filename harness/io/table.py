@@ -1,0 +1,99 @@
+"""A file seen as named columns, read only where somebody asks."""
+
+from abc import ABC, abstractmethod
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+
+import numpy as np
+
+from harness.core.arrays import FloatArray
+from harness.core.errors import InputError
+
+
+class Table(ABC):
+    """Named columns of one file.
+
+    path : the file. names : of the columns in order, units split off, "" where a column has no name.
+    units : unit text of columns whose header carries one, by position.
+    """
+
+    def __init__(self, path: Path, names: Sequence[str], units: Mapping[int, str]) -> None:
+        self.path, self.names, self.units = path, tuple(names), dict(units)
+
+    @abstractmethod
+    def read(self, positions: Sequence[int]) -> list[FloatArray]:
+        """The columns at these positions (from 0) as float64 vectors; nan where a cell is empty.
+
+        Raises InputError naming row and column where a cell is not a number.
+        """
+
+    def row(self, index: int) -> str:
+        """How sample ``index`` (from 0) is called in a message."""
+        return f"row {index + 1}"
+
+    def position(self, name: str) -> int:
+        """Position of a column by its name or as ``#N`` (from 1).
+
+        Raises InputError listing the columns there are.
+        """
+        if name.startswith("#"):
+            number = int(name[1:])
+            if number > len(self.names):
+                raise InputError(
+                    f"{self.path}: column {name}", "no such column", f"#1 to #{len(self.names)} are accepted"
+                )
+            return number - 1
+        at = [i for i, existing in enumerate(self.names) if existing == name]
+        if not at:
+            raise InputError(f"{self.path}: column {name}", "no such column", f"{self.listed()} are accepted")
+        if len(at) > 1:
+            named = ", ".join(f"#{i + 1}" for i in at)
+            raise InputError(
+                f"{self.path}: column {name}", f"{len(at)} columns of this name", f"one of {named} is accepted"
+            )
+        return at[0]
+
+    def listed(self) -> str:
+        """The columns there are, for a message."""
+        shown = [name or f"#{i + 1}" for i, name in enumerate(self.names)]
+        return ", ".join(shown[:20]) + (", ..." if len(shown) > 20 else "")
+
+
+class ArrayTable(Table):
+    """Columns that are in memory already (.npz, .mat); a column of one value is a constant."""
+
+    def __init__(self, path: Path, columns: Mapping[str, FloatArray], units: Mapping[int, str]) -> None:
+        super().__init__(path, list(columns), units)
+        self._columns = list(columns.values())
+
+    def read(self, positions: Sequence[int]) -> list[FloatArray]:
+        """See Table."""
+        return [self._columns[i] for i in positions]
+
+
+def table_of_arrays(path: Path, arrays: Mapping[str, object]) -> ArrayTable:
+    """Make a table of numeric arrays by name; a matrix becomes one column for each of its columns.
+
+    Vectors of shape (n,), (n, 1) and (1, n) are columns; anything that is not numeric is left out.
+    Raises InputError when nothing is left.
+    """
+    from harness.io.units import split_header
+
+    columns: dict[str, FloatArray] = {}
+    units: dict[int, str] = {}
+    for header, value in arrays.items():
+        array = np.asarray(value)
+        if array.dtype.kind not in "fiub" or array.size == 0 or array.ndim > 2:
+            continue
+        name, unit = split_header(header)
+        parts = [array.ravel()] if array.ndim < 2 or 1 in array.shape else list(array.T)
+        for number, part in enumerate(parts, 1):
+            if unit is not None:
+                units[len(columns)] = unit
+            label = name if len(parts) == 1 else f"{name}.{number}"
+            columns[label if label not in columns else f"{label}#{len(columns) + 1}"] = np.ascontiguousarray(
+                part, np.float64
+            )
+    if not columns:
+        raise InputError(str(path), "no numeric array in it", "vectors t and one or more of x, v, a, u are accepted")
+    return ArrayTable(path, columns, units)

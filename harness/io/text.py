@@ -1,0 +1,185 @@
+"""Tables in text: CSV with any usual separator, plain whitespace tables, both also gzipped."""
+
+import csv
+import gzip
+import re
+import zlib
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from harness.core.arrays import FloatArray
+from harness.core.errors import InputError
+from harness.io.table import Table
+from harness.io.units import split_header
+
+_HEAD = 1 << 16
+_COMMENT = ("#", "%")
+
+
+@dataclass(frozen=True, slots=True)
+class _Layout:
+    """How a text table is laid out: its separator and decimal mark, header fields, where its numbers begin."""
+
+    separator: str  # "" for runs of blanks
+    decimal: str
+    fields: tuple[str, ...]
+    offset: int  # of the first data row, in bytes
+    line: int  # number of that line, from 1
+
+
+def _number(cell: str, decimal: str = ".") -> float | None:
+    """The value of a cell; nan when it is empty, None when it is text."""
+    text = cell.strip()
+    if not text:
+        return float("nan")
+    if "_" in text:
+        return None
+    try:
+        return float(text.replace(",", ".") if decimal == "," else text)
+    except ValueError:
+        return None
+
+
+def _cells(line: str, separator: str) -> list[str]:
+    if not separator:
+        return line.split()
+    return [cell.strip() for cell in next(csv.reader([line], delimiter=separator))]
+
+
+def _separator(lines: Sequence[str]) -> tuple[str, str]:
+    """The separator and decimal mark of these lines."""
+    last = lines[-1]
+    for separator in (";", "\t", ","):
+        if separator in last:
+            comma_decimal = separator != "," and "," in last and "." not in last
+            return separator, "," if comma_decimal else "."
+    return "", "."
+
+
+def _layout(path: Path, data: bytes, skip_rows: int) -> _Layout:
+    head = data[:_HEAD]
+    lines = head.split(b"\n")
+    if len(data) > _HEAD and len(lines) > 1:
+        lines.pop()
+    if skip_rows >= len(lines) and skip_rows > 0:
+        raise InputError(
+            f"{path}: --skip-rows", f"{skip_rows} of {len(lines)} lines", "fewer than there are is accepted"
+        )
+    offset = sum(len(line) + 1 for line in lines[:skip_rows])
+    shown: list[tuple[int, int, str]] = []
+    for number, raw in enumerate(lines[skip_rows:], skip_rows + 1):
+        text = _decode(raw).strip()
+        if text:
+            shown.append((number, offset, text))
+        offset += len(raw) + 1
+    body = [entry for entry in shown if not entry[2].startswith(_COMMENT)]
+    if not body:
+        raise InputError(str(path), "no rows", "a header and at least 50 rows are accepted")
+    sample = [text for _, _, text in body[:20]]
+    separator, decimal = _separator(sample)
+    number, start, first = body[0]
+    cells = _cells(first, separator)
+    if any(_number(cell, decimal) is not None and cell for cell in cells):
+        comments = [text.lstrip("#% ") for n, _, text in shown if n < number]
+        named = _header(comments[-1], separator) if comments else []
+        fields = tuple(named) if len(named) == len(cells) else ("",) * len(cells)
+        return _Layout(separator, decimal, fields, start, number)
+    cells = _header(first, separator)
+    if len(body) == 1:
+        raise InputError(str(path), "0 rows under the header", "at least 50 are accepted")
+    return _Layout(separator, decimal, tuple(cells), body[1][1], body[1][0])
+
+
+def _header(line: str, separator: str) -> list[str]:
+    """The fields of a header; between blanks, ``x [mm]`` stays together."""
+    return _cells(line, separator) if separator else re.findall(r"[^\s\[]+(?:\s*\[[^\]]*\])?", line)
+
+
+def _decode(raw: bytes) -> str:
+    try:
+        return raw.decode("utf-8-sig")
+    except UnicodeDecodeError:
+        return raw.decode("latin-1")
+
+
+def _bytes(path: Path) -> bytes:
+    try:
+        data = path.read_bytes()
+        if data[:2] == b"\x1f\x8b":
+            data = gzip.decompress(data)
+    except (OSError, EOFError, zlib.error) as error:
+        raise InputError(str(path), f"unreadable ({error})", "a readable file is accepted") from None
+    if b"\x00" in data[:_HEAD]:
+        raise InputError(str(path), "binary content", "a text table in UTF-8 is accepted")
+    return data if b"\n" in data else data.replace(b"\r", b"\n")
+
+
+class TextTable(Table):
+    """A text table, kept as bytes until its columns are asked for."""
+
+    def __init__(self, path: Path, skip_rows: int = 0) -> None:
+        self._data = _bytes(path)
+        self._layout = _layout(path, self._data, skip_rows)
+        split = [split_header(field) for field in self._layout.fields]
+        super().__init__(path, [name for name, _ in split], {i: u for i, (_, u) in enumerate(split) if u is not None})
+
+    def read(self, positions: Sequence[int]) -> list[FloatArray]:
+        """See Table."""
+        import pyarrow as pa
+        from pyarrow import csv as pacsv
+
+        layout, data = self._layout, memoryview(self._data)[self._layout.offset :]
+        if not layout.separator:
+            data = memoryview(re.sub(rb"[ \t]+", b" ", re.sub(rb"(?m)^[ \t]+|[ \t\r]+$", b"", data)))
+        names = [f"#{i}" for i in range(len(self.names))]
+        wanted = list(dict.fromkeys(names[i] for i in positions))
+        try:
+            table = pacsv.read_csv(
+                pa.BufferReader(pa.py_buffer(data)),
+                read_options=pacsv.ReadOptions(column_names=names, block_size=1 << 22),
+                parse_options=pacsv.ParseOptions(delimiter=layout.separator or " "),
+                convert_options=pacsv.ConvertOptions(
+                    include_columns=wanted,
+                    column_types={name: pa.float64() for name in wanted},
+                    decimal_point=layout.decimal,
+                    null_values=[""],
+                    check_utf8=False,
+                ),
+            )
+        except pa.ArrowException:
+            return self._read_slowly(positions)
+        return [np.asarray(table.column(names[i]).to_numpy(), dtype=np.float64) for i in positions]
+
+    def _rows(self) -> Iterator[tuple[int, list[str]]]:
+        """Line number and cells of every row."""
+        layout = self._layout
+        for line, raw in enumerate(self._data[layout.offset :].split(b"\n"), layout.line):
+            text = _decode(raw).strip(" \r")
+            if text.strip() and not text.startswith(_COMMENT):
+                yield line, _cells(text, layout.separator)
+
+    def _read_slowly(self, positions: Sequence[int]) -> list[FloatArray]:
+        """Cell by cell: to say where the fast reader stumbled, or to read what only it could not."""
+        columns: list[list[float]] = [[] for _ in positions]
+        width = len(self.names)
+        for row, (line, cells) in enumerate(self._rows(), 1):
+            if len(cells) != width:
+                where = f"{self.path}: row {row} (line {line})"
+                raise InputError(where, f"{len(cells)} cells", f"{width}, as in the first row, are accepted")
+            for column, i in zip(columns, positions, strict=True):
+                value = _number(cells[i], self._layout.decimal)
+                if value is None:
+                    where = f"{self.path}: row {row} (line {line}), column {self.names[i] or f'#{i + 1}'}"
+                    raise InputError(where, f"the text '{cells[i][:40]}'", "a number is accepted")
+                column.append(value)
+        return [np.asarray(column, dtype=np.float64) for column in columns]
+
+    def row(self, index: int) -> str:
+        """See Table; the line of the file beside it."""
+        for row, (line, _) in enumerate(self._rows()):
+            if row == index:
+                return f"row {index + 1} (line {line})"
+        return f"row {index + 1}"

@@ -1,0 +1,90 @@
+"""Units of columns: what a header or ``--columns`` says, as a factor to SI. Imports pint only when it is asked."""
+
+import re
+from dataclasses import dataclass
+from functools import cache
+from typing import Any
+
+from harness.core.errors import InputError
+
+STANDARD_GRAVITY = 9.80665
+"""m/s^2; what ``[g]`` means on an acceleration (elsewhere ``g`` is the gram)."""
+
+_HEADER = re.compile(r"^\s*(?P<name>.*?)\s*(?:\[(?P<unit>[^\[\]]*)\])?\s*$", re.DOTALL)
+_GRAVITY = re.compile(r"^(?P<prefix>[mµμu]?)(?:g|G|gn|g_0|g0)$")
+_PLAIN = re.compile(r"^[\w\s*/^().%°²³⁻¹·-]{1,60}$")
+_LARGE_EXPONENT = re.compile(r"(?:\*\*|\^)[\s(+-]*(?:\d{2,}|[^\d\s])|\*\*[^*]*\*\*|\^[^^]*\^")
+
+_ACCEPTED = {
+    "t": "a unit of time such as s, ms or us",
+    "x": "a unit of length or angle such as m, mm, rad or deg",
+    "v": "a unit of speed such as m/s, mm/s, rad/s or rpm",
+    "a": "a unit of acceleration such as m/s^2, g, mm/s^2 or rad/s^2",
+    "u": "a unit of force, torque or force per mass such as N, lbf, N*m or m/s^2",
+}
+_BASE = {
+    "t": ("second",),
+    "x": ("meter", "radian"),
+    "v": ("meter / second", "radian / second"),
+    "a": ("meter / second ** 2", "radian / second ** 2"),
+    "u": (
+        "kilogram * meter / second ** 2",
+        "kilogram * meter ** 2 / second ** 2",
+        "meter / second ** 2",
+        "radian / second ** 2",
+    ),
+}
+
+
+@dataclass(frozen=True, slots=True)
+class Unit:
+    """A unit: its text, the factor to SI, and whether it measures an angle."""
+
+    text: str
+    factor: float
+    angular: bool
+
+
+SI = Unit("", 1.0, False)
+"""No unit given: SI."""
+
+
+def split_header(header: str) -> tuple[str, str | None]:
+    """Split ``x [mm]`` into name and unit; the unit is None when there are no brackets."""
+    match = _HEADER.match(header)
+    if match is None:  # pragma: no cover - the pattern matches every text
+        return header.strip(), None
+    unit = match["unit"]
+    return match["name"], None if unit is None else unit.strip()
+
+
+@cache
+def _registry() -> Any:
+    import pint
+
+    return pint.UnitRegistry(cache_folder=None)
+
+
+def parse_unit(where: str, channel: str, text: str | None) -> Unit:
+    """The unit ``text`` of a channel (t, x, v, a or u); SI when None.
+
+    Raises InputError naming ``where`` when it is not a unit, or one of another dimension.
+    """
+    if text is None:
+        return SI
+    accepted = f"{_ACCEPTED[channel]} is accepted for {channel}"
+    gravity = _GRAVITY.match(text)
+    if channel == "a" and gravity:
+        prefix = {"": 1.0, "m": 1e-3}.get(gravity["prefix"], 1e-6)
+        return Unit(text, prefix * STANDARD_GRAVITY, False)
+    if not text.strip() or not _PLAIN.match(text) or _LARGE_EXPONENT.search(text):
+        raise InputError(where, f"'{text}' is not a unit", accepted)
+    registry = _registry()
+    try:
+        base = registry.Quantity(1.0, registry.parse_units(text)).to_base_units()
+    except Exception:  # pint raises from its tokenizer up; whatever it is, this text is not a unit
+        raise InputError(where, f"'{text}' is not a unit", accepted) from None
+    if str(base.units) not in _BASE[channel]:
+        kind = "a pure number" if base.dimensionless else str(base.units)
+        raise InputError(where, f"'{text}' is a unit of another kind ({kind})", accepted)
+    return Unit(text, float(base.magnitude), "radian" in str(base.units))

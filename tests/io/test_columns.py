@@ -1,0 +1,107 @@
+"""--columns: products of names and numbers, and nothing else."""
+
+import contextlib
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from harness.core.errors import InputError
+from harness.io.columns import Mapping, parse_columns
+from harness.io.units import parse_unit, split_header
+
+GOOD: list[tuple[str, list[Mapping]]] = [
+    ("x=#1[deg]", [Mapping("x", ("#1",), 1.0, "deg")]),
+    (
+        "t=t,x=qm[m],u=vir*gtau[N]",
+        [Mapping("t", ("t",)), Mapping("x", ("qm",), 1.0, "m"), Mapping("u", ("vir", "gtau"), 1.0, "N")],
+    ),
+    (
+        "u = 35.15 * vir [N] , x = -1e-3 * run.q 1",
+        [Mapping("u", ("vir",), 35.15, "N"), Mapping("x", ("run.q 1",), -1e-3)],
+    ),
+    ("a=2*a*3[m/s^2]", [Mapping("a", ("a",), 6.0, "m/s^2")]),
+]
+
+
+@pytest.mark.parametrize(("text", "wanted"), GOOD)
+def test_products_are_understood(text: str, wanted: list[Mapping]) -> None:
+    assert list(parse_columns(text).values()) == wanted
+
+
+BAD: list[tuple[str, str]] = [
+    ("x=__import__('os').system('touch /tmp/x')", "is no name, #N or number"),
+    ("x=open('f')", "is no name"),
+    ("x=a+b", "is no name"),
+    ("x=a**b", "is no name"),
+    ("x=a/2", "is no name"),
+    ("x=(a)", "is no name"),
+    ("x=[a for a in b]", "is no name"),
+    ("x=lambda: 1", "is no name"),
+    ("x=#0", "is no name"),
+    ("x=#", "is no name"),
+    ("x=", "is no name"),
+    ("x=2", "names no column"),
+    ("x=0*a", "multiplies by 0"),
+    ("x=1e999*a", "multiplies by inf"),
+    ("x", "--columns: 'x'; CHANNEL=PRODUCT[UNIT]"),
+    ("", "--columns: ''"),
+    ("x=a,", "--columns: ''"),
+    ("y=a", "unknown channel 'y'"),
+    ("x=a,x=b", "channel x given twice"),
+    ("x=a=b", "is no name"),
+    ("x=a[m", "--columns: 'x=a[m'"),
+]
+
+
+@pytest.mark.parametrize(("text", "message"), BAD)
+def test_anything_else_is_refused(text: str, message: str) -> None:
+    with pytest.raises(InputError) as caught:
+        parse_columns(text)
+    assert message in str(caught.value)
+
+
+@given(st.text(max_size=40))
+def test_no_text_does_anything_but_parse_or_be_refused(text: str) -> None:
+    with contextlib.suppress(InputError):
+        assert all(mapping.names for mapping in parse_columns(text).values())
+
+
+UNITS: list[tuple[str, str, float, bool]] = [
+    ("t", "ms", 1e-3, False),
+    ("t", "min", 60.0, False),
+    ("x", "µm", 1e-6, False),
+    ("x", "in", 0.0254, False),
+    ("x", "°", 0.017453292519943295, True),
+    ("x", "rad", 1.0, True),
+    ("v", "rpm", 0.10471975511965977, True),
+    ("v", "km/h", 1.0 / 3.6, False),
+    ("a", "g", 9.80665, False),
+    ("a", "mg", 9.80665e-3, False),
+    ("a", "m/s²", 1.0, False),
+    ("a", "deg/s^2", 0.017453292519943295, True),
+    ("u", "lbf", 4.4482216152605, False),
+    ("u", "N*m", 1.0, False),
+    ("u", "mN", 1e-3, False),
+]
+
+
+@pytest.mark.parametrize(("channel", "text", "factor", "angular"), UNITS)
+def test_units_as_factors_to_si(channel: str, text: str, factor: float, angular: bool) -> None:
+    unit = parse_unit("test", channel, text)
+    assert unit.factor == pytest.approx(factor, rel=1e-14)
+    assert unit.angular == angular
+
+
+@pytest.mark.parametrize(
+    "text", ["__import__('os')", "m**9**9**9", "m**(99999)", "m+1", "2*m", "m; print(1)", "m" * 200, "m^a", "\n"]
+)
+def test_units_are_not_evaluated(text: str) -> None:
+    with pytest.raises(InputError, match="is not a unit"):
+        parse_unit("test", "x", text)
+
+
+def test_headers_are_split() -> None:
+    assert split_header(" x [mm] ") == ("x", "mm")
+    assert split_header("x") == ("x", None)
+    assert split_header("Position 1[ deg ]") == ("Position 1", "deg")

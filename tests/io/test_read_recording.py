@@ -1,0 +1,333 @@
+"""Every accepted format gives the same recording; everything else is refused by name."""
+
+import gzip
+from collections.abc import Callable
+from pathlib import Path
+
+import h5py
+import numpy as np
+import pyarrow as pa
+import pyarrow.parquet as pq
+import pytest
+import scipy.io
+
+from harness.core.errors import InputError
+from harness.core.recording import Recording
+from harness.io.recording import ReadOptions, read_recording, sha256
+
+N = 400
+T = np.arange(N) / 200.0
+X = np.exp(-0.5 * T) * np.cos(10.0 * T)
+A = -100.0 * X
+HEADER = "t [ms],x [mm],a [g],F [lbf]"
+COLUMNS = {"t [ms]": T * 1e3, "x [mm]": X * 1e3, "a [g]": A / 9.80665, "F [lbf]": A / 4.4482216152605}
+
+
+def rows(separator: str = ",", decimal: str = ".") -> str:
+    table = np.stack(list(COLUMNS.values()), axis=1)
+    lines = [separator.join(repr(float(v)).replace(".", decimal) for v in row) for row in table]
+    return separator.join(COLUMNS) + "\n" + "\n".join(lines) + "\n"
+
+
+def csv(path: Path) -> Path:
+    path.write_text(rows())
+    return path
+
+
+def csv_windows(path: Path) -> Path:
+    path.write_bytes(b"\xef\xbb\xbf" + rows().replace("\n", "\r\n").encode())
+    return path
+
+
+def csv_old_mac(path: Path) -> Path:
+    path.write_bytes(rows().replace("\n", "\r").encode())
+    return path
+
+
+def csv_german(path: Path) -> Path:
+    path.write_text(rows(";", ","))
+    return path
+
+
+def csv_gz(path: Path) -> Path:
+    path.write_bytes(gzip.compress(rows().encode()))
+    return path
+
+
+def blanks(path: Path) -> Path:
+    path.write_text("\n".join("   " + line for line in rows("   ").splitlines()))
+    return path
+
+
+def tabs(path: Path) -> Path:
+    path.write_text(rows("\t"))
+    return path
+
+
+def saved_by_numpy(path: Path) -> Path:
+    np.savetxt(path, np.stack(list(COLUMNS.values()), axis=1), header=" ".join(COLUMNS), fmt="%.17g")
+    return path
+
+
+def parquet(path: Path) -> Path:
+    pq.write_table(pa.table(COLUMNS), path)
+    return path
+
+
+def npz(path: Path) -> Path:
+    np.savez(path, **COLUMNS)  # type: ignore[arg-type]
+    return path
+
+
+FORMATS: list[tuple[str, Callable[[Path], Path]]] = [
+    ("a.csv", csv),
+    ("a.csv", csv_windows),
+    ("a.csv", csv_old_mac),
+    ("a.csv", csv_german),
+    ("a.csv.gz", csv_gz),
+    ("a.txt", blanks),
+    ("a.dat", saved_by_numpy),
+    ("a.tsv", tabs),
+    ("a.parquet", parquet),
+    ("a.npz", npz),
+]
+
+
+def check(recording: Recording) -> None:
+    np.testing.assert_allclose(recording.t, T, rtol=1e-14, atol=1e-16)
+    for name, wanted in (("x", X), ("a", A), ("u", A)):
+        np.testing.assert_allclose(recording[name], wanted, rtol=1e-14, atol=1e-15)
+    assert not recording.angular
+
+
+@pytest.mark.parametrize(("name", "write"), FORMATS, ids=[f"{w.__name__}" for _, w in FORMATS])
+def test_every_format_gives_the_same_recording_in_si(tmp_path: Path, name: str, write: Callable[[Path], Path]) -> None:
+    path = write(tmp_path / name)
+    recording = read_recording(path)
+    check(recording)
+    assert dict(recording.units) == {"t": "ms", "x": "mm", "a": "g", "u": "lbf"}
+    assert recording.sha256 == sha256(path)
+    assert recording.notes == ()
+
+
+MAT_COLUMNS = "t=t[ms],x=x[mm],a=a[g],u=v*gain*2[N]"
+
+
+def test_matlab_5_with_a_constant_and_a_struct(tmp_path: Path) -> None:
+    path = tmp_path / "a.mat"
+    named = {"t": T * 1e3, "x": X * 1e3, "a": A / 9.80665, "v": A / 6.0, "gain": 3.0, "note": "text"}
+    scipy.io.savemat(path, named)
+    check(read_recording(path, ReadOptions(columns=MAT_COLUMNS)))
+    scipy.io.savemat(path, {"run": named})
+    dotted = "t=run.t[ms],x=run.x[mm],a=run.a[g],u=run.v*run.gain*2[N]"
+    check(read_recording(path, ReadOptions(columns=dotted)))
+
+
+def test_matlab_7_3(tmp_path: Path) -> None:
+    path = tmp_path / "a.mat"
+    with h5py.File(path, "w", userblock_size=512) as file:
+        for name, values in (
+            ("t", T * 1e3),
+            ("x", X * 1e3),
+            ("a", A / 9.80665),
+            ("v", A / 6.0),
+            ("gain", np.array([3.0])),
+        ):
+            file[name] = values[None, :]
+            file[name].attrs["MATLAB_class"] = np.bytes_("double")
+    with path.open("r+b") as raw:
+        raw.write(b"MATLAB 7.3 MAT-file, Platform: GLNXA64".ljust(128))
+    check(read_recording(path, ReadOptions(columns=MAT_COLUMNS)))
+
+
+def test_matrix_columns_by_position(tmp_path: Path) -> None:
+    path = tmp_path / "a.npz"
+    np.savez(path, np.stack([T, X], axis=1))
+    recording = read_recording(path, ReadOptions(columns="t=#1,x=#2"))
+    np.testing.assert_array_equal(recording["x"], X)
+
+
+def test_degrees_by_position_with_rate_and_cut(tmp_path: Path) -> None:
+    path = tmp_path / "swing.txt"
+    path.write_text("start_deg, rate, duration\n45, 200, 2 \n" + "\n".join(f"{v:.17g}" for v in np.degrees(X)) + "\n")
+    options = ReadOptions(columns="x=#1[deg]", skip_rows=2, rate=200.0, start=0.4, stop=1.5)
+    recording = read_recording(path, options)
+    assert recording.angular
+    assert recording.t[0] == 0.4
+    assert recording.t[-1] == 1.5
+    np.testing.assert_allclose(recording["x"], X[80:301], rtol=1e-14)
+
+
+def test_columns_leave_out_what_they_do_not_name(tmp_path: Path) -> None:
+    path = csv(tmp_path / "a.csv")
+    recording = read_recording(path, ReadOptions(columns="x=x"))
+    assert list(recording.channels) == ["x"]
+    np.testing.assert_allclose(recording["x"], X, rtol=1e-14)
+
+
+def test_text_in_a_column_nobody_asks_for_does_no_harm(tmp_path: Path) -> None:
+    path = tmp_path / "a.csv"
+    path.write_text("t,remark,x\n" + "".join(f"{t},ok,{x}\n" for t, x in zip(T, X, strict=True)))
+    np.testing.assert_array_equal(read_recording(path)["x"], X)
+
+
+def test_irregular_sampling_and_gaps_are_reported(tmp_path: Path) -> None:
+    t = T + 0.001 * np.sin(np.arange(N))
+    t[200:] += 0.5
+    path = tmp_path / "a.npz"
+    np.savez(path, t=t, x=X)
+    notes = read_recording(path).notes
+    assert len(notes) == 2
+    assert "irregular" in notes[0]
+    assert "1 gap" in notes[1]
+    assert "0.505 s" in notes[1]
+
+
+def edited(change: Callable[[list[str]], None], header: str = "t,x") -> str:
+    lines = [header, *(f"{t:.6f},{x:.6f}" for t, x in zip(T, X, strict=True))]
+    change(lines)
+    return "\n".join(lines) + "\n"
+
+
+def put(line: int, text: str) -> Callable[[list[str]], None]:
+    return lambda lines: lines.__setitem__(line, text)
+
+
+def cut(count: int) -> Callable[[list[str]], None]:
+    return lambda lines: lines.__delitem__(slice(count + 1, None))
+
+
+def nothing(lines: list[str]) -> None:
+    pass
+
+
+def blank_line(lines: list[str]) -> None:
+    lines.insert(3, "")
+    lines[9] = "0.035,oops"
+
+
+REFUSED: list[tuple[str, str, str, ReadOptions]] = [
+    ("no time", edited(nothing, "time,x"), "no time among the columns time, x; a column t or --rate HZ", ReadOptions()),
+    ("time and rate", edited(nothing), "--rate: given although a column", ReadOptions(rate=100.0)),
+    ("no channel", edited(nothing, "t,y"), "the columns t, y; t and one or more of x, v, a", ReadOptions()),
+    (
+        "time goes back",
+        edited(put(8, "0.001,1")),
+        "row 8 (line 9), column t: time 0.001 s does not come after 0.03 s",
+        ReadOptions(),
+    ),
+    ("49 samples", edited(cut(49)), "49 samples; at least 50", ReadOptions()),
+    ("two samples", edited(cut(2)), "2 samples; at least 50", ReadOptions()),
+    ("no samples", edited(cut(0)), "0 rows under the header", ReadOptions()),
+    ("empty file", "", "no rows", ReadOptions()),
+    ("nan", edited(put(12, "0.055,nan")), "row 12 (line 13), column x: no value or nan", ReadOptions()),
+    ("infinite", edited(put(12, "0.055,-inf")), "row 12 (line 13), column x: -inf; a finite number", ReadOptions()),
+    ("infinite time", edited(put(12, "inf,1")), "row 12 (line 13), column t: inf", ReadOptions()),
+    ("empty cell", edited(put(12, "0.055,")), "row 12 (line 13), column x: no value or nan", ReadOptions()),
+    ("text", edited(put(7, "0.03,high")), "row 7 (line 8), column x: the text 'high'; a number", ReadOptions()),
+    ("text after a blank line", edited(blank_line), "row 8 (line 10), column x: the text 'oops'", ReadOptions()),
+    ("ragged", edited(put(7, "0.03,1,2")), "row 7 (line 8): 3 cells; 2, as in the first row", ReadOptions()),
+    (
+        "constant",
+        "t,x\n" + "".join(f"{t},1.5\n" for t in T),
+        "column x: the constant 1.5; a channel that moves",
+        ReadOptions(),
+    ),
+    (
+        "no unit",
+        edited(nothing, "t,x [blub]"),
+        "column x: 'blub' is not a unit; a unit of length or angle",
+        ReadOptions(),
+    ),
+    (
+        "wrong dimension",
+        edited(nothing, "t,x [kg]"),
+        "column x: 'kg' is a unit of another kind (kilogram)",
+        ReadOptions(),
+    ),
+    ("percent", edited(nothing, "t,x [%]"), "is a unit of another kind (a pure number)", ReadOptions()),
+    ("gram", edited(nothing, "t,x [g]"), "'g' is a unit of another kind (kilogram)", ReadOptions()),
+    ("temperature", edited(nothing, "t,x [degC]"), "'degC' is a unit of another kind (kelvin)", ReadOptions()),
+    ("empty unit", edited(nothing, "t,x []"), "'' is not a unit", ReadOptions()),
+    ("no such column", edited(nothing), "column qm: no such column; t, x are accepted", ReadOptions(columns="x=qm")),
+    ("no such position", edited(nothing), "column #3: no such column; #1 to #2", ReadOptions(columns="x=#3")),
+    ("twice", edited(nothing, "x,x"), "2 columns of this name; one of #1, #2", ReadOptions(columns="x=x", rate=1.0)),
+    (
+        "cut to nothing",
+        edited(nothing),
+        "0 samples between --from and --to (the file runs from 0 s to 1.995 s)",
+        ReadOptions(start=9.0),
+    ),
+    ("all skipped", edited(nothing), "--skip-rows: 999 of", ReadOptions(skip_rows=999)),
+]
+
+
+@pytest.mark.parametrize(("content", "message", "options"), [r[1:] for r in REFUSED], ids=[r[0] for r in REFUSED])
+def test_refused_by_name(tmp_path: Path, content: str, message: str, options: ReadOptions) -> None:
+    path = tmp_path / "a.csv"
+    path.write_text(content)
+    with pytest.raises(InputError) as caught:
+        read_recording(path, options)
+    assert message in str(caught.value)
+    assert "\n" not in str(caught.value)
+
+
+BROKEN: list[tuple[str, bytes, str]] = [
+    ("a.json", b"{}", "the format .json; CSV (.csv, .csv.gz), Parquet"),
+    ("recording", b"", "the format without a name"),
+    ("a.parquet", b"nothing", "not a Parquet file"),
+    ("a.mat", b"nothing", "not a MATLAB file"),
+    ("b.mat", b"MATLAB 7.3 MAT-file".ljust(600), "not a MATLAB file"),
+    ("a.npz", b"nothing", "not an .npz archive"),
+    ("a.csv.gz", b"\x1f\x8bnothing", "unreadable"),
+    ("a.csv", b"\x00\x01\x02\x03", "binary content"),
+]
+
+
+@pytest.mark.parametrize(("name", "content", "message"), BROKEN, ids=[b[0] for b in BROKEN])
+def test_broken_files_are_named(tmp_path: Path, name: str, content: bytes, message: str) -> None:
+    (tmp_path / name).write_bytes(content)
+    with pytest.raises(InputError, match="accepted") as caught:
+        read_recording(tmp_path / name)
+    assert message in str(caught.value)
+
+
+def test_missing_files_and_folders_are_named(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match="no such file"):
+        read_recording(tmp_path / "none.csv")
+    with pytest.raises(InputError, match="a folder"):
+        read_recording(tmp_path)
+
+
+def test_lengths_that_differ_are_named(tmp_path: Path) -> None:
+    np.savez(tmp_path / "a.npz", t=T, x=X[:-1])
+    with pytest.raises(InputError, match="400 values of t, 399 values of x"):
+        read_recording(tmp_path / "a.npz")
+
+
+def test_text_columns_of_parquet_are_named(tmp_path: Path) -> None:
+    pq.write_table(pa.table({"t": T, "x": [str(x) for x in X]}), tmp_path / "a.parquet")
+    with pytest.raises(InputError, match="row 1, column x: a column of type string"):
+        read_recording(tmp_path / "a.parquet")
+
+
+def test_pickles_are_not_opened(tmp_path: Path) -> None:
+    np.savez(tmp_path / "a.npz", t=T, x=np.array([print] * N, dtype=object))
+    with pytest.raises(InputError, match="not an [.]npz archive"):
+        read_recording(tmp_path / "a.npz")
+
+
+OPTIONS: list[tuple[dict[str, float], str]] = [
+    ({"rate": 0.0}, "--rate: 0; a number above 0 Hz"),
+    ({"rate": float("nan")}, "--rate: nan; a finite number"),
+    ({"skip_rows": -1}, "--skip-rows: -1; 0 or more"),
+    ({"start": 2.0, "stop": 1.0}, "--to: 1 s, not after --from 2 s"),
+    ({"start": float("nan")}, "--from: nan"),
+]
+
+
+@pytest.mark.parametrize(("given", "message"), OPTIONS)
+def test_options_are_checked(given: dict[str, float], message: str) -> None:
+    with pytest.raises(InputError) as caught:
+        ReadOptions(**given)  # type: ignore[arg-type]
+    assert message in str(caught.value)
