@@ -112,10 +112,19 @@ def _unit(table: Table, mapping: Mapping, positions: Sequence[int], constants: S
     return parse_unit(f"{table.path}: column {'*'.join(mapping.names)}", mapping.channel, header)
 
 
-def _channel(table: Table, mapping: Mapping) -> tuple[FloatArray, Unit]:
-    """The values of one channel in SI, and the unit they came in."""
-    positions = [table.position(name) for name in mapping.names]
-    columns = table.read(positions)
+def _channels(table: Table, mappings: dict[str, Mapping]) -> dict[str, tuple[FloatArray, Unit]]:
+    """The values of every channel in SI, and the unit they came in; the file is read once."""
+    at = {name: table.position(name) for mapping in mappings.values() for name in mapping.names}
+    positions = sorted(set(at.values()))
+    columns = dict(zip(positions, table.read(positions), strict=True))
+    return {channel: _channel(table, mapping, at, columns) for channel, mapping in mappings.items()}
+
+
+def _channel(
+    table: Table, mapping: Mapping, at: dict[str, int], read: dict[int, FloatArray]
+) -> tuple[FloatArray, Unit]:
+    positions = [at[name] for name in mapping.names]
+    columns = [read[i] for i in positions]
     constants = [column.size == 1 for column in columns]
     unit = _unit(table, mapping, positions, constants)
     factor = mapping.factor * unit.factor
@@ -175,7 +184,7 @@ def read_recording(path: Path, options: ReadOptions | None = None, read_rrd: Rrd
     if path.suffix.lower() == ".rrd" and read_rrd is not None:
         return _from_rrd(path, digest, options, read_rrd)
     table = _open(path, options)
-    read = {channel: _channel(table, mapping) for channel, mapping in _mappings(table, options).items()}
+    read = _channels(table, _mappings(table, options))
     sizes = {channel: values.size for channel, (values, _) in read.items()}
     if len(set(sizes.values())) > 1:
         found = ", ".join(f"{size} values of {channel}" for channel, size in sizes.items())
