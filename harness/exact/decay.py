@@ -91,7 +91,8 @@ class Schedule:
     @property
     def turning_points(self) -> FloatArray:
         """Positions of rest in order, m: the start when it is at rest, every reversal, the stick."""
-        return self.x[self.v == 0.0]
+        at_rest: FloatArray = self.x[self.v == 0.0]
+        return at_rest
 
     def mode(self, t: FloatArray) -> ModeArray:
         """Contact state (core.events.Mode) at the times ``t`` in s; stuck while held before the start."""
@@ -123,7 +124,7 @@ def schedule(decay: Decay, until: float | None = None) -> Schedule:
         until = math.inf
     elif not until >= 0.0:
         raise InputError("schedule: until", f"{until}", "a time of 0 s or more is accepted")
-    _check_span(decay, until)
+    check_span(decay, until)
     table = segments.half_cycles(*decay.arguments, until)
     start, x, v = (np.ascontiguousarray(table[:, column]) for column in (START, POSITION, SPEED))
     centre, direction = np.ascontiguousarray(table[:, CENTRE]), table[:, DIRECTION].astype(np.int8)
@@ -142,7 +143,7 @@ def schedule(decay: Decay, until: float | None = None) -> Schedule:
     return Schedule(start, x, v, centre, direction, float(start[-1]) if sticks else None, events)
 
 
-def _check_span(decay: Decay, until: float) -> None:
+def check_span(decay: Decay, until: float) -> None:
     """Refuse a span whose half-cycles would not fit into memory."""
     if until * decay.omega_n < _MOST_HALF_CYCLES:
         return
@@ -154,14 +155,15 @@ def _check_span(decay: Decay, until: float) -> None:
         raise InputError("free decay", "more than ten million half-cycles", "a shorter time is accepted")
 
 
-def _check_outputs(n: int, *arrays: FloatArray) -> None:
+def check_outputs(shape: tuple[int, ...], *arrays: FloatArray) -> None:
+    """Raise InputError unless every array is one a kernel can write to: contiguous float64 of this shape."""
     for array in arrays:
-        if array.shape != (n,) or array.dtype != np.float64 or not array.flags.c_contiguous:
+        if array.shape != shape or array.dtype != np.float64 or not array.flags.c_contiguous:
             found = f"an array of {array.dtype}, shape {array.shape}"
-            raise InputError("free decay: x, v, a", found, f"contiguous float64 vectors of {n} samples are accepted")
+            raise InputError("free decay: arrays", found, f"contiguous float64 of shape {shape} is accepted")
 
 
-def _read_only(t: FloatArray) -> FloatArray:
+def read_only(t: FloatArray) -> FloatArray:
     """A view no kernel can write to, so that one compiled form serves every caller."""
     view = t.view()
     view.flags.writeable = False
@@ -174,17 +176,17 @@ def fill_uniform(decay: Decay, t0: float, dt: float, x: FloatArray, v: FloatArra
     At an event a sample shows the acceleration after it. Before t = 0 the slider rests at x0.
     """
     positive("free decay: dt", dt, "s")
-    _check_outputs(x.size, x, v, a)
-    _check_span(decay, t0 + x.size * dt)
+    check_outputs((x.size,), x, v, a)
+    check_span(decay, t0 + x.size * dt)
     fill.fill_uniform(*decay.arguments, t0, dt, x, v, a)
 
 
 def fill_at(decay: Decay, t: FloatArray, x: FloatArray, v: FloatArray, a: FloatArray) -> None:
     """Write x, v, a, each (n,), at any times ``t`` (n,) in s that do not decrease; see ``fill_uniform``."""
-    _check_outputs(t.size, t, x, v, a)
+    check_outputs((t.size,), t, x, v, a)
     if t.size:
-        _check_span(decay, float(t[-1]))
-    fill.fill_at(*decay.arguments, _read_only(t), x, v, a)
+        check_span(decay, float(t[-1]))
+    fill.fill_at(*decay.arguments, read_only(t), x, v, a)
 
 
 def free_decay(start: Decay | Scenario, t: FloatArray) -> Trajectory:

@@ -85,7 +85,7 @@ def _fill_uniform(
     v: FloatArray,
     a: FloatArray,
 ) -> None:
-    """x (m), v (m/s), a (m/s^2) at t0 + j dt; the slider is held at x0 before t = 0. Kernel: see ``decay.fill_uniform``."""
+    """The kernel of ``decay.fill_uniform``: x (m), v (m/s), a (m/s^2) at t0 + j dt."""
     n = x.size
     sigma = zeta * omega_n
     disc = discriminant(omega_n, zeta)
@@ -132,7 +132,7 @@ def _fill_at(
     v: FloatArray,
     a: FloatArray,
 ) -> None:
-    """x, v, a at the times ``t`` (s), which do not decrease. Kernel: see ``decay.fill_at``."""
+    """The kernel of ``decay.fill_at``: x, v, a at times ``t`` (s) that do not decrease."""
     n = t.size
     if n == 0:
         return
@@ -140,10 +140,10 @@ def _fill_at(
     disc = discriminant(omega_n, zeta)
     omega2 = omega_n * omega_n
     table = half_cycles(omega_n, zeta, x_k, x_s, x0, v0, t[n - 1])
-    first = np.searchsorted(t, 0.0)
+    first = int(np.searchsorted(t, 0.0))
     hold(x, v, a, 0, first, x0)
     for i in range(table.shape[0]):
-        last = np.searchsorted(t, table[i + 1, START]) if i + 1 < table.shape[0] else n
+        last = int(np.searchsorted(t, table[i + 1, START])) if i + 1 < table.shape[0] else n
         if table[i, DIRECTION] == 0.0:
             hold(x, v, a, first, last, table[i, POSITION])
         else:

@@ -5,8 +5,8 @@ With y measured from the centre of the half-cycle, y'' + 2 sigma y' + omega_n^2 
     y(tau) = y_0 C + (y_0' + sigma y_0) S,      C = exp(-sigma tau) cos(omega_d tau),
                                                 S = exp(-sigma tau) sin(omega_d tau) / omega_d.
 
-The same form carries y', y'' and every further derivative. C and S are smooth functions of
-``disc`` = omega_d^2 = omega_n^2 (1 - zeta^2), which is negative for an overdamped slider, so nothing is lost near zeta = 1.
+The same form carries y', y'' and every further derivative. C and S are smooth functions of ``disc`` = omega_d^2 =
+omega_n^2 (1 - zeta^2), which is negative for an overdamped slider, so nothing is lost near zeta = 1.
 """
 
 import math

@@ -51,7 +51,8 @@ def scale(decay: Decay) -> float:
 
 def away_from_events(truth: HighPrecisionDecay, t: FloatArray) -> FloatArray:
     begins = np.array([float(p.begin) for p in truth.pieces])
-    return t[np.min(np.abs(t[:, None] - begins[None, :]), axis=1) > 1e-9]
+    kept: FloatArray = t[np.min(np.abs(t[:, None] - begins[None, :]), axis=1) > 1e-9]
+    return kept
 
 
 def worst(decay: Decay, truth: HighPrecisionDecay, t: FloatArray) -> float:
@@ -104,7 +105,7 @@ def test_uniform_grid_equals_the_samples_at_its_times(kind: str) -> None:
         decay = draw(rng, kind)
         n = int(rng.integers(1, 3000))
         t0, dt = rng.uniform(-1, 3) / decay.omega_n, rng.uniform(1e-3, 0.1) / decay.omega_n
-        t = t0 + np.arange(n) * dt
+        t = t0 + np.arange(n, dtype=np.float64) * dt
         x, v, a, x1, v1, a1 = np.empty((6, n))
         fill_uniform(decay, t0, dt, x, v, a)
         fill_at(decay, t, x1, v1, a1)
@@ -232,7 +233,7 @@ def test_higher_break_away_sticks_earlier_at_the_same_turning_points() -> None:
         ),
         (
             lambda: fill_uniform(Decay(1, 0.1, 0.1), 0.0, 0.1, np.empty(4), np.empty(3), np.empty(4)),
-            "free decay: x, v, a: an array of float64, shape (3,); contiguous float64 vectors of 4 samples",
+            "free decay: arrays: an array of float64, shape (3,); contiguous float64 of shape (4,) is accepted",
         ),
     ],
 )
