@@ -5,9 +5,11 @@ testing see the plain code. The cache lies beside the source when that can be wr
 else in a temporary one: a read-only home costs a compilation, not a failure.
 """
 
+import hashlib
 import os
 import tempfile
 from collections.abc import Callable
+from functools import cache
 from pathlib import Path
 from typing import Any, TypeVar, cast
 
@@ -40,7 +42,19 @@ os.environ["NUMBA_CACHE_DIR"] = str(cache_folder())
 
 import numba  # noqa: E402  (reads its cache folder from the environment when it is imported)
 
-numba.config.CACHE_DIR = os.environ["NUMBA_CACHE_DIR"]
+_ROOT = Path(os.environ["NUMBA_CACHE_DIR"])
+_PACKAGE = Path(__file__).resolve().parents[1]
+_INLINED_FROM = {"kernels": ("model", "kernels"), "model": ("model", "kernels")}
+
+
+@cache
+def _fingerprint(room: str) -> str:
+    """Hash of every source a room's kernels are compiled from: Numba itself looks only at a function's own file."""
+    digest = hashlib.sha256()
+    for folder in _INLINED_FROM.get(room, (room,)):
+        for file in sorted((_PACKAGE / folder).rglob("*.py")):
+            digest.update(file.name.encode() + file.read_bytes())
+    return digest.hexdigest()[:12]
 
 
 def compiled(function: F, *, parallel: bool = False, fastmath: bool = False, inline: bool = False) -> F:
@@ -48,6 +62,8 @@ def compiled(function: F, *, parallel: bool = False, fastmath: bool = False, inl
 
     ``fastmath`` allows reassociation and is for loops whose rounding was bounded by a test; nan stays nan.
     """
+    room = function.__module__.split(".")[1] if function.__module__.startswith("harness.") else "user"
+    numba.config.CACHE_DIR = str(_ROOT / f"{room}-{_fingerprint(room)}" if room != "user" else _ROOT)
     options: dict[str, Any] = {"cache": True, "nogil": True, "error_model": "numpy"}
     if parallel:
         options["parallel"] = True

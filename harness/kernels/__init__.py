@@ -1,0 +1,1 @@
+"""The event-driven integrator with sensitivities, for any model of the five slots."""

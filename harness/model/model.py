@@ -1,0 +1,112 @@
+"""A model of a slider: base parameters, restoring force, release, and terms in their slots."""
+
+from dataclasses import dataclass, replace
+from enum import StrEnum
+
+from harness.core.checks import finite, not_negative, positive
+from harness.core.errors import InputError
+from harness.core.slider import Slider
+from harness.model.registry import term as find_term
+from harness.model.term import SINGLE, Slot, Term
+
+
+class Restoring(StrEnum):
+    """What pulls the slider back."""
+
+    SPRING = "spring"
+    PENDULUM = "pendulum"
+    NONE = "none"
+
+
+@dataclass(frozen=True, slots=True)
+class ModelTerm:
+    """A catalogue entry with values for its parameters (in the entry's order) and starts of its internal states."""
+
+    term: Term
+    values: tuple[float, ...]
+    internal0: tuple[float, ...] = ()
+
+    def __post_init__(self) -> None:
+        if len(self.values) != len(self.term.parameters):
+            wanted = ", ".join(self.term.names) or "no parameter"
+            raise InputError(f"term {self.term.key}", f"{len(self.values)} parameters", f"{wanted} is accepted")
+        for parameter, value in zip(self.term.parameters, self.values, strict=True):
+            where = f"term {self.term.key}: {parameter.name}"
+            finite(where, value)
+            if not parameter.lower <= value <= parameter.upper:
+                accepted = f"{parameter.lower:g} to {parameter.upper:g} is accepted"
+                raise InputError(where, f"{value:g}", accepted)
+        start = tuple(self.internal0) or (0.0,) * self.term.internal
+        object.__setattr__(self, "internal0", start)
+
+    @classmethod
+    def named(cls, key: str, **values: float) -> "ModelTerm":
+        """A term by its key and its parameters by name; InputError lists what it takes."""
+        entry = find_term(key)
+        if set(values) != set(entry.names):
+            found = f"parameters {', '.join(sorted(values)) or 'none'}"
+            raise InputError(f"term {key}", found, f"{', '.join(entry.names) or 'none'} is accepted")
+        return cls(entry, tuple(float(values[name]) for name in entry.names))
+
+    def value(self, name: str) -> float:
+        """The value of one parameter."""
+        return self.values[self.term.names.index(name)]
+
+
+@dataclass(frozen=True, slots=True)
+class Model:
+    """m x'' + c x' + k R(x) + sum of terms + f = u(t), released at time t0 from x0, v0.
+
+    SI units; without a known mass m = 1 and forces are per unit mass. f_s : break-away force, None for f_k.
+    Raises InputError for parameters out of range and for two laws in a slot that takes one.
+    """
+
+    m: float
+    c: float
+    k: float
+    f_k: float
+    f_s: float | None = None
+    restoring: Restoring = Restoring.SPRING
+    x0: float = 0.0
+    v0: float = 0.0
+    t0: float = 0.0
+    terms: tuple[ModelTerm, ...] = ()
+    mass_known: bool = True
+
+    def __post_init__(self) -> None:
+        positive("model: m", self.m, "kg")
+        not_negative("model: c", self.c, "N s/m")
+        not_negative("model: f_k", self.f_k, "N")
+        object.__setattr__(self, "restoring", Restoring(self.restoring))
+        if self.restoring is Restoring.NONE:
+            if self.k != 0.0:
+                raise InputError("model: k", f"{self.k:g} with restoring none", "0 is accepted")
+        else:
+            positive("model: k", self.k, "N/m")
+        if self.f_s is not None and not_negative("model: f_s", self.f_s, "N") < self.f_k:
+            raise InputError("model: f_s", f"{self.f_s:g}, below f_k = {self.f_k:g}", "f_s >= f_k is accepted")
+        for name in ("x0", "v0", "t0"):
+            finite(f"model: {name}", getattr(self, name))
+        object.__setattr__(self, "terms", tuple(self.terms))
+        for slot in SINGLE:
+            filled = [entry.term.key for entry in self.terms if entry.term.slot is slot]
+            if len(filled) > 1:
+                raise InputError("model", f"{' and '.join(filled)} in slot {slot.value}", "one law is accepted there")
+
+    @classmethod
+    def of_slider(cls, slider: Slider, x0: float, v0: float = 0.0) -> "Model":
+        """The base model of a slider."""
+        f_s = None if slider.f_s == slider.f_k else slider.f_s
+        return cls(slider.m, slider.c, slider.k, slider.f_k, f_s, x0=x0, v0=v0)
+
+    def with_terms(self, *terms: ModelTerm) -> "Model":
+        """The same model with these terms in place of its own."""
+        return replace(self, terms=terms)
+
+    def in_slot(self, *slots: Slot) -> tuple[ModelTerm, ...]:
+        """The terms in these slots."""
+        return tuple(entry for entry in self.terms if entry.term.slot in slots)
+
+    def find(self, key: str) -> ModelTerm | None:
+        """The first term of this key, or None."""
+        return next((entry for entry in self.terms if entry.term.key == key), None)

@@ -1,0 +1,31 @@
+"""A spring that hardens or softens: k3 x^3."""
+
+from harness.core.arrays import FloatArray
+from harness.model.evidence import Evidence
+from harness.model.law import D_PARAMETER, D_X, VALUE
+from harness.model.term import Parameter, Probe, Slot, Term
+
+
+def law(x: float, v: float, t: float, theta: FloatArray, o: int, out: FloatArray) -> None:
+    """k3 x^3."""
+    k3, x2 = theta[o], x * x
+    out[VALUE] = k3 * x2 * x
+    out[D_X] = 3.0 * k3 * x2
+    out[D_PARAMETER] = x2 * x
+
+
+def probes(e: Evidence) -> list[Probe]:
+    """Linear: one look."""
+    return [(0.0,)]
+
+
+TERM = Term(
+    "cubic-stiffness",
+    "stiffness",
+    Slot.SMOOTH,
+    (Parameter("k3", "N/m^3", none=0.0),),
+    "The spring is not linear: a cubic force k3 x^3 with k3 = {k3} (above 0 hardens, below 0 softens).",
+    law,
+    probes,
+    amplitude=0,
+)

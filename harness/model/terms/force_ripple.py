@@ -1,0 +1,39 @@
+"""A force periodic in position: cogging, a ball screw."""
+
+import math
+
+from harness.core.arrays import FloatArray
+from harness.model.evidence import Evidence
+from harness.model.law import D_PARAMETER, D_X, VALUE
+from harness.model.term import Parameter, Probe, Slot, Term
+
+
+def law(x: float, v: float, t: float, theta: FloatArray, o: int, out: FloatArray) -> None:
+    """amplitude cos(2 pi x/period + phase)."""
+    amplitude, period, phase = theta[o], theta[o + 1], theta[o + 2]
+    w = 2.0 * math.pi / period
+    angle = w * x + phase
+    c, s = math.cos(angle), math.sin(angle)
+    out[VALUE] = amplitude * c
+    out[D_X] = -amplitude * w * s
+    out[D_PARAMETER] = c
+    out[D_PARAMETER + 1] = amplitude * s * w * x / period
+    out[D_PARAMETER + 2] = -amplitude * s
+
+
+def probes(e: Evidence) -> list[Probe]:
+    """Periods at which the force left over stands out as a function of position."""
+    return [(0.0, 2.0 * math.pi / w, phase) for w in e.position_peaks for phase in (0.0, -0.5 * math.pi)]
+
+
+TERM = Term(
+    "force-ripple",
+    "environment",
+    Slot.SMOOTH,
+    (Parameter("amplitude", "N", none=0.0), Parameter("period", "m", 0.0, positive=True), Parameter("phase", "rad")),
+    "A force of {amplitude} repeats every {period} of travel.",
+    law,
+    probes,
+    amplitude=0,
+    phase=2,
+)

@@ -1,0 +1,31 @@
+"""Friction that changes with time: wear, warm-up."""
+
+from harness.core.arrays import FloatArray
+from harness.model.evidence import Evidence
+from harness.model.law import D_PARAMETER, D_T, VALUE
+from harness.model.term import Parameter, Probe, Slot, Term
+
+
+def law(x: float, v: float, t: float, theta: FloatArray, o: int, out: FloatArray) -> None:
+    """Factor 1 + rate t."""
+    rate = theta[o]
+    out[VALUE] = 1.0 + rate * t
+    out[D_T] = rate
+    out[D_PARAMETER] = t
+
+
+def probes(e: Evidence) -> list[Probe]:
+    """Linear: one look."""
+    return [(0.0,)]
+
+
+TERM = Term(
+    "friction-drift",
+    "friction",
+    Slot.FRICTION_MODULATION,
+    (Parameter("rate", "1/s", none=0.0),),
+    "Friction changes with time: f_k (1 + rate t), rate = {rate}.",
+    law,
+    probes,
+    amplitude=0,
+)

@@ -1,0 +1,31 @@
+"""A spring whose two sides differ: k2 x^2."""
+
+from harness.core.arrays import FloatArray
+from harness.model.evidence import Evidence
+from harness.model.law import D_PARAMETER, D_X, VALUE
+from harness.model.term import Parameter, Probe, Slot, Term
+
+
+def law(x: float, v: float, t: float, theta: FloatArray, o: int, out: FloatArray) -> None:
+    """k2 x^2."""
+    k2 = theta[o]
+    out[VALUE] = k2 * x * x
+    out[D_X] = 2.0 * k2 * x
+    out[D_PARAMETER] = x * x
+
+
+def probes(e: Evidence) -> list[Probe]:
+    """Linear: one look."""
+    return [(0.0,)]
+
+
+TERM = Term(
+    "quadratic-stiffness",
+    "stiffness",
+    Slot.SMOOTH,
+    (Parameter("k2", "N/m^2", none=0.0),),
+    "The two sides of the spring differ: a force k2 x^2 with k2 = {k2}.",
+    law,
+    probes,
+    amplitude=0,
+)

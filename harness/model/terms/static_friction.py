@@ -1,0 +1,20 @@
+"""A break-away force above the sliding friction."""
+
+from harness.model.evidence import Evidence
+from harness.model.term import Parameter, Probe, Slot, Term
+
+
+def probes(e: Evidence) -> list[Probe]:
+    """Only a recording in which the slider breaks away can show it."""
+    return [(1.2 * e.f_k,), (1.6 * e.f_k,)]
+
+
+TERM = Term(
+    "static-friction",
+    "friction",
+    Slot.BREAK_AWAY,
+    (Parameter("f_s", "N", 0.0),),
+    "It takes f_s = {f_s} to break away, more than f_k.",
+    probes=probes,
+    needs=("driven",),
+)

@@ -1,0 +1,33 @@
+"""A spring whose stiffness changes with time: k rate t x."""
+
+from harness.core.arrays import FloatArray
+from harness.model.evidence import Evidence
+from harness.model.law import D_PARAMETER, D_STIFFNESS, D_T, D_X, STIFFNESS, VALUE
+from harness.model.term import Parameter, Probe, Slot, Term
+
+
+def law(x: float, v: float, t: float, theta: FloatArray, o: int, out: FloatArray) -> None:
+    """k rate t x."""
+    rate, k = theta[o], theta[STIFFNESS]
+    out[VALUE] = k * rate * t * x
+    out[D_X] = k * rate * t
+    out[D_T] = k * rate * x
+    out[D_STIFFNESS] = rate * t * x
+    out[D_PARAMETER] = k * t * x
+
+
+def probes(e: Evidence) -> list[Probe]:
+    """Linear: one look."""
+    return [(0.0,)]
+
+
+TERM = Term(
+    "stiffness-drift",
+    "stiffness",
+    Slot.SMOOTH,
+    (Parameter("rate", "1/s", none=0.0),),
+    "The stiffness changes with time, by a fraction {rate}.",
+    law,
+    probes,
+    amplitude=0,
+)
