@@ -1,0 +1,1 @@
+"""How faithful an engine's dry friction is: metrics of its traces against exact answers."""

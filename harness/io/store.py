@@ -1,0 +1,178 @@
+"""Writing results: beside first, then renamed, so that nothing half-written is ever seen under its own name."""
+
+import errno
+import os
+import shutil
+import stat
+import tempfile
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
+from pathlib import Path
+
+from harness.core.errors import StoreError
+
+DEFAULT_PARENT = "reports"
+
+
+@contextmanager
+def explained(path: Path | str) -> Iterator[None]:
+    """Turn an OSError inside the block into a StoreError of one line that names ``path``."""
+    try:
+        yield
+    except OSError as error:
+        raise StoreError(f"{path}: {_reason(error)}") from error
+
+
+def _reason(error: OSError) -> str:
+    accepted = {
+        errno.ENOSPC: "no space left on the device; free some or name another place",
+        errno.EDQUOT: "the disk quota is used up; free some or name another place",
+        errno.EACCES: "no permission to write; a folder that can be written is accepted",
+        errno.EPERM: "no permission to write; a folder that can be written is accepted",
+        errno.EROFS: "a read-only file system; a folder that can be written is accepted",
+        errno.ENOTDIR: "a file stands where a folder is needed; another name is accepted",
+        errno.EEXIST: "a file stands where a folder is needed; another name is accepted",
+        errno.EISDIR: "a folder stands where a file is needed; another name is accepted",
+        errno.ENOENT: "no such folder; an existing one is accepted",
+        errno.ENAMETOOLONG: "the name is too long; a shorter one is accepted",
+    }
+    text = error.strerror or str(error)
+    return accepted.get(error.errno or 0, f"cannot be written ({text}); another place is accepted")
+
+
+class OutputFolder:
+    """A folder that appears whole or not at all.
+
+    final : where it will be, absolute; reserved from the start. work : where files are written until ``commit``.
+    """
+
+    def __init__(self, final: Path, work: Path, made: tuple[Path, ...]) -> None:
+        self.final, self.work, self._made = final, work, made
+        self.committed = False
+
+    def __truediv__(self, name: str) -> Path:
+        """The path under ``work`` to write a file to; its folder is made."""
+        path = self.work / name
+        with explained(self.final):
+            path.parent.mkdir(parents=True, exist_ok=True)
+        return path
+
+    def at(self, name: str) -> str:
+        """The absolute path a file will have after ``commit``."""
+        return str(self.final / name)
+
+    def commit(self) -> None:
+        """Rename everything into place; raises StoreError when the place was taken meanwhile."""
+        with explained(self.final):
+            os.rename(self.work, self.final)
+        self.committed = True
+
+    def discard(self) -> None:
+        """Remove what was written and the folders that were made for it."""
+        shutil.rmtree(self.work, ignore_errors=True)
+        for folder in self._made:
+            with suppress(OSError):
+                folder.rmdir()
+
+
+def _make(final: Path) -> tuple[Path, ...]:
+    """Make a folder and its parents; return those that were not there, deepest first."""
+    missing = [folder for folder in (final, *final.parents) if not folder.exists()]
+    with explained(final):
+        final.mkdir(parents=True, exist_ok=True)
+    return tuple(missing)
+
+
+def _reserve(name: str, out: Path | None) -> tuple[Path, tuple[Path, ...]]:
+    if out is not None:
+        final = Path(os.path.abspath(out))
+        made = _make(final)
+        with explained(final):
+            taken = any(final.iterdir())
+        if taken:
+            raise StoreError(f"--out {out}: the folder holds files already; a new or empty one is accepted")
+        return final, made
+    parent = Path.cwd() / DEFAULT_PARENT
+    made = _make(parent)
+    stamp = f"{name}-{time.strftime('%Y%m%d-%H%M%S')}"
+    for attempt in range(1, 1000):
+        final = parent / (stamp if attempt == 1 else f"{stamp}-{attempt}")
+        try:
+            final.mkdir()
+        except FileExistsError:
+            continue
+        except OSError as error:
+            raise StoreError(f"{final}: {_reason(error)}") from error
+        return final, (final, *made)
+    raise StoreError(f"{parent}: no free name for {stamp}; name one with --out")
+
+
+@contextmanager
+def output_folder(name: str, out: Path | None = None) -> Iterator[OutputFolder]:
+    """An output folder: ``out``, or reports/NAME-TIME here; committed by the caller, else removed without a trace.
+
+    Raises StoreError when it cannot be made or holds files already. An OSError for lack of space inside the block
+    becomes a StoreError too.
+    """
+    final, made = _reserve(name, out)
+    try:
+        with explained(final):
+            work = Path(tempfile.mkdtemp(prefix=f".{final.name}.", suffix=".partial", dir=final.parent))
+            work.chmod(0o777 & ~_umask())
+    except BaseException:
+        for folder in made:
+            with suppress(OSError):
+                folder.rmdir()
+        raise
+    output = OutputFolder(final, work, made)
+    try:
+        yield output
+    except OSError as error:
+        if error.errno in (errno.ENOSPC, errno.EDQUOT):
+            raise StoreError(f"{final}: {_reason(error)}") from error
+        raise
+    finally:
+        if not output.committed:
+            output.discard()
+
+
+def _umask() -> int:
+    mask = os.umask(0o022)
+    os.umask(mask)
+    return mask
+
+
+def check_writable(path: Path) -> None:
+    """Raise StoreError now when ``path`` could not be written later."""
+    with explained(path):
+        if path.exists():
+            if path.is_dir():
+                raise IsADirectoryError(errno.EISDIR, "is a folder")
+            with path.open("ab"):
+                return
+        with tempfile.TemporaryFile(dir=path.parent):
+            return
+
+
+def write_text(path: Path, text: str) -> None:
+    """Write a file whole or not at all; a device or pipe is written to directly.
+
+    Raises StoreError when it cannot be written.
+    """
+    with explained(path):
+        if path.exists() and not stat.S_ISREG(path.stat().st_mode):
+            path.write_text(text, encoding="utf-8")
+            return
+        handle, beside = tempfile.mkstemp(prefix=f".{path.name}.", suffix=".partial", dir=path.parent)
+        try:
+            with os.fdopen(handle, "w", encoding="utf-8") as file:
+                file.write(text)
+                file.flush()
+                os.fsync(file.fileno())
+            os.chmod(beside, 0o666 & ~_umask())
+            os.replace(beside, path)
+        except BaseException:
+            with suppress(OSError):
+                os.unlink(beside)
+            raise
