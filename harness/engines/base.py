@@ -1,0 +1,139 @@
+"""The interface every engine implements: a Task goes in, a core Trajectory comes out."""
+
+import math
+from abc import ABC, abstractmethod
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from types import MappingProxyType
+from typing import Any, ClassVar, Literal, TypeAlias, get_args
+
+from harness.core.checks import positive
+from harness.core.errors import InputError
+from harness.core.scenario import Scenario
+from harness.core.trajectory import Trajectory
+from harness.engines.law import Drive, ForceLaw
+
+Route: TypeAlias = Literal["joint", "contact", "law"]
+Preset: TypeAlias = Literal["as-shipped", "tuned"]
+Restoring: TypeAlias = Literal["spring", "pendulum", "none"]
+Settings: TypeAlias = Mapping[str, Any]
+
+ROUTES: tuple[Route, ...] = get_args(Route)
+PRESETS: tuple[Preset, ...] = get_args(Preset)
+RESTORING: tuple[Restoring, ...] = get_args(Restoring)
+
+TUNED_DT = 1e-3
+"""Step of the tuned presets when none is given, s."""
+
+
+def choice(where: str, found: str, accepted: tuple[str, ...]) -> None:
+    """Raise InputError when ``found`` is not one of ``accepted``; the message lists them."""
+    if found not in accepted:
+        raise InputError(where, repr(found), f"one of {', '.join(accepted)} is accepted")
+
+
+@dataclass(frozen=True, slots=True)
+class Task:
+    """One simulation.
+
+    scenario : slider, start, duration and action. Action None is a free decay, Harmonic a force, Hold a constant
+        load, Belt a floor that moves.
+    route : where dry friction lives: "joint" (the engine's own joint friction), "contact" (a box on a floor, the
+        engine's own contact friction), "law" (f = clip(-(m v/h + other forces), -f_k, f_k) as a force from outside,
+        the same in every engine).
+    preset : "as-shipped" or "tuned". dt : step in s, None for the preset's own.
+    settings : overrides of the preset; ``Engine.presets`` lists the names there are.
+    law, drive : further forces; a drive adds to the action.
+    restoring : "spring" (k x), "pendulum" (k sin x) or "none" (k is not used).
+
+    Raises InputError for a route, preset or restoring force that does not exist and for dt not above 0.
+    """
+
+    scenario: Scenario
+    route: Route = "joint"
+    preset: Preset = "tuned"
+    dt: float | None = None
+    settings: Settings = field(default_factory=dict)
+    law: ForceLaw | None = None
+    drive: Drive | None = None
+    restoring: Restoring = "spring"
+
+    def __post_init__(self) -> None:
+        choice("route", self.route, ROUTES)
+        choice("preset", self.preset, PRESETS)
+        choice("restoring", self.restoring, RESTORING)
+        if self.dt is not None:
+            object.__setattr__(self, "dt", positive("dt", self.dt, "s"))
+        object.__setattr__(self, "settings", MappingProxyType(dict(self.settings)))
+
+    def steps(self, dt: float) -> int:
+        """Number of steps of length dt (s) that reach the scenario's duration."""
+        return max(1, math.ceil(self.scenario.duration / dt * (1.0 - 1e-12)))
+
+
+class Engine(ABC):
+    """A physics engine. Implementations are final, have no state of their own and are cheap to make."""
+
+    name: ClassVar[str]
+
+    @abstractmethod
+    def version(self) -> str:
+        """Version of the engine's package."""
+
+    @abstractmethod
+    def presets(self, route: Route, preset: Preset, dt: float | None = None) -> dict[str, Any]:
+        """Every setting of a preset on a route, "dt" (s) among them.
+
+        dt None takes the preset's own step; settings that depend on the step are computed for it.
+        """
+
+    @abstractmethod
+    def simulate(self, task: Task) -> Trajectory:
+        """Run a task; sample 0 is the start, one sample a step follows.
+
+        extra holds "friction_force" (N, on the left-hand side), on the contact route also "lift" (m) and
+        "normal_force" (N). source.settings holds every setting in force, source.ignored what the engine does not
+        honour. Raises InputError for settings that do not exist, SimulationError (with the reason) for what the engine
+        cannot do or a run that diverged.
+        """
+
+
+def resolve(engine: Engine, task: Task) -> dict[str, Any]:
+    """The preset's settings with the task's overrides; values keep the type of the preset's.
+
+    Raises InputError listing the settings there are for a name that is unknown, and for a value of a wrong type.
+    """
+    settings = engine.presets(task.route, task.preset, task.dt)
+    for name, value in task.settings.items():
+        where = f"{engine.name} setting {name}"
+        if name == "dt":
+            raise InputError(where, "dt among the settings", "the step is given as dt itself")
+        if name not in settings:
+            raise InputError(where, "unknown", f"one of {', '.join(sorted(settings))} is accepted")
+        settings[name] = _like(where, settings[name], value)
+    return settings
+
+
+def _like(where: str, pattern: object, value: Any) -> Any:
+    """``value`` as the type of ``pattern``: bool, int, float, str, or a tuple of as many floats."""
+    try:
+        if isinstance(pattern, tuple):
+            numbers = tuple(float(number) for number in value)
+            if len(numbers) == len(pattern) and all(map(math.isfinite, numbers)):
+                return numbers
+            raise ValueError
+        if isinstance(pattern, bool) or isinstance(value, bool):
+            if type(pattern) is type(value):
+                return value
+            raise ValueError
+        if isinstance(pattern, str):
+            if isinstance(value, str):
+                return value
+            raise ValueError
+        number = float(value)
+        if not math.isfinite(number) or (isinstance(pattern, int) and number != int(number)):
+            raise ValueError
+        return int(number) if isinstance(pattern, int) else number
+    except (TypeError, ValueError):
+        kind = f"{len(pattern)} numbers" if isinstance(pattern, tuple) else type(pattern).__name__
+        raise InputError(where, repr(value), f"{kind}, such as {pattern!r}, is accepted") from None

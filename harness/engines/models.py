@@ -1,0 +1,128 @@
+"""The models of models/: where they are, and how a Slider's numbers get into them."""
+
+import os
+import tempfile
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from lxml import etree
+
+from harness.core.errors import InputError, StoreError
+from harness.core.slider import Slider
+from harness.engines.base import Restoring, choice
+
+if TYPE_CHECKING:
+    import mujoco
+
+GRAVITY = 9.81
+"""Gravity of the contact models, m/s^2."""
+
+NAMES = ("slider", "slider_on_floor")
+"""Joint friction, and a box on a floor with contact friction."""
+
+
+def folder() -> Path:
+    """The folder of the models: harness/_models in an installed wheel, models/ at the top of a checkout.
+
+    Raises StoreError when neither is there.
+    """
+    package = Path(__file__).resolve().parents[1]
+    for candidate in (package / "_models", package.parent / "models"):
+        if (candidate / "slider.xml").is_file():
+            return candidate
+    raise StoreError(f"models: not found beside {package}; install the package again")
+
+
+def path(name: str, suffix: str) -> Path:
+    """The file of a model; name is one of NAMES, suffix "xml" (MJCF) or "urdf". Raises InputError for others."""
+    choice("model", name, NAMES)
+    choice("model format", suffix, ("xml", "urdf"))
+    return folder() / f"{name}.{suffix}"
+
+
+def coefficient(slider: Slider, force: float | None = None) -> float:
+    """Coefficient of friction that turns weight into ``force`` (N), f_k when not given: f / (m g)."""
+    return (slider.f_k if force is None else force) / (slider.m * GRAVITY)
+
+
+def mjcf(slider: Slider, name: str = "slider", restoring: Restoring = "spring") -> "mujoco.MjSpec":
+    """A model as MjSpec with the numbers of ``slider``; a pendulum's k sin x is no attribute, its spring is left out."""
+    import mujoco
+
+    spec = mujoco.MjSpec.from_file(str(path(name, "xml")))
+    slide = spec.joint("slide")
+    slide.stiffness = [slider.k if restoring == "spring" else 0.0, 0.0, 0.0]
+    slide.damping = [slider.c, 0.0, 0.0]
+    box = spec.geom("box")
+    box.mass = slider.m
+    if name == "slider":
+        slide.frictionloss = slider.f_k
+    else:
+        # MuJoCo takes the larger of the two coefficients
+        box.friction[0] = spec.geom("floor").friction[0] = coefficient(slider)
+    return spec
+
+
+def urdf(slider: Slider, name: str = "slider") -> Any:
+    """A model as an lxml tree with the numbers of ``slider``; URDF has no word for a spring."""
+    tree = etree.parse(str(path(name, "urdf")))
+    inertial = tree.find("link[@name='slider']/inertial")
+    mass, inertia = inertial.find("mass"), inertial.find("inertia")
+    scale = slider.m / float(mass.get("value"))
+    mass.set("value", repr(slider.m))
+    for axis in ("ixx", "iyy", "izz"):
+        inertia.set(axis, repr(float(inertia.get(axis)) * scale))
+    dynamics = tree.find("joint[@name='slide']/dynamics")
+    dynamics.set("damping", repr(slider.c))
+    dynamics.set("friction", repr(slider.f_k if name == "slider" else 0.0))
+    return tree
+
+
+def export(slider: Slider, into: Path, restoring: Restoring = "spring") -> dict[str, Path]:
+    """Write all four models with the numbers of ``slider`` to a folder, which is made; nothing half-written is left.
+
+    Returns the files by name ("slider.xml", ...). Raises StoreError when the folder cannot be written.
+    """
+    written: dict[str, Path] = {}
+    try:
+        into.mkdir(parents=True, exist_ok=True)
+        for name in NAMES:
+            written[f"{name}.xml"] = _write(into / f"{name}.xml", mjcf(slider, name, restoring).to_xml().encode())
+            text = etree.tostring(urdf(slider, name), xml_declaration=True, encoding="utf-8")
+            written[f"{name}.urdf"] = _write(into / f"{name}.urdf", text)
+    except OSError as error:
+        raise StoreError(f"{into}: cannot write the models ({error.strerror})") from error
+    return written
+
+
+def cannot_say(slider: Slider, name: str, suffix: str, restoring: Restoring = "spring") -> tuple[str, ...]:
+    """What a model file of this format leaves out of ``slider``, one sentence each."""
+    choice("model", name, NAMES)
+    choice("model format", suffix, ("xml", "urdf"))
+    missing = []
+    if slider.break_away > slider.f_k:
+        missing.append(f"{suffix}: no break-away force above sliding friction (f_s = {slider.break_away:g} N)")
+    if restoring == "pendulum":
+        missing.append(f"{suffix}: no pendulum's restoring force k sin x")
+    if suffix == "urdf":
+        if restoring == "spring":
+            missing.append(f"urdf: no spring (k = {slider.k:g} N/m)")
+        if name == "slider_on_floor":
+            missing.append(f"urdf: no coefficient of friction (mu = {coefficient(slider):g})")
+    return tuple(missing)
+
+
+def _write(file: Path, text: bytes) -> Path:
+    handle, beside = tempfile.mkstemp(dir=file.parent, prefix=f".{file.name}-")
+    try:
+        with os.fdopen(handle, "wb") as stream:
+            stream.write(text)
+        Path(beside).chmod(0o644)
+        Path(beside).replace(file)
+    except BaseException:
+        Path(beside).unlink(missing_ok=True)
+        raise
+    return file
+
+
+__all__ = ["GRAVITY", "NAMES", "InputError", "cannot_say", "coefficient", "export", "folder", "mjcf", "path", "urdf"]

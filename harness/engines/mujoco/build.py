@@ -1,0 +1,52 @@
+"""From a Task to a compiled MjModel with every setting in it."""
+
+from typing import Any
+
+import mujoco
+
+from harness.engines import models
+from harness.engines.base import Task
+from harness.engines.mujoco.callback import SLOTS
+
+_INTEGRATOR = {
+    "Euler": mujoco.mjtIntegrator.mjINT_EULER,
+    "RK4": mujoco.mjtIntegrator.mjINT_RK4,
+    "implicit": mujoco.mjtIntegrator.mjINT_IMPLICIT,
+    "implicitfast": mujoco.mjtIntegrator.mjINT_IMPLICITFAST,
+    "discrete": mujoco.mjtIntegrator.mjINT_DISCRETE,
+}
+_SOLVER = {
+    "PGS": mujoco.mjtSolver.mjSOL_PGS,
+    "CG": mujoco.mjtSolver.mjSOL_CG,
+    "Newton": mujoco.mjtSolver.mjSOL_NEWTON,
+}
+_CONE = {"pyramidal": mujoco.mjtCone.mjCONE_PYRAMIDAL, "elliptic": mujoco.mjtCone.mjCONE_ELLIPTIC}
+
+
+def compile_model(task: Task, settings: dict[str, Any], limit: float) -> Any:
+    """The model of a task; ``limit`` is the friction limit the model starts with, N."""
+    contact = task.route == "contact"
+    slider = task.scenario.slider
+    spec = models.mjcf(slider, "slider_on_floor" if contact else "slider", task.restoring)
+    spec.nuserdata = SLOTS
+    option = spec.option
+    option.timestep = settings["dt"]
+    option.integrator = _INTEGRATOR[settings["integrator"]]
+    option.solver = _SOLVER[settings["solver"]]
+    option.cone = _CONE[settings["cone"]]
+    for name in ("iterations", "tolerance", "ls_iterations", "noslip_iterations", "noslip_tolerance", "impratio"):
+        setattr(option, name, settings[name])
+    option.gravity = [0.0, 0.0, -models.GRAVITY]
+    # a diverged run must be reported, not silently restarted
+    option.disableflags |= mujoco.mjtDisableBit.mjDSBL_AUTORESET
+    slide = spec.joint("slide")
+    if contact:
+        for geom in (spec.geom("box"), spec.geom("floor")):
+            geom.friction[0] = models.coefficient(slider, limit)
+            geom.solref = settings["solref"]
+            geom.solimp = settings["solimp"]
+    else:
+        slide.frictionloss = limit if task.route == "joint" else 0.0
+        slide.solref_friction = settings["solreffriction"]
+        slide.solimp_friction = settings["solimpfriction"]
+    return spec.compile()

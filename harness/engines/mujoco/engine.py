@@ -1,0 +1,133 @@
+"""MuJoCo: the whole run in compiled code (rollout), acceleration from a sensor, friction from Newton's second law."""
+
+import logging
+import threading
+import time
+from importlib.metadata import version
+from typing import Any, ClassVar, final
+
+import mujoco
+import numpy as np
+from mujoco.rollout import rollout
+
+from harness.core.arrays import FloatArray
+from harness.core.scenario import Belt
+from harness.core.trajectory import Trajectory
+from harness.engines import models
+from harness.engines.base import Engine, Preset, Route, Task, resolve
+from harness.engines.mujoco import presets as table
+from harness.engines.mujoco.build import compile_model
+from harness.engines.mujoco.forces import Forces
+from harness.engines.quiet import quiet
+from harness.engines.samples import UNSATURATED, Motion, newton_friction, trajectory
+
+_STATE = mujoco.mjtState.mjSTATE_FULLPHYSICS
+_log = logging.getLogger("harness.engines.mujoco")
+# callbacks of MuJoCo belong to the process, not to a model
+_lock = threading.Lock()
+
+
+@final
+class MujocoEngine(Engine):
+    """MuJoCo on one slide joint (joint and law routes) or a box that slides and lifts (contact route)."""
+
+    name: ClassVar[str] = "mujoco"
+
+    def version(self) -> str:
+        """Version of the mujoco package."""
+        return version("mujoco")
+
+    def presets(self, route: Route, preset: Preset, dt: float | None = None) -> dict[str, Any]:
+        """Settings of a preset; see Engine.presets."""
+        return table.presets(route, preset, dt)
+
+    def simulate(self, task: Task) -> Trajectory:
+        """Run a task; see Engine.simulate."""
+        settings = resolve(self, task)
+        table.check(settings)
+        ignored = table.unused(settings, self.presets(task.route, "as-shipped", task.dt), task.route)
+        with _lock, quiet(_log):
+            forces = Forces(task, settings)
+            model = compile_model(task, settings, forces.first_limit)
+            data = mujoco.MjData(model)
+            data.qpos[0] = task.scenario.x0
+            data.qvel[0] = task.scenario.v0 - forces.frame
+            data.userdata[:] = forces.words
+            started = time.perf_counter()
+            # one step more than asked for: a step's sensors speak of the state before it
+            steps = task.steps(settings["dt"]) + 1
+            previous = mujoco.get_mjcb_passive()
+            try:
+                if forces.needed:
+                    from harness.engines.mujoco.callback import passive
+
+                    mujoco.set_mjcb_passive(passive())
+                if task.route == "contact" and forces.switches:
+                    states, sensors = _switching(model, data, steps, task, forces)
+                else:
+                    states, sensors = _rolled_out(model, data, steps)
+            finally:
+                mujoco.set_mjcb_passive(previous)
+            motion = _motion(task, settings, forces, states, sensors)
+            wall = time.perf_counter() - started
+        return trajectory(self, task, settings, ignored, motion, wall)
+
+
+def _start(model: Any, data: Any) -> FloatArray:
+    state = np.empty(mujoco.mj_stateSize(model, _STATE))
+    mujoco.mj_getState(model, data, state, _STATE)
+    return state
+
+
+def _rolled_out(model: Any, data: Any, steps: int) -> tuple[FloatArray, FloatArray]:
+    """States (time, positions, speeds) before each of ``steps`` steps, and sensors of the same moments."""
+    start = _start(model, data)
+    after, sensors = rollout(model, data, start[np.newaxis], nstep=steps)
+    states = np.vstack([start, after[0, :-1]])
+    return states, sensors[0]
+
+
+def _switching(model: Any, data: Any, steps: int, task: Task, forces: Forces) -> tuple[FloatArray, FloatArray]:
+    """As _rolled_out, but with the coefficient of friction set step by step: f_s while the contact sticks, else f_k.
+
+    Sticking is told from the friction force of the step before, which Newton's second law gives, not from a speed.
+    """
+    slider = task.scenario.slider
+    mu_k, mu_s = models.coefficient(slider), models.coefficient(slider, slider.break_away)
+    friction = model.geom_friction
+    rows = [model.geom("box").id, model.geom("floor").id]
+    states = np.empty((steps, mujoco.mj_stateSize(model, _STATE)))
+    sensors = np.empty((steps, model.nsensordata))
+    stuck = forces.first_limit == slider.break_away
+    for step in range(steps):
+        mujoco.mj_getState(model, data, states[step], _STATE)
+        mu = mu_s if stuck else mu_k
+        friction[rows, 0] = mu
+        mujoco.mj_step(model, data)
+        sensors[step] = data.sensordata
+        normal = slider.m * sensors[step, 2]
+        q, qd, a = states[step, 1], states[step, 3], sensors[step, 0]
+        tangential = forces.applied[step] - slider.m * a - slider.c * qd - slider.k * q
+        forces.limits[step] = mu * slider.m * models.GRAVITY
+        stuck = abs(tangential) < UNSATURATED * mu * normal
+    return states, sensors
+
+
+def _motion(task: Task, settings: dict[str, Any], forces: Forces, states: FloatArray, sensors: FloatArray) -> Motion:
+    slider, dt = task.scenario.slider, settings["dt"]
+    positions = 2 if task.route == "contact" else 1
+    t = dt * np.arange(len(states))
+    x = states[:, 1] + forces.frame * t
+    v = states[:, 1 + positions] + forces.frame
+    a = sensors[:, 0].copy()
+    if settings["integrator"] == "discrete":
+        # qacc is (v+ - v)/dt = (f - c v - k (x + dt v))/(m + dt c + dt^2 k); what acts on the state itself is in f
+        k = slider.k if task.restoring == "spring" else 0.0
+        relative = v - forces.frame
+        a = ((slider.m + dt * slider.c + dt * dt * k) * a + dt * k * relative) / slider.m
+    friction = newton_friction(task, x, v, a, forces.applied)
+    if task.route != "contact":
+        return Motion(x, v, a, forces.applied, friction, forces.limits)
+    normal = slider.m * sensors[:, 2]
+    limit = forces.limits / (slider.m * models.GRAVITY) * normal
+    return Motion(x, v, a, forces.applied, friction, limit, states[:, 2].copy(), normal)

@@ -1,0 +1,65 @@
+"""What an engine recorded, put together as a core Trajectory."""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from harness.core.arrays import FloatArray
+from harness.core.errors import SimulationError
+from harness.core.events import Mode
+from harness.core.trajectory import Source, Trajectory
+from harness.engines.base import Engine, Restoring, Task
+
+UNSATURATED = 1.0 - 1e-6
+"""A friction force below this share of its limit is not saturated: the contact sticks."""
+
+
+@dataclass(frozen=True, slots=True)
+class Motion:
+    """Samples at t = i dt in the frame of the laboratory; arrays of shape (n + 1,).
+
+    x : m. v : m/s. a : m/s^2. applied : driving forces and force law, N. friction : dry friction on the left-hand side,
+    N. limit : what |friction| could have reached, N. lift : m, normal : N, on the contact route.
+    """
+
+    x: FloatArray
+    v: FloatArray
+    a: FloatArray
+    applied: FloatArray
+    friction: FloatArray
+    limit: FloatArray
+    lift: FloatArray | None = None
+    normal: FloatArray | None = None
+
+
+def restoring_force(task: Task, x: FloatArray) -> FloatArray:
+    """k x, k sin x or nothing, N."""
+    k = task.scenario.slider.k
+    forces: dict[Restoring, FloatArray] = {"spring": k * x, "pendulum": k * np.sin(x), "none": np.zeros_like(x)}
+    return forces[task.restoring]
+
+
+def newton_friction(task: Task, x: FloatArray, v: FloatArray, a: FloatArray, applied: FloatArray) -> FloatArray:
+    """Dry friction as what Newton's second law leaves: u - m a - c v - restoring force, N."""
+    slider = task.scenario.slider
+    return applied - slider.m * a - slider.c * v - restoring_force(task, x)
+
+
+def trajectory(
+    engine: Engine, task: Task, settings: dict[str, Any], ignored: tuple[str, ...], motion: Motion, wall: float
+) -> Trajectory:
+    """The validated Trajectory of a run; raises SimulationError with the time for one that diverged."""
+    dt = float(settings["dt"])
+    t = dt * np.arange(motion.x.size)
+    broken = np.flatnonzero(~(np.isfinite(motion.x) & np.isfinite(motion.v) & np.isfinite(motion.a)))
+    if broken.size:
+        raise SimulationError(f"{engine.name}: the run diverged at t = {t[broken[0]]:g} s (dt = {dt:g} s)")
+    stuck = np.abs(motion.friction) < UNSATURATED * motion.limit
+    mode = np.where(stuck, int(Mode.STICK), np.sign(motion.friction)).astype(np.int8)
+    extra = {"friction_force": motion.friction}
+    if motion.lift is not None and motion.normal is not None:
+        extra |= {"lift": motion.lift, "normal_force": motion.normal}
+    route = {"route": task.route, "restoring": task.restoring}
+    source = Source(engine.name, task.preset, engine.version(), dt, route | settings, ignored, wall)
+    return Trajectory(t, motion.x, motion.v, motion.a, source, motion.applied, mode, extra)
