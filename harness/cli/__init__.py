@@ -1,0 +1,1 @@
+"""The command ``harness``: parse, call the use case, print. Everything heavy is imported inside the commands."""

@@ -1,0 +1,1 @@
+"""One command a file; each defines ``command``. A file that is here is a command that is listed."""

@@ -1,0 +1,126 @@
+"""The entry point: finds the commands, and turns every failure into one line and an exit code."""
+
+import os
+import pkgutil
+import signal
+import sys
+import tempfile
+import traceback
+from collections.abc import Sequence
+from contextlib import suppress
+from importlib import import_module
+from types import FrameType
+from typing import NoReturn
+
+import click
+
+import harness
+from harness.cli import commands
+from harness.core.errors import HarnessError
+
+INTERRUPTED = 130
+
+
+class Commands(click.Group):
+    """The commands, each imported when it is asked for."""
+
+    def list_commands(self, ctx: click.Context) -> list[str]:
+        """Names of the files in harness.cli.commands."""
+        return sorted(found.name for found in pkgutil.iter_modules(commands.__path__))
+
+    def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
+        """The ``command`` of the file of that name."""
+        if cmd_name not in self.list_commands(ctx):
+            return None
+        command: click.Command = import_module(f"harness.cli.commands.{cmd_name}").command
+        return command
+
+    def resolve_command(
+        self, ctx: click.Context, args: list[str]
+    ) -> tuple[str | None, click.Command | None, list[str]]:
+        """As click does it, with the commands there are in the message."""
+        if args and not args[0].startswith("-") and self.get_command(ctx, args[0]) is None:
+            ctx.fail(f"command '{args[0]}': no such command; accepted: {', '.join(self.list_commands(ctx))}")
+        return super().resolve_command(ctx, args)
+
+
+@click.group(
+    cls=Commands,
+    context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 100},
+    no_args_is_help=True,
+)
+@click.version_option(harness.__version__, prog_name="harness")
+def cli() -> None:
+    """Cross-validation of dry friction: exact reference, MuJoCo, PyBullet, and your own recording.
+
+    \b
+    Example: harness run
+    """
+
+
+def _terminated(signum: int, frame: FrameType | None) -> NoReturn:
+    raise KeyboardInterrupt
+
+
+def main(args: Sequence[str] | None = None) -> NoReturn:
+    """Run the command and leave with its exit code.
+
+    0 done; 1 a check failed; 2 bad input or usage, with one line on standard error; 130 interrupted.
+    """
+    with suppress(ValueError):  # only the main thread may set handlers
+        signal.signal(signal.SIGTERM, _terminated)
+    sys.exit(run(args))
+
+
+def run(args: Sequence[str] | None = None) -> int:
+    """Run the command and return its exit code; nothing but SystemExit from Python itself passes through."""
+    try:
+        code = cli.main(args=list(sys.argv[1:] if args is None else args), prog_name="harness", standalone_mode=False)
+        sys.stdout.flush()
+    except OSError as error:
+        return _stream(error)
+    except (Exception, KeyboardInterrupt) as error:
+        return _say(*_explained(error))
+    return code if isinstance(code, int) else 0
+
+
+def _explained(error: BaseException) -> tuple[str, int]:
+    """The line a person reads and the exit code."""
+    match error:
+        case HarnessError():
+            return str(error), error.exit_code
+        case click.exceptions.NoArgsIsHelpError():
+            return "no command given; harness --help lists them", error.exit_code
+        case click.UsageError() if error.ctx is not None:
+            return f"{error.format_message()} (see {error.ctx.command_path} --help)", error.exit_code
+        case click.ClickException():
+            return error.format_message(), error.exit_code
+        case KeyboardInterrupt() | click.Abort():
+            return "interrupted; nothing was written", INTERRUPTED
+    return f"internal error, {type(error).__name__}: {error}; the details are in {_details(error)}", 1
+
+
+def _stream(error: OSError) -> int:
+    """Standard output that is closed or full; anything else of the operating system's is told as it is."""
+    with suppress(OSError):  # what is still buffered cannot be written either, and must not fail again at exit
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.__stdout__.fileno() if sys.__stdout__ else 1)
+    if isinstance(error, BrokenPipeError):
+        return 1
+    where = f"{error.filename}: " if error.filename else "output: "
+    return _say(f"{where}{error.strerror or error}; another place is accepted", 2)
+
+
+def _say(text: str, code: int) -> int:
+    with suppress(OSError):
+        click.echo("harness: " + " ".join(text.split()), err=True)
+    return code
+
+
+def _details(error: BaseException) -> str:
+    """Write the traceback that no user should have to see to a file."""
+    try:
+        with tempfile.NamedTemporaryFile("w", prefix="harness-error-", suffix=".log", delete=False) as file:
+            traceback.print_exception(error, file=file)
+        return file.name
+    except OSError:
+        return "no file, since the folder for temporary files cannot be written"

@@ -1,0 +1,56 @@
+"""Options that several commands share."""
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any, TypeVar
+
+import click
+
+F = TypeVar("F", bound=Callable[..., Any])
+
+
+def _apply(*options: Callable[[F], F]) -> Callable[[F], F]:
+    def decorate(function: F) -> F:
+        for option in reversed(options):
+            function = option(function)
+        return function
+
+    return decorate
+
+
+json_option = click.option(
+    "--json",
+    "json_to",
+    metavar="FILE",
+    help='Write the result as JSON; "-" is standard output, and nothing else is on it.',
+)
+quiet_option = click.option("--quiet", "-q", is_flag=True, help="No table and no progress.")
+out_option = click.option(
+    "--out", type=click.Path(path_type=Path), metavar="DIR", help="Output folder, new or empty.  [reports/NAME-TIME]"
+)
+jobs_option = click.option("--jobs", type=click.IntRange(min=1), metavar="N", help="Processes to use.  [all cores]")
+
+
+def output_options(function: F) -> F:
+    """--out, --json, --quiet."""
+    return _apply(out_option, json_option, quiet_option)(function)
+
+
+def engine_options(function: F) -> F:
+    """--engine, --preset, --dt."""
+    return _apply(
+        click.option("--engine", "engines", multiple=True, metavar="NAME", help="Engine to run; may repeat.  [all]"),
+        click.option("--preset", metavar="as-shipped|tuned", help="Settings of the engines.  [both]"),
+        click.option("--dt", type=float, metavar="S", help="Step of the tuned preset, s.  [1e-3]"),
+    )(function)
+
+
+def reading_options(function: F) -> F:
+    """--columns, --skip-rows, --rate, --from, --to."""
+    return _apply(
+        click.option("--columns", metavar="MAP", help='Columns, constants and units: "t=t,x=qm[mm],u=vir*35.15[N]".'),
+        click.option("--skip-rows", type=int, default=0, metavar="N", help="Lines before the header or the numbers."),
+        click.option("--rate", type=float, metavar="HZ", help="Sampling rate, where no column gives the time."),
+        click.option("--from", "start", type=float, metavar="S", help="Leave out what comes before this time."),
+        click.option("--to", "stop", type=float, metavar="S", help="Leave out what comes after this time."),
+    )(function)

@@ -1,0 +1,55 @@
+"""Where results go: standard output, a JSON file, a table for people."""
+
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+if TYPE_CHECKING:
+    from rich.table import Table
+
+    from harness.results.common import Result
+
+STANDARD_OUTPUT = "-"
+
+
+def check_json(json_to: str | None) -> None:
+    """Refuse a JSON file that could not be written, before the work is done."""
+    if json_to is not None and json_to != STANDARD_OUTPUT:
+        from harness.app.deliver import check_target
+
+        check_target(Path(json_to))
+
+
+def emit_json(result: "Result", json_to: str | None) -> None:
+    """Write the result where --json says."""
+    if json_to is None:
+        return
+    from harness.app.deliver import to_json, write_json
+
+    if json_to == STANDARD_OUTPUT:
+        sys.stdout.write(to_json(result))
+        sys.stdout.flush()
+    else:
+        write_json(result, Path(json_to))
+
+
+def shows_tables(json_to: str | None, quiet: bool) -> bool:
+    """Whether people are to read standard output."""
+    return not quiet and json_to != STANDARD_OUTPUT
+
+
+def show(table: "Table") -> None:
+    """Print a table, as wide as it needs to be when it goes to a file."""
+    from rich.console import Console
+
+    console = Console(highlight=False)
+    if not console.is_terminal:
+        console = Console(highlight=False, width=160)
+    console.print(table)
+
+
+def say(text: str) -> None:
+    """Print one line for people."""
+    click.echo(text)
