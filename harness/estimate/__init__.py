@@ -1,0 +1,1 @@
+"""The estimators: functions of arrays that know no engine."""

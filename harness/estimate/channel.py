@@ -1,0 +1,211 @@
+"""One channel of a free decay, from samples to a fit: reversals, guard, half-cycles apart, all of them tied."""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from harness.core.arrays import FloatArray
+from harness.estimate.guard import WIDEST, find_guard
+from harness.estimate.halfcycles import SeparateFit, fit_separately, moved_edges
+from harness.estimate.noise import Noise, channel_noise
+from harness.estimate.reversals import MINIMUM_HALF_CYCLES, HalfCycles, Kind, NoDecay, find_half_cycles, period_of
+from harness.estimate.tied import D, OFFSET, OMEGA, P0, SIGMA, T0, TiedFit, fit_tied, value_at
+
+
+@dataclass(frozen=True, slots=True)
+class ChannelFit:
+    """What the closed forms say about one channel.
+
+    separate : half-cycles apart. tied : all as one motion. holds : the tied form explains the channel as well as the
+    separate ones do; when it does not, friction acts at other times or other ways than the base model's.
+    offset : constant found in the channel and taken away. inflation : variance of smooth combinations over what white
+    noise would give. y : the channel less the offset.
+    """
+
+    kind: Kind
+    t: FloatArray
+    y: FloatArray
+    noise: Noise
+    cycles: HalfCycles
+    separate: SeparateFit
+    tied: TiedFit
+    holds: bool
+    offset: float
+    inflation: float
+
+    @property
+    def sigma(self) -> float:
+        """zeta omega_n in 1/s, from whichever form holds."""
+        return float(self.tied.theta[SIGMA]) if self.holds else self.separate.sigma
+
+    @property
+    def omega(self) -> float:
+        """Damped frequency in rad/s, from whichever form holds."""
+        return float(self.tied.theta[OMEGA]) if self.holds else self.separate.omega
+
+    @property
+    def edges(self) -> FloatArray:
+        """Times of release, reversals and stop, (K+1,) s."""
+        return self.tied.edges if self.holds else self.separate.edges
+
+    @property
+    def variance(self) -> float:
+        """Variance of one sample, coloured noise counted as it acts on smooth combinations."""
+        return (self.tied if self.holds else self.separate).variance * self.inflation
+
+    @property
+    def guard(self) -> float:
+        """Time left out on each side of a reversal, s."""
+        return self.separate.guard
+
+
+def _least_guard(t: FloatArray) -> float:
+    """Half a sample: a sample at the reversal itself belongs to neither side."""
+    return 0.5 * float(np.median(np.diff(t)))
+
+
+def _tied_start(fit: SeparateFit, side: int, t: FloatArray) -> FloatArray:
+    """Start of the tied fit (6,): half-cycle time by regression, swings by linear least squares on the separate ones."""
+    edges = fit.edges
+    inner = edges[1:-1] if edges.size > 4 else edges
+    index = np.arange(edges.size)[1:-1] if edges.size > 4 else np.arange(edges.size)
+    slope, at_zero = np.polyfit(index, inner, 1)
+    omega = math.pi / float(slope)
+    sigma = float(np.clip(fit.sigma, -0.02 * omega, 1.5 * omega))
+    ends = np.array([(fit.value(k, edges[k]), fit.value(k, edges[k + 1])) for k in range(len(fit))])
+    if fit.kind is Kind.ACCELERATION:
+        begin, finish = np.abs(ends[:, 0]), np.abs(ends[:, 1])
+    elif fit.kind is Kind.VELOCITY:
+        begin = omega * np.hypot(fit.c[:, 0], fit.c[:, 1])
+        finish = begin * math.exp(-math.pi * sigma / omega)
+    else:
+        begin = np.abs(ends[:, 0] - fit.c[:, 2]) * (sigma**2 + omega**2)
+        finish = np.abs(ends[:, 1] - fit.c[:, 2]) * (sigma**2 + omega**2)
+    # begin_{k+1} = q begin_k - 2 D and finish_k = q begin_k, both linear once q is known
+    drop = 0.5 * float(np.median(finish[:-1] - begin[1:])) if begin.size > 1 else 0.0
+    if fit.kind is Kind.VELOCITY:
+        drop = 0.5 * float(np.median(finish[:-1] - begin[1:]))
+    theta = np.zeros(6)
+    theta[[SIGMA, OMEGA, D, P0, T0]] = sigma, omega, drop, begin[0] if edges[0] > t[0] else begin[0], at_zero
+    return theta
+
+
+def _half_cycles_moving(fit: TiedFit, t: FloatArray, y: FloatArray, start: int) -> int:
+    """How many half-cycles there are: up to where resting explains the samples better than moving on (>= start)."""
+    ahead = int(min((t[-1] - fit.theta[T0]) / fit.half_time + 1.0, fit.count + 400))
+    wider = TiedFit(fit.kind, fit.theta, fit.covariance, fit.side, max(ahead, fit.count), 0.0, fit.squares, fit.freedom)
+    swings = wider.swings()
+    gain, best, count = 0.0, 0.0, start
+    for k in range(start, ahead):
+        if swings[k] <= 0.0:
+            break
+        first = fit.theta[T0] + k * fit.half_time
+        part = slice(*np.searchsorted(t, [first + fit.guard, first + fit.half_time - fit.guard]))
+        if part.stop - part.start < 2:
+            break
+        move = y[part] - value_at(t[part], fit.kind, fit.theta, fit.side, k + 1)
+        rest = y[part] - y[part].mean()
+        gain += float(rest @ rest - move @ move)
+        if gain > best:
+            best, count = gain, k + 1
+    return count
+
+
+def _fit_tied(t: FloatArray, y: FloatArray, separate: SeparateFit, cycles: HalfCycles, begin: float, offset: bool) -> TiedFit:
+    """The tied fit with as many half-cycles as the samples support."""
+    kind, guard = separate.kind, separate.guard
+    count = len(separate)
+    theta, span = _tied_start(separate, cycles.side, t), (begin, float(t[-1]))
+    fit = fit_tied(t, y, kind, theta, cycles.side, count, guard, span, offset)
+    for _ in range(4):
+        supported = max(_half_cycles_moving(fit, t, y, max(count - 2, 2)), 2)
+        if supported == fit.count:
+            break
+        fit = fit_tied(t, y, kind, fit.theta, cycles.side, supported, guard, span, offset)
+    return fit
+
+
+def _tie_holds(t: FloatArray, y: FloatArray, tied: TiedFit, separate: SeparateFit, floor: float, inflation: float) -> bool:
+    """Whether freeing every half-cycle explains no more than chance would (an F test at about 1e-4)."""
+    free = fit_separately(t, y, tied.kind, tied.edges, tied.guard, (float(tied.theta[SIGMA]), float(tied.theta[OMEGA])))
+    extra = tied.freedom - free.freedom
+    if extra <= 0:
+        return True
+    level = max(min(free.variance, separate.variance), floor) * inflation
+    return (tied.squares - free.variance * free.freedom) / extra < level * (1.0 + 6.0 * math.sqrt(2.0 / extra))
+
+
+def fit_channel(t: FloatArray, y: FloatArray, kind: Kind, drop_first: bool = False) -> ChannelFit:
+    """Fit the free decay in a channel ``y`` (n,) sampled at ``t`` (n,) in s.
+
+    drop_first : leave out the first period, which a release by hand distorts.
+    Raises NoDecay with the reason when there is no free decay of three half-cycles or more.
+    """
+    spread = float(np.std(y))
+    if spread == 0.0:
+        raise NoDecay("the channel is constant")
+    noise = channel_noise(t, y)
+    noise = channel_noise(t, y, period_of(t, y, kind, noise))
+    cycles = find_half_cycles(t, y, kind, noise)
+    if drop_first:
+        if len(cycles) < 4:
+            raise NoDecay("without its first period the recording holds fewer than two half-cycles")
+        cycles = HalfCycles(cycles.edges[2:], cycles.side, False)
+    centre = float(y.mean()) if kind is Kind.DISPLACEMENT else 0.0
+    fit = _fit_once(t, y - centre, kind, noise, cycles, drop_first)
+    return fit if centre == 0.0 else _shifted(fit, centre)
+
+
+def _shifted(fit: ChannelFit, centre: float) -> ChannelFit:
+    """Put back the mean that was taken away for the sake of rounding."""
+    separate = fit.separate
+    separate.c[:, 2] += centre
+    return fit
+
+
+def _fit_once(t: FloatArray, y: FloatArray, kind: Kind, noise: Noise, cycles: HalfCycles, dropped: bool) -> ChannelFit:
+    interval = float(np.median(np.diff(t)))
+    half = cycles.half_time
+    floor = noise.sigma**2
+    edges, start = cycles.edges, (0.05 * math.pi / half, math.pi / half)
+    separate = fit_separately(t, y, kind, edges, WIDEST * half, start)
+    for _ in range(3):
+        moved = moved_edges(separate, cycles, t)
+        shift = float(np.max(np.abs(moved - separate.edges)))
+        separate = fit_separately(t, y, kind, moved, WIDEST * half, (separate.sigma, separate.omega))
+        if shift < 0.02 * interval:
+            break
+    if separate.variance > max(0.25 * float(np.var(y)), 3.0 * floor):
+        raise NoDecay("the motion between reversals is no damped oscillation: no free decay")
+    guard = max(find_guard(t, y, separate, max(separate.variance, floor)), _least_guard(t))
+    separate = fit_separately(t, y, kind, separate.edges, guard, (separate.sigma, separate.omega))
+    separate = fit_separately(t, y, kind, moved_edges(separate, cycles, t), guard, (separate.sigma, separate.omega))
+
+    begin = float(separate.edges[0]) if dropped else float(t[0])
+    inflation = noise.inflation(math.pi / half, interval)
+    offset = 0.0
+    tied = _fit_tied(t, y, separate, cycles, begin, kind is Kind.DISPLACEMENT)
+    holds = _tie_holds(t, y, tied, separate, floor, inflation)
+    if kind is not Kind.DISPLACEMENT:
+        shifted = _fit_tied(t, y, separate, cycles, begin, True)
+        gain = tied.squares - shifted.squares
+        if gain > 16.0 * max(shifted.variance, floor) * inflation and shifted.count >= tied.count:
+            offset = float(shifted.theta[OFFSET])
+            cleared = fit_separately(t, y - offset, kind, separate.edges, guard, (separate.sigma, separate.omega))
+            if _tie_holds(t, y, shifted, cleared, floor, inflation):
+                tied, separate, holds, y = shifted, cleared, True, y - offset
+            else:
+                offset = 0.0
+    count = tied.count if holds else len(separate)
+    if count < MINIMUM_HALF_CYCLES:
+        raise NoDecay(f"{count} half-cycles found, at least {MINIMUM_HALF_CYCLES} are needed")
+    if holds:
+        found = (float(tied.theta[SIGMA]), float(tied.theta[OMEGA]))
+        separate = fit_separately(t, y, kind, _inside(tied.edges, t), guard, found, fixed=True)
+    return ChannelFit(kind, t, y, noise, cycles, separate, tied, holds, offset, inflation)
+
+
+def _inside(edges: FloatArray, t: FloatArray) -> FloatArray:
+    """The same edges; the outermost ones stay where they are though samples may lie on one side alone."""
+    return edges[: int(np.searchsorted(edges, t[-1], side="left")) + 1]

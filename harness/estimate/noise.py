@@ -1,0 +1,150 @@
+"""The noise of a channel, from the channel itself: level, colour and quantisation.
+
+The signal is taken away by polynomials over windows much shorter than the motion, so that what stays is noise. Windows
+that hold a jump are outvoted by the median; windows at rest are left out, because a quantised sensor is silent there.
+"""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from harness.core.arrays import BoolArray, FloatArray
+from harness.core.jit import compiled
+
+FLOOR = 1e-5
+"""A trace without noise is given this share of the channel's rms."""
+
+_PERIOD_SHARE = 0.12
+_LONGEST = 48
+
+
+@dataclass(frozen=True, slots=True)
+class Noise:
+    """What the noise of one channel looks like.
+
+    sigma : standard deviation in the channel's unit, never 0. found : False when sigma is only the floor.
+    phi : lag-one autocorrelation at the median sampling interval (0 is white). step : quantisation step, 0 if none.
+    """
+
+    sigma: float
+    found: bool
+    phi: float = 0.0
+    step: float = 0.0
+
+    @property
+    def said(self) -> float | str:
+        """The level, or the words used for a channel without noise."""
+        return self.sigma if self.found else "none found"
+
+    def inflation(self, omega: float, interval: float) -> float:
+        """Spectral density at ``omega`` rad/s over that of white noise of the same variance (first-order colour)."""
+        p = self.phi
+        return (1.0 - p * p) / (1.0 - 2.0 * p * math.cos(min(omega * interval, math.pi)) + p * p)
+
+
+def _window_residuals(t: FloatArray, y: FloatArray, width: int, degree: int, out: FloatArray) -> None:
+    """Residuals of a polynomial of ``degree`` in every window of ``width`` samples, by Gram-Schmidt on its own times."""
+    basis = np.empty((degree + 1, width))
+    for w in range(t.size // width):
+        lo = w * width
+        centre = 0.5 * (t[lo] + t[lo + width - 1])
+        half = 0.5 * (t[lo + width - 1] - t[lo])
+        for i in range(width):
+            out[lo + i] = y[lo + i]
+        for d in range(degree + 1):
+            for i in range(width):
+                basis[d, i] = 1.0 if d == 0 else basis[d - 1, i] * (t[lo + i] - centre) / half
+            for _ in range(2):  # once more, for the rounding of the first
+                for e in range(d):
+                    dot = 0.0
+                    for i in range(width):
+                        dot += basis[d, i] * basis[e, i]
+                    for i in range(width):
+                        basis[d, i] -= dot * basis[e, i]
+            norm = 0.0
+            for i in range(width):
+                norm += basis[d, i] * basis[d, i]
+            norm = math.sqrt(norm)
+            for i in range(width):
+                basis[d, i] /= norm
+            dot = 0.0
+            for i in range(width):
+                dot += basis[d, i] * out[lo + i]
+            for i in range(width):
+                out[lo + i] -= dot * basis[d, i]
+
+
+_compiled_residuals = compiled(_window_residuals)
+
+
+def quantisation_step(y: FloatArray) -> float:
+    """Distance between the levels of a quantised channel, 0 for one that is not; same unit as ``y`` (n,)."""
+    part = y if y.size <= 40_000 else y[:: y.size // 20_000]
+    levels, visits = np.unique(part, return_counts=True)
+    if levels.size < 3 or levels.size > 0.6 * part.size:
+        return 0.0
+    gaps = np.diff(levels)
+    often = (visits[1:] > 1) & (visits[:-1] > 1)
+    if np.count_nonzero(often) < 3:
+        return 0.0
+    step = float(np.median(gaps[often]))
+    # levels lie on a ladder: gaps near one step, give or take the decimals a file was written with
+    return step if np.mean(np.abs(gaps[often] / step - 1.0) < 0.25) > 0.8 else 0.0
+
+
+def _moving(y: FloatArray, width: int) -> BoolArray:
+    """Which windows of ``width`` samples are in motion: they span at least 1 % of the range of the channel."""
+    blocks = y[: y.size // width * width].reshape(-1, width)
+    span = np.ptp(blocks, axis=1)
+    moving = span > 0.01 * np.ptp(y)
+    return moving if np.any(moving) else np.ones_like(moving)
+
+
+def _colour(residuals: FloatArray, width: int, degree: int) -> tuple[float, float]:
+    """Autocorrelation phi and variance of first-order noise whose detrended windows look like ``residuals``."""
+    s = np.linspace(-1.0, 1.0, width)
+    q, _ = np.linalg.qr(np.vander(s, degree + 1))
+    keep = np.eye(width) - q @ q.T
+    lags = np.abs(np.subtract.outer(np.arange(width), np.arange(width)))
+    grid = np.linspace(-0.95, 0.98, 194)
+    expected = [keep @ phi**lags @ keep for phi in grid]
+    level = np.array([np.trace(e) for e in expected])
+    ratio = np.array([np.trace(e, 1) for e in expected]) / level
+    seen = float(np.sum(residuals[:, 1:] * residuals[:, :-1]) / np.sum(residuals**2))
+    phi = float(np.interp(seen, np.maximum.accumulate(ratio), grid))
+    # colour that is no more than chance is none
+    if abs(seen - float(np.interp(0.0, grid, ratio))) < 4.0 / math.sqrt(residuals.size):
+        phi = 0.0
+    return phi, float(np.mean(np.sum(residuals**2, axis=1)) / np.interp(phi, grid, level))
+
+
+def channel_noise(t: FloatArray, y: FloatArray, period: float | None = None) -> Noise:
+    """Noise of a channel ``y`` (n,) sampled at ``t`` (n,) in s, n >= 16.
+
+    period : of the motion in s; without it windows are as short as can be and colour cannot be seen.
+    Jumps in fewer than half of the windows do no harm. Levels below 1e-5 of the channel's rms count as none found.
+    """
+    interval = float(np.median(np.diff(t)))
+    width, degree = 8, 6
+    if period is not None:
+        width = min(int(_PERIOD_SHARE * period / interval), _LONGEST)
+        width, degree = (width, 5) if width >= 12 else (8, 6)
+    residuals = np.zeros(y.size // width * width)
+    _compiled_residuals(t, y, width, degree, residuals)
+    windows = residuals.reshape(-1, width)[_moving(y, width)]
+    power = np.mean(windows**2, axis=1)
+    freedom = width - degree - 1
+    # median of a chi-square over its mean (Wilson and Hilferty)
+    typical = float(np.median(power)) / ((1.0 - 2.0 / (9.0 * freedom)) ** 3 if freedom > 1 else 0.4549)
+    sane = windows[power <= max(typical * 6.0, float(np.median(power)))]
+    phi, variance = 0.0, typical * width / freedom
+    if freedom >= 6 and sane.shape[0] >= 8 and np.any(sane):
+        phi, measured = _colour(sane, width, degree)
+        if phi != 0.0:
+            variance = measured
+    step = quantisation_step(y)
+    sigma = math.sqrt(max(variance, step * step / 12.0))
+    rms = math.sqrt(float(np.mean((y - y.mean()) ** 2)))
+    floor = FLOOR * rms if rms > 0.0 else np.finfo(float).tiny
+    return Noise(sigma, True, phi, step) if sigma > floor else Noise(floor, False)
