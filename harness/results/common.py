@@ -19,7 +19,7 @@ class P(Result):
     value: float | None
     stderr: float | None
     unit: str
-    why: str | None = None
+    why: str | None = Field(default=None, exclude_if=lambda why: why is None)
 
     @model_validator(mode="after")
     def _nothing_missing_without_reason(self) -> "P":

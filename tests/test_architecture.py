@@ -1,0 +1,136 @@
+"""Rooms import each other in the directions docs/architecture.md states; heavy libraries stay where they belong."""
+
+import ast
+import subprocess
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[1]
+PACKAGE = ROOT / "harness"
+
+NOTHING: frozenset[str] = frozenset()
+MAY: dict[str, frozenset[str]] = {
+    "core": NOTHING,
+    "results": frozenset({"core"}),
+    "model": frozenset({"core"}),
+    "kernels": frozenset({"core", "model"}),
+    "exact": frozenset({"core"}),
+    "estimate": frozenset({"core"}),
+    "engines": frozenset({"core", "model", "kernels"}),
+    "fidelity": frozenset({"core", "exact", "estimate", "engines.base"}),
+    "diagnosis": frozenset({"core", "model", "kernels", "exact", "estimate"}),
+    "proof": frozenset({"core", "results"}),
+    "io": frozenset({"core"}),
+    "show": frozenset({"core", "results"}),
+    "cli": frozenset({"app", "core", "results"}),
+}
+"""What each room may import besides itself; app may import every room but cli."""
+MAY["app"] = frozenset(MAY) - {"cli"}
+PLANT = "proof/plant"
+"""The independent check of the diagnosis: it sees core and nothing else, not even the rest of its room."""
+
+HEAVY = ("numba", "scipy", "mujoco", "pybullet", "rerun", "pydantic", "rich", "pint", "numpy", "pyarrow", "h5py")
+FILES = sorted(PACKAGE.rglob("*.py"))
+
+
+def imports(path: Path, deep: bool = True) -> Iterator[str]:
+    """Every module ``path`` imports, under TYPE_CHECKING too; only those at import time unless ``deep``."""
+    tree = ast.parse(path.read_text(encoding="utf-8"))
+    nodes = ast.walk(tree) if deep else _at_import(tree)
+    for node in nodes:
+        if isinstance(node, ast.Import):
+            yield from (alias.name for alias in node.names)
+        elif isinstance(node, ast.ImportFrom):
+            assert node.level == 0, f"{path}: a relative import"
+            # from harness import results is an import of harness.results
+            module = node.module or ""
+            yield from (f"{module}.{alias.name}" for alias in node.names) if module == "harness" else iter((module,))
+
+
+def _at_import(tree: ast.Module) -> Iterator[ast.AST]:
+    """Nodes that run when the module is imported."""
+    todo: list[ast.AST] = [tree]
+    while todo:
+        node = todo.pop()
+        yield node
+        for child in ast.iter_child_nodes(node):
+            typing_only = isinstance(child, ast.If) and ast.unparse(child.test) == "TYPE_CHECKING"
+            if not isinstance(child, ast.FunctionDef | ast.AsyncFunctionDef | ast.Lambda) and not typing_only:
+                todo.append(child)
+
+
+def name(path: Path) -> str:
+    return path.relative_to(ROOT).as_posix()
+
+
+@pytest.mark.parametrize("path", FILES, ids=name)
+def test_rooms_import_in_one_direction(path: Path) -> None:
+    parts = path.relative_to(PACKAGE).parts
+    if len(parts) == 1:
+        assert not [module for module in imports(path) if module.startswith("harness")]
+        return
+    own = parts[0]
+    assert own in MAY, f"the room {own} is not in docs/architecture.md"
+    allowed = NOTHING if name(path).startswith(f"harness/{PLANT}") else MAY[own] | {own}
+    if name(path).startswith(f"harness/{PLANT}"):
+        allowed = frozenset({"core", "proof.plant"})
+    for module in imports(path):
+        if module == "harness" or not module.startswith("harness."):
+            continue
+        inside = module.removeprefix("harness.")
+        ways = {".".join(inside.split(".")[:depth]) for depth in range(1, inside.count(".") + 2)}
+        assert ways & allowed or inside == "__version__", f"{name(path)} imports {module}"
+
+
+def test_every_room_is_in_the_document_and_the_other_way_round() -> None:
+    text = (ROOT / "docs" / "architecture.md").read_text(encoding="utf-8")
+    rows = {
+        line.split("|")[1].strip() for line in text.splitlines() if line.startswith("| ") and "room" not in line[:7]
+    }
+    assert rows == set(MAY)
+
+
+def importers(*roots: str) -> set[str]:
+    """Files that import any of these packages, at any depth."""
+    return {name(path) for path in FILES if set(roots) & {module.split(".")[0] for module in imports(path)}}
+
+
+def test_one_file_alone_imports_rerun() -> None:
+    assert importers("rerun") <= {"harness/show/trace.py"}
+
+
+def test_engines_and_the_proof_alone_import_engines() -> None:
+    found = importers("mujoco", "pybullet", "dartpy")
+    assert {file.split("/")[1] for file in found} <= {"engines", "proof"}
+
+
+def test_kernels_are_compiled_in_one_place() -> None:
+    found = {file for file in importers("numba") if not file.startswith("harness/engines/")}
+    assert found == {"harness/core/jit.py"}
+
+
+def test_the_command_imports_nothing_heavy() -> None:
+    early = {
+        m.split(".")[0] for path in FILES if name(path).startswith("harness/cli") for m in imports(path, deep=False)
+    }
+    assert early <= {"click", "harness", *sys.stdlib_module_names}
+
+
+def test_help_of_every_command_loads_nothing_heavy() -> None:
+    program = (
+        "import sys\n"
+        "from harness.cli.main import cli\n"
+        "import click\n"
+        "ctx = click.Context(cli)\n"
+        "for name in cli.list_commands(ctx):\n"
+        "    command = cli.get_command(ctx, name)\n"
+        "    assert command is not None\n"
+        "    text = command.get_help(click.Context(command, info_name=f'harness {name}'))\n"
+        "    assert 'Example: harness ' + name in text, name\n"
+        f"print(sorted(set({HEAVY!r}) & set(sys.modules)))\n"
+    )
+    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, cwd=ROOT, check=False)
+    assert (done.stdout, done.stderr) == ("[]\n", "")
