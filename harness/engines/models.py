@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from lxml import etree
 
-from harness.core.errors import InputError, StoreError
+from harness.core.errors import StoreError
 from harness.core.slider import Slider
 from harness.engines.base import Restoring, choice
 
@@ -46,7 +46,7 @@ def coefficient(slider: Slider, force: float | None = None) -> float:
 
 
 def mjcf(slider: Slider, name: str = "slider", restoring: Restoring = "spring") -> "mujoco.MjSpec":
-    """A model as MjSpec with the numbers of ``slider``; a pendulum's k sin x is no attribute, its spring is left out."""
+    """A model as MjSpec with the numbers of ``slider``; a pendulum's k sin x is no attribute and is left out."""
     import mujoco
 
     spec = mujoco.MjSpec.from_file(str(path(name, "xml")))
@@ -123,6 +123,3 @@ def _write(file: Path, text: bytes) -> Path:
         Path(beside).unlink(missing_ok=True)
         raise
     return file
-
-
-__all__ = ["GRAVITY", "NAMES", "InputError", "cannot_say", "coefficient", "export", "folder", "mjcf", "path", "urdf"]

@@ -51,7 +51,7 @@ def trajectory(
 ) -> Trajectory:
     """The validated Trajectory of a run; raises SimulationError with the time for one that diverged."""
     dt = float(settings["dt"])
-    t = dt * np.arange(motion.x.size)
+    t: FloatArray = np.arange(motion.x.size, dtype=np.float64) * dt
     broken = np.flatnonzero(~(np.isfinite(motion.x) & np.isfinite(motion.v) & np.isfinite(motion.a)))
     if broken.size:
         raise SimulationError(f"{engine.name}: the run diverged at t = {t[broken[0]]:g} s (dt = {dt:g} s)")

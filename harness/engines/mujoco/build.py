@@ -5,6 +5,7 @@ from typing import Any
 import mujoco
 
 from harness.engines import models
+from harness.engines.actions import belt_speed
 from harness.engines.base import Task
 from harness.engines.mujoco.callback import SLOTS
 
@@ -45,6 +46,8 @@ def compile_model(task: Task, settings: dict[str, Any], limit: float) -> Any:
             geom.friction[0] = models.coefficient(slider, limit)
             geom.solref = settings["solref"]
             geom.solimp = settings["solimp"]
+        # the surface moves, the geom does not
+        spec.geom("floor").surfacevel = [belt_speed(task), 0.0, 0.0, 0.0, 0.0, 0.0]
     else:
         slide.frictionloss = limit if task.route == "joint" else 0.0
         slide.solref_friction = settings["solreffriction"]

@@ -11,7 +11,6 @@ import numpy as np
 from mujoco.rollout import rollout
 
 from harness.core.arrays import FloatArray
-from harness.core.scenario import Belt
 from harness.core.trajectory import Trajectory
 from harness.engines import models
 from harness.engines.base import Engine, Preset, Route, Task, resolve

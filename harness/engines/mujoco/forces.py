@@ -1,13 +1,13 @@
 """Everything a Task asks for that MuJoCo has no attribute for, as the words the callback reads."""
 
-import math
 from typing import Any
 
 import numpy as np
 
 from harness.core.arrays import FloatArray
 from harness.core.errors import SimulationError
-from harness.core.scenario import Belt, Harmonic, Hold
+from harness.core.scenario import Harmonic, Hold
+from harness.engines.actions import belt_speed, held_at_start
 from harness.engines.base import Task
 from harness.engines.mujoco.callback import SLOTS, Slot
 
@@ -31,7 +31,7 @@ class Forces:
         self.applied: FloatArray = np.zeros(steps + 1)
         self.limits: FloatArray = np.full(steps + 1, slider.f_k)
         # on a belt the joint lives in the frame of the belt, where its friction belongs; the spring's end moves instead
-        self.frame = action.speed if isinstance(action, Belt) and not contact else 0.0
+        self.frame = 0.0 if contact else belt_speed(task)
         self.stages = _STAGES.get(settings["integrator"], 1)
         self.state = np.zeros(0) if law is None else law.state.copy()
         self.ratio = slider.break_away / slider.f_k if slider.f_k > 0.0 else 1.0
@@ -67,7 +67,7 @@ class Forces:
         self.switches = slider.break_away > slider.f_k
         own_level = law is not None and law.level is not None
         words[Slot.SETS_LEVEL] = not contact and (self.switches or own_level)
-        stuck = self.switches and self._held_at_start(task)
+        stuck = self.switches and held_at_start(task)
         words[Slot.STUCK] = stuck and not contact
         self.words = words
         self.first_limit = slider.break_away if stuck or slider.f_k == 0.0 else slider.f_k
@@ -92,25 +92,3 @@ class Forces:
         """
         slider = task.scenario.slider
         return slider.m / dt + (0.0 if integrator == "RK4" else slider.c)
-
-    def _held_at_start(self, task: Task) -> bool:
-        """Whether the slider starts at rest on its floor with less than the break-away force on it."""
-        scenario = task.scenario
-        slider, action = scenario.slider, scenario.action
-        floor = action.speed if isinstance(action, Belt) else 0.0
-        if scenario.v0 != floor:
-            return False
-        load = -slider.c * scenario.v0
-        match task.restoring:
-            case "spring":
-                load -= slider.k * scenario.x0
-            case "pendulum":
-                load -= slider.k * math.sin(scenario.x0)
-        match action:
-            case Harmonic():
-                load += action.amplitude * math.cos(action.phase)
-            case Hold():
-                load += action.force
-        if task.drive is not None:
-            load += float(np.interp(0.0, task.drive.t, task.drive.u))
-        return abs(load) <= slider.break_away

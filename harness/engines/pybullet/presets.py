@@ -1,0 +1,64 @@
+"""Settings of PyBullet: what there is, what ships, and what we found best."""
+
+from typing import Any
+
+from harness.engines.base import TUNED_DT, Preset, Route
+
+SHIPPED_DT = 1.0 / 240.0
+"""PyBullet's own step, s."""
+
+CONTACT_ONLY = ("contactERP", "frictionERP", "contactSlop", "contactBreakingThreshold", "frictionAnchor")
+
+
+def presets(route: Route, preset: Preset, dt: float | None) -> dict[str, Any]:
+    """Every setting of a preset; see harness.engines.base.Engine.presets.
+
+    leapfrog : read PyBullet's step (v+ = v + dt a(x), x+ = x + dt v+) as the leapfrog it is: the run starts with the
+    speed of half a step earlier, damping is scaled to act on the speed in the middle, and the speed of a sample is the
+    mean of those half a step to either side. The other names are PyBullet's own.
+    """
+    settings: dict[str, Any] = {
+        "dt": SHIPPED_DT if dt is None else dt,
+        "leapfrog": False,
+        "numSolverIterations": 50,
+        "solverResidualThreshold": 1e-7,
+        "numSubSteps": 0,
+        "linearDamping": 0.04,
+        "angularDamping": 0.04,
+        "maxJointVelocity": 100.0,
+        "contactERP": 0.08,
+        "frictionERP": 0.2,
+        "contactSlop": 1e-5,
+        "contactBreakingThreshold": 0.02,
+        "frictionAnchor": False,
+    }
+    if preset == "tuned":
+        settings |= {
+            "dt": TUNED_DT if dt is None else dt,
+            "leapfrog": True,
+            "linearDamping": 0.0,
+            "angularDamping": 0.0,
+            "maxJointVelocity": 1e9,
+        }
+        if route == "contact":
+            settings |= {"numSolverIterations": 500, "solverResidualThreshold": 0.0}
+    return settings
+
+
+def unused(settings: dict[str, Any], shipped: dict[str, Any], route: Route) -> tuple[str, ...]:
+    """What PyBullet does not honour, of the model and of settings that differ from what ships, one sentence each."""
+    lines = [
+        "URDF spring: the format has none, -k x is applied as a force that PyBullet holds over each step",
+        "MJCF: loadMJCF would ignore stiffness, damping and frictionloss, so the URDF is loaded",
+    ]
+    if route == "joint":
+        lines.append("URDF joint friction: read but without effect, a velocity motor limited to f_k stands for it")
+    else:
+        names = CONTACT_ONLY if route == "law" else ()
+        lines += [f"{name}: there is no contact on this route" for name in names if settings[name] != shipped[name]]
+    if route == "joint":
+        differ = [name for name in CONTACT_ONLY if settings[name] != shipped[name]]
+        lines += [f"{name}: there is no contact on this route" for name in differ]
+    if settings["numSubSteps"] > 1:
+        lines.append("numSubSteps: applied forces stay frozen during sub-steps")
+    return tuple(lines)
