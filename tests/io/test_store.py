@@ -1,0 +1,133 @@
+"""Results appear whole or not at all."""
+
+import errno
+import os
+import stat
+import subprocess
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+from harness.core.errors import StoreError
+from harness.io.store import check_writable, output_folder, write_text
+
+
+def everything(folder: Path) -> list[str]:
+    return sorted(str(path.relative_to(folder)) for path in folder.rglob("*"))
+
+
+def test_a_folder_appears_whole(tmp_path: Path) -> None:
+    with output_folder("run", tmp_path / "new" / "out") as output:
+        (output / "model/slider.xml").write_text("x")
+        assert everything(tmp_path / "new" / "out") == []
+        assert output.at("model/slider.xml") == str(tmp_path / "new" / "out" / "model" / "slider.xml")
+        output.commit()
+    assert everything(tmp_path) == ["new", "new/out", "new/out/model", "new/out/model/slider.xml"]
+
+
+@pytest.mark.parametrize("failure", [KeyboardInterrupt(), ValueError("a bug"), SystemExit(1)])
+def test_nothing_is_left_after_a_failure(tmp_path: Path, failure: BaseException) -> None:
+    with pytest.raises(type(failure)), output_folder("run", tmp_path / "new" / "out") as output:  # noqa: PT012
+        (output / "half.json").write_text("{")
+        raise failure
+    assert everything(tmp_path) == []
+
+
+def test_an_empty_folder_is_taken_and_stays_after_a_failure(tmp_path: Path) -> None:
+    (tmp_path / "out").mkdir()
+    with pytest.raises(KeyboardInterrupt), output_folder("run", tmp_path / "out"):
+        raise KeyboardInterrupt
+    assert everything(tmp_path) == ["out"]
+    with output_folder("run", tmp_path / "out") as output:
+        output.commit()
+
+
+def test_a_folder_with_files_is_refused(tmp_path: Path) -> None:
+    (tmp_path / "mine.txt").write_text("precious")
+    with pytest.raises(StoreError, match="holds files already; a new or empty one"), output_folder("run", tmp_path):
+        pass
+    assert everything(tmp_path) == ["mine.txt"]
+
+
+def test_default_folders_never_clash(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    names = set()
+    for _ in range(3):
+        with output_folder("free-decay") as output:
+            output.commit()
+            names.add(output.final.name)
+            assert output.final.parent == tmp_path / "reports"
+    assert len(names) == 3
+
+
+@pytest.mark.parametrize("place", ["/proc/out", "/dev/null/out", "file/out"])
+def test_a_place_that_cannot_be_written_is_one_line(
+    tmp_path: Path, place: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("file").write_text("x")
+    with pytest.raises(StoreError, match="accepted") as caught, output_folder("run", Path(place)):
+        pass
+    assert "\n" not in str(caught.value)
+    assert everything(tmp_path) == ["file"]
+
+
+@pytest.fixture
+def tiny(tmp_path: Path) -> Iterator[Path]:
+    """A file system of 64 KiB."""
+    place = tmp_path / "tiny"
+    place.mkdir()
+    mounted = os.geteuid() == 0 and subprocess.run(
+        ["mount", "-t", "tmpfs", "-o", "size=64k", "none", str(place)], capture_output=True, check=False
+    )
+    if not mounted or mounted.returncode != 0:
+        pytest.skip("mounting a small file system needs root")
+    yield place
+    subprocess.run(["umount", str(place)], check=True)
+
+
+def test_a_full_disk_is_one_line_and_leaves_nothing(tiny: Path) -> None:
+    with pytest.raises(StoreError, match="no space left"), output_folder("run", tiny / "out") as output:
+        (output / "big").write_bytes(bytes(1 << 20))
+    assert everything(tiny) == []
+    (tiny / "kept.json").write_text("{}")
+    with pytest.raises(StoreError, match="no space left"):
+        write_text(tiny / "kept.json", "x" * (1 << 20))
+    assert everything(tiny) == ["kept.json"]
+    assert (tiny / "kept.json").read_text() == "{}"
+
+
+def test_lack_of_space_is_told_apart_from_bugs(tmp_path: Path) -> None:
+    with pytest.raises(StoreError, match="no space left"), output_folder("run", tmp_path / "out"):
+        raise OSError(errno.ENOSPC, "No space left on device")
+    with pytest.raises(FileNotFoundError), output_folder("run", tmp_path / "out"):
+        raise FileNotFoundError(errno.ENOENT, "a bug")
+
+
+def test_a_file_is_replaced_at_once_and_readable(tmp_path: Path) -> None:
+    path = tmp_path / "result.json"
+    path.write_text("old")
+    write_text(path, "new")
+    assert path.read_text() == "new"
+    assert stat.S_IMODE(path.stat().st_mode) == 0o666 & ~_umask()
+    assert everything(tmp_path) == ["result.json"]
+
+
+def _umask() -> int:
+    mask = os.umask(0o022)
+    os.umask(mask)
+    return mask
+
+
+def test_devices_are_written_to_and_stay(tmp_path: Path) -> None:
+    write_text(Path("/dev/null"), "x")
+    with pytest.raises(StoreError, match="no space left"):
+        write_text(Path("/dev/full"), "x" * 100_000)
+    assert stat.S_ISCHR(os.stat("/dev/full").st_mode)
+
+
+@pytest.mark.parametrize("path", ["/no/such/folder/a.json", "/proc/a.json", "/tmp"])
+def test_a_file_that_cannot_be_written_is_known_before_the_work(path: str) -> None:
+    with pytest.raises(StoreError, match="accepted"):
+        check_writable(Path(path))
