@@ -1,0 +1,47 @@
+"""Ranges and ticks of axes that the viewer does not draw itself."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from harness.core.arrays import FloatArray
+from harness.show.scene import Grid
+
+
+def padded(values: Sequence[FloatArray], share: float) -> tuple[float, float]:
+    """Smallest and largest finite value of all arrays, widened by ``share`` of their distance on either side."""
+    low = min((float(np.nanmin(v)) for v in values if np.isfinite(v).any()), default=0.0)
+    high = max((float(np.nanmax(v)) for v in values if np.isfinite(v).any()), default=0.0)
+    margin = share * (high - low) or max(1e-12, 0.1 * abs(high))
+    return low - margin, high + margin
+
+
+def ticks(low: float, high: float, about: int = 5) -> FloatArray:
+    """Round numbers (1, 2 or 5 times a power of ten apart) within [low, high]."""
+    rough = (high - low) / about
+    power = 10.0 ** np.floor(np.log10(rough))
+    step = power * next(nice for nice in (1.0, 2.0, 5.0, 10.0) if rough <= nice * power)
+    return np.asarray(np.arange(np.ceil(low / step), np.floor(high / step) + 1) * step)
+
+
+def plane_grid(
+    path: str, x: tuple[float, float], y: tuple[float, float], x_axis: tuple[str, float], y_axis: tuple[str, float]
+) -> Grid:
+    """Axes through the origin with ticks. x_axis, y_axis : label, and label units for one unit drawn."""
+    zero_x, zero_y = min(max(0.0, x[0]), x[1]), min(max(0.0, y[0]), y[1])
+    strips = [np.array([[x[0], zero_y], [x[1], zero_y]]), np.array([[zero_x, y[0]], [zero_x, y[1]]])]
+    labels, places = [], []
+    size_x, size_y = 0.008 * (x[1] - x[0]), 0.012 * (y[1] - y[0])
+    for value in ticks(x[0] * x_axis[1], x[1] * x_axis[1]) / x_axis[1]:
+        strips.append(np.array([[value, zero_y - size_y], [value, zero_y + size_y]]))
+        if value != 0.0:
+            labels.append(f"{value * x_axis[1]:g}")
+            places.append([value, zero_y - 3.0 * size_y])
+    for value in ticks(y[0] * y_axis[1], y[1] * y_axis[1]) / y_axis[1]:
+        strips.append(np.array([[zero_x - size_x, value], [zero_x + size_x, value]]))
+        if value != 0.0:
+            labels.append(f"{value * y_axis[1]:g}")
+            places.append([zero_x + 5.0 * size_x, value])
+    labels += [x_axis[0], y_axis[0]]
+    places += [[x[1] - 8.0 * size_x, zero_y + 4.0 * size_y], [zero_x + 8.0 * size_x, y[1] - 2.0 * size_y]]
+    return Grid(path, strips, labels, np.array(places))

@@ -1,0 +1,238 @@
+"""The scene of a run: every source against the first one, which is the reference."""
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from harness.core.arrays import FloatArray, IntArray
+from harness.core.events import EventKind, Mode
+from harness.core.trajectory import Trajectory
+from harness.show import scene as s
+from harness.show.axes import padded, plane_grid
+from harness.show.compare import position_error
+from harness.show.decimate import keep, reversal_times
+from harness.show.pack import pack_trajectory
+from harness.show.palette import colors
+
+DRAWN = 50_000
+"""Samples drawn for one source. All are stored; beyond this number the curves are decimated (harness.show.decimate)."""
+
+FRAMES = 600
+"""Poses of the moving model and of the points on the phase portrait."""
+
+RAIL = 1.15
+"""Largest excursion of the drawn model, m: its rail ends beyond it."""
+
+MODE_LOOKS = {
+    "slip+": ("slips forwards", "#e4632d"),
+    "stick": ("sticks", "#5b6470"),
+    "slip-": ("slips backwards", "#2b7fd6"),
+}
+_MODES = {int(Mode.SLIP_POSITIVE): "slip+", int(Mode.STICK): "stick", int(Mode.SLIP_NEGATIVE): "slip-"}
+
+
+def run_scene(
+    trajectories: Sequence[Trajectory],
+    scenario: Mapping[str, Any],
+    result: Mapping[str, Any],
+    notes: str,
+    urdf: Path | None = None,
+) -> s.Scene:
+    """Scene of a run.
+
+    trajectories : the first is the reference. scenario, result : JSON-able, stored as properties. notes : Markdown.
+    urdf : the slider's description; without one there is no view in space.
+    """
+    reference = trajectories[0]
+    slugs = _slugs(trajectories)
+    palette = colors([trajectory.source for trajectory in trajectories])
+    items: list[s.Item] = []
+    errors = []
+    for trajectory, slug, color in zip(trajectories, slugs, palette, strict=True):
+        label = trajectory.source.label
+        chosen = keep(trajectory.t, (trajectory.x, trajectory.a), reversal_times(trajectory), DRAWN)
+        t = trajectory.t[chosen]
+        width = 2.5 if trajectory is reference else 1.5
+        items.append(s.Line(f"/position/{slug}", label, t, trajectory.x[chosen], color, width))
+        items.append(s.Line(f"/acceleration/{slug}", label, t, trajectory.a[chosen], color, width))
+        items.append(_orbit(trajectory, chosen, f"/phase/{slug}", color))
+        if trajectory is not reference:
+            error = position_error(trajectory, reference)[chosen]
+            errors.append(error)
+            items.append(s.Line(f"/error/{slug}", label, t, error * 1e3, color))
+        if trajectory.mode is not None:
+            items.append(mode_lane(trajectory, f"/contact/{slug}"))
+    items += reversal_marks(reference)
+    items.append(_plane(trajectories))
+    items += [s.Page("/notes", notes), s.Page("/parameters", _parameters(scenario, trajectories))]
+    bodies, factor = _bodies(trajectories, slugs, palette, urdf)
+    items += bodies
+    return s.Scene(
+        f"{scenario.get('name', 'run')}: {', '.join(dict.fromkeys(tr.source.name for tr in trajectories))}",
+        items,
+        _layout(trajectories, errors, bodies, factor, any(isinstance(item, s.Lane) for item in items)),
+        {f"trajectory-{i:03d}": pack_trajectory(trajectory) for i, trajectory in enumerate(trajectories)},
+        {"scenario": dict(scenario), "result": dict(result), "notes": {"text": notes}},
+    )
+
+
+def _slugs(trajectories: Sequence[Trajectory]) -> list[str]:
+    """One entity name a source, without characters that the viewer would escape."""
+    found: list[str] = []
+    for i, trajectory in enumerate(trajectories):
+        plain = "".join(c if c.isalnum() else "-" for c in trajectory.source.label) or "source"
+        # the number keeps the order: the viewer draws by name, and the reference belongs below the others
+        found.append(f"{i}-{plain}")
+    return found
+
+
+def mode_lane(trajectory: Trajectory, path: str) -> s.Lane:
+    """Stick and slip as a lane: one state for every stretch of equal mode."""
+    assert trajectory.mode is not None
+    mode = trajectory.mode
+    starts = np.concatenate([[0], np.flatnonzero(np.diff(mode)) + 1])
+    return s.Lane(path, trajectory.t[starts], [_MODES[int(mode[i])] for i in starts], MODE_LOOKS)
+
+
+def reversal_marks(reference: Trajectory) -> list[s.Item]:
+    """Each reversal as a dotted pair on the acceleration, and as a sentence with the jump."""
+    events = reference.events.of(EventKind.REVERSAL, EventKind.STICK)
+    if not len(events):
+        return []
+    before = s.Marks("/acceleration/before", "before a reversal", events.t, events.a_before, "#f5f0e1", 3.0, "circle")
+    after = s.Marks("/acceleration/after", "after it", events.t, events.a_after, "#ffd54a", 3.5, "diamond")
+    return [before, after, s.Log("/reversals", events.t, [_sentence(reference, i) for i in range(len(events))])]
+
+
+def _sentence(reference: Trajectory, i: int) -> str:
+    events = reference.events.of(EventKind.REVERSAL, EventKind.STICK)
+    jump = events.a_after[i] - events.a_before[i]
+    what = "sticks" if events.kind[i] == EventKind.STICK else f"reversal {i + 1}"
+    return (
+        f"{what} at x = {events.x[i] * 1e3:.3f} mm: acceleration jumps by {jump:+.4g} m/s² "
+        f"(from {events.a_before[i]:.4g} to {events.a_after[i]:.4g})"
+    )
+
+
+def _frames(trajectory: Trajectory) -> FloatArray:
+    return np.linspace(trajectory.t[0], trajectory.t[-1], min(FRAMES, len(trajectory)))
+
+
+def _orbit(trajectory: Trajectory, chosen: IntArray, path: str, color: str) -> s.Orbit:
+    points = np.column_stack([trajectory.x[chosen], trajectory.v[chosen] / _phase_scale(trajectory)])
+    at = _frames(trajectory)
+    places = np.column_stack(
+        [
+            np.interp(at, trajectory.t, trajectory.x),
+            np.interp(at, trajectory.t, trajectory.v) / _phase_scale(trajectory),
+        ]
+    )
+    return s.Orbit(path, trajectory.source.label, points, color, (at, places))
+
+
+def _phase_scale(trajectory: Trajectory) -> float:
+    """Speed that is drawn as long as one metre of position: a whole power of ten, so that ticks stay readable."""
+    x, v = float(np.ptp(trajectory.x)), float(np.ptp(trajectory.v))
+    return 10.0 ** round(float(np.log10(v / x))) if x > 0.0 and v > 0.0 else 1.0
+
+
+def _plane(trajectories: Sequence[Trajectory]) -> s.Grid:
+    reference = trajectories[0]
+    x, y = _plane_bounds(trajectories)
+    return plane_grid("/phase/axes", x, y, ("x / mm", 1e3), ("v / (mm/s)", 1e3 * _phase_scale(reference)))
+
+
+def _plane_bounds(trajectories: Sequence[Trajectory]) -> tuple[tuple[float, float], tuple[float, float]]:
+    scale = _phase_scale(trajectories[0])
+    return padded([tr.x for tr in trajectories], 0.05), padded([tr.v / scale for tr in trajectories], 0.05)
+
+
+def _bodies(
+    trajectories: Sequence[Trajectory], slugs: Sequence[str], palette: Sequence[str], urdf: Path | None
+) -> tuple[list[s.Body], float]:
+    """One model a source, side by side, all with the same exaggeration of the motion."""
+    if urdf is None:
+        return [], 1.0
+    largest = max(float(np.max(np.abs(tr.x))) for tr in trajectories)
+    factor = 1.0
+    if largest > 0.0 and not 0.3 * RAIL < largest <= RAIL:
+        exponent = np.floor(np.log10(RAIL / largest))
+        step = RAIL / largest / 10.0**exponent
+        factor = float(max(nice for nice in (1.0, 2.0, 5.0) if nice <= step) * 10.0**exponent)
+    bodies = []
+    for i, (trajectory, slug, color) in enumerate(zip(trajectories, slugs, palette, strict=True)):
+        at = _frames(trajectory)
+        values = np.interp(at, trajectory.t, trajectory.x) * factor
+        bodies.append(s.Body(f"/model-{slug}", trajectory.source.label, urdf, at, values, (0.0, -0.42 * i, 0.0), color))
+    return bodies, factor
+
+
+def _layout(
+    trajectories: Sequence[Trajectory],
+    errors: Sequence[FloatArray],
+    bodies: Sequence[s.Body],
+    factor: float,
+    lanes: bool,
+) -> s.Layout:
+    position = s.Plot("position / m", ["/position"], padded([tr.x for tr in trajectories], 0.06))
+    acceleration = s.Plot("acceleration / (m/s²)", ["/acceleration"], padded([tr.a for tr in trajectories], 0.06))
+    left: list[s.Layout] = [position]
+    shares = [3.0]
+    if errors:
+        left.append(s.Plot("error against the reference / mm", ["/error"], padded([e * 1e3 for e in errors], 0.06)))
+        shares.append(2.0)
+    left.append(acceleration)
+    shares.append(3.0)
+    if lanes:
+        left.append(s.Lanes("stick and slip", ["/contact"]))
+        shares.append(0.9 + 0.45 * len(trajectories))
+    x, y = _plane_bounds(trajectories)
+    right: list[s.Layout] = []
+    if bodies:
+        name = "sliders" if factor == 1.0 else f"sliders, motion x {factor:g}"
+        middle = -0.21 * (len(bodies) - 1)
+        eye = (0.0, 1.6 * middle - 1.35, 1.5 - 0.35 * middle)
+        right.append(s.Space(name, [b.path for b in bodies], eye, (0.0, 1.15 * middle, -0.1)))
+    right.append(s.Plane("phase portrait, v over x", ["/phase"], x, y))
+    pages: list[s.Layout] = [s.Words("notes", "/notes"), s.Words("parameters", "/parameters")]
+    if len(trajectories[0].events):
+        pages.append(s.Events("reversals", "/reversals"))
+    right.append(s.Tabs(pages))
+    return s.Columns([s.Rows(left, shares), s.Rows(right)], [3.0, 2.0])
+
+
+def _parameters(scenario: Mapping[str, Any], trajectories: Sequence[Trajectory]) -> str:
+    """Slider, scenario, and every source's version and settings as a page."""
+    lines = ["# Parameters", "", *_table(scenario)]
+    for trajectory in trajectories:
+        source = trajectory.source
+        step = "exact" if source.dt is None else f"step {source.dt:g} s"
+        lines += [
+            "",
+            f"## {source.label}",
+            "",
+            f"version {source.version or 'unknown'}, {step}, {len(trajectory)} samples",
+            "",
+        ]
+        lines += _table(source.settings)
+        if source.ignored:
+            lines += ["", "Not honoured:", *(f"- {sentence}" for sentence in source.ignored)]
+    return "\n".join(lines)
+
+
+def _table(values: Mapping[str, Any]) -> list[str]:
+    if not values:
+        return []
+    rows = []
+    for name, value in values.items():
+        if isinstance(value, Mapping):
+            rows += [f"| {name}.{inner} | {_cell(v)} |" for inner, v in value.items()]
+        else:
+            rows.append(f"| {name} | {_cell(value)} |")
+    return ["| name | value |", "|---|---|", *rows]
+
+
+def _cell(value: object) -> str:
+    return f"{value:.10g}" if isinstance(value, float) else str(value).replace("|", "/")
