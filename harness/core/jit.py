@@ -57,9 +57,10 @@ def _fingerprint(room: str) -> str:
     return digest.hexdigest()[:12]
 
 
-def compiled(function: F, *, parallel: bool = False, fastmath: bool = False, inline: bool = False) -> F:
+def compiled(function: F, *, parallel: bool = False, fastmath: bool = False, inline: bool = False, lean: bool = False) -> F:
     """Compile a plain function with Numba, cached on disk, without the interpreter lock.
 
+    ``lean`` leaves out reference counting, which costs more than a short law: for inner functions that make no arrays.
     ``fastmath`` allows reassociation and is for loops whose rounding was bounded by a test; nan stays nan.
     """
     room = function.__module__.split(".")[1] if function.__module__.startswith("harness.") else "user"
@@ -71,4 +72,6 @@ def compiled(function: F, *, parallel: bool = False, fastmath: bool = False, inl
         options["fastmath"] = {"contract", "reassoc", "nsz", "arcp"}
     if inline:
         options["inline"] = "always"
+    if lean:
+        options["_nrt"] = False
     return cast(F, numba.njit(**options)(function))

@@ -23,26 +23,26 @@ from harness.model.terms import (
     viscoelastic,
 )
 
-_position_dependent_friction = compiled(position_dependent_friction_slope.law)
-_position_dependent_friction_periodic = compiled(position_dependent_friction_cosine.law)
-_friction_drift = compiled(friction_drift.law)
-_normal_load_variation = compiled(normal_load_variation.law)
-_quadratic_drag = compiled(quadratic_drag.law)
-_asymmetric_viscous = compiled(asymmetric_viscous.law)
-_power_law_damping = compiled(power_law_damping.law)
-_cubic_stiffness = compiled(cubic_stiffness.law)
-_quadratic_stiffness = compiled(quadratic_stiffness.law)
-_pendulum_stiffness = compiled(pendulum_stiffness.law)
-_end_stop = compiled(end_stop.law_both)
-_end_stop_positive = compiled(end_stop.law)
-_end_stop_negative = compiled(end_stop.law_negative)
-_backlash = compiled(backlash.law)
-_stiffness_drift = compiled(stiffness_drift.law)
-_constant_force = compiled(constant_force.law)
-_force_ripple = compiled(force_ripple.law)
-_harmonic_force = compiled(harmonic_force.law)
-_viscoelastic = compiled(viscoelastic.law)
-_attached_mode = compiled(attached_mode.law)
+_position_dependent_friction = compiled(position_dependent_friction_slope.law, lean=True)
+_position_dependent_friction_periodic = compiled(position_dependent_friction_cosine.law, lean=True)
+_friction_drift = compiled(friction_drift.law, lean=True)
+_normal_load_variation = compiled(normal_load_variation.law, lean=True)
+_quadratic_drag = compiled(quadratic_drag.law, lean=True)
+_asymmetric_viscous = compiled(asymmetric_viscous.law, lean=True)
+_power_law_damping = compiled(power_law_damping.law, lean=True)
+_cubic_stiffness = compiled(cubic_stiffness.law, lean=True)
+_quadratic_stiffness = compiled(quadratic_stiffness.law, lean=True)
+_pendulum_stiffness = compiled(pendulum_stiffness.law, lean=True)
+_end_stop = compiled(end_stop.law_both, lean=True)
+_end_stop_positive = compiled(end_stop.law, lean=True)
+_end_stop_negative = compiled(end_stop.law_negative, lean=True)
+_backlash = compiled(backlash.law, lean=True)
+_stiffness_drift = compiled(stiffness_drift.law, lean=True)
+_constant_force = compiled(constant_force.law, lean=True)
+_force_ripple = compiled(force_ripple.law, lean=True)
+_harmonic_force = compiled(harmonic_force.law, lean=True)
+_viscoelastic = compiled(viscoelastic.law, lean=True)
+_attached_mode = compiled(attached_mode.law, lean=True)
 
 
 def _modulation(number: int, x: float, v: float, t: float, theta: FloatArray, o: int, out: FloatArray) -> None:
@@ -57,7 +57,7 @@ def _modulation(number: int, x: float, v: float, t: float, theta: FloatArray, o:
         _normal_load_variation(x, v, t, theta, o, out)
 
 
-modulation = compiled(_modulation)
+modulation = compiled(_modulation, lean=True)
 
 
 def _smooth(number: int, x: float, v: float, t: float, theta: FloatArray, o: int, out: FloatArray) -> None:
@@ -92,7 +92,7 @@ def _smooth(number: int, x: float, v: float, t: float, theta: FloatArray, o: int
         _harmonic_force(x, v, t, theta, o, out)
 
 
-smooth = compiled(_smooth)
+smooth = compiled(_smooth, lean=True)
 
 
 def _internal(
@@ -105,4 +105,4 @@ def _internal(
         _attached_mode(x, v, w0, w1, theta, o, out)
 
 
-internal = compiled(_internal)
+internal = compiled(_internal, lean=True)

@@ -23,7 +23,7 @@ def _ladder(name: str, doc: str, terms: tuple[Term, ...], arguments: str) -> lis
     for number, term in enumerate(terms):
         word = "if" if number == 0 else "elif"
         lines += [f"    {word} number == {number}:", f"        {_alias(term)}({arguments})"]
-    return [*lines, "", "", f"{name} = compiled(_{name})", "", ""]
+    return [*lines, "", "", f"{name} = compiled(_{name}, lean=True)", "", ""]
 
 
 def text() -> str:
@@ -45,7 +45,7 @@ def text() -> str:
             if term.law is None:
                 raise TypeError(f"{term.key} has no law")
             module = term.law.__module__.rsplit(".", 1)[1]
-            lines.append(f"{_alias(term)} = compiled({module}.{term.law.__name__})")
+            lines.append(f"{_alias(term)} = compiled({module}.{term.law.__name__}, lean=True)")
     lines += ["", ""]
     lines += _ladder("modulation", "Factor on f_k and its partials.", MODULATIONS, _SMOOTH_ARGS)
     lines += _ladder("smooth", "Force on the left side and its partials.", SMOOTH, _SMOOTH_ARGS)

@@ -10,7 +10,7 @@ import numpy as np
 
 from harness.core.arrays import FloatArray, IntArray, ModeArray
 from harness.core.jit import compiled
-from harness.kernels.interpolate import coefficients, interpolate
+from harness.kernels.interpolate import coefficients, interpolate, interpolate_sensitivities
 from harness.kernels.layout import (
     BREAK_AWAY_AT,
     CHANGES_IN_TIME,
@@ -23,9 +23,9 @@ from harness.kernels.layout import (
     N_SMOOTH,
     N_STATE,
 )
-from harness.kernels.rhs import FREE, excess, modulated, net_force, rhs
+from harness.kernels.rhs import FREE, by_modulation, excess, rhs
 from harness.kernels.step import STAGES, slope, step
-from harness.model.law import MASS
+from harness.model.law import COLUMNS, INTERNAL_COLUMNS, MASS
 
 DONE, TOO_MANY_STEPS, DIVERGED, TOO_MANY_EVENTS = range(4)
 REVERSAL, STICK, BREAK_AWAY, KNOCK = range(4)
@@ -45,46 +45,47 @@ def _break_away_jump(
     columns: IntArray,
     u: float,
     u_rate: float,
-    ks: FloatArray,
     a_after: float,
-    work: FloatArray,
+    kb: FloatArray,
+    jac: FloatArray,
+    by_theta: FloatArray,
+    row: FloatArray,
     rows: FloatArray,
     spare: FloatArray,
 ) -> None:
     """Saltation at break-away: g = sign F(t, z, theta) - F_s(t, x, theta) = 0 sets the time of the event."""
-    n, p = spec[N_STATE], theta.size
-    grad_z, grad_theta = np.zeros(n), np.zeros(p)
-    g_t = sign * u_rate
-    by_state, by_theta = np.zeros(n), np.zeros(p)
-    _, by_time = net_force(
-        t, z, spec, theta, u, by_state, by_theta, spare[:, 0], spare[:, 1 : 1 + n], spare[:, 1 + n :], work[3], rows
-    )
-    g_t += sign * by_time
-    for i in range(n):
-        grad_z[i] = sign * by_state[i]
-    for j in range(p):
-        grad_theta[j] = sign * by_theta[j]
-    product, by_x, by_t = modulated(t, z, spec, theta, by_theta, work[3])
-    at = spec[BREAK_AWAY_AT]
-    limit = theta[at]
-    grad_z[0] -= limit * by_x
-    g_t -= limit * by_t
-    for j in range(p):
-        grad_theta[j] -= limit * by_theta[j]
-    grad_theta[at] -= product
+    n, m = spec[N_STATE], theta[MASS]
+    _, by_t, limit, limit_x, limit_t = excess(t, z, spec, theta, u, kb, jac, by_theta, row, rows)
+    g_t = sign * (u_rate + by_t) - limit_t
     for i in range(2, n):
-        g_t += grad_z[i] * ks[0, i]
+        g_t += sign * m * jac[1, i] * kb[0, i]
     if g_t == 0.0:
         return
+    at = spec[BREAK_AWAY_AT]
+    f_s = theta[at]
     for q in range(columns.size):
-        total = grad_theta[columns[q]] if columns[q] >= 0 else 0.0
-        for i in range(n):
-            if i != 1:
-                total += grad_z[i] * s[i, q]
-        s[1, q] += a_after * total / g_t
+        total = sign * m * by_theta[1, columns[q]] if columns[q] >= 0 else 0.0
+        total += (sign * m * jac[1, 0] - limit_x) * s[0, q]
+        for i in range(2, n):
+            total += sign * m * jac[1, i] * s[i, q]
+        if columns[q] == at and f_s > 0.0:
+            total -= limit / f_s
+        spare[q] = total
+    # the level's own dependence on the modulations, which share no parameter with the force
+    if spec[N_MODULATION] > 0:
+        product = limit / f_s if f_s > 0.0 else 0.0
+        by_modulation(t, z[0], 0.0, spec, theta, product, f_s, 1, by_theta, row)
+        first = spec[LISTS + 1]
+        for q in range(columns.size):
+            for g in range(spec[N_MODULATION]):
+                first = spec[LISTS + 3 * g + 1]
+                if first <= columns[q] < first + spec[LISTS + 3 * g + 2]:
+                    spare[q] -= by_theta[1, columns[q]]
+    for q in range(columns.size):
+        s[1, q] += a_after * spare[q] / g_t
 
 
-break_away_jump = compiled(_break_away_jump)
+break_away_jump = compiled(_break_away_jump, lean=True)
 
 
 def _integrate(
@@ -118,16 +119,15 @@ def _integrate(
     Returns status, number of events, number of steps, last time reached.
     """
     n, p, q_count, samples = spec[N_STATE], theta.size, columns.size, t_out.size
-    width = max(n, p, 16)
-    work, rows = np.zeros((4, width)), np.zeros((3, 16))
-    spare = np.zeros((n, 1 + n + p))
+    row, rows, spare = np.zeros(COLUMNS), np.zeros((3, INTERNAL_COLUMNS)), np.zeros(q_count)
+    kb = np.zeros((1, n))
     jac, by_theta = np.zeros((n, n)), np.zeros((n, p))
     ks, kss = np.zeros((STAGES, n)), np.zeros((STAGES, n, q_count))
     z, s = z0.copy(), s0.copy()
     z1, s1, zi, si = np.zeros(n), np.zeros((n, q_count)), np.zeros(n), np.zeros((n, q_count))
     ki, kis = np.zeros((1, n)), np.zeros((1, n, q_count))
-    cz, cs = np.zeros((n, 6)), np.zeros((n, q_count, 6))
-    knock_at = LISTS + 2 * (spec[N_MODULATION] + spec[N_SMOOTH]) + 4 * spec[N_INTERNAL]
+    cz = np.zeros((n, 6))
+    knock_at = LISTS + 3 * (spec[N_MODULATION] + spec[N_SMOOTH]) + 5 * spec[N_INTERNAL]
     knock, knocks = 0, spec[N_KNOCK]
     coulomb = spec[FRICTION] == COULOMB
     driven = u_t.size > 0
@@ -156,7 +156,7 @@ def _integrate(
         if z[1] != 0.0:
             mode = 1 if z[1] > 0.0 else -1
         else:
-            force, limit = excess(t, z, spec, theta, u0, work, rows, spare)
+            force, _, limit, _, _ = excess(t, z, spec, theta, u0, kb, jac, by_theta, row, rows)
             mode = 0 if abs(force) <= limit else (1 if force > 0.0 else -1)
 
     h = 0.1 * h_max
@@ -184,14 +184,32 @@ def _integrate(
                 i_out += 1
             break
         if fresh:
-            slope(0, t, z, s, mode, spec, theta, columns, u0, ks, kss, jac, by_theta, work, rows)
+            slope(0, t, z, s, mode, spec, theta, columns, u0, ks, kss, jac, by_theta, row, rows)
             fresh = False
         remaining = stop - t
         if remaining > 0.0:
             h = min(h, h_max)
             step_h = remaining if h >= 0.999999 * remaining else (0.5 * remaining if h > 0.6 * remaining else h)
             error = step(
-                t, step_h, z, s, mode, spec, theta, columns, u0, u_rate, scale, z1, s1, ks, kss, jac, by_theta, work, rows
+                t,
+                step_h,
+                z,
+                s,
+                mode,
+                spec,
+                theta,
+                columns,
+                u0,
+                u_rate,
+                scale,
+                z1,
+                s1,
+                ks,
+                kss,
+                jac,
+                by_theta,
+                row,
+                rows,
             )
             n_steps += 1
             if not math.isfinite(error) or not math.isfinite(z1[1]):
@@ -237,8 +255,7 @@ def _integrate(
                 trial = 0.5 * (low + high) * step_h
                 for _ in range(_POLISH):
                     step(
-                        t, trial, z, s, mode, spec, theta, columns, u0, u_rate, scale, z1, s1, ks, kss, jac, by_theta,
-                        work, rows,
+                        t, trial, z, s, mode, spec, theta, columns, u0, u_rate, scale, z1, s1, ks, kss, jac, by_theta, row, rows,
                     )  # fmt: skip
                     slowing = ks[STAGES - 1, 1]
                     if slowing == 0.0:
@@ -253,13 +270,15 @@ def _integrate(
                 at_knock = False
                 coefficients(step_h, z, z1, ks, n, cz)
             elif mode == 0:
-                force, limit = excess(end, z1, spec, theta, u0 + u_rate * step_h, work, rows, spare)
+                force, _, limit, _, _ = excess(end, z1, spec, theta, u0 + u_rate * step_h, kb, jac, by_theta, row, rows)
                 if abs(force) > limit:
                     low, high = 0.0, step_h
                     for _ in range(100):
                         middle = 0.5 * (low + high)
                         interpolate(middle / step_h, step_h, cz, n, zi)
-                        force, limit = excess(t + middle, zi, spec, theta, u0 + u_rate * middle, work, rows, spare)
+                        force, _, limit, _, _ = excess(
+                            t + middle, zi, spec, theta, u0 + u_rate * middle, kb, jac, by_theta, row, rows
+                        )
                         if abs(force) > limit:
                             high = middle
                         else:
@@ -268,15 +287,13 @@ def _integrate(
                             break
                     if high < step_h:
                         step(
-                            t, high, z, s, mode, spec, theta, columns, u0, u_rate, scale, z1, s1, ks, kss, jac, by_theta,
-                            work, rows,
+                            t, high, z, s, mode, spec, theta, columns, u0, u_rate, scale, z1, s1, ks, kss, jac, by_theta, row, rows,
                         )  # fmt: skip
                         step_h, end = high, t + high
                         coefficients(step_h, z, z1, ks, n, cz)
                     kind = BREAK_AWAY
                     at_knock = False
             # samples within the step
-            prepared = False
             while i_out < samples and t_out[i_out] <= end:
                 ti = t_out[i_out]
                 share = (ti - t) / step_h
@@ -284,17 +301,12 @@ def _integrate(
                 x[i_out], v[i_out] = zi[0], zi[1]
                 mode_out[i_out] = mode if mode != FREE else (1 if zi[1] > 0.0 else (-1 if zi[1] < 0.0 else 0))
                 if q_count > 0:
-                    if not prepared:
-                        for q in range(q_count):
-                            coefficients(step_h, s[:, q], s1[:, q], kss[:, :, q], n, cs[:, q, :])
-                        prepared = True
+                    interpolate_sensitivities(share, step_h, s, s1, kss, n, si)
                     for q in range(q_count):
-                        interpolate(share, step_h, cs[:, q, :], n, si[:, q])
                         dx[i_out, q], dv[i_out, q] = si[0, q], si[1, q]
                 if want_a:
                     slope(
-                        0, ti, zi, si, mode, spec, theta, columns, u0 + u_rate * (ti - t), ki, kis, jac, by_theta,
-                        work, rows,
+                        0, ti, zi, si, mode, spec, theta, columns, u0 + u_rate * (ti - t), ki, kis, jac, by_theta, row, rows,
                     )  # fmt: skip
                     a[i_out] = ki[0, 1]
                     for q in range(q_count):
@@ -314,10 +326,10 @@ def _integrate(
             a_before = ks[0, 1]
             a_after = a_before
             if mode != FREE:
-                force, limit = excess(t, z, spec, theta, u_end, work, rows, spare)
+                force, _, limit, _, _ = excess(t, z, spec, theta, u_end, kb, jac, by_theta, row, rows)
                 mode = 0 if abs(force) <= limit else (1 if force > 0.0 else -1)
-                rhs(t, z, mode, spec, theta, u_end, zi, jac, by_theta, work, rows)
-                a_after = zi[1]
+                rhs(0, t, z, mode, spec, theta, u_end, kb, jac, by_theta, row, rows)
+                a_after = kb[0, 1]
                 if a_before != 0.0:
                     for q in range(q_count):
                         s[1, q] *= a_after / a_before
@@ -330,13 +342,28 @@ def _integrate(
             events[n_events, 3], events[n_events, 4] = a_before, a_after
             n_events += 1
         elif kind == BREAK_AWAY:
-            force, _ = excess(t, z, spec, theta, u_end, work, rows, spare)
+            force, _, _, _, _ = excess(t, z, spec, theta, u_end, kb, jac, by_theta, row, rows)
             mode = 1 if force > 0.0 else -1
-            rhs(t, z, mode, spec, theta, u_end, zi, jac, by_theta, work, rows)
-            a_after = zi[1]
+            rhs(0, t, z, mode, spec, theta, u_end, kb, jac, by_theta, row, rows)
+            a_after = kb[0, 1]
             if q_count > 0:
                 break_away_jump(
-                    t, z, s, float(mode), spec, theta, columns, u_end, u_rate, ks, a_after, work, rows, spare
+                    t,
+                    z,
+                    s,
+                    float(mode),
+                    spec,
+                    theta,
+                    columns,
+                    u_end,
+                    u_rate,
+                    a_after,
+                    kb,
+                    jac,
+                    by_theta,
+                    row,
+                    rows,
+                    spare,
                 )
             if n_events >= events.shape[0]:
                 return TOO_MANY_EVENTS, n_events, n_steps, t
@@ -354,7 +381,7 @@ def _integrate(
             if mode != FREE and jump != 0.0:
                 if z[1] != 0.0:
                     mode = 1 if z[1] > 0.0 else -1
-            slope(0, t, z, s, mode, spec, theta, columns, u_end, ks, kss, jac, by_theta, work, rows)
+            slope(0, t, z, s, mode, spec, theta, columns, u_end, ks, kss, jac, by_theta, row, rows)
             for q in range(q_count):
                 if columns[q] == o:
                     s[0, q] += v_before - z[1]

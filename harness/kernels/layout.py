@@ -62,7 +62,7 @@ def lay_out(model: Model, v_scale: float) -> Layout:
     """Arrays of a model; v_scale is the speed (m/s) that counts as ordinary, for rounding of singular laws."""
     theta = [model.m, model.c, model.k, model.f_k, model.f_k if model.f_s is None else model.f_s, v_scale]
     names = ["m", "c", "k", "f_k", "f_s", "v_scale"]
-    assert (MASS, VISCOUS, STIFFNESS, KINETIC, STATIC, V_SCALE, FIRST_TERM) == tuple(range(7))
+    assert tuple(range(7)) == (MASS, VISCOUS, STIFFNESS, KINETIC, STATIC, V_SCALE, FIRST_TERM)
     term_at = []
     for entry in model.terms:
         term_at.append(len(theta))
@@ -81,15 +81,17 @@ def lay_out(model: Model, v_scale: float) -> Layout:
     spec[STRIBECK_AT] = place(levels[0]) if levels else -1
     static = model.in_slot(Slot.BREAK_AWAY) or levels
     spec[BREAK_AWAY_AT] = place(static[0]) if static else (KINETIC if model.f_s is None else STATIC)
-    modulations = [(MODULATIONS.index(e.term), place(e)) for e in model.in_slot(Slot.FRICTION_MODULATION)]
-    smooth = [(SMOOTH.index(e.term), place(e)) for e in model.in_slot(Slot.SMOOTH)]
+    modulations = [
+        (MODULATIONS.index(e.term), place(e), len(e.values)) for e in model.in_slot(Slot.FRICTION_MODULATION)
+    ]
+    smooth = [(SMOOTH.index(e.term), place(e), len(e.values)) for e in model.in_slot(Slot.SMOOTH)]
     start, state_names = [model.x0, model.v0], ["x", "v"]
     if spec[FRICTION] == BRISTLE:
         start.append(0.0)
         state_names.append("presliding.z")
     internal = []
     for entry in model.in_slot(Slot.INTERNAL):
-        internal.append((INTERNAL.index(entry.term), place(entry), len(start), entry.term.internal))
+        internal.append((INTERNAL.index(entry.term), place(entry), len(entry.values), len(start), entry.term.internal))
         start += entry.internal0
         state_names += [f"{entry.term.key}.w{i}" for i in range(entry.term.internal)]
     knocks = sorted(model.in_slot(Slot.EVENT), key=lambda e: e.values[0])

@@ -1,8 +1,10 @@
-"""The right side of the equation of motion with all its partial derivatives, in any contact mode."""
+"""The right side of the equation of motion with all its partial derivatives, in any contact mode.
+
+Every parameter belongs to one term, so its partials are assigned and never summed: nothing needs zeroing in the inner
+loop. Views and arrays inside arrays are avoided: they cost more than the laws they would serve.
+"""
 
 import math
-
-import numpy as np
 
 from harness.core.arrays import FloatArray, IntArray
 from harness.core.jit import compiled
@@ -49,253 +51,276 @@ _TINY = 1e-300
 
 
 def _net_force(
+    stage: int,
     t: float,
     z: FloatArray,
     spec: IntArray,
     theta: FloatArray,
     u: float,
-    by_state: FloatArray,
+    ks: FloatArray,
+    jac: FloatArray,
     by_theta: FloatArray,
-    rates: FloatArray,
-    rates_by_state: FloatArray,
-    rates_by_theta: FloatArray,
     row: FloatArray,
     rows: FloatArray,
 ) -> tuple[float, float]:
-    """Force without dry friction, and its partial by time (the drive excepted); fills the partials.
+    """Force without dry friction and its partial by time (the drive excepted).
 
-    by_state (n,), by_theta (P,): partials of the force. rates (n,), rates_by_state (n, n), rates_by_theta (n, P): of the
-    internal states, rows 2.. only. row (COLUMNS,), rows (3, INTERNAL_COLUMNS): scratch.
+    Fills row 1 of jac (n, n) and by_theta (n, P) with the partials of the force over m, and the rows from 2 on of
+    ks[stage], jac and by_theta with rates of the internal states and their partials.
     """
     n = spec[N_STATE]
     x, v = z[0], z[1]
-    by_state[:] = 0.0
-    by_theta[:] = 0.0
-    c, k = theta[VISCOUS], theta[STIFFNESS]
+    c, k, over_m = theta[VISCOUS], theta[STIFFNESS], 1.0 / theta[MASS]
     force = u - c * v
-    by_time = 0.0
-    by_state[1] = -c
-    by_theta[VISCOUS] = -v
+    by_x, by_v, by_t, by_m, by_k = 0.0, -c, 0.0, 0.0, 0.0
     if spec[RESTORING] == SPRING:
         force -= k * x
-        by_state[0] = -k
-        by_theta[STIFFNESS] = -x
+        by_x = -k
+        by_k = -x
     elif spec[RESTORING] == PENDULUM:
         force -= k * math.sin(x)
-        by_state[0] = -k * math.cos(x)
-        by_theta[STIFFNESS] = -math.sin(x)
-    at = LISTS + 2 * spec[N_MODULATION]
+        by_x = -k * math.cos(x)
+        by_k = -math.sin(x)
+    at = LISTS + 3 * spec[N_MODULATION]
     for _ in range(spec[N_SMOOTH]):
         o = spec[at + 1]
-        row[:] = 0.0
+        for j in range(COLUMNS):
+            row[j] = 0.0
         smooth(spec[at], x, v, t, theta, o, row)
         force -= row[VALUE]
-        by_state[0] -= row[D_X]
-        by_state[1] -= row[D_V]
-        by_time -= row[D_T]
-        by_theta[MASS] -= row[D_MASS]
-        by_theta[STIFFNESS] -= row[D_STIFFNESS]
-        for j in range(min(MAX_PARAMETERS, theta.size - o)):
-            by_theta[o + j] -= row[D_PARAMETER + j]
-        at += 2
+        by_x -= row[D_X]
+        by_v -= row[D_V]
+        by_t -= row[D_T]
+        by_m -= row[D_MASS]
+        by_k -= row[D_STIFFNESS]
+        for j in range(min(spec[at + 2], MAX_PARAMETERS)):
+            by_theta[1, o + j] = -row[D_PARAMETER + j] * over_m
+        at += 3
+    for j in range(2, n):
+        jac[1, j] = 0.0
     for _ in range(spec[N_INTERNAL]):
-        o, s = spec[at + 1], spec[at + 2]
-        rows[:] = 0.0
-        width = spec[at + 3]
+        o, s, width = spec[at + 1], spec[at + 3], spec[at + 4]
+        for i in range(3):
+            for j in range(INTERNAL_COLUMNS):
+                rows[i, j] = 0.0
         w1 = z[s + 1] if width > 1 else 0.0
         internal(spec[at], x, v, z[s], w1, theta, o, rows)
         force -= rows[0, VALUE]
-        by_state[0] -= rows[0, D_X]
-        by_state[1] -= rows[0, D_V]
-        by_theta[MASS] -= rows[0, D_MASS]
-        for j in range(min(MAX_PARAMETERS, theta.size - o)):
-            by_theta[o + j] -= rows[0, D_PARAMETER + j]
-        for j in range(width):
-            by_state[s + j] -= rows[0, D_INTERNAL + j]
+        by_x -= rows[0, D_X]
+        by_v -= rows[0, D_V]
+        by_m -= rows[0, D_MASS]
+        for j in range(min(spec[at + 2], MAX_PARAMETERS)):
+            by_theta[1, o + j] = -rows[0, D_PARAMETER + j] * over_m
         for i in range(width):
-            rates[s + i] = rows[1 + i, VALUE]
+            jac[1, s + i] = -rows[0, D_INTERNAL + i] * over_m
+            ks[stage, s + i] = rows[1 + i, VALUE]
             for j in range(n):
-                rates_by_state[s + i, j] = 0.0
-            rates_by_state[s + i, 0] = rows[1 + i, D_X]
-            rates_by_state[s + i, 1] = rows[1 + i, D_V]
+                jac[s + i, j] = 0.0
+            jac[s + i, 0] = rows[1 + i, D_X]
+            jac[s + i, 1] = rows[1 + i, D_V]
             for j in range(width):
-                rates_by_state[s + i, s + j] = rows[1 + i, D_INTERNAL + j]
-            for j in range(theta.size):
-                rates_by_theta[s + i, j] = 0.0
-            for j in range(min(MAX_PARAMETERS, theta.size - o)):
-                rates_by_theta[s + i, o + j] = rows[1 + i, D_PARAMETER + j]
-        at += 4
-    return force, by_time
+                jac[s + i, s + j] = rows[1 + i, D_INTERNAL + j]
+            for j in range(min(spec[at + 2], MAX_PARAMETERS)):
+                by_theta[s + i, o + j] = rows[1 + i, D_PARAMETER + j]
+        at += 5
+    jac[1, 0] = by_x * over_m
+    jac[1, 1] = by_v * over_m
+    by_theta[1, MASS] = by_m * over_m
+    by_theta[1, VISCOUS] = -v * over_m
+    by_theta[1, STIFFNESS] = by_k * over_m
+    return force, by_t
 
 
-net_force = compiled(_net_force)
+net_force = compiled(_net_force, lean=True, inline=True)
 
 
 def _modulated(
-    t: float, z: FloatArray, spec: IntArray, theta: FloatArray, by_theta: FloatArray, row: FloatArray
+    t: float, x: float, v: float, spec: IntArray, theta: FloatArray, row: FloatArray
 ) -> tuple[float, float, float]:
-    """Product of the modulations of friction with partials by x and t; never below 0. Fills by_theta (P,)."""
+    """Product of the modulations of friction with partials by x and t; never below 0."""
     product, by_x, by_t = 1.0, 0.0, 0.0
-    by_theta[:] = 0.0
     at = LISTS
     for _ in range(spec[N_MODULATION]):
-        o = spec[at + 1]
-        row[:] = 0.0
-        modulation(spec[at], z[0], z[1], t, theta, o, row)
+        for j in range(COLUMNS):
+            row[j] = 0.0
+        modulation(spec[at], x, v, t, theta, spec[at + 1], row)
         factor = row[VALUE]
         by_x = by_x * factor + product * row[D_X]
         by_t = by_t * factor + product * row[D_T]
-        for j in range(theta.size):
-            by_theta[j] *= factor
-        for j in range(min(MAX_PARAMETERS, theta.size - o)):
-            by_theta[o + j] += product * row[D_PARAMETER + j]
         product *= factor
-        at += 2
+        at += 3
     if product <= 0.0:
-        by_theta[:] = 0.0
         return 0.0, 0.0, 0.0
     return product, by_x, by_t
 
 
-modulated = compiled(_modulated)
+modulated = compiled(_modulated, lean=True, inline=True)
 
 
-def _level(
-    t: float, z: FloatArray, spec: IntArray, theta: FloatArray, by_theta: FloatArray, row: FloatArray
-) -> tuple[float, float, float]:
-    """Friction while sliding: level curve times modulations, with partials by x and v. Fills by_theta (P,)."""
-    product, by_x, _ = modulated(t, z, spec, theta, by_theta, row)
-    curve, curve_by_v = theta[KINETIC], 0.0
-    at = spec[STRIBECK_AT]
-    by_kinetic = 1.0
+def _by_modulation(
+    t: float,
+    x: float,
+    v: float,
+    spec: IntArray,
+    theta: FloatArray,
+    product: float,
+    weight: float,
+    i: int,
+    by_theta: FloatArray,
+    row: FloatArray,
+) -> None:
+    """Set by_theta[i] of the parameters of modulations to weight times the partials of their product."""
+    at = LISTS
+    for _ in range(spec[N_MODULATION]):
+        o = spec[at + 1]
+        for j in range(COLUMNS):
+            row[j] = 0.0
+        modulation(spec[at], x, v, t, theta, o, row)
+        others = product / row[VALUE] if product > 0.0 else 0.0
+        for j in range(min(spec[at + 2], MAX_PARAMETERS)):
+            by_theta[i, o + j] = weight * others * row[D_PARAMETER + j]
+        at += 3
+
+
+by_modulation = compiled(_by_modulation, lean=True)
+
+
+def _level_partials(
+    t: float,
+    x: float,
+    v: float,
+    spec: IntArray,
+    theta: FloatArray,
+    product: float,
+    weight: float,
+    i: int,
+    by_theta: FloatArray,
+    row: FloatArray,
+) -> None:
+    """Set by_theta[i] to weight times the partials of the friction level by every parameter it depends on."""
+    curve, at = theta[KINETIC], spec[STRIBECK_AT]
     if at >= 0:
-        f_s, v_s, v = theta[at], theta[at + 1], z[1]
+        v_s = theta[at + 1]
         e = math.exp(-((v / v_s) ** 2))
-        excess = f_s - theta[KINETIC]
-        curve += excess * e
-        curve_by_v = -2.0 * excess * e * v / (v_s * v_s)
-        by_kinetic = 1.0 - e
-        for j in range(theta.size):
-            by_theta[j] *= curve
-        by_theta[at] += product * e
-        by_theta[at + 1] += product * 2.0 * excess * e * v * v / (v_s * v_s * v_s)
+        excess_ = theta[at] - curve
+        by_theta[i, KINETIC] = weight * product * (1.0 - e)
+        by_theta[i, at] = weight * product * e
+        by_theta[i, at + 1] = weight * product * 2.0 * excess_ * e * v * v / (v_s * v_s * v_s)
+        curve += excess_ * e
     else:
-        for j in range(theta.size):
-            by_theta[j] *= curve
-    by_theta[KINETIC] += product * by_kinetic
-    return curve * product, curve * by_x, curve_by_v * product
+        by_theta[i, KINETIC] = weight * product
+    if spec[N_MODULATION] > 0:
+        by_modulation(t, x, v, spec, theta, product, weight * curve, i, by_theta, row)
 
 
-level = compiled(_level)
+level_partials = compiled(_level_partials, lean=True, inline=True)
 
 
 def _rhs(
+    stage: int,
     t: float,
     z: FloatArray,
     mode: int,
     spec: IntArray,
     theta: FloatArray,
     u: float,
-    dz: FloatArray,
+    ks: FloatArray,
     jac: FloatArray,
     by_theta: FloatArray,
-    work: FloatArray,
+    row: FloatArray,
     rows: FloatArray,
 ) -> None:
-    """Fill dz (n,), jac (n, n) = d dz/d z and by_theta (n, P) = d dz/d theta.
+    """Fill ks[stage] (n,) with dz/dt, jac (n, n) with its partials by z and by_theta (n, P) by theta.
 
-    mode: -1, 0, 1 (slip, stick, slip) or FREE. work (4, max(n, P, COLUMNS)) and rows (3, INTERNAL_COLUMNS) are scratch.
+    mode: -1, 0, 1 (slip, stick, slip) or FREE. row (COLUMNS,) and rows (3, INTERNAL_COLUMNS) are scratch; row 0 of
+    by_theta stays as it is (zero).
     """
-    n, p = spec[N_STATE], theta.size
-    force_by_state, force_by_theta = work[0, :n], work[1, :p]
-    level_by_theta, row = work[2, :p], work[3]
-    force, _ = net_force(
-        t, z, spec, theta, u, force_by_state, force_by_theta, dz, jac, by_theta, row, rows
-    )
-    m, v = theta[MASS], z[1]
-    for j in range(n):
-        jac[0, j] = 0.0
-        jac[1, j] = 0.0
-    for j in range(p):
-        by_theta[0, j] = 0.0
-        by_theta[1, j] = 0.0
+    n = spec[N_STATE]
+    force, _ = net_force(stage, t, z, spec, theta, u, ks, jac, by_theta, row, rows)
     if mode == 0:
-        dz[0] = 0.0
-        dz[1] = 0.0
-        return
-    dz[0] = v
-    jac[0, 1] = 1.0
-    law = spec[FRICTION]
-    at = spec[FRICTION_AT]
-    lv, lv_x, lv_v = level(t, z, spec, theta, level_by_theta, row)
-    if law == COULOMB:
-        dz[1] = (force - mode * lv) / m
+        ks[stage, 0] = 0.0
+        ks[stage, 1] = 0.0
         for j in range(n):
-            jac[1, j] = force_by_state[j] / m
-        jac[1, 0] -= mode * lv_x / m
-        jac[1, 1] -= mode * lv_v / m
-        for j in range(p):
-            by_theta[1, j] = (force_by_theta[j] - mode * level_by_theta[j]) / m
+            jac[0, j] = 0.0
+            jac[1, j] = 0.0
+        for j in range(theta.size):
+            by_theta[1, j] = 0.0
+        return
+    x, v, over_m = z[0], z[1], 1.0 / theta[MASS]
+    ks[stage, 0] = v
+    jac[0, 0] = 0.0
+    jac[0, 1] = 1.0
+    for j in range(2, n):
+        jac[0, j] = 0.0
+    product, by_x, _ = modulated(t, x, v, spec, theta, row)
+    curve, curve_by_v = theta[KINETIC], 0.0
+    at = spec[STRIBECK_AT]
+    if at >= 0:
+        v_s = theta[at + 1]
+        bump = (theta[at] - curve) * math.exp(-((v / v_s) ** 2))
+        curve += bump
+        curve_by_v = -2.0 * bump * v / (v_s * v_s)
+    level, level_x, level_v = curve * product, curve * by_x, curve_by_v * product
+    law, at = spec[FRICTION], spec[FRICTION_AT]
+    friction = 0.0
+    if law == COULOMB:
+        friction = mode * level
+        jac[1, 0] -= mode * level_x * over_m
+        jac[1, 1] -= mode * level_v * over_m
+        level_partials(t, x, v, spec, theta, product, -mode * over_m, 1, by_theta, row)
     elif law == BRISTLE:
         s0, s1, b = theta[at], theta[at + 1], z[2]
-        lv = max(lv, _TINY)
+        level = max(level, _TINY)
         speed = abs(v)
         sign = 1.0 if v >= 0.0 else -1.0
-        rate = v - s0 * speed * b / lv
+        pull = s0 * speed * b / level
+        rate = v - pull
         friction = s0 * b + s1 * rate
-        rate_v = 1.0 - s0 * sign * b / lv + s0 * speed * b * lv_v / (lv * lv)
-        rate_x = s0 * speed * b * lv_x / (lv * lv)
-        rate_b = -s0 * speed / lv
-        dz[1] = (force - friction) / m
-        dz[2] = rate
-        for j in range(n):
-            jac[1, j] = force_by_state[j] / m
+        rate_v = 1.0 - s0 * sign * b / level + pull * level_v / level
+        rate_x = pull * level_x / level
+        rate_b = -s0 * speed / level
+        ks[stage, 2] = rate
+        for j in range(3, n):
             jac[2, j] = 0.0
-        jac[1, 0] -= s1 * rate_x / m
-        jac[1, 1] -= s1 * rate_v / m
-        jac[1, 2] -= (s0 + s1 * rate_b) / m
+        jac[1, 0] -= s1 * rate_x * over_m
+        jac[1, 1] -= s1 * rate_v * over_m
+        jac[1, 2] = -(s0 + s1 * rate_b) * over_m
         jac[2, 0], jac[2, 1], jac[2, 2] = rate_x, rate_v, rate_b
-        for j in range(p):
-            d = s0 * speed * b * level_by_theta[j] / (lv * lv)
-            by_theta[2, j] = d
-            by_theta[1, j] = (force_by_theta[j] - s1 * d) / m
-        by_theta[2, at] += -speed * b / lv
-        by_theta[1, at] -= (b - s1 * speed * b / lv) / m
-        by_theta[1, at + 1] -= rate / m
+        level_partials(t, x, v, spec, theta, product, -s1 * pull / level * over_m, 1, by_theta, row)
+        level_partials(t, x, v, spec, theta, product, pull / level, 2, by_theta, row)
+        by_theta[1, at] = -(b - s1 * speed * b / level) * over_m
+        by_theta[1, at + 1] = -rate * over_m
+        by_theta[2, at] = -speed * b / level
     elif law == REGULARISED:
         v_r, lead = theta[at], theta[at + 1]
-        ratio = (v + lead * force / m) / v_r
+        ratio = (v + lead * force * over_m) / v_r
         if abs(ratio) < 1.0:
-            slope = lv / v_r
-            dz[1] = (force - lv * ratio) / m
+            slope = level / v_r
+            friction = level * ratio
+            keep = 1.0 - slope * lead * over_m
             for j in range(n):
-                jac[1, j] = force_by_state[j] * (1.0 - slope * lead / m) / m
-            jac[1, 0] -= lv_x * ratio / m
-            jac[1, 1] -= (lv_v * ratio + slope) / m
-            for j in range(p):
-                by_theta[1, j] = (force_by_theta[j] * (1.0 - slope * lead / m) - level_by_theta[j] * ratio) / m
-            by_theta[1, MASS] += slope * lead * force / (m * m * m)
-            by_theta[1, at] += lv * ratio / v_r / m
-            by_theta[1, at + 1] -= slope * force / (m * m)
+                jac[1, j] *= keep
+            for j in range(theta.size):
+                by_theta[1, j] *= keep
+            jac[1, 0] -= level_x * ratio * over_m
+            jac[1, 1] -= (level_v * ratio + slope) * over_m
+            by_theta[1, MASS] += slope * lead * force * over_m * over_m * over_m
+            by_theta[1, at] = friction / v_r * over_m
+            by_theta[1, at + 1] = -slope * force * over_m * over_m
+            level_partials(t, x, v, spec, theta, product, -ratio * over_m, 1, by_theta, row)
         else:
             sign = 1.0 if ratio > 0.0 else -1.0
-            dz[1] = (force - sign * lv) / m
-            for j in range(n):
-                jac[1, j] = force_by_state[j] / m
-            jac[1, 0] -= sign * lv_x / m
-            jac[1, 1] -= sign * lv_v / m
-            for j in range(p):
-                by_theta[1, j] = (force_by_theta[j] - sign * level_by_theta[j]) / m
-    else:
-        dz[1] = force / m
-        for j in range(n):
-            jac[1, j] = force_by_state[j] / m
-        for j in range(p):
-            by_theta[1, j] = force_by_theta[j] / m
-    by_theta[1, MASS] -= dz[1] / m
+            friction = sign * level
+            jac[1, 0] -= sign * level_x * over_m
+            jac[1, 1] -= sign * level_v * over_m
+            by_theta[1, at] = 0.0
+            by_theta[1, at + 1] = 0.0
+            level_partials(t, x, v, spec, theta, product, -sign * over_m, 1, by_theta, row)
+    ks[stage, 1] = (force - friction) * over_m
+    by_theta[1, MASS] -= ks[stage, 1] * over_m
 
 
-rhs = compiled(_rhs)
+rhs = compiled(_rhs, lean=True)
 
 
 def _excess(
@@ -304,22 +329,20 @@ def _excess(
     spec: IntArray,
     theta: FloatArray,
     u: float,
-    work: FloatArray,
+    ks: FloatArray,
+    jac: FloatArray,
+    by_theta: FloatArray,
+    row: FloatArray,
     rows: FloatArray,
-    spare: FloatArray,
-) -> tuple[float, float]:
-    """Net force on a slider at rest, and its break-away level. spare (n, 1 + n + P) takes partials that are not used."""
-    n, p = spec[N_STATE], theta.size
-    force, _ = net_force(
-        t, z, spec, theta, u, work[0, :n], work[1, :p], spare[:, 0], spare[:, 1 : 1 + n], spare[:, 1 + n :], work[3], rows
-    )
-    product, _, _ = modulated(t, z, spec, theta, work[2, :p], work[3])
-    return force, theta[spec[BREAK_AWAY_AT]] * product
+) -> tuple[float, float, float, float, float]:
+    """Net force on a slider at rest, its partial by time, break-away level, and that level's partials by x and t.
+
+    Fills by_theta[1] (P,) with the partials of the force over m, jac[1] with those by the state; ks has one stage.
+    """
+    force, by_t = net_force(0, t, z, spec, theta, u, ks, jac, by_theta, row, rows)
+    product, product_x, product_t = modulated(t, z[0], 0.0, spec, theta, row)
+    f_s = theta[spec[BREAK_AWAY_AT]]
+    return force, by_t, f_s * product, f_s * product_x, f_s * product_t
 
 
-excess = compiled(_excess)
-
-
-def scratch(n: int, p: int) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Scratch arrays for n states and p parameters: work, rows, spare."""
-    return np.zeros((4, max(n, p, COLUMNS))), np.zeros((3, INTERNAL_COLUMNS)), np.zeros((n, 1 + n + p))
+excess = compiled(_excess, lean=True)

@@ -41,11 +41,11 @@ def _slope(
     kss: FloatArray,
     jac: FloatArray,
     by_theta: FloatArray,
-    work: FloatArray,
+    row: FloatArray,
     rows: FloatArray,
 ) -> None:
     """Derivatives of state and sensitivities into ks[stage] (n,) and kss[stage] (n, q): S' = J S + F_theta."""
-    rhs(t, z, mode, spec, theta, u, ks[stage], jac, by_theta, work, rows)
+    rhs(stage, t, z, mode, spec, theta, u, ks, jac, by_theta, row, rows)
     n = spec[N_STATE]
     for i in range(n):
         for q in range(columns.size):
@@ -55,7 +55,7 @@ def _slope(
             kss[stage, i, q] = total
 
 
-slope = compiled(_slope)
+slope = compiled(_slope, lean=True)
 
 
 def _step(
@@ -76,7 +76,7 @@ def _step(
     kss: FloatArray,
     jac: FloatArray,
     by_theta: FloatArray,
-    work: FloatArray,
+    row: FloatArray,
     rows: FloatArray,
 ) -> float:
     """Step from (t, z, s) by h into z1, s1; ks[0], kss[0] hold the slopes at t. Returns the scaled error of z.
@@ -91,14 +91,13 @@ def _step(
                 total += A[stage, r] * ks[r, i]
             z1[i] = z[i] + h * total
             for q in range(q_count):
-                total = 0.0
-                for r in range(stage):
-                    total += A[stage, r] * kss[r, i, q]
-                s1[i, q] = s[i, q] + h * total
+                s1[i, q] = s[i, q]
+            for r in range(stage):
+                weight = h * A[stage, r]
+                for q in range(q_count):
+                    s1[i, q] += weight * kss[r, i, q]
         tau = C[stage] * h
-        slope(
-            stage, t + tau, z1, s1, mode, spec, theta, columns, u0 + u_rate * tau, ks, kss, jac, by_theta, work, rows
-        )
+        slope(stage, t + tau, z1, s1, mode, spec, theta, columns, u0 + u_rate * tau, ks, kss, jac, by_theta, row, rows)
     error = 0.0
     for i in range(n):
         total = 0.0
@@ -108,4 +107,4 @@ def _step(
     return error
 
 
-step = compiled(_step)
+step = compiled(_step, lean=True)
