@@ -10,9 +10,9 @@ from enum import IntEnum
 from functools import lru_cache
 from typing import Any
 
-from harness.engines.mujoco.native import CALLBACK, call_advance, call_law, load, load_address, offsets, store
-
-import numba  # isort: skip
+from harness.core.jit import compiled
+from harness.engines.mujoco.native import c_function, call_advance, call_law, load, load_address, offsets, store
+from harness.engines.samples import UNSATURATED
 
 
 class Slot(IntEnum):
@@ -55,19 +55,17 @@ class Slot(IntEnum):
 
 SLOTS = len(Slot)
 
-UNSATURATED = 1.0 - 1e-6
-"""A friction force below this share of its limit is not saturated: the contact sticks."""
-
+# fmt: off
 (
     _CALLS, _STAGES, _DT, _FRAME, _STIFFNESS, _DAMPING, _PENDULUM, _AMPLITUDE, _OMEGA, _PHASE, _CONSTANT,
     _DRIVE_N, _DRIVE_T, _DRIVE_U, _FORCE, _LEVEL, _ADVANCE, _STATE, _STATE_N, _PARAMS, _PARAMS_N,
     _F_K, _RATIO, _STUCK, _LIMIT, _CLIPPED, _METRIC, _HELD, _APPLIED, _LIMITS, _RECORDS, _SETS_LEVEL, _EXCESS,
-) = (8 * int(slot) for slot in Slot)  # fmt: skip
+) = (8 * int(slot) for slot in Slot)
+# fmt: on
 
 
-@numba.njit(inline="never")  # type: ignore[untyped-decorator]
-def _driven(u: int, t: float) -> float:
-    """Value at time t of the samples that userdata points to."""
+def _sampled(u: int, t: float) -> float:
+    """Value at time t of the driving samples."""
     n = int(load(u + _DRIVE_N))
     times, values = int(load(u + _DRIVE_T)), int(load(u + _DRIVE_U))
     low, high = 0, n - 1
@@ -85,67 +83,104 @@ def _driven(u: int, t: float) -> float:
     return u0 + (load(values + 8 * high) - u0) * (t - t0) / (load(times + 8 * high) - t0)
 
 
+def _law(u: int, slot: int, t: float, x: float, v: float) -> float:
+    """Value of the law whose address stands in a slot."""
+    state, n_state = int(load(u + _STATE)), int(load(u + _STATE_N))
+    params, n_params = int(load(u + _PARAMS)), int(load(u + _PARAMS_N))
+    return call_law(int(load(u + slot)), t, x, v, state, n_state, params, n_params)
+
+
+def _advance(u: int, t: float, x: float, v: float) -> None:
+    """Move the law's internal states."""
+    state, n_state = int(load(u + _STATE)), int(load(u + _STATE_N))
+    params, n_params = int(load(u + _PARAMS)), int(load(u + _PARAMS_N))
+    call_advance(int(load(u + _ADVANCE)), t, x, v, load(u + _DT), state, n_state, params, n_params)
+
+
+def _clipped(u: int, q: float, qd: float, others: float, limit: float) -> None:
+    """Neutral friction force of this step: what stops the joint at its end, as far as the limit allows."""
+    others -= load(u + _STIFFNESS) * q + load(u + _DAMPING) * qd
+    held = min(max(-(load(u + _METRIC) * qd + others), -limit), limit)
+    store(u + _HELD, held)
+    store(u + _STUCK, 1.0 if abs(held) < UNSATURATED * limit else 0.0)
+
+
+def _record(u: int, step: int, force: float, limit: float) -> None:
+    """Keep what acted at the start of a step."""
+    if step < int(load(u + _RECORDS)):
+        store(int(load(u + _APPLIED)) + 8 * step, force)
+        store(int(load(u + _LIMITS)) + 8 * step, limit)
+
+
+_sampled, _law, _advance = compiled(_sampled), compiled(_law), compiled(_advance)
+_clipped, _record = compiled(_clipped), compiled(_record)
+
+
+def _applied(u: int, t: float, x: float, v: float) -> float:
+    """Driving forces and force law, N."""
+    force = load(u + _CONSTANT)
+    if load(u + _AMPLITUDE) != 0.0:
+        force += load(u + _AMPLITUDE) * math.cos(load(u + _OMEGA) * t + load(u + _PHASE))
+    if load(u + _DRIVE_N) > 0.0:
+        force += _sampled(u, t)
+    if load(u + _FORCE) > 0.0:
+        force += _law(u, _FORCE, t, x, v)
+    return force
+
+
+def _limit(u: int, t: float, x: float, v: float) -> float:
+    """What the friction force can reach, N."""
+    level = _law(u, _LEVEL, t, x, v) if load(u + _LEVEL) > 0.0 else load(u + _F_K)
+    return level * load(u + _RATIO) + load(u + _EXCESS) if load(u + _STUCK) > 0.0 else level
+
+
+_applied, _limit = compiled(_applied), compiled(_limit)
+
+
+@lru_cache(maxsize=1)
+def layout() -> tuple[int, ...]:
+    """Offsets in mjData; measured once a process."""
+    return offsets()
+
+
 @lru_cache(maxsize=1)
 def passive() -> Any:
     """The compiled function as a ctypes function pointer for mujoco.set_mjcb_passive; compiled once a process."""
     # offsets enter as numbers of the closure: the cache on disk tells closures apart
-    at_time, at_qpos, at_qvel, at_userdata, at_passive, at_constraint, at_floss = offsets()
+    at_time, at_qpos, at_qvel, at_userdata, at_passive, at_constraint, at_rows, at_island_rows = layout()
 
-    def callback(model, data):  # type: ignore[no-untyped-def]
+    def callback(model: int, data: int) -> None:
         u = load_address(data + at_userdata)
         t = load(data + at_time)
-        q = load(load_address(data + at_qpos))
-        qd = load(load_address(data + at_qvel))
-        x = q + load(u + _FRAME) * t
-        v = qd + load(u + _FRAME)
-        state, n_state = int(load(u + _STATE)), int(load(u + _STATE_N))
-        params, n_params = int(load(u + _PARAMS)), int(load(u + _PARAMS_N))
-
+        q, qd = load(load_address(data + at_qpos)), load(load_address(data + at_qvel))
+        frame = load(u + _FRAME)
+        x, v = q + frame * t, qd + frame
         calls, stages = int(load(u + _CALLS)), int(load(u + _STAGES))
         store(u + _CALLS, calls + 1.0)
-        first = calls % stages == 0
-        if first:
-            if load(u + _SETS_LEVEL) > 0.0 and calls > 0:
-                friction = load(load_address(data + at_constraint))
-                store(u + _STUCK, 1.0 if abs(friction) < UNSATURATED * load(u + _LIMIT) else 0.0)
-            if load(u + _ADVANCE) > 0.0:
-                call_advance(int(load(u + _ADVANCE)), t, x, v, load(u + _DT), state, n_state, params, n_params)
+        first, sets_level = calls % stages == 0, load(u + _SETS_LEVEL) > 0.0
 
-        force = load(u + _CONSTANT)
-        if load(u + _AMPLITUDE) != 0.0:
-            force += load(u + _AMPLITUDE) * math.cos(load(u + _OMEGA) * t + load(u + _PHASE))
-        if load(u + _DRIVE_N) > 0.0:
-            force += _driven(u, t)
-        if load(u + _FORCE) > 0.0:
-            force += call_law(int(load(u + _FORCE)), t, x, v, state, n_state, params, n_params)
-        level = load(u + _F_K)
-        if load(u + _LEVEL) > 0.0:
-            level = call_law(int(load(u + _LEVEL)), t, x, v, state, n_state, params, n_params)
-        if load(u + _STUCK) > 0.0:
-            level = level * load(u + _RATIO) + load(u + _EXCESS)
-        store(u + _LIMIT, level)
+        if first and sets_level and calls > 0:
+            friction = load(load_address(data + at_constraint))
+            store(u + _STUCK, 1.0 if abs(friction) < UNSATURATED * load(u + _LIMIT) else 0.0)
+        if first and load(u + _ADVANCE) > 0.0:
+            _advance(u, t, x, v)
+        force, limit = _applied(u, t, x, v), _limit(u, t, x, v)
+        store(u + _LIMIT, limit)
 
-        total = force - load(u + _FRAME) * (load(u + _STIFFNESS) * t + load(u + _DAMPING))
+        # in the moving frame the spring's end moves backwards
+        total = force - frame * (load(u + _STIFFNESS) * t + load(u + _DAMPING))
         if load(u + _PENDULUM) != 0.0:
             total -= load(u + _PENDULUM) * math.sin(x)
         if load(u + _CLIPPED) > 0.0:
             if first:
-                others = total - load(u + _STIFFNESS) * q - load(u + _DAMPING) * qd
-                wanted = -(load(u + _METRIC) * qd + others)
-                held = min(max(wanted, -level), level)
-                store(u + _HELD, held)
-                store(u + _STUCK, 1.0 if abs(held) < UNSATURATED * level else 0.0)
+                _clipped(u, q, qd, total, limit)
             total += load(u + _HELD)
-        elif load(u + _SETS_LEVEL) > 0.0:
-            rows = load_address(data + at_floss)
-            if rows != 0:
-                store(rows, level)
+        elif sets_level:
+            store(load_address(data + at_rows), limit)
+            store(load_address(data + at_island_rows), limit)
         if first:
-            step = calls // stages
-            if step < int(load(u + _RECORDS)):
-                store(int(load(u + _APPLIED)) + 8 * step, force)
-                store(int(load(u + _LIMITS)) + 8 * step, level)
+            _record(u, calls // stages, force, limit)
         target = load_address(data + at_passive)
         store(target, load(target) + total)
 
-    return numba.cfunc(CALLBACK, cache=True)(callback).ctypes
+    return c_function(callback)

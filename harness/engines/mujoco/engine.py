@@ -58,9 +58,7 @@ class MujocoEngine(Engine):
             previous = mujoco.get_mjcb_passive()
             try:
                 if forces.needed:
-                    from harness.engines.mujoco.callback import passive
-
-                    mujoco.set_mjcb_passive(passive())
+                    install(data)
                 if task.route == "contact" and forces.switches:
                     states, sensors = _switching(model, data, steps, task, forces)
                 else:
@@ -70,6 +68,15 @@ class MujocoEngine(Engine):
             motion = _motion(task, settings, forces, states, sensors)
             wall = time.perf_counter() - started
         return trajectory(self, task, settings, ignored, motion, wall)
+
+
+def install(data: Any) -> None:
+    """Make MuJoCo call the compiled function at every stage; the caller takes it away again."""
+    from harness.engines.mujoco.callback import layout, passive
+    from harness.engines.mujoco.native import verify
+
+    verify(data, layout())
+    mujoco.set_mjcb_passive(passive())
 
 
 def _start(model: Any, data: Any) -> FloatArray:

@@ -66,7 +66,7 @@ class Forces:
         words[Slot.RECORDS] = steps + 1
         self.switches = slider.break_away > slider.f_k
         own_level = law is not None and law.level is not None
-        words[Slot.SETS_LEVEL] = not contact and (self.switches or own_level)
+        words[Slot.SETS_LEVEL] = task.route == "joint" and (self.switches or own_level)
         stuck = self.switches and held_at_start(task)
         words[Slot.STUCK] = stuck and not contact
         self.words = words

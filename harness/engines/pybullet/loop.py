@@ -1,4 +1,4 @@
-"""The step loops: a lean one for what is known beforehand, a general one for laws and limits that depend on the state."""
+"""The step loops: a lean one where only the spring depends on the state, a general one for everything else."""
 
 from dataclasses import replace
 from typing import Any
