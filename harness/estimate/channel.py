@@ -65,7 +65,7 @@ def _least_guard(t: FloatArray) -> float:
     return 0.5 * float(np.median(np.diff(t)))
 
 
-def _tied_start(fit: SeparateFit, side: int, t: FloatArray) -> FloatArray:
+def _tied_start(fit: SeparateFit) -> FloatArray:
     """Start of the tied fit (6,): half-cycle time by regression, swings by linear least squares on the separate ones."""
     edges = fit.edges
     inner = edges[1:-1] if edges.size > 4 else edges
@@ -84,10 +84,8 @@ def _tied_start(fit: SeparateFit, side: int, t: FloatArray) -> FloatArray:
         finish = np.abs(ends[:, 1] - fit.c[:, 2]) * (sigma**2 + omega**2)
     # begin_{k+1} = q begin_k - 2 D and finish_k = q begin_k, both linear once q is known
     drop = 0.5 * float(np.median(finish[:-1] - begin[1:])) if begin.size > 1 else 0.0
-    if fit.kind is Kind.VELOCITY:
-        drop = 0.5 * float(np.median(finish[:-1] - begin[1:]))
     theta = np.zeros(6)
-    theta[[SIGMA, OMEGA, D, P0, T0]] = sigma, omega, drop, begin[0] if edges[0] > t[0] else begin[0], at_zero
+    theta[[SIGMA, OMEGA, D, P0, T0]] = sigma, omega, drop, begin[0], at_zero
     return theta
 
 
@@ -112,18 +110,35 @@ def _half_cycles_moving(fit: TiedFit, t: FloatArray, y: FloatArray, start: int) 
     return count
 
 
-def _fit_tied(t: FloatArray, y: FloatArray, separate: SeparateFit, cycles: HalfCycles, begin: float, offset: bool) -> TiedFit:
+def _fit_tied(t: FloatArray, y: FloatArray, separate: SeparateFit, cycles: HalfCycles, begin: float, noisy: bool, offset: bool) -> TiedFit:
     """The tied fit with as many half-cycles as the samples support."""
     kind, guard = separate.kind, separate.guard
     count = len(separate)
-    theta, span = _tied_start(separate, cycles.side, t), (begin, float(t[-1]))
+    theta, span = _tied_start(separate), (begin, float(t[-1]))
     fit = fit_tied(t, y, kind, theta, cycles.side, count, guard, span, offset)
     for _ in range(4):
         supported = max(_half_cycles_moving(fit, t, y, max(count - 2, 2)), 2)
         if supported == fit.count:
             break
         fit = fit_tied(t, y, kind, fit.theta, cycles.side, supported, guard, span, offset)
+    # near the noise the fit that stops early and the fit that goes on differ: try both, keep the likelier
+    for further in range(fit.count + 1, fit.count + 3):
+        if fit.theta[T0] + (further - 0.5) * fit.half_time > t[-1] or not noisy:
+            break
+        longer = fit_tied(t, y, kind, fit.theta, cycles.side, further, guard, span, offset)
+        if longer.swings()[further - 1] > 0.0 and longer.squares < fit.squares + _rest_squares(fit, longer, t, y):
+            fit = longer
     return fit
+
+
+def _rest_squares(fit: TiedFit, longer: TiedFit, t: FloatArray, y: FloatArray) -> float:
+    """Sum of squares about rest over the half-cycles that ``longer`` has and ``fit`` has not."""
+    total = 0.0
+    for k in range(fit.count, longer.count):
+        first = longer.theta[T0] + k * longer.half_time
+        part = y[slice(*np.searchsorted(t, [first + fit.guard, first + longer.half_time - fit.guard]))]
+        total += float(np.sum((part - part.mean()) ** 2)) if part.size else 0.0
+    return total
 
 
 def _tie_holds(t: FloatArray, y: FloatArray, tied: TiedFit, separate: SeparateFit, floor: float, inflation: float) -> bool:
@@ -185,10 +200,10 @@ def _fit_once(t: FloatArray, y: FloatArray, kind: Kind, noise: Noise, cycles: Ha
     begin = float(separate.edges[0]) if dropped else float(t[0])
     inflation = noise.inflation(math.pi / half, interval)
     offset = 0.0
-    tied = _fit_tied(t, y, separate, cycles, begin, kind is Kind.DISPLACEMENT)
+    tied = _fit_tied(t, y, separate, cycles, begin, noise.found, kind is Kind.DISPLACEMENT)
     holds = _tie_holds(t, y, tied, separate, floor, inflation)
     if kind is not Kind.DISPLACEMENT:
-        shifted = _fit_tied(t, y, separate, cycles, begin, True)
+        shifted = _fit_tied(t, y, separate, cycles, begin, noise.found, True)
         gain = tied.squares - shifted.squares
         if gain > 16.0 * max(shifted.variance, floor) * inflation and shifted.count >= tied.count:
             offset = float(shifted.theta[OFFSET])
