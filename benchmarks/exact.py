@@ -22,7 +22,7 @@ def _fill_constant(*arrays: FloatArray) -> None:
 @benchmark(
     "exact.samples",
     peer="numpy: fill three arrays with a constant",
-    timed="4e6 samples of x, v, a of the paper's decay, uniform grid over 3 s; both into preallocated arrays, one thread",
+    timed="4e6 samples of x, v, a of the paper's decay, uniform grid over 3 s; preallocated arrays, one thread",
     target=4.0,
 )
 def samples() -> Pair:

@@ -1,7 +1,8 @@
 """A slider on a belt that moves at constant speed: the stick-slip limit cycle.
 
-The slider rides with the belt until its spring and damper pull with f_s, slips back against f_k, and sticks again when
-its speed meets the belt's. The slip is linear; only the time of the next stick is the root of a transcendental equation.
+The slider rides with the belt until its spring and damper pull with f_s, slips back against f_k, and sticks again
+when its speed meets the belt's. The slip is linear; only the time of the next stick is the root of a
+transcendental equation.
 """
 
 import math
@@ -116,7 +117,7 @@ def _slowest(slider: Slider, speed: float) -> float:
 
 
 def _crossing(slider: Slider, x: float, v: float, level: float, below: float, above: float) -> float:
-    """When the slip's speed, below ``level`` (m/s) at one time and not at the other (s), crosses it, to the last bit."""
+    """When the slip's speed crosses ``level`` (m/s), below which it is at one of the times (s), to the last bit."""
     while True:
         middle = 0.5 * (below + above)
         if middle in (below, above):
