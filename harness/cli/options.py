@@ -39,18 +39,21 @@ def output_options(function: F) -> F:
 def engine_options(function: F) -> F:
     """--engine, --preset, --dt."""
     return _apply(
-        click.option("--engine", "engines", multiple=True, metavar="NAME", help="Engine to run; may repeat.  [all]"),
+        click.option(
+            "--engine", "engines", multiple=True, metavar="NAME", help="Engine; may repeat.  [mujoco and pybullet]"
+        ),
         click.option("--preset", metavar="as-shipped|tuned", help="Settings of the engines.  [both]"),
         click.option("--dt", type=float, metavar="S", help="Step of the tuned preset, s.  [1e-3]"),
     )(function)
 
 
 def reading_options(function: F) -> F:
-    """--columns, --skip-rows, --rate, --from, --to."""
+    """--columns, --skip-rows, --rate, --from, --to, --trace."""
     return _apply(
         click.option("--columns", metavar="MAP", help='Columns, constants and units: "t=t,x=qm[mm],u=vir*35.15[N]".'),
         click.option("--skip-rows", type=int, default=0, metavar="N", help="Lines before the header or the numbers."),
         click.option("--rate", type=float, metavar="HZ", help="Sampling rate, where no column gives the time."),
         click.option("--from", "start", type=float, metavar="S", help="Leave out what comes before this time."),
         click.option("--to", "stop", type=float, metavar="S", help="Leave out what comes after this time."),
+        click.option("--trace", metavar="NAME", help='Which trace of a .rrd, such as "mujoco tuned".'),
     )(function)

@@ -28,6 +28,9 @@ class Estimates(Result):
     x_k: P
     reversals: int
     per_reversal: list[dict[str, Any]] = Field(default_factory=list)
+    guard_s: float | None = Field(default=None, description="time left out on each side of a reversal, s")
+    lead_s: P | None = Field(default=None, description="by how much friction reverses before the speed does, s")
+    notes: list[str] = Field(default_factory=list)
 
 
 class TraceResult(Result):
@@ -40,8 +43,10 @@ class TraceResult(Result):
     ignored: list[str]
     dt_s: float | None
     wall_s: float | None
+    samples: int
     metrics: Metrics
     estimates: dict[str, Estimates]
+    error: str | None = Field(default=None, description="why this run could not be completed")
 
 
 class RunResult(Result):

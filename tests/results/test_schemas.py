@@ -51,6 +51,7 @@ EXAMPLES: list[Result] = [
                 ignored=["break-away force"],
                 dt_s=0.002,
                 wall_s=None,
+                samples=1501,
                 metrics=METRICS,
                 estimates={"acceleration": ESTIMATES},
             )

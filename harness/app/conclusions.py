@@ -1,0 +1,95 @@
+"""What differs between the sources of a run, and why, in sentences with numbers."""
+
+from collections.abc import Callable, Sequence
+from typing import TypeAlias
+
+from harness.core.scenario import Scenario
+from harness.results.run import TraceResult
+
+SMEARED = 0.9
+"""An estimate at the reversal below this share of the guarded one means that the jump is spread out."""
+CLOSE = 0.02
+"""Estimates within this share of the truth are right for most purposes."""
+MEANS_TO_STICK = 1e-6
+"""Creep below this speed in m/s is rest."""
+
+Say: TypeAlias = Callable[[TraceResult, Scenario], str | None]
+
+
+def conclusions(traces: Sequence[TraceResult], scenario: Scenario) -> list[str]:
+    """Sentences on every engine's trace, in their order; the reference needs none."""
+    said = []
+    for trace in traces:
+        if trace.source == "reference":
+            continue
+        name = f"{trace.source} {trace.preset}"
+        if trace.error is not None:
+            said.append(f"{name} could not be run: {trace.error}")
+            continue
+        said += [f"{name}: {text}" for say in _SAYERS if (text := say(trace, scenario)) is not None]
+    return said
+
+
+def _x_k(trace: TraceResult, method: str) -> float | None:
+    estimate = trace.estimates.get(method)
+    return None if estimate is None else estimate.x_k.value
+
+
+def _friction(trace: TraceResult, scenario: Scenario) -> str | None:
+    """Whether friction jumps at the reversal or is spread around it."""
+    true = scenario.slider.x_k
+    guarded, local = _x_k(trace, "acceleration"), _x_k(trace, "acceleration-local")
+    if true == 0.0 or guarded is None or local is None:
+        return None
+    numbers = f"{_mm(local)} read at the reversal itself, {_mm(guarded)} read outside a guard, {_mm(true)} put in"
+    if abs(local) >= SMEARED * abs(guarded):
+        return f"friction jumps as dry friction does: x_k is {numbers}."
+    lead = trace.metrics.reversal_lead_s
+    early = f" It passes zero {lead * 1e3:.2g} ms before the speed does." if lead else ""
+    return (
+        "friction is not a jump at the reversal but a steep, continuous function of the speed and of the acceleration"
+        f" to come: x_k is {numbers}. The estimator at the reversal sees the last sample before and the first after,"
+        f" between which only part of 2 x_k has happened; away from the reversal the force is the right one.{early}"
+    )
+
+
+def _rest(trace: TraceResult, scenario: Scenario) -> str | None:
+    """Whether it comes to rest."""
+    creep, error = trace.metrics.creep_m_s, trace.metrics.rest_error_m
+    if creep is None or error is None:
+        return None
+    if abs(creep) > MEANS_TO_STICK:
+        return f"it never sticks, but creeps at {_mm(abs(creep))}/s towards where the spring is relaxed."
+    return f"it comes to rest {_mm(abs(error))} from the exact place."
+
+
+def _damping(trace: TraceResult, scenario: Scenario) -> str | None:
+    """Damping that the engine or its integrator adds."""
+    estimate, true = trace.estimates.get("acceleration"), scenario.slider.zeta
+    if estimate is None or estimate.zeta.value is None:
+        return None
+    found = estimate.zeta.value
+    if abs(found - true) <= max(CLOSE * true, 1e-5):
+        return None
+    own = trace.settings.get("linearDamping")
+    why = (
+        f"its own linear damping of {own:g} (with a quadratic part) acts beside the damper"
+        if isinstance(own, float) and own > 0.0 and found > true
+        else "its integrator adds damping" if found > true else "its integrator takes damping away"
+    )  # fmt: skip
+    return f"zeta reads {found:.4f} where {true:.4f} was put in: {why}."
+
+
+def _position(trace: TraceResult, scenario: Scenario) -> str | None:
+    """How far it is from the exact motion."""
+    error = trace.metrics.max_error_m
+    if error is None or trace.dt_s is None:
+        return None
+    return f"its position is at most {_mm(error)} from the exact one, at a step of {trace.dt_s * 1e3:.3g} ms."
+
+
+_SAYERS: tuple[Say, ...] = (_friction, _damping, _rest, _position)
+
+
+def _mm(metres: float) -> str:
+    return f"{metres * 1e3:.3g} mm"

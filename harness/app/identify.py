@@ -1,0 +1,71 @@
+"""The estimators on a recording of a free decay."""
+
+from pathlib import Path
+
+import numpy as np
+
+from harness.app.deliver import to_json
+from harness.app.estimates import estimates_of, refused_everywhere
+from harness.app.journal import NAME as LOG
+from harness.app.journal import journal
+from harness.app.machine import this_machine
+from harness.app.progress import SILENT, Progress
+from harness.app.reading import read, recording_info
+from harness.core.errors import InputError
+from harness.core.recording import Recording
+from harness.estimate.all import estimate_all
+from harness.estimate.result import Estimation
+from harness.io.recording import ReadOptions
+from harness.io.store import output_folder
+from harness.results.common import P
+from harness.results.identify import IdentifyResult
+
+FREE = "a free decay of at least three half-cycles is accepted"
+
+
+def estimate(recording: Recording) -> Estimation:
+    """The estimates from a recording.
+
+    Raises InputError with the reason when it is driven, or shows no free decay.
+    """
+    refuse_driven(recording)
+    channels = {name: recording[name] for name in ("x", "v", "a") if name in recording}
+    estimation = estimate_all(recording.t, **channels, unit="rad" if recording.angular else "m")
+    why = refused_everywhere(estimation.methods)
+    if why is not None:
+        raise InputError(recording.file, f"no estimate is possible: {why}", FREE)
+    return estimation
+
+
+def refuse_driven(recording: Recording) -> None:
+    """Raise InputError when a measured force acts: that is no free decay."""
+    if "u" in recording and np.any(recording["u"] != 0.0):
+        largest = float(np.max(np.abs(recording["u"])))
+        found = f"a driven recording (a force of up to {largest:.3g} N acts), which is no free decay"
+        raise InputError(f"{recording.file}: channel u", found, FREE)
+
+
+def identify(
+    path: Path, options: ReadOptions, trace: str | None = None, out: Path | None = None, progress: Progress = SILENT
+) -> IdentifyResult:
+    """Read a recording, estimate, and leave result.json and the log in a folder.
+
+    trace : which of the traces of a .rrd. out : new or empty folder, None for reports/NAME-TIME here.
+    Raises InputError with the reason when the recording cannot be read, is driven, or shows no free decay.
+    """
+    progress("reading", 0, 2)
+    recording = read(path, options, trace)
+    with output_folder(f"identify-{path.name.split('.')[0]}", out) as output, journal(output / LOG):
+        progress("estimating", 1, 2)
+        estimation = estimate(recording)
+        result = IdentifyResult(
+            recording=recording_info(recording, estimation.noise),
+            estimates=estimates_of(estimation),
+            sensor_phase_rad=P.of(estimation.sensor_phase),
+            warnings=[*recording.notes, *estimation.warnings],
+            machine=this_machine(),
+            files={"result": output.at("result.json"), "log": output.at(LOG)},
+        )
+        (output / "result.json").write_text(to_json(result), encoding="utf-8")
+        output.commit()
+    return result

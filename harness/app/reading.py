@@ -1,0 +1,56 @@
+"""Recordings of any format, our own .rrd among them, and what a result says about them."""
+
+from collections.abc import Mapping
+from pathlib import Path
+
+from harness.core.errors import InputError
+from harness.core.recording import Recording
+from harness.core.trajectory import Trajectory
+from harness.estimate.noise import Noise
+from harness.io.recording import ReadOptions, read_recording
+from harness.results.common import RecordingInfo
+
+__all__ = ["ReadOptions", "read", "recording_info"]
+
+
+def read(path: Path, options: ReadOptions, trace: str | None = None) -> Recording:
+    """Read a recording; ``trace`` names the one to take of a .rrd that holds several ("mujoco tuned").
+
+    Raises InputError naming what is wrong, and where.
+    """
+    if trace is not None and path.suffix.lower() != ".rrd":
+        raise InputError("--trace", f"given for {path}", "it is accepted for a .rrd of ours alone")
+    return read_recording(path, options, lambda file: _from_rrd(file, trace))
+
+
+def _from_rrd(path: Path, trace: str | None) -> Recording:
+    from harness.show.trace import read_trace
+
+    stored = read_trace(path)
+    found = {recording.file: recording for recording in stored.recordings}
+    found |= {trajectory.source.label: _recording(trajectory) for trajectory in stored.trajectories}
+    if trace is None and len(found) == 1:
+        return next(iter(found.values()))
+    if trace not in found:
+        text = "no --trace" if trace is None else f"no trace '{trace}'"
+        raise InputError(f"{path}", f"{text} among {len(found)}", f"--trace with one of {', '.join(found)} is accepted")
+    return found[trace]
+
+
+def _recording(trajectory: Trajectory) -> Recording:
+    """A simulated trace as if somebody had measured x and a."""
+    return Recording(trajectory.t, {"x": trajectory.x, "a": trajectory.a}, trajectory.source.label)
+
+
+def recording_info(recording: Recording, noise: Mapping[str, Noise]) -> RecordingInfo:
+    """What a result says about a recording."""
+    return RecordingInfo(
+        file=recording.file,
+        sha256=recording.sha256,
+        samples=len(recording),
+        channels=list(recording.channels),
+        rate_hz=recording.rate,
+        duration_s=recording.duration,
+        noise={channel: noise[channel].said if channel in noise else None for channel in recording.channels},
+        notes=list(recording.notes),
+    )

@@ -1,0 +1,188 @@
+"""The main job: one scenario in the exact reference and in every engine, measured and estimated."""
+
+import logging
+import time
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass, replace
+from pathlib import Path
+
+import numpy as np
+
+import harness
+from harness.app.conclusions import conclusions
+from harness.app.deliver import to_json
+from harness.app.estimates import estimates_of
+from harness.app.journal import NAME as LOG
+from harness.app.journal import journal
+from harness.app.machine import this_machine
+from harness.app.progress import SILENT, Progress
+from harness.app.scenarios import scenario_json
+from harness.core.checks import positive
+from harness.core.errors import InputError, SimulationError
+from harness.core.scenario import FREE_DECAY, Scenario
+from harness.core.trajectory import Source, Trajectory
+from harness.engines import models, registry
+from harness.engines.base import PRESETS, TUNED_DT, Preset, Task, choice
+from harness.estimate.all import estimate_all
+from harness.exact.decay import free_decay
+from harness.fidelity.metrics import measure
+from harness.io.store import OutputFolder, output_folder
+from harness.results.run import Metrics, RunResult, TraceResult
+from harness.show.report import write_run_report
+from harness.show.run_scene import run_scene
+from harness.show.trace import write_trace
+
+LOGGER = logging.getLogger(__name__)
+ENGINES = ("mujoco", "pybullet")
+MOST_SAMPLES = 20_000_000
+
+
+@dataclass(frozen=True, slots=True)
+class RunOptions:
+    """What to run.
+
+    engines : names. presets : as-shipped, tuned or both. dt : step of the tuned preset, interval of the reference, s.
+
+    Raises InputError for an engine or preset that does not exist, dt not above 0, or a dt that nothing would use.
+    """
+
+    scenario: Scenario = FREE_DECAY
+    engines: tuple[str, ...] = ENGINES
+    presets: tuple[str, ...] = PRESETS
+    dt: float | None = None
+
+    def __post_init__(self) -> None:
+        if self.dt is not None:
+            positive("--dt", self.dt, "s")
+            if "tuned" not in self.presets:
+                raise InputError(
+                    "--dt", "given with --preset as-shipped", "it is accepted with tuned: as shipped has its own"
+                )
+        for preset in self.presets:
+            choice("--preset", preset, PRESETS)
+        for name in self.engines:
+            choice("--engine", name, registry.names())
+        if self.scenario.duration / self.interval > MOST_SAMPLES:
+            found = f"{self.scenario.duration / self.interval:.3g} samples"
+            raise InputError("--duration", found, f"at most {MOST_SAMPLES} steps of --dt are accepted")
+
+    @classmethod
+    def chosen(cls, scenario: Scenario, engines: Sequence[str], preset: str | None, dt: float | None) -> "RunOptions":
+        """As somebody chose: no engine means MuJoCo and PyBullet, no preset means both."""
+        presets: tuple[str, ...] = PRESETS if preset is None else (preset,)
+        return cls(scenario, tuple(engines) or ENGINES, presets, dt)
+
+    @property
+    def interval(self) -> float:
+        """Interval of the reference's samples, s."""
+        return TUNED_DT if self.dt is None else self.dt
+
+    @property
+    def plan(self) -> list[tuple[str, Preset]]:
+        """Engine and preset of every run; an engine that is asked for twice is run once."""
+        return [(name, preset) for name in dict.fromkeys(self.engines) for preset in PRESETS if preset in self.presets]
+
+
+def run(options: RunOptions, out: Path | None = None, progress: Progress = SILENT) -> RunResult:
+    """Run, measure, estimate, and leave result.json, trace.rrd, report.html, the models and the log in a folder.
+
+    out : new or empty folder, None for reports/NAME-TIME here. An engine that cannot complete its run has the reason in
+    its trace's ``error``, and the others go on. Raises StoreError when the folder cannot be written.
+    """
+    with output_folder(options.scenario.name, out) as output, journal(output / LOG):
+        trajectories, traces = _all_traces(options, progress)
+        result = RunResult(
+            scenario=scenario_json(options.scenario),
+            traces=traces,
+            conclusions=conclusions(traces, options.scenario),
+            machine=this_machine(),
+            files=_files(output),
+        )
+        progress("writing model, trace and report", len(options.plan) + 1, len(options.plan) + 2)
+        models.export(options.scenario.slider, output.work / "model")
+        (output / "result.json").write_text(to_json(result), encoding="utf-8")
+        show_run(result, trajectories, output.work)
+        output.commit()
+    return result
+
+
+def _files(output: OutputFolder) -> dict[str, str]:
+    named = {"result": "result.json", "report": "report.html", "rrd": "trace.rrd", "log": LOG}
+    named |= {"mjcf": "model/slider.xml", "urdf": "model/slider.urdf"}
+    return {name: output.at(file) for name, file in named.items()}
+
+
+def show_run(result: RunResult, trajectories: Sequence[Trajectory], folder: Path) -> None:
+    """Write trace.rrd and report.html of a run; the models are in folder/model."""
+    notes = "\n".join(["# What differs, and why", "", *(f"- {sentence}" for sentence in result.conclusions)])
+    data = result.model_dump(mode="json", by_alias=True)
+    scene = run_scene(trajectories, result.scenario, data, notes, folder / "model" / "slider.urdf")
+    write_trace(folder / "trace.rrd", scene)
+    write_run_report(folder / "report.html", result, trajectories)
+
+
+def _all_traces(options: RunOptions, progress: Progress) -> tuple[list[Trajectory], list[TraceResult]]:
+    """The reference first, then the engines; those that could not be run have a result but no trajectory."""
+    total = len(options.plan) + 2
+    progress("exact reference", 0, total)
+    reference = _reference(options)
+    trajectories, traces = [reference], [_measured(reference, options.scenario)]
+    for done, (name, preset) in enumerate(options.plan, 1):
+        progress(f"{name} {preset}", done, total)
+        dt = options.dt if preset == "tuned" else None
+        try:
+            trajectory = registry.load(name).simulate(Task(options.scenario, preset=preset, dt=dt))
+        except SimulationError as error:
+            LOGGER.warning("%s %s: %s", name, preset, error)
+            traces.append(_failed(name, preset, dt, str(error)))
+            continue
+        trajectories.append(trajectory)
+        traces.append(_measured(trajectory, options.scenario))
+    return trajectories, traces
+
+
+def _reference(options: RunOptions) -> Trajectory:
+    started = time.perf_counter()
+    steps = round(options.scenario.duration / options.interval)
+    exact = free_decay(options.scenario, np.arange(max(steps, 1) + 1, dtype=np.float64) * options.interval)
+    source = Source(
+        "reference",
+        "exact",
+        harness.__version__,
+        settings={"sample_interval_s": options.interval},
+        wall_s=time.perf_counter() - started,
+    )
+    return replace(exact, source=source)
+
+
+def _measured(trajectory: Trajectory, scenario: Scenario) -> TraceResult:
+    source = trajectory.source
+    return TraceResult(
+        source=source.name,
+        preset=source.preset,
+        version=source.version,
+        settings=dict(source.settings),
+        ignored=list(source.ignored),
+        dt_s=source.dt,
+        wall_s=source.wall_s,
+        samples=len(trajectory),
+        metrics=Metrics(**asdict(measure(trajectory, scenario))),
+        estimates=estimates_of(estimate_all(trajectory.t, x=trajectory.x, a=trajectory.a)),
+    )
+
+
+def _failed(name: str, preset: Preset, dt: float | None, error: str) -> TraceResult:
+    none = dict.fromkeys(Metrics.model_fields)
+    return TraceResult(
+        source=name,
+        preset=preset,
+        version="",
+        settings={},
+        ignored=[],
+        dt_s=dt,
+        wall_s=None,
+        samples=0,
+        metrics=Metrics.model_validate(none),
+        estimates={},
+        error=error,
+    )

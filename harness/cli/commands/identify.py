@@ -1,0 +1,86 @@
+"""harness identify."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from harness.cli.options import output_options, reading_options
+from harness.cli.output import check_json, emit_json, show, shows_tables
+from harness.cli.progress import shown
+
+if TYPE_CHECKING:
+    from harness.results.common import P
+    from harness.results.identify import IdentifyResult
+
+
+@click.command(short_help="Natural frequency, damping and friction from a recorded free decay.")
+@click.argument("recording", type=click.Path(path_type=Path))
+@reading_options
+@output_options
+def command(
+    recording: Path,
+    columns: str | None,
+    skip_rows: int,
+    rate: float | None,
+    start: float | None,
+    stop: float | None,
+    trace: str | None,
+    out: Path | None,
+    json_to: str | None,
+    quiet: bool,
+) -> int:
+    """The estimators on a RECORDING of a free decay: omega_n, zeta and x_k, with standard errors.
+
+    Formats: CSV (also .gz), Parquet, MATLAB .mat, .npz, plain text tables, .rrd of ours. Columns t and one or more of
+    x, v, a; headers may carry units, as in "x [mm]". A driven recording is refused.
+
+    \b
+    Example: harness identify decay.csv
+             harness identify swing.txt --columns "x=#1[deg]" --skip-rows 2 --rate 1000 --from 0.4
+             harness identify rig.mat --columns "t=time[ms],x=enc*0.004[mm],a=acc[g]" --json -
+    """
+    check_json(json_to)
+    from harness.app.identify import identify
+    from harness.app.reading import ReadOptions
+
+    options = ReadOptions(columns, skip_rows, rate, start, stop)
+    with shown(quiet) as progress:
+        result = identify(recording, options, trace, out, progress)
+    emit_json(result, json_to)
+    if shows_tables(json_to, quiet):
+        _print(result)
+    return 0
+
+
+def _print(result: "IdentifyResult") -> None:
+    from rich.table import Table
+
+    found = result.recording
+    table = Table(
+        title=f"{found.file}: {found.samples} samples of {', '.join(found.channels)} at {found.rate_hz:.4g} Hz"
+    )
+    for heading in ("method", "omega_n rad/s", "zeta", "x_k", "reversals"):
+        table.add_column(heading, justify="left" if heading == "method" else "right", no_wrap=True)
+    refused = []
+    for method, estimate in result.estimates.items():
+        numbers = (estimate.omega_n, estimate.zeta, estimate.x_k)
+        table.add_row(method, *(_number(number) for number in numbers), str(estimate.reversals))
+        reasons = dict.fromkeys(number.why for number in numbers if number.value is None and number.why)
+        refused += [f"{method}: {reason}" for reason in reasons]
+    show(table)
+    if result.sensor_phase_rad.value is not None:
+        click.echo(f"the accelerometer leads the displacement sensor by {_number(result.sensor_phase_rad)}")
+    for line in [*refused, *result.warnings]:
+        click.echo(f"- {line}")
+    click.echo(f"result: {result.files['result']}")
+
+
+def _number(number: "P") -> str:
+    """A value with as many digits as its standard error gives meaning to."""
+    if number.value is None:
+        return "-"
+    unit = "" if number.unit in ("1", "rad/s") else f" {number.unit}"
+    if number.stderr is None:
+        return f"{number.value:.6g}{unit}"
+    return f"{number.value:.6g} +- {number.stderr:.1g}{unit}"
