@@ -1,0 +1,224 @@
+"""Random cases: a slider, what is hidden in it, what was recorded; concealed and decidable, or drawn again."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from harness.core.arrays import FloatArray
+from harness.core.errors import InputError, SimulationError
+from harness.proof.plant.base import Base, draw_axis, draw_decay, draw_driven, log_uniform
+from harness.proof.plant.base_fit import BaseFit, fit_decay, whiten
+from harness.proof.plant.catalogue import ALIENS, FAMILY, HEADLINE, NEEDS, compatible, families
+from harness.proof.plant.hidden import build, regions
+from harness.proof.plant.sensors import Noise
+from harness.proof.plant.simulated_fit import fit_simulated
+from harness.proof.plant.strengths import STRENGTH
+
+CONCEALED = 0.98
+DECIDABLE, PART_DECIDABLE = 100.0, 60.0
+MOST_TRIES = 200
+SETTINGS = ("decay", "driven", "axis", "axis-unit-mass", "pendulum")
+FROM_REST = ("presliding", "viscoelastic", "attached-mode", "sensor-lag", "alien-rattle", "sensor-clipping")
+"""Kinds with states inside, or of whom the first sample tells: released from rest."""
+
+
+@dataclass(frozen=True, slots=True)
+class Case:
+    """One recording with its answer.
+
+    mechanisms : names of what is hidden. effects : their parameters, SI. channels : "x", "a" or "xa".
+    recorded : t and the channels, shape (n,) each (and u when driven). region : spans in s, or None.
+    base : parameters of the slider. noise : total standard deviation by channel (both channels, recorded or not).
+    """
+
+    mechanisms: tuple[str, ...]
+    effects: Mapping[str, Mapping[str, Any]]
+    channels: str
+    recorded: Mapping[str, FloatArray]
+    clean: Mapping[str, FloatArray]
+    base: Base
+    noise: Noise
+    setting: str
+    region: list[list[float]] | None
+    base_chi2_excess: float
+    base_r2: tuple[float, ...]
+    part_chi2_excess: Mapping[str, float]
+
+
+def _base(rng: np.random.Generator, setting: str, kinds: tuple[str, ...]) -> Base:
+    if setting == "driven":
+        return draw_driven(rng)
+    if setting == "axis":
+        return draw_axis(rng, unit_mass=False)
+    if setting == "axis-unit-mass":
+        return draw_axis(rng, unit_mass=True)
+    at_rest = any(kind in FROM_REST for kind in kinds)
+    if setting == "pendulum":
+        return draw_decay(rng, at_rest=at_rest, restoring="pendulum", length=float(rng.uniform(0.1, 1.2)))
+    if "pendulum-stiffness" in kinds:
+        return draw_decay(rng, at_rest=at_rest, length=log_uniform(rng, 0.08, 0.7))
+    return draw_decay(rng, at_rest=at_rest)
+
+
+def _channels(rng: np.random.Generator, setting: str, kinds: tuple[str, ...]) -> str:
+    needed = set("".join(NEEDS.get(kind, "") for kind in kinds))
+    if setting != "decay":
+        needed.add("x")
+    while True:
+        channels = str(rng.choice(["x", "a", "xa"], p=[0.3, 0.25, 0.45]))
+        if needed <= set(channels):
+            return channels
+
+
+def _noise(rng: np.random.Generator, base: Base, style: str) -> Noise:
+    sigma = {
+        "x": base.length * log_uniform(rng, 0.0005, 0.006),
+        "a": base.length * base.omega_n**2 * log_uniform(rng, 0.002, 0.017),
+    }
+    if style == "mixed":
+        style = str(rng.choice(["white", "coloured", "quantised"], p=[0.6, 0.2, 0.2]))
+    if style == "coloured":
+        return Noise(sigma, correlation=float(rng.uniform(0.2, 0.8)))
+    if style == "quantised":
+        return Noise(sigma, step={"x": sigma["x"] * float(rng.uniform(1.0, 4.0))})
+    if style != "white":
+        raise InputError("noise", style, "white, coloured, quantised or mixed is accepted")
+    return Noise(sigma)
+
+
+def draw(
+    kind: str | tuple[str, ...], rng: np.random.Generator, *, setting: str = "decay", noise: str = "white"
+) -> Case:
+    """A random case of a kind: a name of the catalogue, an alien, "control", or a pair of names.
+
+    setting : how it is recorded; static friction is driven whatever is said. noise : white, coloured, quantised, mixed.
+    Raises InputError for a name that is not one, SimulationError when no draw was concealed and decidable.
+    """
+    kinds: tuple[str, ...] = () if kind == "control" else (kind,) if isinstance(kind, str) else tuple(kind)
+    unknown = [name for name in kinds if name not in STRENGTH]
+    if unknown:
+        raise InputError("kind", unknown[0], f"control or one of {', '.join(STRENGTH)} is accepted")
+    if len(kinds) == 2 and not compatible(*kinds):
+        raise InputError("kind", " + ".join(kinds), "two effects that can act together are accepted")
+    if setting not in SETTINGS:
+        raise InputError("setting", setting, f"one of {', '.join(SETTINGS)} is accepted")
+    if "static-friction" in kinds and setting in ("decay", "pendulum"):
+        setting = "driven"
+    for _ in range(MOST_TRIES):
+        base = _base(rng, setting, kinds)
+        effects = {name: STRENGTH[name](base, rng) for name in kinds}
+        try:
+            case = _record(base, effects, setting, _channels(rng, setting, kinds), _noise(rng, base, noise), rng)
+        except SimulationError:
+            continue
+        if case is not None:
+            return case
+    raise SimulationError(
+        f"plant: no concealed and decidable draw of {' + '.join(kinds) or 'control'} in {MOST_TRIES} tries"
+    )
+
+
+def _record(
+    base: Base,
+    effects: Mapping[str, Mapping[str, Any]],
+    setting: str,
+    channels: str,
+    noise: Noise,
+    rng: np.random.Generator,
+) -> Case | None:
+    """Simulate, spoil, fit the base; None when the effect shows too plainly or not at all."""
+    t = base.times
+    model, sensors = build(base, effects)
+    run, clean = sensors.read(model, t)
+    recorded = {c: noise.spoil(c, clean[c], rng) for c in channels}
+    sigma = {c: noise.total(c) for c in channels}
+    chi2_truth = sum(float(np.sum(whiten(recorded[c] - clean[c], sigma[c], noise.correlation) ** 2)) for c in channels)
+    u = run.u if base.drive is not None else None
+    fit = _fit_base(base, recorded, sigma, noise.correlation, u)
+    excess = fit.chi2 - chi2_truth
+    if effects and (min(fit.r2.values()) < CONCEALED or excess < DECIDABLE):
+        return None
+    parts: dict[str, float] = {}
+    if len(effects) > 1:
+        for name in effects:
+            # the model without this part but with all the others, refitted
+            left = {other: values for other, values in effects.items() if other != name}
+            refit = fit_simulated(base, left, recorded, sigma, noise.correlation, u)
+            # the base is a special case of what is left, so its loss is never below this one's
+            parts[name] = min(refit.chi2 - chi2_truth, excess)
+            if parts[name] < PART_DECIDABLE:
+                return None
+    elif effects:
+        parts = dict.fromkeys(effects, excess)
+    return Case(
+        mechanisms=tuple(effects),
+        effects=effects,
+        channels=channels,
+        recorded={"t": t, **recorded, **({"u": u} if u is not None else {})},
+        clean=clean,
+        base=base,
+        noise=noise,
+        setting=setting,
+        region=regions(effects, base, run.x, sensors.saturated(run)),
+        base_chi2_excess=excess,
+        base_r2=tuple(fit.r2.values()),
+        part_chi2_excess=parts,
+    )
+
+
+def _fit_base(
+    base: Base, recorded: Mapping[str, FloatArray], sigma: Mapping[str, float], correlation: float, u: FloatArray | None
+) -> BaseFit:
+    if base.restoring == "spring" and base.drive is None:
+        start = (base.omega_n, base.zeta, base.x_k, base.x0, base.v0)
+        return fit_decay(base.times, recorded, sigma, start, correlation)
+    return fit_simulated(base, {}, recorded, sigma, correlation, u)
+
+
+def truth(case: Case) -> dict[str, Any]:
+    """The answer of a case as it is written down."""
+    known = [name for name in case.mechanisms if name in FAMILY]
+    return {
+        "mechanisms": list(case.mechanisms),
+        "families": families(case.mechanisms),
+        "channels": case.channels,
+        "noise": {c: case.noise.total(c) for c in ("x", "a")},
+        "noise_correlation": case.noise.correlation,
+        "noise_step": case.noise.step,
+        "setting": case.setting,
+        "restoring": case.base.restoring,
+        "m": case.base.m,
+        "omega_n": case.base.omega_n,
+        "zeta": case.base.zeta,
+        "x_k": case.base.x_k,
+        "x0": case.base.x0,
+        "v0": case.base.v0,
+        "headline": {
+            name: {p: case.effects[name][p] for p in HEADLINE[name] if _judged(case, name, p)} for name in known
+        }
+        or {"none": {}},
+        "base_chi2_excess": case.base_chi2_excess,
+        "base_r2": list(case.base_r2),
+        "part_chi2_excess": dict(case.part_chi2_excess),
+        "points": case.base.samples,
+        "parameters": {name: dict(values) for name, values in case.effects.items()},
+        "duration": float(case.recorded["t"][-1]),
+        "region": case.region,
+        "arguments": arguments(case),
+    }
+
+
+def _judged(case: Case, name: str, parameter: str) -> bool:
+    # a stop on the lower side alone has no agreed sign of its gap
+    return parameter in case.effects[name] and case.effects[name].get("side") != "lower"
+
+
+def arguments(case: Case) -> list[str]:
+    """What a user who knows his machine would tell the diagnosis: how it is held, never what is hidden."""
+    said = {"spring": [], "pendulum": ["--restoring", "pendulum", "--zero", "free"], "none": ["--restoring", "none"]}
+    return said[case.base.restoring]
+
+
+__all__ = ["ALIENS", "Case", "arguments", "draw", "truth"]

@@ -1,0 +1,74 @@
+"""What the sensors make of the true motion, and the noise on top."""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.signal import lfilter
+
+from harness.core.arrays import BoolArray, FloatArray
+from harness.proof.plant.integrate import PlantRun, simulate
+from harness.proof.plant.model import PlantModel
+
+
+@dataclass(frozen=True, slots=True)
+class Sensors:
+    """x: late by ``lag`` (s), gains ``drift`` t (m/s).
+
+    a: scaled by ``gain``, plus ``bias`` (m/s^2), held within +-``limit`` (m/s^2).
+    """
+
+    lag: float = 0.0
+    drift: float = 0.0
+    gain: float = 1.0
+    bias: float = 0.0
+    limit: float = math.inf
+
+    def read(
+        self, model: PlantModel, t: FloatArray, tolerance: float = 1e-10
+    ) -> tuple[PlantRun, dict[str, FloatArray]]:
+        """The true motion at t and the noise-free channels x, v, a, u. Before the lag has passed a late x shows x_0."""
+        if self.lag > 0.0:
+            late = np.maximum(t - self.lag, t[0])
+            grid, where = np.unique(np.concatenate([t, late]), return_inverse=True)
+            both = simulate(model, grid, tolerance=tolerance)
+            run, x = both.at(where[: t.size]), both.x[where[t.size :]]
+        else:
+            run = simulate(model, t, tolerance=tolerance)
+            x = run.x
+        a = np.clip(self.gain * run.a + self.bias, -self.limit, self.limit)
+        return run, {"x": x + self.drift * t, "v": run.v, "a": a, "u": run.u}
+
+    def saturated(self, run: PlantRun) -> BoolArray:
+        """Where a stands at its limit, shape (n,)."""
+        return np.asarray(np.abs(self.gain * run.a + self.bias) >= self.limit)
+
+
+@dataclass(frozen=True, slots=True)
+class Noise:
+    """Sensor noise. sigma : standard deviation of a channel. correlation : of neighbouring samples (first order).
+
+    step : resolution of a channel; the value is rounded to it after the noise was added.
+    """
+
+    sigma: dict[str, float]
+    correlation: float = 0.0
+    step: dict[str, float] | None = None
+
+    def spoil(self, channel: str, clean: FloatArray, rng: np.random.Generator) -> FloatArray:
+        """The channel as recorded."""
+        white = rng.standard_normal(clean.size)
+        r = self.correlation
+        if r != 0.0:
+            shaped = white * math.sqrt(1.0 - r * r)
+            shaped[0] = white[0]
+            white = lfilter([1.0], [1.0, -r], shaped)
+        noisy = clean + self.sigma[channel] * white
+        if self.step and channel in self.step:
+            noisy = np.round(noisy / self.step[channel]) * self.step[channel]
+        return np.asarray(noisy)
+
+    def total(self, channel: str) -> float:
+        """Standard deviation of all the error in a channel, rounding included."""
+        step = (self.step or {}).get(channel, 0.0)
+        return math.hypot(self.sigma[channel], step / math.sqrt(12.0))

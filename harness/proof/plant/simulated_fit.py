@@ -1,0 +1,98 @@
+"""Fits through the plant itself: for recordings the closed form of the base does not cover, and for models that hold
+one of two hidden effects. Started at the truth."""
+
+from collections.abc import Mapping
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+from scipy.interpolate import PPoly, make_interp_spline
+from scipy.optimize import least_squares
+
+from harness.core.arrays import FloatArray
+from harness.core.errors import SimulationError
+from harness.proof.plant.base import Base
+from harness.proof.plant.base_fit import BaseFit, r_squared, whiten
+from harness.proof.plant.hidden import build
+from harness.proof.plant.pieces import Drive
+
+FIT_TOLERANCE = 1e-7
+STEP = 1e-4
+
+
+def replayed(t: FloatArray, u: FloatArray, rate: float) -> Drive:
+    """The recorded force as a function of time: a cubic spline through its samples."""
+    spline = PPoly.from_spline(make_interp_spline(t, u, k=3))
+    pieces: list[tuple[float, float, float, float]] = spline.c.T.tolist()
+    edges, step = spline.x, float(t[1] - t[0])
+    at: list[float] = edges.tolist()
+    first, last = at[3], len(pieces) - 1
+
+    def law(now: float, x: float, v: float) -> float:
+        i = min(max(3 + int((now - first) / step), 3), last)
+        # the knots of a not-a-knot spline are not evenly spaced at its ends
+        while i > 0 and now < at[i]:
+            i -= 1
+        while i < last and now >= at[i + 1]:
+            i += 1
+        a, b, c, d = pieces[i]
+        s = now - at[i]
+        return ((a * s + b) * s + c) * s + d
+
+    return Drive(law, rate=rate)
+
+
+def fit_simulated(
+    base: Base,
+    effects: Mapping[str, Mapping[str, Any]],
+    seen: Mapping[str, FloatArray],
+    noise: Mapping[str, float],
+    correlation: float = 0.0,
+    u: FloatArray | None = None,
+    iterations: int = 20,
+) -> BaseFit:
+    """Best fit of base parameters, start and the numbers in ``effects`` to the channels x, a in ``seen``.
+
+    u : the recorded force, replayed; needed when the drive closes a loop over the true motion.
+    """
+    t = base.times
+    if u is not None and base.drive is not None:
+        base = replace(base, drive=replayed(t, u, base.drive.rate))
+    free = [(name, key) for name, p in effects.items() for key, v in p.items() if isinstance(v, float) and v != 0.0]
+    start = np.concatenate([base.values, [effects[name][key] for name, key in free]])
+    scale = np.abs(start)
+    scale[:5] = np.maximum(scale[:5], [0.0, 1e-3, 1e-4 * base.length, base.length, base.speed])
+    # a slider released from rest has v0 = 0: a speed of the wrong sign would turn friction round at the first sample
+    moving = np.flatnonzero((np.arange(start.size) != 4) | (base.v0 != 0.0))
+
+    def parameters(z: FloatArray) -> FloatArray:
+        p = start.copy()
+        p[moving] += z * scale[moving]
+        p[1:3] = np.abs(p[1:3])
+        return p
+
+    def predicted(z: FloatArray) -> dict[str, FloatArray]:
+        p = parameters(z)
+        changed = {name: dict(values) for name, values in effects.items()}
+        for (name, key), value in zip(free, p[5:], strict=True):
+            changed[name][key] = float(value)
+        model, sensors = build(base.moved(p[:5]), changed)
+        return sensors.read(model, t, FIT_TOLERANCE)[1]
+
+    def residual(z: FloatArray) -> FloatArray:
+        try:
+            said = predicted(z)
+        except (SimulationError, ArithmeticError, ValueError):
+            # a step into parameters that no plant can have
+            return np.full(sum(v.size for v in seen.values()), 1e6)
+        return np.concatenate([whiten(seen[c] - said[c], noise[c], correlation) for c in seen])
+
+    def slopes(z: FloatArray) -> FloatArray:
+        here = residual(z)
+        return np.column_stack([(residual(z + STEP * e) - here) / STEP for e in np.eye(z.size)])
+
+    found = least_squares(
+        residual, np.zeros(moving.size), slopes, method="lm", x_scale="jac", max_nfev=iterations, xtol=1e-12, ftol=1e-3
+    )
+    said = predicted(found.x)
+    return BaseFit(parameters(found.x), 2.0 * float(found.cost), {c: r_squared(seen[c], said[c]) for c in seen})
