@@ -9,6 +9,7 @@ from harness.core.arrays import FloatArray
 from harness.core.errors import SimulationError
 from harness.core.events import Mode
 from harness.core.trajectory import Source, Trajectory
+from harness.engines.actions import belt_speed
 from harness.engines.base import Engine, Restoring, Task
 
 UNSATURATED = 1.0 - 1e-6
@@ -56,7 +57,10 @@ def trajectory(
     if broken.size:
         raise SimulationError(f"{engine.name}: the run diverged at t = {t[broken[0]]:g} s (dt = {dt:g} s)")
     stuck = np.abs(motion.friction) < UNSATURATED * motion.limit
-    mode = np.where(stuck, int(Mode.STICK), np.sign(motion.friction)).astype(np.int8)
+    direction = np.sign(motion.v - belt_speed(task))
+    for otherwise in (motion.friction, motion.a):  # at rest, about to move
+        direction = np.where(direction == 0.0, np.sign(otherwise), direction)
+    mode = np.where(stuck, int(Mode.STICK), direction).astype(np.int8)
     extra = {"friction_force": motion.friction}
     if motion.lift is not None and motion.normal is not None:
         extra |= {"lift": motion.lift, "normal_force": motion.normal}

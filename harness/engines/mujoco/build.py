@@ -42,10 +42,12 @@ def compile_model(task: Task, settings: dict[str, Any], limit: float) -> Any:
     option.disableflags |= mujoco.mjtDisableBit.mjDSBL_AUTORESET
     slide = spec.joint("slide")
     if contact:
-        for geom in (spec.geom("box"), spec.geom("floor")):
-            geom.friction[0] = models.coefficient(slider, limit)
-            geom.solref = settings["solref"]
-            geom.solimp = settings["solimp"]
+        # a pair takes the place of what the two geoms say and can tell friction's softness from the floor's
+        pair = spec.add_pair(geomname1="floor", geomname2="box", condim=3)
+        mu = models.coefficient(slider, limit)
+        pair.friction = [mu, mu, 0.0, 0.0, 0.0]
+        pair.solref, pair.solimp = settings["solref"], settings["solimp"]
+        pair.solreffriction = settings["solreffriction"]
         # the surface moves, the geom does not
         spec.geom("floor").surfacevel = [belt_speed(task), 0.0, 0.0, 0.0, 0.0, 0.0]
     else:

@@ -16,6 +16,7 @@ from harness.engines import models
 from harness.engines.base import Engine, Preset, Route, Task, resolve
 from harness.engines.mujoco import presets as table
 from harness.engines.mujoco.build import compile_model
+from harness.engines.mujoco.depth import rest_height
 from harness.engines.mujoco.forces import Forces
 from harness.engines.quiet import quiet
 from harness.engines.samples import UNSATURATED, Motion, newton_friction, trajectory
@@ -51,6 +52,8 @@ class MujocoEngine(Engine):
             data = mujoco.MjData(model)
             data.qpos[0] = task.scenario.x0
             data.qvel[0] = task.scenario.v0 - forces.frame
+            if task.route == "contact":
+                data.qpos[1] = rest_height(model)
             data.userdata[:] = forces.words
             started = time.perf_counter()
             # one step more than asked for: a step's sensors speak of the state before it
@@ -100,15 +103,14 @@ def _switching(model: Any, data: Any, steps: int, task: Task, forces: Forces) ->
     """
     slider = task.scenario.slider
     mu_k, mu_s = models.coefficient(slider), models.coefficient(slider, slider.break_away)
-    friction = model.geom_friction
-    rows = [model.geom("box").id, model.geom("floor").id]
+    friction = model.pair_friction
     states = np.empty((steps, mujoco.mj_stateSize(model, _STATE)))
     sensors = np.empty((steps, model.nsensordata))
     stuck = forces.first_limit == slider.break_away
     for step in range(steps):
         mujoco.mj_getState(model, data, states[step], _STATE)
         mu = mu_s if stuck else mu_k
-        friction[rows, 0] = mu
+        friction[0, :2] = mu
         mujoco.mj_step(model, data)
         sensors[step] = data.sensordata
         normal = slider.m * sensors[step, 2]

@@ -18,7 +18,8 @@ STIFF = 0.9999
 def presets(route: Route, preset: Preset, dt: float | None) -> dict[str, Any]:
     """Every setting of a preset; see harness.engines.base.Engine.presets.
 
-    solreffriction and solimpfriction are those of the joint, solref and solimp those of the two geoms in contact.
+    solreffriction and solimpfriction are those of the joint; solref, solimp and solreffriction those of the contact
+    (there (0, 0) means: as solref, and only an elliptic cone looks at it).
     """
     shipped: dict[str, Any] = {
         "dt": SHIPPED_DT if dt is None else dt,
@@ -31,7 +32,7 @@ def presets(route: Route, preset: Preset, dt: float | None) -> dict[str, Any]:
         "noslip_tolerance": 1e-6,
         "cone": "pyramidal",
         "impratio": 1.0,
-        "solreffriction": (0.02, 1.0),
+        "solreffriction": (0.0, 0.0) if route == "contact" else (0.02, 1.0),
         "solimpfriction": (0.9, 0.95, 0.001, 0.5, 2.0),
         "solref": (0.02, 1.0),
         "solimp": (0.9, 0.95, 0.001, 0.5, 2.0),
@@ -66,9 +67,11 @@ def unused(settings: dict[str, Any], shipped: dict[str, Any], route: Route) -> t
         for name in ("cone", "impratio", "solref", "solimp"):
             reasons[name] = "there is no contact on this route"
     if route != "joint":
-        for name in ("solreffriction", "solimpfriction"):
-            reasons[name] = "the joint has no friction on this route"
+        reasons["solimpfriction"] = "the joint has no friction on this route"
+    if route == "contact" and settings["cone"] == "pyramidal":
+        reasons["solreffriction"] = "only an elliptic cone looks at it"
     if route == "law":
+        reasons["solreffriction"] = "the joint has no friction on this route"
         for name in ("solver", "iterations", "tolerance", "ls_iterations", "noslip_iterations", "noslip_tolerance"):
             reasons[name] = "there is no constraint to solve on this route"
     elif route == "contact" and settings["cone"] == "elliptic":
