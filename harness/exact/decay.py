@@ -15,7 +15,9 @@ from harness.core.events import EventKind, Events
 from harness.core.scenario import Scenario
 from harness.core.slider import Slider
 from harness.core.trajectory import Source, Trajectory
-from harness.exact import fill, segments
+from harness.exact import segments
+from harness.exact.fill import fill_uniform as _fill_uniform
+from harness.exact.fill_at import fill_at as _fill_at
 from harness.exact.segments import CENTRE, DIRECTION, POSITION, SPEED, START
 
 _MOST_HALF_CYCLES = 10_000_000
@@ -178,7 +180,7 @@ def fill_uniform(decay: Decay, t0: float, dt: float, x: FloatArray, v: FloatArra
     positive("free decay: dt", dt, "s")
     check_outputs((x.size,), x, v, a)
     check_span(decay, t0 + x.size * dt)
-    fill.fill_uniform(*decay.arguments, t0, dt, x, v, a)
+    _fill_uniform(*decay.arguments, t0, dt, x, v, a)
 
 
 def fill_at(decay: Decay, t: FloatArray, x: FloatArray, v: FloatArray, a: FloatArray) -> None:
@@ -186,7 +188,7 @@ def fill_at(decay: Decay, t: FloatArray, x: FloatArray, v: FloatArray, a: FloatA
     check_outputs((t.size,), t, x, v, a)
     if t.size:
         check_span(decay, float(t[-1]))
-    fill.fill_at(*decay.arguments, read_only(t), x, v, a)
+    _fill_at(*decay.arguments, read_only(t), x, v, a)
 
 
 def free_decay(start: Decay | Scenario, t: FloatArray) -> Trajectory:
