@@ -37,19 +37,22 @@ def _x_k(trace: TraceResult, method: str) -> float | None:
 
 def _friction(trace: TraceResult, scenario: Scenario) -> str | None:
     """Whether friction jumps at the reversal or is spread around it."""
-    true = scenario.slider.x_k
+    true, step, lead = scenario.slider.x_k, trace.dt_s, trace.metrics.reversal_lead_s
     guarded, local = _x_k(trace, "acceleration"), _x_k(trace, "acceleration-local")
-    if true == 0.0 or guarded is None or local is None:
+    if true == 0.0 or guarded is None or local is None or step is None:
         return None
-    numbers = f"{_mm(local)} read at the reversal itself, {_mm(guarded)} read outside a guard, {_mm(true)} put in"
+    numbers = (
+        f"x_k is {_mm(local)} read at the reversal itself, {_mm(guarded)} read outside a guard, {_mm(true)} put in"
+    )
     if abs(local) >= SMEARED * abs(guarded):
-        return f"friction jumps as dry friction does: x_k is {numbers}."
-    lead = trace.metrics.reversal_lead_s
-    early = f" It passes zero {lead * 1e3:.2g} ms before the speed does." if lead else ""
+        return f"friction jumps at the reversal, as dry friction does: {numbers}."
+    if lead is None or abs(lead) <= step:
+        return f"friction reverses within one step of {step * 1e3:.3g} ms: {numbers}."
     return (
-        "friction is not a jump at the reversal but a steep, continuous function of the speed and of the acceleration"
-        f" to come: x_k is {numbers}. The estimator at the reversal sees the last sample before and the first after,"
-        f" between which only part of 2 x_k has happened; away from the reversal the force is the right one.{early}"
+        "friction is no jump at the reversal but a steep, continuous function of the speed and of the acceleration to"
+        f" come, and passes zero {lead * 1e3:.2g} ms before the speed does: {numbers}. The estimator at the reversal"
+        " sees the last sample before it and the first after, between which only part of the jump 2 x_k has happened;"
+        " away from the reversal the force is the right one."
     )
 
 
@@ -68,16 +71,19 @@ def _damping(trace: TraceResult, scenario: Scenario) -> str | None:
     estimate, true = trace.estimates.get("acceleration"), scenario.slider.zeta
     if estimate is None or estimate.zeta.value is None:
         return None
-    found = estimate.zeta.value
+    found, x_k = estimate.zeta.value, estimate.x_k.value
     if abs(found - true) <= max(CLOSE * true, 1e-5):
         return None
     own = trace.settings.get("linearDamping")
-    why = (
-        f"its own linear damping of {own:g} (with a quadratic part) acts beside the damper"
-        if isinstance(own, float) and own > 0.0 and found > true
-        else "its integrator adds damping" if found > true else "its integrator takes damping away"
-    )  # fmt: skip
-    return f"zeta reads {found:.4f} where {true:.4f} was put in: {why}."
+    if isinstance(own, float) and own > 0.0 and found > true:
+        why = f"its own linear damping of {own:g} (with a quadratic part) acts beside the damper"
+    else:
+        why = f"its integrator {'adds' if found > true else 'takes away'} damping"
+    wrong = x_k is not None and abs(x_k - scenario.slider.x_k) > CLOSE * scenario.slider.x_k
+    also = (
+        f", which also makes x_k read {_mm(x_k)} where {_mm(scenario.slider.x_k)} was put in" if wrong and x_k else ""
+    )
+    return f"zeta reads {found:.4f} where {true:.4f} was put in: {why}{also}."
 
 
 def _position(trace: TraceResult, scenario: Scenario) -> str | None:

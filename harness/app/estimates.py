@@ -25,9 +25,14 @@ def _of(estimate: Estimate) -> Estimates:
     )
 
 
-def refused_everywhere(methods: Mapping[str, Estimate]) -> str | None:
-    """The reason when no method gives a single figure, else None."""
-    figures = [q for estimate in methods.values() for q in (estimate.omega_n, estimate.zeta, estimate.x_k)]
-    if any(figure.value is not None for figure in figures):
+WHOLE = ("acceleration", "displacement")
+"""Methods that know both viscous and dry friction; where neither holds, nothing else says anything."""
+
+
+def why_no_decay(methods: Mapping[str, Estimate]) -> str | None:
+    """The reasons why neither method of the whole model gives a figure; None when one does."""
+    whole = [methods[name] for name in WHOLE]
+    if any(estimate.zeta.value is not None and estimate.x_k.value is not None for estimate in whole):
         return None
-    return next((figure.why for figure in figures if figure.why), "no method gives a figure")
+    reasons = dict.fromkeys(estimate.x_k.why for estimate in whole if estimate.x_k.why)
+    return "; ".join(reason for reason in reasons if reason)

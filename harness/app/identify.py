@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 
 from harness.app.deliver import to_json
-from harness.app.estimates import estimates_of, refused_everywhere
+from harness.app.estimates import estimates_of, why_no_decay
 from harness.app.journal import NAME as LOG
 from harness.app.journal import journal
 from harness.app.machine import this_machine
@@ -13,7 +13,7 @@ from harness.app.progress import SILENT, Progress
 from harness.app.reading import read, recording_info
 from harness.core.errors import InputError
 from harness.core.recording import Recording
-from harness.estimate.all import estimate_all
+from harness.estimate.every import estimate_all
 from harness.estimate.result import Estimation
 from harness.io.recording import ReadOptions
 from harness.io.store import output_folder
@@ -29,9 +29,9 @@ def estimate(recording: Recording) -> Estimation:
     Raises InputError with the reason when it is driven, or shows no free decay.
     """
     refuse_driven(recording)
-    channels = {name: recording[name] for name in ("x", "v", "a") if name in recording}
-    estimation = estimate_all(recording.t, **channels, unit="rad" if recording.angular else "m")
-    why = refused_everywhere(estimation.methods)
+    x, v, a = (recording.channels.get(name) for name in ("x", "v", "a"))
+    estimation = estimate_all(recording.t, x, v, a, unit="rad" if recording.angular else "m")
+    why = why_no_decay(estimation.methods)
     if why is not None:
         raise InputError(recording.file, f"no estimate is possible: {why}", FREE)
     return estimation
@@ -62,7 +62,7 @@ def identify(
             recording=recording_info(recording, estimation.noise),
             estimates=estimates_of(estimation),
             sensor_phase_rad=P.of(estimation.sensor_phase),
-            warnings=[*recording.notes, *estimation.warnings],
+            warnings=list(estimation.warnings),
             machine=this_machine(),
             files={"result": output.at("result.json"), "log": output.at(LOG)},
         )

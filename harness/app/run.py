@@ -18,17 +18,16 @@ from harness.app.machine import this_machine
 from harness.app.progress import SILENT, Progress
 from harness.app.scenarios import scenario_json
 from harness.core.checks import positive
-from harness.core.errors import InputError, SimulationError
+from harness.core.errors import InputError, SimulationError, StoreError
 from harness.core.scenario import FREE_DECAY, Scenario
 from harness.core.trajectory import Source, Trajectory
 from harness.engines import models, registry
 from harness.engines.base import PRESETS, TUNED_DT, Preset, Task, choice
-from harness.estimate.all import estimate_all
+from harness.estimate.every import estimate_all
 from harness.exact.decay import free_decay
 from harness.fidelity.metrics import measure
 from harness.io.store import OutputFolder, output_folder
 from harness.results.run import Metrics, RunResult, TraceResult
-from harness.show.report import write_run_report
 from harness.show.run_scene import run_scene
 from harness.show.trace import write_trace
 
@@ -117,8 +116,10 @@ def show_run(result: RunResult, trajectories: Sequence[Trajectory], folder: Path
     notes = "\n".join(["# What differs, and why", "", *(f"- {sentence}" for sentence in result.conclusions)])
     data = result.model_dump(mode="json", by_alias=True)
     scene = run_scene(trajectories, result.scenario, data, notes, folder / "model" / "slider.urdf")
-    write_trace(folder / "trace.rrd", scene)
-    write_run_report(folder / "report.html", result, trajectories)
+    try:
+        write_trace(folder / "trace.rrd", scene)
+    except RuntimeError as error:  # all that the viewer's library says of a writer that found no space
+        raise StoreError(f"{folder / 'trace.rrd'}: {error}; a place with room on the disk is accepted") from error
 
 
 def _all_traces(options: RunOptions, progress: Progress) -> tuple[list[Trajectory], list[TraceResult]]:

@@ -57,9 +57,8 @@ def _print(result: "IdentifyResult") -> None:
     from rich.table import Table
 
     found = result.recording
-    table = Table(
-        title=f"{found.file}: {found.samples} samples of {', '.join(found.channels)} at {found.rate_hz:.4g} Hz"
-    )
+    click.echo(f"{found.file}: {found.samples} samples of {', '.join(found.channels)} at {found.rate_hz:.4g} Hz")
+    table = Table()
     for heading in ("method", "omega_n rad/s", "zeta", "x_k", "reversals"):
         table.add_column(heading, justify="left" if heading == "method" else "right", no_wrap=True)
     refused = []

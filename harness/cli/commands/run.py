@@ -62,9 +62,8 @@ def command(
 def _print(result: "RunResult") -> None:
     from rich.table import Table
 
-    table = Table(
-        title=f"{result.scenario['name']}: x_k in mm read two ways, zeta, and what differs from the exact motion"
-    )
+    click.echo("x_k and zeta as the estimators read them; error, creep, rest and lead against the exact motion")
+    table = Table()
     for heading in (
         "source",
         "step ms",

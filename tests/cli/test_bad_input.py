@@ -1,0 +1,156 @@
+"""Bad input: one line on standard error (where, what, what is accepted), exit 2, nothing on standard output."""
+
+import os
+import subprocess
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from harness.cli.main import run
+
+CHECKOUT = Path(__file__).resolve().parents[2]
+N = 400
+T = np.arange(N) / 200.0
+X = np.exp(-0.5 * T) * np.cos(10.0 * T)
+
+
+def write(path: Path, header: str, x: np.ndarray, line: str | None = None) -> None:
+    lines = [header, *(f"{t:.6f},{v:.6f}" for t, v in zip(T, x, strict=False))]
+    if line is not None:
+        lines[20] = line
+    path.write_text("\n".join(lines) + "\n")
+
+
+@pytest.fixture
+def desk(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
+    """A folder with recordings, good and bad; nothing else may be in it afterwards."""
+    write(tmp_path / "good.csv", "t,x", X)
+    write(tmp_path / "two.csv", "t,x", X[:2])
+    write(tmp_path / "nan.csv", "t,x", X, "0.095,nan")
+    write(tmp_path / "text.csv", "t,x", X, "0.095,high")
+    write(tmp_path / "back.csv", "t,x", X, "0.001,1")
+    write(tmp_path / "unit.csv", "t,x [kg]", X)
+    write(tmp_path / "blub.csv", "t,x [blub]", X)
+    write(tmp_path / "still.csv", "t,x", np.ones(N))
+    write(tmp_path / "slope.csv", "t,x", T)
+    write(tmp_path / "driven.csv", "t,x,u", X)
+    driven = [f"{t:.6f},{x:.6f},{np.sin(t):.6f}" for t, x in zip(T, X, strict=True)]
+    (tmp_path / "driven.csv").write_text("t,x,u\n" + "\n".join(driven) + "\n")
+    (tmp_path / "log.json").write_text("{}")
+    (tmp_path / "full").mkdir()
+    (tmp_path / "full" / "mine.txt").write_text("precious")
+    monkeypatch.chdir(tmp_path)
+    before = sorted(tmp_path.rglob("*"))
+    yield tmp_path
+    assert sorted(tmp_path.rglob("*")) == before
+
+
+BAD: list[tuple[str, str]] = [
+    ("run --m 0", "slider: m: 0; a number above 0 kg is accepted"),
+    ("run --m -1", "slider: m: -1; a number above 0 kg is accepted"),
+    ("run --k 0", "slider: k: 0; a number above 0 N/m is accepted"),
+    ("run --k -5", "slider: k: -5; a number above 0 N/m is accepted"),
+    ("run --c -1", "slider: c: -1; 0 or more N s/m is accepted"),
+    ("run --f-k -1", "slider: f_k: -1; 0 or more N is accepted"),
+    ("run --f-s 2", "slider: f_s: 2 N, below f_k = 3 N; f_s >= f_k is accepted"),
+    ("run --m nan", "slider: m: nan; a finite number is accepted"),
+    ("run --k nan", "slider: k: nan; a finite number is accepted"),
+    ("run --c nan", "slider: c: nan; a finite number is accepted"),
+    ("run --f-k nan", "slider: f_k: nan; a finite number is accepted"),
+    ("run --f-s nan", "slider: f_s: nan; a finite number is accepted"),
+    ("run --x0 nan", "x0: nan; a finite number is accepted"),
+    ("run --v0 inf", "v0: inf; a finite number is accepted"),
+    ("run --duration nan", "duration: nan; a finite number is accepted"),
+    ("run --duration 0", "duration: 0; a number above 0 s is accepted"),
+    ("run --m one", "'--m': 'one' is not a valid float"),
+    ("run --dt 0", "--dt: 0; a number above 0 s is accepted"),
+    ("run --dt -0.001", "--dt: -0.001; a number above 0 s is accepted"),
+    ("run --dt nan", "--dt: nan; a finite number is accepted"),
+    ("run --dt 1e-12", "--duration: 3e+12 samples; at most 20000000"),
+    ("run --dt 0.001 --preset as-shipped", "--dt: given with --preset as-shipped"),
+    ("run --preset best", "--preset: 'best'; one of as-shipped, tuned is accepted"),
+    ("run --engine bullet", "--engine: 'bullet'; one of "),
+    ("run belt", "scenario: 'belt'; free-decay is accepted"),
+    ("run free-decay more", "unexpected extra argument"),
+    ("run --out full", "--out full: the folder holds files already; a new or empty one is accepted"),
+    ("run --out /proc/run", "accepted"),
+    ("run --out good.csv/run", "a file stands where a folder is needed"),
+    ("run --json /no/such/folder/a.json", "/no/such/folder/a.json: no such folder"),
+    ("run --json full", "a folder stands where a file is needed"),
+    ("run --nonsense", "No such option"),
+    ("identify", "Missing argument 'RECORDING'"),
+    ("identify none.csv", "none.csv: no such file; a file that can be read is accepted"),
+    ("identify full", "full: a folder"),
+    ("identify log.json", "the format .json; CSV (.csv, .csv.gz), Parquet, MATLAB .mat"),
+    ("identify two.csv", "two.csv: 2 samples; at least 50 are accepted"),
+    ("identify nan.csv", "nan.csv: row 20 (line 21), column x: no value or nan"),
+    ("identify text.csv", "text.csv: row 20 (line 21), column x: the text 'high'; a number is accepted"),
+    ("identify back.csv", "back.csv: row 20 (line 21), column t: time 0.001 s does not come after 0.09 s"),
+    ("identify unit.csv", "unit.csv: column x: 'kg' is a unit of another kind"),
+    ("identify blub.csv", "blub.csv: column x: 'blub' is not a unit"),
+    ("identify still.csv", "still.csv: column x: the constant 1; a channel that moves is accepted"),
+    ("identify slope.csv", "slope.csv: no estimate is possible"),
+    ("identify driven.csv", "driven.csv: channel u: a driven recording (a force of up to 1 N"),
+    ("identify good.csv --columns x=__import__('os').system('id')", "is no name, #N or number"),
+    ("identify good.csv --columns x=open('f')[m]", "is no name, #N or number"),
+    ("identify good.csv --columns x=y", "good.csv: column y: no such column; t, x are accepted"),
+    ("identify good.csv --columns x=x[kg]", "--columns, channel x: 'kg' is a unit of another kind"),
+    ("identify good.csv --rate 0", "--rate: 0; a number above 0 Hz is accepted"),
+    ("identify good.csv --rate 200", "--rate: given although a column of good.csv gives the time"),
+    ("identify good.csv --from 3", "0 samples between --from and --to"),
+    ("identify good.csv --skip-rows -1", "--skip-rows: -1; 0 or more is accepted"),
+    ("identify good.csv --trace x", "--trace: given for good.csv"),
+    ("identify good.csv --out full", "--out full: the folder holds files already"),
+    ("nonsense", "command 'nonsense': no such command; accepted: doctor, identify, "),
+    ("", "no command given; harness --help lists them"),
+    ("--nonsense", "No such option"),
+]
+
+
+@pytest.mark.parametrize(("line", "message"), BAD, ids=[line or "nothing" for line, _ in BAD])
+@pytest.mark.usefixtures("desk")
+def test_bad_input_is_one_line_and_exit_2(line: str, message: str, capfd: pytest.CaptureFixture[str]) -> None:
+    code = run([*line.split(), *(["--json", "-"] if line and "--json" not in line and "nonsense" not in line else [])])
+    out, err = capfd.readouterr()
+    assert err.startswith("harness: ")
+    assert message in err
+    assert err.count("\n") == 1
+    assert err.endswith("\n")
+    assert out == ""
+    assert code == 2
+
+
+def test_a_full_disk_is_one_line_and_leaves_nothing(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
+    if os.geteuid() != 0:
+        pytest.skip("mounting a small file system needs root")
+    place = tmp_path / "tiny"
+    place.mkdir()
+    mount = ["mount", "-t", "tmpfs", "-o", "size=200k", "none", str(place)]
+    if subprocess.run(mount, capture_output=True, check=False).returncode != 0:
+        pytest.skip("mounting a small file system is not allowed here")
+    try:
+        code = run(["run", "--quiet", "--json", "-", "--out", str(place / "out")])
+        out, err = capfd.readouterr()
+        left = list(place.iterdir())
+    finally:
+        subprocess.run(["umount", str(place)], check=True)
+    assert (code, out, left) == (2, "", [])
+    assert err.count("\n") == 1
+    assert "no space left" in err or "room on the disk" in err
+
+
+def test_a_full_standard_output_is_one_line() -> None:
+    with Path("/dev/full").open("w") as full:
+        done = subprocess.run(
+            [sys.executable, "-m", "harness.cli", "doctor", "--json", "-"],
+            stdout=full,
+            stderr=subprocess.PIPE,
+            text=True,
+            check=False,
+            cwd=CHECKOUT,
+        )
+    assert done.stderr == "harness: output: No space left on device; another place is accepted\n"
+    assert done.returncode == 2
