@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import dataclass
+from typing import TypeAlias
 
 import numpy as np
 
@@ -17,6 +18,10 @@ TOLERANCE = 1e-9
 """Default error per step relative to the scale of the motion."""
 
 _NO_DRIVE: FloatArray = np.empty(0)
+
+
+By: TypeAlias = str | tuple[int, int]
+"""A parameter to differentiate by: a name, or (index of a term in the model, index of its parameter)."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -62,17 +67,19 @@ class Solution:
     dx: FloatArray
     dv: FloatArray
     da: FloatArray
-    by: tuple[str, ...]
+    by: tuple[By, ...]
     events: Events
     steps: int
 
 
-def _columns(layout: Layout, by: tuple[str, ...]) -> tuple[IntArray, FloatArray]:
+def _columns(layout: Layout, by: tuple[By, ...]) -> tuple[IntArray, FloatArray]:
     """Places in theta and starting sensitivities of the parameters asked for."""
     columns = np.full(len(by), -1, dtype=np.int64)
     start = np.zeros((layout.start.size, len(by)))
     for q, name in enumerate(by):
-        if name == "x0":
+        if isinstance(name, tuple):
+            columns[q] = layout.term_at[name[0]] + name[1]
+        elif name == "x0":
             start[0, q] = 1.0
         elif name == "v0":
             start[1, q] = 1.0
@@ -86,7 +93,7 @@ def _columns(layout: Layout, by: tuple[str, ...]) -> tuple[IntArray, FloatArray]
 def solve(
     model: Model,
     t: FloatArray,
-    by: tuple[str, ...] = (),
+    by: tuple[By, ...] = (),
     drive: Drive | None = None,
     scales: Scales | None = None,
     tolerance: float = TOLERANCE,

@@ -1,0 +1,148 @@
+"""Least squares of a model to a recording: Levenberg and Marquardt with exact sensitivities and bounds."""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from harness.core.arrays import FloatArray
+from harness.core.errors import SimulationError
+from harness.diagnosis.observe import Observation, observe
+from harness.diagnosis.parameters import Free, values_of, with_values
+from harness.diagnosis.problem import Problem
+from harness.kernels.solve import Scales
+from harness.model.model import Model
+
+_FIRST_DAMPING = 1e-3
+_DONE = 1e-5
+"""A step that promises less than this in chi-square changes nothing that anybody could see."""
+
+
+@dataclass(frozen=True, slots=True)
+class Fit:
+    """A model fitted to a recording.
+
+    chi2 : sum of squares in units of the noise. points : values fitted. residual : (N,) whitened, channels one after
+    another. jacobian : (N, q), whitened, by the fitted numbers themselves. shown : what the sensors would have shown.
+    """
+
+    model: Model
+    free: tuple[Free, ...]
+    chi2: float
+    points: int
+    residual: FloatArray
+    jacobian: FloatArray
+    shown: Observation
+    iterations: int
+    converged: bool
+
+    @property
+    def bic(self) -> float:
+        """Bayesian information criterion with known noise: chi2 + q ln N."""
+        return self.chi2 + len(self.free) * math.log(max(self.points, 2))
+
+    @property
+    def values(self) -> FloatArray:
+        """Values of the fitted numbers, (q,)."""
+        return values_of(self.model, self.free)
+
+    def covariance(self) -> FloatArray:
+        """Covariance of the fitted numbers, (q, q), for noise as estimated; numbers on a bound have none."""
+        scale = np.sqrt(np.sum(self.jacobian**2, axis=0))
+        safe = np.where(scale > 0.0, scale, 1.0)
+        j = self.jacobian / safe
+        inverse = np.linalg.pinv(j.T @ j, rcond=1e-13, hermitian=True)
+        return inverse / np.outer(safe, safe)
+
+
+def whiten(problem: Problem, channel: str, values: FloatArray) -> FloatArray:
+    """Residuals (n,) or partials (n, q) of a channel in units of its noise, its colour taken out, unweighted ones zero."""
+    noise, weight = problem.noise[channel], problem.weight[channel]
+    scaled = values / noise.sigma
+    if noise.phi != 0.0:
+        # first-order colour: the innovation of each sample, where the one before it is its neighbour
+        coloured = scaled.copy()
+        coloured[1:] -= noise.phi * scaled[:-1]
+        coloured[1:] /= math.sqrt(1.0 - noise.phi**2)
+        scaled = coloured
+    return scaled * (weight if values.ndim == 1 else weight[:, None])
+
+
+def evaluate(
+    model: Model, problem: Problem, free: tuple[Free, ...], scales: Scales | None = None, tolerance: float = 1e-8
+) -> tuple[FloatArray, FloatArray, Observation]:
+    """Whitened residual (N,) and its partials (N, q) by the fitted numbers, data minus model."""
+    shown = observe(model, problem, tuple(f.by for f in free), scales, tolerance)
+    residual = np.concatenate([whiten(problem, c, y - shown.y[c]) for c, y in problem.channels.items()])
+    jacobian = np.concatenate([whiten(problem, c, shown.dy[c]) for c in problem.channels])
+    return residual, jacobian, shown
+
+
+def fit(
+    model: Model,
+    problem: Problem,
+    free: tuple[Free, ...],
+    scales: Scales | None = None,
+    iterations: int = 40,
+    tolerance: float = 1e-8,
+) -> Fit:
+    """Fit the free numbers of a model, starting from its own values.
+
+    Raises SimulationError when even the start cannot be simulated.
+    """
+    values = values_of(model, free)
+    values = np.array([f.outward(f.inward(v)) if not f.log or v > 0.0 else v for f, v in zip(free, values, strict=True)])
+    model = with_values(model, free, values)
+    residual, jacobian, shown = evaluate(model, problem, free, scales, tolerance)
+    chi2 = float(residual @ residual)
+    damping, done, count = _FIRST_DAMPING, False, 0
+    for count in range(1, iterations + 1):
+        slopes = np.array([f.slope(v) for f, v in zip(free, values, strict=True)])
+        j = jacobian * slopes
+        scale = np.sqrt(np.einsum("ij,ij->j", j, j))
+        scale[scale == 0.0] = 1.0
+        j /= scale
+        normal, gradient = j.T @ j, j.T @ residual
+        # numbers that a bound holds stay out of the step
+        held = np.array(
+            [
+                (v <= f.lower and g < 0.0) or (v >= f.upper and g > 0.0)
+                for f, v, g in zip(free, values, gradient, strict=True)
+            ]
+        )
+        moving = ~held
+        improved = False
+        for _ in range(12):
+            step = np.zeros(len(free))
+            n = normal[np.ix_(moving, moving)]
+            try:
+                step[moving] = np.linalg.solve(n + damping * np.eye(n.shape[0]), gradient[moving])
+            except np.linalg.LinAlgError:
+                damping *= 10.0
+                continue
+            promised = float(2.0 * step @ gradient - step @ normal @ step)
+            if promised < _DONE:
+                done = True
+                break
+            trial = np.array(
+                [f.outward(f.inward(v) + float(np.clip(s / w, -2.0, 2.0) if f.log else s / w))
+                 for f, v, s, w in zip(free, values, step, scale, strict=True)]
+            )  # fmt: skip
+            try:
+                candidate = with_values(model, free, trial)
+                r, new_j, new_shown = evaluate(candidate, problem, free, scales, tolerance)
+                new = float(r @ r)
+            except SimulationError:
+                new = math.inf
+            if math.isfinite(new) and new < chi2:
+                gained = chi2 - new
+                ratio = gained / promised
+                model, values, residual, jacobian, shown, chi2 = candidate, trial, r, new_j, new_shown, new
+                damping = max(damping * (0.1 if ratio > 0.75 else (0.5 if ratio > 0.25 else 2.0)), 1e-12)
+                improved = True
+                done = gained < _DONE
+                break
+            damping *= 6.0
+        if done or not improved:
+            break
+    return Fit(model, free, chi2, problem.points, residual, jacobian, shown, count, done)

@@ -1,0 +1,107 @@
+"""What the sensors would have shown of a model's motion, with partials: slot O, composed per channel."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from harness.core.arrays import FloatArray, ModeArray
+from harness.core.events import Events
+from harness.diagnosis.problem import Problem
+from harness.kernels.solve import By, Scales, solve
+from harness.model.model import Model
+from harness.model.term import Slot
+
+
+@dataclass(frozen=True, slots=True)
+class Observation:
+    """Predicted channels y[c] (n,) with partials dy[c] (n, q), and the motion behind them (x, v, mode at t)."""
+
+    y: dict[str, FloatArray]
+    dy: dict[str, FloatArray]
+    x: FloatArray
+    v: FloatArray
+    a: FloatArray
+    mode: ModeArray
+    events: Events
+
+
+def _is_sensor(model: Model, by: By) -> bool:
+    return isinstance(by, tuple) and model.terms[by[0]].term.slot is Slot.OBSERVATION
+
+
+def observe(
+    model: Model, problem: Problem, by: tuple[By, ...] = (), scales: Scales | None = None, tolerance: float = 1e-8
+) -> Observation:
+    """Channels of ``problem`` as ``model`` predicts them, with partials by the parameters ``by``.
+
+    Raises SimulationError when the motion cannot be followed.
+    """
+    t = problem.t
+    dynamic = tuple(b for b in by if not _is_sensor(model, b))
+    column = {b: i for i, b in enumerate(dynamic)}
+    sensors = {entry.term.name: (i, entry) for i, entry in enumerate(model.terms) if entry.term.slot is Slot.OBSERVATION}
+    want_a = "a" in problem.channels
+    lag = sensors["sensor-lag"][1].values[0] if "sensor-lag" in sensors else 0.0
+    if lag != 0.0 and "x" in problem.channels:
+        times = np.concatenate((t, t - lag))
+        order = np.argsort(times, kind="stable")
+        sorted_times, back = np.unique(times[order], return_inverse=True)
+        place = np.empty(times.size, dtype=np.int64)
+        place[order] = back
+        at, late = place[: t.size], place[t.size :]
+        motion = solve(model, sorted_times, dynamic, problem.drive, scales, tolerance, want_a)
+    else:
+        at = late = np.arange(t.size)
+        motion = solve(model, t, dynamic, problem.drive, scales, tolerance, want_a)
+    q = len(by)
+    source = np.array([column.get(b, -1) for b in by], dtype=np.int64)
+    moved = source >= 0
+
+    def spread(values: FloatArray, rows: FloatArray | np.ndarray) -> FloatArray:
+        out = np.zeros((t.size, q))
+        out[:, moved] = values[np.ix_(rows, source[moved])]
+        return out
+
+    def sensor(name: str) -> tuple[float, int]:
+        """Value of a one-parameter sensor term and its column in ``by``, -1 when it is not asked for."""
+        i, entry = sensors[name]
+        return entry.values[0], by.index((i, 0)) if (i, 0) in by else -1
+
+    y: dict[str, FloatArray] = {}
+    dy: dict[str, FloatArray] = {}
+    if "x" in problem.channels:
+        y["x"], dy["x"] = motion.x[late].copy(), spread(motion.dx, late)
+        if "sensor-lag" in sensors:
+            _, c = sensor("sensor-lag")
+            if c >= 0:
+                dy["x"][:, c] = -motion.v[late]
+        if "sensor-drift" in sensors:
+            rate, c = sensor("sensor-drift")
+            y["x"] += rate * t
+            if c >= 0:
+                dy["x"][:, c] = t
+    if "v" in problem.channels:
+        y["v"], dy["v"] = motion.v[at].copy(), spread(motion.dv, at)
+    if "a" in problem.channels:
+        true_a = motion.a[at]
+        y["a"], dy["a"] = true_a.copy(), spread(motion.da, at)
+        if "sensor-gain" in sensors:
+            gain, c = sensor("sensor-gain")
+            y["a"] *= gain
+            dy["a"] *= gain
+            if c >= 0:
+                dy["a"][:, c] = true_a
+        if "sensor-bias" in sensors:
+            bias, c = sensor("sensor-bias")
+            y["a"] += bias
+            if c >= 0:
+                dy["a"][:, c] = 1.0
+        if "sensor-clipping" in sensors:
+            limit, c = sensor("sensor-clipping")
+            over = np.abs(y["a"]) > limit
+            sign = np.sign(y["a"][over])
+            y["a"][over] = sign * limit
+            dy["a"][over, :] = 0.0
+            if c >= 0:
+                dy["a"][over, c] = sign
+    return Observation(y, dy, motion.x[at], motion.v[at], motion.a[at], motion.mode[at], motion.events)

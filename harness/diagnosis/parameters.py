@@ -1,0 +1,78 @@
+"""What of a model is fitted, and in which coordinates."""
+
+import math
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from harness.core.arrays import FloatArray
+from harness.kernels.solve import By
+from harness.model.model import Model, ModelTerm
+
+BASE = ("m", "c", "k", "f_k", "x0", "v0")
+_POSITIVE_BASE = frozenset({"m", "k"})
+
+
+@dataclass(frozen=True, slots=True)
+class Free:
+    """One fitted number.
+
+    by : base name, (term, parameter), or name of an internal start. lower, upper : bounds. log : fitted as logarithm.
+    name : as results show it.
+    """
+
+    by: By
+    name: str
+    lower: float
+    upper: float
+    log: bool
+
+    def inward(self, value: float) -> float:
+        """To the coordinate that is fitted."""
+        return math.log(max(value, 1e-300)) if self.log else value
+
+    def outward(self, coordinate: float) -> float:
+        """Back to the parameter, within its bounds."""
+        value = math.exp(min(coordinate, 690.0)) if self.log else coordinate
+        return min(max(value, self.lower), self.upper)
+
+    def slope(self, value: float) -> float:
+        """d parameter / d coordinate."""
+        return value if self.log else 1.0
+
+
+def free_of(model: Model, base: tuple[str, ...]) -> tuple[Free, ...]:
+    """The fitted numbers of a model: these base names, then every parameter of every term."""
+    free = []
+    for name in base:
+        positive = name in _POSITIVE_BASE
+        lower = 0.0 if name in ("c", "f_k") else (1e-300 if positive else -math.inf)
+        free.append(Free(name, name, lower, math.inf, positive))
+    for i, entry in enumerate(model.terms):
+        for j, p in enumerate(entry.term.parameters):
+            log = p.positive and entry.values[j] > 0.0
+            free.append(Free((i, j), f"{entry.term.key}.{p.name}", p.lower, p.upper, log))
+    return tuple(free)
+
+
+def values_of(model: Model, free: tuple[Free, ...]) -> FloatArray:
+    """Values of the fitted numbers in a model, (q,)."""
+    values = np.empty(len(free))
+    for i, f in enumerate(free):
+        values[i] = model.terms[f.by[0]].values[f.by[1]] if isinstance(f.by, tuple) else getattr(model, f.by)
+    return values
+
+
+def with_values(model: Model, free: tuple[Free, ...], values: FloatArray) -> Model:
+    """The model with these values (q,) for its fitted numbers; f_s of a Stribeck term never falls below f_k."""
+    base: dict[str, float] = {}
+    terms = [list(entry.values) for entry in model.terms]
+    for f, value in zip(free, values, strict=True):
+        if isinstance(f.by, tuple):
+            terms[f.by[0]][f.by[1]] = float(value)
+        else:
+            base[f.by] = float(value)
+    entries = tuple(
+        ModelTerm(entry.term, tuple(new), entry.internal0) for entry, new in zip(model.terms, terms, strict=True)
+    )
+    return replace(model, terms=entries, **base)
