@@ -12,8 +12,9 @@ from harness.engines.base import Engine, Preset, Task, resolve
 from harness.engines.mujoco import MujocoEngine
 from harness.engines.mujoco.build import compile_model
 from harness.engines.pybullet import PybulletEngine
+from harness.engines.pybullet.client import log
 from harness.engines.pybullet.loop import Run
-from harness.engines.pybullet.world import SLIDE, log, opened
+from harness.engines.pybullet.world import SLIDE, opened
 from harness.engines.quiet import quiet
 
 

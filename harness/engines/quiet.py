@@ -1,5 +1,6 @@
 """Catch what C libraries print: both streams, at the level of file descriptors, into the log."""
 
+import ctypes
 import logging
 import os
 import sys
@@ -37,6 +38,7 @@ def quiet(log: logging.Logger) -> Iterator[None]:
 
 
 def _flush() -> None:
+    ctypes.CDLL(None).fflush(None)  # the C library keeps its own buffer when the stream is no terminal
     for stream in (sys.stdout, sys.stderr):
         with suppress(OSError, ValueError, AttributeError):
             stream.flush()

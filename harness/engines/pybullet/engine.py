@@ -7,8 +7,9 @@ from typing import Any, ClassVar, final
 from harness.core.trajectory import Trajectory
 from harness.engines.base import Engine, Preset, Route, Task, resolve
 from harness.engines.pybullet import presets as table
+from harness.engines.pybullet.client import log
 from harness.engines.pybullet.loop import Run
-from harness.engines.pybullet.world import log, opened
+from harness.engines.pybullet.world import opened
 from harness.engines.quiet import quiet
 from harness.engines.samples import trajectory
 

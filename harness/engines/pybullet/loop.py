@@ -4,12 +4,12 @@ from dataclasses import replace
 from typing import Any
 
 import numpy as np
-import pybullet
 
 from harness.core.arrays import FloatArray
 from harness.engines.actions import acceleration_at_start, belt_speed, driving_force, held_at_start, restoring_force
 from harness.engines.base import Task
 from harness.engines.models import GRAVITY
+from harness.engines.pybullet.client import pybullet
 from harness.engines.pybullet.world import LIFT, SLIDE, World
 from harness.engines.samples import UNSATURATED, Motion, newton_friction
 

@@ -4,7 +4,6 @@ import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
-from logging import Logger, getLogger
 from pathlib import Path
 from typing import Any
 
@@ -13,13 +12,7 @@ from lxml import etree
 from harness.core.slider import Slider
 from harness.engines import models
 from harness.engines.base import Route
-from harness.engines.quiet import quiet
-
-log: Logger = getLogger("harness.engines.pybullet")
-
-# the extension prints a build stamp when it is loaded
-with quiet(log):
-    import pybullet
+from harness.engines.pybullet.client import pybullet
 
 SLIDE, LIFT = 0, 1
 """Joint (and link) numbers in both models."""
