@@ -6,6 +6,7 @@ from concurrent.futures import ThreadPoolExecutor
 import numpy as np
 
 from harness.core.arrays import FloatArray
+from harness.core.checks import finite, positive
 from harness.core.errors import InputError
 from harness.core.jit import compiled
 from harness.exact.decay import Decay, check_outputs
@@ -59,8 +60,8 @@ def fill_batch(
     """
     if parameters.ndim != 2 or parameters.shape[1] != len(COLUMNS):
         raise InputError("batch: parameters", f"shape {parameters.shape}", f"(sliders, {len(COLUMNS)}) is accepted")
-    if not dt > 0.0:
-        raise InputError("batch: dt", f"{dt:g}", "a number above 0 s is accepted")
+    finite("batch: t0", t0)
+    positive("batch: dt", dt, "s")
     sliders = parameters.shape[0]
     check_outputs(parameters.shape, parameters)
     check_outputs((sliders, x.shape[-1]), x, v, a)

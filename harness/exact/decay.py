@@ -17,6 +17,7 @@ from harness.core.slider import Slider
 from harness.core.trajectory import Source, Trajectory
 from harness.exact import segments
 from harness.exact.fill import fill_uniform as _fill_uniform
+from harness.exact.fill_at import disorder
 from harness.exact.fill_at import fill_at as _fill_at
 from harness.exact.segments import CENTRE, DIRECTION, POSITION, SPEED, START
 
@@ -165,6 +166,15 @@ def check_outputs(shape: tuple[int, ...], *arrays: FloatArray) -> None:
             raise InputError("free decay: arrays", found, f"contiguous float64 of shape {shape} is accepted")
 
 
+def check_times(decay: Decay, t: FloatArray) -> None:
+    """Raise InputError for times (s) that decrease or are no numbers, or span too many half-cycles."""
+    row = disorder(read_only(t))
+    if row >= 0:
+        raise InputError(f"free decay: t, row {row + 1}", f"{t[row]:.9g} s", "times that do not decrease are accepted")
+    if t.size:
+        check_span(decay, float(t[-1]))
+
+
 def read_only(t: FloatArray) -> FloatArray:
     """A view no kernel can write to, so that one compiled form serves every caller."""
     view = t.view()
@@ -177,6 +187,7 @@ def fill_uniform(decay: Decay, t0: float, dt: float, x: FloatArray, v: FloatArra
 
     At an event a sample shows the acceleration after it. Before t = 0 the slider rests at x0.
     """
+    finite("free decay: t0", t0)
     positive("free decay: dt", dt, "s")
     check_outputs((x.size,), x, v, a)
     check_span(decay, t0 + x.size * dt)
@@ -186,8 +197,7 @@ def fill_uniform(decay: Decay, t0: float, dt: float, x: FloatArray, v: FloatArra
 def fill_at(decay: Decay, t: FloatArray, x: FloatArray, v: FloatArray, a: FloatArray) -> None:
     """Write x, v, a, each (n,), at any times ``t`` (n,) in s that do not decrease; see ``fill_uniform``."""
     check_outputs((t.size,), t, x, v, a)
-    if t.size:
-        check_span(decay, float(t[-1]))
+    check_times(decay, t)
     _fill_at(*decay.arguments, read_only(t), x, v, a)
 
 

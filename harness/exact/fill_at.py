@@ -20,6 +20,18 @@ _CHUNK = 256
 _ORDER = 8  # coefficients of the Taylor step
 
 
+def _disorder(t: FloatArray) -> int:
+    """Index of the first time that is not a number or lies before the one ahead of it; -1 when there is none."""
+    wrong = 0 if t.size and not math.isfinite(t[0]) else -1
+    for j in range(1, t.size):
+        if not t[j] >= t[j - 1]:
+            return j if wrong < 0 else wrong
+    return wrong
+
+
+disorder = compiled(_disorder)
+
+
 def _taylor(value: float, slope: float, omega_n: float, sigma: float, out: FloatArray) -> None:
     """Coefficients of the solution of y'' + 2 sigma y' + omega_n^2 y = 0 with this value and slope at 0."""
     out[0], out[1] = value, slope

@@ -2,7 +2,7 @@
 
 from harness.core.arrays import FloatArray
 from harness.exact import partials
-from harness.exact.decay import Decay, check_outputs, check_span, read_only
+from harness.exact.decay import Decay, check_outputs, check_times, read_only
 from harness.exact.partials import PARAMETERS
 
 __all__ = ["PARAMETERS", "fill_sensitivities"]
@@ -27,6 +27,5 @@ def fill_sensitivities(
     n = t.size
     check_outputs((n,), t, x, v, a)
     check_outputs((n, len(PARAMETERS)), dx, dv, da)
-    if n:
-        check_span(decay, float(t[-1]))
+    check_times(decay, t)
     partials.fill_sensitivities(*decay.arguments, read_only(t), x, v, a, dx, dv, da)

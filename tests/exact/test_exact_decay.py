@@ -231,6 +231,18 @@ def test_higher_break_away_sticks_earlier_at_the_same_turning_points() -> None:
             "scenario hold: an acting force or belt; a free decay is accepted",
         ),
         (
+            lambda: fill_at(Decay(1, 0.1, 0.1), np.array([0.0, 2.0, 1.0]), *np.empty((3, 3))),
+            "free decay: t, row 3: 1 s; times that do not decrease are accepted",
+        ),
+        (
+            lambda: fill_at(Decay(1, 0.1, 0.1), np.array([math.nan, 2.0]), *np.empty((3, 2))),
+            "free decay: t, row 1: nan s; times that do not decrease are accepted",
+        ),
+        (
+            lambda: fill_uniform(Decay(1, 0.1, 0.1), math.nan, 0.1, *np.empty((3, 4))),
+            "free decay: t0: nan; a finite number is accepted",
+        ),
+        (
             lambda: fill_uniform(Decay(1, 0.1, 0.1), 0.0, 0.0, *np.empty((3, 4))),
             "free decay: dt: 0; a number above 0 s is accepted",
         ),
