@@ -17,8 +17,9 @@ from harness.app.journal import journal
 from harness.app.machine import this_machine
 from harness.app.progress import SILENT, Progress
 from harness.app.scenarios import scenario_json
+from harness.app.showing import write_run_page, write_run_trace
 from harness.core.checks import positive
-from harness.core.errors import InputError, SimulationError, StoreError
+from harness.core.errors import InputError, SimulationError
 from harness.core.scenario import FREE_DECAY, Scenario
 from harness.core.trajectory import Source, Trajectory
 from harness.engines import models, registry
@@ -28,8 +29,6 @@ from harness.exact.decay import free_decay
 from harness.fidelity.metrics import measure
 from harness.io.store import OutputFolder, output_folder
 from harness.results.run import Metrics, RunResult, TraceResult
-from harness.show.run_scene import run_scene
-from harness.show.trace import write_trace
 
 LOGGER = logging.getLogger(__name__)
 ENGINES = ("mujoco", "pybullet")
@@ -82,11 +81,12 @@ class RunOptions:
         return [(name, preset) for name in dict.fromkeys(self.engines) for preset in PRESETS if preset in self.presets]
 
 
-def run(options: RunOptions, out: Path | None = None, progress: Progress = SILENT) -> RunResult:
+def run(options: RunOptions, out: Path | None = None, progress: Progress = SILENT, command: str = "") -> RunResult:
     """Run, measure, estimate, and leave result.json, trace.rrd, report.html, the models and the log in a folder.
 
-    out : new or empty folder, None for reports/NAME-TIME here. An engine that cannot complete its run has the reason in
-    its trace's ``error``, and the others go on. Raises StoreError when the folder cannot be written.
+    out : new or empty folder, None for reports/NAME-TIME here. command : the line that makes it again. An engine that
+    cannot complete its run has the reason in its trace's ``error``, and the others go on. Raises StoreError when the
+    folder cannot be written.
     """
     with output_folder(options.scenario.name, out) as output, journal(output / LOG):
         trajectories, traces = _all_traces(options, progress)
@@ -94,13 +94,15 @@ def run(options: RunOptions, out: Path | None = None, progress: Progress = SILEN
             scenario=scenario_json(options.scenario),
             traces=traces,
             conclusions=conclusions(traces, options.scenario),
+            command=command,
             machine=this_machine(),
             files=_files(output),
         )
         progress("writing model, trace and report", len(options.plan) + 1, len(options.plan) + 2)
         models.export(options.scenario.slider, output.work / "model")
         (output / "result.json").write_text(to_json(result), encoding="utf-8")
-        show_run(result, trajectories, output.work)
+        write_run_trace(output / "trace.rrd", result, trajectories, output / "model/slider.urdf")
+        write_run_page(output / "report.html", result, trajectories)
         output.commit()
     return result
 
@@ -111,23 +113,12 @@ def _files(output: OutputFolder) -> dict[str, str]:
     return {name: output.at(file) for name, file in named.items()}
 
 
-def show_run(result: RunResult, trajectories: Sequence[Trajectory], folder: Path) -> None:
-    """Write trace.rrd and report.html of a run; the models are in folder/model."""
-    notes = "\n".join(["# What differs, and why", "", *(f"- {sentence}" for sentence in result.conclusions)])
-    data = result.model_dump(mode="json", by_alias=True)
-    scene = run_scene(trajectories, result.scenario, data, notes, folder / "model" / "slider.urdf")
-    try:
-        write_trace(folder / "trace.rrd", scene)
-    except RuntimeError as error:  # all that the viewer's library says of a writer that found no space
-        raise StoreError(f"{folder / 'trace.rrd'}: {error}; a place with room on the disk is accepted") from error
-
-
 def _all_traces(options: RunOptions, progress: Progress) -> tuple[list[Trajectory], list[TraceResult]]:
     """The reference first, then the engines; those that could not be run have a result but no trajectory."""
     total = len(options.plan) + 2
     progress("exact reference", 0, total)
     reference = _reference(options)
-    trajectories, traces = [reference], [_measured(reference, options.scenario)]
+    trajectories, traces = [reference], [measured(reference, options.scenario)]
     for done, (name, preset) in enumerate(options.plan, 1):
         progress(f"{name} {preset}", done, total)
         dt = options.dt if preset == "tuned" else None
@@ -138,7 +129,7 @@ def _all_traces(options: RunOptions, progress: Progress) -> tuple[list[Trajector
             traces.append(_failed(name, preset, dt, str(error)))
             continue
         trajectories.append(trajectory)
-        traces.append(_measured(trajectory, options.scenario))
+        traces.append(measured(trajectory, options.scenario))
     return trajectories, traces
 
 
@@ -156,7 +147,8 @@ def _reference(options: RunOptions) -> Trajectory:
     return replace(exact, source=source)
 
 
-def _measured(trajectory: Trajectory, scenario: Scenario) -> TraceResult:
+def measured(trajectory: Trajectory, scenario: Scenario) -> TraceResult:
+    """Metrics of a trajectory against the exact motion of ``scenario``, and every estimator's figures."""
     source = trajectory.source
     return TraceResult(
         source=source.name,

@@ -43,8 +43,8 @@ def _long_enough(decay: Decay) -> float:
 
 
 def _rounded_up(value: float) -> float:
-    digit = 10.0 ** (math.floor(math.log10(value)) - 1)
-    return math.ceil(value / digit) * digit
+    exponent = math.floor(math.log10(value)) - 1
+    return float(f"{math.ceil(value / 10.0**exponent)}e{exponent}")
 
 
 def scenario_json(scenario: Scenario) -> dict[str, Any]:
@@ -57,3 +57,16 @@ def scenario_json(scenario: Scenario) -> dict[str, Any]:
         "release": {"x0": scenario.x0, "v0": scenario.v0},
         "duration_s": scenario.duration,
     }
+
+
+def scenario_of_json(data: Mapping[str, Any]) -> Scenario:
+    """The scenario ``scenario_json`` made this from.
+
+    Raises InputError when something is missing.
+    """
+    try:
+        release = data["release"]
+        slider = Slider(**data["slider"])
+        return Scenario(str(data["name"]), slider, release["x0"], release["v0"], data["duration_s"])
+    except (KeyError, TypeError) as error:
+        raise InputError("scenario", f"incomplete ({error})", "a trace written by harness run is accepted") from None

@@ -1,10 +1,9 @@
 """Where results go: standard output, a JSON file, a table for people."""
 
+import shlex
 import sys
 from pathlib import Path
 from typing import TYPE_CHECKING
-
-import click
 
 if TYPE_CHECKING:
     from rich.table import Table
@@ -50,6 +49,7 @@ def show(table: "Table") -> None:
     console.print(table)
 
 
-def say(text: str) -> None:
-    """Print one line for people."""
-    click.echo(text)
+def this_line() -> str:
+    """The command line as somebody would type it again; "" when the program was not started by one."""
+    is_ours = Path(sys.argv[0]).name in ("harness", "__main__.py")
+    return shlex.join(["harness", *sys.argv[1:]]) if is_ours else ""

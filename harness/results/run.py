@@ -56,5 +56,6 @@ class RunResult(Result):
     scenario: dict[str, Any]
     traces: list[TraceResult]
     conclusions: list[str] = Field(default_factory=list, description="what differs and why, in sentences")
+    command: str = Field(default="", description="the line that makes it again")
     machine: Machine
     files: dict[str, str]

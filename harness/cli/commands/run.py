@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 import click
 
 from harness.cli.options import engine_options, output_options
-from harness.cli.output import check_json, emit_json, show, shows_tables
+from harness.cli.output import check_json, emit_json, show, shows_tables, this_line
 from harness.cli.progress import shown
 
 if TYPE_CHECKING:
@@ -52,7 +52,7 @@ def command(
 
     options = RunOptions.chosen(scenario_named(scenario, given), engines, preset, dt)
     with shown(quiet) as progress:
-        result = run(options, out, progress)
+        result = run(options, out, progress, this_line())
     emit_json(result, json_to)
     if shows_tables(json_to, quiet):
         _print(result)
