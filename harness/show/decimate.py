@@ -28,7 +28,7 @@ def keep(t: FloatArray, channels: Sequence[FloatArray], around: FloatArray, budg
     """Indices of the samples to draw, increasing, about ``budget`` of them at most.
 
     All samples when they are no more than the budget. Otherwise half of it goes to full resolution around the times
-    ``around``, the rest to the smallest and largest value of every channel in equal stretches, so that no spike is lost.
+    ``around``, the rest to the smallest and largest value of every channel in equal stretches: no spike is lost.
     """
     n = t.size
     if n <= budget:

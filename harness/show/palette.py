@@ -15,7 +15,7 @@ _PAIRS = (  # (tuned and the like, as shipped): hues that stay apart for most co
 
 
 def colors(sources: Sequence[Source]) -> list[str]:
-    """Hex colours: grey for the first (the reference), a hue for each further engine, pale for its as-shipped preset."""
+    """Hex colours: grey for the first (the reference), a hue for each engine, pale for its as-shipped preset."""
     names = list(dict.fromkeys(source.name for source in sources[1:]))
     found = [REFERENCE]
     for source in sources[1:]:

@@ -6,7 +6,7 @@ A diagnosis or a sweep builds its own Scene from the same pieces; harness.show.t
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any, TypeAlias
+from typing import Any, Literal, TypeAlias
 
 from harness.core.arrays import FloatArray
 
@@ -33,7 +33,7 @@ class Marks:
     values: FloatArray
     color: str
     size: float = 4.0
-    shape: str = "circle"
+    shape: Literal["circle", "diamond", "cross", "plus", "square"] = "circle"
 
 
 @dataclass(frozen=True, slots=True)
@@ -48,9 +48,10 @@ class Lane:
 
 @dataclass(frozen=True, slots=True)
 class Orbit:
-    """A curve in a plane and a point that moves along it. points : (n, 2), second axis upwards. at : times, s, and places.
+    """A curve in a plane and a point that moves along it.
 
-    The viewer's 2D space points down; the writer turns it over.
+    points : (n, 2), second axis upwards; the viewer's 2D space points down, the writer turns it over.
+    at : times, s, and places, (m, 2), of the point.
     """
 
     path: str

@@ -5,7 +5,7 @@ import sys
 from collections.abc import Iterator, Mapping
 from functools import singledispatch
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, cast
 
 import numpy as np
 import rerun as rr
@@ -76,10 +76,8 @@ def _check_whole(part: Path, path: Path) -> None:
 def _send_properties(recording: rr.RecordingStream, properties: Mapping[str, Any]) -> None:
     for name, value in properties.items():
         shown = {k: v for k, v in value.items() if isinstance(v, (str, int, float))} if isinstance(value, dict) else {}
-        text = json.dumps(value, default=plain)
-        recording.send_property(
-            name, rr.AnyValues(**{_JSON: text}, **{k: v for k, v in shown.items() if k.isidentifier()})
-        )
+        named: dict[str, Any] = {k: v for k, v in shown.items() if k.isidentifier() and k != _JSON}
+        recording.send_property(name, rr.AnyValues(True, **(named | {_JSON: json.dumps(value, default=plain)})))
 
 
 def read_trace(path: Path) -> StoredTrace:
@@ -167,7 +165,9 @@ def _(item: s.Lane, recording: rr.RecordingStream) -> None:
         values=values, labels=[label for label, _ in looks], colors=[_rgb(color) for _, color in looks]
     )
     recording.log(item.path, style, static=True, strict=True)
-    recording.send_columns(item.path, [_time(item.t)], rr.StateChange.columns(state=list(item.states)), strict=True)
+    recording.send_columns(
+        item.path, [_time(item.t)], rr.StateChange.columns(state=cast(Any, list(item.states))), strict=True
+    )
 
 
 @send.register

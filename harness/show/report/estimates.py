@@ -1,0 +1,120 @@
+"""What every method reads from every source, with standard errors."""
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+from harness.show.report.numbers import MINUS, quantity
+from harness.show.report.section import Section
+from harness.show.report.table import Cell, Column, Row, Table, grade
+
+METHODS = {
+    "acceleration": "each side of a reversal fitted, leaving out a guard interval found from the data",
+    "acceleration-local": "last sample before a reversal and first after it, no guard: the reversal itself",
+    "acceleration-paper": "five-point average, first period dropped, estimates averaged: the paper's own practice",
+    "displacement": "turning points of the displacement",
+    "log-decrement": "viscous damping alone",
+    "constant-decrement": "Coulomb friction alone",
+}
+
+SHOWN_FACTOR = {"mm": 1e3, "rad/s": 1.0, "": 1.0}
+
+QUANTITIES = {"x_k": "Friction displacement x_k", "zeta": "Damping ratio zeta", "omega_n": "Natural frequency omega_n"}
+
+
+@dataclass(frozen=True)
+class Estimates(Section):
+    """traces : as in harness.run/1. scenario : its slider gives the true values where it is known."""
+
+    template: ClassVar[str] = "estimates.html.j2"
+    traces: Sequence[Mapping[str, Any]]
+    scenario: Mapping[str, Any]
+    palette: Sequence[str]
+
+    @property
+    def title(self) -> str:
+        """The heading."""
+        return "Friction and damping as the estimators read them"
+
+    def context(self) -> Mapping[str, Any]:
+        """What the template shows."""
+        found = dict.fromkeys(method for trace in self.traces for method in trace["estimates"])
+        methods = [m for m in METHODS if m in found] + [m for m in found if m not in METHODS]
+        explained = [{"name": method, "what": METHODS[method]} for method in methods if method in METHODS]
+        return {"tables": [self._table(name, methods) for name in QUANTITIES] if methods else [], "methods": explained}
+
+    def _table(self, name: str, methods: Sequence[str]) -> Table:
+        truth = true_values(self.scenario).get(name)
+        reasons: list[str] = []
+        rows = [
+            Row(
+                f"{trace['source']} {trace['preset']}".strip(),
+                [cell(trace["estimates"].get(method), name, truth, reasons) for method in methods],
+                color=color,
+            )
+            for trace, color in zip(self.traces, self.palette, strict=True)
+        ]
+        unit = _unit(self.traces, name)
+        put_in = ""
+        if truth is not None:
+            put_in = f", put in as {truth * SHOWN_FACTOR[unit]:.6g} {unit}".rstrip()
+        columns = [Column(method, unit, METHODS.get(method, "")) for method in methods]
+        return Table("source", columns, rows, "", QUANTITIES[name] + put_in, footnotes(reasons))
+
+
+def true_values(scenario: Mapping[str, Any]) -> dict[str, float]:
+    """omega_n (rad/s), zeta and x_k (m) of the scenario's slider; empty when it has none."""
+    slider = scenario.get("slider")
+    if not isinstance(slider, Mapping) or not all(
+        isinstance(slider.get(key), (int, float)) for key in ("m", "c", "k", "f_k")
+    ):
+        return {}
+    m, c, k, f_k = (float(slider[key]) for key in ("m", "c", "k", "f_k"))
+    return {"omega_n": math.sqrt(k / m), "zeta": c / (2.0 * math.sqrt(k * m)), "x_k": f_k / k}
+
+
+def _unit(traces: Sequence[Mapping[str, Any]], name: str) -> str:
+    for trace in traces:
+        for estimate in trace["estimates"].values():
+            return quantity(estimate[name])[2]
+    return ""
+
+
+def cell(estimate: Mapping[str, Any] | None, name: str, truth: float | None, reasons: list[str]) -> Cell:
+    """One estimate; a reason for what is missing is added to ``reasons`` and marked with its letter."""
+    if estimate is None:
+        return Cell("\u2013")
+    p = estimate[name]
+    value, stderr, _ = quantity(p)
+    mark = ""
+    if p.get("why"):
+        if p["why"] not in reasons:
+            reasons.append(p["why"])
+        mark = letter(reasons.index(p["why"]))
+    if p["value"] is None:
+        return Cell("\u2013", f"({mark})", hint=p["why"])
+    note = f"± {stderr}" if stderr else f"({mark})"
+    relative = None
+    if truth:
+        relative = (p["value"] - truth) / truth
+        note += ", " + percent(relative)
+    return Cell(value, note, grade(relative), p.get("why") or "")
+
+
+def percent(relative: float) -> str:
+    """A relative deviation as people read it."""
+    if abs(relative) < 5e-7:
+        return "exact to 10⁻⁶"
+    digits = max(0, min(5, 1 - math.floor(math.log10(abs(relative) * 100.0))))
+    return f"{relative * 100.0:+.{digits}f} %".replace("-", MINUS)
+
+
+def letter(index: int) -> str:
+    """a, b, ... z, aa, ..."""
+    return (letter(index // 26 - 1) if index >= 26 else "") + chr(ord("a") + index % 26)
+
+
+def footnotes(reasons: Sequence[str]) -> list[str]:
+    """The reasons with the letters that the cells show."""
+    return [f"({letter(i)}) {reason}" for i, reason in enumerate(reasons)]

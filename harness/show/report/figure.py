@@ -1,0 +1,68 @@
+"""Plots of a page: plotly's traces and layout, the numbers kept apart so that curves share them."""
+
+import base64
+import hashlib
+import json
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from harness.core.arrays import FloatArray
+
+
+@dataclass(frozen=True, slots=True)
+class Figure:
+    """One plot.
+
+    name : unique on the page. traces, layout : plotly's; NumPy arrays may stand for lists. caption : a sentence below.
+    group : figures of one group zoom together along x. height : pixels.
+    Colours may be "ink", "muted" or "rule": the page's own, in light and dark.
+    """
+
+    name: str
+    traces: Sequence[Mapping[str, Any]]
+    layout: Mapping[str, Any]
+    caption: str = ""
+    group: str = ""
+    height: int = 340
+
+
+@dataclass(slots=True)
+class Pool:
+    """Arrays of a page, each stored once as base64 of little-endian doubles."""
+
+    arrays: dict[str, str] = field(default_factory=dict)
+
+    def add(self, values: FloatArray) -> str:
+        """The key under which the page finds these numbers; nan draws a gap."""
+        data = np.ascontiguousarray(values, dtype="<f8").tobytes()
+        key = hashlib.blake2b(data, digest_size=6).hexdigest()
+        self.arrays.setdefault(key, base64.b64encode(data).decode("ascii"))
+        return key
+
+    def spec(self, figure: Figure) -> dict[str, Any]:
+        """The figure as JSON, arrays replaced by {"$": key}."""
+        return {
+            "name": figure.name,
+            "traces": self._plain(figure.traces),
+            "layout": self._plain(figure.layout),
+            "group": figure.group,
+        }
+
+    def _plain(self, value: object) -> Any:
+        if isinstance(value, np.ndarray):
+            return {"$": self.add(value)}
+        if isinstance(value, np.generic):
+            return value.item()
+        if isinstance(value, Mapping):
+            return {key: self._plain(inner) for key, inner in value.items()}
+        if isinstance(value, (list, tuple)):
+            return [self._plain(inner) for inner in value]
+        return value
+
+
+def script_json(value: object) -> str:
+    """JSON that can stand inside a script element whatever text it holds."""
+    return json.dumps(value, allow_nan=False).replace("<", "\\u003c").replace("\u2028", "\\u2028")

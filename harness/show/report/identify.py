@@ -1,0 +1,242 @@
+"""The page of a recording: what the estimators read from it, reversal by reversal."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import PurePath
+from typing import Any, ClassVar
+
+import numpy as np
+
+from harness.core.arrays import FloatArray
+from harness.core.recording import Recording
+from harness.show.decimate import keep
+from harness.show.report.curves import POINTS, upright_lines
+from harness.show.report.estimates import METHODS, QUANTITIES, cell, footnotes
+from harness.show.report.figure import Figure
+from harness.show.report.motion import GROUP, zoom_buttons
+from harness.show.report.numbers import quantity, sentence_quantity
+from harness.show.report.section import Section
+from harness.show.report.sources import MadeWith
+from harness.show.report.table import Column, Row, Table
+from harness.show.report.verdict import Verdict
+
+CHANNELS = {
+    "x": ("position", "mm", 1e3),
+    "v": ("speed", "m/s", 1.0),
+    "a": ("acceleration", "m/s²", 1.0),
+    "u": ("force", "N", 1.0),
+}
+ANGLES = {
+    "x": ("angle", "rad", 1.0),
+    "v": ("speed", "rad/s", 1.0),
+    "a": ("acceleration", "rad/s²", 1.0),
+    "u": ("torque", "N m", 1.0),
+}
+_HUES = ("#e4632d", "#2b7fd6", "#1f9e77", "#a45bc2", "#b58900", "#667080")
+_PLAIN = {"zeta": "ζ", "x_k": "x<sub>k</sub>"}
+_APART = 0.006
+"""Shift of each method's points, as a share of the time shown, so that bars do not hide one another."""
+
+
+def identify_sections(recording: Recording, result: Mapping[str, Any], command: str = "") -> list[Section]:
+    """Sections of a recording. result : IdentifyResult.model_dump(by_alias=True) (harness.identify/1)."""
+    return [
+        Verdict(identify_headline(result), [*result["warnings"], *result["recording"]["notes"]]),
+        Methods(result["estimates"], result["sensor_phase_rad"]),
+        Channels(recording, result["estimates"]),
+        PerReversal(result["estimates"]),
+        MadeWith(result["machine"], result["files"], command),
+    ]
+
+
+def identify_title(result: Mapping[str, Any]) -> tuple[str, str]:
+    """Title and subtitle of the page of a recording."""
+    about = result["recording"]
+    channels = ", ".join(about["channels"])
+    line = f"{about['samples']} samples of {channels} at {about['rate_hz']:.6g} Hz, {about['duration_s']:.4g} s"
+    return f"Friction and damping of {PurePath(about['file']).name}", line
+
+
+def identify_headline(result: Mapping[str, Any]) -> str:
+    """The three figures of the first method that gives them all, or why none does."""
+    for method in [*METHODS, *result["estimates"]]:
+        found = result["estimates"].get(method)
+        if found and all(found[name]["value"] is not None for name in QUANTITIES):
+            x_k, zeta, omega_n = (sentence_quantity(found[name]) for name in QUANTITIES)
+            return (
+                f"x_k = {x_k}, zeta = {zeta}, omega_n = {omega_n}, "
+                f"read by method {method} from {found['reversals']} reversals."
+            )
+    whys = dict.fromkeys(
+        p["why"] for found in result["estimates"].values() for p in (found[n] for n in QUANTITIES) if p["why"]
+    )
+    return "No method gives all three figures: " + "; ".join(whys) + "." if whys else "No estimator was run."
+
+
+@dataclass(frozen=True)
+class Methods(Section):
+    """estimates : METHOD -> as in harness.identify/1. sensor_phase : a P, rad."""
+
+    template: ClassVar[str] = "table.html.j2"
+    estimates: Mapping[str, Mapping[str, Any]]
+    sensor_phase: Mapping[str, Any]
+
+    @property
+    def title(self) -> str:
+        """The heading."""
+        return "Estimates"
+
+    def context(self) -> Mapping[str, Any]:
+        """What the template shows."""
+        reasons: list[str] = []
+        rows = []
+        for method, estimate in self.estimates.items():
+            cells = [cell(estimate, name, None, reasons) for name in QUANTITIES]
+            rows.append(Row(method, cells, f"{estimate['reversals']} reversals"))
+        units = {name: next((quantity(e[name])[2] for e in self.estimates.values()), "") for name in QUANTITIES}
+        columns = [Column(label, units[name]) for name, label in QUANTITIES.items()]
+        phase = self.sensor_phase
+        lead = (
+            "Phase lead of the accelerometer over the displacement sensor, removed before estimating: "
+            f"{sentence_quantity(phase)}."
+            if phase["value"] is not None
+            else f"Phase lead between the sensors: not estimated ({phase['why']})."
+        )
+        return {
+            "tables": [
+                Table("method", columns, rows, f"Below each value: one standard error. {lead}", "", footnotes(reasons))
+            ]
+        }
+
+
+def reversal_figures(estimates: Mapping[str, Mapping[str, Any]]) -> FloatArray:
+    """Times of the reversals that any method found, s, increasing."""
+    for method in [*METHODS, *estimates]:
+        found = [one["t"] for one in estimates.get(method, {}).get("per_reversal", []) if one.get("t") is not None]
+        if found:
+            return np.unique(np.asarray(found, dtype=np.float64))
+    return np.empty(0)
+
+
+@dataclass(frozen=True)
+class Channels(Section):
+    """The recording's channels with the reversals marked."""
+
+    template: ClassVar[str] = "motion.html.j2"
+    recording: Recording
+    estimates: Mapping[str, Mapping[str, Any]]
+
+    @property
+    def title(self) -> str:
+        """The heading."""
+        return "The recording"
+
+    def context(self) -> Mapping[str, Any]:
+        """What the template shows."""
+        times = reversal_figures(self.estimates)
+        channels = list(self.recording.channels)
+        chosen = keep(
+            self.recording.t, [self.recording[name] for name in channels], times[:64], POINTS // (1 + len(channels))
+        )
+        t = self.recording.t[chosen]
+        figures = []
+        for name in channels:
+            label, unit, factor = (ANGLES if self.recording.angular else CHANNELS)[name]
+            trace = {
+                "type": "scatter",
+                "mode": "lines",
+                "name": name,
+                "x": t,
+                "y": self.recording[name][chosen] * factor,
+                "line": {"color": "ink", "width": 1.4},
+                "marker": {"size": 4},
+                "hovertemplate": f"%{{y:.6g}} {unit}<br>%{{x:.6f}} s<extra></extra>",
+                "meta": {"curve": True},
+            }
+            layout = {
+                "xaxis": {"title": {"text": "time / s"}},
+                "yaxis": {"title": {"text": f"{label} / {f'({unit})' if '/' in unit else unit}"}},
+                "shapes": upright_lines(times),
+                "showlegend": False,
+            }
+            figures.append(Figure(f"channel-{name}", [trace], layout, "", GROUP, 300))
+        return {"figures": figures, "buttons": zoom_buttons(times.tolist(), self.recording.duration), "group": GROUP}
+
+
+@dataclass(frozen=True)
+class PerReversal(Section):
+    """Friction and damping as each single reversal gives them, against the method's own figure."""
+
+    template: ClassVar[str] = "figures.html.j2"
+    estimates: Mapping[str, Mapping[str, Any]]
+
+    @property
+    def title(self) -> str:
+        """The heading."""
+        return "Reversal by reversal"
+
+    def context(self) -> Mapping[str, Any]:
+        """What the template shows."""
+        return {"figures": [figure for name in ("x_k", "zeta") if (figure := self._figure(name)) is not None]}
+
+    def _figure(self, name: str) -> Figure | None:
+        traces: list[dict[str, Any]] = []
+        shown, factor = "", 1.0
+        for index, (method, estimate) in enumerate(self.estimates.items()):
+            color = _HUES[index % len(_HUES)]
+            found = [one for one in estimate["per_reversal"] if one.get(name) is not None]
+            if not found:
+                continue
+            p = estimate[name]
+            shown = quantity(p)[2]
+            factor = 1e3 if shown == "mm" else 1.0
+            t = np.array([float(one["t"]) for one in found])
+            y = np.array([float(one[name]) for one in found]) * factor
+            traces.append(
+                {
+                    "type": "scatter",
+                    "mode": "markers",
+                    "name": method,
+                    "x": t + index * _APART * (t[-1] - t[0]),
+                    "y": y,
+                    "customdata": t,
+                    "marker": {"color": color, "size": 7},
+                    "hovertemplate": f"%{{y:.6g}} {shown}<br>%{{customdata:.4f}} s",
+                }
+                | self._bars(name, found, factor, color)
+            )
+            if p["value"] is not None:
+                ends = np.array([t[0], t[-1]])
+                line = {"color": color, "width": 1.2, "dash": "dash"}
+                level = np.full(2, p["value"] * factor)
+                traces.append(
+                    {
+                        "type": "scatter",
+                        "mode": "lines",
+                        "x": ends,
+                        "y": level,
+                        "line": line,
+                        "showlegend": False,
+                        "hoverinfo": "skip",
+                    }
+                )
+        if not traces:
+            return None
+        title = f"{_PLAIN[name]}{f' / {shown}' if shown else ''}"
+        layout = {
+            "xaxis": {"title": {"text": "time of the reversal / s"}},
+            "yaxis": {"title": {"text": title}},
+            "showlegend": True,
+        }
+        bars = "Bars are one standard error; the" if name == "x_k" else "The"
+        caption = (
+            f"{QUANTITIES[name]} from single reversals. {bars} dashed line is what the method makes of all of them."
+        )
+        return Figure(f"reversals-{name}", traces, layout, caption, "", 360)
+
+    @staticmethod
+    def _bars(name: str, found: Sequence[Mapping[str, Any]], factor: float, color: str) -> dict[str, Any]:
+        if name != "x_k" or any(one.get("stderr") is None for one in found):
+            return {}
+        errors = np.array([float(one["stderr"]) for one in found]) * factor
+        return {"error_y": {"type": "data", "array": errors, "color": color, "thickness": 1.2, "width": 3}}

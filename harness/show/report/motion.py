@@ -1,0 +1,108 @@
+"""The motion of all sources: position, error, acceleration with its jumps, phase portrait."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+import numpy as np
+
+from harness.core.trajectory import Trajectory
+from harness.show.decimate import reversal_times
+from harness.show.report.curves import drawn, error_mm, exact_acceleration, jumps, left_out, turning, upright_lines
+from harness.show.report.figure import Figure
+from harness.show.report.section import Section
+
+GROUP = "time"
+MOST_BUTTONS = 12
+AROUND = 0.12
+"""Half the width of a zoom to a jump, as a share of the time between reversals."""
+
+
+def zoom_buttons(times: Sequence[float], duration: float) -> list[dict[str, Any]]:
+    """What the zoom bar offers: a label and a range of time in s each."""
+    spacing = float(np.median(np.diff(times))) if len(times) > 1 else 0.2 * duration
+    half = AROUND * spacing
+    return [
+        {"label": f"{i + 1}: {t:.3f} s", "range": [float(t - half), float(t + half)]}
+        for i, t in enumerate(times[:MOST_BUTTONS])
+    ]
+
+
+@dataclass(frozen=True)
+class Motion(Section):
+    """trajectories : the first is the reference."""
+
+    template: ClassVar[str] = "motion.html.j2"
+    trajectories: Sequence[Trajectory]
+
+    @property
+    def title(self) -> str:
+        """The heading."""
+        return "Motion, error, acceleration"
+
+    def context(self) -> Mapping[str, Any]:
+        """What the template shows."""
+        reference = self.trajectories[0]
+        curves = drawn(self.trajectories)
+        times = reversal_times(reference)
+        layout = {"xaxis": {"title": {"text": "time / s"}}, "hovermode": "closest", "shapes": upright_lines(times)}
+        figures = [
+            Figure(
+                "position",
+                [curve.curve(curve.trajectory.x[curve.chosen] * 1e3, "mm") for curve in curves],
+                layout | {"yaxis": {"title": {"text": "position / mm"}}},
+                left_out(curves),
+                GROUP,
+            )
+        ]
+        if len(curves) > 1:
+            figures.append(
+                Figure(
+                    "error",
+                    [curve.curve(error_mm(curve, reference), "mm") for curve in curves[1:]],
+                    layout | {"yaxis": {"title": {"text": "engine minus reference / mm"}}, "showlegend": True},
+                    "Position of each engine minus the exact one at the engine's own time stamps.",
+                    GROUP,
+                )
+            )
+        acceleration = [curve.curve(curve.trajectory.a[curve.chosen], "m/s²") for curve in curves]
+        if len(turning(reference.events)):
+            acceleration[0] = exact_acceleration(curves[0])
+            acceleration.append(jumps(reference.events))
+        figures.append(
+            Figure(
+                "acceleration",
+                acceleration,
+                layout | {"yaxis": {"title": {"text": "acceleration / (m/s²)"}}},
+                "At a reversal dry friction changes sign and the acceleration jumps by 2 f_k/m: the upright strokes "
+                "are the exact jumps. Zoom to one to see how each engine spreads it over time.",
+                GROUP,
+                400,
+            )
+        )
+        return {"figures": figures, "buttons": zoom_buttons(times.tolist(), reference.duration), "group": GROUP}
+
+
+@dataclass(frozen=True)
+class Phase(Section):
+    """trajectories : the first is the reference."""
+
+    template: ClassVar[str] = "figures.html.j2"
+    trajectories: Sequence[Trajectory]
+
+    @property
+    def title(self) -> str:
+        """The heading."""
+        return "Phase portrait"
+
+    def context(self) -> Mapping[str, Any]:
+        """What the template shows."""
+        traces = [
+            curve.curve(curve.trajectory.v[curve.chosen], "m/s", curve.trajectory.x[curve.chosen] * 1e3)
+            for curve in drawn(self.trajectories)
+        ]
+        layout = {"xaxis": {"title": {"text": "position / mm"}}, "yaxis": {"title": {"text": "speed / (m/s)"}}}
+        caption = (
+            "Speed over position: the spiral winds about +x_k while it slips one way and about \u2212x_k the other."
+        )
+        return {"figures": [Figure("phase", traces, layout, caption, "", 480)]}

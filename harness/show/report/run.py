@@ -1,0 +1,51 @@
+"""The page of a run: which sections, in which order."""
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from harness.core.trajectory import Trajectory
+from harness.show.palette import colors
+from harness.show.report.estimates import Estimates
+from harness.show.report.motion import Motion, Phase
+from harness.show.report.scorecard import Scorecard
+from harness.show.report.section import Section
+from harness.show.report.sources import MadeWith, Sources
+from harness.show.report.verdict import Verdict, headline
+
+
+def run_sections(trajectories: Sequence[Trajectory], result: Mapping[str, Any], command: str = "") -> list[Section]:
+    """Sections of a run.
+
+    trajectories : the first is the reference, in the order of result["traces"]. result : RunResult.model_dump(by_alias=
+    True) (harness.run/1). command : the line that makes it again, "" when it is not known.
+    """
+    traces = result["traces"]
+    palette = ["var(--ink)", *colors([trajectory.source for trajectory in trajectories])[1:]]
+    return [
+        Verdict(headline(result), result["conclusions"]),
+        Scorecard(traces, result["scenario"], palette),
+        Estimates(traces, result["scenario"], palette),
+        Motion(trajectories),
+        Phase(trajectories),
+        Sources(traces, palette),
+        MadeWith(result["machine"], result["files"], command),
+    ]
+
+
+def run_title(result: Mapping[str, Any]) -> tuple[str, str]:
+    """Title and subtitle of the page of a run."""
+    scenario = result["scenario"]
+    engines = ", ".join(dict.fromkeys(f"{trace['source']} {trace['version']}" for trace in result["traces"][1:]))
+    slider = scenario.get("slider")
+    what = "Dry friction, engine by engine"
+    if not isinstance(slider, Mapping):
+        return what, f"{scenario.get('name', 'run')}: {engines}"
+    values = ", ".join(
+        f"{symbol} = {slider[key]:g} {unit}"
+        for symbol, key, unit in (("m", "m", "kg"), ("k", "k", "N/m"), ("c", "c", "N s/m"), ("f_k", "f_k", "N"))
+        if isinstance(slider.get(key), (int, float))
+    )
+    return (
+        what,
+        f"{str(scenario.get('name', 'run')).replace('-', ' ')} of a slider, {values}: {engines or 'reference only'}",
+    )

@@ -1,0 +1,131 @@
+"use strict";
+(() => {
+  const root = document.documentElement;
+  const read = (id) => JSON.parse(document.getElementById(id).textContent);
+  const stored = read("arrays"), figures = read("figures"), decoded = new Map();
+
+  function array(key) {
+    if (!decoded.has(key)) {
+      const text = atob(stored[key]), bytes = new Uint8Array(text.length);
+      for (let i = 0; i < text.length; i++) bytes[i] = text.charCodeAt(i);
+      decoded.set(key, new Float64Array(bytes.buffer));
+    }
+    return decoded.get(key);
+  }
+
+  const ours = () => {
+    const style = getComputedStyle(root);
+    return Object.fromEntries(["ink", "muted", "rule", "card", "accent"].map((name) => [name, style.getPropertyValue("--" + name).trim()]));
+  };
+
+  // arrays by key, and the page's own colours by name
+  function resolve(value, colors) {
+    if (Array.isArray(value)) return value.map((inner) => resolve(inner, colors));
+    if (value && typeof value === "object") {
+      if (typeof value.$ === "string") return array(value.$);
+      return Object.fromEntries(Object.entries(value).map(([key, inner]) =>
+        [key, /color$/.test(key) && inner in colors ? colors[inner] : resolve(inner, colors)]));
+    }
+    return value;
+  }
+
+  function full(spec, colors) {
+    const axis = { gridcolor: colors.rule, zerolinecolor: colors.rule, linecolor: colors.muted, ticks: "outside", tickcolor: colors.rule, automargin: true };
+    const layout = resolve(spec.layout, colors);
+    const styled = {
+      margin: { l: 64, r: 16, t: 34, b: 42 }, paper_bgcolor: "rgba(0,0,0,0)", plot_bgcolor: "rgba(0,0,0,0)",
+      font: { family: getComputedStyle(document.body).fontFamily, size: 12.5, color: colors.ink },
+      hoverlabel: { bgcolor: colors.card, bordercolor: colors.muted, font: { color: colors.ink } },
+      legend: { orientation: "h", x: 0, y: 1, xanchor: "left", yanchor: "bottom", bgcolor: "rgba(0,0,0,0)" },
+      ...layout,
+    };
+    for (const name of new Set(["xaxis", "yaxis", ...Object.keys(layout).filter((key) => /^[xy]axis\d*$/.test(key))]))
+      styled[name] = { ...axis, ...(layout[name] || {}) };
+    return styled;
+  }
+
+  const config = { displaylogo: false, responsive: true, modeBarButtonsToRemove: ["select2d", "lasso2d", "autoScale2d"] };
+  const element = (spec) => document.getElementById("plot-" + spec.name);
+  const FEW = 400;
+
+  // indices of the first and last sample within [low, high]; x increases
+  function within(x, low, high) {
+    const first = (bound) => { let a = 0, b = x.length; while (a < b) { const m = (a + b) >> 1; if (x[m] < bound) a = m + 1; else b = m; } return a; };
+    return [first(low), first(high)];
+  }
+
+  // y range of what is visible between low and high, and whether single samples can be told apart
+  function look(plot, low, high) {
+    let bottom = Infinity, top = -Infinity;
+    const modes = [];
+    for (const trace of plot.data) {
+      const line = trace.meta && trace.meta.curve;
+      const [a, b] = line ? within(trace.x, low, high) : [0, trace.x.length];
+      for (let i = Math.max(0, a - 1); i < Math.min(trace.x.length, b + 1); i++)
+        if ((line || (trace.x[i] >= low && trace.x[i] <= high)) && Number.isFinite(trace.y[i])) {
+          bottom = Math.min(bottom, trace.y[i]); top = Math.max(top, trace.y[i]);
+        }
+      modes.push(line ? (b - a < FEW ? "lines+markers" : "lines") : trace.mode);
+    }
+    const margin = 0.06 * (top - bottom) || 1e-12;
+    return { range: Number.isFinite(bottom) ? [bottom - margin, top + margin] : null, modes };
+  }
+
+  let busy = false;
+  async function zoom(group, range) {
+    busy = true;
+    for (const spec of figures.filter((one) => one.group === group)) {
+      const plot = element(spec);
+      const all = plot.data.map((trace) => trace.x).filter((x) => x.length);
+      const [low, high] = range || [Math.min(...all.map((x) => x[0])), Math.max(...all.map((x) => x[x.length - 1]))];
+      const seen = look(plot, low, high);
+      await Plotly.restyle(plot, { mode: seen.modes }, seen.modes.map((_, i) => i));
+      await Plotly.relayout(plot, range && seen.range
+        ? { "xaxis.range": range, "yaxis.range": seen.range } : { "xaxis.autorange": true, "yaxis.autorange": true });
+    }
+    busy = false;
+  }
+
+  function pressed(button) {
+    for (const other of document.querySelectorAll(".zoom button")) other.setAttribute("aria-pressed", String(other === button));
+  }
+
+  function watch(spec) {
+    const plot = element(spec);
+    if (!spec.group) return;
+    plot.on("plotly_relayout", (change) => {
+      if (busy) return;
+      const range = "xaxis.range[0]" in change ? [change["xaxis.range[0]"], change["xaxis.range[1]"]] : change["xaxis.range"];
+      if (range) { pressed(null); zoom(spec.group, range.map(Number)); }
+      else if (change["xaxis.autorange"]) { pressed(document.querySelector(".zoom button")); zoom(spec.group, null); }
+    });
+  }
+
+  for (const button of document.querySelectorAll(".zoom button"))
+    button.addEventListener("click", () => { pressed(button); zoom(button.dataset.group, button.dataset.range ? JSON.parse(button.dataset.range) : null); });
+
+  async function draw(first) {
+    const colors = ours();
+    for (const spec of figures) {
+      const plot = element(spec);
+      if (first) {
+        await Plotly.newPlot(plot, resolve(spec.traces, colors), full(spec, colors), config);
+        watch(spec);
+        plot.dataset.drawn = "true";
+      } else {
+        const kept = { x: plot.layout.xaxis, y: plot.layout.yaxis }, layout = full(spec, colors);
+        for (const [name, axis] of [["xaxis", kept.x], ["yaxis", kept.y]])
+          if (axis && !axis.autorange) layout[name] = { ...layout[name], range: axis.range, autorange: false };
+        await Plotly.react(plot, resolve(spec.traces, colors), layout, config);
+      }
+    }
+    root.dataset.ready = "true";
+  }
+
+  const dark = matchMedia("(prefers-color-scheme: dark)");
+  const theme = (name) => { root.dataset.theme = name; };
+  theme(dark.matches ? "dark" : "light");
+  dark.addEventListener("change", (event) => { theme(event.matches ? "dark" : "light"); draw(false); });
+  document.getElementById("theme").addEventListener("click", () => { theme(root.dataset.theme === "dark" ? "light" : "dark"); draw(false); });
+  draw(true);
+})();

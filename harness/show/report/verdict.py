@@ -1,0 +1,67 @@
+"""What came out, in sentences, before anything else."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+from harness.show.report.numbers import number
+from harness.show.report.section import Section
+
+
+@dataclass(frozen=True)
+class Verdict(Section):
+    """headline : one or two sentences. sentences : what differs and why."""
+
+    template: ClassVar[str] = "verdict.html.j2"
+    headline: str
+    sentences: Sequence[str]
+    heading: str = "What came out"
+
+    @property
+    def title(self) -> str:
+        """The heading."""
+        return self.heading
+
+    def context(self) -> Mapping[str, Any]:
+        """What the template shows."""
+        return {"headline": self.headline, "sentences": self.sentences}
+
+
+def headline(result: Mapping[str, Any]) -> str:
+    """One sentence for each preset: how far its engines are from exact, and whether they come to rest."""
+    groups: dict[str, list[Mapping[str, Any]]] = {}
+    for trace in result["traces"]:
+        if trace["metrics"]["max_error_m"] is not None and trace["source"] != "reference":
+            groups.setdefault(trace["preset"], []).append(trace)
+    return " ".join(_sentence(preset, traces) for preset, traces in sorted(groups.items(), reverse=True)) or (
+        "The exact reference alone was run; there is nothing to compare it with."
+    )
+
+
+def _sentence(preset: str, traces: Sequence[Mapping[str, Any]]) -> str:
+    parts = []
+    for trace in traces:
+        metrics = trace["metrics"]
+        part = f"{_name(trace['source'])} is off by at most {number(metrics['max_error_m'] * 1e3, 3)} mm"
+        creep = metrics["creep_m_s"]
+        if creep is not None and abs(creep) > 1e-6:
+            part += f" and never rests (it creeps at {number(creep * 1e3, 3)} mm/s)"
+        parts.append(part)
+    start = {"as-shipped": "As shipped, ", "tuned": "Tuned, "}.get(preset, f"{preset}: " if preset else "")
+    text = start + _joined(parts)
+    return text[0].upper() + text[1:] + "."
+
+
+def _joined(parts: Sequence[str]) -> str:
+    return (
+        parts[0]
+        if len(parts) == 1
+        else ", ".join(parts[:-1]) + "; " * (len(parts) > 2) + " and " * (len(parts) == 2) + parts[-1]
+    )
+
+
+def _name(source: str) -> str:
+    """Engines under the names their makers use."""
+    return {"mujoco": "MuJoCo", "pybullet": "PyBullet", "dart": "DART", "reference": "the reference"}.get(
+        source, source
+    )
