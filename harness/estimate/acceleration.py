@@ -43,7 +43,9 @@ def acceleration(fit: ChannelFit, unit: str = "m") -> Estimate:
     if fit.offset:
         notes.append(f"a constant of {fit.offset:.4g} was found in the channel and taken away")
     separate = as_acceleration(fit.separate)
-    return (_from_tied if fit.holds else _from_jumps)(fit, find_jumps(separate, fit.cycles.side, not fit.holds), unit, notes)
+    return (_from_tied if fit.holds else _from_jumps)(
+        fit, find_jumps(separate, fit.cycles.side, not fit.holds), unit, notes
+    )
 
 
 def _from_tied(fit: ChannelFit, jumps: Jumps, unit: str, notes: list[str]) -> Estimate:

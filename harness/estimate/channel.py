@@ -12,6 +12,9 @@ from harness.estimate.noise import Noise, channel_noise
 from harness.estimate.reversals import MINIMUM_HALF_CYCLES, HalfCycles, Kind, NoDecay, find_half_cycles, period_of
 from harness.estimate.tied import D, OFFSET, OMEGA, P0, SIGMA, T0, TiedFit, fit_tied, value_at
 
+_EXPLORED = 256
+"""Samples a half-cycle that a first look needs."""
+
 
 @dataclass(frozen=True, slots=True)
 class ChannelFit:
@@ -110,12 +113,23 @@ def _half_cycles_moving(fit: TiedFit, t: FloatArray, y: FloatArray, start: int) 
     return count
 
 
-def _fit_tied(t: FloatArray, y: FloatArray, separate: SeparateFit, cycles: HalfCycles, begin: float, noisy: bool, offset: bool) -> TiedFit:
+def _fit_tied(
+    t: FloatArray,
+    y: FloatArray,
+    separate: SeparateFit,
+    cycles: HalfCycles,
+    begin: float,
+    noisy: bool,
+    offset: bool,
+    seed: TiedFit | None,
+) -> TiedFit:
     """The tied fit with as many half-cycles as the samples support."""
     kind, guard = separate.kind, separate.guard
-    count = len(separate)
-    theta, span = _tied_start(separate), (begin, float(t[-1]))
+    count = len(separate) if seed is None else seed.count
+    theta, span = _tied_start(separate) if seed is None else seed.theta, (begin, float(t[-1]))
     fit = fit_tied(t, y, kind, theta, cycles.side, count, guard, span, offset)
+    if seed is not None:
+        return fit
     for _ in range(4):
         supported = max(_half_cycles_moving(fit, t, y, max(count - 2, 2)), 2)
         if supported == fit.count:
@@ -141,7 +155,9 @@ def _rest_squares(fit: TiedFit, longer: TiedFit, t: FloatArray, y: FloatArray) -
     return total
 
 
-def _tie_holds(t: FloatArray, y: FloatArray, tied: TiedFit, separate: SeparateFit, floor: float, inflation: float) -> bool:
+def _tie_holds(
+    t: FloatArray, y: FloatArray, tied: TiedFit, separate: SeparateFit, floor: float, inflation: float
+) -> bool:
     """Whether freeing every half-cycle explains no more than chance would (an F test at about 1e-4)."""
     free = fit_separately(t, y, tied.kind, tied.edges, tied.guard, (float(tied.theta[SIGMA]), float(tied.theta[OMEGA])))
     extra = tied.freedom - free.freedom
@@ -168,7 +184,11 @@ def fit_channel(t: FloatArray, y: FloatArray, kind: Kind, drop_first: bool = Fal
             raise NoDecay("without its first period the recording holds fewer than two half-cycles")
         cycles = HalfCycles(cycles.edges[2:], cycles.side, False)
     centre = float(y.mean()) if kind is Kind.DISPLACEMENT else 0.0
-    fit = _fit_once(t, y - centre, kind, noise, cycles, drop_first)
+    y = y - centre
+    # explored on fewer samples, finished on all of them
+    stride = int(cycles.half_time / float(np.median(np.diff(t))) / _EXPLORED)
+    seed = _fit_once(t[::stride], y[::stride], kind, noise, cycles, drop_first, None) if stride > 1 else None
+    fit = _fit_once(t, y, kind, noise, cycles, drop_first, seed)
     return fit if centre == 0.0 else _shifted(fit, centre)
 
 
@@ -179,13 +199,23 @@ def _shifted(fit: ChannelFit, centre: float) -> ChannelFit:
     return fit
 
 
-def _fit_once(t: FloatArray, y: FloatArray, kind: Kind, noise: Noise, cycles: HalfCycles, dropped: bool) -> ChannelFit:
+def _fit_once(
+    t: FloatArray,
+    y: FloatArray,
+    kind: Kind,
+    noise: Noise,
+    cycles: HalfCycles,
+    dropped: bool,
+    seed: ChannelFit | None,
+) -> ChannelFit:
     interval = float(np.median(np.diff(t)))
     half = cycles.half_time
     floor = noise.sigma**2
     edges, start = cycles.edges, (0.05 * math.pi / half, math.pi / half)
+    if seed is not None:
+        edges, start = seed.separate.edges, (seed.separate.sigma, seed.separate.omega)
     separate = fit_separately(t, y, kind, edges, WIDEST * half, start)
-    for _ in range(3):
+    for _ in range(3 if seed is None else 0):
         moved = moved_edges(separate, cycles, t)
         shift = float(np.max(np.abs(moved - separate.edges)))
         separate = fit_separately(t, y, kind, moved, WIDEST * half, (separate.sigma, separate.omega))
@@ -199,11 +229,11 @@ def _fit_once(t: FloatArray, y: FloatArray, kind: Kind, noise: Noise, cycles: Ha
 
     begin = float(separate.edges[0]) if dropped else float(t[0])
     inflation = noise.inflation(math.pi / half, interval)
-    offset = 0.0
-    tied = _fit_tied(t, y, separate, cycles, begin, noise.found, kind is Kind.DISPLACEMENT)
+    offset, before = 0.0, None if seed is None else seed.tied
+    tied = _fit_tied(t, y, separate, cycles, begin, noise.found, kind is Kind.DISPLACEMENT, before)
     holds = _tie_holds(t, y, tied, separate, floor, inflation)
     if kind is not Kind.DISPLACEMENT:
-        shifted = _fit_tied(t, y, separate, cycles, begin, noise.found, True)
+        shifted = _fit_tied(t, y, separate, cycles, begin, noise.found, True, before)
         gain = tied.squares - shifted.squares
         if gain > 16.0 * max(shifted.variance, floor) * inflation and shifted.count >= tied.count:
             offset = float(shifted.theta[OFFSET])

@@ -65,9 +65,7 @@ def find_guard(t: FloatArray, y: FloatArray, fit: SeparateFit, variance: float) 
     width = max(interval, reach / 60.0)
     bins = max(int(np.ceil(reach / width)), 1)
     square, count = np.zeros(bins), np.zeros(bins)
-    _compiled_misfit(
-        t, y, fit.edges, fit.c, fit.inverse, fit.sigma, fit.omega, variance, reach, width, square, count
-    )
+    _compiled_misfit(t, y, fit.edges, fit.c, fit.inverse, fit.sigma, fit.omega, variance, reach, width, square, count)
     excess = square - count - 4.5 * np.sqrt(2.0 * count) - 8.0 * (count > 0)
     bad = np.flatnonzero(excess > 0.0)
     if bad.size == 0:

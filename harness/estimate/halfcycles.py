@@ -222,7 +222,13 @@ class SeparateFit:
 
 
 def fit_separately(
-    t: FloatArray, y: FloatArray, kind: Kind, edges: FloatArray, guard: float, start: tuple[float, float], fixed: bool = False
+    t: FloatArray,
+    y: FloatArray,
+    kind: Kind,
+    edges: FloatArray,
+    guard: float,
+    start: tuple[float, float],
+    fixed: bool = False,
 ) -> SeparateFit:
     """Least squares over all half-cycles between ``edges`` (K+1,), leaving out ``guard`` s beside each.
 
@@ -240,6 +246,7 @@ def fit_separately(
         )
 
     (sigma, omega), damping = start, 1e-4
+    exact = 1e-28 * float(y @ y)
     squares = evaluate(sigma, omega)
     for _ in range(0 if fixed else 40):
         normal, pull = information.copy(), gradient.copy()
@@ -248,6 +255,8 @@ def fit_separately(
             try:
                 step = np.linalg.solve(normal + damping * np.diag(np.diag(normal)), pull)
             except np.linalg.LinAlgError:
+                break
+            if float(pull @ step) <= 1e-10 * squares + exact:
                 break
             bound = 0.3 * omega
             step *= min(1.0, bound / max(float(np.abs(step).max()), 1e-300))
@@ -259,14 +268,25 @@ def fit_separately(
         if not accepted:
             break
         sigma, omega = sigma + float(step[0]), omega + float(step[1])
-        small = float(np.abs(step).max()) < 1e-13 * omega or squares - trial <= 1e-15 * squares
+        small = float(np.abs(step).max()) < 1e-13 * omega or squares - trial <= 1e-10 * squares or trial < exact
         squares, damping = trial, damping * 0.1
         if small:
             break
     squares = evaluate(sigma, omega)
     freedom = max(windows.samples - (size * count + 2), 1)
     return SeparateFit(
-        kind, edges, windows, guard, sigma, omega, c, inverse, slope, np.linalg.pinv(information), squares / freedom, freedom
+        kind,
+        edges,
+        windows,
+        guard,
+        sigma,
+        omega,
+        c,
+        inverse,
+        slope,
+        np.linalg.pinv(information),
+        squares / freedom,
+        freedom,
     )
 
 

@@ -42,9 +42,7 @@ def as_acceleration(fit: SeparateFit) -> SeparateFit:
     slope[:, :2, 0] -= fit.c[:, :2]
     slope[:, 0, 1] += fit.c[:, 1]
     slope[:, 1, 1] -= fit.c[:, 0]
-    return replace(
-        fit, kind=Kind.ACCELERATION, c=fit.c @ rate.T, inverse=rate @ fit.inverse @ rate.T, slope=slope
-    )
+    return replace(fit, kind=Kind.ACCELERATION, c=fit.c @ rate.T, inverse=rate @ fit.inverse @ rate.T, slope=slope)
 
 
 def find_jumps(fit: SeparateFit, side: int, follow: bool) -> Jumps:

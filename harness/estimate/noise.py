@@ -101,16 +101,21 @@ def _moving(y: FloatArray, width: int) -> BoolArray:
     return moving if np.any(moving) else np.ones_like(moving)
 
 
+def _expected(width: int, degree: int, grid: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Expected power of a detrended window, and its lag-one share, for first-order noise of each phi in ``grid``."""
+    q, _ = np.linalg.qr(np.vander(np.linspace(-1.0, 1.0, width), degree + 1))
+    keep = np.eye(width) - q @ q.T
+    beside = keep @ np.eye(width, k=1) @ keep
+    lags = np.abs(np.subtract.outer(np.arange(width), np.arange(width))).ravel()
+    powers = grid[:, None] ** np.arange(width)
+    level = powers @ np.bincount(lags, keep.ravel(), width)
+    return level, powers @ np.bincount(lags, beside.ravel(), width) / level
+
+
 def _colour(residuals: FloatArray, width: int, degree: int) -> tuple[float, float]:
     """Autocorrelation phi and variance of first-order noise whose detrended windows look like ``residuals``."""
-    s = np.linspace(-1.0, 1.0, width)
-    q, _ = np.linalg.qr(np.vander(s, degree + 1))
-    keep = np.eye(width) - q @ q.T
-    lags = np.abs(np.subtract.outer(np.arange(width), np.arange(width)))
     grid = np.linspace(-0.95, 0.98, 194)
-    expected = [keep @ phi**lags @ keep for phi in grid]
-    level = np.array([np.trace(e) for e in expected])
-    ratio = np.array([np.trace(e, 1) for e in expected]) / level
+    level, ratio = _expected(width, degree, grid)
     seen = float(np.sum(residuals[:, 1:] * residuals[:, :-1]) / np.sum(residuals**2))
     phi = float(np.interp(seen, np.maximum.accumulate(ratio), grid))
     # colour that is no more than chance is none

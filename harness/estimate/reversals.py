@@ -104,7 +104,9 @@ def _crossings(t: FloatArray, g: FloatArray, level: float) -> FloatArray:
         part = g[i : j + 1]
         at = np.flatnonzero(part[:-1] * part[1:] <= 0.0)
         first, last = int(i + at[0]), int(i + at[-1])
-        root = [t[n] + (t[n + 1] - t[n]) * g[n] / (g[n] - g[n + 1]) if g[n] != g[n + 1] else t[n] for n in (first, last)]
+        root = [
+            t[n] + (t[n + 1] - t[n]) * g[n] / (g[n] - g[n + 1]) if g[n] != g[n + 1] else t[n] for n in (first, last)
+        ]
         times.append(0.5 * (root[0] + root[1]))
     return np.array(times)
 

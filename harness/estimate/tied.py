@@ -177,9 +177,7 @@ def _evaluate(
     swing, partial = np.empty(count + 1), np.empty((count + 1, 4))
     normal, pull = np.empty((_SIZE, _SIZE)), np.empty(_SIZE)
     _compiled_chain(theta, count, swing, partial)
-    squares, used = _compiled_normal(
-        t, y, int(kind), theta, side, count, swing, partial, member, guard, normal, pull
-    )
+    squares, used = _compiled_normal(t, y, int(kind), theta, side, count, swing, partial, member, guard, normal, pull)
     return squares, used, normal, pull
 
 
@@ -203,6 +201,7 @@ def fit_tied(
     if not offset:
         theta[OFFSET] = 0.0
     squares, used, normal = 0.0, 0, np.eye(_SIZE)
+    exact = 1e-28 * float(y @ y)
     for _ in range(8):
         member = np.array([theta[T0], math.pi / theta[OMEGA], span[0], span[1]])
         squares, used, normal, pull = _evaluate(t, y, kind, theta, side, count, member, guard)
@@ -212,38 +211,53 @@ def fit_tied(
             scaled = normal[:free, :free] / np.outer(scale, scale)
             step = np.zeros(_SIZE)
             step[:free] = np.linalg.solve(scaled + damping * np.eye(free), pull[:free] / scale) / scale
+            if float(pull @ step) <= 1e-10 * squares + exact:
+                break
             trial = theta + step
             better = squares
             if 0.5 * theta[OMEGA] < trial[OMEGA] < 2.0 * theta[OMEGA] and abs(trial[SIGMA]) < 3.0 * trial[OMEGA]:
                 result = _evaluate(t, y, kind, trial, side, count, member, guard)
                 better = result[0]
             if better < squares:
-                settled = squares - better <= 1e-14 * squares
+                settled = squares - better <= 1e-10 * squares or better < exact
                 theta, (squares, used, normal, pull) = trial, result
                 damping *= 0.1
                 if settled:
                     break
             else:
                 damping = max(damping * 10.0, 1e-8)
-                if damping > 1e6 or float(np.max(np.abs(step[:free] * scale))) ** 2 < 1e-24 * max(squares, 1e-300):
+                if damping > 1e6:
                     break
         moved = abs(theta[T0] - member[0]) + count * abs(math.pi / theta[OMEGA] - member[1])
         if moved < 1e-7 * member[1]:
             break
     covariance = np.zeros((_SIZE, _SIZE))
     scale = np.sqrt(np.maximum(np.diag(normal)[:free], 1e-300))
-    covariance[:free, :free] = np.linalg.pinv(normal[:free, :free] / np.outer(scale, scale), rcond=1e-15) / np.outer(scale, scale)
+    covariance[:free, :free] = np.linalg.pinv(normal[:free, :free] / np.outer(scale, scale), rcond=1e-15) / np.outer(
+        scale, scale
+    )
     return TiedFit(kind, theta, covariance, side, count, guard, squares, max(used - free, 1))
+
+
+def _sample(
+    t: FloatArray, kind: int, theta: FloatArray, side: int, count: int, swing: FloatArray, out: FloatArray
+) -> None:
+    row = np.empty(8)
+    step = math.pi / theta[1]
+    for n in range(t.size):
+        k = int(math.floor((t[n] - theta[4]) / step))
+        out[n] = math.nan
+        if 0 <= k < count:
+            sign = float(side) if k % 2 == 0 else -float(side)
+            out[n] = _compiled_form(kind, theta, t[n] - theta[4] - k * step, swing[k], sign, row)
+
+
+_compiled_sample = compiled(_sample)
 
 
 def value_at(t: FloatArray, kind: Kind, theta: FloatArray, side: int, count: int) -> FloatArray:
     """The tied form at ``t`` (n,), nan outside its half-cycles; theta (6,) as in TiedFit."""
-    swing, partial, row = np.empty(count + 1), np.empty((count + 1, 4)), np.empty(8)
+    swing, partial, out = np.empty(count + 1), np.empty((count + 1, 4)), np.empty(t.size)
     _compiled_chain(theta, count, swing, partial)
-    out = np.full(t.size, np.nan)
-    step = math.pi / float(theta[OMEGA])
-    for n, time in enumerate(t):
-        k = math.floor((time - theta[T0]) / step)
-        if 0 <= k < count:
-            out[n] = _compiled_form(int(kind), theta, time - theta[T0] - k * step, swing[k], side * (-1.0) ** k, row)
+    _compiled_sample(t, int(kind), theta, side, count, swing, out)
     return out

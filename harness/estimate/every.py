@@ -1,0 +1,186 @@
+"""All estimators on one recording: arrays in, a figure or a reason out for every method."""
+
+import math
+from collections.abc import Callable
+
+import numpy as np
+
+from harness.core.arrays import FloatArray
+from harness.core.checks import increasing, vector
+from harness.core.errors import InputError
+from harness.core.quantity import Quantity
+from harness.estimate.acceleration import acceleration
+from harness.estimate.channel import ChannelFit, fit_channel
+from harness.estimate.displacement import displacement, half_cycle_frequency
+from harness.estimate.isolated import constant_decrement, log_decrement
+from harness.estimate.jumps import as_acceleration
+from harness.estimate.local import acceleration_local
+from harness.estimate.noise import channel_noise
+from harness.estimate.paper import acceleration_paper
+from harness.estimate.phase import sensor_lead
+from harness.estimate.result import Estimate, Estimation
+from harness.estimate.reversals import Kind, NoDecay
+from harness.estimate.turning import first_and_last_seen, reversal_times, turning_points
+
+METHODS = (
+    "acceleration",
+    "acceleration-local",
+    "acceleration-paper",
+    "displacement",
+    "log-decrement",
+    "constant-decrement",
+)
+
+_KINDS = {"x": Kind.DISPLACEMENT, "v": Kind.VELOCITY, "a": Kind.ACCELERATION}
+_FEWEST = 16
+
+
+def _checked(t: object, channels: dict[str, object]) -> tuple[FloatArray, dict[str, FloatArray]]:
+    time = vector("t", t)
+    increasing("t", time)
+    if time.size < _FEWEST:
+        raise InputError("t", f"{time.size} samples", f"at least {_FEWEST} are accepted")
+    found = {name: vector(name, values, time.size) for name, values in channels.items() if values is not None}
+    if not any(name in _KINDS for name in found):
+        raise InputError("channels", "none of x, v, a", "at least one of them is accepted")
+    return time, found
+
+
+def _all_refused(why: str, unit: str) -> dict[str, Estimate]:
+    return {method: Estimate.refused(why, unit) for method in METHODS}
+
+
+def _frequency(fit: ChannelFit) -> tuple[float, float]:
+    return half_cycle_frequency(fit, np.concatenate([[math.nan], reversal_times(fit), [math.nan]]))
+
+
+def _edges(fit: ChannelFit) -> FloatArray:
+    outer = fit.edges
+    return np.concatenate([outer[:1], reversal_times(fit), outer[-1:]])
+
+
+def _sizes(fit: ChannelFit) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Times, turning points and variances for the isolated cases; from the acceleration after each jump when x is absent."""
+    if fit.kind is Kind.DISPLACEMENT:
+        points = turning_points(fit)
+        times, turning, variance = points.merged()
+        known = np.isfinite(turning)
+        return times[known], turning[known], variance[known]
+    separate = as_acceleration(fit.separate)
+    count = len(separate)
+    begin = 0 if first_and_last_seen(fit)[0] else 1
+    basis = np.array([separate.basis(k, separate.edges[k]) for k in range(begin, count)])
+    value = np.sum(basis * separate.c[begin:], axis=1)
+    variance = np.einsum("ki,kij,kj->k", basis, separate.inverse[begin:], basis) * fit.variance
+    per = -1.0 / (fit.sigma**2 + fit.omega**2)
+    return separate.edges[begin:count], value * per, variance * per * per
+
+
+def _acceleration_methods(
+    fits: dict[str, ChannelFit], t: FloatArray, found: dict[str, FloatArray], whys: dict[str, str], unit: str
+) -> dict[str, Estimate]:
+    source = fits.get("a", fits.get("v"))
+    if source is None:
+        why = (
+            whys.get("a")
+            or whys.get("v")
+            or "the acceleration (or the speed) is needed, only the displacement was given"
+        )
+        return {method: Estimate.refused(why, unit) for method in METHODS[:3]}
+    out = {"acceleration": acceleration(source, unit)}
+    if "a" not in found:
+        why = "samples of the acceleration are needed, only the speed was given"
+        return out | {method: Estimate.refused(why, unit) for method in METHODS[1:3]}
+    # the speed, where it was measured, shows the reversals more directly than the acceleration does
+    clock = fits.get("v", source)
+    edges, omega_d = _edges(clock), _frequency(source)
+    # one fit's constant is a property of the sensor, not of the motion
+    a = found["a"] - source.offset if source.kind is Kind.ACCELERATION else found["a"]
+    noise = source.noise if source.kind is Kind.ACCELERATION else channel_noise(t, a, 2.0 * math.pi / source.omega)
+    out["acceleration-local"] = acceleration_local(
+        t, a, noise.sigma, edges, first_and_last_seen(clock), clock.cycles.side, omega_d, source.sigma, unit
+    )
+    out["acceleration-paper"] = acceleration_paper(t, a, edges, omega_d, unit=unit)
+    return out
+
+
+def _displacement_methods(fits: dict[str, ChannelFit], whys: dict[str, str], unit: str) -> dict[str, Estimate]:
+    out = {}
+    if "x" in fits:
+        out["displacement"] = displacement(fits["x"], unit)
+    else:
+        out["displacement"] = Estimate.refused(whys.get("x", "the displacement is needed and was not given"), unit)
+    source = next(fits[name] for name in ("x", "a", "v") if name in fits)
+    sizes, omega_d = _sizes(source), _frequency(source)
+    isolated: dict[str, Callable[..., Estimate]] = {
+        "log-decrement": log_decrement,
+        "constant-decrement": constant_decrement,
+    }
+    return out | {method: function(*sizes, omega_d, unit) for method, function in isolated.items()}
+
+
+def _warnings(t: FloatArray, fits: dict[str, ChannelFit]) -> list[str]:
+    said = []
+    gaps = np.diff(t)
+    usual = float(np.median(gaps))
+    wide = np.flatnonzero(gaps > 3.0 * usual)
+    if wide.size:
+        said.append(f"{wide.size} gap{'s' if wide.size > 1 else ''} in time, the longest {gaps.max():.4g} s")
+    elif gaps.max() > 1.05 * usual or gaps.min() < 0.95 * usual:
+        said.append("the sampling is irregular")
+    for name, fit in fits.items():
+        ratio = math.sqrt(fit.variance / fit.inflation) / fit.noise.sigma
+        if fit.noise.found and ratio > 1.5:
+            said.append(
+                f"{name}: viscous and Coulomb friction leave {ratio:.1f} times the noise unexplained; standard errors are"
+                " those of the misfit and can be too small"
+            )
+    return said
+
+
+def estimate_all(
+    t: object,
+    x: object = None,
+    v: object = None,
+    a: object = None,
+    u: object = None,
+    *,
+    drop_first: bool = False,
+    unit: str = "m",
+) -> Estimation:
+    """Run every estimator on the channels there are.
+
+    t : (n,) s, increasing. x : m (or ``unit``). v : m/s. a : m/s^2. u : applied force; any of them (n,) or None.
+    drop_first : leave out the first period, which a release by hand distorts.
+
+    A method that cannot answer holds refused quantities with the reason. Raises InputError for arrays that are no
+    channels: other lengths, values not finite, time that does not increase, no channel at all.
+    """
+    time, found = _checked(t, {"x": x, "v": v, "a": a, "u": u})
+    if "u" in found and np.any(found["u"] != 0.0):
+        why = "a force acts on the slider: this is no free decay"
+        return Estimation(_all_refused(why, unit), Quantity.refused("rad", why), warnings=(why,))
+    fits: dict[str, ChannelFit] = {}
+    whys: dict[str, str] = {}
+    for name, kind in _KINDS.items():
+        if name in found:
+            try:
+                fits[name] = fit_channel(time, found[name], kind, drop_first)
+            except NoDecay as reason:
+                whys[name] = f"{name}: {reason}"
+    if not fits:
+        why = "; ".join(whys.values())
+        return Estimation(_all_refused(why, unit), Quantity.refused("rad", why), warnings=(why,))
+    methods = _acceleration_methods(fits, time, found, whys, unit) | _displacement_methods(fits, whys, unit)
+    phase, lag = Quantity.refused("rad", "needs both an acceleration and a displacement"), 0.0
+    if "a" in fits and "x" in fits:
+        phase, lag = sensor_lead(fits["a"], fits["x"])
+    best = next(fits[name] for name in ("v", "a", "x") if name in fits)
+    return Estimation(
+        methods,
+        phase,
+        lag,
+        {name: fit.noise for name, fit in fits.items()},
+        _edges(best),
+        (*whys.values(), *_warnings(time, fits)),
+    )

@@ -1,0 +1,81 @@
+"""Figures at the two ends of each half-cycle follow a geometric recursion; weighted least squares on its few unknowns."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from harness.core.arrays import FloatArray
+
+Model = Callable[[FloatArray], tuple[FloatArray, FloatArray]]
+"""Parameters (p,) to values (K,2) at start and end of each half-cycle, and their derivatives (K,2,p)."""
+
+
+@dataclass(frozen=True, slots=True)
+class SequenceFit:
+    """Parameters (p,), their covariance (p,p), and chi-square per degree of freedom (1 when there is none left)."""
+
+    theta: FloatArray
+    covariance: FloatArray
+    scatter: float
+    squares: float
+
+
+def fit_sequence(values: FloatArray, whiten: FloatArray, model: Model, start: FloatArray) -> SequenceFit:
+    """Fit ``values`` (K,2), weighted by ``whiten`` (K,2,2) (inverse Cholesky factors; zero rows leave a figure out).
+
+    Levenberg-Marquardt from ``start`` (p,).
+    """
+    clean = np.where(np.isfinite(values), values, 0.0)
+
+    def evaluate(theta: FloatArray) -> tuple[FloatArray, FloatArray]:
+        predicted, slope = model(theta)
+        left = np.einsum("kij,kj->ki", whiten, clean - predicted).ravel()
+        return left, np.einsum("kij,kjp->kip", whiten, slope).reshape(left.size, -1)
+
+    theta, damping = start.astype(np.float64), 1e-6
+    left, slope = evaluate(theta)
+    for _ in range(60):
+        scale = np.sqrt(np.maximum(np.sum(slope**2, axis=0), 1e-300))
+        scaled = slope / scale
+        normal = scaled.T @ scaled
+        step = np.linalg.solve(normal + damping * np.eye(theta.size), scaled.T @ left) / scale
+        trial = theta + step
+        trial_left, trial_slope = evaluate(trial)
+        if not np.all(np.isfinite(trial_left)) or trial_left @ trial_left > left @ left:
+            damping *= 10.0
+            if damping > 1e8:
+                break
+            continue
+        settled = left @ left - trial_left @ trial_left <= 1e-15 * (left @ left)
+        theta, left, slope, damping = trial, trial_left, trial_slope, damping * 0.1
+        if settled:
+            break
+    scale = np.sqrt(np.maximum(np.sum(slope**2, axis=0), 1e-300))
+    covariance = np.linalg.pinv((slope / scale).T @ (slope / scale), rcond=1e-14) / np.outer(scale, scale)
+    used = int(np.count_nonzero(np.any(whiten != 0.0, axis=2)))
+    squares = float(left @ left)
+    freedom = used - theta.size
+    return SequenceFit(theta, covariance, squares / freedom if freedom > 0 else 1.0, squares)
+
+
+def whitening(covariance: FloatArray) -> FloatArray:
+    """Inverse Cholesky factors (K,2,2) of covariances (K,2,2)."""
+    first = np.sqrt(np.maximum(covariance[:, 0, 0], 1e-300))
+    cross = covariance[:, 0, 1] / first
+    second = np.sqrt(np.maximum(covariance[:, 1, 1] - cross**2, 1e-12 * covariance[:, 1, 1] + 1e-300))
+    out = np.zeros_like(covariance)
+    out[:, 0, 0] = 1.0 / first
+    out[:, 1, 0] = -cross / (first * second)
+    out[:, 1, 1] = 1.0 / second
+    return out
+
+
+def powers(q: float, count: int) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
+    """q^k and 1 + q + .. + q^(k-1) for k < count, each with its derivative by q; arrays (count,)."""
+    k = np.arange(count)
+    power = q**k
+    by_power = k * q ** np.maximum(k - 1, 0)
+    total = np.concatenate([[0.0], np.cumsum(power[:-1])])
+    by_total = np.concatenate([[0.0], np.cumsum(by_power[:-1])])
+    return power, by_power, total, by_total
