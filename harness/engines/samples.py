@@ -47,13 +47,24 @@ def newton_friction(task: Task, x: FloatArray, v: FloatArray, a: FloatArray, app
     return applied - slider.m * a - slider.c * v - restoring_force(task, x)
 
 
+def _farthest(task: Task, motion: Motion) -> float:
+    """A distance no sound run reaches: a thousand times what its start and its forces explain, m."""
+    if task.restoring != "spring":
+        return np.inf
+    scenario, slider = task.scenario, task.scenario.slider
+    forces = np.abs(motion.applied[np.isfinite(motion.applied)]).max(initial=0.0) + slider.break_away
+    start = abs(scenario.x0) + abs(scenario.v0) / slider.omega_n + forces / slider.k
+    return 1e3 * (1.0 + slider.omega_n * scenario.duration) * (start + abs(belt_speed(task)) / slider.omega_n)
+
+
 def trajectory(
     engine: Engine, task: Task, settings: dict[str, Any], ignored: tuple[str, ...], motion: Motion, wall: float
 ) -> Trajectory:
     """The validated Trajectory of a run; raises SimulationError with the time for one that diverged."""
     dt = float(settings["dt"])
     t: FloatArray = np.arange(motion.x.size, dtype=np.float64) * dt
-    broken = np.flatnonzero(~(np.isfinite(motion.x) & np.isfinite(motion.v) & np.isfinite(motion.a)))
+    sound = np.isfinite(motion.x) & np.isfinite(motion.v) & np.isfinite(motion.a)
+    broken = np.flatnonzero(~(sound & (np.abs(motion.x) <= _farthest(task, motion))))
     if broken.size:
         raise SimulationError(f"{engine.name}: the run diverged at t = {t[broken[0]]:g} s (dt = {dt:g} s)")
     stuck = np.abs(motion.friction) < UNSATURATED * motion.limit

@@ -11,6 +11,7 @@ import numpy as np
 from mujoco.rollout import rollout
 
 from harness.core.arrays import FloatArray
+from harness.core.errors import SimulationError
 from harness.core.trajectory import Trajectory
 from harness.engines import models
 from harness.engines.base import Engine, Preset, Route, Task, resolve
@@ -58,8 +59,11 @@ class MujocoEngine(Engine):
             started = time.perf_counter()
             # one step more than asked for: a step's sensors speak of the state before it
             steps = task.steps(settings["dt"]) + 1
-            previous = mujoco.get_mjcb_passive()
+            warnings: list[str] = []
+            previous = mujoco.get_mjcb_passive(), mujoco.get_mju_user_warning()
             try:
+                # without a handler warnings go to a file MUJOCO_LOG.TXT in the working folder
+                mujoco.set_mju_user_warning(warnings.append)
                 if forces.needed:
                     install(data)
                 if task.route == "contact" and forces.switches:
@@ -67,10 +71,19 @@ class MujocoEngine(Engine):
                 else:
                     states, sensors = _rolled_out(model, data, steps)
             finally:
-                mujoco.set_mjcb_passive(previous)
+                mujoco.set_mjcb_passive(previous[0])
+                mujoco.set_mju_user_warning(previous[1])
+            _sound(data, warnings)
             motion = _motion(task, settings, forces, states, sensors)
             wall = time.perf_counter() - started
         return trajectory(self, task, settings, ignored, motion, wall)
+
+
+def _sound(data: Any, warnings: list[str]) -> None:
+    """Raise SimulationError when MuJoCo warned of a state that is not finite or too large to be true."""
+    unsound = (mujoco.mjtWarning.mjWARN_BADQPOS, mujoco.mjtWarning.mjWARN_BADQVEL, mujoco.mjtWarning.mjWARN_BADQACC)
+    if any(data.warning[kind].number for kind in unsound):
+        raise SimulationError(f"mujoco: the run diverged ({' '.join(warnings[:1])})")
 
 
 def install(data: Any) -> None:
