@@ -20,7 +20,7 @@ class HighPrecisionDecay:
     """x'' + 2 zeta omega x' + omega^2 (x + x_k sgn x') = 0 by its characteristic roots, piece after piece."""
 
     def __init__(
-        self, omega_n: float, zeta: float, x_k: float, x_s: float, x0: float, v0: float, pieces: int = 4000
+        self, omega_n: mp.mpf, zeta: mp.mpf, x_k: mp.mpf, x_s: mp.mpf, x0: mp.mpf, v0: mp.mpf, pieces: int = 4000
     ) -> None:
         with mp.workdps(DIGITS):
             self.w, self.z = mp.mpf(omega_n), mp.mpf(zeta)

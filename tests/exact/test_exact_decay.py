@@ -2,6 +2,7 @@
 
 import math
 
+import mpmath as mp
 import numpy as np
 import pytest
 from exact_mp import HighPrecisionDecay
@@ -79,10 +80,11 @@ def decidable(truth: HighPrecisionDecay) -> bool:
     return all(abs(abs(x) - truth.x_s) > 1e-12 * max(1, abs(truth.turning[0])) for x in truth.turning)
 
 
+@pytest.mark.parametrize("draws", [60, pytest.param(2000, marks=pytest.mark.full)])
 @pytest.mark.parametrize("kind", ["undamped", "light", "damped", "critical", "near", "over"])
-def test_random_sliders_agree_with_fifty_digits(kind: str) -> None:
+def test_random_sliders_agree_with_fifty_digits(kind: str, draws: int) -> None:
     rng = np.random.default_rng(20260101)
-    for _ in range(60):
+    for _ in range(draws):
         decay = draw(rng, kind)
         truth = HighPrecisionDecay(*decay.arguments, pieces=60)
         if not decidable(truth):
@@ -90,6 +92,25 @@ def test_random_sliders_agree_with_fifty_digits(kind: str) -> None:
         end = float(min(truth.pieces[-1].begin * 1.1 + 2 / decay.omega_n, truth.pieces[-1].end))
         t = away_from_events(truth, np.sort(rng.uniform(0, end, 25)))
         assert worst(decay, truth, t) < 1e-12, decay
+
+
+def test_mass_damping_and_stiffness_lose_nothing_on_the_way() -> None:
+    """From m, c, k, f_k, f_s in 50 digits: rounding of omega_n and zeta stays below the accuracy promised."""
+    rng = np.random.default_rng(8)
+    for _ in range(60):
+        m, k = 10 ** rng.uniform(-2, 2, 2)
+        c, f_k = 2 * math.sqrt(k * m) * rng.choice([0.0, 0.02, 0.3, 1.0, 4.0]), k * rng.uniform(0.005, 0.1)
+        slider = Slider(m, c, k, f_k, f_k * rng.uniform(1, 1.5))
+        decay = Decay.of(slider, rng.choice([-1.0, 1.0]), rng.normal() * slider.omega_n)
+        with mp.workdps(50):
+            root = mp.sqrt(mp.mpf(slider.k) / mp.mpf(slider.m))
+            ratio = mp.mpf(slider.c) / (2 * mp.sqrt(mp.mpf(slider.k) * mp.mpf(slider.m)))
+            levels = [mp.mpf(force) / mp.mpf(slider.k) for force in (slider.f_k, slider.break_away)]
+        truth = HighPrecisionDecay(root, ratio, levels[0], levels[1], decay.x0, decay.v0, pieces=120)
+        if decidable(truth):
+            end = float(min(truth.pieces[-1].begin + 2 / decay.omega_n, truth.pieces[-1].end))
+            t = away_from_events(truth, np.sort(rng.uniform(0, end, 25)))
+            assert worst(decay, truth, t) < 1e-12, slider
 
 
 @pytest.mark.parametrize(("zeta", "x_k"), [(0.0, 0.0), (0.0, 4e-4), (1e-4, 2e-4)])
