@@ -10,6 +10,7 @@ from harness.estimate.guard import WIDEST, find_guard
 from harness.estimate.halfcycles import SeparateFit, fit_separately, moved_edges
 from harness.estimate.noise import Noise, channel_noise
 from harness.estimate.reversals import MINIMUM_HALF_CYCLES, HalfCycles, Kind, NoDecay, find_half_cycles, period_of
+from harness.estimate.sequence import powers
 from harness.estimate.tied import D, OFFSET, OMEGA, P0, SIGMA, T0, TiedFit, fit_tied, value_at
 
 _EXPLORED = 256
@@ -23,7 +24,7 @@ class ChannelFit:
     separate : half-cycles apart. tied : all as one motion. holds : the tied form explains the channel as well as the
     separate ones do; when it does not, friction acts at other times or other ways than the base model's.
     offset : constant found in the channel and taken away. inflation : variance of smooth combinations over what white
-    noise would give. y : the channel less the offset.
+    noise would give. y : the channel less the offset. dropped : the first period was left out.
     """
 
     kind: Kind
@@ -36,6 +37,7 @@ class ChannelFit:
     holds: bool
     offset: float
     inflation: float
+    dropped: bool
 
     @property
     def sigma(self) -> float:
@@ -85,10 +87,14 @@ def _tied_start(fit: SeparateFit) -> FloatArray:
     else:
         begin = np.abs(ends[:, 0] - fit.c[:, 2]) * (sigma**2 + omega**2)
         finish = np.abs(ends[:, 1] - fit.c[:, 2]) * (sigma**2 + omega**2)
-    # begin_{k+1} = q begin_k - 2 D and finish_k = q begin_k, both linear once q is known
-    drop = 0.5 * float(np.median(finish[:-1] - begin[1:])) if begin.size > 1 else 0.0
+    # begin_k = q^k P_0 - 2 D (1 + q + .. + q^(k-1)) and finish_k = q begin_k, both linear once q is known
+    q = math.exp(-math.pi * sigma / omega)
+    power, _, total, _ = powers(q, begin.size)
+    use = slice(1, -1) if begin.size > 4 else slice(None)
+    rows = np.concatenate([np.stack([power, -2.0 * total], 1)[use], q * np.stack([power, -2.0 * total], 1)[use]])
+    first, drop = np.linalg.lstsq(rows, np.concatenate([begin[use], finish[use]]), rcond=None)[0]
     theta = np.zeros(6)
-    theta[[SIGMA, OMEGA, D, P0, T0]] = sigma, omega, drop, begin[0], at_zero
+    theta[[SIGMA, OMEGA, D, P0, T0]] = sigma, omega, drop, first, at_zero
     return theta
 
 
@@ -170,7 +176,8 @@ def _tie_holds(
 def fit_channel(t: FloatArray, y: FloatArray, kind: Kind, drop_first: bool = False) -> ChannelFit:
     """Fit the free decay in a channel ``y`` (n,) sampled at ``t`` (n,) in s.
 
-    drop_first : leave out the first period, which a release by hand distorts.
+    drop_first : leave out the first period, which a release by hand distorts. It is also left out when the rest is one
+    motion of the base model and the whole is not; ``dropped`` then says so.
     Raises NoDecay with the reason when there is no free decay of three half-cycles or more.
     """
     spread = float(np.std(y))
@@ -180,15 +187,29 @@ def fit_channel(t: FloatArray, y: FloatArray, kind: Kind, drop_first: bool = Fal
     noise = channel_noise(t, y, period_of(t, y, kind, noise))
     cycles = find_half_cycles(t, y, kind, noise)
     if drop_first:
-        if len(cycles) < 4:
-            raise NoDecay("without its first period the recording holds fewer than two half-cycles")
-        cycles = HalfCycles(cycles.edges[2:], cycles.side, False)
+        if len(cycles) < MINIMUM_HALF_CYCLES + 2:
+            raise NoDecay(f"{len(cycles)} half-cycles found: without the first period fewer than {MINIMUM_HALF_CYCLES} are left")
+        return _fit(t, y, kind, noise, _later(cycles), True)
+    fit = _fit(t, y, kind, noise, cycles, False)
+    if noise.found and not fit.holds and len(cycles) >= MINIMUM_HALF_CYCLES + 2:
+        later = _fit(t, y, kind, noise, _later(cycles), True)
+        if later.holds and later.tied.variance < 0.5 * fit.separate.variance:
+            return later
+    return fit
+
+
+def _later(cycles: HalfCycles) -> HalfCycles:
+    """The half-cycles after the first period."""
+    return HalfCycles(cycles.edges[2:], cycles.side, False)
+
+
+def _fit(t: FloatArray, y: FloatArray, kind: Kind, noise: Noise, cycles: HalfCycles, dropped: bool) -> ChannelFit:
     centre = float(y.mean()) if kind is Kind.DISPLACEMENT else 0.0
     y = y - centre
     # explored on fewer samples, finished on all of them
     stride = int(cycles.half_time / float(np.median(np.diff(t))) / _EXPLORED)
-    seed = _fit_once(t[::stride], y[::stride], kind, noise, cycles, drop_first, None) if stride > 1 else None
-    fit = _fit_once(t, y, kind, noise, cycles, drop_first, seed)
+    seed = _fit_once(t[::stride], y[::stride], kind, noise, cycles, dropped, None) if stride > 1 else None
+    fit = _fit_once(t, y, kind, noise, cycles, dropped, seed)
     return fit if centre == 0.0 else _shifted(fit, centre)
 
 
@@ -197,6 +218,17 @@ def _shifted(fit: ChannelFit, centre: float) -> ChannelFit:
     separate = fit.separate
     separate.c[:, 2] += centre
     return fit
+
+
+def _refuse_driven(separate: SeparateFit, y: FloatArray, floor: float) -> None:
+    """Raise NoDecay for a motion that goes back and forth without decaying and without being a sine between reversals."""
+    windows = separate.windows
+    moving = y[windows.lo[0] : windows.hi[-1]]
+    swing = np.array([np.ptp(y[lo:hi]) for lo, hi in zip(windows.lo, windows.hi, strict=True) if hi > lo])
+    lasting = float(np.median(swing[-3:])) > 0.9 * float(np.median(swing[:3]))
+    odd = separate.variance > 1e-4 * float(np.var(moving)) + 9.0 * floor
+    if odd and lasting:
+        raise NoDecay("the motion goes to and fro without decaying and is no oscillation of a spring: driven, no free decay")
 
 
 def _fit_once(
@@ -211,7 +243,7 @@ def _fit_once(
     interval = float(np.median(np.diff(t)))
     half = cycles.half_time
     floor = noise.sigma**2
-    edges, start = cycles.edges, (0.05 * math.pi / half, math.pi / half)
+    edges, start = _without_slivers(cycles.edges, half), (0.05 * math.pi / half, math.pi / half)
     if seed is not None:
         edges, start = seed.separate.edges, (seed.separate.sigma, seed.separate.omega)
     separate = fit_separately(t, y, kind, edges, WIDEST * half, start)
@@ -223,7 +255,10 @@ def _fit_once(
             break
     if separate.variance > max(0.25 * float(np.var(y)), 3.0 * floor):
         raise NoDecay("the motion between reversals is no damped oscillation: no free decay")
-    guard = max(find_guard(t, y, separate, max(separate.variance, floor)), _least_guard(t))
+    _refuse_driven(separate, y, floor)
+    guard = _least_guard(t)
+    if kind is not Kind.DISPLACEMENT:  # the displacement itself has no jump
+        guard = max(guard, find_guard(t, y, separate, max(separate.variance, floor)))
     separate = fit_separately(t, y, kind, separate.edges, guard, (separate.sigma, separate.omega))
     separate = fit_separately(t, y, kind, moved_edges(separate, cycles, t), guard, (separate.sigma, separate.omega))
 
@@ -248,7 +283,12 @@ def _fit_once(
     if holds:
         found = (float(tied.theta[SIGMA]), float(tied.theta[OMEGA]))
         separate = fit_separately(t, y, kind, _inside(tied.edges, t), guard, found, fixed=True)
-    return ChannelFit(kind, t, y, noise, cycles, separate, tied, holds, offset, inflation)
+    return ChannelFit(kind, t, y, noise, cycles, separate, tied, holds, offset, inflation, dropped)
+
+
+def _without_slivers(edges: FloatArray, half: float) -> FloatArray:
+    """The same edges; the last piece goes when it is too short to be fitted by itself."""
+    return edges[:-1] if edges.size > 3 and edges[-1] - edges[-2] < 0.4 * half else edges
 
 
 def _inside(edges: FloatArray, t: FloatArray) -> FloatArray:

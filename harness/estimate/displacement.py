@@ -122,7 +122,8 @@ def _by_eq_7(turning: FloatArray, i: int, offset: float) -> float | None:
     """Zeta from three successive turning points, eq. 7; None where it gives none."""
     if i + 1 >= turning.size:
         return None
-    ratio = -(turning[i + 1] + turning[i] - 2 * offset) / (turning[i] + turning[i - 1] - 2 * offset)
+    after, before = turning[i + 1] + turning[i] - 2 * offset, turning[i] + turning[i - 1] - 2 * offset
+    ratio = -after / before if before != 0.0 else math.nan
     if not math.isfinite(ratio) or ratio <= 0.0:
         return None
     beta = -math.log(ratio) / math.pi

@@ -20,7 +20,7 @@ from harness.estimate.paper import acceleration_paper
 from harness.estimate.phase import sensor_lead
 from harness.estimate.result import Estimate, Estimation
 from harness.estimate.reversals import Kind, NoDecay
-from harness.estimate.turning import first_and_last_seen, reversal_times, turning_points
+from harness.estimate.turning import all_edges, first_and_last_seen, reversal_times, turning_points
 
 METHODS = (
     "acceleration",
@@ -54,11 +54,6 @@ def _frequency(fit: ChannelFit) -> tuple[float, float]:
     return half_cycle_frequency(fit, np.concatenate([[math.nan], reversal_times(fit), [math.nan]]))
 
 
-def _edges(fit: ChannelFit) -> FloatArray:
-    outer = fit.edges
-    return np.concatenate([outer[:1], reversal_times(fit), outer[-1:]])
-
-
 def _sizes(fit: ChannelFit) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Times, turning points and variances for the isolated cases; from the acceleration after each jump when x is absent."""
     if fit.kind is Kind.DISPLACEMENT:
@@ -68,12 +63,13 @@ def _sizes(fit: ChannelFit) -> tuple[FloatArray, FloatArray, FloatArray]:
         return times[known], turning[known], variance[known]
     separate = as_acceleration(fit.separate)
     count = len(separate)
-    begin = 0 if first_and_last_seen(fit)[0] else 1
-    basis = np.array([separate.basis(k, separate.edges[k]) for k in range(begin, count)])
-    value = np.sum(basis * separate.c[begin:], axis=1)
-    variance = np.einsum("ki,kij,kj->k", basis, separate.inverse[begin:], basis) * fit.variance
+    keep = separate.known
+    keep[0] &= first_and_last_seen(fit)[0]
+    basis = np.array([separate.basis(k, separate.edges[k]) for k in range(count)])
+    value = np.sum(basis * separate.c, axis=1)
+    variance = np.einsum("ki,kij,kj->k", basis, separate.inverse, basis) * fit.variance
     per = -1.0 / (fit.sigma**2 + fit.omega**2)
-    return separate.edges[begin:count], value * per, variance * per * per
+    return separate.edges[:-1][keep], value[keep] * per, variance[keep] * per * per
 
 
 def _acceleration_methods(
@@ -93,7 +89,7 @@ def _acceleration_methods(
         return out | {method: Estimate.refused(why, unit) for method in METHODS[1:3]}
     # the speed, where it was measured, shows the reversals more directly than the acceleration does
     clock = fits.get("v", source)
-    edges, omega_d = _edges(clock), _frequency(source)
+    edges, omega_d = all_edges(clock), _frequency(source)
     # one fit's constant is a property of the sensor, not of the motion
     a = found["a"] - source.offset if source.kind is Kind.ACCELERATION else found["a"]
     noise = source.noise if source.kind is Kind.ACCELERATION else channel_noise(t, a, 2.0 * math.pi / source.omega)
@@ -129,6 +125,8 @@ def _warnings(t: FloatArray, fits: dict[str, ChannelFit]) -> list[str]:
     elif gaps.max() > 1.05 * usual or gaps.min() < 0.95 * usual:
         said.append("the sampling is irregular")
     for name, fit in fits.items():
+        if fit.dropped:
+            said.append(f"{name}: the first period was left out")
         ratio = math.sqrt(fit.variance / fit.inflation) / fit.noise.sigma
         if fit.noise.found and ratio > 1.5:
             said.append(
@@ -181,6 +179,6 @@ def estimate_all(
         phase,
         lag,
         {name: fit.noise for name, fit in fits.items()},
-        _edges(best),
+        all_edges(best),
         (*whys.values(), *_warnings(time, fits)),
     )

@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from harness.core.arrays import FloatArray, IntArray
+from harness.core.arrays import BoolArray, FloatArray, IntArray
 from harness.core.jit import compiled
 from harness.estimate.reversals import HalfCycles, Kind
 
@@ -214,11 +214,16 @@ class SeparateFit:
             c1, c2 = -self.sigma * c1 - self.omega * c2, -self.sigma * c2 + self.omega * c1
         half = math.pi / self.omega
         first = math.atan2(-c1, c2) / self.omega  # c1 cos + c2 sin = 0
-        begin, end = 0.0, float(self.edges[k + 1] - self.edges[k])
-        return (
-            float(self.edges[k] + first + half * round((begin - first) / half)),
-            float(self.edges[k] + first + half * round((end - first) / half)),
-        )
+        if k == 0 and len(self) > 1:  # a record can begin in motion: the edge that is a reversal counts
+            begin = first + half * (round((self.edges[1] - self.edges[0] - first) / half) - 1)
+        else:
+            begin = first - half * round(first / half)
+        return float(self.edges[k] + begin), float(self.edges[k] + begin + half)
+
+    @property
+    def known(self) -> BoolArray:
+        """Which half-cycles hold enough samples to be fitted, (K,)."""
+        return np.asarray(self.inverse[:, 0, 0] > 0.0, dtype=np.bool_)
 
 
 def fit_separately(

@@ -82,7 +82,19 @@ def find_jumps(fit: SeparateFit, side: int, follow: bool) -> Jumps:
     by_rates = sign[:, None] * (
         _rates(fit, k + 1, time, early, sigma, omega) - _rates(fit, k, time, late, sigma, omega)
     )
-    return Jumps(edges, before, after, size, variance, neighbour, by_rates, edges - time)
+    known = fit.known[:-1] & fit.known[1:]
+    if not np.all(known):  # only the outermost half-cycles can hold too few samples
+        neighbour = neighbour[known[:-1] & known[1:]]
+    return Jumps(
+        edges[known],
+        before[known],
+        after[known],
+        size[known],
+        variance[known],
+        neighbour,
+        by_rates[known],
+        (edges - time)[known],
+    )
 
 
 def _values(fit: SeparateFit, k: IntArray, time: FloatArray) -> tuple[FloatArray, FloatArray]:

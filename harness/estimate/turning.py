@@ -56,7 +56,7 @@ def turning_points(fit: ChannelFit) -> TurningPoints:
     basis = np.array([[separate.basis(k, time[k, side]) for side in (0, 1)] for k in range(count)])
     value = np.einsum("ksi,ki->ks", basis, separate.c)
     covariance = np.einsum("ksi,kij,krj->ksr", basis, separate.inverse, basis) * fit.variance
-    return TurningPoints(time, value, covariance, _seen(fit, time))
+    return TurningPoints(time, value, covariance, _seen(fit, time) & separate.known[:, None])
 
 
 def reversal_times(fit: ChannelFit) -> FloatArray:
@@ -72,10 +72,16 @@ def reversal_times(fit: ChannelFit) -> FloatArray:
     return np.where(near, times, separate.edges[1:-1])
 
 
+def all_edges(fit: ChannelFit) -> FloatArray:
+    """Release (or where the first half-cycle would have begun), reversals, and stop (or where it would be), (K+1,) s."""
+    if fit.holds:
+        return fit.edges
+    separate = fit.separate
+    first, last = separate.stops(0)[0], separate.stops(len(separate) - 1)[1]
+    return np.concatenate([[first], reversal_times(fit), [last]])
+
+
 def first_and_last_seen(fit: ChannelFit) -> tuple[bool, bool]:
-    """Whether the first edge (release) and the last (stop) are instants without speed that samples reach."""
-    edges = fit.edges
-    if fit.kind is not Kind.DISPLACEMENT and not fit.holds:
-        edges = fit.separate.edges
-    low, high = _seen(fit, np.array([edges[0], edges[-1]]))
+    """Whether samples reach the first edge (release) and the last (stop)."""
+    low, high = _seen(fit, all_edges(fit)[[0, -1]])
     return bool(low), bool(high)
