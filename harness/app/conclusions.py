@@ -98,4 +98,4 @@ _SAYERS: tuple[Say, ...] = (_friction, _damping, _rest, _position)
 
 
 def _mm(metres: float) -> str:
-    return f"{metres * 1e3:.3g} mm"
+    return f"{metres * 1e3:.3g} mm" if abs(metres) >= 1e-6 else "less than 0.001 mm"

@@ -1,6 +1,6 @@
 """Estimates of the estimators' room in the form of the results."""
 
-from collections.abc import Mapping
+from collections.abc import Container, Mapping
 
 from harness.estimate.result import Estimate, Estimation
 from harness.results.common import P
@@ -25,14 +25,13 @@ def _of(estimate: Estimate) -> Estimates:
     )
 
 
-WHOLE = ("acceleration", "displacement")
-"""Methods that know both viscous and dry friction; where neither holds, nothing else says anything."""
+WHOLE = {"acceleration": ("a", "v"), "displacement": ("x",)}
+"""Methods that know both viscous and dry friction, with the channels they read; where they fail, nothing else holds."""
 
 
-def why_no_decay(methods: Mapping[str, Estimate]) -> str | None:
-    """The reasons why neither method of the whole model gives a figure; None when one does."""
-    whole = [methods[name] for name in WHOLE]
-    if any(estimate.zeta.value is not None and estimate.x_k.value is not None for estimate in whole):
+def why_no_decay(methods: Mapping[str, Estimate], channels: Container[str]) -> str | None:
+    """The reasons why no method of the whole model gives a figure from these channels; None when one does."""
+    tried = [methods[name] for name, wanted in WHOLE.items() if any(channel in channels for channel in wanted)]
+    if any(estimate.zeta.value is not None and estimate.x_k.value is not None for estimate in tried):
         return None
-    reasons = dict.fromkeys(estimate.x_k.why for estimate in whole if estimate.x_k.why)
-    return "; ".join(reason for reason in reasons if reason)
+    return "; ".join(dict.fromkeys(estimate.x_k.why or "" for estimate in tried))

@@ -11,6 +11,7 @@ from harness.app.journal import journal
 from harness.app.machine import this_machine
 from harness.app.progress import SILENT, Progress
 from harness.app.reading import read, recording_info
+from harness.app.showing import write_recording_page, write_recording_trace
 from harness.core.errors import InputError
 from harness.core.recording import Recording
 from harness.estimate.every import estimate_all
@@ -20,6 +21,7 @@ from harness.io.store import output_folder
 from harness.results.common import P
 from harness.results.identify import IdentifyResult
 
+FILES = {"result": "result.json", "report": "report.html", "rrd": "trace.rrd", "log": LOG}
 FREE = "a free decay of at least three half-cycles is accepted"
 
 
@@ -31,7 +33,7 @@ def estimate(recording: Recording) -> Estimation:
     refuse_driven(recording)
     x, v, a = (recording.channels.get(name) for name in ("x", "v", "a"))
     estimation = estimate_all(recording.t, x, v, a, unit="rad" if recording.angular else "m")
-    why = why_no_decay(estimation.methods)
+    why = why_no_decay(estimation.methods, recording.channels)
     if why is not None:
         raise InputError(recording.file, f"no estimate is possible: {why}", FREE)
     return estimation
@@ -46,26 +48,43 @@ def refuse_driven(recording: Recording) -> None:
 
 
 def identify(
-    path: Path, options: ReadOptions, trace: str | None = None, out: Path | None = None, progress: Progress = SILENT
+    path: Path,
+    options: ReadOptions,
+    trace: str | None = None,
+    out: Path | None = None,
+    progress: Progress = SILENT,
+    command: str = "",
 ) -> IdentifyResult:
-    """Read a recording, estimate, and leave result.json and the log in a folder.
+    """Read a recording, estimate, and leave result.json, trace.rrd, report.html and the log in a folder.
 
-    trace : which of the traces of a .rrd. out : new or empty folder, None for reports/NAME-TIME here.
-    Raises InputError with the reason when the recording cannot be read, is driven, or shows no free decay.
+    trace : which of the traces of a .rrd. out : new or empty folder, None for reports/NAME-TIME here. command : the
+    line that makes it again.
+
+    Raises InputError with the reason when the recording cannot be read, is driven, or shows no free decay, StoreError
+    when the folder cannot be written.
     """
-    progress("reading", 0, 2)
+    progress("reading", 0, 3)
     recording = read(path, options, trace)
     with output_folder(f"identify-{path.name.split('.')[0]}", out) as output, journal(output / LOG):
-        progress("estimating", 1, 2)
-        estimation = estimate(recording)
-        result = IdentifyResult(
-            recording=recording_info(recording, estimation.noise),
-            estimates=estimates_of(estimation),
-            sensor_phase_rad=P.of(estimation.sensor_phase),
-            warnings=list(estimation.warnings),
-            machine=this_machine(),
-            files={"result": output.at("result.json"), "log": output.at(LOG)},
-        )
-        (output / "result.json").write_text(to_json(result), encoding="utf-8")
+        progress("estimating", 1, 3)
+        result = result_of(recording, command, {name: output.at(file) for name, file in FILES.items()})
+        progress("writing trace and report", 2, 3)
+        (output / FILES["result"]).write_text(to_json(result), encoding="utf-8")
+        write_recording_trace(output / FILES["rrd"], result, recording)
+        write_recording_page(output / FILES["report"], result, recording)
         output.commit()
     return result
+
+
+def result_of(recording: Recording, command: str, files: dict[str, str]) -> IdentifyResult:
+    """The estimates from a recording as a result; raises InputError as ``estimate`` does."""
+    estimation = estimate(recording)
+    return IdentifyResult(
+        recording=recording_info(recording, estimation.noise),
+        estimates=estimates_of(estimation),
+        sensor_phase_rad=P.of(estimation.sensor_phase),
+        warnings=list(estimation.warnings),
+        command=command,
+        machine=this_machine(),
+        files=files,
+    )

@@ -1,20 +1,24 @@
-"""The page of a run made again from its trace.rrd alone, and the trace opened in the viewer."""
+"""A page made again from its trace.rrd alone, and the trace opened in the viewer."""
 
 import os
 import shutil
 import subprocess
 import sys
+from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 from pydantic import ValidationError
 
 from harness.app.conclusions import conclusions
+from harness.app.identify import result_of
 from harness.app.run import measured
 from harness.app.scenarios import scenario_of_json
-from harness.app.showing import write_run_page
+from harness.app.showing import write_recording_page, write_run_page
 from harness.core.errors import InputError, StoreError
+from harness.results.identify import IdentifyResult
 from harness.results.run import RunResult
-from harness.show.trace import read_trace
+from harness.show.trace import StoredTrace, read_trace
 
 TRACE, PAGE = "trace.rrd", "report.html"
 
@@ -32,8 +36,8 @@ def find_trace(place: Path) -> Path:
     return path
 
 
-def rebuild(place: Path, out: Path | None = None) -> tuple[RunResult, Path]:
-    """Make the page of a run again, estimates and metrics recomputed from the stored samples; nothing else is needed.
+def rebuild(place: Path, out: Path | None = None) -> tuple[RunResult | IdentifyResult, Path]:
+    """Make a page again, estimates and metrics recomputed from the stored samples; nothing else is needed.
 
     place : output folder or .rrd. out : the page, a new file; None for report.html in the folder, or beside the .rrd
     under its name. Returns the result and the page. Raises InputError, StoreError.
@@ -44,15 +48,40 @@ def rebuild(place: Path, out: Path | None = None) -> tuple[RunResult, Path]:
         raise StoreError(f"--out {out}: it exists; a new file is accepted")
     stored = read_trace(trace)
     try:
-        result = RunResult.model_validate(stored.properties["result"])
-    except (KeyError, ValidationError):
-        raise InputError(str(trace), "holds no run", "a trace written by harness run is accepted") from None
+        data = stored.properties["result"]
+        again = _AGAIN[data["schema"]]
+    except (KeyError, TypeError):
+        raise InputError(str(trace), "holds no result", _ACCEPTED) from None
+    try:
+        return again(stored, data, page), page
+    except ValidationError:
+        raise InputError(str(trace), "holds a result of another version", _ACCEPTED) from None
+
+
+_ACCEPTED = "a trace written by harness run or harness identify is accepted"
+
+
+def _run_again(stored: StoredTrace, data: Any, page: Path) -> RunResult:
+    result = RunResult.model_validate(data)
     scenario = scenario_of_json(stored.properties["scenario"])
     again = iter([measured(trajectory, scenario) for trajectory in stored.trajectories])
     traces = [kept if kept.error is not None else next(again) for kept in result.traces]
     result = result.model_copy(update={"traces": traces, "conclusions": conclusions(traces, scenario)})
     write_run_page(page, result, stored.trajectories)
-    return result, page
+    return result
+
+
+def _identify_again(stored: StoredTrace, data: Any, page: Path) -> IdentifyResult:
+    kept = IdentifyResult.model_validate(data)
+    result = result_of(stored.recordings[0], kept.command, kept.files).model_copy(update={"machine": kept.machine})
+    write_recording_page(page, result, stored.recordings[0])
+    return result
+
+
+_AGAIN: dict[str, Callable[[StoredTrace, Any, Path], RunResult | IdentifyResult]] = {
+    "harness.run/1": _run_again,
+    "harness.identify/1": _identify_again,
+}
 
 
 def view(place: Path, web: bool = False) -> int:

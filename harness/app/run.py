@@ -154,7 +154,7 @@ def measured(trajectory: Trajectory, scenario: Scenario) -> TraceResult:
         source=source.name,
         preset=source.preset,
         version=source.version,
-        settings=dict(source.settings),
+        settings={name: list(v) if isinstance(v, tuple) else v for name, v in source.settings.items()},
         ignored=list(source.ignored),
         dt_s=source.dt,
         wall_s=source.wall_s,

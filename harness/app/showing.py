@@ -1,15 +1,20 @@
-"""A run as a trace for the viewer and as a page for the browser."""
+"""Runs and recordings as a trace for the viewer and as a page for the browser."""
 
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
 from harness.core.errors import StoreError
+from harness.core.recording import Recording
 from harness.core.trajectory import Trajectory
+from harness.results.identify import IdentifyResult
 from harness.results.run import RunResult
+from harness.show.recording_scene import recording_scene
+from harness.show.report.identify import identify_headline, identify_sections, identify_title
 from harness.show.report.page import write_report
 from harness.show.report.run import run_sections, run_title
 from harness.show.run_scene import run_scene
+from harness.show.scene import Scene
 from harness.show.trace import write_trace
 
 
@@ -22,8 +27,16 @@ def _shown(result: RunResult) -> dict[str, Any]:
 
 def write_run_trace(path: Path, result: RunResult, trajectories: Sequence[Trajectory], urdf: Path) -> None:
     """Write trace.rrd with everything in it that the page needs; raises StoreError."""
-    notes = "\n".join(["# What differs, and why", "", *(f"- {sentence}" for sentence in result.conclusions)])
-    scene = run_scene(trajectories, result.scenario, result.model_dump(mode="json", by_alias=True), notes, urdf)
+    notes = _notes("What differs, and why", result.conclusions)
+    data = result.model_dump(mode="json", by_alias=True)
+    _write(path, run_scene(trajectories, result.scenario, data, notes, urdf))
+
+
+def _notes(heading: str, sentences: Sequence[str]) -> str:
+    return "\n".join([f"# {heading}", "", *(f"- {sentence}" for sentence in sentences)])
+
+
+def _write(path: Path, scene: Scene) -> None:
     try:
         write_trace(path, scene)
     except RuntimeError as error:  # all that the viewer's library says of a writer that found no space
@@ -34,3 +47,26 @@ def write_run_page(path: Path, result: RunResult, trajectories: Sequence[Traject
     """Write the page; raises StoreError."""
     data = _shown(result)
     write_report(path, *run_title(data), run_sections(trajectories, data, result.command))
+
+
+def write_recording_trace(path: Path, result: IdentifyResult, recording: Recording) -> None:
+    """Write the trace of a recording with its estimates; raises StoreError."""
+    data = result.model_dump(mode="json", by_alias=True)
+    notes = _notes("What was read", [identify_headline(data), *result.warnings, *result.recording.notes])
+    _write(path, recording_scene(recording, data, notes, _reversals(result)))
+
+
+def _reversals(result: IdentifyResult) -> list[tuple[float, str]]:
+    """Time of every reversal, and what was read from it, by the first method that reads each by itself."""
+    for method, estimate in result.estimates.items():
+        rows = [row for row in estimate.per_reversal if row.get("x_k") is not None]
+        if rows:
+            unit = estimate.x_k.unit
+            return [(row["t"], f"{method}: x_k = {row['x_k']:.6g} {unit}") for row in rows]
+    return []
+
+
+def write_recording_page(path: Path, result: IdentifyResult, recording: Recording) -> None:
+    """Write the page of a recording; raises StoreError."""
+    data = result.model_dump(mode="json", by_alias=True)
+    write_report(path, *identify_title(data), identify_sections(recording, data, result.command))

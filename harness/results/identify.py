@@ -16,5 +16,6 @@ class IdentifyResult(Result):
     estimates: dict[str, Estimates]
     sensor_phase_rad: P
     warnings: list[str]
+    command: str = Field(default="", description="the line that makes it again")
     machine: Machine
     files: dict[str, str] = Field(default_factory=dict)

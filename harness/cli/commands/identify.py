@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 import click
 
 from harness.cli.options import output_options, reading_options
-from harness.cli.output import check_json, emit_json, show, shows_tables
+from harness.cli.output import check_json, emit_json, show, shows_tables, this_line
 from harness.cli.progress import shown
 
 if TYPE_CHECKING:
@@ -46,7 +46,7 @@ def command(
 
     options = ReadOptions(columns, skip_rows, rate, start, stop)
     with shown(quiet) as progress:
-        result = identify(recording, options, trace, out, progress)
+        result = identify(recording, options, trace, out, progress, this_line())
     emit_json(result, json_to)
     if shows_tables(json_to, quiet):
         _print(result)
@@ -72,7 +72,7 @@ def _print(result: "IdentifyResult") -> None:
         click.echo(f"the accelerometer leads the displacement sensor by {_number(result.sensor_phase_rad)}")
     for line in [*refused, *result.warnings]:
         click.echo(f"- {line}")
-    click.echo(f"result: {result.files['result']}")
+    click.echo(f"report: {result.files['report']}")
 
 
 def _number(number: "P") -> str:

@@ -8,13 +8,13 @@ from harness.cli.options import json_option, quiet_option
 from harness.cli.output import check_json, emit_json, shows_tables
 
 
-@click.command(short_help="Make the page of a run again, from its .rrd alone.")
+@click.command(short_help="Make a page again, from its .rrd alone.")
 @click.argument("place", metavar="DIR|FILE.rrd", type=click.Path(path_type=Path))
 @click.option("--out", type=click.Path(path_type=Path), metavar="FILE", help="The page, a new file.")
 @json_option
 @quiet_option
 def command(place: Path, out: Path | None, json_to: str | None, quiet: bool) -> int:
-    """Make the HTML page of a run again from the .rrd in DIR, or from FILE.rrd alone.
+    """Make an HTML page again from the .rrd in DIR, or from FILE.rrd alone.
 
     Metrics and estimates are computed anew from the samples it holds. The page is DIR/report.html, or FILE.html.
 

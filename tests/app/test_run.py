@@ -1,0 +1,155 @@
+"""The main job: what it finds in every source, and what it leaves."""
+
+import json
+from pathlib import Path
+
+import jsonschema
+import numpy as np
+import pytest
+
+from harness.app.rebuild import rebuild
+from harness.app.run import RunOptions, run
+from harness.app.scenarios import scenario_named
+from harness.core.errors import InputError, SimulationError
+from harness.core.trajectory import Trajectory
+from harness.engines.base import Task
+from harness.engines.mujoco import MujocoEngine
+from harness.exact.decay import free_decay
+from harness.results import generate
+from harness.results.run import RunResult, TraceResult
+from harness.show.trace import read_trace
+
+Done = tuple[RunResult, Path]
+X_K, ZETA = 0.03, 0.05
+SOURCES = ["reference exact", "mujoco as-shipped", "mujoco tuned", "pybullet as-shipped", "pybullet tuned"]
+
+
+def trace(done: Done, label: str) -> TraceResult:
+    return next(t for t in done[0].traces if f"{t.source} {t.preset}" == label)
+
+
+def x_k(found: TraceResult, method: str) -> float:
+    value = found.estimates[method].x_k.value
+    assert value is not None
+    return value
+
+
+def test_every_source_is_there_in_order(done: Done) -> None:
+    assert [f"{t.source} {t.preset}" for t in done[0].traces] == SOURCES
+    assert not [t.error for t in done[0].traces if t.error]
+
+
+def test_the_reference_gives_back_what_was_put_in(done: Done) -> None:
+    found = trace(done, "reference exact")
+    estimate = found.estimates["acceleration"]
+    assert estimate.x_k.value == pytest.approx(X_K, rel=1e-6)
+    assert estimate.zeta.value == pytest.approx(ZETA, rel=1e-6)
+    assert estimate.omega_n.value == pytest.approx(10.0, rel=1e-6)
+    assert found.metrics.stick_time_s == pytest.approx(2.51642, abs=5e-6)
+    assert found.metrics.half_cycles == 8
+    assert found.metrics.max_error_m == 0.0
+
+
+def test_as_shipped_mujoco_smears_the_jump_that_the_guard_leaves_out(done: Done) -> None:
+    found = trace(done, "mujoco as-shipped")
+    assert abs(x_k(found, "acceleration-local")) < 0.5 * X_K
+    assert x_k(found, "acceleration") == pytest.approx(X_K, rel=0.02)
+    assert found.metrics.stick_time_s is None
+    assert found.metrics.creep_m_s is not None
+    assert found.metrics.creep_m_s < -1e-3
+    assert found.dt_s == 0.002
+    assert found.settings["integrator"] == "Euler"
+
+
+@pytest.mark.parametrize("label", ["mujoco tuned", "pybullet tuned"])
+def test_tuned_engines_give_what_was_put_in_both_ways(done: Done, label: str) -> None:
+    found = trace(done, label)
+    for method in ("acceleration", "acceleration-local"):
+        assert x_k(found, method) == pytest.approx(X_K, rel=0.01)
+    assert found.estimates["acceleration"].zeta.value == pytest.approx(ZETA, rel=0.01)
+    assert found.metrics.stick_time_s == pytest.approx(2.5164, abs=0.01)
+    assert found.metrics.max_error_m is not None
+    assert found.metrics.max_error_m < 1e-3
+
+
+def test_a_sentence_says_why_as_shipped_mujoco_reads_too_little(done: Done) -> None:
+    (sentence,) = [s for s in done[0].conclusions if s.startswith("mujoco as-shipped: friction is no jump")]
+    assert "30.1 mm read outside a guard, 30 mm put in" in sentence
+    assert "passes zero 11 ms before the speed does" in sentence
+
+
+def test_what_is_left_is_whole_and_valid(done: Done) -> None:
+    result, folder = done
+    assert {file.name for file in folder.iterdir()} == {"result.json", "trace.rrd", "report.html", "log.txt", "model"}
+    assert all(Path(file).is_file() and Path(file).is_absolute() for file in result.files.values())
+    data = json.loads((folder / "result.json").read_text())
+    assert data == json.loads(result.model_dump_json(by_alias=True))
+    jsonschema.validate(data, json.loads((generate.FOLDER / "harness.run-1.json").read_text()))
+    assert data["schema"] == "harness.run/1"
+    assert data["machine"]["packages"]["mujoco"] == "4.0.0"
+    assert "http://" not in (folder / "report.html").read_text().split("<script", maxsplit=1)[0]
+    assert not list(folder.parent.glob(".*"))
+
+
+def test_the_trace_alone_gives_the_page_and_every_figure_bit_for_bit(done: Done, tmp_path: Path) -> None:
+    result, folder = done
+    alone = tmp_path / "alone.rrd"
+    alone.write_bytes((folder / "trace.rrd").read_bytes())
+    again, page = rebuild(alone)
+    assert again == result
+    assert page.read_bytes() == (folder / "report.html").read_bytes()
+
+
+def test_stored_samples_are_those_of_the_engine(done: Done) -> None:
+    stored = read_trace(done[1] / "trace.rrd").trajectories
+    direct = MujocoEngine().simulate(Task(RunOptions().scenario, preset="tuned"))
+    for name in ("t", "x", "v", "a"):
+        np.testing.assert_array_equal(getattr(stored[2], name), getattr(direct, name))
+
+
+def test_an_engine_that_fails_leaves_its_reason_and_the_others_go_on(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def fail(self: MujocoEngine, task: Task) -> Trajectory:
+        if task.preset == "tuned":
+            raise SimulationError("mujoco: it diverged at t = 0.3 s")
+        return free_decay(task.scenario, np.linspace(0.0, 3.0, 301))
+
+    monkeypatch.setattr(MujocoEngine, "simulate", fail)
+    result = run(RunOptions(engines=("mujoco",)), tmp_path / "out")
+    assert [t.error for t in result.traces] == [None, None, "mujoco: it diverged at t = 0.3 s"]
+    assert "mujoco tuned could not be run: mujoco: it diverged at t = 0.3 s" in result.conclusions
+    again, _ = rebuild(tmp_path / "out")
+    assert again == result
+
+
+def test_options_choose_what_is_run() -> None:
+    assert RunOptions.chosen(RunOptions().scenario, (), None, None).plan == [
+        ("mujoco", "as-shipped"),
+        ("mujoco", "tuned"),
+        ("pybullet", "as-shipped"),
+        ("pybullet", "tuned"),
+    ]
+    options = RunOptions.chosen(RunOptions().scenario, ("mujoco", "mujoco"), "tuned", 5e-4)
+    assert options.plan == [("mujoco", "tuned")]
+    assert options.interval == 5e-4
+
+
+@pytest.mark.parametrize(
+    "given", [{"f_k": 0.0}, {"c": 0.0}, {"x0": 0.02}, {"c": 30.0}, {"f_s": 4.0}, {"x0": -0.5, "v0": 2.0}]
+)
+def test_any_slider_gets_a_result(tmp_path: Path, given: dict[str, float]) -> None:
+    options = RunOptions(scenario_named("free-decay", given), presets=("tuned",), dt=2e-3)
+    result = run(options, tmp_path / "out")
+    assert not [t.error for t in result.traces if t.error]
+    for found in result.traces:
+        for estimate in found.estimates.values():
+            assert all(p.value is not None or p.why for p in (estimate.omega_n, estimate.zeta, estimate.x_k))
+
+
+def test_rebuilding_needs_a_trace_of_ours(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match="no such file"):
+        rebuild(tmp_path)
+    (tmp_path / "x.csv").write_text("t,x")
+    with pytest.raises(InputError, match=r"an output folder or a [.]rrd is accepted"):
+        rebuild(tmp_path / "x.csv")

@@ -1,0 +1,202 @@
+"""The command as a process: streams, exit codes, signals, a home folder that cannot be written."""
+
+import json
+import os
+import pty
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+
+from harness.cli import progress
+from harness.cli.main import cli, run
+from harness.core.jit import cache_folder
+
+CHECKOUT = Path(__file__).resolve().parents[2]
+COMMAND = [sys.executable, "-m", "harness.cli"]
+NO_HOME = "/proc/no-home"
+"""A home that nobody can make, root neither."""
+
+
+def environment(**changes: str) -> dict[str, str]:
+    kept = {k: v for k, v in os.environ.items() if not k.startswith(("XDG_", "HARNESS_"))}
+    return {**kept, "PYTHONPATH": str(CHECKOUT), "NUMBA_CACHE_DIR": str(cache_folder()), **changes}
+
+
+def test_run_works_without_a_home_and_standard_output_is_json_alone(tmp_path: Path) -> None:
+    done = subprocess.run(
+        [*COMMAND, "run", "--json", "-"],
+        stdin=subprocess.DEVNULL,
+        capture_output=True,
+        text=True,
+        check=False,
+        cwd=tmp_path,
+        env=environment(HOME=NO_HOME),
+    )
+    assert (done.returncode, done.stderr) == (0, "")
+    result = json.loads(done.stdout)
+    assert result["schema"] == "harness.run/1"
+    assert result["command"] == "harness run --json -"
+    (folder,) = (tmp_path / "reports").iterdir()
+    assert json.loads((folder / "result.json").read_text()) == result
+    assert "pybullet build time" in (folder / "log.txt").read_text()
+
+
+def test_the_cache_of_kernels_needs_no_home() -> None:
+    program = "from harness.core.jit import cache_folder; print(cache_folder())"
+    kept = {k: v for k, v in environment(HOME=NO_HOME).items() if k != "NUMBA_CACHE_DIR"}
+    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True, env=kept)
+    assert os.access(done.stdout.strip(), os.W_OK)
+    assert not done.stdout.startswith(NO_HOME)
+
+
+@pytest.mark.parametrize("stop", [signal.SIGINT, signal.SIGTERM])
+def test_an_interruption_leaves_nothing(tmp_path: Path, stop: signal.Signals) -> None:
+    line = [
+        *COMMAND,
+        "run",
+        "--engine",
+        "mujoco",
+        "--preset",
+        "tuned",
+        "--duration",
+        "200",
+        "--dt",
+        "1e-4",
+        "--json",
+        "-",
+    ]
+    with subprocess.Popen(
+        line, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, cwd=tmp_path, env=environment()
+    ) as started:
+        deadline = time.monotonic() + 60.0
+        while not list(tmp_path.glob("reports/.*.partial/log.txt")):
+            assert time.monotonic() < deadline
+            assert started.poll() is None
+            time.sleep(0.02)
+        started.send_signal(stop)
+        out, err = started.communicate(timeout=120)
+    assert (started.returncode, out, err) == (130, "", "harness: interrupted; nothing was written\n")
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_output_folders_can_be_named_and_results_written_to_a_file(
+    tmp_path: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
+    line = [
+        "run",
+        "--engine",
+        "mujoco",
+        "--preset",
+        "tuned",
+        "--out",
+        str(tmp_path / "a" / "b"),
+        "--json",
+        str(tmp_path / "r.json"),
+    ]
+    assert run(line) == 0
+    out, err = capfd.readouterr()
+    assert err == ""
+    assert "mujoco tuned" in out
+    assert f"report: {tmp_path}/a/b/report.html" in out
+    assert json.loads((tmp_path / "r.json").read_text()) == json.loads(
+        (tmp_path / "a" / "b" / "result.json").read_text()
+    )
+    assert run(["report", str(tmp_path / "a" / "b"), "--quiet"]) == 0
+    assert capfd.readouterr() == ("", "")
+
+
+def test_identify_prints_a_table(done_recording: Path, tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
+    assert run(["identify", str(done_recording), "--out", str(tmp_path / "out")]) == 0
+    out, err = capfd.readouterr()
+    assert err == ""
+    assert "constant-decrement" in out
+    assert "0.03 +- " in out or "0.0300" in out or "0.0299" in out
+
+
+@pytest.fixture
+def done_recording(tmp_path: Path) -> Path:
+    """The exact motion of the paper's case, as a file."""
+    import numpy as np
+
+    from harness.core.scenario import FREE_DECAY
+    from harness.exact.decay import free_decay
+
+    exact = free_decay(FREE_DECAY, np.arange(2500, dtype=np.float64) * 1e-3)
+    np.savez(tmp_path / "decay.npz", t=exact.t, x=exact.x, a=exact.a)
+    return tmp_path / "decay.npz"
+
+
+def test_doctor_says_what_there_is(capfd: pytest.CaptureFixture[str]) -> None:
+    code = run(["doctor", "--json", "-"])
+    out, err = capfd.readouterr()
+    assert err == ""
+    checks = {check["name"]: check for check in json.loads(out)["checks"]}
+    assert {"python", "engine mujoco", "engine pybullet", "models", "numba cache", "rerun viewer", "browser"} <= set(
+        checks
+    )
+    assert checks["engine mujoco"]["found"] == "version 4.0.0"
+    assert all(check["ok"] or check["remedy"] for check in checks.values())
+    assert code == 0
+    assert run(["doctor"]) == 0
+    assert "engine pybullet" in capfd.readouterr().out
+
+
+def test_viewing_without_a_screen_is_one_line(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.delenv("DISPLAY", raising=False)
+    monkeypatch.delenv("WAYLAND_DISPLAY", raising=False)
+    (tmp_path / "trace.rrd").touch()
+    assert run(["view", str(tmp_path)]) == 2
+    assert "neither DISPLAY nor WAYLAND_DISPLAY is set; a screen, or --web, is accepted" in capfd.readouterr().err
+
+
+def test_a_bug_is_one_line_that_says_where_the_details_are(
+    monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
+) -> None:
+    def broken(*args: object, **kwargs: object) -> None:
+        raise ZeroDivisionError("a bug\non two lines")
+
+    monkeypatch.setattr(cli, "main", broken)
+    assert run(["run"]) == 1
+    out, err = capfd.readouterr()
+    assert out == ""
+    assert err.startswith("harness: internal error, ZeroDivisionError: a bug on two lines; the details are in ")
+    assert err.count("\n") == 1
+    details = Path(err.rsplit(" ", 1)[1].strip())
+    assert "Traceback" in details.read_text()
+    details.unlink()
+
+
+def test_progress_is_shown_on_a_terminal(monkeypatch: pytest.MonkeyPatch) -> None:
+    ours, theirs = pty.openpty()
+    with os.fdopen(ours, "rb", buffering=0) as reader, os.fdopen(theirs, "w") as terminal:
+        monkeypatch.setattr(sys, "stderr", terminal)
+        monkeypatch.setattr(progress, "PATIENCE_S", 0.0)
+        with progress.shown(quiet=False) as tell:
+            tell("mujoco tuned", 1, 4)
+            time.sleep(0.3)
+        assert b"mujoco tuned" in reader.read(4096)
+
+
+def test_progress_is_silent_elsewhere(capfd: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(progress, "PATIENCE_S", 0.0)
+    with progress.shown(quiet=False) as tell:
+        tell("mujoco tuned", 1, 4)
+        time.sleep(0.1)
+    assert capfd.readouterr() == ("", "")
+
+
+def test_versions_and_help(capfd: pytest.CaptureFixture[str]) -> None:
+    assert run(["--version"]) == 0
+    assert run(["--help"]) == 0
+    out = capfd.readouterr().out
+    assert "harness, version " in out
+    for command in ("doctor", "identify", "report", "run", "view"):
+        assert f"  {command} " in out
+        assert run([command, "--help"]) == 0
+        assert f"Example: harness {command}" in capfd.readouterr().out
