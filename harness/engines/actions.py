@@ -35,26 +35,46 @@ def restoring_force(task: Task, x: float) -> float:
     return k * math.sin(x) if task.restoring == "pendulum" else 0.0
 
 
-def load_at_start(task: Task) -> float:
-    """Every force but dry friction and a force law at t = 0, N."""
-    scenario = task.scenario
-    driven = float(driving_force(task, np.zeros(1))[0])
-    return driven - restoring_force(task, scenario.x0) - scenario.slider.c * scenario.v0
+def level_at_start(task: Task, dt: float) -> tuple[float, float]:
+    """Sliding and break-away friction at t = 0, N."""
+    slider, law = task.scenario.slider, task.law
+    if law is None or law.level is None:
+        return slider.f_k, slider.break_away
+    level = float(law.level(*_start_of(task, dt)))
+    return level, level * slider.break_away / slider.f_k if slider.f_k > 0.0 else level + slider.break_away
 
 
-def held_at_start(task: Task) -> bool:
+def load_at_start(task: Task, dt: float) -> float:
+    """Every force but dry friction at t = 0, N; ``dt`` is the step a law's internal states would advance by."""
+    scenario, law = task.scenario, task.law
+    force = float(driving_force(task, np.zeros(1))[0])
+    if law is not None and law.force is not None:
+        force += float(law.force(*_start_of(task, dt)))
+    return force - restoring_force(task, scenario.x0) - scenario.slider.c * scenario.v0
+
+
+def _start_of(task: Task, dt: float) -> tuple[float, float, float, FloatArray, FloatArray]:
+    """Arguments of a law at t = 0, its states moved as they will be then."""
+    assert task.law is not None
+    scenario, state = task.scenario, task.law.state.copy()
+    if task.law.advance is not None:
+        task.law.advance(0.0, scenario.x0, scenario.v0, dt, state, task.law.params)
+    return 0.0, scenario.x0, scenario.v0, state, task.law.params
+
+
+def held_at_start(task: Task, dt: float) -> bool:
     """Whether the slider starts at rest on its floor with no more than the break-away force on it."""
     if task.scenario.v0 != belt_speed(task):
         return False
-    return abs(load_at_start(task)) <= task.scenario.slider.break_away
+    return abs(load_at_start(task, dt)) <= level_at_start(task, dt)[1]
 
 
-def acceleration_at_start(task: Task) -> float:
-    """Acceleration just after t = 0 without a force law, m/s^2."""
-    if held_at_start(task):
+def acceleration_at_start(task: Task, dt: float) -> float:
+    """Acceleration just after t = 0, m/s^2."""
+    if held_at_start(task, dt):
         return 0.0
     scenario = task.scenario
-    load = load_at_start(task)
+    load = load_at_start(task, dt)
     sliding = scenario.v0 - belt_speed(task)
     direction = math.copysign(1.0, sliding if sliding != 0.0 else load)
-    return (load - direction * scenario.slider.f_k) / scenario.slider.m
+    return (load - direction * level_at_start(task, dt)[0]) / scenario.slider.m

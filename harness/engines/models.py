@@ -87,12 +87,29 @@ def export(slider: Slider, into: Path, restoring: Restoring = "spring") -> dict[
     try:
         into.mkdir(parents=True, exist_ok=True)
         for name in NAMES:
-            written[f"{name}.xml"] = _write(into / f"{name}.xml", mjcf(slider, name, restoring).to_xml().encode())
+            written[f"{name}.xml"] = _write(into / f"{name}.xml", _exact_mjcf(slider, name, restoring))
             text = etree.tostring(urdf(slider, name), xml_declaration=True, encoding="utf-8")
             written[f"{name}.urdf"] = _write(into / f"{name}.urdf", text)
     except OSError as error:
         raise StoreError(f"{into}: cannot write the models ({error.strerror})") from error
     return written
+
+
+def _exact_mjcf(slider: Slider, name: str, restoring: Restoring) -> bytes:
+    """MJCF text with every digit; MuJoCo's own writer keeps six."""
+    spec = mjcf(slider, name, restoring)
+    tree = etree.fromstring(spec.to_xml().encode())
+    joint, box = tree.find(".//joint[@name='slide']"), tree.find(".//geom[@name='box']")
+    joint.set("stiffness", repr(float(spec.joint("slide").stiffness[0])))
+    joint.set("damping", repr(slider.c))
+    box.set("mass", repr(slider.m))
+    if name == "slider":
+        joint.set("frictionloss", repr(slider.f_k))
+    else:
+        for geom in (box, tree.find(".//geom[@name='floor']")):
+            geom.set("friction", f"{coefficient(slider)!r} 0 0")
+    text: bytes = etree.tostring(tree, xml_declaration=True, encoding="utf-8")
+    return text
 
 
 def cannot_say(slider: Slider, name: str, suffix: str, restoring: Restoring = "spring") -> tuple[str, ...]:

@@ -37,7 +37,7 @@ class Forces:
         # on a belt the joint lives in the frame of the belt, where its friction belongs; the spring's end moves instead
         self.frame = 0.0 if contact else belt_speed(task)
         self.switches = slider.break_away > slider.f_k
-        stuck = self.switches and held_at_start(task)
+        stuck = self.switches and held_at_start(task, settings["dt"])
         self.first_limit = slider.break_away if stuck or slider.f_k == 0.0 else slider.f_k
         if own_level and self.first_limit == 0.0:
             self.first_limit = 1.0  # without any limit the joint has no row of friction to set

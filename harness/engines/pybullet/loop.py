@@ -37,7 +37,7 @@ class Run:
         self.substeps = max(1, settings["numSubSteps"])
         self.t = self.dt * np.arange(self.steps)
         self.driving = driving_force(task, self.t)
-        back = 0.5 * self.dt * acceleration_at_start(task) if settings["leapfrog"] else 0.0
+        back = 0.5 * self.dt * acceleration_at_start(task, self.dt) if settings["leapfrog"] else 0.0
         self.first_speed = task.scenario.v0 - self.frame - back
 
     def motion(self, world: World) -> Motion:
@@ -74,7 +74,7 @@ class Run:
         state = np.zeros(0) if law is None else law.state.copy()
         ratio = slider.break_away / slider.f_k if slider.f_k > 0.0 else 1.0
         excess = slider.break_away if slider.f_k == 0.0 else 0.0
-        stuck = held_at_start(task)
+        stuck = held_at_start(task, dt)
         applied, limits, friction = np.empty(self.steps), np.empty(self.steps), np.empty(self.steps)
         lift, normal = np.zeros(self.steps), np.zeros(self.steps)
         q, speed, last, in_force = task.scenario.x0, self.first_speed, self.first_speed, -1.0

@@ -1,0 +1,51 @@
+"""Engines by name: those that are there, those that are not, and one of a third party."""
+
+from importlib.metadata import EntryPoint
+from typing import Any
+
+import pytest
+from engine_cases import decay
+
+from harness.core.errors import InputError, SimulationError
+from harness.engines import registry
+from harness.engines.base import Task
+
+
+def test_the_engines_of_the_house_are_registered() -> None:
+    assert {"mujoco", "pybullet"} <= set(registry.names())
+    assert registry.load("mujoco").name == "mujoco"
+    assert registry.load("pybullet").version() == "3.2.7"
+
+
+def test_an_unknown_name_lists_those_there_are() -> None:
+    with pytest.raises(InputError) as caught:
+        registry.load("bullet")
+    assert str(caught.value) == f"engine: 'bullet'; one of {', '.join(registry.names())} is accepted"
+
+
+def point(name: str, value: str) -> EntryPoint:
+    return EntryPoint(name, value, registry.GROUP)
+
+
+def test_a_third_party_engine_is_found_and_run(monkeypatch: pytest.MonkeyPatch) -> None:
+    found = (point("mine", "engine_third_party:Mine"), point("gone", "no_such_package:Engine"))
+    monkeypatch.setattr(registry, "entry_points", lambda group: found)
+    assert registry.names() == ("gone", "mine")
+    trace = registry.load("mine").simulate(Task(decay(), dt=0.01))
+    assert trace.source.name == "mine"
+    state = registry.available()
+    assert state["mine"] is None
+    assert state["gone"] == "engine gone: not installed (No module named 'no_such_package')"
+
+
+def test_what_is_no_engine_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(registry, "entry_points", lambda group: (point("odd", "collections:OrderedDict"),))
+    with pytest.raises(SimulationError, match=r"engine odd: collections:OrderedDict is not a harness\.engines"):
+        registry.load("odd")
+
+
+def test_without_any_engine_the_message_says_what_to_do(monkeypatch: pytest.MonkeyPatch) -> None:
+    nothing: tuple[Any, ...] = ()
+    monkeypatch.setattr(registry, "entry_points", lambda group: nothing)
+    with pytest.raises(InputError, match="none is registered: install the package"):
+        registry.load("mujoco")
