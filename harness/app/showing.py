@@ -4,7 +4,6 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from harness.core.errors import StoreError
 from harness.core.recording import Recording
 from harness.core.trajectory import Trajectory
 from harness.results.identify import IdentifyResult
@@ -14,7 +13,6 @@ from harness.show.report.identify import identify_headline, identify_sections, i
 from harness.show.report.page import write_report
 from harness.show.report.run import run_sections, run_title
 from harness.show.run_scene import run_scene
-from harness.show.scene import Scene
 from harness.show.trace import write_trace
 
 
@@ -29,18 +27,11 @@ def write_run_trace(path: Path, result: RunResult, trajectories: Sequence[Trajec
     """Write trace.rrd with everything in it that the page needs; raises StoreError."""
     notes = _notes("What differs, and why", result.conclusions)
     data = result.model_dump(mode="json", by_alias=True)
-    _write(path, run_scene(trajectories, result.scenario, data, notes, urdf))
+    write_trace(path, run_scene(trajectories, result.scenario, data, notes, urdf))
 
 
 def _notes(heading: str, sentences: Sequence[str]) -> str:
     return "\n".join([f"# {heading}", "", *(f"- {sentence}" for sentence in sentences)])
-
-
-def _write(path: Path, scene: Scene) -> None:
-    try:
-        write_trace(path, scene)
-    except RuntimeError as error:  # all that the viewer's library says of a writer that found no space
-        raise StoreError(f"{path.name}: {error}; a place with room on the disk is accepted") from error
 
 
 def write_run_page(path: Path, result: RunResult, trajectories: Sequence[Trajectory]) -> None:
@@ -53,7 +44,7 @@ def write_recording_trace(path: Path, result: IdentifyResult, recording: Recordi
     """Write the trace of a recording with its estimates; raises StoreError."""
     data = result.model_dump(mode="json", by_alias=True)
     notes = _notes("What was read", [identify_headline(data), *result.warnings, *result.recording.notes])
-    _write(path, recording_scene(recording, data, notes, _reversals(result)))
+    write_trace(path, recording_scene(recording, data, notes, _reversals(result)))
 
 
 def _reversals(result: IdentifyResult) -> list[tuple[float, str]]:

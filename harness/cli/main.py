@@ -75,8 +75,12 @@ def main(args: Sequence[str] | None = None) -> NoReturn:
 def run(args: Sequence[str] | None = None) -> int:
     """Run the command and return its exit code; nothing but SystemExit from Python itself passes through."""
     try:
-        code = cli.main(args=list(sys.argv[1:] if args is None else args), prog_name="harness", standalone_mode=False)
+        # not cli.main, which prints an empty line of its own when it is interrupted
+        with cli.make_context("harness", list(sys.argv[1:] if args is None else args)) as ctx:
+            code = cli.invoke(ctx)
         sys.stdout.flush()
+    except click.exceptions.Exit as left:
+        return left.exit_code
     except OSError as error:
         return _stream(error)
     except (Exception, KeyboardInterrupt) as error:

@@ -128,6 +128,9 @@ def output_folder(name: str, out: Path | None = None) -> Iterator[OutputFolder]:
     output = OutputFolder(final, work, made)
     try:
         yield output
+    except StoreError as error:
+        # the name people know, not that of the work in progress
+        raise StoreError(str(error).replace(str(work), str(final))) from error
     except OSError as error:
         if error.errno in (errno.ENOSPC, errno.EDQUOT):
             raise StoreError(f"{final}: {_reason(error)}") from error

@@ -139,7 +139,8 @@ def test_a_full_disk_is_one_line_and_leaves_nothing(tmp_path: Path, capfd: pytes
         subprocess.run(["umount", str(place)], check=True)
     assert (code, out, left) == (2, "", [])
     assert err.count("\n") == 1
-    assert "no space left" in err or "room on the disk" in err
+    assert f"harness: {place}/out" in err
+    assert "no space left" in err or "room on its disk" in err
 
 
 def test_a_full_standard_output_is_one_line() -> None:

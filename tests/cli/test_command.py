@@ -161,7 +161,7 @@ def test_a_bug_is_one_line_that_says_where_the_details_are(
     def broken(*args: object, **kwargs: object) -> None:
         raise ZeroDivisionError("a bug\non two lines")
 
-    monkeypatch.setattr(cli, "main", broken)
+    monkeypatch.setattr(cli, "invoke", broken)
     assert run(["run"]) == 1
     out, err = capfd.readouterr()
     assert out == ""
