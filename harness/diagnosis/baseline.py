@@ -12,6 +12,7 @@ import numpy as np
 from harness.core.arrays import FloatArray
 from harness.core.errors import InputError, SimulationError
 from harness.diagnosis.fit import Fit, fit
+from harness.diagnosis.observe import COARSE
 from harness.diagnosis.parameters import free_of
 from harness.diagnosis.problem import Problem
 from harness.kernels.solve import Scales
@@ -119,9 +120,17 @@ def _grow(model: Model, problem: Problem, scales: Scales) -> Fit:
         stop = int(np.searchsorted(t, t[0] + cycles * cycle))
         if stop >= 24:
             thin = max(1, stop // 1500)
-            model = fit(model, problem.part(slice(0, stop, thin)), free, scales, 12, 1e-6).model
+            model = fit(model, problem.part(slice(0, stop, thin)), free, scales, 12, COARSE).model
         cycles *= 2.0
     return fit(model, problem, free, scales)
+
+
+def _whole(model: Model, problem: Problem, scales: Scales) -> Fit:
+    """Fit the whole recording at once: right where the spectrum gave the frequency well."""
+    thin = max(1, problem.t.size // 1500)
+    free = free_of(model, base_names(problem))
+    rough = fit(model, problem.part(slice(None, None, thin)), free, scales, 15, COARSE)
+    return fit(rough.model, problem, free, scales)
 
 
 def baseline(problem: Problem) -> tuple[Fit, Scales]:
@@ -134,13 +143,15 @@ def baseline(problem: Problem) -> tuple[Fit, Scales]:
     best: Fit | None = None
     why = ""
     for model in models:
-        try:
-            found = _grow(model, problem, scales)
-        except SimulationError as error:
-            why = str(error)
-            continue
-        if best is None or found.chi2 < best.chi2:
-            best = found
+        # a knock ends the growing fit in a minimum of its own; the whole at once has others
+        for attempt in (_grow, _whole):
+            try:
+                found = attempt(model, problem, scales)
+            except SimulationError as error:
+                why = str(error)
+                continue
+            if best is None or found.chi2 < best.chi2:
+                best = found
     if best is None:
         raise SimulationError(f"no base fit could be simulated: {why}")
     return best, scales

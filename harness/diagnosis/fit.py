@@ -7,10 +7,10 @@ import numpy as np
 
 from harness.core.arrays import FloatArray
 from harness.core.errors import SimulationError
-from harness.diagnosis.observe import Observation, observe
+from harness.diagnosis.observe import FINE, Observation, observe
 from harness.diagnosis.parameters import Free, values_of, with_values
 from harness.diagnosis.problem import Problem
-from harness.kernels.solve import Scales
+from harness.kernels.solve import Effort, Scales
 from harness.model.model import Model
 
 _FIRST_DAMPING = 1e-3
@@ -69,10 +69,10 @@ def whiten(problem: Problem, channel: str, values: FloatArray) -> FloatArray:
 
 
 def evaluate(
-    model: Model, problem: Problem, free: tuple[Free, ...], scales: Scales | None = None, tolerance: float = 1e-8
+    model: Model, problem: Problem, free: tuple[Free, ...], scales: Scales | None = None, effort: Effort = FINE
 ) -> tuple[FloatArray, FloatArray, Observation]:
     """Whitened residual (N,) and its partials (N, q) by the fitted numbers, data minus model."""
-    shown = observe(model, problem, tuple(f.by for f in free), scales, tolerance)
+    shown = observe(model, problem, tuple(f.by for f in free), scales, effort)
     residual = np.concatenate([whiten(problem, c, y - shown.y[c]) for c, y in problem.channels.items()])
     jacobian = np.concatenate([whiten(problem, c, shown.dy[c]) for c in problem.channels])
     return residual, jacobian, shown
@@ -84,7 +84,7 @@ def fit(
     free: tuple[Free, ...],
     scales: Scales | None = None,
     iterations: int = 40,
-    tolerance: float = 1e-8,
+    effort: Effort = FINE,
 ) -> Fit:
     """Fit the free numbers of a model, starting from its own values.
 
@@ -93,7 +93,7 @@ def fit(
     values = values_of(model, free)
     values = np.array([f.outward(f.inward(v)) if not f.log or v > 0.0 else v for f, v in zip(free, values, strict=True)])
     model = with_values(model, free, values)
-    residual, jacobian, shown = evaluate(model, problem, free, scales, tolerance)
+    residual, jacobian, shown = evaluate(model, problem, free, scales, effort)
     chi2 = float(residual @ residual)
     damping, done, count = _FIRST_DAMPING, False, 0
     for count in range(1, iterations + 1):
@@ -128,9 +128,12 @@ def fit(
                 [f.outward(f.inward(v) + float(np.clip(s / w, -2.0, 2.0) if f.log else s / w))
                  for f, v, s, w in zip(free, values, step, scale, strict=True)]
             )  # fmt: skip
+            if not np.all(np.isfinite(trial)):
+                damping *= 10.0
+                continue
             try:
                 candidate = with_values(model, free, trial)
-                r, new_j, new_shown = evaluate(candidate, problem, free, scales, tolerance)
+                r, new_j, new_shown = evaluate(candidate, problem, free, scales, effort)
                 new = float(r @ r)
             except SimulationError:
                 new = math.inf

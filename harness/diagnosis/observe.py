@@ -7,9 +7,15 @@ import numpy as np
 from harness.core.arrays import FloatArray, ModeArray
 from harness.core.events import Events
 from harness.diagnosis.problem import Problem
-from harness.kernels.solve import By, Scales, solve
+from harness.kernels.solve import By, Effort, Scales, solve
 from harness.model.model import Model
 from harness.model.term import Slot
+
+
+FINE = Effort(1e-8, 3000)
+"""Far below any noise."""
+COARSE = Effort(1e-6, 600)
+"""For a first look; a law too stiff for it is not worth one."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -30,7 +36,7 @@ def _is_sensor(model: Model, by: By) -> bool:
 
 
 def observe(
-    model: Model, problem: Problem, by: tuple[By, ...] = (), scales: Scales | None = None, tolerance: float = 1e-8
+    model: Model, problem: Problem, by: tuple[By, ...] = (), scales: Scales | None = None, effort: Effort = FINE
 ) -> Observation:
     """Channels of ``problem`` as ``model`` predicts them, with partials by the parameters ``by``.
 
@@ -49,10 +55,10 @@ def observe(
         place = np.empty(times.size, dtype=np.int64)
         place[order] = back
         at, late = place[: t.size], place[t.size :]
-        motion = solve(model, sorted_times, dynamic, problem.drive, scales, tolerance, want_a)
+        motion = solve(model, sorted_times, dynamic, problem.drive, scales, effort, want_a)
     else:
         at = late = np.arange(t.size)
-        motion = solve(model, t, dynamic, problem.drive, scales, tolerance, want_a)
+        motion = solve(model, t, dynamic, problem.drive, scales, effort, want_a)
     q = len(by)
     source = np.array([column.get(b, -1) for b in by], dtype=np.int64)
     moved = source >= 0

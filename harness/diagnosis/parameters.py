@@ -76,3 +76,8 @@ def with_values(model: Model, free: tuple[Free, ...], values: FloatArray) -> Mod
         ModelTerm(entry.term, tuple(new), entry.internal0) for entry, new in zip(model.terms, terms, strict=True)
     )
     return replace(model, terms=entries, **base)
+
+
+def base_of(free: tuple[Free, ...]) -> tuple[str, ...]:
+    """Names of the base parameters among fitted numbers."""
+    return tuple(f.name for f in free if isinstance(f.by, str))

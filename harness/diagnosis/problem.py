@@ -50,10 +50,12 @@ class Problem:
         return replace(self, weight={c: self.weight[c] * mask[c] for c in self.channels})
 
     def part(self, keep: slice) -> "Problem":
-        """A stretch or a thinning of it."""
+        """A stretch or a thinning of it; colour fades with the distance of the samples kept."""
+        stride = keep.step or 1
         return replace(
             self,
             t=self.t[keep],
+            noise={c: replace(n, phi=n.phi**stride) for c, n in self.noise.items()},
             channels={c: y[keep] for c, y in self.channels.items()},
             weight={c: w[keep] for c, w in self.weight.items()},
         )

@@ -54,6 +54,14 @@ class Scales:
 
 
 @dataclass(frozen=True, slots=True)
+class Effort:
+    """How hard to try: error per step relative to the scales, and the most steps a cycle of the motion may take."""
+
+    tolerance: float = TOLERANCE
+    steps_per_cycle: int = 4000
+
+
+@dataclass(frozen=True, slots=True)
 class Solution:
     """Samples and their sensitivities.
 
@@ -96,14 +104,14 @@ def solve(
     by: tuple[By, ...] = (),
     drive: Drive | None = None,
     scales: Scales | None = None,
-    tolerance: float = TOLERANCE,
+    effort: Effort = Effort(),  # noqa: B008  (frozen)
     want_a: bool = True,
-    steps_per_cycle: float = 24.0,
+    shortest_cycle: float = 24.0,
 ) -> Solution:
     """Simulate a model at the times t (s, increasing; those before its release show it held there).
 
     by : parameters to differentiate by ("c", "x0", "cubic-stiffness.k3", "viscoelastic.w0"). drive : force, or None.
-    tolerance : error per step relative to the scales. Raises SimulationError when the motion cannot be followed.
+    effort : accuracy and patience. shortest_cycle : least steps a cycle is given. Raises SimulationError when the motion cannot be followed.
     """
     scales = scales or Scales.of(model, drive)
     layout = lay_out(model, scales.v)
@@ -115,11 +123,11 @@ def solve(
     z0 = layout.start.copy()
     if "attached-mode.w1" in layout.state_names:
         z0[layout.state_names.index("attached-mode.w1")] += model.v0
-    error = np.full(z0.size, tolerance * scales.x)
-    error[1] = tolerance * scales.v
+    error = np.full(z0.size, effort.tolerance * scales.x)
+    error[1] = effort.tolerance * scales.v
     for i, name in enumerate(layout.state_names):
         if name == "attached-mode.w1":
-            error[i] = tolerance * scales.v
+            error[i] = effort.tolerance * scales.v
     bristle = model.find("presliding")
     if bristle is not None:
         # the bristle's own scale is the presliding displacement, far below that of the motion
@@ -133,8 +141,8 @@ def solve(
     cycles = span * scales.omega / math.pi + 1.0
     events = np.zeros((64 + int(4 * cycles), EVENT_COLUMNS))
     u_t, u_y = (drive.t, drive.u) if drive is not None else (_NO_DRIVE, _NO_DRIVE)
-    h_max = 2.0 * math.pi / scales.omega / steps_per_cycle
-    limit = 20_000 + int(4000 * cycles) + 20 * u_t.size
+    h_max = 2.0 * math.pi / scales.omega / shortest_cycle
+    limit = int(effort.steps_per_cycle * (cycles + 2.0)) + 20 * u_t.size
     while True:
         status, n_events, steps, reached = integrate(
             model.t0, z0, start, layout.spec, layout.theta, columns, u_t, u_y, t, error, h_max, limit, want_a,
@@ -153,7 +161,7 @@ def solve(
 
 def simulate(model: Model, t: FloatArray, drive: Drive | None = None, tolerance: float = 1e-11) -> Trajectory:
     """A model's motion as a Trajectory of the reference, at the times t (s)."""
-    s = solve(model, t, drive=drive, tolerance=tolerance)
+    s = solve(model, t, drive=drive, effort=Effort(tolerance))
     u = np.interp(t, drive.t, drive.u) if drive is not None else None
     source = Source("reference", "exact", settings={"tolerance": tolerance})
     return Trajectory(t, s.x, s.v, s.a, source, u=u, mode=s.mode, events=s.events)

@@ -36,10 +36,9 @@ def law(x: float, v: float, w0: float, w1: float, theta: FloatArray, o: int, out
 
 
 def probes(e: Evidence) -> list[Probe]:
-    """Frequencies at which the force left over stands out, and a few about the slider's own."""
-    return [(float(w), 0.0, 0.02) for w in e.spectrum_peaks] + [
-        (f * e.omega, 0.0, 0.02) for f in (1.5, 2.2, 3.2, 4.7, 7.0)
-    ]
+    """Frequencies from below the slider's own to several times it; the response decides among them."""
+    ratios = (0.6, 0.8, 1.25, 1.6, 2.0, 2.5, 3.2, 4.0, 5.0, 6.5, 8.5)
+    return [(ratio * e.omega, 0.0, zeta) for ratio in ratios for zeta in (0.01, 0.05)]
 
 
 TERM = Term(

@@ -22,8 +22,10 @@ def law(x: float, v: float, t: float, theta: FloatArray, o: int, out: FloatArray
 
 
 def probes(e: Evidence) -> list[Probe]:
-    """Periods at which the force left over stands out as a function of position."""
-    return [(0.0, 2.0 * math.pi / w, phase) for w in e.position_peaks for phase in (0.0, -0.5 * math.pi)]
+    """Periods that fit into the travel, evenly spaced in their number; the response decides among them."""
+    travel = e.high - e.low
+    counts = [0.5 * i for i in range(2, 61)] if not e.driven else [float(i) for i in range(2, 200)]
+    return [(0.0, travel / count, phase) for count in counts for phase in (0.0, -0.5 * math.pi)]
 
 
 TERM = Term(

@@ -21,8 +21,8 @@ def law(x: float, v: float, t: float, theta: FloatArray, o: int, out: FloatArray
 
 
 def probes(e: Evidence) -> list[Probe]:
-    """Frequencies at which the force left over stands out."""
-    return [(0.0, omega, phase) for omega in e.spectrum_peaks for phase in (0.0, -0.5 * math.pi)]
+    """Frequencies at which the residual stands out."""
+    return [(0.0, omega, phase) for omega in e.frequencies for phase in (0.0, -0.5 * math.pi)]
 
 
 TERM = Term(

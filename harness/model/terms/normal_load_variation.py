@@ -21,10 +21,8 @@ def law(x: float, v: float, t: float, theta: FloatArray, o: int, out: FloatArray
 
 
 def probes(e: Evidence) -> list[Probe]:
-    """Frequencies from one cycle per recording to several times the slider's own."""
-    count = max(8, min(90, round(4.0 * e.omega * e.duration / math.pi)))
-    top, step = 4.0 * e.omega, 4.0 * e.omega / count
-    return [(0.0, top - i * step, phase) for i in range(count) for phase in (0.0, -0.5 * math.pi)]
+    """Frequencies worth a look: load and friction multiply, so sidebands of the slider's own are among them."""
+    return [(0.0, float(omega), phase) for omega in e.frequencies for phase in (0.0, -0.5 * math.pi)]
 
 
 TERM = Term(

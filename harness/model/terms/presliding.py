@@ -7,7 +7,7 @@ from harness.model.term import Parameter, Probe, Slot, Term
 def probes(e: Evidence) -> list[Probe]:
     """Bristles that give by a few to a few tens of per cent of the displacement under f_k."""
     k = e.k if e.k > 0.0 else e.f_k / e.x_scale
-    return [(ratio * k, damping * (ratio * k) ** 0.5) for ratio in (3.0, 10.0, 30.0) for damping in (0.0, 0.3)]
+    return [(ratio * k, damping * (ratio * k) ** 0.5) for ratio in (2.0, 6.0, 18.0) for damping in (0.0, 0.3)]
 
 
 TERM = Term(

@@ -1,0 +1,66 @@
+"""Noise of a channel from what a fitted model leaves of it: far smoother than the channel, so longer windows serve."""
+
+import math
+
+import numpy as np
+
+from harness.core.arrays import FloatArray
+from harness.estimate.noise import FLOOR, Noise, quantisation_step
+
+_SHARE_OF_PERIOD = 0.25
+_SHORTEST, _LONGEST = 8, 40
+_DEGREE = 3
+_OUTLYING = 5.0
+_GRID = np.linspace(-0.9, 0.98, 95)
+
+
+def _residual_maker(width: int) -> FloatArray:
+    q, _ = np.linalg.qr(np.vander(np.linspace(-1.0, 1.0, width), _DEGREE + 1))
+    keep: FloatArray = np.eye(width) - q @ q.T
+    return keep
+
+
+def _expected(keep: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Mean square and lag-one product of detrended windows of unit first-order noise, over a grid of phi."""
+    width = keep.shape[0]
+    lags = np.abs(np.subtract.outer(np.arange(width), np.arange(width)))
+    level, product = np.empty(_GRID.size), np.empty(_GRID.size)
+    for i, phi in enumerate(_GRID):
+        seen = keep @ phi**lags @ keep
+        level[i], product[i] = np.trace(seen), np.trace(seen, 1)
+    return level, product / level
+
+
+def residual_noise(t: FloatArray, residual: FloatArray, channel: FloatArray, period: float) -> Noise:
+    """Noise of a channel (n,) from the residual (n,) of a model that follows its large motion.
+
+    t : s. period : of the motion, s. Windows in which the model misses a jump are outvoted. Never below the
+    quantisation's step^2/12, nor 1e-5 of the channel's rms.
+    """
+    width = int(np.clip(_SHARE_OF_PERIOD * period / np.median(np.diff(t)), _SHORTEST, _LONGEST))
+    windows = residual[: residual.size // width * width].reshape(-1, width)
+    span = np.ptp(channel[: windows.size].reshape(-1, width), axis=1)
+    moving = span > 0.01 * np.ptp(channel)
+    windows = windows[moving] if np.count_nonzero(moving) >= 4 else windows
+    keep = _residual_maker(width)
+    left = windows @ keep
+    freedom = width - _DEGREE - 1
+    power = np.sum(left**2, axis=1)
+    typical = float(np.median(power)) / (freedom * (1.0 - 2.0 / (9.0 * freedom)) ** 3)
+    # windows that a misfit inflates are left out; what that takes from honest ones is below one per cent
+    sane = left[power <= typical * (freedom + _OUTLYING * math.sqrt(2.0 * freedom))]
+    if sane.shape[0] < 4:
+        sane = left
+    total = float(np.sum(sane**2))
+    phi, variance = 0.0, total / (sane.shape[0] * freedom)
+    if freedom >= 6 and sane.shape[0] >= 10 and total > 0.0:
+        level, ratio = _expected(keep)
+        seen = float(np.sum(sane[:, 1:] * sane[:, :-1])) / total
+        white = float(np.interp(0.0, _GRID, ratio))
+        if abs(seen - white) > 4.0 / math.sqrt(sane.shape[0] * freedom):
+            phi = float(np.interp(seen, np.maximum.accumulate(ratio), _GRID))
+            variance = total / sane.shape[0] / float(np.interp(phi, _GRID, level))
+    step = quantisation_step(channel)
+    sigma = math.sqrt(max(variance, step * step / 12.0))
+    floor = FLOOR * float(np.std(channel))
+    return Noise(sigma, True, phi, step) if sigma > floor else Noise(floor, False)

@@ -1,0 +1,107 @@
+"""Which terms: forward by full fits of what the screen lets through, pairs from several singles, pruned by BIC."""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+from harness.core.errors import SimulationError
+from harness.diagnosis.evidence import evidence
+from harness.diagnosis.fit import Fit, evaluate, fit
+from harness.diagnosis.observe import COARSE
+from harness.diagnosis.parameters import base_of, free_of
+from harness.diagnosis.problem import Problem
+from harness.diagnosis.screen import Candidate, direct, screen
+from harness.kernels.solve import Scales
+from harness.model.model import Model
+from harness.model.registry import TERMS
+from harness.model.term import Slot, Term
+
+DECISIVE = 10.0
+"""Difference in BIC from which one model is preferred to another ("very strong", Kass and Raftery 1995)."""
+
+_COARSE_SAMPLES = 1200
+_COARSE_ITERATIONS = 6
+_WORTH = 6.0
+_SHARE_OF_BEST = 0.04
+_FINALISTS = 8
+_BEAM = 4
+_MOST_TERMS = 3
+
+
+@dataclass(frozen=True, slots=True)
+class Step:
+    """Fits of one more term each on a model, best first by BIC, one per catalogue key."""
+
+    before: Fit
+    fits: tuple[Fit, ...]
+
+
+def key_of(found: Fit) -> tuple[str, ...]:
+    """Catalogue names of a fit's terms, sorted."""
+    return tuple(sorted(entry.term.name for entry in found.model.terms))
+
+
+def _coarse(candidate: Candidate, problem: Problem, base: tuple[str, ...], scales: Scales) -> Fit | None:
+    model = candidate.model
+    try:
+        return fit(model, problem, free_of(model, base), scales, _COARSE_ITERATIONS, COARSE)
+    except SimulationError:
+        return None
+
+
+def extend(current: Fit, problem: Problem, scales: Scales, terms: Sequence[Term] = TERMS) -> Step:
+    """Fit every term that is worth it on top of a model."""
+    seen = evidence(current, problem, scales)
+    candidates = screen(current, problem, seen, scales, terms)
+    best_gain = candidates[0].gain if candidates else 0.0
+    floor = max(_WORTH, _SHARE_OF_BEST * best_gain)
+    worthy = [c for c in candidates if c.gain >= floor]
+    excess = current.chi2 - current.points
+    if excess > 3.0 * math.sqrt(2.0 * current.points) or best_gain > 2.0 * math.log(current.points):
+        worthy += direct(current, problem, seen, terms)
+    base = base_of(current.free)
+    thin = max(1, problem.t.size // _COARSE_SAMPLES)
+    small = problem.part(slice(None, None, thin))
+    rough: dict[str, list[Fit]] = {}
+    for candidate in worthy:
+        found = _coarse(candidate, small, base, scales)
+        if found is not None:
+            rough.setdefault(candidate.term.key, []).append(found)
+    best = [min(group, key=lambda f: f.bic) for group in rough.values()]
+    best.sort(key=lambda f: f.bic)
+    fits: dict[tuple[str, ...], Fit] = {}
+    for start in best[:_FINALISTS]:
+        try:
+            found = fit(start.model, problem, free_of(start.model, base), scales)
+        except SimulationError:
+            continue
+        key = key_of(found)
+        if key not in fits or found.bic < fits[key].bic:
+            fits[key] = found
+    return Step(current, tuple(sorted(fits.values(), key=lambda f: f.bic)))
+
+
+def prune(found: Fit, problem: Problem, scales: Scales) -> Fit:
+    """Leave out each term that BIC does not miss."""
+    while found.model.terms:
+        base = base_of(found.free)
+        smaller = []
+        for i in range(len(found.model.terms)):
+            model = replace(found.model, terms=found.model.terms[:i] + found.model.terms[i + 1 :])
+            try:
+                smaller.append(fit(model, problem, free_of(model, base), scales))
+            except SimulationError:
+                continue
+        best = min(smaller, key=lambda f: f.bic, default=None)
+        if best is None or best.bic > found.bic + DECISIVE:
+            return found
+        found = best
+    return found
+
+
+def without(model: Model, slot: Slot) -> Model:
+    """A model without its terms of a slot."""
+    return replace(model, terms=tuple(e for e in model.terms if e.term.slot is not slot))
+
+
+__all__ = ["DECISIVE", "Step", "evaluate", "extend", "key_of", "prune"]
