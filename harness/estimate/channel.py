@@ -1,7 +1,7 @@
 """One channel of a free decay, from samples to a fit: reversals, guard, half-cycles apart, all of them tied."""
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -215,9 +215,9 @@ def _fit(t: FloatArray, y: FloatArray, kind: Kind, noise: Noise, cycles: HalfCyc
 
 def _shifted(fit: ChannelFit, centre: float) -> ChannelFit:
     """Put back the mean that was taken away for the sake of rounding."""
-    separate = fit.separate
-    separate.c[:, 2] += centre
-    return fit
+    fit.separate.c[:, 2] += centre
+    fit.tied.theta[OFFSET] += centre
+    return replace(fit, y=fit.y + centre)
 
 
 def _refuse_driven(separate: SeparateFit, y: FloatArray, floor: float) -> None:

@@ -39,7 +39,7 @@ def fit_sequence(values: FloatArray, whiten: FloatArray, model: Model, start: Fl
         scale = np.sqrt(np.maximum(np.sum(slope**2, axis=0), 1e-300))
         scaled = slope / scale
         normal = scaled.T @ scaled
-        step = np.linalg.solve(normal + damping * np.eye(theta.size), scaled.T @ left) / scale
+        step = np.linalg.solve(normal + max(damping, 1e-12) * np.eye(theta.size), scaled.T @ left) / scale
         trial = theta + step
         trial_left, trial_slope = evaluate(trial)
         if not np.all(np.isfinite(trial_left)) or trial_left @ trial_left > left @ left:

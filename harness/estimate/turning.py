@@ -48,8 +48,59 @@ def _seen(fit: ChannelFit, time: FloatArray) -> BoolArray:
     return np.asarray((time > fit.t[0] - slack) & (time < fit.t[-1] + slack), dtype=np.bool_)
 
 
+_REACH = 0.2
+"""Share of a half-cycle on each side of a turning point that is looked at when the base model does not hold."""
+
+
+def _near(fit: ChannelFit, time: float) -> tuple[float, float, float]:
+    """Time, value and variance per unit of variance of one turning point, from the samples about it alone.
+
+    A quartic with a curvature of its own on each side: the jump of the acceleration, and no law of the spring.
+    """
+    reach = _REACH * np.pi / fit.omega
+    part = slice(*np.searchsorted(fit.t, [time - reach, time + reach]))
+    s = (fit.t[part] - time) / reach
+    early = s < 0.0
+    if min(np.count_nonzero(early), np.count_nonzero(~early)) < 4:
+        return time, np.nan, np.inf
+    basis = np.stack([np.ones(s.size), s, s * s * early, s * s * ~early, s**3, s**4], axis=1)
+    normal = np.linalg.pinv(basis.T @ basis)
+    c = normal @ (basis.T @ fit.y[part])
+    curvature = c[2] + c[3]  # twice the mean of both sides
+    step = float(np.clip(-c[1] / curvature, -0.5, 0.5)) if curvature != 0.0 else 0.0
+    return time + step * reach, float(c[0] + 0.5 * c[1] * step), float(normal[0, 0])
+
+
+def _locally(fit: ChannelFit) -> TurningPoints:
+    """Turning points one by one, where the half-cycles are not those of the base model."""
+    separate = fit.separate
+    count = len(separate)
+    edges = separate.edges.copy()
+    edges[0], edges[-1] = separate.stops(0)[0], separate.stops(count - 1)[1]
+    found = np.array([_near(fit, float(time)) for time in edges])
+    ends = _from_forms(fit)
+    time, value, covariance = ends.time, ends.value, ends.covariance
+    seen = ends.seen.copy()
+    time[:, 0], time[:, 1] = found[:-1, 0], found[1:, 0]
+    inner = np.isfinite(found[:-1, 1])
+    value[inner, 0] = found[:-1, 1][inner]
+    covariance[inner] = 0.0
+    covariance[inner, 0, 0] = found[:-1, 2][inner] * fit.noise.sigma**2 * fit.inflation
+    covariance[inner, 1, 1] = covariance[inner, 0, 0]
+    # each inner turning point counts once, as the start of the half-cycle after it
+    seen[:-1, 1] = ~inner[1:]
+    if np.isfinite(found[-1, 1]):
+        value[-1, 1], covariance[-1, 1, 1] = found[-1, 1], found[-1, 2] * fit.noise.sigma**2 * fit.inflation
+    return TurningPoints(time, value, covariance, seen)
+
+
 def turning_points(fit: ChannelFit) -> TurningPoints:
-    """Turning points from a fit of the displacement."""
+    """Turning points from a fit of the displacement: from the half-cycles' forms if these explain it, else one by one."""
+    explained = fit.holds or fit.separate.variance < 4.0 * fit.noise.sigma**2
+    return _from_forms(fit) if explained else _locally(fit)
+
+
+def _from_forms(fit: ChannelFit) -> TurningPoints:
     separate = fit.separate
     count = len(separate)
     time = np.array([separate.stops(k) for k in range(count)])
