@@ -17,8 +17,9 @@ MOST_SAMPLES = 6000
 class Base:
     """A slider and how it is recorded.
 
-    m : kg. omega_n : rad/s (on a free axis: the frequency to which damping and strengths are relative). zeta : damping ratio.
-    x_k : f_k/(m omega_n^2), m. x0, v0 : start. length : scale of the motion, m. duration : s. samples : of the recording.
+    m : kg. omega_n : rad/s; on a free axis the frequency to which damping and strengths are relative.
+    zeta : damping ratio. x_k : f_k/(m omega_n^2), m. x0, v0 : start, m and m/s. length : scale of the motion, m.
+    duration : s. samples : number in the recording.
     """
 
     m: float
@@ -152,7 +153,9 @@ def draw_driven(rng: np.random.Generator) -> Base:
     omega, amplitude, phase = _multisine(rng, 0.12 * omega_n, 0.4 * omega_n, int(rng.integers(2, 5)))
     zeta, x_k = log_uniform(rng, 0.02, 0.1), log_uniform(rng, 0.03, 0.12) * size
     force = omega_n**2 * size
-    lines: list[tuple[float, float, float]] = list(zip(omega.tolist(), (force * amplitude).tolist(), phase.tolist(), strict=True))
+    lines: list[tuple[float, float, float]] = list(
+        zip(omega.tolist(), (force * amplitude).tolist(), phase.tolist(), strict=True)
+    )
     # faded in over a period of the slider, so that the start is at rest without a blow
     fade = 2.0 * math.pi / omega_n
 
@@ -171,7 +174,9 @@ def draw_axis(rng: np.random.Generator, *, unit_mass: bool) -> Base:
     m = 1.0 if unit_mass else log_uniform(rng, 0.5, 150.0)
     omega_n, size = log_uniform(rng, 3.0, 20.0), log_uniform(rng, 0.03, 0.3)
     omega, amplitude, phase = _multisine(rng, 0.25 * omega_n, omega_n, 4)
-    lines: list[tuple[float, float, float]] = list(zip(omega.tolist(), (size * amplitude / 2.0).tolist(), phase.tolist(), strict=True))
+    lines: list[tuple[float, float, float]] = list(
+        zip(omega.tolist(), (size * amplitude / 2.0).tolist(), phase.tolist(), strict=True)
+    )
     start = sum(b * math.cos(p) for _, b, p in lines)
     k_p, k_d = m * (4.0 * omega_n) ** 2, 2.0 * m * 4.0 * omega_n
 

@@ -13,6 +13,8 @@ from scipy.optimize import least_squares
 from harness.core.arrays import FloatArray
 
 MOST_HALF_CYCLES = 400
+WHOLE, COARSE, FINE = (1.0,), (0.35, 0.7, 1.0), (0.15, 0.3, 0.45, 0.6, 0.75, 0.9, 1.0)
+"""Parts of a recording over which a fit grows."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -27,7 +29,7 @@ class BaseFit:
 def decay(
     t: FloatArray, omega_n: float, zeta: float, x_k: float, x0: float, v0: float
 ) -> tuple[FloatArray, FloatArray]:
-    """x (m) and a (m/s^2), shape (n,), of a unit mass on a linear spring with viscous and Coulomb friction, 0 <= zeta < 1."""
+    """x (m) and a (m/s^2), shape (n,), of a unit mass on a spring with viscous and Coulomb friction, 0 <= zeta < 1."""
     zeta, x_k = min(abs(zeta), 0.99), abs(x_k)
     omega_d, sigma = omega_n * math.sqrt(1.0 - zeta * zeta), zeta * omega_n
     start, amplitude, phase, centre = [], [], [], []
@@ -50,8 +52,6 @@ def decay(
         turn = (-math.atan2(sigma, omega_d) - p) % math.pi
         if v == 0.0 and turn < 1e-3:
             turn += math.pi
-        if turn < 1e-12:
-            turn = math.pi
         lasts = turn / omega_d
         x = c + big * math.exp(-sigma * lasts) * math.cos(turn + p)
         v = 0.0
@@ -107,12 +107,11 @@ def fit_decay(
         return np.concatenate([whiten(seen[c][:n] - said[c], noise[c], correlation) for c in seen])
 
     best: tuple[float, FloatArray] | None = None
-    # from rest, v0 = 0 is held once: a speed of the wrong sign turns friction round at the first sample, which is a step
-    # in the error. The first part alone knows nothing of sticking, where the error is not smooth in x_k: then it comes first
-    whole, staged = (1.0,), (0.35, 0.7, 1.0)
-    for factor, parts, held in ((1.0, whole, start[4] == 0.0), (1.0, staged, False), (1.6, staged, False)):
+    # from rest, v0 = 0 is held once: a speed of the wrong sign turns friction round at the first sample, a step in the
+    # error. The first part alone knows nothing of sticking, where the error is not smooth in x_k: then it comes first
+    # and how the parts grow decides which minimum is met
+    for parts, held in ((WHOLE, start[4] == 0.0), (COARSE, False), (FINE, False)):
         z = (np.asarray(start) / scale)[: 4 if held else 5]
-        z[2] *= factor
         for part in parts:
             n = max(50, int(part * t.size))
             z = least_squares(residual, z, method="lm", args=(n,), max_nfev=60).x

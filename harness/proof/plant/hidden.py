@@ -136,5 +136,5 @@ def regions(effects: Mapping[str, Values], base: Base, x: Any, saturated: Any) -
     if not bound:
         return None
     edges = np.flatnonzero(np.diff(np.concatenate([[0], inside.astype(np.int8), [0]])))
-    step = t[1] - t[0]
-    return [[float(t[i]), float(max(t[j - 1], t[i] + step))] for i, j in zip(edges[::2], edges[1::2], strict=True)]
+    ends = np.append(t, 2.0 * t[-1] - t[-2])
+    return [[float(t[i]), float(ends[j])] for i, j in zip(edges[::2], edges[1::2], strict=True)]
