@@ -22,7 +22,7 @@ def position_at(reference: Trajectory, t: FloatArray) -> tuple[FloatArray, BoolA
     return np.where(s == 1.0, x1, inside), covered
 
 
-def position_error(trajectory: Trajectory, reference: Trajectory) -> FloatArray:
-    """Position minus the reference's, m, shape (n,); nan where the reference has ended."""
-    x, covered = position_at(reference, trajectory.t)
-    return np.where(covered, trajectory.x - x, np.nan)
+def position_error(t: FloatArray, x: FloatArray, reference: Trajectory) -> FloatArray:
+    """Positions ``x`` at times ``t`` minus the reference's, m, shape (n,); nan where the reference does not reach."""
+    exact, covered = position_at(reference, t)
+    return np.where(covered, x - exact, np.nan)

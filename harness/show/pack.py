@@ -34,9 +34,9 @@ def _best_order(bits: IntArray) -> int:
     """Order of difference with the fewest significant bits, judged on three short stretches."""
     starts = {0, max(0, bits.size // 2 - 512), max(0, bits.size - 1024)}
     cost = []
-    for order in range(HIGHEST_ORDER + 1):
+    for order in range(min(HIGHEST_ORDER, bits.size - 1) + 1):
         pieces = [_differences(bits[start : start + 1024], order)[order:] for start in starts]
-        cost.append(float(np.mean(np.log2(1.0 + np.abs(np.concatenate(pieces).astype(np.float64))))))
+        cost.append(float(np.mean(np.log2(1.0 + np.abs(np.concatenate(pieces, dtype=np.float64))))))
     return int(np.argmin(cost))
 
 

@@ -59,7 +59,7 @@ def run_scene(
         items.append(s.Line(f"/acceleration/{slug}", label, t, trajectory.a[chosen], color, width))
         items.append(_orbit(trajectory, chosen, f"/phase/{slug}", color))
         if trajectory is not reference:
-            error = position_error(trajectory, reference)[chosen]
+            error = position_error(t, trajectory.x[chosen], reference)
             errors.append(error)
             items.append(s.Line(f"/error/{slug}", label, t, error * 1e3, color))
         if trajectory.mode is not None:
@@ -111,7 +111,7 @@ def _sentence(reference: Trajectory, i: int) -> str:
     jump = events.a_after[i] - events.a_before[i]
     what = "sticks" if events.kind[i] == EventKind.STICK else f"reversal {i + 1}"
     return (
-        f"{what} at x = {events.x[i] * 1e3:.3f} mm: acceleration jumps by {jump:+.4g} m/s² "
+        f"{events.t[i]:.6f} s: {what} at x = {events.x[i] * 1e3:.3f} mm, acceleration jumps by {jump:+.4g} m/s² "
         f"(from {events.a_before[i]:.4g} to {events.a_after[i]:.4g})"
     )
 

@@ -2,6 +2,7 @@
 
 import json
 import sys
+import warnings
 from collections.abc import Iterator, Mapping
 from functools import singledispatch
 from pathlib import Path
@@ -11,6 +12,7 @@ import numpy as np
 import rerun as rr
 import rerun.blueprint as rrb
 from rerun.chunk import RrdReader
+from rerun.error_utils import RerunWarning
 from rerun.experimental import ViewerClient
 from rerun.urdf import UrdfTree
 
@@ -45,31 +47,44 @@ def write_trace(path: Path, scene: s.Scene) -> None:
 
     Raises StoreError when it cannot be written, InputError when a robot description cannot be read.
     """
-    # found now, because the library reports a folder that is not there or not ours in its log only
-    with replacing(path) as part, part.open("wb"):
-        pass
     with replacing(path) as part:
+        # found now, because the library reports a folder that is not there or not ours in its log only
+        part.touch()
         recording = rr.RecordingStream(APPLICATION, send_properties=False)
         try:
-            recording.save(part, default_blueprint=_blueprint(scene.layout))
-            recording.send_recording_name(scene.name)
-            _send_properties(recording, scene.properties)
-            for item in scene.items:
-                send(item, recording)
-            for name, data in scene.blobs.items():
-                blob = rr.DynamicArchetype("harness", components={_SAMPLES: np.frombuffer(data, dtype=np.uint8)})
-                recording.log(f"{_DATA}/{name}", blob, static=True, strict=True)
-            recording.flush()
-        finally:
-            recording.disconnect()
+            try:
+                _fill(recording, part, scene)
+            finally:
+                recording.disconnect()
+        except RuntimeError as error:  # all that the library says of a writer that found no room
+            raise StoreError(f"{path}: {error}; a place with room on its disk is accepted") from error
         _check_whole(part, path)
+
+
+def _fill(recording: rr.RecordingStream, file: Path, scene: s.Scene) -> None:
+    recording.save(file, default_blueprint=_blueprint(scene.layout))
+    recording.send_recording_name(scene.name)
+    _send_properties(recording, scene.properties)
+    for item in scene.items:
+        send(item, recording)
+    for name, data in scene.blobs.items():
+        blob = rr.DynamicArchetype("harness", components={_SAMPLES: np.frombuffer(data, dtype=np.uint8)})
+        recording.log(f"{_DATA}/{name}", blob, static=True, strict=True)
+    recording.flush()
+
+
+def _reader(path: Path) -> RrdReader:
+    """A reader of a whole file; RerunWarning when its closing manifest is missing."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("error", RerunWarning)
+        return RrdReader(path)
 
 
 def _check_whole(part: Path, path: Path) -> None:
     """The library logs a full disk and goes on; a file without its closing manifest was cut short."""
     try:
-        RrdReader(part).store()
-    except (ValueError, OSError, RuntimeError) as error:
+        _reader(part).store()
+    except (RerunWarning, ValueError, OSError, RuntimeError) as error:
         raise StoreError(f"{path}: could not be written to its end; room on the disk is accepted") from error
 
 
@@ -90,8 +105,7 @@ def read_trace(path: Path) -> StoredTrace:
     blobs: dict[str, bytes] = {}
     properties: dict[str, Any] = {}
     try:
-        reader = RrdReader(path)
-        for chunk in reader.stream().filter(is_static=True, content=[f"{_DATA}/**", f"{_PROPERTIES}/**"]):
+        for chunk in _reader(path).stream().filter(is_static=True, content=[f"{_DATA}/**", f"{_PROPERTIES}/**"]):
             batch = chunk.to_record_batch()
             for column in batch.schema.names:
                 if chunk.entity_path.startswith(_DATA + "/") and column.endswith(_SAMPLES):
@@ -100,6 +114,8 @@ def read_trace(path: Path) -> StoredTrace:
                 elif chunk.entity_path.startswith(_PROPERTIES + "/") and column == _JSON:
                     name = chunk.entity_path.removeprefix(_PROPERTIES + "/")
                     properties[name] = json.loads(batch.column(column)[0].as_py()[0])
+    except RerunWarning:
+        raise InputError(str(path), "was cut short", "a whole .rrd written by this program is accepted") from None
     except (ValueError, OSError, RuntimeError) as error:
         raise InputError(
             str(path), f"cannot be read ({error})", "a whole .rrd written by this program is accepted"
@@ -310,4 +326,8 @@ def _part(layout: s.Layout) -> Any:  # noqa: PLR0911  (one return a kind of view
         case s.Words(name, path):
             return rrb.TextDocumentView(name=name, contents=_contents([path]))
         case s.Events(name, path):
-            return rrb.TextLogView(name=name, contents=_contents([path]))
+            # the sentences say their own time; the viewer's column of times is too narrow to read
+            columns = rrb.TextLogColumns(
+                timeline_columns=[rrb.encodings.TimelineColumn(TIMELINE, visible=False)], text_log_columns=["Body"]
+            )
+            return rrb.TextLogView(name=name, contents=_contents([path]), columns=columns)

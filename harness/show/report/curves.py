@@ -74,7 +74,7 @@ def left_out(curves: Sequence[Drawn]) -> str:
 
 def error_mm(curve: Drawn, reference: Trajectory) -> FloatArray:
     """Position error of the chosen samples, mm."""
-    return position_error(curve.trajectory, reference)[curve.chosen] * 1e3
+    return position_error(curve.t, curve.trajectory.x[curve.chosen], reference) * 1e3
 
 
 def turning(events: Events) -> Events:

@@ -87,19 +87,19 @@ def cell(estimate: Mapping[str, Any] | None, name: str, truth: float | None, rea
         return Cell("\u2013")
     p = estimate[name]
     value, stderr, _ = quantity(p)
-    mark = ""
-    if p.get("why"):
-        if p["why"] not in reasons:
-            reasons.append(p["why"])
-        mark = letter(reasons.index(p["why"]))
+    mark, why = "", p.get("why")
+    if why:
+        if why not in reasons:
+            reasons.append(why)
+        mark = letter(reasons.index(why))
     if p["value"] is None:
-        return Cell("\u2013", f"({mark})", hint=p["why"])
+        return Cell("\u2013", f"({mark})", hint=why or "")
     note = f"± {stderr}" if stderr else f"({mark})"
     relative = None
     if truth:
         relative = (p["value"] - truth) / truth
         note += ", " + percent(relative)
-    return Cell(value, note, grade(relative), p.get("why") or "")
+    return Cell(value, note, grade(relative), " ".join([*([why] if why else []), *estimate.get("notes", [])]))
 
 
 def percent(relative: float) -> str:

@@ -68,7 +68,7 @@ def identify_headline(result: Mapping[str, Any]) -> str:
                 f"read by method {method} from {found['reversals']} reversals."
             )
     whys = dict.fromkeys(
-        p["why"] for found in result["estimates"].values() for p in (found[n] for n in QUANTITIES) if p["why"]
+        p["why"] for found in result["estimates"].values() for p in (found[n] for n in QUANTITIES) if p.get("why")
     )
     return "No method gives all three figures: " + "; ".join(whys) + "." if whys else "No estimator was run."
 
@@ -100,7 +100,7 @@ class Methods(Section):
             "Phase lead of the accelerometer over the displacement sensor, removed before estimating: "
             f"{sentence_quantity(phase)}."
             if phase["value"] is not None
-            else f"Phase lead between the sensors: not estimated ({phase['why']})."
+            else f"Phase lead between the sensors: not estimated ({phase.get('why')})."
         )
         return {
             "tables": [

@@ -16,13 +16,19 @@ from harness.show.report.verdict import Verdict, headline
 def run_sections(trajectories: Sequence[Trajectory], result: Mapping[str, Any], command: str = "") -> list[Section]:
     """Sections of a run.
 
-    trajectories : the first is the reference, in the order of result["traces"]. result : RunResult.model_dump(by_alias=
-    True) (harness.run/1). command : the line that makes it again, "" when it is not known.
+    trajectories : the first is the reference, in the order of those of result["traces"] that have no error.
+    result : RunResult.model_dump(mode="json", by_alias=True) (harness.run/1). command : the line that makes it again,
+    "" when it is not known.
     """
-    traces = result["traces"]
+    traces = [trace for trace in result["traces"] if not trace.get("error")]
+    failed = [
+        f"{trace['source']} {trace['preset']}".strip() + f" could not be run: {trace['error']}"
+        for trace in result["traces"]
+        if trace.get("error")
+    ]
     palette = ["var(--ink)", *colors([trajectory.source for trajectory in trajectories])[1:]]
     return [
-        Verdict(headline(result), result["conclusions"]),
+        Verdict(headline(traces), [*failed, *result["conclusions"]]),
         Scorecard(traces, result["scenario"], palette),
         Estimates(traces, result["scenario"], palette),
         Motion(trajectories),

@@ -27,13 +27,13 @@ class Verdict(Section):
         return {"headline": self.headline, "sentences": self.sentences}
 
 
-def headline(result: Mapping[str, Any]) -> str:
+def headline(traces: Sequence[Mapping[str, Any]]) -> str:
     """One sentence for each preset: how far its engines are from exact, and whether they come to rest."""
     groups: dict[str, list[Mapping[str, Any]]] = {}
-    for trace in result["traces"]:
+    for trace in traces:
         if trace["metrics"]["max_error_m"] is not None and trace["source"] != "reference":
             groups.setdefault(trace["preset"], []).append(trace)
-    return " ".join(_sentence(preset, traces) for preset, traces in sorted(groups.items(), reverse=True)) or (
+    return " ".join(_sentence(preset, members) for preset, members in sorted(groups.items(), reverse=True)) or (
         "The exact reference alone was run; there is nothing to compare it with."
     )
 

@@ -71,19 +71,27 @@
     return { range: Number.isFinite(bottom) ? [bottom - margin, top + margin] : null, modes };
   }
 
-  let busy = false;
-  async function zoom(group, range) {
-    busy = true;
+  // one zoom after the other; what is shown is remembered, so that our own changes do not answer themselves
+  const shown = {};
+  let queue = Promise.resolve();
+  function zoom(group, range) {
+    const wanted = JSON.stringify(range);
+    if (shown[group] === wanted) return;
+    shown[group] = wanted;
+    queue = queue.then(() => apply(group, range));
+  }
+
+  async function apply(group, range) {
+    if (shown[group] !== JSON.stringify(range)) return;
     for (const spec of figures.filter((one) => one.group === group)) {
       const plot = element(spec);
-      const all = plot.data.map((trace) => trace.x).filter((x) => x.length);
+      const all = plot.data.filter((trace) => trace.meta && trace.meta.curve && trace.x.length).map((trace) => trace.x);
       const [low, high] = range || [Math.min(...all.map((x) => x[0])), Math.max(...all.map((x) => x[x.length - 1]))];
       const seen = look(plot, low, high);
       await Plotly.restyle(plot, { mode: seen.modes }, seen.modes.map((_, i) => i));
       await Plotly.relayout(plot, range && seen.range
-        ? { "xaxis.range": range, "yaxis.range": seen.range } : { "xaxis.autorange": true, "yaxis.autorange": true });
+        ? { "xaxis.range": [...range], "yaxis.range": seen.range } : { "xaxis.autorange": true, "yaxis.autorange": true });
     }
-    busy = false;
   }
 
   function pressed(button) {
@@ -93,11 +101,13 @@
   function watch(spec) {
     const plot = element(spec);
     if (!spec.group) return;
+    shown[spec.group] = "null";
     plot.on("plotly_relayout", (change) => {
-      if (busy) return;
       const range = "xaxis.range[0]" in change ? [change["xaxis.range[0]"], change["xaxis.range[1]"]] : change["xaxis.range"];
-      if (range) { pressed(null); zoom(spec.group, range.map(Number)); }
-      else if (change["xaxis.autorange"]) { pressed(document.querySelector(".zoom button")); zoom(spec.group, null); }
+      const wanted = range ? range.map(Number) : null;
+      if ((!range && !change["xaxis.autorange"]) || shown[spec.group] === JSON.stringify(wanted)) return;
+      pressed(range ? null : document.querySelector(".zoom button"));
+      zoom(spec.group, wanted);
     });
   }
 

@@ -1,0 +1,121 @@
+"""The page in a browser: no error, no request, every plot drawn, a zoom that shows the samples."""
+
+import shutil
+from collections.abc import Iterator
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import pytest
+
+from harness.core.recording import Recording
+from harness.core.trajectory import Trajectory
+from harness.show.report.identify import identify_sections, identify_title
+from harness.show.report.page import write_report
+from harness.show.report.run import run_sections, run_title
+
+if TYPE_CHECKING:
+    from playwright.sync_api import Browser, Page
+
+FLAGS = [
+    "--headless",
+    "--no-sandbox",
+    "--disable-gpu",
+    "--disable-quic",
+    "--no-first-run",
+    "--disable-background-networking",
+    "--disable-component-update",
+    "--disable-sync",
+]
+
+
+@pytest.fixture(scope="module")
+def browser() -> Iterator["Browser"]:
+    chromium = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
+    if chromium is None:
+        pytest.skip("no Chromium on this machine (apt-get install chromium)")
+    playwright = pytest.importorskip("playwright.sync_api", reason="playwright is not installed")
+    with playwright.sync_playwright() as driver:
+        found = driver.chromium.launch(executable_path=chromium, args=FLAGS)
+        yield found
+        found.close()
+
+
+@pytest.fixture(scope="module")
+def run_page(tmp_path_factory: pytest.TempPathFactory, sources: list[Trajectory], run_result: dict[str, Any]) -> Path:
+    path = tmp_path_factory.mktemp("page") / "report.html"
+    write_report(path, *run_title(run_result), run_sections(sources, run_result))
+    return path
+
+
+def open_page(browser: "Browser", path: Path, scheme: str) -> tuple["Page", list[str]]:
+    page = browser.new_page(viewport={"width": 1366, "height": 800}, color_scheme=scheme)  # type: ignore[arg-type]
+    said: list[str] = []
+    page.on("console", lambda message: said.append(f"{message.type}: {message.text}"))
+    page.on("pageerror", lambda error: said.append(f"error: {error}"))
+    page.on("request", lambda request: said.append(request.url) if not request.url.startswith("file:") else None)
+    page.goto(path.as_uri())
+    page.wait_for_selector("html[data-ready='true']", state="attached", timeout=60_000)
+    return page, said
+
+
+def wait_for_mode(page: "Page", mode: str) -> None:
+    """Until the engine's acceleration is drawn in this mode (the page forbids eval, so no wait_for_function)."""
+    for _ in range(100):
+        if page.evaluate("document.getElementById('plot-acceleration').data[1].mode") == mode:
+            return
+        page.wait_for_timeout(100)
+    pytest.fail(f"the curve was not drawn as {mode}")
+
+
+def drawn(page: "Page") -> dict[str, int]:
+    """Number of curves with a path in each plot that says it was drawn."""
+    script = """() => Object.fromEntries([...document.querySelectorAll(".plot")].map((plot) => [plot.dataset.figure,
+        plot.dataset.drawn === "true" ? plot.querySelectorAll(".scatterlayer .trace path").length : -1]))"""
+    found: dict[str, int] = page.evaluate(script)
+    return found
+
+
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+def test_the_page_of_a_run_is_drawn_without_a_word(browser: "Browser", run_page: Path, scheme: str) -> None:
+    page, said = open_page(browser, run_page, scheme)
+    counts = drawn(page)
+    assert set(counts) == {"position", "error", "acceleration", "phase"}
+    assert counts["position"] >= 3
+    assert counts["error"] >= 2
+    assert counts["acceleration"] >= 4
+    assert counts["phase"] >= 3
+    page.click("#theme")
+    page.wait_for_timeout(300)
+    assert said == []
+    page.close()
+
+
+def test_a_zoom_to_a_jump_shows_single_samples(browser: "Browser", run_page: Path, sources: list[Trajectory]) -> None:
+    page, said = open_page(browser, run_page, "light")
+    page.click(".zoom button:nth-of-type(2)")
+    wait_for_mode(page, "lines+markers")
+    event = float(sources[0].events.t[0])
+    for name in ("position", "error", "acceleration"):
+        low, high = page.evaluate(f"document.getElementById('plot-{name}').layout.xaxis.range")
+        assert low < event < high
+        assert high - low < 0.1
+    # the drawn numbers are the samples themselves: as many as there are in the source, and equal to the last bit
+    shown = page.evaluate("Array.from(document.getElementById('plot-acceleration').data[1].y)")
+    assert shown == sources[1].a.tolist()
+    page.click(".zoom button:nth-of-type(1)")
+    wait_for_mode(page, "lines")
+    assert said == []
+    page.close()
+
+
+def test_the_page_of_a_recording_is_drawn(
+    browser: "Browser", tmp_path: Path, recording: Recording, identify_result: dict[str, Any]
+) -> None:
+    path = tmp_path / "report.html"
+    write_report(path, *identify_title(identify_result), identify_sections(recording, identify_result))
+    page, said = open_page(browser, path, "light")
+    counts = drawn(page)
+    assert set(counts) == {"channel-x", "channel-a", "reversals-x_k", "reversals-zeta"}
+    assert all(count > 0 for count in counts.values())
+    assert said == []
+    page.close()

@@ -1,0 +1,149 @@
+"""The page as text: numbers, tables, sentences, and nothing from elsewhere."""
+
+import re
+from pathlib import Path
+from typing import Any
+
+import pytest
+from show_examples import SCENARIO, make_run_result, make_sources
+
+from harness.core.errors import StoreError
+from harness.core.recording import Recording
+from harness.core.trajectory import Trajectory
+from harness.show.report.estimates import percent, true_values
+from harness.show.report.figure import script_json
+from harness.show.report.identify import identify_headline, identify_sections, identify_title
+from harness.show.report.numbers import number, quantity, sentence_quantity, with_error
+from harness.show.report.page import render, symbols, write_report
+from harness.show.report.run import run_sections, run_title
+from harness.show.report.table import grade
+
+
+@pytest.fixture(scope="module")
+def page(sources: list[Trajectory], run_result: dict[str, Any]) -> str:
+    return render(*run_title(run_result), run_sections(sources, run_result, "harness run"))
+
+
+@pytest.mark.parametrize(
+    ("value", "digits", "shown"),
+    [
+        (0.0, 4, "0"),
+        (None, 4, "–"),
+        (4.8372, 4, "4.837"),
+        (-1.15, 4, "−1.150"),
+        (1234567.0, 3, "1234567"),
+        (3.1e-9, 2, "3.1·10<sup>−9</sup>"),
+        (2.5e8, 2, "2.5·10<sup>8</sup>"),
+    ],
+)
+def test_numbers(value: float | None, digits: int, shown: str) -> None:
+    assert number(value, digits) == shown
+
+
+@pytest.mark.parametrize(
+    ("value", "stderr", "shown"),
+    [
+        (30.0021, 0.012, ("30.002", "0.012")),
+        (0.0501, 3.2e-5, ("0.050100", "0.000032")),
+        (-7.0, 0.5, ("−7.00", "0.50")),
+        (10.0, None, ("10.000", "")),
+        (10.0, 0.0, ("10.0000", "0")),
+        # more digits than a double carries are not shown
+        (30.0, 1e-14, ("30.000000000", "1.0·10<sup>−14</sup>")),
+    ],
+)
+def test_values_are_given_to_their_standard_error(value: float, stderr: float | None, shown: tuple[str, str]) -> None:
+    assert with_error(value, stderr) == shown
+
+
+def test_metres_are_shown_in_millimetres() -> None:
+    assert quantity({"value": 0.03, "stderr": 2e-5, "unit": "m"}) == ("30.000", "0.020", "mm")
+    assert sentence_quantity({"value": 0.05, "stderr": 1e-4, "unit": "1"}) == "0.05000 ± 0.00010"
+
+
+@pytest.mark.parametrize(("relative", "shown"), [(1e-8, "exact to 10⁻⁶"), (-0.8, "−80 %"), (0.00034, "+0.034 %")])
+def test_deviations(relative: float, shown: str) -> None:
+    assert percent(relative) == shown
+
+
+def test_grades_count_the_steps_exceeded() -> None:
+    assert [grade(r) for r in (0.0, 1e-3, -5e-3, 0.02, 0.5, None)] == [0, 1, 2, 3, 4, None]
+
+
+def test_symbols_are_set_and_markup_is_not_let_through() -> None:
+    assert symbols("x_k & <b> zeta, omega_n; max_error") == (
+        "x<sub>k</sub> &amp; &lt;b&gt; ζ, ω<sub>n</sub>; max_error"
+    )
+
+
+def test_truth_comes_from_the_scenario() -> None:
+    assert true_values(SCENARIO) == {"omega_n": 10.0, "zeta": 0.05, "x_k": 0.03}
+    assert true_values({"name": "other"}) == {}
+
+
+def test_the_verdict_comes_first_and_says_how_far_each_is_off(page: str) -> None:
+    text = re.sub(r"<[^>]+>", "", page[page.index("<main>") : page.index("</main>")])
+    assert text.index("PyBullet is off by at most 10.0 mm") < text.index("Scorecard")
+    assert "As shipped, MuJoCo is off by at most 5.00 mm and never rests (it creeps at −1.15 mm/s)." in text
+
+
+def test_the_page_has_what_a_reader_needs(page: str) -> None:
+    for part in (
+        "f<sub>s</sub> = 4 N is not honoured: &lt;MuJoCo&gt;",  # ignored, escaped
+        "solref</dt><dd>0.02 1",  # settings
+        "± 0.020, +0.00",  # standard errors, deviations
+        "the method knows viscous damping alone",  # why an estimate was refused
+        "harness run",
+        "noise 7",  # seeds
+        "before the speed does &amp; x<sub>k</sub> reads &lt; 30 mm.",
+    ):
+        assert part in page or part.replace(", +0.00", ", exact") in page, part
+
+
+def test_a_source_that_failed_is_said(sources: list[Trajectory]) -> None:
+    result = make_run_result(sources)
+    result["traces"][1]["error"] = "diverged at 0.3 s"
+    page = render("t", "s", run_sections([sources[0], sources[2]], result))
+    assert "mujoco as-shipped could not be run: diverged at 0.3 s" in page
+
+
+def test_nothing_is_fetched_from_anywhere(page: str) -> None:
+    ours = re.sub(r"<script.*?</script>", "", page, flags=re.DOTALL)
+    assert not re.search(r"https?:|//[a-z]|@import|url\(", ours)
+    assert not re.search(r"<(link|iframe|img|script[^>]+src)", page)
+    assert "default-src 'none'" in page
+
+
+@pytest.mark.parametrize("samples", [3001, 200_001])
+def test_a_page_stays_below_its_limit(samples: int, tmp_path: Path) -> None:
+    sources = [make_sources(samples)[0], *(make_sources(samples)[2:] * 4)]
+    result = make_run_result(sources)
+    write_report(tmp_path / "page.html", *run_title(result), run_sections(sources, result))
+    assert (tmp_path / "page.html").stat().st_size <= 5_000_000
+
+
+def test_text_cannot_leave_its_script() -> None:
+    assert "</script" not in script_json({"a": "</script><script>alert(1)</script>"})
+
+
+def test_the_page_of_a_recording(recording: Recording, identify_result: dict[str, Any]) -> None:
+    page = render(*identify_title(identify_result), identify_sections(recording, identify_result, "harness identify"))
+    assert "Friction and damping of bench.csv" in page
+    assert "x<sub>k</sub> = 30.000 ± 0.020 mm, ζ = 0.050100 ± 0.000030" in page
+    assert "0.2160 ± 0.0030 rad" in page
+    assert "2 gaps are left out." in page
+    assert 'id="plot-reversals-x_k"' in page
+
+
+def test_a_recording_without_figures_says_why(identify_result: dict[str, Any]) -> None:
+    refused = {"value": None, "stderr": None, "unit": "m", "why": "two reversals, at least three are needed"}
+    estimates = {"acceleration": {"omega_n": refused, "zeta": refused, "x_k": refused, "reversals": 2}}
+    assert identify_headline({**identify_result, "estimates": estimates}) == (
+        "No method gives all three figures: two reversals, at least three are needed."
+    )
+
+
+def test_a_page_that_cannot_be_written_leaves_nothing(tmp_path: Path) -> None:
+    with pytest.raises(StoreError, match="No such file"):
+        write_report(tmp_path / "none" / "page.html", "t", "s", [])
+    assert list(tmp_path.iterdir()) == []

@@ -1,0 +1,163 @@
+"""Traces: what is written is read back, and the viewer's own tools accept it."""
+
+import re
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from show_examples import SCENARIO, make_sources
+
+from harness.core.errors import HarnessError, InputError, StoreError
+from harness.core.recording import Recording
+from harness.core.trajectory import Trajectory
+from harness.show import scene
+from harness.show.recording_scene import recording_scene
+from harness.show.run_scene import run_scene
+from harness.show.trace import read_trace, write_trace
+
+RERUN = Path(sys.executable).with_name("rerun")
+
+
+def bits(trajectory: Trajectory) -> dict[str, bytes]:
+    return {name: getattr(trajectory, name).tobytes() for name in ("t", "x", "v", "a")}
+
+
+def test_trajectories_and_properties_come_back(
+    trace_file: Path, sources: list[Trajectory], run_result: dict[str, Any]
+) -> None:
+    stored = read_trace(trace_file)
+    assert [bits(one) for one in stored.trajectories] == [bits(one) for one in sources]
+    assert [one.source for one in stored.trajectories] == [one.source for one in sources]
+    assert stored.properties["result"] == run_result
+    assert stored.properties["scenario"] == SCENARIO
+    assert stored.recordings == []
+
+
+def test_the_viewer_s_tool_verifies_one_file(trace_file: Path) -> None:
+    done = subprocess.run([RERUN, "rrd", "verify", trace_file], capture_output=True, text=True, check=False)
+    assert done.returncode == 0
+    # a file without content passes as "0 files verified"
+    assert re.search(r"\b1 file verified without error", done.stdout + done.stderr)
+
+
+def test_drawn_curves_are_the_samples_at_rounded_nanoseconds(trace_file: Path, sources: list[Trajectory]) -> None:
+    from rerun.chunk import RrdReader
+
+    stream = RrdReader(trace_file).stream()
+    found_t, found_x = [], []
+    for chunk in stream.filter(content="/position/0-reference-exact", components="Scalars:scalars", is_static=False):
+        batch = chunk.to_record_batch()
+        found_t.append(batch.column("time").to_numpy(zero_copy_only=False).astype(np.int64))
+        found_x.append(batch.column("Scalars:scalars").flatten().to_numpy(zero_copy_only=False))
+    order = np.argsort(np.concatenate(found_t))
+    assert np.concatenate(found_x)[order].tobytes() == sources[0].x.tobytes()
+    assert np.array_equal(np.concatenate(found_t)[order], np.rint(sources[0].t * 1e9).astype(np.int64))
+
+
+def test_ticks_and_wall_clock_are_not_logged(trace_file: Path) -> None:
+    from rerun.chunk import RrdReader
+
+    names = {name for chunk in RrdReader(trace_file).stream() for name in chunk.timeline_names}
+    assert names == {"time"}
+
+
+def test_the_blueprint_travels_with_the_data(trace_file: Path) -> None:
+    from rerun.chunk import RrdReader
+
+    assert len(RrdReader(trace_file).blueprints()) == 1
+
+
+def test_long_traces_are_drawn_thin_and_stored_whole(tmp_path: Path) -> None:
+    sources = make_sources(200_001)
+    drawing = run_scene(sources, SCENARIO, {}, "")
+    lines = [item for item in drawing.items if isinstance(item, scene.Line) and item.path.startswith("/position/0")]
+    assert lines[0].t.size <= 50_000
+    jump = int(np.searchsorted(sources[0].t, sources[0].events.t[0]))
+    assert np.isin(sources[0].t[jump - 50 : jump + 50], lines[0].t).all()
+    write_trace(tmp_path / "long.rrd", drawing)
+    assert [bits(one) for one in read_trace(tmp_path / "long.rrd").trajectories] == [bits(one) for one in sources]
+
+
+def test_every_reversal_is_marked_with_its_jump(sources: list[Trajectory]) -> None:
+    drawing = run_scene(sources, SCENARIO, {}, "")
+    log = next(item for item in drawing.items if isinstance(item, scene.Log))
+    marks = {item.path: item for item in drawing.items if isinstance(item, scene.Marks)}
+    jumps = marks["/acceleration/after"].values - marks["/acceleration/before"].values
+    # f_k / m on either side of zero: 2 x 3 N / 1 kg at each of the seven reversals, and less where it sticks
+    assert np.allclose(np.abs(jumps[:7]), 6.0, rtol=1e-12)
+    assert len(log.texts) == len(sources[0].events) == 8
+    assert "sticks at x = 10.511 mm" in log.texts[-1]
+
+
+def test_the_drawn_motion_of_a_small_slider_is_magnified(sources: list[Trajectory], urdf: Path) -> None:
+    small = Trajectory(sources[0].t, sources[0].x * 1e-3, sources[0].v, sources[0].a, sources[0].source)
+    body = next(item for item in run_scene([small], SCENARIO, {}, "", urdf).items if isinstance(item, scene.Body))
+    assert body.values[0] == pytest.approx(1.0)
+
+
+def test_a_recording_comes_back(tmp_path: Path, recording: Recording, identify_result: dict[str, Any]) -> None:
+    path = tmp_path / "recording.rrd"
+    write_trace(path, recording_scene(recording, identify_result, "notes", [(0.3, "reversal 1")]))
+    stored = read_trace(path)
+    assert stored.trajectories == []
+    assert stored.recordings[0]["a"].tobytes() == recording["a"].tobytes()
+    assert stored.properties["result"] == identify_result
+
+
+def test_two_writings_hold_the_same_data(tmp_path: Path, sources: list[Trajectory]) -> None:
+    for name in ("a.rrd", "b.rrd"):
+        write_trace(tmp_path / name, run_scene(sources, SCENARIO, {}, "n"))
+    command = [str(RERUN), "rrd", "compare", "--unordered", str(tmp_path / "a.rrd"), str(tmp_path / "b.rrd")]
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr[-500:]
+
+
+def _cut_short(path: Path, whole: Path) -> None:
+    path.write_bytes(whole.read_bytes()[: whole.stat().st_size // 2])
+
+
+def _foreign(path: Path) -> None:
+    import rerun as rr
+
+    stream = rr.RecordingStream("another-program")
+    stream.save(path)
+    stream.log("x", rr.TextDocument("hello"), static=True)
+    stream.disconnect()
+
+
+@pytest.mark.parametrize(
+    ("make", "message"),
+    [
+        (lambda path, whole: None, "no such file"),
+        (lambda path, whole: path.write_text("t,x\n0,1\n"), "cannot be read"),
+        (lambda path, whole: path.write_bytes(b""), "accepted"),
+        (_cut_short, "accepted"),
+        (lambda path, whole: _foreign(path), "holds no trajectory of this program"),
+    ],
+)
+def test_what_is_no_trace_of_ours_is_refused(tmp_path: Path, trace_file: Path, make: Any, message: str) -> None:
+    path = tmp_path / "given.rrd"
+    make(path, trace_file)
+    with pytest.raises(InputError, match=message) as caught:
+        read_trace(path)
+    assert str(path) in str(caught.value)
+
+
+def test_a_folder_that_is_not_there_is_said_and_nothing_is_left(tmp_path: Path, sources: list[Trajectory]) -> None:
+    with pytest.raises(StoreError, match="No such file or directory"):
+        write_trace(tmp_path / "missing" / "t.rrd", run_scene(sources, SCENARIO, {}, ""))
+    with pytest.raises(HarnessError, match="cannot be read"):
+        write_trace(tmp_path / "t.rrd", run_scene(sources, SCENARIO, {}, "", tmp_path / "no.urdf"))
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_the_page_and_the_scene_do_not_load_the_viewer() -> None:
+    code = (
+        "import sys; import harness.show.run_scene, harness.show.recording_scene, harness.show.report.run, "
+        "harness.show.report.identify, harness.show.report.page, harness.show.screenshot; "
+        "sys.exit('rerun' in sys.modules)"
+    )
+    assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0

@@ -1,0 +1,53 @@
+"""The trace in the viewer, without a screen: every view is content."""
+
+import struct
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from harness.core.recording import Recording
+from harness.show import screenshot
+from harness.show.recording_scene import recording_scene
+from harness.show.trace import write_trace
+
+needs_driver = pytest.mark.skipif(screenshot.driver() is not None, reason=screenshot.driver() or "")
+
+
+@needs_driver
+@pytest.mark.slow
+def test_no_view_of_a_run_reports_anything(trace_file: Path) -> None:
+    shot = screenshot.take(trace_file, 1.2)
+    assert shot.reports == {
+        name: []
+        for name in (
+            "position / m",
+            "error against the reference / mm",
+            "acceleration / (m/s²)",
+            "stick and slip",
+            "sliders",
+            "phase portrait, v over x",
+            "notes",
+            "parameters",
+            "reversals",
+        )
+    }
+    assert shot.png[:8] == b"\x89PNG\r\n\x1a\n"
+    width, height = struct.unpack(">II", shot.png[16:24])
+    assert width >= 1280
+    assert height >= 720
+
+
+@needs_driver
+@pytest.mark.slow
+def test_no_view_of_a_recording_reports_anything(
+    tmp_path: Path, recording: Recording, identify_result: dict[str, Any]
+) -> None:
+    write_trace(tmp_path / "r.rrd", recording_scene(recording, identify_result, "n", [(0.3, "reversal 1")]))
+    assert not any(screenshot.take(tmp_path / "r.rrd").reports.values())
+
+
+@pytest.mark.parametrize("arguments", [[], ["one.rrd"], ["a", "b", "c", "d"]])
+def test_usage_is_one_line(arguments: list[str], capsys: pytest.CaptureFixture[str]) -> None:
+    assert screenshot.main(arguments) == 2
+    assert capsys.readouterr().err.count("\n") == 1
