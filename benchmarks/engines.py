@@ -12,8 +12,8 @@ from harness.engines.base import Engine, Preset, Task, resolve
 from harness.engines.mujoco import MujocoEngine
 from harness.engines.mujoco.build import compile_model
 from harness.engines.pybullet import PybulletEngine
+from harness.engines.pybullet import loop as stepping
 from harness.engines.pybullet.client import log
-from harness.engines.pybullet.loop import Run
 from harness.engines.pybullet.world import SLIDE, opened
 from harness.engines.quiet import quiet
 
@@ -68,18 +68,21 @@ def _bare_pybullet(task: Task) -> Callable[[], object]:
 
     engine = PybulletEngine()
     settings = resolve(engine, task)
-    run = Run(task, settings)
+    plan = stepping.plan(task, settings)
     slider = task.scenario.slider
 
     def loop() -> object:
-        with quiet(log), opened(run.model, task.route, settings, task.scenario.x0, run.first_speed) as world:
+        with (
+            quiet(log),
+            opened(stepping.model(plan), task.route, settings, task.scenario.x0, plan.first_speed) as world,
+        ):
             world.limit("joint", slider.f_k, 0.0, slider, 1)
             body, client = world.body, world.client
             push, step, read = pybullet.setJointMotorControl2, pybullet.stepSimulation, pybullet.getJointState
             torque, stiffness, dt = pybullet.TORQUE_CONTROL, slider.k, settings["dt"]
-            x, v, a = np.empty((3, run.steps))
+            x, v, a = np.empty((3, plan.steps))
             state: Any = (task.scenario.x0, task.scenario.v0)
-            for i in range(run.steps):
+            for i in range(plan.steps):
                 before = state[1]
                 x[i], v[i] = state[0], before
                 push(body, SLIDE, torque, force=-stiffness * state[0], physicsClientId=client)

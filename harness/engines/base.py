@@ -8,7 +8,7 @@ from types import MappingProxyType
 from typing import Any, ClassVar, Literal, TypeAlias, get_args
 
 from harness.core.checks import positive
-from harness.core.errors import InputError
+from harness.core.errors import InputError, SimulationError
 from harness.core.scenario import Scenario
 from harness.core.trajectory import Trajectory
 from harness.engines.law import Drive, ForceLaw
@@ -72,9 +72,13 @@ class Task:
 
 
 class Engine(ABC):
-    """A physics engine. Implementations are final, have no state of their own and are cheap to make."""
+    """A physics engine. Implementations are final, have no state of their own and are cheap to make.
+
+    name : as in the entry point. routes : those the engine has; the others are refused with a SimulationError.
+    """
 
     name: ClassVar[str]
+    routes: ClassVar[tuple[Route, ...]] = ROUTES
 
     @abstractmethod
     def version(self) -> str:
@@ -101,8 +105,11 @@ class Engine(ABC):
 def resolve(engine: Engine, task: Task) -> dict[str, Any]:
     """The preset's settings with the task's overrides; values keep the type of the preset's.
 
-    Raises InputError listing the settings there are for a name that is unknown, and for a value of a wrong type.
+    Raises InputError listing the settings there are for a name that is unknown, and for a value of a wrong type;
+    SimulationError for a route the engine does not have.
     """
+    if task.route not in engine.routes:
+        raise SimulationError(f"{engine.name}: no {task.route} route; there is {', '.join(engine.routes)}")
     settings = engine.presets(task.route, task.preset, task.dt)
     for name, value in task.settings.items():
         where = f"{engine.name} setting {name}"

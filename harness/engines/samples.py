@@ -54,7 +54,7 @@ def _farthest(task: Task, motion: Motion) -> float:
     scenario, slider = task.scenario, task.scenario.slider
     forces = np.abs(motion.applied[np.isfinite(motion.applied)]).max(initial=0.0) + slider.break_away
     start = abs(scenario.x0) + abs(scenario.v0) / slider.omega_n + forces / slider.k
-    return 1e3 * (1.0 + slider.omega_n * scenario.duration) * (start + abs(belt_speed(task)) / slider.omega_n)
+    return float(1e3 * (1.0 + slider.omega_n * scenario.duration) * (start + abs(belt_speed(task)) / slider.omega_n))
 
 
 def trajectory(

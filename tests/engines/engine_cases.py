@@ -15,6 +15,9 @@ INSTALLED = tuple(name for name, reason in registry.available().items() if reaso
 GENTLE = Slider(m=1.0, c=1.0, k=100.0, f_k=0.3)
 """Friction low enough for a box not to lift when it slides at 1 m/s."""
 
+TABLE = [(name, route) for name in INSTALLED for route in registry.load(name).routes]
+"""Every route of every one of them."""
+
 
 def engine(name: str) -> Engine:
     return registry.load(name)

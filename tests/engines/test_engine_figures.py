@@ -142,11 +142,22 @@ def test_pybullets_step_adds_no_damping() -> None:
     assert abs(added_damping(engine("pybullet").simulate(task).x, 1e-3)) < 1e-9
 
 
+def test_darts_own_spring_and_damper_damp_as_a_discrete_integrator_does() -> None:
+    pytest.importorskip("dartpy")
+    omega, dt = 10.0, 1e-3
+    task = Task(decay(Slider(1.0, 0.0, omega**2, 0.0), 1.0, 2.0), "joint", "as-shipped", dt)
+    assert added_damping(engine("dart").simulate(task).x, dt) == pytest.approx(0.5 * dt * omega, rel=1e-3)
+    trace = engine("dart").simulate(Task(decay(duration=3.5), "joint", "as-shipped", dt))
+    creep = creep_m_s(trace, free_decay(decay(duration=3.5), trace.t))
+    assert creep is not None
+    assert abs(creep) < 1e-9
+
+
 def recovered(trace: Trajectory, method: str) -> Quantity:
     return estimate_all(trace.t, trace.x, trace.v, trace.a).methods[method].x_k
 
 
-@pytest.mark.parametrize(("name", "dt"), [("mujoco", 1e-3), ("pybullet", 1e-3)])
+@pytest.mark.parametrize(("name", "dt"), [("mujoco", 1e-3), ("pybullet", 1e-3), ("mujoco", 5e-4), ("pybullet", 5e-4)])
 def test_tuned_engines_give_back_the_friction_put_in_both_ways(name: str, dt: float) -> None:
     trace = engine(name).simulate(Task(decay(), "joint", "tuned", dt))
     for method in ("acceleration", "acceleration-local"):

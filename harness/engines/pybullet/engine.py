@@ -6,9 +6,9 @@ from typing import Any, ClassVar, final
 
 from harness.core.trajectory import Trajectory
 from harness.engines.base import Engine, Preset, Route, Task, resolve
+from harness.engines.pybullet import loop
 from harness.engines.pybullet import presets as table
 from harness.engines.pybullet.client import log
-from harness.engines.pybullet.loop import Run
 from harness.engines.pybullet.world import opened
 from harness.engines.quiet import quiet
 from harness.engines.samples import trajectory
@@ -32,9 +32,10 @@ class PybulletEngine(Engine):
         """Run a task; see Engine.simulate."""
         settings = resolve(self, task)
         ignored = table.unused(settings, self.presets(task.route, "as-shipped", task.dt), task.route)
-        run = Run(task, settings)
-        with quiet(log), opened(run.model, task.route, settings, task.scenario.x0, run.first_speed) as world:
+        planned = loop.plan(task, settings)
+        model, substeps = loop.model(planned), max(1, settings["numSubSteps"])
+        with quiet(log), opened(model, task.route, settings, task.scenario.x0, planned.first_speed) as world:
             started = time.perf_counter()
-            motion = run.motion(world)
+            motion = loop.motion(planned, world, substeps)
             wall = time.perf_counter() - started
         return trajectory(self, task, settings, ignored, motion, wall)

@@ -1,0 +1,163 @@
+"""For engines that are stepped from outside: what to push with before each step, and what the samples mean."""
+
+from abc import ABC, abstractmethod
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from harness.core.arrays import FloatArray
+from harness.engines.actions import acceleration_at_start, belt_speed, driving_force, held_at_start, restoring_force
+from harness.engines.base import Task
+from harness.engines.models import GRAVITY
+from harness.engines.samples import UNSATURATED, Motion
+
+
+@dataclass(frozen=True, slots=True)
+class Native:
+    """Which parts of the slider the engine computes by itself; the others are pushed with.
+
+    implicit : the engine takes damping (and its spring) at the end of the step. moving_surface : its joint friction can
+    be given the speed of a belt; without it the joint lives in the frame of the belt and the spring's end moves.
+    """
+
+    spring: bool
+    damping: bool
+    implicit: bool = False
+    moving_surface: bool = False
+
+
+class Stepped(ABC):
+    """One engine with one slider in it, ready to be stepped. Forces are those of the engine (Plan.scale)."""
+
+    @abstractmethod
+    def limit(self, force: float) -> None:
+        """Set the limit of the engine's friction force, N."""
+
+    @abstractmethod
+    def step(self, push: float) -> tuple[float, float, float]:
+        """Push with a force (N) for one step; position, speed and friction force on the left-hand side after it."""
+
+    @abstractmethod
+    def floor(self) -> tuple[float, float]:
+        """Height of the box (m) and normal force (N) after the last step; zeros where there is no floor."""
+
+
+class Plan:
+    """One task in the numbers that a stepped engine is given.
+
+    With leapfrog a step v+ = v + dt a(x), x+ = x + dt v+ is read as the leapfrog it is: the run starts with the speed
+    of half a step earlier, every force is scaled by m/(m + c dt/2), which makes damping act on the mean of the speeds
+    before and after the step, and the speed of a sample is that mean.
+
+    first_speed : speed of the joint at the start, m/s. frame : speed of the frame the joint lives in, m/s. surface :
+    speed of what rubs in that frame, m/s. steps : one more than samples need, acceleration is that of the step to come.
+    """
+
+    def __init__(self, task: Task, settings: dict[str, Any], native: Native) -> None:
+        slider = task.scenario.slider
+        self.task, self.native = task, native
+        self.leapfrog: bool = settings["leapfrog"]
+        self.dt: float = settings["dt"]
+        self.steps = task.steps(self.dt) + 1
+        self.scale = slider.m / (slider.m + 0.5 * self.dt * slider.c) if self.leapfrog else 1.0
+        belt = belt_speed(task)
+        keeps_frame = native.moving_surface and task.route != "contact"
+        self.frame = 0.0 if keeps_frame else belt
+        self.surface = belt - self.frame
+        self.t: FloatArray = np.arange(self.steps, dtype=np.float64) * self.dt
+        self.driving = driving_force(task, self.t)
+        back = 0.5 * self.dt * acceleration_at_start(task, self.dt) if self.leapfrog else 0.0
+        self.first_speed = task.scenario.v0 - self.frame - back
+
+    def simple(self) -> bool:
+        """Whether friction has one constant level and nothing but the spring depends on the state."""
+        slider, task = self.task.scenario.slider, self.task
+        plain = task.law is None and task.route == "joint" and task.restoring != "pendulum"
+        return plain and slider.break_away == slider.f_k
+
+    def push(self, q: float, speed: float, t: float, force: float) -> tuple[float, float]:
+        """Force to push the joint with (N), and the sum of all forces but friction, both scaled."""
+        slider, task = self.task.scenario.slider, self.task
+        x = q + self.frame * t
+        spring = restoring_force(task, x)
+        damping = slider.c * (speed + self.frame)
+        others = self.scale * (force - spring - damping)
+        engine = restoring_force(task, q) if self.native.spring and task.restoring == "spring" else 0.0
+        if self.native.damping:
+            engine += slider.c * speed
+        return others + self.scale * engine, others
+
+    def samples(
+        self,
+        positions: list[float],
+        speeds: list[float],
+        applied: FloatArray,
+        limits: FloatArray,
+        friction: FloatArray,
+    ) -> Motion:
+        """Motion from the joint's positions and speeds before the first and after every step."""
+        joint = np.array(speeds) + self.frame
+        x = np.array(positions[:-1]) + self.frame * self.t
+        v = joint[:-1].copy()
+        if self.leapfrog:
+            v = 0.5 * (joint[:-1] + joint[1:])
+            v[0] = self.task.scenario.v0
+        a = np.diff(joint) / self.dt
+        if self.native.implicit:
+            # (v+ - v)/dt holds the forces of the end of the step; these are those of the sample
+            slider = self.task.scenario.slider
+            spring = np.array([restoring_force(self.task, position) for position in x])
+            a = (applied - slider.c * v - spring - friction) / slider.m
+        return Motion(x, v, a, applied, friction, limits)
+
+
+def stepped_through(plan: Plan, body: Stepped) -> Motion:
+    """Every route, with force laws, levels of friction and break-away decided step by step."""
+    task, dt, scale = plan.task, plan.dt, plan.scale
+    slider, law, route = task.scenario.slider, task.law, task.route
+    state = np.zeros(0) if law is None else law.state.copy()
+    ratio = slider.break_away / slider.f_k if slider.f_k > 0.0 else 1.0
+    excess = slider.break_away if slider.f_k == 0.0 else 0.0
+    metric = slider.m / dt + (slider.c if plan.native.implicit and plan.native.damping else 0.0)
+    stuck = held_at_start(task, dt)
+    applied, limits, friction = np.empty(plan.steps), np.empty(plan.steps), np.empty(plan.steps)
+    lift, normal = np.zeros(plan.steps), np.zeros(plan.steps)
+    q, speed, last, in_force = task.scenario.x0, plan.first_speed, plan.first_speed, -1.0
+    lift[0] = body.floor()[0]
+    positions, speeds = [q], [speed]
+    for i in range(plan.steps):
+        t = i * dt
+        force, level = float(plan.driving[i]), slider.f_k
+        if law is not None:
+            x, v = q + plan.frame * t, speed + plan.frame
+            if plan.leapfrog:
+                v += 0.5 * (speed - last)  # the joint's speed is that of half a step ago
+            if law.advance is not None:
+                law.advance(t, x, v, dt, state, law.params)
+            if law.force is not None:
+                force += law.force(t, x, v, state, law.params)
+            if law.level is not None:
+                level = law.level(t, x, v, state, law.params)
+        limit = level * ratio + excess if stuck else level
+        push, others = plan.push(q, speed, t, force)
+        if route == "law":
+            wanted = metric * (speed - plan.surface) + others
+            held = min(max(wanted / scale, -limit), limit)
+            push -= scale * held
+        elif limit != in_force:
+            body.limit(scale * limit)
+            in_force = limit
+        last = speed
+        q, speed, rubbing = body.step(push)
+        friction[i] = held if route == "law" else rubbing / scale
+        if route == "contact":
+            height, normal[i] = body.floor()
+            lift[min(i + 1, plan.steps - 1)] = height
+            limit *= normal[i] / (slider.m * GRAVITY)
+        stuck = bool(abs(friction[i]) < UNSATURATED * limit)
+        applied[i], limits[i] = force, limit
+        positions.append(q)
+        speeds.append(speed)
+    motion = plan.samples(positions, speeds, applied, limits, friction)
+    return replace(motion, lift=lift, normal=normal) if route == "contact" else motion
