@@ -1,0 +1,183 @@
+"""How well answers match the truth: confusion, false alarms, recovery, location, improvement, with intervals.
+
+What is withheld counts against: no result, no refined fit, no standard error, a list longer than three.
+"""
+
+import math
+from collections import Counter
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from harness.proof.plant.catalogue import FAMILY
+from harness.proof.statistics import Median, Rate
+
+Truth = Mapping[str, Any]
+Result = Mapping[str, Any]
+SLACK, LONGEST = 10.0, 3
+NEUTRAL = {"gain": 1.0}
+"""Value of a parameter that means no effect: errors are relative to the distance from it."""
+NOTHING, CANNOT_TELL, ABSENT = "nothing", "cannot tell", "no result"
+
+
+@dataclass(frozen=True, slots=True)
+class Answer:
+    """What a diagnosis said: names, and names said or not ruled out."""
+
+    said: tuple[str, ...]
+    near: frozenset[str]
+    label: str
+
+    @classmethod
+    def of(cls, result: Result | None) -> "Answer":
+        """Read a harness.diagnosis/1 object; None stands for no result."""
+        verdict = (result or {}).get("verdict")
+        if result is None or verdict not in ("adequate", "missing_physics", "unexplained"):
+            return cls((), frozenset(), ABSENT)
+        if verdict != "missing_physics":
+            return cls((), frozenset(), NOTHING if verdict == "adequate" else CANNOT_TELL)
+        found = result.get("mechanisms", [])
+        said = tuple(m["name"] for m in found)
+        near = set(said)
+        for m in found:
+            near |= {a["name"] for a in m.get("alternatives", []) if a.get("delta_bic", SLACK) < SLACK}
+        if len(said) > LONGEST:
+            return cls(said, frozenset(), "a list")
+        return cls(said, frozenset(near if len(near) <= LONGEST else ()), " + ".join(sorted(said)) or CANNOT_TELL)
+
+
+@dataclass(frozen=True, slots=True)
+class Scores:
+    """The figures of a proof; a rate or median without cases holds None.
+
+    confusion : true label -> said label -> count. by_name : single effects named, by name.
+    not_tested : names that did not occur alone.
+    """
+
+    confusion: Mapping[str, Mapping[str, int]]
+    named: Rate
+    listed: Rate
+    both_named: Rate
+    false_alarms: Rate
+    misled: Rate
+    covered: Rate
+    parameter_error: Median
+    overlap: Median
+    holdout: Median
+    engines_improved: Rate
+    by_name: Mapping[str, Rate] = field(default_factory=dict)
+    not_tested: Sequence[str] = ()
+
+    def shortfalls(self) -> list[str]:
+        """The figures that are not reached, one sentence each; empty when the proof stands."""
+        missed = []
+        if self.named.low is None or self.named.low <= 0.88:
+            missed.append(f"single effects named: lower bound {_percent(self.named.low)}, above 88 % is asked")
+        if self.false_alarms.value is None or self.false_alarms.value > 0.02:
+            missed.append(f"false alarms {_percent(self.false_alarms.value)}, at most 2 % is asked")
+        if self.misled.value is None or self.misled.value > 0.1:
+            missed.append(f"outside the catalogue misled {_percent(self.misled.value)}, at most 10 % is asked")
+        if self.covered.value is None or not 0.925 <= self.covered.value <= 0.98:
+            missed.append(f"within two standard errors {_percent(self.covered.value)}, 92.5 to 98 % is asked")
+        if self.holdout.value is None or self.holdout.value > 0.5:
+            missed.append("held-out rmse after over before: median at most 0.5 is asked")
+        if self.engines_improved.value is None or self.engines_improved.value < 0.95:
+            missed.append(f"engines improved {_percent(self.engines_improved.value)}, at least 95 % is asked")
+        return missed
+
+
+def _percent(value: float | None) -> str:
+    return "unknown" if value is None else f"{100.0 * value:.1f} %"
+
+
+def spans_overlap(said: Sequence[Sequence[float]], true: Sequence[Sequence[float]], end: float) -> float:
+    """Intersection over union of two sets of time spans in s, on a grid of 2000 points over [0, end]."""
+    grid = end * (np.arange(2000) + 0.5) / 2000
+
+    def inside(spans: Sequence[Sequence[float]]) -> Any:
+        return np.any([(grid >= lo) & (grid <= hi) for lo, hi in spans], axis=0) if len(spans) else grid < 0.0
+
+    a, b = inside(said), inside(true)
+    return float(np.sum(a & b) / max(1, np.sum(a | b)))
+
+
+def rmse_ratio(block: Mapping[str, Any] | None, channel: str) -> float:
+    """Refined over baseline rmse of a channel; infinite where it was not given."""
+    before, after = (((block or {}).get(key) or {}).get(channel) for key in ("baseline_rmse", "refined_rmse"))
+    return float(after) / float(before) if before and after is not None else math.inf
+
+
+def score(truths: Mapping[str, Truth], results: Mapping[str, Result]) -> Scores:
+    """Score results by the file they belong to; a file without a result counts as one that was withheld."""
+    confusion: dict[str, Counter[str]] = {}
+    named: dict[str, list[bool]] = {}
+    outcomes: dict[str, list[bool]] = {k: [] for k in ("listed", "both", "alarm", "misled", "covered", "engines")}
+    values: dict[str, list[float]] = {k: [] for k in ("error", "overlap", "holdout")}
+    for file, truth in sorted(truths.items()):
+        want, result = set(truth["mechanisms"]), results.get(file)
+        answer = Answer.of(result)
+        right = set(answer.said) == want and len(answer.said) == len(want)
+        confusion.setdefault(" + ".join(sorted(want)) or NOTHING, Counter())[answer.label] += 1
+        if not want:
+            outcomes["alarm"].append(answer.label != NOTHING)
+            continue
+        if any(name.startswith("alien-") for name in want):
+            families = {FAMILY.get(name, "") for name in answer.said}
+            wrong = bool(answer.said) and not families <= set(truth["families"])
+            outcomes["misled"].append(wrong or answer.label in (NOTHING, ABSENT))
+            continue
+        if len(want) > 1:
+            outcomes["both"].append(right)
+        else:
+            named.setdefault(next(iter(want)), []).append(right)
+            outcomes["listed"].append(want <= answer.near and len(answer.said) <= len(want))
+        _measure(truth, result if answer.said else None, want, outcomes, values)
+    return Scores(
+        confusion={true: dict(said) for true, said in confusion.items()},
+        named=Rate.of([hit for hits in named.values() for hit in hits]),
+        listed=Rate.of(outcomes["listed"]),
+        both_named=Rate.of(outcomes["both"]),
+        false_alarms=Rate.of(outcomes["alarm"]),
+        misled=Rate.of(outcomes["misled"]),
+        covered=Rate.of(outcomes["covered"]),
+        parameter_error=Median.of(values["error"]),
+        overlap=Median.of(values["overlap"]),
+        holdout=Median.of(values["holdout"]),
+        engines_improved=Rate.of(outcomes["engines"]),
+        by_name={name: Rate.of(hits) for name, hits in sorted(named.items())},
+        not_tested=tuple(name for name in FAMILY if name not in named),
+    )
+
+
+def _measure(
+    truth: Truth,
+    result: Result | None,
+    want: set[str],
+    outcomes: Mapping[str, list[bool]],
+    values: Mapping[str, list[float]],
+) -> None:
+    """Improvement, location and parameters of one recording with hidden effects."""
+    found = (result or {}).get("mechanisms", [])
+    engines = (result or {}).get("engines") or {}
+    for channel in truth["channels"]:
+        values["holdout"].append(rmse_ratio((result or {}).get("holdout"), channel))
+        if result is not None:
+            for engine in ("mujoco", "pybullet"):
+                outcomes["engines"].append(rmse_ratio(engines.get(engine), channel) < 1.0)
+    if truth.get("region"):
+        spans = [span for m in found if m["name"] in want for span in (m.get("where") or {}).get("time_s", [])]
+        values["overlap"].append(spans_overlap(spans, truth["region"], truth["duration"]))
+    for name in want:
+        said = next((m for m in found if m["name"] == name), None)
+        for parameter, value in truth["headline"].get(name, {}).items():
+            p = (said or {}).get("parameters", {}).get(parameter) or {}
+            if p.get("value") is None:
+                values["error"].append(1.0)
+                if said is not None:
+                    outcomes["covered"].append(False)
+                continue
+            miss = abs(p["value"] - value)
+            values["error"].append(miss / abs(value - NEUTRAL.get(parameter, 0.0)))
+            outcomes["covered"].append(p.get("stderr") is not None and miss <= 2.0 * p["stderr"])

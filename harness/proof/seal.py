@@ -1,0 +1,192 @@
+"""Sealing: nobody, we included, can change seed, recordings, answers or verdicts afterwards without it being seen.
+
+Every step is an entry of a ledger, each with the hash of the one before. What must stay secret until the verdicts are
+in (seed, answers) goes in as a salted hash first and is opened at the end. Secrets live in memory alone until then.
+"""
+
+import hashlib
+import json
+import os
+import secrets
+import subprocess
+import tempfile
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from harness.core.errors import InputError
+
+LEDGER = "transcript.json"
+SCHEMA = "harness.proof-transcript/1"
+KEPT = ("PATH", "LD_LIBRARY_PATH", "LANG", "NUMBA_CACHE_DIR", "OMP_NUM_THREADS")
+"""Environment variables without which the diagnosis could not start; none of them tells."""
+
+
+def digest(data: bytes) -> str:
+    """SHA-256 in hex."""
+    return hashlib.sha256(data).hexdigest()
+
+
+def canonical(value: Any) -> bytes:
+    """The one way in which a value is written down to be hashed."""
+    return json.dumps(value, sort_keys=True, separators=(",", ":"), allow_nan=False).encode()
+
+
+def random_name() -> str:
+    """A file name that tells nothing."""
+    return secrets.token_hex(8)
+
+
+@dataclass(frozen=True, slots=True)
+class Sealed:
+    """A secret and the salt it was sealed with."""
+
+    value: Any
+    salt: str = field(default_factory=lambda: secrets.token_hex(16))
+
+    @property
+    def commitment(self) -> str:
+        """What is published before the secret is."""
+        return digest(self.salt.encode() + canonical(self.value))
+
+    def opened(self) -> dict[str, Any]:
+        """What is published after."""
+        return {"value": self.value, "salt": self.salt}
+
+
+class Ledger:
+    """Entries in order, each chained to the one before by its hash."""
+
+    def __init__(self, entries: Sequence[Mapping[str, Any]] = ()) -> None:
+        self.entries: list[dict[str, Any]] = [dict(entry) for entry in entries]
+
+    def add(self, step: str, content: Mapping[str, Any]) -> str:
+        """Append an entry; its hash."""
+        before = self.entries[-1]["hash"] if self.entries else ""
+        entry = {"step": step, "content": dict(content), "before": before}
+        self.entries.append({**entry, "hash": digest(canonical(entry))})
+        return str(self.entries[-1]["hash"])
+
+    def save(self, folder: Path) -> None:
+        """Write the ledger; beside first, then renamed."""
+        part = folder / f"{LEDGER}.part"
+        part.write_text(json.dumps({"schema": SCHEMA, "entries": self.entries}, indent=1))
+        part.rename(folder / LEDGER)
+
+    @classmethod
+    def load(cls, folder: Path) -> "Ledger":
+        """Read a ledger; InputError when there is none or it is not one."""
+        path = folder / LEDGER
+        try:
+            said = json.loads(path.read_text())
+            entries = said["entries"]
+            if said["schema"] != SCHEMA:
+                raise KeyError("schema")
+        except (OSError, ValueError, KeyError, TypeError):
+            raise InputError(str(path), "no transcript of a proof", f"a file of schema {SCHEMA} is accepted") from None
+        return cls(entries)
+
+    def broken_at(self) -> int | None:
+        """Index of the first entry whose hash or chain does not hold, or None."""
+        before = ""
+        for i, entry in enumerate(self.entries):
+            body = {key: entry.get(key) for key in ("step", "content", "before")}
+            if entry.get("before") != before or entry.get("hash") != digest(canonical(body)) or len(entry) != 4:
+                return i
+            before = entry["hash"]
+        return None
+
+    def content(self, step: str) -> dict[str, Any]:
+        """The content of the one entry of this step; InputError when there is not exactly one."""
+        found = [entry["content"] for entry in self.entries if entry["step"] == step]
+        if len(found) != 1:
+            raise InputError(LEDGER, f"{len(found)} entries of step {step}", "exactly one is accepted")
+        return dict(found[0])
+
+
+STEPS = ("seed committed", "recordings sealed", "verdicts sealed", "opened")
+
+
+def seal_seed(ledger: Ledger, versions: Mapping[str, str]) -> Sealed:
+    """Take a seed from the operating system and commit to it before anything else happens."""
+    seed = Sealed(int.from_bytes(secrets.token_bytes(16), "big"))
+    ledger.add(STEPS[0], {"commitment": seed.commitment, "versions": dict(versions)})
+    return seed
+
+
+def seal_recordings(ledger: Ledger, recordings: Mapping[str, bytes], answers: Mapping[str, Sealed]) -> None:
+    """Commit to every recording, and to its answer without telling it."""
+    cases = {name: {"recording": digest(data), "answer": answers[name].commitment} for name, data in recordings.items()}
+    ledger.add(STEPS[1], {"cases": cases})
+
+
+def seal_verdicts(ledger: Ledger, verdicts: Mapping[str, bytes]) -> None:
+    """Commit to every verdict before any answer is opened."""
+    ledger.add(STEPS[2], {"cases": {name: digest(data) for name, data in verdicts.items()}})
+
+
+def open_all(ledger: Ledger, seed: Sealed, answers: Mapping[str, Sealed]) -> None:
+    """Reveal seed and answers."""
+    ledger.add(STEPS[3], {"seed": seed.opened(), "answers": {name: a.opened() for name, a in answers.items()}})
+
+
+def diagnose_blind(command: Sequence[str], recording: bytes, timeout: float) -> bytes:
+    """Run a diagnosing command that gets the recording on standard input and nothing else; its standard output.
+
+    The working folder is new and empty, the environment holds only what it takes to start, no file but the three
+    standard ones is open. A command that fails or takes longer than ``timeout`` (s) has said nothing: b"".
+    """
+    kept = {name: os.environ[name] for name in KEPT if name in os.environ}
+    with tempfile.TemporaryDirectory(prefix="blind-") as folder:
+        try:
+            done = subprocess.run(
+                list(command),
+                input=recording,
+                stdout=subprocess.PIPE,
+                stderr=subprocess.DEVNULL,
+                cwd=folder,
+                env={**kept, "HOME": folder, "TMPDIR": folder},
+                timeout=timeout,
+                check=False,
+                close_fds=True,
+                start_new_session=True,
+            )
+        except subprocess.TimeoutExpired:
+            return b""
+    return done.stdout if done.returncode == 0 else b""
+
+
+def verify(folder: Path) -> list[str]:
+    """What is wrong with a published proof, one sentence each; empty when everything holds.
+
+    Recomputes the chain, the commitments of seed and answers, and the hashes of ``recordings/NAME.csv`` and
+    ``verdicts/NAME.json`` in the folder. Raises InputError when there is no transcript.
+    """
+    ledger = Ledger.load(folder)
+    broken = ledger.broken_at()
+    if broken is not None:
+        return [f"entry {broken + 1} of the transcript was changed"]
+    if tuple(entry["step"] for entry in ledger.entries[:4]) != STEPS:
+        return ["the steps of the transcript are not in their order"]
+    committed, sealed, said, opened = (ledger.content(step) for step in STEPS)
+    wrong = []
+    if Sealed(**opened["seed"]).commitment != committed["commitment"]:
+        wrong.append("the seed is not the one that was committed to")
+    names = set(sealed["cases"])
+    if names != set(said["cases"]) or names != set(opened["answers"]):
+        wrong.append("recordings, verdicts and answers are not of the same cases")
+        return wrong
+    for name in sorted(names):
+        case = sealed["cases"][name]
+        if Sealed(**opened["answers"][name]).commitment != case["answer"]:
+            wrong.append(f"{name}: the answer is not the one that was sealed")
+        for kind, file, known in (
+            ("recording", folder / "recordings" / f"{name}.csv", case["recording"]),
+            ("verdict", folder / "verdicts" / f"{name}.json", said["cases"][name]),
+        ):
+            if not file.is_file():
+                wrong.append(f"{name}: the {kind} is missing")
+            elif digest(file.read_bytes()) != known:
+                wrong.append(f"{name}: the {kind} was changed")
+    return wrong

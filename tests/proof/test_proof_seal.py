@@ -1,0 +1,157 @@
+"""Sealing: any change is seen; a process that looks for the answers finds none."""
+
+import json
+import sys
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from harness.core.errors import InputError
+from harness.proof.seal import (
+    Ledger,
+    Sealed,
+    diagnose_blind,
+    open_all,
+    random_name,
+    seal_recordings,
+    seal_seed,
+    seal_verdicts,
+    verify,
+)
+
+CHEATER = """
+import os, sys, json
+from pathlib import Path
+sys.stdin.buffer.read()
+seen = [" ".join(sys.argv), json.dumps(dict(os.environ)), os.getcwd(), " ".join(os.listdir("."))]
+for place in (f"/proc/{os.getppid()}/cmdline", f"/proc/{os.getppid()}/environ"):
+    try: seen.append(Path(place).read_bytes().decode(errors="replace"))
+    except OSError: pass
+folder = Path(FOLDER)
+for file in folder.rglob("*"):
+    if file.is_file(): seen.append(file.name + file.read_text(errors="replace"))
+guess = ["stribeck" in text or SECRET in text for text in seen]
+print(json.dumps({"guess": guess, "files": len(list(folder.rglob("*")))}))
+"""
+
+
+def published(folder: Path) -> Path:
+    """A small proof as it is published."""
+    ledger = Ledger()
+    seed = seal_seed(ledger, {"harness": "0"})
+    names = [random_name() for _ in range(3)]
+    recordings = {name: f"t,x\n0,{i}\n".encode() for i, name in enumerate(names)}
+    answers = {name: Sealed({"mechanisms": ["stribeck"] if i else []}) for i, name in enumerate(names)}
+    seal_recordings(ledger, recordings, answers)
+    verdicts = dict.fromkeys(names, b'{"verdict": "adequate"}')
+    seal_verdicts(ledger, verdicts)
+    open_all(ledger, seed, answers)
+    for kind, ending, files in (("recordings", "csv", recordings), ("verdicts", "json", verdicts)):
+        (folder / kind).mkdir()
+        for name, data in files.items():
+            (folder / kind / f"{name}.{ending}").write_bytes(data)
+    ledger.save(folder)
+    return folder
+
+
+def change_answer(said: Any) -> None:
+    answers = said["entries"][3]["content"]["answers"]
+    next(iter(answers.values()))["value"] = {"mechanisms": ["impulse"]}
+
+
+def change_answer_and_rehash(said: Any) -> None:
+    change_answer(said)
+    ledger = Ledger(said["entries"][:3])
+    ledger.add("opened", said["entries"][3]["content"])
+    said["entries"] = ledger.entries
+
+
+def change_seed_and_rehash(said: Any) -> None:
+    said["entries"][3]["content"]["seed"]["value"] += 1
+    ledger = Ledger(said["entries"][:3])
+    ledger.add("opened", said["entries"][3]["content"])
+    said["entries"] = ledger.entries
+
+
+def drop_a_case_and_rehash(said: Any) -> None:
+    answers = said["entries"][3]["content"]["answers"]
+    del answers[next(iter(answers))]
+    ledger = Ledger(said["entries"][:3])
+    ledger.add("opened", said["entries"][3]["content"])
+    said["entries"] = ledger.entries
+
+
+def open_before_the_verdicts(said: Any) -> None:
+    ledger = Ledger(said["entries"][:2])
+    ledger.add("opened", said["entries"][3]["content"])
+    ledger.add("verdicts sealed", said["entries"][2]["content"])
+    said["entries"] = ledger.entries
+
+
+def test_an_honest_proof_is_accepted(tmp_path: Path) -> None:
+    assert verify(published(tmp_path)) == []
+
+
+@pytest.mark.parametrize(
+    ("tamper", "found"),
+    [
+        (change_answer, "entry 4 of the transcript was changed"),
+        (change_answer_and_rehash, "the answer is not the one that was sealed"),
+        (change_seed_and_rehash, "the seed is not the one that was committed to"),
+        (drop_a_case_and_rehash, "recordings, verdicts and answers are not of the same cases"),
+        (open_before_the_verdicts, "the steps of the transcript are not in their order"),
+    ],
+)
+def test_a_changed_transcript_is_rejected(tmp_path: Path, tamper: Callable[[Any], None], found: str) -> None:
+    path = published(tmp_path) / "transcript.json"
+    said = json.loads(path.read_text())
+    tamper(said)
+    path.write_text(json.dumps(said))
+    assert any(found in line for line in verify(tmp_path))
+
+
+@pytest.mark.parametrize("kind", ["recordings", "verdicts"])
+def test_a_changed_or_missing_file_is_rejected(tmp_path: Path, kind: str) -> None:
+    first, second = sorted((published(tmp_path) / kind).iterdir())[:2]
+    first.write_bytes(first.read_bytes() + b" ")
+    second.unlink()
+    found = verify(tmp_path)
+    assert sorted(line.split("the ")[1] for line in found) == [f"{kind[:-1]} is missing", f"{kind[:-1]} was changed"]
+
+
+def test_no_transcript_is_an_input_error(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match="no transcript of a proof"):
+        verify(tmp_path)
+
+
+def test_a_commitment_tells_nothing_without_its_salt() -> None:
+    # the same answer is sealed differently every time, so a list of all answers does not open it
+    assert Sealed({"mechanisms": []}).commitment != Sealed({"mechanisms": []}).commitment
+
+
+def test_a_cheater_finds_nothing(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    ledger = Ledger()
+    seed = seal_seed(ledger, {})
+    answer = Sealed({"mechanisms": ["stribeck"]})
+    seal_recordings(ledger, {"case": b"t,x\n"}, {"case": answer})
+    ledger.save(tmp_path)
+    monkeypatch.setenv("ANSWER", "stribeck")
+    script = CHEATER.replace("FOLDER", repr(str(tmp_path))).replace("SECRET", repr(str(seed.value)))
+    # the cheater's own text names what it looks for, so it is given on a path and not as an argument
+    program = tmp_path.parent / f"{random_name()}.py"
+    program.write_text(script)
+    said = json.loads(diagnose_blind([sys.executable, str(program)], b"t,x\n0,1\n", timeout=60.0))
+    assert said["files"] == 1
+    assert not any(said["guess"])
+
+
+def test_the_diagnosis_gets_the_recording_and_an_empty_folder() -> None:
+    code = "import os, sys; print(sys.stdin.read().strip(), os.listdir('.'), 'USER' in os.environ)"
+    assert diagnose_blind([sys.executable, "-c", code], b"t,x", timeout=60.0) == b"t,x [] False\n"
+
+
+def test_failing_or_hanging_says_nothing() -> None:
+    assert diagnose_blind([sys.executable, "-c", "print(1); raise SystemExit(1)"], b"", timeout=60.0) == b""
+    assert diagnose_blind([sys.executable, "-c", "import time; time.sleep(60)"], b"", timeout=0.5) == b""
