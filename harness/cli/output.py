@@ -1,5 +1,6 @@
 """Where results go: standard output, a JSON file, a table for people."""
 
+import math
 import shlex
 import sys
 from pathlib import Path
@@ -8,7 +9,7 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from rich.table import Table
 
-    from harness.results.common import Result
+    from harness.results.common import P, Result
 
 STANDARD_OUTPUT = "-"
 
@@ -53,3 +54,14 @@ def this_line() -> str:
     """The command line as somebody would type it again; "" when the program was not started by one."""
     is_ours = Path(sys.argv[0]).name in ("harness", "__main__.py")
     return shlex.join(["harness", *sys.argv[1:]]) if is_ours else ""
+
+
+def with_error(number: "P") -> str:
+    """A value to the second digit of its standard error, "-" for one that was refused."""
+    if number.value is None:
+        return "-"
+    unit = "" if number.unit in ("1", "rad/s") else f" {number.unit}"
+    if not number.stderr:
+        return f"{number.value:.6g}{unit}"
+    decimals = min(max(1 - math.floor(math.log10(number.stderr)), 0), 12)
+    return f"{number.value:.{decimals}f} +- {number.stderr:.{decimals}f}{unit}"

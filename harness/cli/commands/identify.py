@@ -6,11 +6,10 @@ from typing import TYPE_CHECKING
 import click
 
 from harness.cli.options import output_options, reading_options
-from harness.cli.output import check_json, emit_json, show, shows_tables, this_line
+from harness.cli.output import check_json, emit_json, show, shows_tables, this_line, with_error
 from harness.cli.progress import shown
 
 if TYPE_CHECKING:
-    from harness.results.common import P
     from harness.results.identify import IdentifyResult
 
 
@@ -64,22 +63,12 @@ def _print(result: "IdentifyResult") -> None:
     refused = []
     for method, estimate in result.estimates.items():
         numbers = (estimate.omega_n, estimate.zeta, estimate.x_k)
-        table.add_row(method, *(_number(number) for number in numbers), str(estimate.reversals))
+        table.add_row(method, *(with_error(number) for number in numbers), str(estimate.reversals))
         reasons = dict.fromkeys(number.why for number in numbers if number.value is None and number.why)
         refused += [f"{method}: {reason}" for reason in reasons]
     show(table)
     if result.sensor_phase_rad.value is not None:
-        click.echo(f"the accelerometer leads the displacement sensor by {_number(result.sensor_phase_rad)}")
+        click.echo(f"the accelerometer leads the displacement sensor by {with_error(result.sensor_phase_rad)}")
     for line in [*refused, *result.warnings]:
         click.echo(f"- {line}")
     click.echo(f"report: {result.files['report']}")
-
-
-def _number(number: "P") -> str:
-    """A value with as many digits as its standard error gives meaning to."""
-    if number.value is None:
-        return "-"
-    unit = "" if number.unit in ("1", "rad/s") else f" {number.unit}"
-    if number.stderr is None:
-        return f"{number.value:.6g}{unit}"
-    return f"{number.value:.6g} +- {number.stderr:.1g}{unit}"
