@@ -40,8 +40,6 @@ def presets(route: Route, preset: Preset, dt: float | None) -> dict[str, Any]:
             "angularDamping": 0.0,
             "maxJointVelocity": 1e9,
         }
-        if route == "contact":
-            settings |= {"numSolverIterations": 500, "solverResidualThreshold": 0.0}
     return settings
 
 
@@ -53,10 +51,7 @@ def unused(settings: dict[str, Any], shipped: dict[str, Any], route: Route) -> t
     ]
     if route == "joint":
         lines.append("URDF joint friction: read but without effect, a velocity motor limited to f_k stands for it")
-    else:
-        names = CONTACT_ONLY if route == "law" else ()
-        lines += [f"{name}: there is no contact on this route" for name in names if settings[name] != shipped[name]]
-    if route == "joint":
+    if route != "contact":
         differ = [name for name in CONTACT_ONLY if settings[name] != shipped[name]]
         lines += [f"{name}: there is no contact on this route" for name in differ]
     if settings["numSubSteps"] > 1:
