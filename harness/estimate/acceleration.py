@@ -15,7 +15,7 @@ from harness.estimate.channel import ChannelFit
 from harness.estimate.jumps import Jumps, as_acceleration, combine, find_jumps
 from harness.estimate.result import Estimate, Reversal, quantity, rates_to_modal
 from harness.estimate.reversals import Kind
-from harness.estimate.tied import D, OMEGA, SIGMA
+from harness.estimate.tied import OMEGA, SIGMA, D
 
 
 def _rows(jumps: Jumps, omega_n: float, x_k: float, variance: float) -> tuple[Reversal, ...]:

@@ -11,7 +11,7 @@ from harness.estimate.halfcycles import SeparateFit, fit_separately, moved_edges
 from harness.estimate.noise import Noise, channel_noise
 from harness.estimate.reversals import MINIMUM_HALF_CYCLES, HalfCycles, Kind, NoDecay, find_half_cycles, period_of
 from harness.estimate.sequence import powers
-from harness.estimate.tied import D, OFFSET, OMEGA, P0, SIGMA, T0, TiedFit, fit_tied, value_at
+from harness.estimate.tied import OFFSET, OMEGA, P0, SIGMA, T0, D, TiedFit, fit_tied, value_at
 
 _EXPLORED = 256
 """Samples a half-cycle that a first look needs."""
@@ -71,7 +71,9 @@ def _least_guard(t: FloatArray) -> float:
 
 
 def _tied_start(fit: SeparateFit) -> FloatArray:
-    """Start of the tied fit (6,): half-cycle time by regression, swings by linear least squares on the separate ones."""
+    """Start of the tied fit (6,): half-cycle time by regression, swings by linear least squares on the separate
+    ones.
+    """
     edges = fit.edges
     inner = edges[1:-1] if edges.size > 4 else edges
     index = np.arange(edges.size)[1:-1] if edges.size > 4 else np.arange(edges.size)
@@ -188,7 +190,9 @@ def fit_channel(t: FloatArray, y: FloatArray, kind: Kind, drop_first: bool = Fal
     cycles = find_half_cycles(t, y, kind, noise)
     if drop_first:
         if len(cycles) < MINIMUM_HALF_CYCLES + 2:
-            raise NoDecay(f"{len(cycles)} half-cycles found: without the first period fewer than {MINIMUM_HALF_CYCLES} are left")
+            raise NoDecay(
+                f"{len(cycles)} half-cycles found: without the first period fewer than {MINIMUM_HALF_CYCLES} are left"
+            )
         return _fit(t, y, kind, noise, _later(cycles), True)
     fit = _fit(t, y, kind, noise, cycles, False)
     if noise.found and not fit.holds and len(cycles) >= MINIMUM_HALF_CYCLES + 2:
@@ -221,14 +225,18 @@ def _shifted(fit: ChannelFit, centre: float) -> ChannelFit:
 
 
 def _refuse_driven(separate: SeparateFit, y: FloatArray, floor: float) -> None:
-    """Raise NoDecay for a motion that goes back and forth without decaying and without being a sine between reversals."""
+    """Raise NoDecay for a motion that goes back and forth without decaying and without being a sine between
+    reversals.
+    """
     windows = separate.windows
     moving = y[windows.lo[0] : windows.hi[-1]]
     swing = np.array([np.ptp(y[lo:hi]) for lo, hi in zip(windows.lo, windows.hi, strict=True) if hi > lo])
     lasting = float(np.median(swing[-3:])) > 0.9 * float(np.median(swing[:3]))
     odd = separate.variance > 1e-4 * float(np.var(moving)) + 9.0 * floor
     if odd and lasting:
-        raise NoDecay("the motion goes to and fro without decaying and is no oscillation of a spring: driven, no free decay")
+        raise NoDecay(
+            "the motion goes to and fro without decaying and is no oscillation of a spring: driven, no free decay"
+        )
 
 
 def _fit_once(

@@ -1,6 +1,7 @@
 """Method displacement: q from the decrements of the turning points (Liang, eqs. 7 and 8), then x_k from eq. 6.
 
-Eqs. 7 and 8 are eq. 6 with x_k, and with x_k and an offset of the sensor, eliminated. Dividing noisy differences is what
+Eqs. 7 and 8 are eq. 6 with x_k, and with x_k and an offset of the sensor, eliminated. Dividing noisy differences is
+what
 makes them poor; here the same recursion is fitted to all turning points with their covariance, both ends of each
 half-cycle counted, and an offset is kept when the data show one.
 """
@@ -72,7 +73,7 @@ def displacement(fit: ChannelFit, unit: str = "m") -> Estimate:
     """omega_n, zeta and x_k (in ``unit``) from the fit of a displacement."""
     points = turning_points(fit)
     count = points.time.shape[0]
-    sides = fit.cycles.side * (-1.0) ** np.arange(count)
+    sides = np.asarray(fit.cycles.side * (-1.0) ** np.arange(count), dtype=np.float64)
     found, shifted = _fit(points, sides, math.exp(-math.pi * min(max(fit.sigma / fit.omega, 0.0), 0.5)))
     covariance = found.covariance * max(found.scatter, 1.0)
     times, turning, variance = points.merged()

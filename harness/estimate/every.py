@@ -55,7 +55,9 @@ def _frequency(fit: ChannelFit) -> tuple[float, float]:
 
 
 def _sizes(fit: ChannelFit) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Times, turning points and variances for the isolated cases; from the acceleration after each jump when x is absent."""
+    """Times, turning points and variances for the isolated cases; from the acceleration after each jump when x is
+    absent.
+    """
     if fit.kind is Kind.DISPLACEMENT:
         points = turning_points(fit)
         times, turning, variance = points.merged()
@@ -130,8 +132,8 @@ def _warnings(t: FloatArray, fits: dict[str, ChannelFit]) -> list[str]:
         ratio = math.sqrt(fit.variance / fit.inflation) / fit.noise.sigma
         if fit.noise.found and ratio > 1.5:
             said.append(
-                f"{name}: viscous and Coulomb friction leave {ratio:.1f} times the noise unexplained; standard errors are"
-                " those of the misfit and can be too small"
+                f"{name}: viscous and Coulomb friction leave {ratio:.1f} times the noise unexplained;"
+                " standard errors are those of the misfit and can be too small"
             )
     return said
 

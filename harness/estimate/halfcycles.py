@@ -11,140 +11,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from harness.core.arrays import BoolArray, FloatArray, IntArray
-from harness.core.jit import compiled
+from harness.estimate.projection import compiled_project
 from harness.estimate.reversals import HalfCycles, Kind
-
-_LINEAR = 3  # c1, c2 and the centre
-
-
-def _solve(gram: FloatArray, size: int, inverse: FloatArray) -> None:
-    """Inverse of the leading ``size`` block of a symmetric positive matrix, scaled to a unit diagonal first."""
-    for i in range(_LINEAR):
-        for j in range(_LINEAR):
-            inverse[i, j] = 0.0
-    scale = np.ones(_LINEAR)
-    for i in range(size):
-        scale[i] = 1.0 / math.sqrt(gram[i, i]) if gram[i, i] > 0.0 else 0.0
-    a = scale[0] * scale[0] * gram[0, 0]
-    b = scale[0] * scale[1] * gram[0, 1]
-    d = scale[1] * scale[1] * gram[1, 1]
-    if size == 2:
-        det = a * d - b * b
-        if det > 1e-14:
-            inverse[0, 0], inverse[1, 1] = d / det * scale[0] ** 2, a / det * scale[1] ** 2
-            inverse[0, 1] = inverse[1, 0] = -b / det * scale[0] * scale[1]
-        return
-    c = scale[0] * scale[2] * gram[0, 2]
-    e = scale[1] * scale[2] * gram[1, 2]
-    f = scale[2] * scale[2] * gram[2, 2]
-    det = a * (d * f - e * e) - b * (b * f - c * e) + c * (b * e - c * d)
-    if det > 1e-14:
-        inverse[0, 0] = (d * f - e * e) / det
-        inverse[1, 1] = (a * f - c * c) / det
-        inverse[2, 2] = (a * d - b * b) / det
-        inverse[0, 1] = inverse[1, 0] = (c * e - b * f) / det
-        inverse[0, 2] = inverse[2, 0] = (b * e - c * d) / det
-        inverse[1, 2] = inverse[2, 1] = (b * c - a * e) / det
-        for i in range(3):
-            for j in range(3):
-                inverse[i, j] *= scale[i] * scale[j]
-
-
-_inverse = compiled(_solve)
-
-
-def _project(
-    t: FloatArray,
-    y: FloatArray,
-    start: FloatArray,
-    lo: IntArray,
-    hi: IntArray,
-    sigma: float,
-    omega: float,
-    size: int,
-    c: FloatArray,
-    inverse: FloatArray,
-    slope: FloatArray,
-    information: FloatArray,
-    gradient: FloatArray,
-) -> float:
-    """Fit every half-cycle; return the sum of squares and, for sigma and omega, what is left of them after c.
-
-    c (K,3), inverse (K,3,3): amplitudes and inverse normal matrices. slope (K,3,2): change of c with sigma and omega.
-    information (2,2), gradient (2,): normal equations of sigma and omega with every c eliminated.
-    """
-    gram, right = np.empty((3, 3)), np.empty(3)
-    cross, rates, pull = np.empty((3, 2)), np.empty((2, 2)), np.empty(2)
-    information[:] = 0.0
-    gradient[:] = 0.0
-    squares = 0.0
-    for k in range(start.size):
-        gram[:] = 0.0
-        right[:] = 0.0
-        for n in range(lo[k], hi[k]):
-            s = t[n] - start[k]
-            e = math.exp(-sigma * s)
-            p, q = e * math.cos(omega * s), e * math.sin(omega * s)
-            gram[0, 0] += p * p
-            gram[0, 1] += p * q
-            gram[1, 1] += q * q
-            gram[0, 2] += p
-            gram[1, 2] += q
-            gram[2, 2] += 1.0
-            right[0] += p * y[n]
-            right[1] += q * y[n]
-            right[2] += y[n]
-        gram[1, 0], gram[2, 0], gram[2, 1] = gram[0, 1], gram[0, 2], gram[1, 2]
-        _inverse(gram, size, inverse[k])
-        for i in range(3):
-            c[k, i] = 0.0
-            for j in range(size):
-                c[k, i] += inverse[k, i, j] * right[j]
-        cross[:] = 0.0
-        rates[:] = 0.0
-        pull[:] = 0.0
-        right[:] = 0.0
-        for n in range(lo[k], hi[k]):
-            s = t[n] - start[k]
-            e = math.exp(-sigma * s)
-            p, q = e * math.cos(omega * s), e * math.sin(omega * s)
-            r = y[n] - c[k, 0] * p - c[k, 1] * q - c[k, 2]
-            d0, d1 = -s * (c[k, 0] * p + c[k, 1] * q), s * (c[k, 1] * p - c[k, 0] * q)
-            squares += r * r
-            right[0] += p * r  # rounding of c, put right below
-            right[1] += q * r
-            right[2] += r
-            cross[0, 0] += p * d0
-            cross[0, 1] += p * d1
-            cross[1, 0] += q * d0
-            cross[1, 1] += q * d1
-            cross[2, 0] += d0
-            cross[2, 1] += d1
-            rates[0, 0] += d0 * d0
-            rates[0, 1] += d0 * d1
-            rates[1, 1] += d1 * d1
-            pull[0] += d0 * r
-            pull[1] += d1 * r
-        rates[1, 0] = rates[0, 1]
-        for i in range(3):
-            for j in range(size):
-                c[k, i] += inverse[k, i, j] * right[j]
-            for m in range(2):
-                slope[k, i, m] = 0.0
-                for j in range(size):
-                    slope[k, i, m] -= inverse[k, i, j] * cross[j, m]
-        for m in range(2):
-            gradient[m] += pull[m]
-            for i in range(size):
-                gradient[m] += slope[k, i, m] * right[i]
-            for j in range(2):
-                information[m, j] += rates[m, j]
-                for i in range(size):
-                    information[m, j] += cross[i, m] * slope[k, i, j]
-    return squares
-
-
-_compiled_project = compiled(_project)
 
 
 @dataclass(frozen=True, slots=True)
@@ -172,7 +40,8 @@ class Windows:
 class SeparateFit:
     """Half-cycles fitted apart, with shared sigma = zeta omega_n and omega = omega_d (rad/s).
 
-    edges : (K+1,) s. c : (K,3) cosine and sine amplitude at the start of the half-cycle, and the centre (x only), in the
+    edges : (K+1,) s. c : (K,3) cosine and sine amplitude at the start of the half-cycle, and the centre (x only), in
+    the
     channel's unit. inverse : (K,3,3) covariance of c per unit of variance, rates known. slope : (K,3,2) dc/d(sigma,
     omega). rates : (2,2) covariance of sigma and omega per unit of variance. variance : of the residual. freedom :
     degrees of freedom.
@@ -246,7 +115,7 @@ def fit_separately(
     information, gradient = np.zeros((2, 2)), np.zeros(2)
 
     def evaluate(sigma: float, omega: float) -> float:
-        return _compiled_project(
+        return compiled_project(
             t, y, windows.start, windows.lo, windows.hi, sigma, omega, size, c, inverse, slope, information, gradient
         )
 
@@ -289,7 +158,7 @@ def fit_separately(
         c,
         inverse,
         slope,
-        np.linalg.pinv(information),
+        np.asarray(np.linalg.pinv(information), dtype=np.float64),
         squares / freedom,
         freedom,
     )

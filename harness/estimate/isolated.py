@@ -1,4 +1,6 @@
-"""The isolated cases: cumulative logarithmic decrement (viscous alone), cumulative constant decrement (Coulomb alone)."""
+"""The isolated cases: cumulative logarithmic decrement (viscous alone), cumulative constant decrement (Coulomb
+alone).
+"""
 
 import math
 
@@ -13,7 +15,9 @@ NO_VISCOUS = "the constant decrement assumes that there is no viscous damping"
 
 
 def _ends(size: FloatArray, variance: FloatArray, parity: int) -> tuple[int, int] | None:
-    """First and last turning point of one side that stand above three standard errors, two half-cycles apart or more."""
+    """First and last turning point of one side that stand above three standard errors, two half-cycles apart or
+    more.
+    """
     good = [i for i in range(parity, size.size, 2) if size[i] > 3.0 * math.sqrt(variance[i])]
     return (good[0], good[-1]) if len(good) >= 2 else None
 
@@ -34,7 +38,8 @@ def log_decrement(
 ) -> Estimate:
     """zeta from the ratio of the first to the last peak, and of the first to the last valley.
 
-    times (n,) s, turning (n,) m, variance (n,) m^2 of successive turning points; omega_d with its standard error, rad/s.
+    times (n,) s, turning (n,) m, variance (n,) m^2 of successive turning points; omega_d with its standard error,
+    rad/s.
     """
     size = np.abs(turning)
     figures = []

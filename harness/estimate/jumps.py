@@ -18,7 +18,8 @@ from harness.estimate.reversals import Kind
 class Jumps:
     """Jumps at the inner edges of K half-cycles; arrays have shape (K-1,) unless said.
 
-    t : s. before, after : acceleration either side, m/s^2. size : omega_n^2 2 x_k as this jump shows it, m/s^2, positive
+    t : s. before, after : acceleration either side, m/s^2. size : omega_n^2 2 x_k as this jump shows it, m/s^2,
+    positive
     for friction. variance, neighbour : variance of each size and covariance with the next (K-2,), per unit of variance.
     by_rates : (K-1,2) change of size with sigma and omega. lead : s by which the jump precedes ``t``.
     """
@@ -48,7 +49,8 @@ def as_acceleration(fit: SeparateFit) -> SeparateFit:
 def find_jumps(fit: SeparateFit, side: int, follow: bool) -> Jumps:
     """Jumps of an acceleration fit; side is the sign of x at the start.
 
-    follow : look for the jump where both sides have one speed, which is where friction reversed, not where the speed did.
+    follow : look for the jump where both sides have one speed, which is where friction reversed, not where the speed
+    did.
     """
     edges = fit.edges[1:-1]
     k = np.arange(edges.size)
@@ -135,7 +137,9 @@ _compiled_chain = compiled(_solve_chain)
 
 @dataclass(frozen=True, slots=True)
 class WeightedJump:
-    """The common size of all jumps, m/s^2; variance as stated by the weights; by_rates (2,); scatter chi-square per degree."""
+    """The common size of all jumps, m/s^2; variance as stated by the weights; by_rates (2,); scatter chi-square per
+    degree.
+    """
 
     size: float
     variance: float

@@ -65,8 +65,10 @@ def acceleration_local(
 ) -> Estimate:
     """omega_n, zeta and x_k (in ``unit``) from single samples of the acceleration a (n,), m/s^2, at t (n,), s.
 
-    sigma : noise of one sample. edges (K+1,) : times at which the speed is zero, s; seen : whether the first and the last
-    are such in the data. side : sign of x at the start. omega_d : with its standard error, rad/s. decay : sigma = zeta omega_n, 1/s, to
+    sigma : noise of one sample. edges (K+1,) : times at which the speed is zero, s; seen : whether the first and the
+    last
+    are such in the data. side : sign of x at the start. omega_d : with its standard error, rad/s. decay : sigma =
+    zeta omega_n, 1/s, to
     carry a sample over an interval and a half.
     """
     count = edges.size - 1

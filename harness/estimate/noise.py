@@ -44,7 +44,9 @@ class Noise:
 
 
 def _window_residuals(t: FloatArray, y: FloatArray, width: int, degree: int, out: FloatArray) -> None:
-    """Residuals of a polynomial of ``degree`` in every window of ``width`` samples, by Gram-Schmidt on its own times."""
+    """Residuals of a polynomial of ``degree`` in every window of ``width`` samples, by Gram-Schmidt on its own
+    times.
+    """
     basis = np.empty((degree + 1, width))
     for w in range(t.size // width):
         lo = w * width

@@ -21,7 +21,9 @@ def moving_average(a: FloatArray, points: int = POINTS) -> FloatArray:
 
 
 def beside(t: FloatArray, a: FloatArray, times: FloatArray, points: int) -> tuple[FloatArray, FloatArray]:
-    """Averages of ``points`` samples of a (n,) wholly before and wholly after each of ``times`` (m,); nan at the ends."""
+    """Averages of ``points`` samples of a (n,) wholly before and wholly after each of ``times`` (m,); nan at the
+    ends.
+    """
     smooth = moving_average(a, points)
     tolerance = 1e-9 * float(t[-1] - t[0])
     last = np.searchsorted(t, times - tolerance) - points
@@ -38,14 +40,32 @@ def _zetas(ratios: FloatArray) -> FloatArray:
     return np.asarray(beta / np.sqrt(1.0 + beta**2), dtype=np.float64)
 
 
+def _ratios(change: FloatArray, before: FloatArray, scale: float) -> FloatArray:
+    """change / before (n,), nan where before is nothing but rounding of figures of size ``scale``."""
+    real = np.abs(before) > 1e-9 * scale
+    return np.where(real, change / np.where(real, before, 1.0), np.nan)
+
+
+def _by_sums(values: FloatArray) -> FloatArray:
+    """zeta from three successive figures (n,), the form of eqs. 7 and 13."""
+    sums = values[1:] + values[:-1]
+    return _zetas(_ratios(sums[1:], sums[:-1], float(np.max(np.abs(values), initial=0.0))))
+
+
+def _by_differences(values: FloatArray) -> FloatArray:
+    """zeta from four successive figures (n,), the form of eqs. 8 and 12."""
+    differences = values[2:] - values[:-2]
+    return _zetas(_ratios(differences[1:], differences[:-1], float(np.max(np.abs(values), initial=0.0))))
+
+
 def by_eq_12(before: FloatArray) -> FloatArray:
     """zeta from four successive accelerations before jumps (n,), signed, m/s^2."""
-    return _zetas((before[3:] - before[1:-2]) / (before[2:-1] - before[:-3]))
+    return _by_differences(before)
 
 
 def by_eq_13(after: FloatArray) -> FloatArray:
     """zeta from three successive accelerations after jumps (n,), signed, m/s^2."""
-    return _zetas((after[1:-1] + after[2:]) / (after[:-2] + after[1:-1]))
+    return _by_sums(after)
 
 
 def _mean(values: FloatArray, unit: str, what: str) -> Quantity:
@@ -69,7 +89,8 @@ def acceleration_paper(
     """omega_n, zeta and x_k (in ``unit``) from a (n,), m/s^2, at t (n,), s, by eqs. 11, 12 and 13, averaged.
 
     edges (K+1,) : release (or start), reversals, stop, s. omega_d : from the half-cycle time, rad/s, with its error.
-    points : of the moving average (1: no smoothing, as in the paper's simulation). drop_first : leave out the first period.
+    points : of the moving average (1: no smoothing, as in the paper's simulation). drop_first : leave out the first
+    period.
     """
     inner = edges[1:-1]
     if drop_first:
@@ -106,7 +127,8 @@ def acceleration_paper(
 def displacement_paper(
     t: FloatArray, x: FloatArray, edges: FloatArray, omega_d: tuple[float, float], unit: str = "m"
 ) -> Estimate:
-    """The displacement decrement as the paper used it: largest samples, eqs. 7 and 8 and then 6, first period dropped, averaged.
+    """The displacement decrement as the paper used it: largest samples, eqs. 7 and 8 and then 6, first period
+    dropped, averaged.
 
     Arguments as for acceleration_paper, x (n,) in m. Kept for the table that compares with the paper's.
     """
@@ -117,9 +139,7 @@ def displacement_paper(
         part = x[slice(*np.searchsorted(t, [time - 0.25 * half, time + 0.25 * half]))]
         turning.append(float(part[np.argmax(np.abs(part))]) if part.size else math.nan)
     points = np.array(turning)
-    seven = _zetas((points[2:] + points[1:-1]) / (points[1:-1] + points[:-2]))
-    eight = _zetas((points[3:] - points[1:-2]) / (points[2:-1] - points[:-3]))
-    zeta = _mean(np.concatenate([seven, eight]), "1", "eqs. 7 and 8")
+    zeta = _mean(np.concatenate([_by_sums(points), _by_differences(points)]), "1", "eqs. 7 and 8")
     if zeta.value is None or abs(zeta.value) >= 1.0:
         return Estimate.refused("eqs. 7 and 8 gave no damping ratio", unit)
     root = math.sqrt(1.0 - zeta.value**2)

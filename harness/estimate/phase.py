@@ -21,7 +21,8 @@ def _time_error(fit: ChannelFit, index: float) -> float:
 def sensor_lead(acceleration: ChannelFit, displacement: ChannelFit) -> tuple[Quantity, float]:
     """Phase lead of the accelerometer in rad, and the same in s: x is late against a by that time.
 
-    Each channel is fitted with reversals of its own; the lead is how far theirs are apart. Methods that read one channel
+    Each channel is fitted with reversals of its own; the lead is how far theirs are apart. Methods that read one
+    channel
     at that channel's own reversals need no further correction: this is how the lead is removed.
     """
     ours, theirs = reversal_times(acceleration), reversal_times(displacement)

@@ -16,7 +16,8 @@ from harness.estimate.noise import Noise
 class Reversal:
     """Figures of one reversal; None where the method does not see the figure.
 
-    t : s. x : turning point X_i, m, from the rest position of the spring. a_before, a_after : m/s^2 on either side of the
+    t : s. x : turning point X_i, m, from the rest position of the spring. a_before, a_after : m/s^2 on either side
+    of the
     jump (Liang, eqs. 9 and 10). x_k : from this reversal alone (eq. 11, or eq. 6 for displacement), m. stderr : of x_k.
     zeta : from this reversal and its neighbours where the method has such a figure.
     """
@@ -71,7 +72,8 @@ class Estimate:
 class Estimation:
     """What all methods read from one recording.
 
-    methods : by the METHOD names of the result files, always all of them. sensor_phase : lead of the accelerometer before
+    methods : by the METHOD names of the result files, always all of them. sensor_phase : lead of the accelerometer
+    before
     the displacement sensor, rad, already removed. lag : the same in s (0 when not known). noise : per channel.
     edges : times of release (or start), reversals and stop (or end), s; empty when there is no free decay.
     """
@@ -97,7 +99,9 @@ def quantity(value: float, stderr: float, unit: str) -> Quantity:
 
 
 def rates_to_modal(sigma: float, omega: float, covariance: FloatArray) -> tuple[float, float, float, float]:
-    """omega_n, its standard error, zeta, its standard error from sigma = zeta omega_n, omega_d and their (2,2) covariance."""
+    """omega_n, its standard error, zeta, its standard error from sigma = zeta omega_n, omega_d and their (2,2)
+    covariance.
+    """
     omega_n = math.hypot(sigma, omega)
     by_n = np.array([sigma, omega]) / omega_n
     by_z = np.array([omega * omega, -sigma * omega]) / omega_n**3

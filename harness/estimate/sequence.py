@@ -1,4 +1,6 @@
-"""Figures at the two ends of each half-cycle follow a geometric recursion; weighted least squares on its few unknowns."""
+"""Figures at the two ends of each half-cycle follow a geometric recursion; weighted least squares on its few
+unknowns.
+"""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -78,4 +80,4 @@ def powers(q: float, count: int) -> tuple[FloatArray, FloatArray, FloatArray, Fl
     by_power = k * q ** np.maximum(k - 1, 0)
     total = np.concatenate([[0.0], np.cumsum(power[:-1])])
     by_total = np.concatenate([[0.0], np.cumsum(by_power[:-1])])
-    return power, by_power, total, by_total
+    return np.asarray(power, dtype=np.float64), np.asarray(by_power, dtype=np.float64), total, by_total

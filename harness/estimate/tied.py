@@ -50,7 +50,7 @@ def _form(kind: int, theta: FloatArray, s: float, p: float, side: float, row: Fl
         row[2] = 0.0
         row[3] = h
         row[4] = -side * p * e * (-2.0 * sigma * cos + (sigma * rho - omega) * sin)
-        return p * h + theta[5]
+        return float(p * h + theta[5])
     if kind == 1:
         h = -side / omega * e * sin
         row[0] = -s * p * h
@@ -58,7 +58,7 @@ def _form(kind: int, theta: FloatArray, s: float, p: float, side: float, row: Fl
         row[2] = 0.0
         row[3] = h
         row[4] = -side * p / omega * e * (omega * cos - sigma * sin)
-        return p * h + theta[5]
+        return float(p * h + theta[5])
     per = side / (sigma * sigma + omega * omega)
     h = per * e * (cos + rho * sin)
     value = per * theta[2] + p * h
@@ -67,7 +67,7 @@ def _form(kind: int, theta: FloatArray, s: float, p: float, side: float, row: Fl
     row[2] = per
     row[3] = h
     row[4] = -side * p / omega * e * sin
-    return value + theta[5]
+    return float(value + theta[5])
 
 
 _compiled_form = compiled(_form)
@@ -102,7 +102,7 @@ def _normal(
         if t[n] > member[3]:
             break
         at = (t[n] - member[0]) / member[1]
-        k = int(math.floor(at))
+        k = math.floor(at)
         if k >= count:
             break
         if (at - k) * member[1] < guard or (k + 1 - at) * member[1] < guard:
@@ -135,7 +135,8 @@ _compiled_normal = compiled(_normal)
 class TiedFit:
     """The whole decay by one set of numbers.
 
-    theta : (6,) sigma (1/s), omega_d (rad/s), D = omega_n^2 x_k, P_0 = omega_n^2 (|X_0| - x_k) (m/s^2), t_0 (s), offset (in
+    theta : (6,) sigma (1/s), omega_d (rad/s), D = omega_n^2 x_k, P_0 = omega_n^2 (|X_0| - x_k) (m/s^2), t_0 (s),
+    offset (in
     the channel's unit). covariance : (6,6) per unit of variance; rows of what was held are 0. side : sign of X_0.
     count : half-cycles. variance : of the residual. freedom : degrees of freedom.
     """
@@ -192,9 +193,11 @@ def fit_tied(
     span: tuple[float, float],
     offset: bool,
 ) -> TiedFit:
-    """Least squares of the tied form over ``count`` half-cycles, from ``start`` (6,), with samples in ``span`` (s) alone.
+    """Least squares of the tied form over ``count`` half-cycles, from ``start`` (6,), with samples in ``span`` (s)
+    alone.
 
-    Levenberg-Marquardt; samples are dealt to half-cycles anew until that settles. offset : whether theta's last is free.
+    Levenberg-Marquardt; samples are dealt to half-cycles anew until that settles. offset : whether theta's last is
+    free.
     """
     free = _SIZE if offset else _SIZE - 1
     theta = start.copy()
@@ -245,7 +248,7 @@ def _sample(
     row = np.empty(8)
     step = math.pi / theta[1]
     for n in range(t.size):
-        k = int(math.floor((t[n] - theta[4]) / step))
+        k = math.floor((t[n] - theta[4]) / step)
         out[n] = math.nan
         if 0 <= k < count:
             sign = float(side) if k % 2 == 0 else -float(side)

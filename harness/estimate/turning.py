@@ -6,7 +6,6 @@ import numpy as np
 
 from harness.core.arrays import BoolArray, FloatArray
 from harness.estimate.channel import ChannelFit
-from harness.estimate.reversals import Kind
 
 
 @dataclass(frozen=True, slots=True)
@@ -95,7 +94,9 @@ def _locally(fit: ChannelFit) -> TurningPoints:
 
 
 def turning_points(fit: ChannelFit) -> TurningPoints:
-    """Turning points from a fit of the displacement: from the half-cycles' forms if these explain it, else one by one."""
+    """Turning points from a fit of the displacement: from the half-cycles' forms if these explain it, else one by
+    one.
+    """
     explained = fit.holds or fit.separate.variance < 4.0 * fit.noise.sigma**2
     return _from_forms(fit) if explained else _locally(fit)
 
@@ -113,7 +114,8 @@ def _from_forms(fit: ChannelFit) -> TurningPoints:
 def reversal_times(fit: ChannelFit) -> FloatArray:
     """Times at which the speed changes sign between two half-cycles, (K-1,) s.
 
-    Where friction does not reverse with the speed, the form after the jump tells: friction of soft constraints acts early.
+    Where friction does not reverse with the speed, the form after the jump tells: friction of soft constraints acts
+    early.
     """
     if fit.holds:
         return fit.edges[1:-1]
@@ -124,7 +126,9 @@ def reversal_times(fit: ChannelFit) -> FloatArray:
 
 
 def all_edges(fit: ChannelFit) -> FloatArray:
-    """Release (or where the first half-cycle would have begun), reversals, and stop (or where it would be), (K+1,) s."""
+    """Release (or where the first half-cycle would have begun), reversals, and stop (or where it would be), (K+1,)
+    s.
+    """
     if fit.holds:
         return fit.edges
     separate = fit.separate
