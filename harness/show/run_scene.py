@@ -182,7 +182,7 @@ def _layout(
     shares = [3.0]
     if errors:
         left.append(s.Plot("error against the reference / mm", ["/error"], padded([e * 1e3 for e in errors], 0.06)))
-        shares.append(2.0)
+        shares.append(2.6)
     left.append(acceleration)
     shares.append(3.0)
     if lanes:

@@ -14,9 +14,9 @@ from harness.results.run import RunResult
 SCENARIO: dict[str, Any] = {
     "name": "free-decay",
     "slider": {"m": 1.0, "c": 1.0, "k": 100.0, "f_k": 3.0, "f_s": 3.0},
-    "x0": 1.0,
-    "v0": 0.0,
-    "duration": 3.0,
+    "truth": {"omega_n": 10.0, "zeta": 0.05, "x_k": 0.03},
+    "release": {"x0": 1.0, "v0": 0.0},
+    "duration_s": 3.0,
 }
 MACHINE = {"python": "3.11.7", "packages": {"numpy": "2"}, "system": "Linux", "cores": 2, "seeds": {"noise": 7}}
 

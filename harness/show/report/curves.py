@@ -83,25 +83,22 @@ def turning(events: Events) -> Events:
 
 
 def jumps(events: Events) -> dict[str, Any]:
-    """The jump of acceleration at each reversal as an upright line with its size."""
+    """The acceleration on both sides of each reversal as marks that say the size of the jump."""
     found = turning(events)
-    n = len(found)
-    gap = np.full(n, np.nan)
     text = [
         f"{'sticks' if found.kind[i] == EventKind.STICK else f'reversal {i + 1}'} at {found.t[i]:.6f} s<br>"
         f"jump {found.a_after[i] - found.a_before[i]:+.5g} m/s²"
-        for i in range(n)
+        for i in range(len(found))
     ]
     return {
         "type": "scatter",
-        "mode": "lines+markers",
-        "name": "jump of the reference",
-        "x": np.column_stack([found.t, found.t, gap]).ravel(),
-        "y": np.column_stack([found.a_before, found.a_after, gap]).ravel(),
-        "text": [line for one in text for line in (one, one, "")],
+        "mode": "markers",
+        "name": "before and after the exact jump",
+        "x": np.repeat(found.t, 2),
+        "y": np.column_stack([found.a_before, found.a_after]).ravel(),
+        "text": [line for one in text for line in (one, one)],
         "hovertemplate": "%{text}<extra></extra>",
-        "line": {"color": "accent", "width": 1.6},
-        "marker": {"color": "accent", "size": 5},
+        "marker": {"color": "ink", "size": 7, "symbol": "diamond-open"},
         "meta": {"curve": False},
     }
 

@@ -63,15 +63,10 @@ class Estimates(Section):
         return Table("source", columns, rows, "", QUANTITIES[name] + put_in, footnotes(reasons))
 
 
-def true_values(scenario: Mapping[str, Any]) -> dict[str, float]:
-    """omega_n (rad/s), zeta and x_k (m) of the scenario's slider; empty when it has none."""
-    slider = scenario.get("slider")
-    if not isinstance(slider, Mapping) or not all(
-        isinstance(slider.get(key), (int, float)) for key in ("m", "c", "k", "f_k")
-    ):
-        return {}
-    m, c, k, f_k = (float(slider[key]) for key in ("m", "c", "k", "f_k"))
-    return {"omega_n": math.sqrt(k / m), "zeta": c / (2.0 * math.sqrt(k * m)), "x_k": f_k / k}
+def true_values(scenario: Mapping[str, Any]) -> Mapping[str, float]:
+    """omega_n (rad/s), zeta and x_k (m) of the scenario's slider; empty when the scenario does not say them."""
+    truth = scenario.get("truth")
+    return truth if isinstance(truth, Mapping) else {}
 
 
 def _unit(traces: Sequence[Mapping[str, Any]], name: str) -> str:
@@ -93,13 +88,13 @@ def cell(estimate: Mapping[str, Any] | None, name: str, truth: float | None, rea
             reasons.append(why)
         mark = letter(reasons.index(why))
     if p["value"] is None:
-        return Cell("\u2013", f"({mark})", hint=why or "")
-    note = f"± {stderr}" if stderr else f"({mark})"
+        return Cell("\u2013", [f"({mark})"], hint=why or "")
+    notes = [f"± {stderr}" if stderr else f"({mark})"]
     relative = None
     if truth:
         relative = (p["value"] - truth) / truth
-        note += ", " + percent(relative)
-    return Cell(value, note, grade(relative), " ".join([*([why] if why else []), *estimate.get("notes", [])]))
+        notes.append(percent(relative))
+    return Cell(value, notes, grade(relative), " ".join([*([why] if why else []), *estimate.get("notes", [])]))
 
 
 def percent(relative: float) -> str:

@@ -74,8 +74,8 @@ class Motion(Section):
                 "acceleration",
                 acceleration,
                 layout | {"yaxis": {"title": {"text": "acceleration / (m/s²)"}}},
-                "At a reversal dry friction changes sign and the acceleration jumps by 2 f_k/m: the upright strokes "
-                "are the exact jumps. Zoom to one to see how each engine spreads it over time.",
+                "At a reversal dry friction changes sign and the acceleration jumps by 2 f_k/m: the diamonds "
+                "are its two sides in the exact solution. Zoom to one to see how each engine spreads it over time.",
                 GROUP,
                 400,
             )

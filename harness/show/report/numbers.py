@@ -4,21 +4,24 @@ import math
 from collections.abc import Mapping
 from typing import Any
 
-from markupsafe import Markup
-
 MINUS = "\u2212"
 NONE = "\u2013"
 
+MOST_DIGITS = 9
+"""Significant digits of a value at most, however small its standard error."""
+
 SHOWN: dict[str, tuple[str, float]] = {"m": ("mm", 1e3), "m/s": ("mm/s", 1e3)}
 """SI unit -> the unit shown, and how many of it one SI unit is."""
+
+
+_RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 
 
 def plain(text: str) -> str:
     """With a true minus sign, and powers of ten as people write them."""
     if "e" in text and text[0] in "-0123456789":
         mantissa, exponent = text.split("e")
-        power = str(int(exponent)).replace("-", MINUS)
-        return Markup("{}\u00b710<sup>{}</sup>").format(mantissa.replace("-", MINUS), power)
+        return f"{mantissa.replace('-', MINUS)}·10{str(int(exponent)).translate(_RAISED)}"
     return text.replace("-", MINUS)
 
 
@@ -40,7 +43,7 @@ def with_error(value: float, stderr: float | None) -> tuple[str, str]:
         return number(value, 5), ""
     if stderr == 0.0:
         return number(value, 6), "0"
-    finest = math.floor(math.log10(abs(value))) - 9 if value else -12
+    finest = math.floor(math.log10(abs(value))) - MOST_DIGITS + 2 if value else -12
     decimals = 1 - max(math.floor(math.log10(stderr)), finest)
     if decimals > 12 or decimals < 0:
         return number(value, 6), number(stderr, 2)

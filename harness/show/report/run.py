@@ -21,6 +21,7 @@ def run_sections(trajectories: Sequence[Trajectory], result: Mapping[str, Any], 
     "" when it is not known.
     """
     traces = [trace for trace in result["traces"] if not trace.get("error")]
+    labels = [f"{trace['source']} {trace['preset']}".strip() for trace in traces]
     failed = [
         f"{trace['source']} {trace['preset']}".strip() + f" could not be run: {trace['error']}"
         for trace in result["traces"]
@@ -28,7 +29,7 @@ def run_sections(trajectories: Sequence[Trajectory], result: Mapping[str, Any], 
     ]
     palette = ["var(--ink)", *colors([trajectory.source for trajectory in trajectories])[1:]]
     return [
-        Verdict(headline(traces), [*failed, *result["conclusions"]]),
+        Verdict(headline(traces), [*failed, *result["conclusions"]], labels),
         Scorecard(traces, result["scenario"], palette),
         Estimates(traces, result["scenario"], palette),
         Motion(trajectories),

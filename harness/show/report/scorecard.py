@@ -5,6 +5,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
+from harness.show.report.estimates import true_values
 from harness.show.report.numbers import number
 from harness.show.report.section import Section
 from harness.show.report.table import Cell, Column, Row, Table, grade
@@ -49,7 +50,7 @@ class Scorecard(Section):
 
     def _row(self, trace: Mapping[str, Any], color: str, with_lift: bool) -> Row:
         metrics, exact = trace["metrics"], self.traces[0]["metrics"]
-        size = abs(float(self.scenario.get("x0") or 0.0)) or None
+        size = abs(float((self.scenario.get("release") or {}).get("x0") or 0.0)) or None
         period, x_k = self._period(), self._x_k()
         stick = metrics["stick_time_s"]
         late = None if stick is None or exact["stick_time_s"] is None else stick - exact["stick_time_s"]
@@ -80,14 +81,11 @@ class Scorecard(Section):
         return Cell(number(None if value is None else value * factor, digits), grade=_graded(value, scale))
 
     def _x_k(self) -> float | None:
-        slider = self.scenario.get("slider") or {}
-        k, f_k = slider.get("k"), slider.get("f_k")
-        return f_k / k if k and f_k else None
+        return true_values(self.scenario).get("x_k") or None
 
     def _period(self) -> float | None:
-        slider = self.scenario.get("slider") or {}
-        m, k = slider.get("m"), slider.get("k")
-        return 2.0 * math.pi * math.sqrt(m / k) if m and k else None
+        omega_n = true_values(self.scenario).get("omega_n")
+        return 2.0 * math.pi / omega_n if omega_n else None
 
 
 def _graded(value: float | None, scale: float | None) -> int | None:

@@ -37,6 +37,7 @@ class Sources(Section):
                     if part
                 ),
                 "ignored": trace["ignored"],
+                "count": "1 setting" if len(trace["settings"]) == 1 else f"{len(trace['settings'])} settings",
                 "settings": {name: setting(value) for name, value in trace["settings"].items()},
             }
             for trace, color in zip(self.traces, self.palette, strict=True)

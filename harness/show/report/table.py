@@ -6,13 +6,13 @@ from dataclasses import dataclass, field
 
 @dataclass(frozen=True, slots=True)
 class Cell:
-    """text : the value. note : small, below it. grade : 0 (as good as exact) to 4 (far off), None for no colour.
+    """text : the value. notes : small lines below it. grade : 0 (as good as exact) to 4 (far off), None for no colour.
 
     hint : shown on hovering.
     """
 
     text: str
-    note: str = ""
+    notes: Sequence[str] = ()
     grade: int | None = None
     hint: str = ""
 

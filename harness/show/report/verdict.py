@@ -10,11 +10,15 @@ from harness.show.report.section import Section
 
 @dataclass(frozen=True)
 class Verdict(Section):
-    """headline : one or two sentences. sentences : what differs and why."""
+    """headline : one or two sentences. sentences : what differs and why.
+
+    about : names; sentences that begin with one of them and a colon are put together.
+    """
 
     template: ClassVar[str] = "verdict.html.j2"
     headline: str
     sentences: Sequence[str]
+    about: Sequence[str] = ()
     heading: str = "What came out"
 
     @property
@@ -24,7 +28,15 @@ class Verdict(Section):
 
     def context(self) -> Mapping[str, Any]:
         """What the template shows."""
-        return {"headline": self.headline, "sentences": self.sentences}
+        grouped: dict[str, list[str]] = {}
+        rest = []
+        for sentence in self.sentences:
+            about, colon, said = sentence.partition(": ")
+            if colon and about in self.about:
+                grouped.setdefault(about, []).append(_capital(said))
+            else:
+                rest.append(sentence)
+        return {"headline": self.headline, "grouped": grouped, "sentences": rest}
 
 
 def headline(traces: Sequence[Mapping[str, Any]]) -> str:
@@ -50,6 +62,12 @@ def _sentence(preset: str, traces: Sequence[Mapping[str, Any]]) -> str:
     start = {"as-shipped": "As shipped, ", "tuned": "Tuned, "}.get(preset, f"{preset}: " if preset else "")
     text = start + _joined(parts)
     return text[0].upper() + text[1:] + "."
+
+
+def _capital(sentence: str) -> str:
+    """Begun with a capital, unless it begins with a symbol such as zeta or x_k."""
+    first = sentence.split(maxsplit=1)[0]
+    return sentence if "_" in first or first == "zeta" else sentence[0].upper() + sentence[1:]
 
 
 def _joined(parts: Sequence[str]) -> str:

@@ -59,6 +59,7 @@
     let bottom = Infinity, top = -Infinity;
     const modes = [];
     for (const trace of plot.data) {
+      if (trace.visible === "legendonly") { modes.push(trace.mode); continue; }
       const line = trace.meta && trace.meta.curve;
       const [a, b] = line ? within(trace.x, low, high) : [0, trace.x.length];
       for (let i = Math.max(0, a - 1); i < Math.min(trace.x.length, b + 1); i++)
@@ -102,6 +103,12 @@
     const plot = element(spec);
     if (!spec.group) return;
     shown[spec.group] = "null";
+    plot.on("plotly_restyle", ([change]) => {
+      if (!("visible" in change)) return;
+      const wanted = shown[spec.group];
+      shown[spec.group] = undefined;
+      zoom(spec.group, JSON.parse(wanted));
+    });
     plot.on("plotly_relayout", (change) => {
       const range = "xaxis.range[0]" in change ? [change["xaxis.range[0]"], change["xaxis.range[1]"]] : change["xaxis.range"];
       const wanted = range ? range.map(Number) : null;
