@@ -7,7 +7,7 @@ from typing import Any, TypeAlias
 import numpy as np
 
 from harness.core.arrays import FloatArray
-from harness.core.checks import increasing, vector
+from harness.core.checks import finite, increasing, positive, vector
 from harness.core.errors import InputError
 
 Function: TypeAlias = Callable[..., Any]
@@ -62,3 +62,20 @@ class Drive:
             raise InputError("drive: t", "no samples", "at least 1 is accepted")
         object.__setattr__(self, "t", t)
         object.__setattr__(self, "u", vector("drive: u", self.u, t.size))
+
+    @classmethod
+    def none(cls) -> "Drive":
+        """No force at all; something to add a knock to."""
+        return cls(np.zeros(1), np.zeros(1))
+
+    def with_knock(self, time: float, impulse: float, dt: float) -> "Drive":
+        """The same drive and a knock of ``impulse`` (N s) at ``time`` (s), for a run with step ``dt`` (s).
+
+        The knock is a triangle two steps wide. Sampled once a step, or at the start, middle and end of steps as
+        Runge-Kutta does, it passes on exactly its impulse, with the right mean time, wherever it falls between steps.
+        """
+        positive("knock: dt", dt, "s")
+        corners = finite("knock: time", time) + dt * np.array([-1.0, 0.0, 1.0])
+        t = np.union1d(self.t, corners)
+        pulse = np.interp(t, corners, [0.0, finite("knock: impulse", impulse) / dt, 0.0])
+        return Drive(t, np.interp(t, self.t, self.u) + pulse)

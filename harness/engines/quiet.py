@@ -5,8 +5,11 @@ import logging
 import os
 import sys
 import tempfile
+import threading
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
+
+_lock = threading.RLock()
 
 
 @contextmanager
@@ -14,9 +17,10 @@ def quiet(log: logging.Logger) -> Iterator[None]:
     """Send everything written to descriptors 1 and 2 inside the block to ``log``, one debug record a line.
 
     Python's own streams are flushed on the way in and out, so that nothing of theirs is caught. A stream that is closed
-    is left closed. Not for use in several threads at once: descriptors belong to the whole process.
+    is left closed. Descriptors belong to the whole process: a second thread waits for the first, and what other threads
+    print meanwhile is caught too.
     """
-    with tempfile.TemporaryFile() as caught:
+    with _lock, tempfile.TemporaryFile() as caught:
         saved: dict[int, int] = {}
         _flush()
         for descriptor in (1, 2):

@@ -9,7 +9,7 @@ from engine_cases import decay, engine, stiff
 
 from harness.core.arrays import FloatArray
 from harness.core.quantity import Quantity
-from harness.core.scenario import Hold, Scenario
+from harness.core.scenario import Harmonic, Hold, Scenario
 from harness.core.slider import PAPER, Slider
 from harness.core.trajectory import Trajectory
 from harness.engines.base import Preset, Task
@@ -193,3 +193,35 @@ def test_order_of_convergence(name: str, settings: dict[str, Any], f_k: float, o
     slope = np.polyfit(np.log(steps), np.log(errors), 1)[0]
     # with friction the step a reversal falls into is a matter of luck, so the slope is rough
     assert slope == pytest.approx(order, abs=0.15 if f_k == 0.0 else 0.6)
+
+
+def held(name: str, route: str, preset: Preset, load: float, settings: dict[str, Any], f_k: float = 3.0) -> float:
+    """Creep under a static load without a spring, m/s."""
+    scenario = Scenario("hold", Slider(1.0, 1.0, 1e-9, f_k), 0.0, 0.0, 1.0, Hold(load))
+    trace = engine(name).simulate(Task(scenario, route, preset, 1e-3, settings))  # type: ignore[arg-type]
+    half = len(trace) // 2
+    return float((trace.x[-1] - trace.x[half]) / (trace.t[-1] - trace.t[half]))
+
+
+@pytest.mark.parametrize(("impratio", "printed"), [(1.0, "390"), (10.0, "39"), (100.0, "3.9")])
+def test_elliptic_contact_creeps_by_one_over_impratio(impratio: float, printed: str) -> None:
+    creep = held("mujoco", "contact", "as-shipped", 1.5, {"cone": "elliptic", "impratio": impratio})
+    assert agrees(1e6 * creep, printed)
+
+
+@pytest.mark.parametrize("name", ["mujoco", "pybullet"])
+def test_the_neutral_law_does_not_creep(name: str) -> None:
+    for preset in ("as-shipped", "tuned"):
+        assert abs(held(name, "law", preset, 2.9, {})) < 1e-12
+
+
+def test_noslip_stops_creep_in_the_joint() -> None:
+    assert abs(held("mujoco", "joint", "as-shipped", 1.5, {"noslip_iterations": 50})) < 1e-9
+
+
+def test_harmonic_forcing_without_stops_reaches_den_hartogs_amplitude() -> None:
+    scenario = Scenario("forced", Slider(1.0, 0.0, 100.0, 3.0), 0.0, 0.0, 60.0, Harmonic(10.0, 8.0))
+    for name in ("mujoco", "pybullet"):
+        trace = engine(name).simulate(Task(scenario, "joint", "tuned", 1e-3))
+        amplitude = np.abs(trace.x[trace.t > 50.0]).max()
+        assert amplitude == pytest.approx(0.262610, rel=2e-3)

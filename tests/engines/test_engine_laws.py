@@ -17,6 +17,7 @@ from harness.core.scenario import Harmonic, Hold, Scenario
 from harness.core.slider import PAPER, Slider
 from harness.engines.base import Task
 from harness.engines.law import Drive, ForceLaw
+from harness.exact.decay import free_decay
 
 FREE = Slider(1.0, 1.0, 100.0, 0.0)
 STEPPED = [name for name in INSTALLED if name != "mujoco"]
@@ -125,6 +126,17 @@ def test_samples_of_a_force_drive_as_the_formula_does(name: str, route: str) -> 
     closed = engine(name).simulate(Task(by_formula, route))  # type: ignore[arg-type]
     assert np.abs(sampled.x - closed.x).max() < 2e-5
     assert sampled.u == pytest.approx(2.0 * np.cos(7.0 * sampled.t + 0.3), abs=1e-6)
+
+
+@pytest.mark.parametrize("name", INSTALLED)
+def test_a_knock_makes_the_speed_jump_by_impulse_over_mass_wherever_it_falls(name: str) -> None:
+    slider, knock = Slider(2.0, 1.0, 100.0, 0.0), 0.7
+    for time in (0.2, 0.20037, 0.2005):
+        drive = Drive.none().with_knock(time, knock, 1e-3)
+        trace = engine(name).simulate(Task(Scenario("knock", slider, 0.0, 0.0, 1.0), drive=drive))
+        late = trace.t > 0.203
+        exact = free_decay(Scenario("after", slider, 0.0, knock / slider.m), trace.t[late] - time)
+        assert np.abs(trace.x[late] - exact.x).max() < 5e-4 * np.abs(exact.x).max()
 
 
 @pytest.mark.parametrize("name", INSTALLED)

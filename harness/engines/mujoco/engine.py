@@ -1,6 +1,5 @@
 """MuJoCo: the whole run in compiled code (rollout), acceleration from a sensor, friction from Newton's second law."""
 
-import logging
 import threading
 import time
 from importlib.metadata import version
@@ -19,11 +18,9 @@ from harness.engines.mujoco import presets as table
 from harness.engines.mujoco.build import compile_model
 from harness.engines.mujoco.depth import rest_height
 from harness.engines.mujoco.forces import Forces
-from harness.engines.quiet import quiet
 from harness.engines.samples import UNSATURATED, Motion, newton_friction, trajectory
 
 _STATE = mujoco.mjtState.mjSTATE_FULLPHYSICS
-_log = logging.getLogger("harness.engines.mujoco")
 # callbacks of MuJoCo belong to the process, not to a model
 _lock = threading.Lock()
 
@@ -47,7 +44,7 @@ class MujocoEngine(Engine):
         settings = resolve(self, task)
         table.check(settings)
         ignored = table.unused(settings, self.presets(task.route, "as-shipped", task.dt), task.route)
-        with _lock, quiet(_log):
+        with _lock:
             forces = Forces(task, settings)
             model = compile_model(task, settings, forces.first_limit)
             data = mujoco.MjData(model)
