@@ -67,9 +67,19 @@ def main(args: Sequence[str] | None = None) -> NoReturn:
 
     0 done; 1 a check failed; 2 bad input or usage, with one line on standard error; 130 interrupted.
     """
+    _fill_standard_descriptors()
     with suppress(ValueError):  # only the main thread may set handlers
         signal.signal(signal.SIGTERM, _terminated)
     sys.exit(run(args))
+
+
+def _fill_standard_descriptors() -> None:
+    """Open the null device where 0, 1 or 2 is closed, so that no file of ours is taken for a standard stream."""
+    for descriptor in (0, 1, 2):
+        try:
+            os.fstat(descriptor)
+        except OSError:
+            os.open(os.devnull, os.O_RDWR)  # takes the lowest that is free
 
 
 def run(args: Sequence[str] | None = None) -> int:
@@ -78,7 +88,8 @@ def run(args: Sequence[str] | None = None) -> int:
         # not cli.main, which prints an empty line of its own when it is interrupted
         with cli.make_context("harness", list(sys.argv[1:] if args is None else args)) as ctx:
             code = cli.invoke(ctx)
-        sys.stdout.flush()
+        if sys.stdout is not None:  # None when the process was started with it closed
+            sys.stdout.flush()
     except click.exceptions.Exit as left:
         return left.exit_code
     except OSError as error:

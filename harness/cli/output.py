@@ -6,6 +6,8 @@ import sys
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from harness.core.errors import InputError
+
 if TYPE_CHECKING:
     from rich.table import Table
 
@@ -16,6 +18,8 @@ STANDARD_OUTPUT = "-"
 
 def check_json(json_to: str | None) -> None:
     """Refuse a JSON file that could not be written, before the work is done."""
+    if json_to == STANDARD_OUTPUT and sys.stdout is None:
+        raise InputError("--json -", "standard output is closed", "an open one, or a file, is accepted")
     if json_to is not None and json_to != STANDARD_OUTPUT:
         from harness.app.deliver import check_target
 

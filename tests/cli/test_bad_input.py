@@ -143,6 +143,21 @@ def test_a_full_disk_is_one_line_and_leaves_nothing(tmp_path: Path, capfd: pytes
     assert "no space left" in err or "room on its disk" in err
 
 
+@pytest.mark.parametrize(
+    ("line", "code", "message"),
+    [
+        ("doctor", 0, ""),
+        ("doctor --json -", 2, "harness: --json -: standard output is closed; an open one, or a file, is accepted\n"),
+    ],
+)
+def test_a_closed_standard_output(line: str, code: int, message: str) -> None:
+    program = (
+        f"import os; os.close(1); os.execv({sys.executable!r}, ['python', '-m', 'harness.cli', *{line.split()!r}])"
+    )
+    done = subprocess.run([sys.executable, "-c", program], stderr=subprocess.PIPE, text=True, check=False, cwd=CHECKOUT)
+    assert (done.returncode, done.stderr) == (code, message)
+
+
 def test_a_full_standard_output_is_one_line() -> None:
     with Path("/dev/full").open("w") as full:
         done = subprocess.run(
