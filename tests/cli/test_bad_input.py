@@ -151,9 +151,8 @@ def test_a_full_disk_is_one_line_and_leaves_nothing(tmp_path: Path, capfd: pytes
     ],
 )
 def test_a_closed_standard_output(line: str, code: int, message: str) -> None:
-    program = (
-        f"import os; os.close(1); os.execv({sys.executable!r}, ['python', '-m', 'harness.cli', *{line.split()!r}])"
-    )
+    again = [sys.executable, "-m", "harness.cli", *line.split()]
+    program = f"import os; os.close(1); os.execv({sys.executable!r}, {again!r})"
     done = subprocess.run([sys.executable, "-c", program], stderr=subprocess.PIPE, text=True, check=False, cwd=CHECKOUT)
     assert (done.returncode, done.stderr) == (code, message)
 
