@@ -17,7 +17,6 @@ from harness.show.screenshot import take
 MOMENT = 1.2
 """Time shown, s: far enough in for the engines to differ."""
 
-WIDTH = 1600
 MENU = 36
 """Height of the viewer's menu bar, pixels, cut off: it warns of the software driver."""
 
@@ -43,9 +42,8 @@ def main() -> int:
         return 1
     picture = Image.open(io.BytesIO(shot.png)).convert("RGB")
     picture = picture.crop((0, MENU, picture.width, picture.height))
-    picture = picture.resize((WIDTH, round(picture.height * WIDTH / picture.width)), Image.Resampling.LANCZOS)
     with replacing(Path(__file__).with_name("picture.png")) as part, part.open("wb") as file:
-        picture.quantize(255, dither=Image.Dither.NONE).save(file, format="PNG", optimize=True)
+        picture.save(file, format="PNG", optimize=True)
     return 0
 
 

@@ -12,8 +12,19 @@ def padded(values: Sequence[FloatArray], share: float) -> tuple[float, float]:
     """Smallest and largest finite value of all arrays, widened by ``share`` of their distance on either side."""
     low = min((float(np.nanmin(v)) for v in values if np.isfinite(v).any()), default=0.0)
     high = max((float(np.nanmax(v)) for v in values if np.isfinite(v).any()), default=0.0)
-    margin = share * (high - low) or max(1e-12, 0.1 * abs(high))
+    margin = share * (high - low) if high > low else max(1e-12, 0.1 * abs(high))
     return low - margin, high + margin
+
+
+def roomy(values: Sequence[FloatArray]) -> tuple[float, float]:
+    """Like ``padded``, out to the next whole power of ten where that is near: there the viewer writes a number."""
+    low, high = padded(values, 0.0)
+    step = 10.0 ** np.floor(np.log10(high - low))
+    further_low, further_high = step * np.floor(low / step), step * np.ceil(high / step)
+    near = 0.3 * (high - low)
+    low = float(further_low) if low - further_low < near else low
+    high = float(further_high) if further_high - high < near else high
+    return padded([np.array([low, high])], 0.06)
 
 
 def ticks(low: float, high: float, about: int = 5) -> FloatArray:

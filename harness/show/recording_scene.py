@@ -7,7 +7,7 @@ import numpy as np
 
 from harness.core.recording import Recording
 from harness.show import scene as s
-from harness.show.axes import padded
+from harness.show.axes import roomy
 from harness.show.decimate import keep
 from harness.show.pack import pack_recording
 from harness.show.run_scene import DRAWN
@@ -33,7 +33,7 @@ def recording_scene(
     views: list[s.Layout] = []
     for name in channels:
         items.append(s.Line(f"/channels/{name}", name, recording.t[chosen], recording[name][chosen], _COLORS[name]))
-        views.append(s.Plot(names[name], [f"/channels/{name}"], padded([recording[name]], 0.06)))
+        views.append(s.Plot(names[name], [f"/channels/{name}"], roomy([recording[name]])))
     side: list[s.Layout] = [s.Words("notes", "/notes")]
     if reversals:
         items.append(s.Log("/reversals", times, [sentence for _, sentence in reversals]))

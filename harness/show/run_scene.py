@@ -10,7 +10,7 @@ from harness.core.arrays import FloatArray, IntArray
 from harness.core.events import EventKind, Mode
 from harness.core.trajectory import Trajectory
 from harness.show import scene as s
-from harness.show.axes import padded, plane_grid
+from harness.show.axes import padded, plane_grid, roomy
 from harness.show.compare import position_error
 from harness.show.decimate import keep, reversal_times
 from harness.show.pack import pack_trajectory
@@ -48,6 +48,7 @@ def run_scene(
     reference = trajectories[0]
     slugs = _slugs(trajectories)
     palette = colors([trajectory.source for trajectory in trajectories])
+    scale = _phase_scale(trajectories)
     items: list[s.Item] = []
     errors = []
     for trajectory, slug, color in zip(trajectories, slugs, palette, strict=True):
@@ -57,7 +58,7 @@ def run_scene(
         width = 2.5 if trajectory is reference else 1.5
         items.append(s.Line(f"/position/{slug}", label, t, trajectory.x[chosen], color, width))
         items.append(s.Line(f"/acceleration/{slug}", label, t, trajectory.a[chosen], color, width))
-        items.append(_orbit(trajectory, chosen, f"/phase/{slug}", color))
+        items.append(_orbit(trajectory, chosen, f"/phase/{slug}", color, scale))
         if trajectory is not reference:
             error = position_error(t, trajectory.x[chosen], reference)
             errors.append(error)
@@ -120,32 +121,27 @@ def _frames(trajectory: Trajectory) -> FloatArray:
     return np.linspace(trajectory.t[0], trajectory.t[-1], min(FRAMES, len(trajectory)))
 
 
-def _orbit(trajectory: Trajectory, chosen: IntArray, path: str, color: str) -> s.Orbit:
-    points = np.column_stack([trajectory.x[chosen], trajectory.v[chosen] / _phase_scale(trajectory)])
+def _orbit(trajectory: Trajectory, chosen: IntArray, path: str, color: str, scale: float) -> s.Orbit:
+    points = np.column_stack([trajectory.x[chosen], trajectory.v[chosen] / scale])
     at = _frames(trajectory)
-    places = np.column_stack(
-        [
-            np.interp(at, trajectory.t, trajectory.x),
-            np.interp(at, trajectory.t, trajectory.v) / _phase_scale(trajectory),
-        ]
-    )
-    return s.Orbit(path, trajectory.source.label, points, color, (at, places))
+    x, v = (np.interp(at, trajectory.t, values) for values in (trajectory.x, trajectory.v))
+    return s.Orbit(path, trajectory.source.label, points, color, (at, np.column_stack([x, v / scale])))
 
 
-def _phase_scale(trajectory: Trajectory) -> float:
+def _phase_scale(trajectories: Sequence[Trajectory]) -> float:
     """Speed that is drawn as long as one metre of position: a whole power of ten, so that ticks stay readable."""
-    x, v = float(np.ptp(trajectory.x)), float(np.ptp(trajectory.v))
+    x = max(float(np.ptp(trajectory.x)) for trajectory in trajectories)
+    v = max(float(np.ptp(trajectory.v)) for trajectory in trajectories)
     return 10.0 ** round(float(np.log10(v / x))) if x > 0.0 and v > 0.0 else 1.0
 
 
 def _plane(trajectories: Sequence[Trajectory]) -> s.Grid:
-    reference = trajectories[0]
     x, y = _plane_bounds(trajectories)
-    return plane_grid("/phase/axes", x, y, ("x / mm", 1e3), ("v / (mm/s)", 1e3 * _phase_scale(reference)))
+    return plane_grid("/phase/axes", x, y, ("x / mm", 1e3), ("v / (mm/s)", 1e3 * _phase_scale(trajectories)))
 
 
 def _plane_bounds(trajectories: Sequence[Trajectory]) -> tuple[tuple[float, float], tuple[float, float]]:
-    scale = _phase_scale(trajectories[0])
+    scale = _phase_scale(trajectories)
     return padded([tr.x for tr in trajectories], 0.05), padded([tr.v / scale for tr in trajectories], 0.05)
 
 
@@ -176,12 +172,12 @@ def _layout(
     factor: float,
     lanes: bool,
 ) -> s.Layout:
-    position = s.Plot("position / m", ["/position"], padded([tr.x for tr in trajectories], 0.06))
-    acceleration = s.Plot("acceleration / (m/s²)", ["/acceleration"], padded([tr.a for tr in trajectories], 0.06))
+    position = s.Plot("position / m", ["/position"], roomy([tr.x for tr in trajectories]))
+    acceleration = s.Plot("acceleration / (m/s²)", ["/acceleration"], roomy([tr.a for tr in trajectories]))
     left: list[s.Layout] = [position]
     shares = [3.0]
     if errors:
-        left.append(s.Plot("error against the reference / mm", ["/error"], padded([e * 1e3 for e in errors], 0.06)))
+        left.append(s.Plot("error against the reference / mm", ["/error"], roomy([e * 1e3 for e in errors])))
         shares.append(2.6)
     left.append(acceleration)
     shares.append(3.0)

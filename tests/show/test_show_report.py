@@ -100,6 +100,17 @@ def test_the_page_has_what_a_reader_needs(page: str) -> None:
         assert part in page, part
 
 
+def test_a_scenario_without_a_decay_has_a_page(sources: list[Trajectory]) -> None:
+    result = make_run_result(sources)
+    result["scenario"] = {"name": "hold-50"}
+    for trace in result["traces"]:
+        trace["metrics"] = dict.fromkeys(trace["metrics"])
+        trace["estimates"] = {}
+    page = render(*run_title(result), run_sections(sources, result))
+    assert "No estimator was run." in page
+    assert "hold-50: mujoco 4.0.0, pybullet 3.2.7" in page
+
+
 def test_a_source_that_failed_is_said(sources: list[Trajectory]) -> None:
     result = make_run_result(sources)
     result["traces"][1]["error"] = "diverged at 0.3 s"

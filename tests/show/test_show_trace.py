@@ -12,8 +12,9 @@ from show_examples import SCENARIO, make_sources
 
 from harness.core.errors import HarnessError, InputError, StoreError
 from harness.core.recording import Recording
-from harness.core.trajectory import Trajectory
+from harness.core.trajectory import Source, Trajectory
 from harness.show import scene
+from harness.show.axes import roomy
 from harness.show.recording_scene import recording_scene
 from harness.show.run_scene import run_scene
 from harness.show.trace import read_trace, write_trace
@@ -96,6 +97,28 @@ def test_the_drawn_motion_of_a_small_slider_is_magnified(sources: list[Trajector
     small = Trajectory(sources[0].t, sources[0].x * 1e-3, sources[0].v, sources[0].a, sources[0].source)
     body = next(item for item in run_scene([small], SCENARIO, {}, "", urdf).items if isinstance(item, scene.Body))
     assert body.values[0] == pytest.approx(1.0)
+
+
+@pytest.mark.parametrize("speed", [0.0, 1e-3])
+def test_a_slider_that_rests_can_be_shown(tmp_path: Path, urdf: Path, speed: float) -> None:
+    t = np.linspace(0.0, 1.0, 101)
+    held = Trajectory(t, np.zeros(101), np.zeros(101), np.zeros(101), Source("reference", "exact"))
+    creeping = Trajectory(t, speed * t, np.full(101, speed), np.zeros(101), Source("mujoco", "as-shipped"))
+    write_trace(tmp_path / "hold.rrd", run_scene([held, creeping], {"name": "hold-50"}, {}, "", urdf))
+    assert len(read_trace(tmp_path / "hold.rrd").trajectories) == 2
+
+
+def test_all_sources_share_one_scale_in_the_phase_portrait(sources: list[Trajectory]) -> None:
+    slow = Trajectory(sources[0].t, sources[0].x, 0.01 * sources[0].v, sources[0].a, Source("mujoco", "tuned"))
+    orbits = [item for item in run_scene([sources[0], slow], SCENARIO, {}, "").items if isinstance(item, scene.Orbit)]
+    assert np.allclose(orbits[1].points[:, 1], 0.01 * orbits[0].points[:, 1])
+
+
+@pytest.mark.parametrize(
+    ("low", "high", "expected"), [(-66.0, 78.0, (-112.0, 112.0)), (-0.8, 1.0, (-1.12, 1.12)), (2.0, 3.0, (1.94, 3.06))]
+)
+def test_axes_reach_the_power_of_ten_that_is_near(low: float, high: float, expected: tuple[float, float]) -> None:
+    assert roomy([np.array([low, high])]) == pytest.approx(expected)
 
 
 def test_a_recording_comes_back(tmp_path: Path, recording: Recording, identify_result: dict[str, Any]) -> None:

@@ -35,6 +35,7 @@
     const styled = {
       margin: { l: 64, r: 16, t: 34, b: 42 }, paper_bgcolor: "rgba(0,0,0,0)", plot_bgcolor: "rgba(0,0,0,0)",
       font: { family: getComputedStyle(document.body).fontFamily, size: 12.5, color: colors.ink },
+      modebar: { bgcolor: "rgba(0,0,0,0)", color: colors.muted, activecolor: colors.ink },
       hoverlabel: { bgcolor: colors.card, bordercolor: colors.muted, font: { color: colors.ink } },
       legend: { orientation: "h", x: 0, y: 1, xanchor: "left", yanchor: "bottom", bgcolor: "rgba(0,0,0,0)" },
       ...layout,
