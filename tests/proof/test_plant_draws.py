@@ -17,8 +17,8 @@ from harness.proof.plant import ALIENS, FAMILY, KINDS, draw
 from harness.proof.plant.__main__ import main, plan
 from harness.proof.plant.base import Base
 from harness.proof.plant.base_fit import fit_decay, whiten
+from harness.proof.plant.cases import Case, truth
 from harness.proof.plant.catalogue import HEADLINE, compatible
-from harness.proof.plant.draw import Case, truth
 from harness.proof.plant.hidden import BUILD, build, regions
 from harness.proof.plant.integrate import simulate
 from harness.proof.plant.sensors import Noise

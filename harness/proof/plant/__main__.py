@@ -14,8 +14,8 @@ from typing import Any
 import numpy as np
 
 from harness.core.errors import HarnessError, InputError
+from harness.proof.plant.cases import SETTINGS, draw, truth
 from harness.proof.plant.catalogue import ALIENS, KINDS, compatible
-from harness.proof.plant.draw import SETTINGS, draw, truth
 from harness.proof.plant.records import write_csv
 
 Job = tuple[str, tuple[str, ...], int, int, str, str]

@@ -64,9 +64,7 @@ BUILD: dict[str, Callable[[Values, Base], Pieces]] = {
     "backlash": lambda p, b: Pieces(forces=(smooth.backlash(b.k, p["gap"]),)),
     "stiffness-drift": lambda p, b: Pieces(forces=(smooth.stiffness_drift(b.k, p["rate"]),)),
     "constant-force": lambda p, b: Pieces(forces=(smooth.constant_force(p["force"]),)),
-    "force-ripple": lambda p, b: Pieces(
-        forces=(smooth.force_ripple(p["amplitude"], p["period"], p["phase"], b.speed),)
-    ),
+    "force-ripple": lambda p, b: Pieces(forces=(smooth.force_ripple(p["amplitude"], p["period"], p["phase"]),)),
     "harmonic-force": lambda p, b: Pieces(forces=(smooth.harmonic_force(p["amplitude"], p["Omega"], p["phase"]),)),
     "impulse": lambda p, b: Pieces(knocks=(Knock(p["time"], p["impulse"]),)),
     "attached-mode": lambda p, b: Pieces(

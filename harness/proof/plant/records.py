@@ -4,7 +4,7 @@ from pathlib import Path
 
 import numpy as np
 
-from harness.proof.plant.draw import Case
+from harness.proof.plant.cases import Case
 
 
 def write_csv(case: Case, path: Path) -> None:

@@ -18,6 +18,8 @@ from harness.proof.plant.pieces import Drive
 
 FIT_TOLERANCE = 1e-7
 STEP = 1e-4
+FAR = 1e6
+"""Residual of parameters that are not worth a simulation."""
 
 
 def replayed(t: FloatArray, u: FloatArray, rate: float) -> Drive:
@@ -64,6 +66,9 @@ def fit_simulated(
     scale[:5] = np.maximum(scale[:5], [0.0, 1e-3, 1e-4 * base.length, base.length, base.speed])
     order = np.append(np.delete(np.arange(start.size), 4), 4)
 
+    # how far the first parameter, damping and friction, the start, and the numbers of the effects may go from the truth
+    reach = np.array([0.3, 30.0, 30.0, 1.0, *[0.9] * len(free), 1.0])
+
     def parameters(z: FloatArray) -> FloatArray:
         p = start.copy()
         # the start speed stands last in z and is left out where it is held
@@ -80,11 +85,13 @@ def fit_simulated(
         return sensors.read(model, t[:n], FIT_TOLERANCE)[1]
 
     def residual(z: FloatArray, n: int) -> FloatArray:
+        if np.any(np.abs(z) > reach[: z.size]):
+            return np.full(n * len(seen), FAR)
         try:
             said = predicted(z, n)
         except (SimulationError, ArithmeticError, ValueError):
             # a step into parameters that no plant can have
-            return np.full(n * len(seen), 1e6)
+            return np.full(n * len(seen), FAR)
         return np.concatenate([whiten(seen[c][:n] - said[c], noise[c], correlation) for c in seen])
 
     def slopes(z: FloatArray, n: int) -> FloatArray:
@@ -95,7 +102,7 @@ def fit_simulated(
     # as for the closed form: from the truth at once, and over growing parts, which knows nothing of sticking at first;
     # v0 = 0 is held in the one, as its sign turns friction round, and in both where the slider is stuck at first
     still = base.v0 == 0.0
-    for parts, held in (((1.0,), still), ((0.35, 0.7, 1.0), still and base.drive is not None)):
+    for parts, held in (((1.0,), still), ((0.4, 1.0), still and base.drive is not None)):
         z = np.zeros(start.size - held)
         for part in parts:
             n = max(50, int(part * t.size))

@@ -64,10 +64,10 @@ def constant_force(force: float) -> Force:
     return Force(lambda t, x, v, d: -force)
 
 
-def force_ripple(amplitude: float, period: float, phase: float, top_speed: float) -> Force:
-    """amplitude cos(2 pi x/period + phase); top_speed (m/s) tells the solver how fast it can vary."""
+def force_ripple(amplitude: float, period: float, phase: float) -> Force:
+    """amplitude cos(2 pi x/period + phase)."""
     number = 2.0 * math.pi / period
-    return Force(lambda t, x, v, d: amplitude * math.cos(number * x + phase), rate=number * top_speed)
+    return Force(lambda t, x, v, d: amplitude * math.cos(number * x + phase))
 
 
 def harmonic_force(amplitude: float, omega: float, phase: float) -> Force:
