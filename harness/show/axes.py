@@ -10,10 +10,19 @@ from harness.show.scene import Grid
 
 def padded(values: Sequence[FloatArray], share: float) -> tuple[float, float]:
     """Smallest and largest finite value of all arrays, widened by ``share`` of their distance on either side."""
-    low = min((float(np.nanmin(v)) for v in values if np.isfinite(v).any()), default=0.0)
-    high = max((float(np.nanmax(v)) for v in values if np.isfinite(v).any()), default=0.0)
+    ends = [end for array in values if (end := _ends(array)) is not None]
+    low = min((end[0] for end in ends), default=0.0)
+    high = max((end[1] for end in ends), default=0.0)
     margin = share * (high - low) if high > low else max(1e-12, 0.1 * abs(high))
     return low - margin, high + margin
+
+
+def _ends(values: FloatArray) -> tuple[float, float] | None:
+    low, high = float(values.min()), float(values.max())
+    if np.isfinite(low) and np.isfinite(high):
+        return low, high
+    finite = values[np.isfinite(values)]
+    return (float(finite.min()), float(finite.max())) if finite.size else None
 
 
 def roomy(values: Sequence[FloatArray]) -> tuple[float, float]:

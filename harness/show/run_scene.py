@@ -13,7 +13,7 @@ from harness.show import scene as s
 from harness.show.axes import padded, plane_grid, roomy
 from harness.show.compare import position_error
 from harness.show.decimate import keep, reversal_times
-from harness.show.pack import pack_trajectory
+from harness.show.pack import pack_trajectories
 from harness.show.palette import colors
 
 DRAWN = 50_000
@@ -74,7 +74,7 @@ def run_scene(
         f"{scenario.get('name', 'run')}: {', '.join(dict.fromkeys(tr.source.name for tr in trajectories))}",
         items,
         _layout(trajectories, errors, bodies, factor, any(isinstance(item, s.Lane) for item in items)),
-        {f"trajectory-{i:03d}": pack_trajectory(trajectory) for i, trajectory in enumerate(trajectories)},
+        {f"trajectory-{i:03d}": data for i, data in enumerate(pack_trajectories(trajectories))},
         {"scenario": dict(scenario), "result": dict(result), "notes": {"text": notes}},
     )
 
