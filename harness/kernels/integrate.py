@@ -1,105 +1,96 @@
 """The event-driven integrator: slip, stick, reversals, break-away and knocks, with sensitivities through every event.
 
-Between events the state and its sensitivities S' = J S + F_theta are stepped together. At an event the sensitivities
-jump by the saltation condition s+ = s- + (f- - f+) dt*/dp, where t* is the time of the event.
+Between events the state and its sensitivities S' = J S + F_theta are stepped together; harness.kernels.events says
+how they jump at one.
 """
 
 import math
 
-import numpy as np
-
-from harness.core.arrays import FloatArray, IntArray, ModeArray
+from harness.core.arrays import FloatArray, ModeArray
 from harness.core.jit import compiled
+from harness.kernels.events import break_away_jump, break_away_share, knock_jump, to_reversal, turning_share
 from harness.kernels.interpolate import coefficients, interpolate, interpolate_sensitivities
 from harness.kernels.layout import (
-    BREAK_AWAY_AT,
+    BRISTLE,
     CHANGES_IN_TIME,
     COULOMB,
     FRICTION,
+    FRICTION_AT,
     LISTS,
     N_INTERNAL,
     N_KNOCK,
     N_MODULATION,
     N_SMOOTH,
     N_STATE,
+    STRIBECK_AT,
 )
-from harness.kernels.rhs import FREE, by_modulation, excess, rhs
-from harness.kernels.step import STAGES, slope, step
-from harness.model.law import COLUMNS, INTERNAL_COLUMNS, MASS
+from harness.kernels.rhs import FREE, SATURATED, STICKS, excess, rhs
+from harness.kernels.step import slope, step
+from harness.kernels.work import ACROSS, FIRST, SPARE, STAGES, Work
+from harness.model.law import KINETIC, MASS
 
 DONE, TOO_MANY_STEPS, DIVERGED, TOO_MANY_EVENTS = range(4)
 REVERSAL, STICK, BREAK_AWAY, KNOCK = range(4)
 EVENT_COLUMNS = 5  # t, kind, x, a before, a after
 
 _SAFETY, _SHRINK, _GROW = 0.9, 0.15, 4.0
-_POLISH = 4
+_SHORTEST = 1e-14  # of the longest step
+_SATURATION = 1e-13
 
 
-def _break_away_jump(
-    t: float,
-    z: FloatArray,
-    s: FloatArray,
-    sign: float,
-    spec: IntArray,
-    theta: FloatArray,
-    columns: IntArray,
-    u: float,
-    u_rate: float,
-    a_after: float,
-    kb: FloatArray,
-    jac: FloatArray,
-    by_theta: FloatArray,
-    row: FloatArray,
-    rows: FloatArray,
-    spare: FloatArray,
-) -> None:
-    """Saltation at break-away: g = sign F(t, z, theta) - F_s(t, x, theta) = 0 sets the time of the event."""
-    n, m = spec[N_STATE], theta[MASS]
-    _, by_t, limit, limit_x, limit_t = excess(t, z, spec, theta, u, kb, jac, by_theta, row, rows)
-    g_t = sign * (u_rate + by_t) - limit_t
-    for i in range(2, n):
-        g_t += sign * m * jac[1, i] * kb[0, i]
-    if g_t == 0.0:
-        return
-    at = spec[BREAK_AWAY_AT]
-    f_s = theta[at]
-    for q in range(columns.size):
-        total = sign * m * by_theta[1, columns[q]] if columns[q] >= 0 else 0.0
-        total += (sign * m * jac[1, 0] - limit_x) * s[0, q]
-        for i in range(2, n):
-            total += sign * m * jac[1, i] * s[i, q]
-        if columns[q] == at and f_s > 0.0:
-            total -= limit / f_s
-        spare[q] = total
-    # the level's own dependence on the modulations, which share no parameter with the force
-    if spec[N_MODULATION] > 0:
-        product = limit / f_s if f_s > 0.0 else 0.0
-        by_modulation(t, z[0], 0.0, spec, theta, product, f_s, 1, by_theta, row)
-        first = spec[LISTS + 1]
-        for q in range(columns.size):
-            for g in range(spec[N_MODULATION]):
-                first = spec[LISTS + 3 * g + 1]
-                if first <= columns[q] < first + spec[LISTS + 3 * g + 2]:
-                    spare[q] -= by_theta[1, columns[q]]
-    for q in range(columns.size):
-        s[1, q] += a_after * spare[q] / g_t
+def _mode_at_rest(t: float, u: float, w: Work) -> int:
+    """Contact mode of a slider with v = 0: which way it will move, or stick."""
+    force, _, limit, _, _ = excess(t, w.z, u, w)
+    if w.spec[FRICTION] == COULOMB:
+        return 0 if abs(force) <= limit else (STICKS if force > 0.0 else -STICKS)
+    rhs(SPARE, t, w.z, FREE, u, w)
+    return -FREE if w.ks[SPARE, 1] < 0.0 else FREE
 
 
-break_away_jump = compiled(_break_away_jump, lean=True)
+mode_at_rest = compiled(_mode_at_rest, lean=True)
+
+
+def _mode_moving(v: float, w: Work) -> int:
+    """Contact mode of a slider with v other than 0."""
+    kind = STICKS if w.spec[FRICTION] == COULOMB else FREE
+    return kind if v > 0.0 else -kind
+
+
+mode_moving = compiled(_mode_moving, lean=True)
+
+
+def _saturates(mode: int, w: Work) -> bool:
+    """Whether a bristle under a constant level has reached its full deflection; then it is put there exactly."""
+    spec, theta = w.spec, w.theta
+    if abs(mode) != FREE or spec[FRICTION] != BRISTLE or spec[STRIBECK_AT] >= 0 or spec[N_MODULATION] > 0:
+        return False
+    at = spec[FRICTION_AT]
+    full = theta[KINETIC] / theta[at]
+    if full <= 0.0:
+        return False
+    side = 1.0 if mode > 0 else -1.0
+    if abs(side * w.z[2] - full) > _SATURATION * full:
+        return False
+    w.z[2] = side * full
+    for q in range(w.count[ACROSS]):
+        place = w.columns[q]
+        by_f_k = side / theta[at] if place == KINETIC else 0.0
+        w.s[2, q] = -side * full / theta[at] if place == at else by_f_k
+    return True
+
+
+saturates = compiled(_saturates, lean=True)
 
 
 def _integrate(
     t0: float,
-    z0: FloatArray,
-    s0: FloatArray,
-    spec: IntArray,
-    theta: FloatArray,
-    columns: IntArray,
+    w: Work,
     u_t: FloatArray,
     u_y: FloatArray,
     t_out: FloatArray,
-    scale: FloatArray,
     h_max: float,
+    h_stick: float,
+    sensitivity_error: float,
     max_steps: int,
     want_a: bool,
     x: FloatArray,
@@ -111,31 +102,21 @@ def _integrate(
     da: FloatArray,
     events: FloatArray,
 ) -> tuple[int, int, int, float]:
-    """Integrate from t0 and write samples at t_out >= t0 (those before show the start).
+    """Integrate from t0 and write samples at t_out (those before t0 show the start); at an event, what holds after it.
 
-    z0 (n,), s0 (n, q): state and sensitivities at t0. columns (q,): place in theta that each column of the sensitivities
-    belongs to, -1 for an initial condition. u_t, u_y (k,): knots of a piecewise linear drive in N, empty for none.
-    scale (n,): error allowed per step. x, v, a (N,), mode_out (N,), dx, dv, da (N, q), events (m, 5): filled.
+    w: model, state and sensitivities at t0. u_t, u_y (k,): knots of a piecewise linear drive in N, constant outside,
+    empty for none. h_max, h_stick: longest step while it moves and while it sticks, s. x, v, a (N,), mode_out (N,),
+    dx, dv, da (N, q), events (m, 5): filled.
     Returns status, number of events, number of steps, last time reached.
     """
-    n, p, q_count, samples = spec[N_STATE], theta.size, columns.size, t_out.size
-    row, rows, spare = np.zeros(COLUMNS), np.zeros((3, INTERNAL_COLUMNS)), np.zeros(q_count)
-    kb = np.zeros((1, n))
-    jac, by_theta = np.zeros((n, n)), np.zeros((n, p))
-    ks, kss = np.zeros((STAGES, n)), np.zeros((STAGES, n, q_count))
-    z, s = z0.copy(), s0.copy()
-    z1, s1, zi, si = np.zeros(n), np.zeros((n, q_count)), np.zeros(n), np.zeros((n, q_count))
-    ki, kis = np.zeros((1, n)), np.zeros((1, n, q_count))
-    cz = np.zeros((n, 6))
+    spec, theta = w.spec, w.theta
+    n, q_count, samples, knots = spec[N_STATE], w.count[ACROSS], t_out.size, u_t.size
+    z, s, ks = w.z, w.s, w.ks
     knock_at = LISTS + 3 * (spec[N_MODULATION] + spec[N_SMOOTH]) + 5 * spec[N_INTERNAL]
     knock, knocks = 0, spec[N_KNOCK]
-    coulomb = spec[FRICTION] == COULOMB
-    driven = u_t.size > 0
-    rests = not driven and spec[CHANGES_IN_TIME] == 0
+    rests = knots == 0 and spec[CHANGES_IN_TIME] == 0
 
     t, t_end = t0, t_out[samples - 1]
-    knot = 0
-    u0, u_rate = 0.0, 0.0
     i_out, n_events, n_steps = 0, 0, 0
     while i_out < samples and t_out[i_out] < t0:
         x[i_out], v[i_out], a[i_out], mode_out[i_out] = z[0], 0.0, 0.0, 0
@@ -145,260 +126,147 @@ def _integrate(
     while knock < knocks and theta[spec[knock_at + knock]] < t0:
         knock += 1
 
-    # mode at the start, with the drive's value there
-    if driven:
-        while knot + 2 < u_t.size and u_t[knot + 1] <= t:
-            knot += 1
-        u_rate = (u_y[knot + 1] - u_y[knot]) / (u_t[knot + 1] - u_t[knot])
-        u0 = u_y[knot] + u_rate * (t - u_t[knot])
-    mode = FREE
-    if coulomb:
-        if z[1] != 0.0:
-            mode = 1 if z[1] > 0.0 else -1
-        else:
-            force, _, limit, _, _ = excess(t, z, spec, theta, u0, kb, jac, by_theta, row, rows)
-            mode = 0 if abs(force) <= limit else (1 if force > 0.0 else -1)
-
+    knot = -1
     h = 0.1 * h_max
-    fresh = True
+    mode = 0
+    fresh, starts = True, True
     while i_out < samples:
         if n_steps >= max_steps:
             return TOO_MANY_STEPS, n_events, n_steps, t
-        # where this step must end at the latest
-        stop, at_knock = t_end, False
-        if driven:
-            while knot + 2 < u_t.size and u_t[knot + 1] <= t:
+        # the drive here, and where this step must end at the latest
+        stop = t_end
+        u0, u_rate = 0.0, 0.0
+        if knots > 0:
+            while knot + 1 < knots and u_t[knot + 1] <= t:
                 knot += 1
-            u_rate = (u_y[knot + 1] - u_y[knot]) / (u_t[knot + 1] - u_t[knot])
-            u0 = u_y[knot] + u_rate * (t - u_t[knot])
-            if t < u_t[knot + 1] < stop:
+            u0 = u_y[max(knot, 0)]
+            if 0 <= knot < knots - 1:
+                u_rate = (u_y[knot + 1] - u0) / (u_t[knot + 1] - u_t[knot])
+                u0 += u_rate * (t - u_t[knot])
+            if knot + 1 < knots and u_t[knot + 1] < stop:
                 stop = u_t[knot + 1]
-        if knock < knocks and theta[spec[knock_at + knock]] <= stop:
-            stop, at_knock = theta[spec[knock_at + knock]], True
-        if mode == 0 and rests and knock >= knocks:
-            # nothing can move it any more
+        at_knock = knock < knocks and theta[spec[knock_at + knock]] <= stop
+        if at_knock:
+            stop = theta[spec[knock_at + knock]]
+        if starts:
+            mode = mode_moving(z[1], w) if z[1] != 0.0 else mode_at_rest(t, u0, w)
+            starts = False
+        if fresh:
+            slope(FIRST, t, z, s, mode, u0, w)
+            for q in range(q_count):
+                for i in range(n):
+                    size = max(abs(s[i, q]), h_max * abs(w.kss[0, i, q])) / w.scale[i]
+                    w.size_s[q] = max(w.size_s[q], size)
+            fresh = False
+        if (mode == 0 and rests and knock >= knocks) or (t >= t_end and not at_knock):
+            # nothing can move it any more, or this is the last sample
             while i_out < samples:
-                x[i_out], v[i_out], a[i_out], mode_out[i_out] = z[0], 0.0, 0.0, 0
+                x[i_out], v[i_out], a[i_out] = z[0], z[1], ks[0, 1]
+                mode_out[i_out] = 0 if mode == 0 or (z[1] == 0.0 and abs(mode) != STICKS) else (1 if mode > 0 else -1)
                 for q in range(q_count):
-                    dx[i_out, q], dv[i_out, q], da[i_out, q] = s[0, q], 0.0, 0.0
+                    dx[i_out, q], dv[i_out, q], da[i_out, q] = s[0, q], s[1, q], w.kss[0, 1, q]
                 i_out += 1
             break
-        if fresh:
-            slope(0, t, z, s, mode, spec, theta, columns, u0, ks, kss, jac, by_theta, row, rows)
-            fresh = False
         remaining = stop - t
+        kind = -1
+        step_h, end = 0.0, t
         if remaining > 0.0:
-            h = min(h, h_max)
+            h = min(h, h_max if mode != 0 else h_stick)
             step_h = remaining if h >= 0.999999 * remaining else (0.5 * remaining if h > 0.6 * remaining else h)
-            error = step(
-                t,
-                step_h,
-                z,
-                s,
-                mode,
-                spec,
-                theta,
-                columns,
-                u0,
-                u_rate,
-                scale,
-                z1,
-                s1,
-                ks,
-                kss,
-                jac,
-                by_theta,
-                row,
-                rows,
-            )
+            error = step(t, step_h, mode, u0, u_rate, sensitivity_error, w)
             n_steps += 1
-            if not math.isfinite(error) or not math.isfinite(z1[1]):
-                h = 0.1 * step_h
-                if h < 1e-14 * h_max:
-                    return DIVERGED, n_events, n_steps, t
-                continue
-            if error > 1.0:
-                h = step_h * max(_SHRINK, _SAFETY * error**-0.2)
-                if h < 1e-14 * h_max:
+            if not (error <= 1.0 and math.isfinite(w.z1[1])):
+                shrink = _SAFETY * error**-0.2 if math.isfinite(error) else 0.0
+                h = step_h * max(_SHRINK, shrink)
+                if h < _SHORTEST * h_max:
                     return DIVERGED, n_events, n_steps, t
                 continue
             grown = step_h * min(_GROW, _SAFETY * max(error, 1e-10) ** -0.2)
             # a last piece cut short by a stop says nothing about the step that suits
             h = max(h, grown) if step_h == remaining else grown
             end = stop if step_h == remaining else t + step_h
-        else:
-            step_h, end = 0.0, t
-        kind = -1
-        if step_h > 0.0:
-            coefficients(step_h, z, z1, ks, n, cz)
-            crossed = (mode == 1 and z1[1] < 0.0) or (mode == -1 and z1[1] > 0.0)
-            crossed_free = mode == FREE and z[1] * z1[1] < 0.0
-            if crossed or crossed_free:
-                # bracket the root of the interpolated speed, then polish with real steps
-                sign = 1.0 if mode == 1 or (crossed_free and z[1] > 0.0) else -1.0
-                low, high = 0.5, 1.0
-                for _ in range(60):
-                    interpolate(low, step_h, cz, n, zi)
-                    if zi[1] * sign > 0.0:
-                        break
-                    high = low
-                    low *= 0.5
-                for _ in range(60):
-                    middle = 0.5 * (low + high)
-                    interpolate(middle, step_h, cz, n, zi)
-                    if zi[1] * sign > 0.0:
-                        low = middle
-                    else:
-                        high = middle
-                    if high - low < 1e-9:
-                        break
-                trial = 0.5 * (low + high) * step_h
-                for _ in range(_POLISH):
-                    step(
-                        t, trial, z, s, mode, spec, theta, columns, u0, u_rate, scale, z1, s1, ks, kss, jac, by_theta, row, rows,
-                    )  # fmt: skip
-                    slowing = ks[STAGES - 1, 1]
-                    if slowing == 0.0:
-                        break
-                    change = -z1[1] / slowing
-                    if abs(change) <= 1e-15 * step_h or not 0.0 < trial + change <= step_h:
-                        break
-                    trial += change
-                step_h, end = trial, t + trial
-                z1[1] = 0.0
-                kind = REVERSAL
-                at_knock = False
-                coefficients(step_h, z, z1, ks, n, cz)
-            elif mode == 0:
-                force, _, limit, _, _ = excess(end, z1, spec, theta, u0 + u_rate * step_h, kb, jac, by_theta, row, rows)
-                if abs(force) > limit:
-                    low, high = 0.0, step_h
-                    for _ in range(100):
-                        middle = 0.5 * (low + high)
-                        interpolate(middle / step_h, step_h, cz, n, zi)
-                        force, _, limit, _, _ = excess(
-                            t + middle, zi, spec, theta, u0 + u_rate * middle, kb, jac, by_theta, row, rows
-                        )
-                        if abs(force) > limit:
-                            high = middle
-                        else:
-                            low = middle
-                        if high - low <= 1e-15 * step_h:
-                            break
-                    if high < step_h:
-                        step(
-                            t, high, z, s, mode, spec, theta, columns, u0, u_rate, scale, z1, s1, ks, kss, jac, by_theta, row, rows,
-                        )  # fmt: skip
-                        step_h, end = high, t + high
-                        coefficients(step_h, z, z1, ks, n, cz)
+            coefficients(step_h, n, w)
+            if mode != 0:
+                share = turning_share(step_h, 1 if mode > 0 else -1, n, w)
+                if share <= 1.0:
+                    step_h = to_reversal(t, share * step_h, step_h, mode, u0, u_rate, sensitivity_error, w)
+                    kind, end, at_knock = REVERSAL, t + step_h, False
+                    coefficients(step_h, n, w)
+            else:
+                share = break_away_share(t, step_h, u0, u_rate, w)
+                if share <= 1.0:
+                    if share < 1.0:
+                        step_h *= share
+                        step(t, step_h, mode, u0, u_rate, sensitivity_error, w)
+                        end, at_knock = t + step_h, False
+                        coefficients(step_h, n, w)
                     kind = BREAK_AWAY
-                    at_knock = False
-            # samples within the step
-            while i_out < samples and t_out[i_out] <= end:
-                ti = t_out[i_out]
-                share = (ti - t) / step_h
-                interpolate(share, step_h, cz, n, zi)
-                x[i_out], v[i_out] = zi[0], zi[1]
-                mode_out[i_out] = mode if mode != FREE else (1 if zi[1] > 0.0 else (-1 if zi[1] < 0.0 else 0))
+            while i_out < samples and t_out[i_out] < end:
+                tau = t_out[i_out] - t
+                interpolate(tau / step_h, step_h, n, w)
+                x[i_out], v[i_out] = w.zi[0], w.zi[1]
+                mode_out[i_out] = mode if abs(mode) <= STICKS else (1 if v[i_out] > 0.0 else -1)
                 if q_count > 0:
-                    interpolate_sensitivities(share, step_h, s, s1, kss, n, si)
+                    interpolate_sensitivities(tau / step_h, step_h, n, w)
                     for q in range(q_count):
-                        dx[i_out, q], dv[i_out, q] = si[0, q], si[1, q]
+                        dx[i_out, q], dv[i_out, q] = w.si[0, q], w.si[1, q]
                 if want_a:
-                    slope(
-                        0, ti, zi, si, mode, spec, theta, columns, u0 + u_rate * (ti - t), ki, kis, jac, by_theta, row, rows,
-                    )  # fmt: skip
-                    a[i_out] = ki[0, 1]
+                    slope(SPARE, t_out[i_out], w.zi, w.si, mode, u0 + u_rate * tau, w)
+                    a[i_out] = ks[SPARE, 1]
                     for q in range(q_count):
-                        da[i_out, q] = kis[0, 1, q]
+                        da[i_out, q] = w.kss[SPARE, 1, q]
                 i_out += 1
-            u_end = u0 + u_rate * step_h
             t = end
             for i in range(n):
-                z[i] = z1[i]
+                z[i] = w.z1[i]
                 ks[0, i] = ks[STAGES - 1, i]
                 for q in range(q_count):
-                    s[i, q] = s1[i, q]
-                    kss[0, i, q] = kss[STAGES - 1, i, q]
-        else:
-            u_end = u0
-        if kind == REVERSAL:
-            a_before = ks[0, 1]
-            a_after = a_before
-            if mode != FREE:
-                force, _, limit, _, _ = excess(t, z, spec, theta, u_end, kb, jac, by_theta, row, rows)
-                mode = 0 if abs(force) <= limit else (1 if force > 0.0 else -1)
-                rhs(0, t, z, mode, spec, theta, u_end, kb, jac, by_theta, row, rows)
-                a_after = kb[0, 1]
-                if a_before != 0.0:
-                    for q in range(q_count):
-                        s[1, q] *= a_after / a_before
-                if mode == 0:
-                    kind = STICK
+                    s[i, q] = w.s1[i, q]
+                    w.kss[0, i, q] = w.kss[STAGES - 1, i, q]
+                    w.size_s[q] = max(w.size_s[q], abs(s[i, q]) / w.scale[i])
+            if saturates(mode, w):
+                mode = SATURATED if mode > 0 else -SATURATED
                 fresh = True
-            if n_events >= events.shape[0]:
-                return TOO_MANY_EVENTS, n_events, n_steps, t
-            events[n_events, 0], events[n_events, 1], events[n_events, 2] = t, kind, z[0]
-            events[n_events, 3], events[n_events, 4] = a_before, a_after
-            n_events += 1
+        u_end = u0 + u_rate * step_h
+        a_before = ks[0, 1]
+        if kind == REVERSAL:
+            sticks = abs(mode) == STICKS
+            if sticks:
+                mode = mode_at_rest(t, u_end, w)
+                kind = STICK if mode == 0 else REVERSAL
+            else:
+                mode = -FREE if mode > 0 else FREE
+            rhs(SPARE, t, z, mode, u_end, w)
+            if sticks and a_before != 0.0:
+                for q in range(q_count):
+                    s[1, q] *= ks[SPARE, 1] / a_before
+            fresh = True
         elif kind == BREAK_AWAY:
-            force, _, _, _, _ = excess(t, z, spec, theta, u_end, kb, jac, by_theta, row, rows)
-            mode = 1 if force > 0.0 else -1
-            rhs(0, t, z, mode, spec, theta, u_end, kb, jac, by_theta, row, rows)
-            a_after = kb[0, 1]
-            if q_count > 0:
-                break_away_jump(
-                    t,
-                    z,
-                    s,
-                    float(mode),
-                    spec,
-                    theta,
-                    columns,
-                    u_end,
-                    u_rate,
-                    a_after,
-                    kb,
-                    jac,
-                    by_theta,
-                    row,
-                    rows,
-                    spare,
-                )
-            if n_events >= events.shape[0]:
-                return TOO_MANY_EVENTS, n_events, n_steps, t
-            events[n_events, 0], events[n_events, 1], events[n_events, 2] = t, kind, z[0]
-            events[n_events, 3], events[n_events, 4] = 0.0, a_after
-            n_events += 1
+            force, _, _, _, _ = excess(t, z, u_end, w)
+            mode = STICKS if force > 0.0 else -STICKS
+            rhs(SPARE, t, z, mode, u_end, w)
+            break_away_jump(t, mode, u_end, u_rate, ks[SPARE, 1], w)
+            a_before = 0.0
+            rhs(SPARE, t, z, mode, u_end, w)
             h = 0.1 * h_max
             fresh = True
-        if at_knock and t == stop:
+        elif at_knock and t >= stop:
             o = spec[knock_at + knock]
             knock += 1
             jump = theta[o + 1] / theta[MASS]
-            a_before, v_before = ks[0, 1], z[1]
             z[1] += jump
-            if mode != FREE and jump != 0.0:
-                if z[1] != 0.0:
-                    mode = 1 if z[1] > 0.0 else -1
-            slope(0, t, z, s, mode, spec, theta, columns, u_end, ks, kss, jac, by_theta, row, rows)
-            for q in range(q_count):
-                if columns[q] == o:
-                    s[0, q] += v_before - z[1]
-                    s[1, q] += a_before - ks[0, 1]
-                elif columns[q] == o + 1:
-                    s[1, q] += 1.0 / theta[MASS]
-                elif columns[q] == MASS:
-                    s[1, q] -= jump / theta[MASS]
-            if jump != 0.0:
-                if n_events >= events.shape[0]:
-                    return TOO_MANY_EVENTS, n_events, n_steps, t
-                events[n_events, 0], events[n_events, 1], events[n_events, 2] = t, KNOCK, z[0]
-                events[n_events, 3], events[n_events, 4] = a_before, ks[0, 1]
-                n_events += 1
+            mode = mode_moving(z[1], w) if z[1] != 0.0 else mode_at_rest(t, u_end, w)
+            knock_jump(t, mode, u_end, o, jump, w)
+            kind = KNOCK if jump != 0.0 else -1
             h = min(h, 0.25 * h_max)
             fresh = True
+        if kind >= 0:
+            if n_events >= events.shape[0]:
+                return TOO_MANY_EVENTS, n_events, n_steps, t
+            events[n_events, 0], events[n_events, 1], events[n_events, 2] = t, kind, z[0]
+            events[n_events, 3], events[n_events, 4] = a_before, ks[SPARE, 1]
+            n_events += 1
     return DONE, n_events, n_steps, t
 
 
-integrate = compiled(_integrate)
+integrate = compiled(_integrate, lean=True)

@@ -7,58 +7,26 @@ from typing import TypeAlias
 import numpy as np
 
 from harness.core.arrays import FloatArray, IntArray, ModeArray
-from harness.core.errors import SimulationError
+from harness.core.checks import finite
+from harness.core.errors import InputError, SimulationError
 from harness.core.events import Events
 from harness.core.trajectory import Source, Trajectory
+from harness.kernels.conditions import TOLERANCE, Drive, Effort, Scales
 from harness.kernels.integrate import DIVERGED, DONE, EVENT_COLUMNS, TOO_MANY_EVENTS, integrate
 from harness.kernels.layout import Layout, lay_out
-from harness.model.model import Model, Restoring
+from harness.kernels.work import workspace
+from harness.model.model import Model
 
-TOLERANCE = 1e-9
-"""Default error per step relative to the scale of the motion."""
+__all__ = ["TOLERANCE", "By", "Drive", "Effort", "Scales", "Solution", "simulate", "solve"]
 
 _NO_DRIVE: FloatArray = np.empty(0)
-
+_SENSITIVITY = 1e3
+"""Error allowed in the sensitivities, relative to their own size, over that in the state."""
+_LOOKS = 12
+"""Steps a cycle of the fastest force in time, while the slider sticks and waits for it."""
 
 By: TypeAlias = str | tuple[int, int]
 """A parameter to differentiate by: a name, or (index of a term in the model, index of its parameter)."""
-
-
-@dataclass(frozen=True, slots=True)
-class Drive:
-    """A measured force: knots t (s, increasing) and values u (N, per unit mass when the mass is unknown), linear between."""
-
-    t: FloatArray
-    u: FloatArray
-
-
-@dataclass(frozen=True, slots=True)
-class Scales:
-    """What counts as ordinary in a motion: displacement (m), speed (m/s), and an angular frequency (rad/s)."""
-
-    x: float
-    v: float
-    omega: float
-
-    @classmethod
-    def of(cls, model: Model, drive: Drive | None = None) -> "Scales":
-        """From the model itself: its release, its frequency, the drive."""
-        omega = math.sqrt(model.k / model.m) if model.restoring is not Restoring.NONE else 0.0
-        push = float(np.max(np.abs(drive.u))) / model.m if drive is not None else 0.0
-        if omega == 0.0:
-            # without a spring: the time in which viscous damping stops it, at least the recording's own scale
-            span = float(drive.t[-1] - drive.t[0]) if drive is not None else 1.0
-            omega = max(model.c / model.m, 6.0 / span)
-        x = max(abs(model.x0), abs(model.v0) / omega, push / omega**2, 1e-12)
-        return cls(x, max(abs(model.v0), x * omega), omega)
-
-
-@dataclass(frozen=True, slots=True)
-class Effort:
-    """How hard to try: error per step relative to the scales, and the most steps a cycle of the motion may take."""
-
-    tolerance: float = TOLERANCE
-    steps_per_cycle: int = 4000
 
 
 @dataclass(frozen=True, slots=True)
@@ -87,15 +55,53 @@ def _columns(layout: Layout, by: tuple[By, ...]) -> tuple[IntArray, FloatArray]:
     for q, name in enumerate(by):
         if isinstance(name, tuple):
             columns[q] = layout.term_at[name[0]] + name[1]
+        elif name == "v0":
+            # what moves with the slider starts with it
+            start[list(layout.speeds), q] = 1.0
         elif name == "x0":
             start[0, q] = 1.0
-        elif name == "v0":
-            start[1, q] = 1.0
         elif name in layout.state_names[2:]:
             start[layout.state_names.index(name), q] = 1.0
-        else:
+        elif name in layout.names:
             columns[q] = layout.names.index(name)
+        else:
+            known = ", ".join(("x0", "v0", *layout.state_names[2:], *layout.names))
+            raise InputError("sensitivities", f"{name!r} is no parameter of the model", f"one of {known} is accepted")
     return columns, start
+
+
+def _read_only(values: FloatArray) -> FloatArray:
+    """A contiguous view no kernel can write to, so that one compiled form serves every caller."""
+    view = np.ascontiguousarray(values, dtype=np.float64).view()
+    view.flags.writeable = False
+    return view
+
+
+def _times(t: FloatArray, where: str = "simulation: t") -> FloatArray:
+    """Sample times, checked."""
+    times = _read_only(t)
+    if times.ndim != 1 or times.size == 0:
+        raise InputError(where, f"an array of shape {times.shape}", "a vector of at least one time is accepted")
+    if not np.isfinite(times).all():
+        row = int(np.flatnonzero(~np.isfinite(times))[0])
+        finite(f"{where}, row {row + 1}", float(times[row]))
+    back = np.flatnonzero(np.diff(times) < 0.0)
+    if back.size:
+        row = int(back[0]) + 1
+        found = f"time {times[row]:.9g} s comes before {times[row - 1]:.9g} s"
+        raise InputError(f"{where}, row {row + 1}", found, "times that do not decrease are accepted")
+    return times
+
+
+def _errors(layout: Layout, model: Model, scales: Scales, tolerance: float) -> FloatArray:
+    """Error allowed in a step for every state, (n,)."""
+    error = np.full(layout.start.size, tolerance * scales.x)
+    error[list(layout.speeds)] = tolerance * scales.v
+    bristle = model.find("presliding")
+    if bristle is not None:
+        # the bristle's own scale is the presliding displacement, far below that of the motion
+        error[2] *= min(1.0, max(1e-3, model.f_k / (bristle.value("sigma0") * scales.x + 1e-300)))
+    return error
 
 
 def solve(
@@ -108,46 +114,32 @@ def solve(
     want_a: bool = True,
     shortest_cycle: float = 24.0,
 ) -> Solution:
-    """Simulate a model at the times t (s, increasing; those before its release show it held there).
+    """Simulate a model at the times t (s, not decreasing; those before its release show it held there).
 
     by : parameters to differentiate by ("c", "x0", "cubic-stiffness.k3", "viscoelastic.w0"). drive : force, or None.
-    effort : accuracy and patience. shortest_cycle : least steps a cycle is given. Raises SimulationError when the motion cannot be followed.
+    effort : accuracy and patience. shortest_cycle : least steps a cycle is given. At an event a sample shows what holds
+    after it. Raises SimulationError when the motion cannot be followed, InputError for bad times or an unknown name.
     """
+    times = _times(t)
     scales = scales or Scales.of(model, drive)
     layout = lay_out(model, scales.v)
     columns, start = _columns(layout, by)
-    # a second mass starts at rest relative to the slider
-    for q, name in enumerate(by):
-        if name == "v0" and "attached-mode.w1" in layout.state_names:
-            start[layout.state_names.index("attached-mode.w1"), q] = 1.0
-    z0 = layout.start.copy()
-    if "attached-mode.w1" in layout.state_names:
-        z0[layout.state_names.index("attached-mode.w1")] += model.v0
-    error = np.full(z0.size, effort.tolerance * scales.x)
-    error[1] = effort.tolerance * scales.v
-    for i, name in enumerate(layout.state_names):
-        if name == "attached-mode.w1":
-            error[i] = effort.tolerance * scales.v
-    bristle = model.find("presliding")
-    if bristle is not None:
-        # the bristle's own scale is the presliding displacement, far below that of the motion
-        error[2] *= min(1.0, max(1e-3, model.f_k / (bristle.value("sigma0") * scales.x + 1e-300)))
-    n, q_count = t.size, len(by)
+    error = _errors(layout, model, scales, effort.tolerance)
+    n, q_count = times.size, len(by)
     x, v, a = np.empty(n), np.empty(n), np.zeros(n)
     mode = np.empty(n, dtype=np.int8)
-    dx, dv = np.zeros((n, q_count)), np.zeros((n, q_count))
-    da = np.zeros((n, q_count))
-    span = max(float(t[-1]) - model.t0, 0.0)
-    cycles = span * scales.omega / math.pi + 1.0
+    dx, dv, da = np.zeros((n, q_count)), np.zeros((n, q_count)), np.zeros((n, q_count))
+    end = float(times[-1])
+    cycles = max(end - model.t0, 0.0) * scales.omega / math.pi + 1.0
     events = np.zeros((64 + int(4 * cycles), EVENT_COLUMNS))
-    u_t, u_y = (drive.t, drive.u) if drive is not None else (_NO_DRIVE, _NO_DRIVE)
+    u_t, u_y = (_NO_DRIVE, _NO_DRIVE) if drive is None else drive.within(model.t0, max(end, model.t0))
     h_max = 2.0 * math.pi / scales.omega / shortest_cycle
+    h_stick = min(h_max, 2.0 * math.pi / _LOOKS / max(layout.fastest, scales.omega))
     limit = int(effort.steps_per_cycle * (cycles + 2.0)) + 20 * u_t.size
+    fixed = (_read_only(u_t), _read_only(u_y), times, h_max, h_stick, _SENSITIVITY * effort.tolerance, limit, want_a)
     while True:
-        status, n_events, steps, reached = integrate(
-            model.t0, z0, start, layout.spec, layout.theta, columns, u_t, u_y, t, error, h_max, limit, want_a,
-            x, v, a, mode, dx, dv, da, events,
-        )  # fmt: skip
+        record = workspace(layout.spec, layout.theta, columns, error, layout.start, start)
+        status, n_events, steps, reached = integrate(model.t0, record, *fixed, x, v, a, mode, dx, dv, da, events)
         if status != TOO_MANY_EVENTS or events.shape[0] > 1_000_000:
             break
         events = np.zeros((4 * events.shape[0], EVENT_COLUMNS))

@@ -3,14 +3,16 @@
 Source: J. R. Dormand, P. J. Prince, J. Comp. Appl. Math. 6 (1980) 19-26, table 2 (the pair known as DOPRI5).
 """
 
+import math
+
 import numpy as np
 
-from harness.core.arrays import FloatArray, IntArray
+from harness.core.arrays import FloatArray
 from harness.core.jit import compiled
 from harness.kernels.layout import N_STATE
 from harness.kernels.rhs import rhs
+from harness.kernels.work import ACROSS, STAGES, Work
 
-STAGES = 7
 C = np.array([0.0, 1 / 5, 3 / 10, 4 / 5, 8 / 9, 1.0, 1.0])
 A = np.array(
     [
@@ -25,30 +27,17 @@ A = np.array(
 )
 # fifth-order minus embedded fourth-order weights
 E = np.array([71 / 57600, 0.0, -71 / 16695, 71 / 1920, -17253 / 339200, 22 / 525, -1 / 40])
+_ROUNDING = 1e-14
+"""Part of the state below which an error is rounding and no reason for a shorter step."""
 
 
-def _slope(
-    stage: int,
-    t: float,
-    z: FloatArray,
-    s: FloatArray,
-    mode: int,
-    spec: IntArray,
-    theta: FloatArray,
-    columns: IntArray,
-    u: float,
-    ks: FloatArray,
-    kss: FloatArray,
-    jac: FloatArray,
-    by_theta: FloatArray,
-    row: FloatArray,
-    rows: FloatArray,
-) -> None:
+def _slope(stage: int, t: float, z: FloatArray, s: FloatArray, mode: int, u: float, w: Work) -> None:
     """Derivatives of state and sensitivities into ks[stage] (n,) and kss[stage] (n, q): S' = J S + F_theta."""
-    rhs(stage, t, z, mode, spec, theta, u, ks, jac, by_theta, row, rows)
-    n = spec[N_STATE]
+    rhs(stage, t, z, mode, u, w)
+    columns, jac, by_theta, kss = w.columns, w.jac, w.by_theta, w.kss
+    n = w.spec[N_STATE]
     for i in range(n):
-        for q in range(columns.size):
+        for q in range(w.count[ACROSS]):
             total = by_theta[i, columns[q]] if columns[q] >= 0 else 0.0
             for j in range(n):
                 total += jac[i, j] * s[j, q]
@@ -58,32 +47,15 @@ def _slope(
 slope = compiled(_slope, lean=True)
 
 
-def _step(
-    t: float,
-    h: float,
-    z: FloatArray,
-    s: FloatArray,
-    mode: int,
-    spec: IntArray,
-    theta: FloatArray,
-    columns: IntArray,
-    u0: float,
-    u_rate: float,
-    scale: FloatArray,
-    z1: FloatArray,
-    s1: FloatArray,
-    ks: FloatArray,
-    kss: FloatArray,
-    jac: FloatArray,
-    by_theta: FloatArray,
-    row: FloatArray,
-    rows: FloatArray,
-) -> float:
-    """Step from (t, z, s) by h into z1, s1; ks[0], kss[0] hold the slopes at t. Returns the scaled error of z.
+def _step(t: float, h: float, mode: int, u0: float, u_rate: float, sensitivity_error: float, w: Work) -> float:
+    """Step from (t, z, s) by h into z1, s1; ks[0], kss[0] hold the slopes at t. Returns the error, 1 being allowed.
 
-    u0 + u_rate tau is the drive within the step. After the call ks[6], kss[6] are the slopes at t + h.
+    u0 + u_rate tau is the drive within the step. sensitivity_error : allowed, relative to the largest so far in each
+    column; it matters where a law has a corner, which the state hardly feels. Afterwards ks[6], kss[6] are the slopes
+    at t + h.
     """
-    n, q_count = spec[N_STATE], columns.size
+    n, q_count = w.spec[N_STATE], w.count[ACROSS]
+    z, s, z1, s1, ks, kss = w.z, w.s, w.z1, w.s1, w.ks, w.kss
     for stage in range(1, STAGES):
         for i in range(n):
             total = 0.0
@@ -97,13 +69,25 @@ def _step(
                 for q in range(q_count):
                     s1[i, q] += weight * kss[r, i, q]
         tau = C[stage] * h
-        slope(stage, t + tau, z1, s1, mode, spec, theta, columns, u0 + u_rate * tau, ks, kss, jac, by_theta, row, rows)
+        slope(stage, t + tau, z1, s1, mode, u0 + u_rate * tau, w)
     error = 0.0
     for i in range(n):
         total = 0.0
         for r in range(STAGES):
             total += E[r] * ks[r, i]
-        error = max(error, abs(h * total) / scale[i])
+        if not math.isfinite(total):
+            return math.inf
+        error = max(error, abs(h * total) / (w.scale[i] + _ROUNDING * abs(z1[i])))
+    for q in range(q_count):
+        worst, size = 0.0, w.size_s[q]
+        for i in range(n):
+            total = 0.0
+            for r in range(STAGES):
+                total += E[r] * kss[r, i, q]
+            worst = max(worst, abs(h * total) / w.scale[i])
+            size = max(size, abs(s1[i, q]) / w.scale[i])
+        if worst > 0.0:
+            error = max(error, worst / (sensitivity_error * size))
     return error
 
 

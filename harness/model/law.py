@@ -1,8 +1,8 @@
 """Columns of the row that a law writes, and where the base parameters lie in the parameter vector.
 
-A law is a plain scalar function ``law(x, v, t, theta, o, out)``: it reads its own parameters from ``theta[o:]`` (and the
-base parameters from their fixed places), and writes its value and partial derivatives into ``out``. No slices, no
-allocation, no flags: the compiled kernel calls it in its inner loop.
+A law is a plain scalar function ``law(x, v, t, theta, o, out)``: it reads its own parameters from ``theta[o:]`` (and
+the base parameters from their fixed places), and writes its value and partial derivatives into ``out``, which holds
+zeros. No slices, no allocation, no flags: the compiled kernel calls it in its inner loop.
 """
 
 # places of the base parameters in theta

@@ -54,7 +54,8 @@ class Term:
     amplitude : index of the parameter in which the law is linear with none = no effect, or None.
     phase : index of the phase of a harmonic, so that a cosine and a sine probe make amplitude and phase.
     sentence : format string over the parameters by name (dots of names kept), one plain sentence.
-    internal : number of internal states. channels : channels an observation needs. needs : "driven", "angle".
+    internal : number of internal states. speeds : those of them that are speeds, and start relative to the slider's.
+    channels : channels an observation needs. needs : "driven", "angle".
     variant : tells laws apart that share a catalogue name.
     """
 
@@ -68,6 +69,7 @@ class Term:
     amplitude: int | None = None
     phase: int | None = None
     internal: int = 0
+    speeds: tuple[int, ...] = ()
     channels: tuple[str, ...] = ()
     needs: tuple[str, ...] = ()
     variant: str = ""

@@ -55,4 +55,5 @@ TERM = Term(
     probes,
     amplitude=1,
     internal=2,
+    speeds=(1,),
 )

@@ -17,4 +17,5 @@ TERM = Term(
     (Parameter("sigma0", "N/m", 0.0, positive=True), Parameter("sigma1", "N s/m", 0.0)),
     "Friction builds up over a presliding displacement (bristle): sigma0 = {sigma0}, sigma1 = {sigma1}.",
     probes=probes,
+    internal=1,
 )

@@ -7,7 +7,7 @@ from harness.model.term import Parameter, Probe, Slot, Term
 def probes(e: Evidence) -> list[Probe]:
     """Speeds at fractions of the largest one, with the lead that a soft constraint gives and without."""
     speeds = (0.003, 0.01, 0.03, 0.1)
-    lead = [(f * e.v_scale, f * e.v_scale / e.f_k * 0.9) for f in speeds] if e.f_k > 0.0 else []
+    lead: list[Probe] = [(f * e.v_scale, f * e.v_scale / e.f_k * 0.9) for f in speeds] if e.f_k > 0.0 else []
     return [(f * e.v_scale, 0.0) for f in speeds] + lead
 
 

@@ -1,0 +1,170 @@
+"""What happens at an event: where it lies in a step, and how the sensitivities jump there.
+
+At an event the sensitivities jump by the saltation condition s+ = s- + (f- - f+) dt*/dp, where t* is its time.
+"""
+
+from harness.core.jit import compiled
+from harness.kernels.interpolate import interpolate
+from harness.kernels.layout import N_MODULATION, N_STATE
+from harness.kernels.level import break_away_at, by_modulation
+from harness.kernels.rhs import excess, rhs
+from harness.kernels.step import step
+from harness.kernels.work import ACROSS, PLACES, ROW_V, SPARE, STAGES, Work
+from harness.model.law import MASS
+
+_POLISH = 4
+_HALVINGS = 60
+
+
+def _turning_share(h: float, side: int, n: int, w: Work) -> float:
+    """Share of a step of h at which the interpolated speed, which has the sign ``side`` before, reaches 0; 2 for never.
+
+    A speed that dips through 0 and comes back within the step is found by the least speed inside.
+    """
+    high = 1.0
+    if w.z1[1] * side >= 0.0:
+        if not (w.ks[0, 1] * side < 0.0 < w.ks[STAGES - 1, 1] * side):
+            return 2.0
+        c, low = w.cz, 0.0
+        for _ in range(40):
+            high = 0.5 * (low + high)
+            bend = 2.0 * c[0, 2] + high * (6.0 * c[0, 3] + high * (12.0 * c[0, 4] + high * 20.0 * c[0, 5]))
+            if bend * side < 0.0:
+                low = high
+            else:
+                break
+        for _ in range(40):
+            middle = 0.5 * (low + high)
+            bend = 2.0 * c[0, 2] + middle * (6.0 * c[0, 3] + middle * (12.0 * c[0, 4] + middle * 20.0 * c[0, 5]))
+            if bend * side < 0.0:
+                low = middle
+            else:
+                high = middle
+        interpolate(high, h, n, w)
+        if w.zi[1] * side >= 0.0:
+            return 2.0
+    # a step that begins at rest has a root there too: begin where it moves
+    low = 0.5 * high
+    for _ in range(_HALVINGS):
+        interpolate(low, h, n, w)
+        if w.zi[1] * side > 0.0:
+            break
+        high = low
+        low *= 0.5
+    for _ in range(_HALVINGS):
+        middle = 0.5 * (low + high)
+        interpolate(middle, h, n, w)
+        if w.zi[1] * side > 0.0:
+            low = middle
+        else:
+            high = middle
+        if high - low < 1e-9:
+            break
+    return 0.5 * (low + high)
+
+
+turning_share = compiled(_turning_share, lean=True)
+
+
+def _to_reversal(
+    t: float, trial: float, h: float, mode: int, u0: float, u_rate: float, tolerance: float, w: Work
+) -> float:
+    """Step to the reversal near ``trial`` within a step of h, by Newton's method on real steps; returns its length."""
+    for _ in range(_POLISH):
+        step(t, trial, mode, u0, u_rate, tolerance, w)
+        slowing = w.ks[STAGES - 1, 1]
+        if slowing == 0.0:
+            break
+        change = -w.z1[1] / slowing
+        if abs(change) <= 1e-15 * h or not 0.0 < trial + change <= h:
+            break
+        trial += change
+    w.z1[1] = 0.0
+    return trial
+
+
+to_reversal = compiled(_to_reversal, lean=True)
+
+
+def _exceeded(t: float, r: float, h: float, u0: float, u_rate: float, w: Work) -> bool:
+    """Whether the force on a slider at rest exceeds the break-away level at the share r of a step."""
+    interpolate(r, h, w.spec[N_STATE], w)
+    force, _, limit, _, _ = excess(t + r * h, w.zi, u0 + u_rate * r * h, w)
+    return abs(force) > limit
+
+
+exceeded = compiled(_exceeded, lean=True)
+
+
+def _break_away_share(t: float, h: float, u0: float, u_rate: float, w: Work) -> float:
+    """Share of a step of h in stick after which the break-away level is exceeded; 2 for never."""
+    looks = 2
+    for i in range(1, looks + 1):
+        high = i / looks
+        if exceeded(t, high, h, u0, u_rate, w):
+            low = (i - 1) / looks
+            for _ in range(_HALVINGS):
+                middle = 0.5 * (low + high)
+                if exceeded(t, middle, h, u0, u_rate, w):
+                    high = middle
+                else:
+                    low = middle
+                if high - low <= 1e-15:
+                    break
+            return high
+    return 2.0
+
+
+break_away_share = compiled(_break_away_share, lean=True)
+
+
+def _break_away_jump(t: float, side: int, u: float, u_rate: float, a_after: float, w: Work) -> None:
+    """Saltation at break-away: g = side F(t, z, theta) - F_s(t, x, theta) = 0 sets the time of the event."""
+    spec, columns, jac, by_theta, s = w.spec, w.columns, w.jac, w.by_theta, w.s
+    n, m = spec[N_STATE], w.theta[MASS]
+    for j in range(w.count[PLACES]):
+        by_theta[1, j] = 0.0
+    _, by_t, limit, limit_x, limit_t = excess(t, w.z, u, w)
+    g_t = side * (u_rate + by_t) - limit_t
+    for i in range(2, n):
+        g_t += side * m * jac[1, i] * w.ks[SPARE, i]
+    if g_t == 0.0:
+        return
+    # the level shares no parameter with the force: its partials go, scaled alike, into places that are still 0
+    at = break_away_at(w)
+    f_s = w.theta[at]
+    product = limit / f_s if f_s > 0.0 else 0.0
+    by_theta[1, at] = -side * product / m
+    if spec[N_MODULATION] > 0:
+        by_modulation(t, w.z[0], 0.0, product, -side * f_s / m, ROW_V, w)
+    for q in range(w.count[ACROSS]):
+        total = side * m * by_theta[1, columns[q]] if columns[q] >= 0 else 0.0
+        total += (side * m * jac[1, 0] - limit_x) * s[0, q]
+        for i in range(2, n):
+            total += side * m * jac[1, i] * s[i, q]
+        s[1, q] += a_after * total / g_t
+
+
+break_away_jump = compiled(_break_away_jump, lean=True)
+
+
+def _knock_jump(t: float, mode: int, u: float, o: int, v_jump: float, w: Work) -> None:
+    """Saltation at a knock whose time and impulse stand at theta[o].
+
+    ks[0] holds the slopes before it, z the state after; leaves the slopes after it in ks[SPARE]. Its time is a
+    parameter of its own and moves with nothing else.
+    """
+    n, m, s, columns = w.spec[N_STATE], w.theta[MASS], w.s, w.columns
+    rhs(SPARE, t, w.z, mode, u, w)
+    for q in range(w.count[ACROSS]):
+        if columns[q] == o:
+            s[0, q] -= v_jump
+            for i in range(1, n):
+                s[i, q] += w.ks[0, i] - w.ks[SPARE, i]
+        elif columns[q] == o + 1:
+            s[1, q] += 1.0 / m
+        elif columns[q] == MASS:
+            s[1, q] -= v_jump / m
+
+
+knock_jump = compiled(_knock_jump, lean=True)

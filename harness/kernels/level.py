@@ -1,0 +1,94 @@
+"""The level of dry friction: the curve f_k(v) times the modulations, and the break-away level, with partials."""
+
+import math
+
+from harness.core.jit import compiled
+from harness.kernels.dispatch import modulation
+from harness.kernels.layout import BREAK_AWAY_AT, LISTS, N_MODULATION, STRIBECK_AT
+from harness.kernels.work import Work
+from harness.model.law import COLUMNS, D_PARAMETER, D_T, D_X, KINETIC, MAX_PARAMETERS, VALUE
+
+
+def _modulated(t: float, x: float, v: float, w: Work) -> tuple[float, float, float]:
+    """Product of the modulations of friction with its partials by x and t; 0 where any of them is not above 0."""
+    spec, row = w.spec, w.row
+    product, by_x, by_t = 1.0, 0.0, 0.0
+    at = LISTS
+    for _ in range(spec[N_MODULATION]):
+        for j in range(COLUMNS):
+            row[j] = 0.0
+        modulation(spec[at], x, v, t, w.theta, spec[at + 1], row)
+        factor = row[VALUE]
+        if factor <= 0.0:
+            return 0.0, 0.0, 0.0
+        by_x = by_x * factor + product * row[D_X]
+        by_t = by_t * factor + product * row[D_T]
+        product *= factor
+        at += 3
+    return product, by_x, by_t
+
+
+modulated = compiled(_modulated, lean=True)
+
+
+def _by_modulation(t: float, x: float, v: float, product: float, weight: float, i: int, w: Work) -> None:
+    """Set by_theta[i] of the parameters of modulations to weight times the partials of their product."""
+    spec, row, by_theta = w.spec, w.row, w.by_theta
+    at = LISTS
+    for _ in range(spec[N_MODULATION]):
+        o = spec[at + 1]
+        for j in range(COLUMNS):
+            row[j] = 0.0
+        modulation(spec[at], x, v, t, w.theta, o, row)
+        others = product / row[VALUE] if product > 0.0 else 0.0
+        for j in range(min(spec[at + 2], MAX_PARAMETERS)):
+            by_theta[i, o + j] = weight * others * row[D_PARAMETER + j]
+        at += 3
+
+
+by_modulation = compiled(_by_modulation, lean=True)
+
+
+def _curve(v: float, w: Work) -> tuple[float, float]:
+    """f_k(v) before modulation, and its slope."""
+    theta, at = w.theta, w.spec[STRIBECK_AT]
+    level = theta[KINETIC]
+    if at < 0:
+        return level, 0.0
+    v_s = theta[at + 1]
+    bump = (theta[at] - level) * math.exp(-((v / v_s) ** 2))
+    return level + bump, -2.0 * bump * v / (v_s * v_s)
+
+
+curve = compiled(_curve, lean=True)
+
+
+def _level_partials(t: float, x: float, v: float, product: float, weight: float, i: int, w: Work) -> None:
+    """Set by_theta[i] to weight times the partials of the friction level by every parameter it depends on."""
+    theta, by_theta = w.theta, w.by_theta
+    level, at = theta[KINETIC], w.spec[STRIBECK_AT]
+    if at >= 0:
+        v_s = theta[at + 1]
+        e = math.exp(-((v / v_s) ** 2))
+        excess = theta[at] - level
+        by_theta[i, KINETIC] = weight * product * (1.0 - e)
+        by_theta[i, at] = weight * product * e
+        by_theta[i, at + 1] = weight * product * 2.0 * excess * e * v * v / (v_s * v_s * v_s)
+        level += excess * e
+    else:
+        by_theta[i, KINETIC] = weight * product
+    if w.spec[N_MODULATION] > 0:
+        by_modulation(t, x, v, product, weight * level, i, w)
+
+
+level_partials = compiled(_level_partials, lean=True)
+
+
+def _break_away_at(w: Work) -> int:
+    """Place in theta of the break-away level: never below the friction that sets in at v = 0."""
+    at, stribeck = w.spec[BREAK_AWAY_AT], w.spec[STRIBECK_AT]
+    sliding = stribeck if stribeck >= 0 else KINETIC
+    return sliding if w.theta[sliding] > w.theta[at] else at
+
+
+break_away_at = compiled(_break_away_at, lean=True)

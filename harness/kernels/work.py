@@ -1,0 +1,114 @@
+"""What the compiled functions hand each other: a model as arrays, and the scratch arrays of one run, in one record.
+
+A record goes as a single pointer where an array goes as seven numbers: with arrays the calls cost more than the laws.
+Its sizes are fixed, so that there is one compiled form.
+"""
+
+from typing import Final, Protocol, cast
+
+import numpy as np
+
+from harness.core.arrays import FloatArray, IntArray
+from harness.core.errors import InputError
+from harness.model.law import COLUMNS, INTERNAL_COLUMNS
+
+
+def plain(number: int) -> int:
+    """A constant that kernels are called with: Numba compiles a function anew for every literal int it is given."""
+    return cast(int, np.int64(number))
+
+
+STAGES: Final = 7
+FIRST: Final = plain(0)
+"""The stage at the start of a step."""
+SPARE: Final = plain(STAGES)
+"""The stage whose slopes belong to no step: for looks aside (samples, events)."""
+ROW_V, ROW_BRISTLE = plain(1), plain(2)
+"""Rows of the state."""
+
+MAX_STATES, MAX_PLACES, MAX_COLUMNS, MAX_SPEC = 12, 64, 32, 128
+
+
+class Work(Protocol):
+    """Arrays of a run: n states, q columns of sensitivities, P places of parameters, in the corners of larger ones.
+
+    spec (s,), theta (P,) : see harness.kernels.layout. columns (q,) : place in theta each column belongs to, -1 for an
+    initial condition. scale (n,) : error of the state allowed in a step. count (2,) : P and q.
+    z (n,), s (n, q) : state and sensitivities at the start of a step; z1, s1 : at its end; zi, si : between.
+    ks (STAGES + 1, n), kss (STAGES + 1, n, q) : slopes by stage. jac (n, n), by_theta (n, P) : partials of the slopes.
+    cz (n, 6) : interpolation. size_s (q,) : largest sensitivities so far. row, rows : what a law writes into.
+    """
+
+    spec: IntArray
+    theta: FloatArray
+    columns: IntArray
+    scale: FloatArray
+    count: IntArray
+    z: FloatArray
+    s: FloatArray
+    z1: FloatArray
+    s1: FloatArray
+    zi: FloatArray
+    si: FloatArray
+    ks: FloatArray
+    kss: FloatArray
+    jac: FloatArray
+    by_theta: FloatArray
+    cz: FloatArray
+    size_s: FloatArray
+    row: FloatArray
+    rows: FloatArray
+
+
+_N, _Q = MAX_STATES, MAX_COLUMNS
+_RECORD = np.dtype(
+    [
+        ("spec", np.int64, (MAX_SPEC,)),
+        ("theta", np.float64, (MAX_PLACES,)),
+        ("columns", np.int64, (_Q,)),
+        ("scale", np.float64, (_N,)),
+        ("count", np.int64, (2,)),
+        ("z", np.float64, (_N,)),
+        ("s", np.float64, (_N, _Q)),
+        ("z1", np.float64, (_N,)),
+        ("s1", np.float64, (_N, _Q)),
+        ("zi", np.float64, (_N,)),
+        ("si", np.float64, (_N, _Q)),
+        ("ks", np.float64, (STAGES + 1, _N)),
+        ("kss", np.float64, (STAGES + 1, _N, _Q)),
+        ("jac", np.float64, (_N, _N)),
+        ("by_theta", np.float64, (_N, MAX_PLACES)),
+        ("cz", np.float64, (_N, 6)),
+        ("size_s", np.float64, (_Q,)),
+        ("row", np.float64, (COLUMNS,)),
+        ("rows", np.float64, (3, INTERNAL_COLUMNS)),
+    ],
+    align=True,
+)
+PLACES: Final = 0
+ACROSS: Final = 1
+"""In count: how many parameters, and how many columns of sensitivities."""
+
+
+def workspace(
+    spec: IntArray, theta: FloatArray, columns: IntArray, scale: FloatArray, start: FloatArray, start_s: FloatArray
+) -> Work:
+    """A record for a model: start (n,) and start_s (n, q) are its state and sensitivities at the release.
+
+    Raises InputError when the model has more terms than there is room for.
+    """
+    for size, most, what in (
+        (start.size, MAX_STATES, "states"),
+        (theta.size, MAX_PLACES, "parameters"),
+        (columns.size, MAX_COLUMNS, "sensitivities"),
+        (spec.size, MAX_SPEC, "entries"),
+    ):
+        if size > most:
+            raise InputError("model", f"{size} {what}", f"at most {most} are accepted")
+    record = np.zeros(1, dtype=_RECORD).view(np.recarray)[0]
+    record.spec[: spec.size], record.theta[: theta.size] = spec, theta
+    record.columns[: columns.size], record.scale[: scale.size] = columns, scale
+    record.count[:] = theta.size, columns.size
+    record.z[: start.size] = start
+    record.s[: start.size, : columns.size] = start_s
+    return cast(Work, record)
