@@ -58,6 +58,7 @@ def test_values_are_given_to_their_standard_error(value: float, stderr: float | 
 
 def test_metres_are_shown_in_millimetres() -> None:
     assert quantity({"value": 0.03, "stderr": 2e-5, "unit": "m"}) == ("30.000", "0.020", "mm")
+    assert quantity({"value": None, "stderr": None, "unit": "1", "why": "too few"}) == ("–", "", "")
     assert sentence_quantity({"value": 0.05, "stderr": 1e-4, "unit": "1"}) == "0.05000 ± 0.00010"
 
 
@@ -144,6 +145,7 @@ def test_the_page_of_a_recording(recording: Recording, identify_result: dict[str
     assert "0.2160 ± 0.0030 rad" in page
     assert "2 gaps are left out." in page
     assert 'id="plot-reversals-x_k"' in page
+    assert page.count("Bars are one standard error") == 1  # for x_k; zeta has none
 
 
 def test_a_recording_without_figures_says_why(identify_result: dict[str, Any]) -> None:

@@ -182,6 +182,8 @@ class PerReversal(Section):
     def _figure(self, name: str) -> Figure | None:
         traces: list[dict[str, Any]] = []
         shown, factor = "", 1.0
+        bars = False
+        drawn = 0
         for index, (method, estimate) in enumerate(self.estimates.items()):
             color = _HUES[index % len(_HUES)]
             found = [one for one in estimate["per_reversal"] if one.get(name) is not None]
@@ -197,7 +199,7 @@ class PerReversal(Section):
                     "type": "scatter",
                     "mode": "markers",
                     "name": method,
-                    "x": t + index * _APART * (t[-1] - t[0]),
+                    "x": t + drawn * _APART * (t[-1] - t[0]),
                     "y": y,
                     "customdata": t,
                     "marker": {"color": color, "size": 7},
@@ -205,6 +207,8 @@ class PerReversal(Section):
                 }
                 | self._bars(name, found, factor, color)
             )
+            drawn += 1
+            bars = bars or "error_y" in traces[-1]
             if p["value"] is not None:
                 ends = np.array([t[0], t[-1]])
                 line = {"color": color, "width": 1.2, "dash": "dash"}
@@ -228,9 +232,9 @@ class PerReversal(Section):
             "yaxis": {"title": {"text": title}},
             "showlegend": True,
         }
-        bars = "Bars are one standard error; the" if name == "x_k" else "The"
+        begin = "Bars are one standard error; the" if bars else "The"
         caption = (
-            f"{QUANTITIES[name]} from single reversals. {bars} dashed line is what the method makes of all of them."
+            f"{QUANTITIES[name]} from single reversals. {begin} dashed line is what the method makes of all of them."
         )
         return Figure(f"reversals-{name}", traces, layout, caption, "", 360)
 

@@ -53,11 +53,11 @@ def with_error(value: float, stderr: float | None) -> tuple[str, str]:
 
 def quantity(p: Mapping[str, Any]) -> tuple[str, str, str]:
     """Value, standard error and unit of a P, in the unit shown; value "\u2013" when it was refused."""
-    unit, factor = SHOWN.get(p["unit"], (p["unit"], 1.0))
+    unit, factor = SHOWN.get(p["unit"], ("" if p["unit"] == "1" else p["unit"], 1.0))
     if p["value"] is None:
         return NONE, "", unit
     value, stderr = with_error(p["value"] * factor, None if p["stderr"] is None else p["stderr"] * factor)
-    return value, stderr, "" if unit == "1" else unit
+    return value, stderr, unit
 
 
 def sentence_quantity(p: Mapping[str, Any]) -> str:
