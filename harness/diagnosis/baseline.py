@@ -6,6 +6,7 @@ of the recording, from several shares of viscous and dry friction; the best of t
 """
 
 import math
+from dataclasses import replace
 
 import numpy as np
 
@@ -13,7 +14,7 @@ from harness.core.arrays import FloatArray
 from harness.core.errors import InputError, SimulationError
 from harness.diagnosis.fit import Fit, fit
 from harness.diagnosis.observe import COARSE
-from harness.diagnosis.parameters import free_of
+from harness.diagnosis.parameters import base_of, free_of
 from harness.diagnosis.problem import Problem
 from harness.kernels.solve import Scales
 from harness.model.model import Model, Restoring
@@ -120,7 +121,7 @@ def _grow(model: Model, problem: Problem, scales: Scales) -> Fit:
         stop = int(np.searchsorted(t, t[0] + cycles * cycle))
         if stop >= 24:
             thin = max(1, stop // 1500)
-            model = fit(model, problem.part(slice(0, stop, thin)), free, scales, 12, COARSE).model
+            model = fit(model, problem.part(slice(0, stop, thin)), free, scales, 12, COARSE, thorough=False).model
         cycles *= 2.0
     return fit(model, problem, free, scales)
 
@@ -129,7 +130,7 @@ def _whole(model: Model, problem: Problem, scales: Scales) -> Fit:
     """Fit the whole recording at once: right where the spectrum gave the frequency well."""
     thin = max(1, problem.t.size // 1500)
     free = free_of(model, base_names(problem))
-    rough = fit(model, problem.part(slice(None, None, thin)), free, scales, 15, COARSE)
+    rough = fit(model, problem.part(slice(None, None, thin)), free, scales, 15, COARSE, thorough=False)
     return fit(rough.model, problem, free, scales)
 
 
@@ -154,4 +155,17 @@ def baseline(problem: Problem) -> tuple[Fit, Scales]:
                 best = found
     if best is None:
         raise SimulationError(f"no base fit could be simulated: {why}")
-    return best, scales
+    return at_rest(best, problem, scales), scales
+
+
+def at_rest(found: Fit, problem: Problem, scales: Scales) -> Fit:
+    """The same fit released from rest, where the recording does not ask for a speed at its start."""
+    if "v0" not in base_of(found.free):
+        return found
+    base = tuple(name for name in base_of(found.free) if name != "v0")
+    model = replace(found.model, v0=0.0)
+    try:
+        still = fit(model, problem, free_of(model, base), scales)
+    except SimulationError:
+        return found
+    return still if still.bic <= found.bic else found

@@ -7,6 +7,7 @@ import numpy as np
 
 from harness.core.arrays import FloatArray
 from harness.core.errors import SimulationError
+from harness.core.events import Events
 from harness.diagnosis.observe import FINE, Observation, observe
 from harness.diagnosis.parameters import Free, values_of, with_values
 from harness.diagnosis.problem import Problem
@@ -14,6 +15,11 @@ from harness.kernels.solve import Effort, Scales
 from harness.model.model import Model
 
 _FIRST_DAMPING = 1e-3
+_DRAWS = 16
+_REACHES = (1.0, 1.0, 0.5, 0.5, 0.25)
+_LEFT_OUT = (3.0, 1.5)
+"""Sampling intervals next to an event that are left out at first."""
+
 _DONE = 1e-5
 """A step that promises less than this in chi-square changes nothing that anybody could see."""
 
@@ -69,7 +75,11 @@ def whiten(problem: Problem, channel: str, values: FloatArray) -> FloatArray:
 
 
 def evaluate(
-    model: Model, problem: Problem, free: tuple[Free, ...], scales: Scales | None = None, effort: Effort = FINE
+    model: Model,
+    problem: Problem,
+    free: tuple[Free, ...],
+    scales: Scales | None = None,
+    effort: Effort = FINE,
 ) -> tuple[FloatArray, FloatArray, Observation]:
     """Whitened residual (N,) and its partials (N, q) by the fitted numbers, data minus model."""
     shown = observe(model, problem, tuple(f.by for f in free), scales, effort)
@@ -78,7 +88,7 @@ def evaluate(
     return residual, jacobian, shown
 
 
-def fit(
+def _descend(
     model: Model,
     problem: Problem,
     free: tuple[Free, ...],
@@ -86,12 +96,11 @@ def fit(
     iterations: int = 40,
     effort: Effort = FINE,
 ) -> Fit:
-    """Fit the free numbers of a model, starting from its own values.
-
-    Raises SimulationError when even the start cannot be simulated.
-    """
+    """Levenberg and Marquardt's descent."""
     values = values_of(model, free)
-    values = np.array([f.outward(f.inward(v)) if not f.log or v > 0.0 else v for f, v in zip(free, values, strict=True)])
+    values = np.array(
+        [f.outward(f.inward(v)) if not f.log or v > 0.0 else v for f, v in zip(free, values, strict=True)]
+    )
     model = with_values(model, free, values)
     residual, jacobian, shown = evaluate(model, problem, free, scales, effort)
     chi2 = float(residual @ residual)
@@ -149,3 +158,70 @@ def fit(
         if done or not improved:
             break
     return Fit(model, free, chi2, problem.points, residual, jacobian, shown, count, done)
+
+
+def fit(
+    model: Model,
+    problem: Problem,
+    free: tuple[Free, ...],
+    scales: Scales | None = None,
+    iterations: int = 40,
+    effort: Effort = FINE,
+    thorough: bool = True,
+) -> Fit:
+    """Fit the free numbers of a model, starting from its own values.
+
+    An acceleration jumps at a reversal, so chi-square has a step wherever an event passes a sample, and a descent stops
+    before the first. With ``thorough``, it is made without the samples next to the events too, and from the best of
+    several points that this leaves open with all of them.
+    Raises SimulationError when even the start cannot be simulated.
+    """
+    found = _descend(model, problem, free, scales, iterations, effort)
+    if not thorough or "a" not in problem.channels or not len(found.shown.events):
+        return found
+    smooth = found
+    for width in _LEFT_OUT:
+        apart = _apart_from(problem, smooth.shown.events, width)
+        smooth = _descend(smooth.model, apart, free, scales, iterations, effort)
+    best = min((found, _descend(smooth.model, problem, free, scales, iterations, effort)), key=lambda f: f.chi2)
+    spread = _spread(smooth)
+    random = np.random.default_rng(0)
+    for reach in _REACHES:
+        nearby = [_drawn(best, spread, reach * random.standard_normal(len(free))) for _ in range(_DRAWS)]
+        start = min(nearby, key=lambda m: _chi2(m, problem, scales, effort))
+        tried = _descend(start, problem, free, scales, iterations, effort)
+        best = min((best, tried), key=lambda f: f.chi2)
+    return best
+
+
+def _spread(smooth: Fit) -> FloatArray:
+    """Matrix (q, q) that turns standard normal numbers into what the uncertainty of a fit leaves open."""
+    values, vectors = np.linalg.eigh(smooth.covariance())
+    spread: FloatArray = vectors * np.sqrt(np.maximum(values, 0.0))
+    return spread
+
+
+def _drawn(best: Fit, spread: FloatArray, draw: FloatArray) -> Model:
+    """The model of a fit moved by a draw, within the bounds."""
+    moved = best.values + spread @ draw
+    moved = np.array([min(max(v, f.lower), f.upper) for f, v in zip(best.free, moved, strict=True)])
+    return with_values(best.model, best.free, moved)
+
+
+def _chi2(model: Model, problem: Problem, scales: Scales | None, effort: Effort) -> float:
+    """Chi-square of a model as it stands; infinite where it cannot be simulated."""
+    try:
+        residual, _, _ = evaluate(model, problem, (), scales, effort)
+    except SimulationError:
+        return math.inf
+    return float(residual @ residual)
+
+
+def _apart_from(problem: Problem, events: Events, width: float) -> Problem:
+    """The problem without the accelerations within ``width`` sampling intervals of an event."""
+    t = problem.t
+    reach = width * float(np.median(np.diff(t)))
+    after = np.clip(np.searchsorted(events.t, t), 1, len(events)) if len(events) else np.ones(t.size, dtype=np.int64)
+    gap = np.minimum(np.abs(t - events.t[after - 1]), np.abs(t - events.t[np.minimum(after, len(events) - 1)]))
+    keep = {c: gap > reach if c == "a" else np.ones(t.size, dtype=bool) for c in problem.channels}
+    return problem.weighted(keep)

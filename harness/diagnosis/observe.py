@@ -36,7 +36,11 @@ def _is_sensor(model: Model, by: By) -> bool:
 
 
 def observe(
-    model: Model, problem: Problem, by: tuple[By, ...] = (), scales: Scales | None = None, effort: Effort = FINE
+    model: Model,
+    problem: Problem,
+    by: tuple[By, ...] = (),
+    scales: Scales | None = None,
+    effort: Effort = FINE,
 ) -> Observation:
     """Channels of ``problem`` as ``model`` predicts them, with partials by the parameters ``by``.
 
@@ -45,7 +49,9 @@ def observe(
     t = problem.t
     dynamic = tuple(b for b in by if not _is_sensor(model, b))
     column = {b: i for i, b in enumerate(dynamic)}
-    sensors = {entry.term.name: (i, entry) for i, entry in enumerate(model.terms) if entry.term.slot is Slot.OBSERVATION}
+    sensors = {
+        entry.term.name: (i, entry) for i, entry in enumerate(model.terms) if entry.term.slot is Slot.OBSERVATION
+    }
     want_a = "a" in problem.channels
     lag = sensors["sensor-lag"][1].values[0] if "sensor-lag" in sensors else 0.0
     if lag != 0.0 and "x" in problem.channels:

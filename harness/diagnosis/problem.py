@@ -35,9 +35,7 @@ class Problem:
         ones = np.ones(self.t.size)
         object.__setattr__(self, "channels", MappingProxyType(dict(self.channels)))
         object.__setattr__(self, "noise", MappingProxyType(dict(self.noise)))
-        object.__setattr__(
-            self, "weight", MappingProxyType({c: self.weight.get(c, ones) for c in self.channels})
-        )
+        object.__setattr__(self, "weight", MappingProxyType({c: self.weight.get(c, ones) for c in self.channels}))
 
     @property
     def points(self) -> int:

@@ -181,7 +181,9 @@ def screen(
 def _moved(current: Fit, shift: FloatArray) -> Model:
     """The current model with its numbers moved as the new term asks, within their bounds and by no more than half."""
     values = current.values
-    limit = np.array([0.5 * abs(v) if f.log or f.lower == 0.0 else np.inf for f, v in zip(current.free, values, strict=True)])
+    limit = np.array(
+        [0.5 * abs(v) if f.log or f.lower == 0.0 else np.inf for f, v in zip(current.free, values, strict=True)]
+    )
     moved = values + np.clip(shift, -limit, limit)
     moved = np.array([min(max(v, f.lower), f.upper) for f, v in zip(current.free, moved, strict=True)])
     return with_values(current.model, current.free, moved)

@@ -5,6 +5,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 from harness.core.errors import SimulationError
+from harness.diagnosis.baseline import at_rest
 from harness.diagnosis.evidence import evidence
 from harness.diagnosis.fit import Fit, evaluate, fit
 from harness.diagnosis.observe import COARSE
@@ -21,6 +22,7 @@ DECISIVE = 10.0
 
 _COARSE_SAMPLES = 1200
 _COARSE_ITERATIONS = 6
+_EARLY = 0.5
 _WORTH = 6.0
 _SHARE_OF_BEST = 0.04
 _FINALISTS = 8
@@ -41,29 +43,54 @@ def key_of(found: Fit) -> tuple[str, ...]:
     return tuple(sorted(entry.term.name for entry in found.model.terms))
 
 
-def _coarse(candidate: Candidate, problem: Problem, base: tuple[str, ...], scales: Scales) -> Fit | None:
-    model = candidate.model
+def _try(model: Model, problem: Problem, base: tuple[str, ...], scales: Scales, iterations: int) -> Fit | None:
     try:
-        return fit(model, problem, free_of(model, base), scales, _COARSE_ITERATIONS, COARSE)
+        return fit(model, problem, free_of(model, base), scales, iterations, COARSE, thorough=False)
     except SimulationError:
         return None
 
 
+def _coarse(candidate: Candidate, problem: Problem, base: tuple[str, ...], scales: Scales) -> Fit | None:
+    """A rough fit, from the candidate itself and by way of the first part of the recording; the better of the two."""
+    early = problem.part(slice(0, int(_EARLY * problem.t.size)))
+    first = _try(candidate.model, early, base, scales, _COARSE_ITERATIONS)
+    tries = [
+        _try(model, problem, base, scales, _COARSE_ITERATIONS)
+        for model in (candidate.model, first.model if first is not None else None)
+        if model is not None
+    ]
+    return min((t for t in tries if t is not None), key=lambda f: f.chi2, default=None)
+
+
+def _candidates(current: Fit, problem: Problem, scales: Scales, terms: Sequence[Term]) -> list[Candidate]:
+    """What the screen lets through, of the whole recording and of its first part alone.
+
+    In the first part a misfit has not grown yet, so that the first-order answer is a good one.
+    """
+    base = base_of(current.free)
+    early = problem.part(slice(0, int(_EARLY * problem.t.size)))
+    before = _try(current.model, early, base, scales, _COARSE_ITERATIONS)
+    worthy: list[Candidate] = []
+    for fitted, part in ((current, problem), (before, early)):
+        if fitted is None:
+            continue
+        seen = evidence(fitted, part, scales)
+        found = screen(fitted, part, seen, scales, terms)
+        best = found[0].gain if found else 0.0
+        worthy += [c for c in found if c.gain >= max(_WORTH, _SHARE_OF_BEST * best)]
+        excess = fitted.chi2 - fitted.points
+        if excess > 3.0 * math.sqrt(2.0 * fitted.points) or best > 2.0 * math.log(fitted.points):
+            worthy += direct(fitted, part, seen, terms)
+    return worthy
+
+
 def extend(current: Fit, problem: Problem, scales: Scales, terms: Sequence[Term] = TERMS) -> Step:
     """Fit every term that is worth it on top of a model."""
-    seen = evidence(current, problem, scales)
-    candidates = screen(current, problem, seen, scales, terms)
-    best_gain = candidates[0].gain if candidates else 0.0
-    floor = max(_WORTH, _SHARE_OF_BEST * best_gain)
-    worthy = [c for c in candidates if c.gain >= floor]
-    excess = current.chi2 - current.points
-    if excess > 3.0 * math.sqrt(2.0 * current.points) or best_gain > 2.0 * math.log(current.points):
-        worthy += direct(current, problem, seen, terms)
-    base = base_of(current.free)
+    base = (*base_of(current.free), *(() if "v0" in base_of(current.free) else ("v0",)))
     thin = max(1, problem.t.size // _COARSE_SAMPLES)
     small = problem.part(slice(None, None, thin))
     rough: dict[str, list[Fit]] = {}
-    for candidate in worthy:
+    for candidate in _candidates(current, problem, scales, terms):
         found = _coarse(candidate, small, base, scales)
         if found is not None:
             rough.setdefault(candidate.term.key, []).append(found)
@@ -72,7 +99,7 @@ def extend(current: Fit, problem: Problem, scales: Scales, terms: Sequence[Term]
     fits: dict[tuple[str, ...], Fit] = {}
     for start in best[:_FINALISTS]:
         try:
-            found = fit(start.model, problem, free_of(start.model, base), scales)
+            found = at_rest(fit(start.model, problem, free_of(start.model, base), scales), problem, scales)
         except SimulationError:
             continue
         key = key_of(found)
