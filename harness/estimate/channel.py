@@ -107,7 +107,7 @@ def _half_cycles_moving(fit: TiedFit, t: FloatArray, y: FloatArray, start: int) 
     swings = wider.swings()
     gain, best, count = 0.0, 0.0, start
     for k in range(start, ahead):
-        if swings[k] <= 0.0:
+        if not 0.0 < swings[k] < 1e6 * swings[0]:
             break
         first = fit.theta[T0] + k * fit.half_time
         part = slice(*np.searchsorted(t, [first + fit.guard, first + fit.half_time - fit.guard]))
@@ -291,6 +291,8 @@ def _fit_once(
     if holds:
         found = (float(tied.theta[SIGMA]), float(tied.theta[OMEGA]))
         separate = fit_separately(t, y, kind, _inside(tied.edges, t), guard, found, fixed=True)
+    if len(separate) < 2:
+        raise NoDecay("no two half-cycles in a row look like a damped oscillation: no free decay")
     return ChannelFit(kind, t, y, noise, cycles, separate, tied, holds, offset, inflation, dropped)
 
 

@@ -25,8 +25,10 @@ def half_cycle_frequency(fit: ChannelFit, times: FloatArray) -> tuple[float, flo
     index = np.arange(times.size)
     keep = np.isfinite(times)
     keep[[0, -1]] &= times.size < 5  # a release by hand and a stop say least
-    slope, _ = np.polyfit(index[keep], times[keep], 1)
-    left = times[keep] - np.polyval(np.polyfit(index[keep], times[keep], 1), index[keep])
+    if np.count_nonzero(keep) < 2:
+        return fit.omega, math.inf
+    line = np.polyfit(index[keep], times[keep], 1)
+    slope, left = line[0], times[keep] - np.polyval(line, index[keep])
     freedom = max(int(np.count_nonzero(keep)) - 2, 1)
     spread = np.sum((index[keep] - index[keep].mean()) ** 2)
     error = math.sqrt(float(left @ left) / freedom / spread)
@@ -60,7 +62,9 @@ def _fit(points: TurningPoints, sides: FloatArray, q: float) -> tuple[SequenceFi
     for k, end in np.argwhere(~points.seen):
         # what one end alone says: its own deviation, nothing about the other
         whiten[k] = 0.0
-        whiten[k, 1 - end, 1 - end] = 1.0 / math.sqrt(points.covariance[k, 1 - end, 1 - end])
+        alone = float(points.covariance[k, 1 - end, 1 - end])
+        if points.seen[k, 1 - end] and alone > 0.0:
+            whiten[k, 1 - end, 1 - end] = 1.0 / math.sqrt(alone)
     start = np.array([q, 0.0, abs(values[points.seen[:, 0], 0][0])])
     plain = fit_sequence(values, whiten, _recursion(sides, False), start)
     # eq. 7 needs the unstretched spring at x = 0, eq. 8 does not
@@ -74,6 +78,8 @@ def displacement(fit: ChannelFit, unit: str = "m") -> Estimate:
     points = turning_points(fit)
     count = points.time.shape[0]
     sides = np.asarray(fit.cycles.side * (-1.0) ** np.arange(count), dtype=np.float64)
+    if not np.any(points.seen[:, 0]) or np.count_nonzero(points.seen) < 4:
+        return Estimate.refused("too few turning points are within reach of the samples", unit)
     found, shifted = _fit(points, sides, math.exp(-math.pi * min(max(fit.sigma / fit.omega, 0.0), 0.5)))
     covariance = found.covariance * max(found.scatter, 1.0)
     times, turning, variance = points.merged()

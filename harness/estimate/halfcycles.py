@@ -134,8 +134,9 @@ def fit_separately(
                 break
             bound = 0.3 * omega
             step *= min(1.0, bound / max(float(np.abs(step).max()), 1e-300))
-            trial = evaluate(sigma + step[0], omega + step[1])
-            if trial <= squares and omega + step[1] > 0.0:
+            possible = omega + step[1] > 0.0 and abs(sigma + step[0]) < 3.0 * (omega + step[1])
+            trial = evaluate(sigma + step[0], omega + step[1]) if possible else math.inf
+            if trial <= squares:
                 accepted = True
                 break
             damping *= 8.0
@@ -171,6 +172,8 @@ def moved_edges(fit: SeparateFit, cycles: HalfCycles, t: FloatArray) -> FloatArr
     strength = np.hypot(fit.c[:, 0], fit.c[:, 1])
     for k in range(1, edges.size - 1):
         weight = np.array([strength[k - 1], strength[k]]) ** 2
+        if weight.sum() == 0.0:
+            continue
         time = float(weight @ np.array([stops[k - 1, 1], stops[k, 0]]) / weight.sum())
         if abs(time - edges[k]) < reach:
             edges[k] = time

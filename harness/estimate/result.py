@@ -3,7 +3,6 @@
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Any
 
 import numpy as np
 
@@ -111,6 +110,3 @@ def rates_to_modal(sigma: float, omega: float, covariance: FloatArray) -> tuple[
         sigma / omega_n,
         math.sqrt(max(float(by_z @ covariance @ by_z), 0.0)),
     )
-
-
-Row = dict[str, Any]

@@ -28,6 +28,11 @@ def fit_sequence(values: FloatArray, whiten: FloatArray, model: Model, start: Fl
 
     Levenberg-Marquardt from ``start`` (p,).
     """
+    with np.errstate(over="ignore", invalid="ignore"):  # a trial may run away; it is then refused below
+        return _fit(values, whiten, model, start)
+
+
+def _fit(values: FloatArray, whiten: FloatArray, model: Model, start: FloatArray) -> SequenceFit:
     clean = np.where(np.isfinite(values), values, 0.0)
 
     def evaluate(theta: FloatArray) -> tuple[FloatArray, FloatArray]:

@@ -213,7 +213,7 @@ def fit_tied(
             scale = np.sqrt(np.maximum(np.diag(normal)[:free], 1e-300))
             scaled = normal[:free, :free] / np.outer(scale, scale)
             step = np.zeros(_SIZE)
-            step[:free] = np.linalg.solve(scaled + damping * np.eye(free), pull[:free] / scale) / scale
+            step[:free] = np.linalg.solve(scaled + max(damping, 1e-12) * np.eye(free), pull[:free] / scale) / scale
             if float(pull @ step) <= 1e-10 * squares + exact:
                 break
             trial = theta + step

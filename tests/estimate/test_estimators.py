@@ -171,3 +171,34 @@ BAD = [
 def test_bad_input(t: FloatArray, channels: dict[str, FloatArray], message: str) -> None:
     with pytest.raises(InputError, match=message):
         estimate_all(t, channels.get("x"), a=channels.get("a"))
+
+
+def _oddity(rng: np.random.Generator) -> tuple[FloatArray, FloatArray]:
+    """Something a recorder may write: walks, steps, chirps, sines, spikes, decays, scaled, shifted, noisy, rounded."""
+    n = int(rng.integers(16, 1500))
+    t = np.asarray(np.arange(n) * 10.0 ** rng.uniform(-5.0, 0.0), dtype=np.float64)
+    s = t / t[-1]
+    shapes = (
+        np.cumsum(rng.standard_normal(n)),
+        np.sign(np.sin(s * rng.uniform(1.0, 200.0))),
+        np.sin(s * rng.uniform(1.0, 200.0)) * np.exp(-s * rng.uniform(-2.0, 5.0)),
+        np.where(s > 0.5, 1.0, 0.0),
+        np.where(np.arange(n) == n // 2, 1.0, 0.0),
+        np.sin(5.0 * s + 50.0 * s * s),
+        free_decay(Decay(rng.uniform(5.0, 200.0) / t[-1], rng.uniform(0.0, 1.5), rng.uniform(0.0, 0.2)), t).x,
+    )
+    y = shapes[rng.integers(len(shapes))] * 10.0 ** rng.uniform(-9.0, 9.0) + rng.choice([0.0, 1e3])
+    if rng.random() < 0.4:
+        y = y + rng.standard_normal(n) * np.ptp(y) * 10.0 ** rng.uniform(-6.0, 0.0)
+    if rng.random() < 0.3:
+        step = np.ptp(y) * 10.0 ** rng.uniform(-4.0, -0.5) + 1e-300
+        y = np.round(y / step) * step
+    return t, np.asarray(y, dtype=np.float64)
+
+
+def test_anything_gets_figures_or_reasons() -> None:
+    rng = np.random.default_rng(12)
+    for _ in range(250):
+        t, y = _oddity(rng)
+        found = (estimate_all(t, x=y), estimate_all(t, a=y), estimate_all(t, x=y, a=-y))[rng.integers(3)]
+        assert set(found.methods) == set(METHODS)
