@@ -1,0 +1,78 @@
+"""The matrix: engines x routes x settings x steps x scenarios, one Spec at a time."""
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+
+from harness.engines.base import PRESETS, ROUTES, Engine, Preset, Route
+from harness.fidelity import cases
+from harness.fidelity.row import Spec
+from harness.fidelity.variants import COARSE, FINE, FINEST, HUNDRED, OWN, Variant, variants
+
+SHORT_SCENARIOS = (cases.DECAY, cases.FRICTIONLESS, "hold-97", cases.BELT, cases.HARMONIC)
+
+
+@dataclass(frozen=True, slots=True)
+class Matrix:
+    """Which rows there are.
+
+    routes : of those an engine has. presets : names of settings, empty for all. steps : s, in place of the table's own;
+    what ships keeps its own step beside them. short : what ships and what is tuned at one step each, five scenarios.
+    """
+
+    routes: tuple[Route, ...] = ROUTES
+    presets: tuple[str, ...] = ()
+    steps: tuple[float, ...] = ()
+    short: bool = False
+
+    def specs(self, engines: Mapping[str, Engine]) -> Iterator[Spec]:
+        """The rows of these engines, each once, in a fixed order."""
+        seen: set[str] = set()
+        for name, engine in engines.items():
+            for route in self.routes:
+                if route in engine.routes:
+                    for spec in self._of(name, engine, route):
+                        if spec.key not in seen:
+                            seen.add(spec.key)
+                            yield spec
+
+    def _of(self, name: str, engine: Engine, route: Route) -> Iterator[Spec]:
+        version, suite = engine.version(), cases.suite(route)
+        for variant in variants(name, route):
+            if self.presets and variant.name not in self.presets:
+                continue
+            for dt in self._steps(variant):
+                # what depends on the step is never asked for at a step that is not known
+                changed = tuple(sorted(variant.settings(FINE if dt is None else dt).items()))
+                for scenario in suite.values():
+                    if self._wanted(variant, dt, bool(changed), scenario.name):
+                        yield Spec(name, version, route, variant.name, variant.base, changed, dt, scenario)
+
+    def _steps(self, variant: Variant) -> tuple[float | None, ...]:
+        if self.short:
+            return tuple(dt for dt in variant.steps if dt is OWN or (variant.base == "tuned" and dt == FINE))
+        if not self.steps:
+            return variant.steps
+        own = (OWN,) if OWN in variant.steps else ()
+        return (*own, *self.steps)
+
+    def _wanted(self, variant: Variant, dt: float | None, changed: bool, scenario: str) -> bool:
+        if self.short:
+            return not changed and scenario in SHORT_SCENARIOS
+        if not self.steps and dt == HUNDRED:
+            # ten times the cost: the figures that are known at this step
+            return scenario in (cases.DECAY, cases.FRICTIONLESS, cases.BELT)
+        if not self.steps and dt in (COARSE, FINEST):
+            # outer rungs of the ladder serve the order of convergence
+            return scenario in (cases.DECAY, cases.FRICTIONLESS, cases.BELT, cases.HARMONIC)
+        return True
+
+
+def preset_names(engines: Mapping[str, Engine], routes: tuple[Route, ...] = ROUTES) -> tuple[str, ...]:
+    """Every name of settings there is, as-shipped and tuned first."""
+    found = [variant.name for name in engines for route in routes for variant in variants(name, route)]
+    return tuple(dict.fromkeys([*PRESETS, *found]))
+
+
+def is_shipped(base: Preset, changed: Mapping[str, object], dt: float | None) -> bool:
+    """Whether a row is exactly what ships."""
+    return base == "as-shipped" and not changed and dt is OWN

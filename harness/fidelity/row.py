@@ -1,0 +1,188 @@
+"""One row of the matrix: engine, route, settings, step and scenario in; metrics, or the reason why not, out."""
+
+import hashlib
+import json
+import math
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass, field
+from typing import Any
+
+from harness.core.errors import HarnessError
+from harness.core.scenario import Belt, Harmonic, Hold, Scenario
+from harness.core.trajectory import Trajectory
+from harness.engines.base import Engine, Preset, Route, Task
+from harness.fidelity.answers import exact_answers
+from harness.fidelity.belt_metrics import measure_belt
+from harness.fidelity.contact_metrics import measure_contact
+from harness.fidelity.decay_metrics import measure_decay
+from harness.fidelity.describe import describe
+from harness.fidelity.harmonic_metrics import measure_harmonic
+from harness.fidelity.hold_metrics import measure_hold
+
+Metrics = dict[str, float | None]
+
+
+@dataclass(frozen=True, slots=True)
+class Spec:
+    """What one row runs.
+
+    preset : name of the settings in tables ("as-shipped", "tuned", "stiff", ...). base : the engine's preset that
+    ``changed`` overrides, name by name. dt : s, None for the preset's own step. version : of the engine.
+    """
+
+    engine: str
+    version: str
+    route: Route
+    preset: str
+    base: Preset
+    changed: tuple[tuple[str, Any], ...]
+    dt: float | None
+    scenario: Scenario
+
+    @property
+    def name(self) -> str:
+        """The row for people and for baselines: everything but the version of the engine."""
+        changed = ",".join(f"{name}={_short(value)}" for name, value in self.changed)
+        step = "own" if self.dt is None else f"{self.dt:g}"
+        return "/".join(filter(None, (self.engine, self.route, self.preset, changed, f"dt={step}", self.scenario.name)))
+
+    @property
+    def key(self) -> str:
+        """The same for the same inputs and versions, whatever the process: 16 hex digits."""
+        about = [
+            self.name,
+            self.version,
+            self.base,
+            [[n, v] for n, v in self.changed],
+            self.dt,
+            describe(self.scenario),
+        ]
+        return hashlib.sha256(json.dumps(about, sort_keys=True).encode()).hexdigest()[:16]
+
+
+@dataclass(frozen=True, slots=True)
+class Row:
+    """What came out of a Spec. exact : exact values of those metrics that have one. error : why there are none."""
+
+    key: str
+    name: str
+    engine: str
+    version: str
+    route: str
+    preset: str
+    settings: dict[str, Any]
+    changed: dict[str, Any]
+    ignored: list[str]
+    integrator: str
+    dt_s: float | None
+    scenario: str
+    slider: dict[str, float]
+    setup: dict[str, Any]
+    metrics: Metrics
+    exact: dict[str, float]
+    samples: int = 0
+    wall_s: float | None = None
+    steps_per_s: float | None = None
+    error: str | None = field(default=None)
+
+    def as_dict(self) -> dict[str, Any]:
+        """Plain data."""
+        return asdict(self)
+
+
+def run_row(engine: Engine, spec: Spec) -> Row:
+    """Simulate and measure; whatever goes wrong becomes the row's ``error``."""
+    try:
+        trace = engine.simulate(task(spec))
+        metrics = measure_row(trace, spec.scenario)
+        return succeeded(spec, trace, metrics)
+    except HarnessError as error:
+        return failed(spec, str(error))
+    except Exception as error:  # one row never stops the others
+        return failed(spec, f"internal error, {type(error).__name__}: {error}")
+
+
+def task(spec: Spec) -> Task:
+    """The simulation a spec asks for."""
+    return Task(spec.scenario, spec.route, spec.base, spec.dt, dict(spec.changed))
+
+
+def measure_row(trace: Trajectory, scenario: Scenario) -> Metrics:
+    """Every metric that the scenario and the trace have."""
+    match scenario.action:
+        case Hold():
+            found = measure_hold(trace)
+        case Belt(speed=speed):
+            found = measure_belt(trace, speed)
+        case Harmonic(omega=omega):
+            found = measure_harmonic(trace, omega)
+        case _:
+            found = measure_decay(trace, scenario)
+    found = found | measure_contact(trace, scenario.slider)
+    return {name: value if value is None or math.isfinite(value) else None for name, value in found.items()}
+
+
+def succeeded(spec: Spec, trace: Trajectory, metrics: Metrics) -> Row:
+    """The row of a run that was completed."""
+    source = trace.source
+    wall = source.wall_s
+    return Row(
+        **_identity(spec),
+        settings={name: _plain(value) for name, value in source.settings.items()},
+        ignored=list(source.ignored),
+        integrator=integrator(source.settings),
+        dt_s=source.dt,
+        metrics=metrics,
+        exact=exact_answers(spec.scenario),
+        samples=len(trace),
+        wall_s=wall,
+        steps_per_s=(len(trace) - 1) / wall if wall else None,
+    )
+
+
+def failed(spec: Spec, reason: str) -> Row:
+    """The row of a run that could not be completed."""
+    changed = dict(spec.changed)
+    return Row(
+        **_identity(spec),
+        settings={name: _plain(value) for name, value in changed.items()},
+        ignored=[],
+        integrator=integrator(changed) if changed else "",
+        dt_s=spec.dt,
+        metrics={},
+        exact={},
+        error=" ".join(reason.split()),
+    )
+
+
+def _identity(spec: Spec) -> dict[str, Any]:
+    slider = spec.scenario.slider
+    return {
+        "key": spec.key,
+        "name": spec.name,
+        "engine": spec.engine,
+        "version": spec.version,
+        "route": spec.route,
+        "preset": spec.preset,
+        "changed": {name: _plain(value) for name, value in spec.changed},
+        "scenario": spec.scenario.name,
+        "slider": {"m": slider.m, "c": slider.c, "k": slider.k, "f_k": slider.f_k, "f_s": slider.break_away},
+        "setup": describe(spec.scenario),
+    }
+
+
+def integrator(settings: Mapping[str, Any]) -> str:
+    """Name of the scheme that moves the slider; engines that have one only are read by how their step is taken."""
+    if "integrator" in settings:
+        return str(settings["integrator"])
+    return "leapfrog" if settings.get("leapfrog") else "semi-implicit Euler"
+
+
+def _plain(value: Any) -> Any:
+    return list(value) if isinstance(value, tuple) else value
+
+
+def _short(value: Any) -> str:
+    if isinstance(value, tuple):
+        return " ".join(_short(inner) for inner in value)
+    return f"{value:g}" if isinstance(value, float) else str(value)

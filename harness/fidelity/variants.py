@@ -1,0 +1,131 @@
+"""Settings worth knowing about, engine by engine: what ships, what changes it, what repairs it."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+from harness.engines.base import Preset, Route
+
+Settings = Mapping[str, Any]
+STIFF = 0.9999
+"""Largest impedance MuJoCo accepts."""
+OWN: float | None = None
+"""The step that the engine ships with."""
+
+
+def _nothing(dt: float) -> Settings:
+    return {}
+
+
+@dataclass(frozen=True, slots=True)
+class Variant:
+    """A named change of settings.
+
+    name : as the column "preset" shows it. base : preset it starts from. steps : s, OWN for the preset's own.
+    settings : overrides for a step of dt (s); a variant with overrides that depend on dt never runs at OWN.
+    """
+
+    name: str
+    base: Preset
+    steps: tuple[float | None, ...]
+    settings: Callable[[float], Settings] = field(default=_nothing)
+
+
+def _fixed(**settings: Any) -> Callable[[float], Settings]:
+    return lambda dt: settings
+
+
+def _stiff_joint(integrator: str) -> Callable[[float], Settings]:
+    """A friction that is reached in two steps, with the largest impedance."""
+    return lambda dt: {
+        "integrator": integrator,
+        "solreffriction": (2.0 * dt, 1.0),
+        "solimpfriction": (STIFF, STIFF, 0.001, 0.5, 2.0),
+    }
+
+
+def _stiff_contact(cone: str) -> Callable[[float], Settings]:
+    return lambda dt: {"cone": cone, "solref": (2.0 * dt, 1.0), "solimp": (STIFF, STIFF, 0.001, 0.5, 2.0)}
+
+
+COARSE, MIDDLE, FINE, FINEST = 4e-3, 2e-3, 1e-3, 5e-4
+LADDER = (COARSE, MIDDLE, FINE, FINEST)
+"""Steps from which the order of convergence is measured, s."""
+HUNDRED = 1e-4
+
+_EVERY: tuple[Variant, ...] = (
+    Variant("as-shipped", "as-shipped", (OWN, FINE)),
+    Variant("tuned", "tuned", LADDER),
+)
+"""What every engine is asked for, a third party's too."""
+
+_MUJOCO_JOINT = (
+    Variant("as-shipped", "as-shipped", (OWN, COARSE, FINE, FINEST)),
+    *(
+        Variant("as-shipped", "as-shipped", (MIDDLE, FINE), _fixed(integrator=name))
+        for name in ("implicit", "implicitfast", "discrete")
+    ),
+    Variant("as-shipped", "as-shipped", (MIDDLE, FINE, HUNDRED), _fixed(integrator="RK4")),
+    Variant("as-shipped", "as-shipped", (MIDDLE,), _fixed(solver="PGS")),
+    Variant("as-shipped", "as-shipped", (MIDDLE,), _fixed(solver="CG")),
+    Variant("noslip", "as-shipped", (MIDDLE,), _fixed(noslip_iterations=50)),
+    Variant("stiff", "as-shipped", (FINE,), _stiff_joint("implicitfast")),
+    Variant("stiff", "as-shipped", (FINE, HUNDRED), _stiff_joint("RK4")),
+    Variant("stiff", "as-shipped", (FINE,), _stiff_joint("discrete")),
+    Variant("tuned", "tuned", LADDER),
+)
+_MUJOCO_LAW = (
+    Variant("as-shipped", "as-shipped", (OWN, FINE)),
+    Variant("as-shipped", "as-shipped", (FINE,), _fixed(integrator="implicitfast")),
+    Variant("tuned", "tuned", (MIDDLE, FINE)),
+)
+_MUJOCO_CONTACT = (
+    Variant("as-shipped", "as-shipped", (OWN, FINE)),
+    *(
+        Variant("elliptic", "as-shipped", (FINE,), _fixed(cone="elliptic", impratio=ratio))
+        for ratio in (1.0, 10.0, 100.0)
+    ),
+    Variant("pyramidal", "as-shipped", (FINE,), _fixed(impratio=100.0)),
+    Variant("noslip", "as-shipped", (FINE,), _fixed(noslip_iterations=50)),
+    Variant("noslip", "as-shipped", (FINE,), _fixed(cone="elliptic", noslip_iterations=50)),
+    Variant("stiff", "as-shipped", (FINE,), _stiff_contact("pyramidal")),
+    Variant("stiff", "as-shipped", (FINE,), _stiff_contact("elliptic")),
+    Variant("tuned", "tuned", (MIDDLE, FINE, FINEST)),
+)
+SEMI_IMPLICIT = Variant("undamped", "tuned", (1.0 / 240.0, FINE, HUNDRED), _fixed(leapfrog=False))
+"""PyBullet without its own damping, each step read as it stands."""
+
+_PYBULLET_JOINT = (
+    Variant("as-shipped", "as-shipped", (OWN, FINE)),
+    SEMI_IMPLICIT,
+    Variant("tuned", "tuned", (1.0 / 240.0, *LADDER)),
+)
+_PYBULLET_LAW = (Variant("as-shipped", "as-shipped", (OWN, FINE)), Variant("tuned", "tuned", (MIDDLE, FINE)))
+_PYBULLET_CONTACT = (
+    Variant("as-shipped", "as-shipped", (OWN, FINE)),
+    *(
+        Variant("undamped", "tuned", (1.0 / 240.0,), _fixed(leapfrog=False, numSolverIterations=count, **more))
+        for count, more in (
+            (10, {"solverResidualThreshold": 1e-7}),
+            (50, {"solverResidualThreshold": 1e-7}),
+            (50, {"solverResidualThreshold": 0.0}),
+            (500, {"solverResidualThreshold": 0.0}),
+        )
+    ),
+    Variant("anchored", "tuned", (1.0 / 240.0,), _fixed(frictionAnchor=True)),
+    Variant("tuned", "tuned", (1.0 / 240.0, MIDDLE)),
+)
+
+_TABLE: dict[tuple[str, Route], tuple[Variant, ...]] = {
+    ("mujoco", "joint"): _MUJOCO_JOINT,
+    ("mujoco", "law"): _MUJOCO_LAW,
+    ("mujoco", "contact"): _MUJOCO_CONTACT,
+    ("pybullet", "joint"): _PYBULLET_JOINT,
+    ("pybullet", "law"): _PYBULLET_LAW,
+    ("pybullet", "contact"): _PYBULLET_CONTACT,
+}
+
+
+def variants(engine: str, route: Route) -> tuple[Variant, ...]:
+    """The variants of an engine on a route; every engine has at least what ships and what is tuned."""
+    return _TABLE.get((engine, route), _EVERY)

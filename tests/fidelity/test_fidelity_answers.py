@@ -1,0 +1,105 @@
+"""Exact answers of the scenarios against an integration that knows only the equation of motion."""
+
+import math
+
+import numpy as np
+import pytest
+from fidelity_draws import drawn_suites, integrated
+
+from harness.core.errors import InputError
+from harness.core.scenario import Belt, Harmonic, Scenario
+from harness.core.slider import PAPER, Slider
+from harness.fidelity import cases
+from harness.fidelity.answers import exact_answers, exact_motion
+from harness.fidelity.describe import describe, scenario_of
+from harness.fidelity.row import measure_row
+
+DRAWN = list(drawn_suites(31, 6))
+
+
+@pytest.mark.parametrize("scenario", DRAWN, ids=lambda one: one.name)
+def test_exact_motion_agrees_with_integration(scenario: Scenario) -> None:
+    t = np.linspace(0.0, scenario.duration, 400)
+    exact = exact_motion(scenario, t)
+    size = max(np.abs(exact.x).max(), scenario.slider.x_k)
+    assert np.abs(exact.x - integrated(scenario, t)).max() < 2e-8 * size
+
+
+@pytest.mark.parametrize("scenario", DRAWN, ids=lambda one: one.name)
+def test_metrics_of_the_exact_motion_are_the_exact_answers(scenario: Scenario) -> None:
+    # a run long enough for every metric, sampled as an engine would at a fine step
+    longer = scenario
+    if isinstance(scenario.action, Belt):
+        longer = cases.belt(scenario.slider, scenario.action.speed)
+    if isinstance(scenario.action, Harmonic):
+        longer = cases.forced(scenario.name, scenario.slider, scenario.action)
+    t = np.linspace(0.0, longer.duration, 40_001)
+    step = float(t[1])
+    found = measure_row(exact_motion(longer, t), longer)
+    for name, truth in exact_answers(longer).items():
+        value = found[name]
+        assert value is not None, name
+        if name.endswith("fraction"):
+            assert value == pytest.approx(truth, abs=4.0 * step / longer.duration * cases.FORCED_PERIODS), name
+        elif name == "x_k_m":
+            assert value == pytest.approx(truth, abs=1e-6), name
+        else:
+            assert value == pytest.approx(truth, rel=2e-4, abs=1e-9 + (step if name == "stick_time_s" else 0.0)), name
+
+
+@pytest.mark.parametrize("scenario", DRAWN, ids=lambda one: one.name)
+def test_a_scenario_survives_being_written_down(scenario: Scenario) -> None:
+    assert scenario_of(describe(scenario)) == scenario
+
+
+def test_the_checked_cases() -> None:
+    suite = cases.suite("joint")
+    belt, forced = exact_answers(suite[cases.BELT]), exact_answers(suite[cases.HARMONIC])
+    assert belt["period_s"] == pytest.approx(0.6658, abs=5e-5)
+    assert belt["near_belt_fraction"] == pytest.approx(0.286, abs=5e-4)
+    assert belt["stick_fraction"] == pytest.approx(0.2830, abs=5e-5)
+    assert forced["amplitude_m"] == pytest.approx(0.262610, abs=1e-6)
+    assert forced["stop_fraction"] == 0.0
+    stopping = exact_answers(suite[cases.STOPS])
+    assert 0.3 < stopping["stop_fraction"] < 0.4
+
+
+def test_contact_scenarios_are_those_of_the_joint_on_a_smaller_scale() -> None:
+    joint, contact = cases.suite("joint"), cases.suite("contact")
+    assert set(joint) < set(contact)
+    for name in (cases.DECAY, cases.HARMONIC, cases.STOPS):
+        large, small = exact_answers(joint[name]), exact_answers(contact[name])
+        assert contact[name].slider.x_k == pytest.approx(0.1 * joint[name].slider.x_k)
+        for metric in ("amplitude_m", "x_k_m"):
+            if metric in large:
+                assert small[metric] == pytest.approx(0.1 * large[metric], rel=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("slider", "speed", "message"),
+    [
+        (PAPER, 0.1, "belt: no stick-slip (f_s does not exceed f_k)"),
+        (Slider(1.0, 30.0, 100.0, 3.0, 4.0), 0.1, "belt: no stick-slip (the slider is not underdamped)"),
+    ],
+)
+def test_a_belt_without_a_cycle_is_refused(slider: Slider, speed: float, message: str) -> None:
+    with pytest.raises(InputError, match=message.replace("(", r"\(").replace(")", r"\)")):
+        cases.belt(slider, speed)
+
+
+def test_a_run_that_does_not_start_riding_has_no_exact_motion_here() -> None:
+    scenario = Scenario("belt", cases.BELT_SLIDER, 0.0, 0.0, 1.0, Belt(0.1))
+    with pytest.raises(InputError, match="does not ride with the belt"):
+        exact_motion(scenario, np.linspace(0.0, 1.0, 10))
+
+
+def test_a_damaged_description_is_refused() -> None:
+    with pytest.raises(InputError, match="scenario: incomplete"):
+        scenario_of({"name": "belt", "release": {"x0": 0.0}})
+
+
+def test_periods_are_whole() -> None:
+    for scenario in cases.suite("joint").values():
+        if isinstance(scenario.action, Harmonic):
+            periods = scenario.duration * scenario.action.omega / (2.0 * math.pi)
+            assert periods == pytest.approx(cases.FORCED_PERIODS)
