@@ -56,6 +56,8 @@ def _level(t: float, x: float, v: float, state: FloatArray, params: FloatArray) 
     for _ in range(int(params[SPEC + N_MODULATION])):
         row[VALUE] = 0.0
         modulation(int(params[at]), x, v, t + params[1], theta, int(params[at + 1]), row)
+        if row[VALUE] <= 0.0:
+            return 0.0
         level *= row[VALUE]
         at += 3
     return max(float(level), 0.0)
