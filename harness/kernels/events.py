@@ -23,7 +23,8 @@ def _turning_share(h: float, side: int, n: int, w: Work) -> float:
     """
     high = 1.0
     if w.z1[1] * side >= 0.0:
-        if not (w.ks[0, 1] * side < 0.0 < w.ks[STAGES - 1, 1] * side):
+        # from rest it may begin with a rounding error against its direction
+        if w.z[1] == 0.0 or not (w.ks[0, 1] * side < 0.0 < w.ks[STAGES - 1, 1] * side):
             return 2.0
         c, low = w.cz, 0.0
         for _ in range(40):
@@ -66,12 +67,10 @@ def _turning_share(h: float, side: int, n: int, w: Work) -> float:
 turning_share = compiled(_turning_share, lean=True)
 
 
-def _to_reversal(
-    t: float, trial: float, h: float, mode: int, u0: float, u_rate: float, tolerance: float, w: Work
-) -> float:
+def _to_reversal(t: float, trial: float, h: float, mode: int, u0: float, u_rate: float, w: Work) -> float:
     """Step to the reversal near ``trial`` within a step of h, by Newton's method on real steps; returns its length."""
     for _ in range(_POLISH):
-        step(t, trial, mode, u0, u_rate, tolerance, w)
+        step(t, trial, mode, u0, u_rate, w)
         slowing = w.ks[STAGES - 1, 1]
         if slowing == 0.0:
             break
@@ -143,6 +142,8 @@ def _break_away_jump(t: float, side: int, u: float, u_rate: float, a_after: floa
         for i in range(2, n):
             total += side * m * jac[1, i] * s[i, q]
         s[1, q] += a_after * total / g_t
+    # nothing else writes the place of a break-away level
+    by_theta[1, at] = 0.0
 
 
 break_away_jump = compiled(_break_away_jump, lean=True)

@@ -88,9 +88,7 @@ def _integrate(
     u_t: FloatArray,
     u_y: FloatArray,
     t_out: FloatArray,
-    h_max: float,
     h_stick: float,
-    sensitivity_error: float,
     max_steps: int,
     want_a: bool,
     x: FloatArray,
@@ -105,13 +103,13 @@ def _integrate(
     """Integrate from t0 and write samples at t_out (those before t0 show the start); at an event, what holds after it.
 
     w: model, state and sensitivities at t0. u_t, u_y (k,): knots of a piecewise linear drive in N, constant outside,
-    empty for none. h_max, h_stick: longest step while it moves and while it sticks, s. x, v, a (N,), mode_out (N,),
+    empty for none. h_stick: longest step while it sticks, s. x, v, a (N,), mode_out (N,),
     dx, dv, da (N, q), events (m, 5): filled.
     Returns status, number of events, number of steps, last time reached.
     """
     spec, theta = w.spec, w.theta
     n, q_count, samples, knots = spec[N_STATE], w.count[ACROSS], t_out.size, u_t.size
-    z, s, ks = w.z, w.s, w.ks
+    z, s, ks, h_max = w.z, w.s, w.ks, w.h_max
     knock_at = LISTS + 3 * (spec[N_MODULATION] + spec[N_SMOOTH]) + 5 * spec[N_INTERNAL]
     knock, knocks = 0, spec[N_KNOCK]
     rests = knots == 0 and spec[CHANGES_IN_TIME] == 0
@@ -173,7 +171,7 @@ def _integrate(
         if remaining > 0.0:
             h = min(h, h_max if mode != 0 else h_stick)
             step_h = remaining if h >= 0.999999 * remaining else (0.5 * remaining if h > 0.6 * remaining else h)
-            error = step(t, step_h, mode, u0, u_rate, sensitivity_error, w)
+            error = step(t, step_h, mode, u0, u_rate, w)
             n_steps += 1
             if not (error <= 1.0 and math.isfinite(w.z1[1])):
                 shrink = _SAFETY * error**-0.2 if math.isfinite(error) else 0.0
@@ -189,7 +187,7 @@ def _integrate(
             if mode != 0:
                 share = turning_share(step_h, 1 if mode > 0 else -1, n, w)
                 if share <= 1.0:
-                    step_h = to_reversal(t, share * step_h, step_h, mode, u0, u_rate, sensitivity_error, w)
+                    step_h = to_reversal(t, share * step_h, step_h, mode, u0, u_rate, w)
                     kind, end, at_knock = REVERSAL, t + step_h, False
                     coefficients(step_h, n, w)
             else:
@@ -197,7 +195,7 @@ def _integrate(
                 if share <= 1.0:
                     if share < 1.0:
                         step_h *= share
-                        step(t, step_h, mode, u0, u_rate, sensitivity_error, w)
+                        step(t, step_h, mode, u0, u_rate, w)
                         end, at_knock = t + step_h, False
                         coefficients(step_h, n, w)
                     kind = BREAK_AWAY

@@ -55,9 +55,12 @@ def _curve(v: float, w: Work) -> tuple[float, float]:
     level = theta[KINETIC]
     if at < 0:
         return level, 0.0
-    v_s = theta[at + 1]
-    bump = (theta[at] - level) * math.exp(-((v / v_s) ** 2))
-    return level + bump, -2.0 * bump * v / (v_s * v_s)
+    f_s, v_s = theta[at], theta[at + 1]
+    ratio = v / v_s
+    # exactly f_s at v = 0, where it is held against the break-away level
+    return f_s + (f_s - level) * math.expm1(-ratio * ratio), -2.0 * (f_s - level) * math.exp(
+        -ratio * ratio
+    ) * ratio / v_s
 
 
 curve = compiled(_curve, lean=True)

@@ -20,7 +20,7 @@ from harness.model.model import Model
 __all__ = ["TOLERANCE", "By", "Drive", "Effort", "Scales", "Solution", "simulate", "solve"]
 
 _NO_DRIVE: FloatArray = np.empty(0)
-_SENSITIVITY = 1e3
+_SENSITIVITY = 10.0
 """Error allowed in the sensitivities, relative to their own size, over that in the state."""
 _LOOKS = 12
 """Steps a cycle of the fastest force in time, while the slider sticks and waits for it."""
@@ -136,9 +136,10 @@ def solve(
     h_max = 2.0 * math.pi / scales.omega / shortest_cycle
     h_stick = min(h_max, 2.0 * math.pi / _LOOKS / max(layout.fastest, scales.omega))
     limit = int(effort.steps_per_cycle * (cycles + 2.0)) + 20 * u_t.size
-    fixed = (_read_only(u_t), _read_only(u_y), times, h_max, h_stick, _SENSITIVITY * effort.tolerance, limit, want_a)
+    fixed = (_read_only(u_t), _read_only(u_y), times, h_stick, limit, want_a)
     while True:
         record = workspace(layout.spec, layout.theta, columns, error, layout.start, start)
+        record.h_max, record.sensitivity_error = h_max, _SENSITIVITY * effort.tolerance
         status, n_events, steps, reached = integrate(model.t0, record, *fixed, x, v, a, mode, dx, dv, da, events)
         if status != TOO_MANY_EVENTS or events.shape[0] > 1_000_000:
             break

@@ -47,12 +47,11 @@ def _slope(stage: int, t: float, z: FloatArray, s: FloatArray, mode: int, u: flo
 slope = compiled(_slope, lean=True)
 
 
-def _step(t: float, h: float, mode: int, u0: float, u_rate: float, sensitivity_error: float, w: Work) -> float:
+def _step(t: float, h: float, mode: int, u0: float, u_rate: float, w: Work) -> float:
     """Step from (t, z, s) by h into z1, s1; ks[0], kss[0] hold the slopes at t. Returns the error, 1 being allowed.
 
-    u0 + u_rate tau is the drive within the step. sensitivity_error : allowed, relative to the largest so far in each
-    column; it matters where a law has a corner, which the state hardly feels. Afterwards ks[6], kss[6] are the slopes
-    at t + h.
+    u0 + u_rate tau is the drive within the step. The error of the sensitivities matters where a law has a corner, which
+    the state hardly feels. Afterwards ks[6], kss[6] are the slopes at t + h.
     """
     n, q_count = w.spec[N_STATE], w.count[ACROSS]
     z, s, z1, s1, ks, kss = w.z, w.s, w.z1, w.s1, w.ks, w.kss
@@ -86,8 +85,10 @@ def _step(t: float, h: float, mode: int, u0: float, u_rate: float, sensitivity_e
                 total += E[r] * kss[r, i, q]
             worst = max(worst, abs(h * total) / w.scale[i])
             size = max(size, abs(s1[i, q]) / w.scale[i])
+        # a column that is 0 until now is as large as its slope lets it become
+        size = max(size, w.h_max * abs(kss[STAGES - 1, 1, q]) / w.scale[1])
         if worst > 0.0:
-            error = max(error, worst / (sensitivity_error * size))
+            error = max(error, worst / (w.sensitivity_error * size))
     return error
 
 

@@ -26,12 +26,14 @@ SPARE: Final = plain(STAGES)
 ROW_V, ROW_BRISTLE = plain(1), plain(2)
 """Rows of the state."""
 
-MAX_STATES, MAX_PLACES, MAX_COLUMNS, MAX_SPEC = 12, 64, 32, 128
+# room for a screen of the whole catalogue: some hundred probes answer in one run
+MAX_STATES, MAX_PLACES, MAX_COLUMNS, MAX_SPEC = 12, 512, 160, 512
 
 
 class Work(Protocol):
     """Arrays of a run: n states, q columns of sensitivities, P places of parameters, in the corners of larger ones.
 
+    h_max : longest step, s. sensitivity_error : allowed in a step, relative to the largest so far in each column.
     spec (s,), theta (P,) : see harness.kernels.layout. columns (q,) : place in theta each column belongs to, -1 for an
     initial condition. scale (n,) : error of the state allowed in a step. count (2,) : P and q.
     z (n,), s (n, q) : state and sensitivities at the start of a step; z1, s1 : at its end; zi, si : between.
@@ -39,6 +41,8 @@ class Work(Protocol):
     cz (n, 6) : interpolation. size_s (q,) : largest sensitivities so far. row, rows : what a law writes into.
     """
 
+    h_max: float
+    sensitivity_error: float
     spec: IntArray
     theta: FloatArray
     columns: IntArray
@@ -63,6 +67,8 @@ class Work(Protocol):
 _N, _Q = MAX_STATES, MAX_COLUMNS
 _RECORD = np.dtype(
     [
+        ("h_max", np.float64),
+        ("sensitivity_error", np.float64),
         ("spec", np.int64, (MAX_SPEC,)),
         ("theta", np.float64, (MAX_PLACES,)),
         ("columns", np.int64, (_Q,)),
