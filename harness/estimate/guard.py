@@ -58,7 +58,7 @@ def find_guard(t: FloatArray, y: FloatArray, fit: SeparateFit, variance: float) 
 
     variance : of one sample, the larger of the noise's and the fit's own. Both sides are judged together.
     """
-    half = np.pi / fit.omega
+    half = float(np.median(np.diff(fit.edges)))  # the fitted frequency can be far off in much noise
     reach = WIDEST * half
     interval = float(np.median(np.diff(t)))
     # bins of a sample, but few enough for each to hold several half-cycles' worth
