@@ -123,7 +123,7 @@ def _grow(model: Model, problem: Problem, scales: Scales) -> Fit:
             thin = max(1, stop // 1500)
             model = fit(model, problem.part(slice(0, stop, thin)), free, scales, 12, COARSE, thorough=False).model
         cycles *= 2.0
-    return fit(model, problem, free, scales)
+    return fit(model, problem, free, scales, thorough=False)
 
 
 def _whole(model: Model, problem: Problem, scales: Scales) -> Fit:
@@ -131,7 +131,7 @@ def _whole(model: Model, problem: Problem, scales: Scales) -> Fit:
     thin = max(1, problem.t.size // 1500)
     free = free_of(model, base_names(problem))
     rough = fit(model, problem.part(slice(None, None, thin)), free, scales, 15, COARSE, thorough=False)
-    return fit(rough.model, problem, free, scales)
+    return fit(rough.model, problem, free, scales, thorough=False)
 
 
 def baseline(problem: Problem) -> tuple[Fit, Scales]:
@@ -155,6 +155,7 @@ def baseline(problem: Problem) -> tuple[Fit, Scales]:
                 best = found
     if best is None:
         raise SimulationError(f"no base fit could be simulated: {why}")
+    best = fit(best.model, problem, best.free, scales)
     return at_rest(best, problem, scales), scales
 
 

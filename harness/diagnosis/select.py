@@ -26,6 +26,9 @@ _EARLY = 0.5
 _WORTH = 6.0
 _SHARE_OF_BEST = 0.04
 _FINALISTS = 8
+_THOROUGH = 1
+_MISPLACED = 150.0
+"""What a fit may lose by an event on the wrong side of a sample."""
 _BEAM = 4
 _MOST_TERMS = 3
 
@@ -94,18 +97,29 @@ def extend(current: Fit, problem: Problem, scales: Scales, terms: Sequence[Term]
         found = _coarse(candidate, small, base, scales)
         if found is not None:
             rough.setdefault(candidate.term.key, []).append(found)
-    best = [min(group, key=lambda f: f.bic) for group in rough.values()]
-    best.sort(key=lambda f: f.bic)
+    best = sorted((min(group, key=lambda f: f.bic) for group in rough.values()), key=lambda f: f.bic)
+    quick = [q for q in (_quick(start.model, problem, base, scales) for start in best[:_FINALISTS]) if q is not None]
+    quick.sort(key=lambda f: f.bic)
     fits: dict[tuple[str, ...], Fit] = {}
-    for start in best[:_FINALISTS]:
-        try:
-            found = at_rest(fit(start.model, problem, free_of(start.model, base), scales), problem, scales)
-        except SimulationError:
-            continue
+    for place, found in enumerate(quick):
+        if place < _THOROUGH or found.bic < quick[0].bic + _MISPLACED:
+            found = settle(found, problem, scales)
         key = key_of(found)
         if key not in fits or found.bic < fits[key].bic:
             fits[key] = found
     return Step(current, tuple(sorted(fits.values(), key=lambda f: f.bic)))
+
+
+def _quick(model: Model, problem: Problem, base: tuple[str, ...], scales: Scales) -> Fit | None:
+    try:
+        return fit(model, problem, free_of(model, base), scales, thorough=False)
+    except SimulationError:
+        return None
+
+
+def settle(found: Fit, problem: Problem, scales: Scales) -> Fit:
+    """The same model fitted with care about jumps, released from rest if that serves as well."""
+    return at_rest(fit(found.model, problem, found.free, scales), problem, scales)
 
 
 def prune(found: Fit, problem: Problem, scales: Scales) -> Fit:

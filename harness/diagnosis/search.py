@@ -1,0 +1,126 @@
+"""The search for the model: base, one term, two, as long as evidence grows; noise is taken anew from what is left.
+
+BIC with known noise rules. Held-out prediction is reported beside it; where the two disagree BIC stands, because a
+stretch that is left out says little of what acts elsewhere, and a warning says so.
+"""
+
+import math
+from dataclasses import dataclass, replace
+
+
+from harness.diagnosis.fit import Fit, evaluate
+from harness.diagnosis.noise import residual_noise
+from harness.diagnosis.problem import Problem
+from harness.diagnosis.select import DECISIVE, Step, extend, key_of, prune, settle
+from harness.diagnosis.structure import structure
+from harness.estimate.noise import Noise
+from harness.kernels.solve import Scales
+
+_BEAM = 4
+_MOST_TERMS = 3
+_NOISE_MOVED = 0.01
+
+
+@dataclass(frozen=True, slots=True)
+class Search:
+    """Where the search ended.
+
+    problem : with the noise as the chosen model leaves it. base, chosen : fits under that noise. singles : each
+    catalogue name alone, best first. rivals : fits of as many terms as the chosen one, best first. explained : whether
+    nothing but noise stays.
+    """
+
+    problem: Problem
+    base: Fit
+    chosen: Fit
+    singles: tuple[Fit, ...]
+    rivals: tuple[Fit, ...]
+    explained: bool
+
+
+def noise_of(found: Fit, problem: Problem, omega: float) -> dict[str, Noise]:
+    """Noise per channel from what a fit leaves."""
+    period = 2.0 * math.pi / omega
+    return {
+        c: residual_noise(problem.t, y - found.shown.y[c], y, period) for c, y in problem.channels.items()
+    }
+
+
+def under(found: Fit, problem: Problem, scales: Scales) -> Fit:
+    """The same model seen with another noise."""
+    residual, jacobian, shown = evaluate(found.model, problem, found.free, scales)
+    return replace(
+        found, residual=residual, jacobian=jacobian, shown=shown, chi2=float(residual @ residual), points=problem.points
+    )
+
+
+def _simplest(fits: tuple[Fit, ...]) -> Fit:
+    """The best by BIC, unless a smaller model is as good."""
+    near = [f for f in fits if f.bic < fits[0].bic + DECISIVE]
+    return min(near, key=lambda f: (len(f.free), f.bic))
+
+
+def _moved(new: dict[str, Noise], old: Problem) -> bool:
+    return any(
+        abs(math.log(n.sigma / old.noise[c].sigma)) > _NOISE_MOVED or n.phi != old.noise[c].phi for c, n in new.items()
+    )
+
+
+def _renew(problem: Problem, scales: Scales, best: Fit, others: tuple[Fit, ...]) -> tuple[Problem, Fit, tuple[Fit, ...]]:
+    """Take the noise from what the best fit leaves, and see all fits with it."""
+    noise = noise_of(best, problem, scales.omega)
+    if not _moved(noise, problem):
+        return problem, best, others
+    problem = replace(problem, noise=noise)
+    seen = tuple(sorted((under(f, problem, scales) for f in others), key=lambda f: f.bic))
+    return problem, settle(under(best, problem, scales), problem, scales), seen
+
+
+def search(problem: Problem, base: Fit, scales: Scales) -> Search:
+    """Find the smallest model that explains a recording."""
+    singles = extend(base, problem, scales).fits
+    if not singles or singles[0].bic > base.bic - DECISIVE:
+        return Search(problem, base, base, singles, singles, structure(base, problem, scales.omega).none)
+    problem, best, singles = _renew(problem, scales, singles[0], singles)
+    base = under(base, problem, scales)
+    singles = tuple(sorted((*(f for f in singles if key_of(f) != key_of(best)), best), key=lambda f: f.bic))
+    chosen, rivals = _simplest(singles), singles
+    explained = structure(chosen, problem, scales.omega).none
+    beam = singles[:_BEAM]
+    while len(chosen.model.terms) < _MOST_TERMS:
+        first = extend(chosen, problem, scales)
+        promising = bool(first.fits) and first.fits[0].bic < chosen.bic - DECISIVE
+        if explained and not promising:
+            break
+        steps: list[Step] = [first]
+        if not explained:
+            steps += [extend(f, problem, scales) for f in beam if f is not chosen]
+        found = _merged(steps)
+        if not found or found[0].bic > chosen.bic - DECISIVE:
+            break
+        problem, best, found = _renew(problem, scales, found[0], found)
+        found = tuple(sorted((*(f for f in found if key_of(f) != key_of(best)), best), key=lambda f: f.bic))
+        base = under(base, problem, scales)
+        singles = tuple(sorted((under(f, problem, scales) for f in singles), key=lambda f: f.bic))
+        chosen, rivals = _simplest(found), found
+        explained = structure(chosen, problem, scales.omega).none
+        beam = found[:2]
+    pruned = prune(chosen, problem, scales)
+    if len(pruned.model.terms) < len(chosen.model.terms):
+        chosen = settle(pruned, problem, scales)
+        rivals = singles if len(chosen.model.terms) <= 1 else rivals
+        explained = structure(chosen, problem, scales.omega).none
+    return Search(problem, base, chosen, singles, rivals, explained)
+
+
+def _merged(steps: list[Step]) -> tuple[Fit, ...]:
+    """Fits of several steps, the best of each set of names, best first."""
+    best: dict[tuple[str, ...], Fit] = {}
+    for step in steps:
+        for found in step.fits:
+            key = key_of(found)
+            if key not in best or found.bic < best[key].bic:
+                best[key] = found
+    return tuple(sorted(best.values(), key=lambda f: f.bic))
+
+
