@@ -5,6 +5,7 @@ from pathlib import Path
 from harness.kernels.layout import INTERNAL, MODULATIONS, SMOOTH
 from harness.model.term import Term
 
+_WIDTH = 120
 TARGET = Path(__file__).with_name("dispatch.py")
 _SMOOTH_ARGS = "x, v, t, theta, o, out"
 _INTERNAL_ARGS = "x, v, w0, w1, theta, o, out"
@@ -19,7 +20,9 @@ def _alias(term: Term) -> str:
 
 
 def _ladder(name: str, doc: str, terms: tuple[Term, ...], arguments: str) -> list[str]:
-    lines = [f"def _{name}(", f"    {_SIGNATURES[arguments]}", ") -> None:", f'    """{doc}"""']
+    head = f"def _{name}({_SIGNATURES[arguments]}) -> None:"
+    wrapped = [f"def _{name}(", f"    {_SIGNATURES[arguments]}", ") -> None:"]
+    lines = [*([head] if len(head) <= _WIDTH else wrapped), f'    """{doc}"""']
     for number, term in enumerate(terms):
         word = "if" if number == 0 else "elif"
         lines += [f"    {word} number == {number}:", f"        {_alias(term)}({arguments})"]

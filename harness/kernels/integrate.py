@@ -69,7 +69,7 @@ def _saturates(mode: int, w: Work) -> bool:
     if full <= 0.0:
         return False
     side = 1.0 if mode > 0 else -1.0
-    if abs(side * w.z[2] - full) > _SATURATION * full:
+    if abs(side * w.z[2] - full) > max(_SATURATION * full, 3.0 * w.scale[2]):
         return False
     w.z[2] = side * full
     for q in range(w.count[ACROSS]):

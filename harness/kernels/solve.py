@@ -100,7 +100,7 @@ def _errors(layout: Layout, model: Model, scales: Scales, tolerance: float) -> F
     bristle = model.find("presliding")
     if bristle is not None:
         # the bristle's own scale is the presliding displacement, far below that of the motion
-        error[2] *= min(1.0, max(1e-3, model.f_k / (bristle.value("sigma0") * scales.x + 1e-300)))
+        error[2] *= min(1.0, max(1e-9, model.f_k / (bristle.value("sigma0") * scales.x + 1e-300)))
     return error
 
 

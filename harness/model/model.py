@@ -37,6 +37,11 @@ class ModelTerm:
                 accepted = f"{parameter.lower:g} to {parameter.upper:g} is accepted"
                 raise InputError(where, f"{value:g}", accepted)
         start = tuple(self.internal0) or (0.0,) * self.term.internal
+        if len(start) != self.term.internal:
+            wanted = f"{self.term.internal or 'no'} internal starts are accepted"
+            raise InputError(f"term {self.term.key}", f"{len(start)} internal starts", wanted)
+        for value in start:
+            finite(f"term {self.term.key}: internal start", value)
         object.__setattr__(self, "internal0", start)
 
     @classmethod

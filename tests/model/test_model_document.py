@@ -1,0 +1,142 @@
+"""model.json to and from a model, by its schema, and what it refuses."""
+
+import copy
+import json
+from pathlib import Path
+from typing import Any
+
+import jsonschema
+import pytest
+
+from harness.core.errors import InputError
+from harness.model.document import from_document, load, to_document
+from harness.model.model import Model, ModelTerm, Restoring
+from harness.model.registry import TERMS
+from harness.model.term import Slot
+from harness.results import generate
+from harness.results.model import ModelDocument
+
+NAMED = ModelTerm.named
+FULL = Model(
+    1.2, 0.5, 90.0, 2.0, 2.5, x0=0.7, v0=-0.1, t0=0.3,
+    terms=(
+        NAMED("end-stop:negative", gap=0.5, k_stop=100.0),
+        NAMED("position-dependent-friction:periodic", depth=0.1, period=0.2, phase=0.3),
+        ModelTerm(NAMED("viscoelastic", k_m=3.0, tau=0.1).term, (3.0, 0.1), (0.02,)),
+        NAMED("pendulum-stiffness"),
+    ),
+    mass_known=False,
+)  # fmt: skip
+SCHEMA = json.loads((generate.FOLDER / "harness.model-1.json").read_text(encoding="utf-8"))
+
+
+def middle(lower: float, upper: float) -> float:
+    return 0.5 if lower <= 0.5 <= upper else lower
+
+
+@pytest.mark.parametrize(
+    "model", [FULL, Model(1.0, 1.0, 100.0, 3.0), Model(2.0, 1.0, 0.0, 3.0, restoring=Restoring.NONE)]
+)
+def test_a_model_survives_the_file(model: Model, tmp_path: Path) -> None:
+    file = tmp_path / "model.json"
+    document = to_document(model)
+    file.write_text(json.dumps(document))
+    assert load(file) == model
+    jsonschema.validate(document, SCHEMA)
+    again = ModelDocument.model_validate_json(file.read_text()).model_dump(by_alias=True)
+    assert from_document(again) == model
+    jsonschema.validate(again, SCHEMA)
+
+
+@pytest.mark.parametrize("term", TERMS, ids=lambda t: t.key)
+def test_every_term_survives(term: Any) -> None:
+    values = tuple(max(3.0, p.lower) if p.name == "f_s" else middle(p.lower, p.upper) for p in term.parameters)
+    model = Model(1.0, 1.0, 100.0, 3.0, terms=(ModelTerm(term, values),))
+    assert from_document(json.loads(json.dumps(to_document(model)))) == model
+
+
+def test_f_s_is_written_and_equal_levels_are_none() -> None:
+    document = to_document(Model(1.0, 1.0, 100.0, 3.0))
+    assert document["base"] == {"m": 1.0, "c": 1.0, "k": 100.0, "f_k": 3.0, "f_s": 3.0}
+    assert from_document(document).f_s is None
+
+
+def changed(path: str, value: Any) -> dict[str, Any]:
+    document = copy.deepcopy(to_document(FULL))
+    *way, last = path.split(".")
+    at: Any = document
+    for name in way:
+        at = at[int(name)] if name.isdigit() else at[name]
+    at[int(last) if last.isdigit() else last] = value
+    return document
+
+
+STATIC = {"name": "static-friction", "parameters": {"f_s": 2.4}}
+BRISTLE = {"name": "presliding", "parameters": {"sigma0": 100.0, "sigma1": 0.0}}
+SMOOTHED = {"name": "regularised-friction", "parameters": {"v_r": 0.1, "lead": 0.0}}
+STRIBECK = {"name": "stribeck", "parameters": {"f_s": 3.0, "v_s": 0.1}}
+BAD = [
+    ([], r"m.json: \[\]; an object with schema, base is accepted"),
+    (changed("schema", "harness.model/2"), "m.json: schema: 'harness.model/2'; 'harness.model/1' is accepted"),
+    (changed("typo", 1), "m.json: unknown field 'typo'; schema, base"),
+    (changed("base", {"m": 1.0}), "m.json: base: no field 'c'; m, c, k, f_k are needed"),
+    (changed("base.m", "1"), "m.json: base.m: '1'; a finite number is accepted"),
+    (changed("base.m", None), "m.json: base.m: null; a finite number is accepted"),
+    (changed("base.m", float("nan")), "m.json: base.m: nan; a finite number is accepted"),
+    (changed("base.m", -1.0), "m.json: model: m: -1; a number above 0 kg is accepted"),
+    (changed("base.f_s", 1.0), "m.json: model: f_s: 1, below f_k = 2; f_s >= f_k is accepted"),
+    (changed("release.x0", True), "m.json: release.x0: True; a finite number is accepted"),
+    (changed("restoring", "rubber"), "m.json: restoring: 'rubber'; spring, pendulum, none are accepted"),
+    (changed("restoring", "none"), "m.json: model: k: 90 with restoring none; 0 is accepted"),
+    (changed("mass_known", 1), "m.json: mass_known: 1; true or false is accepted"),
+    (changed("terms", {}), r"m.json: terms: \{\}; a list is accepted"),
+    (changed("terms.0.name", "magic"), r"terms\[0\]: 'magic:negative' is not in the catalogue; one of stribeck,"),
+    (changed("terms.0.variant", "left"), r"terms\[0\]: 'end-stop:left' is not in the catalogue"),
+    (changed("terms.0.parameters", {"gap": 1.0}), r"terms\[0\].parameters: no field 'k_stop'; gap, k_stop are needed"),
+    (changed("terms.0.parameters.gap", "x"), r"terms\[0\].parameters.gap: 'x'; a finite number is accepted"),
+    (changed("terms.0.parameters.gap", -1), r"terms\[0\]: term end-stop:negative: gap: -1; 0 to inf is accepted"),
+    (changed("terms.2.internal", [1, 2]), r"terms\[2\].internal: \[1, 2\]; a list of 1 numbers is accepted"),
+    (changed("terms", [BRISTLE, SMOOTHED]), "presliding and regularised-friction in slot F law; one law"),
+    (changed("terms", [BRISTLE]), "m.json: a break-away level together with presliding; a law that sticks"),
+    (changed("terms", [STRIBECK]), "base.f_s: 2.5 beside the f_s of stribeck; f_s = f_k is accepted there"),
+    (changed("terms", [STATIC]), "base.f_s: 2.5 beside the f_s of static-friction"),
+]
+
+
+@pytest.mark.parametrize(("document", "message"), BAD)
+def test_bad_documents_are_named(document: Any, message: str) -> None:
+    with pytest.raises(InputError, match=message) as caught:
+        from_document(document, "m.json")
+    assert "\n" not in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [(b"{", "line 1: Expecting property name"), (b"\xff\xfe", "not text; JSON of harness.model/1 is accepted")],
+)
+def test_files_that_are_no_json_are_named(text: bytes, message: str, tmp_path: Path) -> None:
+    file = tmp_path / "m.json"
+    file.write_bytes(text)
+    with pytest.raises(InputError, match=message):
+        load(file)
+
+
+def test_a_missing_file_is_named(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match="No such file or directory; a readable file is accepted"):
+        load(tmp_path / "none.json")
+
+
+def test_slots_that_take_one_law_refuse_two() -> None:
+    for slot in (Slot.FRICTION_LAW, Slot.FRICTION_LEVEL, Slot.BREAK_AWAY):
+        of = [t for t in TERMS if t.slot is slot]
+        two = (of[0], of[-1])
+        entries = tuple(ModelTerm(t, tuple(middle(p.lower, p.upper) for p in t.parameters)) for t in two)
+        with pytest.raises(InputError, match=f"in slot {slot.value}; one law is accepted there"):
+            Model(1.0, 1.0, 100.0, 0.1, terms=entries)
+
+
+def test_terms_refuse_wrong_numbers_of_values() -> None:
+    with pytest.raises(InputError, match="term stribeck: parameters f_s; f_s, v_s is accepted"):
+        NAMED("stribeck", f_s=1.0)
+    with pytest.raises(InputError, match="term viscoelastic: 2 internal starts; 1 internal starts are accepted"):
+        ModelTerm(FULL.terms[2].term, (1.0, 1.0), (0.0, 0.0))
