@@ -47,7 +47,7 @@ def _by_scipy(model: Model, t: FloatArray, quadratic_drag: float = 0.0) -> Float
 @benchmark(
     "kernels.paper",
     peer="scipy.integrate.solve_ivp, DOP853 with events, rtol 1e-10",
-    timed="the paper's case, 4001 samples of x, v, a against x alone, events on both sides; arrays allocated, one thread",
+    timed="the paper's case, 4001 samples of x, v, a against x alone; events and allocation on both sides",
     target=1 / 20,
 )
 def paper() -> Pair:
@@ -58,7 +58,7 @@ def paper() -> Pair:
 @benchmark(
     "kernels.term",
     peer="scipy.integrate.solve_ivp, DOP853 with events, rtol 1e-10",
-    timed="the paper's case with quadratic drag, 4001 samples of x, v, a against x alone, events on both sides; arrays allocated",
+    timed="the paper's case with quadratic drag, 4001 samples of x, v, a against x alone; events and allocation on both sides",
     target=1 / 20,
 )
 def with_a_term() -> Pair:

@@ -1,0 +1,17 @@
+"""docs/terms.md is the page that follows from the registry, and names every catalogue entry."""
+
+from harness.model import catalogue
+from harness.model.registry import TERMS, catalogue_names
+
+
+def test_the_page_is_the_one_of_the_registry() -> None:
+    assert catalogue.TARGET.read_text(encoding="utf-8") == catalogue.text(), "run python -m harness.model.catalogue"
+
+
+def test_every_term_is_on_it() -> None:
+    page = catalogue.text()
+    assert len(catalogue_names()) == 27
+    for term in TERMS:
+        assert f"### {term.key}\n" in page
+        for parameter in term.parameters:
+            assert f"`{parameter.name}` [{parameter.unit}]" in page
