@@ -1,7 +1,9 @@
 """The scenarios of the fidelity suite: each has an exact answer, and each starts on the motion it is about."""
 
 import math
-from dataclasses import replace
+from dataclasses import dataclass, replace
+
+import numpy as np
 
 from harness.core.errors import InputError
 from harness.core.scenario import Belt, Harmonic, Hold, Scenario
@@ -22,12 +24,52 @@ PERIODS = 8
 FORCED_PERIODS = 10
 
 BELT_SLIDER, BELT_SPEED = Slider(m=1.0, c=0.2, k=100.0, f_k=3.0, f_s=4.0), 0.1
-HOLD_SLIDER = Slider(m=1.0, c=0.0, k=1.0, f_k=3.0)
-"""A box at rest does not lift, so this is the same on the floor."""
 DRIVEN_SLIDER, DRIVE = Slider(m=1.0, c=0.0, k=100.0, f_k=3.0), Harmonic(10.0, 8.0)
 """Den Hartog's r = 0.8, f = 0.3: no stops."""
 STOPPING_DRIVE = Harmonic(5.0, 4.0)
 """r = 0.4, f = 0.6: the slider stops twice a period."""
+
+
+@dataclass(frozen=True, slots=True)
+class Sliders:
+    """What a suite is made of; lengths and forces are those of the joint routes.
+
+    decay, x0 (m) : the free decay, 3.5 periods of 1 s at omega_n = 10. sticky, belt_speed (m/s) : the belt.
+    driven, drive, stopping : harmonic forcing without and with stops.
+    """
+
+    decay: Slider
+    x0: float
+    sticky: Slider
+    belt_speed: float
+    driven: Slider
+    drive: Harmonic
+    stopping: Harmonic
+
+
+OWN = Sliders(PAPER, 1.0, BELT_SLIDER, BELT_SPEED, DRIVEN_SLIDER, DRIVE, STOPPING_DRIVE)
+"""The paper's slider, the checked belt and Den Hartog's case."""
+
+
+def drawn(number: int) -> Sliders:
+    """A random suite, always the same for the same number: mass, frequency, damping and friction all vary.
+
+    It takes about as many steps as the suite's own: omega_n lies between 7 and 14 rad/s.
+    """
+    rng = np.random.default_rng([20240, number])
+
+    def one(zeta: float) -> Slider:
+        m, omega = float(np.exp(rng.uniform(-1.0, 1.0))), float(rng.uniform(7.0, 14.0))
+        k = m * omega**2
+        return Slider(m, 2.0 * zeta * m * omega, k, float(k * rng.uniform(0.02, 0.05)))
+
+    decay, sticky, driven = one(rng.uniform(0.02, 0.1)), one(rng.uniform(0.0, 0.03)), one(0.0)
+    sticky = replace(sticky, f_s=sticky.f_k * float(rng.uniform(1.2, 1.6)))
+    speed = float((sticky.x_s - sticky.x_k) * sticky.omega_n * rng.uniform(0.5, 1.5))
+    drive = Harmonic(driven.f_k * float(rng.uniform(2.5, 4.0)), float(driven.omega_n * rng.uniform(0.6, 0.85)))
+    stopping = Harmonic(driven.f_k * float(rng.uniform(1.4, 1.8)), 0.4 * driven.omega_n)
+    return Sliders(decay, 1.0, sticky, speed, driven, drive, stopping)
+
 
 CONTACT_SCALE = 0.1
 """Sizes and forces on the floor, as a share of those of the joint: a fast box with much friction lifts, a slow one does
@@ -40,22 +82,24 @@ def names(route: Route) -> tuple[str, ...]:
     return (*common, *LIFTS) if route == "contact" else common
 
 
-def suite(route: Route) -> dict[str, Scenario]:
-    """Every scenario of a route by its name: the paper's slider, the checked belt and Den Hartog's case."""
+def suite(route: Route, sliders: Sliders = OWN) -> dict[str, Scenario]:
+    """Every scenario of a route by its name."""
     scale = CONTACT_SCALE if route == "contact" else 1.0
-    slider = scaled(PAPER, scale)
+    slider, x0 = scaled(sliders.decay, scale), _plain(scale * sliders.x0)
+    driven, drive, stopping = scaled(sliders.driven, scale), sliders.drive, sliders.stopping
+    held = Slider(sliders.decay.m, 0.0, _plain(0.01 * sliders.decay.k), sliders.decay.f_k)
     made = [
-        decay(slider, scale, 3.5),
-        frictionless(slider, scale, 3.0),
-        *(hold(name, HOLD_SLIDER) for name in HOLDS),
-        belt(BELT_SLIDER, BELT_SPEED),
-        forced(HARMONIC, scaled(DRIVEN_SLIDER, scale), Harmonic(scale * DRIVE.amplitude, DRIVE.omega)),
-        forced(STOPS, scaled(DRIVEN_SLIDER, scale), Harmonic(scale * STOPPING_DRIVE.amplitude, STOPPING_DRIVE.omega)),
+        decay(slider, x0, 3.5),
+        frictionless(slider, x0, 3.0),
+        # a box at rest does not lift, so the friction of a hold need not be small
+        *(hold(name, held) for name in HOLDS),
+        belt(sliders.sticky, sliders.belt_speed),
+        forced(HARMONIC, driven, Harmonic(_plain(scale * drive.amplitude), drive.omega)),
+        forced(STOPS, driven, Harmonic(_plain(scale * stopping.amplitude), stopping.omega)),
     ]
     if route == "contact":
-        made += [
-            replace(decay(scaled(slider, more), _plain(scale * more), 3.5), name=name) for name, more in LIFTS.items()
-        ]
+        for name, more in LIFTS.items():
+            made.append(replace(decay(scaled(slider, more), _plain(x0 * more), 3.5), name=name))
     return {scenario.name: scenario for scenario in made}
 
 

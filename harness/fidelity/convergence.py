@@ -40,14 +40,14 @@ class Order:
 
 @dataclass(slots=True)
 class Ladder:
-    """Collects rows one by one; memory grows with the settings there are, not with the sliders."""
+    """Collects rows of the suite's own sliders one by one: memory grows with the settings, not with random sliders."""
 
     steps: dict[tuple[str, ...], dict[float, float]] = field(default_factory=dict)
 
     def add(self, row: Mapping[str, Any]) -> None:
         """Take one row (Row.as_dict)."""
         metric = ERRORS.get(row["scenario"])
-        if metric is None or row["error"] is not None or row["dt_s"] is None:
+        if metric is None or row["draw"] or row["error"] is not None or row["dt_s"] is None:
             return
         value = row["metrics"].get(metric)
         if value is None:

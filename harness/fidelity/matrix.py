@@ -1,7 +1,7 @@
 """The matrix: engines x routes x settings x steps x scenarios, one Spec at a time."""
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from harness.engines.base import PRESETS, ROUTES, Engine, Preset, Route
 from harness.fidelity import cases
@@ -17,26 +17,35 @@ class Matrix:
 
     routes : of those an engine has. presets : names of settings, empty for all. steps : s, in place of the table's own;
     what ships keeps its own step beside them. short : what ships and what is tuned at one step each, five scenarios.
+    sliders : how many suites of random sliders come after the suite's own.
     """
 
     routes: tuple[Route, ...] = ROUTES
     presets: tuple[str, ...] = ()
     steps: tuple[float, ...] = ()
     short: bool = False
+    sliders: int = 0
 
     def specs(self, engines: Mapping[str, Engine]) -> Iterator[Spec]:
         """The rows of these engines, each once, in a fixed order."""
-        seen: set[str] = set()
-        for name, engine in engines.items():
-            for route in self.routes:
-                if route in engine.routes:
-                    for spec in self._of(name, engine, route):
-                        if spec.key not in seen:
-                            seen.add(spec.key)
-                            yield spec
+        for draw in range(self.sliders + 1):
+            seen: set[str] = set()
+            for name, engine in engines.items():
+                for route in self.routes:
+                    if route in engine.routes:
+                        for spec in self._of(name, engine, route, draw):
+                            if spec.key not in seen:
+                                seen.add(spec.key)
+                                yield spec
 
-    def _of(self, name: str, engine: Engine, route: Route) -> Iterator[Spec]:
-        version, suite = engine.version(), cases.suite(route)
+    def size(self, engines: Mapping[str, Engine]) -> int:
+        """How many rows ``specs`` gives."""
+        one = sum(1 for _ in replace(self, sliders=0).specs(engines))
+        return one * (self.sliders + 1)
+
+    def _of(self, name: str, engine: Engine, route: Route, draw: int) -> Iterator[Spec]:
+        version = engine.version()
+        suite = cases.suite(route, cases.drawn(draw) if draw else cases.OWN)
         for variant in variants(name, route):
             if self.presets and variant.name not in self.presets:
                 continue
@@ -45,7 +54,7 @@ class Matrix:
                 changed = tuple(sorted(variant.settings(FINE if dt is None else dt).items()))
                 for scenario in suite.values():
                     if self._wanted(variant, dt, bool(changed), scenario.name):
-                        yield Spec(name, version, route, variant.name, variant.base, changed, dt, scenario)
+                        yield Spec(name, version, route, variant.name, variant.base, changed, dt, scenario, draw)
 
     def _steps(self, variant: Variant) -> tuple[float | None, ...]:
         if self.short:

@@ -27,7 +27,8 @@ class Spec:
     """What one row runs.
 
     preset : name of the settings in tables ("as-shipped", "tuned", "stiff", ...). base : the engine's preset that
-    ``changed`` overrides, name by name. dt : s, None for the preset's own step. version : of the engine.
+    ``changed`` overrides, name by name. dt : s, None for the preset's own step. version : of the engine. draw : 0 for
+    the sliders of the suite itself, else the number of the random ones.
     """
 
     engine: str
@@ -38,13 +39,16 @@ class Spec:
     changed: tuple[tuple[str, Any], ...]
     dt: float | None
     scenario: Scenario
+    draw: int = 0
 
     @property
     def name(self) -> str:
         """The row for people and for baselines: everything but the version of the engine."""
         changed = ",".join(f"{name}={_short(value)}" for name, value in self.changed)
         step = "own" if self.dt is None else f"{self.dt:g}"
-        return "/".join(filter(None, (self.engine, self.route, self.preset, changed, f"dt={step}", self.scenario.name)))
+        slider = f"slider-{self.draw}" if self.draw else ""
+        parts = (self.engine, self.route, self.preset, changed, f"dt={step}", self.scenario.name, slider)
+        return "/".join(filter(None, parts))
 
     @property
     def key(self) -> str:
@@ -78,6 +82,7 @@ class Row:
     scenario: str
     slider: dict[str, float]
     setup: dict[str, Any]
+    draw: int
     metrics: Metrics
     exact: dict[str, float]
     samples: int = 0
@@ -168,6 +173,7 @@ def _identity(spec: Spec) -> dict[str, Any]:
         "scenario": spec.scenario.name,
         "slider": {"m": slider.m, "c": slider.c, "k": slider.k, "f_k": slider.f_k, "f_s": slider.break_away},
         "setup": describe(spec.scenario),
+        "draw": spec.draw,
     }
 
 

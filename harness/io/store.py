@@ -108,6 +108,14 @@ def _reserve(name: str, out: Path | None) -> tuple[Path, tuple[Path, ...]]:
     raise StoreError(f"{parent}: no free name for {stamp}; name one with --out")
 
 
+def growing_folder(name: str, out: Path | None = None) -> Path:
+    """A folder that fills while work goes on and stays whatever happens: ``out``, or reports/NAME-TIME here.
+
+    Raises StoreError when it cannot be made or holds files already.
+    """
+    return _reserve(name, out)[0]
+
+
 @contextmanager
 def output_folder(name: str, out: Path | None = None) -> Iterator[OutputFolder]:
     """An output folder: ``out``, or reports/NAME-TIME here; committed by the caller, else removed without a trace.

@@ -1,0 +1,97 @@
+"""harness sweep."""
+
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from harness.cli.options import jobs_option, output_options
+from harness.cli.output import STANDARD_OUTPUT, check_json, show, shows_tables, this_line
+from harness.cli.progress import shown
+
+if TYPE_CHECKING:
+    from harness.app.sweep import Sweep
+
+
+def _worst(context: click.Context, option: click.Parameter, value: str | None) -> int:
+    """The N of worst:N."""
+    if value is None:
+        return 0
+    kind, _, count = value.partition(":")
+    if kind != "worst" or not count.isdigit() or int(count) < 1:
+        raise click.BadParameter(f"{value!r}; worst:N with N of 1 or more is accepted")
+    return int(count)
+
+
+@click.command(short_help="The friction-fidelity matrix: engines x route x settings x step x scenario.")
+@click.option("--engine", "engines", multiple=True, metavar="NAME", help="Engine; may repeat.  [all installed]")
+@click.option("--route", "routes", multiple=True, metavar="joint|contact|law", help="Route; may repeat.  [all]")
+@click.option("--preset", "presets", multiple=True, metavar="NAME", help="Settings; may repeat.  [all there are]")
+@click.option("--dt", "steps", multiple=True, type=float, metavar="S", help="Step, s; may repeat.  [a table's own]")
+@click.option("--sliders", type=click.IntRange(min=0), default=0, metavar="N", help="Random sliders besides.  [0]")
+@click.option("--short", is_flag=True, help="What ships and what is tuned, at one step each.")
+@click.option("--keep-traces", "keep", callback=_worst, metavar="worst:N", help="Keep the worst N rows as .rrd.")
+@click.option("--cluster", metavar="ADDRESS", help="A dask scheduler, such as tcp://127.0.0.1:8786.")
+@click.option("--resume", is_flag=True, help="Go on with the rows that --out holds; nothing is computed again.")
+@jobs_option
+@output_options
+def command(
+    engines: tuple[str, ...],
+    routes: tuple[str, ...],
+    presets: tuple[str, ...],
+    steps: tuple[float, ...],
+    sliders: int,
+    short: bool,
+    keep: int,
+    cluster: str | None,
+    resume: bool,
+    jobs: int | None,
+    out: Path | None,
+    json_to: str | None,
+    quiet: bool,
+) -> int:
+    """The friction-fidelity matrix: every engine, route, setting, step and scenario against exact answers.
+
+    Rows go to Parquet files in the output folder as they are done, and from there into result.json and report.html.
+
+    \b
+    Example: harness sweep
+             harness sweep --engine mujoco --route joint --dt 0.002 --json -
+             harness sweep --out reports/mine --resume --keep-traces worst:10
+    """
+    check_json(json_to)
+    from harness.app.sweep import SweepOptions, sweep, write_stream
+    from harness.app.sweep_report import finish
+
+    options = SweepOptions(engines, routes, presets, steps, short, sliders, jobs, cluster, keep, resume)
+    with shown(quiet) as progress:
+        result = sweep(options, out, progress, this_line())
+        finish(result, options.keep, progress)
+    if json_to == STANDARD_OUTPUT:
+        sys.stdout.writelines(result.json())
+        sys.stdout.flush()
+    elif json_to is not None:
+        write_stream(result, Path(json_to))
+    if shows_tables(json_to, quiet):
+        _print(result)
+    return 1 if result.failed else 0
+
+
+def _print(result: "Sweep") -> None:
+    from rich.table import Table
+
+    from harness.app.sweep_report import summary
+
+    table = Table(title="as shipped and tuned against exact, the suite's own sliders")
+    heads, lines = summary(result)
+    for head in heads:
+        table.add_column(head, justify="left" if head in heads[:3] else "right", no_wrap=True)
+    for line in lines:
+        table.add_row(*line)
+    show(table)
+    for note in result.notes:
+        click.echo(f"- {note}")
+    rate = f"{60.0 * result.computed / result.wall_s:.0f} rows a minute"
+    click.echo(f"{result.total} rows, {result.computed} computed now ({rate}), {result.failed} could not be run")
+    click.echo(f"report: {result.folder / 'report.html'}")

@@ -1,0 +1,309 @@
+"""Sweeps: rows on disk as they come, resumed, interrupted, damaged, and with workers that die."""
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from collections import Counter
+from collections.abc import Iterator
+from importlib import import_module
+from pathlib import Path
+from typing import Any
+
+import pytest
+import sweep_deaths
+from jsonschema import Draft202012Validator
+
+from harness.app import sweep as room
+from harness.app.sweep import SweepOptions, sweep
+from harness.app.sweep_parts import Parts
+from harness.app.sweep_pool import LocalPool
+from harness.app.sweep_rows import completed
+from harness.core.errors import HarnessError, InputError, StoreError
+from harness.engines import registry
+from harness.fidelity.matrix import Matrix
+from harness.io.store import explained
+from harness.results.generate import schema_text
+from harness.results.sweep import SweepResult, SweepRow
+
+SMALL = SweepOptions(("mujoco", "pybullet"), ("joint",), (), (2e-3,), jobs=2)
+"""Every setting of the joint route at one step, what ships at its own step too."""
+
+
+def rows_of(folder: Path) -> list[dict[str, Any]]:
+    return list(Parts(folder).read())
+
+
+def physics(rows: list[dict[str, Any]]) -> dict[str, Any]:
+    """What has to be the same whoever computed it."""
+    return {row["key"]: (row["name"], row["metrics"], row["exact"], row["settings"], row["error"]) for row in rows}
+
+
+@pytest.fixture(scope="module")
+def swept(tmp_path_factory: pytest.TempPathFactory) -> room.Sweep:
+    return sweep(SMALL, tmp_path_factory.mktemp("sweep") / "out")
+
+
+def test_every_row_once_and_all_of_them_right(swept: room.Sweep) -> None:
+    engines = room.engines_for(SMALL)
+    expected = [spec.key for spec in SMALL.matrix.specs(engines)]
+    rows = list(swept.rows())
+    assert sorted(row["key"] for row in rows) == sorted(expected)
+    assert (swept.total, swept.computed, swept.failed) == (len(expected), len(expected), 0)
+    assert len(expected) == SMALL.matrix.size(engines)
+    for row in rows:
+        SweepRow.model_validate(row)
+
+
+def test_json_is_streamed_and_obeys_the_schema(swept: room.Sweep) -> None:
+    data = json.loads("".join(swept.json()))
+    schema = json.loads(schema_text("harness.sweep/1", SweepResult))
+    Draft202012Validator(schema).validate(data)
+    assert len(data["rows"]) == swept.total
+    SweepResult.model_validate(data)
+
+
+def test_nothing_is_computed_again(swept: room.Sweep) -> None:
+    before = physics(rows_of(swept.folder))
+    again = sweep(SweepOptions(SMALL.engines, SMALL.routes, (), SMALL.steps, jobs=1, resume=True), swept.folder)
+    assert again.computed == 0
+    assert physics(rows_of(swept.folder)) == before
+
+
+def test_a_folder_with_rows_is_not_overwritten(swept: room.Sweep) -> None:
+    with pytest.raises(StoreError, match="holds rows of a sweep; --resume goes on with them"):
+        sweep(SMALL, swept.folder)
+
+
+def test_a_damaged_part_is_set_aside_and_only_its_rows_are_computed_again(swept: room.Sweep, tmp_path: Path) -> None:
+    folder = tmp_path / "copy"
+    parts = Parts(folder)
+    rows = list(swept.rows())
+    parts.write(rows[:50])
+    parts.write(rows[50:])
+    damaged = sorted(parts.folder.glob("part-*.parquet"))[0]
+    content = bytearray(damaged.read_bytes())
+    middle = len(content) // 3
+    content[middle : middle + 40] = bytes(40)
+    damaged.write_bytes(bytes(content))
+    again = sweep(SweepOptions(SMALL.engines, SMALL.routes, (), SMALL.steps, jobs=2, resume=True), folder)
+    assert again.computed == 50
+    assert again.notes == (
+        "rows/part-000001.parquet was damaged and set aside as part-000001.parquet.damaged;"
+        " its rows are computed again",
+    )
+    assert physics(rows_of(folder)) == physics(rows)
+
+
+@pytest.mark.parametrize("content", [b"", b"PAR1", b"nothing like it" * 100])
+def test_what_is_no_part_is_set_aside(content: bytes, tmp_path: Path) -> None:
+    parts = Parts(tmp_path)
+    (parts.folder / "part-000001.parquet").write_bytes(content)
+    assert list(parts.read()) == []
+    assert parts.damaged == ["part-000001.parquet"]
+    parts.write([sweep_deaths.light(sweep_deaths.spec(1))])
+    assert len(list(parts.read())) == 1
+
+
+def test_a_row_that_kills_its_worker_is_found_and_the_others_lose_nothing() -> None:
+    specs = [sweep_deaths.spec(n, sweep_deaths.KILLER if n in (7, 20) else "tuned") for n in range(40)]
+    workers = LocalPool(2)
+    try:
+        rows = list(completed(specs, workers, sweep_deaths.light))
+    finally:
+        workers.close()
+    assert Counter(row["key"] for row in rows) == Counter(spec.key for spec in specs)
+    reasons = {row["key"]: row["error"] for row in rows}
+    for spec in specs:
+        died = spec.preset == sweep_deaths.KILLER
+        assert reasons[spec.key] == ("its worker process died, 2 times out of 2" if died else "light")
+
+
+def test_a_killed_worker_of_the_pool_costs_no_row(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    pids = tmp_path / "pids"
+    pids.mkdir()
+    monkeypatch.setenv("SWEEP_TEST_PIDS", str(pids))
+    killed: list[int] = []
+
+    def kill_one(step: str, done: int, total: int) -> None:
+        if done >= 8 and not killed:
+            killed.append(int(sorted(path.name for path in pids.iterdir())[0]))
+            os.kill(killed[0], signal.SIGKILL)
+
+    options = SweepOptions(("mujoco",), ("joint",), ("as-shipped",), (2e-3,), jobs=2)
+    result = sweep(options, tmp_path / "out", kill_one, function=sweep_deaths.slow)
+    expected = [spec.key for spec in options.matrix.specs(room.engines_for(options))]
+    assert killed
+    assert sorted(row["key"] for row in result.rows()) == sorted(expected)
+    assert result.failed == 0
+
+
+INTERRUPTED = """
+import sys, tempfile
+from pathlib import Path
+sys.path.insert(0, {tests!r})
+import sweep_deaths
+from harness.app import sweep as room
+from harness.cli.main import _say, _explained
+room.PART_S = 0.5
+class Fixed:
+    def specs(self, engines): return iter([sweep_deaths.spec(n) for n in range(100)])
+    def size(self, engines): return 100
+room.SweepOptions.matrix = property(lambda self: Fixed())
+if __name__ == "__main__":
+    try:
+        room.sweep(room.SweepOptions(("mujoco",), jobs=2), Path(sys.argv[1]), function=sweep_deaths.sleepy)
+    except BaseException as error:
+        sys.exit(_say(*_explained(error)))
+"""
+
+
+@pytest.mark.parametrize("kind", [signal.SIGINT])
+def test_an_interruption_leaves_a_folder_to_resume(kind: signal.Signals, tmp_path: Path) -> None:
+    program, out = tmp_path / "program.py", tmp_path / "out"
+    program.write_text(INTERRUPTED.format(tests=str(Path(__file__).parent)))
+    run = subprocess.Popen([sys.executable, str(program), str(out)], stderr=subprocess.PIPE, text=True)
+    deadline = time.monotonic() + 60.0
+    while time.monotonic() < deadline and not list(out.glob("rows/part-*.parquet")):
+        time.sleep(0.1)
+    run.send_signal(kind)
+    _, said = run.communicate(timeout=30.0)
+    assert run.returncode == 130
+    kept = len(rows_of(out))
+    assert (
+        said
+        == f"harness: interrupted; {kept} of 100 rows are kept, the same command with --resume --out {out} goes on\n"
+    )
+    assert 30 <= kept <= 40
+    assert not list(out.glob("rows/.*"))
+
+
+def test_a_full_disk_keeps_what_was_done(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    written: list[int] = []
+    write = Parts.write
+
+    def until_full(self: Parts, rows: list[dict[str, Any]]) -> None:
+        if written:
+            with explained(self.folder):
+                raise OSError(28, "No space left on device")
+        write(self, rows)
+        written.append(len(rows))
+
+    monkeypatch.setattr(Parts, "write", until_full)
+    monkeypatch.setattr(room, "PART_ROWS", 10)
+    options = SweepOptions(("mujoco",), ("joint",), ("as-shipped",), (2e-3,), jobs=1)
+    with pytest.raises(
+        StoreError, match=r"no space left on the device.*; 10 of \d+ rows are kept, the same command with"
+    ):
+        sweep(options, tmp_path / "out")
+    monkeypatch.undo()
+    assert len(rows_of(tmp_path / "out")) == 10
+
+
+@pytest.mark.parametrize(
+    ("build", "message"),
+    [
+        (lambda out: sweep(SweepOptions(("bullet",)), out), "--engine: 'bullet'; one of dart, mujoco, pybullet"),
+        (lambda out: sweep(SweepOptions(steps=(-1.0,)), out), "--dt: -1; a number above 0 s is accepted"),
+        (lambda out: sweep(SweepOptions(presets=("best",)), out), "--preset: 'best'; one of as-shipped, tuned"),
+        (lambda out: sweep(SweepOptions(routes=("air",)), out), "--route: 'air'; one of joint, contact, law"),
+        (lambda out: sweep(SweepOptions(resume=True), None), "--resume: given without --out"),
+        (lambda out: sweep(SweepOptions(resume=True), out), "holds no sweep to resume"),
+        (lambda out: sweep(SweepOptions(("mujoco",), cluster="tcp://127.0.0.1:9"), out), "no scheduler answers"),
+    ],
+)
+def test_bad_input(build: Any, message: str, tmp_path: Path) -> None:
+    with pytest.raises((InputError, HarnessError)) as error:
+        build(tmp_path / "out")
+    assert message in str(error.value)
+    assert "\n" not in str(error.value)
+
+
+def test_random_suites_are_the_same_every_time_and_differ_from_each_other() -> None:
+    engines = {"mujoco": registry.load("mujoco")}
+    matrix = Matrix(("joint",), ("tuned",), (2e-3,), sliders=3)
+    keys = [spec.key for spec in matrix.specs(engines)]
+    assert keys == [spec.key for spec in matrix.specs(engines)]
+    assert (
+        len(set(keys)) == len(keys) == matrix.size(engines) == 4 * Matrix(("joint",), ("tuned",), (2e-3,)).size(engines)
+    )
+
+
+# ---- on a cluster
+
+
+def _dask(*arguments: str) -> "subprocess.Popen[str]":
+    return subprocess.Popen(
+        [sys.executable, "-m", "dask", *arguments],
+        stdout=subprocess.DEVNULL,
+        stderr=subprocess.PIPE,
+        text=True,
+        env={**os.environ, "PYTHONPATH": str(Path(__file__).parent)},
+    )
+
+
+@pytest.fixture
+def cluster() -> Iterator[tuple[str, list["subprocess.Popen[str]"]]]:
+    """A scheduler and two worker processes of one thread on this machine."""
+    pytest.importorskip("distributed")
+    import socket
+
+    with socket.socket() as probe:
+        probe.bind(("127.0.0.1", 0))
+        port = probe.getsockname()[1]
+    address = f"tcp://127.0.0.1:{port}"
+    started = [_dask("scheduler", "--host", "127.0.0.1", "--port", str(port), "--no-dashboard")]
+    started += [
+        _dask("worker", address, "--nthreads", "1", "--nworkers", "1", "--no-nanny", "--no-dashboard") for _ in range(2)
+    ]
+    try:
+        yield address, started
+    finally:
+        for process in started:
+            process.kill()
+        for process in started:
+            process.communicate()
+
+
+def _wait_for_two(address: str) -> None:
+    distributed: Any = import_module("distributed")
+    with distributed.Client(address, timeout=30, set_as_default=False) as client:
+        client.wait_for_workers(2, timeout=30)
+
+
+def test_a_cluster_gives_the_same_rows_though_a_worker_is_killed(
+    cluster: tuple[str, list["subprocess.Popen[str]"]], tmp_path: Path, swept: room.Sweep
+) -> None:
+    address, processes = cluster
+    _wait_for_two(address)
+    killed: list[int] = []
+
+    def kill_one(step: str, done: int, total: int) -> None:
+        if done >= 10 and not killed:
+            killed.append(processes[1].pid)
+            processes[1].kill()
+
+    options = SweepOptions(SMALL.engines, SMALL.routes, (), SMALL.steps, cluster=address)
+    result = sweep(options, tmp_path / "out", kill_one, function=sweep_deaths.slow)
+    assert killed
+    keys = Counter(row["key"] for row in result.rows())
+    assert set(keys.values()) == {1}
+    assert physics(rows_of(result.folder)) == physics(list(swept.rows()))
+
+
+def test_a_lost_scheduler_leaves_a_folder_to_resume(
+    cluster: tuple[str, list["subprocess.Popen[str]"]], tmp_path: Path
+) -> None:
+    address, processes = cluster
+    _wait_for_two(address)
+
+    def kill_scheduler(step: str, done: int, total: int) -> None:
+        if done == 10:
+            processes[0].kill()
+
+    options = SweepOptions(SMALL.engines, SMALL.routes, (), SMALL.steps, cluster=address)
+    with pytest.raises(HarnessError, match=r"connection to the scheduler is lost; \d+ of \d+ rows are kept"):
+        sweep(options, tmp_path / "out", kill_scheduler, function=sweep_deaths.slow)
+    assert len(rows_of(tmp_path / "out")) >= 10
