@@ -22,7 +22,7 @@ from harness.model.model import Model, ModelTerm
 from harness.model.term import SINGLE, Slot, Term
 
 _SAMPLES = 2000
-_COLUMNS = 160
+_COLUMNS = 120
 _INTERNAL_AT_ONCE = 4
 _KEPT = 2
 

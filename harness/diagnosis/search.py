@@ -41,9 +41,7 @@ class Search:
 def noise_of(found: Fit, problem: Problem, omega: float) -> dict[str, Noise]:
     """Noise per channel from what a fit leaves."""
     period = 2.0 * math.pi / omega
-    return {
-        c: residual_noise(problem.t, y - found.shown.y[c], y, period) for c, y in problem.channels.items()
-    }
+    return {c: residual_noise(problem.t, y - found.shown.y[c], y, period) for c, y in problem.channels.items()}
 
 
 def under(found: Fit, problem: Problem, scales: Scales) -> Fit:
@@ -66,7 +64,9 @@ def _moved(new: dict[str, Noise], old: Problem) -> bool:
     )
 
 
-def _renew(problem: Problem, scales: Scales, best: Fit, others: tuple[Fit, ...]) -> tuple[Problem, Fit, tuple[Fit, ...]]:
+def _renew(
+    problem: Problem, scales: Scales, best: Fit, others: tuple[Fit, ...]
+) -> tuple[Problem, Fit, tuple[Fit, ...]]:
     """Take the noise from what the best fit leaves, and see all fits with it."""
     noise = noise_of(best, problem, scales.omega)
     if not _moved(noise, problem):
@@ -122,5 +122,3 @@ def _merged(steps: list[Step]) -> tuple[Fit, ...]:
             if key not in best or found.bic < best[key].bic:
                 best[key] = found
     return tuple(sorted(best.values(), key=lambda f: f.bic))
-
-

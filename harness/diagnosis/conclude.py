@@ -1,0 +1,131 @@
+"""From a prepared recording to an outcome: fit, search, decide, say."""
+
+from dataclasses import replace
+
+from harness.core.quantity import Quantity
+from harness.diagnosis.advice import next_experiment
+from harness.diagnosis.baseline import baseline
+from harness.diagnosis.fit import Fit
+from harness.diagnosis.holdout import holdout
+from harness.diagnosis.numbers import base_parameters, term_parameters
+from harness.diagnosis.outcome import Alternative, Mechanism, Outcome, Verdict
+from harness.diagnosis.problem import Problem
+from harness.diagnosis.search import Search, noise_of, search, under
+from harness.diagnosis.select import DECISIVE, key_of, settle
+from harness.diagnosis.spans import spans_of
+from harness.kernels.solve import Scales
+from harness.model.model import ModelTerm
+
+_MOST_ALTERNATIVES = 3
+
+
+def diagnose(problem: Problem) -> Outcome:
+    """Diagnose a recording: what viscous and Coulomb friction leave unexplained, and what explains it.
+
+    Raises InputError when the recording holds no free decay to fit, SimulationError when no model could be simulated.
+    """
+    base, scales = baseline(problem)
+    problem = replace(problem, noise=noise_of(base, problem, scales.omega))
+    base = settle(under(base, problem, scales), problem, scales)
+    return conclude(search(problem, base, scales), scales)
+
+
+def conclude(found: Search, scales: Scales) -> Outcome:
+    """Say what a search has come to."""
+    problem, refined = found.problem, found.chosen
+    verdict: Verdict = "adequate"
+    if not found.explained:
+        verdict = "unexplained"
+    elif refined.model.terms:
+        verdict = "missing_physics"
+    if verdict != "missing_physics":
+        refined = found.base
+    named = refined.model.terms if verdict == "missing_physics" else ()
+    acting = [(entry, spans_of(entry, refined, problem, scales.omega)) for entry in named]
+    mechanisms = sorted(
+        (_mechanism(found, i, entry, problem, spans) for i, (entry, spans) in enumerate(acting)),
+        key=lambda m: -m.delta_bic,
+    )
+    prediction = holdout(found.base, refined, problem, scales, acting)
+    warnings = []
+    if verdict == "unexplained":
+        warnings.append("no entry or pair of the catalogue explains it; standard errors are inflated by the misfit")
+    if verdict == "missing_physics" and prediction.refined_rmse:
+        worse = [c for c, after in prediction.refined_rmse.items() if after > 1.05 * prediction.baseline_rmse[c]]
+        if worse:
+            warnings.append(f"BIC decides for the refined model although it predicts {', '.join(worse)} worse")
+    return Outcome(
+        problem=problem,
+        scales=scales,
+        base=found.base,
+        refined=refined,
+        verdict=verdict,
+        mechanisms=tuple(mechanisms),
+        holdout=prediction,
+        evidence=tuple((key_of(f)[0], found.base.bic - f.bic) for f in found.singles),
+        base_parameters=base_parameters(found.base, problem),
+        refined_parameters=base_parameters(refined, problem),
+        next_experiment=next_experiment(tuple(mechanisms), problem),
+        warnings=tuple(warnings),
+    )
+
+
+def _mechanism(
+    found: Search, index: int, entry: ModelTerm, problem: Problem, spans: tuple[tuple[float, float], ...]
+) -> Mechanism:
+    parameters = term_parameters(found.chosen, problem, index)
+    return Mechanism(
+        entry=entry,
+        statement=_statement(entry, parameters, found.chosen),
+        parameters=parameters,
+        delta_bic=_lost_without(found, entry),
+        spans=spans,
+        alternatives=_alternatives(found, entry),
+    )
+
+
+def _lost_without(found: Search, entry: ModelTerm) -> float:
+    """What BIC loses without a term: against the best of the models searched that lack its name."""
+    lacking = [f.bic for f in (found.base, *found.singles, *found.rivals) if entry.term.name not in key_of(f)]
+    others = tuple(sorted(e.term.name for e in found.chosen.model.terms if e is not entry))
+    same = [f.bic for f in (found.base, *found.singles, *found.rivals) if key_of(f) == others]
+    return min(same or lacking) - found.chosen.bic
+
+
+def _alternatives(found: Search, entry: ModelTerm) -> tuple[Alternative, ...]:
+    """Names that could stand in a term's place, by less than what is decisive."""
+    rest = sorted(e.term.name for e in found.chosen.model.terms if e is not entry)
+    near = []
+    for rival in found.rivals:
+        names = list(key_of(rival))
+        delta = rival.bic - found.chosen.bic
+        if delta >= DECISIVE or len(names) != len(rest) + 1:
+            continue
+        for name in rest:
+            if name in names:
+                names.remove(name)
+        if len(names) == 1 and names[0] != entry.term.name:
+            near.append(Alternative(names[0], delta))
+    return tuple(sorted(near, key=lambda a: a.delta_bic)[:_MOST_ALTERNATIVES])
+
+
+def _said(quantity: Quantity) -> str:
+    """A number as a sentence shows it."""
+    if quantity.value is None:
+        return "unknown"
+    unit = "" if quantity.unit == "1" else f" {quantity.unit}"
+    if quantity.stderr is None:
+        return f"{quantity.value:.4g}{unit}"
+    return f"{quantity.value:.4g} +- {quantity.stderr:.1g}{unit}"
+
+
+def _statement(entry: ModelTerm, parameters: dict[str, Quantity], found: Fit) -> str:
+    values = {name: _said(q) for name, q in parameters.items()}
+    if entry.term.name == "constant-force" and found.model.k > 0.0:
+        values["offset"] = f"{entry.value('force') / found.model.k:.4g}"
+    elif entry.term.name == "constant-force":
+        values["offset"] = "nothing, without a spring"
+    return entry.term.say(values)
+
+
+__all__ = ["conclude", "diagnose"]

@@ -1,0 +1,54 @@
+"""Prediction of samples that took no part in the fits: every second full period, the trajectory running through."""
+
+import math
+
+import numpy as np
+
+from harness.core.arrays import BoolArray
+from harness.core.errors import SimulationError
+from harness.diagnosis.fit import Fit, fit
+from harness.diagnosis.observe import FINE, observe
+from harness.diagnosis.outcome import Holdout, Spans
+from harness.diagnosis.problem import Problem
+from harness.kernels.solve import Scales
+from harness.model.model import ModelTerm
+
+_KEPT_IN = ("impulse", "sensor-clipping")
+"""Effects whose own spans stay in the fit: nothing else in the recording shows them."""
+
+
+def _held_out(problem: Problem, omega: float, keep: Spans) -> tuple[Spans, BoolArray]:
+    """Spans of every second full period, and which samples lie in them and not in ``keep``."""
+    t = problem.t
+    period = 2.0 * math.pi / omega
+    count = int((t[-1] - t[0]) / period)
+    spans = [(float(t[0]) + i * period, float(t[0]) + (i + 1) * period) for i in range(1, count, 2)]
+    out = np.zeros(t.size, dtype=bool)
+    for low, high in spans:
+        out |= (t >= low) & (t < high)
+    for low, high in keep:
+        out &= ~((t >= low) & (t <= high))
+    return tuple(spans), out
+
+
+def _rmse(found: Fit, problem: Problem, scales: Scales, out: BoolArray) -> dict[str, float]:
+    """Root mean square of data minus prediction at the samples held out, fitted without them."""
+    try:
+        found = fit(found.model, problem.weighted(~out), found.free, scales, 15, thorough=False)
+    except SimulationError:
+        pass  # the fit to all samples stands in; it can only flatter the side that failed
+    shown = observe(found.model, problem, (), scales, FINE)
+    return {c: float(np.sqrt(np.mean((y - shown.y[c])[out] ** 2))) for c, y in problem.channels.items()}
+
+
+def holdout(
+    base: Fit, refined: Fit, problem: Problem, scales: Scales, acting: list[tuple[ModelTerm, Spans]]
+) -> Holdout:
+    """Held-out rmse by channel of the base model and the refined one; empty spans where there are fewer than two periods."""
+    keep = tuple(span for entry, spans in acting if entry.term.name in _KEPT_IN for span in spans)
+    spans, out = _held_out(problem, scales.omega, keep)
+    if not np.any(out):
+        return Holdout((), {}, {})
+    before = _rmse(base, problem, scales, out)
+    after = before if refined is base else _rmse(refined, problem, scales, out)
+    return Holdout(spans, before, after)

@@ -1,0 +1,274 @@
+"""Does structure remain in a residual beyond noise whose level is known only from the residual itself?
+
+The total chi-square says little then. So each test compares something a misfit would fill with something only noise
+fills: low frequencies with the band above them, one spectral line with its surroundings, one stretch of time or one
+part of the swing with the same floor. What a fit has already taken from the residual is accounted for by its Jacobian.
+Single samples on the wrong side of a jump are set aside: they are flat in frequency but many.
+"""
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.fft import dct
+from scipy.special import fdtrc
+
+from harness.core.arrays import BoolArray, FloatArray
+from harness.diagnosis.motion import Motion
+
+_BANDS = (0.5, 1.5, 3.5, 8.5, 16.5)
+"""Upper ends of the bands tested, in units of the motion's frequency."""
+_WIDEST = 0.4
+_FLOOR_RATIO = 4.0
+_FEWEST_FLOOR = 60
+_ISOLATED = 3.5
+_NEIGHBOUR = 1.7
+_STILL = 5
+_STRETCHES = (4, 16, 64)
+_PHASES = 24
+_LOWEST_FLOOR = 0.5
+_SURROUNDINGS = 64
+
+
+@dataclass(frozen=True, slots=True)
+class LackOfFit:
+    """Outcome of the test.
+
+    p_value : chance that noise alone looks at least so structured. statistic : of the strongest single test, its mean
+    square over what noise gives. sentence : what was found, plainly. tests : every test with its p-value.
+    """
+
+    p_value: float
+    statistic: float
+    sentence: str
+    tests: tuple[tuple[str, float], ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class _Channel:
+    """A cleaned residual r (n,), its cosine coefficients c (n,), those of the Jacobian's basis (n, q), and the floor."""
+
+    r: FloatArray
+    c: FloatArray
+    q: FloatArray
+    kept: BoolArray
+    per_omega: float
+    floor: float
+    freedom: int
+    top: int
+
+
+def isolated(r: FloatArray) -> BoolArray:
+    """Which samples of a residual (n,) stand alone far out: misplaced next to a jump, or stray."""
+    level = 1.4826 * float(np.median(np.abs(r)))
+    if level <= 0.0:
+        return np.zeros(r.size, dtype=np.bool_)
+    padded = np.concatenate(([0.0], r, [0.0]))
+    beside = np.maximum(padded[:-2] * np.sign(r), padded[2:] * np.sign(r))
+    found: BoolArray = (np.abs(r) > _ISOLATED * level) & (beside < _NEIGHBOUR * level)
+    return found
+
+
+def _repeats(r: FloatArray) -> BoolArray:
+    """Samples that repeat the one before in a run of at least five: a quantised sensor at rest says one thing once."""
+    same = np.concatenate(([False], np.abs(np.diff(r)) <= 1e-6 * (np.abs(r[1:]) + 1e-12)))
+    edges = np.diff(np.concatenate(([0], same.astype(np.int8), [0])))
+    starts, ends = np.flatnonzero(edges == 1), np.flatnonzero(edges == -1)
+    found = np.zeros(r.size, dtype=np.bool_)
+    for lo, hi in zip(starts, ends, strict=True):
+        if hi - lo >= _STILL:
+            found[lo:hi] = True
+    return found
+
+
+def _channel(r: FloatArray, t: FloatArray, omega: float, basis: FloatArray, doubtful: BoolArray | None) -> _Channel:
+    kept = (r != 0.0) & ~_repeats(r)
+    y, q = r[kept].copy(), basis[kept]
+    away = isolated(y)
+    if doubtful is not None:
+        away = away | doubtful[kept]
+    y[away] = 0.0
+    q = np.where(away[:, None], 0.0, q)
+    # setting samples aside takes power from every coefficient alike
+    n = y.size
+    if n:
+        y *= math.sqrt(n / max(n - np.count_nonzero(away), 1))
+    c = dct(y, norm="ortho") if n else y
+    qc = dct(q, norm="ortho", axis=0) if q.size else q
+    interval = float(np.median(np.diff(t)))
+    per_omega = n * interval * omega / math.pi
+    top = int(min(_BANDS[-1] * per_omega, _WIDEST * n))
+    last = min(n, max(int(_FLOOR_RATIO * top), top + _FEWEST_FLOOR))
+    above = c[top:last] ** 2
+    floor = max(float(np.mean(above)) if above.size else 1.0, _LOWEST_FLOOR)
+    return _Channel(y, c, qc, kept, per_omega, floor, max(above.size, 1), top)
+
+
+def _score(c: FloatArray, a: FloatArray) -> tuple[float, float]:
+    """Chi-square of the coefficients c (K,) of an orthonormal set, and its degrees of freedom.
+
+    a : (K, q), coefficients in the same set of an orthonormal basis of what was fitted, to which the residual is
+    orthogonal. The set's covariance is then I - a a', inverted by way of I - a' a.
+    """
+    chi2 = float(c @ c)
+    if not a.shape[1]:
+        return chi2, float(c.size)
+    inner = np.eye(a.shape[1]) - a.T @ a
+    values, vectors = np.linalg.eigh(inner)
+    free = values > 1e-6
+    lost = float(np.count_nonzero(~free))
+    b = (vectors.T @ (a.T @ c))[free]
+    return chi2 + float(np.sum(b * b / values[free])), max(c.size - lost, 0.0)
+
+
+def _p(chi2: float, k: float, m: float) -> float:
+    """Chance of a mean square this large over a floor that has m degrees of freedom."""
+    return float(fdtrc(k, m, chi2 / k)) if k >= 1.0 else 1.0
+
+
+def _bands(channels: Mapping[str, _Channel]) -> list[tuple[str, float, float]]:
+    out = []
+    for end in _BANDS:
+        c, a, m = [], [], []
+        for one in channels.values():
+            k = int(np.clip(end * one.per_omega, 1, one.top))
+            c.append(one.c[:k] / math.sqrt(one.floor))
+            a.append(one.q[:k])
+            m.append(one.freedom)
+        chi2, k_free = _score(np.concatenate(c), np.concatenate(a))
+        name = f"slow structure, up to {end:g} times the swing's frequency"
+        out.append((name, _p(chi2, k_free, float(sum(m))), chi2 / max(k_free, 1.0)))
+    return out
+
+
+def _stretches(channels: Mapping[str, _Channel]) -> list[tuple[str, float, float]]:
+    """The strongest of equal stretches of time, in slow structure within the stretch."""
+    out = []
+    for count in _STRETCHES:
+        for name, one in channels.items():
+            width = one.r.size // count
+            block = max(1, int(one.r.size / max(one.top, 1)))
+            inside = width // block
+            if inside < 3:
+                continue
+            cut = one.r[: count * width].reshape(count, width)[:, : inside * block]
+            means = cut.reshape(count, inside, block).sum(axis=2) / math.sqrt(block)
+            power = np.sum(means**2, axis=1) / one.floor
+            worst = float(np.max(power))
+            single = _p(worst, float(inside), float(one.freedom))
+            text = f"channel {name} stands out in one {count}th of the time"
+            out.append((text, -math.expm1(count * math.log1p(-min(single, 1.0 - 1e-16))), worst / inside))
+    return out
+
+
+def _lines(channels: Mapping[str, _Channel]) -> list[tuple[str, float, float]]:
+    """The strongest spectral line over its surroundings, at any frequency (Fisher's test with a local level)."""
+    out = []
+    for name, one in channels.items():
+        n = one.r.size
+        if n < 2 * _SURROUNDINGS:
+            continue
+        power = np.abs(np.fft.rfft(one.r))[1 : (n + 1) // 2] ** 2 / n
+        count = power.size // _SURROUNDINGS
+        rows = power[: count * _SURROUNDINGS].reshape(count, -1)
+        level = np.maximum(np.median(rows, axis=1) / math.log(2.0), _LOWEST_FLOOR * 0.5)
+        level = np.maximum(level, 0.8 * one.floor)
+        peaks = np.max(rows, axis=1) / level
+        i = int(np.argmax(peaks))
+        # the level is a median of 64: its scatter fattens the tail, as an F with about 2 x 44 degrees would
+        single = _p(2.0 * float(peaks[i]), 2.0, 2.0 * 44.0 if power.size < 8 * _SURROUNDINGS else 2.0 * 60.0)
+        p = -math.expm1(power.size * math.log1p(-min(single, 1.0 - 1e-16)))
+        out.append((f"a line in the spectrum of channel {name}", p, float(peaks[i])))
+    return out
+
+
+def _phases(
+    residual: Mapping[str, FloatArray],
+    channels: Mapping[str, _Channel],
+    basis: Mapping[str, FloatArray],
+    motion: Motion,
+) -> list[tuple[str, float, float]]:
+    """Mean residual in parts of the swing, large and small amplitudes apart."""
+    turn = np.arctan2(-motion.v / motion.omega, motion.x) / (2.0 * math.pi) + 0.5
+    size = np.hypot(motion.x, motion.v / motion.omega)
+    part = np.minimum((turn * _PHASES).astype(np.int64), _PHASES - 1) + _PHASES * (size > np.median(size))
+    c, a, m = [], [], []
+    for name, one in channels.items():
+        place = part[one.kept]
+        count = np.bincount(place, minlength=2 * _PHASES).astype(np.float64)
+        used = count > 0
+        root = np.sqrt(count[used])
+        c.append(np.bincount(place, one.r, 2 * _PHASES)[used] / root / math.sqrt(one.floor))
+        q = basis[name][one.kept]
+        a.append(
+            np.column_stack([np.bincount(place, q[:, j], 2 * _PHASES)[used] / root for j in range(q.shape[1])])
+            if q.shape[1]
+            else np.zeros((int(used.sum()), 0))
+        )
+        m.append(one.freedom)
+    chi2, k = _score(np.concatenate(c), np.concatenate(a))
+    return [("a mean that depends on the part of the swing", _p(chi2, k, float(sum(m))), chi2 / max(k, 1.0))]
+
+
+def _combined(p_values: Sequence[float]) -> float:
+    """One p-value of several dependent ones (Liu and Xie 2020, the Cauchy combination: exact in the tail)."""
+    p = np.clip(np.asarray(p_values), 1e-300, 1.0 - 1e-12)
+    if p.min() < 1e-12:
+        return float(min(1.0, p.min() * p.size))
+    mean = float(np.mean(np.tan((0.5 - p) * math.pi)))
+    return 0.5 - math.atan(mean) / math.pi
+
+
+def lack_of_fit(
+    residuals: Mapping[str, FloatArray],
+    t: FloatArray,
+    omega: float,
+    *,
+    jacobian: Mapping[str, FloatArray] | None = None,
+    doubtful: Mapping[str, BoolArray] | None = None,
+    motion: Motion | None = None,
+) -> LackOfFit:
+    """Whether structure remains in whitened residuals (n,) of each channel at t (n,), s; omega of the motion, rad/s.
+
+    The level of the noise is taken from the residuals; samples that are exactly zero did not count in the fit.
+    jacobian : whitened partials (n, q) of each channel by the fitted numbers, so that the test is exact although the
+    fit has taken its share. doubtful : samples that may lie on the wrong side of a jump. motion : to look at parts of
+    the swing too. Linear in samples.
+    """
+    names = [c for c, r in residuals.items() if np.count_nonzero(r) >= 40]
+    if not names:
+        return LackOfFit(1.0, 0.0, "there is nothing left over at all")
+    basis = _orthonormal(residuals, names, jacobian)
+    marks = doubtful or {}
+    channels = {c: _channel(residuals[c], t, omega, basis[c], marks.get(c)) for c in names}
+    channels = {c: one for c, one in channels.items() if one.top >= 1}
+    if not channels:
+        return LackOfFit(1.0, 0.0, "too few samples for any structure to show")
+    tests = _bands(channels) + _stretches(channels) + _lines(channels)
+    if motion is not None:
+        tests += _phases(residuals, channels, basis, motion)
+    p = _combined([test[1] for test in tests])
+    name, _, ratio = min(tests, key=lambda test: (test[1], -test[2]))
+    if p < 0.05:
+        sentence = f"{name}: {ratio:.3g} times what noise gives there (p = {p:.2g})"
+    else:
+        sentence = f"what is left looks like noise (p = {p:.2g})"
+    return LackOfFit(p, ratio, sentence, tuple((test[0], test[1]) for test in tests))
+
+
+def _orthonormal(
+    residuals: Mapping[str, FloatArray], names: Sequence[str], jacobian: Mapping[str, FloatArray] | None
+) -> dict[str, FloatArray]:
+    """An orthonormal basis of the fitted directions, split by channel, (n, q) each."""
+    if jacobian is None:
+        return {c: np.zeros((residuals[c].size, 0)) for c in names}
+    j = np.concatenate([jacobian[c] for c in names])
+    scale = np.sqrt(np.einsum("ij,ij->j", j, j))
+    j = j[:, scale > 0.0] / scale[scale > 0.0]
+    # the square is well enough conditioned once scaled; directions that cannot be told from others are dropped
+    values, vectors = np.linalg.eigh(j.T @ j)
+    good = values > 1e-10 * max(float(values[-1]), 1e-300) if values.size else np.zeros(0, dtype=np.bool_)
+    q = j @ (vectors[:, good] / np.sqrt(values[good]))
+    sizes = np.cumsum([residuals[c].size for c in names])[:-1]
+    return dict(zip(names, np.split(q, sizes), strict=True))

@@ -1,0 +1,83 @@
+"""The motion behind a residual: from a model, or from recorded channels alone."""
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from harness.core.arrays import BoolArray, FloatArray
+
+_SMOOTH = 1.0 / 12.0
+_REST = 0.3
+
+
+@dataclass(frozen=True, slots=True)
+class Motion:
+    """Where the slider was: x (m or rad), v, each (n,); stuck (n,); omega of the swing, rad/s."""
+
+    x: FloatArray
+    v: FloatArray
+    stuck: BoolArray
+    omega: float
+
+
+def _running(y: FloatArray, width: int) -> FloatArray:
+    """Mean over ``width`` samples (odd) around each; shorter at the ends."""
+    half = width // 2
+    total = np.concatenate(([0.0], np.cumsum(y)))
+    i = np.arange(y.size)
+    lo, hi = np.maximum(i - half, 0), np.minimum(i + half + 1, y.size)
+    mean: FloatArray = (total[hi] - total[lo]) / (hi - lo)
+    return mean
+
+
+def _slope(t: FloatArray, y: FloatArray, width: int) -> FloatArray:
+    """Slope of the straight line through ``width`` samples around each, by running sums."""
+    if width < 3:
+        return np.gradient(y, t)
+    s = t - t[0]
+    ms, my = _running(s, width), _running(y, width)
+    spread = np.maximum(_running(s * s, width) - ms * ms, 1e-300)
+    slope: FloatArray = (_running(s * y, width) - ms * my) / spread
+    return slope
+
+
+def _integral(t: FloatArray, y: FloatArray, period: float) -> FloatArray:
+    """Running integral without its drift."""
+    steps = 0.5 * (y[1:] + y[:-1]) * np.diff(t)
+    total = np.concatenate(([0.0], np.cumsum(steps)))
+    width = max(3, int(round(period / float(np.median(np.diff(t))))) | 1)
+    drift = _running(_running(total, width), width) if y.size > 2 * width else np.full(y.size, total.mean())
+    return total - drift
+
+
+def motion_of(t: FloatArray, channels: Mapping[str, FloatArray], omega: float) -> Motion:
+    """Position and speed from whatever was recorded of x, v, a (n,) at t, s: smoothed, good enough to say where.
+
+    omega : of the swing, rad/s.
+    """
+    period = 2.0 * math.pi / omega
+    width = max(1, int(_SMOOTH * period / float(np.median(np.diff(t)))) | 1)
+    if "x" in channels:
+        x = channels["x"]
+        v = channels["v"] if "v" in channels else _slope(t, x, width)
+        x = _running(x, width) if width > 3 else x
+    elif "v" in channels:
+        v = channels["v"]
+        x = _integral(t, v, period)
+    else:
+        v = _integral(t, channels["a"], period)
+        x = _integral(t, v, period)
+    return Motion(x, v, _rest(t, v, omega), omega)
+
+
+def _rest(t: FloatArray, v: FloatArray, omega: float) -> BoolArray:
+    """Stretches longer than a third of a period without speed to speak of."""
+    slow = np.abs(v) < 5e-3 * np.max(np.abs(v))
+    edges = np.diff(np.concatenate(([0], slow.astype(np.int8), [0])))
+    found = np.zeros(t.size, dtype=np.bool_)
+    for lo, hi in zip(np.flatnonzero(edges == 1), np.flatnonzero(edges == -1), strict=True):
+        if t[hi - 1] - t[lo] > _REST * 2.0 * math.pi / omega:
+            found[lo:hi] = True
+    return found
