@@ -32,7 +32,8 @@ def cache_folder() -> Path:
     named = os.environ.get("NUMBA_CACHE_DIR")
     if named and _writable(Path(named)):
         return Path(named)
-    for folder in (user_cache_path("friction-harness") / "numba", Path(tempfile.gettempdir()) / f"friction-harness-{os.getuid()}"):
+    own = Path(tempfile.gettempdir()) / f"friction-harness-{os.getuid()}"
+    for folder in (user_cache_path("friction-harness") / "numba", own):
         if _writable(folder):
             return folder
     return Path(tempfile.mkdtemp(prefix="friction-harness-"))
@@ -44,27 +45,36 @@ import numba  # noqa: E402  (reads its cache folder from the environment when it
 
 _ROOT = Path(os.environ["NUMBA_CACHE_DIR"])
 _PACKAGE = Path(__file__).resolve().parents[1]
-_INLINED_FROM = {"kernels": ("model", "kernels"), "model": ("model", "kernels")}
+_INLINED_FROM = {
+    "kernels": ("model", "kernels"),
+    "model": ("model", "kernels"),
+    "engines": ("model", "kernels", "engines"),
+    "diagnosis": ("model", "kernels", "exact", "diagnosis"),
+}
 
 
 @cache
 def _fingerprint(room: str) -> str:
     """Hash of every source a room's kernels are compiled from: Numba itself looks only at a function's own file."""
-    digest = hashlib.sha256()
+    digest = hashlib.sha256(Path(__file__).read_bytes())
     for folder in _INLINED_FROM.get(room, (room,)):
         for file in sorted((_PACKAGE / folder).rglob("*.py")):
             digest.update(file.name.encode() + file.read_bytes())
     return digest.hexdigest()[:12]
 
 
-def compiled(function: F, *, parallel: bool = False, fastmath: bool = False, inline: bool = False, lean: bool = False) -> F:
+def compiled(
+    function: F, *, parallel: bool = False, fastmath: bool = False, inline: bool = False, lean: bool = False
+) -> F:
     """Compile a plain function with Numba, cached on disk, without the interpreter lock.
 
     ``lean`` leaves out reference counting, which costs more than a short law: for inner functions that make no arrays.
     ``fastmath`` allows reassociation and is for loops whose rounding was bounded by a test; nan stays nan.
     """
     room = function.__module__.split(".")[1] if function.__module__.startswith("harness.") else "user"
-    numba.config.CACHE_DIR = str(_ROOT / f"{room}-{_fingerprint(room)}" if room != "user" else _ROOT)
+    # kept here because Numba reads it when a function is decorated, and one room must not share another's
+    folder = _ROOT / f"{room}-{_fingerprint(room)}" if room != "user" else _ROOT
+    numba.config.CACHE_DIR = str(folder)  # type: ignore[attr-defined]
     options: dict[str, Any] = {"cache": True, "nogil": True, "error_model": "numpy"}
     if parallel:
         options["parallel"] = True
