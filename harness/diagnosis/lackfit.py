@@ -29,6 +29,8 @@ _STRETCHES = (4, 16, 64)
 _PHASES = 24
 _LOWEST_FLOOR = 0.5
 _SURROUNDINGS = 64
+_INSIDE = 1e-2
+"""A fitted direction with less than this share of its power outside a band is lost to it."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -47,14 +49,18 @@ class LackOfFit:
 
 @dataclass(frozen=True, slots=True)
 class _Channel:
-    """A cleaned residual r (n,), its cosine coefficients c (n,), those of the Jacobian's basis (n, q), and the floor."""
+    """A cleaned residual r (n,) in units of its floor and the fitted directions (n, q), both with cosine coefficients.
+
+    kept : which samples of the recording these are. per_omega : coefficients per multiple of the swing's frequency.
+    freedom : of the floor. top : coefficients below the floor's band.
+    """
 
     r: FloatArray
+    basis: FloatArray
     c: FloatArray
     q: FloatArray
     kept: BoolArray
     per_omega: float
-    floor: float
     freedom: int
     top: int
 
@@ -82,27 +88,59 @@ def _repeats(r: FloatArray) -> BoolArray:
     return found
 
 
-def _channel(r: FloatArray, t: FloatArray, omega: float, basis: FloatArray, doubtful: BoolArray | None) -> _Channel:
+@dataclass(frozen=True, slots=True)
+class _Clean:
+    """Samples of a channel that count, as multiples of its floor; the same of the Jacobian."""
+
+    r: FloatArray
+    j: FloatArray
+    kept: BoolArray
+    per_omega: float
+    freedom: int
+    top: int
+
+
+def _clean(r: FloatArray, j: FloatArray, t: FloatArray, omega: float, doubtful: BoolArray | None) -> _Clean:
     kept = (r != 0.0) & ~_repeats(r)
-    y, q = r[kept].copy(), basis[kept]
+    y, partial = r[kept].copy(), j[kept].copy()
     away = isolated(y)
     if doubtful is not None:
-        away = away | doubtful[kept]
+        away |= doubtful[kept]
     y[away] = 0.0
-    q = np.where(away[:, None], 0.0, q)
-    # setting samples aside takes power from every coefficient alike
+    partial[away] = 0.0
     n = y.size
-    if n:
-        y *= math.sqrt(n / max(n - np.count_nonzero(away), 1))
-    c = dct(y, norm="ortho") if n else y
-    qc = dct(q, norm="ortho", axis=0) if q.size else q
-    interval = float(np.median(np.diff(t)))
-    per_omega = n * interval * omega / math.pi
+    per_omega = n * float(np.median(np.diff(t))) * omega / math.pi
     top = int(min(_BANDS[-1] * per_omega, _WIDEST * n))
     last = min(n, max(int(_FLOOR_RATIO * top), top + _FEWEST_FLOOR))
-    above = c[top:last] ** 2
-    floor = max(float(np.mean(above)) if above.size else 1.0, _LOWEST_FLOOR)
-    return _Channel(y, c, qc, kept, per_omega, floor, max(above.size, 1), top)
+    above = dct(y, norm="ortho")[top:last] ** 2 if n else y
+    # a claimed level far above what is seen is believed: numbers have other errors than noise
+    floor = math.sqrt(max(float(np.mean(above)) if above.size else 1.0, _LOWEST_FLOOR))
+    return _Clean(y / floor, partial / floor, kept, per_omega, max(above.size, 1), top)
+
+
+def _channels(
+    residuals: Mapping[str, FloatArray],
+    jacobian: Mapping[str, FloatArray],
+    t: FloatArray,
+    omega: float,
+    doubtful: Mapping[str, BoolArray],
+) -> dict[str, _Channel]:
+    """Channels without doubtful samples, orthogonal once more to what was fitted."""
+    clean = {c: _clean(r, jacobian[c], t, omega, doubtful.get(c)) for c, r in residuals.items()}
+    clean = {c: one for c, one in clean.items() if one.top >= 1}
+    if not clean:
+        return {}
+    sizes = np.cumsum([one.r.size for one in clean.values()])[:-1]
+    q = _orthonormal(np.concatenate([one.j for one in clean.values()]))
+    r = np.concatenate([one.r for one in clean.values()])
+    r -= q @ (q.T @ r)
+    out = {}
+    for (c, one), part, basis in zip(clean.items(), np.split(r, sizes), np.split(q, sizes), strict=True):
+        coefficients = dct(basis, norm="ortho", axis=0) if basis.shape[1] else basis
+        out[c] = _Channel(
+            part, basis, dct(part, norm="ortho"), coefficients, one.kept, one.per_omega, one.freedom, one.top
+        )
+    return out
 
 
 def _score(c: FloatArray, a: FloatArray) -> tuple[float, float]:
@@ -116,7 +154,7 @@ def _score(c: FloatArray, a: FloatArray) -> tuple[float, float]:
         return chi2, float(c.size)
     inner = np.eye(a.shape[1]) - a.T @ a
     values, vectors = np.linalg.eigh(inner)
-    free = values > 1e-6
+    free = values > _INSIDE
     lost = float(np.count_nonzero(~free))
     b = (vectors.T @ (a.T @ c))[free]
     return chi2 + float(np.sum(b * b / values[free])), max(c.size - lost, 0.0)
@@ -133,7 +171,7 @@ def _bands(channels: Mapping[str, _Channel]) -> list[tuple[str, float, float]]:
         c, a, m = [], [], []
         for one in channels.values():
             k = int(np.clip(end * one.per_omega, 1, one.top))
-            c.append(one.c[:k] / math.sqrt(one.floor))
+            c.append(one.c[:k])
             a.append(one.q[:k])
             m.append(one.freedom)
         chi2, k_free = _score(np.concatenate(c), np.concatenate(a))
@@ -154,7 +192,7 @@ def _stretches(channels: Mapping[str, _Channel]) -> list[tuple[str, float, float
                 continue
             cut = one.r[: count * width].reshape(count, width)[:, : inside * block]
             means = cut.reshape(count, inside, block).sum(axis=2) / math.sqrt(block)
-            power = np.sum(means**2, axis=1) / one.floor
+            power = np.sum(means**2, axis=1)
             worst = float(np.max(power))
             single = _p(worst, float(inside), float(one.freedom))
             text = f"channel {name} stands out in one {count}th of the time"
@@ -172,8 +210,7 @@ def _lines(channels: Mapping[str, _Channel]) -> list[tuple[str, float, float]]:
         power = np.abs(np.fft.rfft(one.r))[1 : (n + 1) // 2] ** 2 / n
         count = power.size // _SURROUNDINGS
         rows = power[: count * _SURROUNDINGS].reshape(count, -1)
-        level = np.maximum(np.median(rows, axis=1) / math.log(2.0), _LOWEST_FLOOR * 0.5)
-        level = np.maximum(level, 0.8 * one.floor)
+        level = np.maximum(np.median(rows, axis=1) / math.log(2.0), 0.8)
         peaks = np.max(rows, axis=1) / level
         i = int(np.argmax(peaks))
         # the level is a median of 64: its scatter fattens the tail, as an F with about 2 x 44 degrees would
@@ -194,13 +231,13 @@ def _phases(
     size = np.hypot(motion.x, motion.v / motion.omega)
     part = np.minimum((turn * _PHASES).astype(np.int64), _PHASES - 1) + _PHASES * (size > np.median(size))
     c, a, m = [], [], []
-    for name, one in channels.items():
+    for one in channels.values():
         place = part[one.kept]
         count = np.bincount(place, minlength=2 * _PHASES).astype(np.float64)
         used = count > 0
         root = np.sqrt(count[used])
-        c.append(np.bincount(place, one.r, 2 * _PHASES)[used] / root / math.sqrt(one.floor))
-        q = basis[name][one.kept]
+        c.append(np.bincount(place, one.r, 2 * _PHASES)[used] / root)
+        q = one.basis
         a.append(
             np.column_stack([np.bincount(place, q[:, j], 2 * _PHASES)[used] / root for j in range(q.shape[1])])
             if q.shape[1]
@@ -239,15 +276,13 @@ def lack_of_fit(
     names = [c for c, r in residuals.items() if np.count_nonzero(r) >= 40]
     if not names:
         return LackOfFit(1.0, 0.0, "there is nothing left over at all")
-    basis = _orthonormal(residuals, names, jacobian)
-    marks = doubtful or {}
-    channels = {c: _channel(residuals[c], t, omega, basis[c], marks.get(c)) for c in names}
-    channels = {c: one for c, one in channels.items() if one.top >= 1}
+    partials = {c: jacobian[c] if jacobian else np.zeros((t.size, 0)) for c in names}
+    channels = _channels({c: residuals[c] for c in names}, partials, t, omega, doubtful or {})
     if not channels:
         return LackOfFit(1.0, 0.0, "too few samples for any structure to show")
     tests = _bands(channels) + _stretches(channels) + _lines(channels)
     if motion is not None:
-        tests += _phases(residuals, channels, basis, motion)
+        tests += _phases(channels, motion)
     p = _combined([test[1] for test in tests])
     name, _, ratio = min(tests, key=lambda test: (test[1], -test[2]))
     if p < 0.05:
@@ -257,18 +292,13 @@ def lack_of_fit(
     return LackOfFit(p, ratio, sentence, tuple((test[0], test[1]) for test in tests))
 
 
-def _orthonormal(
-    residuals: Mapping[str, FloatArray], names: Sequence[str], jacobian: Mapping[str, FloatArray] | None
-) -> dict[str, FloatArray]:
-    """An orthonormal basis of the fitted directions, split by channel, (n, q) each."""
-    if jacobian is None:
-        return {c: np.zeros((residuals[c].size, 0)) for c in names}
-    j = np.concatenate([jacobian[c] for c in names])
+def _orthonormal(j: FloatArray) -> FloatArray:
+    """An orthonormal basis of the columns of j (N, q); directions that cannot be told from others are dropped."""
     scale = np.sqrt(np.einsum("ij,ij->j", j, j))
     j = j[:, scale > 0.0] / scale[scale > 0.0]
-    # the square is well enough conditioned once scaled; directions that cannot be told from others are dropped
+    if not j.shape[1]:
+        return j
     values, vectors = np.linalg.eigh(j.T @ j)
-    good = values > 1e-10 * max(float(values[-1]), 1e-300) if values.size else np.zeros(0, dtype=np.bool_)
-    q = j @ (vectors[:, good] / np.sqrt(values[good]))
-    sizes = np.cumsum([residuals[c].size for c in names])[:-1]
-    return dict(zip(names, np.split(q, sizes), strict=True))
+    good = values > 1e-10 * float(values[-1])
+    basis: FloatArray = j @ (vectors[:, good] / np.sqrt(values[good]))
+    return basis

@@ -11,7 +11,6 @@ from harness.kernels.solve import By, Effort, Scales, solve
 from harness.model.model import Model
 from harness.model.term import Slot
 
-
 FINE = Effort(1e-8, 3000)
 """Far below any noise."""
 COARSE = Effort(1e-6, 600)

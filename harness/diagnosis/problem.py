@@ -44,7 +44,7 @@ class Problem:
 
     def weighted(self, keep: Mapping[str, BoolArray] | BoolArray) -> "Problem":
         """The same with only these samples counting."""
-        mask = keep if isinstance(keep, Mapping) else {c: keep for c in self.channels}
+        mask = keep if isinstance(keep, Mapping) else dict.fromkeys(self.channels, keep)
         return replace(self, weight={c: self.weight[c] * mask[c] for c in self.channels})
 
     def part(self, keep: slice) -> "Problem":

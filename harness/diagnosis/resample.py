@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from harness.core.arrays import FloatArray
+from harness.core.arrays import BoolArray, FloatArray
 from harness.core.trajectory import Trajectory
 
 
@@ -17,33 +17,57 @@ class Kinematics:
     a: FloatArray
 
 
+_STILL = 1e-7
+"""Of the largest speed: slower than this is rest."""
+
+
 def motion_at(trajectory: Trajectory, t: FloatArray) -> Kinematics:
     """The motion of a trajectory at times t (s), in its own time base.
 
     Position and speed by cubic Hermite polynomials, errors of order dt^4; acceleration by straight lines. Where the
-    speed changes sign between two samples, friction jumps: there each side is continued to the reversal from its own
-    samples, so that no time is shown a mean of before and after. Before the first sample the slider is held at its
-    start; after the last one it moves on as it moved then for no longer than rounding needs, and stays.
+    speed changes sign between two samples friction jumps: there each side is continued to the reversal from its own
+    samples, so that no time is shown a mean of before and after. The last sample before a reversal is not asked for its
+    acceleration, since a step that ends beyond the reversal is taken with the friction of both sides. Before the first
+    sample the slider is held at its start, after the last one it stays.
     """
-    s, x, v, a = trajectory.t, trajectory.x, trajectory.v, trajectory.a
+    s, x = trajectory.t, trajectory.x
+    v = np.where(np.abs(trajectory.v) > _STILL * np.max(np.abs(trajectory.v)), trajectory.v, 0.0)
+    turning = (v[:-1] * v[1:] <= 0.0) & (v[:-1] != v[1:])
+    turning[0] = False  # a release is no reversal
+    a, slope = _apart(s, trajectory.a, turning)
     inside = np.minimum(t, s[-1])
     i = np.clip(np.searchsorted(s, inside, side="right") - 1, 0, s.size - 2)
     h = s[i + 1] - s[i]
     into, left = inside - s[i], s[i + 1] - inside
     r = into / h
     position = _hermite(r, h, x[i], v[i], x[i + 1], v[i + 1])
-    speed = _hermite(r, h, v[i], a[i], v[i + 1], a[i + 1])
-    acceleration = (1.0 - r) * a[i] + r * a[i + 1]
-    turns = (v[i] * v[i + 1] <= 0.0) & (v[i] != v[i + 1])
-    if turns.any():
-        before = into <= _reversal(v[i], a[i], v[i + 1], a[i + 1], h)
-        rising, falling = _slopes(s, a, i)
-        from_left = (v[i] + a[i] * into, a[i] + rising * into)
-        from_right = (v[i + 1] - a[i + 1] * left, a[i + 1] - falling * left)
-        speed = np.where(turns, np.where(before, from_left[0], from_right[0]), speed)
-        acceleration = np.where(turns, np.where(before, from_left[1], from_right[1]), acceleration)
+    turns = turning[i]
+    before = into <= _reversal(v[i], a[i], v[i + 1], a[i + 1], h)
+    from_left = (v[i] + a[i] * into, a[i] + slope[i] * into)
+    from_right = (v[i + 1] - a[i + 1] * left, a[i + 1] - slope[i + 2] * left)
+    smooth = (_hermite(r, h, v[i], a[i], v[i + 1], a[i + 1]), (1.0 - r) * a[i] + r * a[i + 1])
+    speed, acceleration = (
+        np.where(turns, np.where(before, one, other), plain)
+        for one, other, plain in zip(from_left, from_right, smooth, strict=True)
+    )
     held = t < s[0]
     return Kinematics(np.where(held, x[0], position), np.where(held, 0.0, speed), np.where(held, 0.0, acceleration))
+
+
+def _apart(s: FloatArray, a: FloatArray, turning: BoolArray) -> tuple[FloatArray, FloatArray]:
+    """Accelerations (n,) with the last one before each reversal continued from those before it, and slopes (n + 1,).
+
+    slope[i] is that of the interval that ends at sample i; 0 at the ends and where friction jumps.
+    """
+    slope = np.zeros(s.size + 1)
+    slope[1:-1] = np.diff(a) / np.diff(s)
+    jumps = np.flatnonzero(turning)
+    slope[jumps + 1] = 0.0
+    mixed = jumps[jumps >= 2]
+    slope[mixed] = slope[mixed - 1]
+    a = a.copy()
+    a[mixed] = a[mixed - 1] + slope[mixed] * (s[mixed] - s[mixed - 1])
+    return a, slope
 
 
 def _hermite(
@@ -62,13 +86,3 @@ def _reversal(v0: FloatArray, a0: FloatArray, v1: FloatArray, a1: FloatArray, h:
     back = h - np.divide(v1, a1, out=h - chord, where=a1 != 0.0)
     near = np.where(np.abs(v0) <= np.abs(v1), ahead, back)
     return np.where((near >= 0.0) & (near <= h), near, chord)
-
-
-def _slopes(s: FloatArray, a: FloatArray, i: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Slopes of the acceleration in the interval before interval i and in the one after; 0 at the ends."""
-    slope = np.zeros(s.size + 1)
-    slope[1:-1] = np.diff(a) / np.diff(s)
-    before, after = slope[i], slope[i + 2]
-    # next to another jump there is no slope to go by
-    typical = 10.0 * np.median(np.abs(slope[1:-1])) + 1e-300
-    return np.where(np.abs(before) > typical, 0.0, before), np.where(np.abs(after) > typical, 0.0, after)

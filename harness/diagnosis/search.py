@@ -7,8 +7,9 @@ stretch that is left out says little of what acts elsewhere, and a warning says 
 import math
 from dataclasses import dataclass, replace
 
+import numpy as np
 
-from harness.diagnosis.fit import Fit, evaluate
+from harness.diagnosis.fit import Fit, whiten
 from harness.diagnosis.noise import residual_noise
 from harness.diagnosis.problem import Problem
 from harness.diagnosis.select import DECISIVE, Step, extend, key_of, prune, settle
@@ -46,10 +47,10 @@ def noise_of(found: Fit, problem: Problem, omega: float) -> dict[str, Noise]:
 
 def under(found: Fit, problem: Problem, scales: Scales) -> Fit:
     """The same model seen with another noise."""
-    residual, jacobian, shown = evaluate(found.model, problem, found.free, scales)
-    return replace(
-        found, residual=residual, jacobian=jacobian, shown=shown, chi2=float(residual @ residual), points=problem.points
-    )
+    shown = found.shown
+    residual = np.concatenate([whiten(problem, c, y - shown.y[c]) for c, y in problem.channels.items()])
+    jacobian = np.concatenate([whiten(problem, c, shown.dy[c]) for c in problem.channels])
+    return replace(found, residual=residual, jacobian=jacobian, chi2=float(residual @ residual), points=problem.points)
 
 
 def _simplest(fits: tuple[Fit, ...]) -> Fit:
@@ -86,7 +87,7 @@ def search(problem: Problem, base: Fit, scales: Scales) -> Search:
     singles = tuple(sorted((*(f for f in singles if key_of(f) != key_of(best)), best), key=lambda f: f.bic))
     chosen, rivals = _simplest(singles), singles
     explained = structure(chosen, problem, scales.omega).none
-    beam = singles[:_BEAM]
+    beam = _beam(singles)
     while len(chosen.model.terms) < _MOST_TERMS:
         first = extend(chosen, problem, scales)
         promising = bool(first.fits) and first.fits[0].bic < chosen.bic - DECISIVE
@@ -104,13 +105,20 @@ def search(problem: Problem, base: Fit, scales: Scales) -> Search:
         singles = tuple(sorted((under(f, problem, scales) for f in singles), key=lambda f: f.bic))
         chosen, rivals = _simplest(found), found
         explained = structure(chosen, problem, scales.omega).none
-        beam = found[:2]
+        beam = list(found[:2])
     pruned = prune(chosen, problem, scales)
     if len(pruned.model.terms) < len(chosen.model.terms):
         chosen = settle(pruned, problem, scales)
         rivals = singles if len(chosen.model.terms) <= 1 else rivals
         explained = structure(chosen, problem, scales.omega).none
     return Search(problem, base, chosen, singles, rivals, explained)
+
+
+def _beam(singles: tuple[Fit, ...]) -> list[Fit]:
+    """Singles to build pairs on: the best, and the best of the plain laws that a flexible one may outdo alone."""
+    plain = [f for f in singles if len(f.model.terms[0].values) == 1]
+    best = list(singles[:_BEAM])
+    return best + [f for f in plain[:_BEAM] if all(f is not other for other in best)]
 
 
 def _merged(steps: list[Step]) -> tuple[Fit, ...]:

@@ -26,8 +26,7 @@ _EARLY = 0.5
 _WORTH = 6.0
 _SHARE_OF_BEST = 0.04
 _FINALISTS = 8
-_THOROUGH = 1
-_MISPLACED = 150.0
+_MISPLACED, _MISPLACED_SHARE = 150.0, 0.02
 """What a fit may lose by an event on the wrong side of a sample."""
 _BEAM = 4
 _MOST_TERMS = 3
@@ -101,9 +100,9 @@ def extend(current: Fit, problem: Problem, scales: Scales, terms: Sequence[Term]
     quick = [q for q in (_quick(start.model, problem, base, scales) for start in best[:_FINALISTS]) if q is not None]
     quick.sort(key=lambda f: f.bic)
     fits: dict[tuple[str, ...], Fit] = {}
-    for place, found in enumerate(quick):
-        if place < _THOROUGH or found.bic < quick[0].bic + _MISPLACED:
-            found = settle(found, problem, scales)
+    reach = max(_MISPLACED, _MISPLACED_SHARE * (current.bic - quick[0].bic)) if quick else 0.0
+    for hasty in quick:
+        found = settle(hasty, problem, scales) if hasty.bic < quick[0].bic + reach else hasty
         key = key_of(found)
         if key not in fits or found.bic < fits[key].bic:
             fits[key] = found
@@ -119,7 +118,10 @@ def _quick(model: Model, problem: Problem, base: tuple[str, ...], scales: Scales
 
 def settle(found: Fit, problem: Problem, scales: Scales) -> Fit:
     """The same model fitted with care about jumps, released from rest if that serves as well."""
-    return at_rest(fit(found.model, problem, found.free, scales), problem, scales)
+    try:
+        return at_rest(fit(found.model, problem, found.free, scales), problem, scales)
+    except SimulationError:
+        return found
 
 
 def prune(found: Fit, problem: Problem, scales: Scales) -> Fit:

@@ -1,0 +1,101 @@
+"""What of a simulation's mismatch is the engine's, the parameters', missing physics, noise, and nobody's."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from harness.core.arrays import FloatArray
+from harness.core.recording import Recording
+from harness.diagnosis.align import align
+from harness.diagnosis.engines import Simulator, shown_by
+from harness.diagnosis.fit import whiten
+from harness.diagnosis.observe import observe
+from harness.diagnosis.problem import Problem
+from harness.kernels.solve import Scales
+from harness.model.model import Model
+
+
+@dataclass(frozen=True, slots=True)
+class MeanSquares:
+    """Mean squares of recording minus simulation over the values that count, in channels whitened by their noise.
+
+    simulated : S0, the engine or the user's trace. configured : S1, exact at the same parameters. baseline : S2, exact
+    at the baseline fit. refined : S3, exact refined model. noise : N, which is 1 in these units.
+    """
+
+    simulated: float
+    configured: float
+    baseline: float
+    refined: float
+    noise: float = 1.0
+
+
+@dataclass(frozen=True, slots=True)
+class Attribution:
+    """Shares of S0, which sum to 1; a share below 0 means that this step made the match worse.
+
+    shift : s by which a user's trace was moved in time, None for an engine's.
+    """
+
+    engine: float
+    parameters: float
+    missing_physics: float
+    unexplained: float
+    noise: float
+    squares: MeanSquares
+    shift: float | None = None
+
+
+def shares(squares: MeanSquares, shift: float | None = None) -> Attribution:
+    """(S0 - S1, S1 - S2, S2 - S3, S3 - N, N) / S0, as they come out."""
+    s = squares
+    parts = (
+        s.simulated - s.configured,
+        s.configured - s.baseline,
+        s.baseline - s.refined,
+        s.refined - s.noise,
+        s.noise,
+    )
+    return Attribution(*(part / s.simulated for part in parts), squares, shift)
+
+
+def attribute_engine(
+    simulate: Simulator,
+    configured: Model,
+    base: Model,
+    refined: Model,
+    problem: Problem,
+    scales: Scales,
+    dt: float | None = None,
+) -> Attribution:
+    """Attribution for an engine as it is configured: its settings, its step (s, None for the settings' own).
+
+    configured : the user's model, or ``base`` when there is none. Raises SimulationError.
+    """
+    shown, _ = shown_by(simulate, configured, problem, dt)
+    exact = [mean_square(observe(model, problem, scales=scales).y, problem) for model in (configured, base, refined)]
+    return shares(MeanSquares(mean_square(shown, problem), *exact))
+
+
+def attribute_trace(
+    trace: Recording, configured: Model, base: Model, refined: Model, problem: Problem, scales: Scales
+) -> Attribution:
+    """Attribution for a trace of the user's own simulation, aligned in time.
+
+    Counted is what the trace covers, in the channels it has. configured : the model the trace was made with, or ``base``
+    when it is not known; then what its parameters do wrong counts as the engine's.
+    Raises InputError for a trace that does not overlap, SimulationError.
+    """
+    common = {c: y for c, y in problem.channels.items() if c in trace}
+    seen = replace(problem, channels=common, weight={c: problem.weight[c] for c in common}) if common else problem
+    aligned = align(trace, seen, 2.0 * np.pi / scales.omega)
+    seen = seen.weighted(aligned.covered)
+    exact = [mean_square(observe(model, seen, scales=scales).y, seen) for model in (configured, base, refined)]
+    return shares(MeanSquares(mean_square(aligned.shown, seen), *exact), aligned.shift)
+
+
+def mean_square(shown: Mapping[str, FloatArray], problem: Problem) -> float:
+    """Mean square of recording minus ``shown`` over the values that count, whitened by the noise."""
+    total = sum(float(np.sum(whiten(problem, c, y - shown[c]) ** 2)) for c, y in problem.channels.items())
+    return total / problem.points
