@@ -5,20 +5,28 @@ from importlib import import_module
 from pathlib import Path
 from pkgutil import iter_modules
 
+from pydantic import BaseModel, RootModel
+
 from harness import results
 from harness.results.common import Result
 
 FOLDER = Path(__file__).parent / "schemas"
 
 
-def models() -> dict[str, type[Result]]:
-    """Every result that has a schema name of its own, by that name ("harness.run/1")."""
-    found: dict[str, type[Result]] = {}
+def models() -> dict[str, type[BaseModel]]:
+    """Every result that has a schema name of its own, by that name ("harness.run/1").
+
+    A document of several forms (an object or an array of them) is a RootModel whose SCHEMA names it.
+    """
+    found: dict[str, type[BaseModel]] = {}
+    documents: dict[str, type[BaseModel]] = {}
     for module in sorted(module.name for module in iter_modules(results.__path__)):
         for value in vars(import_module(f"harness.results.{module}")).values():
             if isinstance(value, type) and issubclass(value, Result) and "schema_" in value.model_fields:
                 found[str(value.model_fields["schema_"].default)] = value
-    return dict(sorted(found.items()))
+            elif isinstance(value, type) and issubclass(value, RootModel) and "SCHEMA" in vars(value):
+                documents[str(vars(value)["SCHEMA"])] = value
+    return dict(sorted((found | documents).items()))
 
 
 def file_name(schema: str) -> str:
@@ -26,7 +34,7 @@ def file_name(schema: str) -> str:
     return schema.replace("/", "-") + ".json"
 
 
-def schema_text(schema: str, model: type[Result]) -> str:
+def schema_text(schema: str, model: type[BaseModel]) -> str:
     """The JSON Schema of a model, as its file holds it. Every field is required of what we write."""
     generated = model.model_json_schema(by_alias=True, mode="serialization")
     named = {"$schema": "https://json-schema.org/draft/2020-12/schema", "$id": f"urn:{schema.replace('/', ':')}"}

@@ -1,0 +1,148 @@
+"""The result of a diagnosis: harness.diagnosis/1, one object, or an array when several files were given."""
+
+from typing import Annotated, Any, ClassVar, Literal
+
+from pydantic import Field, RootModel
+
+from harness.results.common import Machine, P, RecordingInfo, Result, Span, Where
+
+Rmse = dict[str, float]
+"""Root mean square error by channel, in the channel's unit."""
+
+
+class FitResult(Result):
+    """A model fitted to the recording."""
+
+    parameters: dict[str, P] = Field(description="omega_n, zeta, x_k; on a free axis mass, c, f_k")
+    rmse: Rmse
+    chi2_per_point: float | None = Field(description="in units of the noise; 1 when only noise is left")
+
+
+class AlternativeResult(Result):
+    """A name that the data do not rule out."""
+
+    name: str
+    delta_bic: float = Field(description="by how much it is worse, below 10")
+
+
+class MechanismResult(Result):
+    """One piece of physics that was left out."""
+
+    name: str
+    family: str
+    variant: str = Field(default="", description="which of the laws that share the name")
+    statement: str
+    parameters: dict[str, P]
+    delta_bic: float = Field(description="what BIC loses without it")
+    where: Where = Field(description="when it acts, and the share of the baseline's mean square mismatch in that time")
+    alternatives: list[AlternativeResult] = Field(max_length=3)
+
+
+class HoldoutResult(Result):
+    """Prediction of samples left out of the fit."""
+
+    spans_s: list[Span]
+    baseline_rmse: Rmse
+    refined_rmse: Rmse
+
+
+class EngineResult(Result):
+    """Both models in one engine against the recording."""
+
+    settings: dict[str, Any]
+    baseline_rmse: Rmse
+    refined_rmse: Rmse
+    own_error: Rmse = Field(
+        default_factory=dict, description="rms against the exact motion of the refined model, in units of the noise"
+    )
+    version: str = ""
+    ignored: list[str] = Field(default_factory=list)
+    error: str | None = Field(default=None, description="why this engine could not be run")
+
+
+class AttributionResult(Result):
+    """Shares of the mean square mismatch of an engine as configured; they add up to 1, negative ones too."""
+
+    engine: float
+    parameters: float
+    missing_physics: float
+    unexplained: float
+    noise: float
+    configuration: str = Field(default="", description="what was compared with the recording")
+    mean_square: float | None = Field(default=None, description="S0, the whole, in units of the noise")
+
+
+class ForceError(Result):
+    """Relative force error of a driven recording, %."""
+
+    fit_baseline: float
+    fit_refined: float
+    baseline: float
+    refined: float
+
+
+class ValidationResult(Result):
+    """Both models on another recording, nothing fitted but its start."""
+
+    file: str
+    baseline_rmse: Rmse
+    refined_rmse: Rmse
+    force_rel_error: ForceError | None = None
+
+
+class EvidenceResult(Result):
+    """A catalogue name tried alone."""
+
+    name: str
+    delta_bic: float = Field(description="by how much it is better than the baseline, by BIC")
+
+
+class DiagnosisResult(Result):
+    """harness diagnose, for one recording."""
+
+    schema_: Literal["harness.diagnosis/1"] = Field(default="harness.diagnosis/1", alias="schema")
+    recording: RecordingInfo
+    verdict: Literal["adequate", "missing_physics", "unexplained"]
+    statement: str = Field(description="the verdict in a sentence")
+    baseline: FitResult
+    where: list[Where]
+    mechanisms: list[MechanismResult]
+    refined: FitResult
+    holdout: HoldoutResult
+    engines: dict[str, EngineResult]
+    attribution: AttributionResult | None = Field(description="null when no engine could be run")
+    validation: ValidationResult | None = Field(default=None, exclude_if=lambda value: value is None)
+    evidence: list[EvidenceResult] = Field(description="every catalogue name tried alone, best first")
+    next_experiment: str
+    residual_map: str | None
+    model_left_out: list[str] = Field(description="what the MJCF and URDF of the refined model cannot say")
+    warnings: list[str]
+    settings: dict[str, Any] = Field(description="every option in force")
+    command: str = Field(default="", description="the line that makes it again")
+    machine: Machine
+    files: dict[str, str] = Field(description="absolute paths")
+
+
+class UnreadRecording(Result):
+    """A recording that could not be diagnosed."""
+
+    file: str
+
+
+class FailedDiagnosis(Result):
+    """The entry of a file that failed; the others go on."""
+
+    named: Literal["harness.diagnosis/1"] = Field(default="harness.diagnosis/1", alias="schema")
+    recording: UnreadRecording
+    verdict: Literal["error"] = "error"
+    error: str
+    mechanisms: list[MechanismResult] = Field(default_factory=list, max_length=0)
+
+
+Entry = Annotated[DiagnosisResult | FailedDiagnosis, Field(discriminator="verdict")]
+
+
+class DiagnosisDocument(RootModel[Entry | list[Entry]]):
+    """What --json and result.json hold: one entry, or an array in the order of the files."""
+
+    SCHEMA: ClassVar[str] = "harness.diagnosis/1"
