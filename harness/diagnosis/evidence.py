@@ -22,7 +22,7 @@ def frequencies(fit: Fit, problem: Problem, omega: float) -> FloatArray:
     n = int(min(max(256, t.size), 1 << 16))
     grid = np.linspace(t[0], t[-1], n)
     power = np.zeros(2 * n + 1)
-    for i, channel in enumerate(problem.channels):
+    for i in range(len(problem.channels)):
         part = fit.residual[i * t.size : (i + 1) * t.size]
         power += np.abs(np.fft.rfft(np.interp(grid, t, part), 4 * n)) ** 2
     step = 2.0 * math.pi * (n - 1) / (4.0 * n * span)

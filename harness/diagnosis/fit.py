@@ -1,6 +1,7 @@
 """Least squares of a model to a recording: Levenberg and Marquardt with exact sensitivities and bounds."""
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -8,6 +9,7 @@ import numpy as np
 from harness.core.arrays import FloatArray
 from harness.core.errors import SimulationError
 from harness.core.events import Events
+from harness.diagnosis.driven.whiten import whiten_driven
 from harness.diagnosis.observe import FINE, Observation, observe
 from harness.diagnosis.parameters import Free, values_of, with_values
 from harness.diagnosis.problem import Problem
@@ -39,7 +41,6 @@ class Fit:
     residual: FloatArray
     jacobian: FloatArray
     shown: Observation
-    iterations: int
     converged: bool
 
     @property
@@ -57,12 +58,13 @@ class Fit:
         scale = np.sqrt(np.sum(self.jacobian**2, axis=0))
         safe = np.where(scale > 0.0, scale, 1.0)
         j = self.jacobian / safe
-        inverse = np.linalg.pinv(j.T @ j, rcond=1e-13, hermitian=True)
-        return inverse / np.outer(safe, safe)
+        inverse: FloatArray = np.linalg.pinv(j.T @ j, rcond=1e-13, hermitian=True)
+        spread: FloatArray = inverse / np.outer(safe, safe)
+        return spread
 
 
 def whiten(problem: Problem, channel: str, values: FloatArray) -> FloatArray:
-    """Residuals (n,) or partials (n, q) of a channel in units of its noise, its colour taken out, unweighted ones zero."""
+    """Residuals (n,) or partials (n, q) of a channel in units of its noise, colour taken out, unweighted ones zero."""
     noise, weight = problem.noise[channel], problem.weight[channel]
     scaled = values / noise.sigma
     if noise.phi != 0.0:
@@ -74,6 +76,13 @@ def whiten(problem: Problem, channel: str, values: FloatArray) -> FloatArray:
     return scaled * (weight if values.ndim == 1 else weight[:, None])
 
 
+def whitened(problem: Problem, values: Mapping[str, FloatArray]) -> FloatArray:
+    """Residuals (n,) or partials (n, q) of all channels whitened, one channel after another."""
+    if problem.restarts is not None:
+        return whiten_driven(problem, values)[0]
+    return np.concatenate([whiten(problem, c, values[c]) for c in problem.channels])
+
+
 def evaluate(
     model: Model,
     problem: Problem,
@@ -83,8 +92,8 @@ def evaluate(
 ) -> tuple[FloatArray, FloatArray, Observation]:
     """Whitened residual (N,) and its partials (N, q) by the fitted numbers, data minus model."""
     shown = observe(model, problem, tuple(f.by for f in free), scales, effort)
-    residual = np.concatenate([whiten(problem, c, y - shown.y[c]) for c, y in problem.channels.items()])
-    jacobian = np.concatenate([whiten(problem, c, shown.dy[c]) for c in problem.channels])
+    residual = whitened(problem, {c: y - shown.y[c] for c, y in problem.channels.items()})
+    jacobian = whitened(problem, shown.dy)
     return residual, jacobian, shown
 
 
@@ -104,8 +113,8 @@ def _descend(
     model = with_values(model, free, values)
     residual, jacobian, shown = evaluate(model, problem, free, scales, effort)
     chi2 = float(residual @ residual)
-    damping, done, count = _FIRST_DAMPING, False, 0
-    for count in range(1, iterations + 1):
+    damping, done = _FIRST_DAMPING, False
+    for _ in range(iterations):
         slopes = np.array([f.slope(v) for f, v in zip(free, values, strict=True)])
         j = jacobian * slopes
         scale = np.sqrt(np.einsum("ij,ij->j", j, j))
@@ -157,7 +166,7 @@ def _descend(
             damping *= 6.0
         if done or not improved:
             break
-    return Fit(model, free, chi2, problem.points, residual, jacobian, shown, count, done)
+    return Fit(model, free, chi2, problem.points, residual, jacobian, shown, done)
 
 
 def fit(

@@ -1,6 +1,7 @@
 """Prediction of samples that took no part in the fits: every second full period, the trajectory running through."""
 
 import math
+from contextlib import suppress
 
 import numpy as np
 
@@ -33,10 +34,9 @@ def _held_out(problem: Problem, omega: float, keep: Spans) -> tuple[Spans, BoolA
 
 def _rmse(found: Fit, problem: Problem, scales: Scales, out: BoolArray) -> dict[str, float]:
     """Root mean square of data minus prediction at the samples held out, fitted without them."""
-    try:
+    # where that fails the fit to all samples stands in; it can only flatter the side that failed
+    with suppress(SimulationError):
         found = fit(found.model, problem.weighted(~out), found.free, scales, 15, thorough=False)
-    except SimulationError:
-        pass  # the fit to all samples stands in; it can only flatter the side that failed
     shown = observe(found.model, problem, (), scales, FINE)
     return {c: float(np.sqrt(np.mean((y - shown.y[c])[out] ** 2))) for c, y in problem.channels.items()}
 
@@ -44,7 +44,7 @@ def _rmse(found: Fit, problem: Problem, scales: Scales, out: BoolArray) -> dict[
 def holdout(
     base: Fit, refined: Fit, problem: Problem, scales: Scales, acting: list[tuple[ModelTerm, Spans]]
 ) -> Holdout:
-    """Held-out rmse by channel of the base model and the refined one; empty spans where there are fewer than two periods."""
+    """Held-out rmse by channel of the base model and the refined one; no spans below two periods."""
     keep = tuple(span for entry, spans in acting if entry.term.name in _KEPT_IN for span in spans)
     spans, out = _held_out(problem, scales.omega, keep)
     if not np.any(out):

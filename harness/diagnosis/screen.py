@@ -12,7 +12,7 @@ import numpy as np
 
 from harness.core.arrays import FloatArray
 from harness.core.errors import SimulationError
-from harness.diagnosis.fit import Fit, evaluate, whiten
+from harness.diagnosis.fit import Fit, evaluate, whitened
 from harness.diagnosis.observe import COARSE, observe
 from harness.diagnosis.parameters import Free, with_values
 from harness.diagnosis.problem import Problem
@@ -25,6 +25,8 @@ _SAMPLES = 2000
 _COLUMNS = 120
 _INTERNAL_AT_ONCE = 4
 _KEPT = 2
+_SEVERAL = ("harmonic-force", "impulse")
+"""Names that may stand in a model more than once."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -44,20 +46,12 @@ class _Probe:
 
 def applicable(term: Term, model: Model, problem: Problem) -> bool:
     """Whether a term can be added to a model of this recording at all."""
-    if any(c not in problem.channels for c in term.channels):
-        return False
-    if "driven" in term.needs and problem.drive is None:
-        return False
-    if "angle" in term.needs and not problem.angular:
-        return False
-    if term.slot in SINGLE and model.in_slot(term.slot):
-        return False
-    if problem.zero_free and term.name == "constant-force":
-        return False
-    if term.slot is Slot.OBSERVATION and any(e.term is term for e in model.terms):
-        return False
-    several = ("harmonic-force", "impulse")
-    return term.name in several or not any(e.term.name == term.name for e in model.terms)
+    recorded = all(c in problem.channels for c in term.channels)
+    met = ("driven" not in term.needs or problem.drive is not None) and ("angle" not in term.needs or problem.angular)
+    taken = term.slot in SINGLE and bool(model.in_slot(term.slot))
+    absorbed = problem.zero_free and term.name == "constant-force"
+    once = term.name not in _SEVERAL and any(e.term.name == term.name for e in model.terms)
+    return recorded and met and not (taken or absorbed or once)
 
 
 def _probes(term: Term, evidence: Evidence) -> Iterator[_Probe]:
@@ -97,7 +91,8 @@ def _batches(probes: Sequence[_Probe]) -> Iterator[list[_Probe]]:
 def _responses(model: Model, problem: Problem, batch: list[_Probe], scales: Scales) -> FloatArray:
     """Whitened answers (N, m) of the channels to each probe's amplitude."""
     first = len(model.terms)
-    entries, by = [], list[By]()
+    entries: list[ModelTerm] = []
+    by: list[By] = []
     for probe in batch:
         for values in probe.values:
             amplitude = probe.term.amplitude
@@ -106,7 +101,7 @@ def _responses(model: Model, problem: Problem, batch: list[_Probe], scales: Scal
             entries.append(ModelTerm(probe.term, values))
     extended = replace(model, terms=(*model.terms, *entries))
     shown = observe(extended, problem, tuple(by), scales, COARSE)
-    return np.concatenate([whiten(problem, c, shown.dy[c]) for c in problem.channels])
+    return whitened(problem, shown.dy)
 
 
 def _combined(probe: _Probe, amplitudes: FloatArray) -> tuple[float, ...] | None:
@@ -162,7 +157,7 @@ def screen(
                 column += width
                 continue
             projected = part.T @ residual
-            amplitudes = np.linalg.lstsq(gram, projected, rcond=1e-12)[0]
+            amplitudes: FloatArray = np.linalg.lstsq(gram, projected, rcond=1e-12)[0]
             gain = float(projected @ amplitudes) * scale_up
             values = _combined(probe, amplitudes)
             if values is not None and np.all(np.isfinite(values)):
