@@ -58,9 +58,8 @@ class Fit:
         scale = np.sqrt(np.sum(self.jacobian**2, axis=0))
         safe = np.where(scale > 0.0, scale, 1.0)
         j = self.jacobian / safe
-        inverse: FloatArray = np.linalg.pinv(j.T @ j, rcond=1e-13, hermitian=True)
-        spread: FloatArray = inverse / np.outer(safe, safe)
-        return spread
+        inverse = np.linalg.pinv(j.T @ j, rcond=1e-13, hermitian=True)
+        return np.asarray(inverse / np.outer(safe, safe), dtype=np.float64)
 
 
 def whiten(problem: Problem, channel: str, values: FloatArray) -> FloatArray:

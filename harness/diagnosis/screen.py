@@ -157,7 +157,7 @@ def screen(
                 column += width
                 continue
             projected = part.T @ residual
-            amplitudes: FloatArray = np.linalg.lstsq(gram, projected, rcond=1e-12)[0]
+            amplitudes = np.asarray(np.linalg.lstsq(gram, projected, rcond=1e-12)[0], dtype=np.float64)
             gain = float(projected @ amplitudes) * scale_up
             values = _combined(probe, amplitudes)
             if values is not None and np.all(np.isfinite(values)):
