@@ -40,7 +40,7 @@ def align(trace: Recording, problem: Problem, period: float) -> Aligned:
 
     period : of the motion, s. Every shift that leaves at least half of the recording covered is looked at in steps of
     1/40 of a period, then the best of them ever more closely.
-    Raises InputError when the two have no channel in common or no such shift exists.
+    Raises InputError when the two have no channel in common or the trace is too short.
     """
     common = [c for c in problem.channels if c in trace]
     if not common:
@@ -50,7 +50,7 @@ def align(trace: Recording, problem: Problem, period: float) -> Aligned:
     span = problem.t[-1] - problem.t[0]
     first = float(problem.t[0] - trace.t[-1] + _LEAST_SHARED * span)
     last = float(problem.t[-1] - trace.t[0] - _LEAST_SHARED * span)
-    if last < first:
+    if trace.duration < _LEAST_SHARED * span:
         found = f"{trace.duration:.4g} s long"
         raise InputError(trace.file, found, f"a trace of at least half of the recording's {span:.4g} s is accepted")
     step = period / 40.0
@@ -67,7 +67,8 @@ def align(trace: Recording, problem: Problem, period: float) -> Aligned:
 def read(trace: Recording, problem: Problem, shift: float) -> Aligned:
     """Channels of a trace at the times of a recording, with ``shift`` (s) added to the trace's own times."""
     since = problem.t - shift
-    covered = (since >= trace.t[0] - 1e-9) & (since <= trace.t[-1] + 1e-9)
+    covered = (since >= trace.t[0] - trace.interval) & (since <= trace.t[-1] + trace.interval)
+    since = np.clip(since, trace.t[0], trace.t[-1])
     return Aligned(shift, _channels(trace, since, [c for c in problem.channels if c in trace]), covered)
 
 
@@ -89,9 +90,10 @@ def _best(trace: Recording, problem: Problem, common: list[str], shifts: FloatAr
 
 
 def _misfit(aligned: Aligned, problem: Problem, common: list[str]) -> float:
-    total, points = 0.0, 0
+    """Mean square difference; where the trace shows nothing it is taken to rest, so that hiding does not pay."""
+    total = 0.0
     for c in common:
-        counts = aligned.covered & (problem.weight[c] > 0.0)
-        total += float(np.sum(((problem.channels[c] - aligned.shown[c])[counts] / problem.noise[c].sigma) ** 2))
-        points += int(np.count_nonzero(counts))
-    return total / points if points else np.inf
+        y = problem.channels[c]
+        shown = np.where(aligned.covered, aligned.shown[c], y[-1])
+        total += float(np.sum(problem.weight[c] * ((y - shown) / problem.noise[c].sigma) ** 2))
+    return total

@@ -49,15 +49,16 @@ class Attribution:
 
 def shares(squares: MeanSquares, shift: float | None = None) -> Attribution:
     """(S0 - S1, S1 - S2, S2 - S3, S3 - N, N) / S0, as they come out."""
-    s = squares
-    parts = (
-        s.simulated - s.configured,
-        s.configured - s.baseline,
-        s.baseline - s.refined,
-        s.refined - s.noise,
-        s.noise,
+    whole = squares.simulated
+    return Attribution(
+        engine=(whole - squares.configured) / whole,
+        parameters=(squares.configured - squares.baseline) / whole,
+        missing_physics=(squares.baseline - squares.refined) / whole,
+        unexplained=(squares.refined - squares.noise) / whole,
+        noise=squares.noise / whole,
+        squares=squares,
+        shift=shift,
     )
-    return Attribution(*(part / s.simulated for part in parts), squares, shift)
 
 
 def attribute_engine(
@@ -83,8 +84,8 @@ def attribute_trace(
 ) -> Attribution:
     """Attribution for a trace of the user's own simulation, aligned in time.
 
-    Counted is what the trace covers, in the channels it has. configured : the model the trace was made with, or ``base``
-    when it is not known; then what its parameters do wrong counts as the engine's.
+    Counted is what the trace covers, in the channels it has. configured : the model the trace was made with, or
+    ``base`` when it is not known; then what its parameters do wrong counts as the engine's.
     Raises InputError for a trace that does not overlap, SimulationError.
     """
     common = {c: y for c, y in problem.channels.items() if c in trace}

@@ -21,6 +21,8 @@ _STEPS_A_CYCLE = 400
 _SMALL = 0.3
 """Share of the noise that an engine's own error may reach."""
 _HALVINGS = 4
+_WORTH = 0.9
+"""Half a step that leaves more than this of the error is not worth its time."""
 _MOST_STEPS = 2_000_000
 
 
@@ -60,22 +62,21 @@ def engine_fit(
 ) -> EngineFit:
     """Simulate both models in an engine and compare what the sensors would have shown with the recording.
 
-    dt : step in s; None halves a step that suits the recording until the engine's own error, which the exact motion
-    shows, is far below the noise, or has been halved four times. Raises SimulationError for what the engine cannot do.
+    dt : step in s; None halves a step that suits the recording, at most four times, until the engine's own error, which
+    the exact motion shows, is far below the noise. Raises SimulationError for what the engine cannot do.
     """
     exact = observe(refined, problem, scales=scales).y
     step = suitable_step(problem, scales) if dt is None else dt
-    while True:
-        shown, motion = shown_by(simulate, refined, problem, step)
-        own = {c: _rms(shown[c] - exact[c], problem, c) / problem.noise[c].sigma for c in shown}
-        enough = dt is not None or max(own.values()) <= _SMALL
-        if (
-            enough
-            or step <= suitable_step(problem, scales) / 2.0**_HALVINGS
-            or _steps(problem, 0.5 * step) > _MOST_STEPS
-        ):
+    shown, motion = shown_by(simulate, refined, problem, step)
+    own = _own_error(shown, exact, problem)
+    for _ in range(_HALVINGS if dt is None else 0):
+        if max(own.values()) <= _SMALL or _steps(problem, 0.5 * step) > _MOST_STEPS:
             break
-        step *= 0.5
+        finer, finer_motion = shown_by(simulate, refined, problem, 0.5 * step)
+        finer_own = _own_error(finer, exact, problem)
+        if max(finer_own.values()) > _WORTH * max(own.values()):
+            break
+        step, shown, motion, own = 0.5 * step, finer, finer_motion, finer_own
     before, _ = shown_by(simulate, base, problem, step)
     return EngineFit(
         {**motion.source.settings, "dt": step, "steps": _steps(problem, step)},
@@ -108,6 +109,11 @@ def suitable_step(problem: Problem, scales: Scales) -> float:
 def rmse(shown: Mapping[str, FloatArray], problem: Problem) -> dict[str, float]:
     """Root mean square of recording minus ``shown`` by channel, in its unit, over the samples that count."""
     return {c: _rms(y - shown[c], problem, c) for c, y in problem.channels.items()}
+
+
+def _own_error(shown: Mapping[str, FloatArray], exact: Mapping[str, FloatArray], problem: Problem) -> dict[str, float]:
+    """Rms by channel of what an engine shows against the exact, in units of the noise."""
+    return {c: _rms(shown[c] - exact[c], problem, c) / problem.noise[c].sigma for c in shown}
 
 
 def _rms(difference: FloatArray, problem: Problem, channel: str) -> float:

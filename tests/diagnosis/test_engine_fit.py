@@ -1,0 +1,224 @@
+"""Models in engines against a recording: resampling, sensors, alignment, and whose share of the mismatch is whose."""
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+from harness.core.arrays import FloatArray
+from harness.core.errors import InputError, SimulationError
+from harness.core.recording import Recording
+from harness.diagnosis.align import align
+from harness.diagnosis.attribute import MeanSquares, attribute_engine, attribute_trace, shares
+from harness.diagnosis.engines import engine_fit, suitable_step
+from harness.diagnosis.fit import fit
+from harness.diagnosis.observe import observe
+from harness.diagnosis.parameters import free_of
+from harness.diagnosis.problem import Problem
+from harness.diagnosis.resample import motion_at
+from harness.diagnosis.sensors import sensed
+from harness.engines.simulator import EngineSimulator
+from harness.estimate.noise import Noise
+from harness.kernels.solve import Scales, simulate, solve
+from harness.model.model import Model, ModelTerm
+
+BASE = Model(1.0, 1.0, 100.0, 3.0, x0=1.0)
+CUBIC = BASE.with_terms(ModelTerm.named("cubic-stiffness", k3=20.0))
+SCALES = Scales(1.0, 10.0, 10.0)
+SIGMA = {"x": 1e-3, "v": 1e-2, "a": 0.1}
+
+
+def recorded(model: Model, seed: int = 0, count: int = 601, **sigma: float) -> Problem:
+    """What was measured of a model for 3 s, with white noise."""
+    t = np.linspace(0.0, 3.0, count)
+    level = sigma or {"x": SIGMA["x"], "a": SIGMA["a"]}
+    noise = {c: Noise(s, True) for c, s in level.items()}
+    clean = observe(model, Problem(t, dict.fromkeys(level, t), noise), scales=SCALES).y
+    random = np.random.default_rng(seed)
+    return Problem(t, {c: y + level[c] * random.standard_normal(t.size) for c, y in clean.items()}, noise)
+
+
+def test_a_motion_is_read_between_samples_with_its_jumps() -> None:
+    coarse = simulate(BASE, np.arange(0.0, 3.0, 1e-3))
+    t = np.sort(np.random.default_rng(1).uniform(0.0, 2.99, 2000))
+    exact, read = solve(BASE, t), motion_at(coarse, t)
+    assert np.abs(read.x - exact.x).max() < 1e-6
+    assert np.abs(read.v - exact.v).max() < 1e-4
+    # the jumps are 6 m/s^2 high
+    assert np.abs(read.a - exact.a).max() < 0.02
+
+
+def test_an_acceleration_that_reverses_a_step_early_is_not_believed() -> None:
+    trace = EngineSimulator.named("pybullet")(BASE, 2.0, 1e-3, None)
+    turns = np.flatnonzero(trace.v[:-1] * trace.v[1:] < 0.0)[:6]
+    x, v = trace.x[turns], trace.v[turns]
+    true = (-BASE.k * x - BASE.c * v - BASE.f_k * np.sign(v)) / BASE.m
+    assert np.abs(motion_at(trace, trace.t[turns]).a - true).max() < 0.1
+    assert np.abs(trace.a[turns] - true).max() > 1.0
+
+
+def test_before_its_release_a_slider_is_held() -> None:
+    read = motion_at(simulate(BASE, np.arange(0.0, 1.0, 1e-3)), np.array([-0.5, 0.0]))
+    assert (read.x[0], read.v[0], read.a[0]) == (1.0, 0.0, 0.0)
+    assert read.a[1] == pytest.approx(-97.0)
+
+
+SENSORS = (
+    ModelTerm.named("sensor-lag", lag=0.0123),
+    ModelTerm.named("sensor-drift", rate=0.01),
+    ModelTerm.named("sensor-gain", gain=0.9),
+    ModelTerm.named("sensor-bias", bias=0.5),
+    ModelTerm.named("sensor-clipping", limit=60.0),
+)
+
+
+def test_sensors_show_of_any_motion_what_they_show_of_the_reference() -> None:
+    model = CUBIC.with_terms(*CUBIC.terms, *SENSORS)
+    t = np.linspace(0.0, 3.0, 733)
+    noise = {c: Noise(s, True) for c, s in SIGMA.items()}
+    expected = observe(model, Problem(t, dict.fromkeys(SIGMA, t), noise), scales=SCALES).y
+    shown = sensed(model, t, simulate(model, np.linspace(0.0, 3.0, 6001)), SIGMA)
+    for channel, tolerance in (("x", 1e-7), ("v", 1e-5), ("a", 2e-3)):
+        assert np.abs(shown[channel] - expected[channel]).max() < tolerance, channel
+
+
+@pytest.mark.parametrize("name", ["mujoco", "pybullet"])
+def test_the_fit_improves_in_the_engine_and_reaches_the_noise(name: str) -> None:
+    problem = recorded(CUBIC)
+    base = fit(BASE, problem, free_of(BASE, ("c", "k", "f_k", "x0")), SCALES, thorough=False).model
+    found = engine_fit(EngineSimulator.named(name), base, CUBIC, problem, SCALES)
+    assert found.improved
+    assert max(found.own_error.values()) < 0.3
+    for channel, sigma in problem.noise.items():
+        assert found.refined_rmse[channel] == pytest.approx(sigma.sigma, rel=0.08)
+        assert found.baseline_rmse[channel] > 2.0 * sigma.sigma
+    assert found.settings["dt"] <= suitable_step(problem, SCALES)
+    assert found.settings["restoring"] == "spring"
+
+
+def test_a_step_that_is_asked_for_is_taken() -> None:
+    found = engine_fit(EngineSimulator.named("pybullet"), BASE, CUBIC, recorded(CUBIC), SCALES, dt=4e-3)
+    assert found.settings["dt"] == 4e-3
+    assert found.own_error["x"] > 1.0
+
+
+def test_the_step_divides_the_interval_of_the_recording() -> None:
+    problem = recorded(BASE)
+    step = suitable_step(problem, SCALES)
+    assert step <= min(1e-3, 2.0 * np.pi / SCALES.omega / 400.0)
+    assert (5e-3 / step) == pytest.approx(round(5e-3 / step), rel=1e-9)
+
+
+def test_a_recording_that_ends_before_the_release_is_refused() -> None:
+    late = Model(1.0, 1.0, 100.0, 3.0, x0=1.0, t0=10.0)
+    with pytest.raises(SimulationError, match="ends before the slider is released"):
+        engine_fit(EngineSimulator.named("pybullet"), late, late, recorded(BASE), SCALES)
+
+
+def test_shares_are_those_of_the_definition_and_sum_to_one() -> None:
+    found = shares(MeanSquares(100.0, 60.0, 70.0, 3.0))
+    assert (found.engine, found.parameters, found.missing_physics) == (0.4, -0.1, 0.67)
+    assert (found.unexplained, found.noise) == (0.02, 0.01)
+    total = found.engine + found.parameters + found.missing_physics + found.unexplained + found.noise
+    assert total == pytest.approx(1.0, abs=1e-15)
+
+
+INTEGRATORS: list[tuple[dict[str, Any], float, bool]] = [
+    ({"integrator": "Euler"}, 2e-3, True),
+    ({"integrator": "implicitfast"}, 2e-3, True),
+    ({"integrator": "discrete"}, 2e-3, True),
+    ({"integrator": "RK4"}, 1e-4, False),
+]
+
+
+@pytest.mark.parametrize(("settings", "dt", "errs"), INTEGRATORS, ids=["Euler", "implicitfast", "discrete", "RK4"])
+def test_what_the_integrator_does_wrong_is_the_engines(settings: dict[str, Any], dt: float, errs: bool) -> None:
+    """The model is the true one: parameters and physics have no share, whatever the integrator does."""
+    problem = recorded(BASE)
+    found = attribute_engine(EngineSimulator.named("mujoco", "tuned", settings), BASE, BASE, BASE, problem, SCALES, dt)
+    assert found.parameters == found.missing_physics == 0.0
+    assert abs(found.unexplained) < 0.1 * found.noise
+    assert found.engine > 0.5 if errs else abs(found.engine) < 0.1
+
+
+def test_parameters_and_missing_physics_have_their_shares() -> None:
+    problem = recorded(CUBIC)
+    base = fit(BASE, problem, free_of(BASE, ("c", "k", "f_k", "x0")), SCALES, thorough=False).model
+    simulator = EngineSimulator.named("mujoco")
+    found = attribute_engine(simulator, BASE, base, CUBIC, problem, SCALES, 1e-4)
+    assert found.parameters > 0.5
+    assert found.missing_physics > 0.0
+    assert abs(found.engine) < 0.05
+    without = attribute_engine(simulator, base, base, CUBIC, problem, SCALES, 1e-4)
+    assert without.parameters == 0.0
+    assert without.missing_physics > 0.8
+
+
+def trace_of(model: Model, start: float, *channels: str) -> Recording:
+    t = np.arange(0.0, 3.2, 1e-3)
+    motion = simulate(model, t)
+    every: dict[str, FloatArray] = {"x": motion.x, "v": motion.v, "a": motion.a}
+    return Recording(t + start, {c: every[c] for c in channels}, "sim.csv")
+
+
+@pytest.mark.parametrize("channels", [("x", "v", "a"), ("x",), ("a",)])
+def test_a_users_trace_is_shifted_to_where_it_belongs(channels: tuple[str, ...]) -> None:
+    found = align(trace_of(BASE, 7.3214, *channels), recorded(BASE), 2.0 * np.pi / 10.0)
+    assert found.shift == pytest.approx(-7.3214, abs=2e-4)
+    assert found.covered.all()
+
+
+def test_a_users_trace_of_other_parameters_is_attributed() -> None:
+    problem = recorded(BASE)
+    rough = Model(1.0, 1.0, 100.0, 3.3, x0=1.0)
+    found = attribute_trace(trace_of(rough, 1.0, "x", "v", "a"), rough, BASE, BASE, problem, SCALES)
+    assert found.shift == pytest.approx(-1.0, abs=1e-3)
+    assert abs(found.engine) < 0.05
+    assert found.parameters > 0.9
+    assert found.missing_physics == 0.0
+
+
+def test_a_rest_does_not_draw_a_trace_away_from_the_motion() -> None:
+    t = np.linspace(0.0, 9.0, 1801)
+    noise = {"x": Noise(1e-3, True)}
+    problem = Problem(t, {"x": solve(BASE, t).x}, noise)
+    assert align(trace_of(BASE, 40.0, "x"), problem.part(slice(0, 1200)), 0.628).shift == pytest.approx(-40.0, abs=2e-4)
+
+
+BAD: list[tuple[Recording, str]] = [
+    (trace_of(BASE, 0.0, "v"), "sim.csv: channels v; one or more of x, a is accepted"),
+    (trace_of(BASE, 0.0, "x").cut(slice(0, 1000)), "sim.csv: 0.999 s long; a trace of at least half of the recording"),
+]
+
+
+@pytest.mark.parametrize(("trace", "message"), BAD, ids=["channels", "short"])
+def test_a_trace_that_does_not_belong_is_refused(trace: Recording, message: str) -> None:
+    with pytest.raises(InputError, match=message):
+        align(trace, recorded(BASE), 0.628)
+
+
+@pytest.mark.parametrize(
+    ("timeconst", "d0", "width"), [(0.02, 0.9, 0.95), (0.01, 0.95, 0.99)], ids=["as shipped", "stiffer"]
+)
+def test_mujocos_friction_is_a_regularised_friction(timeconst: float, d0: float, width: float) -> None:
+    """v_r = f_k/(m d0 b), lead = 1/b with b = 2/(d_width timeconst), read from a noisy trace within 5 %."""
+    settings = {
+        "integrator": "RK4",
+        "solreffriction": (timeconst, 1.0),
+        "solimpfriction": (d0, width, 0.001, 0.5, 2.0),
+    }
+    motion = EngineSimulator.named("mujoco", "as-shipped", settings)(BASE, 3.0, 1e-4, None)
+    every = slice(None, None, 40)
+    sigma = {"x": 1e-4, "a": 1e-3 * 100.0}
+    random = np.random.default_rng(5)
+    channels = {
+        c: getattr(motion, c)[every] + s * random.standard_normal(motion.t[every].size) for c, s in sigma.items()
+    }
+    problem = Problem(motion.t[every], channels, {c: Noise(s, True) for c, s in sigma.items()})
+    start = BASE.with_terms(ModelTerm.named("regularised-friction", v_r=0.1, lead=0.003))
+    found = fit(start, problem, free_of(start, ("c", "k", "f_k", "x0")), SCALES)
+    b = 2.0 / (width * timeconst)
+    entry = found.model.terms[0]
+    assert entry.value("v_r") == pytest.approx(BASE.f_k / (BASE.m * d0 * b), rel=0.05)
+    assert entry.value("lead") == pytest.approx(1.0 / b, rel=0.05)
+    assert found.chi2 / found.points < 1.1
