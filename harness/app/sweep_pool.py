@@ -117,7 +117,7 @@ class Cluster(Workers):
                 f"--cluster {address}", found, "an address such as tcp://127.0.0.1:8786 is accepted"
             ) from None
         self._executor: Executor = self._client.get_executor(pure=False, retries=0)
-        self._count = max(1, sum(self._client.nthreads().values()))
+        self._count: int = max(1, sum(self._client.nthreads().values()))
 
     @property
     def count(self) -> int:

@@ -1,0 +1,105 @@
+"""harness regress."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from harness.cli.options import jobs_option, json_option, quiet_option
+from harness.cli.output import check_json, emit_json, show, shows_tables
+from harness.cli.progress import shown
+from harness.core.errors import InputError
+
+if TYPE_CHECKING:
+    from harness.results.regress import RegressResult
+
+
+@click.command(short_help="A sweep against a baseline: what moved, and whether that is a regression.")
+@click.option("--baseline", type=click.Path(path_type=Path), metavar="FILE", help="Rows to compare with.")
+@click.option("--update", is_flag=True, help="Write the rows to --baseline instead of comparing.")
+@click.option("--traces", type=click.Path(path_type=Path), metavar="DIR", help="Recompute from .rrd files; no engine.")
+@click.option("--junit", "junit_to", type=click.Path(path_type=Path), metavar="FILE", help="Write JUnit XML.")
+@click.option("--engine", "engines", multiple=True, metavar="NAME", help="Engine; may repeat.  [all installed]")
+@click.option("--route", "routes", multiple=True, metavar="joint|contact|law", help="Route; may repeat.  [all]")
+@click.option("--short", is_flag=True, help="What ships and what is tuned, at one step each: for every change.")
+@jobs_option
+@json_option
+@quiet_option
+def command(
+    baseline: Path | None,
+    update: bool,
+    traces: Path | None,
+    junit_to: Path | None,
+    engines: tuple[str, ...],
+    routes: tuple[str, ...],
+    short: bool,
+    jobs: int | None,
+    json_to: str | None,
+    quiet: bool,
+) -> int:
+    """A sweep, or stored traces, against a baseline. Exit 1 when something got worse, fails or is gone.
+
+    Speed never counts. With --traces alone, every metric and estimate is recomputed from the .rrd files and has to be
+    the stored one to the last bit.
+
+    \b
+    Example: harness regress --baseline reports/fidelity/baseline.json --short --junit friction.xml
+             harness regress --baseline mine.json --update --engine mujoco
+             harness regress --traces reports/fidelity/traces
+    """
+    check_json(json_to)
+    if baseline is None and (update or traces is None):
+        raise InputError("--baseline", "not given", "a baseline file, or --traces DIR alone, is accepted")
+    if update and traces is not None:
+        raise InputError("--update", "given with --traces", "one of them is accepted: a baseline is made by a sweep")
+    from harness.app import regress as room
+    from harness.app.deliver import check_target
+    from harness.app.sweep import SweepOptions
+
+    for target in (junit_to, baseline if update else None):
+        if target is not None:
+            check_target(target)
+    if traces is not None:
+        result, names = room.compared_traces(traces, baseline), []
+    else:
+        assert baseline is not None
+        options = SweepOptions(engines, routes, short=short, jobs=jobs)
+        if not update:
+            room.load_baseline(baseline)
+        with shown(quiet) as progress:
+            rows = room.fresh_rows(options, progress)
+        names = list(rows)
+        if update:
+            written = room.update(baseline, rows, options)
+            if shows_tables(json_to, quiet):
+                click.echo(f"{baseline}: {len(written.rows)} rows")
+            emit_json(written, json_to)
+            return 0
+        result = room.compared(baseline, rows, options)
+    if junit_to is not None:
+        room.write_junit(junit_to, result, names)
+    emit_json(result, json_to)
+    if shows_tables(json_to, quiet):
+        _print(result)
+    return 1 if result.regressions else 0
+
+
+def _print(result: "RegressResult") -> None:
+    from rich.table import Table
+
+    if result.moved:
+        table = Table()
+        for heading in ("row", "metric", "baseline", "now", "verdict"):
+            table.add_column(heading, overflow="fold")
+        for moved in result.moved:
+            table.add_row(moved.name, moved.metric, _number(moved.before), _number(moved.after), moved.verdict)
+        show(table)
+        for why in dict.fromkeys(f"{moved.metric or moved.name}: {moved.why}" for moved in result.moved):
+            click.echo(f"- {why}")
+    for engine in result.not_run:
+        click.echo(f"- {engine} is in the baseline but not installed here")
+    click.echo(f"{result.rows} rows compared, {len(result.moved)} moves, {result.regressions} regressions")
+
+
+def _number(value: float | None) -> str:
+    return "-" if value is None else f"{value:.6g}"
