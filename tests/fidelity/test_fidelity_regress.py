@@ -24,6 +24,8 @@ from harness.fidelity.tolerances import TOLERANCES
 from harness.results.generate import schema_text
 from harness.results.regress import Baseline, RegressResult
 
+pytest_plugins = ["pytester"]
+
 PUBLISHED = Path(__file__).resolve().parents[2] / "reports" / "fidelity" / "baseline.json"
 ONE = SweepOptions(("mujoco",), ("joint",), short=True, jobs=1)
 
@@ -142,8 +144,8 @@ def test_a_missing_row_is_a_regression_only_of_a_whole_matrix(rows: room.Rows, b
 
 
 def test_update_of_one_engine_keeps_the_others(rows: room.Rows, baseline: Path) -> None:
-    other = {name.replace("mujoco", "other"): row | {"engine": "other"} for name, row in rows.items()}
-    room.update(baseline, other, SweepOptions(("other",)))
+    other = {name.replace("mujoco", "pybullet"): row | {"engine": "pybullet"} for name, row in rows.items()}
+    room.update(baseline, other, SweepOptions(("pybullet",)))
     assert set(room.load_baseline(baseline).rows) == set(rows) | set(other)
 
 
@@ -218,7 +220,7 @@ def test_bad_baselines(content: str | None, message: str, tmp_path: Path) -> Non
 
 
 def test_bad_traces(tmp_path: Path) -> None:
-    with pytest.raises(InputError, match="no .rrd files"):
+    with pytest.raises(InputError, match=r"no \.rrd files"):
         room.compared_traces(tmp_path, None)
     (tmp_path / "a.rrd").write_bytes(b"nothing")
     with pytest.raises(InputError, match=r"a\.rrd"):
