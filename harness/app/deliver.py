@@ -19,3 +19,8 @@ def to_json(result: Result) -> str:
 def write_json(result: Result, path: Path) -> None:
     """Write a result whole or not at all; raises StoreError."""
     write_text(path, to_json(result))
+
+
+def write_json_text(text: str, path: Path) -> None:
+    """Write several results, already as text, whole or not at all; raises StoreError."""
+    write_text(path, text)

@@ -1,7 +1,13 @@
 """Recordings of any format, our own .rrd among them, and what a result says about them."""
 
-from collections.abc import Mapping
+import os
+import shutil
+import tempfile
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager, suppress
+from dataclasses import replace
 from pathlib import Path
+from typing import BinaryIO
 
 from harness.core.errors import InputError
 from harness.core.recording import Recording
@@ -10,7 +16,7 @@ from harness.estimate.noise import Noise
 from harness.io.recording import ReadOptions, read_recording
 from harness.results.common import RecordingInfo
 
-__all__ = ["ReadOptions", "read", "recording_info"]
+__all__ = ["ReadOptions", "read", "read_as", "recording_info", "spooled"]
 
 
 def read(path: Path, options: ReadOptions, trace: str | None = None) -> Recording:
@@ -21,6 +27,31 @@ def read(path: Path, options: ReadOptions, trace: str | None = None) -> Recordin
     if trace is not None and path.suffix.lower() != ".rrd":
         raise InputError("--trace", f"given for {path}", "it is accepted for a .rrd of ours alone")
     return read_recording(path, options, lambda file: _from_rrd(file, trace))
+
+
+def read_as(label: str, path: Path, options: ReadOptions, trace: str | None = None) -> Recording:
+    """As ``read``, under another name where the file stands in for something else (standard input)."""
+    if label == str(path):
+        return read(path, options, trace)
+    try:
+        return replace(read(path, options, trace), file=label)
+    except InputError as error:
+        raise InputError(
+            error.where.replace(str(path), label), error.found.replace(str(path), label), error.accepted
+        ) from None
+
+
+@contextmanager
+def spooled(stream: BinaryIO) -> Iterator[Path]:
+    """A CSV stream as a file that is there for the while; reading goes by files."""
+    handle, name = tempfile.mkstemp(prefix="friction-harness-", suffix=".csv")
+    try:
+        with os.fdopen(handle, "wb") as file:
+            shutil.copyfileobj(stream, file)
+        yield Path(name)
+    finally:
+        with suppress(OSError):
+            os.unlink(name)
 
 
 def _from_rrd(path: Path, trace: str | None) -> Recording:

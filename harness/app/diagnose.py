@@ -1,0 +1,95 @@
+"""What a simulation with viscous and Coulomb friction leaves out of a recording, and the model that has it."""
+
+from dataclasses import dataclass
+from pathlib import Path
+
+from harness.app.deliver import to_json
+from harness.app.diagnose_files import traces, write_model, write_trace_csv
+from harness.app.diagnose_options import DiagnoseOptions
+from harness.app.diagnose_problem import problem_of
+from harness.app.diagnose_result import result_of
+from harness.app.journal import NAME as LOG
+from harness.app.journal import journal
+from harness.app.progress import SILENT, Progress
+from harness.app.reading import read_as
+from harness.core.arrays import FloatArray
+from harness.core.recording import Recording
+from harness.diagnosis.conclude import diagnose as conclude
+from harness.diagnosis.outcome import Outcome
+from harness.io.store import OutputFolder, output_folder
+from harness.results.diagnosis import DiagnosisResult
+
+STEPS = 4
+FILES = {
+    "result": "result.json",
+    "report": "report.html",
+    "rrd": "trace.rrd",
+    "model": "model/model.json",
+    "mjcf": "model/slider.xml",
+    "urdf": "model/slider.urdf",
+    "refined_trace": "refined_trace.csv",
+    "log": LOG,
+}
+
+
+@dataclass(frozen=True, slots=True)
+class Diagnosed:
+    """A diagnosis with what it rests on.
+
+    baseline, refined : channels of both models at every time of the recording, (n,) each. result : without files.
+    """
+
+    recording: Recording
+    outcome: Outcome
+    baseline: dict[str, FloatArray]
+    refined: dict[str, FloatArray]
+    result: DiagnosisResult
+
+
+def investigate(
+    recording: Recording, options: DiagnoseOptions, progress: Progress = SILENT, command: str = ""
+) -> Diagnosed:
+    """Diagnose a recording.
+
+    Raises InputError when it cannot be diagnosed, with the reason; SimulationError when no model could be simulated.
+    """
+    progress("base fit and search", 1, STEPS)
+    problem, warnings = problem_of(recording, options)
+    outcome = conclude(problem)
+    progress("engines and attribution", 2, STEPS)
+    result = result_of(recording, outcome, options, warnings, command)
+    return Diagnosed(recording, outcome, *traces(recording, outcome), result)
+
+
+def diagnose(
+    path: Path,
+    options: DiagnoseOptions,
+    out: Path | None = None,
+    progress: Progress = SILENT,
+    command: str = "",
+    label: str | None = None,
+) -> DiagnosisResult:
+    """Diagnose a file, and leave result, report, trace, models and the log in a folder.
+
+    out : new or empty folder, None for reports/NAME-TIME here. label : what to call the file, where it stands in for
+    another ("-"). Raises InputError, SimulationError, StoreError.
+    """
+    progress("reading", 0, STEPS)
+    label = str(path) if label is None else label
+    recording = read_as(label, path, options.reading, options.trace)
+    name = "stdin" if label == "-" else path.name.split(".")[0]
+    with output_folder(f"diagnose-{name}", out) as output, journal(output / LOG):
+        found = investigate(recording, options, progress, command)
+        progress("writing trace and report", 3, STEPS)
+        result = _write(output, found)
+        output.commit()
+    return result
+
+
+def _write(output: OutputFolder, found: Diagnosed) -> DiagnosisResult:
+    left_out = write_model(output.work / "model", found.outcome.refined.model)
+    write_trace_csv(output / FILES["refined_trace"], found.recording.t, found.refined)
+    files = {name: output.at(file) for name, file in FILES.items()}
+    result = found.result.model_copy(update={"files": files, "model_left_out": left_out})
+    (output / FILES["result"]).write_text(to_json(result), encoding="utf-8")
+    return result

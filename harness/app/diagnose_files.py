@@ -1,0 +1,64 @@
+"""Files that a diagnosis leaves beside its result: the refined model, and its trace at the recording's own times."""
+
+import json
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+
+from harness.core.arrays import FloatArray
+from harness.core.recording import Recording
+from harness.core.slider import Slider
+from harness.diagnosis.observe import observe
+from harness.diagnosis.outcome import Outcome
+from harness.diagnosis.problem import Problem
+from harness.engines import models
+from harness.io.store import write_text
+from harness.model.document import to_document
+from harness.model.model import Model, Restoring
+
+
+def whole_problem(recording: Recording, problem: Problem) -> Problem:
+    """The same question at every sample of the recording."""
+    channels = {name: recording[name] for name in problem.channels}
+    return replace(problem, t=recording.t, channels=channels, weight={})
+
+
+def traces(recording: Recording, outcome: Outcome) -> tuple[dict[str, FloatArray], dict[str, FloatArray]]:
+    """Channels of the base model and of the refined one at every time of the recording, (n,) each."""
+    whole = whole_problem(recording, outcome.problem)
+    found = [observe(fit.model, whole, (), outcome.scales).y for fit in (outcome.base, outcome.refined)]
+    return found[0], found[1]
+
+
+def write_trace_csv(path: Path, t: FloatArray, channels: dict[str, FloatArray]) -> None:
+    """Columns t and channels in SI units; t reads back as the very numbers of the recording."""
+    columns = [t, *channels.values()]
+    lines = [",".join(["t", *channels])]
+    lines += [
+        ",".join([repr(row[0]), *(f"{value:.9g}" for value in row[1:])]) for row in np.column_stack(columns).tolist()
+    ]
+    write_text(path, "\n".join(lines) + "\n")
+
+
+def write_model(folder: Path, model: Model) -> list[str]:
+    """model.json, slider.xml, slider.urdf; returns what the latter two cannot say, one sentence each."""
+    folder.mkdir(parents=True, exist_ok=True)
+    write_text(folder / "model.json", json.dumps(to_document(model), indent=2) + "\n")
+    slider = Slider(model.m, model.c, model.k if model.restoring is not Restoring.NONE else 1.0, model.f_k, model.f_s)
+    models.export(slider, folder, model.restoring.value)
+    for file in folder.glob("slider_on_floor.*"):
+        file.unlink()
+    return left_out(model, slider)
+
+
+def left_out(model: Model, slider: Slider) -> list[str]:
+    """What MJCF and URDF leave out of a model."""
+    said = [*models.cannot_say(slider, "slider", "xml", model.restoring.value)]
+    said += models.cannot_say(slider, "slider", "urdf", model.restoring.value)
+    for entry in model.terms:
+        values = ", ".join(f"{name} = {value:.6g}" for name, value in zip(entry.term.names, entry.values, strict=True))
+        said.append(f"xml and urdf: no {entry.term.name}{f' ({values})' if values else ''}; it is in model.json")
+    if not model.mass_known:
+        said.append("xml and urdf: the mass is not known, so 1 kg stands for it and forces are per kg")
+    return [sentence.replace("xml:", "mjcf:", 1).replace("xml and", "mjcf and", 1) for sentence in said]

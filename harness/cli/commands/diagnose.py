@@ -1,0 +1,190 @@
+"""harness diagnose."""
+
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from harness.cli.options import jobs_option, output_options, reading_options
+from harness.cli.output import STANDARD_OUTPUT, check_json, emit_json, show, shows_tables, this_line, with_error
+from harness.cli.progress import shown
+from harness.core.errors import InputError
+
+if TYPE_CHECKING:
+    from harness.app.diagnose_many import Many
+    from harness.app.diagnose_options import DiagnoseOptions
+    from harness.results.diagnosis import DiagnosisResult, FitResult
+
+STANDARD_INPUT = "-"
+
+
+@click.command(short_help="Which physics a simulation leaves out of a recording, and the model that has it.")
+@click.argument("recordings", metavar="RECORDING...", nargs=-1, required=True, type=click.Path(path_type=Path))
+@click.option("--model", type=click.Path(path_type=Path), metavar="FILE", help="model.json of the simulation you have.")
+@click.option("--sim", type=click.Path(path_type=Path), metavar="TRACE", help="A trace of your own simulation.")
+@click.option("--validate", type=click.Path(path_type=Path), metavar="RECORDING", help="Try both models on this one.")
+@click.option("--horizon", type=float, metavar="S", help="Driven: windows restarted from the recording.  [1]")
+@click.option("--zero", metavar="spring|free", help="What x is measured from.  [spring; free for a pendulum]")
+@click.option("--mass", type=float, metavar="KG", help="Mass, where it is known: forces in N.")
+@click.option("--restoring", default="spring", metavar="spring|pendulum|none", help="What pulls it back.  [spring]")
+@click.option("--engine", "engines", multiple=True, metavar="NAME", help="Engine; may repeat.  [mujoco and pybullet]")
+@click.option("--preset", metavar="as-shipped|tuned", help="Settings of the engines.  [tuned]")
+@click.option("--dt", type=float, metavar="S", help="Step of the tuned preset, s.  [one that suits the recording]")
+@reading_options
+@click.option("--resume", is_flag=True, help="Go on with the files that --out does not hold yet.")
+@jobs_option
+@output_options
+def command(
+    recordings: tuple[Path, ...],
+    columns: str | None,
+    skip_rows: int,
+    rate: float | None,
+    start: float | None,
+    stop: float | None,
+    validate: Path | None,
+    horizon: float | None,
+    resume: bool,
+    jobs: int | None,
+    out: Path | None,
+    json_to: str | None,
+    quiet: bool,
+    **chosen: Any,
+) -> int:
+    """Where a simulation and a RECORDING differ, which physics was left out, and the model that has it.
+
+    Viscous and Coulomb friction are fitted first; what they leave is located, named from the catalogue (or said to be
+    unknown, or to be nothing), fitted, and shown before and after in the reference and in the engines. "-" reads CSV
+    from standard input. With several files each has a folder of its own, and one that fails does not stop the rest
+    (exit code 1).
+
+    \b
+    Example: harness diagnose decay.csv
+             harness diagnose rig/*.csv --jobs 4 --json results.json
+             harness diagnose swing.txt --columns "x=#1[deg]" --rate 1000 --restoring pendulum
+             harness diagnose decay.csv --model mine.json --engine mujoco --preset as-shipped
+    """
+    check_json(json_to)
+    from harness.app.diagnose_options import DiagnoseOptions
+    from harness.app.reading import ReadOptions
+
+    _refuse_unbuilt(validate, horizon)
+    options = DiagnoseOptions.chosen(ReadOptions(columns, skip_rows, rate, start, stop), **chosen)
+    with _named(recordings) as named:
+        if len(named) > 1 or resume:
+            return _many(named, options, out, jobs, resume, json_to, quiet)
+        if jobs is not None:
+            raise InputError("--jobs", "given with one recording", "it is accepted with several")
+        return _one(named[0], options, out, json_to, quiet)
+
+
+def _refuse_unbuilt(validate: Path | None, horizon: float | None) -> None:
+    accepted = "leave it out: driven recordings are not diagnosed by this version"
+    if validate is not None:
+        raise InputError("--validate", f"{validate}", accepted)
+    if horizon is not None:
+        raise InputError("--horizon", f"{horizon:g}", accepted)
+
+
+@contextmanager
+def _named(recordings: tuple[Path, ...]) -> Iterator[list[tuple[Path, str]]]:
+    """Path and label of each recording; standard input is put into a file for the while."""
+    from harness.app.reading import spooled
+
+    if sum(str(path) == STANDARD_INPUT for path in recordings) > 1:
+        raise InputError("recording", "- given twice", "standard input can be read once")
+    if Path(STANDARD_INPUT) not in recordings:
+        yield [(path, str(path)) for path in recordings]
+        return
+    if sys.stdin is None or sys.stdin.isatty():
+        raise InputError("-", "standard input is a terminal or closed", "CSV on a pipe is accepted")
+    with spooled(sys.stdin.buffer) as file:
+        yield [(file if str(path) == STANDARD_INPUT else path, str(path)) for path in recordings]
+
+
+def _one(
+    named: tuple[Path, str], options: "DiagnoseOptions", out: Path | None, json_to: str | None, quiet: bool
+) -> int:
+    from harness.app.diagnose import diagnose
+
+    with shown(quiet) as progress:
+        result = diagnose(named[0], options, out, progress, this_line(), named[1])
+    emit_json(result, json_to)
+    if shows_tables(json_to, quiet):
+        _print(result)
+    return 0
+
+
+def _many(
+    named: list[tuple[Path, str]],
+    options: "DiagnoseOptions",
+    out: Path | None,
+    jobs: int | None,
+    resume: bool,
+    json_to: str | None,
+    quiet: bool,
+) -> int:
+    from harness.app.deliver import write_json_text
+    from harness.app.diagnose_many import diagnose_all
+
+    with shown(quiet) as progress:
+        many = diagnose_all(named, options, out, jobs, resume, progress, this_line())
+    if json_to == STANDARD_OUTPUT:
+        sys.stdout.write(many.json())
+        sys.stdout.flush()
+    elif json_to is not None:
+        write_json_text(many.json(), Path(json_to))
+    if shows_tables(json_to, quiet):
+        _print_many(many)
+    return 1 if many.failed else 0
+
+
+def _print(result: "DiagnosisResult") -> None:
+    from rich.table import Table
+
+    click.echo(result.statement)
+    table = Table()
+    names = list(dict.fromkeys([*result.baseline.parameters, *result.refined.parameters]))
+    for heading in ("model", "chi2 a point", *names, *(f"rmse {c}" for c in result.baseline.rmse)):
+        table.add_column(heading, justify="left" if heading == "model" else "right", no_wrap=True)
+    table.add_row("viscous and Coulomb", *_cells(result.baseline, names))
+    if result.mechanisms:
+        table.add_row("refined", *_cells(result.refined, names))
+    show(table)
+    for mechanism in result.mechanisms:
+        others = ", ".join(f"{a.name} (by {a.delta_bic:.1f})" for a in mechanism.alternatives)
+        click.echo(
+            f"- {mechanism.name}: BIC {mechanism.delta_bic:.0f} in favour"
+            + (f"; not ruled out: {others}" if others else "")
+        )
+    for line in [*([result.next_experiment] if result.next_experiment else []), *result.warnings]:
+        click.echo(f"- {line}")
+    click.echo(f"report: {result.files['report']}")
+
+
+def _cells(fit: "FitResult", names: list[str]) -> list[str]:
+    chi2 = "-" if fit.chi2_per_point is None else f"{fit.chi2_per_point:.4g}"
+    numbers = [with_error(fit.parameters[name]) if name in fit.parameters else "-" for name in names]
+    return [chi2, *numbers, *(f"{value:.4g}" for value in fit.rmse.values())]
+
+
+def _print_many(many: "Many") -> None:
+    from rich.table import Table
+
+    from harness.results.diagnosis import FailedDiagnosis
+
+    table = Table()
+    for heading in ("recording", "verdict", "left out", "chi2 a point before", "after"):
+        table.add_column(heading, justify="right" if "chi2" in heading or heading == "after" else "left")
+    for answer in many.answers:
+        name = Path(answer.recording.file).name
+        if isinstance(answer, FailedDiagnosis):
+            table.add_row(name, "error", answer.error, "", "")
+            continue
+        left_out = ", ".join(m.name for m in answer.mechanisms) or "-"
+        table.add_row(name, answer.verdict, left_out, _cells(answer.baseline, [])[0], _cells(answer.refined, [])[0])
+    show(table)
+    click.echo(f"{len(many.answers)} recordings, {many.failed} failed")
+    click.echo(f"report: {many.folder / 'index.html'}")
