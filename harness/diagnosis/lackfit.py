@@ -24,6 +24,7 @@ _FLOOR_RATIO = 4.0
 _FEWEST_FLOOR = 60
 _ISOLATED = 3.5
 _NEIGHBOUR = 1.7
+_TAIL = 2.8
 _STILL = 5
 _STRETCHES = (4, 16, 64)
 _PHASES = 24
@@ -72,7 +73,7 @@ def isolated(r: FloatArray) -> BoolArray:
         return np.zeros(r.size, dtype=np.bool_)
     padded = np.concatenate(([0.0], r, [0.0]))
     beside = np.maximum(padded[:-2] * np.sign(r), padded[2:] * np.sign(r))
-    found: BoolArray = (np.abs(r) > _ISOLATED * level) & (beside < _NEIGHBOUR * level)
+    found: BoolArray = (np.abs(r) > _ISOLATED * level) & (beside < np.maximum(_NEIGHBOUR * level, 0.4 * np.abs(r)))
     return found
 
 
@@ -106,6 +107,10 @@ def _clean(r: FloatArray, j: FloatArray, t: FloatArray, omega: float, doubtful: 
     away = isolated(y)
     if doubtful is not None:
         away |= doubtful[kept]
+    # heavier tails than normal ones are cut: what they hold is no structure, but would count as much
+    level = _TAIL * 1.4826 * float(np.median(np.abs(y))) if y.size else 0.0
+    if level > 0.0:
+        np.clip(y, -level, level, out=y)
     y[away] = 0.0
     partial[away] = 0.0
     n = y.size
@@ -220,12 +225,7 @@ def _lines(channels: Mapping[str, _Channel]) -> list[tuple[str, float, float]]:
     return out
 
 
-def _phases(
-    residual: Mapping[str, FloatArray],
-    channels: Mapping[str, _Channel],
-    basis: Mapping[str, FloatArray],
-    motion: Motion,
-) -> list[tuple[str, float, float]]:
+def _phases(channels: Mapping[str, _Channel], motion: Motion) -> list[tuple[str, float, float]]:
     """Mean residual in parts of the swing, large and small amplitudes apart."""
     turn = np.arctan2(-motion.v / motion.omega, motion.x) / (2.0 * math.pi) + 0.5
     size = np.hypot(motion.x, motion.v / motion.omega)

@@ -1,0 +1,138 @@
+"""Structure is told from noise at the rate that was promised, and found where it was put."""
+
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+from scipy.signal import lfilter
+
+from harness.core.arrays import FloatArray
+from harness.diagnosis.lackfit import lack_of_fit
+from harness.diagnosis.locate import locate
+from harness.diagnosis.motion import Motion
+
+
+def swing(n: int, per_period: int) -> tuple[FloatArray, Motion]:
+    t = np.arange(n, dtype=np.float64)
+    omega = 2.0 * np.pi / per_period
+    envelope = np.exp(-t / n)
+    x, v = envelope * np.cos(omega * t), -omega * envelope * np.sin(omega * t)
+    return t, Motion(x, v, np.zeros(n, dtype=np.bool_), omega)
+
+
+def fitted(
+    t: FloatArray, motion: Motion, r: dict[str, FloatArray]
+) -> tuple[dict[str, FloatArray], dict[str, FloatArray]]:
+    """Residuals after five numbers were fitted to them, in units of a level taken from themselves."""
+    j = np.column_stack(
+        [motion.x, motion.v / motion.omega, t / t.size * motion.x, t / t.size * motion.v / motion.omega]
+    )
+    j = np.column_stack([j, np.sign(motion.v)])
+    whole, partials = (
+        np.concatenate(list(r.values())),
+        np.concatenate([j if i == 0 else -0.7 * j for i in range(len(r))]),
+    )
+    left = whole - partials @ np.linalg.lstsq(partials, whole, rcond=None)[0]
+    parts = dict(zip(r, np.split(left, len(r)), strict=True))
+    return {c: y / (1.4826 * float(np.median(np.abs(y)))) for c, y in parts.items()}, dict.fromkeys(r, j) | (
+        {"a": -0.7 * j} if "a" in r and len(r) > 1 else {}
+    )
+
+
+def false_alarms(n: int, per_period: int, channels: str, draws: int, misplaced: bool) -> int:
+    rng = np.random.default_rng(7)
+    t, motion = swing(n, per_period)
+    turns = np.arange(per_period // 2, n, per_period // 2)
+    count = 0
+    for _ in range(draws):
+        r = {c: rng.standard_normal(n) for c in channels}
+        if misplaced:
+            for c in channels:
+                r[c][turns] += 10.0 * np.sign(motion.x[turns]) * (rng.uniform(size=turns.size) < 0.3)
+        left, partials = fitted(t, motion, r)
+        count += lack_of_fit(left, t, motion.omega, jacobian=partials, motion=motion).p_value < 0.01
+    return count
+
+
+CASES = [(300, 30, "x"), (800, 40, "xa"), (2000, 100, "xa")]
+
+
+@pytest.mark.parametrize(("n", "per_period", "channels"), CASES)
+@pytest.mark.parametrize("misplaced", [False, True])
+def test_noise_is_called_noise_at_the_promised_rate(n: int, per_period: int, channels: str, misplaced: bool) -> None:
+    # 250 draws at 1 %: more than 9 would happen once in a few thousand times
+    assert false_alarms(n, per_period, channels, 250, misplaced) <= 9
+
+
+@pytest.mark.full
+@pytest.mark.parametrize(("n", "per_period", "channels"), CASES)
+def test_the_rate_over_many_draws(n: int, per_period: int, channels: str) -> None:
+    assert abs(false_alarms(n, per_period, channels, 4000, False) - 40) <= 22
+
+
+SMOOTH: list[Callable[[FloatArray, Motion], FloatArray]] = [
+    lambda t, m: 0.2 * np.cos(2.0 * m.omega * t),
+    lambda t, m: 0.3 * np.sin(0.3 * m.omega * t),
+    lambda t, m: 0.3 * np.sin(9.3 * m.omega * t),
+    lambda t, m: np.where(np.abs(t - 2000.0) < 20.0, 1.5, 0.0),
+]
+
+
+@pytest.mark.parametrize("misfit", SMOOTH)
+def test_a_misfit_far_below_the_noise_is_seen(misfit: Callable[[FloatArray, Motion], FloatArray]) -> None:
+    t, motion = swing(4000, 100)
+    left, partials = fitted(t, motion, {"x": np.random.default_rng(3).standard_normal(t.size) + misfit(t, motion)})
+    found = lack_of_fit(left, t, motion.omega, jacobian=partials, motion=motion)
+    assert found.p_value < 1e-3
+    assert "times what noise gives there" in found.sentence
+
+
+def test_numbers_far_below_the_claimed_noise_are_no_structure() -> None:
+    t, motion = swing(4000, 100)
+    assert lack_of_fit({"x": 1e-3 * motion.x}, t, motion.omega).p_value > 0.5
+    assert lack_of_fit({"x": np.zeros(t.size)}, t, motion.omega).p_value == 1.0
+
+
+def test_a_quantised_sensor_at_rest_says_one_thing_once() -> None:
+    t, motion = swing(4000, 100)
+    r = np.random.default_rng(5).standard_normal(t.size)
+    r[2500:] = 1.2
+    assert lack_of_fit({"x": r}, t, motion.omega).p_value > 0.01
+
+
+@pytest.mark.parametrize("phi", [0.0, 0.6, 0.9, 0.97])
+def test_no_place_is_found_in_noise_of_any_colour(phi: float) -> None:
+    rng = np.random.default_rng(11)
+    t, motion = swing(1200, 60)
+    found = 0
+    for _ in range(200):
+        r = lfilter([np.sqrt(1.0 - phi * phi)], [1.0, -phi], rng.standard_normal(t.size))
+        found += bool(locate({"x": r}, t, motion))
+    assert found <= 8
+
+
+PLACES: list[tuple[str, str, Callable[[FloatArray, Motion], FloatArray]]] = [
+    ("low-speed", "|v| < ", lambda t, m: np.where(np.abs(m.v) < 0.1 * m.omega, 4.0 * np.sin(7.0 * t * m.omega), 0.0)),
+    ("one-side", "x > ", lambda t, m: np.where(m.x > 0.5, 4.0 * np.sin(7.0 * t * m.omega), 0.0)),
+    ("one-direction", "v > 0", lambda t, m: np.where(m.v > 0.0, 3.0 * np.sin(7.3 * t * m.omega), 0.0)),
+    ("late", "t > 4000", lambda t, m: np.where(t > 4000.0, 2.0 * np.sin(7.3 * t * m.omega), 0.0)),
+    ("high-speed", "|v| > ", lambda t, m: np.where(np.abs(m.v) > 0.7 * m.omega, 4.0 * np.sin(7.3 * t * m.omega), 0.0)),
+]
+
+
+@pytest.mark.parametrize(("regime", "condition", "misfit"), PLACES, ids=[p[0] for p in PLACES])
+def test_a_misfit_is_found_where_it_was_put(
+    regime: str, condition: str, misfit: Callable[[FloatArray, Motion], FloatArray]
+) -> None:
+    t, motion = swing(5000, 250)
+    wrong = misfit(t, motion)
+    first, *_ = locate({"x": np.random.default_rng(2).standard_normal(t.size) + wrong}, t, motion)
+    assert first.regime == regime
+    assert first.condition.startswith(condition)
+    inside = np.zeros(t.size, dtype=np.bool_)
+    for low, high in first.spans:
+        inside |= (t >= low) & (t <= high)
+    where = wrong != 0.0
+    assert np.count_nonzero(inside & where) / np.count_nonzero(inside | where) > 0.6
+    assert first.share is not None
+    assert first.share > 0.6
