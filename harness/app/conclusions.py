@@ -87,6 +87,11 @@ def _damping(trace: TraceResult, scenario: Scenario) -> str | None:
 
 
 def _position(trace: TraceResult, scenario: Scenario) -> str | None:
+    """See position_error."""
+    return position_error(trace)
+
+
+def position_error(trace: TraceResult) -> str | None:
     """How far it is from the exact motion."""
     error = trace.metrics.max_error_m
     if error is None or trace.dt_s is None:

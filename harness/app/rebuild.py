@@ -10,10 +10,9 @@ from typing import Any
 
 from pydantic import ValidationError
 
-from harness.app.conclusions import conclusions
 from harness.app.identify import result_of
+from harness.app.model_run import case_of_json
 from harness.app.run import measured
-from harness.app.scenarios import scenario_of_json
 from harness.app.showing import write_recording_page, write_run_page
 from harness.core.errors import InputError, StoreError
 from harness.results.identify import IdentifyResult
@@ -63,10 +62,10 @@ _ACCEPTED = "a trace written by harness run or harness identify is accepted"
 
 def _run_again(stored: StoredTrace, data: Any, page: Path) -> RunResult:
     result = RunResult.model_validate(data)
-    scenario = scenario_of_json(stored.properties["scenario"])
-    again = iter([measured(trajectory, scenario) for trajectory in stored.trajectories])
+    case = case_of_json(stored.properties["scenario"])
+    again = iter([measured(trajectory, case) for trajectory in stored.trajectories])
     traces = [kept if kept.error is not None else next(again) for kept in result.traces]
-    result = result.model_copy(update={"traces": traces, "conclusions": conclusions(traces, scenario)})
+    result = result.model_copy(update={"traces": traces, "conclusions": case.conclusions(traces)})
     write_run_page(page, result, stored.trajectories)
     return result
 

@@ -3,30 +3,28 @@
 import logging
 import time
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass, replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
 
 import harness
-from harness.app.conclusions import conclusions
+from harness.app.case import Case
 from harness.app.deliver import to_json
 from harness.app.estimates import estimates_of
 from harness.app.journal import NAME as LOG
 from harness.app.journal import journal
 from harness.app.machine import this_machine
+from harness.app.model_run import ModelScenario, case_of
 from harness.app.progress import SILENT, Progress
-from harness.app.scenarios import scenario_json
 from harness.app.showing import write_run_page, write_run_trace
 from harness.core.checks import positive
 from harness.core.errors import InputError, SimulationError
 from harness.core.scenario import FREE_DECAY, Scenario
 from harness.core.trajectory import Source, Trajectory
-from harness.engines import models, registry
-from harness.engines.base import PRESETS, TUNED_DT, Preset, Task, choice
+from harness.engines import registry
+from harness.engines.base import PRESETS, TUNED_DT, Preset, choice
 from harness.estimate.every import estimate_all
-from harness.exact.decay import free_decay
-from harness.fidelity.metrics import measure
 from harness.io.store import OutputFolder, output_folder
 from harness.results.run import Metrics, RunResult, TraceResult
 
@@ -39,12 +37,13 @@ MOST_SAMPLES = 20_000_000
 class RunOptions:
     """What to run.
 
-    engines : names. presets : as-shipped, tuned or both. dt : step of the tuned preset, interval of the reference, s.
+    scenario : a free decay, or a model. engines : names. presets : as-shipped, tuned or both. dt : step of the tuned
+    preset, interval of the reference, s.
 
     Raises InputError for an engine or preset that does not exist, dt not above 0, or a dt that nothing would use.
     """
 
-    scenario: Scenario = FREE_DECAY
+    scenario: Scenario | ModelScenario = FREE_DECAY
     engines: tuple[str, ...] = ENGINES
     presets: tuple[str, ...] = PRESETS
     dt: float | None = None
@@ -65,7 +64,9 @@ class RunOptions:
             raise InputError("--duration", found, f"at most {MOST_SAMPLES} steps of --dt are accepted")
 
     @classmethod
-    def chosen(cls, scenario: Scenario, engines: Sequence[str], preset: str | None, dt: float | None) -> "RunOptions":
+    def chosen(
+        cls, scenario: Scenario | ModelScenario, engines: Sequence[str], preset: str | None, dt: float | None
+    ) -> "RunOptions":
         """As somebody chose: no engine means MuJoCo and PyBullet, no preset means both."""
         presets: tuple[str, ...] = PRESETS if preset is None else (preset,)
         return cls(scenario, tuple(engines) or ENGINES, presets, dt)
@@ -89,17 +90,18 @@ def run(options: RunOptions, out: Path | None = None, progress: Progress = SILEN
     folder cannot be written.
     """
     with output_folder(options.scenario.name, out) as output, journal(output / LOG):
-        trajectories, traces = _all_traces(options, progress)
+        case = case_of(options.scenario)
+        trajectories, traces = _all_traces(options, case, progress)
         result = RunResult(
-            scenario=scenario_json(options.scenario),
+            scenario=case.describe(),
             traces=traces,
-            conclusions=conclusions(traces, options.scenario),
+            conclusions=case.conclusions(traces),
             command=command,
             machine=this_machine(),
             files=_files(output),
         )
         progress("writing model, trace and report", len(options.plan) + 1, len(options.plan) + 2)
-        models.export(options.scenario.slider, output.work / "model")
+        case.export(output.work / "model")
         (output / "result.json").write_text(to_json(result), encoding="utf-8")
         write_run_trace(output / "trace.rrd", result, trajectories, output / "model/slider.urdf")
         write_run_page(output / "report.html", result, trajectories)
@@ -113,30 +115,30 @@ def _files(output: OutputFolder) -> dict[str, str]:
     return {name: output.at(file) for name, file in named.items()}
 
 
-def _all_traces(options: RunOptions, progress: Progress) -> tuple[list[Trajectory], list[TraceResult]]:
+def _all_traces(options: RunOptions, case: Case, progress: Progress) -> tuple[list[Trajectory], list[TraceResult]]:
     """The reference first, then the engines; those that could not be run have a result but no trajectory."""
     total = len(options.plan) + 2
     progress("exact reference", 0, total)
-    reference = _reference(options)
-    trajectories, traces = [reference], [measured(reference, options.scenario)]
+    reference = _reference(options, case)
+    trajectories, traces = [reference], [measured(reference, case)]
     for done, (name, preset) in enumerate(options.plan, 1):
         progress(f"{name} {preset}", done, total)
         dt = options.dt if preset == "tuned" else None
         try:
-            trajectory = registry.load(name).simulate(Task(options.scenario, preset=preset, dt=dt))
+            trajectory = case.simulated(registry.load(name), preset, dt)
         except SimulationError as error:
             LOGGER.warning("%s %s: %s", name, preset, error)
             traces.append(_failed(name, preset, dt, str(error)))
             continue
         trajectories.append(trajectory)
-        traces.append(measured(trajectory, options.scenario))
+        traces.append(measured(trajectory, case))
     return trajectories, traces
 
 
-def _reference(options: RunOptions) -> Trajectory:
+def _reference(options: RunOptions, case: Case) -> Trajectory:
     started = time.perf_counter()
     steps = round(options.scenario.duration / options.interval)
-    exact = free_decay(options.scenario, np.arange(max(steps, 1) + 1, dtype=np.float64) * options.interval)
+    exact = case.exact(np.arange(max(steps, 1) + 1, dtype=np.float64) * options.interval)
     source = Source(
         "reference",
         "exact",
@@ -147,8 +149,8 @@ def _reference(options: RunOptions) -> Trajectory:
     return replace(exact, source=source)
 
 
-def measured(trajectory: Trajectory, scenario: Scenario) -> TraceResult:
-    """Metrics of a trajectory against the exact motion of ``scenario``, and every estimator's figures."""
+def measured(trajectory: Trajectory, case: Case) -> TraceResult:
+    """Metrics of a trajectory against the exact motion of ``case``, and every estimator's figures."""
     source = trajectory.source
     return TraceResult(
         source=source.name,
@@ -159,7 +161,7 @@ def measured(trajectory: Trajectory, scenario: Scenario) -> TraceResult:
         dt_s=source.dt,
         wall_s=source.wall_s,
         samples=len(trajectory),
-        metrics=Metrics(**asdict(measure(trajectory, scenario))),
+        metrics=case.metrics(trajectory),
         estimates=estimates_of(estimate_all(trajectory.t, x=trajectory.x, a=trajectory.a)),
     )
 

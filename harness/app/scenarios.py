@@ -36,13 +36,14 @@ def _long_enough(decay: Decay) -> float:
     """A fifth longer than it takes to stick, ten periods where that never comes; rounded up to two digits."""
     ten_periods = 20.0 * math.pi / decay.omega_n
     if never_sticks(decay):
-        return _rounded_up(ten_periods)
+        return rounded_up(ten_periods)
     # nothing that is worth watching lasts longer than two hundred periods
     time = schedule(decay, 20.0 * ten_periods).stick_time
-    return _rounded_up(20.0 * ten_periods if time is None else 1.2 * time or 0.1 * ten_periods)
+    return rounded_up(20.0 * ten_periods if time is None else 1.2 * time or 0.1 * ten_periods)
 
 
-def _rounded_up(value: float) -> float:
+def rounded_up(value: float) -> float:
+    """A positive number with two digits, not below ``value``."""
     exponent = math.floor(math.log10(value)) - 1
     return float(f"{math.ceil(value / 10.0**exponent)}e{exponent}")
 

@@ -87,15 +87,15 @@ def export(slider: Slider, into: Path, restoring: Restoring = "spring") -> dict[
     try:
         into.mkdir(parents=True, exist_ok=True)
         for name in NAMES:
-            written[f"{name}.xml"] = _write(into / f"{name}.xml", _exact_mjcf(slider, name, restoring))
+            written[f"{name}.xml"] = write(into / f"{name}.xml", exact_mjcf(slider, name, restoring))
             text = etree.tostring(urdf(slider, name), xml_declaration=True, encoding="utf-8")
-            written[f"{name}.urdf"] = _write(into / f"{name}.urdf", text)
+            written[f"{name}.urdf"] = write(into / f"{name}.urdf", text)
     except OSError as error:
         raise StoreError(f"{into}: cannot write the models ({error.strerror})") from error
     return written
 
 
-def _exact_mjcf(slider: Slider, name: str, restoring: Restoring) -> bytes:
+def exact_mjcf(slider: Slider, name: str, restoring: Restoring) -> bytes:
     """MJCF text with every digit; MuJoCo's own writer keeps six."""
     spec = mjcf(slider, name, restoring)
     tree = etree.fromstring(spec.to_xml().encode())
@@ -129,7 +129,8 @@ def cannot_say(slider: Slider, name: str, suffix: str, restoring: Restoring = "s
     return tuple(missing)
 
 
-def _write(file: Path, text: bytes) -> Path:
+def write(file: Path, text: bytes) -> Path:
+    """Write a file whole or not at all."""
     handle, beside = tempfile.mkstemp(dir=file.parent, prefix=f".{file.name}-")
     try:
         with os.fdopen(handle, "wb") as stream:

@@ -11,6 +11,7 @@ from harness.app.rebuild import rebuild
 from harness.app.run import RunOptions, run
 from harness.app.scenarios import scenario_named
 from harness.core.errors import InputError, SimulationError
+from harness.core.scenario import FREE_DECAY
 from harness.core.trajectory import Trajectory
 from harness.engines.base import Task
 from harness.engines.mujoco import MujocoEngine
@@ -102,7 +103,7 @@ def test_the_trace_alone_gives_the_page_and_every_figure_bit_for_bit(done: Done,
 
 def test_stored_samples_are_those_of_the_engine(done: Done) -> None:
     stored = read_trace(done[1] / "trace.rrd").trajectories
-    direct = MujocoEngine().simulate(Task(RunOptions().scenario, preset="tuned"))
+    direct = MujocoEngine().simulate(Task(FREE_DECAY, preset="tuned"))
     for name in ("t", "x", "v", "a"):
         np.testing.assert_array_equal(getattr(stored[2], name), getattr(direct, name))
 

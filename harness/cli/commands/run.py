@@ -10,12 +10,13 @@ from harness.cli.output import check_json, emit_json, show, shows_tables, this_l
 from harness.cli.progress import shown
 
 if TYPE_CHECKING:
+    from harness.app.model_run import ModelScenario
     from harness.results.common import P
     from harness.results.run import RunResult, TraceResult
 
 
 @click.command(short_help="One slider in the exact reference, MuJoCo and PyBullet, with estimators and report.")
-@click.argument("scenario", default="free-decay")
+@click.argument("scenario", required=False)
 @click.option("--m", type=float, metavar="KG", help="Mass.  [1]")
 @click.option("--c", type=float, metavar="NS/M", help="Viscous damping.  [1]")
 @click.option("--k", type=float, metavar="N/M", help="Stiffness.  [100]")
@@ -24,10 +25,17 @@ if TYPE_CHECKING:
 @click.option("--x0", type=float, metavar="M", help="Position at release.  [1]")
 @click.option("--v0", type=float, metavar="M/S", help="Speed at release.  [0]")
 @click.option("--duration", type=float, metavar="S", help="Length of the run.  [3, or until it rests]")
+@click.option(
+    "--model",
+    type=click.Path(path_type=Path),
+    metavar="FILE",
+    help="Run this model (harness.model/1), as harness diagnose writes it, in place of a scenario.",
+)
 @engine_options
 @output_options
 def command(
-    scenario: str,
+    scenario: str | None,
+    model: Path | None,
     engines: tuple[str, ...],
     preset: str | None,
     dt: float | None,
@@ -44,19 +52,37 @@ def command(
     \b
     Example: harness run
              harness run --engine mujoco --preset tuned --dt 5e-4
+             harness run --model model.json
              harness run --m 2.42 --k 2310 --c 4.79 --f-k 0.351 --x0 0.01 --json -
     """
     check_json(json_to)
     from harness.app.run import RunOptions, run
-    from harness.app.scenarios import scenario_named
+    from harness.app.scenarios import NAMES, scenario_named
 
-    options = RunOptions.chosen(scenario_named(scenario, given), engines, preset, dt)
+    if model is None:
+        chosen = RunOptions.chosen(scenario_named(scenario or NAMES[0], given), engines, preset, dt)
+    else:
+        chosen = RunOptions.chosen(_scenario_of(model, scenario, given), engines, preset, dt)
     with shown(quiet) as progress:
-        result = run(options, out, progress, this_line())
+        result = run(chosen, out, progress, this_line())
     emit_json(result, json_to)
     if shows_tables(json_to, quiet):
         _print(result)
     return 1 if any(trace.error for trace in result.traces) else 0
+
+
+def _scenario_of(model: Path, scenario: str | None, given: dict[str, float | None]) -> "ModelScenario":
+    """The model's scenario; InputError for anything else that says what the model says."""
+    from harness.app.model_run import ModelScenario
+    from harness.core.errors import InputError
+
+    if scenario is not None:
+        raise InputError("--model", f"given with the scenario {scenario}", "one of the two is accepted")
+    for name, value in given.items():
+        if name != "duration" and value is not None:
+            option = f"--{name.replace('_', '-')}"
+            raise InputError("--model", f"given with {option} {value:g}", f"the model's own {name} is accepted")
+    return ModelScenario.of_file(model, given["duration"])
 
 
 def _print(result: "RunResult") -> None:
