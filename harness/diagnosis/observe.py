@@ -1,11 +1,13 @@
 """What the sensors would have shown of a model's motion, with partials: slot O, composed per channel."""
 
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, fields, replace
 
 import numpy as np
 
 from harness.core.arrays import FloatArray, ModeArray
 from harness.core.events import Events
+from harness.diagnosis.driven.starts import Start, starts_of
 from harness.diagnosis.problem import Problem
 from harness.kernels.solve import By, Effort, Scales, solve
 from harness.model.model import Model
@@ -31,7 +33,7 @@ class Observation:
 
 
 def _is_sensor(model: Model, by: By) -> bool:
-    return isinstance(by, tuple) and model.terms[by[0]].term.slot is Slot.OBSERVATION
+    return by == "offset" or isinstance(by, tuple) and model.terms[by[0]].term.slot is Slot.OBSERVATION
 
 
 def observe(
@@ -43,9 +45,44 @@ def observe(
 ) -> Observation:
     """Channels of ``problem`` as ``model`` predicts them, with partials by the parameters ``by``.
 
-    Raises SimulationError when the motion cannot be followed.
+    With windows, each is simulated from its own start. Raises SimulationError when the motion cannot be followed.
     """
-    t = problem.t
+    if problem.restarts is None:
+        return _stretch(model, problem, problem.t, by, scales, effort)
+    scales = scales or Scales.of(model, problem.drive)
+    return _joined([_window(model, problem, w, by, scales, effort) for w in starts_of(model, problem.restarts)])
+
+
+def _window(
+    model: Model, problem: Problem, start: Start, by: tuple[By, ...], scales: Scales, effort: Effort
+) -> Observation:
+    """One window, its starts (the internal ones too) moving with the parameters that decide them."""
+    w = start.window
+    asked = tuple(dict.fromkeys((*by, *(name for b in by for name in start.slopes.get(b, {})))))
+    shown = _stretch(start.model, problem, problem.t[w.start : w.stop], asked, scales, effort)
+    for column, b in enumerate(by):
+        for name, slope in start.slopes.get(b, {}).items():
+            for partials in shown.dy.values():
+                partials[:, column] += slope * partials[:, asked.index(name)]
+    return replace(shown, dy={c: partials[:, : len(by)] for c, partials in shown.dy.items()})
+
+
+def _joined(parts: Sequence[Observation]) -> Observation:
+    """Windows one after another; arrays of shape (n,) and (n, q) as for one stretch."""
+    channels = parts[0].y
+    events = [p.events for p in parts]
+    return Observation(
+        {c: np.concatenate([p.y[c] for p in parts]) for c in channels},
+        {c: np.concatenate([p.dy[c] for p in parts]) for c in channels},
+        *(np.concatenate([getattr(p, name) for p in parts]) for name in ("x", "v", "a", "mode")),
+        Events(*(np.concatenate([getattr(e, f.name) for e in events]) for f in fields(Events))),
+    )
+
+
+def _stretch(
+    model: Model, problem: Problem, t: FloatArray, by: tuple[By, ...], scales: Scales | None, effort: Effort
+) -> Observation:
+    """A stretch simulated from the model's own start."""
     dynamic = tuple(b for b in by if not _is_sensor(model, b))
     column = {b: i for i, b in enumerate(dynamic)}
     sensors = {
@@ -91,6 +128,9 @@ def observe(
             y["x"] += rate * t
             if c >= 0:
                 dy["x"][:, c] = t
+        y["x"] += model.offset
+        if "offset" in by:
+            dy["x"][:, by.index("offset")] = 1.0
     if "v" in problem.channels:
         y["v"], dy["v"] = motion.v[at].copy(), spread(motion.dv, at)
     if "a" in problem.channels:

@@ -63,6 +63,7 @@ class Model:
     """m x'' + c x' + k R(x) + sum of terms + f = u(t), released at time t0 from x0, v0.
 
     SI units; without a known mass m = 1 and forces are per unit mass. f_s : break-away force, None for f_k.
+    offset : what the sensor of x shows when the restoring force is nil, m.
     Raises InputError for parameters out of range and for two laws in a slot that takes one.
     """
 
@@ -77,6 +78,7 @@ class Model:
     t0: float = 0.0
     terms: tuple[ModelTerm, ...] = ()
     mass_known: bool = True
+    offset: float = 0.0
 
     def __post_init__(self) -> None:
         positive("model: m", self.m, "kg")
@@ -90,7 +92,7 @@ class Model:
             positive("model: k", self.k, "N/m")
         if self.f_s is not None and not_negative("model: f_s", self.f_s, "N") < self.f_k:
             raise InputError("model: f_s", f"{self.f_s:g}, below f_k = {self.f_k:g}", "f_s >= f_k is accepted")
-        for name in ("x0", "v0", "t0"):
+        for name in ("x0", "v0", "t0", "offset"):
             finite(f"model: {name}", getattr(self, name))
         object.__setattr__(self, "terms", tuple(self.terms))
         for slot in SINGLE:
