@@ -42,7 +42,7 @@ class Place:
 
 @dataclass(frozen=True, slots=True)
 class _Blocks:
-    """Blocks of w samples: power of their means in units of white noise, (m, channels); and how many are independent."""
+    """Blocks: power of their means in units of white noise (m, channels), and how many are independent."""
 
     power: FloatArray
     width: int
@@ -57,7 +57,7 @@ def _blocks(residuals: Sequence[FloatArray], width: int, longest: int) -> _Block
 
 
 def _memory(power: FloatArray, longest: int) -> float:
-    """Blocks that say the same: the sum of the autocorrelation of the power, up to ``longest`` lags or its first zero."""
+    """How many blocks say the same: the sum of the autocorrelation of the power, up to ``longest`` lags or zero."""
     # ranks, so that a few large values do not hide what the many do
     ranks = np.argsort(np.argsort(power, kind="stable"), kind="stable").astype(np.float64)
     centred = ranks - ranks.mean()

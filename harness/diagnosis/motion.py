@@ -47,7 +47,7 @@ def _integral(t: FloatArray, y: FloatArray, period: float) -> FloatArray:
     """Running integral without its drift."""
     steps = 0.5 * (y[1:] + y[:-1]) * np.diff(t)
     total = np.concatenate(([0.0], np.cumsum(steps)))
-    width = max(3, int(round(period / float(np.median(np.diff(t))))) | 1)
+    width = max(3, round(period / float(np.median(np.diff(t)))) | 1)
     drift = _running(_running(total, width), width) if y.size > 2 * width else np.full(y.size, total.mean())
     return total - drift
 

@@ -115,7 +115,7 @@ PLACES: list[tuple[str, str, Callable[[FloatArray, Motion], FloatArray]]] = [
     ("low-speed", "|v| < ", lambda t, m: np.where(np.abs(m.v) < 0.1 * m.omega, 4.0 * np.sin(7.0 * t * m.omega), 0.0)),
     ("one-side", "x > ", lambda t, m: np.where(m.x > 0.5, 4.0 * np.sin(7.0 * t * m.omega), 0.0)),
     ("one-direction", "v > 0", lambda t, m: np.where(m.v > 0.0, 3.0 * np.sin(7.3 * t * m.omega), 0.0)),
-    ("late", "t > 4000", lambda t, m: np.where(t > 4000.0, 2.0 * np.sin(7.3 * t * m.omega), 0.0)),
+    ("late", "t > 3998 s", lambda t, m: np.where(t > 4000.0, 2.0 * np.sin(7.3 * t * m.omega), 0.0)),
     ("high-speed", "|v| > ", lambda t, m: np.where(np.abs(m.v) > 0.7 * m.omega, 4.0 * np.sin(7.3 * t * m.omega), 0.0)),
 ]
 
