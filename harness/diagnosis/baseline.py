@@ -20,6 +20,8 @@ from harness.kernels.solve import Scales
 from harness.model.model import Model, Restoring
 
 _SHARES = (0.5, 0.15, 0.85)
+_CLEARLY_MOVING = 6.0
+"""Standard errors of the first speed from which a release from rest need not be tried."""
 _FIRST_CYCLES = 2.0
 
 
@@ -164,6 +166,10 @@ def at_rest(found: Fit, problem: Problem, scales: Scales) -> Fit:
     if "v0" not in base_of(found.free):
         return found
     base = tuple(name for name in base_of(found.free) if name != "v0")
+    at = next(i for i, f in enumerate(found.free) if f.name == "v0")
+    error = math.sqrt(max(float(found.covariance()[at, at]), 0.0)) * math.sqrt(max(1.0, found.chi2 / found.points))
+    if abs(found.values[at]) > _CLEARLY_MOVING * error:
+        return found
     model = replace(found.model, v0=0.0)
     try:
         still = fit(model, problem, free_of(model, base), scales)

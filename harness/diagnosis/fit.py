@@ -22,6 +22,9 @@ _REACHES = (1.0, 1.0, 0.5, 0.5, 0.25)
 _LEFT_OUT = (3.0, 1.5)
 """Sampling intervals next to an event that are left out at first."""
 
+_NEAR = 3.5
+"""Standard deviations from which a sample beside a jump is looked at twice."""
+
 _DONE = 1e-5
 """A step that promises less than this in chi-square changes nothing that anybody could see."""
 
@@ -180,12 +183,12 @@ def fit(
     """Fit the free numbers of a model, starting from its own values.
 
     An acceleration jumps at a reversal, so chi-square has a step wherever an event passes a sample, and a descent stops
-    before the first. With ``thorough``, it is made without the samples next to the events too, and from the best of
-    several points that this leaves open with all of them.
+    before the first. With ``thorough``, where a sample next to an event seems to lie on its wrong side, it is made without
+    those samples too, and from the best of several points that this leaves open with all of them.
     Raises SimulationError when even the start cannot be simulated.
     """
     found = _descend(model, problem, free, scales, iterations, effort)
-    if not thorough or "a" not in problem.channels or not len(found.shown.events):
+    if not thorough or not _misplaced(found, problem):
         return found
     smooth = found
     for width in _LEFT_OUT:
@@ -195,11 +198,28 @@ def fit(
     spread = _spread(smooth)
     random = np.random.default_rng(0)
     for reach in _REACHES:
+        if not _misplaced(best, problem):
+            break
         nearby = [_drawn(best, spread, reach * random.standard_normal(len(free))) for _ in range(_DRAWS)]
         start = min(nearby, key=lambda m: _chi2(m, problem, scales, effort))
         tried = _descend(start, problem, free, scales, iterations, effort)
         best = min((best, tried), key=lambda f: f.chi2)
     return best
+
+
+def _misplaced(found: Fit, problem: Problem) -> bool:
+    """Whether an acceleration next to a jump, or at the start, stands out as if the event lay on its other side."""
+    events = found.shown.events
+    if "a" not in problem.channels or not len(events):
+        return False
+    t, sigma = problem.t, problem.noise["a"].sigma
+    jumps = events.t[np.abs(events.a_after - events.a_before) > _NEAR * sigma]
+    first = list(problem.channels).index("a") * t.size
+    residual = np.abs(found.residual[first : first + t.size])
+    after = np.searchsorted(t, jumps)
+    beside = np.unique(np.clip(np.concatenate((after - 2, after - 1, after, after + 1, [0])), 0, t.size - 1))
+    level = max(1.0, float(np.sqrt(np.mean(residual**2))))
+    return bool(np.any(residual[beside] > _NEAR * level))
 
 
 def _spread(smooth: Fit) -> FloatArray:

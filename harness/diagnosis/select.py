@@ -102,7 +102,8 @@ def extend(current: Fit, problem: Problem, scales: Scales, terms: Sequence[Term]
     fits: dict[tuple[str, ...], Fit] = {}
     reach = max(_MISPLACED, _MISPLACED_SHARE * (current.bic - quick[0].bic)) if quick else 0.0
     for hasty in quick:
-        found = settle(hasty, problem, scales) if hasty.bic < quick[0].bic + reach else hasty
+        near = hasty.bic < min(quick[0].bic + reach, current.bic)
+        found = settle(hasty, problem, scales) if near else hasty
         key = key_of(found)
         if key not in fits or found.bic < fits[key].bic:
             fits[key] = found

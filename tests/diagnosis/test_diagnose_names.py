@@ -1,0 +1,68 @@
+"""The diagnosis against the independent plant: names what was hidden, names nothing where nothing was."""
+
+import functools
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from harness.diagnosis.conclude import diagnose
+from harness.diagnosis.outcome import Outcome
+from harness.diagnosis.problem import Problem
+from harness.estimate.noise import channel_noise
+from harness.proof.plant import Case, draw
+
+SHORT = ("sensor-lag", "cubic-stiffness", "quadratic-drag", "asymmetric-viscous", "sensor-gain")
+
+
+def _problem(case: Case) -> Problem:
+    channels = {c: case.recorded[c] for c in case.channels}
+    t = case.recorded["t"]
+    return Problem(t, channels, {c: channel_noise(t, y) for c, y in channels.items()})
+
+
+@functools.cache
+def _case(kind: str, seed: int) -> Case:
+    return draw(kind, np.random.default_rng(seed))
+
+
+def _named(outcome: Outcome) -> set[str]:
+    return {m.name for m in outcome.mechanisms}
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_nothing_is_named_where_nothing_is_hidden(seed: int) -> None:
+    outcome = diagnose(_problem(_case("control", seed)))
+    assert outcome.verdict == "adequate"
+    assert not outcome.mechanisms
+    # chi-square per point of the base fit within four sampling errors of one
+    assert abs(outcome.base.chi2 / outcome.base.points - 1.0) < 4.0 * np.sqrt(4.0 / outcome.base.points)
+
+
+@pytest.mark.parametrize("kind", SHORT)
+def test_the_hidden_effect_is_named(kind: str) -> None:
+    case = _case(kind, 11)
+    outcome = diagnose(_problem(case))
+    assert outcome.verdict == "missing_physics"
+    near = _named(outcome) | {a.name for m in outcome.mechanisms for a in m.alternatives}
+    assert kind in near
+    assert outcome.refined.chi2 < outcome.base.chi2
+    for channel, after in outcome.holdout.refined_rmse.items():
+        assert after <= 1.05 * outcome.holdout.baseline_rmse[channel]
+
+
+def test_the_same_recording_gives_the_same_answer() -> None:
+    problem = _problem(_case("quadratic-drag", 11))
+    first, second = diagnose(problem), diagnose(problem)
+    assert first.refined.values.tobytes() == second.refined.values.tobytes()
+
+
+def test_units_do_not_matter() -> None:
+    """A recording in other units of length names the same effect: every law scales."""
+    problem = _problem(_case("quadratic-drag", 11))
+    scaled = replace(
+        problem,
+        channels={c: 1000.0 * y for c, y in problem.channels.items()},
+        noise={c: replace(n, sigma=1000.0 * n.sigma) for c, n in problem.noise.items()},
+    )
+    assert _named(diagnose(scaled)) == _named(diagnose(problem))
