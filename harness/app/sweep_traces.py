@@ -21,6 +21,8 @@ from harness.show.trace import read_trace, write_trace
 
 SCHEMA = "harness.sweep-trace/1"
 
+_Ranked = tuple[float, str, dict[str, Any]]
+
 
 def keep_worst(result: Sweep, options: SweepOptions, progress: Progress = SILENT) -> dict[str, str]:
     """Simulate the worst rows once more, bitwise the same, and write each as traces/NUMBER-NAME.rrd.
@@ -29,9 +31,7 @@ def keep_worst(result: Sweep, options: SweepOptions, progress: Progress = SILENT
     """
     if not options.keep:
         return {}
-    ranked = ((badness(row), row["name"], row) for row in result.rows() if row["error"] is None)
-    worst = heapq.nlargest(options.keep, ranked, key=_by_badness)
-    places = {row["key"]: (place, row) for place, (_, _, row) in enumerate(worst, 1)}
+    places = {row["key"]: (place, row) for place, row in enumerate(worst_rows(result, options.keep), 1)}
     engines = engines_for(options)
     folder = result.folder / TRACES
     with explained(folder):
@@ -48,7 +48,25 @@ def keep_worst(result: Sweep, options: SweepOptions, progress: Progress = SILENT
     return written
 
 
-def _by_badness(entry: tuple[float, str, dict[str, Any]]) -> tuple[float, str]:
+def worst_rows(result: Sweep, count: int) -> list[dict[str, Any]]:
+    """The worst row of each engine, route and scenario, the worst first; when there are not enough, the next worst."""
+    firsts: dict[tuple[str, ...], _Ranked] = {}
+    others: list[_Ranked] = []
+    for row in result.rows():
+        if row["error"] is not None:
+            continue
+        ranked = (badness(row), row["name"], row)
+        group = (row["engine"], row["route"], row["scenario"])
+        first = firsts.get(group)
+        if first is None or ranked[:2] > first[:2]:
+            firsts[group], ranked = ranked, first or ranked
+        if first is not None:
+            others = heapq.nlargest(count, [*others, ranked], key=_by_badness)
+    leaders = heapq.nlargest(count, firsts.values(), key=_by_badness)
+    return [row for _, _, row in [*leaders, *others][:count]]
+
+
+def _by_badness(entry: _Ranked) -> tuple[float, str]:
     return entry[0], entry[1]
 
 

@@ -71,6 +71,9 @@ def drawn(number: int) -> Sliders:
     return Sliders(decay, 1.0, sticky, speed, driven, drive, stopping)
 
 
+SOFT = 0.01
+"""Stiffness of a hold over that of the free decay: creep must not unload it."""
+
 CONTACT_SCALE = 0.1
 """Sizes and forces on the floor, as a share of those of the joint: a fast box with much friction lifts, a slow one does
 not; x/x_k and zeta stay the same, so that relative figures compare."""
@@ -87,7 +90,7 @@ def suite(route: Route, sliders: Sliders = OWN) -> dict[str, Scenario]:
     scale = CONTACT_SCALE if route == "contact" else 1.0
     slider, x0 = scaled(sliders.decay, scale), _plain(scale * sliders.x0)
     driven, drive, stopping = scaled(sliders.driven, scale), sliders.drive, sliders.stopping
-    held = Slider(sliders.decay.m, 0.0, _plain(0.01 * sliders.decay.k), sliders.decay.f_k)
+    held = Slider(sliders.decay.m, 0.0, _plain(SOFT * sliders.decay.k), sliders.decay.f_k)
     made = [
         decay(slider, x0, 3.5),
         frictionless(slider, x0, 3.0),

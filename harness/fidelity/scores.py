@@ -1,7 +1,7 @@
 """The scorecard: for every engine, route and preset one line, every figure a distance from exact.
 
 A figure is relative: 0 is exact, and 1 is as wrong as the thing measured is large. Position errors are against the
-release, rest against x_k, creep against x_k omega_n, leads and times against the period.
+release, rest against x_k, creep in one period against x_k, leads and times against the period.
 """
 
 import math
@@ -41,8 +41,9 @@ def _omega(row: Row) -> float:
 
 
 def _creep(row: Row) -> float:
-    # a hold's spring is soft: the speed that friction gives the mass in a radian of a second is what creep is against
-    return float(row["slider"]["f_s"]) / float(row["slider"]["m"])
+    # a hold's spring is soft; the free decay's is what x_k and the period belong to
+    k = float(row["slider"]["k"]) / cases.SOFT
+    return float(row["slider"]["f_k"]) / k * math.sqrt(k / float(row["slider"]["m"])) / (2.0 * math.pi)
 
 
 def _period(row: Row) -> float:
@@ -74,8 +75,8 @@ FIGURES = (
     Figure("lead", cases.DECAY, "reversal_lead_s", _period, "friction reverses before the speed, over the period"),
     Figure("rest", cases.DECAY, "rest_error_m", _x_k, "place of rest, over x_k"),
     Figure("energy", cases.DECAY, "energy_error", _one, "largest error of the energy balance, over the start's"),
-    Figure("creep 50 %", "hold-50", "creep_m_s", _creep, "creep at half of break-away, over f_s/m in one second"),
-    Figure("creep 97 %", "hold-97", "creep_m_s", _creep, "creep at 97 % of break-away, over f_s/m in one second"),
+    Figure("creep 50 %", "hold-50", "creep_m_s", _creep, "creep in one period at half of break-away, over x_k"),
+    Figure("creep 97 %", "hold-97", "creep_m_s", _creep, "creep in one period at 97 % of break-away, over x_k"),
     Figure("belt period", cases.BELT, "period_s", _exact("period_s"), "period of stick-slip"),
     Figure("stick share", cases.BELT, "stick_fraction", _one, "share of the period that sticks, difference"),
     Figure("stick speed", cases.BELT, "stick_deviation_m_s", _belt, "speed against the belt while it sticks"),

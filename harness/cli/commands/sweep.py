@@ -67,7 +67,7 @@ def command(
     options = SweepOptions(engines, routes, presets, steps, short, sliders, jobs, cluster, keep, resume)
     with shown(quiet) as progress:
         result = sweep(options, out, progress, this_line())
-        finish(result, options.keep, progress)
+        finish(result, options, progress)
     if json_to == STANDARD_OUTPUT:
         sys.stdout.writelines(result.json())
         sys.stdout.flush()

@@ -1,0 +1,167 @@
+"""The page of a sweep, its scorecard, orders and conclusions; the published one."""
+
+import re
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from harness.app.sweep import Sweep, SweepOptions, settings_of, sweep
+from harness.app.sweep_conclusions import headline, percent, sentences
+from harness.app.sweep_report import finish, one_step_each, summary
+from harness.app.sweep_traces import worst_rows
+from harness.fidelity.convergence import Ladder, slope
+from harness.fidelity.pareto import FLOOR, front, points
+from harness.fidelity.scores import FIGURES, LABELS, badness, cards, distance
+
+PUBLISHED = Path(__file__).resolve().parents[2] / "reports" / "fidelity"
+OPTIONS = SweepOptions(("mujoco", "pybullet"), ("joint",), ("as-shipped", "tuned"), (2e-3, 1e-3), jobs=1, keep=2)
+
+
+@pytest.fixture(scope="module")
+def swept(tmp_path_factory: pytest.TempPathFactory) -> Sweep:
+    result = sweep(OPTIONS, tmp_path_factory.mktemp("report") / "out")
+    finish(result, OPTIONS)
+    return result
+
+
+@pytest.fixture(scope="module")
+def rows(swept: Sweep) -> list[dict[str, Any]]:
+    return list(swept.rows())
+
+
+def test_page_is_one_file_without_network(swept: Sweep) -> None:
+    page = (swept.folder / "report.html").read_text()
+    assert len(page) < 5_000_000
+    assert "default-src 'none'" in page  # the browser itself refuses any address
+    for heading in ("Conclusions", "Scorecard", "Error against cost", "Convergence in the step", "Worst rows"):
+        assert f">{heading}<" in page
+    files = re.findall(r'href="(traces/[^"]+)"', page)
+    assert len(files) == 2
+    assert all((swept.folder / file).is_file() for file in files)
+
+
+def test_page_draws_without_an_error(swept: Sweep) -> None:
+    sync = pytest.importorskip("playwright.sync_api")
+    import shutil
+
+    browser = shutil.which("chromium") or shutil.which("chromium-browser")
+    if browser is None:
+        pytest.skip("no chromium here")
+    with sync.sync_playwright() as play:
+        chromium = play.chromium.launch(executable_path=browser, args=["--no-sandbox"])
+        page = chromium.new_page()
+        said: list[str] = []
+        page.on("console", lambda message: said.append(message.text) if message.type == "error" else None)
+        page.on("pageerror", lambda error: said.append(str(error)))
+        page.goto((swept.folder / "report.html").as_uri())
+        page.wait_for_function(
+            "document.querySelectorAll('.plot .main-svg').length >= document.querySelectorAll('.plot').length"
+        )
+        plots = page.evaluate(
+            "[...document.querySelectorAll('.plot')].map(plot => plot.querySelectorAll('.trace').length)"
+        )
+        chromium.close()
+    assert said == []
+    assert len(plots) >= 5
+    assert all(count > 0 for count in plots)
+
+
+def test_as_shipped_and_tuned_stand_beside_each_other(rows: list[dict[str, Any]]) -> None:
+    found = cards(rows)
+    assert [(card.engine, card.preset) for card in found] == [
+        ("mujoco", "as-shipped"),
+        ("mujoco", "tuned"),
+        ("pybullet", "as-shipped"),
+        ("pybullet", "tuned"),
+    ]
+    assert [card.dt_s for card in found] == pytest.approx([2e-3, 1e-3, 1.0 / 240.0, 1e-3])
+    for shipped, tuned in zip(found[::2], found[1::2], strict=True):
+        for label in ("position", "x_k narrow", "zeta"):
+            before, after = shipped.values[label], tuned.values[label]
+            assert before is not None
+            assert after is not None
+            assert after < before
+
+
+def test_distance_is_against_exact(rows: list[dict[str, Any]]) -> None:
+    for row in rows:
+        for figure in FIGURES:
+            if figure.scenario == row["scenario"] and row["metrics"].get(figure.metric) is not None:
+                exactly = row | {"metrics": row["metrics"] | {figure.metric: row["exact"].get(figure.metric, 0.0)}}
+                assert distance(exactly, figure) == 0.0
+                found = distance(row, figure)
+                assert found is not None
+                assert found >= 0.0
+
+
+def test_conclusions_name_what_to_change_and_what_stays(rows: list[dict[str, Any]]) -> None:
+    said = sentences(cards(rows))
+    text = " ".join(said)
+    assert "MuJoCo 4.0.0, joint friction: as shipped x_k narrow off by 100 %" in text
+    assert "integrator to RK4" in text
+    assert "linearDamping to 0" in text
+    assert "what stays wrong after that: nothing above 1 %" in text
+    assert headline(cards(rows)).startswith("As shipped, MuJoCo is off by up to 100 % (x_k narrow)")
+    assert headline([]) == "No row of the joint route was run."
+
+
+@pytest.mark.parametrize(("value", "text"), [(0.0, "less than 0.001 %"), (0.0123, "1.2 %"), (1.327, "133 %")])
+def test_percent(value: float, text: str) -> None:
+    assert percent(value) == text
+
+
+def test_front_holds_what_nothing_beats(rows: list[dict[str, Any]]) -> None:
+    every = points(rows)
+    best = front(every)
+    for point in every:
+        assert FLOOR <= point.score < 1.0
+        assert any(one.cost <= point.cost and one.score <= point.score for one in best)
+    for one in best:
+        assert not any(point.cost < one.cost and point.score < one.score for point in every)
+
+
+def test_worst_rows_come_from_different_places_first(swept: Sweep, rows: list[dict[str, Any]]) -> None:
+    worst = worst_rows(swept, 6)
+    assert badness(worst[0]) == max(badness(row) for row in rows)
+    groups = [(row["engine"], row["route"], row["scenario"]) for row in worst]
+    assert len(set(groups)) == 6
+    assert len(worst_rows(swept, 10_000)) == len(rows)
+    assert len({row["key"] for row in worst_rows(swept, 10_000)}) == len(rows)
+
+
+def test_summary_has_a_line_a_card(swept: Sweep) -> None:
+    heads, lines = summary(swept)
+    assert len(lines) == 4
+    assert all(len(line) == len(heads) for line in lines)
+
+
+def test_every_setting_is_listed_at_one_step(rows: list[dict[str, Any]]) -> None:
+    kept = one_step_each(rows)
+    assert {row["dt_s"] for row in kept} == {1e-3}
+    assert len({(settings_of(row), row["engine"], row["scenario"]) for row in kept}) == len(kept)
+
+
+def test_orders_are_the_slope_of_a_power(rows: list[dict[str, Any]]) -> None:
+    dt = [4e-3, 2e-3, 1e-3, 5e-4]
+    order, spread = slope(dt, [7.0 * step**3 for step in dt])
+    assert order == pytest.approx(3.0, abs=1e-12)
+    assert spread == pytest.approx(1.0, abs=1e-12)
+    crooked = slope(dt, [2.0 * dt[0], dt[1], dt[2], dt[3]])
+    assert crooked[1] > 1.1
+    ladder = Ladder()
+    for row in rows:
+        ladder.add(row)
+    # two steps are not enough, and a row of random sliders does not count
+    assert {order.preset for order in ladder.orders()} <= {"as-shipped"}
+
+
+def test_the_published_report_is_small_and_whole() -> None:
+    files = [path for path in PUBLISHED.rglob("*") if path.is_file()]
+    assert sum(path.stat().st_size for path in files) <= 5_000_000
+    page = (PUBLISHED / "report.html").read_text()
+    links = re.findall(r'href="(traces/[^"]+)"', page)
+    assert links
+    assert all((PUBLISHED / link).is_file() for link in links)
+    assert "python -m harness.app.publish_fidelity" in page
+    assert len(LABELS) == len(set(LABELS))
