@@ -4,16 +4,17 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from harness.app.deliver import to_json
-from harness.app.diagnose_files import traces, write_model, write_trace_csv
+from harness.app.diagnose_files import simulated, write_model, write_trace_csv
 from harness.app.diagnose_options import DiagnoseOptions
 from harness.app.diagnose_problem import problem_of
 from harness.app.diagnose_result import result_of
+from harness.app.diagnose_show import write_diagnosis_page, write_diagnosis_trace
 from harness.app.journal import NAME as LOG
 from harness.app.journal import journal
 from harness.app.progress import SILENT, Progress
 from harness.app.reading import read_as
-from harness.core.arrays import FloatArray
 from harness.core.recording import Recording
+from harness.core.trajectory import Trajectory
 from harness.diagnosis.conclude import diagnose as conclude
 from harness.diagnosis.outcome import Outcome
 from harness.io.store import OutputFolder, output_folder
@@ -36,13 +37,12 @@ FILES = {
 class Diagnosed:
     """A diagnosis with what it rests on.
 
-    baseline, refined : channels of both models at every time of the recording, (n,) each. result : without files.
+    simulated : base model and refined model at every time of the recording. result : without files.
     """
 
     recording: Recording
     outcome: Outcome
-    baseline: dict[str, FloatArray]
-    refined: dict[str, FloatArray]
+    simulated: tuple[Trajectory, Trajectory]
     result: DiagnosisResult
 
 
@@ -58,7 +58,7 @@ def investigate(
     outcome = conclude(problem)
     progress("engines and attribution", 2, STEPS)
     result = result_of(recording, outcome, options, warnings, command)
-    return Diagnosed(recording, outcome, *traces(recording, outcome), result)
+    return Diagnosed(recording, outcome, simulated(recording, outcome), result)
 
 
 def diagnose(
@@ -88,8 +88,10 @@ def diagnose(
 
 def _write(output: OutputFolder, found: Diagnosed) -> DiagnosisResult:
     left_out = write_model(output.work / "model", found.outcome.refined.model)
-    write_trace_csv(output / FILES["refined_trace"], found.recording.t, found.refined)
+    write_trace_csv(output / FILES["refined_trace"], found.simulated[1])
     files = {name: output.at(file) for name, file in FILES.items()}
     result = found.result.model_copy(update={"files": files, "model_left_out": left_out})
     (output / FILES["result"]).write_text(to_json(result), encoding="utf-8")
+    write_diagnosis_trace(output / FILES["rrd"], result, found.recording, found.simulated)
+    write_diagnosis_page(output / FILES["report"], result, found.recording, found.simulated)
     return result

@@ -26,7 +26,7 @@ _NEAR = 1.15
 
 
 def half_cycles(y: FloatArray, sigma: float) -> int:
-    """Swings of a channel (n,) from one turning point to the next that are larger than 3 % of its range and the noise."""
+    """Swings of a channel (n,) between turning points, those larger than 3 % of its range and than the noise."""
     swing = max(_SWING * float(np.ptp(y)), 6.0 * sigma)
     count, sign = 0, 0
     low = high = float(y[0])

@@ -6,9 +6,9 @@ from pathlib import Path
 
 import numpy as np
 
-from harness.core.arrays import FloatArray
 from harness.core.recording import Recording
 from harness.core.slider import Slider
+from harness.core.trajectory import Source, Trajectory
 from harness.diagnosis.observe import observe
 from harness.diagnosis.outcome import Outcome
 from harness.diagnosis.problem import Problem
@@ -24,15 +24,25 @@ def whole_problem(recording: Recording, problem: Problem) -> Problem:
     return replace(problem, t=recording.t, channels=channels, weight={})
 
 
-def traces(recording: Recording, outcome: Outcome) -> tuple[dict[str, FloatArray], dict[str, FloatArray]]:
-    """Channels of the base model and of the refined one at every time of the recording, (n,) each."""
+def simulated(recording: Recording, outcome: Outcome) -> tuple[Trajectory, Trajectory]:
+    """Motion of both models at every time of the recording; extra "shown x" and the like: what their sensors show."""
     whole = whole_problem(recording, outcome.problem)
-    found = [observe(fit.model, whole, (), outcome.scales).y for fit in (outcome.base, outcome.refined)]
-    return found[0], found[1]
+    return _motion("baseline", outcome.base.model, whole, outcome), _motion(
+        "refined", outcome.refined.model, whole, outcome
+    )
 
 
-def write_trace_csv(path: Path, t: FloatArray, channels: dict[str, FloatArray]) -> None:
-    """Columns t and channels in SI units; t reads back as the very numbers of the recording."""
+def _motion(name: str, model: Model, whole: Problem, outcome: Outcome) -> Trajectory:
+    seen = observe(model, whole, (), outcome.scales)
+    extra = {f"shown {channel}": values for channel, values in seen.y.items()}
+    return Trajectory(
+        whole.t, seen.x, seen.v, seen.a, Source("reference", name), mode=seen.mode, extra=extra, events=seen.events
+    )
+
+
+def write_trace_csv(path: Path, motion: Trajectory) -> None:
+    """Columns t and what the sensors show, in SI units; t reads back as the very numbers of the recording."""
+    t, channels = motion.t, {name.removeprefix("shown "): values for name, values in motion.extra.items()}
     columns = [t, *channels.values()]
     lines = [",".join(["t", *channels])]
     lines += [

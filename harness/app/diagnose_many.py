@@ -11,6 +11,7 @@ from pydantic import ValidationError
 from harness.app.deliver import to_json
 from harness.app.diagnose import FILES, diagnose
 from harness.app.diagnose_options import DiagnoseOptions
+from harness.app.diagnose_show import write_index
 from harness.app.machine import cores, package_version
 from harness.app.progress import SILENT, Progress
 from harness.app.sweep import InterruptionError
@@ -113,6 +114,7 @@ def diagnose_all(
         raise InterruptionError(f"interrupted; {done}, the same command with --resume --out {folder} goes on") from None
     many = Many(tuple(answers[i] for i in range(len(works))), folder)
     write_text(folder / RESULT, many.json())
+    write_index(folder / PAGE, many.answers, command)
     return many
 
 

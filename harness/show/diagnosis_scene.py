@@ -1,0 +1,116 @@
+"""The scene of a diagnosis: recording and both simulations, residuals, and where they part as a lane of states."""
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from harness.core.arrays import FloatArray
+from harness.core.recording import Recording
+from harness.core.trajectory import Trajectory
+from harness.show import scene as s
+from harness.show.axes import padded, plane_grid, roomy
+from harness.show.decimate import keep, reversal_times
+from harness.show.pack import pack_recording, pack_trajectories
+from harness.show.run_scene import DRAWN
+
+RECORDED, BEFORE, AFTER = "#8a93a0", "#e4632d", "#2b7fd6"
+_SIMULATED = (("before", "viscous and Coulomb", BEFORE), ("after", "refined", AFTER))
+_NAMES = {"x": "position / m", "v": "speed / (m/s)", "a": "acceleration / (m/s²)"}
+_ANGLES = {"x": "angle / rad", "v": "speed / (rad/s)", "a": "acceleration / (rad/s²)"}
+_PARTS = "parts"
+_MOST_OF_IT = 0.999
+"""A place that covers more of the recording than this says nothing on where."""
+
+
+def shown(simulated: Trajectory, channel: str) -> FloatArray:
+    """A channel as the sensors of a simulation show it, (n,)."""
+    return simulated.extra[f"shown {channel}"]
+
+
+def shaded_spans(result: Mapping[str, Any]) -> list[list[float]]:
+    """Where simulation and recording part, s: the places found, else those of the effects; none for the whole of it."""
+    places = [place["time_s"] for place in result["where"]]
+    places += [mechanism["where"]["time_s"] for mechanism in result["mechanisms"]]
+    for spans in places:
+        covered = sum(high - low for low, high in spans)
+        if spans and covered < _MOST_OF_IT * float(result["recording"]["duration_s"]):
+            return [list(span) for span in spans]
+    return []
+
+
+def lane(spans: Sequence[Sequence[float]], start: float, stop: float) -> tuple[FloatArray, list[str | None]]:
+    """Times (s) and states of a lane that is on in these spans."""
+    times, states = [start], [None if not spans or spans[0][0] > start else _PARTS]
+    for low, high in spans:
+        if low > times[-1]:
+            times.append(low)
+            states.append(_PARTS)
+        if high < stop:
+            times.append(high)
+            states.append(None)
+    return np.array(times), list(states)
+
+
+def diagnosis_scene(
+    recording: Recording, simulated: Sequence[Trajectory], result: Mapping[str, Any], notes: str
+) -> s.Scene:
+    """Scene of a diagnosis.
+
+    simulated : base model and refined model at the recording's times. result : JSON-able, stored as a property.
+    notes : Markdown.
+    """
+    channels = [c for c in ("x", "v", "a") if c in recording and f"shown {c}" in simulated[0].extra]
+    names = _ANGLES if recording.angular else _NAMES
+    models = list(zip(_SIMULATED, simulated, strict=True))[: 2 if result["mechanisms"] else 1]
+    around = reversal_times(simulated[-1])
+    items: list[s.Item] = [s.Page("/notes", notes)]
+    curves: list[s.Layout] = []
+    rests: list[s.Layout] = []
+    for c in channels:
+        parts = [recording[c], *(shown(model, c) for _, model in models)]
+        at = keep(recording.t, parts, around, DRAWN)
+        t = recording.t[at]
+        items.append(s.Line(f"/channels/{c}/recording", "recording", t, recording[c][at], RECORDED, 3.0))
+        left = []
+        for (key, label, color), model in models:
+            items.append(s.Line(f"/channels/{c}/{key}", label, t, shown(model, c)[at], color))
+            left.append(recording[c][at] - shown(model, c)[at])
+            items.append(s.Line(f"/residual/{c}/{key}", label, t, left[-1], color))
+        curves.append(s.Plot(names[c], [f"/channels/{c}"], roomy([recording[c]])))
+        rests.append(s.Plot(f"recording minus simulation, {names[c]}", [f"/residual/{c}"], roomy(left)))
+    spans = shaded_spans(result)
+    looks = {_PARTS: ("simulation and recording part", BEFORE)}
+    times, states = lane(spans, float(recording.t[0]), float(recording.t[-1]))
+    lanes: list[s.Layout] = []
+    if spans:
+        items.append(s.Lane("/where", times, states, looks))
+        lanes.append(s.Lanes("where they part", ["/where"]))
+    best = simulated[-1]
+    at = keep(best.t, (best.x, best.v), around, DRAWN)
+    points = np.column_stack([best.x[at], best.v[at]])
+    items.append(
+        s.Orbit("/plane/motion", "refined" if len(models) > 1 else "simulation", points, AFTER, (best.t[at], points))
+    )
+    x, y = padded([best.x], 0.06), padded([best.v], 0.06)
+    unit, speed = ("rad", "rad/s") if recording.angular else ("mm", "m/s")
+    items.append(
+        plane_grid("/plane/axes", x, y, (f"x / {unit}", 1.0 if recording.angular else 1e3), (f"v / ({speed})", 1.0))
+    )
+    shares = [*[2.0] * len(curves), *[0.5] * len(lanes), *[1.4] * len(rests)]
+    layout = s.Columns(
+        [
+            s.Rows([*curves, *lanes, *rests], shares),
+            s.Rows([s.Words("verdict", "/notes"), s.Plane("phase plane", ["/plane"], x, y)]),
+        ],
+        [3.0, 2.0],
+    )
+    blobs = {f"trajectory-{i:03d}": data for i, data in enumerate(pack_trajectories(simulated))}
+    blobs["recording-000"] = pack_recording(recording)
+    return s.Scene(
+        f"diagnosis of {recording.file.rpartition('/')[2]}",
+        items,
+        layout,
+        blobs,
+        {"result": dict(result), "notes": {"text": notes}},
+    )

@@ -1,0 +1,214 @@
+"""Tables of a diagnosis: both models' parameters, what was left out, held-out prediction, engines."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+from harness.show.report.numbers import NONE, number, quantity
+from harness.show.report.section import Section
+from harness.show.report.sources import setting
+from harness.show.report.table import Cell, Column, Row, Table
+
+_SIDES = {"baseline": "viscous and Coulomb", "refined": "refined"}
+
+
+def _units(result: Mapping[str, Any]) -> dict[str, str]:
+    """Unit of a rmse by channel."""
+    angular = any("rad" in p["unit"] for name, p in result["baseline"]["parameters"].items() if name == "x_k")
+    return {"x": "rad", "v": "rad/s", "a": "rad/s²"} if angular else {"x": "m", "v": "m/s", "a": "m/s²"}
+
+
+def _cell(p: Mapping[str, Any] | None, reasons: list[str]) -> Cell:
+    if p is None:
+        return Cell(NONE)
+    value, stderr, _ = quantity(p)
+    notes = [f"± {stderr}"] if stderr else []
+    if p.get("why"):
+        if p["why"] not in reasons:
+            reasons.append(p["why"])
+        notes.append(f"({reasons.index(p['why']) + 1})")
+    return Cell(value, notes)
+
+
+def _footnotes(reasons: list[str]) -> list[str]:
+    return [f"({i + 1}) {reason}" for i, reason in enumerate(reasons)]
+
+
+@dataclass(frozen=True)
+class Models(Section):
+    """Parameters of both models. result : as in harness.diagnosis/1."""
+
+    template: ClassVar[str] = "table.html.j2"
+    result: Mapping[str, Any]
+
+    @property
+    def title(self) -> str:
+        """The heading."""
+        return "Fit before and after"
+
+    def context(self) -> Mapping[str, Any]:
+        """What the template shows."""
+        reasons: list[str] = []
+        names = list(self.result["baseline"]["parameters"])
+        units = _units(self.result)
+        channels = list(self.result["baseline"]["rmse"])
+        columns = [Column(n, quantity(self.result["baseline"]["parameters"][n])[2]) for n in names]
+        columns += [Column("chi-square per point", "", "1 when only noise is left")]
+        columns += [Column(f"rmse of {c}", units.get(c, "")) for c in channels]
+        rows = []
+        for side, label in _SIDES.items():
+            fit = self.result[side]
+            if side == "refined" and not self.result["mechanisms"]:
+                continue
+            cells = [_cell(fit["parameters"].get(n), reasons) for n in names]
+            cells += [Cell(number(fit["chi2_per_point"], 4)), *(Cell(number(fit["rmse"].get(c), 4)) for c in channels)]
+            rows.append(Row(label, cells))
+        noise = self.result["recording"]["noise"]
+        said = [
+            Cell(number(s, 4) if isinstance(s, float) else str(s or NONE)) for s in (noise.get(c) for c in channels)
+        ]
+        rows.append(Row("noise", [*[Cell("") for _ in names], Cell("1"), *said], "estimated from the data"))
+        return {
+            "tables": [Table("model", columns, rows, "Below each value: one standard error.", "", _footnotes(reasons))]
+        }
+
+
+@dataclass(frozen=True)
+class Mechanisms(Section):
+    """What was left out, with its parameters. result : as in harness.diagnosis/1."""
+
+    template: ClassVar[str] = "table.html.j2"
+    result: Mapping[str, Any]
+
+    @property
+    def title(self) -> str:
+        """The heading."""
+        return "What was left out"
+
+    def context(self) -> Mapping[str, Any]:
+        """What the template shows."""
+        tables = []
+        for mechanism in self.result["mechanisms"]:
+            reasons: list[str] = []
+            parameters = mechanism["parameters"]
+            columns = [Column(name, quantity(p)[2]) for name, p in parameters.items()]
+            columns += [Column("evidence", "BIC", "what BIC loses without it"), Column("acts")]
+            cells = [_cell(p, reasons) for p in parameters.values()]
+            place = mechanism["where"]
+            spans = place["time_s"]
+            when = f"{number(spans[0][0], 4)} to {number(spans[-1][1], 4)} s" if spans else NONE
+            many = f" in {len(spans)} spans" if len(spans) > 1 else ""
+            cells += [
+                Cell(number(mechanism["delta_bic"], 4)),
+                Cell(place["condition"], [f"{place['regime']}, {when}{many}"]),
+            ]
+            row = Row(mechanism["name"], cells, mechanism["family"])
+            tables.append(
+                Table(
+                    "mechanism", columns, [row], mechanism["statement"].replace("+-", "\u00b1"), "", _footnotes(reasons)
+                )
+            )
+        return {"tables": tables}
+
+
+@dataclass(frozen=True)
+class Heldout(Section):
+    """Prediction of samples left out of the fits. result : as in harness.diagnosis/1."""
+
+    template: ClassVar[str] = "table.html.j2"
+    result: Mapping[str, Any]
+
+    @property
+    def title(self) -> str:
+        """The heading."""
+        return "Prediction of what was held out"
+
+    def context(self) -> Mapping[str, Any]:
+        """What the template shows."""
+        held = self.result["holdout"]
+        if not held["spans_s"]:
+            return {"tables": []}
+        units = _units(self.result)
+        noise = self.result["recording"]["noise"]
+        rows = [
+            Row(
+                c,
+                [
+                    Cell(number(before, 4)),
+                    Cell(number(held["refined_rmse"].get(c), 4)),
+                    Cell(number(held["refined_rmse"][c] / before if before and c in held["refined_rmse"] else None, 3)),
+                    Cell(number(noise[c], 4) if isinstance(noise.get(c), float) else str(noise.get(c) or NONE)),
+                ],
+                units.get(c, ""),
+            )
+            for c, before in held["baseline_rmse"].items()
+        ]
+        columns = [Column("rmse before"), Column("rmse after"), Column("after over before"), Column("noise")]
+        spans = ", ".join(f"{low:.4g} to {high:.4g} s" for low, high in held["spans_s"][:8])
+        more = f" and {len(held['spans_s']) - 8} more" if len(held["spans_s"]) > 8 else ""
+        caption = (
+            f"Every second full period took no part in these fits ({spans}{more}); the trajectory runs through. "
+            "Which terms the model has was chosen on the whole recording."
+        )
+        return {"tables": [Table("channel", columns, rows, caption)]}
+
+
+@dataclass(frozen=True)
+class Engines(Section):
+    """Both models in the engines. result : as in harness.diagnosis/1."""
+
+    template: ClassVar[str] = "engines.html.j2"
+    result: Mapping[str, Any]
+
+    @property
+    def title(self) -> str:
+        """The heading."""
+        return "In the engines"
+
+    def context(self) -> Mapping[str, Any]:
+        """What the template shows."""
+        engines, units = self.result["engines"], _units(self.result)
+        channels = list(self.result["baseline"]["rmse"])
+        columns = [
+            column
+            for c in channels
+            for column in (
+                Column(f"rmse of {c} before", units.get(c, "")),
+                Column(f"rmse of {c} after", units.get(c, "")),
+                Column(f"own error in {c}", "noise", "rms against the exact motion of the refined model"),
+            )
+        ]
+        rows, cards = [], []
+        for name, engine in engines.items():
+            label = f"{name} {engine['version']}".strip()
+            if engine["error"]:
+                rows.append(Row(label, [Cell("could not be run"), *[Cell(NONE)] * (len(columns) - 1)], engine["error"]))
+                continue
+            cells = [
+                Cell(number((engine[block] or {}).get(c), 4))
+                for c in channels
+                for block in ("baseline_rmse", "refined_rmse", "own_error")
+            ]
+            step = engine["settings"].get("dt")
+            rows.append(Row(label, cells, f"step {step * 1e3:.4g} ms" if step else ""))
+            cards.append(
+                {
+                    "head": label,
+                    "color": "var(--muted)",
+                    "line": f"step {step * 1e3:.6g} ms" if step else "",
+                    "ignored": engine["ignored"],
+                    "count": f"{len(engine['settings'])} settings",
+                    "settings": {key: setting(value) for key, value in engine["settings"].items()},
+                }
+            )
+        return {
+            "tables": [Table("engine", columns, rows, _ENGINES)],
+            "cards": cards,
+            "left_out": self.result["model_left_out"],
+        }
+
+
+_ENGINES = (
+    "The base model and the refined model simulated by each engine, sensors applied, against the recording. The last "
+    "column of each channel is what the engine's own step adds, in units of the noise."
+)
