@@ -50,6 +50,8 @@ def load_at_start(task: Task, dt: float) -> float:
     force = float(driving_force(task, np.zeros(1))[0])
     if law is not None and law.force is not None:
         force += float(law.force(*_start_of(task, dt)))
+    if task.words is not None:
+        force -= float(task.words.force(np.array(scenario.x0), np.array(scenario.v0)))
     return force - restoring_force(task, scenario.x0) - scenario.slider.c * scenario.v0
 
 

@@ -11,6 +11,7 @@ from harness.core.checks import positive
 from harness.core.errors import InputError, SimulationError
 from harness.core.scenario import Scenario
 from harness.core.trajectory import Trajectory
+from harness.engines.joint_words import JointWords
 from harness.engines.law import Drive, ForceLaw
 
 Route: TypeAlias = Literal["joint", "contact", "law"]
@@ -45,6 +46,7 @@ class Task:
     settings : overrides of the preset; ``Engine.presets`` lists the names there are.
     law, drive : further forces; a drive adds to the action.
     restoring : "spring" (k x), "pendulum" (k sin x) or "none" (k is not used).
+    words : what the joint itself is given besides, for engines with native terms.
 
     Raises InputError for a route, preset or restoring force that does not exist and for dt not above 0.
     """
@@ -57,6 +59,7 @@ class Task:
     law: ForceLaw | None = None
     drive: Drive | None = None
     restoring: Restoring = "spring"
+    words: JointWords | None = None
 
     def __post_init__(self) -> None:
         choice("route", self.route, ROUTES)
@@ -75,10 +78,12 @@ class Engine(ABC):
     """A physics engine. Implementations are final, have no state of their own and are cheap to make.
 
     name : as in the entry point. routes : those the engine has; the others are refused with a SimulationError.
+    native_terms : catalogue names that its joint has words for.
     """
 
     name: ClassVar[str]
     routes: ClassVar[tuple[Route, ...]] = ROUTES
+    native_terms: ClassVar[frozenset[str]] = frozenset()
 
     @abstractmethod
     def version(self) -> str:
@@ -110,6 +115,8 @@ def resolve(engine: Engine, task: Task) -> dict[str, Any]:
     """
     if task.route not in engine.routes:
         raise SimulationError(f"{engine.name}: no {task.route} route; there is {', '.join(engine.routes)}")
+    if task.words is not None and (not engine.native_terms or task.route != "joint"):
+        raise SimulationError(f"{engine.name}: its joint has no words for polynomials on the {task.route} route")
     settings = engine.presets(task.route, task.preset, task.dt)
     for name, value in task.settings.items():
         where = f"{engine.name} setting {name}"

@@ -1,12 +1,9 @@
 """A model of the five slots as MJCF and URDF: what those formats have words for, and a list of what they have not.
 
-MuJoCo's joint has polynomials, stiffness a x + b x^2 + c x^3 and damping a v + b v|v| + c v^3, and a fixed tendon with
-two spring lengths is a spring with a dead zone: these stand for non-linear stiffness, quadratic drag, end stops and
-backlash. Gravity along the axis stands for a constant force. URDF has mass, linear damping and a friction it is vague
-about.
+MJCF has words for what harness.engines.joint_words lists, and gravity along the axis stands for a constant force.
+URDF has mass, linear damping and a friction it is vague about.
 """
 
-from collections.abc import Callable
 from pathlib import Path
 from typing import Any, Final
 
@@ -16,76 +13,41 @@ from harness.core.errors import StoreError
 from harness.core.slider import Slider
 from harness.engines import models
 from harness.engines.base import choice
-from harness.model.model import Model, ModelTerm
+from harness.engines.joint_words import NAMES, JointWords, words_of
+from harness.model.model import Model
 from harness.model.term import Slot
 
-_FAR: Final = 1e6
-"""m; a tendon's spring length that is never reached."""
+_PUSH: Final = "constant-force"
 
 
-def _quadratic(tree: Any, model: Model, entry: ModelTerm) -> None:
-    _coefficient(tree, "stiffness", 1, entry.value("k2"))
+def _put_words(tree: Any, words: JointWords) -> None:
+    """Add polynomials and zones to the joint of an MJCF tree."""
+    joint = tree.find(".//joint[@name='slide']")
+    for attribute, more in (("stiffness", words.stiffness), ("damping", words.damping)):
+        own = [float(number) for number in joint.get(attribute, "0").split()]
+        total = [left + right for left, right in zip([*own, 0.0, 0.0][:3], more, strict=True)]
+        joint.set(attribute, " ".join(map(repr, total)))
+    for zone in words.zones:
+        fixed = etree.SubElement(tree.find("tendon"), "fixed", name=zone.name, stiffness=repr(zone.stiffness))
+        fixed.set("springlength", f"{zone.low!r} {zone.high!r}")
+        etree.SubElement(fixed, "joint", joint="slide", coef="1")
 
 
-def _cubic(tree: Any, model: Model, entry: ModelTerm) -> None:
-    _coefficient(tree, "stiffness", 2, entry.value("k3"))
-
-
-def _drag(tree: Any, model: Model, entry: ModelTerm) -> None:
-    _coefficient(tree, "damping", 1, entry.value("c2"))
-
-
-def _stops(tree: Any, model: Model, entry: ModelTerm) -> None:
-    gap = entry.value("gap")
-    below = -_FAR if entry.term.variant == "positive" else -gap
-    above = _FAR if entry.term.variant == "negative" else gap
-    _dead_zone(tree, "end_stop", entry.value("k_stop"), below, above)
-
-
-def _backlash(tree: Any, model: Model, entry: ModelTerm) -> None:
-    # the dead zone is the spring's own: the tendon takes its place
-    _coefficient(tree, "stiffness", 0, 0.0)
-    _dead_zone(tree, "backlash", model.k, -entry.value("gap"), entry.value("gap"))
-
-
-def _push(tree: Any, model: Model, entry: ModelTerm) -> None:
+def _put_gravity(tree: Any, acceleration: float) -> None:
+    """Tilt gravity along the axis, m/s^2."""
     option = tree.find("option")
     if option is None:
         option = etree.SubElement(tree, "option")
-    option.set("gravity", f"{entry.value('force') / model.m!r} 0 {-models.GRAVITY!r}")
-
-
-_IN_MJCF: Final[dict[str, Callable[[Any, Model, ModelTerm], None]]] = {
-    "quadratic-stiffness": _quadratic,
-    "cubic-stiffness": _cubic,
-    "quadratic-drag": _drag,
-    "end-stop": _stops,
-    "backlash": _backlash,
-    "constant-force": _push,
-}
-
-
-def _coefficient(tree: Any, attribute: str, power: int, value: float) -> None:
-    """Set one coefficient of a polynomial of the joint."""
-    joint = tree.find(".//joint[@name='slide']")
-    numbers = [*joint.get(attribute, "0").split(), "0", "0"][:3]
-    numbers[power] = repr(value)
-    joint.set(attribute, " ".join(numbers))
-
-
-def _dead_zone(tree: Any, name: str, stiffness: float, below: float, above: float) -> None:
-    """A spring that acts beyond two places."""
-    fixed = etree.SubElement(tree.find("tendon"), "fixed", name=name, stiffness=repr(stiffness))
-    fixed.set("springlength", f"{below!r} {above!r}")
-    etree.SubElement(fixed, "joint", joint="slide", coef="1")
+    option.set("gravity", f"{acceleration!r} 0 {-models.GRAVITY!r}")
 
 
 def mjcf(model: Model) -> bytes:
     """The model as MJCF with every digit."""
     tree = etree.fromstring(models.exact_mjcf(_slider(model), "slider", model.restoring.value))
-    for entry in model.terms:
-        if _is_in_mjcf(entry, model):
-            _IN_MJCF[entry.term.name](tree, model, entry)
+    _put_words(tree, words_of((entry for entry in model.terms if entry.term.name in NAMES), model.k))
+    push = sum(entry.value("force") for entry in model.terms if entry.term.name == _PUSH)
+    if push != 0.0:
+        _put_gravity(tree, push / model.m)
     friction = model.find("presliding") or model.find("regularised-friction")
     if friction is not None:
         tree.find(".//joint[@name='slide']").set("frictionloss", "0")
@@ -104,12 +66,6 @@ def _slider(model: Model) -> Slider:
     return Slider(model.m, model.c, model.k or 1.0, model.f_k, model.f_s)
 
 
-def _is_in_mjcf(entry: ModelTerm, model: Model) -> bool:
-    # a second term of a kind would overwrite the first
-    first = model.find(entry.term.key) is entry
-    return first and entry.term.name in _IN_MJCF
-
-
 def cannot_say(model: Model, suffix: str) -> tuple[str, ...]:
     """What a file of this format ("xml" is MJCF, or "urdf") leaves out of the model, one sentence each.
 
@@ -119,7 +75,7 @@ def cannot_say(model: Model, suffix: str) -> tuple[str, ...]:
     missing = list(models.cannot_say(_slider(model), "slider", suffix, model.restoring.value))
     missing.append(f"{suffix}: no release (x0 = {model.x0:g} m, v0 = {model.v0:g} m/s)")
     for entry in model.terms:
-        if suffix == "xml" and _is_in_mjcf(entry, model):
+        if suffix == "xml" and entry.term.name in (*NAMES, _PUSH):
             continue
         values = ", ".join(f"{name} = {value:g}" for name, value in zip(entry.term.names, entry.values, strict=True))
         what = "no sensor that shows" if entry.term.slot is Slot.OBSERVATION else "no"

@@ -17,6 +17,7 @@ from harness.core.jit import compiled
 from harness.core.scenario import Scenario
 from harness.core.slider import Slider
 from harness.engines.base import Preset, Route, Settings, Task
+from harness.engines.joint_words import words_of
 from harness.engines.law import Drive, ForceLaw
 from harness.kernels.dispatch import internal, modulation, smooth
 from harness.kernels.layout import (
@@ -194,12 +195,17 @@ def task_of(
     preset: Preset = "tuned",
     settings: Settings | None = None,
     drive: Drive | None = None,
+    native: frozenset[str] = frozenset(),
 ) -> Task:
     """A Task that simulates ``model`` from its release on for ``duration`` s with step ``dt`` s.
 
-    Time 0 of the run is the release, model.t0; ``drive`` is given in time of the run. Raises SimulationError for what
+    Time 0 of the run is the release, model.t0; ``drive`` is given in time of the run. native : catalogue names that the
+    engine's joint has words for, which become those and not a law. Raises SimulationError for what
     no engine can be told: friction with a lead under a driving force, and on the contact route friction without stick.
     """
+    spoken = [entry for entry in model.terms if entry.term.name in native]
+    words = words_of(spoken, model.k) if spoken else None
+    model = replace(model, terms=tuple(entry for entry in model.terms if entry not in spoken))
     laid = lay_out(model, max(abs(model.v0), abs(model.x0) * math.sqrt(max(model.k, 1e-300) / model.m), 1e-9))
     kind = int(laid.spec[FRICTION])
     if kind != COULOMB and route != "joint":
@@ -229,4 +235,4 @@ def task_of(
         )
     scenario = Scenario("model", slider, model.x0, model.v0, duration)
     task = Task(scenario, route, preset, dt, settings or {}, law, drive)
-    return replace(task, restoring=model.restoring.value)
+    return replace(task, restoring=model.restoring.value, words=words)

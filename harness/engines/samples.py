@@ -44,6 +44,8 @@ def restoring_force(task: Task, x: FloatArray) -> FloatArray:
 def newton_friction(task: Task, x: FloatArray, v: FloatArray, a: FloatArray, applied: FloatArray) -> FloatArray:
     """Dry friction as what Newton's second law leaves: u - m a - c v - restoring force, N."""
     slider = task.scenario.slider
+    if task.words is not None:
+        applied = applied - task.words.force(x, v)
     return applied - slider.m * a - slider.c * v - restoring_force(task, x)
 
 

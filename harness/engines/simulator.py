@@ -1,6 +1,6 @@
 """An engine with its settings as something that simulates models: what the diagnosis is handed."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import final
 
 from harness.core.trajectory import Trajectory
@@ -10,6 +10,7 @@ from harness.engines.law import Drive
 from harness.engines.realise import task_of
 from harness.kernels.conditions import Drive as Measured
 from harness.model.model import Model
+from harness.model.term import Slot, Term
 
 
 @final
@@ -32,8 +33,42 @@ class EngineSimulator:
         return self.engine.name
 
     def __call__(self, model: Model, duration: float, dt: float | None, drive: Measured | None) -> Trajectory:
-        """See harness.diagnosis.engines.Simulator; dt None is the preset's own step."""
+        """See harness.diagnosis.engines.Simulator; dt None is the preset's own step.
+
+        source.settings["terms"] says how each term was realised.
+        """
         step = dt if dt is not None else float(self.engine.presets("joint", self.preset)["dt"])
         force = None if drive is None else Drive(drive.t, drive.u)
-        task = task_of(model, duration, step, preset=self.preset, settings=self.settings, drive=force)
-        return self.engine.simulate(task)
+        native = self._native(model)
+        task = task_of(model, duration, step, preset=self.preset, settings=self.settings, drive=force, native=native)
+        motion = self.engine.simulate(task)
+        terms = {entry.term.key: _how(entry.term, native) for entry in model.terms}
+        if not terms:
+            return motion
+        source = replace(motion.source, settings={**motion.source.settings, "terms": terms})
+        return replace(motion, source=source)
+
+    def _native(self, model: Model) -> frozenset[str]:
+        """Names of terms that are left to the engine's joint.
+
+        A friction with a lead looks at every other force, so that they all must be laws; a step that is implicit in
+        position gives back accelerations that only a linear spring can be taken out of.
+        """
+        regularised = model.find("regularised-friction") is not None
+        implicit = self.settings.get("integrator") == "discrete"
+        return frozenset() if regularised or implicit else self.engine.native_terms
+
+
+def _how(term: Term, native: frozenset[str]) -> str:
+    """How an engine was told of a term."""
+    if term.name in native:
+        return "attribute of the joint"
+    match term.slot:
+        case Slot.OBSERVATION:
+            return "none: what a sensor makes of the motion"
+        case Slot.EVENT:
+            return "knock in the driving force, two steps wide"
+        case Slot.BREAK_AWAY | Slot.FRICTION_LEVEL | Slot.FRICTION_MODULATION:
+            return "limit of the engine's own friction, set in every step"
+        case _:
+            return "force law, called at every stage of the step"

@@ -7,6 +7,7 @@ import mujoco
 from harness.engines import models
 from harness.engines.actions import belt_speed
 from harness.engines.base import Task
+from harness.engines.joint_words import JointWords
 from harness.engines.mujoco.callback import SLOTS
 
 _INTEGRATOR = {
@@ -41,6 +42,8 @@ def compile_model(task: Task, settings: dict[str, Any], limit: float) -> Any:
     # a diverged run must be reported, not silently restarted
     option.disableflags |= mujoco.mjtDisableBit.mjDSBL_AUTORESET
     slide = spec.joint("slide")
+    if task.words is not None:
+        _say(spec, slide, task.words)
     if contact:
         # a pair takes the place of what the two geoms say and can tell friction's softness from the floor's
         pair = spec.add_pair(geomname1="floor", geomname2="box", condim=3)
@@ -55,3 +58,14 @@ def compile_model(task: Task, settings: dict[str, Any], limit: float) -> Any:
         slide.solref_friction = settings["solreffriction"]
         slide.solimp_friction = settings["solimpfriction"]
     return spec.compile()
+
+
+def _say(spec: Any, slide: Any, words: JointWords) -> None:
+    """Add polynomials and zones to the joint."""
+    slide.stiffness = [own + more for own, more in zip(slide.stiffness, words.stiffness, strict=True)]
+    slide.damping = [own + more for own, more in zip(slide.damping, words.damping, strict=True)]
+    for zone in words.zones:
+        tendon = spec.add_tendon(name=zone.name)
+        tendon.wrap_joint("slide", 1.0)
+        tendon.stiffness = [zone.stiffness, 0.0, 0.0]
+        tendon.springlength = [zone.low, zone.high]

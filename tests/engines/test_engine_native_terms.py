@@ -1,0 +1,83 @@
+"""Terms that MuJoCo's joint has words for: the same motion as by the force law, and as in the reference."""
+
+import numpy as np
+import pytest
+from engine_cases import engine
+
+from harness.core.errors import SimulationError
+from harness.engines.joint_words import NAMES, words_of
+from harness.engines.realise import task_of
+from harness.engines.simulator import EngineSimulator
+from harness.kernels.solve import simulate
+from harness.model.model import Model, ModelTerm
+
+BASE = Model(1.3, 1.0, 100.0, 3.0, x0=1.0)
+
+TERMS: list[tuple[str, dict[str, float]]] = [
+    ("quadratic-stiffness", {"k2": 20.0}),
+    ("cubic-stiffness", {"k3": 40.0}),
+    ("quadratic-drag", {"c2": 0.3}),
+    ("end-stop", {"gap": 0.5, "k_stop": 100.0}),
+    ("end-stop:positive", {"gap": 0.5, "k_stop": 100.0}),
+    ("end-stop:negative", {"gap": 0.5, "k_stop": 100.0}),
+    ("backlash", {"gap": 0.05}),
+]
+
+
+@pytest.mark.parametrize(("key", "values"), TERMS, ids=[key for key, _ in TERMS])
+def test_words_of_the_joint_and_a_force_law_are_the_same(key: str, values: dict[str, float]) -> None:
+    model = BASE.with_terms(ModelTerm.named(key, **values))
+    mujoco = engine("mujoco")
+    by_law = mujoco.simulate(task_of(model, 2.0, 1e-3))
+    task = task_of(model, 2.0, 1e-3, native=mujoco.native_terms)
+    assert task.law is None
+    by_words = mujoco.simulate(task)
+    assert np.abs(by_words.x - by_law.x).max() < 1e-9
+    assert np.abs(by_words.a - by_law.a).max() < 1e-5
+    assert np.abs(by_words.extra["friction_force"] - by_law.extra["friction_force"]).max() < 1e-4
+    assert np.abs(by_words.x - simulate(model, by_words.t).x).max() < 2e-3
+
+
+def test_words_and_laws_stand_side_by_side() -> None:
+    model = BASE.with_terms(
+        ModelTerm.named("stribeck", f_s=5.0, v_s=0.5),
+        *(ModelTerm.named(key, **values) for key, values in TERMS if ":" not in key),
+        ModelTerm.named("viscoelastic", k_m=20.0, tau=0.1),
+        ModelTerm.named("sensor-bias", bias=0.5),
+    )
+    trace = EngineSimulator.named("mujoco")(model, 2.0, 2e-4, None)
+    assert np.abs(trace.x - simulate(model, trace.t).x).max() < 1e-3
+    terms = trace.source.settings["terms"]
+    assert {name for name, how in terms.items() if how == "attribute of the joint"} == NAMES
+    assert terms["stribeck"] == "limit of the engine's own friction, set in every step"
+    assert terms["viscoelastic"] == "force law, called at every stage of the step"
+    assert terms["sensor-bias"] == "none: what a sensor makes of the motion"
+
+
+@pytest.mark.parametrize("integrator", ["Euler", "implicitfast", "implicit", "discrete"])
+def test_every_integrator_has_the_terms(integrator: str) -> None:
+    model = BASE.with_terms(*(ModelTerm.named(key, **values) for key, values in TERMS[:3]))
+    trace = EngineSimulator.named("mujoco", "tuned", {"integrator": integrator})(model, 1.0, 1e-4, None)
+    exact = simulate(model, trace.t)
+    assert np.abs(trace.x - exact.x).max() < 5e-3
+    assert np.median(np.abs(trace.a - exact.a)) < 0.2
+
+
+def test_a_friction_that_looks_ahead_sees_every_force() -> None:
+    model = BASE.with_terms(
+        ModelTerm.named("regularised-friction", v_r=0.05, lead=0.01), ModelTerm.named("cubic-stiffness", k3=40.0)
+    )
+    trace = EngineSimulator.named("mujoco")(model, 2.0, 5e-4, None)
+    assert trace.source.settings["terms"]["cubic-stiffness"].startswith("force law")
+    assert np.abs(trace.x - simulate(model, trace.t).x).max() < 1e-4
+
+
+def test_an_engine_without_words_refuses_them() -> None:
+    model = BASE.with_terms(ModelTerm.named("cubic-stiffness", k3=40.0))
+    with pytest.raises(SimulationError, match="pybullet: its joint has no words"):
+        engine("pybullet").simulate(task_of(model, 1.0, 1e-3, native=frozenset({"cubic-stiffness"})))
+    assert EngineSimulator.named("pybullet")(model, 0.1, 1e-3, None).source.settings["terms"] == {
+        "cubic-stiffness": "force law, called at every stage of the step"
+    }
+    with pytest.raises(ValueError, match="stribeck has no words of a joint"):
+        words_of([ModelTerm.named("stribeck", f_s=5.0, v_s=0.5)], 100.0)
