@@ -10,6 +10,7 @@ import numpy as np
 from harness.core.arrays import FloatArray
 from harness.core.errors import SimulationError
 from harness.core.trajectory import Trajectory
+from harness.diagnosis.driven.starts import starts_of
 from harness.diagnosis.observe import observe
 from harness.diagnosis.problem import Problem
 from harness.diagnosis.sensors import latest, sensed
@@ -90,13 +91,33 @@ def engine_fit(
 def shown_by(
     simulate: Simulator, model: Model, problem: Problem, dt: float | None
 ) -> tuple[dict[str, FloatArray], Trajectory]:
-    """Channels of ``problem`` as an engine and the model's sensors show them, and the engine's motion behind them."""
-    duration = latest(model, problem.t)
+    """Channels of ``problem`` as an engine and the model's sensors show them, and the engine's last motion.
+
+    A driven recording is simulated window by window, each from its own start, as the fit does it.
+    """
+    if problem.restarts is None:
+        return _stretch(simulate, model, problem, problem.t, dt)
+    parts = [
+        _stretch(simulate, start.model, problem, problem.t[start.window.start : start.window.stop], dt)
+        for start in starts_of(model, problem.restarts)
+    ]
+    return {c: np.concatenate([shown[c] for shown, _ in parts]) for c in problem.channels}, parts[-1][1]
+
+
+def _stretch(
+    simulate: Simulator, model: Model, problem: Problem, t: FloatArray, dt: float | None
+) -> tuple[dict[str, FloatArray], Trajectory]:
+    """Channels at times t (s) of one run from the model's own start, and the motion behind them."""
+    duration = latest(model, t)
     if duration <= 0.0:
         raise SimulationError("the recording ends before the slider is released")
-    drive = None if problem.drive is None else Drive(problem.drive.t - model.t0, problem.drive.u)
+    drive = None
+    if problem.drive is not None:
+        # a run needs no more of the force than its own stretch
+        at, force = problem.drive.within(model.t0, model.t0 + duration)
+        drive = Drive(at - model.t0, force)
     motion = simulate(model, duration, dt, drive)
-    return sensed(model, problem.t, motion, problem.channels), motion
+    return sensed(model, t, motion, problem.channels), motion
 
 
 def suitable_step(problem: Problem, scales: Scales) -> float:

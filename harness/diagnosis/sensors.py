@@ -17,7 +17,7 @@ def sensed(model: Model, t: FloatArray, motion: Trajectory, channels: Collection
     """Channels ("x", "v", "a") as the sensors of ``model`` show them at times t (s), each of shape (n,).
 
     motion : in time since release, which is at model.t0; before it the slider is held. x : late by the lag, then
-    drifting. a : scaled, shifted, then cut off.
+    drifting, counted from the sensor's zero. a : scaled, shifted, then cut off.
     """
     since = t - model.t0
     true = motion_at(motion, since)
@@ -25,7 +25,7 @@ def sensed(model: Model, t: FloatArray, motion: Trajectory, channels: Collection
     if "x" in channels:
         lag = _value(model, "sensor-lag", 0.0)
         late = true.x if lag == 0.0 else motion_at(motion, since - lag).x
-        shown["x"] = late + _value(model, "sensor-drift", 0.0) * t
+        shown["x"] = model.offset + late + _value(model, "sensor-drift", 0.0) * t
     if "v" in channels:
         shown["v"] = true.v
     if "a" in channels:

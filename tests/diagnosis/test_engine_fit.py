@@ -1,5 +1,6 @@
 """Models in engines against a recording: resampling, sensors, alignment, and whose share of the mismatch is whose."""
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -14,13 +15,13 @@ from harness.diagnosis.engines import engine_fit, suitable_step
 from harness.diagnosis.fit import fit
 from harness.diagnosis.observe import observe
 from harness.diagnosis.parameters import free_of
-from harness.diagnosis.problem import Problem
+from harness.diagnosis.problem import Problem, Restarts, Window
 from harness.diagnosis.resample import motion_at
 from harness.diagnosis.sensors import sensed
 from harness.engines.simulator import EngineSimulator
 from harness.estimate.noise import Noise
-from harness.kernels.solve import Scales, simulate, solve
-from harness.model.model import Model, ModelTerm
+from harness.kernels.solve import Drive, Scales, simulate, solve
+from harness.model.model import Model, ModelTerm, Restoring
 
 BASE = Model(1.0, 1.0, 100.0, 3.0, x0=1.0)
 CUBIC = BASE.with_terms(ModelTerm.named("cubic-stiffness", k3=20.0))
@@ -73,7 +74,7 @@ SENSORS = (
 
 
 def test_sensors_show_of_any_motion_what_they_show_of_the_reference() -> None:
-    model = CUBIC.with_terms(*CUBIC.terms, *SENSORS)
+    model = replace(CUBIC.with_terms(*CUBIC.terms, *SENSORS), offset=0.02)
     t = np.linspace(0.0, 3.0, 733)
     noise = {c: Noise(s, True) for c, s in SIGMA.items()}
     expected = observe(model, Problem(t, dict.fromkeys(SIGMA, t), noise), scales=SCALES).y
@@ -100,6 +101,28 @@ def test_a_step_that_is_asked_for_is_taken() -> None:
     found = engine_fit(EngineSimulator.named("pybullet"), BASE, CUBIC, recorded(CUBIC), SCALES, dt=4e-3)
     assert found.settings["dt"] == 4e-3
     assert found.own_error["x"] > 1.0
+
+
+@pytest.mark.parametrize("name", ["mujoco", "pybullet"])
+def test_a_driven_recording_is_simulated_window_by_window(name: str) -> None:
+    """A free axis under a force: windows of 1 s restarted from the recorded state."""
+    model = Model(
+        1.5, 2.0, 0.0, 3.0, restoring=Restoring.NONE, terms=(ModelTerm.named("asymmetric-viscous", c_diff=1.0),)
+    )
+    t = np.linspace(0.0, 4.0, 1601)
+    drive = Drive(t, 12.0 * np.sin(3.0 * t) + 6.0 * np.sin(7.3 * t))
+    true = solve(model, t, drive=drive)
+    starts = range(0, 1600, 400)
+    windows = tuple(Window(i, i + 400, float(t[i]), true.x[i], true.v[i], 1e-9, 1e-9) for i in starts)
+    random = np.random.default_rng(3)
+    noise = {"x": Noise(1e-5, True)}
+    whole = Problem(t[:1600], {"x": true.x[:1600] + 1e-5 * random.standard_normal(1600)}, noise, drive=drive)
+    problem = replace(whole, restarts=Restarts(windows, t, true.v, first=model.with_terms()))
+    base = model.with_terms()
+    found = engine_fit(EngineSimulator.named(name), base, model, problem, Scales(1.0, 3.0, 3.0))
+    assert found.improved
+    assert found.refined_rmse["x"] < 2e-5
+    assert found.baseline_rmse["x"] > 1e-3
 
 
 def test_the_step_divides_the_interval_of_the_recording() -> None:
