@@ -36,6 +36,7 @@ def desk(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
     write(tmp_path / "blub.csv", "t,x [blub]", X)
     write(tmp_path / "still.csv", "t,x", np.ones(N))
     write(tmp_path / "slope.csv", "t,x", T)
+    write(tmp_path / "speed.csv", "t,v", X)
     write(tmp_path / "driven.csv", "t,x,u", X)
     driven = [f"{t:.6f},{x:.6f},{np.sin(t):.6f}" for t, x in zip(T, X, strict=True)]
     (tmp_path / "driven.csv").write_text("t,x,u\n" + "\n".join(driven) + "\n")
@@ -104,7 +105,14 @@ BAD: list[tuple[str, str]] = [
     ("identify good.csv --skip-rows -1", "--skip-rows: -1; 0 or more is accepted"),
     ("identify good.csv --trace x", "--trace: given for good.csv"),
     ("identify good.csv --out full", "--out full: the folder holds files already"),
-    ("nonsense", "command 'nonsense': no such command; accepted: doctor, identify, "),
+    ("compare good.csv", "Missing argument 'REAL'"),
+    ("compare none.csv good.csv", "none.csv: no such file; a file that can be read is accepted"),
+    ("compare good.csv nan.csv", "nan.csv: row 20 (line 21), column x: no value or nan"),
+    ("compare good.csv two.csv", "two.csv: 2 samples; at least 50 are accepted"),
+    ("compare good.csv speed.csv", "channels x and v; two traces with one of x, v, a in common are accepted"),
+    ("compare good.csv good.csv --trace x", "--trace: given for good.csv"),
+    ("compare good.csv good.csv --out full", "--out full: the folder holds files already"),
+    ("nonsense", "command 'nonsense': no such command; accepted: compare, "),
     ("", "no command given; harness --help lists them"),
     ("--nonsense", "No such option"),
 ]
