@@ -9,7 +9,7 @@ from harness.core.arrays import FloatArray
 from harness.core.recording import Recording
 from harness.diagnosis.align import align
 from harness.diagnosis.engines import Simulator, shown_by
-from harness.diagnosis.fit import whiten
+from harness.diagnosis.fit import whitened
 from harness.diagnosis.observe import observe
 from harness.diagnosis.problem import Problem
 from harness.kernels.solve import Scales
@@ -98,5 +98,6 @@ def attribute_trace(
 
 def mean_square(shown: Mapping[str, FloatArray], problem: Problem) -> float:
     """Mean square of recording minus ``shown`` over the values that count, whitened by the noise."""
-    total = sum(float(np.sum(whiten(problem, c, y - shown[c]) ** 2)) for c, y in problem.channels.items())
+    left = whitened(problem, {c: y - shown[c] for c, y in problem.channels.items()})
+    total = float(left @ left)
     return total / problem.points

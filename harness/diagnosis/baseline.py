@@ -23,6 +23,8 @@ _SHARES = (0.5, 0.15, 0.85)
 _CLEARLY_MOVING = 6.0
 """Standard errors of the first speed from which a release from rest need not be tried."""
 _FIRST_CYCLES = 2.0
+_DRY = (1.0, 0.5, 1.5)
+"""Shares of the dry friction that the inverse dynamics give, from which a driven fit starts."""
 
 
 def dominant_frequency(t: FloatArray, y: FloatArray) -> float:
@@ -108,9 +110,11 @@ def starts(problem: Problem) -> list[Model]:
 
 def base_names(problem: Problem) -> tuple[str, ...]:
     """Base parameters that are fitted: the mass only where a measured force gives it."""
-    if problem.restoring is Restoring.NONE:
-        return ("m", "c", "f_k", "x0", "v0")
-    return ("c", "k", "f_k", "x0", "v0")
+    mass = ("m",) if problem.drive is not None and problem.mass is None else ()
+    spring = () if problem.restoring is Restoring.NONE else ("k",)
+    zero = ("offset",) if problem.zero_free and spring and "x" in problem.channels else ()
+    start = ("x0", "v0") if problem.restarts is None else ()
+    return (*mass, "c", *spring, "f_k", *zero, *start)
 
 
 def _grow(model: Model, problem: Problem, scales: Scales) -> Fit:
@@ -141,6 +145,8 @@ def baseline(problem: Problem) -> tuple[Fit, Scales]:
 
     Raises InputError when the recording does not swing, SimulationError when no start could be simulated.
     """
+    if problem.restarts is not None:
+        return _driven(problem, problem.restarts.first)
     models = starts(problem)
     scales = scales_of(problem, math.sqrt(models[0].k / models[0].m))
     best: Fit | None = None
@@ -159,6 +165,36 @@ def baseline(problem: Problem) -> tuple[Fit, Scales]:
         raise SimulationError(f"no base fit could be simulated: {why}")
     best = fit(best.model, problem, best.free, scales)
     return at_rest(best, problem, scales), scales
+
+
+def _driven(problem: Problem, model: Model) -> tuple[Fit, Scales]:
+    """The base model fitted to a driven recording, from the inverse dynamics and from less and more dry friction."""
+    scales = driven_scales(problem, model)
+    free = free_of(model, base_names(problem))
+    best: Fit | None = None
+    why = ""
+    for share in _DRY:
+        try:
+            found = fit(replace(model, f_k=share * model.f_k), problem, free, scales, thorough=False)
+        except SimulationError as error:
+            why = str(error)
+            continue
+        if best is None or found.chi2 < best.chi2:
+            best = found
+    if best is None:
+        raise SimulationError(f"no base fit could be simulated: {why}")
+    return best, scales
+
+
+def driven_scales(problem: Problem, model: Model) -> Scales:
+    """What counts as ordinary in a driven recording; without a spring omega is the motion's own."""
+    assert problem.restarts is not None
+    x = np.concatenate([[w.x0 for w in problem.restarts.windows], problem.channels.get("x", np.empty(0))])
+    v = problem.restarts.v
+    omega = math.sqrt(model.k / model.m)
+    if omega == 0.0:
+        omega = math.sqrt(float(np.mean(v**2))) / max(float(np.std(x)), 1e-300)
+    return Scales(0.5 * float(np.ptp(x)), float(np.max(np.abs(v))), omega)
 
 
 def at_rest(found: Fit, problem: Problem, scales: Scales) -> Fit:

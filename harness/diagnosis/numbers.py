@@ -24,7 +24,7 @@ def unit_of(unit: str, problem: Problem) -> str:
     if problem.angular:
         unit = unit.replace("kg/m", "1/rad").replace("m/s^2", "rad/s^2").replace("m/s", "rad/s")
         unit = "rad" if unit == "m" else unit
-    if problem.mass is None and unit.split("/")[0].split(" ")[0] in ("N", "kg"):
+    if not problem.in_newtons and unit.split("/")[0].split(" ")[0] in ("N", "kg"):
         return f"{unit} per kg"
     return unit
 

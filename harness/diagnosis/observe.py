@@ -13,7 +13,7 @@ from harness.kernels.solve import By, Effort, Scales, solve
 from harness.model.model import Model
 from harness.model.term import Slot
 
-FINE = Effort(1e-8, 3000)
+FINE = Effort(1e-8, 1500)
 """Far below any noise."""
 COARSE = Effort(1e-6, 600)
 """For a first look; a law too stiff for it is not worth one."""
@@ -33,7 +33,7 @@ class Observation:
 
 
 def _is_sensor(model: Model, by: By) -> bool:
-    return by == "offset" or isinstance(by, tuple) and model.terms[by[0]].term.slot is Slot.OBSERVATION
+    return by == "offset" or (isinstance(by, tuple) and model.terms[by[0]].term.slot is Slot.OBSERVATION)
 
 
 def observe(

@@ -10,7 +10,7 @@ from harness.core.arrays import FloatArray
 from harness.kernels.solve import By
 from harness.model.model import Model, ModelTerm
 
-BASE = ("m", "c", "k", "f_k", "x0", "v0")
+BASE = ("m", "c", "k", "f_k", "offset", "x0", "v0")
 _POSITIVE_BASE = frozenset({"m", "k"})
 
 

@@ -9,7 +9,7 @@ import numpy as np
 from harness.core.arrays import BoolArray, FloatArray
 from harness.estimate.noise import Noise
 from harness.kernels.solve import Drive
-from harness.model.model import Restoring
+from harness.model.model import Model, Restoring
 
 
 @dataclass(frozen=True, slots=True)
@@ -32,16 +32,14 @@ class Window:
 class Restarts:
     """How a driven recording is simulated: window after window, none longer than the horizon.
 
-    t (k,), v (k,) : smoothed speed of the whole recording. m, c, k : by which an error of the state or of the force
-    travels through a window.
+    t (k,), v (k,) : smoothed speed of the whole recording. first : a rough model, by which errors of the state and of
+    the force travel through a window.
     """
 
     windows: tuple[Window, ...]
     t: FloatArray
     v: FloatArray
-    m: float = 1.0
-    c: float = 0.0
-    k: float = 0.0
+    first: Model
 
     def part(self, keep: range) -> "Restarts":
         """The windows as they lie in these samples of the recording."""

@@ -7,9 +7,8 @@ stretch that is left out says little of what acts elsewhere, and a warning says 
 import math
 from dataclasses import dataclass, replace
 
-import numpy as np
-
-from harness.diagnosis.fit import Fit, whiten
+from harness.diagnosis.driven.noise import driven_noise
+from harness.diagnosis.fit import Fit, whitened
 from harness.diagnosis.noise import residual_noise
 from harness.diagnosis.problem import Problem
 from harness.diagnosis.select import DECISIVE, Step, extend, key_of, prune, settle
@@ -40,7 +39,9 @@ class Search:
 
 
 def noise_of(found: Fit, problem: Problem, omega: float) -> dict[str, Noise]:
-    """Noise per channel from what a fit leaves."""
+    """Noise per channel, and of a measured force, from what a fit leaves."""
+    if problem.restarts is not None:
+        return driven_noise(problem, {c: y - found.shown.y[c] for c, y in problem.channels.items()})
     period = 2.0 * math.pi / omega
     return {c: residual_noise(problem.t, y - found.shown.y[c], y, period) for c, y in problem.channels.items()}
 
@@ -48,8 +49,8 @@ def noise_of(found: Fit, problem: Problem, omega: float) -> dict[str, Noise]:
 def under(found: Fit, problem: Problem, scales: Scales) -> Fit:
     """The same model seen with another noise."""
     shown = found.shown
-    residual = np.concatenate([whiten(problem, c, y - shown.y[c]) for c, y in problem.channels.items()])
-    jacobian = np.concatenate([whiten(problem, c, shown.dy[c]) for c in problem.channels])
+    residual = whitened(problem, {c: y - shown.y[c] for c, y in problem.channels.items()})
+    jacobian = whitened(problem, shown.dy)
     return replace(found, residual=residual, jacobian=jacobian, chi2=float(residual @ residual), points=problem.points)
 
 

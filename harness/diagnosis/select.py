@@ -88,7 +88,9 @@ def _candidates(current: Fit, problem: Problem, scales: Scales, terms: Sequence[
 
 def extend(current: Fit, problem: Problem, scales: Scales, terms: Sequence[Term] = TERMS) -> Step:
     """Fit every term that is worth it on top of a model."""
-    base = (*base_of(current.free), *(() if "v0" in base_of(current.free) else ("v0",)))
+    base = base_of(current.free)
+    if problem.restarts is None and "v0" not in base:
+        base = (*base, "v0")
     thin = max(1, problem.t.size // _COARSE_SAMPLES)
     small = problem.part(slice(None, None, thin))
     rough: dict[str, list[Fit]] = {}

@@ -1,1 +1,1 @@
-"""Driven recordings: a measured force, windows restarted from the smoothed recorded state, noise of force and sensors."""
+"""Driven recordings: a measured force, windows restarted from the smoothed state, noise of force and sensors."""

@@ -20,14 +20,16 @@ from harness.diagnosis.problem import Problem
 CHANNELS = ("x", "v", "a")
 _OPEN = 10.0
 """Standard errors by which a window's start is left open."""
+_JITTER = 1e-2
+"""Share by which intervals may differ and still count as one."""
 _SHORT = 0.02
 """Longest step of the series, in units of the fastest rate; longer ones are doubled from it."""
 
 
 def _transition(h: float, c: float, k: float, rate: float, drift: float, phi: FloatArray, q: FloatArray) -> None:
-    """Transition (3, 3) over h s of (x, v, d): x' = v, v' = d - c v - k x, d' = -rate d + noise, and its noise (3, 3)."""
+    """Transition (3, 3) over h s of (x, v, d): x' = v, v' = d - c v - k x, d' = -rate d + noise, and noise (3, 3)."""
     fastest = max(rate, c, math.sqrt(k))
-    doublings = max(0, int(math.ceil(math.log2(max(h * fastest / _SHORT, 1.0)))))
+    doublings = max(0, math.ceil(math.log2(max(h * fastest / _SHORT, 1.0))))
     s = h / 2.0**doublings
     a = np.zeros((3, 3))
     a[0, 1], a[1, 0], a[1, 1], a[1, 2], a[2, 2] = s, -k * s, -c * s, s, -rate * s
@@ -65,10 +67,10 @@ def _innovations(
     """
     c, k, rate, power = system[0], system[1], system[2], system[3]
     columns = values.shape[2]
-    phi, q, p = np.empty((3, 3)), np.empty((3, 3)), np.zeros((3, 3))
+    phi, q, p, half = np.empty((3, 3)), np.empty((3, 3)), np.zeros((3, 3)), np.empty((3, 3))
     state, moved = np.zeros((3, columns)), np.zeros((3, columns))
     row, gain = np.zeros(3), np.zeros(3)
-    total, before = 0.0, -1.0
+    total, before = 0.0, 0.0
     for w in range(bounds.shape[0]):
         p[:], state[:] = 0.0, 0.0
         p[0, 0], p[1, 1], p[2, 2] = starts[w, 1], starts[w, 2], power
@@ -77,14 +79,21 @@ def _innovations(
             h = t[n] - last
             last = t[n]
             if h > 0.0:
-                if abs(h - before) > 1e-6 * before or before < 0.0:
+                if abs(h - before) > _JITTER * before:
                     transition(h, c, k, rate, 2.0 * power * rate, phi, q)
                     before = h
-                p[:] = phi @ p @ phi.T + q
+                for i in range(3):
+                    for j in range(3):
+                        half[i, j] = phi[i, 0] * p[0, j] + phi[i, 1] * p[1, j] + phi[i, 2] * p[2, j]
+                for i in range(3):
+                    for j in range(3):
+                        p[i, j] = half[i, 0] * phi[j, 0] + half[i, 1] * phi[j, 1] + half[i, 2] * phi[j, 2] + q[i, j]
                 for j in range(columns):
                     for i in range(3):
                         moved[i, j] = phi[i, 0] * state[0, j] + phi[i, 1] * state[1, j] + phi[i, 2] * state[2, j]
-                state[:] = moved
+                for i in range(3):
+                    for j in range(columns):
+                        state[i, j] = moved[i, j]
             for channel in range(3):
                 if variance[channel] < 0.0:
                     continue
@@ -92,10 +101,10 @@ def _innovations(
                     for j in range(columns):
                         values[channel, n, j] = 0.0
                     continue
-                row[:] = 0.0
-                if channel < 2:
-                    row[channel] = 1.0
-                else:
+                row[0], row[1], row[2] = 1.0, 0.0, 0.0
+                if channel == 1:
+                    row[0], row[1] = 0.0, 1.0
+                elif channel == 2:
                     row[0], row[1], row[2] = -k, -c, 1.0
                 s = variance[channel]
                 for i in range(3):
@@ -136,7 +145,8 @@ def whiten_driven(problem: Problem, values: Mapping[str, FloatArray]) -> tuple[F
             variance[i] = problem.noise[channel].sigma ** 2
     force = problem.noise["u"]
     rate = -math.log(min(max(force.phi, 1e-12), 1.0 - 1e-9)) / float(np.median(np.diff(t)))
-    system = np.array([restarts.c, restarts.k, rate * restarts.m, (force.sigma**2) / restarts.m]) / restarts.m
+    first = restarts.first
+    system = np.array([first.c / first.m, first.k / first.m, rate, (force.sigma / first.m) ** 2])
     starts = np.array([(w.t0, (_OPEN * w.x_sd) ** 2, (_OPEN * w.v_sd) ** 2) for w in restarts.windows])
     bounds = np.array([(w.start, w.stop) for w in restarts.windows], dtype=np.int64)
     total = innovations(t, block, weight, variance, starts, bounds, system)

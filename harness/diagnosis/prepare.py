@@ -1,0 +1,140 @@
+"""A recording made ready: what is no motion cut away, noise, the drive, windows of a driven one."""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from harness.core.checks import positive
+from harness.core.errors import InputError
+from harness.core.recording import MINIMUM_SAMPLES, Recording
+from harness.diagnosis.baseline import dominant_frequency
+from harness.diagnosis.driven.cut import windows_of
+from harness.diagnosis.driven.inverse import inverse_start, state_of
+from harness.diagnosis.driven.noise import first_noise
+from harness.diagnosis.driven.smooth import smoothed
+from harness.diagnosis.problem import Problem, Restarts
+from harness.estimate.noise import channel_noise
+from harness.estimate.reversals import Kind, NoDecay, find_half_cycles
+from harness.kernels.solve import Drive
+from harness.model.model import Restoring
+
+HORIZON = 1.0
+"""Default length of the windows of a driven recording, s."""
+_KINDS = {"x": Kind.DISPLACEMENT, "v": Kind.VELOCITY, "a": Kind.ACCELERATION}
+_GAP = 5.0
+"""Sampling intervals from which on there is a gap."""
+_FEWEST_IN_WINDOW = 20
+_REST = 1.0
+"""How long a rest is kept after the last half-cycle, in times of the decay: it says where the slider stays."""
+
+
+@dataclass(frozen=True, slots=True)
+class Asked:
+    """What was asked of a diagnosis: see the options of the same names; horizon in s, mass in kg."""
+
+    restoring: Restoring = Restoring.SPRING
+    zero_free: bool = False
+    mass: float | None = None
+    horizon: float = HORIZON
+
+    def __post_init__(self) -> None:
+        positive("--horizon", self.horizon, "s")
+        if self.mass is not None:
+            positive("--mass", self.mass, "kg")
+
+
+def is_driven(recording: Recording) -> bool:
+    """Whether a measured force acts."""
+    return "u" in recording and bool(np.any(recording["u"] != 0.0))
+
+
+def prepare(recording: Recording, asked: Asked) -> tuple[Problem, tuple[str, ...]]:
+    """A recording as a problem, and what was done to it, one sentence each.
+
+    Raises InputError for options that contradict the recording, and for what cannot be diagnosed.
+    """
+    if is_driven(recording):
+        return _driven(recording, asked)
+    if asked.restoring is Restoring.NONE:
+        found = "none, but no force u is recorded" if "u" not in recording else "none, but the force u is 0 throughout"
+        raise InputError("--restoring", f"{found} in {recording.file}", "a recorded force, or spring, is accepted")
+    return _decay(recording, asked)
+
+
+def _decay(recording: Recording, asked: Asked) -> tuple[Problem, tuple[str, ...]]:
+    recording, notes = _in_motion(recording)
+    channels = {c: recording[c] for c in ("x", "v", "a") if c in recording}
+    omega = dominant_frequency(recording.t, next(iter(channels.values())))
+    period = 2.0 * math.pi / omega if math.isfinite(omega) and omega > 0.0 else None
+    noise = {c: channel_noise(recording.t, y, period) for c, y in channels.items()}
+    problem = Problem(
+        recording.t,
+        channels,
+        noise,
+        mass=asked.mass,
+        restoring=asked.restoring,
+        zero_free=asked.zero_free,
+        angular=recording.angular,
+    )
+    return problem, notes
+
+
+def _in_motion(recording: Recording) -> tuple[Recording, tuple[str, ...]]:
+    """A free decay without a hold before its release and without most of a long rest at its end."""
+    channel = next(c for c in ("x", "v", "a") if c in recording)
+    t, y = recording.t, recording[channel]
+    try:
+        found = find_half_cycles(t, y, _KINDS[channel], channel_noise(t, y))
+    except NoDecay:
+        return recording, ()
+    begin, end, notes = 0, t.size, []
+    if found.held:
+        begin = int(np.searchsorted(t, found.edges[0]))
+    late = float(found.edges[-1]) + _REST * float(found.edges[-1] - found.edges[0])
+    if late < t[-1]:
+        end = int(np.searchsorted(t, late))
+    if end - begin < MINIMUM_SAMPLES:
+        return recording, ()
+    if begin > 0:
+        notes.append(f"the first {t[begin] - t[0]:.4g} s, before the release, are left out")
+    if end < t.size:
+        notes.append(f"the last {t[-1] - t[end - 1]:.4g} s, a long rest, are left out")
+    return (recording.cut(slice(begin, end)) if notes else recording), tuple(notes)
+
+
+def _driven(recording: Recording, asked: Asked) -> tuple[Problem, tuple[str, ...]]:
+    where = f"{recording.file}: channels {', '.join(recording.channels)}"
+    if "x" not in recording and ("v" not in recording or asked.restoring is not Restoring.NONE):
+        need = "x, or v with --restoring none," if "v" in recording else "x (or v with --restoring none)"
+        raise InputError(where, "a driven recording whose state cannot be seen", f"{need} beside u is accepted")
+    t, u = recording.t, recording["u"]
+    if float(np.ptp(u)) == 0.0:
+        raise InputError(f"{recording.file}: channel u", f"the constant {u[0]:g}", "a force that changes is accepted")
+    interval = recording.interval
+    if asked.horizon < _FEWEST_IN_WINDOW * interval:
+        found = f"{asked.horizon:g} s, {asked.horizon / interval:.1f} samples of {recording.file}"
+        raise InputError("--horizon", found, f"at least {_FEWEST_IN_WINDOW * interval:g} s is accepted")
+    channels = {c: recording[c] for c in ("x", "v", "a") if c in recording}
+    noise = first_noise(t, channels, u)
+    longest = _GAP * interval
+    smooth = {c: smoothed(t, channels[c], longest, noise[c].sigma) for c in ("x", "v") if c in channels}
+    state = state_of(t, smooth)
+    first = inverse_start(state, u, asked.restoring, asked.mass, asked.zero_free)
+    windows = windows_of(t, state, smooth, asked.horizon, longest)
+    problem = Problem(
+        t,
+        channels,
+        noise,
+        drive=Drive(t, u),
+        mass=asked.mass,
+        restoring=asked.restoring,
+        zero_free=asked.zero_free and asked.restoring is not Restoring.NONE,
+        angular=recording.angular,
+        restarts=Restarts(windows, t, state[1], first),
+    )
+    note = (
+        f"driven: simulated over {len(windows)} windows of at most {asked.horizon:g} s, each restarted from the smoothed "
+        "recorded state; the force's own noise is estimated beside the sensors'"
+    )
+    return problem, (note,)
