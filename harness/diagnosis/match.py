@@ -13,6 +13,7 @@ from harness.core.errors import InputError
 from harness.core.quantity import Quantity
 from harness.core.recording import MINIMUM_SAMPLES, Recording
 from harness.diagnosis.baseline import dominant_frequency
+from harness.diagnosis.lackfit import isolated
 from harness.estimate.noise import Noise, channel_noise
 
 _COARSE = 40
@@ -183,9 +184,11 @@ def _refined(pair: _Pair, shift: float) -> float:
             break
         top = bottom = 0.0
         for c in pair.common:
-            slope, weight = np.gradient(left[c], t), 1.0 / pair.noise[c].sigma ** 2
-            top += weight * float(slope @ (left[c] - right[c]))
-            bottom += weight * float(slope @ slope)
+            slope, off = np.gradient(left[c], t), left[c] - right[c]
+            # a jump between two samples, seen on the wrong side of one, would pull harder than all the rest
+            weight = ~isolated(off) / pair.noise[c].sigma ** 2
+            top += float((weight * slope) @ off)
+            bottom += float((weight * slope) @ slope)
         step = top / bottom if bottom > 0.0 else 0.0
         shift += step
         if abs(step) < 1e-6 / math.sqrt(bottom + 1e-300):
@@ -199,9 +202,11 @@ def _shift_error(pair: _Pair, shift: float, period: float) -> float:
     information = chi2 = inflation = 0.0
     for c in pair.common:
         noise = pair.noise[c]
-        slope = np.gradient(left[c], t)
+        off = right[c] - left[c]
+        keep = ~isolated(off)
+        slope = np.gradient(left[c], t)[keep]
         information += float(slope @ slope) / noise.sigma**2
-        chi2 += float(np.mean((right[c] - left[c]) ** 2)) / noise.sigma**2 / len(pair.common)
+        chi2 += float(np.mean(off[keep] ** 2)) / noise.sigma**2 / len(pair.common)
         inflation = max(inflation, noise.inflation(2.0 * math.pi / period, pair.coarse.interval))
     if chi2 > 2.0:
         # what differs is no noise: it says one thing for about a quarter of a period

@@ -55,7 +55,6 @@ def test_a_motion_and_its_noisy_recording_are_the_same(tmp_path: Path, samples: 
     found = result.aligned["shift_s"]
     assert found.value is not None
     assert found.stderr is not None
-    # one reversal in one interval: the jump between two samples is no better known than that
     assert abs(found.value + shift) < 4.0 * found.stderr
     assert result.noise["x"] == pytest.approx(1e-4, rel=0.1)
 
