@@ -1,12 +1,17 @@
 """Rows of the matrix against figures that engines are known by, on every route."""
 
+from pathlib import Path
+
 import pytest
 
+from harness.app.regress import load_baseline
 from harness.engines import registry
 from harness.engines.base import Preset, Route
 from harness.fidelity import cases
 from harness.fidelity.convergence import slope
 from harness.fidelity.row import Metrics, Spec, run_row
+
+PUBLISHED = Path(__file__).resolve().parents[2] / "reports" / "fidelity" / "baseline.json"
 
 
 def metrics(engine: str, route: Route, base: Preset, dt: float | None, scenario: str, **changed: object) -> Metrics:
@@ -104,3 +109,44 @@ def test_what_cannot_run_is_a_row_with_its_reason() -> None:
         assert row.error is not None
         assert message in row.error
         assert row.metrics == {}
+
+
+PRINTED = [
+    ("mujoco/joint/as-shipped/integrator=implicitfast/dt=0.001/free-decay", "12.8", "-1.15"),
+    ("mujoco/joint/as-shipped/integrator=RK4/dt=0.0001/free-decay", "13.6", "-1.16"),
+    ("mujoco/joint/as-shipped/integrator=discrete/dt=0.001/free-decay", "30.3", "0.86"),
+    ("mujoco/joint/stiff/integrator=implicitfast,{}=0.002 1/dt=0.001/free-decay", "4.17", "-1.1e-4"),
+    ("mujoco/joint/stiff/integrator=RK4,{}=0.002 1/dt=0.001/free-decay", "1.39", "-1.1e-4"),
+    ("mujoco/joint/stiff/integrator=RK4,{}=0.0002 1/dt=0.0001/free-decay", "0.14", "-1.1e-5"),
+    ("mujoco/joint/stiff/integrator=discrete,{}=0.002 1/dt=0.001/free-decay", "27.7", "2e-4"),
+    ("mujoco/joint/tuned/dt=0.001/free-decay", "0.69", "-5.5e-5"),
+    ("pybullet/joint/undamped/leapfrog=False/dt=0.00416667/free-decay", "20.2", "0"),
+    ("pybullet/joint/undamped/leapfrog=False/dt=0.001/free-decay", "4.84", "0"),
+    ("pybullet/joint/undamped/leapfrog=False/dt=0.0001/free-decay", "0.48", "0"),
+    ("pybullet/joint/as-shipped/dt=0.001/free-decay", "67.7", "0"),
+    ("mujoco/joint/as-shipped/dt=0.001/free-decay-no-friction", "4.30", None),
+    ("mujoco/joint/as-shipped/integrator=implicitfast/dt=0.001/free-decay-no-friction", "4.30", None),
+    ("mujoco/joint/as-shipped/integrator=RK4/dt=0.001/free-decay-no-friction", "6e-7", None),
+    ("mujoco/joint/as-shipped/integrator=discrete/dt=0.001/free-decay-no-friction", "35", None),
+]
+
+
+def within(value: float, printed: str) -> bool:
+    """As ``agrees``, for figures with an exponent too; a printed 0 means below 1e-3 of the unit."""
+    mantissa, _, exponent = printed.partition("e")
+    unit = 10.0 ** (int(exponent or 0) - len(mantissa.partition(".")[2]))
+    if float(printed) == 0.0:
+        return abs(value) < 1e-3
+    return abs(value - float(printed)) <= max(0.05 * abs(float(printed)), unit * (1.0 + 1e-9))
+
+
+@pytest.mark.parametrize(("name", "error_mm", "creep_mm_s"), PRINTED, ids=[row[0] for row in PRINTED])
+def test_the_published_rows_hold_the_known_figures(name: str, error_mm: str, creep_mm_s: str | None) -> None:
+    rows = load_baseline(PUBLISHED).rows
+    found = rows[name.format("solimpfriction=0.9999 0.9999 0.001 0.5 2,solreffriction")].metrics
+    error, creep = found["max_error_m"], found["creep_m_s"]
+    assert error is not None
+    assert within(1e3 * error, error_mm)
+    if creep_mm_s is not None:
+        assert creep is not None
+        assert within(1e3 * creep, creep_mm_s)

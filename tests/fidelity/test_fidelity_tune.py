@@ -1,0 +1,164 @@
+"""Search of settings: from scratch at least as good as what is known, on sliders it was not searched on."""
+
+import json
+from typing import Any
+
+import mujoco
+import pytest
+from jsonschema import Draft202012Validator
+
+from harness.app.tune import tune
+from harness.core.errors import InputError
+from harness.engines import registry
+from harness.engines.base import Route
+from harness.fidelity import tune as room
+from harness.fidelity.paste import paste
+from harness.fidelity.spaces import SHIPPED, space, tunable
+from harness.fidelity.tune import HELD_OUT, SEARCH, Trial, search
+from harness.results.generate import schema_text
+from harness.results.tune import TuneResult
+
+KNOWN: dict[str, list[dict[str, Any]]] = {
+    "mujoco": [
+        {
+            "integrator": "RK4",
+            "solreffriction": (-1.0, -1.9 * 0.9999 / 4e-3),
+            "solimpfriction": (0.9999, 0.9999, 0.001, 0.5, 2.0),
+        },
+        {
+            "integrator": "RK4",
+            "solreffriction": (8e-3, 1.0),
+            "solimpfriction": (0.9999, 0.9999, 0.001, 0.5, 2.0),
+        },
+    ],
+    "pybullet": [{"linearDamping": 0.0, "angularDamping": 0.0}],
+}
+"""Settings that were found by hand, at a step of 4 ms."""
+
+
+@pytest.mark.parametrize("name", sorted(KNOWN))
+def test_it_finds_settings_at_least_as_good_as_those_found_by_hand(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    # the short form: one start
+    monkeypatch.setattr(room, "STARTS", 1)
+    found = space(name, "joint")
+    assert found is not None
+    trial = Trial(registry.load(name), "joint", 4e-3)
+    changed = trial.changed(found, search(trial, found, None))
+    outcome = trial.score(changed, HELD_OUT)
+    for known in KNOWN[name]:
+        assert outcome <= trial.score(known, HELD_OUT)
+    assert outcome < 0.1 * trial.score({}, HELD_OUT)
+
+
+@pytest.mark.full
+@pytest.mark.parametrize("dt", [2e-3, 1e-3])
+@pytest.mark.parametrize(("name", "route"), [("mujoco", "joint"), ("mujoco", "contact"), ("pybullet", "joint")])
+def test_the_whole_search_beats_the_preset(name: str, route: Route, dt: float) -> None:
+    result = tune(name, route, dt)
+    assert result.score_after <= result.score_preset * 1.02
+
+
+def test_what_costs_too_much_is_not_chosen(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(room, "STARTS", 1)
+    monkeypatch.setattr(Trial, "cost", lambda self, changed: 4.0 if changed.get("integrator") == "RK4" else 1.1)
+    found = space("mujoco", "law")
+    assert found is not None
+    engine = registry.load("mujoco")
+    assert search(Trial(engine, "law", 2e-3), found, 5.0)["integrator"] == "RK4"
+    assert search(Trial(engine, "law", 2e-3), found, 1.5)["integrator"] != "RK4"
+    # nothing is as cheap as half of what ships
+    assert search(Trial(engine, "law", 2e-3), found, 0.5) == found.shipped()
+
+
+def test_search_and_score_use_different_sliders() -> None:
+    assert not set(SEARCH) & set(HELD_OUT)
+
+
+def test_result_obeys_its_schema_and_says_what_to_paste(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(room, "STARTS", 1)
+    result = tune("mujoco", "law", 2e-3)
+    data = json.loads(result.model_dump_json(by_alias=True))
+    Draft202012Validator(json.loads(schema_text("harness.tune/1", TuneResult))).validate(data)
+    assert result.changed == {"integrator": "RK4"}
+    assert result.paste == '<option timestep="0.002" integrator="RK4"/>'
+    assert result.score_after < result.score_before
+    assert result.cost > 1.0
+
+
+def test_pasted_joint_settings_are_what_mujoco_compiles() -> None:
+    found = space("mujoco", "joint")
+    assert found is not None
+    choice = found.shipped() | {"integrator": "RK4", "rate": 1.9, "impedance": 0.9999, "noslip_iterations": 5}
+    settings = found.settings(choice, 2e-3)
+    text = paste("mujoco", "joint", {"dt": 2e-3}, settings)
+    option, _, joint = text.splitlines()
+    joint = joint.replace("<joint ", '<joint type="slide" axis="1 0 0" frictionloss="3" ')
+    model = mujoco.MjModel.from_xml_string(
+        f'<mujoco>{option}<worldbody><body>{joint}<geom size=".1"/></body></worldbody></mujoco>'
+    )
+    assert model.opt.timestep == 2e-3
+    assert model.opt.integrator == mujoco.mjtIntegrator.mjINT_RK4
+    assert model.opt.noslip_iterations == 5
+    assert model.dof_solref[0] == pytest.approx(settings["solreffriction"], rel=1e-9)
+    assert model.dof_solimp[0] == pytest.approx(settings["solimpfriction"])
+
+
+def test_pasted_contact_settings_are_what_mujoco_compiles() -> None:
+    found = space("mujoco", "contact")
+    assert found is not None
+    choice = found.shipped() | {"cone": "elliptic", "impratio": 100.0, "steps": 4.0, "impedance": 0.9}
+    text = paste("mujoco", "contact", {"dt": 1e-3}, found.settings(choice, 1e-3))
+    option, _, pair = text.splitlines()
+    pair = pair.replace("<pair ", '<pair geom1="a" geom2="b" ')
+    model = mujoco.MjModel.from_xml_string(
+        f'<mujoco>{option}<worldbody><geom name="a" type="plane" size="1 1 1"/>'
+        f'<body><freejoint/><geom name="b" size=".1"/></body></worldbody><contact>{pair}</contact></mujoco>'
+    )
+    assert model.opt.cone == mujoco.mjtCone.mjCONE_ELLIPTIC
+    assert model.opt.impratio == 100.0
+    assert model.pair_solref[0] == pytest.approx([4e-3, 1.0])
+    assert model.pair_solimp[0][:2] == pytest.approx([0.9, 0.9])
+
+
+def test_pasted_calls_are_python() -> None:
+    changed = {"linearDamping": 0.0, "frictionAnchor": True, "numSolverIterations": 500, "leapfrog": True}
+    text = paste("pybullet", "contact", {"dt": 1e-3}, changed)
+    compile(text, "pasted", "exec")
+    assert "p.setPhysicsEngineParameter(fixedTimeStep=0.001, numSolverIterations=500)" in text
+    assert "p.changeDynamics(body, link, linearDamping=0, frictionAnchor=1)" in text
+    assert "leapfrog" in text
+    compile(paste("dart", "joint", {"dt": 1e-3}, {"leapfrog": True}), "pasted", "exec")
+
+
+@pytest.mark.parametrize("entry", tunable())
+def test_every_choice_of_every_space_is_a_setting_the_engine_has(entry: str) -> None:
+    name, _, rest = entry.partition(" (")
+    if registry.available().get(name) is not None:
+        pytest.skip(f"{name} is not installed")
+    for route in rest.rstrip(")").split(", "):
+        found = space(name, route)  # type: ignore[arg-type]
+        assert found is not None
+        shipped = registry.load(name).presets(route, "as-shipped", 1e-3)  # type: ignore[arg-type]
+        assert Trial(registry.load(name), route, 1e-3).changed(found, found.shipped()) == {}  # type: ignore[arg-type]
+        for axis in found.axes:
+            if axis.name in shipped:
+                assert axis.values[0] == shipped[axis.name]
+            else:
+                assert axis.values[0] == SHIPPED
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (("bullet",), "engine: 'bullet'; one of dart, mujoco, pybullet"),
+        (("mujoco", "air"), "--route: 'air'; one of joint, contact, law"),
+        (("mujoco", "joint", 0.0), "--dt: 0; a number above 0 s"),
+        (("mujoco", "joint", 1e-3, -1.0), "--max-cost: -1; a number above 0"),
+        (("dart", "contact"), "engine dart: no table of settings for the contact route; mujoco (joint, contact, law)"),
+        (("mujoco", "joint", 0.5), "--dt 0.5: what ships cannot run at this step"),
+    ],
+)
+def test_bad_input(arguments: tuple[Any, ...], message: str) -> None:
+    with pytest.raises(InputError) as error:
+        tune(*arguments)
+    assert message in str(error.value)
