@@ -1,7 +1,7 @@
 """A recording made ready: what is no motion cut away, noise, the drive, windows of a driven one."""
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -10,6 +10,7 @@ from harness.core.errors import InputError
 from harness.core.recording import MINIMUM_SAMPLES, Recording
 from harness.diagnosis.baseline import dominant_frequency
 from harness.diagnosis.driven.cut import windows_of
+from harness.diagnosis.driven.hold import held, is_held
 from harness.diagnosis.driven.inverse import inverse_start, state_of
 from harness.diagnosis.driven.noise import first_noise
 from harness.diagnosis.driven.smooth import smoothed
@@ -133,8 +134,12 @@ def _driven(recording: Recording, asked: Asked) -> tuple[Problem, tuple[str, ...
         angular=recording.angular,
         restarts=Restarts(windows, t, state[1], first),
     )
+    notes = []
+    if is_held(problem):
+        problem = replace(problem, drive=held(problem))
+        notes.append("the force acts as a sampled controller's, held from each sample to the next")
     note = (
         f"driven: simulated over {len(windows)} windows of at most {asked.horizon:g} s, each restarted from the smoothed "
         "recorded state; the force's own noise is estimated beside the sensors'"
     )
-    return problem, (note,)
+    return problem, (note, *notes)

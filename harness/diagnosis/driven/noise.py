@@ -1,8 +1,8 @@
 """Noise of a driven recording: of each sensor, and of the force, by maximum likelihood of what a fit leaves.
 
-The force's noise is whatever pushes beside what was measured and is not in the model, taken as first-order: standard
-deviation and correlation time. Both come from the innovations, so that a model is judged against what the recording
-itself cannot repeat, not against the sensor alone.
+The force's noise is whatever pushes beside what was measured and is not in the model. Its level comes from the
+innovations, so that a model is judged against what the recording itself cannot repeat, not against the sensor alone. It
+is taken as white up to the sampling rate: a push that lasts longer is physics to be found, and must not be noise.
 """
 
 import math
@@ -18,21 +18,19 @@ from harness.estimate.noise import FLOOR, Noise, channel_noise, quantisation_ste
 
 _FIRST_SHARE = 0.03
 """First guess of the force's noise, as a share of its rms."""
-_FIRST_TIME = 3.0
-"""First guess of its correlation time in sampling intervals."""
-_LONGEST_SHARE = 0.02
-"""Longest correlation time, as a share of a window: what lasts longer is physics to be found, not noise."""
+_PHI = math.exp(-1.0)
+"""Its correlation from one sample to the next: one interval is its correlation time."""
 _NOTHING = 1e-6
 """Share of a channel's rms at which a search for its noise ends: there is none."""
 _SAMPLES = 30_000
-_EVALUATIONS = 160
+_EVALUATIONS = 80
 
 
 def first_noise(t: FloatArray, channels: Mapping[str, FloatArray], u: FloatArray) -> dict[str, Noise]:
     """Noise of the channels (n,) from themselves and a guess for the force's, from which to start. t : s."""
     noise = {c: replace(channel_noise(t, y), phi=0.0) for c, y in channels.items()}
     rms = math.sqrt(float(np.mean(u**2)))
-    noise["u"] = Noise(_FIRST_SHARE * rms, True, math.exp(-1.0 / _FIRST_TIME), quantisation_step(u))
+    noise["u"] = Noise(_FIRST_SHARE * rms, True, _PHI, quantisation_step(u))
     return noise
 
 
@@ -51,8 +49,6 @@ def driven_noise(problem: Problem, residual: Mapping[str, FloatArray]) -> dict[s
     assert problem.restarts is not None and problem.drive is not None
     part = _sane(problem)
     left = {c: residual[c][: part.t.size] for c in part.channels}
-    interval = float(np.median(np.diff(part.t)))
-    window = float(np.median([part.t[w.stop - 1] - w.t0 for w in part.restarts.windows])) if part.restarts else 0.0
     names = [*part.channels, "u"]
     values = {**part.channels, "u": problem.drive.u}
     least = {}
@@ -60,30 +56,26 @@ def driven_noise(problem: Problem, residual: Mapping[str, FloatArray]) -> dict[s
         step = problem.noise[c].step
         rms = math.sqrt(float(np.mean((values[c] - (0.0 if c == "u" else values[c].mean())) ** 2)))
         least[c] = max(step / math.sqrt(12.0), _NOTHING * rms)
-    shortest, longest = 0.1 * interval, max(_LONGEST_SHARE * window, 2.0 * interval)
 
     def at(theta: FloatArray) -> dict[str, Noise]:
         noise = {}
-        for c, value in zip(names, theta, strict=False):
+        for c, value in zip(names, theta, strict=True):
             sigma = max(math.exp(min(value, 300.0)), least[c])
-            noise[c] = Noise(sigma, True, 0.0, problem.noise[c].step)
-        time = min(max(math.exp(min(float(theta[-1]), 300.0)), shortest), longest)
-        noise["u"] = replace(noise["u"], phi=math.exp(-interval / time))
+            noise[c] = replace(problem.noise[c], sigma=sigma, found=True)
         return noise
 
     def cost(theta: FloatArray) -> float:
         white, logs = whiten_driven(replace(part, noise=at(theta)), left)
         # bounds are walls with a slope, so that a simplex finds its way back
-        over = sum(max(0.0, math.log(least[c]) - v) for c, v in zip(names, theta, strict=False))
+        over = sum(max(0.0, math.log(least[c]) - v) for c, v in zip(names, theta, strict=True))
         return 0.5 * (float(white @ white) + logs) + over
 
-    time = -interval / math.log(min(max(problem.noise["u"].phi, 1e-6), 0.999999))
-    start = np.array([*(math.log(max(problem.noise[c].sigma, least[c])) for c in names), math.log(time)])
+    start = np.array([math.log(max(problem.noise[c].sigma, least[c])) for c in names])
     found = minimize(
         cost,
         start,
         method="Nelder-Mead",
-        options={"maxfev": _EVALUATIONS + 40 * start.size, "xatol": 5e-3, "fatol": 0.05, "initial_simplex": _simplex(start)},
+        options={"maxfev": _EVALUATIONS, "xatol": 5e-3, "fatol": 0.05, "initial_simplex": _simplex(start)},
     )
     noise = at(found.x)
     for c in names:
