@@ -103,7 +103,9 @@ def result_of(
         noise={c: noise.said for c, noise in found.noise.items()},
         rmse={c: float(np.sqrt(np.mean(np.square(d)))) for c, d in found.difference.items()},
         where=where,
-        consistent_channels={name: {"-".join(c.pair): _pair(c) for c in pairs} for name, pairs in checks.items()},
+        consistent_channels={
+            name: {"-".join(c.pair): channel_pair(c) for c in pairs} for name, pairs in checks.items()
+        },
         verdict=verdict,
         p_value=doubted.p_value,
         sentences=_sentences(found, doubted, loud, checks, (sim, real)),
@@ -138,7 +140,8 @@ def _channel_alone(found: Match, loud: Mapping[str, float]) -> list[Where]:
     return []
 
 
-def _pair(found: Consistency) -> ChannelPair:
+def channel_pair(found: Consistency) -> ChannelPair:
+    """What one channel says of another, in the form of the results."""
     return ChannelPair(
         gain=P.of(found.gain),
         lag_s=P.of(found.lag),

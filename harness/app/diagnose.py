@@ -1,12 +1,14 @@
 """What a simulation with viscous and Coulomb friction leaves out of a recording, and the model that has it."""
 
+import tempfile
 from dataclasses import dataclass
 from pathlib import Path
 
 from harness.app.deliver import to_json
 from harness.app.diagnose_files import simulated, write_model, write_trace_csv
+from harness.app.diagnose_mismatch import left_over
 from harness.app.diagnose_options import DiagnoseOptions
-from harness.app.diagnose_problem import problem_of
+from harness.app.diagnose_problem import prepared
 from harness.app.diagnose_result import result_of
 from harness.app.diagnose_show import write_diagnosis_page, write_diagnosis_trace
 from harness.app.journal import NAME as LOG
@@ -16,6 +18,7 @@ from harness.app.reading import read_as
 from harness.core.recording import Recording
 from harness.core.trajectory import Trajectory
 from harness.diagnosis.conclude import diagnose as conclude
+from harness.diagnosis.force_map import write_history, write_map
 from harness.diagnosis.outcome import Outcome
 from harness.io.store import OutputFolder, output_folder
 from harness.results.diagnosis import DiagnosisResult
@@ -28,6 +31,8 @@ FILES = {
     "model": "model/model.json",
     "mjcf": "model/slider.xml",
     "urdf": "model/slider.urdf",
+    "residual_map": "residual_map.csv",
+    "residual_force": "residual_force.csv",
     "refined_trace": "refined_trace.csv",
     "log": LOG,
 }
@@ -54,10 +59,10 @@ def investigate(
     Raises InputError when it cannot be diagnosed, with the reason; SimulationError when no model could be simulated.
     """
     progress("base fit and search", 1, STEPS)
-    problem, warnings = problem_of(recording, options)
-    outcome = conclude(problem)
+    ready = prepared(recording, options)
+    outcome = conclude(ready.problem)
     progress("engines and attribution", 2, STEPS)
-    result = result_of(recording, outcome, options, warnings, command)
+    result = result_of(recording, ready, outcome, options, command)
     return Diagnosed(recording, outcome, simulated(recording, outcome), result)
 
 
@@ -74,10 +79,22 @@ def diagnose(
     out : new or empty folder, None for reports/NAME-TIME here. label : what to call the file, where it stands in for
     another ("-"). Raises InputError, SimulationError, StoreError.
     """
-    progress("reading", 0, STEPS)
     label = str(path) if label is None else label
+    progress("reading", 0, STEPS)
     recording = read_as(label, path, options.reading, options.trace)
     name = "stdin" if label == "-" else path.name.split(".")[0]
+    return deliver(recording, options, out, name, progress, command)
+
+
+def deliver(
+    recording: Recording,
+    options: DiagnoseOptions,
+    out: Path | None = None,
+    name: str = "recording",
+    progress: Progress = SILENT,
+    command: str = "",
+) -> DiagnosisResult:
+    """Diagnose a recording and leave everything in a folder, as ``diagnose`` does. name : of the default folder."""
     with output_folder(f"diagnose-{name}", out) as output, journal(output / LOG):
         found = investigate(recording, options, progress, command)
         progress("writing trace and report", 3, STEPS)
@@ -86,11 +103,21 @@ def diagnose(
     return result
 
 
+def answer(recording: Recording, options: DiagnoseOptions) -> DiagnosisResult:
+    """Diagnose a recording and leave nothing; raises InputError, SimulationError."""
+    with tempfile.TemporaryDirectory(prefix="friction-harness-") as folder, journal(Path(folder) / LOG):
+        return investigate(recording, options).result
+
+
 def _write(output: OutputFolder, found: Diagnosed) -> DiagnosisResult:
     left_out = write_model(output.work / "model", found.outcome.refined.model)
     write_trace_csv(output / FILES["refined_trace"], found.simulated[1])
+    force = left_over(found.outcome)
+    write_map(output / FILES["residual_map"], force)
+    write_history(output / FILES["residual_force"], force)
     files = {name: output.at(file) for name, file in FILES.items()}
-    result = found.result.model_copy(update={"files": files, "model_left_out": left_out})
+    more = {"files": files, "model_left_out": left_out, "residual_map": files["residual_map"]}
+    result = found.result.model_copy(update=more)
     (output / FILES["result"]).write_text(to_json(result), encoding="utf-8")
     write_diagnosis_trace(output / FILES["rrd"], result, found.recording, found.simulated)
     write_diagnosis_page(output / FILES["report"], result, found.recording, found.simulated)

@@ -7,19 +7,20 @@ from pathlib import Path
 import numpy as np
 
 from harness.core.recording import Recording
-from harness.core.slider import Slider
 from harness.core.trajectory import Source, Trajectory
 from harness.diagnosis.observe import observe
 from harness.diagnosis.outcome import Outcome
 from harness.diagnosis.problem import Problem
-from harness.engines import models
+from harness.engines import model_files
 from harness.io.store import write_text
 from harness.model.document import to_document
-from harness.model.model import Model, Restoring
+from harness.model.model import Model
 
 
 def whole_problem(recording: Recording, problem: Problem) -> Problem:
-    """The same question at every sample of the recording."""
+    """The same question at every sample of the recording; a driven one has lost none."""
+    if problem.restarts is not None:
+        return problem
     channels = {name: recording[name] for name in problem.channels}
     return replace(problem, t=recording.t, channels=channels, weight={})
 
@@ -52,23 +53,8 @@ def write_trace_csv(path: Path, motion: Trajectory) -> None:
 
 
 def write_model(folder: Path, model: Model) -> list[str]:
-    """model.json, slider.xml, slider.urdf; returns what the latter two cannot say, one sentence each."""
+    """model.json, slider.xml, slider.urdf and not_said.txt: what the latter two leave out, returned as sentences."""
     folder.mkdir(parents=True, exist_ok=True)
     write_text(folder / "model.json", json.dumps(to_document(model), indent=2) + "\n")
-    slider = Slider(model.m, model.c, model.k if model.restoring is not Restoring.NONE else 1.0, model.f_k, model.f_s)
-    models.export(slider, folder, model.restoring.value)
-    for file in folder.glob("slider_on_floor.*"):
-        file.unlink()
-    return left_out(model, slider)
-
-
-def left_out(model: Model, slider: Slider) -> list[str]:
-    """What MJCF and URDF leave out of a model."""
-    said = [*models.cannot_say(slider, "slider", "xml", model.restoring.value)]
-    said += models.cannot_say(slider, "slider", "urdf", model.restoring.value)
-    for entry in model.terms:
-        values = ", ".join(f"{name} = {value:.6g}" for name, value in zip(entry.term.names, entry.values, strict=True))
-        said.append(f"xml and urdf: no {entry.term.name}{f' ({values})' if values else ''}; it is in model.json")
-    if not model.mass_known:
-        said.append("xml and urdf: the mass is not known, so 1 kg stands for it and forces are per kg")
-    return [sentence.replace("xml:", "mjcf:", 1).replace("xml and", "mjcf and", 1) for sentence in said]
+    model_files.export(model, folder)
+    return [line for suffix in ("xml", "urdf") for line in model_files.cannot_say(model, suffix)]

@@ -24,8 +24,6 @@ from harness.results.diagnosis import DiagnosisResult, FailedDiagnosis, UnreadRe
 LOGGER = logging.getLogger(__name__)
 Answer = DiagnosisResult | FailedDiagnosis
 RESULT, PAGE = "result.json", "index.html"
-_TRIES = 2
-"""Times a file may be there when a process dies, before it is held to be the reason."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -171,35 +169,42 @@ def _computed(left: dict[int, Work], jobs: int, function: Callable[[Work], Answe
     if jobs == 1:
         yield from ((i, function(work)) for i, work in left.items())
         return
-    waiting = dict(left)
-    tries = dict.fromkeys(left, 0)
     pool = LocalPool(jobs)
-    running: dict[Future[Answer], int] = {}
     try:
+        suspects: list[int] = []
+        waiting = list(left)
+        running: dict[Future[Answer], int] = {}
         while waiting or running:
             while waiting and len(running) < jobs:
-                i = next(iter(waiting))
-                running[pool.executor.submit(function, waiting.pop(i))] = i
+                i = waiting.pop(0)
+                running[pool.executor.submit(function, left[i])] = i
             done, _ = wait(running, return_when=FIRST_COMPLETED)
-            broken = False
-            for future in done:
+            dead = [running.pop(future) for future in done if _died(pool, future)]
+            for future in done & running.keys():
                 i = running.pop(future)
-                error = future.exception()
-                if error is None:
-                    yield i, future.result()
-                elif pool.died(error):
-                    broken = True
-                    tries[i] += 1
-                    if tries[i] >= _TRIES:
-                        yield i, failed(left[i].label, "the process that worked on it died twice")
-                    else:
-                        waiting[i] = left[i]
-                else:
-                    yield i, failed(left[i].label, f"internal error, {type(error).__name__}: {error}")
-            if broken:
-                # a death breaks the pool for all that ran beside it
-                waiting |= {i: left[i] for i in running.values()}
+                yield i, _answer(left[i], future)
+            if dead:
+                # a death breaks the pool for all that ran beside it: each is tried again by itself
+                suspects += [*dead, *running.values()]
                 running.clear()
+                pool.renew()
+        for i in suspects:
+            future = pool.executor.submit(function, left[i])
+            wait([future])
+            yield i, _answer(left[i], future)
+            if _died(pool, future):
                 pool.renew()
     finally:
         pool.close()
+
+
+def _died(pool: LocalPool, future: "Future[Answer]") -> bool:
+    error = future.exception()
+    return error is not None and pool.died(error)
+
+
+def _answer(work: Work, future: "Future[Answer]") -> Answer:
+    error = future.exception()
+    if error is None:
+        return future.result()
+    return failed(work.label, f"the process that worked on it ended early ({type(error).__name__})")

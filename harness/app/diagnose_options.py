@@ -22,7 +22,8 @@ class DiagnoseOptions:
     """How to diagnose.
 
     reading : how to read the recording. trace : which trace of a .rrd. model : model.json of the simulation as the user
-    has it. sim : a trace of the user's own simulation. mass : kg, None when unknown. restoring : what pulls back.
+    has it. sim : a trace of the user's own simulation. mass : kg, None when unknown. horizon : of a driven recording's
+    windows, s. restoring : what pulls back.
     zero : whether x is measured from the unstretched spring, None for what ``restoring`` suggests. engines : in which
     the fit is shown, the first is what the mismatch is attributed to. preset, dt : of the engines; dt in s, None for
     one that suits the recording (as shipped: the engine's own).
@@ -35,6 +36,7 @@ class DiagnoseOptions:
     model: Path | None = None
     sim: Path | None = None
     mass: float | None = None
+    horizon: float | None = None
     restoring: Restoring = Restoring.SPRING
     zero: Zero | None = None
     engines: tuple[str, ...] = ENGINES
@@ -44,6 +46,8 @@ class DiagnoseOptions:
     def __post_init__(self) -> None:
         if self.mass is not None:
             positive("--mass", self.mass, "kg")
+        if self.horizon is not None:
+            positive("--horizon", self.horizon, "s")
         if self.dt is not None:
             positive("--dt", self.dt, "s")
             if self.preset == "as-shipped":
@@ -97,6 +101,7 @@ class DiagnoseOptions:
             "model": None if self.model is None else str(self.model.absolute()),
             "sim": None if self.sim is None else str(self.sim.absolute()),
             "mass_kg": self.mass,
+            "horizon_s": self.horizon,
             "restoring": self.restoring.value,
             "zero": "free" if self.zero_free else "spring",
             "engines": list(self.engines),

@@ -4,7 +4,10 @@ import logging
 from dataclasses import replace
 from typing import Any
 
+from harness.app.compare import channel_pair
+from harness.app.diagnose_mismatch import places
 from harness.app.diagnose_options import DiagnoseOptions
+from harness.app.diagnose_problem import Prepared
 from harness.app.diagnose_where import where_of
 from harness.app.machine import this_machine
 from harness.app.reading import read, recording_info
@@ -18,8 +21,9 @@ from harness.diagnosis.problem import Problem
 from harness.engines.simulator import EngineSimulator
 from harness.io.recording import ReadOptions
 from harness.model.document import load as load_model
+from harness.model.document import to_document
 from harness.model.model import Model
-from harness.results.common import P
+from harness.results.common import P, RecordingInfo
 from harness.results.diagnosis import (
     AlternativeResult,
     AttributionResult,
@@ -30,6 +34,7 @@ from harness.results.diagnosis import (
     HoldoutResult,
     MechanismResult,
 )
+from harness.results.model import ModelDocument
 
 LOGGER = logging.getLogger(__name__)
 
@@ -52,7 +57,7 @@ def sentence_of(outcome: Outcome) -> str:
 
 
 def result_of(
-    recording: Recording, outcome: Outcome, options: DiagnoseOptions, warnings: tuple[str, ...] = (), command: str = ""
+    recording: Recording, prepared: Prepared, outcome: Outcome, options: DiagnoseOptions, command: str = ""
 ) -> DiagnosisResult:
     """Everything a result says but its files; runs both models in the engines.
 
@@ -61,11 +66,11 @@ def result_of(
     problem = outcome.problem
     engines = {name: _in_engine(name, outcome, options) for name in options.engines}
     return DiagnosisResult(
-        recording=recording_info(recording, problem.noise),
+        recording=_info(recording, prepared, problem),
         verdict=outcome.verdict,
         statement=sentence_of(outcome),
         baseline=_fit_result(outcome.base, problem, {n: P.of(q) for n, q in outcome.base_parameters.items()}),
-        where=[],
+        where=places(outcome),
         mechanisms=[_mechanism(m, outcome) for m in outcome.mechanisms],
         refined=_fit_result(outcome.refined, problem, {n: P.of(q) for n, q in outcome.refined_parameters.items()}),
         holdout=HoldoutResult(
@@ -76,15 +81,31 @@ def result_of(
         engines=engines,
         attribution=_attribution(outcome, options),
         evidence=_evidence(outcome),
+        consistent_channels={"-".join(found.pair): channel_pair(found) for found in prepared.channels},
         next_experiment=outcome.next_experiment,
         residual_map=None,
+        baseline_model=_document(outcome.base.model),
+        refined_model=_document(outcome.refined.model),
         model_left_out=[],
-        warnings=[*warnings, *outcome.warnings],
+        warnings=[*prepared.warnings, *outcome.warnings],
         settings=options.settings(),
         command=command,
         machine=this_machine(),
         files={},
     )
+
+
+def _info(recording: Recording, prepared: Prepared, problem: Problem) -> RecordingInfo:
+    about = recording_info(recording, problem.noise)
+    return about.model_copy(update={"notes": [*about.notes, *map(_sentence, prepared.notes)]})
+
+
+def _sentence(note: str) -> str:
+    return f"{note[0].upper()}{note[1:]}."
+
+
+def _document(model: Model) -> ModelDocument:
+    return ModelDocument.model_validate(to_document(model))
 
 
 def _fit_result(found: Fit, problem: Problem, parameters: dict[str, P]) -> FitResult:

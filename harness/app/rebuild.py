@@ -10,11 +10,13 @@ from typing import Any
 
 from pydantic import ValidationError
 
+from harness.app.diagnose_show import write_diagnosis_page
 from harness.app.identify import result_of
 from harness.app.model_run import case_of_json
 from harness.app.run import measured
 from harness.app.showing import write_recording_page, write_run_page
 from harness.core.errors import InputError, StoreError
+from harness.results.diagnosis import DiagnosisResult
 from harness.results.identify import IdentifyResult
 from harness.results.run import RunResult
 from harness.show.trace import StoredTrace, read_trace
@@ -35,7 +37,7 @@ def find_trace(place: Path) -> Path:
     return path
 
 
-def rebuild(place: Path, out: Path | None = None) -> tuple[RunResult | IdentifyResult, Path]:
+def rebuild(place: Path, out: Path | None = None) -> tuple[RunResult | IdentifyResult | DiagnosisResult, Path]:
     """Make a page again, estimates and metrics recomputed from the stored samples; nothing else is needed.
 
     place : output folder or .rrd. out : the page, a new file; None for report.html in the folder, or beside the .rrd
@@ -57,7 +59,7 @@ def rebuild(place: Path, out: Path | None = None) -> tuple[RunResult | IdentifyR
         raise InputError(str(trace), "holds a result of another version", _ACCEPTED) from None
 
 
-_ACCEPTED = "a trace written by harness run or harness identify is accepted"
+_ACCEPTED = "a trace written by harness run, identify or diagnose is accepted"
 
 
 def _run_again(stored: StoredTrace, data: Any, page: Path) -> RunResult:
@@ -77,7 +79,15 @@ def _identify_again(stored: StoredTrace, data: Any, page: Path) -> IdentifyResul
     return result
 
 
-_AGAIN: dict[str, Callable[[StoredTrace, Any, Path], RunResult | IdentifyResult]] = {
+def _diagnose_again(stored: StoredTrace, data: Any, page: Path) -> DiagnosisResult:
+    """A diagnosis is kept as it was found: fits are not made again."""
+    result = DiagnosisResult.model_validate(data)
+    write_diagnosis_page(page, result, stored.recordings[0], stored.trajectories)
+    return result
+
+
+_AGAIN: dict[str, Callable[[StoredTrace, Any, Path], RunResult | IdentifyResult | DiagnosisResult]] = {
+    "harness.diagnosis/1": _diagnose_again,
     "harness.run/1": _run_again,
     "harness.identify/1": _identify_again,
 }

@@ -5,6 +5,8 @@ from typing import Annotated, Any, ClassVar, Literal
 from pydantic import Field, RootModel
 
 from harness.results.common import Machine, P, RecordingInfo, Result, Span, Where
+from harness.results.compare import ChannelPair
+from harness.results.model import ModelDocument
 
 Rmse = dict[str, float]
 """Root mean square error by channel, in the channel's unit."""
@@ -113,8 +115,11 @@ class DiagnosisResult(Result):
     attribution: AttributionResult | None = Field(description="null when no engine could be run")
     validation: ValidationResult | None = Field(default=None, exclude_if=lambda value: value is None)
     evidence: list[EvidenceResult] = Field(description="every catalogue name tried alone, best first")
+    consistent_channels: dict[str, ChannelPair] = Field(description='by pair ("x-a"), without a model')
     next_experiment: str
     residual_map: str | None
+    baseline_model: ModelDocument
+    refined_model: ModelDocument = Field(description="the baseline's where nothing is named")
     model_left_out: list[str] = Field(description="what the MJCF and URDF of the refined model cannot say")
     warnings: list[str]
     settings: dict[str, Any] = Field(description="every option in force")

@@ -45,7 +45,6 @@ def command(
     start: float | None,
     stop: float | None,
     validate: Path | None,
-    horizon: float | None,
     resume: bool,
     jobs: int | None,
     out: Path | None,
@@ -70,7 +69,7 @@ def command(
     from harness.app.diagnose_options import DiagnoseOptions
     from harness.app.reading import ReadOptions
 
-    _refuse_unbuilt(validate, horizon)
+    _refuse_unbuilt(validate)
     options = DiagnoseOptions.chosen(ReadOptions(columns, skip_rows, rate, start, stop), **chosen)
     with _named(recordings) as named:
         if len(named) > 1 or resume:
@@ -80,12 +79,10 @@ def command(
         return _one(named[0], options, out, json_to, quiet)
 
 
-def _refuse_unbuilt(validate: Path | None, horizon: float | None) -> None:
-    accepted = "leave it out: driven recordings are not diagnosed by this version"
+def _refuse_unbuilt(validate: Path | None) -> None:
     if validate is not None:
+        accepted = "leave it out: this version does not try its models on another recording"
         raise InputError("--validate", f"{validate}", accepted)
-    if horizon is not None:
-        raise InputError("--horizon", f"{horizon:g}", accepted)
 
 
 @contextmanager

@@ -1,0 +1,196 @@
+"""A diagnosis from end to end: what it finds, what it says, what it leaves."""
+
+import json
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import jsonschema
+import numpy as np
+import pytest
+from diagnose_examples import STOP, stopped
+
+from harness.app.diagnose import diagnose
+from harness.app.diagnose_checks import half_cycles
+from harness.app.diagnose_options import DiagnoseOptions
+from harness.app.diagnose_problem import prepared
+from harness.app.reading import ReadOptions, read, read_as, spooled
+from harness.app.rebuild import rebuild
+from harness.core.errors import InputError
+from harness.core.recording import Recording
+from harness.model.document import load
+from harness.results import generate
+from harness.results.diagnosis import DiagnosisDocument, DiagnosisResult
+
+Done = tuple[DiagnosisResult, Path, Path]
+
+
+@pytest.fixture(scope="module")
+def done(tmp_path_factory: pytest.TempPathFactory) -> Done:
+    """Result, recording and output folder of a decay against a stop."""
+    folder = tmp_path_factory.mktemp("diagnose")
+    path = stopped(folder / "decay.csv")
+    return diagnose(path, DiagnoseOptions(), folder / "out", command="harness diagnose"), path, folder / "out"
+
+
+def test_the_stop_is_found_with_its_place_and_stiffness(done: Done) -> None:
+    result = done[0]
+    assert result.verdict == "missing_physics"
+    (found,) = result.mechanisms
+    assert (found.name, found.family, found.variant) == ("end-stop", "stiffness", "positive")
+    for name, true in (("gap", 0.05), ("k_stop", 60.0)):
+        p = found.parameters[name]
+        assert p.value is not None
+        assert p.stderr is not None
+        assert abs(p.value - true) < 4.0 * p.stderr
+    assert result.refined.chi2_per_point == pytest.approx(1.0, abs=0.15)
+    assert result.baseline.chi2_per_point is not None
+    assert result.baseline.chi2_per_point > 50.0
+    assert found.where.regime == "one-side"
+    assert found.where.share is not None
+    assert 0.0 < found.where.share < 1.0
+    assert found.name in result.statement.replace(" ", "-")
+
+
+def test_the_fit_improves_where_it_was_not_fitted_and_in_both_engines(done: Done) -> None:
+    result = done[0]
+    assert set(result.engines) == {"mujoco", "pybullet"}
+    for channel in ("x", "a"):
+        assert result.holdout.refined_rmse[channel] < 0.5 * result.holdout.baseline_rmse[channel]
+        for engine in result.engines.values():
+            assert engine.error is None
+            assert engine.refined_rmse[channel] < 0.5 * engine.baseline_rmse[channel]
+
+
+def test_shares_of_the_mismatch_add_up_to_all_of_it(done: Done) -> None:
+    found = done[0].attribution
+    assert found is not None
+    shares = (found.engine, found.parameters, found.missing_physics, found.unexplained, found.noise)
+    assert sum(shares) == pytest.approx(1.0, abs=1e-12)
+    # without --model the configuration is the baseline fit
+    assert found.parameters == 0.0
+    assert found.missing_physics > 0.9
+
+
+def test_what_is_left_is_whole_and_valid(done: Done) -> None:
+    result, _, folder = done
+    assert all(Path(file).is_file() and Path(file).is_absolute() for file in result.files.values())
+    assert {"report", "rrd", "mjcf", "urdf", "model", "residual_map", "refined_trace"} <= set(result.files)
+    data = json.loads((folder / "result.json").read_text())
+    assert data == json.loads(result.model_dump_json(by_alias=True))
+    jsonschema.validate(data, json.loads((generate.FOLDER / "harness.diagnosis-1.json").read_text()))
+    DiagnosisDocument.model_validate([data])
+    assert not list(folder.parent.glob(".*"))
+
+
+def test_the_refined_trace_has_the_times_of_the_file_and_the_motion_behind_it(done: Done) -> None:
+    result, path, _ = done
+    recorded = np.loadtxt(path, delimiter=",", skiprows=1)
+    refined = np.loadtxt(result.files["refined_trace"], delimiter=",", skiprows=1)
+    np.testing.assert_array_equal(refined[:, 0], recorded[:, 0])
+    for i, sigma in ((1, 1e-4), (2, 0.05)):
+        # the median, since a sample beside a reversal may lie on the other side of the jump
+        level = float(np.median(np.abs(refined[:, i] - recorded[:, i]))) / 0.6745
+        assert level == pytest.approx(sigma, rel=0.15)
+
+
+def test_the_model_left_is_the_one_that_was_found(done: Done) -> None:
+    result = done[0]
+    model = load(Path(result.files["model"]))
+    assert [entry.term.key for entry in model.terms] == ["end-stop:positive"]
+    assert model.terms[0].value("gap") == pytest.approx(0.05, rel=0.01)
+    assert result.refined_model.terms[0].parameters["gap"] == model.terms[0].value("gap")
+    assert any("release" in sentence for sentence in result.model_left_out)
+
+
+def test_the_trace_alone_gives_the_page(done: Done, tmp_path: Path) -> None:
+    result, _, folder = done
+    alone = tmp_path / "alone.rrd"
+    alone.write_bytes((folder / "trace.rrd").read_bytes())
+    again, page = rebuild(alone)
+    assert again == result
+    assert page.read_bytes() == (folder / "report.html").read_bytes()
+
+
+def test_a_recording_of_nothing_but_friction_is_adequate_in_one_engine(tmp_path: Path) -> None:
+    path = stopped(tmp_path / "plain.csv", replace(STOP, terms=()), 300, 0.012)
+    options = DiagnoseOptions.chosen(ReadOptions(), engines=("mujoco",))
+    result = diagnose(path, options, tmp_path / "out")
+    assert (result.verdict, result.mechanisms, list(result.engines)) == ("adequate", [], ["mujoco"])
+    assert result.baseline == result.refined
+    assert result.settings["engines"] == ["mujoco"]
+
+
+def test_standard_input_is_read_as_a_file_and_called_by_its_own_name(tmp_path: Path) -> None:
+    path = stopped(tmp_path / "decay.csv")
+    with path.open("rb") as stream, spooled(stream) as file:
+        found = read_as("-", file, ReadOptions())
+        assert found.file == "-"
+        assert found.sha256 == read(path, ReadOptions()).sha256
+        with pytest.raises(InputError, match=r"^-: the columns t, x, a; "):
+            read_as("-", file, ReadOptions("t=t,u=x"))
+    assert not file.exists()
+
+
+T = np.arange(0.0, 4.0, 0.004)
+X = np.exp(-0.3 * T) * np.cos(10.0 * T) + 1e-4 * np.random.default_rng(0).normal(size=T.size)
+A = -100.0 * np.exp(-0.3 * T) * np.cos(10.0 * T) + 0.1 * np.random.default_rng(1).normal(size=T.size)
+
+
+def asked(channels: dict[str, np.ndarray], units: dict[str, str] | None = None, **options: Any) -> tuple[str, ...]:
+    chosen = DiagnoseOptions.chosen(ReadOptions(), **options)
+    return prepared(Recording(T, channels, "bench.csv", units=units or {}), chosen).warnings
+
+
+@pytest.mark.parametrize(
+    ("channels", "units", "options", "message"),
+    [
+        ({"x": X}, {}, {"restoring": "none"}, "--restoring: none, but no force u is recorded in bench.csv; "),
+        ({"x": X, "u": 0.0 * T}, {}, {"restoring": "none"}, "--restoring: none, but the force u is 0 throughout in "),
+        ({"x": T / 4.0 + X / 100.0}, {}, {}, "bench.csv: channel x: 1 half-cycle; at least 3 are accepted"),
+        ({"x": np.exp(-T)}, {}, {}, "bench.csv: channel x: 1 half-cycle; at least 3 are accepted"),
+        ({"x": np.where(X > 0.0, 0.01, -0.01)}, {}, {}, "bench.csv: channel x: saturated throughout (100 % of its "),
+        (
+            {"x": X, "a": np.sin(23.0 * T)},
+            {},
+            {},
+            "channels x and a: acceleration and displacement do not belong together",
+        ),
+        ({"x": X, "a": A}, {"x": "deg", "a": "g"}, {}, "bench.csv: x in deg with a in g, which cannot belong together"),
+        (
+            {"x": X},
+            {},
+            {"restoring": "pendulum", "zero": "spring"},
+            "--zero: spring with --restoring pendulum; free is",
+        ),
+        ({"x": X}, {}, {"restoring": "rope"}, "--restoring: 'rope'; one of spring, pendulum, none is accepted"),
+        (
+            {"x": X},
+            {},
+            {"horizon": 0.5},
+            "--horizon: given, but bench.csv has no measured force; it is accepted with a",
+        ),
+        ({"x": X}, {}, {"horizon": -1.0}, "--horizon: -1; a number above 0 s is accepted"),
+        ({"x": X}, {}, {"mass": 0.0}, "--mass: 0; a number above 0 kg is accepted"),
+        ({"x": X}, {}, {"zero": "there"}, "--zero: 'there'; one of spring, free is accepted"),
+    ],
+)
+def test_what_cannot_be_diagnosed_is_refused_with_the_reason(
+    channels: dict[str, np.ndarray], units: dict[str, str], options: dict[str, Any], message: str
+) -> None:
+    with pytest.raises(InputError) as caught:
+        asked(channels, units, **options)
+    assert message in str(caught.value)
+
+
+def test_a_unit_off_by_a_thousand_is_a_warning() -> None:
+    assert asked({"x": X, "a": A}) == ()
+    (said,) = asked({"x": 1e3 * X, "a": A})
+    assert said.startswith("acceleration does not match displacement by a factor of about 1/1000")
+
+
+@pytest.mark.parametrize("count", [1, 2, 3, 7])
+def test_half_cycles_are_counted_in_noise(count: int) -> None:
+    t = np.linspace(0.0, count * np.pi, 400)
+    y = np.exp(-0.05 * t) * np.cos(t) + 0.02 * np.random.default_rng(count).normal(size=t.size)
+    assert half_cycles(y, 0.02) == count
