@@ -5,6 +5,8 @@ from dataclasses import replace
 from harness.core.quantity import Quantity
 from harness.diagnosis.advice import next_experiment
 from harness.diagnosis.baseline import baseline
+from harness.diagnosis.driven.search import search_driven
+from harness.diagnosis.driven.validate import Judge
 from harness.diagnosis.fit import Fit
 from harness.diagnosis.holdout import holdout
 from harness.diagnosis.numbers import base_parameters, term_parameters
@@ -19,14 +21,17 @@ from harness.model.model import ModelTerm
 _MOST_ALTERNATIVES = 3
 
 
-def diagnose(problem: Problem) -> Outcome:
+def diagnose(problem: Problem, judge: Judge | None = None) -> Outcome:
     """Diagnose a recording: what viscous and Coulomb friction leave unexplained, and what explains it.
 
+    judge : another driven recording, which must confirm what is named where nothing explains this one to its noise.
     Raises InputError when the recording holds no free decay to fit, SimulationError when no model could be simulated.
     """
     base, scales = baseline(problem)
     problem = replace(problem, noise=noise_of(base, problem, scales.omega))
     base = settle(under(base, problem, scales), problem, scales)
+    if problem.restarts is not None:
+        return conclude(search_driven(problem, base, scales, judge), scales)
     return conclude(search(problem, base, scales), scales)
 
 
