@@ -1,8 +1,8 @@
 """The base fit: viscous and Coulomb friction on the restoring force, without falling into false minima.
 
 The number of half-cycles before the slider sticks jumps with f_k, and a phase that slips by a cycle has a minimum of
-its own. So the start comes from the spectrum and the envelope, the fit first sees the first cycles only and then ever more
-of the recording, from several shares of viscous and dry friction; the best of them is kept.
+its own. So the start comes from the spectrum and the envelope, the fit first sees the first cycles only and then ever
+more of the recording, from several shares of viscous and dry friction; the best of them is kept.
 """
 
 import math

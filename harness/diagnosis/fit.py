@@ -183,8 +183,8 @@ def fit(
     """Fit the free numbers of a model, starting from its own values.
 
     An acceleration jumps at a reversal, so chi-square has a step wherever an event passes a sample, and a descent stops
-    before the first. With ``thorough``, where a sample next to an event seems to lie on its wrong side, it is made without
-    those samples too, and from the best of several points that this leaves open with all of them.
+    before the first. With ``thorough``, where a sample next to an event seems to lie on its wrong side, it is made
+    without those samples too, and from the best of several points that this leaves open with all of them.
     Raises SimulationError when even the start cannot be simulated.
     """
     found = _descend(model, problem, free, scales, iterations, effort)

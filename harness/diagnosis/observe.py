@@ -74,12 +74,15 @@ def _joined(parts: Sequence[Observation]) -> Observation:
     return Observation(
         {c: np.concatenate([p.y[c] for p in parts]) for c in channels},
         {c: np.concatenate([p.dy[c] for p in parts]) for c in channels},
-        *(np.concatenate([getattr(p, name) for p in parts]) for name in ("x", "v", "a", "mode")),
-        Events(*(np.concatenate([getattr(e, f.name) for e in events]) for f in fields(Events))),
+        x=np.concatenate([p.x for p in parts]),
+        v=np.concatenate([p.v for p in parts]),
+        a=np.concatenate([p.a for p in parts]),
+        mode=np.concatenate([p.mode for p in parts]),
+        events=Events(**{f.name: np.concatenate([getattr(e, f.name) for e in events]) for f in fields(Events)}),
     )
 
 
-def _stretch(
+def _stretch(  # noqa: PLR0912, PLR0915  (one sensor after another, as they are composed)
     model: Model, problem: Problem, t: FloatArray, by: tuple[By, ...], scales: Scales | None, effort: Effort
 ) -> Observation:
     """A stretch simulated from the model's own start."""

@@ -7,12 +7,14 @@ stretch that is left out says little of what acts elsewhere, and a warning says 
 import math
 from dataclasses import dataclass, replace
 
+import numpy as np
+
 from harness.diagnosis.driven.noise import driven_noise
 from harness.diagnosis.fit import Fit, whitened
 from harness.diagnosis.noise import residual_noise
 from harness.diagnosis.problem import Problem
 from harness.diagnosis.select import DECISIVE, Step, extend, key_of, prune, settle
-from harness.diagnosis.structure import structure
+from harness.diagnosis.structure import explains
 from harness.estimate.noise import Noise
 from harness.kernels.solve import Scales
 
@@ -80,14 +82,18 @@ def _renew(
 
 def search(problem: Problem, base: Fit, scales: Scales) -> Search:
     """Find the smallest model that explains a recording."""
+    return _levelled(_search(problem, base, scales), scales)
+
+
+def _search(problem: Problem, base: Fit, scales: Scales) -> Search:
     singles = extend(base, problem, scales).fits
     if not singles or singles[0].bic > base.bic - DECISIVE:
-        return Search(problem, base, base, singles, singles, structure(base, problem, scales.omega).none)
+        return Search(problem, base, base, singles, singles, explains(base, problem, scales.omega))
     problem, best, singles = _renew(problem, scales, singles[0], singles)
     base = under(base, problem, scales)
     singles = tuple(sorted((*(f for f in singles if key_of(f) != key_of(best)), best), key=lambda f: f.bic))
     chosen, rivals = _simplest(singles), singles
-    explained = structure(chosen, problem, scales.omega).none
+    explained = explains(chosen, problem, scales.omega)
     beam = _beam(singles)
     while len(chosen.model.terms) < _MOST_TERMS:
         first = extend(chosen, problem, scales)
@@ -105,14 +111,38 @@ def search(problem: Problem, base: Fit, scales: Scales) -> Search:
         base = under(base, problem, scales)
         singles = tuple(sorted((under(f, problem, scales) for f in singles), key=lambda f: f.bic))
         chosen, rivals = _simplest(found), found
-        explained = structure(chosen, problem, scales.omega).none
+        explained = explains(chosen, problem, scales.omega)
         beam = list(found[:2])
     pruned = prune(chosen, problem, scales)
     if len(pruned.model.terms) < len(chosen.model.terms):
         chosen = settle(pruned, problem, scales)
         rivals = singles if len(chosen.model.terms) <= 1 else rivals
-        explained = structure(chosen, problem, scales.omega).none
+        explained = explains(chosen, problem, scales.omega)
     return Search(problem, base, chosen, singles, rivals, explained)
+
+
+def _levelled(found: Search, scales: Scales) -> Search:
+    """The noise as what an explaining model leaves: every sample says something of it then, not the fast part alone."""
+    if not found.explained:
+        return found
+    problem, n = found.problem, found.problem.t.size
+    noise = {}
+    for i, channel in enumerate(problem.channels):
+        r = found.chosen.residual[i * n : (i + 1) * n]
+        count = max(np.count_nonzero(problem.weight[channel]) - len(found.chosen.free) / len(problem.channels), 1.0)
+        level = math.sqrt(float(r @ r) / count)
+        old = problem.noise[channel]
+        noise[channel] = replace(old, sigma=old.sigma * level) if old.found and level > 0.0 else old
+    problem = replace(problem, noise=noise)
+    same = found.chosen is found.base
+    base = under(found.base, problem, scales)
+    chosen = base if same else under(found.chosen, problem, scales)
+
+    def seen(fits: tuple[Fit, ...]) -> tuple[Fit, ...]:
+        again = (chosen if f is found.chosen else under(f, problem, scales) for f in fits)
+        return tuple(sorted(again, key=lambda f: f.bic))
+
+    return Search(problem, base, chosen, seen(found.singles), seen(found.rivals), True)
 
 
 def _beam(singles: tuple[Fit, ...]) -> list[Fit]:

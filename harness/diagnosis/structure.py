@@ -1,49 +1,29 @@
-"""Does anything but noise stay? Low-frequency power of the whitened residual against what noise has there."""
+"""Does anything but noise stay in a fit? The calibrated test of lackfit, on a fit."""
 
-import math
-from dataclasses import dataclass
-
-import numpy as np
-
+from harness.core.events import Mode
 from harness.diagnosis.fit import Fit
+from harness.diagnosis.lackfit import LackOfFit, lack_of_fit
+from harness.diagnosis.motion import Motion
 from harness.diagnosis.problem import Problem
 
-_HIGHEST = 8.0
-"""Multiple of the natural frequency up to which a smooth misfit shows."""
-_ONE_IN = 1e-5
+SIGNIFICANT = 1e-3
+"""Chance of structure in noise alone from which a model is said not to explain a recording."""
 
 
-@dataclass(frozen=True, slots=True)
-class Structure:
-    """z : power below the highest frequency in standard deviations over what noise would have, worst channel."""
+def structure(found: Fit, problem: Problem, omega: float) -> LackOfFit:
+    """Structure left in a fit's residual, its own parameters allowed for."""
+    n = problem.t.size
+    parts = {c: slice(i * n, (i + 1) * n) for i, c in enumerate(problem.channels)}
+    motion = Motion(found.shown.x, found.shown.v, found.shown.mode == Mode.STICK, omega)
+    return lack_of_fit(
+        {c: found.residual[at] for c, at in parts.items()},
+        problem.t,
+        omega,
+        jacobian={c: found.jacobian[at] for c, at in parts.items()},
+        motion=motion,
+    )
 
-    z: float
-    limit: float
 
-    @property
-    def none(self) -> bool:
-        """Whether noise alone explains it."""
-        return self.z < self.limit
-
-
-def structure(found: Fit, problem: Problem, omega: float) -> Structure:
-    """Structure left in a fit's residual."""
-    from scipy.stats import chi2, norm
-
-    t = problem.t
-    n = t.size
-    worst = -math.inf
-    for i, channel in enumerate(problem.channels):
-        r = found.residual[i * n : (i + 1) * n]
-        weight = problem.weight[channel]
-        if np.count_nonzero(weight) < 16:
-            continue
-        interval = float(np.median(np.diff(t)))
-        power = np.abs(np.fft.rfft(r)) ** 2 / np.count_nonzero(weight)
-        top = min(int(_HIGHEST * omega * interval * n / (2.0 * math.pi)), power.size - 2)
-        top = max(top, 4)
-        low = float(np.sum(power[1 : top + 1]))
-        # each ordinate of unit white noise is exponential with mean one
-        p = float(chi2.sf(2.0 * low, 2 * top))
-        worst = max(worst, float(norm.isf(max(p, 1e-300))))
-    return Structure(worst, float(norm.isf(_ONE_IN)))
+def explains(found: Fit, problem: Problem, omega: float) -> bool:
+    """Whether nothing but noise stays."""
+    return structure(found, problem, omega).p_value > SIGNIFICANT

@@ -43,7 +43,7 @@ _ADD = """\
    `law(x, v, w0, w1, theta, o, out)`, and rows 1 and 2 of `out` are their rates.
 2. Below it the `TERM`: name, family, slot, parameters with unit and bounds, one plain sentence, and `probes`, the
    parameters at which it is worth a look given the evidence.
-3. List it in `harness/model/registry.py`, and give it values in `VALUES` of `tests/kernels/kernel_cases.py`: its
+3. List it in `harness/model/registry.py`, and give it values in `VALUES` of `tests/support/kernel_cases.py`: its
    partials and its sensitivities are then tested against differences, alone and in pairs.
 4. `python -m harness.kernels.generate` and `python -m harness.model.catalogue` write the dispatch and this page.
 """

@@ -28,6 +28,7 @@ from harness.io.store import explained
 from harness.results.generate import schema_text
 from harness.results.sweep import SweepResult, SweepRow
 
+SUPPORT = str(Path(__file__).resolve().parents[1] / "support")
 SMALL = SweepOptions(("mujoco", "pybullet"), ("joint",), (), (2e-3,), jobs=2)
 """Every setting of the joint route at one step, what ships at its own step too."""
 
@@ -163,7 +164,7 @@ if __name__ == "__main__":
 @pytest.mark.parametrize("kind", [signal.SIGINT])
 def test_an_interruption_leaves_a_folder_to_resume(kind: signal.Signals, tmp_path: Path) -> None:
     program, out = tmp_path / "program.py", tmp_path / "out"
-    program.write_text(INTERRUPTED.format(tests=str(Path(__file__).parent)))
+    program.write_text(INTERRUPTED.format(tests=SUPPORT))
     run = subprocess.Popen([sys.executable, str(program), str(out)], stderr=subprocess.PIPE, text=True)
     deadline = time.monotonic() + 60.0
     while time.monotonic() < deadline and not list(out.glob("rows/part-*.parquet")):
@@ -240,7 +241,7 @@ def _dask(*arguments: str) -> "subprocess.Popen[str]":
         stdout=subprocess.DEVNULL,
         stderr=subprocess.PIPE,
         text=True,
-        env={**os.environ, "PYTHONPATH": str(Path(__file__).parent)},
+        env={**os.environ, "PYTHONPATH": SUPPORT},
     )
 
 
