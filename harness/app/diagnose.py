@@ -15,6 +15,7 @@ from harness.app.journal import NAME as LOG
 from harness.app.journal import journal
 from harness.app.progress import SILENT, Progress
 from harness.app.reading import read_as
+from harness.app.validation import validated, validation
 from harness.core.recording import Recording
 from harness.core.trajectory import Trajectory
 from harness.diagnosis.conclude import diagnose as conclude
@@ -60,9 +61,12 @@ def investigate(
     """
     progress("base fit and search", 1, STEPS)
     ready = prepared(recording, options)
-    outcome = conclude(ready.problem)
+    other = validation(recording, options)
+    outcome = conclude(ready.problem, None if other is None else other.judge)
     progress("engines and attribution", 2, STEPS)
     result = result_of(recording, ready, outcome, options, command)
+    if other is not None:
+        result = result.model_copy(update={"validation": validated(other, outcome, options)})
     return Diagnosed(recording, outcome, simulated(recording, outcome), result)
 
 

@@ -37,6 +37,7 @@ class DiagnoseOptions:
     sim: Path | None = None
     mass: float | None = None
     horizon: float | None = None
+    validate: Path | None = None
     restoring: Restoring = Restoring.SPRING
     zero: Zero | None = None
     engines: tuple[str, ...] = ENGINES
@@ -102,6 +103,7 @@ class DiagnoseOptions:
             "sim": None if self.sim is None else str(self.sim.absolute()),
             "mass_kg": self.mass,
             "horizon_s": self.horizon,
+            "validate": None if self.validate is None else str(self.validate.absolute()),
             "restoring": self.restoring.value,
             "zero": "free" if self.zero_free else "spring",
             "engines": list(self.engines),

@@ -81,6 +81,11 @@ class ForceError(Result):
     fit_refined: float
     baseline: float
     refined: float
+    refined_with_ripple: float | None = Field(
+        default=None,
+        description="with a force ripple whose phase is refitted there",
+        exclude_if=lambda value: value is None,
+    )
 
 
 class ValidationResult(Result):

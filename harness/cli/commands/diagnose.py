@@ -44,7 +44,6 @@ def command(
     rate: float | None,
     start: float | None,
     stop: float | None,
-    validate: Path | None,
     resume: bool,
     jobs: int | None,
     out: Path | None,
@@ -69,7 +68,6 @@ def command(
     from harness.app.diagnose_options import DiagnoseOptions
     from harness.app.reading import ReadOptions
 
-    _refuse_unbuilt(validate)
     options = DiagnoseOptions.chosen(ReadOptions(columns, skip_rows, rate, start, stop), **chosen)
     with _named(recordings) as named:
         if len(named) > 1 or resume:
@@ -77,12 +75,6 @@ def command(
         if jobs is not None:
             raise InputError("--jobs", "given with one recording", "it is accepted with several")
         return _one(named[0], options, out, json_to, quiet)
-
-
-def _refuse_unbuilt(validate: Path | None) -> None:
-    if validate is not None:
-        accepted = "leave it out: this version does not try its models on another recording"
-        raise InputError("--validate", f"{validate}", accepted)
 
 
 @contextmanager

@@ -16,12 +16,15 @@ from harness.model.model import Model
 
 @dataclass(frozen=True, slots=True)
 class Filtered:
-    """A recording through the protocol: t (s), x, v, a at every sample that is kept, (n,); u decimated, (m,), N."""
+    """A recording through the protocol: t (s), x, v, a at every sample that is kept, (n,); force u_full (n,), N, and
+    u decimated, (m,).
+    """
 
     t: FloatArray
     x: FloatArray
     v: FloatArray
     a: FloatArray
+    u_full: FloatArray
     u: FloatArray
 
 
@@ -53,7 +56,8 @@ class ForceProtocol:
         smooth = filtfilt(b, a, x)
         v = np.gradient(smooth, interval)
         kept = slice(self.dropped, -self.dropped)
-        return Filtered(t[kept], smooth[kept], v[kept], np.gradient(v, interval)[kept], self.decimated(u[kept]))
+        a_full = np.gradient(v, interval)
+        return Filtered(t[kept], smooth[kept], v[kept], a_full[kept], u[kept], self.decimated(u[kept]))
 
     def decimated(self, y: FloatArray) -> FloatArray:
         """A signal (n,) or several (n, q) at the lower rate."""

@@ -14,7 +14,7 @@ from harness.diagnosis.search import search as search_all
 from harness.diagnosis.select import DECISIVE, extend, key_of, settle
 from harness.kernels.solve import Scales
 
-_FALLS = 0.99
+_FALLS = 0.98
 """What the force error on the other recording must fall to for a further term."""
 _LOOKED_AT = 5
 _MOST_TERMS = 3
@@ -39,7 +39,10 @@ def search_driven(problem: Problem, base: Fit, scales: Scales, judge: Judge | No
         chosen = settle(under(confirmed, problem, scales), problem, scales)
         base, singles, rivals = (
             under(base, problem, scales),
-            *(tuple(sorted((under(f, problem, scales) for f in group), key=lambda f: f.bic)) for group in (singles, rivals)),
+            *(
+                tuple(sorted((under(f, problem, scales) for f in group), key=lambda f: f.bic))
+                for group in (singles, rivals)
+            ),
         )
         rivals = tuple(sorted((*(f for f in rivals if key_of(f) != key_of(chosen)), chosen), key=lambda f: f.bic))
     return Search(problem, base, chosen, singles, rivals, True)
