@@ -10,6 +10,7 @@ import time
 from pathlib import Path
 
 import pytest
+from interruptible import listening
 
 from harness.cli import progress
 from harness.cli.main import cli, run
@@ -70,7 +71,13 @@ def test_an_interruption_leaves_nothing(tmp_path: Path, stop: signal.Signals) ->
         "-",
     ]
     with subprocess.Popen(
-        line, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, cwd=tmp_path, env=environment()
+        line,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        cwd=tmp_path,
+        env=environment(),
+        preexec_fn=listening,  # noqa: PLW1509  (no thread is running)
     ) as started:
         deadline = time.monotonic() + 60.0
         while not list(tmp_path.glob("reports/.*.partial/log.txt")):

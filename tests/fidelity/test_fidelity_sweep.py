@@ -14,6 +14,7 @@ from typing import Any
 
 import pytest
 import sweep_deaths
+from interruptible import listening
 from jsonschema import Draft202012Validator
 
 from harness.app import sweep as room
@@ -165,7 +166,12 @@ if __name__ == "__main__":
 def test_an_interruption_leaves_a_folder_to_resume(kind: signal.Signals, tmp_path: Path) -> None:
     program, out = tmp_path / "program.py", tmp_path / "out"
     program.write_text(INTERRUPTED.format(tests=SUPPORT))
-    run = subprocess.Popen([sys.executable, str(program), str(out)], stderr=subprocess.PIPE, text=True)
+    run = subprocess.Popen(
+        [sys.executable, str(program), str(out)],
+        stderr=subprocess.PIPE,
+        text=True,
+        preexec_fn=listening,  # noqa: PLW1509
+    )
     deadline = time.monotonic() + 60.0
     while time.monotonic() < deadline and not list(out.glob("rows/part-*.parquet")):
         time.sleep(0.1)
