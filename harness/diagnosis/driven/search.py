@@ -14,7 +14,7 @@ from harness.diagnosis.search import search as search_all
 from harness.diagnosis.select import DECISIVE, extend, key_of, settle
 from harness.kernels.solve import Scales
 
-_FALLS = 0.98
+_FALLS = 0.99
 """What the force error on the other recording must fall to for a further term."""
 _LOOKED_AT = 5
 _MOST_TERMS = 3
