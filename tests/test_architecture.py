@@ -72,8 +72,8 @@ def name(path: Path) -> str:
 def test_rooms_import_in_one_direction(path: Path) -> None:
     parts = path.relative_to(PACKAGE).parts
     if len(parts) == 1:
-        allowed = {module for module in imports(path) if module.startswith("harness")}
-        assert {module.split(".")[1] for module in allowed} <= OUTSIDE.get(parts[0], NOTHING)
+        within = {module for module in imports(path) if module.startswith("harness")}
+        assert {module.split(".")[1] for module in within} <= OUTSIDE.get(parts[0], NOTHING)
         return
     own = parts[0]
     assert own in MAY, f"the room {own} is not in docs/architecture.md"

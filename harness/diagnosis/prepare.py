@@ -5,6 +5,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from harness.core.arrays import FloatArray
 from harness.core.checks import positive
 from harness.core.errors import InputError
 from harness.core.recording import MINIMUM_SAMPLES, Recording
@@ -13,7 +14,7 @@ from harness.diagnosis.driven.cut import windows_of
 from harness.diagnosis.driven.hold import held, is_held
 from harness.diagnosis.driven.inverse import inverse_start, state_of
 from harness.diagnosis.driven.noise import first_noise
-from harness.diagnosis.driven.smooth import smoothed
+from harness.diagnosis.driven.smooth import Smooth, smoothed
 from harness.diagnosis.problem import Problem, Restarts
 from harness.estimate.noise import channel_noise
 from harness.estimate.reversals import Kind, NoDecay, find_half_cycles
@@ -116,10 +117,12 @@ def _driven(recording: Recording, asked: Asked) -> tuple[Problem, tuple[str, ...
     if asked.horizon < _FEWEST_IN_WINDOW * interval:
         found = f"{asked.horizon:g} s, {asked.horizon / interval:.1f} samples of {recording.file}"
         raise InputError("--horizon", found, f"at least {_FEWEST_IN_WINDOW * interval:g} s is accepted")
-    channels = {c: recording[c] for c in ("x", "v", "a") if c in recording}
+    channels: dict[str, FloatArray] = {c: recording[c] for c in ("x", "v", "a") if c in recording}
     noise = first_noise(t, channels, u)
     longest = _GAP * interval
-    smooth = {c: smoothed(t, channels[c], longest, noise[c].sigma) for c in ("x", "v") if c in channels}
+    smooth: dict[str, Smooth] = {
+        c: smoothed(t, channels[c], longest, noise[c].sigma) for c in ("x", "v") if c in channels
+    }
     state = state_of(t, smooth)
     first = inverse_start(state, u, asked.restoring, asked.mass, asked.zero_free)
     windows = windows_of(t, state, smooth, asked.horizon, longest)
@@ -139,7 +142,7 @@ def _driven(recording: Recording, asked: Asked) -> tuple[Problem, tuple[str, ...
         problem = replace(problem, drive=held(problem))
         notes.append("the force acts as a sampled controller's, held from each sample to the next")
     note = (
-        f"driven: simulated over {len(windows)} windows of at most {asked.horizon:g} s, each restarted from the smoothed "
-        "recorded state; the force's own noise is estimated beside the sensors'"
+        f"driven: simulated over {len(windows)} windows of at most {asked.horizon:g} s, each restarted from the "
+        "smoothed recorded state; the force's own noise is estimated beside the sensors'"
     )
     return problem, (note, *notes)

@@ -56,9 +56,9 @@ class Problem:
     """What is to be explained; arrays have shape (n,).
 
     t : s. channels : "x", "v", "a" as measured. noise : per channel. weight : 0 leaves a sample out of the fit, or 1.
-    drive : measured force or None; its noise is noise["u"], of first order. restarts : of a driven recording, None where
-    the whole is simulated from one start. mass : kg, None when unknown (then m = 1 and forces are per unit mass, unless
-    a measured force gives the mass).
+    drive : measured force or None; its noise is noise["u"], of first order. restarts : of a driven recording, None
+    where the whole is simulated from one start. mass : kg, None when unknown (then m = 1 and forces are per unit
+    mass, unless a measured force gives the mass).
     zero_free : x is measured from an unknown zero. angular : x or a was given as an angle.
     """
 

@@ -1,4 +1,4 @@
-"""Driven recordings with known answers: filter, windows, noise, fits, and the published drive axis where it is there."""
+"""Driven recordings with known answers: filter, windows, noise, fits, and the published drive axis where it is."""
 
 import math
 from dataclasses import replace
@@ -9,7 +9,7 @@ import pytest
 
 from harness.core.errors import InputError
 from harness.core.recording import Recording
-from harness.diagnosis.baseline import baseline, base_names
+from harness.diagnosis.baseline import base_names, baseline
 from harness.diagnosis.driven.force import inverse_force
 from harness.diagnosis.driven.protocol import DIRECTED, PUBLISHED, SYMMETRIC
 from harness.diagnosis.driven.ripple import find_ripple
@@ -33,7 +33,8 @@ def driven(model: Model, seed: int = 1, sigma: float = 2e-6, push: float = 0.0, 
     """A recording of a model pushed by a sum of slow waves; sigma : of x, m; push : white noise of the force, N."""
     draw = np.random.default_rng(seed)
     t = np.arange(n) / 1000.0
-    u = sum(a * np.sin(w * t + p) for a, w, p in ((6.0, 3.1, 0.3), (4.0, 7.3, 1.1), (3.0, 14.0, 2.0)))
+    waves = ((6.0, 3.1, 0.3), (4.0, 7.3, 1.1), (3.0, 14.0, 2.0))
+    u = np.sum([a * np.sin(w * t + p) for a, w, p in waves], axis=0)
     x = solve(model, t, drive=Drive(t, u + push * draw.standard_normal(n))).x
     return Recording(t, {"x": x + sigma * draw.standard_normal(n), "u": u})
 

@@ -4,7 +4,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from harness.core.arrays import FloatArray
+from harness.core.arrays import FloatArray, IntArray
 from harness.diagnosis.driven.smooth import Smooth, stretches
 from harness.diagnosis.problem import Window
 
@@ -46,7 +46,7 @@ def windows_of(
     return tuple(found)
 
 
-def _clear_of_turns(turns: FloatArray, start: int, stop: int) -> int:
+def _clear_of_turns(turns: IntArray, start: int, stop: int) -> int:
     """The latest sample up to ``stop``, within the last fifth of the window, with no reversal close by."""
     for at in range(stop, max(start + FEWEST, stop - (stop - start) // 5), -1):
         if turns[min(at + _AWAY, turns.size - 1)] == turns[max(at - _AWAY, 0)]:

@@ -46,7 +46,8 @@ def driven_noise(problem: Problem, residual: Mapping[str, FloatArray]) -> dict[s
     """
     from scipy.optimize import minimize
 
-    assert problem.restarts is not None and problem.drive is not None
+    assert problem.restarts is not None
+    assert problem.drive is not None
     part = _sane(problem)
     left = {c: residual[c][: part.t.size] for c in part.channels}
     names = [*part.channels, "u"]
@@ -68,7 +69,7 @@ def driven_noise(problem: Problem, residual: Mapping[str, FloatArray]) -> dict[s
         white, logs = whiten_driven(replace(part, noise=at(theta)), left)
         # bounds are walls with a slope, so that a simplex finds its way back
         over = sum(max(0.0, math.log(least[c]) - v) for c, v in zip(names, theta, strict=True))
-        return 0.5 * (float(white @ white) + logs) + over
+        return float(0.5 * (float(white @ white) + logs) + over)
 
     start = np.array([math.log(max(problem.noise[c].sigma, least[c])) for c in names])
     found = minimize(

@@ -1,4 +1,4 @@
-"""The published protocol of force errors of the drive-axis benchmark (Janot, Gautier and Brunot 2019), with one trimming.
+"""The published protocol of force errors of the drive-axis benchmark (Janot, Gautier, Brunot 2019), with one trimming.
 
 Its filter, its trimming and its decimation decide the third digit; so they are constants of one object, and no options.
 """
@@ -30,11 +30,11 @@ class Filtered:
 
 @dataclass(frozen=True, slots=True)
 class ForceProtocol:
-    """Position through a Butterworth low-pass forwards and backwards, central differences twice, ends dropped (fewer let
-    the filter's start-up in), then regressors and force decimated (Chebyshev I, zero phase).
+    """Position through a Butterworth low-pass forwards and backwards, central differences twice, ends dropped, then
+    regressors and force decimated (Chebyshev I, zero phase). Fewer dropped samples let the filter's start-up in.
 
-    The amplifier's offset is part of the protocol: a constant by least squares on the recording that was fitted, carried
-    to the other.
+    The amplifier's offset is part of the protocol: a constant by least squares on the recording that was fitted,
+    carried to the other.
     """
 
     order: int = field(default=4, init=False)

@@ -21,10 +21,12 @@ _MOST_TERMS = 3
 
 
 def search_driven(problem: Problem, base: Fit, scales: Scales, judge: Judge | None = None) -> Search:
-    """The smallest model that explains a driven recording, or, with a judge, the one that another recording confirms."""
+    """The smallest model that explains a driven recording, or, with a judge, the one another recording confirms."""
     if judge is None:
         return search_all(problem, base, scales)
-    chosen, singles, rivals = base, (base,), (base,)
+    chosen = base
+    singles: tuple[Fit, ...] = (base,)
+    rivals: tuple[Fit, ...] = (base,)
     for _ in range(_MOST_TERMS):
         step = extend(chosen, problem, scales)
         better = [f for f in step.fits if f.bic < chosen.bic - DECISIVE]

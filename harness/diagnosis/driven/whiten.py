@@ -50,7 +50,7 @@ def _transition(h: float, c: float, k: float, rate: float, drift: float, phi: Fl
 transition = compiled(_transition)
 
 
-def _innovations(
+def _innovations(  # noqa: PLR0912  (one loop is one loop: calls cost what laws cost)
     t: FloatArray,
     values: FloatArray,
     weight: FloatArray,
