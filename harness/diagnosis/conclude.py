@@ -19,6 +19,10 @@ from harness.kernels.solve import Scales
 from harness.model.model import ModelTerm
 
 _MOST_ALTERNATIVES = 3
+_JUDGED = (
+    "terms were kept because the force error on the other recording falls with them, so that its errors took part in the"
+    " choice; what stays was not tested for being noise"
+)
 
 
 def diagnose(problem: Problem, judge: Judge | None = None) -> Outcome:
@@ -31,7 +35,8 @@ def diagnose(problem: Problem, judge: Judge | None = None) -> Outcome:
     problem = replace(problem, noise=noise_of(base, problem, scales.omega))
     base = settle(under(base, problem, scales), problem, scales)
     if problem.restarts is not None:
-        return conclude(search_driven(problem, base, scales, judge), scales)
+        outcome = conclude(search_driven(problem, base, scales, judge), scales)
+        return outcome if judge is None else replace(outcome, warnings=(*outcome.warnings, _JUDGED))
     return conclude(search(problem, base, scales), scales)
 
 

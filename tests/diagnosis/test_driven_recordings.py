@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from harness.app.dataset import Emps
 from harness.core.errors import InputError
 from harness.core.recording import Recording
 from harness.diagnosis.baseline import base_names, baseline
@@ -223,3 +224,11 @@ def test_ripple_of_the_screw_is_in_each_file(axis: Judge) -> None:
         found = find_ripple(model, recording)
         assert found.period == pytest.approx(2.5e-3, rel=2e-3)
         assert found.contrast > 50.0
+
+
+def test_files_that_are_not_the_published_ones_are_refused(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match=r"DATA_EMPS\.mat: no such file"):
+        Emps.from_folder(tmp_path)
+    (tmp_path / "DATA_EMPS.mat").write_bytes(b"something else")
+    with pytest.raises(InputError, match="sha256"):
+        Emps.from_folder(tmp_path)
