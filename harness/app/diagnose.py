@@ -4,7 +4,10 @@ import tempfile
 from dataclasses import dataclass
 from pathlib import Path
 
+import numpy as np
+
 from harness.app.deliver import to_json
+from harness.app.diagnose_attribution import Configured
 from harness.app.diagnose_files import simulated, write_model, write_trace_csv
 from harness.app.diagnose_mismatch import left_over
 from harness.app.diagnose_options import DiagnoseOptions
@@ -61,10 +64,12 @@ def investigate(
     """
     progress("base fit and search", 1, STEPS)
     ready = prepared(recording, options)
-    other = validation(recording, options)
-    outcome = conclude(ready.problem, None if other is None else other.judge)
+    other, user = validation(recording, options), Configured.of(options)
+    # a fit tries values far out, sees that they overflow, and turns back: nothing to tell anybody
+    with np.errstate(over="ignore", invalid="ignore"):
+        outcome = conclude(ready.problem, None if other is None else other.judge)
     progress("engines and attribution", 2, STEPS)
-    result = result_of(recording, ready, outcome, options, command)
+    result = result_of(recording, ready, outcome, options, user, command)
     if other is not None:
         result = result.model_copy(update={"validation": validated(other, outcome, options)})
     return Diagnosed(recording, outcome, simulated(recording, outcome), result)

@@ -1,32 +1,27 @@
 """An outcome in the form of the results."""
 
 import logging
-from dataclasses import replace
 from typing import Any
 
 from harness.app.compare import channel_pair
+from harness.app.diagnose_attribution import Configured, attribution_of, simulator_of
 from harness.app.diagnose_mismatch import places
 from harness.app.diagnose_options import DiagnoseOptions
 from harness.app.diagnose_problem import Prepared
 from harness.app.diagnose_where import where_of
 from harness.app.machine import this_machine
-from harness.app.reading import read, recording_info
+from harness.app.reading import recording_info
 from harness.core.errors import SimulationError
 from harness.core.recording import Recording
-from harness.diagnosis.attribute import Attribution, attribute_engine, attribute_trace
 from harness.diagnosis.engines import engine_fit, rmse
 from harness.diagnosis.fit import Fit
 from harness.diagnosis.outcome import Mechanism, Outcome
 from harness.diagnosis.problem import Problem
-from harness.engines.simulator import EngineSimulator
-from harness.io.recording import ReadOptions
-from harness.model.document import load as load_model
 from harness.model.document import to_document
 from harness.model.model import Model
 from harness.results.common import P, RecordingInfo
 from harness.results.diagnosis import (
     AlternativeResult,
-    AttributionResult,
     DiagnosisResult,
     EngineResult,
     EvidenceResult,
@@ -57,11 +52,16 @@ def sentence_of(outcome: Outcome) -> str:
 
 
 def result_of(
-    recording: Recording, prepared: Prepared, outcome: Outcome, options: DiagnoseOptions, command: str = ""
+    recording: Recording,
+    prepared: Prepared,
+    outcome: Outcome,
+    options: DiagnoseOptions,
+    user: Configured,
+    command: str = "",
 ) -> DiagnosisResult:
     """Everything a result says but its files; runs both models in the engines.
 
-    Raises InputError for a --model or --sim that cannot be used.
+    Raises InputError for a --sim that has nothing in common with the recording.
     """
     problem = outcome.problem
     engines = {name: _in_engine(name, outcome, options) for name in options.engines}
@@ -79,7 +79,7 @@ def result_of(
             refined_rmse=dict(outcome.holdout.refined_rmse),
         ),
         engines=engines,
-        attribution=_attribution(outcome, options),
+        attribution=attribution_of(outcome, options, user),
         evidence=_evidence(outcome),
         consistent_channels={"-".join(found.pair): channel_pair(found) for found in prepared.channels},
         next_experiment=outcome.next_experiment,
@@ -136,18 +136,10 @@ def _evidence(outcome: Outcome) -> list[EvidenceResult]:
     return [EvidenceResult(name=name, delta_bic=delta) for name, delta in ordered]
 
 
-def _simulator(name: str, options: DiagnoseOptions) -> tuple[EngineSimulator, float | None]:
-    """An engine on the preset that was asked for, and its step in s; None: one that suits the recording."""
-    simulator = EngineSimulator.named(name, options.preset)
-    if options.preset == "as-shipped":
-        return simulator, float(simulator.engine.presets("joint", options.preset)["dt"])
-    return simulator, options.dt
-
-
 def _in_engine(name: str, outcome: Outcome, options: DiagnoseOptions) -> EngineResult:
     """Both models in one engine, or the reason why not."""
     try:
-        simulator, dt = _simulator(name, options)
+        simulator, dt = simulator_of(name, options)
         found = engine_fit(simulator, outcome.base.model, outcome.refined.model, outcome.problem, outcome.scales, dt)
     except SimulationError as error:
         LOGGER.warning("%s: %s", name, error)
@@ -165,46 +157,3 @@ def _in_engine(name: str, outcome: Outcome, options: DiagnoseOptions) -> EngineR
 def _plain(settings: Any) -> dict[str, Any]:
     """Settings as JSON has them."""
     return {k: list(v) if isinstance(v, tuple) else v for k, v in settings.items()}
-
-
-def configured(outcome: Outcome, options: DiagnoseOptions) -> Model:
-    """The user's model, released as the recording was where the file does not say; the base fit when there is none."""
-    base = outcome.base.model
-    if options.model is None:
-        return base
-    model = load_model(options.model)
-    if model.x0 == 0.0 and model.v0 == 0.0:
-        return replace(model, x0=base.x0, v0=base.v0, t0=base.t0)
-    return model
-
-
-def _attribution(outcome: Outcome, options: DiagnoseOptions) -> AttributionResult | None:
-    model, base, refined = configured(outcome, options), outcome.base.model, outcome.refined.model
-    parameters = "the baseline fit's parameters" if options.model is None else f"the parameters in {options.model}"
-    if options.sim is not None:
-        trace = read(options.sim, ReadOptions())
-        found = attribute_trace(trace, model, base, refined, outcome.problem, outcome.scales)
-        moved = "" if not found.shift else f", moved by {found.shift:.4g} s"
-        return _shares(found, f"the trace {options.sim}{moved}, against {parameters}")
-    for name in options.engines:
-        try:
-            simulator, dt = _simulator(name, options)
-            step = dt if dt is not None else float(simulator.engine.presets("joint", options.preset)["dt"])
-            found = attribute_engine(simulator, model, base, refined, outcome.problem, outcome.scales, step)
-        except SimulationError as error:
-            LOGGER.warning("attribution, %s: %s", name, error)
-            continue
-        return _shares(found, f"{name}, {options.preset}, step {step * 1e3:.4g} ms, at {parameters}")
-    return None
-
-
-def _shares(found: Attribution, configuration: str) -> AttributionResult:
-    return AttributionResult(
-        engine=found.engine,
-        parameters=found.parameters,
-        missing_physics=found.missing_physics,
-        unexplained=found.unexplained,
-        noise=found.noise,
-        configuration=configuration,
-        mean_square=found.squares.simulated,
-    )

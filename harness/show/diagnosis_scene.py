@@ -18,7 +18,7 @@ RECORDED, BEFORE, AFTER = "#8a93a0", "#e4632d", "#2b7fd6"
 _SIMULATED = (("before", "viscous and Coulomb", BEFORE), ("after", "refined", AFTER))
 _NAMES = {"x": "position / m", "v": "speed / (m/s)", "a": "acceleration / (m/s²)"}
 _ANGLES = {"x": "angle / rad", "v": "speed / (rad/s)", "a": "acceleration / (rad/s²)"}
-_PARTS = "parts"
+_PARTS, _ELSEWHERE = "parts", "elsewhere"
 _MOST_OF_IT = 0.999
 """A place that covers more of the recording than this says nothing on where."""
 
@@ -39,17 +39,17 @@ def shaded_spans(result: Mapping[str, Any]) -> list[list[float]]:
     return []
 
 
-def lane(spans: Sequence[Sequence[float]], start: float, stop: float) -> tuple[FloatArray, list[str | None]]:
+def lane(spans: Sequence[Sequence[float]], start: float, stop: float) -> tuple[FloatArray, list[str]]:
     """Times (s) and states of a lane that is on in these spans."""
-    times, states = [start], [None if not spans or spans[0][0] > start else _PARTS]
+    times, states = [start], [_PARTS if spans and spans[0][0] <= start else _ELSEWHERE]
     for low, high in spans:
         if low > times[-1]:
             times.append(low)
             states.append(_PARTS)
         if high < stop:
             times.append(high)
-            states.append(None)
-    return np.array(times), list(states)
+            states.append(_ELSEWHERE)
+    return np.array(times), states
 
 
 def diagnosis_scene(
@@ -80,7 +80,7 @@ def diagnosis_scene(
         curves.append(s.Plot(names[c], [f"/channels/{c}"], roomy([recording[c]])))
         rests.append(s.Plot(f"recording minus simulation, {names[c]}", [f"/residual/{c}"], roomy(left)))
     spans = shaded_spans(result)
-    looks = {_PARTS: ("simulation and recording part", BEFORE)}
+    looks = {_PARTS: ("they part", BEFORE), _ELSEWHERE: ("elsewhere", "#3a414b")}
     times, states = lane(spans, float(recording.t[0]), float(recording.t[-1]))
     lanes: list[s.Layout] = []
     if spans:
@@ -88,15 +88,15 @@ def diagnosis_scene(
         lanes.append(s.Lanes("where they part", ["/where"]))
     best = simulated[-1]
     at = keep(best.t, (best.x, best.v), around, DRAWN)
-    points = np.column_stack([best.x[at], best.v[at]])
-    items.append(
-        s.Orbit("/plane/motion", "refined" if len(models) > 1 else "simulation", points, AFTER, (best.t[at], points))
-    )
-    x, y = padded([best.x], 0.06), padded([best.v], 0.06)
+    # a plane of the viewer has one scale: the speed is drawn as large as the position
+    drawn = float(np.ptp(best.x)) / max(float(np.ptp(best.v)), 1e-300)
+    points = np.column_stack([best.x[at], best.v[at] * drawn])
+    name = "refined" if len(models) > 1 else "simulation"
+    items.append(s.Orbit("/plane/motion", name, points, AFTER, (best.t[at], points)))
+    x, y = padded([best.x], 0.06), padded([best.v * drawn], 0.06)
     unit, speed = ("rad", "rad/s") if recording.angular else ("mm", "m/s")
-    items.append(
-        plane_grid("/plane/axes", x, y, (f"x / {unit}", 1.0 if recording.angular else 1e3), (f"v / ({speed})", 1.0))
-    )
+    axes = ((f"x / {unit}", 1.0 if recording.angular else 1e3), (f"v / ({speed})", 1.0 / drawn))
+    items.append(plane_grid("/plane/axes", x, y, *axes))
     shares = [*[2.0] * len(curves), *[0.5] * len(lanes), *[1.4] * len(rests)]
     layout = s.Columns(
         [

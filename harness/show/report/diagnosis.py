@@ -69,4 +69,5 @@ def said(result: Mapping[str, Any]) -> list[str]:
     for place in result["where"]:
         share = "" if place["share"] is None else f", which holds {100.0 * place['share']:.0f} % of the mismatch"
         sentences.append(f"Simulation and recording part where {place['condition']}{share}.")
-    return [*sentences, *filter(None, [result["next_experiment"]]), *result["warnings"], *result["recording"]["notes"]]
+    sentences += filter(None, [result["next_experiment"], *result["warnings"], *result["recording"]["notes"]])
+    return [f"{sentence[0].upper()}{sentence[1:]}" for sentence in sentences]

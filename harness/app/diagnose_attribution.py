@@ -1,0 +1,80 @@
+"""Whose mismatch it is: the simulation as the user has it, engine or trace, against the recording."""
+
+import logging
+from dataclasses import dataclass, replace
+
+from harness.app.diagnose_options import DiagnoseOptions
+from harness.app.reading import ReadOptions, read
+from harness.core.errors import SimulationError
+from harness.core.recording import Recording
+from harness.diagnosis.attribute import Attribution, attribute_engine, attribute_trace
+from harness.diagnosis.outcome import Outcome
+from harness.engines.simulator import EngineSimulator
+from harness.model.document import load as load_model
+from harness.model.model import Model
+from harness.results.diagnosis import AttributionResult
+
+LOGGER = logging.getLogger(__name__)
+
+
+@dataclass(frozen=True, slots=True)
+class Configured:
+    """The simulation as the user has it: model of --model and trace of --sim, None where none was given."""
+
+    model: Model | None = None
+    trace: Recording | None = None
+
+    @classmethod
+    def of(cls, options: DiagnoseOptions) -> "Configured":
+        """Read the files; raises InputError for one that cannot be used."""
+        model = None if options.model is None else load_model(options.model)
+        return cls(model, None if options.sim is None else read(options.sim, ReadOptions()))
+
+    def released(self, base: Model) -> Model:
+        """The user's model, released as the recording was where the file does not say; ``base`` when there is none."""
+        if self.model is None:
+            return base
+        if self.model.x0 == 0.0 and self.model.v0 == 0.0:
+            return replace(self.model, x0=base.x0, v0=base.v0, t0=base.t0)
+        return self.model
+
+
+def simulator_of(name: str, options: DiagnoseOptions) -> tuple[EngineSimulator, float | None]:
+    """An engine on the preset that was asked for, and its step in s; None: one that suits the recording."""
+    simulator = EngineSimulator.named(name, options.preset)
+    if options.preset == "as-shipped":
+        return simulator, float(simulator.engine.presets("joint", options.preset)["dt"])
+    return simulator, options.dt
+
+
+def attribution_of(outcome: Outcome, options: DiagnoseOptions, user: Configured) -> AttributionResult | None:
+    """Shares of the mismatch of the user's trace, else of the first engine that runs; None when none does."""
+    base, refined = outcome.base.model, outcome.refined.model
+    model = user.released(base)
+    parameters = "the baseline fit's parameters" if options.model is None else f"the parameters in {options.model}"
+    if user.trace is not None:
+        found = attribute_trace(user.trace, model, base, refined, outcome.problem, outcome.scales)
+        moved = "" if not found.shift else f", moved by {found.shift:.4g} s"
+        return _shares(found, f"the trace {options.sim}{moved}, against {parameters}")
+    for name in options.engines:
+        try:
+            simulator, dt = simulator_of(name, options)
+            step = dt if dt is not None else float(simulator.engine.presets("joint", options.preset)["dt"])
+            found = attribute_engine(simulator, model, base, refined, outcome.problem, outcome.scales, step)
+        except SimulationError as error:
+            LOGGER.warning("attribution, %s: %s", name, error)
+            continue
+        return _shares(found, f"{name}, {options.preset}, step {step * 1e3:.4g} ms, at {parameters}")
+    return None
+
+
+def _shares(found: Attribution, configuration: str) -> AttributionResult:
+    return AttributionResult(
+        engine=found.engine,
+        parameters=found.parameters,
+        missing_physics=found.missing_physics,
+        unexplained=found.unexplained,
+        noise=found.noise,
+        configuration=configuration,
+        mean_square=found.squares.simulated,
+    )

@@ -1,0 +1,145 @@
+"""The pages and the trace of a diagnosis: what they say, and that a browser draws them without a word."""
+
+import shutil
+from collections.abc import Iterator
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import pytest
+from diagnose_examples import STOP, example
+
+from harness.core.recording import Recording
+from harness.core.trajectory import Source, Trajectory
+from harness.kernels.solve import simulate
+from harness.results.common import P, Where
+from harness.results.diagnosis import AttributionResult, EvidenceResult, FailedDiagnosis, UnreadRecording
+from harness.show.diagnosis_scene import diagnosis_scene, lane, shaded_spans
+from harness.show.report.diagnosis import diagnosis_sections, diagnosis_title
+from harness.show.report.diagnosis_index import index_sections, index_title
+from harness.show.report.page import render, write_report
+from harness.show.trace import read_trace, write_trace
+
+if TYPE_CHECKING:
+    from playwright.sync_api import Browser
+
+T = np.linspace(0.0, 4.0, 500)
+Case = tuple[Recording, list[Trajectory], dict[str, Any]]
+
+
+def motion(name: str, terms: bool) -> Trajectory:
+    found = simulate(STOP if terms else STOP.with_terms(), T)
+    extra = {"shown x": found.x, "shown a": found.a}
+    return Trajectory(T, found.x, found.v, found.a, Source("reference", name), extra=extra, events=found.events)
+
+
+@pytest.fixture(scope="module")
+def case() -> Case:
+    simulated = [motion("baseline", False), motion("refined", True)]
+    noise = np.random.default_rng(0)
+    channels = {"x": simulated[1].x + noise.normal(0.0, 1e-4, T.size), "a": simulated[1].a}
+    place = Where(time_s=[[0.0, 0.5], [1.0, 1.2]], regime="one-side", condition="x > 0.05 m", share=0.8)
+    number = P(value=10.0, stderr=0.01, unit="rad/s")
+    result = example("bench.csv")
+    result = result.model_copy(
+        update={
+            "where": [place],
+            "baseline": result.baseline.model_copy(update={"parameters": {"omega_n": number}}),
+            "evidence": [
+                EvidenceResult(name="end-stop", delta_bic=900.0),
+                EvidenceResult(name="stribeck", delta_bic=-6.0),
+            ],
+            "attribution": AttributionResult(
+                engine=-0.01, parameters=0.0, missing_physics=0.9, unexplained=0.01, noise=0.1, configuration="mujoco"
+            ),
+            "warnings": ["</script><b>no markup</b>"],
+        }
+    )
+    return Recording(T, channels, "bench.csv"), simulated, result.model_dump(mode="json", by_alias=True)
+
+
+def test_the_verdict_comes_first_and_nothing_of_a_file_becomes_markup(case: Case) -> None:
+    page = render(*diagnosis_title(case[2]), diagnosis_sections(*case))
+    order = ["leaves out a stop.", "<h2>Recording against simulation", "<h2>Evidence over the catalogue"]
+    places = [page.index(text) for text in order]
+    assert places == sorted(places)
+    assert "holds 80 % of the mismatch" in page
+    assert "in place of end-stop: cubic-stiffness (worse by 8.0 in BIC)" in page
+    assert "No better than the base model alone: stribeck." in page
+    assert "<b>no markup</b>" not in page
+
+
+def test_spans_are_shaded_and_a_place_everywhere_is_none(case: Case) -> None:
+    spans = shaded_spans(case[2])
+    assert spans == [[0.0, 0.5], [1.0, 1.2]]
+    times, states = lane(spans, 0.0, 4.0)
+    assert times.tolist() == [0.0, 0.5, 1.0, 1.2]
+    assert states == ["parts", "elsewhere", "parts", "elsewhere"]
+    # the example's effect acts throughout
+    assert shaded_spans(case[2] | {"where": []}) == []
+    assert lane([], 0.0, 4.0)[1] == ["elsewhere"]
+
+
+def test_the_trace_holds_recording_and_simulations_bit_for_bit(case: Case, tmp_path: Path) -> None:
+    recording, simulated, result = case
+    write_trace(tmp_path / "trace.rrd", diagnosis_scene(recording, simulated, result, "# Verdict"))
+    stored = read_trace(tmp_path / "trace.rrd")
+    assert stored.properties["result"] == result
+    np.testing.assert_array_equal(stored.recordings[0]["x"], recording["x"])
+    for kept, made in zip(stored.trajectories, simulated, strict=True):
+        assert kept.source == made.source
+        np.testing.assert_array_equal(kept.extra["shown a"], made.extra["shown a"])
+
+
+def index_data() -> list[dict[str, Any]]:
+    failed = FailedDiagnosis(recording=UnreadRecording(file="bad.csv"), error="bad.csv: 2 samples; at least 50 are")
+    answers = [example("a.csv"), failed]
+    return [
+        one.model_dump(mode="json", by_alias=True) | {"link": link}
+        for one, link in zip(answers, ("a/r.html", ""), strict=True)
+    ]
+
+
+def test_the_page_of_many_has_a_row_and_a_link_each() -> None:
+    page = render(*index_title(index_data()), index_sections(index_data(), "harness diagnose"))
+    assert '<a href="a/r.html">a.csv</a>' in page
+    assert "bad.csv: 2 samples; at least 50 are" in page
+    assert "1 physics left out, 1 could not be diagnosed" in page
+
+
+@pytest.fixture(scope="module")
+def browser() -> Iterator["Browser"]:
+    chromium = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
+    if chromium is None:
+        pytest.skip("no Chromium on this machine (apt-get install chromium)")
+    playwright = pytest.importorskip("playwright.sync_api", reason="playwright is not installed")
+    with playwright.sync_playwright() as driver:
+        found = driver.chromium.launch(executable_path=chromium, args=["--headless", "--no-sandbox", "--disable-gpu"])
+        yield found
+        found.close()
+
+
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+def test_a_browser_draws_every_figure_without_a_word(
+    browser: "Browser", case: Case, tmp_path: Path, scheme: str
+) -> None:
+    path, many = tmp_path / "report.html", tmp_path / "index.html"
+    write_report(path, *diagnosis_title(case[2]), diagnosis_sections(*case))
+    write_report(many, *index_title(index_data()), index_sections(index_data(), "harness diagnose"))
+    page = browser.new_page(viewport={"width": 1366, "height": 800}, color_scheme=scheme)  # type: ignore[arg-type]
+    said: list[str] = []
+    page.on("console", lambda message: said.append(message.text))
+    page.on("pageerror", lambda error: said.append(str(error)))
+    page.on("request", lambda request: said.append(request.url) if not request.url.startswith("file:") else None)
+    for file, wanted in (
+        (path, {"channel-x", "channel-a", "residual-x", "residual-a", "plane", "evidence", "attribution"}),
+        (many, set[str]()),
+    ):
+        page.goto(file.as_uri())
+        page.wait_for_selector("html[data-ready='true']", state="attached", timeout=60_000)
+        marks = ".scatterlayer .trace path, .barlayer .point path"
+        plots = "[...document.querySelectorAll('.plot')]"
+        script = f"{plots}.filter((p) => p.querySelectorAll('{marks}').length).map((p) => p.dataset.figure)"
+        assert set(page.evaluate(script)) == wanted
+    assert said == []
+    page.close()
