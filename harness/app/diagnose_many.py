@@ -1,8 +1,10 @@
 """Several recordings in one call: each in a folder of its own, in processes; a bad one does not stop the rest."""
 
 import logging
+import shutil
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, wait
+from contextlib import suppress
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -189,13 +191,27 @@ def _computed(left: dict[int, Work], jobs: int, function: Callable[[Work], Answe
                 running.clear()
                 pool.renew()
         for i in suspects:
+            _clear(left[i])
+            kept = _kept(left[i])
+            if kept is not None:
+                yield i, kept
+                continue
             future = pool.executor.submit(function, left[i])
             wait([future])
             yield i, _answer(left[i], future)
             if _died(pool, future):
+                _clear(left[i])
                 pool.renew()
     finally:
         pool.close()
+
+
+def _clear(work: Work) -> None:
+    """Remove what a process that died has left half-written."""
+    for part in work.folder.parent.glob(f".{work.folder.name}.*.partial"):
+        shutil.rmtree(part, ignore_errors=True)
+    with suppress(OSError):
+        work.folder.rmdir()
 
 
 def _died(pool: LocalPool, future: "Future[Answer]") -> bool:
