@@ -20,8 +20,8 @@ from harness.model.model import ModelTerm
 
 _MOST_ALTERNATIVES = 3
 _JUDGED = (
-    "terms were kept because the force error on the other recording falls with them, so that its errors took part in the"
-    " choice; what stays was not tested for being noise"
+    "terms were kept because the force error on the other recording falls with them, so that its errors took part in"
+    " the choice; what stays was not tested for being noise"
 )
 
 

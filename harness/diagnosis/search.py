@@ -123,7 +123,8 @@ def _search(problem: Problem, base: Fit, scales: Scales) -> Search:
 
 def _levelled(found: Search, scales: Scales) -> Search:
     """The noise as what an explaining model leaves: every sample says something of it then, not the fast part alone."""
-    if not found.explained:
+    if not found.explained or found.problem.restarts is not None:
+        # of a driven recording all samples have decided the noise already
         return found
     problem, n = found.problem, found.problem.t.size
     noise = {}
