@@ -99,6 +99,12 @@ def evaluate(
     return residual, jacobian, shown
 
 
+def _by_coordinates(jacobian: FloatArray, free: tuple[Free, ...], values: FloatArray) -> FloatArray:
+    """Partials (N, q) by the coordinates that are fitted; infinite where one overflows."""
+    with np.errstate(over="ignore"):
+        return jacobian * np.array([f.slope(v) for f, v in zip(free, values, strict=True)])
+
+
 def _descend(
     model: Model,
     problem: Problem,
@@ -117,8 +123,9 @@ def _descend(
     chi2 = float(residual @ residual)
     damping, done = _FIRST_DAMPING, False
     for _ in range(iterations):
-        slopes = np.array([f.slope(v) for f, v in zip(free, values, strict=True)])
-        j = jacobian * slopes
+        j = _by_coordinates(jacobian, free, values)
+        if not np.all(np.isfinite(j)):
+            break  # a number has run away to where the law is its own limit
         scale = np.sqrt(np.einsum("ij,ij->j", j, j))
         scale[scale == 0.0] = 1.0
         j /= scale

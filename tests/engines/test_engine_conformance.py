@@ -68,7 +68,7 @@ def test_same_inputs_give_the_same_bits(name: str, route: str, preset: str) -> N
 
 _FRESH = """
 import sys
-sys.path.insert(0, {folder!r})
+sys.path[:0] = {folders!r}
 from engine_cases import engine, short
 from test_engine_conformance import digest
 for name, route, preset in {table!r}:
@@ -78,7 +78,7 @@ for name, route, preset in {table!r}:
 
 def test_same_inputs_give_the_same_bits_in_a_fresh_process(request: pytest.FixtureRequest) -> None:
     here = [f"{n} {route} {preset} {digest(run(n, short(route, preset=preset)))}" for n, route, preset in ALL]
-    code = _FRESH.format(folder=str(request.path.parent), table=ALL)
+    code = _FRESH.format(folders=[str(request.path.parent), str(request.path.parents[1] / "support")], table=ALL)
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert done.stdout.splitlines() == here
     assert done.stderr == ""

@@ -77,6 +77,8 @@ def test_every_dependency_is_locked_to_a_version_it_accepts() -> None:
     lines = [line for line in (CHECKOUT / "constraints.txt").read_text().splitlines() if not line.startswith("#")]
     locked = dict(line.split("==") for line in lines)
     for requirement in requirements():
+        if requirement.name == "friction-harness":
+            continue  # its own extras, whose packages stand in the list themselves
         assert requirement.specifier.contains(locked[canonicalize_name(requirement.name)]), requirement
     assert not [line for line in lines if "/" in line or "@" in line]
 
