@@ -102,7 +102,7 @@ def evaluate(
 def _by_coordinates(jacobian: FloatArray, free: tuple[Free, ...], values: FloatArray) -> FloatArray:
     """Partials (N, q) by the coordinates that are fitted; infinite where one overflows."""
     with np.errstate(over="ignore"):
-        return jacobian * np.array([f.slope(v) for f, v in zip(free, values, strict=True)])
+        return np.asarray(jacobian * [f.slope(v) for f, v in zip(free, values, strict=True)], dtype=np.float64)
 
 
 def _descend(
