@@ -1,8 +1,8 @@
 """The one place where plain functions become compiled ones.
 
 Kernels are written as ordinary functions and compiled here, so that with NUMBA_DISABLE_JIT=1 coverage and mutation
-testing see the plain code. The cache lies beside the source when that can be written, else in a folder of the user's,
-else in a temporary one: a read-only home costs a compilation, not a failure.
+testing see the plain code. The cache lies in a folder of the user's, or in a temporary one where that cannot be
+written: a read-only home costs a compilation, not a failure.
 """
 
 import hashlib
@@ -63,9 +63,7 @@ def _fingerprint(room: str) -> str:
     return digest.hexdigest()[:12]
 
 
-def compiled(
-    function: F, *, parallel: bool = False, fastmath: bool = False, inline: bool = False, lean: bool = False
-) -> F:
+def compiled(function: F, *, parallel: bool = False, fastmath: bool = False, lean: bool = False) -> F:
     """Compile a plain function with Numba, cached on disk, without the interpreter lock.
 
     ``lean`` leaves out reference counting, which costs more than a short law: for inner functions that make no arrays.
@@ -80,8 +78,6 @@ def compiled(
         options["parallel"] = True
     if fastmath:
         options["fastmath"] = {"contract", "reassoc", "nsz", "arcp"}
-    if inline:
-        options["inline"] = "always"
     if lean:
         options["_nrt"] = False
     return cast(F, numba.njit(**options)(function))

@@ -33,7 +33,7 @@ def diagnose(problem: Problem, judge: Judge | None = None) -> Outcome:
     """
     base, scales = baseline(problem)
     problem = replace(problem, noise=noise_of(base, problem, scales.omega))
-    base = settle(under(base, problem, scales), problem, scales)
+    base = settle(under(base, problem), problem, scales)
     if problem.restarts is not None:
         outcome = conclude(search_driven(problem, base, scales, judge), scales)
         return outcome if judge is None else replace(outcome, warnings=(*outcome.warnings, _JUDGED))
@@ -136,6 +136,3 @@ def _statement(entry: ModelTerm, parameters: dict[str, Quantity], found: Fit) ->
     elif entry.term.name == "constant-force":
         values["offset"] = "nothing, without a spring"
     return entry.term.say(values)
-
-
-__all__ = ["conclude", "diagnose"]

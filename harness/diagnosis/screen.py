@@ -14,7 +14,7 @@ from harness.core.arrays import FloatArray
 from harness.core.errors import SimulationError
 from harness.diagnosis.fit import Fit, evaluate, whitened
 from harness.diagnosis.observe import COARSE, observe
-from harness.diagnosis.parameters import Free, with_values
+from harness.diagnosis.parameters import with_values
 from harness.diagnosis.problem import Problem
 from harness.kernels.solve import By, Scales
 from harness.model.evidence import Evidence
@@ -192,6 +192,3 @@ def direct(current: Fit, problem: Problem, evidence: Evidence, terms: Sequence[T
         if term.amplitude is None and applicable(term, current.model, problem)
         for values in (term.probes(evidence) or ([()] if not term.parameters else []))
     ]
-
-
-__all__ = ["Candidate", "Free", "applicable", "direct", "screen"]

@@ -48,7 +48,7 @@ def noise_of(found: Fit, problem: Problem, omega: float) -> dict[str, Noise]:
     return {c: residual_noise(problem.t, y - found.shown.y[c], y, period) for c, y in problem.channels.items()}
 
 
-def under(found: Fit, problem: Problem, scales: Scales) -> Fit:
+def under(found: Fit, problem: Problem) -> Fit:
     """The same model seen with another noise."""
     shown = found.shown
     residual = whitened(problem, {c: y - shown.y[c] for c, y in problem.channels.items()})
@@ -76,13 +76,13 @@ def _renew(
     if not _moved(noise, problem):
         return problem, best, others
     problem = replace(problem, noise=noise)
-    seen = tuple(sorted((under(f, problem, scales) for f in others), key=lambda f: f.bic))
-    return problem, settle(under(best, problem, scales), problem, scales), seen
+    seen = tuple(sorted((under(f, problem) for f in others), key=lambda f: f.bic))
+    return problem, settle(under(best, problem), problem, scales), seen
 
 
 def search(problem: Problem, base: Fit, scales: Scales) -> Search:
     """Find the smallest model that explains a recording."""
-    return _levelled(_search(problem, base, scales), scales)
+    return _levelled(_search(problem, base, scales))
 
 
 def _search(problem: Problem, base: Fit, scales: Scales) -> Search:
@@ -90,7 +90,7 @@ def _search(problem: Problem, base: Fit, scales: Scales) -> Search:
     if not singles or singles[0].bic > base.bic - DECISIVE:
         return Search(problem, base, base, singles, singles, explains(base, problem, scales.omega))
     problem, best, singles = _renew(problem, scales, singles[0], singles)
-    base = under(base, problem, scales)
+    base = under(base, problem)
     singles = tuple(sorted((*(f for f in singles if key_of(f) != key_of(best)), best), key=lambda f: f.bic))
     chosen, rivals = _simplest(singles), singles
     explained = explains(chosen, problem, scales.omega)
@@ -108,8 +108,8 @@ def _search(problem: Problem, base: Fit, scales: Scales) -> Search:
             break
         problem, best, found = _renew(problem, scales, found[0], found)
         found = tuple(sorted((*(f for f in found if key_of(f) != key_of(best)), best), key=lambda f: f.bic))
-        base = under(base, problem, scales)
-        singles = tuple(sorted((under(f, problem, scales) for f in singles), key=lambda f: f.bic))
+        base = under(base, problem)
+        singles = tuple(sorted((under(f, problem) for f in singles), key=lambda f: f.bic))
         chosen, rivals = _simplest(found), found
         explained = explains(chosen, problem, scales.omega)
         beam = list(found[:2])
@@ -121,7 +121,7 @@ def _search(problem: Problem, base: Fit, scales: Scales) -> Search:
     return Search(problem, base, chosen, singles, rivals, explained)
 
 
-def _levelled(found: Search, scales: Scales) -> Search:
+def _levelled(found: Search) -> Search:
     """The noise as what an explaining model leaves: every sample says something of it then, not the fast part alone."""
     if not found.explained or found.problem.restarts is not None:
         # of a driven recording all samples have decided the noise already
@@ -136,11 +136,11 @@ def _levelled(found: Search, scales: Scales) -> Search:
         noise[channel] = replace(old, sigma=old.sigma * level) if old.found and level > 0.0 else old
     problem = replace(problem, noise=noise)
     same = found.chosen is found.base
-    base = under(found.base, problem, scales)
-    chosen = base if same else under(found.chosen, problem, scales)
+    base = under(found.base, problem)
+    chosen = base if same else under(found.chosen, problem)
 
     def seen(fits: tuple[Fit, ...]) -> tuple[Fit, ...]:
-        again = (chosen if f is found.chosen else under(f, problem, scales) for f in fits)
+        again = (chosen if f is found.chosen else under(f, problem) for f in fits)
         return tuple(sorted(again, key=lambda f: f.bic))
 
     return Search(problem, base, chosen, seen(found.singles), seen(found.rivals), True)

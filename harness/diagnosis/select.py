@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from harness.core.errors import SimulationError
 from harness.diagnosis.baseline import at_rest
 from harness.diagnosis.evidence import evidence
-from harness.diagnosis.fit import Fit, evaluate, fit
+from harness.diagnosis.fit import Fit, fit
 from harness.diagnosis.observe import COARSE
 from harness.diagnosis.parameters import base_of, free_of
 from harness.diagnosis.problem import Problem
@@ -15,7 +15,7 @@ from harness.diagnosis.screen import Candidate, direct, screen
 from harness.kernels.solve import Scales
 from harness.model.model import Model
 from harness.model.registry import TERMS
-from harness.model.term import Slot, Term
+from harness.model.term import Term
 
 DECISIVE = 10.0
 """Difference in BIC from which one model is preferred to another ("very strong", Kass and Raftery 1995)."""
@@ -143,11 +143,3 @@ def prune(found: Fit, problem: Problem, scales: Scales) -> Fit:
             return found
         found = best
     return found
-
-
-def without(model: Model, slot: Slot) -> Model:
-    """A model without its terms of a slot."""
-    return replace(model, terms=tuple(e for e in model.terms if e.term.slot is not slot))
-
-
-__all__ = ["DECISIVE", "Step", "evaluate", "extend", "key_of", "prune"]

@@ -92,7 +92,7 @@ def test_direction_dependent_friction_beats_the_base_and_has_its_value() -> None
     model = replace(found.model, terms=(ModelTerm.named("asymmetric-viscous", c_diff=0.0),))
     better = fit(model, problem, free_of(model, base_names(problem)), scales)
     problem = replace(problem, noise=noise_of(better, problem, scales.omega))
-    better, before = fit(better.model, problem, better.free, scales), under(found, problem, scales)
+    better, before = fit(better.model, problem, better.free, scales), under(found, problem)
     assert before.bic - better.bic > 1000.0
     assert better.model.terms[0].values[0] == pytest.approx(0.6, rel=0.02)
 

@@ -38,13 +38,10 @@ def search_driven(problem: Problem, base: Fit, scales: Scales, judge: Judge | No
         if confirmed is None:
             break
         problem = replace(problem, noise=noise_of(confirmed, problem, scales.omega))
-        chosen = settle(under(confirmed, problem, scales), problem, scales)
+        chosen = settle(under(confirmed, problem), problem, scales)
         base, singles, rivals = (
-            under(base, problem, scales),
-            *(
-                tuple(sorted((under(f, problem, scales) for f in group), key=lambda f: f.bic))
-                for group in (singles, rivals)
-            ),
+            under(base, problem),
+            *(tuple(sorted((under(f, problem) for f in group), key=lambda f: f.bic)) for group in (singles, rivals)),
         )
         rivals = tuple(sorted((*(f for f in rivals if key_of(f) != key_of(chosen)), chosen), key=lambda f: f.bic))
     return Search(problem, base, chosen, singles, rivals, True)
