@@ -15,7 +15,7 @@ from harness.core.errors import SimulationError
 from harness.core.recording import Recording
 from harness.diagnosis.engines import engine_fit, rmse
 from harness.diagnosis.fit import Fit
-from harness.diagnosis.outcome import Mechanism, Outcome
+from harness.diagnosis.outcome import Holdout, Mechanism, Outcome
 from harness.diagnosis.problem import Problem
 from harness.model.document import to_document
 from harness.model.model import Model
@@ -26,6 +26,7 @@ from harness.results.diagnosis import (
     EngineResult,
     EvidenceResult,
     FitResult,
+    ForcedResult,
     HoldoutResult,
     MechanismResult,
 )
@@ -73,11 +74,7 @@ def result_of(
         where=places(outcome),
         mechanisms=[_mechanism(m, outcome) for m in outcome.mechanisms],
         refined=_fit_result(outcome.refined, problem, {n: P.of(q) for n, q in outcome.refined_parameters.items()}),
-        holdout=HoldoutResult(
-            spans_s=[[low, high] for low, high in outcome.holdout.spans],
-            baseline_rmse=dict(outcome.holdout.baseline_rmse),
-            refined_rmse=dict(outcome.holdout.refined_rmse),
-        ),
+        holdout=_held_out(outcome.holdout),
         engines=engines,
         attribution=attribution_of(outcome, options, user),
         evidence=_evidence(outcome),
@@ -92,6 +89,20 @@ def result_of(
         command=command,
         machine=this_machine(),
         files={},
+    )
+
+
+def _held_out(held: Holdout) -> HoldoutResult:
+    forced = held.forced and ForcedResult(
+        name=held.forced.name,
+        baseline_rmse=dict(held.forced.baseline_rmse),
+        refined_rmse=dict(held.forced.refined_rmse),
+    )
+    return HoldoutResult(
+        spans_s=[[low, high] for low, high in held.spans],
+        baseline_rmse=dict(held.baseline_rmse),
+        refined_rmse=dict(held.refined_rmse),
+        forced=forced,
     )
 
 

@@ -8,7 +8,7 @@ from harness.diagnosis.baseline import baseline
 from harness.diagnosis.driven.search import search_driven
 from harness.diagnosis.driven.validate import Judge
 from harness.diagnosis.fit import Fit
-from harness.diagnosis.holdout import holdout
+from harness.diagnosis.holdout import forced, holdout
 from harness.diagnosis.numbers import base_parameters, term_parameters
 from harness.diagnosis.outcome import Alternative, Mechanism, Outcome, Verdict
 from harness.diagnosis.problem import Problem
@@ -57,6 +57,8 @@ def conclude(found: Search, scales: Scales) -> Outcome:
         key=lambda m: -m.delta_bic,
     )
     prediction = holdout(found.base, refined, problem, scales, acting)
+    if verdict == "adequate":
+        prediction = replace(prediction, forced=forced(found.base, found.singles, problem, scales))
     warnings = []
     if verdict == "unexplained":
         warnings.append("no entry or pair of the catalogue explains it; standard errors are inflated by the misfit")

@@ -44,12 +44,25 @@ class Mechanism:
 
 
 @dataclass(frozen=True, slots=True)
+class Forced:
+    """The best-ranked term put into a model that needs none: held-out rmse by channel without it and with it."""
+
+    name: str
+    baseline_rmse: Mapping[str, float]
+    refined_rmse: Mapping[str, float]
+
+
+@dataclass(frozen=True, slots=True)
 class Holdout:
-    """Prediction of samples that took no part in the fits: spans (s), rmse by channel before and after."""
+    """Prediction of samples that took no part in the fits: spans (s), rmse by channel before and after.
+
+    forced : where nothing is missing, what one term too many would do to the prediction.
+    """
 
     spans: Spans
     baseline_rmse: Mapping[str, float]
     refined_rmse: Mapping[str, float]
+    forced: Forced | None = None
 
 
 @dataclass(frozen=True, slots=True)

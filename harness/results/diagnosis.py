@@ -40,12 +40,25 @@ class MechanismResult(Result):
     alternatives: list[AlternativeResult] = Field(max_length=3)
 
 
+class ForcedResult(Result):
+    """The best-ranked catalogue term put into a model that needs none."""
+
+    name: str
+    baseline_rmse: Rmse
+    refined_rmse: Rmse = Field(description="with the term; at most a few per cent above the baseline's")
+
+
 class HoldoutResult(Result):
     """Prediction of samples left out of the fit."""
 
     spans_s: list[Span]
     baseline_rmse: Rmse
     refined_rmse: Rmse
+    forced: ForcedResult | None = Field(
+        default=None,
+        description="where nothing is missing: what one term too many does to the prediction",
+        exclude_if=lambda value: value is None,
+    )
 
 
 class EngineResult(Result):
