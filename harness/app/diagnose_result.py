@@ -93,11 +93,13 @@ def result_of(
 
 
 def _held_out(held: Holdout) -> HoldoutResult:
-    forced = held.forced and ForcedResult(
-        name=held.forced.name,
-        baseline_rmse=dict(held.forced.baseline_rmse),
-        refined_rmse=dict(held.forced.refined_rmse),
-    )
+    forced = None
+    if held.forced is not None:
+        forced = ForcedResult(
+            name=held.forced.name,
+            baseline_rmse=dict(held.forced.baseline_rmse),
+            refined_rmse=dict(held.forced.refined_rmse),
+        )
     return HoldoutResult(
         spans_s=[[low, high] for low, high in held.spans],
         baseline_rmse=dict(held.baseline_rmse),
