@@ -6,11 +6,13 @@ import numpy as np
 
 from harness.core.events import Mode
 from harness.diagnosis.force_map import ForceMap, force_map
-from harness.diagnosis.locate import locate
+from harness.diagnosis.locate import Place, locate
 from harness.diagnosis.motion import Motion
 from harness.diagnosis.outcome import Outcome
 from harness.model.model import Restoring
 from harness.results.common import Where
+
+_EVERYWHERE = "no part of the motion stands out"
 
 
 def base_motion(outcome: Outcome) -> Motion:
@@ -20,11 +22,13 @@ def base_motion(outcome: Outcome) -> Motion:
 
 
 def places(outcome: Outcome) -> list[Where]:
-    """Up to three places that hold the base model's mismatch."""
+    """Up to three places that hold the base model's mismatch; the whole, where there is one that lies nowhere apart."""
     problem = outcome.problem
     n = problem.t.size
     residuals = {c: outcome.base.residual[i * n : (i + 1) * n] for i, c in enumerate(problem.channels)}
     found = locate(residuals, problem.t, base_motion(outcome), unit="rad" if problem.angular else "m")
+    if not found and outcome.verdict != "adequate":
+        found = (Place(((float(problem.t[0]), float(problem.t[-1])),), "throughout", _EVERYWHERE, 1.0, 0.0),)
     return [
         Where.model_validate(
             {

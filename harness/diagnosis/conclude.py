@@ -19,6 +19,7 @@ from harness.kernels.solve import Scales
 from harness.model.model import ModelTerm
 
 _MOST_ALTERNATIVES = 3
+_MOST_CLOSEST = 3
 _JUDGED = (
     "terms were kept because the force error on the other recording falls with them, so that its errors took part in"
     " the choice; what stays was not tested for being noise"
@@ -62,6 +63,7 @@ def conclude(found: Search, scales: Scales) -> Outcome:
     warnings = []
     if verdict == "unexplained":
         warnings.append("no entry or pair of the catalogue explains it; standard errors are inflated by the misfit")
+        warnings += _closest(found)
     if verdict == "missing_physics" and prediction.refined_rmse:
         worse = [c for c, after in prediction.refined_rmse.items() if after > 1.05 * prediction.baseline_rmse[c]]
         if worse:
@@ -75,11 +77,21 @@ def conclude(found: Search, scales: Scales) -> Outcome:
         mechanisms=tuple(mechanisms),
         holdout=prediction,
         evidence=tuple((key_of(f)[0], found.base.bic - f.bic) for f in found.singles),
-        base_parameters=base_parameters(found.base, problem),
-        refined_parameters=base_parameters(refined, problem),
+        base_parameters=base_parameters(found.base, problem, scales.omega, verdict == "adequate"),
+        refined_parameters=base_parameters(refined, problem, scales.omega, verdict != "unexplained"),
         next_experiment=next_experiment(tuple(mechanisms), problem),
         warnings=tuple(warnings),
     )
+
+
+def _closest(found: Search) -> list[str]:
+    """What of the catalogue would take off most, where nothing explains a recording."""
+    misfit = found.base.chi2 - found.base.points
+    near = [(key_of(f)[0], (found.base.chi2 - f.chi2) / misfit) for f in found.singles[:_MOST_CLOSEST]]
+    if misfit <= 0.0 or not near:
+        return []
+    said = ", ".join(f"{name} {100.0 * share:.0f} %" for name, share in near)
+    return [f"of the misfit the closest entries take off, each alone: {said}; none is named, because none explains it"]
 
 
 def _mechanism(

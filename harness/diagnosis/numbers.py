@@ -1,4 +1,8 @@
-"""Fitted numbers with standard errors that are honest: from the curvature, withheld on a bound, inflated on misfit."""
+"""Fitted numbers with standard errors that are honest: from the curvature, withheld on a bound, inflated on misfit.
+
+Where a model does not explain its recording, a number's variance is the largest of three: by curvature, by curvature
+times chi-square per point, and by the scatter of what half-swings say of it.
+"""
 
 import math
 
@@ -8,6 +12,7 @@ from harness.core.arrays import FloatArray
 from harness.core.quantity import Quantity
 from harness.diagnosis.fit import Fit
 from harness.diagnosis.problem import Problem
+from harness.diagnosis.sandwich import clustered_covariance
 from harness.model.model import Restoring
 
 _ON_BOUND = "the estimate lies on a bound of what is possible"
@@ -29,31 +34,47 @@ def unit_of(unit: str, problem: Problem) -> str:
     return unit
 
 
-def _quantity(value: float, variance: float, unit: str, on_bound: bool, factor: float) -> Quantity:
+def _quantity(value: float, variance: float, unit: str, on_bound: bool) -> Quantity:
     if on_bound:
         return Quantity(value, None, unit, _ON_BOUND)
     if not math.isfinite(variance) or variance <= 0.0:
         return Quantity(value, None, unit, _NOT_SEEN)
-    return Quantity(value, factor * math.sqrt(variance), unit)
+    return Quantity(value, math.sqrt(variance), unit)
+
+
+def covariances(found: Fit, problem: Problem, omega: float, explained: bool) -> tuple[FloatArray, ...]:
+    """Covariances (q, q) of the fitted numbers, of which the larger variance counts; omega of the swing, rad/s."""
+    inflated = found.covariance() * inflation(found) ** 2
+    if explained or problem.restarts is not None:
+        return (inflated,)
+    return inflated, clustered_covariance(found, problem, omega)
+
+
+def _variance(matrices: tuple[FloatArray, ...], gradient: FloatArray) -> float:
+    used = gradient != 0.0  # an infinite variance times none is none
+    return max(float(gradient[used] @ m[np.ix_(used, used)] @ gradient[used]) for m in matrices)
 
 
 def term_parameters(found: Fit, problem: Problem, index: int) -> dict[str, Quantity]:
-    """Parameters of the term at ``index`` in the model, with standard errors."""
-    covariance, values, factor = found.covariance(), found.values, inflation(found)
+    """Parameters of the term at ``index`` in the model that explains the recording, with standard errors."""
+    covariance, values = found.covariance() * inflation(found) ** 2, found.values
     out = {}
     for i, f in enumerate(found.free):
         if isinstance(f.by, tuple) and f.by[0] == index:
             parameter = found.model.terms[index].term.parameters[f.by[1]]
             on_bound = values[i] <= f.lower or values[i] >= f.upper
             out[parameter.name] = _quantity(
-                float(values[i]), float(covariance[i, i]), unit_of(parameter.unit, problem), bool(on_bound), factor
+                float(values[i]), float(covariance[i, i]), unit_of(parameter.unit, problem), bool(on_bound)
             )
     return out
 
 
-def base_parameters(found: Fit, problem: Problem) -> dict[str, Quantity]:
-    """omega_n, zeta, x_k of a fit (mass, c, f_k on a free axis), standard errors through the first derivatives."""
-    model, covariance, factor = found.model, found.covariance(), inflation(found)
+def base_parameters(found: Fit, problem: Problem, omega: float, explained: bool) -> dict[str, Quantity]:
+    """omega_n, zeta, x_k of a fit (mass, c, f_k on a free axis), standard errors through the first derivatives.
+
+    omega : of the swing, rad/s. explained : whether the fit leaves nothing but noise.
+    """
+    model, matrices = found.model, covariances(found, problem, omega, explained)
     at = {f.name: i for i, f in enumerate(found.free) if isinstance(f.by, str)}
 
     def combined(value: float, slopes: dict[str, float], unit: str, on_bound: bool = False) -> Quantity:
@@ -61,7 +82,7 @@ def base_parameters(found: Fit, problem: Problem) -> dict[str, Quantity]:
         for name, slope in slopes.items():
             if name in at:
                 gradient[at[name]] = slope
-        return _quantity(value, float(gradient @ covariance @ gradient), unit, on_bound, factor)
+        return _quantity(value, _variance(matrices, gradient), unit, on_bound)
 
     m, c, k, f_k = model.m, model.c, model.k, model.f_k
     if model.restoring is Restoring.NONE:

@@ -1,0 +1,61 @@
+"""Standard errors of a model that leaves something over: a misfit counts once for half a swing."""
+
+import numpy as np
+import pytest
+
+from harness.core.recording import Recording
+from harness.diagnosis.baseline import baseline
+from harness.diagnosis.numbers import base_parameters
+from harness.diagnosis.prepare import Asked, prepare
+from harness.diagnosis.sandwich import clustered_covariance
+from harness.kernels.solve import solve
+from harness.model.model import Model, ModelTerm
+
+SIGMA = 1e-4
+
+
+def recorded(model: Model, seed: int) -> Recording:
+    t = np.arange(0.0, 6.0, 0.004)
+    x = solve(model, t).x
+    return Recording(t, {"x": x + SIGMA * np.random.default_rng(seed).standard_normal(t.size)}, "decay")
+
+
+def slider(*terms: ModelTerm) -> Model:
+    return Model(1.0, 0.3, 100.0, 0.8, x0=1.0, terms=terms)
+
+
+def test_on_noise_alone_blocks_say_what_the_curvature_says() -> None:
+    ratios = []
+    for seed in range(6):
+        problem, _ = prepare(recorded(slider(), seed), Asked())
+        found, scales = baseline(problem)
+        plain = found.covariance()
+        ratios.append(np.diag(clustered_covariance(found, problem, scales.omega)) / np.diag(plain))
+    mean = np.mean(ratios, axis=0)
+    assert np.all(mean > 0.4)
+    assert np.all(mean < 2.0)
+
+
+def test_with_a_misfit_the_truth_lies_within_two_standard_errors_and_not_by_curvature() -> None:
+    """A hum of any frequency and phase left out: zeta of the base model errs by what the hum happens to do."""
+    random = np.random.default_rng(3)
+    draws, inside = 20, {True: 0, False: 0}
+    for seed in range(draws):
+        hum = ModelTerm.named("harmonic-force", A=0.4, Omega=random.uniform(3.0, 30.0), phase=random.uniform(0.0, 6.0))
+        problem, _ = prepare(recorded(slider(hum), seed), Asked())
+        found, scales = baseline(problem)
+        for curvature_alone in inside:
+            zeta = base_parameters(found, problem, scales.omega, curvature_alone)["zeta"]
+            assert zeta.value is not None
+            assert zeta.stderr is not None
+            inside[curvature_alone] += abs(zeta.value - 0.015) < 2.0 * zeta.stderr
+    assert inside[False] >= 0.8 * draws
+    assert inside[True] <= 0.6 * draws
+
+
+@pytest.mark.parametrize("span", [40, 100])
+def test_too_short_a_stretch_gives_no_finite_error(span: int) -> None:
+    problem, _ = prepare(recorded(slider(), 0), Asked())
+    found, scales = baseline(problem)
+    # as if the swing were so slow that the recording held a few blocks alone
+    assert np.all(np.isinf(clustered_covariance(found, problem, scales.omega / span)))
