@@ -1,23 +1,28 @@
 """Fits through the plant itself: for recordings the closed form of the base does not cover, and for models that hold
 one of two hidden effects. Started at the truth."""
 
+import math
 from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any
 
 import numpy as np
 from scipy.interpolate import PPoly, make_interp_spline
-from scipy.optimize import least_squares
 
 from harness.core.arrays import FloatArray
 from harness.core.errors import SimulationError
 from harness.proof.plant.base import Base
 from harness.proof.plant.base_fit import BaseFit, r_squared, whiten
+from harness.proof.plant.descent import descend
 from harness.proof.plant.hidden import build
 from harness.proof.plant.pieces import Drive
 
 FIT_TOLERANCE = 1e-7
 STEP = 1e-4
+ITERATIONS = 30
+PART = 0.4
+"""Share of a recording over which the second of two fits begins."""
+
 FAR = 1e6
 """Residual of parameters that are not worth a simulation."""
 
@@ -51,11 +56,14 @@ def fit_simulated(
     noise: Mapping[str, float],
     correlation: float = 0.0,
     u: FloatArray | None = None,
-    iterations: int = 20,
+    bounds: tuple[float, float] = (-math.inf, math.inf),
+    least_r2: float = -math.inf,
 ) -> BaseFit:
     """Best fit of base parameters, start and the numbers in ``effects`` to the channels x, a in ``seen``.
 
     u : the recorded force, replayed; needed when the drive closes a loop over the true motion.
+    bounds : chi-square below which the recording is of no use, and chi-square beyond all doubt about that: only between
+    them is a second fit worth it. least_r2 : R^2 of a channel below which the recording is of no use either.
     """
     t = base.times
     if u is not None and base.drive is not None:
@@ -94,22 +102,20 @@ def fit_simulated(
             return np.full(n * len(seen), FAR)
         return np.concatenate([whiten(seen[c][:n] - said[c], noise[c], correlation) for c in seen])
 
-    def slopes(z: FloatArray, n: int) -> FloatArray:
-        here = residual(z, n)
-        return np.column_stack([(residual(z + STEP * e, n) - here) / STEP for e in np.eye(z.size)])
-
-    found: list[tuple[float, FloatArray]] = []
     # as for the closed form: from the truth at once, and over growing parts, which knows nothing of sticking at first;
     # v0 = 0 is held in the one, as its sign turns friction round, and in both where the slider is stuck at first
     still = base.v0 == 0.0
-    for parts, held in (((1.0,), still), ((0.4, 1.0), still and base.drive is not None)):
-        z = np.zeros(start.size - held)
-        for part in parts:
-            n = max(50, int(part * t.size))
-            z = least_squares(
-                residual, z, slopes, method="lm", x_scale="jac", max_nfev=iterations, xtol=1e-12, ftol=1e-3, args=(n,)
-            ).x
-        found.append((float(np.sum(residual(z, t.size) ** 2)), z))
-    chi2, best = min(found, key=lambda pair: pair[0])
-    said = predicted(best, t.size)
-    return BaseFit(parameters(best), chi2, {c: r_squared(seen[c], said[c]) for c in seen})
+    best = descend(lambda z: residual(z, t.size), np.zeros(start.size - still), STEP, ITERATIONS, bounds=bounds)
+    held = still and base.drive is not None
+
+    def fitted(z: FloatArray, chi2: float) -> BaseFit:
+        said = predicted(z, t.size)
+        return BaseFit(parameters(z), chi2, {c: r_squared(seen[c], said[c]) for c in seen})
+
+    found = fitted(best.z, best.chi2)
+    if not bounds[0] < best.chi2 < bounds[1] or min(found.r2.values()) < least_r2:
+        return found
+    n = max(50, int(PART * t.size))
+    z = descend(lambda z: residual(z, n), np.zeros(start.size - held), STEP, ITERATIONS).z
+    other = descend(lambda z: residual(z, t.size), z, STEP, ITERATIONS, bounds=bounds)
+    return found if best.chi2 <= other.chi2 else fitted(other.z, other.chi2)
