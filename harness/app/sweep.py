@@ -3,7 +3,7 @@
 import json
 import logging
 import time
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any, NoReturn
@@ -14,8 +14,8 @@ from harness.app.machine import cores, this_machine
 from harness.app.progress import SILENT, Progress
 from harness.app.sweep_parts import Parts, check_new
 from harness.app.sweep_pool import Cluster, LocalPool, Workers
-from harness.app.sweep_rows import Compute, completed
-from harness.app.sweep_worker import compute
+from harness.app.sweep_rows import completed
+from harness.app.sweep_worker import compute, failed_row
 from harness.core.checks import positive
 from harness.core.errors import HarnessError, InputError, SimulationError, StoreError
 from harness.engines import registry
@@ -34,7 +34,7 @@ PART_ROWS, PART_S = 64, 5.0
 """A part is written after so many rows, or so many seconds, whichever comes first."""
 RESULT, PAGE, TRACES = "result.json", "report.html", "traces"
 
-KEPT = "worst:"
+Compute = Callable[[Spec], dict[str, Any]]
 
 
 class InterruptionError(HarnessError):
@@ -228,7 +228,7 @@ def _compute(job: _Job, specs: Iterator[Spec], progress: Progress, function: Com
     flushed = time.monotonic()
     try:
         try:
-            for row in completed(_chain(first, specs), workers, function):
+            for row in completed(_chain(first, specs), workers, function, failed_row):
                 buffer.append(row)
                 done += 1
                 clock.tell(done)

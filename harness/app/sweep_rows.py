@@ -3,10 +3,9 @@
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import FIRST_COMPLETED, CancelledError, Future, wait
-from typing import Any
+from typing import Generic, Protocol, TypeVar
 
 from harness.app.sweep_pool import Workers
-from harness.fidelity.row import Spec, failed
 
 AHEAD = 4
 """Rows handed out per worker: enough to keep it busy, few enough to keep memory flat."""
@@ -16,17 +15,28 @@ CHANCES = 2
 MOMENTS = 0.5
 """Seconds after a death in which a broken pool gives its other rows back."""
 
-Row = dict[str, Any]
-Compute = Callable[[Spec], Row]
+
+class Keyed(Protocol):
+    """Something to do, with a key of its own."""
+
+    @property
+    def key(self) -> str:
+        """The same for the same thing to do."""
 
 
-def completed(specs: Iterable[Spec], workers: Workers, compute: Compute) -> Iterator[Row]:
-    """Rows of ``specs`` in the order in which they are done.
+Spec = TypeVar("Spec", bound=Keyed)
+Row = TypeVar("Row")
+
+
+def completed(
+    specs: Iterable[Spec], workers: Workers, compute: Callable[[Spec], Row], failed: Callable[[Spec, str], Row]
+) -> Iterator[Row]:
+    """Rows of ``specs`` in the order in which they are done; ``failed`` makes the row of one that took workers down.
 
     When a worker dies, every row that was in work is tried again by itself, so that the one that killed it is found and
     becomes a row with that reason, and the others lose nothing.
     """
-    queue = _Queue(iter(specs), workers, compute)
+    queue = _Queue(iter(specs), workers, compute, failed)
     while queue.busy():
         alone = len(queue.running) == 1
         wait(queue.running, return_when=FIRST_COMPLETED)
@@ -37,12 +47,18 @@ def completed(specs: Iterable[Spec], workers: Workers, compute: Compute) -> Iter
             yield from queue.suspect(lost, alone)
 
 
-class _Queue:
+class _Queue(Generic[Spec, Row]):
     """Rows to do, rows in work, and rows under suspicion of killing workers, which are tried one at a time."""
 
-    def __init__(self, todo: Iterator[Spec], workers: Workers, compute: Compute) -> None:
+    def __init__(
+        self,
+        todo: Iterator[Spec],
+        workers: Workers,
+        compute: Callable[[Spec], Row],
+        failed: Callable[[Spec, str], Row],
+    ) -> None:
         self.running: dict[Future[Row], Spec] = {}
-        self._todo, self._workers, self._compute = todo, workers, compute
+        self._todo, self._workers, self._compute, self._failed = todo, workers, compute, failed
         self._suspects: deque[Spec] = deque()
         self._deaths: dict[str, int] = {}
 
@@ -87,7 +103,7 @@ class _Queue:
             elif self._workers.died(error):
                 lost.append(spec)
             else:
-                rows.append(failed(spec, f"internal error, {type(error).__name__}: {error}").as_dict())
+                rows.append(self._failed(spec, f"internal error, {type(error).__name__}: {error}"))
         return rows, lost
 
     def suspect(self, lost: list[Spec], alone: bool) -> Iterator[Row]:
@@ -95,6 +111,6 @@ class _Queue:
         for spec in lost:
             self._deaths[spec.key] = self._deaths.get(spec.key, 0) + alone
             if self._deaths[spec.key] >= CHANCES:
-                yield failed(spec, f"its worker process died, {CHANCES} times out of {CHANCES}").as_dict()
+                yield self._failed(spec, f"its worker process died, {CHANCES} times out of {CHANCES}")
             else:
                 self._suspects.append(spec)

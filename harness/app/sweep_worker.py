@@ -25,6 +25,11 @@ def compute(spec: Spec) -> dict[str, Any]:
         return run_row(engine, spec).as_dict()
 
 
+def failed_row(spec: Spec, why: str) -> dict[str, Any]:
+    """The row of a spec that could not be computed."""
+    return failed(spec, why).as_dict()
+
+
 @cache
 def _engine(name: str) -> Engine:
     from harness.engines.registry import load

@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 
+from harness.proof.figures import figures
 from harness.proof.plant.catalogue import FAMILY
 from harness.proof.statistics import Median, Rate
 
@@ -72,24 +73,7 @@ class Scores:
 
     def shortfalls(self) -> list[str]:
         """The figures that are not reached, one sentence each; empty when the proof stands."""
-        missed = []
-        if self.named.low is None or self.named.low <= 0.88:
-            missed.append(f"single effects named: lower bound {_percent(self.named.low)}, above 88 % is asked")
-        if self.false_alarms.value is None or self.false_alarms.value > 0.02:
-            missed.append(f"false alarms {_percent(self.false_alarms.value)}, at most 2 % is asked")
-        if self.misled.value is None or self.misled.value > 0.1:
-            missed.append(f"outside the catalogue misled {_percent(self.misled.value)}, at most 10 % is asked")
-        if self.covered.value is None or not 0.925 <= self.covered.value <= 0.98:
-            missed.append(f"within two standard errors {_percent(self.covered.value)}, 92.5 to 98 % is asked")
-        if self.holdout.value is None or self.holdout.value > 0.5:
-            missed.append("held-out rmse after over before: median at most 0.5 is asked")
-        if self.engines_improved.value is None or self.engines_improved.value < 0.95:
-            missed.append(f"engines improved {_percent(self.engines_improved.value)}, at least 95 % is asked")
-        return missed
-
-
-def _percent(value: float | None) -> str:
-    return "unknown" if value is None else f"{100.0 * value:.1f} %"
+        return [figure.sentence for figure in figures(self) if figure.met is False]
 
 
 def spans_overlap(said: Sequence[Sequence[float]], true: Sequence[Sequence[float]], end: float) -> float:

@@ -108,27 +108,56 @@ class Ledger:
 STEPS = ("seed committed", "recordings sealed", "verdicts sealed", "opened")
 
 
-def seal_seed(ledger: Ledger, versions: Mapping[str, str]) -> Sealed:
-    """Take a seed from the operating system and commit to it before anything else happens."""
+RESUMED, PUBLISHED = "resumed", "published"
+"""Steps that may stand between the others, and the last one."""
+
+
+def seal_seed(ledger: Ledger, about: Mapping[str, Any]) -> Sealed:
+    """Take a seed from the operating system and commit to it before anything else happens.
+
+    about : what the proof is made with, versions among it.
+    """
     seed = Sealed(int.from_bytes(secrets.token_bytes(16), "big"))
-    ledger.add(STEPS[0], {"commitment": seed.commitment, "versions": dict(versions)})
+    ledger.add(STEPS[0], {"commitment": seed.commitment, **about})
     return seed
 
 
-def seal_recordings(ledger: Ledger, recordings: Mapping[str, bytes], answers: Mapping[str, Sealed]) -> None:
-    """Commit to every recording, and to its answer without telling it."""
-    cases = {name: {"recording": digest(data), "answer": answers[name].commitment} for name, data in recordings.items()}
+def seal_recordings(
+    ledger: Ledger,
+    recordings: Mapping[str, bytes],
+    answers: Mapping[str, Sealed],
+    probes: Mapping[str, Sequence[str]] | None = None,
+) -> None:
+    """Commit to every recording, and to its answer without telling it; probes : lines of each, to be published."""
+    cases = {
+        name: {
+            "recording": digest(data),
+            "answer": answers[name].commitment,
+            **({} if probes is None else {"lines": list(probes[name])}),
+        }
+        for name, data in sorted(recordings.items())
+    }
     ledger.add(STEPS[1], {"cases": cases})
 
 
-def seal_verdicts(ledger: Ledger, verdicts: Mapping[str, bytes]) -> None:
-    """Commit to every verdict before any answer is opened."""
-    ledger.add(STEPS[2], {"cases": {name: digest(data) for name, data in verdicts.items()}})
+def seal_verdicts(
+    ledger: Ledger, verdicts: Mapping[str, bytes], others: Mapping[str, Mapping[str, bytes]] | None = None
+) -> None:
+    """Commit to every verdict before any answer is opened; others : those of other diagnosers, by their name."""
+    baselines = {who: _digests(said) for who, said in sorted((others or {}).items())}
+    ledger.add(STEPS[2], {"cases": _digests(verdicts), **({"baselines": baselines} if baselines else {})})
 
 
-def open_all(ledger: Ledger, seed: Sealed, answers: Mapping[str, Sealed]) -> None:
-    """Reveal seed and answers."""
-    ledger.add(STEPS[3], {"seed": seed.opened(), "answers": {name: a.opened() for name, a in answers.items()}})
+def _digests(verdicts: Mapping[str, bytes]) -> dict[str, str]:
+    return {name: digest(data) for name, data in sorted(verdicts.items())}
+
+
+def open_all(ledger: Ledger, seed: Sealed, answers: Mapping[str, Sealed], given_up: Sequence[str] = ()) -> None:
+    """Reveal seed and answers; given_up : recordings that were planned and could not be made."""
+    opened = {name: answer.opened() for name, answer in sorted(answers.items())}
+    ledger.add(
+        STEPS[3], {"seed": seed.opened(), "answers": opened, **({"given_up": list(given_up)} if given_up else {})}
+    )
 
 
 def diagnose_blind(command: Sequence[str], recording: bytes, timeout: float) -> bytes:
@@ -155,38 +184,3 @@ def diagnose_blind(command: Sequence[str], recording: bytes, timeout: float) -> 
         except subprocess.TimeoutExpired:
             return b""
     return done.stdout if done.returncode == 0 else b""
-
-
-def verify(folder: Path) -> list[str]:
-    """What is wrong with a published proof, one sentence each; empty when everything holds.
-
-    Recomputes the chain, the commitments of seed and answers, and the hashes of ``recordings/NAME.csv`` and
-    ``verdicts/NAME.json`` in the folder. Raises InputError when there is no transcript.
-    """
-    ledger = Ledger.load(folder)
-    broken = ledger.broken_at()
-    if broken is not None:
-        return [f"entry {broken + 1} of the transcript was changed"]
-    if tuple(entry["step"] for entry in ledger.entries[:4]) != STEPS:
-        return ["the steps of the transcript are not in their order"]
-    committed, sealed, said, opened = (ledger.content(step) for step in STEPS)
-    wrong = []
-    if Sealed(**opened["seed"]).commitment != committed["commitment"]:
-        wrong.append("the seed is not the one that was committed to")
-    names = set(sealed["cases"])
-    if names != set(said["cases"]) or names != set(opened["answers"]):
-        wrong.append("recordings, verdicts and answers are not of the same cases")
-        return wrong
-    for name in sorted(names):
-        case = sealed["cases"][name]
-        if Sealed(**opened["answers"][name]).commitment != case["answer"]:
-            wrong.append(f"{name}: the answer is not the one that was sealed")
-        for kind, file, known in (
-            ("recording", folder / "recordings" / f"{name}.csv", case["recording"]),
-            ("verdict", folder / "verdicts" / f"{name}.json", said["cases"][name]),
-        ):
-            if not file.is_file():
-                wrong.append(f"{name}: the {kind} is missing")
-            elif digest(file.read_bytes()) != known:
-                wrong.append(f"{name}: the {kind} was changed")
-    return wrong

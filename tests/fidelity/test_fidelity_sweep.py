@@ -22,6 +22,7 @@ from harness.app.sweep import SweepOptions, sweep
 from harness.app.sweep_parts import Parts
 from harness.app.sweep_pool import LocalPool
 from harness.app.sweep_rows import completed
+from harness.app.sweep_worker import failed_row
 from harness.core.errors import HarnessError, InputError, StoreError
 from harness.engines import registry
 from harness.fidelity.matrix import Matrix
@@ -113,7 +114,7 @@ def test_a_row_that_kills_its_worker_is_found_and_the_others_lose_nothing() -> N
     specs = [sweep_deaths.spec(n, sweep_deaths.KILLER if n in (7, 20) else "tuned") for n in range(40)]
     workers = LocalPool(2)
     try:
-        rows = list(completed(specs, workers, sweep_deaths.light))
+        rows = list(completed(specs, workers, sweep_deaths.light, failed_row))
     finally:
         workers.close()
     assert Counter(row["key"] for row in rows) == Counter(spec.key for spec in specs)

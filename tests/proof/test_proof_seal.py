@@ -18,8 +18,8 @@ from harness.proof.seal import (
     seal_recordings,
     seal_seed,
     seal_verdicts,
-    verify,
 )
+from harness.proof.verify import check_transcript, check_verdicts
 
 CHEATER = """
 import os, sys, json
@@ -37,21 +37,19 @@ print(json.dumps({"guess": guess, "files": len(list(folder.rglob("*")))}))
 """
 
 
+SAID = b'{"verdict": "adequate"}'
+
+
 def published(folder: Path) -> Path:
-    """A small proof as it is published."""
+    """The transcript of a small proof."""
     ledger = Ledger()
     seed = seal_seed(ledger, {"harness": "0"})
     names = [random_name() for _ in range(3)]
     recordings = {name: f"t,x\n0,{i}\n".encode() for i, name in enumerate(names)}
     answers = {name: Sealed({"mechanisms": ["stribeck"] if i else []}) for i, name in enumerate(names)}
     seal_recordings(ledger, recordings, answers)
-    verdicts = dict.fromkeys(names, b'{"verdict": "adequate"}')
-    seal_verdicts(ledger, verdicts)
+    seal_verdicts(ledger, dict.fromkeys(names, SAID))
     open_all(ledger, seed, answers)
-    for kind, ending, files in (("recordings", "csv", recordings), ("verdicts", "json", verdicts)):
-        (folder / kind).mkdir()
-        for name, data in files.items():
-            (folder / kind / f"{name}.{ending}").write_bytes(data)
     ledger.save(folder)
     return folder
 
@@ -91,7 +89,7 @@ def open_before_the_verdicts(said: Any) -> None:
 
 
 def test_an_honest_proof_is_accepted(tmp_path: Path) -> None:
-    assert verify(published(tmp_path)) == []
+    assert check_transcript(Ledger.load(published(tmp_path))) == []
 
 
 @pytest.mark.parametrize(
@@ -109,21 +107,24 @@ def test_a_changed_transcript_is_rejected(tmp_path: Path, tamper: Callable[[Any]
     said = json.loads(path.read_text())
     tamper(said)
     path.write_text(json.dumps(said))
-    assert any(found in line for line in verify(tmp_path))
+    assert any(found in line for line in check_transcript(Ledger.load(tmp_path)))
 
 
-@pytest.mark.parametrize("kind", ["recordings", "verdicts"])
-def test_a_changed_or_missing_file_is_rejected(tmp_path: Path, kind: str) -> None:
-    first, second = sorted((published(tmp_path) / kind).iterdir())[:2]
-    first.write_bytes(first.read_bytes() + b" ")
-    second.unlink()
-    found = verify(tmp_path)
-    assert sorted(line.split("the ")[1] for line in found) == [f"{kind[:-1]} is missing", f"{kind[:-1]} was changed"]
+def test_a_changed_a_missing_and_an_added_verdict_are_named(tmp_path: Path) -> None:
+    ledger = Ledger.load(published(tmp_path))
+    first, second, third = sorted(ledger.content("verdicts sealed")["cases"])
+    assert check_verdicts(ledger, None, dict.fromkeys((first, second, third), SAID)) == []
+    found = check_verdicts(ledger, None, {first: SAID + b" ", third: SAID, "other": SAID})
+    assert found == [
+        f"{second}: the verdict is missing",
+        "other: a verdict that was not sealed",
+        f"{first}: the verdict was changed",
+    ]
 
 
 def test_no_transcript_is_an_input_error(tmp_path: Path) -> None:
     with pytest.raises(InputError, match="no transcript of a proof"):
-        verify(tmp_path)
+        Ledger.load(tmp_path)
 
 
 def test_a_commitment_tells_nothing_without_its_salt() -> None:

@@ -1,0 +1,83 @@
+"""From a job of the plan to a recording and its answer: both follow from the seed and the job's place alone."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from harness.core.errors import SimulationError
+from harness.proof.plan import PAIR, PLANT, Job, possible_pairs
+from harness.proof.plant.cases import Case, draw, truth
+from harness.proof.plant.records import csv_text
+from harness.proof.seal import Sealed, digest
+
+ATTEMPTS = 5
+"""Times a job is drawn before it is given up; a pair that does not come out is replaced by another."""
+PROBES = 12
+"""Lines of a recording that a transcript holds."""
+
+Draw = Callable[[Job, np.random.Generator], Case]
+
+
+def _plant(job: Job, rng: np.random.Generator) -> Case:
+    kind: str | tuple[str, ...] = "control" if not job.kinds else job.kinds[0] if len(job.kinds) == 1 else job.kinds
+    return draw(kind, rng, setting=job.setting, noise=job.noise)
+
+
+SOURCES: Mapping[str, Draw] = {PLANT: _plant}
+"""What can make the motion of a recording."""
+
+
+@dataclass(frozen=True, slots=True)
+class Drawn:
+    """A recording with its answer.
+
+    name : random, tells nothing. recording : CSV. answer : as ``truth`` says it, with the group and source of the job.
+    """
+
+    name: str
+    recording: bytes
+    answer: Mapping[str, Any]
+
+
+def probes_of(recording: bytes) -> list[str]:
+    """Header and ``PROBES`` lines of a recording, evenly spaced: what one drawn again elsewhere is compared with."""
+    lines = recording.decode().splitlines()
+    places = np.unique(np.linspace(1, len(lines) - 1, PROBES).astype(int))
+    return [lines[0], *(lines[i] for i in places)]
+
+
+def name_of(seed: int, index: int) -> str:
+    """The name of a recording: nobody without the seed can tell its place from it."""
+    return _secret(seed, "name", index)[:16]
+
+
+def sealed_answers(seed: int, answers: Mapping[str, Mapping[str, Any]]) -> dict[str, Sealed]:
+    """Answers by name, each with a salt that follows from the seed and the job's place."""
+    return {
+        name: Sealed(dict(answer), _secret(seed, "salt", int(answer["index"]))[:32]) for name, answer in answers.items()
+    }
+
+
+def _secret(seed: int, use: str, index: int) -> str:
+    return digest(f"{seed:x} {use} {index}".encode())
+
+
+def drawn(seed: int, job: Job) -> Drawn:
+    """Draw a job; raises SimulationError when nothing concealed and decidable came out."""
+    reason = ""
+    for attempt in range(ATTEMPTS):
+        rng = np.random.default_rng([seed, 1, job.index, attempt])
+        chosen = job
+        if attempt and job.group == PAIR:
+            others = possible_pairs()
+            chosen = replace(job, kinds=others[int(rng.integers(len(others)))])
+        try:
+            case = SOURCES[job.source](chosen, rng)
+        except SimulationError as error:
+            reason = str(error)
+            continue
+        about = {"index": job.index, "group": job.group, "source": job.source}
+        return Drawn(name_of(seed, job.index), csv_text(case).encode(), {**about, **truth(case)})
+    raise SimulationError(reason)

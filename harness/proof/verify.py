@@ -1,0 +1,132 @@
+"""What does not hold in a published proof: chain, commitments, verdicts, names, recordings drawn again."""
+
+import json
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from harness.core.errors import InputError
+from harness.proof.drawing import Drawn, name_of, probes_of, sealed_answers
+from harness.proof.plan import Job, Sizes, plan
+from harness.proof.seal import PUBLISHED, RESUMED, STEPS, Ledger, Sealed, digest
+
+ROUNDING = 1e-6
+"""Relative difference that another processor may make in a number that is computed again."""
+FITTED = ("base_chi2_excess", "base_r2", "part_chi2_excess")
+FIT_ROUNDING = 1e-2
+"""The same for numbers that come out of a fit."""
+
+
+def check_transcript(ledger: Ledger) -> list[str]:
+    """Chain, order, seed, answers and names; one sentence for each that does not hold."""
+    broken = ledger.broken_at()
+    if broken is not None:
+        return [f"entry {broken + 1} of the transcript was changed"]
+    steps = [entry["step"] for entry in ledger.entries if entry["step"] != RESUMED]
+    if tuple(steps[:4]) != STEPS or steps[4:] not in ([], [PUBLISHED]):
+        return ["the steps of the transcript are not in their order"]
+    try:
+        return _commitments(ledger)
+    except (KeyError, TypeError, ValueError, AttributeError, InputError) as error:
+        return [f"the transcript does not hold what one holds ({type(error).__name__}: {error})"]
+
+
+def _commitments(ledger: Ledger) -> list[str]:
+    committed, sealed, said, opened = (ledger.content(step) for step in STEPS)
+    wrong = []
+    if Sealed(**opened["seed"]).commitment != committed["commitment"]:
+        wrong.append("the seed is not the one that was committed to")
+    names = set(sealed["cases"])
+    others = said.get("baselines", {})
+    if any(names != set(cases) for cases in (said["cases"], opened["answers"], *others.values())):
+        wrong.append("recordings, verdicts and answers are not of the same cases")
+        return wrong
+    for name in sorted(names):
+        if Sealed(**opened["answers"][name]).commitment != sealed["cases"][name]["answer"]:
+            wrong.append(f"{name}: the answer is not the one that was sealed")
+    return wrong
+
+
+def check_plan(ledger: Ledger) -> list[str]:
+    """Whether cases, names and salts are those that follow from the seed; jobs that were given up may be missing."""
+    opened = ledger.content(STEPS[3])
+    seed, answers = int(opened["seed"]["value"]), opened["answers"]
+    planned = {job.index: name_of(seed, job.index) for job in planned_jobs(ledger)}
+    salts = sealed_answers(seed, {name: one["value"] for name, one in answers.items()})
+    wrong = []
+    for name, one in sorted(answers.items()):
+        if planned.get(one["value"]["index"]) != name:
+            wrong.append(f"{name}: no recording of the plan has this name")
+        elif salts[name].salt != one["salt"]:
+            wrong.append(f"{name}: its salt does not follow from the seed")
+    missing = len(planned) - len(answers) - len(opened.get("given_up", []))
+    if missing:
+        wrong.append(f"{missing} recordings of the plan are missing")
+    return wrong
+
+
+def planned_jobs(ledger: Ledger) -> list[Job]:
+    """The jobs of the plan, from the revealed seed."""
+    return plan(Sizes.of(ledger.content(STEPS[0])["sizes"]), int(ledger.content(STEPS[3])["seed"]["value"]))
+
+
+def check_verdicts(ledger: Ledger, who: str | None, verdicts: Mapping[str, bytes]) -> list[str]:
+    """Whether verdicts are those that were sealed; who : None for ours, else one of the other diagnosers."""
+    said = ledger.content(STEPS[2])
+    known = said["cases"] if who is None else said["baselines"][who]
+    by = "" if who is None else f" of {who}"
+    wrong = [f"{name}: the verdict{by} is missing" for name in sorted(set(known) - set(verdicts))]
+    wrong += [f"{name}: a verdict{by} that was not sealed" for name in sorted(set(verdicts) - set(known))]
+    changed = [name for name in sorted(set(known) & set(verdicts)) if digest(verdicts[name]) != known[name]]
+    return wrong + [f"{name}: the verdict{by} was changed" for name in changed]
+
+
+@dataclass(frozen=True, slots=True)
+class Redrawn:
+    """A recording drawn again: the same to the last bit, and what else is wrong with it ("" for nothing)."""
+
+    name: str
+    identical: bool
+    wrong: str
+
+
+def check_recording(ledger: Ledger, case: Drawn) -> Redrawn:
+    """Whether a recording drawn again is the one that was sealed, up to the rounding of another processor."""
+    sealed = ledger.content(STEPS[1])["cases"].get(case.name)
+    opened = ledger.content(STEPS[3])["answers"].get(case.name)
+    if sealed is None or opened is None:
+        return Redrawn(case.name, False, f"{case.name}: not among the recordings of the transcript")
+    answer = json.loads(json.dumps(dict(case.answer)))
+    if digest(case.recording) == sealed["recording"] and answer == opened["value"]:
+        return Redrawn(case.name, True, "")
+    if not _lines_agree(sealed.get("lines", []), probes_of(case.recording)):
+        return Redrawn(case.name, False, f"{case.name}: the recording is not the one that follows from the seed")
+    if not agrees(opened["value"], answer):
+        return Redrawn(case.name, False, f"{case.name}: the answer is not the one that follows from the seed")
+    return Redrawn(case.name, False, "")
+
+
+def _lines_agree(sealed: Sequence[str], again: Sequence[str]) -> bool:
+    if len(sealed) != len(again) or not sealed or sealed[0] != again[0]:
+        return False
+    old, new = ([[float(n) for n in line.split(",")] for line in lines[1:]] for lines in (sealed, again))
+    scale = [max(map(abs, column)) for column in zip(*old, strict=True)]
+    return all(
+        abs(a - b) <= ROUNDING * size
+        for one, other in zip(old, new, strict=True)
+        for a, b, size in zip(one, other, scale, strict=True)
+    )
+
+
+def agrees(known: Any, again: Any, rounding: float = ROUNDING) -> bool:
+    """Whether two answers, or two sets of scores, are the same but for rounding."""
+    if isinstance(known, dict) and isinstance(again, dict):
+        return known.keys() == again.keys() and all(
+            agrees(known[key], again[key], FIT_ROUNDING if key in FITTED else rounding) for key in known
+        )
+    if isinstance(known, list) and isinstance(again, list):
+        return len(known) == len(again) and all(agrees(a, b, rounding) for a, b in zip(known, again, strict=True))
+    if isinstance(known, float) and isinstance(again, int | float) and not isinstance(again, bool):
+        return math.isclose(known, again, rel_tol=rounding, abs_tol=rounding)
+    return bool(known == again)

@@ -1,0 +1,116 @@
+"""The result of a sealed blind proof: harness.proof/1."""
+
+from typing import Any, Literal
+
+from pydantic import Field
+
+from harness.results.common import Machine, Result
+
+
+class RateResult(Result):
+    """A share of cases with its exact 95 % interval; null without a case."""
+
+    hits: int
+    cases: int
+    value: float | None
+    low: float | None
+    high: float | None
+
+
+class ProofFigure(Result):
+    """A figure of the scores with its 95 % interval: exact for a share, resampled for a median."""
+
+    key: str
+    label: str
+    asked: str = Field(description='what is asked of it; "" for one that is only shown')
+    met: bool | None = Field(description="null where nothing is asked")
+    share: bool = Field(description="a share of cases, else a median")
+    hits: int | None
+    cases: int
+    value: float | None
+    low: float | None
+    high: float | None
+
+
+class ForcedFigure(Result):
+    """Held-out rmse of controls with the best-ranked term forced in, over that without it."""
+
+    cases: int
+    worst: float | None
+    worst_file: str | None
+    above: list[str] = Field(description="recordings above 1.05")
+    withheld: list[str]
+    named: list[str] = Field(description="controls in which something was named, which are counted as false alarms")
+
+
+class MustFail(Result):
+    """What a diagnoser that looks at nothing would have scored."""
+
+    name: str
+    about: str
+    named: RateResult
+    false_alarms: RateResult
+    misled: RateResult
+
+
+class ProofCase(Result):
+    """One recording: what was hidden, what was said."""
+
+    name: str
+    group: str
+    source: str
+    setting: str
+    channels: str
+    points: int
+    hidden: list[str]
+    said: str
+    near: list[str] = Field(description="names that were not ruled out")
+    right: bool
+    loss: float = Field(description="chi-square that the best viscous and Coulomb fit loses to the truth")
+    r2: float = Field(description="R^2 of that fit, the worse channel")
+
+
+class ProofSizes(Result):
+    """How many recordings of each group were asked for."""
+
+    singles: int
+    controls: int
+    pairs: int
+    outside: int
+
+
+class ProofResult(Result):
+    """harness prove."""
+
+    schema_: Literal["harness.proof/1"] = Field(default="harness.proof/1", alias="schema")
+    evidence: bool = Field(description="whether there are enough recordings for the figures to say anything")
+    sizes: ProofSizes
+    given_up: list[str] = Field(description="recordings that could not be drawn, and why")
+    seed: str = Field(description="hexadecimal; it was committed to before anything else and revealed at the end")
+    figures: list[ProofFigure]
+    forced: ForcedFigure
+    confusion: dict[str, dict[str, int]] = Field(description="what was hidden -> what was said -> recordings")
+    by_name: dict[str, RateResult] = Field(description="single effects named, by name")
+    not_tested: list[str] = Field(description="names of the catalogue that did not occur alone")
+    shortfalls: list[str] = Field(description="figures that were not reached, a sentence each")
+    by_source: dict[str, list[ProofFigure]] = Field(description="figures by what made the recordings")
+    must_fail: list[MustFail]
+    sections: dict[str, Any] = Field(default_factory=dict, description="further parts: baselines, detection")
+    cases: list[ProofCase]
+    diagnosis_s: float = Field(description="time that all diagnoses took, added up, s")
+    machine: Machine
+    command: str = Field(default="", description="the line that makes another")
+    files: dict[str, str] = Field(description="in the folder of the proof")
+
+
+class ProofCheck(Result):
+    """harness prove --verify."""
+
+    schema_: Literal["harness.proof-check/1"] = Field(default="harness.proof-check/1", alias="schema")
+    folder: str
+    accepted: bool
+    wrong: list[str] = Field(description="what does not hold, a sentence each")
+    recordings: int
+    drawn_again: int = Field(description="recordings that were made again from the seed")
+    identical: int = Field(description="of these, the same to the last bit; the others agree but for rounding")
+    notes: list[str]
