@@ -208,7 +208,7 @@ def fit(
         if not _misplaced(best, problem):
             break
         nearby = [_drawn(best, spread, reach * random.standard_normal(len(free))) for _ in range(_DRAWS)]
-        start = min(nearby, key=lambda m: _chi2(m, problem, scales, effort))
+        start = min(nearby, key=lambda m: chi2_of(m, problem, scales, effort))
         tried = _descend(start, problem, free, scales, iterations, effort)
         best = min((best, tried), key=lambda f: f.chi2)
     return best
@@ -243,7 +243,7 @@ def _drawn(best: Fit, spread: FloatArray, draw: FloatArray) -> Model:
     return with_values(best.model, best.free, moved)
 
 
-def _chi2(model: Model, problem: Problem, scales: Scales | None, effort: Effort) -> float:
+def chi2_of(model: Model, problem: Problem, scales: Scales | None = None, effort: Effort = FINE) -> float:
     """Chi-square of a model as it stands; infinite where it cannot be simulated."""
     try:
         residual, _, _ = evaluate(model, problem, (), scales, effort)

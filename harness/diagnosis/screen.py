@@ -12,6 +12,7 @@ import numpy as np
 
 from harness.core.arrays import FloatArray
 from harness.core.errors import SimulationError
+from harness.diagnosis.condense import condensed
 from harness.diagnosis.fit import Fit, evaluate, whitened
 from harness.diagnosis.observe import COARSE, observe
 from harness.diagnosis.parameters import with_values
@@ -125,9 +126,7 @@ def screen(
     current: Fit, problem: Problem, evidence: Evidence, scales: Scales, terms: Sequence[Term]
 ) -> list[Candidate]:
     """Candidates among ``terms`` with a linear amplitude, the best probes of each, most promising first."""
-    thin = max(1, problem.t.size // _SAMPLES)
-    small = problem.part(slice(None, None, thin))
-    scale_up = problem.points / max(small.points, 1)
+    small, scale_up = condensed(problem, current.shown, _SAMPLES, scales.omega)
     residual, jacobian, _ = evaluate(current.model, small, current.free, scales, COARSE)
     norm = np.sqrt(np.sum(jacobian**2, axis=0))
     norm[norm == 0.0] = 1.0

@@ -6,6 +6,7 @@ stretch that is left out says little of what acts elsewhere, and a warning says 
 
 import math
 from dataclasses import dataclass, replace
+from itertools import zip_longest
 
 import numpy as np
 
@@ -19,6 +20,7 @@ from harness.estimate.noise import Noise
 from harness.kernels.solve import Scales
 
 _BEAM = 4
+_FEWEST_STARTS = 4
 _MOST_TERMS = 3
 _NOISE_MOVED = 0.01
 
@@ -100,10 +102,7 @@ def _search(problem: Problem, base: Fit, scales: Scales) -> Search:
         promising = bool(first.fits) and first.fits[0].bic < chosen.bic - DECISIVE
         if explained and not promising:
             break
-        steps: list[Step] = [first]
-        if not explained:
-            steps += [extend(f, problem, scales) for f in beam if f is not chosen]
-        found = _merged(steps)
+        found = first.fits if explained else _wider(first, chosen, beam, problem, scales)
         if not found or found[0].bic > chosen.bic - DECISIVE:
             break
         problem, best, found = _renew(problem, scales, found[0], found)
@@ -147,10 +146,28 @@ def _levelled(found: Search) -> Search:
 
 
 def _beam(singles: tuple[Fit, ...]) -> list[Fit]:
-    """Singles to build pairs on: the best, and the best of the plain laws that a flexible one may outdo alone."""
+    """Singles to build pairs on: the best and, in turn, the best of the plain laws that a flexible one may outdo."""
     plain = [f for f in singles if len(f.model.terms[0].values) == 1]
-    best = list(singles[:_BEAM])
-    return best + [f for f in plain[:_BEAM] if all(f is not other for other in best)]
+    in_turn = [f for pair in zip_longest(singles[:_BEAM], plain[:_BEAM]) for f in pair if f is not None]
+    return [f for i, f in enumerate(in_turn) if all(f is not other for other in in_turn[:i])]
+
+
+def _wider(first: Step, chosen: Fit, beam: list[Fit], problem: Problem, scales: Scales) -> tuple[Fit, ...]:
+    """Extensions of the chosen model and of its rivals, best first, as far as it takes to find one that explains.
+
+    A pair is tried with each of its terms exchanged before it counts as the best one.
+    """
+    steps, waiting = [first], [f for f in beam if f is not chosen]
+    while waiting:
+        best = _merged(steps)[:1]
+        parts = [f for f in waiting if best and set(key_of(f)) < set(key_of(best[0]))]
+        enough = len(steps) >= _FEWEST_STARTS and not parts
+        if enough and best and explains(best[0], problem, scales.omega):
+            break
+        following = parts[0] if parts else waiting[0]
+        steps.append(extend(following, problem, scales))
+        waiting = [f for f in waiting if f is not following]
+    return _merged(steps)
 
 
 def _merged(steps: list[Step]) -> tuple[Fit, ...]:

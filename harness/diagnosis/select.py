@@ -6,8 +6,9 @@ from dataclasses import dataclass, replace
 
 from harness.core.errors import SimulationError
 from harness.diagnosis.baseline import at_rest
+from harness.diagnosis.condense import condensed
 from harness.diagnosis.evidence import evidence
-from harness.diagnosis.fit import Fit, fit
+from harness.diagnosis.fit import Fit, chi2_of, fit
 from harness.diagnosis.observe import COARSE
 from harness.diagnosis.parameters import base_of, free_of
 from harness.diagnosis.problem import Problem
@@ -22,14 +23,14 @@ DECISIVE = 10.0
 
 _COARSE_SAMPLES = 1200
 _COARSE_ITERATIONS = 6
+_FIRST_ITERATIONS = 3
+_KEPT_STARTS = 2
 _EARLY = 0.5
 _WORTH = 6.0
 _SHARE_OF_BEST = 0.04
-_FINALISTS = 8
+_FINALISTS, _SURE_FINALISTS, _NEAR_BEST = 8, 3, 0.1
 _MISPLACED, _MISPLACED_SHARE = 150.0, 0.02
 """What a fit may lose by an event on the wrong side of a sample."""
-_BEAM = 4
-_MOST_TERMS = 3
 
 
 @dataclass(frozen=True, slots=True)
@@ -52,16 +53,28 @@ def _try(model: Model, problem: Problem, base: tuple[str, ...], scales: Scales, 
         return None
 
 
-def _coarse(candidate: Candidate, problem: Problem, base: tuple[str, ...], scales: Scales) -> Fit | None:
-    """A rough fit, from the candidate itself and by way of the first part of the recording; the better of the two."""
+def _start(candidate: Candidate, problem: Problem, early: Problem, base: tuple[str, ...], scales: Scales) -> Fit | None:
+    """A first few steps from the candidate itself or by way of the first part of the recording, whichever is nearer."""
+    first = _try(candidate.model, early, base, scales, _FIRST_ITERATIONS)
+    starts = [candidate.model] if first is None else [candidate.model, first.model]
+    nearest = min(starts, key=lambda m: chi2_of(m, problem, scales, COARSE))
+    return _try(nearest, problem, base, scales, _FIRST_ITERATIONS)
+
+
+def _rough(candidates: Sequence[Candidate], problem: Problem, base: tuple[str, ...], scales: Scales) -> list[Fit]:
+    """A rough fit of every entry, best first: a few steps of every start, then the nearest of each entry go on."""
     early = problem.part(slice(0, int(_EARLY * problem.t.size)))
-    first = _try(candidate.model, early, base, scales, _COARSE_ITERATIONS)
-    tries = [
-        _try(model, problem, base, scales, _COARSE_ITERATIONS)
-        for model in (candidate.model, first.model if first is not None else None)
-        if model is not None
-    ]
-    return min((t for t in tries if t is not None), key=lambda f: f.chi2, default=None)
+    begun: dict[str, list[Fit]] = {}
+    for candidate in candidates:
+        found = _start(candidate, problem, early, base, scales)
+        if found is not None:
+            begun.setdefault(candidate.term.key, []).append(found)
+    best = []
+    for group in begun.values():
+        group.sort(key=lambda f: f.chi2)
+        further = [_try(f.model, problem, base, scales, _COARSE_ITERATIONS) for f in group[:_KEPT_STARTS]]
+        best.append(min((*group, *(f for f in further if f is not None)), key=lambda f: f.bic))
+    return sorted(best, key=lambda f: f.bic)
 
 
 def _candidates(current: Fit, problem: Problem, scales: Scales, terms: Sequence[Term]) -> list[Candidate]:
@@ -91,15 +104,10 @@ def extend(current: Fit, problem: Problem, scales: Scales, terms: Sequence[Term]
     base = base_of(current.free)
     if problem.restarts is None and "v0" not in base:
         base = (*base, "v0")
-    thin = max(1, problem.t.size // _COARSE_SAMPLES)
-    small = problem.part(slice(None, None, thin))
-    rough: dict[str, list[Fit]] = {}
-    for candidate in _candidates(current, problem, scales, terms):
-        found = _coarse(candidate, small, base, scales)
-        if found is not None:
-            rough.setdefault(candidate.term.key, []).append(found)
-    best = sorted((min(group, key=lambda f: f.bic) for group in rough.values()), key=lambda f: f.bic)
-    quick = [q for q in (_quick(start.model, problem, base, scales) for start in best[:_FINALISTS]) if q is not None]
+    small, _ = condensed(problem, current.shown, _COARSE_SAMPLES, scales.omega)
+    best = _rough(_candidates(current, problem, scales, terms), small, base, scales)
+    finalists = _finalists(best, chi2_of(current.model, small, scales, COARSE) + current.bic - current.chi2)
+    quick = [q for q in (_quick(start.model, problem, base, scales) for start in finalists) if q is not None]
     quick.sort(key=lambda f: f.bic)
     fits: dict[tuple[str, ...], Fit] = {}
     reach = max(_MISPLACED, _MISPLACED_SHARE * (current.bic - quick[0].bic)) if quick else 0.0
@@ -110,6 +118,13 @@ def extend(current: Fit, problem: Problem, scales: Scales, terms: Sequence[Term]
         if key not in fits or found.bic < fits[key].bic:
             fits[key] = found
     return Step(current, tuple(sorted(fits.values(), key=lambda f: f.bic)))
+
+
+def _finalists(rough: list[Fit], before: float) -> list[Fit]:
+    """Rough fits, best first, that go on: the first ones, and those that come near; before : BIC without the entry."""
+    most = before - rough[0].bic if rough else 0.0
+    reach = max(_NEAR_BEST * most, -DECISIVE)
+    return [f for i, f in enumerate(rough[:_FINALISTS]) if i < _SURE_FINALISTS or before - f.bic > reach]
 
 
 def _quick(model: Model, problem: Problem, base: tuple[str, ...], scales: Scales) -> Fit | None:
