@@ -149,6 +149,10 @@ def _integrate(
         if starts:
             mode = mode_moving(z[1], w) if z[1] != 0.0 else mode_at_rest(t, u0, w)
             starts = False
+            if mode == 0:
+                # friction takes up whatever small speed it starts with
+                for q in range(q_count):
+                    s[1, q] = 0.0
         if fresh:
             slope(FIRST, t, z, s, mode, u0, w)
             for q in range(q_count):

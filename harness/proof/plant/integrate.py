@@ -90,8 +90,10 @@ class _Piece:
             for i, switch in enumerate(self.switches):
                 value, is_fall = switch(now, s), i < len(self.falls)
                 signs.append(float(np.sign(value)))
-                if self.past[i] * signs[-1] < 0.0 and (self.past[i] > 0.0 or not is_fall):
-                    root = _root(switch, dense, before, now, value)
+                turned = is_fall and not self.resting and self.past[i] == 0.0 and value < 0.0
+                if turned or (self.past[i] * signs[-1] < 0.0 and (self.past[i] > 0.0 or not is_fall)):
+                    risen = _risen(switch, dense, before, now) if turned else before
+                    root = _root(switch, dense, risen, now, value)
                     if best is None or root < best[0]:
                         best = (root, is_fall)
             if best is not None:
@@ -99,6 +101,14 @@ class _Piece:
             self.past = [new or old for new, old in zip(signs, self.past, strict=True)]
             before = now
         return None
+
+
+def _risen(switch: Switch, dense: Callable[[float], State], lo: float, hi: float) -> float:
+    """Where a speed that began at zero and has turned again by ``hi`` was still on its first side, or next to ``lo``."""
+    share = 0.5
+    while share > 1e-12 and switch(lo + share * (hi - lo), dense(lo + share * (hi - lo))) <= 0.0:
+        share *= 0.5
+    return lo + share * (hi - lo)
 
 
 def _root(switch: Switch, dense: Callable[[float], State], lo: float, hi: float, at_hi: float) -> float:
