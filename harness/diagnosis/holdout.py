@@ -1,4 +1,9 @@
-"""Prediction of samples that took no part in the fits: every second full period, the trajectory running through."""
+"""Prediction of samples that took no part in the fits: every second full period, the trajectory running through.
+
+The first period is among them where something is missing: from smaller swings to the largest is the hardest way to
+predict. A term that is forced in where nothing is missing has no such claim, and with the first swing out nothing would
+hold its amplitude: there the first period stays in the fit, and the second is the first one held out.
+"""
 
 import math
 from collections.abc import Sequence
@@ -22,14 +27,16 @@ from harness.model.registry import TERMS
 
 _KEPT_IN = ("impulse", "sensor-clipping")
 """Effects whose own spans stay in the fit: nothing else in the recording shows them."""
+_SHOWN = 0.25
+"""Share of its time in which an effect must act outside of what is held out, or its spans stay in the fit too."""
 
 
-def _held_out(problem: Problem, omega: float, keep: Spans) -> tuple[Spans, BoolArray]:
-    """Spans of every second full period, and which samples lie in them and not in ``keep``."""
+def _held_out(problem: Problem, omega: float, keep: Spans, begin: int = 0) -> tuple[Spans, BoolArray]:
+    """Spans of every second full period from number ``begin`` on, and which samples lie in them, not in ``keep``."""
     t = problem.t
     period = 2.0 * math.pi / omega
     count = int((t[-1] - t[0]) / period)
-    spans = [(float(t[0]) + i * period, float(t[0]) + (i + 1) * period) for i in range(1, count, 2)]
+    spans = [(float(t[0]) + i * period, float(t[0]) + (i + 1) * period) for i in range(begin, count, 2)]
     out = np.zeros(t.size, dtype=bool)
     for low, high in spans:
         out |= (t >= low) & (t < high)
@@ -69,17 +76,26 @@ def forced(base: Fit, singles: Sequence[Fit], problem: Problem, scales: Scales) 
         return None
     entry = ranked.model.terms[-1]
     keep = spans_of(entry, ranked, problem, scales.omega) if entry.term.name in _KEPT_IN else ()
-    _, out = _held_out(problem, scales.omega, keep)
+    _, out = _held_out(problem, scales.omega, keep, 1)
     if not np.any(out):
         return None
     return Forced(entry.term.name, _rmse(base, problem, scales, out), _rmse(ranked, problem, scales, out))
+
+
+def _shown_nowhere_else(entry: ModelTerm, spans: Spans, problem: Problem, taken: BoolArray) -> bool:
+    """Whether what is left of a recording shows too little of an effect to predict it elsewhere."""
+    acts = np.zeros(problem.t.size, dtype=bool)
+    for low, high in spans:
+        acts |= (problem.t >= low) & (problem.t <= high)
+    return entry.term.name in _KEPT_IN or np.count_nonzero(acts & ~taken) < _SHOWN * np.count_nonzero(acts)
 
 
 def holdout(
     base: Fit, refined: Fit, problem: Problem, scales: Scales, acting: list[tuple[ModelTerm, Spans]]
 ) -> Holdout:
     """Held-out rmse by channel of the base model and the refined one; no spans below two periods."""
-    keep = tuple(span for entry, spans in acting if entry.term.name in _KEPT_IN for span in spans)
+    _, taken = _held_out(problem, scales.omega, ())
+    keep = tuple(span for entry, own in acting if _shown_nowhere_else(entry, own, problem, taken) for span in own)
     spans, out = _held_out(problem, scales.omega, keep)
     if not np.any(out):
         return Holdout((), {}, {})
