@@ -87,7 +87,7 @@ def _shown_nowhere_else(entry: ModelTerm, spans: Spans, problem: Problem, taken:
     acts = np.zeros(problem.t.size, dtype=bool)
     for low, high in spans:
         acts |= (problem.t >= low) & (problem.t <= high)
-    return entry.term.name in _KEPT_IN or np.count_nonzero(acts & ~taken) < _SHOWN * np.count_nonzero(acts)
+    return entry.term.name in _KEPT_IN or bool(np.sum(acts & ~taken) < _SHOWN * np.sum(acts))
 
 
 def holdout(
