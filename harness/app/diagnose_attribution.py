@@ -55,7 +55,7 @@ def attribution_of(outcome: Outcome, options: DiagnoseOptions, user: Configured)
     if user.trace is not None:
         found = attribute_trace(user.trace, model, base, refined, outcome.problem, outcome.scales)
         moved = "" if not found.shift else f", moved by {found.shift:.4g} s"
-        return _shares(found, f"the trace {options.sim}{moved}, against {parameters}")
+        return _shares(_with_steps(found, outcome), f"the trace {options.sim}{moved}, against {parameters}")
     for name in options.engines:
         try:
             simulator, dt = simulator_of(name, options)
@@ -64,8 +64,14 @@ def attribution_of(outcome: Outcome, options: DiagnoseOptions, user: Configured)
         except SimulationError as error:
             LOGGER.warning("attribution, %s: %s", name, error)
             continue
-        return _shares(found, f"{name}, {options.preset}, step {step * 1e3:.4g} ms, at {parameters}")
+        configuration = f"{name}, {options.preset}, step {step * 1e3:.4g} ms, at {parameters}"
+        return _shares(_with_steps(found, outcome), configuration)
     return None
+
+
+def _with_steps(found: Attribution, outcome: Outcome) -> Attribution:
+    """With what the integrator adds to a recording that is the trace of an engine."""
+    return found if outcome.stepping is None else found.with_steps(outcome.stepping.left)
 
 
 def _shares(found: Attribution, configuration: str) -> AttributionResult:

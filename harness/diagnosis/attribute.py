@@ -46,6 +46,14 @@ class Attribution:
     squares: MeanSquares
     shift: float | None = None
 
+    def with_steps(self, left: float) -> "Attribution":
+        """The same where the recording is itself the trace of an engine, whose steps leave the mean square ``left``.
+
+        What the exact refined model leaves above that is the integrator's, and so the engine's.
+        """
+        own = (self.squares.refined - left) / self.squares.simulated
+        return replace(self, engine=self.engine + own, unexplained=self.unexplained - own)
+
 
 def shares(squares: MeanSquares, shift: float | None = None) -> Attribution:
     """(S0 - S1, S1 - S2, S2 - S3, S3 - N, N) / S0, as they come out."""

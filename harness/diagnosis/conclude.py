@@ -15,6 +15,8 @@ from harness.diagnosis.problem import Problem
 from harness.diagnosis.search import Search, noise_of, search, under
 from harness.diagnosis.select import DECISIVE, key_of, settle
 from harness.diagnosis.spans import spans_of
+from harness.diagnosis.stepping import as_stepped
+from harness.diagnosis.steps import Stepping
 from harness.kernels.solve import Scales
 from harness.model.model import ModelTerm
 
@@ -38,11 +40,13 @@ def diagnose(problem: Problem, judge: Judge | None = None) -> Outcome:
     if problem.restarts is not None:
         outcome = conclude(search_driven(problem, base, scales, judge), scales)
         return outcome if judge is None else replace(outcome, warnings=(*outcome.warnings, _JUDGED))
-    return conclude(search(problem, base, scales), scales)
+    found = search(problem, base, scales)
+    trace = as_stepped(found, scales)
+    return conclude(found, scales) if trace is None else conclude(trace[0], scales, trace[1])
 
 
-def conclude(found: Search, scales: Scales) -> Outcome:
-    """Say what a search has come to."""
+def conclude(found: Search, scales: Scales, stepping: Stepping | None = None) -> Outcome:
+    """Say what a search has come to; stepping : of the engine whose trace the recording is."""
     problem, refined = found.problem, found.chosen
     verdict: Verdict = "adequate"
     if not found.explained:
@@ -60,7 +64,7 @@ def conclude(found: Search, scales: Scales) -> Outcome:
     prediction = holdout(found.base, refined, problem, scales, acting)
     if verdict == "adequate":
         prediction = replace(prediction, forced=forced(found.base, found.singles, problem, scales))
-    warnings = []
+    warnings = [] if stepping is None else [stepping.sentence]
     if verdict == "unexplained":
         warnings.append("no entry or pair of the catalogue explains it; standard errors are inflated by the misfit")
         warnings += _closest(found)
@@ -81,6 +85,7 @@ def conclude(found: Search, scales: Scales) -> Outcome:
         refined_parameters=base_parameters(refined, problem, scales.omega, verdict != "unexplained"),
         next_experiment=next_experiment(tuple(mechanisms), problem),
         warnings=tuple(warnings),
+        stepping=stepping,
     )
 
 

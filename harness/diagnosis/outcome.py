@@ -7,6 +7,7 @@ from typing import Literal, TypeAlias
 from harness.core.quantity import Quantity
 from harness.diagnosis.fit import Fit
 from harness.diagnosis.problem import Problem
+from harness.diagnosis.steps import Stepping
 from harness.kernels.solve import Scales
 from harness.model.model import ModelTerm
 
@@ -71,7 +72,7 @@ class Outcome:
 
     problem : with the noise that the verdict rests on. base : fit of viscous and Coulomb friction. refined : fit of the
     model that was chosen (the base when nothing is missing). evidence : delta BIC of every catalogue name that was
-    tried alone, best first. mechanisms : strongest first.
+    tried alone, best first. mechanisms : strongest first. stepping : of the engine whose trace the recording is.
     """
 
     problem: Problem
@@ -86,3 +87,4 @@ class Outcome:
     refined_parameters: Mapping[str, Quantity] = field(default_factory=dict)
     next_experiment: str = ""
     warnings: tuple[str, ...] = ()
+    stepping: Stepping | None = None
