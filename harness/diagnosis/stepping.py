@@ -9,7 +9,6 @@ very maps that engines step by (steps.py); one that tells more with fewer number
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.optimize import least_squares
 
 from harness.core.arrays import FloatArray
 from harness.diagnosis.fit import Fit, fit, whitened
@@ -31,6 +30,7 @@ _CLEARER = 5.0
 """Difference in BIC from which the steps are believed: a lag of exactly a step is one number less to explain."""
 _EVEN = 1e-2
 """Share of the sampling interval by which times may differ from even ones (files are written with few digits)."""
+_DIFFERENCE, _FAR, _DONE, _STUCK = 1e-6, 1e6, 1e-2, 1e6
 _WITHIN = 1.1
 """Steps within which friction has turned round, so that it is dry friction to this engine."""
 _FIRST_LOOK, _SECOND_LOOK = 1500, 4000
@@ -124,25 +124,41 @@ def _shown(tried: _Tried, problem: Problem, model: Model) -> dict[str, FloatArra
 
 
 def _fitted(tried: _Tried, problem: Problem, model: Model, rounds: int) -> _Tried:
-    """Least squares of a map; differences serve, because a map is smooth where its friction is."""
-    start = tried.values
-    size = np.maximum(np.abs(start), _sizes(start))
-
-    def residual(scaled: FloatArray) -> FloatArray:
-        now = replace(tried, values=scaled * size)
-        shown = _shown(now, problem, model)
-        left = whitened(problem, {c: y - shown[c] for c, y in problem.channels.items()})
-        return np.clip(left, -1e6, 1e6)
-
-    lower = np.full(start.size, -np.inf)
+    """Least squares of a map by Levenberg and Marquardt; differences serve, because a map is smooth where its
+    friction is.
+    """
+    size = np.maximum(np.abs(tried.values), _sizes(tried.values))
+    lower = np.full(size.size, -np.inf)
     lower[[0, 1, 2, 6]] = 0.0
     lower[5] = 1e-9
-    with np.errstate(all="ignore"):
-        found = least_squares(
-            residual, np.maximum(start / size, lower + 1e-12), bounds=(lower, np.inf), x_scale="jac", diff_step=1e-6,
-            max_nfev=rounds,
-        )  # fmt: skip
-    return replace(tried, values=found.x * size, residual=found.fun, jacobian=found.jac)
+
+    def seen(scaled: FloatArray) -> FloatArray:
+        shown = _shown(replace(tried, values=scaled * size), problem, model)
+        left = whitened(problem, {c: y - shown[c] for c, y in problem.channels.items()})
+        # a map that diverges is far off, not an error
+        return np.clip(np.nan_to_num(left, nan=_FAR), -_FAR, _FAR)
+
+    def partials(at: FloatArray, residual: FloatArray) -> FloatArray:
+        steps = _DIFFERENCE * np.eye(at.size)
+        return np.column_stack([(seen(at + step) - residual) / _DIFFERENCE for step in steps])
+
+    at = np.maximum(tried.values / size, lower)
+    residual = seen(at)
+    jacobian, damping = partials(at, residual), 1e-3
+    for _ in range(rounds):
+        normal, gradient = jacobian.T @ jacobian, jacobian.T @ residual
+        normal[np.diag_indices_from(normal)] *= 1.0 + damping
+        moved = np.maximum(at - np.linalg.lstsq(normal, gradient, rcond=1e-12)[0], lower)
+        trial = seen(moved)
+        gained = float(residual @ residual - trial @ trial)
+        if gained > 0.0:
+            at, residual, damping = moved, trial, damping * 0.1
+            jacobian = partials(at, residual)
+        else:
+            damping *= 10.0
+        if abs(gained) < _DONE or damping > _STUCK:
+            break
+    return replace(tried, values=at * size, residual=residual, jacobian=jacobian)
 
 
 def _sizes(p: FloatArray) -> FloatArray:
