@@ -8,6 +8,7 @@ from harness.app.machine import this_machine
 from harness.app.progress import SILENT, Progress
 from harness.app.prove_store import VERDICTS, Store, published_verdicts
 from harness.proof.plan import Sizes
+from harness.proof.plant.catalogue import KINDS
 from harness.proof.seal import LEDGER, PUBLISHED, STEPS, Ledger, digest
 from harness.proof.tally import OURS, tally
 from harness.results.prove import ProofResult
@@ -47,11 +48,11 @@ def finish(store: Store, ledger: Ledger, command: str = "", progress: Progress =
 
 
 def page_data(result: ProofResult, ledger: Ledger) -> dict[str, Any]:
-    """What the page shows: the result, and the transcript entry by entry."""
+    """What the page shows: the result, the transcript entry by entry, and the names in the catalogue's order."""
     entries = [
         {"step": entry["step"], "hash": entry["hash"], "at": entry["content"].get("at", "")} for entry in ledger.entries
     ]
-    return {**result.model_dump(mode="json", by_alias=True), "transcript": entries}
+    return {**result.model_dump(mode="json", by_alias=True), "transcript": entries, "order": list(KINDS)}
 
 
 def all_verdicts(folder: Path, ledger: Ledger) -> dict[str, dict[str, bytes]]:

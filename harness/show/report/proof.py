@@ -1,19 +1,268 @@
-"""The page of a sealed proof."""
+"""The page of a sealed proof: what came out, figure by figure, name by name, and how it was sealed."""
 
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, ClassVar
 
+from harness.show.report.numbers import number
 from harness.show.report.page import write_report
+from harness.show.report.proof_figures import BAD, GOOD, ByName, Confusion, interval_figure
 from harness.show.report.section import Section
 from harness.show.report.sources import MadeWith
+from harness.show.report.table import Cell, Column, Row, Table
 from harness.show.report.verdict import Verdict
 
+Data = Mapping[str, Any]
+MOST_ROWS = 200
+"""Rows of a table on the page; the rest is in result.json."""
 
-def write_proof_page(path: Path, result: Mapping[str, Any]) -> None:
-    """Write the page. result : harness.proof/1 as data, with its transcript entry by entry."""
-    sections: Sequence[Section] = [
-        Verdict("", result["shortfalls"]),
+
+@dataclass(frozen=True)
+class Figures(Section):
+    """figures : those of harness.proof/1. forced : controls with a term forced in. heading : of the section."""
+
+    template: ClassVar[str] = "proof_figures.html.j2"
+    figures: Sequence[Data]
+    forced: Data
+    by_source: Mapping[str, Sequence[Data]]
+
+    @property
+    def title(self) -> str:
+        """The heading."""
+        return "Figures"
+
+    def context(self) -> Mapping[str, Any]:
+        """What the template shows."""
+        columns = [
+            Column("found"),
+            Column("95 % interval", hint="exact (Clopper-Pearson) for a share, resampled for a median"),
+            Column("cases"),
+            Column("asked"),
+        ]
+        rows = [
+            Row(
+                figure["label"],
+                [
+                    Cell(_value(figure, "value"), grade=_grade(figure["met"])),
+                    Cell(_interval(figure)),
+                    Cell(str(figure["cases"])),
+                    Cell(figure["asked"]),
+                ],
+            )
+            for figure in self.figures
+        ]
+        worst = self.forced["worst"]
+        met = None if worst is None else worst <= 1.05
+        asked = "at most 1.05"
+        rows.append(
+            Row(
+                "held-out rmse of controls with a term forced in, over that without, largest",
+                [Cell(number(worst, 4), grade=_grade(met)), Cell(""), Cell(str(self.forced["cases"])), Cell(asked)],
+            )
+        )
+        table = Table("figure", columns, rows, "Green: reached. Red: falls short. No colour: nothing is asked.")
+        shares = [
+            {**figure, "note": f"{figure['hits']} of {figure['cases']}", "color": _color(figure["met"])}
+            for figure in self.figures
+            if figure["share"]
+        ]
+        caption = "Shares with their exact 95 % intervals."
+        return {"tables": [table, *self._sources()], "figures": [interval_figure("figures", shares, caption)]}
+
+    def _sources(self) -> list[Table]:
+        """Figures by what made the recordings, where that differs."""
+        if len(self.by_source) < 2:
+            return []
+        heads = [figure["label"] for figure in next(iter(self.by_source.values()))]
+        rows = [
+            Row(name, [Cell(_value(one, "value"), (f"of {one['cases']}",)) for one in figures])
+            for name, figures in self.by_source.items()
+        ]
+        return [Table("recordings made by", [Column(head) for head in heads], rows, title="By source")]
+
+
+def _color(met: bool | None) -> str:
+    return {True: GOOD, False: BAD, None: "#7a8594"}[met]
+
+
+def _grade(met: bool | None) -> int | None:
+    return {True: 0, False: 4, None: None}[met]
+
+
+def _value(figure: Data, key: str) -> str:
+    value = figure[key]
+    if value is None:
+        return number(None)
+    return f"{100.0 * value:.1f} %" if figure["share"] else number(value, 3)
+
+
+def _interval(figure: Data) -> str:
+    if figure["low"] is None and figure["high"] is None:
+        return number(None)
+    return f"{_value(figure, 'low')} to {_value(figure, 'high')}"
+
+
+@dataclass(frozen=True)
+class Tables(Section):
+    """heading, tables : tables under a heading of its own."""
+
+    template: ClassVar[str] = "table.html.j2"
+    heading: str
+    tables: Sequence[Table]
+
+    @property
+    def title(self) -> str:
+        """The heading."""
+        return self.heading
+
+    def context(self) -> Mapping[str, Any]:
+        """What the template shows."""
+        return {"tables": self.tables}
+
+
+def missed_section(cases: Sequence[Data]) -> Tables:
+    """Every recording that was not answered right."""
+    wrong = [case for case in cases if not case["right"]]
+    columns = [
+        Column("said"),
+        Column("not ruled out"),
+        Column("recorded"),
+        Column("samples"),
+        Column("loss of the base fit", hint="chi-square that viscous and Coulomb friction lose to the truth"),
+        Column("R² of it"),
+    ]
+    rows = [
+        Row(
+            " + ".join(case["hidden"]) or "nothing",
+            [
+                Cell(case["said"]),
+                Cell(", ".join(case["near"]) or number(None)),
+                Cell(f"{case['setting']}, {case['channels']}"),
+                Cell(str(case["points"])),
+                Cell(number(case["loss"], 3)),
+                Cell(f"{case['r2']:.4f}"),
+            ],
+            case["name"],
+        )
+        for case in wrong[:MOST_ROWS]
+    ]
+    more = f" The first {MOST_ROWS} of {len(wrong)}." if len(wrong) > MOST_ROWS else ""
+    caption = f"{len(wrong)} of {len(cases)} recordings.{more} All of them, right and wrong, are in result.json."
+    return Tables("What was not answered right", [Table("hidden", columns, rows, caption)])
+
+
+def pairs_table(counts: Mapping[str, Mapping[str, int]]) -> list[Table]:
+    """Pairs and what was said of them."""
+    rows = [
+        Row(true, [Cell(label, grade=0 if label == true else 4)])
+        for true, said in counts.items()
+        if " + " in true
+        for label, count in said.items()
+        for _ in range(count)
+    ]
+    caption = "Two effects in one recording, each decidable by itself. Green: both named and nothing else."
+    return [Table("hidden", [Column("said")], rows, caption)] if rows else []
+
+
+def must_fail_table(rows: Sequence[Data]) -> Table:
+    """What diagnosers that look at nothing would have scored."""
+    columns = [Column("single effects named"), Column("false alarms"), Column("misled outside the catalogue")]
+    lines = [
+        Row(
+            row["name"],
+            [_rate(row["named"], 4), _rate(row["false_alarms"]), _rate(row["misled"])],
+            row["about"],
+        )
+        for row in rows
+    ]
+    caption = "Scores worth having condemn these, on the very same recordings."
+    return Table("a diagnoser that", columns, lines, caption, "Diagnosers that must fail")
+
+
+def _rate(rate: Data, grade: int | None = None) -> Cell:
+    if rate["value"] is None:
+        return Cell(number(None))
+    note = f"{100.0 * rate['low']:.1f} to {100.0 * rate['high']:.1f} %"
+    return Cell(f"{100.0 * rate['value']:.1f} %", (note,), grade)
+
+
+TOLD = (
+    "A seed was taken from the operating system, and its salted hash written down, before anything else.",
+    "Every recording was drawn from the seed, by a source that shares no law and no code with the diagnosis. "
+    "Names, recordings and answers follow from the seed alone.",
+    "The hash of every recording and a salted hash of every answer were written down.",
+    "Each recording was diagnosed by a process that got it on standard input, in an empty folder, without "
+    "arguments or environment that tell; seed and answers were in no file meanwhile.",
+    "The hash of every verdict was written down.",
+    "Seed and answers were opened, and everything was scored.",
+)
+LIMITS = (
+    "What this cannot show: that nobody ran many proofs and published the best, and that the machine itself was "
+    "honest. Both are answered by running one: harness prove."
+)
+
+
+@dataclass(frozen=True)
+class SealedBy(Section):
+    """transcript : ("step", "at", "hash") of each entry."""
+
+    template: ClassVar[str] = "proof_sealed.html.j2"
+    transcript: Sequence[Data]
+
+    @property
+    def title(self) -> str:
+        """The heading."""
+        return "How it was sealed"
+
+    def context(self) -> Mapping[str, Any]:
+        """What the template shows."""
+        return {"told": TOLD, "entries": self.transcript, "limits": LIMITS}
+
+
+def _headline(result: Data) -> str:
+    figures = {figure["key"]: figure for figure in result["figures"]}
+    named, alarms = figures["named"], figures["false_alarms"]
+    parts = []
+    if named["cases"]:
+        low = 100.0 * named["low"]
+        parts.append(f"{named['hits']} of {named['cases']} hidden effects were named (at least {low:.1f} % of such)")
+    if alarms["cases"]:
+        parts.append(f"{alarms['hits']} of {alarms['cases']} recordings with nothing hidden raised a false alarm")
+    said = "; ".join(parts) + "." if parts else "There is no figure to speak of."
+    if not result["evidence"]:
+        return f"No evidence: {len(result['cases'])} recordings are too few for the figures to say anything. {said}"
+    reached = "Every figure that is asked for is reached." if not result["shortfalls"] else ""
+    return f"{said} {reached}".strip()
+
+
+def proof_sections(result: Data) -> list[Section]:
+    """Sections of the page; result : harness.proof/1 as data, with its transcript and the catalogue's order."""
+    sizes = result["sizes"]
+    drawn = f"{sizes['singles']} recordings hide one effect, {sizes['controls']} none, {sizes['pairs']} two, "
+    sentences = [f"Falls short: {line}." for line in result["shortfalls"]]
+    sentences.append(f"{drawn}{sizes['outside']} one that no catalogue holds.")
+    sentences += [f"Given up: {line}" for line in result["given_up"]]
+    sections: list[Section] = [
+        Verdict(_headline(result), sentences),
+        Figures(result["figures"], result["forced"], result["by_source"]),
+        Confusion(result["confusion"], result["order"]),
+        ByName(result["by_name"], result["not_tested"]),
+    ]
+    pairs = pairs_table(result["confusion"])
+    if pairs:
+        sections.append(Tables("Pairs", pairs))
+    sections.append(Tables("Beside others", [must_fail_table(result["must_fail"])]))
+    sections += [
+        missed_section(result["cases"]),
+        SealedBy(result["transcript"]),
         MadeWith(result["machine"], result["files"], result["command"]),
     ]
-    write_report(path, "The sealed proof", "", sections)
+    return sections
+
+
+def write_proof_page(path: Path, result: Data) -> None:
+    """Write the page."""
+    kind = "" if result["evidence"] else "no evidence: "
+    subtitle = f"{kind}{len(result['cases'])} recordings, sealed answers, seed {result['seed']}"
+    write_report(path, "The sealed proof", subtitle, proof_sections(result))

@@ -1,0 +1,162 @@
+"""Plots of a proof: figures with their intervals, and what was said of what was hidden."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+import numpy as np
+
+from harness.show.report.figure import Figure
+from harness.show.report.section import Section
+
+Data = Mapping[str, Any]
+GOOD, BAD = "#1f9e77", "#d1495b"
+NOTHING, CANNOT_TELL, ABSENT, SEVERAL = "nothing", "cannot tell", "no result", "several names"
+OUTSIDE = "alien-"
+
+
+def interval_figure(name: str, rows: Sequence[Data], caption: str, height: int | None = None) -> Figure:
+    """Shares as dots with their intervals, one a line.
+
+    rows : ("label", "value", "low", "high", "color", "note") each, shares of 1; the first is drawn on top.
+    """
+    shown = [row for row in rows if row["value"] is not None]
+    traces = [
+        {
+            "type": "scatter",
+            "mode": "markers",
+            "x": np.array([100.0 * row["value"] for row in shown]),
+            "y": [row["label"] for row in shown],
+            "error_x": {
+                "type": "data",
+                "symmetric": False,
+                "array": [100.0 * (row["high"] - row["value"]) for row in shown],
+                "arrayminus": [100.0 * (row["value"] - row["low"]) for row in shown],
+                "color": "muted",
+                "thickness": 1.4,
+                "width": 3,
+            },
+            "marker": {"color": [row["color"] for row in shown], "size": 8},
+            "text": [row["note"] for row in shown],
+            "hovertemplate": "%{y}: %{x:.1f} %<br>%{text}<extra></extra>",
+            "showlegend": False,
+        }
+    ]
+    layout = {
+        "xaxis": {"title": {"text": "%"}, "range": [-2, 102], "zeroline": False},
+        "yaxis": {"autorange": "reversed", "type": "category", "ticks": ""},
+        "margin": {"l": 64, "r": 16, "t": 12, "b": 42},
+    }
+    return Figure(name, traces, layout, caption, height=height or 90 + 22 * len(shown))
+
+
+@dataclass(frozen=True)
+class ByName(Section):
+    """rates : share named by name. not_tested : names that did not occur."""
+
+    template: ClassVar[str] = "proof_names.html.j2"
+    rates: Mapping[str, Data]
+    not_tested: Sequence[str]
+
+    @property
+    def title(self) -> str:
+        """The heading."""
+        return "Name by name"
+
+    def context(self) -> Mapping[str, Any]:
+        """What the template shows."""
+        rows = [
+            {
+                "label": name,
+                **rate,
+                "note": f"{rate['hits']} of {rate['cases']}",
+                "color": GOOD if rate["hits"] == rate["cases"] else BAD if rate["value"] < 0.5 else "#d99a2b",
+            }
+            for name, rate in self.rates.items()
+        ]
+        caption = "Single effects that were named, with exact 95 % intervals. Green: every one of them."
+        figures = [interval_figure("by-name", rows, caption)] if rows else []
+        return {"figures": figures, "not_tested": self.not_tested}
+
+
+@dataclass(frozen=True)
+class Confusion(Section):
+    """counts : what was hidden -> what was said -> recordings. order : names of the catalogue in their order."""
+
+    template: ClassVar[str] = "figures.html.j2"
+    counts: Mapping[str, Mapping[str, int]]
+    order: Sequence[str]
+
+    @property
+    def title(self) -> str:
+        """The heading."""
+        return "What was hidden, what was said"
+
+    def context(self) -> Mapping[str, Any]:
+        """What the template shows."""
+        alone = {true: said for true, said in self.counts.items() if " + " not in true}
+        outside = sorted(true for true in alone if true.startswith(OUTSIDE))
+        rows = [name for name in (NOTHING, *self.order) if name in alone] + outside
+        said = {self._column(label) for counts in alone.values() for label in counts}
+        columns = [NOTHING, *(name for name in self.order if name in said or name in alone)]
+        columns += [name for name in (SEVERAL, CANNOT_TELL, ABSENT) if name in said or name == CANNOT_TELL]
+        right, wrong = self._shares(alone, rows, columns)
+        notes = [
+            {"x": column, "y": row, "text": str(count), "showarrow": False, "font": {"size": 11, "color": "ink"}}
+            for row in rows
+            for column, count in self._counts(alone[row]).items()
+        ]
+        traces = [_heat(right, rows, columns, GOOD), _heat(wrong, rows, columns, BAD)]
+        layout = {
+            "xaxis": {"side": "top", "tickangle": -50, "type": "category", "ticks": "", "showgrid": False},
+            "yaxis": {"autorange": "reversed", "type": "category", "ticks": "", "title": {"text": "hidden"}},
+            "annotations": notes,
+            "margin": {"l": 64, "r": 16, "t": 150, "b": 12},
+        }
+        caption = (
+            "A line for what was hidden, a column for what was said; recordings, coloured by their share of the line: "
+            "green where the answer is right, red where it is wrong. For effects that no catalogue holds (alien-...) "
+            "saying that it cannot tell is right, and so is a name of the same family, here in red none the less."
+        )
+        return {"figures": [Figure("confusion", traces, layout, caption, height=190 + 21 * len(rows))]}
+
+    def _column(self, label: str) -> str:
+        return label if label in (NOTHING, CANNOT_TELL, ABSENT) or label in self.order else SEVERAL
+
+    def _counts(self, said: Mapping[str, int]) -> dict[str, int]:
+        found: dict[str, int] = {}
+        for label, count in said.items():
+            column = self._column(label)
+            found[column] = found.get(column, 0) + count
+        return found
+
+    def _shares(
+        self, alone: Mapping[str, Mapping[str, int]], rows: Sequence[str], columns: Sequence[str]
+    ) -> tuple[list[list[float | None]], list[list[float | None]]]:
+        right: list[list[float | None]] = []
+        wrong: list[list[float | None]] = []
+        for row in rows:
+            counts, total = self._counts(alone[row]), sum(alone[row].values())
+            good = CANNOT_TELL if row.startswith(OUTSIDE) else row
+            shares = [counts[column] / total if column in counts else None for column in columns]
+            right.append([share if column == good else None for share, column in zip(shares, columns, strict=True)])
+            wrong.append([share if column != good else None for share, column in zip(shares, columns, strict=True)])
+        return right, wrong
+
+
+def _heat(shares: list[list[float | None]], rows: Sequence[str], columns: Sequence[str], color: str) -> dict[str, Any]:
+    red, green, blue = (int(color[i : i + 2], 16) for i in (1, 3, 5))
+    return {
+        "type": "heatmap",
+        "z": shares,
+        "x": list(columns),
+        "y": list(rows),
+        "zmin": 0.0,
+        "zmax": 1.0,
+        "colorscale": [[0.0, f"rgba({red},{green},{blue},0.12)"], [1.0, f"rgba({red},{green},{blue},0.75)"]],
+        "showscale": False,
+        "xgap": 1,
+        "ygap": 1,
+        "hoverongaps": False,
+        "hovertemplate": "hidden: %{y}<br>said: %{x}<br>%{z:.0%} of the line<extra></extra>",
+    }
