@@ -17,7 +17,7 @@ from harness.core.slider import PAPER, Slider
 from harness.core.trajectory import Trajectory
 from harness.engines.base import Task
 from harness.engines.mujoco.presets import INTEGRATORS
-from harness.engines.quiet import quiet
+from harness.core.quiet import quiet
 
 LOOSE = 1e-12  # N/m: as good as no spring, which a Slider must have
 

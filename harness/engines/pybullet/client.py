@@ -2,7 +2,7 @@
 
 from logging import Logger, getLogger
 
-from harness.engines.quiet import quiet
+from harness.core.quiet import quiet
 
 log: Logger = getLogger("harness.engines.pybullet")
 

@@ -10,7 +10,7 @@ from harness.engines.pybullet import loop
 from harness.engines.pybullet import presets as table
 from harness.engines.pybullet.client import log
 from harness.engines.pybullet.world import opened
-from harness.engines.quiet import quiet
+from harness.core.quiet import quiet
 from harness.engines.samples import trajectory
 
 
