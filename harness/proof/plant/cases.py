@@ -1,7 +1,8 @@
 """Random cases: a slider, what is hidden in it, what was recorded; concealed and decidable, or drawn again."""
 
+import math
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -11,8 +12,10 @@ from harness.core.errors import InputError, SimulationError
 from harness.proof.plant.base import Base, draw_axis, draw_decay, draw_driven, log_uniform
 from harness.proof.plant.base_fit import BaseFit, fit_decay, whiten
 from harness.proof.plant.catalogue import ALIENS, FAMILY, HEADLINE, NEEDS, compatible, families
+from harness.proof.plant.decrement import decrement
 from harness.proof.plant.hidden import build, regions
-from harness.proof.plant.sensors import Noise
+from harness.proof.plant.integrate import simulate
+from harness.proof.plant.sensors import Motion, Noise
 from harness.proof.plant.simulated_fit import fit_simulated
 from harness.proof.plant.strengths import STRENGTH
 
@@ -34,6 +37,7 @@ class Case:
     mechanisms : names of what is hidden. effects : their parameters, SI. channels : "x", "a" or "xa".
     recorded : t and the channels, shape (n,) each (and u when driven). region : spans in s, or None.
     base : parameters of the slider. noise : total standard deviation by channel (both channels, recorded or not).
+    source : what made the motion. Losses of chi-square are those found, exact where they are near their bounds.
     """
 
     mechanisms: tuple[str, ...]
@@ -48,6 +52,7 @@ class Case:
     base_chi2_excess: float
     base_r2: tuple[float, ...]
     part_chi2_excess: Mapping[str, float]
+    source: str = "plant"
 
 
 def _base(rng: np.random.Generator, setting: str, kinds: tuple[str, ...]) -> Base:
@@ -113,7 +118,8 @@ def draw(
         base = _base(rng, setting, kinds)
         effects = {name: STRENGTH[name](base, rng) for name in kinds}
         try:
-            case = _record(base, effects, setting, _channels(rng, setting, kinds), _noise(rng, base, noise), rng)
+            found = record(base, effects, setting, _channels(rng, setting, kinds), _noise(rng, base, noise), rng)
+            case = accepted(found)
         except SimulationError:
             continue
         if case is not None:
@@ -123,42 +129,26 @@ def draw(
     )
 
 
-def _record(
+def record(
     base: Base,
     effects: Mapping[str, Mapping[str, Any]],
     setting: str,
     channels: str,
     noise: Noise,
     rng: np.random.Generator,
-) -> Case | None:
-    """Simulate, spoil, fit the base; None when the effect shows too plainly or not at all."""
+    motion: Motion = simulate,
+    source: str = "plant",
+) -> Case:
+    """Simulate, spoil, fit the base; whether it serves is not asked.
+
+    motion : what makes the motion, with the name ``source``. Raises SimulationError when it fails.
+    """
     t = base.times
     model, sensors = build(base, effects)
-    run, clean = sensors.read(model, t)
+    run, clean = sensors.read(model, t, motion)
     recorded = {c: noise.spoil(c, clean[c], rng) for c in channels}
-    sigma = {c: noise.total(c) for c in channels}
-    chi2_truth = sum(float(np.sum(whiten(recorded[c] - clean[c], sigma[c], noise.correlation) ** 2)) for c in channels)
     u = run.u if base.drive is not None else None
-    # of a control every fit is of use, of the others only one that is concealed and decidable
-    fit = _fit_base(base, recorded, sigma, noise.correlation, u, chi2_truth if effects else None)
-    excess = fit.chi2 - chi2_truth
-    if effects and (min(fit.r2.values()) < CONCEALED or excess < DECIDABLE):
-        return None
-    parts: dict[str, float] = {}
-    if len(effects) > 1:
-        for name in effects:
-            # the model without this part but with all the others, refitted
-            left = {other: values for other, values in effects.items() if other != name}
-            refit = fit_simulated(
-                base, left, recorded, sigma, noise.correlation, u, _bounds(chi2_truth, PART_DECIDABLE)
-            )
-            # the base is a special case of what is left, so its loss is never below this one's
-            parts[name] = min(refit.chi2 - chi2_truth, excess)
-            if parts[name] < PART_DECIDABLE:
-                return None
-    elif effects:
-        parts = dict.fromkeys(effects, excess)
-    return Case(
+    case = Case(
         mechanisms=tuple(effects),
         effects=effects,
         channels=channels,
@@ -168,26 +158,69 @@ def _record(
         noise=noise,
         setting=setting,
         region=regions(effects, base, run.x, sensors.saturated(run)),
-        base_chi2_excess=excess,
-        base_r2=tuple(fit.r2.values()),
-        part_chi2_excess=parts,
+        base_chi2_excess=math.nan,
+        base_r2=(),
+        part_chi2_excess={},
+        source=source,
     )
+    at_truth = _chi2_truth(case)
+    fit = _fit_base(case, at_truth)
+    excess = fit.chi2 - at_truth
+    parts = dict.fromkeys(effects, excess)
+    return replace(case, base_chi2_excess=excess, base_r2=tuple(fit.r2.values()), part_chi2_excess=parts)
 
 
-def _fit_base(
-    base: Base,
-    recorded: Mapping[str, FloatArray],
-    sigma: Mapping[str, float],
-    correlation: float,
-    u: FloatArray | None,
-    chi2_truth: float | None,
-) -> BaseFit:
+def accepted(case: Case) -> Case | None:
+    """The case, with the loss of each part of a pair; None when what is hidden shows too plainly or not at all.
+
+    Concealed: R^2 of the base fit above CONCEALED in each channel, and nothing odd about the decrement.
+    """
+    if not case.effects:
+        return case
+    if min(case.base_r2) < CONCEALED or case.base_chi2_excess < DECIDABLE or not _plausible(case):
+        return None
+    if len(case.effects) == 1:
+        return case
+    sigma = {c: case.noise.total(c) for c in case.channels}
+    seen = {c: case.recorded[c] for c in case.channels}
+    at_truth, parts = _chi2_truth(case), {}
+    for name in case.effects:
+        # the model without this part but with all the others, refitted
+        left = {other: values for other, values in case.effects.items() if other != name}
+        bounds = _bounds(at_truth, PART_DECIDABLE)
+        refit = fit_simulated(case.base, left, seen, sigma, case.noise.correlation, case.recorded.get("u"), bounds)
+        # the base is a special case of what is left, so its loss is never below this one's
+        parts[name] = min(refit.chi2 - at_truth, case.base_chi2_excess)
+        if parts[name] < PART_DECIDABLE:
+            return None
+    return replace(case, part_chi2_excess=parts)
+
+
+def _plausible(case: Case) -> bool:
+    """Whether the decrement of a decay gives nothing away, in no channel."""
+    if case.setting != "decay":
+        return True
+    t, base = case.recorded["t"], case.base
+    return all(decrement(t, case.recorded[c], c).plausible(base.omega_n, base.length) for c in case.channels)
+
+
+def _chi2_truth(case: Case) -> float:
+    correlation = case.noise.correlation
+    left = {c: case.recorded[c] - case.clean[c] for c in case.channels}
+    return sum(float(np.sum(whiten(left[c], case.noise.total(c), correlation) ** 2)) for c in case.channels)
+
+
+def _fit_base(case: Case, chi2_truth: float) -> BaseFit:
+    base, correlation, u = case.base, case.noise.correlation, case.recorded.get("u")
+    seen = {c: case.recorded[c] for c in case.channels}
+    sigma = {c: case.noise.total(c) for c in case.channels}
     if base.restoring == "spring" and base.drive is None:
         start = (base.omega_n, base.zeta, base.x_k, base.x0, base.v0)
-        return fit_decay(base.times, recorded, sigma, start, correlation)
-    if chi2_truth is None:
-        return fit_simulated(base, {}, recorded, sigma, correlation, u)
-    return fit_simulated(base, {}, recorded, sigma, correlation, u, _bounds(chi2_truth, DECIDABLE), CONCEALED)
+        return fit_decay(base.times, seen, sigma, start, correlation)
+    if not case.effects:
+        # of a control every fit is of use, of the others one that is concealed and decidable
+        return fit_simulated(base, {}, seen, sigma, correlation, u)
+    return fit_simulated(base, {}, seen, sigma, correlation, u, _bounds(chi2_truth, DECIDABLE), CONCEALED)
 
 
 def _bounds(chi2_truth: float, loss: float) -> tuple[float, float]:
@@ -205,6 +238,7 @@ def truth(case: Case) -> dict[str, Any]:
         "noise_correlation": case.noise.correlation,
         "noise_step": case.noise.step,
         "setting": case.setting,
+        "source": case.source,
         "restoring": case.base.restoring,
         "m": case.base.m,
         "omega_n": case.base.omega_n,
@@ -238,4 +272,4 @@ def arguments(case: Case) -> list[str]:
     return said[case.base.restoring]
 
 
-__all__ = ["ALIENS", "Case", "arguments", "draw", "truth"]
+__all__ = ["ALIENS", "Case", "accepted", "arguments", "draw", "record", "truth"]

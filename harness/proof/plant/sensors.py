@@ -1,6 +1,7 @@
 """What the sensors make of the true motion, and the noise on top."""
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -9,6 +10,9 @@ from scipy.signal import lfilter
 from harness.core.arrays import BoolArray, FloatArray
 from harness.proof.plant.integrate import PlantRun, simulate
 from harness.proof.plant.model import PlantModel
+
+Motion = Callable[[PlantModel, FloatArray], PlantRun]
+"""What makes the motion of a plant at given times: SciPy's solvers, or an engine."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -25,16 +29,16 @@ class Sensors:
     limit: float = math.inf
 
     def read(
-        self, model: PlantModel, t: FloatArray, tolerance: float = 1e-10
+        self, model: PlantModel, t: FloatArray, motion: Motion = simulate
     ) -> tuple[PlantRun, dict[str, FloatArray]]:
         """The true motion at t and the noise-free channels x, v, a, u. Before the lag has passed a late x shows x_0."""
         if self.lag > 0.0:
             late = np.maximum(t - self.lag, t[0])
             grid, where = np.unique(np.concatenate([t, late]), return_inverse=True)
-            both = simulate(model, grid, tolerance=tolerance)
+            both = motion(model, grid)
             run, x = both.at(where[: t.size]), both.x[where[t.size :]]
         else:
-            run = simulate(model, t, tolerance=tolerance)
+            run = motion(model, t)
             x = run.x
         a = np.clip(self.gain * run.a + self.bias, -self.limit, self.limit)
         return run, {"x": x + self.drift * t, "v": run.v, "a": a, "u": run.u}

@@ -4,6 +4,7 @@ one of two hidden effects. Started at the truth."""
 import math
 from collections.abc import Mapping
 from dataclasses import replace
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -15,6 +16,7 @@ from harness.proof.plant.base import Base
 from harness.proof.plant.base_fit import BaseFit, r_squared, whiten
 from harness.proof.plant.descent import descend
 from harness.proof.plant.hidden import build
+from harness.proof.plant.integrate import simulate
 from harness.proof.plant.pieces import Drive
 
 FIT_TOLERANCE = 1e-7
@@ -25,6 +27,9 @@ PART = 0.4
 
 FAR = 1e6
 """Residual of parameters that are not worth a simulation."""
+
+
+quick = partial(simulate, tolerance=FIT_TOLERANCE)
 
 
 def replayed(t: FloatArray, u: FloatArray, rate: float) -> Drive:
@@ -90,7 +95,7 @@ def fit_simulated(
         for (name, key), value in zip(free, p[5:], strict=True):
             changed[name][key] = float(value)
         model, sensors = build(base.moved(p[:5]), changed)
-        return sensors.read(model, t[:n], FIT_TOLERANCE)[1]
+        return sensors.read(model, t[:n], quick)[1]
 
     def residual(z: FloatArray, n: int) -> FloatArray:
         if np.any(np.abs(z) > reach[: z.size]):

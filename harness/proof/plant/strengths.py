@@ -1,6 +1,6 @@
 """How strong a hidden effect is: random draws relative to the slider's own scales.
 
-The ranges are wide on purpose; what is too plain or too faint is thrown away later (``_record`` in cases.py).
+The ranges are wide on purpose; what is too plain or too faint is thrown away later (``accepted`` in cases.py).
 """
 
 import math
