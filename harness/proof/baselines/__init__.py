@@ -1,0 +1,1 @@
+"""What a practitioner would do without the diagnosis, on the same recordings; each is to be beaten clearly."""
