@@ -1,0 +1,173 @@
+"""Where naming stops: the same case under growing noise, against the limit that the likelihood sets.
+
+What a recording holds of an effect is the likelihood loss of the best model without it: chi-square of the base fitted
+to the motion without noise, in units of the noise. It falls with the square of the noise. A model with k numbers more
+pays k ln N for them in BIC: well below that loss nobody who goes by BIC can name the effect, however clever.
+"""
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from harness.core.arrays import FloatArray
+from harness.core.errors import InputError
+from harness.proof.plant.base_fit import fit_decay
+from harness.proof.plant.cases import Case, draw, record, truth
+from harness.proof.plant.catalogue import FAMILY
+from harness.proof.plant.sensors import Noise
+from harness.proof.score import Answer, Result, Truth
+from harness.proof.statistics import LEVEL, RESAMPLES, Rate
+
+LOSSES = (1e4, 2000.0, 400.0, 80.0, 16.0, 3.0)
+KINDS = (
+    "stribeck",
+    "position-dependent-friction",
+    "friction-drift",
+    "quadratic-drag",
+    "asymmetric-viscous",
+    "viscoelastic",
+    "cubic-stiffness",
+    "quadratic-stiffness",
+    "end-stop",
+    "constant-force",
+    "harmonic-force",
+    "sensor-lag",
+)
+"""One case of each makes the curve: all families, laws of one number and of several."""
+
+DRAWS = 4
+"""Of so many draws the faintest is taken, lest the noise that hides it drown the motion."""
+
+
+@dataclass(frozen=True, slots=True)
+class Step:
+    """A case at one level of noise. series : which case it is. loss : likelihood loss without noise. price : k ln N."""
+
+    case: Case
+    series: int
+    loss: float
+    price: float
+
+    def answer(self) -> dict[str, Any]:
+        """As ``truth`` of the case says it, with series, loss and price."""
+        return {**truth(self.case), "series": self.series, "loss": self.loss, "price": self.price}
+
+
+def draw_series(kind: str, seed: int, series: int = 0, losses: Sequence[float] = LOSSES) -> list[Step]:
+    """One case at noise that gives the losses, in their order; slider, effect, sampling and unit noise stay the same.
+
+    Raises InputError for a kind that is not a single effect of a free decay, SimulationError when nothing came out.
+    """
+    if kind not in FAMILY or kind == "static-friction":
+        raise InputError("kind", kind, "a name of the catalogue that shows in a free decay is accepted")
+    rng = np.random.default_rng([seed, 2, series])
+    drawn = [draw(kind, rng) for _ in range(DRAWS)]
+    case, loss = min(((c, clean_loss(c)) for c in drawn), key=lambda pair: pair[1])
+    price = free_numbers(case) * math.log(case.base.samples * len(case.channels))
+    steps = []
+    for wanted in losses:
+        scale = math.sqrt(loss / wanted)
+        noise = replace(case.noise, sigma={c: scale * s for c, s in case.noise.sigma.items()})
+        unit = np.random.default_rng([seed, 3, series])
+        spoiled = record(case.base, case.effects, case.setting, case.channels, noise, unit)
+        steps.append(Step(spoiled, series, wanted, price))
+    return steps
+
+
+def clean_loss(case: Case) -> float:
+    """Chi-square of the base fitted to the motion without noise, in units of the noise."""
+    base, noise = case.base, case.noise
+    if not _white(noise):
+        raise InputError("noise", "coloured or quantised", "white is accepted")
+    start = (base.omega_n, base.zeta, base.x_k, base.x0, base.v0)
+    return fit_decay(base.times, {c: case.clean[c] for c in case.channels}, noise.sigma, start).chi2
+
+
+def _white(noise: Noise) -> bool:
+    return noise.correlation == 0.0 and noise.step is None
+
+
+def free_numbers(case: Case) -> int:
+    """Numbers that a model with the effect has more than the base; a law without parameters has none."""
+    return sum(isinstance(value, float) for values in case.effects.values() for value in values.values())
+
+
+@dataclass(frozen=True, slots=True)
+class Level:
+    """Cases at one loss, how many are named, and how many would pay their price."""
+
+    loss: float
+    named: Rate
+    payable: int
+
+
+@dataclass(frozen=True, slots=True)
+class Curve:
+    """Share named against likelihood loss.
+
+    levels : largest loss first. half, low, high : loss at which half are named, with its bootstrap interval over cases;
+    None where the curve does not cross a half. limit : median of k ln N over the cases.
+    """
+
+    levels: tuple[Level, ...]
+    half: float | None
+    low: float | None
+    high: float | None
+    limit: float | None
+
+    def as_dict(self) -> dict[str, Any]:
+        """For JSON."""
+        return asdict(self)
+
+
+def curve(answers: Mapping[str, Truth], results: Mapping[str, Result]) -> Curve:
+    """The curve from answers of steps and verdicts by file; a file without verdict is one that was not named."""
+    losses = sorted({float(a["loss"]) for a in answers.values()}, reverse=True)
+    series = sorted({int(a["series"]) for a in answers.values()})
+    named = np.full((len(series), len(losses)), np.nan)
+    price = np.full(len(series), np.nan)
+    for file, answer in answers.items():
+        i, j = series.index(int(answer["series"])), losses.index(float(answer["loss"]))
+        said = Answer.of(results.get(file)).said
+        named[i, j] = sorted(said) == sorted(answer["mechanisms"])
+        price[i] = float(answer["price"])
+    levels = []
+    for j, loss in enumerate(losses):
+        seen = np.isfinite(named[:, j])
+        rate = Rate.of([bool(x) for x in named[seen, j]])
+        levels.append(Level(loss, rate, int(np.count_nonzero(price[seen] < loss))))
+    half = _half(named, losses)
+    low, high = _interval(named, losses) if half is not None else (None, None)
+    return Curve(tuple(levels), half, low, high, float(np.median(price)) if series else None)
+
+
+def _half(named: FloatArray, losses: Sequence[float]) -> float | None:
+    """Loss at which half are named, straight between levels in its logarithm; None without a crossing."""
+    if named.size == 0:
+        return None
+    seen = np.isfinite(named)
+    share = np.sum(np.where(seen, named, 0.0), axis=0) / np.maximum(np.sum(seen, axis=0), 1)
+    # more loss is never harder to name: what is not monotone is chance
+    share = 0.5 * (np.minimum.accumulate(share) + np.maximum.accumulate(share[::-1])[::-1])
+    below = np.flatnonzero(share < 0.5)
+    if below.size == 0 or below[0] == 0:
+        return None
+    j = int(below[0])
+    part = (share[j - 1] - 0.5) / (share[j - 1] - share[j])
+    return math.exp((1.0 - part) * math.log(losses[j - 1]) + part * math.log(losses[j]))
+
+
+def _interval(named: FloatArray, losses: Sequence[float]) -> tuple[float | None, float | None]:
+    """Bootstrap over cases; draws without a crossing count as the end they lie beyond."""
+    rng = np.random.default_rng(0)
+    found = []
+    for _ in range(RESAMPLES // 4):
+        picked = named[rng.integers(named.shape[0], size=named.shape[0])]
+        half = _half(picked, losses)
+        ends = losses[0] if np.nanmean(picked[:, 0]) < 0.5 else losses[-1]
+        found.append(ends if half is None else half)
+    low, high = np.quantile(found, [0.5 * (1.0 - LEVEL), 0.5 * (1.0 + LEVEL)])
+    return float(low), float(high)
