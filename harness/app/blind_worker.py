@@ -11,18 +11,26 @@ import signal
 import sys
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
-from typing import Any, BinaryIO
+from dataclasses import asdict
+from typing import TYPE_CHECKING, Any, BinaryIO
+
+import numpy as np
 
 from harness.app.diagnose import answer
 from harness.app.diagnose_options import DiagnoseOptions
 from harness.app.reading import ReadOptions, read_as, spooled
+from harness.core.arrays import FloatArray
 from harness.core.errors import HarnessError
+from harness.proof.beside import R2, SINDY, SYSID
 from harness.proof.seal import canonical
+from harness.proof.tally import OURS
 from harness.results.diagnosis import DiagnosisResult
+
+if TYPE_CHECKING:
+    from harness.proof.baselines.laws import Named
 
 EVIDENCE = 5
 """Names tried alone that a verdict keeps."""
-OURS = "harness"
 
 Diagnoser = Callable[[bytes, Sequence[str]], dict[str, Any]]
 
@@ -38,13 +46,12 @@ def compact(result: DiagnosisResult) -> dict[str, Any]:
     """A harness.diagnosis/1 as a proof publishes it: no models, no settings, no files."""
     full = json.loads(result.model_dump_json(by_alias=True))
     kept = ("verdict", "statement", "baseline", "mechanisms", "refined", "attribution", "warnings")
-    holdout = {name: value for name, value in full["holdout"].items() if name != "spans_s"}
     engines = {
         name: {key: block[key] for key in ("version", "baseline_rmse", "refined_rmse", "error")}
         for name, block in full["engines"].items()
     }
     noise = full["recording"]["noise"]
-    rest = {"holdout": holdout, "engines": engines, "evidence": full["evidence"][:EVIDENCE], "noise": noise}
+    rest = {"holdout": full["holdout"], "engines": engines, "evidence": full["evidence"][:EVIDENCE], "noise": noise}
     return {name: full[name] for name in kept} | rest
 
 
@@ -56,7 +63,45 @@ def _options(arguments: Sequence[str]) -> DiagnoseOptions:
 
 def diagnosers() -> Mapping[str, Diagnoser]:
     """Everybody who answers in a proof, by name."""
-    return {OURS: diagnosed}
+    return {OURS: diagnosed, R2: _by_r2, SINDY: _by_sindy, SYSID: _by_sysid}
+
+
+def _by_r2(recording: bytes, arguments: Sequence[str]) -> dict[str, Any]:
+    from harness.proof.baselines.r2 import name_by_r2
+
+    return _named(name_by_r2(columns(recording)))
+
+
+def _by_sindy(recording: bytes, arguments: Sequence[str]) -> dict[str, Any]:
+    from harness.proof.baselines.sparse import name_by_sindy
+
+    return _named(name_by_sindy(columns(recording)))
+
+
+def _by_sysid(recording: bytes, arguments: Sequence[str]) -> dict[str, Any]:
+    """arguments : the spans that our own verdict left out, as JSON."""
+    from harness.proof.baselines.sysid import holdout_by_sysid
+
+    return asdict(holdout_by_sysid(columns(recording), json.loads(arguments[0])))
+
+
+def _named(said: "Named") -> dict[str, Any]:
+    """What a baseline names in the form of a verdict."""
+    verdict = "missing_physics" if said.names else "adequate"
+    return {
+        "verdict": verdict,
+        "mechanisms": [{"name": n} for n in said.names],
+        "applies": said.applies,
+        "why": said.why,
+    }
+
+
+def columns(recording: bytes) -> dict[str, FloatArray]:
+    """The columns of a CSV recording by channel, shape (n,) each."""
+    head, _, rest = recording.partition(b"\n")
+    values = np.loadtxt(io.BytesIO(rest), delimiter=",", ndmin=2)
+    names = [name.split()[0] for name in head.decode().split(",")]
+    return {name: np.ascontiguousarray(values[:, i]) for i, name in enumerate(names)}
 
 
 def answered(who: str, arguments: Sequence[str], recording: bytes) -> bytes:

@@ -4,6 +4,7 @@ What must stay secret (seed and answers) is in no file while anything is diagnos
 """
 
 import hashlib
+import json
 import tempfile
 import time
 from collections.abc import Callable, Iterable, Iterator, Mapping
@@ -34,6 +35,7 @@ from harness.app.sweep_pool import Cluster, LocalPool, Workers
 from harness.app.sweep_rows import completed
 from harness.core.errors import HarnessError, InputError
 from harness.io.store import growing_folder
+from harness.proof.beside import BASELINES
 from harness.proof.drawing import probes_of, sealed_answers
 from harness.proof.plan import FULL, SHORT, Sizes, plan
 from harness.proof.seal import (
@@ -59,7 +61,7 @@ class ProveOptions:
     """How to prove.
 
     sizes : how many recordings. jobs : local processes, None for one a core. cluster : address of a dask scheduler,
-    None for the local pool. resume : go on with what the folder holds. diagnosers : who answers; ours among them.
+    None for the local pool. resume : go on with what the folder holds. baselines : who answers besides us.
     blind : what runs in the sealed processes.
     """
 
@@ -67,7 +69,7 @@ class ProveOptions:
     jobs: int | None = None
     cluster: str | None = None
     resume: bool = False
-    diagnosers: tuple[str, ...] = (OURS,)
+    baselines: tuple[str, ...] = BASELINES
     blind: tuple[str, ...] = COMMAND
 
     @classmethod
@@ -196,24 +198,36 @@ class _Proof:
             keeper.release()
 
     def _answers(self, answers: Mapping[str, Any]) -> dict[str, dict[str, bytes]]:
-        """What every diagnoser says; what has been said before is kept."""
-        recordings, before = self._store.recordings(), self._store.answers()
-        with tempfile.TemporaryDirectory(prefix="blind-") as place:
-            tasks = [
-                BlindTask(name, who, tuple(answers[name]["arguments"]), data, place, self._options.blind)
-                for who in self._options.diagnosers
-                for name, data in sorted(recordings.items())
-                if name not in before.get(who, {})
-            ]
-            total = len(recordings) * len(self._options.diagnosers)
-            with self._workers(len(tasks)) as workers:
-                told = self._clock("recordings diagnosed", total, total - len(tasks))
+        """What every diagnoser says, ours first; what has been said before is kept."""
+        names = self._store.names()
+        total = len(names) * (1 + len(self._options.baselines))
+        with tempfile.TemporaryDirectory(prefix="blind-") as place, self._workers(total) as workers:
+
+            def ask(tasks: list[BlindTask]) -> None:
+                told = self._clock("answers", total, sum(map(len, self._store.answers().values())))
                 for line in told(completed(tasks, workers, answer_one, answer_failed)):
                     self._store.keep_answer(line)
+
+            ask([self._task(OURS, name, tuple(answers[name]["arguments"]), place) for name in self._left(OURS)])
+            ours = self._store.answers()[OURS]
+            ask(
+                [
+                    self._task(who, name, (spans_left_out(ours[name]),), place)
+                    for who in self._options.baselines
+                    for name in self._left(who)
+                ]
+            )
         said = self._store.answers()
-        return {
-            who: {name: said[who][name].encode() for name in sorted(recordings)} for who in self._options.diagnosers
-        }
+        everybody = (OURS, *self._options.baselines)
+        return {who: {name: said[who][name].encode() for name in names} for who in everybody}
+
+    def _left(self, who: str) -> list[str]:
+        """Recordings on which this diagnoser has not said anything yet."""
+        have = self._store.answers().get(who, {})
+        return [name for name in self._store.names() if name not in have]
+
+    def _task(self, who: str, name: str, arguments: tuple[str, ...], place: str) -> BlindTask:
+        return BlindTask(name, who, arguments, self._store.recording(name), place, self._options.blind)
 
     def _secret(self) -> dict[str, Any]:
         found = self._store.take_secret()
@@ -250,6 +264,12 @@ SECRETS = (
     "seed and answers lay on disk, readable by the owner alone, from the interruption until now; "
     "no diagnosing process ran meanwhile"
 )
+
+
+def spans_left_out(verdict: str) -> str:
+    """The spans that our verdict was not fitted to, as JSON: others predict the same."""
+    said: dict[str, Any] = json.loads(verdict) if verdict else {}
+    return json.dumps((said.get("holdout") or {}).get("spans_s", []))
 
 
 def now() -> str:

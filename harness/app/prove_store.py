@@ -13,6 +13,7 @@ from harness.app.prove_keeper import write_private
 from harness.core.errors import InputError
 from harness.io.store import explained, write_text
 from harness.proof.seal import canonical
+from harness.proof.tally import OURS
 
 RECORDINGS, VERDICTS, SECRET, WORKING = "recordings", "verdicts", "secret", "working"
 ANSWERS = "answers.jsonl"
@@ -68,9 +69,13 @@ class Store:
                 path.write_bytes(recordings[name])
                 os.utime(path, (0, 0))
 
-    def recordings(self) -> dict[str, bytes]:
-        """All recordings by name."""
-        return {file.stem: file.read_bytes() for file in sorted((self.folder / RECORDINGS).glob("*.csv"))}
+    def names(self) -> list[str]:
+        """Names of all recordings."""
+        return sorted(file.stem for file in (self.folder / RECORDINGS).glob("*.csv"))
+
+    def recording(self, name: str) -> bytes:
+        """A recording."""
+        return (self.folder / RECORDINGS / f"{name}.csv").read_bytes()
 
     def keep_answer(self, line: Mapping[str, Any]) -> None:
         """Append an answer of a diagnoser to those there are."""
@@ -91,8 +96,8 @@ class Store:
         return found
 
     def seconds(self) -> float:
-        """Time that all answers took together, s."""
-        return sum(float(line["seconds"]) for line in self._lines())
+        """Time that all diagnoses took together, s; those of others do not count."""
+        return sum(float(line["seconds"]) for line in self._lines() if line["who"] == OURS)
 
     def pack(self, who: str, verdicts: Mapping[str, bytes]) -> str:
         """Write all verdicts of one diagnoser as they are published; the file's name in the folder."""

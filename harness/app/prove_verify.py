@@ -2,6 +2,7 @@
 
 import random
 from pathlib import Path
+from typing import Any
 
 from harness.app.machine import cores, this_machine
 from harness.app.progress import SILENT, Progress
@@ -63,7 +64,7 @@ def _said(folder: Path, ledger: Ledger, wrong: list[str], again: int = 0, identi
         other = ", ".join(f"{name} {made[name]}" for name in made if made[name] != here.get(name))
         why = f"made with other versions ({other})" if other else "another processor rounds otherwise"
         notes.append(f"{again - identical} recordings are not the same to the last bit: {why}")
-    cases = next((e["content"].get("cases", {}) for e in ledger.entries if e["step"] == STEPS[1]), {})
+    cases: dict[str, Any] = next((e["content"].get("cases", {}) for e in ledger.entries if e["step"] == STEPS[1]), {})
     return ProofCheck(
         folder=str(folder.absolute()),
         accepted=not wrong,

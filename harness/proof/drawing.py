@@ -2,11 +2,13 @@
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import Any
 
 import numpy as np
 
 from harness.core.errors import SimulationError
+from harness.proof.engine_source import ENGINE_KINDS, ENGINES, EngineName, draw_engine
 from harness.proof.plan import PAIR, PLANT, Job, possible_pairs
 from harness.proof.plant.cases import Case, draw, truth
 from harness.proof.plant.records import csv_text
@@ -20,12 +22,19 @@ PROBES = 12
 Draw = Callable[[Job, np.random.Generator], Case]
 
 
+def _kind(job: Job) -> str | tuple[str, ...]:
+    return "control" if not job.kinds else job.kinds[0] if len(job.kinds) == 1 else job.kinds
+
+
 def _plant(job: Job, rng: np.random.Generator) -> Case:
-    kind: str | tuple[str, ...] = "control" if not job.kinds else job.kinds[0] if len(job.kinds) == 1 else job.kinds
-    return draw(kind, rng, setting=job.setting, noise=job.noise)
+    return draw(_kind(job), rng, setting=job.setting, noise=job.noise)
 
 
-SOURCES: Mapping[str, Draw] = {PLANT: _plant}
+def _engine(job: Job, rng: np.random.Generator, engine: EngineName) -> Case:
+    return draw_engine(_kind(job), rng, engine, noise=job.noise)
+
+
+SOURCES: Mapping[str, Draw] = {PLANT: _plant, **{engine: partial(_engine, engine=engine) for engine in ENGINES}}
 """What can make the motion of a recording."""
 
 
@@ -71,7 +80,7 @@ def drawn(seed: int, job: Job) -> Drawn:
         rng = np.random.default_rng([seed, 1, job.index, attempt])
         chosen = job
         if attempt and job.group == PAIR:
-            others = possible_pairs()
+            others = [pair for pair in possible_pairs() if job.source == PLANT or set(pair) <= set(ENGINE_KINDS)]
             chosen = replace(job, kinds=others[int(rng.integers(len(others)))])
         try:
             case = SOURCES[job.source](chosen, rng)

@@ -34,8 +34,8 @@ class Figure:
         """What falls short, in a sentence."""
         low = self.found.low if self.key == "named" else self.found.value
         shown = "unknown" if low is None else f"{100.0 * low:.1f} %" if self.share else f"{low:.3g}"
-        what = f"{self.label}, lower bound" if self.key == "named" else self.label
-        return f"{what}: {shown}, {self.asked} is asked"
+        bound = "lower bound " if self.key == "named" else ""
+        return f"{self.label}: {bound}{shown}, {self.asked} is asked"
 
 
 def _within(value: float | None, low: float, high: float) -> bool:
@@ -45,7 +45,7 @@ def _within(value: float | None, low: float, high: float) -> bool:
 def figures(scores: "Scores") -> list[Figure]:
     """Every figure in the order in which it is shown."""
     rows: list[tuple[str, str, str, Callable[[Rate | Median], bool] | None]] = [
-        ("named", "single effects named", "a lower bound above 88 %", lambda f: _within(f.low, 0.88, 1.0)),
+        ("named", "single effects named", "lower bound above 88 %", lambda f: _within(f.low, 0.88, 1.0)),
         ("listed", "single effects named or not ruled out", "", None),
         ("both_named", "pairs, both named", "", None),
         ("false_alarms", "false alarms", "at most 2 %", lambda f: _within(f.value, -1.0, 0.02)),
@@ -56,8 +56,8 @@ def figures(scores: "Scores") -> list[Figure]:
             "92.5 to 98 %",
             lambda f: _within(f.value, 0.925, 0.98),
         ),
-        ("parameter_error", "relative error of the headline parameters, median", "", None),
-        ("overlap", "place of the effect, overlap with the true one, median", "", None),
+        ("parameter_error", "relative error of parameters, median", "", None),
+        ("overlap", "overlap of the place with the true one, median", "", None),
         (
             "holdout",
             "held-out rmse after over before, median",

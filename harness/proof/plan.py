@@ -1,16 +1,20 @@
 """What a proof hides, recording by recording: a list of jobs that follows from its seed and its sizes."""
 
-from collections.abc import Mapping
+from collections import Counter
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, fields
 from itertools import combinations
 
 import numpy as np
 
 from harness.core.errors import InputError
+from harness.proof.engine_source import ENGINE_KINDS, ENGINES
 from harness.proof.plant.catalogue import ALIENS, KINDS, compatible
 
 SINGLE, CONTROL, PAIR, OUTSIDE = "single", "control", "pair", "outside"
 PLANT = "plant"
+ENGINE_EVERY = 8
+"""Of so many recordings of a group that an engine can make, each engine makes one."""
 CONTROL_SETTINGS = {"decay": 0.9, "driven": 0.04, "pendulum": 0.03, "axis": 0.03}
 """How often controls are recorded how; effects are recorded as free decays, static friction driven."""
 
@@ -79,12 +83,26 @@ def plan(sizes: Sizes, seed: int) -> list[Job]:
     drafts += [(CONTROL, (), str(setting)) for setting in settings]
     drafts += [(PAIR, pairs[int(i)], "decay") for i in chosen]
     drafts += [(OUTSIDE, (kind,), "decay") for kind in _cycled(tuple(ALIENS), sizes.outside, rng)]
-    order = rng.permutation(len(drafts))
+    sources = _sources(drafts)
     jobs = []
-    for index, place in enumerate(order):
+    for index, place in enumerate(rng.permutation(len(drafts))):
         group, kinds, setting = drafts[int(place)]
-        jobs.append(Job(index, group, PLANT, kinds, setting, "mixed"))
+        jobs.append(Job(index, group, sources[int(place)], kinds, setting, "mixed"))
     return jobs
+
+
+def _sources(drafts: Sequence[tuple[str, tuple[str, ...], str]]) -> list[str]:
+    """What makes the motion of each: engines take turns with the plant wherever they can."""
+    turns: Counter[str] = Counter()
+    sources = []
+    for group, kinds, setting in drafts:
+        source = PLANT
+        if setting == "decay" and set(kinds) <= set(ENGINE_KINDS):
+            turn = turns[group] % ENGINE_EVERY
+            turns[group] += 1
+            source = ENGINES[turn - ENGINE_EVERY] if turn >= ENGINE_EVERY - len(ENGINES) else PLANT
+        sources.append(source)
+    return sources
 
 
 def possible_pairs() -> list[tuple[str, str]]:

@@ -6,6 +6,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import asdict
 from typing import Any
 
+from harness.proof.beside import ABOUT, beside, shortfalls
 from harness.proof.figures import figures
 from harness.proof.forced import forced
 from harness.proof.plan import CONTROL, OUTSIDE, PAIR, SINGLE
@@ -39,16 +40,19 @@ def tally(answers: Mapping[str, Truth], verdicts: Mapping[str, Verdicts], seed: 
     ours = parsed(verdicts.get(OURS, {}))
     scored = {name: truth for name, truth in answers.items() if truth["group"] in GROUPS}
     scores, controls = score(scored, ours), forced(scored, ours)
-    shortfalls = [*scores.shortfalls(), *(controls.shortfalls() if any_control(scored) else [])]
+    others = {who: parsed(said) for who, said in sorted(verdicts.items()) if who != OURS}
+    margins = beside(scored, ours, others)
+    short = [*scores.shortfalls(), *(controls.shortfalls() if any_control(scored) else []), *shortfalls(margins)]
     return {
         "figures": shown(scores),
         "forced": controls.as_dict(),
         "confusion": {true: dict(sorted(said.items())) for true, said in sorted(scores.confusion.items())},
         "by_name": {name: rate.as_dict() for name, rate in scores.by_name.items()},
         "not_tested": list(scores.not_tested),
-        "shortfalls": shortfalls,
+        "shortfalls": short,
         "by_source": _by_source(scored, ours),
         "must_fail": _must_fail(scored, seed),
+        "baselines": [{**asdict(one), "about": ABOUT[one.name], "beaten": one.beaten} for one in margins],
         "cases": [_case(name, answers[name], ours.get(name)) for name in sorted(answers)],
     }
 

@@ -1,6 +1,6 @@
 """The result of a sealed blind proof: harness.proof/1."""
 
-from typing import Any, Literal
+from typing import Literal
 
 from pydantic import Field
 
@@ -53,6 +53,24 @@ class MustFail(Result):
     misled: RateResult
 
 
+class BaselineMargin(Result):
+    """Ours beside a baseline on the same recordings."""
+
+    name: str
+    about: str
+    what: str = Field(description="which figure")
+    cases: int = Field(description="recordings on which the baseline has something to work on")
+    ours: float | None
+    theirs: float | None
+    value: float | None = Field(description="by how much ours is better")
+    low: float | None = Field(description="95 % interval of it, resampled in pairs")
+    high: float | None
+    none: float = Field(description="what no margin is: 0 for shares, 1 for ratios")
+    share: bool
+    why: str = Field(description="why there is no margin")
+    beaten: bool = Field(description="whether the interval lies above that")
+
+
 class ProofCase(Result):
     """One recording: what was hidden, what was said."""
 
@@ -95,7 +113,7 @@ class ProofResult(Result):
     shortfalls: list[str] = Field(description="figures that were not reached, a sentence each")
     by_source: dict[str, list[ProofFigure]] = Field(description="figures by what made the recordings")
     must_fail: list[MustFail]
-    sections: dict[str, Any] = Field(default_factory=dict, description="further parts: baselines, detection")
+    baselines: list[BaselineMargin]
     cases: list[ProofCase]
     diagnosis_s: float = Field(description="time that all diagnoses took, added up, s")
     machine: Machine

@@ -31,6 +31,8 @@ from harness.results.generate import FOLDER
 
 STUB = (sys.executable, str(Path(prove_stub.__file__)))
 SIZES = Sizes(2, 3, 0, 1)
+VERDICTS = "verdicts/harness.jsonl.gz"
+BASELINE = "verdicts/pysindy.jsonl.gz"
 ROOT = Path(__file__).resolve().parents[2]
 
 
@@ -61,7 +63,8 @@ def test_what_is_published_is_whole_and_valid(published: Path) -> None:
     found = {str(file.relative_to(published)) for file in published.rglob("*") if file.is_file()}
     recordings = {name for name in found if name.startswith("recordings/")}
     assert len(recordings) == 6
-    assert found - recordings == {LEDGER, RESULT, PAGE, "verdicts/harness.jsonl.gz", "log.txt"}
+    others = {f"verdicts/{name}.jsonl.gz" for name in ("r2", "pysindy", "mujoco.sysid")}
+    assert found - recordings == {LEDGER, RESULT, PAGE, VERDICTS, "log.txt"} | others
     data = json.loads((published / RESULT).read_text())
     jsonschema.validate(data, json.loads((FOLDER / "harness.proof-1.json").read_text()))
     assert not data["evidence"]
@@ -71,6 +74,10 @@ def test_what_is_published_is_whole_and_valid(published: Path) -> None:
     assert data["forced"]["worst"] == 1.0
     assert len(data["not_tested"]) == 25
     assert len(data["cases"]) == 6
+    # both say that nothing is left out, and the baseline of the stub predicts worse by two
+    margins = {(one["name"], one["what"].split(",")[0]): one for one in data["baselines"]}
+    assert all(one["value"] == 0.0 and not one["beaten"] for one in data["baselines"] if one["share"] and one["cases"])
+    assert ("mujoco.sysid", "held-out rmse where an effect is hidden") in margins or not figures["holdout"]["cases"]
     assert {one["name"] for one in data["must_fail"]} >= {"answers at random", "always says stribeck"}
     page = (published / PAGE).read_text()
     assert "No evidence: 6 recordings are too few" in page
@@ -113,10 +120,18 @@ def change_text(name: str, old: str, new: str) -> Callable[[Path], None]:
 
 
 def change_verdict(folder: Path) -> None:
-    verdicts = published_verdicts(folder / "verdicts" / "harness.jsonl.gz")
+    verdicts = published_verdicts(folder / VERDICTS)
     name = min(verdicts)
     verdicts[name] = verdicts[name].replace(b"adequate", b"unexplained")
     Store(folder).pack("harness", verdicts)
+
+
+def change_baseline(folder: Path) -> None:
+    verdicts = published_verdicts(folder / BASELINE)
+    name = min(verdicts)
+    verdicts[name] = verdicts[name].replace(b"adequate", b"unexplained")
+    Store(folder).pack("pysindy", verdicts)
+    rehash_files(folder)
 
 
 def forge(change: Callable[[list[dict[str, Any]]], None]) -> Callable[[Path], None]:
@@ -145,6 +160,8 @@ def dropped_case(entries: list[dict[str, Any]]) -> None:
     name = min(entries[1]["content"]["cases"])
     del entries[1]["content"]["cases"][name], entries[2]["content"]["cases"][name]
     del entries[3]["content"]["answers"][name]
+    for said in entries[2]["content"]["baselines"].values():
+        del said[name]
 
 
 def swapped(entries: list[dict[str, Any]]) -> None:
@@ -167,42 +184,48 @@ def rehash_files(folder: Path) -> None:
     rehashed(folder, change)
 
 
+def forged_verdict(folder: Path) -> None:
+    change_verdict(folder)
+    rehash_files(folder)
+
+
+def forged_recording_alone(folder: Path) -> None:
+    shutil.rmtree(folder / "recordings")
+    rehashed(folder, forged_recording)
+
+
+def emptied(entries: list[dict[str, Any]]) -> None:
+    entries[3]["content"].clear()
+
+
+def change_recording(folder: Path) -> None:
+    with next((folder / "recordings").iterdir()).open("a") as file:
+        file.write("0,0\n")
+
+
+def no_verdicts(folder: Path) -> None:
+    (folder / VERDICTS).write_bytes(b"none")
+
+
 TAMPERED: dict[str, tuple[Callable[[Path], None], str]] = {
     "the transcript": (change_text(LEDGER, '"index": 0', '"index": 1'), "entry 4 of the transcript was changed"),
     "a hash": (change_text(LEDGER, '"hash": "', '"hash": "0'), "entry 1 of the transcript was changed"),
     "the result": (change_text(RESULT, '"hits": 0,', '"hits": 1,'), "result.json was changed"),
     "the page": (change_text(PAGE, "No evidence", "Evidence"), "report.html was changed"),
-    "a verdict": (change_verdict, "verdicts/harness.jsonl.gz was changed"),
+    "a verdict": (change_verdict, f"{VERDICTS} was changed"),
     "the page is gone": (lambda folder: (folder / PAGE).unlink(), "report.html is missing"),
-    "the verdicts are gone": (
-        lambda folder: (folder / "verdicts" / "harness.jsonl.gz").unlink(),
-        "verdicts/harness.jsonl.gz is missing",
-    ),
-    "no verdicts": (
-        lambda folder: (folder / "verdicts" / "harness.jsonl.gz").write_bytes(b"none"),
-        "no verdicts of a proof",
-    ),
-    "a recording": (
-        lambda folder: next((folder / "recordings").iterdir()).write_text("t,x\n0,0\n"),
-        "was changed",
-    ),
-    "a forged verdict": (
-        lambda folder: (change_verdict(folder), rehash_files(folder), None)[-1],
-        "the verdict was changed",
-    ),
+    "the verdicts are gone": (lambda folder: (folder / VERDICTS).unlink(), f"{VERDICTS} is missing"),
+    "no verdicts": (no_verdicts, "no verdicts of a proof"),
+    "a recording": (change_recording, ".csv was changed"),
+    "a forged verdict": (forged_verdict, "the verdict was changed"),
+    "a forged verdict of a baseline": (change_baseline, "the verdict of pysindy was changed"),
     "a forged answer": (forge(forged_answer), "the answer is not the one that was sealed"),
     "a forged seed": (forge(forged_seed), "the seed is not the one that was committed to"),
-    "a forged recording": (
-        lambda folder: (shutil.rmtree(folder / "recordings"), rehashed(folder, forged_recording), None)[-1],
-        "the recording is not the one that follows from the seed",
-    ),
+    "a forged recording": (forged_recording_alone, "the recording is not the one that follows from the seed"),
     "forged sizes": (forge(forged_sizes), "1 recordings of the plan are missing"),
     "a case dropped": (forge(dropped_case), "1 recordings of the plan are missing"),
     "opened too early": (forge(swapped), "the steps of the transcript are not in their order"),
-    "an entry without content": (
-        forge(lambda entries: entries[3]["content"].clear()),
-        "the transcript does not hold what one holds",
-    ),
+    "an entry without content": (forge(emptied), "the transcript does not hold what one holds"),
     "a forged result": (forged_result, "result.json: figures does not follow from answers and verdicts"),
 }
 
@@ -249,7 +272,8 @@ if __name__ == "__main__":
     # somebody may be working on the sources while this runs
     room.code_digest = lambda: "the same"
     try:
-        prove(ProveOptions(Sizes(1, 5, 0, 0), jobs=1, resume="resume" in sys.argv, blind={blind!r}), Path({out!r}))
+        options = ProveOptions(Sizes(1, 3, 0, 0), 1, None, "resume" in sys.argv, ("r2",), {blind!r})
+        prove(options, Path({out!r}))
     except HarnessError as error:
         print(error)
         sys.exit(error.exit_code)
@@ -334,9 +358,9 @@ def cheater(tmp_path: Path, out: Path) -> tuple[str, ...]:
 def test_a_cheater_that_looks_everywhere_finds_no_answer(tmp_path: Path) -> None:
     out = tmp_path / "out"
     blind = cheater(tmp_path, out)
-    prove(ProveOptions(Sizes(2, 0, 0, 0), jobs=1, blind=blind), out)
-    verdicts = [json.loads(said) for said in published_verdicts(out / "verdicts" / "harness.jsonl.gz").values()]
-    assert [verdict["mechanisms"] for verdict in verdicts] == [[], []]
+    prove(ProveOptions(Sizes(1, 0, 0, 0), jobs=1, baselines=(), blind=blind), out)
+    verdicts = [json.loads(said) for said in published_verdicts(out / VERDICTS).values()]
+    assert [verdict["mechanisms"] for verdict in verdicts] == [[]]
     assert all(int(verdict["statement"]) > 10 for verdict in verdicts)
     # the same cheater finds them as soon as they are opened: it can read
     answers = Ledger.load(out).content("opened")["answers"]

@@ -109,7 +109,7 @@ class Confusion(Section):
         traces = [_heat(right, rows, columns, GOOD), _heat(wrong, rows, columns, BAD)]
         layout = {
             "xaxis": {"side": "top", "tickangle": -50, "type": "category", "ticks": "", "showgrid": False},
-            "yaxis": {"autorange": "reversed", "type": "category", "ticks": "", "title": {"text": "hidden"}},
+            "yaxis": {"autorange": "reversed", "type": "category", "ticks": ""},
             "annotations": notes,
             "margin": {"l": 64, "r": 16, "t": 150, "b": 12},
         }
