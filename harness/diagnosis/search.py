@@ -21,7 +21,10 @@ from harness.kernels.solve import Scales
 
 _BEAM = 4
 _FEWEST_STARTS = 4
-_MOST_TERMS = 3
+_MOST_TERMS = 2
+"""Three flexible terms fit nearly any motion, those of no catalogue included: what needs them is called unexplained."""
+_PART = 40.0
+"""What a second term must take off BIC: of two terms that fit a third effect together one is often weak."""
 _NOISE_MOVED = 0.01
 
 
@@ -99,11 +102,11 @@ def _search(problem: Problem, base: Fit, scales: Scales) -> Search:
     beam = _beam(singles)
     while len(chosen.model.terms) < _MOST_TERMS:
         first = extend(chosen, problem, scales)
-        promising = bool(first.fits) and first.fits[0].bic < chosen.bic - DECISIVE
+        promising = bool(first.fits) and first.fits[0].bic < chosen.bic - _PART
         if explained and not promising:
             break
         found = first.fits if explained else _wider(first, chosen, beam, problem, scales)
-        if not found or found[0].bic > chosen.bic - DECISIVE:
+        if not found or found[0].bic > chosen.bic - _PART:
             break
         problem, best, found = _renew(problem, scales, found[0], found)
         found = tuple(sorted((*(f for f in found if key_of(f) != key_of(best)), best), key=lambda f: f.bic))
