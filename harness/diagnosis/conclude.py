@@ -1,5 +1,6 @@
 """From a prepared recording to an outcome: fit, search, decide, say."""
 
+import math
 from dataclasses import replace
 
 from harness.core.quantity import Quantity
@@ -12,11 +13,13 @@ from harness.diagnosis.holdout import forced, holdout
 from harness.diagnosis.numbers import base_parameters, term_parameters
 from harness.diagnosis.outcome import Alternative, Mechanism, Outcome, Verdict
 from harness.diagnosis.problem import Problem
+from harness.diagnosis.release import SHOWN, UNSEEN, without_hand
 from harness.diagnosis.search import Search, noise_of, search, under
 from harness.diagnosis.select import DECISIVE, key_of, settle
 from harness.diagnosis.spans import spans_of
 from harness.diagnosis.stepping import as_stepped
 from harness.diagnosis.steps import Stepping
+from harness.diagnosis.structure import explains
 from harness.kernels.solve import Scales
 from harness.model.model import ModelTerm
 
@@ -41,8 +44,35 @@ def diagnose(problem: Problem, judge: Judge | None = None) -> Outcome:
         outcome = conclude(search_driven(problem, base, scales, judge), scales)
         return outcome if judge is None else replace(outcome, warnings=(*outcome.warnings, _JUDGED))
     found = search(problem, base, scales)
+    doubtful = problem.drive is None and (not found.explained or _knocked_at_release(found.chosen, scales))
+    free = _after_hand(found.problem, scales) if doubtful else None
+    if free is not None:
+        return free
     trace = as_stepped(found, scales)
     return conclude(found, scales) if trace is None else conclude(trace[0], scales, trace[1])
+
+
+def _knocked_at_release(found: Fit, scales: Scales) -> bool:
+    """Whether all that was named is a knock in the first quarter of a period: what a hand does that lets go."""
+    if key_of(found) != ("impulse",):
+        return False
+    since = found.model.terms[0].value("time") - found.model.t0
+    return since < SHOWN * math.pi / scales.omega
+
+
+def _after_hand(problem: Problem, scales: Scales) -> Outcome | None:
+    """What is concluded where viscous and Coulomb friction explain all but the beginning; None where they do not."""
+    problem, touched = without_hand(problem, math.pi / scales.omega, UNSEEN)
+    if touched == 0.0:
+        return None
+    base, scales = baseline(problem)
+    problem = replace(problem, noise=noise_of(base, problem, scales.omega))
+    base = settle(under(base, problem), problem, scales)
+    if not explains(base, problem, scales.omega):
+        return None
+    outcome = conclude(Search(problem, base, base, (), (), explained=True), scales)
+    said = f"the first {touched:.4g} s are left out: no free decay, as if a hand had not yet been off"
+    return replace(outcome, warnings=(*outcome.warnings, said))
 
 
 def conclude(found: Search, scales: Scales, stepping: Stepping | None = None) -> Outcome:

@@ -16,6 +16,7 @@ from harness.diagnosis.driven.inverse import inverse_start, state_of
 from harness.diagnosis.driven.noise import first_noise
 from harness.diagnosis.driven.smooth import Smooth, smoothed
 from harness.diagnosis.problem import Problem, Restarts
+from harness.diagnosis.release import released, without_hand
 from harness.estimate.noise import channel_noise
 from harness.estimate.reversals import Kind, NoDecay, find_half_cycles
 from harness.kernels.solve import Drive
@@ -65,7 +66,8 @@ def prepare(recording: Recording, asked: Asked) -> tuple[Problem, tuple[str, ...
 
 
 def _decay(recording: Recording, asked: Asked) -> tuple[Problem, tuple[str, ...]]:
-    recording, notes = _in_motion(recording)
+    moving = _in_motion(recording, asked.restoring)
+    recording, notes = moving.recording, moving.notes
     channels = {c: recording[c] for c in ("x", "v", "a") if c in recording}
     omega = dominant_frequency(recording.t, next(iter(channels.values())))
     period = 2.0 * math.pi / omega if math.isfinite(omega) and omega > 0.0 else None
@@ -79,30 +81,46 @@ def _decay(recording: Recording, asked: Asked) -> tuple[Problem, tuple[str, ...]
         zero_free=asked.zero_free,
         angular=recording.angular,
     )
+    if moving.released:
+        problem, touched = without_hand(problem, moving.half)
+        if touched > 0.0:
+            notes = (*notes, f"{touched:.4g} s after the release are left out: the hand was not yet off")
     return problem, notes
 
 
-def _in_motion(recording: Recording) -> tuple[Recording, tuple[str, ...]]:
+@dataclass(frozen=True, slots=True)
+class _Moving:
+    """A recording cut to its free decay; released : whether it shows the release. half : of a half-cycle, s."""
+
+    recording: Recording
+    notes: tuple[str, ...] = ()
+    released: bool = False
+    half: float = 0.0
+
+
+def _in_motion(recording: Recording, restoring: Restoring) -> _Moving:
     """A free decay without a hold before its release and without most of a long rest at its end."""
     channel = next(c for c in ("x", "v", "a") if c in recording)
     t, y = recording.t, recording[channel]
+    noise = channel_noise(t, y)
     try:
-        found = find_half_cycles(t, y, _KINDS[channel], channel_noise(t, y))
+        found = find_half_cycles(t, y, _KINDS[channel], noise)
     except NoDecay:
-        return recording, ()
+        return _Moving(recording)
     begin, end, notes = 0, t.size, []
     if found.held:
-        begin = int(np.searchsorted(t, found.edges[0]))
+        begin = released(t, y, noise, found, channel == "x", restoring is Restoring.PENDULUM)
     late = float(found.edges[-1]) + _REST * float(found.edges[-1] - found.edges[0])
     if late < t[-1]:
         end = int(np.searchsorted(t, late))
     if end - begin < MINIMUM_SAMPLES:
-        return recording, ()
+        return _Moving(recording)
     if begin > 0:
         notes.append(f"the first {t[begin] - t[0]:.4g} s, before the release, are left out")
     if end < t.size:
         notes.append(f"the last {t[-1] - t[end - 1]:.4g} s, a long rest, are left out")
-    return (recording.cut(slice(begin, end)) if notes else recording), tuple(notes)
+    cut = recording.cut(slice(begin, end)) if notes else recording
+    return _Moving(cut, tuple(notes), begin > 0, found.half_time)
 
 
 def _driven(recording: Recording, asked: Asked) -> tuple[Problem, tuple[str, ...]]:

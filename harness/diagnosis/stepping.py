@@ -2,8 +2,8 @@
 
 An integrator of first order shifts omega_n and zeta, reads the acceleration of the step before, scales it by
 1 + h c/m and turns friction round on whole steps. In the catalogue's words that looks like sensors out of tune. So
-where the search ends at friction of a soft constraint, or at nothing but sensors, the recording is also fitted by the
-very maps that engines step by (steps.py); one that tells more with fewer numbers is believed.
+where the search ends at friction of a soft constraint, at nothing but sensors or at nothing, the recording is also
+fitted by the very maps that engines step by (steps.py); one that tells more with fewer numbers is believed.
 """
 
 from dataclasses import dataclass, replace
@@ -60,18 +60,16 @@ def _is_even(t: FloatArray) -> bool:
 
 
 def _worth_a_try(found: Search) -> Fit | None:
-    """The fit to start from: with soft friction, where that or nothing but readings was found."""
-    if found.problem.restarts is not None or "x" not in found.problem.channels or not _is_even(found.problem.t):
+    """The fit to start from: where soft friction, nothing but readings, or no explanation was found."""
+    if found.problem.drive is not None or "x" not in found.problem.channels or not _is_even(found.problem.t):
         return None
     names = set(key_of(found.chosen))
-    if not names or (_SOFT not in names and not names <= _READINGS):
-        soft_first = found.singles and key_of(found.singles[0]) == (_SOFT,)
-        if found.explained or not soft_first:
-            return None
-        return found.singles[0]
+    if found.explained:
+        return found.chosen if names and names <= _READINGS | {_SOFT} else None
     if _SOFT in names:
-        return found.chosen if names <= _READINGS | {_SOFT} or not found.explained else None
-    return found.chosen
+        return found.chosen
+    soft_first = found.singles and key_of(found.singles[0]) == (_SOFT,)
+    return found.singles[0] if soft_first else found.base
 
 
 def as_stepped(found: Search, scales: Scales) -> tuple[Search, Stepping] | None:
