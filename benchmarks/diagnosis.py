@@ -1,14 +1,20 @@
 """The whole diagnosis against a fit of three numbers by mujoco.sysid, and its cost against the length."""
 
+import importlib
+from functools import partial
+from typing import Any
+
 import mujoco
 import numpy as np
-from mujoco import sysid
 
 from benchmarks.registry import Pair, benchmark
 from harness.api import diagnose
+from harness.core.arrays import FloatArray
 from harness.core.recording import Recording
 from harness.kernels.solve import solve
 from harness.model.model import Model, ModelTerm
+
+sysid: Any = importlib.import_module("mujoco.sysid")
 
 _SAMPLES = 5000
 _DT = 0.002
@@ -34,7 +40,7 @@ _XML = f"""
 
 def _recording(samples: int, dt: float) -> Recording:
     """A decay with quadratic drag left out, x and a with white noise."""
-    t = dt * np.arange(samples)
+    t: FloatArray = np.arange(samples, dtype=np.float64) * dt
     drag = ModelTerm.named("quadratic-drag", c2=1.5)
     model = Model(m=_M, c=_C, k=_K, f_k=_F_K, x0=_X0, terms=(drag,))
     run = solve(model, t)
@@ -56,7 +62,7 @@ class _SystemIdentification:
         sensor = sysid.TimeSeries.from_names(recording.t, x, self._spec.compile())
         self._sequences = sysid.ModelSequences("slider", self._spec, "decay", first, control, sensor)
 
-    def fit(self) -> sysid.ParameterDict:
+    def fit(self) -> Any:
         """The fitted numbers."""
         parameters = sysid.ParameterDict()
         for name, value in (("stiffness", _K), ("damping", _C), ("frictionloss", _F_K)):
@@ -66,15 +72,15 @@ class _SystemIdentification:
                     nominal=_OFF * value,
                     min_value=0.0,
                     max_value=10.0 * value,
-                    modifier=lambda spec, p, name=name: _set(spec, name, float(p.value[0])),
+                    modifier=partial(_set, name),
                 )
             )
         residual = sysid.build_residual_fn(models_sequences=[self._sequences])
         return sysid.optimize(initial_params=parameters, residual_fn=residual, verbose=False)[0]
 
 
-def _set(spec: mujoco.MjSpec, name: str, value: float) -> None:
-    joint = spec.joint("slide")
+def _set(name: str, spec: mujoco.MjSpec, parameter: Any) -> None:
+    joint, value = spec.joint("slide"), float(parameter.value[0])
     old = getattr(joint, name)
     setattr(joint, name, value if np.ndim(old) == 0 else [value, *np.asarray(old)[1:]])
 
@@ -82,7 +88,7 @@ def _set(spec: mujoco.MjSpec, name: str, value: float) -> None:
 @benchmark(
     "diagnosis.whole",
     peer="mujoco.sysid: stiffness, damping and frictionloss fitted to x, its defaults, starts 20 % off",
-    timed="diagnosis of 5000 samples of x and a with quadratic drag left out, all entries, both engines; nothing written",
+    timed="diagnosis of 5000 samples of x and a, quadratic drag left out; all entries, both engines, nothing written",
     target=10.0,
 )
 def whole() -> Pair:

@@ -12,12 +12,12 @@ import pytest
 from engine_cases import GENTLE, decay, engine, short
 
 from harness.core.errors import SimulationError
+from harness.core.quiet import quiet
 from harness.core.scenario import Belt, Hold, Scenario
 from harness.core.slider import PAPER, Slider
 from harness.core.trajectory import Trajectory
 from harness.engines.base import Task
 from harness.engines.mujoco.presets import INTEGRATORS
-from harness.core.quiet import quiet
 
 LOOSE = 1e-12  # N/m: as good as no spring, which a Slider must have
 

@@ -4,13 +4,13 @@ import time
 from importlib.metadata import version
 from typing import Any, ClassVar, final
 
+from harness.core.quiet import quiet
 from harness.core.trajectory import Trajectory
 from harness.engines.base import Engine, Preset, Route, Task, resolve
 from harness.engines.pybullet import loop
 from harness.engines.pybullet import presets as table
 from harness.engines.pybullet.client import log
 from harness.engines.pybullet.world import opened
-from harness.core.quiet import quiet
 from harness.engines.samples import trajectory
 
 

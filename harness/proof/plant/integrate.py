@@ -104,7 +104,7 @@ class _Piece:
 
 
 def _risen(switch: Switch, dense: Callable[[float], State], lo: float, hi: float) -> float:
-    """Where a speed that began at zero and has turned again by ``hi`` was still on its first side, or next to ``lo``."""
+    """Where a speed that began at zero and has turned by ``hi`` was still on its first side, or next to ``lo``."""
     share = 0.5
     while share > 1e-12 and switch(lo + share * (hi - lo), dense(lo + share * (hi - lo))) <= 0.0:
         share *= 0.5
