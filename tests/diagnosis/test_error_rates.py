@@ -1,0 +1,72 @@
+"""How often the diagnosis is wrong, simulated: false alarms, chi-square and coverage on random recordings.
+
+Short here; a few hundred with -m full. A rate is judged by what chance allows at the size at hand.
+"""
+
+import functools
+import math
+
+import numpy as np
+import pytest
+from scipy.stats import binom
+
+from harness.diagnosis.conclude import diagnose
+from harness.diagnosis.outcome import Outcome
+from harness.diagnosis.problem import Problem
+from harness.estimate.noise import channel_noise
+from harness.proof.plant import Case, draw
+
+_CHANCE = 1e-3
+"""Probability with which a sound diagnosis may fail one of these tests."""
+_NOISES = ("white", "coloured", "quantised")
+SIZES = (12, pytest.param(500, marks=pytest.mark.full))
+
+
+@functools.cache
+def _controls(count: int) -> tuple[tuple[Case, Outcome], ...]:
+    cases = [draw("control", np.random.default_rng([77, i]), noise=_NOISES[i % 3]) for i in range(count)]
+    return tuple((case, diagnose(_problem(case))) for case in cases)
+
+
+def _problem(case: Case) -> Problem:
+    channels = {c: case.recorded[c] for c in case.channels}
+    t = case.recorded["t"]
+    return Problem(t, channels, {c: channel_noise(t, y) for c, y in channels.items()})
+
+
+@pytest.mark.parametrize("count", SIZES)
+def test_false_alarms_are_at_most_one_in_fifty(count: int) -> None:
+    alarms = sum(outcome.verdict != "adequate" for _, outcome in _controls(count))
+    assert alarms <= binom.ppf(1.0 - _CHANCE, count, 0.02)
+
+
+@pytest.mark.parametrize("count", SIZES)
+def test_chi_square_of_the_base_fit_is_one_a_point(count: int) -> None:
+    # of the noise that the plant put in, not of the noise that was estimated
+    far = 0
+    for case, outcome in _controls(count):
+        noise = case.noise
+        for channel, y in outcome.problem.channels.items():
+            left = y - outcome.base.shown.y[channel]
+            ratio = float(np.mean(left**2)) / noise.total(channel) ** 2
+            phi = noise.correlation
+            n = left.size * (1.0 - phi**2) / (1.0 + phi**2)
+            far += abs(ratio - 1.0) > 2.5758 * math.sqrt(2.0 / n) + 6.0 / n
+    assert far <= binom.ppf(1.0 - _CHANCE, 2 * count, 0.01)
+
+
+@pytest.mark.parametrize("count", SIZES)
+def test_two_standard_errors_hold_the_slider_of_a_control(count: int) -> None:
+    held, asked = 0, 0
+    for case, outcome in _controls(count):
+        true = {"omega_n": case.base.omega_n, "zeta": case.base.zeta, "x_k": case.base.x_k}
+        for name, value in true.items():
+            said = outcome.base_parameters[name]
+            if said.value is None or said.stderr is None:
+                continue
+            asked += 1
+            held += abs(said.value - value) <= 2.0 * said.stderr
+    # three numbers of one fit are not independent: the spread is allowed for as if there were one a recording
+    shortfall = binom.ppf(_CHANCE, count, 0.9545) / count
+    assert asked >= 2.7 * count
+    assert held / asked >= shortfall
