@@ -7,6 +7,7 @@ import mujoco
 import numpy as np
 
 from benchmarks.registry import Pair, benchmark
+from harness.core.quiet import quiet
 from harness.core.scenario import FREE_DECAY
 from harness.engines.base import Engine, Preset, Task, resolve
 from harness.engines.mujoco import MujocoEngine
@@ -15,7 +16,6 @@ from harness.engines.pybullet import PybulletEngine
 from harness.engines.pybullet import loop as stepping
 from harness.engines.pybullet.client import log
 from harness.engines.pybullet.world import SLIDE, opened
-from harness.engines.quiet import quiet
 
 
 def _whole(engine: Engine, task: Task) -> Callable[[], object]:
