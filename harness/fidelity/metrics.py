@@ -112,8 +112,9 @@ def half_cycles(trace: Trajectory, swing: float) -> int:
 def reversal_lead_s(trace: Trajectory, slider: Slider) -> float | None:
     """By how much the friction force reverses before the speed does, in s: the mean over all reversals.
 
-    Friction is what x, v, a leave over, -(m a + c v + k x); each crossing is interpolated between samples, so the
-    figure means nothing below half a step. None without friction or reversals. Good: 0.
+    Friction is what x, v, a leave over, -(m a + c v + k x). Where both change sign between the same two samples neither
+    is seen to lead, and that reversal counts as 0; else each crossing is interpolated, to half a step. None without
+    friction or reversals. Good: 0.
     """
     if slider.f_k == 0.0:
         return None
@@ -125,7 +126,8 @@ def reversal_lead_s(trace: Trajectory, slider: Slider) -> float | None:
     if not reversals.size or not flips.size:
         return None
     nearest = flips[np.argmin(np.abs(flips[None, :] - reversals[:, None]), axis=1)]
-    return float(np.mean(reversals - nearest))
+    together = np.searchsorted(trace.t, nearest) == np.searchsorted(trace.t, reversals)
+    return float(np.mean(np.where(together, 0.0, reversals - nearest)))
 
 
 def _crossings(t: FloatArray, y: FloatArray) -> FloatArray:
