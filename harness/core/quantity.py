@@ -27,3 +27,35 @@ class Quantity:
     def refused(cls, unit: str, why: str) -> "Quantity":
         """An estimate that could not be made, with the reason."""
         return cls(None, None, unit, why)
+
+    def __str__(self) -> str:
+        """Value and standard error as a sentence shows them, the value to the error's last digit.
+
+        The error has two digits where the first is 1 or 2, else one. Very large and very small values share a power
+        of ten: (3.17 +- 0.12)e-05 m.
+        """
+        if self.value is None:
+            return "unknown"
+        unit = "" if self.unit == "1" else f" {self.unit}"
+        if not self.stderr:
+            return f"{self.value:.4g}{unit}"
+        size = max(abs(self.value), self.stderr)
+        power = math.floor(math.log10(size))
+        power = power if power < _SMALLEST or power > _LARGEST else 0
+        value, error = self.value / 10.0**power, self.stderr / 10.0**power
+        decimals = _decimals(error)
+        # a value below its error keeps the error's digits
+        text = f"{round(value, decimals):.{max(decimals, 0)}f} +- {round(error, decimals):.{max(decimals, 0)}f}"
+        return f"({text})e{power:+03d}{unit}" if power else f"{text}{unit}"
+
+
+_SMALLEST, _LARGEST = -4, 6
+
+
+def _decimals(error: float) -> int:
+    """Decimals to which an error is shown."""
+    one = -math.floor(math.log10(error))
+    return one + 1 if error * 10.0**one < _TWO_DIGITS_BELOW else one
+
+
+_TWO_DIGITS_BELOW = 2.95

@@ -10,7 +10,7 @@ from harness.diagnosis.driven.search import search_driven
 from harness.diagnosis.driven.validate import Judge
 from harness.diagnosis.fit import Fit
 from harness.diagnosis.holdout import forced, holdout
-from harness.diagnosis.numbers import base_parameters, term_parameters
+from harness.diagnosis.numbers import AT_LEAST, base_parameters, term_parameters
 from harness.diagnosis.outcome import Alternative, Mechanism, Outcome, Verdict
 from harness.diagnosis.problem import Problem
 from harness.diagnosis.release import SHOWN, UNSEEN, without_hand
@@ -170,12 +170,7 @@ def _alternatives(found: Search, entry: ModelTerm) -> tuple[Alternative, ...]:
 
 def _said(quantity: Quantity) -> str:
     """A number as a sentence shows it."""
-    if quantity.value is None:
-        return "unknown"
-    unit = "" if quantity.unit == "1" else f" {quantity.unit}"
-    if quantity.stderr is None:
-        return f"{quantity.value:.4g}{unit}"
-    return f"{quantity.value:.4g} +- {quantity.stderr:.1g}{unit}"
+    return f"at least {quantity}" if quantity.why == AT_LEAST else str(quantity)
 
 
 def _statement(entry: ModelTerm, parameters: dict[str, Quantity], found: Fit) -> str:

@@ -16,6 +16,7 @@ from harness.diagnosis.sandwich import clustered_covariance
 from harness.model.model import Restoring
 
 _ON_BOUND = "the estimate lies on a bound of what is possible"
+AT_LEAST = "at least this: what is larger the recording cannot show"
 _NOT_SEEN = "the recording does not determine it"
 
 
@@ -34,9 +35,9 @@ def unit_of(unit: str, problem: Problem) -> str:
     return unit
 
 
-def _quantity(value: float, variance: float, unit: str, on_bound: bool) -> Quantity:
-    if on_bound:
-        return Quantity(value, None, unit, _ON_BOUND)
+def _quantity(value: float, variance: float, unit: str, bound: str | None) -> Quantity:
+    if bound is not None:
+        return Quantity(value, None, unit, bound)
     if not math.isfinite(variance) or variance <= 0.0:
         return Quantity(value, None, unit, _NOT_SEEN)
     return Quantity(value, math.sqrt(variance), unit)
@@ -62,9 +63,9 @@ def term_parameters(found: Fit, problem: Problem, index: int) -> dict[str, Quant
     for i, f in enumerate(found.free):
         if isinstance(f.by, tuple) and f.by[0] == index:
             parameter = found.model.terms[index].term.parameters[f.by[1]]
-            on_bound = values[i] <= f.lower or values[i] >= f.upper
+            why = _ON_BOUND if values[i] <= f.lower else (AT_LEAST if values[i] >= f.upper else None)
             out[parameter.name] = _quantity(
-                float(values[i]), float(covariance[i, i]), unit_of(parameter.unit, problem), bool(on_bound)
+                float(values[i]), float(covariance[i, i]), unit_of(parameter.unit, problem), why
             )
     return out
 
@@ -82,7 +83,7 @@ def base_parameters(found: Fit, problem: Problem, omega: float, explained: bool)
         for name, slope in slopes.items():
             if name in at:
                 gradient[at[name]] = slope
-        return _quantity(value, _variance(matrices, gradient), unit, on_bound)
+        return _quantity(value, _variance(matrices, gradient), unit, _ON_BOUND if on_bound else None)
 
     m, c, k, f_k = model.m, model.c, model.k, model.f_k
     if model.restoring is Restoring.NONE:

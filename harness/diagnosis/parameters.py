@@ -52,7 +52,8 @@ def free_of(model: Model, base: tuple[str, ...]) -> tuple[Free, ...]:
     for i, entry in enumerate(model.terms):
         for j, p in enumerate(entry.term.parameters):
             log = p.positive and entry.values[j] > 0.0
-            free.append(Free((i, j), f"{entry.term.key}.{p.name}", p.lower, p.upper, log))
+            upper = p.springs * model.k if p.springs is not None and model.k > 0.0 else p.upper
+            free.append(Free((i, j), f"{entry.term.key}.{p.name}", p.lower, upper, log))
     return tuple(free)
 
 

@@ -31,7 +31,8 @@ class Parameter:
 
     unit : SI symbol with the force per unit mass where the mass is unknown; "1" for a pure number.
     lower, upper : bounds of what makes sense physically. none : the value at which the term has no effect, or None.
-    positive : fitted through its logarithm.
+    positive : fitted through its logarithm. springs : upper bound in units of the spring's stiffness, None for none:
+    what is stiffer gives way by less than a recording of the spring's motion can show.
     """
 
     name: str
@@ -40,6 +41,7 @@ class Parameter:
     upper: float = float("inf")
     none: float | None = None
     positive: bool = False
+    springs: float | None = None
 
 
 Probe = tuple[float, ...]
