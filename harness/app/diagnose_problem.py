@@ -8,7 +8,7 @@ from harness.core.errors import InputError
 from harness.core.recording import Recording
 from harness.diagnosis.baseline import dominant_frequency
 from harness.diagnosis.consistency import Consistency, consistency
-from harness.diagnosis.prepare import HORIZON, Asked, is_driven, prepare
+from harness.diagnosis.prepare import Asked, is_driven, prepare
 from harness.diagnosis.problem import Problem
 
 
@@ -35,8 +35,7 @@ def prepared(recording: Recording, options: DiagnoseOptions) -> Prepared:
         accepted = "it is accepted with a driven recording"
         raise InputError("--horizon", f"given, but {recording.file} has no measured force", accepted)
     refuse(recording)
-    horizon = HORIZON if options.horizon is None else options.horizon
-    problem, notes = prepare(recording, Asked(options.restoring, options.zero_free, options.mass, horizon))
+    problem, notes = prepare(recording, Asked(options.restoring, options.zero_free, options.mass, options.horizon))
     if not driven:
         refuse_few(recording.file, problem)
     omega = dominant_frequency(problem.t, next(iter(problem.channels.values())))

@@ -123,7 +123,7 @@ def _document(model: Model) -> ModelDocument:
 
 def _fit_result(found: Fit, problem: Problem, parameters: dict[str, P]) -> FitResult:
     return FitResult(
-        parameters=parameters, rmse=rmse(found.shown.y, problem), chi2_per_point=found.chi2 / max(problem.points, 1)
+        parameters=parameters, rmse=rmse(found.shown.y, problem), chi2_per_point=found.chi2 / max(found.points, 1)
     )
 
 

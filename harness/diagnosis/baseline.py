@@ -7,12 +7,14 @@ more of the recording, from several shares of viscous and dry friction; the best
 
 import math
 from dataclasses import replace
+from itertools import product
 
 import numpy as np
 
 from harness.core.arrays import FloatArray
 from harness.core.errors import InputError, SimulationError
 from harness.diagnosis.fit import Fit, fit
+from harness.diagnosis.motion import motion_of
 from harness.diagnosis.observe import COARSE
 from harness.diagnosis.parameters import base_of, free_of
 from harness.diagnosis.problem import Problem
@@ -145,8 +147,8 @@ def baseline(problem: Problem) -> tuple[Fit, Scales]:
 
     Raises InputError when the recording does not swing, SimulationError when no start could be simulated.
     """
-    if problem.restarts is not None:
-        return _driven(problem, problem.restarts.first)
+    if problem.first is not None:
+        return _driven(problem, problem.first)
     models = starts(problem)
     scales = scales_of(problem, math.sqrt(models[0].k / models[0].m))
     best: Fit | None = None
@@ -170,16 +172,19 @@ def baseline(problem: Problem) -> tuple[Fit, Scales]:
 def _driven(problem: Problem, model: Model) -> tuple[Fit, Scales]:
     """The base model fitted to a driven recording, from the inverse dynamics and from less and more dry friction."""
     scales = driven_scales(problem, model)
-    free = free_of(model, base_names(problem))
+    names = base_names(problem)
     best: Fit | None = None
     why = ""
-    for share in _DRY:
+    # smoothing rounds off a first motion out of rest, so that a start at rest is looked at too
+    still = tuple(name for name in names if name != "v0")
+    for share, (v0, base) in product(_DRY, ((0.0, still), (model.v0, names))):
+        started = replace(model, f_k=share * model.f_k, v0=v0)
         try:
-            found = fit(replace(model, f_k=share * model.f_k), problem, free, scales, thorough=False)
+            found = fit(started, problem, free_of(started, base), scales, thorough=False)
         except SimulationError as error:
             why = str(error)
             continue
-        if best is None or found.chi2 < best.chi2:
+        if best is None or found.bic < best.bic:
             best = found
     if best is None:
         raise SimulationError(f"no base fit could be simulated: {why}")
@@ -188,13 +193,12 @@ def _driven(problem: Problem, model: Model) -> tuple[Fit, Scales]:
 
 def driven_scales(problem: Problem, model: Model) -> Scales:
     """What counts as ordinary in a driven recording; without a spring omega is the motion's own."""
-    assert problem.restarts is not None
-    x = np.concatenate([[w.x0 for w in problem.restarts.windows], problem.channels.get("x", np.empty(0))])
-    v = problem.restarts.v
     omega = math.sqrt(model.k / model.m)
+    cycle = omega or dominant_frequency(problem.t, next(iter(problem.channels.values())))
+    motion = motion_of(problem.t, problem.channels, cycle)
     if omega == 0.0:
-        omega = math.sqrt(float(np.mean(v**2))) / max(float(np.std(x)), 1e-300)
-    return Scales(0.5 * float(np.ptp(x)), float(np.max(np.abs(v))), omega)
+        omega = math.sqrt(float(np.mean(motion.v**2))) / max(float(np.std(motion.x)), 1e-300)
+    return Scales(0.5 * float(np.ptp(motion.x)), float(np.max(np.abs(motion.v))), omega)
 
 
 def at_rest(found: Fit, problem: Problem, scales: Scales) -> Fit:

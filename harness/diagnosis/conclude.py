@@ -6,6 +6,7 @@ from dataclasses import replace
 from harness.core.quantity import Quantity
 from harness.diagnosis.advice import next_experiment
 from harness.diagnosis.baseline import baseline
+from harness.diagnosis.driven.holdout import holdout_windows, left_said
 from harness.diagnosis.driven.search import search_driven
 from harness.diagnosis.driven.validate import Judge
 from harness.diagnosis.fit import Fit
@@ -37,12 +38,14 @@ def diagnose(problem: Problem, judge: Judge | None = None) -> Outcome:
     judge : another driven recording, which must confirm what is named where nothing explains this one to its noise.
     Raises InputError when the recording holds no free decay to fit, SimulationError when no model could be simulated.
     """
+    if problem.restarts is not None:
+        driven, scales = search_driven(problem, judge)
+        outcome = conclude(driven, scales)
+        said = (left_said(outcome.problem), *(() if judge is None else (_JUDGED,)))
+        return replace(outcome, warnings=(*outcome.warnings, *said))
     base, scales = baseline(problem)
     problem = replace(problem, noise=noise_of(base, problem, scales.omega))
     base = settle(under(base, problem), problem, scales)
-    if problem.restarts is not None:
-        outcome = conclude(search_driven(problem, base, scales, judge), scales)
-        return outcome if judge is None else replace(outcome, warnings=(*outcome.warnings, _JUDGED))
     found = search(problem, base, scales)
     doubtful = problem.drive is None and (not found.explained or _knocked_at_release(found.chosen, scales))
     free = _after_hand(found.problem, scales) if doubtful else None
@@ -91,8 +94,11 @@ def conclude(found: Search, scales: Scales, stepping: Stepping | None = None) ->
         (_mechanism(found, i, entry, problem, spans) for i, (entry, spans) in enumerate(acting)),
         key=lambda m: -m.delta_bic,
     )
-    prediction = holdout(found.base, refined, problem, scales, acting)
-    if verdict == "adequate":
+    if problem.restarts is not None:
+        prediction = holdout_windows(found.base, refined, problem, scales)
+    else:
+        prediction = holdout(found.base, refined, problem, scales, acting)
+    if verdict == "adequate" and problem.restarts is None:
         prediction = replace(prediction, forced=forced(found.base, found.singles, problem, scales))
     warnings = [] if stepping is None else [stepping.sentence]
     if verdict == "unexplained":

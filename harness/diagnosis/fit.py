@@ -9,7 +9,6 @@ import numpy as np
 from harness.core.arrays import FloatArray
 from harness.core.errors import SimulationError
 from harness.core.events import Events
-from harness.diagnosis.driven.whiten import whiten_driven
 from harness.diagnosis.observe import FINE, Observation, observe
 from harness.diagnosis.parameters import Free, values_of, with_values
 from harness.diagnosis.problem import Problem
@@ -80,8 +79,6 @@ def whiten(problem: Problem, channel: str, values: FloatArray) -> FloatArray:
 
 def whitened(problem: Problem, values: Mapping[str, FloatArray]) -> FloatArray:
     """Residuals (n,) or partials (n, q) of all channels whitened, one channel after another."""
-    if problem.restarts is not None:
-        return whiten_driven(problem, values)[0]
     return np.concatenate([whiten(problem, c, values[c]) for c in problem.channels])
 
 

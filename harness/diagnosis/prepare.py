@@ -10,16 +10,15 @@ from harness.core.checks import positive
 from harness.core.errors import InputError
 from harness.core.recording import MINIMUM_SAMPLES, Recording
 from harness.diagnosis.baseline import dominant_frequency
+from harness.diagnosis.driven.between import between_samples
 from harness.diagnosis.driven.cut import windows_of
-from harness.diagnosis.driven.hold import held, is_held
+from harness.diagnosis.driven.hold import follows, held, is_held
 from harness.diagnosis.driven.inverse import inverse_start, state_of
-from harness.diagnosis.driven.noise import first_noise
 from harness.diagnosis.driven.smooth import Smooth, smoothed
 from harness.diagnosis.problem import Problem, Restarts
 from harness.diagnosis.release import released, without_hand
 from harness.estimate.noise import channel_noise
 from harness.estimate.reversals import Kind, NoDecay, find_half_cycles
-from harness.kernels.solve import Drive
 from harness.model.model import Restoring
 
 HORIZON = 1.0
@@ -39,10 +38,11 @@ class Asked:
     restoring: Restoring = Restoring.SPRING
     zero_free: bool = False
     mass: float | None = None
-    horizon: float = HORIZON
+    horizon: float | None = None
 
     def __post_init__(self) -> None:
-        positive("--horizon", self.horizon, "s")
+        if self.horizon is not None:
+            positive("--horizon", self.horizon, "s")
         if self.mass is not None:
             positive("--mass", self.mass, "kg")
 
@@ -132,35 +132,40 @@ def _driven(recording: Recording, asked: Asked) -> tuple[Problem, tuple[str, ...
     if float(np.ptp(u)) == 0.0:
         raise InputError(f"{recording.file}: channel u", f"the constant {u[0]:g}", "a force that changes is accepted")
     interval = recording.interval
-    if asked.horizon < _FEWEST_IN_WINDOW * interval:
+    if asked.horizon is not None and asked.horizon < _FEWEST_IN_WINDOW * interval:
         found = f"{asked.horizon:g} s, {asked.horizon / interval:.1f} samples of {recording.file}"
         raise InputError("--horizon", found, f"at least {_FEWEST_IN_WINDOW * interval:g} s is accepted")
     channels: dict[str, FloatArray] = {c: recording[c] for c in ("x", "v", "a") if c in recording}
-    noise = first_noise(t, channels, u)
+    noise = {c: channel_noise(t, y) for c, y in channels.items()}
     longest = _GAP * interval
     smooth: dict[str, Smooth] = {
         c: smoothed(t, channels[c], longest, noise[c].sigma) for c in ("x", "v") if c in channels
     }
     state = state_of(t, smooth)
     first = inverse_start(state, u, asked.restoring, asked.mass, asked.zero_free)
-    windows = windows_of(t, state, smooth, asked.horizon, longest)
+    first = replace(first, x0=float(state[0][0]) - first.offset, v0=float(state[1][0]), t0=float(t[0]))
     problem = Problem(
         t,
         channels,
         noise,
-        drive=Drive(t, u),
+        drive=between_samples(t, u),
         mass=asked.mass,
         restoring=asked.restoring,
         zero_free=asked.zero_free and asked.restoring is not Restoring.NONE,
         angular=recording.angular,
-        restarts=Restarts(windows, t, state[1], first),
+        first=first,
     )
     notes = []
-    if is_held(problem):
-        problem = replace(problem, drive=held(problem))
+    if is_held(problem, u):
+        problem = replace(problem, drive=held(t, u))
         notes.append("the force acts as a sampled controller's, held from each sample to the next")
+    gaps = float(np.max(np.diff(t))) > longest
+    if asked.horizon is None and not gaps and follows(problem):
+        return problem, ("driven: the whole recording is followed from one start", *notes)
+    horizon = HORIZON if asked.horizon is None else asked.horizon
+    windows = windows_of(t, state, smooth, horizon, longest)
     note = (
-        f"driven: simulated over {len(windows)} windows of at most {asked.horizon:g} s, each restarted from the "
-        "smoothed recorded state; the force's own noise is estimated beside the sensors'"
+        f"driven: the force is fitted, and simulations run over {len(windows)} windows of at most {horizon:g} s, each "
+        "restarted from the smoothed recorded state"
     )
-    return problem, (note, *notes)
+    return replace(problem, restarts=Restarts(windows, t, state[1])), (note, *notes)

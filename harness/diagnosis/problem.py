@@ -32,14 +32,12 @@ class Window:
 class Restarts:
     """How a driven recording is simulated: window after window, none longer than the horizon.
 
-    t (k,), v (k,) : smoothed speed of the whole recording. first : a rough model, by which errors of the state and of
-    the force travel through a window.
+    t (k,), v (k,) : smoothed speed of the whole recording.
     """
 
     windows: tuple[Window, ...]
     t: FloatArray
     v: FloatArray
-    first: Model
 
     def part(self, keep: range) -> "Restarts":
         """The windows as they lie in these samples of the recording."""
@@ -59,6 +57,7 @@ class Problem:
     drive : measured force or None; its noise is noise["u"], of first order. restarts : of a driven recording, None
     where the whole is simulated from one start. mass : kg, None when unknown (then m = 1 and forces are per unit
     mass, unless a measured force gives the mass).
+    first : of a driven recording, a rough base model with its start.
     zero_free : x is measured from an unknown zero. angular : x or a was given as an angle.
     """
 
@@ -72,6 +71,7 @@ class Problem:
     zero_free: bool = False
     angular: bool = False
     restarts: Restarts | None = None
+    first: Model | None = None
 
     def __post_init__(self) -> None:
         ones = np.ones(self.t.size)

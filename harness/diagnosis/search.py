@@ -10,7 +10,6 @@ from itertools import zip_longest
 
 import numpy as np
 
-from harness.diagnosis.driven.noise import driven_noise
 from harness.diagnosis.fit import Fit, whitened
 from harness.diagnosis.noise import residual_noise
 from harness.diagnosis.problem import Problem
@@ -47,8 +46,6 @@ class Search:
 
 def noise_of(found: Fit, problem: Problem, omega: float) -> dict[str, Noise]:
     """Noise per channel, and of a measured force, from what a fit leaves."""
-    if problem.restarts is not None:
-        return driven_noise(problem, {c: y - found.shown.y[c] for c, y in problem.channels.items()})
     period = 2.0 * math.pi / omega
     return {c: residual_noise(problem.t, y - found.shown.y[c], y, period) for c, y in problem.channels.items()}
 
@@ -125,8 +122,7 @@ def _search(problem: Problem, base: Fit, scales: Scales) -> Search:
 
 def _levelled(found: Search) -> Search:
     """The noise as what an explaining model leaves: every sample says something of it then, not the fast part alone."""
-    if not found.explained or found.problem.restarts is not None:
-        # of a driven recording all samples have decided the noise already
+    if not found.explained:
         return found
     problem, n = found.problem, found.problem.t.size
     noise = {}

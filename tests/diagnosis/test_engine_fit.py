@@ -117,7 +117,7 @@ def test_a_driven_recording_is_simulated_window_by_window(name: str) -> None:
     random = np.random.default_rng(3)
     noise = {"x": Noise(1e-5, True)}
     whole = Problem(t[:1600], {"x": true.x[:1600] + 1e-5 * random.standard_normal(1600)}, noise, drive=drive)
-    problem = replace(whole, restarts=Restarts(windows, t, true.v, first=model.with_terms()))
+    problem = replace(whole, restarts=Restarts(windows, t, true.v))
     base = model.with_terms()
     found = engine_fit(EngineSimulator.named(name), base, model, problem, Scales(1.0, 3.0, 3.0))
     assert found.improved

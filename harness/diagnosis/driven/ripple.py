@@ -14,7 +14,8 @@ _LEAST_CYCLES, _MOST_CYCLES = 8.0, 400.0
 _PER_CYCLE = 4
 """Frequencies tried per one over the travel."""
 _MOVING = 0.05
-_AT_ONCE = 200
+_PLACES = 1 << 13
+"""Places over the travel, twenty to the shortest period."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -35,12 +36,9 @@ def find_ripple(model: Model, recording: Filtered) -> Ripple:
     moving = np.abs(r.v) > _MOVING * float(np.max(np.abs(r.v)))
     x, y = r.x[moving], left[moving] - float(np.mean(left[moving]))
     travel = float(np.ptp(x))
-    count = int((_MOST_CYCLES - _LEAST_CYCLES) * _PER_CYCLE)
-    wave = 2.0 * math.pi * np.linspace(_LEAST_CYCLES, _MOST_CYCLES, count) / travel
-    power = _power(x, y, wave)
-    best = wave[int(np.argmax(power))]
-    step = float(wave[1] - wave[0])
-    near = best + np.linspace(-step, step, 41)
+    power = _spectrum(x, y)
+    best = 2.0 * math.pi / periods(x, y, 1)[0]
+    near = best + np.linspace(-1.0, 1.0, 41) * 2.0 * math.pi / (_PER_CYCLE * travel)
     best = float(near[int(np.argmax(_power(x, y, near)))])
     basis = np.column_stack((np.cos(best * x), np.sin(best * x)))
     cosine, sine = np.linalg.lstsq(basis, y, rcond=None)[0]
@@ -48,8 +46,26 @@ def find_ripple(model: Model, recording: Filtered) -> Ripple:
     return Ripple(2.0 * math.pi / best, math.hypot(cosine, sine), math.atan2(-sine, cosine), contrast)
 
 
+def periods(x: FloatArray, force: FloatArray, count: int = 6) -> list[float]:
+    """Periods (m) at which a force (n,) left over at positions x (n,) stands out, strongest first."""
+    travel = float(np.ptp(x))
+    power = _spectrum(x, force - float(np.mean(force)))
+    tops = np.flatnonzero((power[1:-1] > power[:-2]) & (power[1:-1] >= power[2:])) + 1
+    strongest = tops[np.argsort(power[tops])[::-1]][:count]
+    return [travel / (_LEAST_CYCLES + i / _PER_CYCLE) for i in strongest.tolist()]
+
+
+def _spectrum(x: FloatArray, y: FloatArray) -> FloatArray:
+    """Squared amplitude from the fewest to the most cycles over the travel, by sums over short places: linear in n."""
+    travel = float(np.ptp(x))
+    place = np.minimum(((x - x.min()) / travel * _PLACES).astype(np.int64), _PLACES - 1)
+    sums = np.bincount(place, y, _PLACES)
+    first = round(_LEAST_CYCLES * _PER_CYCLE)
+    power: FloatArray = np.abs(np.fft.rfft(sums, _PER_CYCLE * _PLACES)) ** 2
+    return power[first : round(_MOST_CYCLES * _PER_CYCLE)] * (2.0 / x.size) ** 2
+
+
 def _power(x: FloatArray, y: FloatArray, wave: FloatArray) -> FloatArray:
-    """Squared amplitude at each wave number (k,), in pieces that fit into memory."""
-    parts = [np.abs(np.exp(-1j * np.outer(wave[i : i + _AT_ONCE], x)) @ y) ** 2 for i in range(0, wave.size, _AT_ONCE)]
-    power: FloatArray = np.concatenate(parts) * (2.0 / x.size) ** 2
+    """Squared amplitude at each wave number (k,)."""
+    power: FloatArray = np.abs(np.array([np.exp(-1j * w * x) @ y for w in wave])) ** 2 * (2.0 / x.size) ** 2
     return power

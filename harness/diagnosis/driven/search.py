@@ -1,56 +1,89 @@
-"""Search on a driven recording: what explains it to its noise, else what another recording confirms.
+"""Search on a driven recording whose force is fitted: laws one after another, as long as evidence grows.
 
-A real drive leaves more than one law can say, so that BIC would name ever more terms for it. Where nothing explains a
-recording to its noise, a term is named only if the force error on another recording falls with it.
+With another recording as judge a further law is kept only if the force error there falls too, by more than its own
+standard error explains; what is left of a real drive is never white, so that evidence counts independent values only.
 """
 
 from dataclasses import replace
 
-from harness.diagnosis.driven.validate import RIPPLE, Judge
+from harness.core.errors import SimulationError
+from harness.diagnosis.baseline import base_names, driven_scales
+from harness.diagnosis.driven.forcefit import ForceFit, as_fit, fit_force, simulated
+from harness.diagnosis.driven.forcescreen import starts, whole_in
+from harness.diagnosis.driven.measured import Measured
+from harness.diagnosis.driven.validate import Judge
 from harness.diagnosis.fit import Fit
+from harness.diagnosis.parameters import base_of, free_of
 from harness.diagnosis.problem import Problem
-from harness.diagnosis.search import Search, noise_of, under
-from harness.diagnosis.search import search as search_all
-from harness.diagnosis.select import DECISIVE, extend, key_of, settle
+from harness.diagnosis.search import Search
+from harness.diagnosis.select import DECISIVE
+from harness.estimate.noise import Noise
 from harness.kernels.solve import Scales
 
-_FALLS = 0.99
-"""What the force error on the other recording must fall to for a further term."""
-_LOOKED_AT = 5
 _MOST_TERMS = 3
+_LOOKED_AT = 5
 
 
-def search_driven(problem: Problem, base: Fit, scales: Scales, judge: Judge | None = None) -> Search:
-    """The smallest model that explains a driven recording, or, with a judge, the one another recording confirms."""
-    if judge is None:
-        return search_all(problem, base, scales)
-    chosen = base
-    singles: tuple[Fit, ...] = (base,)
-    rivals: tuple[Fit, ...] = (base,)
+def search_driven(problem: Problem, judge: Judge | None = None) -> tuple[Search, Scales]:
+    """The smallest model that says the force of a recording as well as any, and what counts as ordinary in it.
+
+    Raises SimulationError when not even the base model can be fitted.
+    """
+    assert problem.first is not None
+    measured, scales = Measured.of(problem), driven_scales(problem, problem.first)
+    base = fit_force(problem.first, measured, free_of(problem.first, base_names(problem)))
+    chosen, singles, rivals, path = base, [base], [base], [base]
     for _ in range(_MOST_TERMS):
-        step = extend(chosen, problem, scales)
-        better = [f for f in step.fits if f.bic < chosen.bic - DECISIVE]
-        error = judge.errors(chosen.model)
-        confirmed = next((f for f in better[:_LOOKED_AT] if _confirms(judge, f, error)), None)
-        rivals = step.fits or rivals
+        found = _extended(chosen, measured, problem, scales)
         if chosen is base:
-            singles = step.fits or singles
-        if confirmed is None:
+            singles = found or singles
+        if not found:
             break
-        problem = replace(problem, noise=noise_of(confirmed, problem, scales.omega))
-        chosen = settle(under(confirmed, problem), problem, scales)
-        base, singles, rivals = (
-            under(base, problem),
-            *(tuple(sorted((under(f, problem) for f in group), key=lambda f: f.bic)) for group in (singles, rivals)),
-        )
-        rivals = tuple(sorted((*(f for f in rivals if key_of(f) != key_of(chosen)), chosen), key=lambda f: f.bic))
-    return Search(problem, base, chosen, singles, rivals, True)
+        rivals = found
+        independent = found[0].independent()
+        better = [f for f in found[:_LOOKED_AT] if f.bic(independent) < chosen.bic(independent) - DECISIVE]
+        kept = next((f for f in better if judge is None or judge.confirms(chosen.model, f.model)), None)
+        if kept is None:
+            break
+        chosen = kept
+        path.append(kept)
+    level = (chosen.squares / chosen.residual.size) ** 0.5
+    problem = replace(problem, noise={**problem.noise, "u": Noise(level, True, 0.0, 0.0)})
+
+    shown = simulated(base, problem, scales)
+    first = as_fit(base, problem, measured, chosen, shown)
+    last = first
+    if chosen is not base:
+        last = as_fit(chosen, problem, measured, chosen, simulated(chosen, problem, scales))
+
+    def seen(fits: list[ForceFit]) -> tuple[Fit, ...]:
+        # their evidence counts alone: nobody looks at what they would have shown
+        again = (last if f is chosen else as_fit(f, problem, measured, chosen, shown) for f in fits)
+        return tuple(sorted(again, key=lambda f: f.bic))
+
+    return Search(
+        problem,
+        first,
+        last,
+        seen(singles),
+        seen([*rivals, *(f for f in path if all(f is not r for r in rivals))]),
+        True,
+    ), scales
 
 
-def _confirms(judge: Judge, found: Fit, before: tuple[float, float]) -> bool:
-    """Whether the other recording confirms a term: a ripple, whose phase is each recording's own, by its refit."""
-    if any(entry.term.name == RIPPLE for entry in found.model.terms):
-        refitted = judge.compared(found.model, found.model).refitted
-        return refitted is not None and refitted < _FALLS * before[1]
-    fit, cross = judge.errors(found.model)
-    return cross < _FALLS * before[1] and fit < before[0]
+def _extended(current: ForceFit, measured: Measured, problem: Problem, scales: Scales) -> list[ForceFit]:
+    """Fits with one more law, the best of each, best first by evidence."""
+    best: dict[str, ForceFit] = {}
+    base = base_of(current.free)
+    for model in starts(current, measured, problem, scales):
+        try:
+            found = fit_force(model, measured, free_of(model, base))
+        except SimulationError:
+            continue
+        key = model.terms[-1].term.key
+        if whole_in(found.model, measured) and (key not in best or found.squares < best[key].squares):
+            best[key] = found
+    if not best:
+        return []
+    independent = min(best.values(), key=lambda f: f.squares).independent()
+    return sorted(best.values(), key=lambda f: f.bic(independent))

@@ -9,8 +9,8 @@ from harness.core.arrays import FloatArray, IntArray
 from harness.core.jit import compiled
 
 _HALF_WIDTHS = (4, 6, 9, 13, 20, 30, 45)
-_ALIKE = 1.25
-"""By how much a wider cubic may miss more than the narrowest."""
+ALIKE = 1.25
+"""By how much a wider cubic may miss more than the narrowest, where only a start depends on it."""
 _LOOKED_AT = 4000
 _TERMS = 4
 
@@ -24,6 +24,7 @@ class Smooth:
     bend: FloatArray
     value_sd: FloatArray
     slope_sd: FloatArray
+    half: int
 
 
 def _local(
@@ -82,10 +83,11 @@ def stretches(t: FloatArray, longest: float) -> tuple[IntArray, IntArray]:
     return np.repeat(edges[:-1], sizes), np.repeat(edges[1:], sizes)
 
 
-def smoothed(t: FloatArray, y: FloatArray, longest: float, sigma: float) -> Smooth:
+def smoothed(t: FloatArray, y: FloatArray, longest: float, sigma: float, alike: float = ALIKE) -> Smooth:
     """Smooth a channel (n,) at t (n,), s, over the widest window that still leaves no more than the narrowest does.
 
-    longest : interval (s) beyond which there is a gap, which no window spans. sigma : least noise.
+    longest : interval (s) beyond which there is a gap, which no window spans. sigma : least noise. alike : by how much
+    a wider cubic may miss more than the narrowest.
     """
     first, last = stretches(t, longest)
     some = np.linspace(0, t.size - 1, min(t.size, _LOOKED_AT)).astype(np.int64)
@@ -99,10 +101,18 @@ def smoothed(t: FloatArray, y: FloatArray, longest: float, sigma: float) -> Smoo
         left = math.sqrt(float(np.median(out[:, 5]))) + sigma
         if narrowest == 0.0:
             narrowest = left
-        elif left > _ALIKE * narrowest:
+        elif left > alike * narrowest:
             break
         best = half
     out = np.empty((t.size, 6))
     local(t, y, first, last, np.arange(t.size), best, out)
     noise = max(math.sqrt(float(np.median(out[:, 5]))), sigma)
-    return Smooth(out[:, 0], out[:, 1], out[:, 2], noise * np.sqrt(out[:, 3]), noise * np.sqrt(out[:, 4]))
+    return Smooth(out[:, 0], out[:, 1], out[:, 2], noise * np.sqrt(out[:, 3]), noise * np.sqrt(out[:, 4]), best)
+
+
+def smoothed_alike(t: FloatArray, y: FloatArray, longest: float, half: int) -> FloatArray:
+    """Another channel (n,) through the cubics of this half width, so that both have passed the same filter."""
+    first, last = stretches(t, longest)
+    out = np.empty((t.size, 6))
+    local(t, y, first, last, np.arange(t.size), half, out)
+    return out[:, 0]

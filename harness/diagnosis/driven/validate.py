@@ -1,11 +1,14 @@
 """A driven model on another recording: rmse over windows, and the force error by the published protocol."""
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
 
+from harness.core.arrays import FloatArray
 from harness.core.recording import Recording
+from harness.diagnosis.driven.force import inverse_force
 from harness.diagnosis.driven.protocol import PUBLISHED, Filtered
 from harness.diagnosis.observe import observe
 from harness.diagnosis.problem import Problem
@@ -13,6 +16,10 @@ from harness.kernels.solve import Scales
 from harness.model.model import Model, ModelTerm
 
 RIPPLE = "force-ripple"
+_BLOCK = 1.0
+"""Length (s) of stretches whose errors count as independent."""
+_CLEAR = 2.0
+"""Standard errors by which an error must fall."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -53,23 +60,36 @@ class Judge:
         before, after = self.errors(baseline), self.errors(refined)
         return ForceErrors(before[0], after[0], before[1], after[1], self._refitted(refined))
 
-    def _refitted(self, model: Model) -> float | None:
-        """The error on the other recording with the ripple's amplitude and phase refitted to it."""
-        ripple = model.find(RIPPLE)
-        if ripple is None:
-            return None
-        from harness.diagnosis.driven.force import inverse_force
+    def confirms(self, before: Model, after: Model) -> bool:
+        """Whether the force error on the other recording falls, by more than chance explains.
 
-        plain, r = without_ripple(model), self.other
-        fitted = self.fitted
-        offset = float(
-            np.mean(fitted.u - PUBLISHED.decimated(inverse_force(plain, fitted.t, fitted.x, fitted.v, fitted.a)))
-        )
+        The fall of the squares is compared with its scatter over blocks of a second. A ripple is judged with its
+        amplitude and phase refitted, as its phase is each recording's own.
+        """
+        errors = [self._left(model) for model in (before, after)]
+        interval = float(np.median(np.diff(self.other.t))) * PUBLISHED.decimation
+        width = max(1, round(_BLOCK / interval))
+        fall = errors[0] ** 2 - errors[1] ** 2
+        count = max(fall.size // width, 2)
+        means = np.array([np.mean(part) for part in np.array_split(fall, count)])
+        return float(np.mean(means)) > _CLEAR * float(np.std(means, ddof=1)) / math.sqrt(count)
+
+    def _left(self, model: Model) -> FloatArray:
+        """Force (m,), N, left over on the other recording."""
+        plain, f, r = without_ripple(model), self.fitted, self.other
+        offset = float(np.mean(f.u - PUBLISHED.decimated(inverse_force(plain, f.t, f.x, f.v, f.a))))
         left = r.u - offset - PUBLISHED.decimated(inverse_force(plain, r.t, r.x, r.v, r.a))
-        angle = 2.0 * np.pi * r.x / ripple.value("period")
-        waves = PUBLISHED.decimated(np.column_stack((np.cos(angle), np.sin(angle))))
-        left = left - waves @ np.linalg.lstsq(waves, left, rcond=None)[0]
-        return 100.0 * float(np.linalg.norm(left) / np.linalg.norm(r.u))
+        for ripple in (entry for entry in model.terms if entry.term.name == RIPPLE):
+            angle = 2.0 * np.pi * r.x / ripple.value("period")
+            waves = PUBLISHED.decimated(np.column_stack((np.cos(angle), np.sin(angle))))
+            left = left - waves @ np.linalg.lstsq(waves, left, rcond=None)[0]
+        return np.asarray(left, dtype=np.float64)
+
+    def _refitted(self, model: Model) -> float | None:
+        """The error on the other recording, %, with the ripple's amplitude and phase refitted to it."""
+        if model.find(RIPPLE) is None:
+            return None
+        return 100.0 * float(np.linalg.norm(self._left(model)) / np.linalg.norm(self.other.u))
 
 
 def without_ripple(model: Model) -> Model:
