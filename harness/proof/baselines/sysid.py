@@ -62,9 +62,9 @@ def holdout_by_sysid(recording: Recording, spans_s: Sequence[Sequence[float]]) -
 
     Raises SimulationError when mujoco[sysid] is not installed.
     """
-    mujoco, sysid = _packages()
     if "u" in recording or "x" not in recording:
         return HeldOut({}, False, "a driven recording" if "u" in recording else "no position was recorded")
+    mujoco, sysid = _packages()
     t, x = recording["t"] - recording["t"][0], recording["x"]
     spans = [(low - recording["t"][0], high - recording["t"][0]) for low, high in spans_s]
     out = held_out(t, spans)
