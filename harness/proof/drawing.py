@@ -8,8 +8,9 @@ from typing import Any
 import numpy as np
 
 from harness.core.errors import SimulationError
+from harness.proof.detection import LOSSES, draw_series
 from harness.proof.engine_source import ENGINE_KINDS, ENGINES, EngineName, draw_engine
-from harness.proof.plan import PAIR, PLANT, Job, possible_pairs
+from harness.proof.plan import DETECTION, PAIR, PLANT, Job, possible_pairs
 from harness.proof.plant.cases import Case, draw, truth
 from harness.proof.plant.records import csv_text
 from harness.proof.seal import Sealed, digest
@@ -75,6 +76,13 @@ def _secret(seed: int, use: str, index: int) -> str:
 
 def drawn(seed: int, job: Job) -> Drawn:
     """Draw a job; raises SimulationError when nothing concealed and decidable came out."""
+    case, answer = _step(seed, job) if job.group == DETECTION else _case(seed, job)
+    about = {"index": job.index, "group": job.group}
+    return Drawn(name_of(seed, job.index), csv_text(case).encode(), {**answer, **about})
+
+
+def _case(seed: int, job: Job) -> tuple[Case, dict[str, Any]]:
+    """A recording with its answer; drawn again when nothing came out, a pair as another pair."""
     reason = ""
     for attempt in range(ATTEMPTS):
         rng = np.random.default_rng([seed, 1, job.index, attempt])
@@ -87,6 +95,11 @@ def drawn(seed: int, job: Job) -> Drawn:
         except SimulationError as error:
             reason = str(error)
             continue
-        about = {"index": job.index, "group": job.group, "source": job.source}
-        return Drawn(name_of(seed, job.index), csv_text(case).encode(), {**about, **truth(case)})
+        return case, truth(case)
     raise SimulationError(reason)
+
+
+def _step(seed: int, job: Job) -> tuple[Case, dict[str, Any]]:
+    """One level of noise of a series of the detection curve."""
+    step = draw_series(job.kinds[0], seed, job.series, LOSSES[job.level : job.level + 1])[0]
+    return step.case, step.answer()

@@ -2,21 +2,26 @@
 
 from collections import Counter
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass, fields
+from dataclasses import asdict, dataclass, fields, replace
 from itertools import combinations
 
 import numpy as np
 
 from harness.core.errors import InputError
+from harness.proof.detection import KINDS as CURVE
+from harness.proof.detection import LOSSES
 from harness.proof.engine_source import ENGINE_KINDS, ENGINES
 from harness.proof.plant.catalogue import ALIENS, KINDS, compatible
 
-SINGLE, CONTROL, PAIR, OUTSIDE = "single", "control", "pair", "outside"
+SINGLE, CONTROL, PAIR, OUTSIDE, DETECTION = "single", "control", "pair", "outside", "detection"
 PLANT = "plant"
 ENGINE_EVERY = 8
 """Of so many recordings of a group that an engine can make, each engine makes one."""
-CONTROL_SETTINGS = {"decay": 0.9, "driven": 0.04, "pendulum": 0.03, "axis": 0.03}
-"""How often controls are recorded how; effects are recorded as free decays, static friction driven."""
+CONTROL_SETTINGS = {"driven": 0.04, "pendulum": 0.03, "axis": 0.03}
+"""Shares of the controls that are recorded so; all others, and effects, are free decays."""
+NOISE = "mixed"
+DRIVEN = ("static-friction",)
+"""Effects that no free decay shows: they occur alone, driven."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -60,8 +65,9 @@ SHORT = Sizes(14, 5, 2, 3)
 class Job:
     """One recording to be drawn.
 
-    index : its place, from which its chance follows. group : "single", "control", "pair", "outside". source : what
-    makes the motion. kinds : what is hidden, () in a control. setting, noise : as in harness.proof.plant.cases.draw.
+    index : its place, from which its chance follows. group : "single", "control", "pair", "outside", "detection".
+    source : what makes the motion. kinds : what is hidden, () in a control. setting, noise : as in
+    harness.proof.plant.cases.draw. series, level : of the detection curve, which case it is at which noise.
     """
 
     index: int
@@ -70,47 +76,60 @@ class Job:
     kinds: tuple[str, ...]
     setting: str
     noise: str
+    series: int = 0
+    level: int = 0
 
 
 def plan(sizes: Sizes, seed: int) -> list[Job]:
-    """The jobs of a proof in random order; kinds cycle: each occurs as often as any other, give or take one."""
+    """The jobs of a proof in random order; kinds cycle: each occurs as often as any other, give or take one.
+
+    A proof that is evidence has the detection curve besides.
+    """
     rng = np.random.default_rng([seed, 0])
     pairs = possible_pairs()
     chosen = rng.choice(len(pairs), sizes.pairs, replace=sizes.pairs > len(pairs))
-    settings = rng.choice(list(CONTROL_SETTINGS), sizes.controls, p=list(CONTROL_SETTINGS.values()))
-    drafts: list[tuple[str, tuple[str, ...], str]] = []
-    drafts += [(SINGLE, (kind,), "decay") for kind in _cycled(KINDS, sizes.singles, rng)]
-    drafts += [(CONTROL, (), str(setting)) for setting in settings]
-    drafts += [(PAIR, pairs[int(i)], "decay") for i in chosen]
-    drafts += [(OUTSIDE, (kind,), "decay") for kind in _cycled(tuple(ALIENS), sizes.outside, rng)]
-    sources = _sources(drafts)
+    settings = [name for name, share in CONTROL_SETTINGS.items() for _ in range(int(share * sizes.controls))]
+    settings += ["decay"] * (sizes.controls - len(settings))
+    drafts = [Job(0, SINGLE, PLANT, (kind,), _setting(kind), NOISE) for kind in _cycled(KINDS, sizes.singles, rng)]
+    drafts += [Job(0, CONTROL, PLANT, (), setting, NOISE) for setting in settings]
+    drafts += [Job(0, PAIR, PLANT, pairs[int(i)], "decay", NOISE) for i in chosen]
+    drafts += [Job(0, OUTSIDE, PLANT, (kind,), "decay", NOISE) for kind in _cycled(tuple(ALIENS), sizes.outside, rng)]
+    drafts = _sourced(drafts)
+    if sizes.is_evidence:
+        drafts += [
+            Job(0, DETECTION, PLANT, (kind,), "decay", "white", series, level)
+            for series, kind in enumerate(CURVE)
+            for level in range(len(LOSSES))
+        ]
+    return [replace(drafts[int(place)], index=index) for index, place in enumerate(rng.permutation(len(drafts)))]
+
+
+def _setting(kind: str) -> str:
+    return "driven" if kind in DRIVEN else "decay"
+
+
+def _sourced(drafts: Sequence[Job]) -> list[Job]:
+    """Engines take turns with the plant wherever they can."""
+    turns: Counter[str] = Counter()
     jobs = []
-    for index, place in enumerate(rng.permutation(len(drafts))):
-        group, kinds, setting = drafts[int(place)]
-        jobs.append(Job(index, group, sources[int(place)], kinds, setting, "mixed"))
+    for job in drafts:
+        source = PLANT
+        if job.setting == "decay" and set(job.kinds) <= set(ENGINE_KINDS):
+            turn = turns[job.group] % ENGINE_EVERY
+            turns[job.group] += 1
+            source = ENGINES[turn - ENGINE_EVERY] if turn >= ENGINE_EVERY - len(ENGINES) else PLANT
+        jobs.append(replace(job, source=source))
     return jobs
 
 
-def _sources(drafts: Sequence[tuple[str, tuple[str, ...], str]]) -> list[str]:
-    """What makes the motion of each: engines take turns with the plant wherever they can."""
-    turns: Counter[str] = Counter()
-    sources = []
-    for group, kinds, setting in drafts:
-        source = PLANT
-        if setting == "decay" and set(kinds) <= set(ENGINE_KINDS):
-            turn = turns[group] % ENGINE_EVERY
-            turns[group] += 1
-            source = ENGINES[turn - ENGINE_EVERY] if turn >= ENGINE_EVERY - len(ENGINES) else PLANT
-        sources.append(source)
-    return sources
-
-
 def possible_pairs() -> list[tuple[str, str]]:
-    """Every two names that can act together."""
-    return [(a, b) for a, b in combinations(KINDS, 2) if compatible(a, b)]
+    """Every two names that can act together in a free decay."""
+    return [(a, b) for a, b in combinations(KINDS, 2) if compatible(a, b) and not {a, b} & set(DRIVEN)]
 
 
 def _cycled(names: tuple[str, ...], count: int, rng: np.random.Generator) -> list[str]:
-    """``count`` names: all of them as often as possible, the rest by chance and each at most once."""
+    """``count`` names: all of them as often as possible, the rest by chance, each at most once, none that is driven."""
     whole, rest = divmod(count, len(names))
-    return [*names * whole, *(names[int(i)] for i in rng.choice(len(names), rest, replace=False))]
+    free = [name for name in names if name not in DRIVEN]
+    chosen = [free[int(i)] for i in rng.choice(len(free), rest, replace=False)]
+    return [*names * whole, *chosen]

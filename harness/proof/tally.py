@@ -7,9 +7,10 @@ from dataclasses import asdict
 from typing import Any
 
 from harness.proof.beside import ABOUT, beside, shortfalls
+from harness.proof.detection import curve
 from harness.proof.figures import figures
 from harness.proof.forced import forced
-from harness.proof.plan import CONTROL, OUTSIDE, PAIR, SINGLE
+from harness.proof.plan import CONTROL, DETECTION, OUTSIDE, PAIR, SINGLE
 from harness.proof.plant.catalogue import FAMILY, KINDS
 from harness.proof.score import Answer, Result, Scores, Truth, score
 
@@ -53,8 +54,15 @@ def tally(answers: Mapping[str, Truth], verdicts: Mapping[str, Verdicts], seed: 
         "by_source": _by_source(scored, ours),
         "must_fail": _must_fail(scored, seed),
         "baselines": [{**asdict(one), "about": ABOUT[one.name], "beaten": one.beaten} for one in margins],
+        "detection": _detection(answers, ours),
         "cases": [_case(name, answers[name], ours.get(name)) for name in sorted(answers)],
     }
+
+
+def _detection(answers: Mapping[str, Truth], ours: Mapping[str, Result]) -> dict[str, Any] | None:
+    """The detection curve, where there are recordings for one."""
+    steps = {name: truth for name, truth in answers.items() if truth["group"] == DETECTION}
+    return curve(steps, ours).as_dict() if steps else None
 
 
 def any_control(answers: Mapping[str, Truth]) -> bool:

@@ -71,6 +71,24 @@ class BaselineMargin(Result):
     beaten: bool = Field(description="whether the interval lies above that")
 
 
+class DetectionLevel(Result):
+    """Cases at one likelihood loss."""
+
+    loss: float = Field(description="chi-square that the best model without the effect loses to the truth")
+    named: RateResult
+    payable: int = Field(description="cases whose numbers BIC would charge less for")
+
+
+class Detection(Result):
+    """The same cases under growing noise: share named against the likelihood loss."""
+
+    levels: list[DetectionLevel] = Field(description="largest loss, least noise, first")
+    half: float | None = Field(description="loss at which half are named; null without a crossing")
+    low: float | None = Field(description="95 % interval of it, resampled over cases")
+    high: float | None
+    limit: float | None = Field(description="median of what BIC charges: below it nobody who goes by BIC can name")
+
+
 class ProofCase(Result):
     """One recording: what was hidden, what was said."""
 
@@ -114,6 +132,7 @@ class ProofResult(Result):
     by_source: dict[str, list[ProofFigure]] = Field(description="figures by what made the recordings")
     must_fail: list[MustFail]
     baselines: list[BaselineMargin]
+    detection: Detection | None = Field(description="null in a proof that is no evidence")
     cases: list[ProofCase]
     diagnosis_s: float = Field(description="time that all diagnoses took, added up, s")
     machine: Machine

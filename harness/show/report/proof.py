@@ -7,7 +7,7 @@ from typing import Any, ClassVar
 
 from harness.show.report.numbers import number
 from harness.show.report.page import write_report
-from harness.show.report.proof_figures import BAD, GOOD, ByName, Confusion, interval_figure
+from harness.show.report.proof_figures import BAD, GOOD, ByName, Confusion, DetectionCurve, interval_figure
 from harness.show.report.section import Section
 from harness.show.report.sources import MadeWith
 from harness.show.report.table import Cell, Column, Row, Table
@@ -290,6 +290,8 @@ def proof_sections(result: Data) -> list[Section]:
         Confusion(result["confusion"], result["order"]),
         ByName(result["by_name"], result["not_tested"]),
     ]
+    if result["detection"] is not None:
+        sections.append(DetectionCurve(result["detection"]))
     others = [baselines_table(result["baselines"])] if result["baselines"] else []
     sections.append(Tables("Beside others", [*others, must_fail_table(result["must_fail"])]))
     sections += [

@@ -160,3 +160,72 @@ def _heat(shares: list[list[float | None]], rows: Sequence[str], columns: Sequen
         "hoverongaps": False,
         "hovertemplate": "hidden: %{y}<br>said: %{x}<br>%{z:.0%} of the line<extra></extra>",
     }
+
+
+@dataclass(frozen=True)
+class DetectionCurve(Section):
+    """curve : "detection" of harness.proof/1."""
+
+    template: ClassVar[str] = "figures.html.j2"
+    curve: Data
+
+    @property
+    def title(self) -> str:
+        """The heading."""
+        return "Where naming stops"
+
+    def context(self) -> Mapping[str, Any]:
+        """What the template shows."""
+        levels = [level for level in self.curve["levels"] if level["named"]["value"] is not None]
+        rates = [level["named"] for level in levels]
+        traces: list[dict[str, Any]] = [
+            {
+                "type": "scatter",
+                "mode": "lines+markers",
+                "name": "named",
+                "x": np.array([level["loss"] for level in levels]),
+                "y": np.array([100.0 * rate["value"] for rate in rates]),
+                "error_y": {
+                    "type": "data",
+                    "symmetric": False,
+                    "array": [100.0 * (rate["high"] - rate["value"]) for rate in rates],
+                    "arrayminus": [100.0 * (rate["value"] - rate["low"]) for rate in rates],
+                    "color": "muted",
+                    "thickness": 1.4,
+                    "width": 4,
+                },
+                "text": [f"{rate['hits']} of {rate['cases']}" for rate in rates],
+                "hovertemplate": "loss %{x:.4g}: %{y:.0f} %<br>%{text}<extra></extra>",
+                "line": {"color": GOOD, "width": 2},
+                "marker": {"size": 8},
+            }
+        ]
+        for name, at, dash, color in (
+            ("half are named", self.curve["half"], "dash", GOOD),
+            ("what BIC charges", self.curve["limit"], "dot", "ink"),
+        ):
+            if at is not None:
+                line = {"color": color, "width": 1.4, "dash": dash}
+                traces.append(
+                    {"type": "scatter", "mode": "lines", "name": name, "x": [at, at], "y": [0, 100], "line": line}
+                )
+        layout = {
+            "xaxis": {
+                "type": "log",
+                "exponentformat": "power",
+                "title": {"text": "likelihood loss without the effect"},
+            },
+            "yaxis": {"title": {"text": "named / %"}, "range": [-3, 103]},
+        }
+        return {"figures": [Figure("detection", traces, layout, self._caption(), height=380)]}
+
+    def _caption(self) -> str:
+        half = self.curve["half"]
+        said = "The curve does not cross a half."
+        if half is not None:
+            said = f"Half are named at a loss of {half:.0f} ({self.curve['low']:.0f} to {self.curve['high']:.0f})."
+        return (
+            "The same cases under growing noise, from right to left. What a recording holds of an effect is the "
+            "chi-square that the best model without it loses; below the dotted line BIC charges more for its numbers "
+            f"than that, and nobody who goes by BIC can name it. {said}"
+        )
