@@ -6,6 +6,7 @@ from dataclasses import replace
 from harness.core.quantity import Quantity
 from harness.diagnosis.advice import next_experiment
 from harness.diagnosis.baseline import baseline
+from harness.diagnosis.decided import doubt
 from harness.diagnosis.driven.holdout import holdout_windows, left_said
 from harness.diagnosis.driven.search import search_driven
 from harness.diagnosis.driven.validate import Judge
@@ -82,7 +83,8 @@ def conclude(found: Search, scales: Scales, stepping: Stepping | None = None) ->
     """Say what a search has come to; stepping : of the engine whose trace the recording is."""
     problem, refined = found.problem, found.chosen
     verdict: Verdict = "adequate"
-    if not found.explained:
+    rival = doubt(found) if found.explained and problem.restarts is None else None
+    if not found.explained or rival is not None:
         verdict = "unexplained"
     elif refined.model.terms:
         verdict = "missing_physics"
@@ -101,7 +103,9 @@ def conclude(found: Search, scales: Scales, stepping: Stepping | None = None) ->
     if verdict == "adequate" and problem.restarts is None:
         prediction = replace(prediction, forced=forced(found.base, found.singles, problem, scales))
     warnings = [] if stepping is None else [stepping.sentence]
-    if verdict == "unexplained":
+    if rival is not None:
+        warnings.append(_undecided(chosen=found.chosen, rival=rival))
+    elif verdict == "unexplained":
         warnings.append("no entry or pair of the catalogue explains it; standard errors are inflated by the misfit")
         warnings += _closest(found)
     if verdict == "missing_physics" and prediction.refined_rmse:
@@ -122,6 +126,16 @@ def conclude(found: Search, scales: Scales, stepping: Stepping | None = None) ->
         next_experiment=next_experiment(tuple(mechanisms), problem),
         warnings=tuple(warnings),
         stepping=stepping,
+    )
+
+
+def _undecided(chosen: Fit, rival: Fit) -> str:
+    """Why a pair that explains a recording is not named."""
+    one, other = (" with ".join(key_of(f)) for f in (chosen, rival))
+    return (
+        f"{one} would explain it, but {other} nearly as well (BIC {rival.bic - chosen.bic:.0f} worse): when pairs of"
+        " different kinds do, it is as likely an effect of no catalogue, and none is named; standard errors are"
+        " inflated by the misfit"
     )
 
 

@@ -8,7 +8,7 @@ from harness.core.arrays import FloatArray
 from harness.estimate.noise import FLOOR, Noise, quantisation_step
 
 _SHARE_OF_PERIOD = 0.25
-_SHORTEST, _LONGEST = 8, 40
+_SHORTEST, _LONGEST = 12, 40
 _DEGREE = 3
 _OUTLYING = 5.0
 _GRID = np.linspace(-0.9, 0.98, 95)

@@ -5,10 +5,11 @@ from dataclasses import dataclass, fields, replace
 
 import numpy as np
 
-from harness.core.arrays import FloatArray, ModeArray
+from harness.core.arrays import FloatArray, IntArray, ModeArray
 from harness.core.events import Events
 from harness.diagnosis.driven.starts import Start, starts_of
 from harness.diagnosis.problem import Problem
+from harness.diagnosis.readings import Reading, lag_of, read_a, read_x
 from harness.kernels.solve import By, Effort, Scales, solve
 from harness.model.model import Model
 from harness.model.term import Slot
@@ -82,17 +83,14 @@ def _joined(parts: Sequence[Observation]) -> Observation:
     )
 
 
-def _stretch(  # noqa: PLR0912, PLR0915  (one sensor after another, as they are composed)
+def _stretch(
     model: Model, problem: Problem, t: FloatArray, by: tuple[By, ...], scales: Scales | None, effort: Effort
 ) -> Observation:
     """A stretch simulated from the model's own start."""
     dynamic = tuple(b for b in by if not _is_sensor(model, b))
     column = {b: i for i, b in enumerate(dynamic)}
-    sensors = {
-        entry.term.name: (i, entry) for i, entry in enumerate(model.terms) if entry.term.slot is Slot.OBSERVATION
-    }
     want_a = "a" in problem.channels
-    lag = sensors["sensor-lag"][1].values[0] if "sensor-lag" in sensors else 0.0
+    lag = lag_of(model)
     if lag != 0.0 and "x" in problem.channels:
         times = np.concatenate((t, t - lag))
         order = np.argsort(times, kind="stable")
@@ -104,58 +102,31 @@ def _stretch(  # noqa: PLR0912, PLR0915  (one sensor after another, as they are 
     else:
         at = late = np.arange(t.size)
         motion = solve(model, t, dynamic, problem.drive, scales, effort, want_a)
-    q = len(by)
     source = np.array([column.get(b, -1) for b in by], dtype=np.int64)
     moved = source >= 0
 
-    def spread(values: FloatArray, rows: FloatArray | np.ndarray) -> FloatArray:
-        out = np.zeros((t.size, q))
-        out[:, moved] = values[np.ix_(rows, source[moved])]
+    def shown(reading: Reading, partials: FloatArray, rows: IntArray) -> FloatArray:
+        """Partials (n, q) of a channel: the motion's through the sensors, the sensors' own beside them."""
+        out = np.zeros((t.size, len(by)))
+        out[:, moved] = partials[np.ix_(rows, source[moved])] * reading.by_motion[:, None]
+        for i, b in enumerate(by):
+            if isinstance(b, tuple):
+                name = model.terms[b[0]].term.name
+                if name in reading.by:
+                    out[:, i] = reading.by[name]
         return out
-
-    def sensor(name: str) -> tuple[float, int]:
-        """Value of a one-parameter sensor term and its column in ``by``, -1 when it is not asked for."""
-        i, entry = sensors[name]
-        return entry.values[0], by.index((i, 0)) if (i, 0) in by else -1
 
     y: dict[str, FloatArray] = {}
     dy: dict[str, FloatArray] = {}
     if "x" in problem.channels:
-        y["x"], dy["x"] = motion.x[late].copy(), spread(motion.dx, late)
-        if "sensor-lag" in sensors:
-            _, c = sensor("sensor-lag")
-            if c >= 0:
-                dy["x"][:, c] = -motion.v[late]
-        if "sensor-drift" in sensors:
-            rate, c = sensor("sensor-drift")
-            y["x"] += rate * t
-            if c >= 0:
-                dy["x"][:, c] = t
-        y["x"] += model.offset
+        x = read_x(model, t, motion.x[late], motion.v[late])
+        y["x"], dy["x"] = x.y, shown(x, motion.dx, late)
         if "offset" in by:
             dy["x"][:, by.index("offset")] = 1.0
     if "v" in problem.channels:
-        y["v"], dy["v"] = motion.v[at].copy(), spread(motion.dv, at)
-    if "a" in problem.channels:
-        true_a = motion.a[at]
-        y["a"], dy["a"] = true_a.copy(), spread(motion.da, at)
-        if "sensor-gain" in sensors:
-            gain, c = sensor("sensor-gain")
-            y["a"] *= gain
-            dy["a"] *= gain
-            if c >= 0:
-                dy["a"][:, c] = true_a
-        if "sensor-bias" in sensors:
-            bias, c = sensor("sensor-bias")
-            y["a"] += bias
-            if c >= 0:
-                dy["a"][:, c] = 1.0
-        if "sensor-clipping" in sensors:
-            limit, c = sensor("sensor-clipping")
-            over = np.abs(y["a"]) > limit
-            sign = np.sign(y["a"][over])
-            y["a"][over] = sign * limit
-            dy["a"][over, :] = 0.0
-            if c >= 0:
-                dy["a"][over, c] = sign
+        v = Reading(motion.v[at].copy(), np.ones(t.size))
+        y["v"], dy["v"] = v.y, shown(v, motion.dv, at)
+    if want_a:
+        a = read_a(model, motion.a[at])
+        y["a"], dy["a"] = a.y, shown(a, motion.da, at)
     return Observation(y, dy, motion.x[at], motion.v[at], motion.a[at], motion.mode[at], motion.events)

@@ -48,7 +48,8 @@ class _Probe:
 def applicable(term: Term, model: Model, problem: Problem) -> bool:
     """Whether a term can be added to a model of this recording at all."""
     recorded = all(c in problem.channels for c in term.channels)
-    met = ("driven" not in term.needs or problem.drive is not None) and ("angle" not in term.needs or problem.angular)
+    given = {"driven": problem.drive is not None, "angle": problem.angular, "spring": model.k > 0.0}
+    met = all(given[need] for need in term.needs)
     taken = term.slot in SINGLE and bool(model.in_slot(term.slot))
     absorbed = problem.zero_free and term.name == "constant-force"
     once = term.name not in _SEVERAL and any(e.term.name == term.name for e in model.terms)

@@ -27,6 +27,8 @@ _FIRST_ITERATIONS = 3
 _KEPT_STARTS = 2
 _EARLY = 0.5
 _WORTH = 6.0
+_WORTH_OF_ONE = 2.0
+"""What a law of one parameter must promise: it is quickly fitted, and far from a fit a promise says little."""
 _SHARE_OF_BEST = 0.04
 _FINALISTS, _SURE_FINALISTS, _NEAR_BEST = 8, 3, 0.1
 _MISPLACED, _MISPLACED_SHARE = 150.0, 0.02
@@ -92,7 +94,8 @@ def _candidates(current: Fit, problem: Problem, scales: Scales, terms: Sequence[
         seen = evidence(fitted, part, scales)
         found = screen(fitted, part, seen, scales, terms)
         best = found[0].gain if found else 0.0
-        worthy += [c for c in found if c.gain >= max(_WORTH, _SHARE_OF_BEST * best)]
+        least = max(_WORTH, _SHARE_OF_BEST * best)
+        worthy += [c for c in found if c.gain >= (least if len(c.term.parameters) > 1 else min(least, _WORTH_OF_ONE))]
         excess = fitted.chi2 - fitted.points
         if excess > 3.0 * math.sqrt(2.0 * fitted.points) or best > 2.0 * math.log(fitted.points):
             worthy += direct(fitted, part, seen, terms)
@@ -121,9 +124,12 @@ def extend(current: Fit, problem: Problem, scales: Scales, terms: Sequence[Term]
 
 
 def _finalists(rough: list[Fit], before: float) -> list[Fit]:
-    """Rough fits, best first, that go on: the first ones, and those that come near; before : BIC without the entry."""
+    """Rough fits, best first, that go on: the first ones, and those that come near; before : BIC without the entry.
+
+    Where the best promises less than what an event on the wrong side of a sample costs, all come near.
+    """
     most = before - rough[0].bic if rough else 0.0
-    reach = max(_NEAR_BEST * most, -DECISIVE)
+    reach = _NEAR_BEST * most if most > _MISPLACED else -DECISIVE
     return [f for i, f in enumerate(rough[:_FINALISTS]) if i < _SURE_FINALISTS or before - f.bic > reach]
 
 

@@ -15,9 +15,10 @@ _KNOCK_REACH = 0.25
 
 
 def spans_where(t: FloatArray, inside: BoolArray) -> Spans:
-    """Time spans (s) in which ``inside`` (n,) holds, half a sampling interval beyond the outermost samples at gaps."""
+    """Time spans (s) in which ``inside`` (n,) holds: each ends midway to the sample that is outside."""
     edges = np.flatnonzero(np.diff(np.concatenate(([False], inside, [False])).astype(np.int8)))
-    return tuple((float(t[a]), float(t[b - 1])) for a, b in zip(edges[::2], edges[1::2], strict=True))
+    between = np.concatenate((t[:1], 0.5 * (t[1:] + t[:-1]), t[-1:]))
+    return tuple((float(between[a]), float(between[b])) for a, b in zip(edges[::2], edges[1::2], strict=True))
 
 
 def spans_of(entry: ModelTerm, found: Fit, problem: Problem, omega: float) -> Spans:

@@ -57,7 +57,7 @@ class Term:
     phase : index of the phase of a harmonic, so that a cosine and a sine probe make amplitude and phase.
     sentence : format string over the parameters by name (dots of names kept), one plain sentence.
     internal : number of internal states. speeds : those of them that are speeds, and start relative to the slider's.
-    channels : channels an observation needs. needs : "driven", "angle".
+    channels : channels an observation needs. needs : "driven", "angle", "spring".
     variant : tells laws apart that share a catalogue name.
     """
 

@@ -1,6 +1,7 @@
 """Sweeps: rows on disk as they come, resumed, interrupted, damaged, and with workers that die."""
 
 import json
+import math
 import os
 import signal
 import subprocess
@@ -201,6 +202,7 @@ def test_a_full_disk_keeps_what_was_done(tmp_path: Path, monkeypatch: pytest.Mon
 
     monkeypatch.setattr(Parts, "write", until_full)
     monkeypatch.setattr(room, "PART_ROWS", 10)
+    monkeypatch.setattr(room, "PART_S", math.inf)
     options = SweepOptions(("mujoco",), ("joint",), ("as-shipped",), (2e-3,), jobs=1)
     with pytest.raises(
         StoreError, match=r"no space left on the device.*; 10 of \d+ rows are kept, the same command with"

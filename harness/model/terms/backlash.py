@@ -29,4 +29,5 @@ TERM = Term(
     "The spring has a dead zone of {gap} either side of the middle.",
     law,
     probes,
+    needs=("spring",),
 )

@@ -30,4 +30,5 @@ TERM = Term(
     law,
     probes,
     amplitude=0,
+    needs=("spring",),
 )

@@ -1,0 +1,101 @@
+"""harness prove: what it refuses, what it prints and hands back; the short form through the real diagnosis."""
+
+import json
+import sys
+from pathlib import Path
+
+import pytest
+from prove_stub import __file__ as stub
+
+from harness.app import prove as room
+from harness.app.prove import ProveOptions, prove
+from harness.app.prove_verify import verify_proof
+from harness.app.publish_proof import publish
+from harness.cli.main import run
+from harness.core.errors import HarnessError
+from harness.proof.plan import FULL, SHORT, Sizes
+
+BAD = [
+    ("prove --singles -1", "Invalid value for '--singles': -1 is not in the range x>=0."),
+    (
+        "prove --singles 0 --controls 0 --pairs 0 --outside 0",
+        "--singles, --controls, --pairs, --outside: 0 each; 1 or more of one is accepted",
+    ),
+    ("prove --short --singles 3", "--singles: given with --short; one of the two is accepted"),
+    ("prove --resume --pairs 3 --out x", "--pairs: given with --resume; one of the two is accepted"),
+    ("prove --resume --short --out x", "--short: given with --resume; --resume alone is accepted"),
+    ("prove --resume", "--resume: given without --out; the folder of the proof to go on with is accepted"),
+    ("prove --resume --out nowhere", "--out nowhere: holds no proof to resume; the folder of one, or no --resume"),
+    ("prove --verify nowhere", "nowhere/transcript.json: no transcript of a proof"),
+    ("prove --verify x --resume", "--resume: given with --verify; one of the two is accepted"),
+    ("prove --verify x --controls 2", "--controls: given with --verify; one of the two is accepted"),
+    ("prove --verify x --out y", "--out: given with --verify; one of the two is accepted"),
+    ("prove --jobs 0", "Invalid value for '--jobs'"),
+]
+
+
+@pytest.mark.parametrize(("line", "message"), BAD, ids=[line for line, _ in BAD])
+def test_bad_input_is_one_line(
+    line: str, message: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    assert run(line.split()) == 2
+    said = capfd.readouterr()
+    assert said.out == ""
+    assert said.err.startswith(f"harness: {message}")
+    assert said.err.count("\n") == 1
+    assert not any(tmp_path.iterdir())
+
+
+def test_sizes_are_chosen_by_name() -> None:
+    assert ProveOptions.chosen({}).sizes == FULL
+    assert ProveOptions.chosen({}, short=True).sizes == SHORT
+    assert ProveOptions.chosen({"pairs": 7}).sizes == Sizes(300, 300, 7, 60)
+
+
+def test_the_real_diagnosis_answers_blind(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
+    """One hidden effect and one control through everything there is; then the folder is verified."""
+    out = tmp_path / "proof"
+    sizes = ["--singles", "1", "--controls", "1", "--pairs", "0", "--outside", "0"]
+    # too few to be evidence: what falls short is printed and is no failure
+    assert run(["prove", *sizes, "--jobs", "2", "--out", str(out), "--json", "-"]) == 0
+    data = json.loads(capfd.readouterr().out)
+    assert data["schema"] == "harness.proof/1"
+    assert not data["evidence"]
+    assert data["shortfalls"]
+    assert [case["said"] == "no result" for case in data["cases"]] == [False, False]
+    assert {one["name"] for one in data["baselines"]} == {"r2", "pysindy", "mujoco.sysid"}
+    assert run(["prove", "--verify", str(out)]) == 0
+    assert "accepted; 2 of 2 recordings drawn again, 2 the same to the bit" in capfd.readouterr().out
+    page = out / "report.html"
+    page.write_text(page.read_text().replace("No evidence", "Evidence"))
+    assert run(["prove", "--verify", str(out)]) == 1
+    said = capfd.readouterr().out
+    assert "- report.html was changed" in said
+    assert "rejected" in said
+
+
+@pytest.fixture
+def small(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    # somebody may be working on the sources while this runs
+    monkeypatch.setattr(room, "code_digest", lambda: "the same")
+    prove(ProveOptions(Sizes(1, 1, 0, 0), jobs=1, baselines=(), blind=(sys.executable, str(stub))), tmp_path / "small")
+    return tmp_path / "small"
+
+
+def test_only_evidence_is_published(small: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    with pytest.raises(HarnessError, match="has too few recordings to be evidence; nothing was published"):
+        publish(small, tmp_path / "into")
+    assert not (tmp_path / "into").exists()
+    (small / "report.html").unlink()
+    with pytest.raises(HarnessError, match=r"is rejected: report\.html is missing; nothing was published"):
+        publish(small, tmp_path / "into")
+
+
+def test_the_published_proof_is_accepted() -> None:
+    proof = Path(__file__).resolve().parents[2] / "reports" / "proof"
+    if not proof.is_dir():
+        pytest.skip("no proof is published here")
+    check = verify_proof(proof, short=True)
+    assert check.wrong == []
+    assert (proof / "report.html").stat().st_size < 5_000_000
