@@ -66,7 +66,7 @@ def values_of(model: Model, free: tuple[Free, ...]) -> FloatArray:
 
 
 def with_values(model: Model, free: tuple[Free, ...], values: FloatArray) -> Model:
-    """The model with these values (q,) for its fitted numbers; f_s of a Stribeck term never falls below f_k."""
+    """The model with these values (q,) for its fitted numbers."""
     base: dict[str, Any] = {}
     terms = [list(entry.values) for entry in model.terms]
     for f, value in zip(free, values, strict=True):

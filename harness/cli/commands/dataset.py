@@ -8,6 +8,7 @@ import click
 from harness.cli.options import output_options
 from harness.cli.output import check_json, emit_json, show, shows_tables, this_line
 from harness.cli.progress import shown
+from harness.core.errors import InputError
 
 if TYPE_CHECKING:
     from harness.results.dataset import DatasetResult
@@ -15,22 +16,32 @@ if TYPE_CHECKING:
 
 @click.command(short_help="A published case: its figures beside ours.")
 @click.argument("name", metavar="emps", type=click.Choice(["emps"]))
+@click.option("--from", "folder", type=click.Path(path_type=Path), metavar="DIR", help="Folder of the two files.")
 @click.option(
-    "--from", "folder", required=True, type=click.Path(path_type=Path), metavar="DIR", help="Folder of the two files."
+    "--download", "into", type=click.Path(path_type=Path), metavar="DIR", help="Download them into this folder first."
 )
 @output_options
-def command(name: str, folder: Path, out: Path | None, json_to: str | None, quiet: bool) -> int:
+def command(
+    name: str, folder: Path | None, into: Path | None, out: Path | None, json_to: str | None, quiet: bool
+) -> int:
     """The published drive-axis case (EMPS): the diagnosis of one file, validated on the other.
 
     DIR holds DATA_EMPS.mat and DATA_EMPS_PULSES.mat from nonlinearbenchmark.org; both are checked to be those.
+    --download needs the extra: pip install 'friction-harness[emps]'.
 
     \b
     Example: harness dataset emps --from downloads/EMPS
     """
     check_json(json_to)
     from harness.app.dataset import dataset_emps
+    from harness.app.dataset_download import download_emps
 
+    if (folder is None) == (into is None):
+        raise InputError("--from, --download", "neither" if into is None else "both", "one of the two is accepted")
     with shown(quiet) as progress:
+        if folder is None:
+            assert into is not None
+            folder = download_emps(into)
         result = dataset_emps(folder, out, progress, this_line())
     emit_json(result, json_to)
     if shows_tables(json_to, quiet):

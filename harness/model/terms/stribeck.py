@@ -14,7 +14,7 @@ TERM = Term(
     "friction",
     Slot.FRICTION_LEVEL,
     (Parameter("f_s", "N", 0.0), Parameter("v_s", "m/s", 0.0, positive=True)),
-    "Friction falls with speed (Stribeck): from f_s = {f_s} at rest to f_k, over v_s = {v_s}.",
+    "Friction changes with speed (Stribeck): from f_s = {f_s} at rest to f_k, over v_s = {v_s}.",
     probes=probes,
     amplitude=0,
 )
