@@ -22,10 +22,10 @@ Written by `python docs/own_recording.py`, which runs every command shown. Follo
 
 ## 1. What to record
 
-Pull the slider away, let go, and record until it rests: ten half-cycles or more, 40 samples or more a period. One channel
-is enough (`x` or `a`); two tell sensor effects from physics. The wait before the release and the rest at the end may stay
-in, they are found. Irregular sampling and gaps are no harm. Do not filter and do not smooth: the noise is what decides
-what can be told.
+Pull the slider away, let go, and record until it rests: ten half-cycles or more, 40 samples or more a period. One
+channel is enough (`x` or `a`); two tell sensor effects from physics. The wait before the release and the rest at the
+end may stay in, they are found. Irregular sampling and gaps are no harm. Do not filter and do not smooth: the noise
+is what decides what can be told.
 
 ## 2. Let it be read
 
@@ -53,9 +53,9 @@ Six methods, and they disagree by much more than their standard errors: somethin
 $ harness diagnose rig.csv --out diagnosed
 ```
 
-The sentence at the top is the answer. `chi2 a point` says whether anything but noise is left: 1 is noise. The report shows
-the recording against the simulation before and after, where the mismatch sits, and the whole catalogue by its evidence;
-`trace.rrd` opens in the rerun viewer; `result.json` holds every number.
+The sentence at the top is the answer. `chi2 a point` says whether anything but noise is left: 1 is noise. The report
+shows the recording against the simulation before and after, where the mismatch sits, and the whole catalogue by its
+evidence; `trace.rrd` opens in the rerun viewer; `result.json` holds every number.
 
 Three other answers are possible, and each is one:
 
@@ -71,8 +71,8 @@ The refined model runs in the reference and in both engines, and is there as MJC
 $ harness run --model diagnosed/model/model.json --out again
 ```
 
-What an engine cannot say in its own attributes is applied as a force at every step; `diagnosed/model/not_said.txt` lists
-what the exported MJCF (`slider.xml`) and URDF leave out.
+What an engine cannot say in its own attributes is applied as a force at every step; `diagnosed/model/not_said.txt`
+lists what the exported MJCF (`slider.xml`) and URDF leave out.
 
 ## 5. When it goes wrong
 

@@ -1,4 +1,4 @@
-"""The example recording: a slider on a spring with a sail, as a rig's logger writes it. Run: python docs/example/make.py.
+"""The example recording: a slider on a spring with a sail, as a rig's logger writes it; python docs/example/make.py.
 
 A draw wire reads the position in steps of 0.02 mm, an accelerometer the acceleration in g; the logger starts half a
 second before the slider is let go and loses a few samples.
