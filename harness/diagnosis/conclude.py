@@ -27,6 +27,8 @@ from harness.model.model import ModelTerm
 
 _MOST_ALTERNATIVES = 3
 _MOST_CLOSEST = 3
+_FEWEST_TURNS = 3
+"""Reversals that must stay after what a hand touched: a slider at rest agrees with any model."""
 _JUDGED = (
     "terms were kept because the force error on the other recording falls with them, so that its errors took part in"
     " the choice; what stays was not tested for being noise"
@@ -72,7 +74,7 @@ def _after_hand(problem: Problem, scales: Scales) -> Outcome | None:
     base, scales = baseline(problem)
     problem = replace(problem, noise=noise_of(base, problem, scales.omega))
     base = settle(under(base, problem), problem, scales)
-    if not explains(base, problem, scales.omega):
+    if len(base.shown.events) < _FEWEST_TURNS or not explains(base, problem, scales.omega):
         return None
     outcome = conclude(Search(problem, base, base, (), (), explained=True), scales)
     said = f"the first {touched:.4g} s are left out: no free decay, as if a hand had not yet been off"

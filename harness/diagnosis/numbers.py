@@ -53,7 +53,8 @@ def covariances(found: Fit, problem: Problem, omega: float, explained: bool) -> 
 
 def _variance(matrices: tuple[FloatArray, ...], gradient: FloatArray) -> float:
     used = gradient != 0.0  # an infinite variance times none is none
-    return max(float(gradient[used] @ m[np.ix_(used, used)] @ gradient[used]) for m in matrices)
+    with np.errstate(invalid="ignore"):  # infinite variances that cancel leave no number
+        return float(np.max([gradient[used] @ m[np.ix_(used, used)] @ gradient[used] for m in matrices]))
 
 
 def term_parameters(found: Fit, problem: Problem, index: int) -> dict[str, Quantity]:
