@@ -67,6 +67,9 @@ def said(result: Mapping[str, Any]) -> list[str]:
         if others:
             sentences.append(f"The data do not rule out, in place of {mechanism['name']}: {', '.join(others)}.")
     for place in result["where"]:
+        if place["regime"] == "throughout":
+            sentences.append(f"Simulation and recording part throughout: {place['condition']}.")
+            continue
         share = "" if place["share"] is None else f", which holds {100.0 * place['share']:.0f} % of the mismatch"
         sentences.append(f"Simulation and recording part where {place['condition']}{share}.")
     sentences += filter(None, [result["next_experiment"], *result["warnings"], *result["recording"]["notes"]])

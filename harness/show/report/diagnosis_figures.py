@@ -25,6 +25,8 @@ _MOST_SHADES = 80
 _SHADE = "rgba(228, 99, 45, 0.11)"
 _NAMES = ("viscous and Coulomb", "refined")
 _COLORS = (BEFORE, AFTER)
+_ROOM = 0.12
+"""Of the width of a bar chart, for the number beside a short bar."""
 
 
 def _curve(name: str, t: FloatArray, y: FloatArray, color: str, unit: str, width: float = 1.5) -> dict[str, Any]:
@@ -91,6 +93,11 @@ class _Curves(Section):
         """Samples to draw."""
         return keep(self.recording.t, channels, self.times, POINTS)
 
+    def free(self, at: IntArray) -> IntArray:
+        """Those samples in which the models move: before their release nothing of them is to be seen."""
+        release = float(self.result["refined_model"]["release"].get("t0", 0.0))
+        return at[self.recording.t[at] >= release]
+
     @property
     def times(self) -> FloatArray:
         """Reversals of the better model, s."""
@@ -120,10 +127,10 @@ class Before(_Curves):
             label, unit, factor = self.words(name)
             sims = [shown(model, name) for _, _, model in self.models]
             at = self.chosen(self.recording[name], *sims)
-            t = self.recording.t[at]
-            traces = [_curve("recording", t, self.recording[name][at] * factor, "ink", unit, 2.4)]
+            free, t = self.free(at), self.recording.t
+            traces = [_curve("recording", t[at], self.recording[name][at] * factor, "ink", unit, 2.4)]
             traces += [
-                _curve(said, t, y[at] * factor, color, unit)
+                _curve(said, t[free], y[free] * factor, color, unit)
                 for (said, color, _), y in zip(self.models, sims, strict=True)
             ]
             figures.append(
@@ -158,7 +165,7 @@ class Mismatch(_Curves):
         for name in self.channels:
             label, unit, factor = self.words(name)
             residuals = [self.residual(model, name) * factor for _, _, model in self.models]
-            at = self.chosen(*residuals)
+            at = self.free(self.chosen(*residuals))
             t = self.recording.t[at]
             traces = [
                 _curve(f"{said}, recording minus simulation", t, r[at], color, unit, 1.2)
@@ -201,7 +208,7 @@ class PhasePlane(_Curves):
         position, length, scale = self.words("x")
         speed, per_second, _ = self.words("v")
         best = self.simulated[-1]
-        at = np.linspace(0, len(best) - 1, min(DOTS, len(best))).astype(np.int64)
+        at = self.free(np.linspace(0, len(best) - 1, min(DOTS, len(best))).astype(np.int64))
         residuals = [self.residual(model, name)[at] * factor for _, _, model in self.models]
         # a few samples on the wrong side of a jump would else decide the colours
         limit = max(float(np.percentile(np.abs(residuals[0]), 98.0)), 1e-300)
@@ -273,6 +280,8 @@ class Evidence(Section):
             "x": [float(one["delta_bic"]) for one in better],
             "y": [one["name"] for one in better],
             "marker": {"color": [AFTER if one["name"] in chosen else "#b9c0c9" for one in better]},
+            "text": [f"{one['delta_bic']:.0f}" for one in better],
+            "textposition": "auto",
             "hovertemplate": "%{y}: %{x:.5g}<extra></extra>",
         }
         layout = {
@@ -320,8 +329,14 @@ class Shares(Section):
             "textposition": "auto",
             "hovertemplate": "%{y}: %{x:.4g} %<extra></extra>",
         }
+        low, high = min(0.0, *percent), max(percent)
+        beside = _ROOM * (high - low)
         layout = {
-            "xaxis": {"title": {"text": "share of the mean square mismatch / %"}, "zeroline": True},
+            "xaxis": {
+                "title": {"text": "share of the mean square mismatch / %"},
+                "zeroline": True,
+                "range": [low - (beside if low < 0.0 else 0.0), high + beside],
+            },
             "yaxis": {"ticks": ""},
             "showlegend": False,
             "bargap": 0.35,
