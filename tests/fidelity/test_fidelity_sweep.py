@@ -9,12 +9,12 @@ import sys
 import time
 from collections import Counter
 from collections.abc import Iterator
-from importlib import import_module
 from pathlib import Path
 from typing import Any
 
 import pytest
 import sweep_deaths
+from dask_cluster import two_workers
 from interruptible import listening
 from jsonschema import Draft202012Validator
 
@@ -244,50 +244,17 @@ def test_random_suites_are_the_same_every_time_and_differ_from_each_other() -> N
 # ---- on a cluster
 
 
-def _dask(*arguments: str) -> "subprocess.Popen[str]":
-    return subprocess.Popen(
-        [sys.executable, "-m", "dask", *arguments],
-        stdout=subprocess.DEVNULL,
-        stderr=subprocess.PIPE,
-        text=True,
-        env={**os.environ, "PYTHONPATH": SUPPORT},
-    )
-
-
 @pytest.fixture
 def cluster() -> Iterator[tuple[str, list["subprocess.Popen[str]"]]]:
-    """A scheduler and two worker processes of one thread on this machine."""
-    pytest.importorskip("distributed")
-    import socket
-
-    with socket.socket() as probe:
-        probe.bind(("127.0.0.1", 0))
-        port = probe.getsockname()[1]
-    address = f"tcp://127.0.0.1:{port}"
-    started = [_dask("scheduler", "--host", "127.0.0.1", "--port", str(port), "--no-dashboard")]
-    started += [
-        _dask("worker", address, "--nthreads", "1", "--nworkers", "1", "--no-nanny", "--no-dashboard") for _ in range(2)
-    ]
-    try:
-        yield address, started
-    finally:
-        for process in started:
-            process.kill()
-        for process in started:
-            process.communicate()
-
-
-def _wait_for_two(address: str) -> None:
-    distributed: Any = import_module("distributed")
-    with distributed.Client(address, timeout=30, set_as_default=False) as client:
-        client.wait_for_workers(2, timeout=30)
+    """Two worker processes of one thread on this machine."""
+    with two_workers() as (address, processes):
+        yield address, processes
 
 
 def test_a_cluster_gives_the_same_rows_though_a_worker_is_killed(
     cluster: tuple[str, list["subprocess.Popen[str]"]], tmp_path: Path, swept: room.Sweep
 ) -> None:
     address, processes = cluster
-    _wait_for_two(address)
     killed: list[int] = []
 
     def kill_one(step: str, done: int, total: int) -> None:
@@ -307,7 +274,6 @@ def test_a_lost_scheduler_leaves_a_folder_to_resume(
     cluster: tuple[str, list["subprocess.Popen[str]"]], tmp_path: Path
 ) -> None:
     address, processes = cluster
-    _wait_for_two(address)
 
     def kill_scheduler(step: str, done: int, total: int) -> None:
         if done == 10:

@@ -16,6 +16,7 @@ import jsonschema
 import prove_cheater
 import prove_stub
 import pytest
+from dask_cluster import two_workers
 from interruptible import listening
 
 from harness.app import prove as room
@@ -89,6 +90,14 @@ def test_an_honest_proof_is_accepted(published: Path) -> None:
     assert (check.accepted, check.wrong, check.recordings, check.drawn_again, check.identical) == (True, [], 6, 6, 6)
     data = json.loads(check.model_dump_json(by_alias=True))
     jsonschema.validate(data, json.loads((FOLDER / "harness.proof-check-1.json").read_text()))
+
+
+def test_a_cluster_makes_a_proof_like_the_local_pool(tmp_path: Path) -> None:
+    with two_workers() as (address, _):
+        result = prove(ProveOptions(SIZES, cluster=address, blind=STUB), tmp_path / "out")
+    assert len(result.cases) == SIZES.total
+    assert all(case.said == "nothing" for case in result.cases)
+    assert verify_proof(tmp_path / "out").accepted
 
 
 def test_recordings_need_not_be_published(proof: Path) -> None:
