@@ -1,6 +1,7 @@
 """Noise of a channel from what a fitted model leaves of it: far smoother than the channel, so longer windows serve."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 
@@ -11,6 +12,7 @@ _SHARE_OF_PERIOD = 0.25
 _SHORTEST, _LONGEST = 12, 40
 _DEGREE = 3
 _OUTLYING = 5.0
+_SHOWS, _MOST_COLOUR = 2.5, 0.85
 _GRID = np.linspace(-0.9, 0.98, 95)
 
 
@@ -29,6 +31,25 @@ def _expected(keep: FloatArray) -> tuple[FloatArray, FloatArray]:
         seen = keep @ phi**lags @ keep
         level[i], product[i] = np.trace(seen), np.trace(seen, 1)
     return level, product / level
+
+
+def coloured_whole(residual: FloatArray, weight: FloatArray, said: Noise) -> Noise:
+    """Noise of first-order colour that a residual (n,) as a whole would be; ``said`` where it shows no such colour.
+
+    said : as windows tell it; they see little of a colour that lasts long beside them. weight (n,) : 0 for samples that
+    do not count. Positive colours only, short beside a motion of some twenty samples a period.
+    """
+    used = weight > 0.0
+    both = used[1:] & used[:-1]
+    power = float(np.mean(residual[used] ** 2)) if np.any(used) else 0.0
+    if power <= 0.0 or not np.any(both) or not said.found:
+        return said
+    n = int(np.count_nonzero(both))
+    phi = float(np.mean(residual[1:][both] * residual[:-1][both])) / power
+    phi += (1.0 + 3.0 * phi) / n  # its bias in a short series (Marriott and Pope 1954)
+    if not _SHOWS / math.sqrt(n) < phi < _MOST_COLOUR:
+        return said
+    return replace(said, sigma=math.sqrt(power), phi=phi)
 
 
 def residual_noise(t: FloatArray, residual: FloatArray, channel: FloatArray, period: float) -> Noise:

@@ -11,10 +11,10 @@ from itertools import zip_longest
 import numpy as np
 
 from harness.diagnosis.fit import Fit, whitened
-from harness.diagnosis.noise import residual_noise
+from harness.diagnosis.noise import coloured_whole, residual_noise
 from harness.diagnosis.problem import Problem
 from harness.diagnosis.select import DECISIVE, Step, extend, key_of, prune, settle
-from harness.diagnosis.structure import explains
+from harness.diagnosis.structure import explains, structure
 from harness.estimate.noise import Noise
 from harness.kernels.solve import Scales
 
@@ -25,6 +25,8 @@ _MOST_TERMS = 2
 _PART = 40.0
 """What a second term must take off BIC: of two terms that fit a third effect together one is often weak."""
 _NOISE_MOVED = 0.01
+_NOTHING_ELSE = 0.02
+"""Chance of structure in noise alone from which a residual is taken for coloured noise and nothing else."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -45,9 +47,19 @@ class Search:
 
 
 def noise_of(found: Fit, problem: Problem, omega: float) -> dict[str, Noise]:
-    """Noise per channel, and of a measured force, from what a fit leaves."""
+    """Noise per channel, and of a measured force, from what a fit leaves.
+
+    Windows much shorter than the motion tell noise from misfit, but not the colour of a coarse recording. Where the
+    whole residual is nothing but noise of first-order colour, it is that.
+    """
     period = 2.0 * math.pi / omega
-    return {c: residual_noise(problem.t, y - found.shown.y[c], y, period) for c, y in problem.channels.items()}
+    left = {c: y - found.shown.y[c] for c, y in problem.channels.items()}
+    said = {c: residual_noise(problem.t, left[c], y, period) for c, y in problem.channels.items()}
+    whole = {c: coloured_whole(left[c], problem.weight[c], said[c]) for c in said}
+    if problem.restarts is not None or all(whole[c] is said[c] for c in said):
+        return said
+    coloured = replace(problem, noise=problem.noise | whole)
+    return whole if structure(under(found, coloured), coloured, omega).p_value > _NOTHING_ELSE else said
 
 
 def under(found: Fit, problem: Problem) -> Fit:
