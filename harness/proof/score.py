@@ -153,7 +153,7 @@ def _measure(
     if truth.get("region"):
         spans = [span for m in found if m["name"] in want for span in (m.get("where") or {}).get("time_s", [])]
         values["overlap"].append(spans_overlap(spans, truth["region"], truth["duration"]))
-    for name in want:
+    for name in sorted(want):
         said = next((m for m in found if m["name"] == name), None)
         for parameter, value in truth["headline"].get(name, {}).items():
             p = (said or {}).get("parameters", {}).get(parameter) or {}
