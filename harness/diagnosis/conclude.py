@@ -51,7 +51,7 @@ def diagnose(problem: Problem, judge: Judge | None = None) -> Outcome:
     base = settle(under(base, problem), problem, scales)
     found = search(problem, base, scales)
     doubtful = problem.drive is None and (not found.explained or _knocked_at_release(found.chosen, scales))
-    free = _after_hand(found.problem, scales) if doubtful else None
+    free = after_hand(found.problem, scales) if doubtful else None
     if free is not None:
         return free
     trace = as_stepped(found, scales)
@@ -66,7 +66,7 @@ def _knocked_at_release(found: Fit, scales: Scales) -> bool:
     return since < SHOWN * math.pi / scales.omega
 
 
-def _after_hand(problem: Problem, scales: Scales) -> Outcome | None:
+def after_hand(problem: Problem, scales: Scales) -> Outcome | None:
     """What is concluded where viscous and Coulomb friction explain all but the beginning; None where they do not."""
     problem, touched = without_hand(problem, math.pi / scales.omega, UNSEEN)
     if touched == 0.0:

@@ -84,7 +84,8 @@ def _decay(recording: Recording, asked: Asked) -> tuple[Problem, tuple[str, ...]
     if moving.released:
         problem, touched = without_hand(problem, moving.half)
         if touched > 0.0:
-            notes = (*notes, f"{touched:.4g} s after the release are left out: no free decay of this slider, as if a hand was not yet off")
+            why = "no free decay of this slider, as if a hand was not yet off"
+            notes = (*notes, f"{touched:.4g} s after the release are left out: {why}")
     return problem, notes
 
 

@@ -58,7 +58,7 @@ def noise_of(found: Fit, problem: Problem, omega: float) -> dict[str, Noise]:
     whole = {c: coloured_whole(left[c], problem.weight[c], said[c]) for c in said}
     if problem.restarts is not None or all(whole[c] is said[c] for c in said):
         return said
-    coloured = replace(problem, noise=problem.noise | whole)
+    coloured = replace(problem, noise={**problem.noise, **whole})
     return whole if structure(under(found, coloured), coloured, omega).p_value > _NOTHING_ELSE else said
 
 

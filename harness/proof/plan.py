@@ -58,7 +58,7 @@ class Sizes:
 
 
 FULL = Sizes()
-SHORT = Sizes(14, 5, 2, 3)
+SHORT = Sizes(16, 5, 2, 1)
 
 
 @dataclass(frozen=True, slots=True)

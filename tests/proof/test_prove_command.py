@@ -53,6 +53,7 @@ def test_sizes_are_chosen_by_name() -> None:
     assert ProveOptions.chosen({"pairs": 7}).sizes == Sizes(300, 300, 7, 60)
 
 
+@pytest.mark.full
 def test_the_real_diagnosis_answers_blind(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
     """One hidden effect and one control through everything there is; then the folder is verified."""
     out = tmp_path / "proof"
