@@ -1,13 +1,12 @@
 """Catch what C libraries print: both streams, at the level of file descriptors, into the log."""
 
-import ctypes
 import logging
-import os
-import sys
 import tempfile
 import threading
 from collections.abc import Iterator
-from contextlib import contextmanager, suppress
+from contextlib import contextmanager
+
+from harness.core.divert import diverted
 
 _lock = threading.RLock()
 
@@ -16,33 +15,14 @@ _lock = threading.RLock()
 def quiet(log: logging.Logger) -> Iterator[None]:
     """Send everything written to descriptors 1 and 2 inside the block to ``log``, one debug record a line.
 
-    Python's own streams are flushed on the way in and out, so that nothing of theirs is caught. A stream that is closed
-    is left closed. Descriptors belong to the whole process: a second thread waits for the first, and what other threads
-    print meanwhile is caught too.
+    A second thread waits for the first, and what other threads print meanwhile is caught too.
     """
     with _lock, tempfile.TemporaryFile() as caught:
-        saved: dict[int, int] = {}
-        _flush()
-        for descriptor in (1, 2):
-            with suppress(OSError):
-                saved[descriptor] = os.dup(descriptor)
         try:
-            for descriptor in saved:
-                os.dup2(caught.fileno(), descriptor)
-            yield
+            with diverted(caught.fileno()):
+                yield
         finally:
-            _flush()
-            for descriptor, copy in saved.items():
-                os.dup2(copy, descriptor)
-                os.close(copy)
             caught.seek(0)
             for line in caught.read().decode(errors="replace").splitlines():
                 if line.strip():
                     log.debug("%s", line.rstrip())
-
-
-def _flush() -> None:
-    ctypes.CDLL(None).fflush(None)  # the C library keeps its own buffer when the stream is no terminal
-    for stream in (sys.stdout, sys.stderr):
-        with suppress(OSError, ValueError, AttributeError):
-            stream.flush()

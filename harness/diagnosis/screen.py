@@ -21,6 +21,7 @@ from harness.kernels.solve import By, Scales
 from harness.model.evidence import Evidence
 from harness.model.model import Model, ModelTerm
 from harness.model.term import SINGLE, Slot, Term
+from harness.model.term import Probe as TermProbe
 
 _SAMPLES = 2000
 _COLUMNS = 120
@@ -106,16 +107,23 @@ def _responses(model: Model, problem: Problem, batch: list[_Probe], scales: Scal
     return whitened(problem, shown.dy)
 
 
+def with_amplitudes(term: Term, start: TermProbe, amplitudes: FloatArray) -> TermProbe:
+    """Parameter values of a term's probe with its linear amplitude, or cosine and sine (1 or 2,), put in."""
+    index, values = term.amplitude, list(start)
+    assert index is not None
+    if term.phase is not None:
+        values[index] = float(np.hypot(amplitudes[0], amplitudes[1]))
+        values[term.phase] = float(np.arctan2(-amplitudes[1], amplitudes[0]))
+    else:
+        values[index] += float(amplitudes[0])
+    return tuple(values)
+
+
 def _combined(probe: _Probe, amplitudes: FloatArray) -> tuple[float, ...] | None:
     """Parameter values for these amplitudes, None where they lie out of bounds."""
     index = probe.term.amplitude
     assert index is not None
-    values = list(probe.values[0])
-    if probe.term.phase is not None:
-        values[index] = float(np.hypot(amplitudes[0], amplitudes[1]))
-        values[probe.term.phase] = float(np.arctan2(-amplitudes[1], amplitudes[0]))
-    else:
-        values[index] += float(amplitudes[0])
+    values = list(with_amplitudes(probe.term, probe.values[0], amplitudes))
     parameter = probe.term.parameters[index]
     if probe.term.phase is not None:
         values[index] = min(values[index], parameter.upper)

@@ -47,7 +47,7 @@ class Search:
 
 
 def noise_of(found: Fit, problem: Problem, omega: float) -> dict[str, Noise]:
-    """Noise per channel, and of a measured force, from what a fit leaves.
+    """Noise per channel from what a fit leaves.
 
     Windows much shorter than the motion tell noise from misfit, but not the colour of a coarse recording. Where the
     whole residual is nothing but noise of first-order colour, it is that.
@@ -56,7 +56,7 @@ def noise_of(found: Fit, problem: Problem, omega: float) -> dict[str, Noise]:
     left = {c: y - found.shown.y[c] for c, y in problem.channels.items()}
     said = {c: residual_noise(problem.t, left[c], y, period) for c, y in problem.channels.items()}
     whole = {c: coloured_whole(left[c], problem.weight[c], said[c]) for c in said}
-    if problem.restarts is not None or all(whole[c] is said[c] for c in said):
+    if all(whole[c] is said[c] for c in said):
         return said
     coloured = replace(problem, noise={**problem.noise, **whole})
     return whole if structure(under(found, coloured), coloured, omega).p_value > _NOTHING_ELSE else said

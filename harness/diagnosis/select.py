@@ -95,7 +95,7 @@ def _candidates(current: Fit, problem: Problem, scales: Scales, terms: Sequence[
         found = screen(fitted, part, seen, scales, terms)
         best = found[0].gain if found else 0.0
         least = max(_WORTH, _SHARE_OF_BEST * best)
-        worthy += [c for c in found if c.gain >= (least if len(c.term.parameters) > 1 else min(least, _WORTH_OF_ONE))]
+        worthy += [c for c in found if c.gain >= (least if len(c.term.parameters) > 1 else _WORTH_OF_ONE)]
         excess = fitted.chi2 - fitted.points
         if excess > 3.0 * math.sqrt(2.0 * fitted.points) or best > 2.0 * math.log(fitted.points):
             worthy += direct(fitted, part, seen, terms)

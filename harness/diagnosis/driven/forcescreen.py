@@ -11,8 +11,9 @@ from harness.diagnosis.driven.force import inverse_force
 from harness.diagnosis.driven.forcefit import ForceFit
 from harness.diagnosis.driven.measured import Measured
 from harness.diagnosis.driven.ripple import periods
+from harness.diagnosis.peaks import peaks
 from harness.diagnosis.problem import Problem
-from harness.diagnosis.screen import applicable
+from harness.diagnosis.screen import applicable, with_amplitudes
 from harness.kernels.solve import Scales
 from harness.model.evidence import Evidence
 from harness.model.model import Model, ModelTerm
@@ -38,9 +39,7 @@ def _evidence(found: ForceFit, measured: Measured, problem: Problem, scales: Sca
     times = measured.t.reshape(measured.moving.size, -1).mean(axis=1)
     step = float(np.median(np.diff(times)))
     power = np.abs(np.fft.rfft(every * np.hanning(every.size), 4 * every.size)) ** 2
-    inner = power[1:-1]
-    tops = np.flatnonzero((inner > power[:-2]) & (inner >= power[2:])) + 1
-    tops = tops[np.argsort(power[tops])[::-1]][:_PEAKS]
+    tops = peaks(power)[:_PEAKS]
     x, v = measured.x, measured.v
     return Evidence(
         x_scale=float(np.max(np.abs(x))),
@@ -97,7 +96,7 @@ def starts(found: ForceFit, measured: Measured, problem: Problem, scales: Scales
                 continue
             amplitudes = np.asarray(np.linalg.lstsq(answers, found.residual, rcond=1e-10)[0], dtype=np.float64)
             gain = float(found.residual @ answers @ amplitudes)
-            ranked.append((gain, _started(term, group, amplitudes)))
+            ranked.append((gain, _within_bounds(term, with_amplitudes(term, group[0], amplitudes))))
         ranked.sort(key=lambda r: -r[0])
         yield from (_with(found.model, term, values) for _, values in ranked[:_KEPT])
 
@@ -116,15 +115,5 @@ def _answer(found: ForceFit, measured: Measured, term: Term, probe: Probe) -> Fl
     return (measured.asked(_with(found.model, term, tuple(unit))) - none) / size
 
 
-def _started(term: Term, group: list[Probe], amplitudes: FloatArray) -> Probe:
-    """Parameters for these amplitudes, within their bounds."""
-    index, values = term.amplitude, list(group[0])
-    assert index is not None
-    if term.phase is not None:
-        values[index] = float(np.hypot(amplitudes[0], amplitudes[1]))
-        values[term.phase] = float(np.arctan2(-amplitudes[1], amplitudes[0]))
-    else:
-        values[index] += float(amplitudes[0])
-    parameter = term.parameters[index]
-    values[index] = min(max(values[index], parameter.lower), parameter.upper)
-    return tuple(values)
+def _within_bounds(term: Term, values: Probe) -> Probe:
+    return tuple(min(max(v, p.lower), p.upper) for v, p in zip(values, term.parameters, strict=True))

@@ -8,6 +8,7 @@ import numpy as np
 from harness.core.arrays import FloatArray
 from harness.diagnosis.driven.force import inverse_force
 from harness.diagnosis.driven.protocol import Filtered
+from harness.diagnosis.peaks import peaks
 from harness.model.model import Model
 
 _LEAST_CYCLES, _MOST_CYCLES = 8.0, 400.0
@@ -50,9 +51,7 @@ def periods(x: FloatArray, force: FloatArray, count: int = 6) -> list[float]:
     """Periods (m) at which a force (n,) left over at positions x (n,) stands out, strongest first."""
     travel = float(np.ptp(x))
     power = _spectrum(x, force - float(np.mean(force)))
-    tops = np.flatnonzero((power[1:-1] > power[:-2]) & (power[1:-1] >= power[2:])) + 1
-    strongest = tops[np.argsort(power[tops])[::-1]][:count]
-    return [travel / (_LEAST_CYCLES + i / _PER_CYCLE) for i in strongest.tolist()]
+    return [travel / (_LEAST_CYCLES + i / _PER_CYCLE) for i in peaks(power)[:count].tolist()]
 
 
 def _spectrum(x: FloatArray, y: FloatArray) -> FloatArray:

@@ -149,7 +149,7 @@ def missed_section(cases: Sequence[Data]) -> Tables:
         more = f" The first {MOST_ROWS} are shown." if len(wrong) > MOST_ROWS else ""
         caption = f"{len(here) - len(wrong)} of {len(here)} answered right.{more}"
         rows = [_missed(case) for case in wrong[:MOST_ROWS]]
-        tables.append(Table("hidden", columns if rows else [], rows, caption, title))
+        tables.append(Table("hidden", columns, rows, caption, title))
     return Tables("What was not answered right", tables)
 
 
