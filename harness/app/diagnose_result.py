@@ -13,10 +13,11 @@ from harness.app.machine import this_machine
 from harness.app.reading import recording_info
 from harness.core.errors import SimulationError
 from harness.core.recording import Recording
-from harness.diagnosis.engines import engine_fit, rmse
+from harness.diagnosis.engines import engine_fit
 from harness.diagnosis.fit import Fit
 from harness.diagnosis.outcome import Holdout, Mechanism, Outcome
 from harness.diagnosis.problem import Problem
+from harness.diagnosis.rmse import rmse
 from harness.model.document import to_document
 from harness.model.model import Model
 from harness.results.common import P, RecordingInfo

@@ -9,11 +9,11 @@ from harness.core.errors import InputError
 from harness.core.recording import Recording
 from harness.diagnosis.baseline import baseline
 from harness.diagnosis.driven.validate import Judge, window_rmse
-from harness.diagnosis.engines import rmse
 from harness.diagnosis.fit import fit
 from harness.diagnosis.outcome import Outcome
 from harness.diagnosis.parameters import free_of
 from harness.diagnosis.prepare import is_driven
+from harness.diagnosis.rmse import rmse
 from harness.model.model import Model
 from harness.results.diagnosis import ForceError, ValidationResult
 

@@ -7,8 +7,8 @@ from harness.core.quantity import Quantity
 from harness.diagnosis.advice import next_experiment
 from harness.diagnosis.baseline import baseline
 from harness.diagnosis.decided import doubt
-from harness.diagnosis.driven.holdout import holdout_windows, left_said
-from harness.diagnosis.driven.search import search_driven
+from harness.diagnosis.driven.holdout import holdout_windows
+from harness.diagnosis.driven.search import left_said, search_driven
 from harness.diagnosis.driven.validate import Judge
 from harness.diagnosis.fit import Fit
 from harness.diagnosis.holdout import forced, holdout

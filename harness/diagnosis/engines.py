@@ -13,6 +13,7 @@ from harness.core.trajectory import Trajectory
 from harness.diagnosis.driven.starts import starts_of
 from harness.diagnosis.observe import observe
 from harness.diagnosis.problem import Problem
+from harness.diagnosis.rmse import rms, rmse
 from harness.diagnosis.sensors import latest, sensed
 from harness.kernels.solve import Drive, Scales
 from harness.model.model import Model
@@ -127,19 +128,9 @@ def suitable_step(problem: Problem, scales: Scales) -> float:
     return interval / math.ceil(interval / longest)
 
 
-def rmse(shown: Mapping[str, FloatArray], problem: Problem) -> dict[str, float]:
-    """Root mean square of recording minus ``shown`` by channel, in its unit, over the samples that count."""
-    return {c: _rms(y - shown[c], problem, c) for c, y in problem.channels.items()}
-
-
 def _own_error(shown: Mapping[str, FloatArray], exact: Mapping[str, FloatArray], problem: Problem) -> dict[str, float]:
     """Rms by channel of what an engine shows against the exact, in units of the noise."""
-    return {c: _rms(shown[c] - exact[c], problem, c) / problem.noise[c].sigma for c in shown}
-
-
-def _rms(difference: FloatArray, problem: Problem, channel: str) -> float:
-    counts = problem.weight[channel] > 0.0
-    return float(np.sqrt(np.mean(difference[counts] ** 2)))
+    return {c: rms(shown[c] - exact[c], problem.weight[c] > 0.0) / problem.noise[c].sigma for c in shown}
 
 
 def _steps(problem: Problem, dt: float) -> int:

@@ -19,6 +19,7 @@ from harness.diagnosis.observe import FINE, observe
 from harness.diagnosis.outcome import Forced, Holdout, Spans
 from harness.diagnosis.parameters import base_of, free_of
 from harness.diagnosis.problem import Problem
+from harness.diagnosis.rmse import rmse
 from harness.diagnosis.screen import screen
 from harness.diagnosis.spans import spans_of
 from harness.kernels.solve import Scales
@@ -51,7 +52,7 @@ def _rmse(found: Fit, problem: Problem, scales: Scales, out: BoolArray) -> dict[
     with suppress(SimulationError):
         found = fit(found.model, problem.weighted(~out), found.free, scales, 15, thorough=False)
     shown = observe(found.model, problem, (), scales, FINE)
-    return {c: float(np.sqrt(np.mean((y - shown.y[c])[out] ** 2))) for c, y in problem.channels.items()}
+    return rmse(shown.y, problem, out)
 
 
 def _best_ranked(base: Fit, singles: Sequence[Fit], problem: Problem, scales: Scales) -> Fit | None:

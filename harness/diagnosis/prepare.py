@@ -12,7 +12,7 @@ from harness.core.recording import MINIMUM_SAMPLES, Recording
 from harness.diagnosis.baseline import dominant_frequency
 from harness.diagnosis.driven.between import between_samples
 from harness.diagnosis.driven.cut import windows_of
-from harness.diagnosis.driven.hold import follows, held, is_held
+from harness.diagnosis.driven.hold import acting
 from harness.diagnosis.driven.inverse import inverse_start, state_of
 from harness.diagnosis.driven.measured import GAP
 from harness.diagnosis.driven.smooth import Smooth, smoothed
@@ -155,12 +155,11 @@ def _driven(recording: Recording, asked: Asked) -> tuple[Problem, tuple[str, ...
         angular=recording.angular,
         first=first,
     )
-    notes = []
-    if is_held(problem, u):
-        problem = replace(problem, drive=held(t, u))
-        notes.append("the force acts as a sampled controller's, held from each sample to the next")
+    drive, is_held, follows = acting(problem, u)
+    problem = replace(problem, drive=drive)
+    notes = ["the force acts as a sampled controller's, held from each sample to the next"] if is_held else []
     gaps = float(np.max(np.diff(t))) > longest
-    if asked.horizon is None and not gaps and follows(problem):
+    if asked.horizon is None and not gaps and follows:
         return problem, ("driven: the whole recording is followed from one start", *notes)
     horizon = HORIZON if asked.horizon is None else asked.horizon
     windows = windows_of(t, state, smooth, horizon, longest)

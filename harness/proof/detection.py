@@ -8,6 +8,7 @@ pays k ln N for them in BIC: well below that loss nobody who goes by BIC can nam
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -63,9 +64,7 @@ def draw_series(kind: str, seed: int, series: int = 0, losses: Sequence[float] =
     """
     if kind not in FAMILY or kind == "static-friction":
         raise InputError("kind", kind, "a name of the catalogue that shows in a free decay is accepted")
-    rng = np.random.default_rng([seed, 2, series])
-    drawn = [draw(kind, rng) for _ in range(DRAWS)]
-    case, loss = min(((c, clean_loss(c)) for c in drawn), key=lambda pair: pair[1])
+    case, loss = _faintest(kind, seed, series)
     price = free_numbers(case) * math.log(case.base.samples * len(case.channels))
     steps = []
     for wanted in losses:
@@ -75,6 +74,14 @@ def draw_series(kind: str, seed: int, series: int = 0, losses: Sequence[float] =
         spoiled = record(case.base, case.effects, case.setting, case.channels, noise, unit)
         steps.append(Step(spoiled, series, wanted, price))
     return steps
+
+
+@lru_cache(maxsize=16)
+def _faintest(kind: str, seed: int, series: int) -> tuple[Case, float]:
+    """The case of a series and its loss; its levels are drawn one by one, and this is the same for all."""
+    rng = np.random.default_rng([seed, 2, series])
+    drawn = [draw(kind, rng) for _ in range(DRAWS)]
+    return min(((case, clean_loss(case)) for case in drawn), key=lambda pair: pair[1])
 
 
 def clean_loss(case: Case) -> float:

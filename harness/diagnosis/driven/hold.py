@@ -24,25 +24,21 @@ def held(t: FloatArray, u: FloatArray) -> Drive:
     return Drive(t + 0.5 * float(np.median(np.diff(t))), u)
 
 
-def is_held(problem: Problem, u: FloatArray) -> bool:
-    """Whether the base model follows the recording better with the force u (n,) held. Raises SimulationError."""
-    assert problem.first is not None
-    part = problem.part(slice(0, _SAMPLES))
-    model = problem.first
-    scales, free = driven_scales(problem, model), free_of(model, base_names(problem))
-    straight = fit(model, part, free, scales, _ITERATIONS, COARSE, thorough=False)
-    stepped = fit(model, replace(part, drive=held(problem.t, u)), free, scales, _ITERATIONS, COARSE, thorough=False)
-    return stepped.chi2 < _BETTER * straight.chi2
+def acting(problem: Problem, u: FloatArray) -> tuple[Drive, bool, bool]:
+    """How the force u (n,) acts, whether held, and whether the base model then follows the whole from one start.
 
-
-def follows(problem: Problem) -> bool:
-    """Whether the base model follows the whole from one start, but for a misfit that a law may explain.
-
-    Where it strays by hundreds of times what the sensor's noise is, as an encoder shows of a real drive, no law says
-    the force well enough for that: then the force itself is what can be compared. Raises SimulationError.
+    It is held where the base model follows the recording better so. The model strays where its misfit is hundreds of
+    times what the sensor's noise is, as an encoder shows of a real drive: then no law says the force well enough, and
+    the force itself is what can be compared. Raises SimulationError.
     """
     assert problem.first is not None
-    part = problem.part(slice(0, _SAMPLES))
-    scales = driven_scales(problem, problem.first)
-    found = fit(problem.first, part, free_of(problem.first, base_names(problem)), scales, _ITERATIONS, COARSE, False)
-    return found.chi2 < _STRAYS**2 * found.points
+    assert problem.drive is not None
+    part, stepped = problem.part(slice(0, _SAMPLES)), held(problem.t, u)
+    scales, free = driven_scales(problem, problem.first), free_of(problem.first, base_names(problem))
+    straight, in_steps = (
+        fit(problem.first, replace(part, drive=drive), free, scales, _ITERATIONS, COARSE, thorough=False)
+        for drive in (problem.drive, stepped)
+    )
+    is_held = in_steps.chi2 < _BETTER * straight.chi2
+    found = in_steps if is_held else straight
+    return stepped if is_held else problem.drive, is_held, found.chi2 < _STRAYS**2 * found.points

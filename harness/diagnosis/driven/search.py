@@ -4,7 +4,10 @@ With another recording as judge a further law is kept only if the force error th
 standard error explains; what is left of a real drive is never white, so that evidence counts independent values only.
 """
 
+import math
 from dataclasses import replace
+
+import numpy as np
 
 from harness.core.errors import SimulationError
 from harness.diagnosis.baseline import base_names, driven_scales
@@ -87,3 +90,14 @@ def _extended(current: ForceFit, measured: Measured, problem: Problem, scales: S
         return []
     independent = min(best.values(), key=lambda f: f.squares).independent()
     return sorted(best.values(), key=lambda f: f.bic(independent))
+
+
+def left_said(problem: Problem) -> str:
+    """What a fitted force leaves, said plainly: it was not tested for being noise."""
+    assert problem.drive is not None
+    level = problem.noise["u"].sigma
+    share = 100.0 * level / math.sqrt(float(np.mean(problem.drive.u**2)))
+    return (
+        f"{level:.3g} N rms of the force ({share:.2g} %) are left over; they count as the drive's own, coloured, and"
+        " were not tested for being noise"
+    )

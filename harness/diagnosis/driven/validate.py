@@ -12,6 +12,7 @@ from harness.diagnosis.driven.force import inverse_force
 from harness.diagnosis.driven.protocol import PUBLISHED, Filtered
 from harness.diagnosis.observe import observe
 from harness.diagnosis.problem import Problem
+from harness.diagnosis.rmse import rmse
 from harness.kernels.solve import Scales
 from harness.model.model import Model, ModelTerm
 
@@ -100,5 +101,4 @@ def without_ripple(model: Model) -> Model:
 
 def window_rmse(model: Model, problem: Problem, scales: Scales) -> Mapping[str, float]:
     """Root mean square of recording minus model by channel, window by window, nothing fitted but the starts."""
-    shown = observe(model, problem, (), scales)
-    return {c: float(np.sqrt(np.mean((y - shown.y[c]) ** 2))) for c, y in problem.channels.items()}
+    return rmse(observe(model, problem, (), scales).y, problem)
