@@ -11,7 +11,6 @@ from harness.app.dataset import Emps
 from harness.core.errors import InputError
 from harness.core.recording import Recording
 from harness.diagnosis.baseline import base_names, baseline
-from harness.diagnosis.driven.between import between_samples
 from harness.diagnosis.driven.force import inverse_force
 from harness.diagnosis.driven.forcefit import correlation_time, fit_force
 from harness.diagnosis.driven.measured import Measured
@@ -113,15 +112,6 @@ def test_ripple_of_a_fast_axis_is_found_over_its_travel() -> None:
     x = 0.1 * np.sin(2.0 * t) + 0.02 * np.sin(5.3 * t)
     force = 0.5 * np.cos(2.0 * np.pi * x / 0.0031 + 0.4) + np.random.default_rng(1).standard_normal(t.size)
     assert periods(x, force)[0] == pytest.approx(0.0031, rel=5e-3)
-
-
-def test_smooth_force_is_followed_smoothly_and_noise_straight() -> None:
-    t = np.arange(400) / 50.0
-    fine = np.linspace(0.0, t[-1], 3000)
-    smooth = between_samples(t, np.sin(6.0 * t))
-    missed = np.max(np.abs(np.interp(fine, smooth.t, smooth.u) - np.sin(6.0 * fine)))
-    assert missed < 0.2 * np.max(np.abs(np.interp(fine, t, np.sin(6.0 * t)) - np.sin(6.0 * fine)))
-    assert between_samples(t, np.random.default_rng(0).standard_normal(t.size)).t.size == t.size
 
 
 def test_direction_dependent_friction_beats_the_base_and_has_its_value() -> None:

@@ -22,7 +22,7 @@ from harness.kernels.solve import Scales
 from harness.model.model import Model
 
 _STEP = 1e-6
-_FIRST_DAMPING, _MOST_DAMPING = 1e-6, 1e6
+_FIRST_DAMPING, _LEAST_DAMPING, _MOST_DAMPING = 1e-6, 1e-12, 1e6
 _ITERATIONS = 25
 _DONE = 1e-7
 """Share of the sum of squares below which a step is the last."""
@@ -120,7 +120,7 @@ def fit_force(model: Model, measured: Measured, free: tuple[Free, ...]) -> Force
             left = force - measured.asked(trial)
             if np.all(np.isfinite(left)) and float(left @ left) < best.squares:
                 better = _seen(trial, measured, free, force)
-                damping *= 0.1
+                damping = max(0.1 * damping, _LEAST_DAMPING)
             else:
                 damping *= 10.0
         if better is None:
