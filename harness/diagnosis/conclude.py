@@ -17,7 +17,7 @@ from harness.diagnosis.outcome import Alternative, Mechanism, Outcome, Verdict
 from harness.diagnosis.problem import Problem
 from harness.diagnosis.release import SHOWN, UNSEEN, without_hand
 from harness.diagnosis.search import Search, noise_of, search, under
-from harness.diagnosis.select import DECISIVE, key_of, settle
+from harness.diagnosis.select import DECISIVE, extend, key_of, settle
 from harness.diagnosis.spans import spans_of
 from harness.diagnosis.stepping import as_stepped
 from harness.diagnosis.steps import Stepping
@@ -76,7 +76,10 @@ def after_hand(problem: Problem, scales: Scales) -> Outcome | None:
     base = settle(under(base, problem), problem, scales)
     if len(base.shown.events) < _FEWEST_TURNS or not explains(base, problem, scales.omega):
         return None
-    outcome = conclude(Search(problem, base, base, (), (), explained=True), scales)
+    singles = extend(base, problem, scales).fits
+    if singles and singles[0].bic < base.bic - DECISIVE:
+        return None
+    outcome = conclude(Search(problem, base, base, singles, singles, explained=True), scales)
     said = f"the first {touched:.4g} s are left out: no free decay, as if a hand had not yet been off"
     return replace(outcome, warnings=(*outcome.warnings, said))
 

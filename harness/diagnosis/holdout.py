@@ -2,7 +2,7 @@
 
 The first period is among them where something is missing: from smaller swings to the largest is the hardest way to
 predict. A term that is forced in where nothing is missing has no such claim, and with the first swing out nothing would
-hold its amplitude: there the first period stays in the fit, and the second is the first one held out.
+hold its amplitude: there every third half-cycle is held out, in either direction by turns, and the first two are not.
 """
 
 import math
@@ -11,7 +11,7 @@ from contextlib import suppress
 
 import numpy as np
 
-from harness.core.arrays import BoolArray
+from harness.core.arrays import BoolArray, FloatArray
 from harness.core.errors import SimulationError
 from harness.diagnosis.evidence import evidence
 from harness.diagnosis.fit import Fit, fit
@@ -32,18 +32,31 @@ _SHOWN = 0.25
 """Share of its time in which an effect must act outside of what is held out, or its spans stay in the fit too."""
 
 
-def _held_out(problem: Problem, omega: float, keep: Spans, begin: int = 0) -> tuple[Spans, BoolArray]:
-    """Spans of every second full period from number ``begin`` on, and which samples lie in them, not in ``keep``."""
+def _periods(problem: Problem, omega: float) -> Spans:
+    """Every second full period, the first one included."""
+    return _every(problem.t, 2.0 * math.pi / omega, 0, 2)
+
+
+def _half_cycles(problem: Problem, omega: float) -> Spans:
+    """Every third half-cycle, but for the first period."""
+    return _every(problem.t, math.pi / omega, 2, 3)
+
+
+def _every(t: FloatArray, width: float, begin: int, stride: int) -> Spans:
+    """Stretches of a width (s) that lie whole within t (n,), s: number ``begin`` and every ``stride``-th from there."""
+    count, start = int((t[-1] - t[0]) / width), float(t[0])
+    return tuple((start + i * width, start + (i + 1) * width) for i in range(begin, count, stride))
+
+
+def _held_out(problem: Problem, spans: Spans, keep: Spans) -> BoolArray:
+    """Samples in spans, and not in ``keep``."""
     t = problem.t
-    period = 2.0 * math.pi / omega
-    count = int((t[-1] - t[0]) / period)
-    spans = [(float(t[0]) + i * period, float(t[0]) + (i + 1) * period) for i in range(begin, count, 2)]
     out = np.zeros(t.size, dtype=bool)
     for low, high in spans:
         out |= (t >= low) & (t < high)
     for low, high in keep:
         out &= ~((t >= low) & (t <= high))
-    return tuple(spans), out
+    return out
 
 
 def _rmse(found: Fit, problem: Problem, scales: Scales, out: BoolArray) -> dict[str, float]:
@@ -77,7 +90,7 @@ def forced(base: Fit, singles: Sequence[Fit], problem: Problem, scales: Scales) 
         return None
     entry = ranked.model.terms[-1]
     keep = spans_of(entry, ranked, problem, scales.omega) if entry.term.name in _KEPT_IN else ()
-    _, out = _held_out(problem, scales.omega, keep, 1)
+    out = _held_out(problem, _half_cycles(problem, scales.omega), keep)
     if not np.any(out):
         return None
     return Forced(entry.term.name, _rmse(base, problem, scales, out), _rmse(ranked, problem, scales, out))
@@ -95,9 +108,10 @@ def holdout(
     base: Fit, refined: Fit, problem: Problem, scales: Scales, acting: list[tuple[ModelTerm, Spans]]
 ) -> Holdout:
     """Held-out rmse by channel of the base model and the refined one; no spans below two periods."""
-    _, taken = _held_out(problem, scales.omega, ())
+    spans = _periods(problem, scales.omega)
+    taken = _held_out(problem, spans, ())
     keep = tuple(span for entry, own in acting if _shown_nowhere_else(entry, own, problem, taken) for span in own)
-    spans, out = _held_out(problem, scales.omega, keep)
+    out = _held_out(problem, spans, keep)
     if not np.any(out):
         return Holdout((), {}, {})
     before = _rmse(base, problem, scales, out)

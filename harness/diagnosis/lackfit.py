@@ -32,6 +32,10 @@ _LOWEST_FLOOR = 0.5
 _SURROUNDINGS = 64
 _INSIDE = 1e-2
 """A fitted direction with less than this share of its power outside a band is lost to it."""
+_MOST_PARTS = 8
+_SEEN = 1e-6
+"""Share of its power in a part from which a fitted direction is seen there."""
+_TRUSTED = 1e-4
 
 
 @dataclass(frozen=True, slots=True)
@@ -248,6 +252,41 @@ def _phases(channels: Mapping[str, _Channel], motion: Motion) -> list[tuple[str,
     return [("a mean that depends on the part of the swing", _p(chi2, k, float(sum(m))), chi2 / max(k, 1.0))]
 
 
+def _constancy(
+    channels: Mapping[str, _Channel], t: FloatArray, motion: Motion, gain: float
+) -> list[tuple[str, float, float]]:
+    """Whether each part of a recording asks for the same parameters as the whole does (Nyblom 1989, in blocks).
+
+    To first order a part's own fit takes from its residual what lies along the partials there: few directions, and a
+    model that only mimics fails in them first. What is a hundredth of an explained effect in size, gain in chi-square,
+    counts as explained with it: so far a simulation is trusted next to jumps.
+    """
+    turns = (t - t[0]) * motion.omega / (2.0 * math.pi)
+    cycles = np.minimum((turns * _MOST_PARTS / max(float(turns[-1]), _MOST_PARTS)).astype(np.int64), _MOST_PARTS - 1)
+    halves = [(f"part {n}", np.minimum((n * np.arange(t.size)) // t.size, n - 1)) for n in (2, 4)]
+    parts = [*halves, ("cycle", cycles), ("direction", (motion.v > 0.0).astype(np.int64)),
+             ("side", (motion.x > 0.0).astype(np.int64))]  # fmt: skip
+    m = float(sum(one.freedom for one in channels.values()))
+    fitted = next(iter(channels.values())).basis.shape[1]
+    out = []
+    for name, label in parts:
+        chi2, k = 0.0, -float(fitted)
+        for part in range(int(label.max()) + 1):
+            score, gram = np.zeros(fitted), np.zeros((fitted, fitted))
+            for one in channels.values():
+                inside = label[one.kept] == part
+                score += one.basis[inside].T @ one.r[inside]
+                gram += one.basis[inside].T @ one.basis[inside]
+            values, vectors = np.linalg.eigh(gram)
+            seen = values > _SEEN
+            chi2 += float(np.sum((vectors.T @ score)[seen] ** 2 / values[seen]))
+            k += float(np.count_nonzero(seen))
+        chi2 = max(chi2 - _TRUSTED * gain, 0.0)
+        if k >= 1.0:
+            out.append((f"parameters that depend on the {name}", _p(chi2, k, m), chi2 / k))
+    return out
+
+
 def _combined(p_values: Sequence[float]) -> float:
     """One p-value of several dependent ones (Liu and Xie 2020, the Cauchy combination: exact in the tail)."""
     p = np.clip(np.asarray(p_values), 1e-300, 1.0 - 1e-12)
@@ -265,13 +304,14 @@ def lack_of_fit(
     jacobian: Mapping[str, FloatArray] | None = None,
     doubtful: Mapping[str, BoolArray] | None = None,
     motion: Motion | None = None,
+    gain: float = 0.0,
 ) -> LackOfFit:
     """Whether structure remains in whitened residuals (n,) of each channel at t (n,), s; omega of the motion, rad/s.
 
     The level of the noise is taken from the residuals; samples that are exactly zero did not count in the fit.
     jacobian : whitened partials (n, q) of each channel by the fitted numbers, so that the test is exact although the
     fit has taken its share. doubtful : samples that may lie on the wrong side of a jump. motion : to look at parts of
-    the swing too. Linear in samples.
+    the swing too, and of the recording. gain : chi-square that the model's terms explain. Linear in samples.
     """
     names = [c for c, r in residuals.items() if np.count_nonzero(r) >= 40]
     if not names:
@@ -283,6 +323,7 @@ def lack_of_fit(
     tests = _bands(channels) + _stretches(channels) + _lines(channels)
     if motion is not None:
         tests += _phases(channels, motion)
+        tests += _constancy(channels, t, motion, gain)
     p = _combined([test[1] for test in tests])
     name, _, ratio = min(tests, key=lambda test: (test[1], -test[2]))
     if p < 0.05:

@@ -70,9 +70,10 @@ def under(found: Fit, problem: Problem) -> Fit:
     return replace(found, residual=residual, jacobian=jacobian, chi2=float(residual @ residual), points=problem.points)
 
 
-def _simplest(fits: tuple[Fit, ...]) -> Fit:
-    """The best by BIC, unless a smaller model is as good."""
-    near = [f for f in fits if f.bic < fits[0].bic + DECISIVE]
+def _simplest(fits: tuple[Fit, ...], before: Fit) -> Fit:
+    """The best by BIC, unless a smaller model is as good; each better by what is decisive than the one before."""
+    most = min(fits[0].bic + DECISIVE, before.bic - DECISIVE)
+    near = [f for f in fits if f.bic < most] or [fits[0]]
     return min(near, key=lambda f: (len(f.free), f.bic))
 
 
@@ -96,7 +97,11 @@ def _renew(
 
 def search(problem: Problem, base: Fit, scales: Scales) -> Search:
     """Find the smallest model that explains a recording."""
-    return _levelled(_search(problem, base, scales))
+    found = _levelled(_search(problem, base, scales))
+    if not found.chosen.model.terms or found.base.bic > found.chosen.bic + DECISIVE:
+        return found
+    # what counts as noise has grown since the term was decided for
+    return replace(found, chosen=found.base, explained=explains(found.base, found.problem, scales.omega))
 
 
 def _search(problem: Problem, base: Fit, scales: Scales) -> Search:
@@ -106,29 +111,29 @@ def _search(problem: Problem, base: Fit, scales: Scales) -> Search:
     problem, best, singles = _renew(problem, scales, singles[0], singles)
     base = under(base, problem)
     singles = tuple(sorted((*(f for f in singles if key_of(f) != key_of(best)), best), key=lambda f: f.bic))
-    chosen, rivals = _simplest(singles), singles
-    explained = explains(chosen, problem, scales.omega)
+    chosen, rivals = _simplest(singles, base), singles
+    explained = explains(chosen, problem, scales.omega, base)
     beam = _beam(singles)
     while len(chosen.model.terms) < _MOST_TERMS:
         first = extend(chosen, problem, scales)
         promising = bool(first.fits) and first.fits[0].bic < chosen.bic - _PART
         if explained and not promising:
             break
-        found = first.fits if explained else _wider(first, chosen, beam, problem, scales)
+        found = first.fits if explained else _wider(first, chosen, beam, problem, scales, base)
         if not found or found[0].bic > chosen.bic - _PART:
             break
         problem, best, found = _renew(problem, scales, found[0], found)
         found = tuple(sorted((*(f for f in found if key_of(f) != key_of(best)), best), key=lambda f: f.bic))
         base = under(base, problem)
         singles = tuple(sorted((under(f, problem) for f in singles), key=lambda f: f.bic))
-        chosen, rivals = _simplest(found), found
-        explained = explains(chosen, problem, scales.omega)
+        chosen, rivals = _simplest(found, under(chosen, problem)), found
+        explained = explains(chosen, problem, scales.omega, base)
         beam = list(found[:2])
     pruned = prune(chosen, problem, scales)
     if len(pruned.model.terms) < len(chosen.model.terms):
         chosen = settle(pruned, problem, scales)
         rivals = singles if len(chosen.model.terms) <= 1 else rivals
-        explained = explains(chosen, problem, scales.omega)
+        explained = explains(chosen, problem, scales.omega, base)
     return Search(problem, base, chosen, singles, rivals, explained)
 
 
@@ -163,7 +168,7 @@ def _beam(singles: tuple[Fit, ...]) -> list[Fit]:
     return [f for i, f in enumerate(in_turn) if all(f is not other for other in in_turn[:i])]
 
 
-def _wider(first: Step, chosen: Fit, beam: list[Fit], problem: Problem, scales: Scales) -> tuple[Fit, ...]:
+def _wider(first: Step, chosen: Fit, beam: list[Fit], problem: Problem, scales: Scales, base: Fit) -> tuple[Fit, ...]:
     """Extensions of the chosen model and of its rivals, best first, as far as it takes to find one that explains.
 
     A pair is tried with each of its terms exchanged before it counts as the best one.
@@ -173,7 +178,7 @@ def _wider(first: Step, chosen: Fit, beam: list[Fit], problem: Problem, scales: 
         best = _merged(steps)[:1]
         parts = [f for f in waiting if best and set(key_of(f)) < set(key_of(best[0]))]
         enough = len(steps) >= _FEWEST_STARTS and not parts
-        if enough and best and explains(best[0], problem, scales.omega):
+        if enough and best and explains(best[0], problem, scales.omega, base):
             break
         following = parts[0] if parts else waiting[0]
         steps.append(extend(following, problem, scales))

@@ -10,8 +10,12 @@ SIGNIFICANT = 1e-3
 """Chance of structure in noise alone from which a model is said not to explain a recording."""
 
 
-def structure(found: Fit, problem: Problem, omega: float) -> LackOfFit:
-    """Structure left in a fit's residual, its own parameters allowed for."""
+NAMED = 5e-3
+"""The same for a model that names something: what mimics another effect shows little of it."""
+
+
+def structure(found: Fit, problem: Problem, omega: float, gain: float = 0.0) -> LackOfFit:
+    """Structure left in a fit's residual, its own parameters allowed for; gain : chi-square its terms explain."""
     n = problem.t.size
     parts = {c: slice(i * n, (i + 1) * n) for i, c in enumerate(problem.channels)}
     motion = Motion(found.shown.x, found.shown.v, found.shown.mode == Mode.STICK, omega)
@@ -21,9 +25,13 @@ def structure(found: Fit, problem: Problem, omega: float) -> LackOfFit:
         omega,
         jacobian={c: found.jacobian[at] for c, at in parts.items()},
         motion=motion,
+        gain=gain,
     )
 
 
-def explains(found: Fit, problem: Problem, omega: float) -> bool:
-    """Whether nothing but noise stays."""
-    return structure(found, problem, omega).p_value > SIGNIFICANT
+def explains(found: Fit, problem: Problem, omega: float, base: Fit | None = None) -> bool:
+    """Whether nothing but noise stays; base : the fit without terms, under the same noise."""
+    if not found.model.terms:
+        return structure(found, problem, omega).p_value > SIGNIFICANT
+    gain = 0.0 if base is None else max(base.chi2 - found.chi2, 0.0)
+    return structure(found, problem, omega, gain).p_value > NAMED
