@@ -3,6 +3,8 @@
 import math
 from dataclasses import replace
 
+import numpy as np
+
 from harness.core.quantity import Quantity
 from harness.diagnosis.advice import next_experiment
 from harness.diagnosis.baseline import baseline
@@ -16,7 +18,7 @@ from harness.diagnosis.numbers import AT_LEAST, base_parameters, term_parameters
 from harness.diagnosis.outcome import Alternative, Mechanism, Outcome, Verdict
 from harness.diagnosis.problem import Problem
 from harness.diagnosis.release import SHOWN, UNSEEN, without_hand
-from harness.diagnosis.search import Search, noise_of, search, under
+from harness.diagnosis.search import AMONG_NAMES, Search, noise_of, search, under
 from harness.diagnosis.select import DECISIVE, extend, key_of, settle
 from harness.diagnosis.spans import spans_of
 from harness.diagnosis.stepping import as_stepped
@@ -76,12 +78,19 @@ def after_hand(problem: Problem, scales: Scales) -> Outcome | None:
     base = settle(under(base, problem), problem, scales)
     if len(base.shown.events) < _FEWEST_TURNS or not explains(base, problem, scales.omega):
         return None
-    singles = extend(base, problem, scales).fits
-    if singles and singles[0].bic < base.bic - DECISIVE:
+    if _something_later(problem, scales):
         return None
-    outcome = conclude(Search(problem, base, base, singles, singles, explained=True), scales)
+    outcome = conclude(Search(problem, base, base, (), (), explained=True), scales)
     said = f"the first {touched:.4g} s are left out: no free decay, as if a hand had not yet been off"
     return replace(outcome, warnings=(*outcome.warnings, said))
+
+
+def _something_later(problem: Problem, scales: Scales) -> bool:
+    """Whether a term improves what follows the first quarter of a period, where no hand is any more."""
+    later = problem.part(slice(int(np.searchsorted(problem.t, problem.t[0] + SHOWN * math.pi / scales.omega)), None))
+    base, scales = baseline(later)
+    singles = extend(base, later, scales).fits
+    return bool(singles) and singles[0].bic < base.bic - AMONG_NAMES
 
 
 def conclude(found: Search, scales: Scales, stepping: Stepping | None = None) -> Outcome:

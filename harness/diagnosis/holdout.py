@@ -2,12 +2,14 @@
 
 The first period is among them where something is missing: from smaller swings to the largest is the hardest way to
 predict. A term that is forced in where nothing is missing has no such claim, and with the first swing out nothing would
-hold its amplitude: there every third half-cycle is held out, in either direction by turns, and the first two are not.
+hold its amplitude: there the first period stays, and of the others each third takes its turn at being held out.
+Samples next to a reversal are not compared there: on which side of the jump one lies is a matter of microseconds.
 """
 
 import math
 from collections.abc import Sequence
 from contextlib import suppress
+from dataclasses import replace
 
 import numpy as np
 
@@ -23,11 +25,12 @@ from harness.diagnosis.rmse import rmse
 from harness.diagnosis.screen import screen
 from harness.diagnosis.spans import spans_of
 from harness.kernels.solve import Scales
-from harness.model.model import ModelTerm
+from harness.model.model import Model, ModelTerm
 from harness.model.registry import TERMS
 
 _KEPT_IN = ("impulse", "sensor-clipping")
 """Effects whose own spans stay in the fit: nothing else in the recording shows them."""
+_TURNS = 3
 _SHOWN = 0.25
 """Share of its time in which an effect must act outside of what is held out, or its spans stay in the fit too."""
 
@@ -37,9 +40,9 @@ def _periods(problem: Problem, omega: float) -> Spans:
     return _every(problem.t, 2.0 * math.pi / omega, 0, 2)
 
 
-def _half_cycles(problem: Problem, omega: float) -> Spans:
-    """Every third half-cycle, but for the first period."""
-    return _every(problem.t, math.pi / omega, 2, 3)
+def _turns(problem: Problem, omega: float) -> list[Spans]:
+    """Every third full period, from the second, the third and the fourth one on."""
+    return [_every(problem.t, 2.0 * math.pi / omega, begin, _TURNS) for begin in range(1, _TURNS + 1)]
 
 
 def _every(t: FloatArray, width: float, begin: int, stride: int) -> Spans:
@@ -59,13 +62,21 @@ def _held_out(problem: Problem, spans: Spans, keep: Spans) -> BoolArray:
     return out
 
 
-def _rmse(found: Fit, problem: Problem, scales: Scales, out: BoolArray) -> dict[str, float]:
-    """Root mean square of data minus prediction at the samples held out, fitted without them."""
-    # where that fails the fit to all samples stands in; it can only flatter the side that failed
-    with suppress(SimulationError):
-        found = fit(found.model, problem.weighted(~out), found.free, scales, 15, thorough=False)
-    shown = observe(found.model, problem, (), scales, FINE)
-    return rmse(shown.y, problem, out)
+def _predicted(
+    found: Fit, problem: Problem, scales: Scales, out: BoolArray, other: Model | None = None
+) -> dict[str, FloatArray]:
+    """Channels (n,) as a model predicts them that is fitted without the samples held out.
+
+    other : a second model to start from; the fit that is nearer to what is not held out predicts.
+    """
+    kept, fits = problem.weighted(~out), []
+    for model in (found.model, other):
+        if model is not None:
+            with suppress(SimulationError):
+                fits.append(fit(model, kept, found.free, scales, 15, thorough=False))
+    # where none succeeds the fit to all samples stands in; it can only flatter the side that failed
+    best = min(fits, key=lambda f: f.chi2, default=found)
+    return observe(best.model, problem, (), scales, FINE).y
 
 
 def _best_ranked(base: Fit, singles: Sequence[Fit], problem: Problem, scales: Scales) -> Fit | None:
@@ -90,10 +101,36 @@ def forced(base: Fit, singles: Sequence[Fit], problem: Problem, scales: Scales) 
         return None
     entry = ranked.model.terms[-1]
     keep = spans_of(entry, ranked, problem, scales.omega) if entry.term.name in _KEPT_IN else ()
-    out = _held_out(problem, _half_cycles(problem, scales.omega), keep)
-    if not np.any(out):
+    outs = [_held_out(problem, spans, keep) for spans in _turns(problem, scales.omega)]
+    every = np.any(outs, axis=0) & ~_beside(problem.t, base.shown.events.t)
+    if not np.any(every):
         return None
-    return Forced(entry.term.name, _rmse(base, problem, scales, out), _rmse(ranked, problem, scales, out))
+    before, after = ({c: y.copy() for c, y in problem.channels.items()} for _ in range(2))
+    idle = _idle(ranked, base)
+    for out in (out for out in outs if np.any(out)):
+        one, other = _predicted(base, problem, scales, out), _predicted(ranked, problem, scales, out, idle)
+        for c in problem.channels:
+            before[c][out], after[c][out] = one[c][out], other[c][out]
+    return Forced(entry.term.name, rmse(before, problem, every), rmse(after, problem, every))
+
+
+def _beside(t: FloatArray, events: FloatArray) -> BoolArray:
+    """The samples (n,) of t (n,), s, on either side of each event (s)."""
+    found = np.zeros(t.size, dtype=bool)
+    after = np.searchsorted(t, events)
+    found[np.clip(after, 0, t.size - 1)] = True
+    found[np.clip(after - 1, 0, t.size - 1)] = True
+    return found
+
+
+def _idle(ranked: Fit, base: Fit) -> Model | None:
+    """The base with a term at no effect, from where a fit can only improve on it; None where no value has none."""
+    entry = ranked.model.terms[-1]
+    none = next(((i, p.none) for i, p in enumerate(entry.term.parameters) if p.none is not None), None)
+    if none is None:
+        return None
+    values = (*entry.values[: none[0]], none[1], *entry.values[none[0] + 1 :])
+    return replace(base.model, terms=(replace(entry, values=values),))
 
 
 def _shown_nowhere_else(entry: ModelTerm, spans: Spans, problem: Problem, taken: BoolArray) -> bool:
@@ -114,6 +151,6 @@ def holdout(
     out = _held_out(problem, spans, keep)
     if not np.any(out):
         return Holdout((), {}, {})
-    before = _rmse(base, problem, scales, out)
-    after = before if refined is base else _rmse(refined, problem, scales, out)
+    before = rmse(_predicted(base, problem, scales, out), problem, out)
+    after = before if refined is base else rmse(_predicted(refined, problem, scales, out), problem, out)
     return Holdout(spans, before, after)

@@ -17,9 +17,12 @@ from harness.diagnosis.select import DECISIVE, Step, extend, key_of, prune, sett
 from harness.diagnosis.structure import explains, structure
 from harness.estimate.noise import Noise
 from harness.kernels.solve import Scales
+from harness.model.registry import TERMS
 
 _BEAM = 4
 _FEWEST_STARTS = 4
+AMONG_NAMES = DECISIVE + 2.0 * math.log(len({term.name for term in TERMS}))
+"""What the first term must take off BIC: any of the catalogue's names could have, each as likely as the next."""
 _MOST_TERMS = 2
 """Three flexible terms fit nearly any motion, those of no catalogue included: what needs them is called unexplained."""
 _PART = 40.0
@@ -70,9 +73,9 @@ def under(found: Fit, problem: Problem) -> Fit:
     return replace(found, residual=residual, jacobian=jacobian, chi2=float(residual @ residual), points=problem.points)
 
 
-def _simplest(fits: tuple[Fit, ...], before: Fit) -> Fit:
-    """The best by BIC, unless a smaller model is as good; each better by what is decisive than the one before."""
-    most = min(fits[0].bic + DECISIVE, before.bic - DECISIVE)
+def _simplest(fits: tuple[Fit, ...], before: Fit, gain: float) -> Fit:
+    """The best by BIC, unless a smaller model is as good that gains as much over the one before."""
+    most = min(fits[0].bic + DECISIVE, before.bic - gain)
     near = [f for f in fits if f.bic < most] or [fits[0]]
     return min(near, key=lambda f: (len(f.free), f.bic))
 
@@ -98,7 +101,7 @@ def _renew(
 def search(problem: Problem, base: Fit, scales: Scales) -> Search:
     """Find the smallest model that explains a recording."""
     found = _levelled(_search(problem, base, scales))
-    if not found.chosen.model.terms or found.base.bic > found.chosen.bic + DECISIVE:
+    if not found.chosen.model.terms or found.base.bic > found.chosen.bic + AMONG_NAMES:
         return found
     # what counts as noise has grown since the term was decided for
     return replace(found, chosen=found.base, explained=explains(found.base, found.problem, scales.omega))
@@ -106,12 +109,12 @@ def search(problem: Problem, base: Fit, scales: Scales) -> Search:
 
 def _search(problem: Problem, base: Fit, scales: Scales) -> Search:
     singles = extend(base, problem, scales).fits
-    if not singles or singles[0].bic > base.bic - DECISIVE:
+    if not singles or singles[0].bic > base.bic - AMONG_NAMES:
         return Search(problem, base, base, singles, singles, explains(base, problem, scales.omega))
     problem, best, singles = _renew(problem, scales, singles[0], singles)
     base = under(base, problem)
     singles = tuple(sorted((*(f for f in singles if key_of(f) != key_of(best)), best), key=lambda f: f.bic))
-    chosen, rivals = _simplest(singles, base), singles
+    chosen, rivals = _simplest(singles, base, AMONG_NAMES), singles
     explained = explains(chosen, problem, scales.omega, base)
     beam = _beam(singles)
     while len(chosen.model.terms) < _MOST_TERMS:
@@ -126,7 +129,7 @@ def _search(problem: Problem, base: Fit, scales: Scales) -> Search:
         found = tuple(sorted((*(f for f in found if key_of(f) != key_of(best)), best), key=lambda f: f.bic))
         base = under(base, problem)
         singles = tuple(sorted((under(f, problem) for f in singles), key=lambda f: f.bic))
-        chosen, rivals = _simplest(found, under(chosen, problem)), found
+        chosen, rivals = _simplest(found, under(chosen, problem), _PART), found
         explained = explains(chosen, problem, scales.omega, base)
         beam = list(found[:2])
     pruned = prune(chosen, problem, scales)

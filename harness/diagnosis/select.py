@@ -4,6 +4,8 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
+import numpy as np
+
 from harness.core.errors import SimulationError
 from harness.diagnosis.baseline import at_rest
 from harness.diagnosis.condense import condensed
@@ -12,6 +14,7 @@ from harness.diagnosis.fit import Fit, chi2_of, fit
 from harness.diagnosis.observe import COARSE
 from harness.diagnosis.parameters import base_of, free_of
 from harness.diagnosis.problem import Problem
+from harness.diagnosis.repeats import repeats
 from harness.diagnosis.screen import Candidate, direct, screen
 from harness.kernels.solve import Scales
 from harness.model.model import Model
@@ -26,6 +29,7 @@ _COARSE_ITERATIONS = 6
 _FIRST_ITERATIONS = 3
 _KEPT_STARTS = 2
 _EARLY = 0.5
+_HALF = 0.5
 _WORTH = 6.0
 _WORTH_OF_ONE = 2.0
 """What a law of one parameter must promise: it is quickly fitted, and far from a fit a promise says little."""
@@ -118,9 +122,15 @@ def extend(current: Fit, problem: Problem, scales: Scales, terms: Sequence[Term]
         near = hasty.bic < min(quick[0].bic + reach, current.bic)
         found = settle(hasty, problem, scales) if near else hasty
         key = key_of(found)
-        if key not in fits or found.bic < fits[key].bic:
+        if _repeats(found, problem) and (key not in fits or found.bic < fits[key].bic):
             fits[key] = found
     return Step(current, tuple(sorted(fits.values(), key=lambda f: f.bic)))
+
+
+def _repeats(found: Fit, problem: Problem) -> bool:
+    """Whether what was recorded holds a period over the travel, half a one in time, of each law that repeats."""
+    travel, span = float(np.ptp(found.shown.x)), float(problem.t[-1] - problem.t[0])
+    return all(repeats(entry, travel, span, _HALF) for entry in found.model.terms)
 
 
 def _finalists(rough: list[Fit], before: float) -> list[Fit]:

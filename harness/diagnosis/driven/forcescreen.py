@@ -13,6 +13,7 @@ from harness.diagnosis.driven.measured import Measured
 from harness.diagnosis.driven.ripple import periods
 from harness.diagnosis.peaks import peaks
 from harness.diagnosis.problem import Problem
+from harness.diagnosis.repeats import repeats
 from harness.diagnosis.screen import applicable, with_amplitudes
 from harness.kernels.solve import Scales
 from harness.model.evidence import Evidence
@@ -66,12 +67,8 @@ def _ripple_probes(found: ForceFit, measured: Measured) -> list[Probe]:
 
 
 def whole_in(model: Model, measured: Measured) -> bool:
-    """Whether every period of a model's last law lies in the recording whole at least once."""
-    entry = model.terms[-1]
-    names = entry.term.names
-    travel, span = float(np.ptp(measured.x)), float(measured.t[-1] - measured.t[0])
-    short = "period" not in names or entry.value("period") <= travel
-    return short and ("Omega" not in names or entry.value("Omega") >= 2.0 * math.pi / span)
+    """Whether a period of a model's last law lies in the recording whole."""
+    return repeats(model.terms[-1], float(np.ptp(measured.x)), float(measured.t[-1] - measured.t[0]))
 
 
 def starts(found: ForceFit, measured: Measured, problem: Problem, scales: Scales) -> Iterator[Model]:
