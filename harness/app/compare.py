@@ -13,8 +13,9 @@ from harness.app.machine import this_machine
 from harness.app.progress import SILENT, Progress
 from harness.app.reading import read, recording_info
 from harness.core.recording import Recording
+from harness.diagnosis.cleaned import isolated
 from harness.diagnosis.consistency import Consistency, consistency
-from harness.diagnosis.lackfit import LackOfFit, isolated, lack_of_fit
+from harness.diagnosis.lackfit import LackOfFit, lack_of_fit
 from harness.diagnosis.locate import Place, locate
 from harness.diagnosis.match import Match, match, swing_of
 from harness.diagnosis.motion import motion_of

@@ -13,7 +13,7 @@ from harness.core.errors import InputError
 from harness.core.quantity import Quantity
 from harness.core.recording import MINIMUM_SAMPLES, Recording
 from harness.diagnosis.baseline import dominant_frequency
-from harness.diagnosis.lackfit import isolated
+from harness.diagnosis.cleaned import isolated
 from harness.estimate.noise import Noise, channel_noise
 
 _COARSE = 40

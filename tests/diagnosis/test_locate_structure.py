@@ -87,6 +87,37 @@ def test_a_misfit_far_below_the_noise_is_seen(misfit: Callable[[FloatArray, Moti
     assert "times what noise gives there" in found.sentence
 
 
+PARTS: list[tuple[str, Callable[[FloatArray, Motion], FloatArray]]] = [
+    ("half", lambda t, m: np.where(t < t.size / 2, 2.0, -2.0)),
+    ("direction", lambda t, m: np.sign(m.v)),
+    ("side", lambda t, m: np.sign(m.x)),
+]
+
+
+@pytest.mark.parametrize(("part", "changes"), PARTS, ids=[p[0] for p in PARTS])
+def test_a_parameter_that_changes_from_part_to_part_is_seen(
+    part: str, changes: Callable[[FloatArray, Motion], FloatArray]
+) -> None:
+    t, motion = swing(4000, 100)
+    misfit = 0.2 * changes(t, motion) * motion.x
+    left, partials = fitted(t, motion, {"x": np.random.default_rng(3).standard_normal(t.size) + misfit})
+    found = lack_of_fit(left, t, motion.omega, jacobian=partials, motion=motion)
+    assert dict(found.tests)[f"parameters that differ from {part} to {part}"] < 1e-6
+
+
+def test_a_hundredth_of_an_explained_effect_counts_as_explained() -> None:
+    t, motion = swing(4000, 100)
+    misfit = 0.2 * np.sign(motion.x) * motion.x
+    left, partials = fitted(t, motion, {"x": np.random.default_rng(3).standard_normal(t.size) + misfit})
+
+    def seen(gain: float) -> float:
+        found = lack_of_fit(left, t, motion.omega, jacobian=partials, motion=motion, gain=gain)
+        return dict(found.tests)["parameters that differ from side to side"]
+
+    assert seen(0.0) < 1e-6
+    assert seen((150.0**2) * float(np.sum(misfit**2))) > 0.01
+
+
 def test_numbers_far_below_the_claimed_noise_are_no_structure() -> None:
     t, motion = swing(4000, 100)
     assert lack_of_fit({"x": 1e-3 * motion.x}, t, motion.omega).p_value > 0.5

@@ -1,0 +1,133 @@
+"""Residuals made ready for tests of structure: what a fit took is known, single samples beside a jump are set aside."""
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.fft import dct
+
+from harness.core.arrays import BoolArray, FloatArray
+
+BANDS = (0.5, 1.5, 3.5, 8.5, 16.5)
+"""Upper ends of the bands tested, in units of the motion's frequency."""
+_WIDEST = 0.4
+_FLOOR_RATIO = 4.0
+_FEWEST_FLOOR = 60
+_ISOLATED = 3.5
+_NEIGHBOUR = 1.7
+_TAIL = 2.8
+_STILL = 5
+_LOWEST_FLOOR = 0.5
+
+
+@dataclass(frozen=True, slots=True)
+class Channel:
+    """A cleaned residual r (n,) in units of its floor and the fitted directions (n, q), both with cosine coefficients.
+
+    kept : which samples of the recording these are. per_omega : coefficients per multiple of the swing's frequency.
+    freedom : of the floor. top : coefficients below the floor's band.
+    """
+
+    r: FloatArray
+    basis: FloatArray
+    c: FloatArray
+    q: FloatArray
+    kept: BoolArray
+    per_omega: float
+    freedom: int
+    top: int
+
+
+def isolated(r: FloatArray) -> BoolArray:
+    """Which samples of a residual (n,) stand alone far out: misplaced next to a jump, or stray."""
+    level = 1.4826 * float(np.median(np.abs(r)))
+    if level <= 0.0:
+        return np.zeros(r.size, dtype=np.bool_)
+    padded = np.concatenate(([0.0], r, [0.0]))
+    beside = np.maximum(padded[:-2] * np.sign(r), padded[2:] * np.sign(r))
+    found: BoolArray = (np.abs(r) > _ISOLATED * level) & (beside < np.maximum(_NEIGHBOUR * level, 0.4 * np.abs(r)))
+    return found
+
+
+def _repeats(r: FloatArray) -> BoolArray:
+    """Samples that repeat the one before in a run of at least five: a quantised sensor at rest says one thing once."""
+    same = np.concatenate(([False], np.abs(np.diff(r)) <= 1e-6 * (np.abs(r[1:]) + 1e-12)))
+    edges = np.diff(np.concatenate(([0], same.astype(np.int8), [0])))
+    starts, ends = np.flatnonzero(edges == 1), np.flatnonzero(edges == -1)
+    found = np.zeros(r.size, dtype=np.bool_)
+    for lo, hi in zip(starts, ends, strict=True):
+        if hi - lo >= _STILL:
+            found[lo:hi] = True
+    return found
+
+
+@dataclass(frozen=True, slots=True)
+class _Clean:
+    """Samples of a channel that count, as multiples of its floor; the same of the Jacobian."""
+
+    r: FloatArray
+    j: FloatArray
+    kept: BoolArray
+    per_omega: float
+    freedom: int
+    top: int
+
+
+def _clean(r: FloatArray, j: FloatArray, t: FloatArray, omega: float, doubtful: BoolArray | None) -> _Clean:
+    kept = (r != 0.0) & ~_repeats(r)
+    y, partial = r[kept].copy(), j[kept].copy()
+    away = isolated(y)
+    if doubtful is not None:
+        away |= doubtful[kept]
+    # heavier tails than normal ones are cut: what they hold is no structure, but would count as much
+    level = _TAIL * 1.4826 * float(np.median(np.abs(y))) if y.size else 0.0
+    if level > 0.0:
+        np.clip(y, -level, level, out=y)
+    y[away] = 0.0
+    partial[away] = 0.0
+    n = y.size
+    per_omega = n * float(np.median(np.diff(t))) * omega / math.pi
+    top = int(min(BANDS[-1] * per_omega, _WIDEST * n))
+    last = min(n, max(int(_FLOOR_RATIO * top), top + _FEWEST_FLOOR))
+    above = dct(y, norm="ortho")[top:last] ** 2 if n else y
+    # a claimed level far above what is seen is believed: numbers have other errors than noise
+    floor = math.sqrt(max(float(np.mean(above)) if above.size else 1.0, _LOWEST_FLOOR))
+    return _Clean(y / floor, partial / floor, kept, per_omega, max(above.size, 1), top)
+
+
+def channels_of(
+    residuals: Mapping[str, FloatArray],
+    jacobian: Mapping[str, FloatArray],
+    t: FloatArray,
+    omega: float,
+    doubtful: Mapping[str, BoolArray],
+) -> dict[str, Channel]:
+    """Channels without doubtful samples, orthogonal once more to what was fitted."""
+    clean = {c: _clean(r, jacobian[c], t, omega, doubtful.get(c)) for c, r in residuals.items()}
+    clean = {c: one for c, one in clean.items() if one.top >= 1}
+    if not clean:
+        return {}
+    sizes = np.cumsum([one.r.size for one in clean.values()])[:-1]
+    q = _orthonormal(np.concatenate([one.j for one in clean.values()]))
+    r = np.concatenate([one.r for one in clean.values()])
+    r -= q @ (q.T @ r)
+    out = {}
+    for (c, one), part, basis in zip(clean.items(), np.split(r, sizes), np.split(q, sizes), strict=True):
+        coefficients = dct(basis, norm="ortho", axis=0) if basis.shape[1] else basis
+        out[c] = Channel(
+            part, basis, dct(part, norm="ortho"), coefficients, one.kept, one.per_omega, one.freedom, one.top
+        )
+    return out
+
+
+def _orthonormal(j: FloatArray) -> FloatArray:
+    """An orthonormal basis of the columns of j (N, q); directions that cannot be told from others are dropped."""
+    scale = np.sqrt(np.einsum("ij,ij->j", j, j))
+    j = j[:, scale > 0.0] / scale[scale > 0.0]
+    if not j.shape[1]:
+        return j
+    values, vectors = np.linalg.eigh(j.T @ j)
+    good = values > 1e-10 * float(values[-1])
+    basis: FloatArray = j @ (vectors[:, good] / np.sqrt(values[good]))
+    return basis

@@ -1,0 +1,36 @@
+"""A small proof that is made once, and copies of it to change."""
+
+import shutil
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+from small_proof import SIZES, STUB
+
+from harness.app import prove as room
+from harness.app.prove import ProveOptions, prove
+
+
+@pytest.fixture
+def one_version() -> Iterator[None]:
+    """Somebody may be working on the sources while this runs."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(room, "code_digest", lambda: "the same")
+        yield
+
+
+@pytest.fixture(scope="session")
+def published(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A small proof of a diagnosis that says of everything that nothing is left out."""
+    folder = tmp_path_factory.mktemp("proof") / "done"
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(room, "code_digest", lambda: "the same")
+        prove(ProveOptions(SIZES, jobs=1, blind=STUB), folder)
+    return folder
+
+
+@pytest.fixture
+def proof(published: Path, tmp_path: Path) -> Path:
+    """A copy to change."""
+    shutil.copytree(published, tmp_path / "proof")
+    return tmp_path / "proof"
