@@ -5,6 +5,7 @@ from pathlib import Path
 from types import SimpleNamespace
 
 import pytest
+from bad_input import refuses
 
 from harness.app.dataset_download import download_emps
 from harness.cli.main import run
@@ -25,11 +26,7 @@ def test_bad_input_is_one_line(
     monkeypatch.chdir(tmp_path)
     monkeypatch.setitem(sys.modules, "nonlinear_benchmarks", None)
     (tmp_path / "DATA_EMPS.mat").write_text("foo")
-    assert run(line.split()) == 2
-    said = capfd.readouterr()
-    assert said.out == ""
-    assert said.err.startswith(f"harness: {message}")
-    assert said.err.count("\n") == 1
+    refuses(line, message, capfd)
     assert [entry.name for entry in tmp_path.iterdir()] == ["DATA_EMPS.mat"]
 
 

@@ -5,6 +5,7 @@ import sys
 from pathlib import Path
 
 import pytest
+from bad_input import refuses
 from prove_stub import __file__ as stub
 
 from harness.app import prove as room
@@ -39,11 +40,7 @@ def test_bad_input_is_one_line(
     line: str, message: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
 ) -> None:
     monkeypatch.chdir(tmp_path)
-    assert run(line.split()) == 2
-    said = capfd.readouterr()
-    assert said.out == ""
-    assert said.err.startswith(f"harness: {message}")
-    assert said.err.count("\n") == 1
+    refuses(line, message, capfd)
     assert not any(tmp_path.iterdir())
 
 
