@@ -9,7 +9,8 @@ import pytest
 
 from harness.core.recording import Recording
 from harness.diagnosis.baseline import baseline
-from harness.diagnosis.conclude import after_hand, diagnose
+from harness.diagnosis.conclude import diagnose
+from harness.diagnosis.hand import after_hand
 from harness.diagnosis.prepare import Asked, prepare
 from harness.diagnosis.structure import SIGNIFICANT, structure
 from harness.kernels.solve import Drive, simulate, solve
