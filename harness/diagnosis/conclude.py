@@ -3,7 +3,6 @@
 from dataclasses import replace
 
 from harness.diagnosis.advice import next_experiment
-from harness.diagnosis.baseline import baseline
 from harness.diagnosis.decided import doubt
 from harness.diagnosis.driven.holdout import holdout_windows
 from harness.diagnosis.driven.search import left_said, search_driven
@@ -11,6 +10,7 @@ from harness.diagnosis.driven.validate import Judge
 from harness.diagnosis.fit import Fit
 from harness.diagnosis.hand import after_hand, knocked_at_release
 from harness.diagnosis.holdout import forced, holdout
+from harness.diagnosis.long import lifted, shortened
 from harness.diagnosis.mechanism import mechanism
 from harness.diagnosis.numbers import base_parameters
 from harness.diagnosis.outcome import Holdout, Outcome, Spans, Verdict
@@ -41,32 +41,43 @@ def diagnose(problem: Problem, judge: Judge | None = None) -> Outcome:
         outcome = conclude(driven, scales)
         judged = () if judge is None else (_JUDGED,)
         return replace(outcome, warnings=(*outcome.warnings, left_said(outcome.problem), *judged))
-    base, scales = baseline(problem)
-    problem = replace(problem, noise=noise_of(base, problem, scales.omega))
-    base = settle(under(base, problem), problem, scales)
-    found = search(problem, base, scales)
+    short, base, scales = shortened(problem)
+    whole = None if short is problem else problem
+    short = replace(short, noise=noise_of(base, short, scales.omega))
+    found = search(short, settle(under(base, short), short, scales), scales)
     doubtful = problem.drive is None and (not found.explained or knocked_at_release(found.chosen, scales))
     free = after_hand(found.problem, scales) if doubtful else None
     if free is not None:
         later, scales, touched = free
         said = f"the first {touched:.4g} s are left out: no free decay, as if a hand had not yet been off"
-        outcome = conclude(later, scales)
+        outcome = _concluded(later, scales, whole)
         return replace(outcome, warnings=(*outcome.warnings, said))
-    trace = as_stepped(found, scales)
-    return conclude(found, scales) if trace is None else conclude(trace[0], scales, trace[1])
+    return _concluded(found, scales, whole)
 
 
-def conclude(found: Search, scales: Scales, stepping: Stepping | None = None) -> Outcome:
-    """Say what a search has come to; stepping : of the engine whose trace the recording is."""
+def _concluded(found: Search, scales: Scales, whole: Problem | None) -> Outcome:
+    """What a free decay's search has come to; whole : all of its samples, where the search saw means of them."""
+    told = found if whole is None else lifted(found, whole, scales)
+    trace = as_stepped(told, scales)
+    return conclude(told, scales, coarse=found) if trace is None else conclude(trace[0], scales, trace[1])
+
+
+def conclude(found: Search, scales: Scales, stepping: Stepping | None = None, coarse: Search | None = None) -> Outcome:
+    """Say what a search has come to.
+
+    stepping : of the engine whose trace the recording is. coarse : the search as it was, where its samples were means:
+    what was held out is predicted in it.
+    """
     problem = found.problem
     verdict, rival = _verdict(found)
-    refined = found.chosen if verdict == "missing_physics" else found.base
+    refined = _refined(found, verdict)
     acting = [(entry, spans_of(entry, refined, problem, scales.omega)) for entry in refined.model.terms]
     mechanisms = sorted(
         (mechanism(found, i, entry, problem, spans) for i, (entry, spans) in enumerate(acting)),
         key=lambda m: -m.delta_bic,
     )
-    prediction = _prediction(found, refined, verdict, scales, acting)
+    searched = found if coarse is None else coarse
+    prediction = _prediction(searched, verdict, scales, acting)
     warnings = [] if stepping is None else [stepping.sentence]
     if rival is not None:
         warnings.append(_undecided(chosen=found.chosen, rival=rival))
@@ -104,11 +115,14 @@ def _verdict(found: Search) -> tuple[Verdict, Fit | None]:
     return "missing_physics" if found.chosen.model.terms else "adequate", None
 
 
-def _prediction(
-    found: Search, refined: Fit, verdict: Verdict, scales: Scales, acting: list[tuple[ModelTerm, Spans]]
-) -> Holdout:
+def _refined(found: Search, verdict: Verdict) -> Fit:
+    """The model that a verdict stands by."""
+    return found.chosen if verdict == "missing_physics" else found.base
+
+
+def _prediction(found: Search, verdict: Verdict, scales: Scales, acting: list[tuple[ModelTerm, Spans]]) -> Holdout:
     """What was held out, predicted by the base and the refined model, and by one term too many where none is needed."""
-    problem = found.problem
+    problem, refined = found.problem, _refined(found, verdict)
     if problem.restarts is not None:
         return holdout_windows(found.base, refined, problem, scales)
     prediction = holdout(found.base, refined, problem, scales, acting)
