@@ -96,7 +96,10 @@ def _candidates(current: Fit, problem: Problem, scales: Scales, terms: Sequence[
         if fitted is None:
             continue
         seen = evidence(fitted, part, scales)
-        found = screen(fitted, part, seen, scales, terms)
+        try:
+            found = screen(fitted, part, seen, scales, terms)
+        except SimulationError:
+            continue  # a law too stiff for a first look is nothing to build on
         best = found[0].gain if found else 0.0
         least = max(_WORTH, _SHARE_OF_BEST * best)
         worthy += [c for c in found if c.gain >= (least if len(c.term.parameters) > 1 else _WORTH_OF_ONE)]
