@@ -9,6 +9,7 @@ from bad_input import refuses
 from prove_stub import __file__ as stub
 
 from harness.app import prove as room
+from harness.app.proof_controls import controls
 from harness.app.prove import ProveOptions, prove
 from harness.app.prove_verify import verify_proof
 from harness.app.publish_proof import publish
@@ -90,10 +91,29 @@ def test_only_evidence_is_published(small: Path, tmp_path: Path, monkeypatch: py
         publish(small, tmp_path / "into")
 
 
-def test_the_published_proof_is_accepted() -> None:
+@pytest.fixture
+def published_here() -> Path:
     proof = Path(__file__).resolve().parents[2] / "reports" / "proof"
     if not proof.is_dir():
         pytest.skip("no proof is published here")
+    return proof
+
+
+def test_controls_of_the_published_proof_are_counted_as_it_counts_them(published_here: Path) -> None:
+    rates = controls(published_here)
+    figures = {f["key"]: f for f in json.loads((published_here / "result.json").read_text())["figures"]}
+    alarms = rates["false alarms"]
+    assert (alarms.hits, alarms.cases) == (figures["false_alarms"]["hits"], figures["false_alarms"]["cases"])
+    left = rates["mean square of what is left within 99 % of its scatter about the true noise's"]
+    assert left.high is not None
+    assert left.high > 0.99
+    slider = rates["all three within two standard errors"]
+    assert slider.value is not None
+    assert 0.925 < slider.value < 0.98
+
+
+def test_the_published_proof_is_accepted(published_here: Path) -> None:
+    proof = published_here
     check = verify_proof(proof, short=True)
     assert check.wrong == []
     assert (proof / "report.html").stat().st_size < 5_000_000
