@@ -2,7 +2,7 @@
 
 The first period is among them where something is missing: from smaller swings to the largest is the hardest way to
 predict. A term that is forced in where nothing is missing has no such claim, and with the first swing out nothing would
-hold its amplitude: there the first period stays, and of the others each third takes its turn at being held out.
+hold its amplitude: there the first period stays, and of the others each fifth takes its turn at being held out.
 Samples next to a reversal are not compared there: on which side of the jump one lies is a matter of microseconds.
 """
 
@@ -30,7 +30,7 @@ from harness.model.registry import TERMS
 
 _KEPT_IN = ("impulse", "sensor-clipping")
 """Effects whose own spans stay in the fit: nothing else in the recording shows them."""
-_TURNS = 3
+_TURNS = 5
 _SHOWN = 0.25
 """Share of its time in which an effect must act outside of what is held out, or its spans stay in the fit too."""
 
@@ -41,7 +41,7 @@ def _periods(problem: Problem, omega: float) -> Spans:
 
 
 def _turns(problem: Problem, omega: float) -> list[Spans]:
-    """Every third full period, from the second, the third and the fourth one on."""
+    """Every fifth full period, from each of the second to the sixth one on."""
     return [_every(problem.t, 2.0 * math.pi / omega, begin, _TURNS) for begin in range(1, _TURNS + 1)]
 
 
