@@ -3,6 +3,9 @@
 import os
 from pathlib import Path
 
+# a worker has one core: threads of its linear algebra would only wait for each other
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+
 import pytest
 from hypothesis import settings
 
