@@ -45,7 +45,7 @@ def _after_turns(t: FloatArray, turns: FloatArray) -> FloatArray:
 @settings(max_examples=40, deadline=None)
 def test_kinks_between_samples_are_found_and_the_momentum_is_kept(shift: float, gap: float) -> None:
     step = 0.02
-    t = np.arange(400) * step
+    t: FloatArray = np.arange(400.0) * step
     turns = np.arange(1.0 + shift * step, 7.0, gap)
     drive = between_samples(t, _after_turns(t, turns))
     fine = np.linspace(t[0], t[-1], 400_001)
