@@ -4,39 +4,41 @@ Three numbers of every control's slider against the true ones, and what is left 
 the plant put in: nothing that the diagnosis estimated is believed.
 """
 
-import json
-import math
 import sys
-from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
 
 from harness.app.prove_store import VERDICTS, published_verdicts
 from harness.core.errors import HarnessError
+from harness.proof.plan import CONTROL
 from harness.proof.seal import Ledger
-from harness.proof.statistics import Rate
+from harness.proof.statistics import Rate, is_noise
+from harness.proof.tally import OURS, parsed
 
 _SLIDER = ("omega_n", "zeta", "x_k")
-_ONE_IN_A_HUNDRED = 2.5758
-"""Standard deviations of a normal number that are left once in a hundred times."""
 
 
 def controls(folder: Path) -> dict[str, Rate]:
     """Rates over the controls of a proof, by what they are the rate of. Raises HarnessError where there is no proof."""
     answers = Ledger.load(folder).content("opened")["answers"]
-    verdicts = published_verdicts(folder / VERDICTS / "harness.jsonl.gz")
+    truths = {name: answer["value"] for name, answer in answers.items()}
+    verdicts = parsed(published_verdicts(folder / VERDICTS / f"{OURS}.jsonl.gz"))
     alarm: list[bool] = []
     within: list[bool] = []
     held: dict[str, list[bool]] = {name: [] for name in _SLIDER}
-    for name, answer in answers.items():
-        truth, said = answer["value"], json.loads(verdicts[name])
-        if truth["mechanisms"] or "baseline" not in said:
+    for name, truth in truths.items():
+        said = verdicts.get(name, {})
+        if truth["group"] != CONTROL:
             continue
-        alarm.append(said["verdict"] != "adequate")
-        within += [_is_noise(said["baseline"]["rmse"][c], truth, c) for c in truth["channels"]]
+        alarm.append(said.get("verdict") != "adequate")
+        if "baseline" not in said:
+            continue
+        within += [
+            is_noise(said["baseline"]["rmse"][c] / truth["noise"][c], truth["points"], truth["noise_correlation"])
+            for c in truth["channels"]
+        ]
         for parameter in _SLIDER:
             value = said["baseline"]["parameters"].get(parameter) or {}
-            if value.get("stderr") is not None and truth["restoring"] == "spring":
+            if value.get("stderr") is not None:
                 held[parameter].append(abs(value["value"] - truth[parameter]) <= 2.0 * value["stderr"])
     return {
         "false alarms": Rate.of(alarm),
@@ -44,15 +46,6 @@ def controls(folder: Path) -> dict[str, Rate]:
         **{f"{parameter} within two standard errors": Rate.of(hits) for parameter, hits in held.items()},
         "all three within two standard errors": Rate.of([hit for hits in held.values() for hit in hits]),
     }
-
-
-def _is_noise(rmse: float, truth: Mapping[str, Any], channel: str) -> bool:
-    """Whether a root mean square is the true noise's, within what chance allows for this colour and length."""
-    phi = truth["noise_correlation"]
-    independent = truth["points"] * (1.0 - phi**2) / (1.0 + phi**2)
-    far = abs((rmse / truth["noise"][channel]) ** 2 - 1.0)
-    # six numbers that are fitted take their share
-    return bool(far <= _ONE_IN_A_HUNDRED * math.sqrt(2.0 / independent) + 6.0 / independent)
 
 
 def main(folder: Path) -> None:

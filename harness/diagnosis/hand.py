@@ -37,7 +37,7 @@ def after_hand(problem: Problem, scales: Scales) -> tuple[Search, Scales, float]
     base, scales = baseline(problem)
     problem = replace(problem, noise=noise_of(base, problem, scales.omega))
     base = settle(under(base, problem), problem, scales)
-    if len(base.shown.events) < _FEWEST_TURNS or not explains(base, problem, scales.omega):
+    if len(base.shown.events) < _FEWEST_TURNS or not explains(base, problem, scales.omega, base):
         return None
     if _something_later(problem, scales):
         return None

@@ -104,13 +104,13 @@ def search(problem: Problem, base: Fit, scales: Scales) -> Search:
     if not found.chosen.model.terms or found.base.bic > found.chosen.bic + AMONG_NAMES:
         return found
     # what counts as noise has grown since the term was decided for
-    return replace(found, chosen=found.base, explained=explains(found.base, found.problem, scales.omega))
+    return replace(found, chosen=found.base, explained=explains(found.base, found.problem, scales.omega, found.base))
 
 
 def _search(problem: Problem, base: Fit, scales: Scales) -> Search:
     singles = extend(base, problem, scales).fits
     if not singles or singles[0].bic > base.bic - AMONG_NAMES:
-        return Search(problem, base, base, singles, singles, explains(base, problem, scales.omega))
+        return Search(problem, base, base, singles, singles, explains(base, problem, scales.omega, base))
     problem, best, singles = _renew(problem, scales, singles[0], singles)
     base = under(base, problem)
     singles = tuple(sorted((*(f for f in singles if key_of(f) != key_of(best)), best), key=lambda f: f.bic))

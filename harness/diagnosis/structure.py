@@ -29,9 +29,7 @@ def structure(found: Fit, problem: Problem, omega: float, gain: float = 0.0) -> 
     )
 
 
-def explains(found: Fit, problem: Problem, omega: float, base: Fit | None = None) -> bool:
-    """Whether nothing but noise stays; base : the fit without terms, under the same noise."""
-    if not found.model.terms:
-        return structure(found, problem, omega).p_value > SIGNIFICANT
-    gain = 0.0 if base is None else max(base.chi2 - found.chi2, 0.0)
-    return structure(found, problem, omega, gain).p_value > NAMED
+def explains(found: Fit, problem: Problem, omega: float, base: Fit) -> bool:
+    """Whether nothing but noise stays; base : the fit without terms under the same noise, which may be the fit."""
+    gain = max(base.chi2 - found.chi2, 0.0)
+    return structure(found, problem, omega, gain).p_value > (NAMED if found.model.terms else SIGNIFICANT)

@@ -1,15 +1,29 @@
 """Intervals for what a proof counts and measures."""
 
+import math
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 
 import numpy as np
-from scipy.stats import beta
+from scipy.stats import beta, norm
 
 from harness.core.arrays import FloatArray
 
 LEVEL = 0.95
 RESAMPLES = 2000
+_FITTED = 6.0
+"""Numbers that a base fit takes from a residual."""
+_SCATTER = float(norm.ppf(0.995))
+"""Standard deviations of a normal number that are left once in a hundred times."""
+
+
+def is_noise(ratio: float, points: int, correlation: float) -> bool:
+    """Whether a residual's rms over the true noise's is one, within what chance leaves 99 times of a hundred.
+
+    correlation : of first-order noise from one of its points to the next.
+    """
+    independent = points * (1.0 - correlation**2) / (1.0 + correlation**2)
+    return abs(ratio**2 - 1.0) <= _SCATTER * math.sqrt(2.0 / independent) + _FITTED / independent
 
 
 @dataclass(frozen=True, slots=True)

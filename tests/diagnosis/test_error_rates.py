@@ -4,7 +4,6 @@ Short here; a few hundred with -m full. A rate is judged by what chance allows a
 """
 
 import functools
-import math
 
 import numpy as np
 import pytest
@@ -15,11 +14,12 @@ from harness.diagnosis.outcome import Outcome
 from harness.diagnosis.problem import Problem
 from harness.estimate.noise import channel_noise
 from harness.proof.plant import Case, draw
+from harness.proof.statistics import is_noise
 
 _CHANCE = 1e-3
 """Probability with which a sound diagnosis may fail one of these tests."""
 _NOISES = ("white", "coloured", "quantised")
-SIZES = (8, pytest.param(500, marks=pytest.mark.full))
+SIZES = (12, pytest.param(500, marks=pytest.mark.full))
 
 
 @functools.cache
@@ -46,10 +46,8 @@ def chi_square_of_the_base_fit_is_one_a_point(count: int) -> None:
         noise = case.noise
         for channel, y in outcome.problem.channels.items():
             left = y - outcome.base.shown.y[channel]
-            ratio = float(np.mean(left**2)) / noise.total(channel) ** 2
-            phi = noise.correlation
-            n = left.size * (1.0 - phi**2) / (1.0 + phi**2)
-            far += abs(ratio - 1.0) > 2.5758 * math.sqrt(2.0 / n) + 6.0 / n
+            ratio = float(np.sqrt(np.mean(left**2))) / noise.total(channel)
+            far += not is_noise(ratio, left.size, noise.correlation)
     assert far <= binom.ppf(1.0 - _CHANCE, 2 * count, 0.01)
 
 

@@ -3,7 +3,7 @@
 import numpy as np
 
 from harness.core.arrays import FloatArray
-from harness.diagnosis.driven.kinks import STENCIL, curvature, kinks_of, polynomials, smooth_stencils, value
+from harness.diagnosis.driven.kinks import STENCIL, kinks_of, polynomials, smooth_stencils, value
 from harness.kernels.solve import Drive
 
 _FINER = 4
@@ -61,5 +61,5 @@ def _knots(at: FloatArray, length: FloatArray, law: FloatArray, origin: FloatArr
     """Knots at (k, j), s, in intervals of a length (k,), s, that is cut into pieces."""
     since, width = at - origin[:, None], length[:, None] / _FINER
     # a chord misses width^3 curvature / 12 of the force's integral
-    force = value(law, since) - width**2 / 12.0 * curvature(law, since)
+    force = value(law, since) - width**2 / 12.0 * value(law, since, 2)
     return at.ravel(), force.ravel()

@@ -8,19 +8,24 @@ resolution of essentially non-oscillatory schemes).
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.polynomial.polynomial import polyder, polyval
 
 from harness.core.arrays import BoolArray, FloatArray, IntArray
 
 STENCIL = 5
 """Samples of a polynomial: fourth degree, so that a loop's transient of a few samples is followed."""
 _STANDS_OUT = 8.0
+"""Times the usual change of slope from which one is a kink's."""
 _ALONE = 3
 """Samples within which only the strongest change of slope counts."""
 _BESIDE = 2
 """Intervals to either side in which a kink that is seen may lie."""
-_SLACK = 0.02
-_LOOKED_AT = 53
-_EDGE, _DOUBTED = 0.03, 4.0
+_SLACK, _LOOKED_AT = 0.02, 53
+"""How far past an interval's ends, in intervals, its sides may meet, and at how many places that is looked for."""
+_EDGE, _DOUBTED = 0.05, 4.0
+"""Sides that meet this near to a sample, in intervals, are believed only if they are so many times smoother."""
+_OFF = 2.0
+"""Times its roughness by which a side may miss a sample that it would continue to."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -47,20 +52,9 @@ def polynomials(t: FloatArray, u: FloatArray, first: IntArray) -> FloatArray:
     return found
 
 
-def value(coefficients: FloatArray, since: FloatArray) -> FloatArray:
-    """Polynomials (k, STENCIL) at (k, j) times since their first samples."""
-    total = np.zeros_like(since)
-    for i in reversed(range(STENCIL)):
-        total = total * since + coefficients[:, i : i + 1]
-    return total
-
-
-def curvature(coefficients: FloatArray, since: FloatArray) -> FloatArray:
-    """Second derivatives of polynomials (k, STENCIL) at (k, j) times since their first samples."""
-    total = np.zeros_like(since)
-    for i in reversed(range(2, STENCIL)):
-        total = total * since + i * (i - 1) * coefficients[:, i : i + 1]
-    return total
+def value(coefficients: FloatArray, since: FloatArray, derivative: int = 0) -> FloatArray:
+    """Polynomials (k, STENCIL), or a derivative of them, at (k, j) times since their first samples."""
+    return np.asarray(polyval(since.T, polyder(coefficients.T, derivative), tensor=False), dtype=np.float64).T
 
 
 def _suspects(t: FloatArray, u: FloatArray) -> IntArray:
@@ -104,6 +98,34 @@ def _roughness(t: FloatArray, u: FloatArray, first: IntArray) -> FloatArray:
     return most
 
 
+def _whose(t: FloatArray, u: FloatArray, sample: IntArray) -> IntArray:
+    """The interval (k,) that a kink beside a sample lies in: after it if the sample continues the left side.
+
+    The smoother of the two sides decides, which misses its own next sample by less.
+    """
+    before, after = sample - STENCIL, sample + 1
+    left, right = polynomials(t, u, before), polynomials(t, u, after)
+    rough_left, rough_right = _roughness(t, u, before), _roughness(t, u, after)
+    width = 0.5 * (t[sample + 1] - t[sample - 1])
+    off_left = np.abs(value(left, (t[sample] - t[before])[:, None])[:, 0] - u[sample]) / width
+    off_right = np.abs(value(right, (t[sample] - t[after])[:, None])[:, 0] - u[sample]) / width
+    is_lefts = np.where(rough_left <= rough_right, off_left <= _OFF * rough_left, off_right > _OFF * rough_right)
+    return np.where(is_lefts, sample, sample - 1)
+
+
+def _beside_samples(t: FloatArray, u: FloatArray, kinks: Kinks) -> None:
+    """Kinks that seem to lie at a sample, put into the interval that they lie in."""
+    inside = (kinks.t - t[kinks.cell]) / (t[kinks.cell + 1] - t[kinks.cell])
+    sample = kinks.cell + np.rint(inside).astype(np.int64)
+    fits = (sample >= STENCIL) & (sample + STENCIL < t.size)
+    near = np.flatnonzero(fits & (np.minimum(inside, 1.0 - inside) < _EDGE))
+    cell = _whose(t, u, sample[near])
+    met, left, right = _meeting(t, u, cell)
+    there = np.isfinite(met)
+    for old, new in ((kinks.cell, cell), (kinks.t, met), (kinks.left, left), (kinks.right, right)):
+        old[near[there]] = new[there]
+
+
 def kinks_of(t: FloatArray, u: FloatArray) -> Kinks:
     """Kinks of a force u (n,) at t (n,), s, in order of time.
 
@@ -126,8 +148,10 @@ def kinks_of(t: FloatArray, u: FloatArray) -> Kinks:
         best.cell[better], best.t[better] = cell[better], met[better]
         best.left[better], best.right[better] = left[better], right[better]
     found = np.isfinite(best.t)
-    cells, once = np.unique(best.cell[found], return_index=True)
-    return Kinks(cells, best.t[found][once], best.left[found][once], best.right[found][once])
+    best = Kinks(best.cell[found], best.t[found], best.left[found], best.right[found])
+    _beside_samples(t, u, best)
+    cells, once = np.unique(best.cell, return_index=True)
+    return Kinks(cells, best.t[once], best.left[once], best.right[once])
 
 
 def smooth_stencils(n: int, kinks: Kinks) -> IntArray:
