@@ -4,6 +4,7 @@ from dataclasses import replace
 
 from harness.diagnosis.advice import next_experiment
 from harness.diagnosis.decided import doubt
+from harness.diagnosis.driven.disturbed import along
 from harness.diagnosis.driven.holdout import holdout_windows
 from harness.diagnosis.driven.search import left_said, search_driven
 from harness.diagnosis.driven.validate import Judge
@@ -16,7 +17,7 @@ from harness.diagnosis.numbers import base_parameters
 from harness.diagnosis.outcome import Holdout, Outcome, Spans, Verdict
 from harness.diagnosis.problem import Problem
 from harness.diagnosis.search import Search, noise_of, search, under
-from harness.diagnosis.select import key_of, settle
+from harness.diagnosis.select import DECISIVE, key_of, settle
 from harness.diagnosis.spans import spans_of
 from harness.diagnosis.stepping import as_stepped
 from harness.diagnosis.steps import Stepping
@@ -24,6 +25,10 @@ from harness.kernels.solve import Scales
 from harness.model.model import ModelTerm
 
 _MOST_CLOSEST = 3
+_NOISY_FORCE = (
+    "the noise of the measured force shifts reversals and sticking by more than can be allowed for; a force measured"
+    " with less noise would decide"
+)
 _JUDGED = (
     "terms were kept because the force error on the other recording falls with them, so that its errors took part in"
     " the choice; what stays was not tested for being noise"
@@ -43,6 +48,7 @@ def diagnose(problem: Problem, judge: Judge | None = None) -> Outcome:
         return replace(outcome, warnings=(*outcome.warnings, left_said(outcome.problem), *judged))
     short, base, scales = shortened(problem)
     whole = None if short is problem else problem
+    short, base = along(base, short, scales)
     short = replace(short, noise=noise_of(base, short, scales.omega))
     found = search(short, settle(under(base, short), short, scales), scales)
     doubtful = problem.drive is None and (not found.explained or knocked_at_release(found.chosen, scales))
@@ -84,6 +90,7 @@ def conclude(found: Search, scales: Scales, stepping: Stepping | None = None, co
     elif verdict == "unexplained":
         warnings.append("no entry or pair of the catalogue explains it; standard errors are inflated by the misfit")
         warnings += _closest(found)
+        warnings += [_NOISY_FORCE] if _force_too_noisy(problem) else []
     if verdict == "missing_physics" and prediction.refined_rmse:
         worse = [c for c, after in prediction.refined_rmse.items() if after > 1.05 * prediction.baseline_rmse[c]]
         if worse:
@@ -103,6 +110,11 @@ def conclude(found: Search, scales: Scales, stepping: Stepping | None = None, co
         warnings=tuple(warnings),
         stepping=stepping,
     )
+
+
+def _force_too_noisy(problem: Problem) -> bool:
+    """Whether noise of the force changes reversals and sticking by as much as a term would."""
+    return problem.force_noise is not None and problem.force_noise.beyond > DECISIVE
 
 
 def _verdict(found: Search) -> tuple[Verdict, Fit | None]:

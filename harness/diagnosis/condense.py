@@ -42,7 +42,10 @@ def condensed(problem: Problem, shown: Observation, samples: int, omega: float) 
         channels[c] = shown.y[c][middle] + left / np.maximum(total, 1e-300)
         weight[c] = np.sqrt(total / size)
     noise = {c: _of_means(value, size) for c, value in problem.noise.items()}
-    return replace(problem, t=problem.t[middle], channels=channels, weight=weight, noise=noise), 1.0
+    force = problem.force_noise
+    force = force if force is None else replace(force, averaged=True)
+    problem = replace(problem, t=problem.t[middle], channels=channels, weight=weight, noise=noise, force_noise=force)
+    return problem, 1.0
 
 
 def _of_means(noise: Noise, size: int) -> Noise:

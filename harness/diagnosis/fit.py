@@ -78,7 +78,15 @@ def whiten(problem: Problem, channel: str, values: FloatArray) -> FloatArray:
 
 
 def whitened(problem: Problem, values: Mapping[str, FloatArray]) -> FloatArray:
-    """Residuals (n,) or partials (n, q) of all channels whitened, one channel after another."""
+    """Residuals (n,) or partials (n, q) of all channels whitened, one channel after another.
+
+    Where the noise of a force shows, all channels together tell of it: each sample counts as what it adds to those
+    before it.
+    """
+    if problem.force_noise is not None:
+        own = {c: values[c] for c in problem.channels}
+        together, _ = problem.force_noise.whitened(problem.t, problem.noise, problem.weight, own)
+        return np.concatenate([together[c] for c in problem.channels])
     return np.concatenate([whiten(problem, c, values[c]) for c in problem.channels])
 
 

@@ -12,15 +12,17 @@ from harness.core.recording import MINIMUM_SAMPLES, Recording
 from harness.diagnosis.baseline import dominant_frequency
 from harness.diagnosis.driven.between import between_samples
 from harness.diagnosis.driven.cut import windows_of
+from harness.diagnosis.driven.disturbed import force_noise
 from harness.diagnosis.driven.hold import acting
 from harness.diagnosis.driven.inverse import inverse_start, state_of
 from harness.diagnosis.driven.measured import GAP
 from harness.diagnosis.driven.smooth import Smooth, smoothed
+from harness.diagnosis.observe import COARSE, observe
 from harness.diagnosis.problem import Problem, Restarts
 from harness.diagnosis.release import released, without_hand
 from harness.estimate.noise import channel_noise
 from harness.estimate.reversals import Kind, NoDecay, find_half_cycles
-from harness.model.model import Restoring
+from harness.model.model import Model, Restoring
 
 HORIZON = 1.0
 """Default length of the windows of a driven recording, s."""
@@ -155,12 +157,13 @@ def _driven(recording: Recording, asked: Asked) -> tuple[Problem, tuple[str, ...
         angular=recording.angular,
         first=first,
     )
-    drive, is_held, follows = acting(problem, u)
-    problem = replace(problem, drive=drive)
-    notes = ["the force acts as a sampled controller's, held from each sample to the next"] if is_held else []
+    force = acting(problem, u)
+    problem = replace(problem, drive=force.drive)
+    notes = ["the force acts as a sampled controller's, held from each sample to the next"] if force.held else []
     gaps = float(np.max(np.diff(t))) > longest
-    if asked.horizon is None and not gaps and follows:
-        return problem, ("driven: the whole recording is followed from one start", *notes)
+    if asked.horizon is None and not gaps and force.follows:
+        problem, said = _with_force_noise(problem, force.model, u)
+        return problem, ("driven: the whole recording is followed from one start", *notes, *said)
     horizon = HORIZON if asked.horizon is None else asked.horizon
     windows = windows_of(t, state, smooth, horizon, longest)
     note = (
@@ -168,3 +171,17 @@ def _driven(recording: Recording, asked: Asked) -> tuple[Problem, tuple[str, ...
         "restarted from the smoothed recorded state"
     )
     return replace(problem, restarts=Restarts(windows, t, state[1])), (note, *notes)
+
+
+def _with_force_noise(problem: Problem, model: Model, u: FloatArray) -> tuple[Problem, tuple[str, ...]]:
+    """The problem, allowing for the noise of its force u (n,) if that shows in a model's motion; what is said of it."""
+    noise = channel_noise(problem.t, u)
+    shown = observe(model, problem, (), None, COARSE)
+    force = force_noise(model, shown, problem.t, noise, {c: problem.noise[c] for c in problem.channels})
+    if force is None:
+        return problem, ()
+    share = 100.0 * noise.sigma / math.sqrt(float(np.mean(u**2)))
+    said = (
+        f"the force's own noise, {noise.sigma:.3g} N ({share:.2g} % of its rms), shows in the motion and is allowed for"
+    )
+    return replace(problem, force_noise=force), (said,)

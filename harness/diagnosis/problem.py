@@ -7,6 +7,7 @@ from types import MappingProxyType
 import numpy as np
 
 from harness.core.arrays import BoolArray, FloatArray
+from harness.diagnosis.driven.forcenoise import ForceNoise
 from harness.estimate.noise import Noise
 from harness.kernels.solve import Drive
 from harness.model.model import Model, Restoring
@@ -54,9 +55,9 @@ class Problem:
     """What is to be explained; arrays have shape (n,).
 
     t : s. channels : "x", "v", "a" as measured. noise : per channel. weight : 0 leaves a sample out of the fit, or 1.
-    drive : measured force or None; its noise is noise["u"], of first order. restarts : of a driven recording, None
-    where the whole is simulated from one start. mass : kg, None when unknown (then m = 1 and forces are per unit
-    mass, unless a measured force gives the mass).
+    drive : measured force or None. force_noise : what its noise does to the whole, None where nothing shows.
+    restarts : of a driven recording, None where the whole is simulated from one start. mass : kg, None when unknown
+    (then m = 1 and forces are per unit mass, unless a measured force gives the mass).
     first : of a driven recording, a rough base model with its start.
     zero_free : x is measured from an unknown zero. angular : x or a was given as an angle.
     """
@@ -71,6 +72,7 @@ class Problem:
     zero_free: bool = False
     angular: bool = False
     restarts: Restarts | None = None
+    force_noise: ForceNoise | None = None
     first: Model | None = None
 
     def __post_init__(self) -> None:

@@ -27,6 +27,8 @@ _MOST_TERMS = 2
 """Three flexible terms fit nearly any motion, those of no catalogue included: what needs them is called unexplained."""
 _PART = 40.0
 """What a second term must take off BIC: of two terms that fit a third effect together one is often weak."""
+_BEYOND = 2.0
+"""Times what noise of a force typically leaves beyond first order, of which a term might explain all."""
 _NOISE_MOVED = 0.01
 _NOTHING_ELSE = 0.02
 """Chance of structure in noise alone from which a residual is taken for coloured noise and nothing else."""
@@ -58,6 +60,9 @@ def noise_of(found: Fit, problem: Problem, omega: float) -> dict[str, Noise]:
     period = 2.0 * math.pi / omega
     left = {c: y - found.shown.y[c] for c, y in problem.channels.items()}
     said = {c: residual_noise(problem.t, left[c], y, period) for c, y in problem.channels.items()}
+    if problem.force_noise is not None:
+        # what is slower than the windows is the force's
+        return {c: problem.force_noise.own(c, said[c], problem.noise[c]) for c in said}
     whole = {c: coloured_whole(left[c], problem.weight[c], said[c]) for c in said}
     if all(whole[c] is said[c] for c in said):
         return said
@@ -98,38 +103,44 @@ def _renew(
     return problem, settle(under(best, problem), problem, scales), seen
 
 
+def _wanted(least: float, problem: Problem) -> float:
+    """What a term must take off BIC: the more where the noise of a force does what no first order tells of."""
+    return least if problem.force_noise is None else least + _BEYOND * problem.force_noise.beyond
+
+
 def search(problem: Problem, base: Fit, scales: Scales) -> Search:
     """Find the smallest model that explains a recording."""
     found = _levelled(_search(problem, base, scales))
-    if not found.chosen.model.terms or found.base.bic > found.chosen.bic + AMONG_NAMES:
+    if not found.chosen.model.terms or found.base.bic > found.chosen.bic + _wanted(AMONG_NAMES, problem):
         return found
     # what counts as noise has grown since the term was decided for
     return replace(found, chosen=found.base, explained=explains(found.base, found.problem, scales.omega, found.base))
 
 
 def _search(problem: Problem, base: Fit, scales: Scales) -> Search:
+    first, second = _wanted(AMONG_NAMES, problem), _wanted(_PART, problem)
     singles = extend(base, problem, scales).fits
-    if not singles or singles[0].bic > base.bic - AMONG_NAMES:
+    if not singles or singles[0].bic > base.bic - first:
         return Search(problem, base, base, singles, singles, explains(base, problem, scales.omega, base))
     problem, best, singles = _renew(problem, scales, singles[0], singles)
     base = under(base, problem)
     singles = tuple(sorted((*(f for f in singles if key_of(f) != key_of(best)), best), key=lambda f: f.bic))
-    chosen, rivals = _simplest(singles, base, AMONG_NAMES), singles
+    chosen, rivals = _simplest(singles, base, first), singles
     explained = explains(chosen, problem, scales.omega, base)
     beam = _beam(singles)
     while len(chosen.model.terms) < _MOST_TERMS:
-        first = extend(chosen, problem, scales)
-        promising = bool(first.fits) and first.fits[0].bic < chosen.bic - _PART
+        step = extend(chosen, problem, scales)
+        promising = bool(step.fits) and step.fits[0].bic < chosen.bic - second
         if explained and not promising:
             break
-        found = first.fits if explained else _wider(first, chosen, beam, problem, scales, base)
-        if not found or found[0].bic > chosen.bic - _PART:
+        found = step.fits if explained else _wider(step, chosen, beam, problem, scales, base)
+        if not found or found[0].bic > chosen.bic - second:
             break
         problem, best, found = _renew(problem, scales, found[0], found)
         found = tuple(sorted((*(f for f in found if key_of(f) != key_of(best)), best), key=lambda f: f.bic))
         base = under(base, problem)
         singles = tuple(sorted((under(f, problem) for f in singles), key=lambda f: f.bic))
-        chosen, rivals = _simplest(found, under(chosen, problem), _PART), found
+        chosen, rivals = _simplest(found, under(chosen, problem), second), found
         explained = explains(chosen, problem, scales.omega, base)
         beam = list(found[:2])
     pruned = prune(chosen, problem, scales)

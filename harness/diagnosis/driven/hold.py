@@ -1,6 +1,6 @@
 """Whether a recorded force acts between samples as a straight line, or held until the next as a controller's output."""
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -11,6 +11,7 @@ from harness.diagnosis.observe import COARSE
 from harness.diagnosis.parameters import free_of
 from harness.diagnosis.problem import Problem
 from harness.kernels.solve import Drive
+from harness.model.model import Model
 
 _BETTER = 0.98
 """What chi-square must fall to for the force to count as held."""
@@ -24,8 +25,20 @@ def held(t: FloatArray, u: FloatArray) -> Drive:
     return Drive(t + 0.5 * float(np.median(np.diff(t))), u)
 
 
-def acting(problem: Problem, u: FloatArray) -> tuple[Drive, bool, bool]:
-    """How the force u (n,) acts, whether held, and whether the base model then follows the whole from one start.
+@dataclass(frozen=True, slots=True)
+class Acting:
+    """How a force acts. held : until the next sample. follows : whether the base model, fitted to a first part, does so
+    from one start.
+    """
+
+    drive: Drive
+    held: bool
+    follows: bool
+    model: Model
+
+
+def acting(problem: Problem, u: FloatArray) -> Acting:
+    """How the force u (n,) acts, and whether the base model then follows the recording.
 
     It is held where the base model follows the recording better so. The model strays where its misfit is hundreds of
     times what the sensor's noise is, as an encoder shows of a real drive: then no law says the force well enough, and
@@ -41,4 +54,4 @@ def acting(problem: Problem, u: FloatArray) -> tuple[Drive, bool, bool]:
     )
     is_held = in_steps.chi2 < _BETTER * straight.chi2
     found = in_steps if is_held else straight
-    return stepped if is_held else problem.drive, is_held, found.chi2 < _STRAYS**2 * found.points
+    return Acting(stepped if is_held else problem.drive, is_held, found.chi2 < _STRAYS**2 * found.points, found.model)

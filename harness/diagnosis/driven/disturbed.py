@@ -1,0 +1,172 @@
+"""What the noise of a measured force does to a slider, to first order along the motion of a model.
+
+Between samples that noise is a straight line as the force is. Where the slider sticks it moves nothing, and a reversal
+passes on that share of a disturbed speed which the acceleration keeps (the saltation of a Filippov system: Leine and
+Nijmeijer 2004, ch. 7).
+"""
+
+import math
+from collections.abc import Mapping
+from contextlib import suppress
+from dataclasses import replace
+
+import numpy as np
+from scipy.signal import lfilter
+
+from harness.core.arrays import BoolArray, FloatArray, IntArray
+from harness.core.errors import SimulationError
+from harness.core.events import EventKind, Events, Mode
+from harness.core.jit import compiled
+from harness.diagnosis.driven.forcenoise import ForceNoise
+from harness.diagnosis.fit import Fit, fit, whitened
+from harness.diagnosis.observe import COARSE, Observation, observe
+from harness.diagnosis.problem import Problem
+from harness.estimate.noise import Noise
+from harness.kernels.solve import Scales
+from harness.model.model import Model, Restoring
+
+_SHOWS = 0.01
+"""Share of its sensors' variance that the force's noise adds somewhere, from which it is allowed for."""
+_SERIES = 5
+_ROUNDS, _DRAWS = 2, 7
+_REVERSAL, _STICK, _BREAK_AWAY = int(EventKind.REVERSAL), int(EventKind.STICK), int(EventKind.BREAK_AWAY)
+
+
+def force_noise(
+    model: Model, shown: Observation, t: FloatArray, force: Noise, noise: Mapping[str, Noise]
+) -> ForceNoise | None:
+    """What the noise of a force does to a recording at t (n,), s, that ``model`` follows as shown; None if nothing.
+
+    noise : of the channels.
+    """
+    if not force.found:
+        return None
+    bend = np.cos(shown.x) if model.restoring is Restoring.PENDULUM else np.ones(t.size)
+    pull, drag, push = model.k / model.m * bend, model.c / model.m, 1.0 / model.m
+    slips = shown.mode != Mode.STICK
+    events = shown.events
+    turns = events.kind == EventKind.REVERSAL
+    share = np.zeros(len(events))
+    share[turns] = events.a_after[turns] / np.where(events.a_before[turns] == 0.0, math.inf, events.a_before[turns])
+    moves = np.zeros((t.size - 1, 2, 4))
+    _moves(t, slips, pull, drag, push, events.t, events.kind, np.clip(share, 0.0, 1.0), moves)
+    found = ForceNoise(t, force, moves, pull, drag, push, slips, _jumps(t, events))
+    nothing = {c: np.zeros(t.size) for c in noise}
+    _, variance = found.whitened(t, noise, nothing, nothing)
+    added = max(float(np.max(v)) / noise[c].sigma ** 2 - 1.0 for c, v in variance.items())
+    return found if added > _SHOWS else None
+
+
+def along(base: Fit, problem: Problem, scales: Scales) -> tuple[Problem, Fit]:
+    """A problem with what its force's noise does along the motion of its base fit, and that fit under it."""
+    for _ in range(_ROUNDS):
+        if problem.force_noise is None:
+            return problem, base
+        noise = {c: problem.noise[c] for c in problem.channels}
+        force = force_noise(base.model, base.shown, problem.t, problem.force_noise.noise, noise)
+        problem = replace(problem, force_noise=force)
+        base = fit(base.model, problem, base.free, scales)
+    if problem.force_noise is not None:
+        beyond = _beyond(base, problem, problem.force_noise, scales)
+        problem = replace(problem, force_noise=replace(problem.force_noise, beyond=beyond))
+    return problem, base
+
+
+def _beyond(base: Fit, problem: Problem, force: ForceNoise, scales: Scales) -> float:
+    """Chi-square that noise of a force leaves beyond first order and what a fit takes: the median of some draws.
+
+    Reversals come earlier or later, and slight ones become sticking.
+    """
+    assert problem.drive is not None
+    random, partials = np.random.default_rng(0), base.jacobian
+    size = np.sqrt(np.sum(partials**2, axis=0))
+    taken, _ = np.linalg.qr(partials[:, size > 0.0] / size[size > 0.0])
+    found = []
+    for _ in range(_DRAWS):
+        w = _drawn(force.noise, force.t.size, random)
+        u = problem.drive.u + np.interp(problem.drive.t, force.t, w)
+        with suppress(SimulationError):
+            disturbed = observe(base.model, replace(problem, drive=replace(problem.drive, u=u)), (), scales, COARSE).y
+            felt = force.felt(w)
+            left = whitened(problem, {c: disturbed[c] - base.shown.y[c] - felt[c] for c in problem.channels})
+            found.append(float(left @ left) - float(np.sum((taken.T @ left) ** 2)))
+    return float(np.median(found)) if found else math.inf
+
+
+def _drawn(noise: Noise, count: int, random: np.random.Generator) -> FloatArray:
+    """Noise (count,) of first-order colour."""
+    fresh = noise.sigma * random.standard_normal(count)
+    fresh[1:] *= math.sqrt(1.0 - noise.phi**2)
+    return np.asarray(lfilter([1.0], [1.0, -noise.phi], fresh), dtype=np.float64)
+
+
+def _jumps(t: FloatArray, events: Events) -> FloatArray:
+    """Jump of the acceleration at the nearest event (N,), how far off it is, s, and the acceleration before it."""
+    found = np.zeros((t.size, 3))
+    jump = np.abs(events.a_after - events.a_before)
+    at = np.flatnonzero((jump > 0.0) & (events.a_before != 0.0))
+    if at.size:
+        middles = 0.5 * (events.t[at][1:] + events.t[at][:-1])
+        nearest = at[np.searchsorted(middles, t)]
+        found[:, 0], found[:, 2] = jump[nearest], np.abs(events.a_before[nearest])
+        found[:, 1] = np.abs(t - events.t[nearest])
+    return found
+
+
+def _step(pull: float, drag: float, push: float, h: float, begin: float, end: float, move: FloatArray) -> None:
+    """Carry ``move`` (2, 4) on by h (s), while the force's noise goes from share ``begin`` of its way to ``end``."""
+    # powers of the 2 x 2 system, over h and half of it; the force's part by Simpson's rule
+    whole, half = np.eye(2), np.eye(2)
+    term_w, term_h = np.eye(2), np.eye(2)
+    a = np.array([[0.0, 1.0], [-pull, -drag]])
+    for i in range(1, _SERIES + 1):
+        term_w, term_h = term_w @ a * (h / i), term_h @ a * (0.5 * h / i)
+        whole, half = whole + term_w, half + term_h
+    middle = 0.5 * (begin + end)
+    moved = whole @ move
+    for r in range(2):
+        first, second, third = push * whole[r, 1], push * half[r, 1], push if r == 1 else 0.0
+        moved[r, 2] += h / 6.0 * (first * (1.0 - begin) + 4.0 * second * (1.0 - middle) + third * (1.0 - end))
+        moved[r, 3] += h / 6.0 * (first * begin + 4.0 * second * middle + third * end)
+    move[:] = moved
+
+
+_compiled_step = compiled(_step)
+
+
+def _all_moves(
+    t: FloatArray, slips: BoolArray, pull: FloatArray, drag: float, push: float, events: FloatArray,
+    kind: IntArray, share: FloatArray, out: FloatArray,
+) -> None:  # fmt: skip
+    """From each instant to the next (n - 1, 2, 4), through the events between."""
+    e = 0
+    for i in range(t.size - 1):
+        move = out[i]
+        move[:] = 0.0
+        move[0, 0] = move[1, 1] = 1.0
+        slipping, since, width = slips[i], t[i], t[i + 1] - t[i]
+        while e < events.size and events[e] <= t[i]:
+            e += 1
+        while True:
+            until = events[e] if e < events.size and events[e] <= t[i + 1] else t[i + 1]
+            if slipping:
+                begin, end = (since - t[i]) / width, (until - t[i]) / width
+                _compiled_step(0.5 * (pull[i] + pull[i + 1]), drag, push, until - since, begin, end, move)
+            else:
+                move[1] = 0.0
+            since = until
+            if e >= events.size or events[e] > t[i + 1]:
+                break
+            if kind[e] == _REVERSAL:
+                move[1] *= share[e]
+            elif kind[e] == _STICK:
+                slipping = False
+            elif kind[e] == _BREAK_AWAY:
+                slipping = True
+                move[1] = 0.0
+            e += 1
+        if not slips[i + 1]:
+            move[1] = 0.0
+
+
+_moves = compiled(_all_moves)

@@ -1,0 +1,132 @@
+"""Residuals under the noise of a force: what each sample adds to all before it, by a Kalman filter.
+
+The state is what noise alone has done: position, speed, the force's noise, and the noise of each sensor. The filter is
+linear and knows nothing of a residual but its times, so that residuals and partials go through the same one.
+"""
+
+import math
+
+import numpy as np
+
+from harness.core.arrays import FloatArray, IntArray
+from harness.core.jit import compiled
+
+MOTION = 3
+"""Places of the state before the sensors: position, speed, force."""
+
+
+def _move(m: FloatArray, phi: float, fresh: float, mean: FloatArray, p: FloatArray) -> None:
+    """The state and its covariance an instant later; phi : of the force's noise, fresh : deviation of its new part."""
+    size, q = mean.shape
+    f = np.zeros((MOTION, MOTION))
+    for a in range(2):
+        f[a, 0], f[a, 1], f[a, 2] = m[a, 0], m[a, 1], m[a, 2] + phi * m[a, 3]
+    f[2, 2] = phi
+    for b in range(q):
+        s0, s1, s2 = mean[0, b], mean[1, b], mean[2, b]
+        for a in range(MOTION):
+            mean[a, b] = f[a, 0] * s0 + f[a, 1] * s1 + f[a, 2] * s2
+    for b in range(size):
+        s0, s1, s2 = p[0, b], p[1, b], p[2, b]
+        for a in range(MOTION):
+            p[a, b] = f[a, 0] * s0 + f[a, 1] * s1 + f[a, 2] * s2
+    for b in range(size):
+        s0, s1, s2 = p[b, 0], p[b, 1], p[b, 2]
+        for a in range(MOTION):
+            p[b, a] = f[a, 0] * s0 + f[a, 1] * s1 + f[a, 2] * s2
+    by = (fresh * m[0, 3], fresh * m[1, 3], fresh)
+    for a in range(MOTION):
+        for b in range(MOTION):
+            p[a, b] += by[a] * by[b]
+
+
+def _colour(sensor: FloatArray, mean: FloatArray, p: FloatArray) -> None:
+    """The noise of each sensor (k, 2) a sample later."""
+    for c in range(sensor.shape[0]):
+        at, phi = MOTION + c, sensor[c, 1]
+        p[at, :] *= phi
+        p[:, at] *= phi
+        mean[at, :] *= phi
+        p[at, at] += (1.0 - phi**2) * sensor[c, 0] ** 2
+
+
+def _seen_by(h: FloatArray, at: int, p: FloatArray, ph: FloatArray) -> float:
+    """Covariance ph (size,) of the state with what a sensor shows, its own noise in place ``at``; variance of that."""
+    for a in range(ph.size):
+        ph[a] = p[a, at] + p[a, 0] * h[0] + p[a, 1] * h[1] + p[a, 2] * h[2]
+    variance: float = ph[at] + ph[0] * h[0] + ph[1] * h[1] + ph[2] * h[2]
+    return variance
+
+
+def _misplaced(jump: FloatArray, speed_variance: float) -> float:
+    """Variance of which side of an event a sample is on; jump (3,) as below."""
+    late = math.sqrt(max(speed_variance, 0.0)) / jump[2]
+    wrong = 0.5 * math.erfc(jump[1] / max(late, 1e-300) / math.sqrt(2.0))
+    variance: float = wrong * (1.0 - wrong) * jump[0] ** 2
+    return variance
+
+
+_compiled_move, _compiled_colour = compiled(_move), compiled(_colour)
+_compiled_seen_by, _compiled_misplaced = compiled(_seen_by), compiled(_misplaced)
+
+
+def _innovations(
+    moves: FloatArray,
+    force: FloatArray,
+    place: IntArray,
+    seen: FloatArray,
+    sensor: FloatArray,
+    weight: FloatArray,
+    jumps: FloatArray,
+    y: FloatArray,
+    out: FloatArray,
+    variance: FloatArray,
+) -> None:
+    """Innovations in units of their standard deviation, of y (k, n, q), into out; their variances (k, n).
+
+    moves (N - 1, 2, 4) : position and speed at the next instant by both, the force now and then. force (2,) : its
+    noise's standard deviation and lag-one correlation. place (n,) : the instants at which there are samples.
+    seen (k, n, 3) : what each sensor shows of the motion. sensor (k, 2) : noise and lag-one correlation. weight (k, n).
+    jumps (k, n, 3) : by how much each sensor jumps at the event next to a sample, how far off that is, s, and the
+    acceleration before it, m/s^2: the uncertain speed may put the event on the sample's other side.
+    """
+    k, n, q = y.shape
+    size = MOTION + k
+    fresh = force[0] * math.sqrt(1.0 - force[1] ** 2)
+    mean, p, ph = np.zeros((size, q)), np.zeros((size, size)), np.zeros(size)
+    p[2, 2] = force[0] ** 2
+    for c in range(k):
+        p[MOTION + c, MOTION + c] = sensor[c, 0] ** 2
+    for i in range(n):
+        if i > 0:
+            for at in range(place[i - 1], place[i]):
+                _compiled_move(moves[at], force[1], fresh, mean, p)
+            _compiled_colour(sensor, mean, p)
+        for c in range(k):
+            h = seen[c, i]
+            s = _compiled_seen_by(h, MOTION + c, p, ph)
+            if jumps[c, i, 0] != 0.0:
+                s += _compiled_misplaced(jumps[c, i], p[1, 1])
+            variance[c, i] = s
+            out[c, i, :] = 0.0
+            if weight[c, i] != 0.0:
+                for b in range(q):
+                    shown = mean[MOTION + c, b] + h[0] * mean[0, b] + h[1] * mean[1, b] + h[2] * mean[2, b]
+                    left = y[c, i, b] - shown
+                    out[c, i, b] = weight[c, i] * left / math.sqrt(s)
+                    mean[:, b] += ph / s * left
+                for a in range(size):
+                    p[a, :] -= ph[a] / s * ph
+
+
+innovations = compiled(_innovations)
+
+
+def _carry(moves: FloatArray, w: FloatArray, x: FloatArray, v: FloatArray) -> None:
+    """Position and speed (N,) that noise w (N,) of a force makes from none; moves as above."""
+    for i in range(w.size - 1):
+        for out, m in ((x, moves[i, 0]), (v, moves[i, 1])):
+            out[i + 1] = m[0] * x[i] + m[1] * v[i] + m[2] * w[i] + m[3] * w[i + 1]
+
+
+carry = compiled(_carry)
