@@ -12,6 +12,7 @@ from harness.diagnosis.baseline import baseline
 from harness.diagnosis.conclude import diagnose
 from harness.diagnosis.hand import after_hand
 from harness.diagnosis.prepare import Asked, prepare
+from harness.diagnosis.problem import Problem
 from harness.diagnosis.structure import SIGNIFICANT, structure
 from harness.kernels.solve import Drive, simulate, solve
 from harness.model.model import Model, ModelTerm, Restoring
@@ -112,11 +113,21 @@ def test_physics_left_out_is_named_with_a_hand_too() -> None:
     assert [m.name for m in outcome.mechanisms] == ["cubic-stiffness"]
 
 
-def test_a_rest_that_agrees_with_anything_is_no_free_decay(recordings: Path) -> None:
-    # a back-driven gearbox: it swings for a second and rests for three, which any model meets
+@pytest.fixture
+def gearbox(recordings: Path) -> Problem:
+    """A back-driven gearbox: it swings for a second and rests for three, which any model meets."""
     log = json.loads((recordings / "xl330-pendulum" / "2026-01-15_10h28m17.json").read_text(encoding="utf-8"))
     free = [(e["timestamp"], e["position"]) for e in log["entries"] if not e["torque_enable"]]
     t, x = np.array(free).T
-    problem, _ = prepare(Recording(t - t[0], {"x": x}), Asked(Restoring.PENDULUM))
-    _, scales = baseline(problem)
-    assert after_hand(problem, scales) is None
+    return prepare(Recording(t - t[0], {"x": x}), Asked(Restoring.PENDULUM))[0]
+
+
+def test_a_rest_that_agrees_with_anything_is_no_free_decay(gearbox: Problem) -> None:
+    _, scales = baseline(gearbox)
+    assert after_hand(gearbox, scales) is None
+
+
+def test_nothing_is_left_out_for_a_hand_where_nothing_explains_the_rest(gearbox: Problem) -> None:
+    outcome = diagnose(gearbox)
+    assert outcome.verdict == "unexplained"
+    assert not any("left out" in said for said in outcome.warnings)

@@ -5,17 +5,15 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
-from small_proof import SIZES, STUB
+from small_proof import SIZES, STUB, unchanged_sources
 
-from harness.app import prove as room
 from harness.app.prove import ProveOptions, prove
 
 
 @pytest.fixture
 def one_version() -> Iterator[None]:
-    """Somebody may be working on the sources while this runs."""
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(room, "code_digest", lambda: "the same")
+    """Sources that seem to stay the same."""
+    with unchanged_sources():
         yield
 
 
@@ -23,8 +21,7 @@ def one_version() -> Iterator[None]:
 def published(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A small proof of a diagnosis that says of everything that nothing is left out."""
     folder = tmp_path_factory.mktemp("proof") / "done"
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(room, "code_digest", lambda: "the same")
+    with unchanged_sources():
         prove(ProveOptions(SIZES, jobs=1, blind=STUB), folder)
     return folder
 

@@ -8,7 +8,6 @@ import pytest
 from bad_input import refuses
 from prove_stub import __file__ as stub
 
-from harness.app import prove as room
 from harness.app.proof_controls import controls
 from harness.app.prove import ProveOptions, prove
 from harness.app.prove_verify import verify_proof
@@ -75,9 +74,7 @@ def test_the_real_diagnosis_answers_blind(tmp_path: Path, capfd: pytest.CaptureF
 
 
 @pytest.fixture
-def small(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    # somebody may be working on the sources while this runs
-    monkeypatch.setattr(room, "code_digest", lambda: "the same")
+def small(tmp_path: Path, one_version: None) -> Path:
     prove(ProveOptions(Sizes(1, 1, 0, 0), jobs=1, baselines=(), blind=(sys.executable, str(stub))), tmp_path / "small")
     return tmp_path / "small"
 

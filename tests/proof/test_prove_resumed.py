@@ -37,16 +37,15 @@ def test_a_finished_proof_resumed_is_scored_again_and_stays_what_it_was(proof: P
 PROGRAM = """
 import sys
 from pathlib import Path
-from harness.app import prove as room
+from small_proof import unchanged_sources
 from harness.app.prove import ProveOptions, prove
 from harness.core.errors import HarnessError
 from harness.proof.plan import Sizes
 if __name__ == "__main__":
-    # somebody may be working on the sources while this runs
-    room.code_digest = lambda: "the same"
     try:
         options = ProveOptions(Sizes(1, 3, 0, 0), 1, None, "resume" in sys.argv, ("r2",), {blind!r})
-        prove(options, Path({out!r}))
+        with unchanged_sources():
+            prove(options, Path({out!r}))
     except HarnessError as error:
         print(error)
         sys.exit(error.exit_code)
@@ -64,7 +63,11 @@ def waited(condition: Callable[[], bool], seconds: float = 60.0) -> None:
 def test_an_interrupted_proof_is_resumed(tmp_path: Path, how: signal.Signals) -> None:
     out, program = tmp_path / "out", tmp_path / "program.py"
     program.write_text(PROGRAM.format(blind=(*STUB, "slow"), out=str(out)))
-    environment = {**os.environ, "PYTHONPATH": str(ROOT), "TMPDIR": str(tmp_path)}
+    environment = {
+        **os.environ,
+        "PYTHONPATH": os.pathsep.join((str(ROOT), str(ROOT / "tests" / "support"))),
+        "TMPDIR": str(tmp_path),
+    }
 
     def run(*arguments: str) -> "subprocess.Popen[str]":
         command = [sys.executable, str(program), *arguments]
