@@ -81,6 +81,7 @@ lists what the exported MJCF (`slider.xml`) and URDF leave out.
 | acceleration and position differ by a factor of 9.81 or 1000 | a unit: `a [g]`, `x [mm]` |
 | fewer than three half-cycles | let it go from further away, or record earlier |
 | an impulse at the very beginning | the hand: `--from` |
+| the noise of the measured force shifts reversals | a force measured with less noise, or a faster motion |
 | `unexplained` on a long recording | try a part: `--from 2 --to 8`; what is missing may act at one end only |
 """
 

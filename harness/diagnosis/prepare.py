@@ -28,6 +28,8 @@ HORIZON = 1.0
 """Default length of the windows of a driven recording, s."""
 _KINDS = {"x": Kind.DISPLACEMENT, "v": Kind.VELOCITY, "a": Kind.ACCELERATION}
 _FEWEST_IN_WINDOW = 20
+_MOVES = 1.5
+"""Times its noise by which some channel of a driven slider must scatter."""
 _REST = 1.0
 """How long a rest is kept after the last half-cycle, in times of the decay: it says where the slider stays."""
 
@@ -139,6 +141,9 @@ def _driven(recording: Recording, asked: Asked) -> tuple[Problem, tuple[str, ...
         raise InputError("--horizon", found, f"at least {_FEWEST_IN_WINDOW * interval:g} s is accepted")
     channels: dict[str, FloatArray] = {c: recording[c] for c in ("x", "v", "a") if c in recording}
     noise = {c: channel_noise(t, y) for c, y in channels.items()}
+    if all(float(np.std(y)) < _MOVES * noise[c].sigma for c, y in channels.items()):
+        seen = ", ".join(f"{c} to {noise[c].sigma:.3g}" for c in channels)
+        raise InputError(where, f"a slider that does not move beyond its noise ({seen})", "a driven motion is accepted")
     longest = GAP * interval
     smooth: dict[str, Smooth] = {
         c: smoothed(t, channels[c], longest, noise[c].sigma) for c in ("x", "v") if c in channels

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from harness.app.dataset import Emps
+from harness.core.arrays import FloatArray
 from harness.core.errors import InputError
 from harness.core.recording import Recording
 from harness.diagnosis.baseline import base_names, baseline
@@ -202,6 +203,14 @@ def test_what_cannot_be_done_is_refused(channels: tuple[str, ...], asked: Asked,
     values = {c: recording["x" if c != "u" else "u"] for c in channels}
     with pytest.raises(InputError, match=message):
         prepare(Recording(recording.t, values), asked)
+
+
+def test_a_driven_slider_that_never_moves_is_refused() -> None:
+    random = np.random.default_rng(1)
+    t: FloatArray = np.arange(2000.0) * 1e-3
+    still = Recording(t, {"x": 1e-6 * random.standard_normal(t.size), "u": np.sin(5.0 * t)})
+    with pytest.raises(InputError, match="a slider that does not move beyond its noise"):
+        prepare(still, Asked())
 
 
 COLUMNS = ReadOptions("t=t,x=qm,u=vir*gtau[N]")
