@@ -27,8 +27,6 @@ _MOST_TERMS = 2
 """Three flexible terms fit nearly any motion, those of no catalogue included: what needs them is called unexplained."""
 _PART = 40.0
 """What a second term must take off BIC: of two terms that fit a third effect together one is often weak."""
-_BEYOND = 2.0
-"""Times what noise of a force typically leaves beyond first order, of which a term might explain all."""
 _NOISE_MOVED = 0.01
 _NOTHING_ELSE = 0.02
 """Chance of structure in noise alone from which a residual is taken for coloured noise and nothing else."""
@@ -105,7 +103,7 @@ def _renew(
 
 def _wanted(least: float, problem: Problem) -> float:
     """What a term must take off BIC: the more where the noise of a force does what no first order tells of."""
-    return least if problem.force_noise is None else least + _BEYOND * problem.force_noise.beyond
+    return least if problem.force_noise is None else least + problem.force_noise.beyond
 
 
 def search(problem: Problem, base: Fit, scales: Scales) -> Search:

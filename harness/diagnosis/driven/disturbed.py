@@ -28,7 +28,9 @@ from harness.model.model import Model, Restoring
 _SHOWS = 0.01
 """Share of its sensors' variance that the force's noise adds somewhere, from which it is allowed for."""
 _SERIES = 5
-_ROUNDS, _DRAWS = 2, 7
+_ROUNDS, _DRAWS = 2, 11
+_FAR = 5.0
+"""Standard deviations beyond which a value says no more."""
 _REVERSAL, _STICK, _BREAK_AWAY = int(EventKind.REVERSAL), int(EventKind.STICK), int(EventKind.BREAK_AWAY)
 
 
@@ -73,9 +75,10 @@ def along(base: Fit, problem: Problem, scales: Scales) -> tuple[Problem, Fit]:
 
 
 def _beyond(base: Fit, problem: Problem, force: ForceNoise, scales: Scales) -> float:
-    """Chi-square that noise of a force leaves beyond first order and what a fit takes: the median of some draws.
+    """Chi-square that noise of a force leaves beyond first order and what a fit takes: the most of some draws.
 
-    Reversals come earlier or later, and slight ones become sticking.
+    Reversals come earlier or later, and slight ones become sticking. A sample on the other side of a jump counts as
+    one that is far out, no more.
     """
     assert problem.drive is not None
     random, partials = np.random.default_rng(0), base.jacobian
@@ -89,8 +92,9 @@ def _beyond(base: Fit, problem: Problem, force: ForceNoise, scales: Scales) -> f
             disturbed = observe(base.model, replace(problem, drive=replace(problem.drive, u=u)), (), scales, COARSE).y
             felt = force.felt(w)
             left = whitened(problem, {c: disturbed[c] - base.shown.y[c] - felt[c] for c in problem.channels})
+            left = np.clip(left, -_FAR, _FAR)
             found.append(float(left @ left) - float(np.sum((taken.T @ left) ** 2)))
-    return float(np.median(found)) if found else math.inf
+    return max(found, default=math.inf)
 
 
 def _drawn(noise: Noise, count: int, random: np.random.Generator) -> FloatArray:

@@ -22,7 +22,7 @@ class ForceNoise:
     and then. pull (N,), drag, push : partials of acceleration by position and speed, 1/s^2 and 1/s, and by force, 1/kg.
     slips (N,) : where it moves. jumps (N, 3) : of the acceleration at the event next to an instant, how far off that
     is, s, and the acceleration before it. averaged : samples are means, which show little of the force at an instant.
-    beyond : chi-square that such noise typically leaves beyond first order.
+    beyond : chi-square that such noise may leave beyond first order.
     """
 
     t: FloatArray
