@@ -4,8 +4,8 @@ from dataclasses import replace
 
 from harness.diagnosis.advice import next_experiment
 from harness.diagnosis.decided import doubt
-from harness.diagnosis.driven.disturbed import along
 from harness.diagnosis.driven.holdout import holdout_windows
+from harness.diagnosis.driven.noisyfit import along
 from harness.diagnosis.driven.search import left_said, search_driven
 from harness.diagnosis.driven.validate import Judge
 from harness.diagnosis.fit import Fit

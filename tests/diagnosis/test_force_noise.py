@@ -12,8 +12,9 @@ from harness.core.events import EventKind, Mode
 from harness.core.recording import Recording
 from harness.diagnosis.baseline import baseline
 from harness.diagnosis.conclude import diagnose
-from harness.diagnosis.driven.disturbed import along, force_noise
+from harness.diagnosis.driven.disturbed import force_noise
 from harness.diagnosis.driven.forcenoise import ForceNoise
+from harness.diagnosis.driven.noisyfit import along
 from harness.diagnosis.observe import Observation, observe
 from harness.diagnosis.prepare import Asked, prepare
 from harness.diagnosis.problem import Problem

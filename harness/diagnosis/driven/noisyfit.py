@@ -1,0 +1,67 @@
+"""A base fit under the noise of its force, and what that noise does beyond first order, by simulation."""
+
+import math
+from contextlib import suppress
+from dataclasses import replace
+
+import numpy as np
+from scipy.signal import lfilter
+
+from harness.core.arrays import FloatArray
+from harness.core.errors import SimulationError
+from harness.diagnosis.driven.disturbed import force_noise
+from harness.diagnosis.driven.forcenoise import ForceNoise
+from harness.diagnosis.fit import Fit, fit, whitened
+from harness.diagnosis.observe import COARSE, observe
+from harness.diagnosis.problem import Problem
+from harness.estimate.noise import Noise
+from harness.kernels.solve import Scales
+
+_ROUNDS, _DRAWS = 2, 11
+_FAR = 5.0
+"""Standard deviations beyond which a value says no more."""
+
+
+def along(base: Fit, problem: Problem, scales: Scales) -> tuple[Problem, Fit]:
+    """A problem with what its force's noise does along the motion of its base fit, and that fit under it."""
+    for _ in range(_ROUNDS):
+        if problem.force_noise is None:
+            return problem, base
+        noise = {c: problem.noise[c] for c in problem.channels}
+        force = force_noise(base.model, base.shown, problem.t, problem.force_noise.noise, noise)
+        problem = replace(problem, force_noise=force)
+        base = fit(base.model, problem, base.free, scales)
+    if problem.force_noise is not None:
+        beyond = _beyond(base, problem, problem.force_noise, scales)
+        problem = replace(problem, force_noise=replace(problem.force_noise, beyond=beyond))
+    return problem, base
+
+
+def _beyond(base: Fit, problem: Problem, force: ForceNoise, scales: Scales) -> float:
+    """Chi-square that noise of a force leaves beyond first order and what a fit takes: the most of some draws.
+
+    Reversals come earlier or later, and slight ones become sticking. A sample on the other side of a jump counts as
+    one that is far out, no more.
+    """
+    assert problem.drive is not None
+    random, partials = np.random.default_rng(0), base.jacobian
+    size = np.sqrt(np.sum(partials**2, axis=0))
+    taken, _ = np.linalg.qr(partials[:, size > 0.0] / size[size > 0.0])
+    found = []
+    for _ in range(_DRAWS):
+        w = _drawn(force.noise, force.t.size, random)
+        u = problem.drive.u + np.interp(problem.drive.t, force.t, w)
+        with suppress(SimulationError):
+            disturbed = observe(base.model, replace(problem, drive=replace(problem.drive, u=u)), (), scales, COARSE).y
+            felt = force.felt(w)
+            left = whitened(problem, {c: disturbed[c] - base.shown.y[c] - felt[c] for c in problem.channels})
+            left = np.clip(left, -_FAR, _FAR)
+            found.append(float(left @ left) - float(np.sum((taken.T @ left) ** 2)))
+    return max(found, default=math.inf)
+
+
+def _drawn(noise: Noise, count: int, random: np.random.Generator) -> FloatArray:
+    """Noise (count,) of first-order colour."""
+    fresh = noise.sigma * random.standard_normal(count)
+    fresh[1:] *= math.sqrt(1.0 - noise.phi**2)
+    return np.asarray(lfilter([1.0], [1.0, -noise.phi], fresh), dtype=np.float64)
