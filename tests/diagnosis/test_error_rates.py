@@ -9,10 +9,13 @@ import numpy as np
 import pytest
 from scipy.stats import binom
 
+from harness.core.recording import Recording
 from harness.diagnosis.conclude import diagnose
 from harness.diagnosis.outcome import Outcome
+from harness.diagnosis.prepare import Asked, prepare
 from harness.diagnosis.problem import Problem
 from harness.estimate.noise import channel_noise
+from harness.model.model import Restoring
 from harness.proof.plant import Case, draw
 from harness.proof.statistics import is_noise
 
@@ -74,3 +77,22 @@ def test_random_controls(count: int) -> None:
     false_alarms_are_at_most_one_in_fifty(count)
     chi_square_of_the_base_fit_is_one_a_point(count)
     two_standard_errors_hold_the_slider(count)
+
+
+def _with_noisy_force(i: int) -> tuple[Problem, tuple[str, ...]]:
+    """A control driven by a force that is recorded with white noise of 0.03 to 1 % of its scatter."""
+    random = np.random.default_rng([78, i])
+    setting = ("driven", "axis")[i % 2]
+    case = draw("control", random, setting=setting)
+    values = {c: y for c, y in case.recorded.items() if c != "t"}
+    share = 10.0 ** random.uniform(-3.5, -2.0)
+    values["u"] = values["u"] + share * np.std(values["u"]) * random.standard_normal(values["u"].size)
+    restoring = Restoring.NONE if setting == "axis" else Restoring.SPRING
+    return prepare(Recording(case.recorded["t"], values), Asked(restoring))
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("count", [2, pytest.param(100, marks=pytest.mark.full)])
+def test_random_controls_whose_force_is_noisy(count: int) -> None:
+    verdicts = [diagnose(_with_noisy_force(i)[0]).verdict for i in range(count)]
+    assert verdicts.count("missing_physics") <= binom.ppf(1.0 - _CHANCE, count, 0.02)
