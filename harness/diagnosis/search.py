@@ -131,7 +131,9 @@ def _search(problem: Problem, base: Fit, scales: Scales) -> Search:
         promising = bool(step.fits) and step.fits[0].bic < chosen.bic - second
         if explained and not promising:
             break
-        found = step.fits if explained else _wider(step, chosen, beam, problem, scales, base)
+        # where a noisy force leaves as much as a second term would, pairs are no better than one another
+        plain = explained or second > 2.0 * _PART
+        found = step.fits if plain else _wider(step, chosen, beam, problem, scales, base)
         if not found or found[0].bic > chosen.bic - second:
             break
         problem, best, found = _renew(problem, scales, found[0], found)

@@ -99,7 +99,7 @@ def test_innovations_are_white_and_of_unit_variance(
     phi: float, colour: float, level: float, stride: int, model: Model
 ) -> None:
     sensors = {c: replace(n, phi=colour) for c, n in SENSORS.items()}
-    noise = replace(of(model, Noise(level, True, phi), sensors), jumps=np.zeros((T.size, 3)))
+    noise = replace(of(model, Noise(level, True, phi), sensors), jumps=np.zeros((T.size, 4)))
     at = slice(0, 120, stride)
     k = T[at].size
     unit = np.eye(3 * k)
@@ -112,7 +112,7 @@ def test_innovations_are_white_and_of_unit_variance(
 
 
 def test_samples_that_do_not_count_are_passed_over() -> None:
-    noise = replace(of(SPRING, Noise(0.1, True)), jumps=np.zeros((T.size, 3)))
+    noise = replace(of(SPRING, Noise(0.1, True)), jumps=np.zeros((T.size, 4)))
     random = np.random.default_rng(1)
     values = {c: random.standard_normal(T.size) for c in "xva"}
     keep = random.random(T.size) < 0.5
@@ -135,7 +135,7 @@ def test_an_acceleration_beside_a_jump_is_doubted_as_far_as_the_event_may_lie_on
     noise = of(SPRING, Noise(0.3, True))
     ones, nothing = dict.fromkeys("a", np.ones(T.size)), {"a": np.zeros(T.size)}
     _, doubted = noise.whitened(T, SENSORS, ones, nothing)
-    _, plain = replace(noise, jumps=np.zeros((T.size, 3))).whitened(T, SENSORS, ones, nothing)
+    _, plain = replace(noise, jumps=np.zeros((T.size, 4))).whitened(T, SENSORS, ones, nothing)
     more = doubted["a"] / plain["a"]
     turns = seen(SPRING).events
     beside = np.min(np.abs(T[:, None] - turns.t[turns.a_before != turns.a_after]), axis=1) < STEP

@@ -21,6 +21,8 @@ from harness.model.model import Model, Restoring
 _SHOWS = 0.01
 """Share of its sensors' variance that the force's noise adds somewhere, from which it is allowed for."""
 _SERIES = 5
+_PLACED = 0.1
+"""Sampling intervals to which a noisy force of samples places an event: what it does between them is a guess."""
 _REVERSAL, _STICK, _BREAK_AWAY = int(EventKind.REVERSAL), int(EventKind.STICK), int(EventKind.BREAK_AWAY)
 
 
@@ -50,8 +52,8 @@ def force_noise(
 
 
 def _jumps(t: FloatArray, events: Events) -> FloatArray:
-    """Jump of the acceleration at the nearest event (N,), how far off it is, s, and the acceleration before it."""
-    found = np.zeros((t.size, 3))
+    """At the nearest event (N, 4): jump of the acceleration, time to it, acceleration before it, its time's error."""
+    found = np.zeros((t.size, 4))
     jump = np.abs(events.a_after - events.a_before)
     at = np.flatnonzero((jump > 0.0) & (events.a_before != 0.0))
     if at.size:
@@ -59,6 +61,7 @@ def _jumps(t: FloatArray, events: Events) -> FloatArray:
         nearest = at[np.searchsorted(middles, t)]
         found[:, 0], found[:, 2] = jump[nearest], np.abs(events.a_before[nearest])
         found[:, 1] = np.abs(t - events.t[nearest])
+        found[:, 3] = _PLACED * float(np.median(np.diff(t)))
     return found
 
 

@@ -20,8 +20,9 @@ class ForceNoise:
 
     noise : of the force, N. moves (N - 1, 2, 4) : position and speed at the next instant by both, and by the force now
     and then. pull (N,), drag, push : partials of acceleration by position and speed, 1/s^2 and 1/s, and by force, 1/kg.
-    slips (N,) : where it moves. jumps (N, 3) : of the acceleration at the event next to an instant, how far off that
-    is, s, and the acceleration before it. averaged : samples are means, which show little of the force at an instant.
+    slips (N,) : where it moves. jumps (N, 4) : of the acceleration at the event next to an instant, how far off that
+    is, s, the acceleration before it, and how exactly a force of samples places it, s. averaged : whether samples are
+    means, which show little of the force at an instant.
     beyond : chi-square that such noise may leave beyond first order.
     """
 
@@ -52,7 +53,7 @@ class ForceNoise:
         push = 0.0 if self.averaged else self.push
         seen = np.stack([self._seen(c, push)[place] for c in values])
         sensor = np.array([[noise[c].sigma, noise[c].phi] for c in values])
-        jumps = np.stack([self.jumps[place] if c == "a" else np.zeros((t.size, 3)) for c in values])
+        jumps = np.stack([self.jumps[place] if c == "a" else np.zeros((t.size, 4)) for c in values])
         out, variance = np.empty_like(y), np.empty(y.shape[:2])
         innovations(
             self.moves, np.array([self.noise.sigma, self.noise.phi]), place, seen, sensor,

@@ -59,9 +59,9 @@ def _seen_by(h: FloatArray, at: int, p: FloatArray, ph: FloatArray) -> float:
 
 
 def _misplaced(jump: FloatArray, speed_variance: float) -> float:
-    """Variance of which side of an event a sample is on; jump (3,) as below."""
-    late = math.sqrt(max(speed_variance, 0.0)) / jump[2]
-    wrong = 0.5 * math.erfc(jump[1] / max(late, 1e-300) / math.sqrt(2.0))
+    """Variance of which side of an event a sample is on; jump (4,) as below."""
+    late = math.sqrt(max(speed_variance, 0.0) / jump[2] ** 2 + jump[3] ** 2)
+    wrong = 0.5 * math.erfc(jump[1] / late / math.sqrt(2.0))
     variance: float = wrong * (1.0 - wrong) * jump[0] ** 2
     return variance
 
@@ -87,8 +87,8 @@ def _innovations(
     moves (N - 1, 2, 4) : position and speed at the next instant by both, the force now and then. force (2,) : its
     noise's standard deviation and lag-one correlation. place (n,) : the instants at which there are samples.
     seen (k, n, 3) : what each sensor shows of the motion. sensor (k, 2) : noise and lag-one correlation. weight (k, n).
-    jumps (k, n, 3) : by how much each sensor jumps at the event next to a sample, how far off that is, s, and the
-    acceleration before it, m/s^2: the uncertain speed may put the event on the sample's other side.
+    jumps (k, n, 4) : by how much each sensor jumps at the event next to a sample, how far off that is, s, the
+    acceleration before it, m/s^2, by which an uncertain speed moves the event, and how far it may lie off besides, s.
     """
     k, n, q = y.shape
     size = MOTION + k
