@@ -53,7 +53,8 @@ class Answer:
 class Scores:
     """The figures of a proof; a rate or median without cases holds None.
 
-    confusion : true label -> said label -> count. by_name : single effects named, by name.
+    wrong_family : effects outside the catalogue that were given a name of another family. misled : those, and what was
+    called nothing or withheld. confusion : true label -> said label -> count. by_name : single effects named, by name.
     not_tested : names that did not occur alone.
     """
 
@@ -62,6 +63,7 @@ class Scores:
     listed: Rate
     both_named: Rate
     false_alarms: Rate
+    wrong_family: Rate
     misled: Rate
     covered: Rate
     parameter_error: Median
@@ -97,7 +99,9 @@ def score(truths: Mapping[str, Truth], results: Mapping[str, Result]) -> Scores:
     """Score results by the file they belong to; a file without a result counts as one that was withheld."""
     confusion: dict[str, Counter[str]] = {}
     named: dict[str, list[bool]] = {}
-    outcomes: dict[str, list[bool]] = {k: [] for k in ("listed", "both", "alarm", "misled", "covered", "engines")}
+    outcomes: dict[str, list[bool]] = {
+        k: [] for k in ("listed", "both", "alarm", "wrong", "misled", "covered", "engines")
+    }
     values: dict[str, list[float]] = {k: [] for k in ("error", "overlap", "holdout")}
     for file, truth in sorted(truths.items()):
         want, result = set(truth["mechanisms"]), results.get(file)
@@ -110,6 +114,7 @@ def score(truths: Mapping[str, Truth], results: Mapping[str, Result]) -> Scores:
         if any(name.startswith("alien-") for name in want):
             families = {FAMILY.get(name, "") for name in answer.said}
             wrong = bool(answer.said) and not families <= set(truth["families"])
+            outcomes["wrong"].append(wrong)
             outcomes["misled"].append(wrong or answer.label in (NOTHING, ABSENT))
             continue
         if len(want) > 1:
@@ -124,6 +129,7 @@ def score(truths: Mapping[str, Truth], results: Mapping[str, Result]) -> Scores:
         listed=Rate.of(outcomes["listed"]),
         both_named=Rate.of(outcomes["both"]),
         false_alarms=Rate.of(outcomes["alarm"]),
+        wrong_family=Rate.of(outcomes["wrong"]),
         misled=Rate.of(outcomes["misled"]),
         covered=Rate.of(outcomes["covered"]),
         parameter_error=Median.of(values["error"]),

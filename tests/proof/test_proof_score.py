@@ -109,6 +109,7 @@ def test_what_is_withheld_counts_against() -> None:
     assert scores.named.value == 0.0
     assert scores.false_alarms.value == 1.0
     assert scores.misled.value == 1.0
+    assert scores.wrong_family.value == 0.0
     assert scores.holdout.value == math.inf
     assert scores.holdout.as_dict()["value"] is None
 

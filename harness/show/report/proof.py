@@ -208,7 +208,11 @@ def _amount(one: Data, key: str) -> str:
 
 def must_fail_table(rows: Sequence[Data]) -> Table:
     """What diagnosers that look at nothing would have scored."""
-    columns = [Column("single effects named"), Column("false alarms"), Column("misled outside the catalogue")]
+    columns = [
+        Column("single effects named"),
+        Column("false alarms"),
+        Column("wrong or nothing outside the catalogue"),
+    ]
     lines = [
         Row(
             row["name"],
