@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from harness.core.errors import InputError
@@ -54,6 +54,8 @@ def test_the_papers_case_to_its_digits() -> None:
 
 
 @settings(max_examples=15)
+@example(zeta=1e-5, x_k=0.1, omega=3.0, x0=0.0, v0=2.2e-308)
+@example(zeta=0.2, x_k=0.002, omega=75.0, x0=0.05, v0=2.2e-308)
 @given(
     zeta=st.floats(0.0, 0.3),
     x_k=st.floats(0.002, 0.1),

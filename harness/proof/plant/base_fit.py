@@ -13,6 +13,8 @@ from scipy.optimize import least_squares
 from harness.core.arrays import FloatArray
 
 MOST_HALF_CYCLES = 400
+_NONE = 1e-14
+"""Share of the swing's speed below which a speed is none."""
 WHOLE, COARSE, FINE = (1.0,), (0.35, 0.7, 1.0), (0.15, 0.3, 0.45, 0.6, 0.75, 0.9, 1.0)
 """Parts of a recording over which a fit grows."""
 
@@ -33,7 +35,8 @@ def decay(
     zeta, x_k = min(abs(zeta), 0.99), abs(x_k)
     omega_d, sigma = omega_n * math.sqrt(1.0 - zeta * zeta), zeta * omega_n
     start, amplitude, phase, centre = [], [], [], []
-    at, x, v = 0.0, x0, v0
+    # a speed that is none to rounding has turned already
+    at, x, v = 0.0, x0, v0 if abs(v0) > _NONE * omega_n * (abs(x0) + x_k) else 0.0
     rest = math.inf
     for _ in range(MOST_HALF_CYCLES):
         if v == 0.0 and abs(x) <= x_k:

@@ -112,7 +112,8 @@ def _risen(switch: Switch, dense: Callable[[float], State], lo: float, hi: float
 
 
 def _root(switch: Switch, dense: Callable[[float], State], lo: float, hi: float, at_hi: float) -> float:
-    if switch(lo, dense(lo)) * at_hi >= 0.0:
+    # signs, since the product of what is tiny may be none
+    if math.copysign(1.0, switch(lo, dense(lo))) == math.copysign(1.0, at_hi):
         return lo
     return float(brentq(lambda t: switch(t, dense(t)), lo, hi, xtol=1e-15, rtol=1e-14))
 
