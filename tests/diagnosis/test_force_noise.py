@@ -59,11 +59,9 @@ def test_what_noise_does_is_right_to_first_order_through_reversals_and_sticking(
     assert missed[0] / missed[1] > 5.0
 
 
-def test_the_cases_stick_and_pass_through(subtests: pytest.Subtests) -> None:
+def test_the_cases_stick_and_pass_through() -> None:
     for model in (SPRING, AXIS):
-        with subtests.test(model.restoring):
-            kinds = seen(model).events.kind
-            assert np.count_nonzero(kinds == EventKind.REVERSAL) >= 3
+        assert np.count_nonzero(seen(model).events.kind == EventKind.REVERSAL) >= 3
     assert np.any(seen(SPRING).mode == Mode.STICK)
 
 
@@ -145,9 +143,11 @@ def test_an_acceleration_beside_a_jump_is_doubted_as_far_as_the_event_may_lie_on
     assert np.max(doubted["a"] - plain["a"]) < 0.25 * np.max(noise.jumps[:, 0]) ** 2 + np.max(plain["a"])
 
 
-def recorded(model: Model, share: float, channels: str = "xa", seed: int = 0) -> Recording:
+def recorded(
+    model: Model, share: float, channels: str = "xa", seed: int = 0, n: int = 900, step: float = 0.008
+) -> Recording:
     """Driven by a known force that is recorded with white noise of a share of its rms."""
-    t: FloatArray = np.arange(2000.0) * 0.005
+    t: FloatArray = np.arange(float(n)) * step
     u = 3.0 * np.sin(7.0 * t) + 4.0 * np.sin(3.1 * t + 0.4)
     motion = solve(model, t, drive=Drive(t, u), want_a=True)
     random = np.random.default_rng(seed)
@@ -167,7 +167,7 @@ def test_nothing_is_missing_where_only_the_force_is_noisy(model: Model, share: f
 def test_numbers_hold_that_a_noisy_force_tells() -> None:
     off = []
     for seed in range(8):
-        problem, _ = prepare(recorded(SPRING, 1e-2, "x", seed), Asked())
+        problem, _ = prepare(recorded(SPRING, 1e-2, "x", seed, 2000, 0.005), Asked())
         base, scales = baseline(problem)
         _, base = along(base, problem, scales)
         errors = np.sqrt(np.diag(base.covariance()))

@@ -7,6 +7,7 @@ Nijmeijer 2004, ch. 7).
 
 import math
 from collections.abc import Mapping
+from dataclasses import replace
 
 import numpy as np
 
@@ -44,11 +45,11 @@ def force_noise(
     share[turns] = events.a_after[turns] / np.where(events.a_before[turns] == 0.0, math.inf, events.a_before[turns])
     moves = np.zeros((t.size - 1, 2, 4))
     _moves(t, slips, pull, drag, push, events.t, events.kind, np.clip(share, 0.0, 1.0), moves)
-    found = ForceNoise(t, force, moves, pull, drag, push, slips, _jumps(t, events))
+    found = ForceNoise(t, force, moves, pull, drag, push, slips, np.zeros((t.size, 4)))
     nothing = {c: np.zeros(t.size) for c in noise}
     _, variance = found.whitened(t, noise, nothing, nothing)
     added = max(float(np.max(v)) / noise[c].sigma ** 2 - 1.0 for c, v in variance.items())
-    return found if added > _SHOWS else None
+    return replace(found, jumps=_jumps(t, events)) if added > _SHOWS else None
 
 
 def _jumps(t: FloatArray, events: Events) -> FloatArray:
