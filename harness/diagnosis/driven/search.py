@@ -18,7 +18,7 @@ from harness.diagnosis.driven.validate import Judge
 from harness.diagnosis.fit import Fit
 from harness.diagnosis.parameters import base_of, free_of
 from harness.diagnosis.problem import Problem
-from harness.diagnosis.search import Search
+from harness.diagnosis.search import AMONG_NAMES, Search
 from harness.diagnosis.select import DECISIVE
 from harness.estimate.noise import Noise
 from harness.kernels.solve import Scales
@@ -44,7 +44,8 @@ def search_driven(problem: Problem, judge: Judge | None = None) -> tuple[Search,
             break
         rivals = found
         independent = found[0].independent()
-        better = [f for f in found[:_LOOKED_AT] if f.bic(independent) < chosen.bic(independent) - DECISIVE]
+        wanted = AMONG_NAMES if chosen is base else DECISIVE
+        better = [f for f in found[:_LOOKED_AT] if f.bic(independent) < chosen.bic(independent) - wanted]
         kept = next((f for f in better if judge is None or judge.confirms(chosen.model, f.model)), None)
         if kept is None:
             break
