@@ -182,7 +182,7 @@ def _with_force_noise(problem: Problem, model: Model, u: FloatArray) -> tuple[Pr
     """The problem, allowing for the noise of its force u (n,) if that shows in a model's motion; what is said of it."""
     noise = channel_noise(problem.t, u)
     shown = observe(model, problem, (), None, COARSE)
-    force = force_noise(model, shown, problem.t, noise, {c: problem.noise[c] for c in problem.channels})
+    force = force_noise(model, shown, problem.t, noise, problem.noise)
     if force is None:
         return problem, ()
     share = 100.0 * noise.sigma / math.sqrt(float(np.mean(u**2)))

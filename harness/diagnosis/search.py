@@ -101,22 +101,23 @@ def _renew(
     return problem, settle(under(best, problem), problem, scales), seen
 
 
-def _wanted(least: float, problem: Problem) -> float:
-    """What a term must take off BIC: the more where the noise of a force does what no first order tells of."""
-    return least if problem.force_noise is None else least + problem.force_noise.beyond
+def _beyond(problem: Problem) -> float:
+    """What a term must take off BIC besides: as much as noise of a force may do that no first order tells of."""
+    return 0.0 if problem.force_noise is None else problem.force_noise.beyond
 
 
 def search(problem: Problem, base: Fit, scales: Scales) -> Search:
     """Find the smallest model that explains a recording."""
     found = _levelled(_search(problem, base, scales))
-    if not found.chosen.model.terms or found.base.bic > found.chosen.bic + _wanted(AMONG_NAMES, problem):
+    if not found.chosen.model.terms or found.base.bic > found.chosen.bic + AMONG_NAMES + _beyond(problem):
         return found
     # what counts as noise has grown since the term was decided for
     return replace(found, chosen=found.base, explained=explains(found.base, found.problem, scales.omega, found.base))
 
 
 def _search(problem: Problem, base: Fit, scales: Scales) -> Search:
-    first, second = _wanted(AMONG_NAMES, problem), _wanted(_PART, problem)
+    beyond = _beyond(problem)
+    first, second = AMONG_NAMES + beyond, _PART + beyond
     singles = extend(base, problem, scales).fits
     if not singles or singles[0].bic > base.bic - first:
         return Search(problem, base, base, singles, singles, explains(base, problem, scales.omega, base))
@@ -132,7 +133,7 @@ def _search(problem: Problem, base: Fit, scales: Scales) -> Search:
         if explained and not promising:
             break
         # where a noisy force leaves as much as a second term would, pairs are no better than one another
-        plain = explained or second > 2.0 * _PART
+        plain = explained or beyond > _PART
         found = step.fits if plain else _wider(step, chosen, beam, problem, scales, base)
         if not found or found[0].bic > chosen.bic - second:
             break

@@ -55,7 +55,12 @@ def figures(scores: "Scores") -> list[Figure]:
             "at most 10 %",
             lambda f: _within(f.value, -1.0, 0.1),
         ),
-        ("misled", "outside the catalogue, called that or nothing", "", None),
+        (
+            "misled",
+            "outside the catalogue, called that or nothing",
+            "at most 10 %",
+            lambda f: _within(f.value, -1.0, 0.1),
+        ),
         (
             "covered",
             "true values within two standard errors",

@@ -27,8 +27,7 @@ def along(base: Fit, problem: Problem, scales: Scales) -> tuple[Problem, Fit]:
     for _ in range(_ROUNDS):
         if problem.force_noise is None:
             return problem, base
-        noise = {c: problem.noise[c] for c in problem.channels}
-        force = force_noise(base.model, base.shown, problem.t, problem.force_noise.noise, noise)
+        force = force_noise(base.model, base.shown, problem.t, problem.force_noise.noise, problem.noise)
         problem = replace(problem, force_noise=force)
         base = fit(base.model, problem, base.free, scales)
     if problem.force_noise is not None:
