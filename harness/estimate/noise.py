@@ -5,9 +5,10 @@ that hold a jump are outvoted by the median; windows at rest are left out, becau
 """
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
+from scipy.signal import lfilter
 
 from harness.core.arrays import BoolArray, FloatArray
 from harness.core.jit import compiled
@@ -41,6 +42,22 @@ class Noise:
         """Spectral density at ``omega`` rad/s over that of white noise of the same variance (first-order colour)."""
         p = self.phi
         return (1.0 - p * p) / (1.0 - 2.0 * p * math.cos(min(omega * interval, math.pi)) + p * p)
+
+    def drawn(self, count: int, random: np.random.Generator) -> FloatArray:
+        """A draw (count,) of noise of this level and first-order colour; it is not quantised."""
+        fresh = self.sigma * random.standard_normal(count)
+        fresh[1:] *= math.sqrt(1.0 - self.phi**2)
+        return np.asarray(lfilter([1.0], [1.0, -self.phi], fresh), dtype=np.float64)
+
+    def over(self, y: FloatArray, random: np.random.Generator) -> FloatArray:
+        """A signal (n,) as a sensor with this noise would give it, quantised as it does."""
+        if not self.found:
+            return y
+        if self.step == 0.0:
+            return y + self.drawn(y.size, random)
+        rest = replace(self, sigma=math.sqrt(max(self.sigma**2 - self.step**2 / 12.0, 0.0)))
+        noisy: FloatArray = self.step * np.round((y + rest.drawn(y.size, random)) / self.step)
+        return noisy
 
 
 def _window_residuals(t: FloatArray, y: FloatArray, width: int, degree: int, out: FloatArray) -> None:

@@ -50,9 +50,13 @@ class ForceFit:
         """How many independent values the residual counts as: its number over its correlation time."""
         return self.residual.size / correlation_time(self.residual)
 
-    def bic(self, independent: float) -> float:
-        """Bayesian information criterion for noise of unknown level and so many independent values."""
-        return independent * math.log(self.squares) + len(self.free) * math.log(independent)
+    def bic(self, independent: float, spare: float = 0.0) -> float:
+        """Bayesian information criterion for noise of unknown level and so many independent values.
+
+        spare : N^2 a value, taken off by chance alone, which does not count.
+        """
+        squares = self.squares + spare * self.residual.size
+        return independent * math.log(squares) + len(self.free) * math.log(independent)
 
     def covariance(self) -> FloatArray:
         """Covariance (q, q) of the free numbers, colour and uneven size of the residual allowed for."""
@@ -112,7 +116,12 @@ def fit_force(model: Model, measured: Measured, free: tuple[Free, ...]) -> Force
         normal, gradient = j.T @ j, j.T @ best.residual
         better: ForceFit | None = None
         while better is None and damping < _MOST_DAMPING:
-            step = np.linalg.solve(normal + damping * np.eye(len(free)), gradient) / scale
+            try:
+                step = np.linalg.solve(normal + damping * np.eye(len(free)), gradient) / scale
+            except np.linalg.LinAlgError:
+                # numbers of one effect, told apart by rounding alone
+                damping *= 10.0
+                continue
             moved = [
                 f.outward(f.inward(v) + float(s)) for f, v, s in zip(free, values, _limited(step, free), strict=True)
             ]
@@ -141,7 +150,10 @@ def _seen(model: Model, measured: Measured, free: tuple[Free, ...], force: Float
     left = force - measured.asked(model)
     if not np.all(np.isfinite(left)):
         raise SimulationError("a law's force overflows")
-    return ForceFit(model, free, left, partials(model, measured, free, force - left))
+    jacobian = partials(model, measured, free, force - left)
+    if not np.all(np.isfinite(jacobian)):
+        raise SimulationError("a law's partials overflow")
+    return ForceFit(model, free, left, jacobian)
 
 
 def simulated(found: ForceFit, problem: Problem, scales: Scales) -> Observation:

@@ -9,7 +9,7 @@ from harness.core.arrays import BoolArray, FloatArray
 from harness.core.errors import SimulationError
 from harness.diagnosis.driven.force import inverse_force
 from harness.diagnosis.driven.inverse import state_of
-from harness.diagnosis.driven.smooth import Smooth, smoothed, smoothed_alike
+from harness.diagnosis.driven.smooth import Smooth, inner, smoothed, smoothed_alike
 from harness.diagnosis.problem import Problem
 from harness.model.model import Model
 
@@ -23,11 +23,17 @@ GAP = 5.0
 """Sampling intervals from which on there is a gap."""
 
 
+def longest_interval(t: FloatArray) -> float:
+    """Interval, s, beyond which there is a gap in t (n,)."""
+    return GAP * float(np.median(np.diff(t)))
+
+
 @dataclass(frozen=True, slots=True)
 class Measured:
     """Motion t (s), x, v, a and force u (N), each (n,), smoothed; n is a multiple of the block.
 
-    moving : (n / block,), blocks in which the slider moves throughout, so that its friction is known.
+    moving : (n / block,), blocks in which the slider moves throughout, so that its friction is known, and which lie
+    far enough from the ends of a stretch to be smoothed as the others are.
     """
 
     t: FloatArray
@@ -42,7 +48,7 @@ class Measured:
         """From position or speed; a force that is held counts as it acts. Raises SimulationError when little moves."""
         assert problem.drive is not None
         t = problem.t
-        longest = GAP * float(np.median(np.diff(t)))
+        longest = longest_interval(t)
         smooth: dict[str, Smooth] = {
             c: smoothed(t, y, longest, _least(problem, c), _ALIKE)
             for c, y in problem.channels.items()
@@ -62,7 +68,8 @@ class Measured:
         v_sd = smooth["v"].value_sd if "v" in smooth else smooth["x"].slope_sd
         slides = (np.abs(v) > _AT_REST * v_sd)[:kept].reshape(-1, BLOCK)
         whole = np.max(np.diff(t[:kept].reshape(-1, BLOCK), axis=1), axis=1) <= longest
-        moving = whole & np.all(slides, axis=1)
+        central = inner(t, longest, half)[:kept].reshape(-1, BLOCK)
+        moving = whole & np.all(slides & central, axis=1)
         if np.count_nonzero(moving) < BLOCK:
             raise SimulationError("the slider hardly moves")
         return cls(t[:kept], x[:kept], v[:kept], a[:kept], u[:kept], moving)

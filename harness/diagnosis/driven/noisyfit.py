@@ -5,7 +5,6 @@ from contextlib import suppress
 from dataclasses import replace
 
 import numpy as np
-from scipy.signal import lfilter
 
 from harness.core.arrays import FloatArray
 from harness.core.errors import SimulationError
@@ -14,7 +13,6 @@ from harness.diagnosis.driven.forcenoise import ForceNoise
 from harness.diagnosis.fit import Fit, fit, whitened
 from harness.diagnosis.observe import COARSE, observe
 from harness.diagnosis.problem import Problem
-from harness.estimate.noise import Noise
 from harness.kernels.solve import Scales
 
 _ROUNDS, _DRAWS = 2, 11
@@ -48,7 +46,7 @@ def _beyond(base: Fit, problem: Problem, force: ForceNoise, scales: Scales) -> f
     taken, _ = np.linalg.qr(partials[:, size > 0.0] / size[size > 0.0])
     found = []
     for _ in range(_DRAWS):
-        w = _drawn(force.noise, force.t.size, random)
+        w = force.noise.drawn(force.t.size, random)
         u = problem.drive.u + np.interp(problem.drive.t, force.t, w)
         with suppress(SimulationError):
             disturbed = observe(base.model, replace(problem, drive=replace(problem.drive, u=u)), (), scales, COARSE).y
@@ -57,10 +55,3 @@ def _beyond(base: Fit, problem: Problem, force: ForceNoise, scales: Scales) -> f
             left = np.clip(left, -_FAR, _FAR)
             found.append(float(left @ left) - float(np.sum((taken.T @ left) ** 2)))
     return max(found, default=math.inf)
-
-
-def _drawn(noise: Noise, count: int, random: np.random.Generator) -> FloatArray:
-    """Noise (count,) of first-order colour."""
-    fresh = noise.sigma * random.standard_normal(count)
-    fresh[1:] *= math.sqrt(1.0 - noise.phi**2)
-    return np.asarray(lfilter([1.0], [1.0, -noise.phi], fresh), dtype=np.float64)

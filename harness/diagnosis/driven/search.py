@@ -1,16 +1,19 @@
 """Search on a driven recording whose force is fitted: laws one after another, as long as evidence grows.
 
 With another recording as judge a further law is kept only if the force error there falls too, by more than its own
-standard error explains; what is left of a real drive is never white, so that evidence counts independent values only.
+standard error explains; without one, only if it takes more off than a law does where none is needed. What is left of a
+real drive is never white, so that evidence counts independent values only.
 """
 
 import math
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 
 from harness.core.errors import SimulationError
 from harness.diagnosis.baseline import base_names, driven_scales
+from harness.diagnosis.driven.chance import taken_by_chance
 from harness.diagnosis.driven.forcefit import ForceFit, as_fit, fit_force, simulated
 from harness.diagnosis.driven.forcescreen import starts, whole_in
 from harness.diagnosis.driven.measured import Measured
@@ -43,10 +46,14 @@ def search_driven(problem: Problem, judge: Judge | None = None) -> tuple[Search,
         if not found:
             break
         rivals = found
-        independent = found[0].independent()
-        wanted = AMONG_NAMES if chosen is base else DECISIVE
-        better = [f for f in found[:_LOOKED_AT] if f.bic(independent) < chosen.bic(independent) - wanted]
-        kept = next((f for f in better if judge is None or judge.confirms(chosen.model, f.model)), None)
+        independent, kept = found[0].independent(), None
+        most = chosen.bic(independent) - (AMONG_NAMES if chosen is base else DECISIVE)
+        better = [f for f in found[:_LOOKED_AT] if f.bic(independent) < most]
+        if judge is not None:
+            kept = next((f for f in better if judge.confirms(chosen.model, f.model)), None)
+        elif better:
+            chance = taken_by_chance(chosen, problem, scales, partial(_extended, problem=problem, scales=scales))
+            kept = next((f for f in better if f.bic(independent, chance) < most), None)
         if kept is None:
             break
         chosen = kept

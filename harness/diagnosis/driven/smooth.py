@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from harness.core.arrays import FloatArray, IntArray
+from harness.core.arrays import BoolArray, FloatArray, IntArray
 from harness.core.jit import compiled
 
 _HALF_WIDTHS = (4, 6, 9, 13, 20, 30, 45)
@@ -81,6 +81,13 @@ def stretches(t: FloatArray, longest: float) -> tuple[IntArray, IntArray]:
     edges = np.concatenate(([0], gaps, [t.size])).astype(np.int64)
     sizes = np.diff(edges)
     return np.repeat(edges[:-1], sizes), np.repeat(edges[1:], sizes)
+
+
+def inner(t: FloatArray, longest: float, half: int) -> BoolArray:
+    """Samples (n,) that are in the middle of their cubic: off centre its slope has many times the error."""
+    first, last = stretches(t, longest)
+    at = np.arange(t.size)
+    return np.asarray((at - first >= half) & (last - at > half), dtype=np.bool_)
 
 
 def smoothed(t: FloatArray, y: FloatArray, longest: float, sigma: float, alike: float = ALIKE) -> Smooth:

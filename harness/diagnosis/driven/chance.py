@@ -1,0 +1,57 @@
+"""What a further law takes off a fitted force where there is nothing to take: the model's own motion, seen as measured.
+
+Smoothing rounds off what friction does at reversals, noise is amplified by two differences, and some law of a whole
+catalogue always fits what comes of both. How well is simulated: the fitted model moves under the recorded force, its
+motion gets the noise that was found and passes the same smoothing, the same fit and the same search (a parametric
+bootstrap of the search; Davison and Hinkley 1997, ch. 4).
+"""
+
+import math
+from collections.abc import Callable
+from contextlib import suppress
+from dataclasses import replace
+
+import numpy as np
+
+from harness.core.errors import SimulationError
+from harness.diagnosis.driven.cut import windows_of
+from harness.diagnosis.driven.forcefit import ForceFit, fit_force
+from harness.diagnosis.driven.inverse import state_of
+from harness.diagnosis.driven.measured import Measured, longest_interval
+from harness.diagnosis.driven.smooth import smoothed
+from harness.diagnosis.observe import COARSE, observe
+from harness.diagnosis.problem import Problem, Restarts
+from harness.kernels.solve import Scales
+
+_DRAWS = 4
+
+
+def taken_by_chance(
+    current: ForceFit, problem: Problem, scales: Scales, further: Callable[[ForceFit, Measured], list[ForceFit]]
+) -> float:
+    """Squares of force, N^2 a value, that the best of ``further`` takes off a model that is true: the most of some draws.
+
+    0 where the model cannot be simulated: then it says nothing of what chance does.
+    """
+    whole = _unbroken(problem)
+    random, most = np.random.default_rng(0), 0.0
+    with suppress(SimulationError):
+        shown = observe(current.model, whole, (), scales, COARSE).y
+        for _ in range(_DRAWS):
+            channels = {c: problem.noise[c].over(shown[c], random) for c in problem.channels}
+            measured = Measured.of(replace(problem, channels=channels))
+            before = fit_force(current.model, measured, current.free)
+            after = further(before, measured)
+            if after:
+                squares = min(f.squares for f in after)
+                most = max(most, (before.squares - squares) / before.residual.size)
+    return most
+
+
+def _unbroken(problem: Problem) -> Problem:
+    """The problem simulated over each stretch without a gap from one start: no window's edge is in its motion."""
+    t, longest = problem.t, longest_interval(problem.t)
+    smooth = {c: smoothed(t, y, longest, problem.noise[c].sigma) for c, y in problem.channels.items() if c in ("x", "v")}
+    state = state_of(t, smooth)
+    windows = windows_of(t, state, smooth, math.inf, longest)
+    return replace(problem, restarts=Restarts(windows, t, state[1]))
