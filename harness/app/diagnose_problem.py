@@ -6,9 +6,10 @@ from harness.app.diagnose_checks import refuse, refuse_few, refuse_unrelated
 from harness.app.diagnose_options import DiagnoseOptions
 from harness.core.errors import InputError
 from harness.core.recording import Recording
+from harness.diagnosis.asked import Asked
 from harness.diagnosis.baseline import dominant_frequency
 from harness.diagnosis.consistency import Consistency, consistency
-from harness.diagnosis.prepare import Asked, is_driven, prepare
+from harness.diagnosis.prepare import is_driven, prepare
 from harness.diagnosis.problem import Problem
 
 

@@ -177,7 +177,8 @@ def _driven(problem: Problem, model: Model) -> tuple[Fit, Scales]:
     why = ""
     # smoothing rounds off a first motion out of rest, so that a start at rest is looked at too
     still = tuple(name for name in names if name != "v0")
-    for share, (v0, base) in product(_DRY, ((0.0, still), (model.v0, names))):
+    begun = ((0.0, still), (model.v0, names)) if "v0" in names else ((model.v0, names),)
+    for share, (v0, base) in product(_DRY, begun):
         started = replace(model, f_k=share * model.f_k, v0=v0)
         try:
             found = fit(started, problem, free_of(started, base), scales, thorough=False)

@@ -41,7 +41,7 @@ def diagnose(problem: Problem, judge: Judge | None = None) -> Outcome:
     judge : another driven recording, which must confirm what is named where nothing explains this one to its noise.
     Raises InputError when the recording holds no free decay to fit, SimulationError when no model could be simulated.
     """
-    if problem.restarts is not None:
+    if problem.by_force:
         driven, scales = search_driven(problem, judge)
         outcome = conclude(driven, scales)
         judged = () if judge is None else (_JUDGED,)
@@ -121,7 +121,7 @@ def _verdict(found: Search) -> tuple[Verdict, Fit | None]:
     """The verdict, and the rival of a pair that is not told apart from it."""
     if not found.explained:
         return "unexplained", None
-    rival = doubt(found) if found.problem.restarts is None else None
+    rival = None if found.problem.by_force else doubt(found)
     if rival is not None:
         return "unexplained", rival
     return "missing_physics" if found.chosen.model.terms else "adequate", None
@@ -135,7 +135,7 @@ def _refined(found: Search, verdict: Verdict) -> Fit:
 def _prediction(found: Search, verdict: Verdict, scales: Scales, acting: list[tuple[ModelTerm, Spans]]) -> Holdout:
     """What was held out, predicted by the base and the refined model, and by one term too many where none is needed."""
     problem, refined = found.problem, _refined(found, verdict)
-    if problem.restarts is not None:
+    if problem.by_force:
         return holdout_windows(found.base, refined, problem, scales)
     prediction = holdout(found.base, refined, problem, scales, acting)
     if verdict == "adequate":

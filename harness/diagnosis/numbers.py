@@ -46,7 +46,7 @@ def _quantity(value: float, variance: float, unit: str, bound: str | None) -> Qu
 def covariances(found: Fit, problem: Problem, omega: float, explained: bool) -> tuple[FloatArray, ...]:
     """Covariances (q, q) of the fitted numbers, of which the larger variance counts; omega of the swing, rad/s."""
     inflated = found.covariance() * inflation(found) ** 2
-    if explained or problem.restarts is not None:
+    if explained or problem.by_force:
         return (inflated,)
     return inflated, clustered_covariance(found, problem, omega)
 

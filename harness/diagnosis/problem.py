@@ -56,7 +56,8 @@ class Problem:
 
     t : s. channels : "x", "v", "a" as measured. noise : per channel. weight : 0 leaves a sample out of the fit, or 1.
     drive : measured force or None. force_noise : what its noise does to the whole, None where nothing shows.
-    restarts : of a driven recording, None where the whole is simulated from one start. mass : kg, None when unknown
+    restarts : of a driven recording, None where the whole is simulated from one start. by_force : whether the force is
+    what is fitted, and the motion over the windows only shown. mass : kg, None when unknown
     (then m = 1 and forces are per unit mass, unless a measured force gives the mass).
     first : of a driven recording, a rough base model with its start.
     zero_free : x is measured from an unknown zero. angular : x or a was given as an angle.
@@ -72,6 +73,7 @@ class Problem:
     zero_free: bool = False
     angular: bool = False
     restarts: Restarts | None = None
+    by_force: bool = False
     force_noise: ForceNoise | None = None
     first: Model | None = None
 

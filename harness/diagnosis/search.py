@@ -10,6 +10,7 @@ from itertools import zip_longest
 
 import numpy as np
 
+from harness.diagnosis.driven.noisyfit import traced
 from harness.diagnosis.fit import Fit, whitened
 from harness.diagnosis.noise import coloured_whole, residual_noise
 from harness.diagnosis.problem import Problem
@@ -58,7 +59,7 @@ def noise_of(found: Fit, problem: Problem, omega: float) -> dict[str, Noise]:
     period = 2.0 * math.pi / omega
     left = {c: y - found.shown.y[c] for c, y in problem.channels.items()}
     said = {c: residual_noise(problem.t, left[c], y, period) for c, y in problem.channels.items()}
-    if problem.force_noise is not None:
+    if problem.force_noise is not None and problem.force_noise.noise.sigma > 0.0:
         # what is slower than the windows is the force's
         return {c: problem.force_noise.own(c, said[c], problem.noise[c]) for c in said}
     whole = {c: coloured_whole(left[c], problem.weight[c], said[c]) for c in said}
@@ -92,9 +93,11 @@ def _moved(new: dict[str, Noise], old: Problem) -> bool:
 def _renew(
     problem: Problem, scales: Scales, best: Fit, others: tuple[Fit, ...]
 ) -> tuple[Problem, Fit, tuple[Fit, ...]]:
-    """Take the noise from what the best fit leaves, and see all fits with it."""
-    noise = noise_of(best, problem, scales.omega)
-    if not _moved(noise, problem):
+    """Take the noise from what the best fit leaves, and the starts of windows from its motion; see all fits so."""
+    noise, before = noise_of(best, problem, scales.omega), problem
+    if problem.restarts is not None:
+        problem = traced(problem, best, scales)
+    if problem is before and not _moved(noise, problem):
         return problem, best, others
     problem = replace(problem, noise=noise)
     seen = tuple(sorted((under(f, problem) for f in others), key=lambda f: f.bic))

@@ -11,6 +11,7 @@ from harness.app.dataset import Emps
 from harness.core.arrays import FloatArray
 from harness.core.errors import InputError
 from harness.core.recording import Recording
+from harness.diagnosis.asked import Asked
 from harness.diagnosis.baseline import base_names, baseline
 from harness.diagnosis.driven.force import inverse_force
 from harness.diagnosis.driven.forcefit import correlation_time, fit_force
@@ -23,7 +24,7 @@ from harness.diagnosis.driven.validate import Judge
 from harness.diagnosis.fit import fit
 from harness.diagnosis.observe import observe
 from harness.diagnosis.parameters import free_of
-from harness.diagnosis.prepare import Asked, prepare
+from harness.diagnosis.prepare import prepare
 from harness.diagnosis.search import noise_of, under
 from harness.io.recording import ReadOptions, read_recording
 from harness.kernels.solve import Drive, solve

@@ -10,9 +10,10 @@ import pytest
 from scipy.stats import binom
 
 from harness.core.recording import Recording
+from harness.diagnosis.asked import Asked
 from harness.diagnosis.conclude import diagnose
 from harness.diagnosis.outcome import Outcome
-from harness.diagnosis.prepare import Asked, prepare
+from harness.diagnosis.prepare import prepare
 from harness.diagnosis.problem import Problem
 from harness.estimate.noise import channel_noise
 from harness.model.model import Restoring

@@ -10,13 +10,14 @@ from hypothesis import strategies as st
 from harness.core.arrays import FloatArray
 from harness.core.events import EventKind, Mode
 from harness.core.recording import Recording
+from harness.diagnosis.asked import Asked
 from harness.diagnosis.baseline import baseline
 from harness.diagnosis.conclude import diagnose
 from harness.diagnosis.driven.disturbed import force_noise
 from harness.diagnosis.driven.forcenoise import ForceNoise
 from harness.diagnosis.driven.noisyfit import along
 from harness.diagnosis.observe import Observation, observe
-from harness.diagnosis.prepare import Asked, prepare
+from harness.diagnosis.prepare import prepare
 from harness.diagnosis.problem import Problem
 from harness.diagnosis.select import DECISIVE
 from harness.estimate.noise import Noise

@@ -6,11 +6,12 @@ import numpy as np
 import pytest
 
 from harness.core.recording import Recording
+from harness.diagnosis.asked import Asked
 from harness.diagnosis.baseline import baseline
 from harness.diagnosis.fit import fit
 from harness.diagnosis.numbers import AT_LEAST, term_parameters
 from harness.diagnosis.parameters import free_of
-from harness.diagnosis.prepare import Asked, prepare
+from harness.diagnosis.prepare import prepare
 from harness.kernels.solve import solve
 from harness.model.model import Model, ModelTerm
 

@@ -8,10 +8,11 @@ import numpy as np
 import pytest
 
 from harness.core.recording import Recording
+from harness.diagnosis.asked import Asked
 from harness.diagnosis.baseline import baseline
 from harness.diagnosis.conclude import diagnose
 from harness.diagnosis.hand import after_hand
-from harness.diagnosis.prepare import Asked, prepare
+from harness.diagnosis.prepare import prepare
 from harness.diagnosis.problem import Problem
 from harness.diagnosis.structure import SIGNIFICANT, structure
 from harness.kernels.solve import Drive, simulate, solve

@@ -4,9 +4,10 @@ import numpy as np
 import pytest
 
 from harness.core.recording import Recording
+from harness.diagnosis.asked import Asked
 from harness.diagnosis.baseline import baseline
 from harness.diagnosis.numbers import base_parameters
-from harness.diagnosis.prepare import Asked, prepare
+from harness.diagnosis.prepare import prepare
 from harness.diagnosis.sandwich import clustered_covariance
 from harness.kernels.solve import solve
 from harness.model.model import Model, ModelTerm

@@ -8,13 +8,14 @@ import pytest
 
 from harness.core.recording import Recording
 from harness.core.trajectory import Trajectory
+from harness.diagnosis.asked import Asked
 from harness.diagnosis.attribute import MeanSquares, shares
 from harness.diagnosis.baseline import baseline
 from harness.diagnosis.conclude import conclude, diagnose
 from harness.diagnosis.fit import fit
 from harness.diagnosis.outcome import Outcome
 from harness.diagnosis.parameters import free_of
-from harness.diagnosis.prepare import Asked, prepare
+from harness.diagnosis.prepare import prepare
 from harness.diagnosis.search import Search
 from harness.diagnosis.stepping import as_stepped
 from harness.engines.simulator import EngineSimulator

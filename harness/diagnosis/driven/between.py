@@ -1,5 +1,8 @@
 """How a recorded force runs between its samples where it is not held: straight, or smooth if that predicts better."""
 
+import math
+from itertools import pairwise
+
 import numpy as np
 
 from harness.core.arrays import FloatArray
@@ -11,8 +14,15 @@ _FINER = 4
 _FEWEST = 20
 
 
-def between_samples(t: FloatArray, u: FloatArray) -> Drive:
-    """The drive of a force u (n,) at t (n,), s.
+def between_samples(t: FloatArray, u: FloatArray, longest: float = math.inf) -> Drive:
+    """The drive of a force u (n,) at t (n,), s; straight over intervals beyond ``longest`` (s), where none is known."""
+    edges = [0, *(np.flatnonzero(np.diff(t) > longest) + 1), t.size]
+    parts = [_without_gap(t[a:b], u[a:b]) for a, b in pairwise(edges)]
+    return Drive(np.concatenate([p.t for p in parts]), np.concatenate([p.u for p in parts]))
+
+
+def _without_gap(t: FloatArray, u: FloatArray) -> Drive:
+    """The drive over a stretch without a gap.
 
     Every second sample is left out and predicted from the others, by straight lines and by a curve with kinks; noise
     is better predicted by the former, a smooth force and a loop's by the latter.

@@ -29,7 +29,7 @@ _DRAWS = 4
 def taken_by_chance(
     current: ForceFit, problem: Problem, scales: Scales, further: Callable[[ForceFit, Measured], list[ForceFit]]
 ) -> float:
-    """Squares of force, N^2 a value, that the best of ``further`` takes off a model that is true: the most of some draws.
+    """Squares of force, N^2 a value, that the best of ``further`` takes off a true model: the most of some draws.
 
     0 where the model cannot be simulated: then it says nothing of what chance does.
     """
@@ -51,7 +51,8 @@ def taken_by_chance(
 def _unbroken(problem: Problem) -> Problem:
     """The problem simulated over each stretch without a gap from one start: no window's edge is in its motion."""
     t, longest = problem.t, longest_interval(problem.t)
-    smooth = {c: smoothed(t, y, longest, problem.noise[c].sigma) for c, y in problem.channels.items() if c in ("x", "v")}
+    seen = {c: y for c, y in problem.channels.items() if c in ("x", "v")}
+    smooth = {c: smoothed(t, y, longest, problem.noise[c].sigma) for c, y in seen.items()}
     state = state_of(t, smooth)
     windows = windows_of(t, state, smooth, math.inf, longest)
     return replace(problem, restarts=Restarts(windows, t, state[1]))

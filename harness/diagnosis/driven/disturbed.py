@@ -22,20 +22,24 @@ from harness.model.model import Model, Restoring
 _SHOWS = 0.01
 """Share of its sensors' variance that the force's noise adds somewhere, from which it is allowed for."""
 _SERIES = 5
-_PLACED = 0.1
-"""Sampling intervals to which a noisy force of samples places an event: what it does between them is a guess."""
+_PLACED, _PLACED_EXACTLY = 0.1, 1e-3
+"""Sampling intervals to which a force places an event, noisy or not: what it does between samples is a guess."""
 _REVERSAL, _STICK, _BREAK_AWAY = int(EventKind.REVERSAL), int(EventKind.STICK), int(EventKind.BREAK_AWAY)
 
 
 def force_noise(
-    model: Model, shown: Observation, t: FloatArray, force: Noise, noise: Mapping[str, Noise]
-) -> ForceNoise | None:
+    model: Model, shown: Observation, t: FloatArray, force: Noise, noise: Mapping[str, Noise],
+    start: FloatArray | None = None,
+) -> ForceNoise | None:  # fmt: skip
     """What the noise of a force does to a recording at t (n,), s, that ``model`` follows as shown; None if nothing.
 
-    noise : of the channels.
+    noise : of the channels. start (n, 2) : how little is known of position and speed where the motion is followed anew.
     """
     if not force.found:
-        return None
+        if start is None:
+            return None
+        force = replace(force, sigma=0.0)
+    start = np.zeros((t.size, 2)) if start is None else start
     bend = np.cos(shown.x) if model.restoring is Restoring.PENDULUM else np.ones(t.size)
     pull, drag, push = model.k / model.m * bend, model.c / model.m, 1.0 / model.m
     slips = shown.mode != Mode.STICK
@@ -45,14 +49,17 @@ def force_noise(
     share[turns] = events.a_after[turns] / np.where(events.a_before[turns] == 0.0, math.inf, events.a_before[turns])
     moves = np.zeros((t.size - 1, 2, 4))
     _moves(t, slips, pull, drag, push, events.t, events.kind, np.clip(share, 0.0, 1.0), moves)
-    found = ForceNoise(t, force, moves, pull, drag, push, slips, np.zeros((t.size, 4)))
+    # what went before tells nothing of a new start
+    moves[np.flatnonzero(np.any(start[1:] > 0.0, axis=1))] = 0.0
+    found = ForceNoise(t, force, moves, pull, drag, push, slips, np.zeros((t.size, 4)), start)
     nothing = {c: np.zeros(t.size) for c in noise}
     _, variance = found.whitened(t, noise, nothing, nothing)
     added = max(float(np.max(v)) / noise[c].sigma ** 2 - 1.0 for c, v in variance.items())
-    return replace(found, jumps=_jumps(t, events)) if added > _SHOWS else None
+    placed = _PLACED if force.sigma > 0.0 else _PLACED_EXACTLY
+    return replace(found, jumps=_jumps(t, events, placed)) if added > _SHOWS else None
 
 
-def _jumps(t: FloatArray, events: Events) -> FloatArray:
+def _jumps(t: FloatArray, events: Events, placed: float) -> FloatArray:
     """At the nearest event (N, 4): jump of the acceleration, time to it, acceleration before it, its time's error."""
     found = np.zeros((t.size, 4))
     jump = np.abs(events.a_after - events.a_before)
@@ -62,7 +69,7 @@ def _jumps(t: FloatArray, events: Events) -> FloatArray:
         nearest = at[np.searchsorted(middles, t)]
         found[:, 0], found[:, 2] = jump[nearest], np.abs(events.a_before[nearest])
         found[:, 1] = np.abs(t - events.t[nearest])
-        found[:, 3] = _PLACED * float(np.median(np.diff(t)))
+        found[:, 3] = placed * float(np.median(np.diff(t)))
     return found
 
 

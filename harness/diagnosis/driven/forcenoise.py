@@ -23,6 +23,7 @@ class ForceNoise:
     slips (N,) : where it moves. jumps (N, 4) : of the acceleration at the event next to an instant, how far off that
     is, s, the acceleration before it, and how exactly a force of samples places it, s. averaged : whether samples are
     means, which show little of the force at an instant.
+    start (N, 2) : standard deviations of position and speed, m and m/s, where the motion is followed anew, 0 elsewhere.
     beyond : chi-square that such noise may leave beyond first order.
     """
 
@@ -34,6 +35,7 @@ class ForceNoise:
     push: float
     slips: BoolArray
     jumps: FloatArray
+    start: FloatArray
     averaged: bool = False
     beyond: float = 0.0
 
@@ -57,7 +59,7 @@ class ForceNoise:
         out, variance = np.empty_like(y), np.empty(y.shape[:2])
         innovations(
             self.moves, np.array([self.noise.sigma, self.noise.phi]), place, seen, sensor,
-            np.stack([weight[c] for c in values]), jumps, y, out, variance,
+            np.stack([weight[c] for c in values]), jumps, self.start, y, out, variance,
         )  # fmt: skip
         shaped = {c: out[i].reshape(v.shape) for i, (c, v) in enumerate(values.items())}
         return shaped, dict(zip(values, variance, strict=True))

@@ -78,6 +78,7 @@ def _innovations(
     sensor: FloatArray,
     weight: FloatArray,
     jumps: FloatArray,
+    start: FloatArray,
     y: FloatArray,
     out: FloatArray,
     variance: FloatArray,
@@ -89,18 +90,23 @@ def _innovations(
     seen (k, n, 3) : what each sensor shows of the motion. sensor (k, 2) : noise and lag-one correlation. weight (k, n).
     jumps (k, n, 4) : by how much each sensor jumps at the event next to a sample, how far off that is, s, the
     acceleration before it, m/s^2, by which an uncertain speed moves the event, and how far it may lie off besides, s.
+    start (N, 2) : standard deviations of position and speed at an instant from which the motion is followed anew, or 0.
     """
     k, n, q = y.shape
     size = MOTION + k
     fresh = force[0] * math.sqrt(1.0 - force[1] ** 2)
     mean, p, ph = np.zeros((size, q)), np.zeros((size, size)), np.zeros(size)
     p[2, 2] = force[0] ** 2
+    for a in range(2):
+        p[a, a] = start[place[0], a] ** 2
     for c in range(k):
         p[MOTION + c, MOTION + c] = sensor[c, 0] ** 2
     for i in range(n):
         if i > 0:
             for at in range(place[i - 1], place[i]):
                 _compiled_move(moves[at], force[1], fresh, mean, p)
+                for a in range(2):
+                    p[a, a] += start[at + 1, a] ** 2
             _compiled_colour(sensor, mean, p)
         for c in range(k):
             h = seen[c, i]

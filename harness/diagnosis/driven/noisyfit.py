@@ -6,8 +6,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from harness.core.arrays import FloatArray
 from harness.core.errors import SimulationError
+from harness.diagnosis.driven.begun import begun
 from harness.diagnosis.driven.disturbed import force_noise
 from harness.diagnosis.driven.forcenoise import ForceNoise
 from harness.diagnosis.fit import Fit, fit, whitened
@@ -15,23 +15,37 @@ from harness.diagnosis.observe import COARSE, observe
 from harness.diagnosis.problem import Problem
 from harness.kernels.solve import Scales
 
-_ROUNDS, _DRAWS = 2, 11
+_ROUNDS, _ROUNDS_ANEW, _DRAWS = 2, 6, 11
+_SAME = 1e-3
+"""Share of chi-square that changes nothing."""
 _FAR = 5.0
 """Standard deviations beyond which a value says no more."""
 
 
 def along(base: Fit, problem: Problem, scales: Scales) -> tuple[Problem, Fit]:
     """A problem with what its force's noise does along the motion of its base fit, and that fit under it."""
-    for _ in range(_ROUNDS):
+    for _ in range(_ROUNDS if problem.restarts is None else _ROUNDS_ANEW):
         if problem.force_noise is None:
             return problem, base
-        force = force_noise(base.model, base.shown, problem.t, problem.force_noise.noise, problem.noise)
-        problem = replace(problem, force_noise=force)
+        problem, before = traced(problem, base, scales), base.chi2
         base = fit(base.model, problem, base.free, scales)
-    if problem.force_noise is not None:
+        if problem.restarts is not None and abs(base.chi2 - before) < _SAME * before:
+            break
+    if problem.force_noise is not None and problem.force_noise.noise.sigma > 0.0:
         beyond = _beyond(base, problem, problem.force_noise, scales)
         problem = replace(problem, force_noise=replace(problem.force_noise, beyond=beyond))
     return problem, base
+
+
+def traced(problem: Problem, found: Fit, scales: Scales) -> Problem:
+    """The problem with its starts as a model has them, and what its force's noise does along that model's motion."""
+    known = problem.force_noise
+    if known is None:
+        return problem
+    problem = begun(problem, found.model, scales)
+    shown = found.shown if problem.restarts is None else observe(found.model, problem, (), scales)
+    force = force_noise(found.model, shown, problem.t, known.noise, problem.noise, known.start)
+    return replace(problem, force_noise=force if force is None else replace(force, beyond=known.beyond))
 
 
 def _beyond(base: Fit, problem: Problem, force: ForceNoise, scales: Scales) -> float:
