@@ -6,11 +6,12 @@ import numpy as np
 
 from harness.core.arrays import FloatArray
 from harness.diagnosis.baseline import base_names, driven_scales
-from harness.diagnosis.fit import fit
+from harness.diagnosis.driven.begun import begun
+from harness.diagnosis.fit import Fit, fit
 from harness.diagnosis.observe import COARSE
 from harness.diagnosis.parameters import free_of
 from harness.diagnosis.problem import Problem
-from harness.kernels.solve import Drive
+from harness.kernels.solve import Drive, Scales
 from harness.model.model import Model
 
 _BETTER = 0.98
@@ -18,6 +19,7 @@ _BETTER = 0.98
 _ITERATIONS = 8
 _SAMPLES = 20_000
 _STRAYS = 300.0
+_TURNS = 2
 
 
 def held(t: FloatArray, u: FloatArray) -> Drive:
@@ -47,11 +49,20 @@ def acting(problem: Problem, u: FloatArray) -> Acting:
     assert problem.first is not None
     assert problem.drive is not None
     part, stepped = problem.part(slice(0, _SAMPLES)), held(problem.t, u)
-    scales, free = driven_scales(problem, problem.first), free_of(problem.first, base_names(problem))
     straight, in_steps = (
-        fit(problem.first, replace(part, drive=drive), free, scales, _ITERATIONS, COARSE, thorough=False)
+        _followed(problem.first, replace(part, drive=drive), driven_scales(problem, problem.first))
         for drive in (problem.drive, stepped)
     )
     is_held = in_steps.chi2 < _BETTER * straight.chi2
     found = in_steps if is_held else straight
     return Acting(stepped if is_held else problem.drive, is_held, found.chi2 < _STRAYS**2 * found.points, found.model)
+
+
+def _followed(model: Model, problem: Problem, scales: Scales) -> Fit:
+    """The base model as it follows a drive; over gaps from starts that are fitted in turn with it."""
+    free = free_of(model, base_names(problem))
+    found = fit(model, problem, free, scales, _ITERATIONS, COARSE, thorough=False)
+    for _ in range(_TURNS if problem.restarts is not None else 0):
+        problem = begun(problem, found.model, scales)
+        found = fit(found.model, problem, free, scales, _ITERATIONS, COARSE, thorough=False)
+    return found
