@@ -59,7 +59,7 @@ def noise_of(found: Fit, problem: Problem, omega: float) -> dict[str, Noise]:
     period = 2.0 * math.pi / omega
     left = {c: y - found.shown.y[c] for c, y in problem.channels.items()}
     said = {c: residual_noise(problem.t, left[c], y, period) for c, y in problem.channels.items()}
-    if problem.force_noise is not None and problem.force_noise.noise.sigma > 0.0:
+    if problem.force_noise is not None and problem.force_noise.noise.found:
         # what is slower than the windows is the force's
         return {c: problem.force_noise.own(c, said[c], problem.noise[c]) for c in said}
     whole = {c: coloured_whole(left[c], problem.weight[c], said[c]) for c in said}

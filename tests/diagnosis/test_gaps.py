@@ -79,7 +79,8 @@ def test_starts_are_found_from_what_follows_them() -> None:
     assert again.restarts is not None
     for i, w in enumerate(again.restarts.windows):
         assert abs(w.x0 - exact.x[i]) < 4.0 * w.x_sd < 1e-4
-        assert abs(w.v0 - exact.v[i]) < 4.0 * w.v_sd < 1e-2
+        assert abs(w.v0 - exact.v[i]) < 4.0 * w.v_sd
+        assert w.v_sd < 2.5e-3 or w.v0 == exact.v[i] == 0.0
 
 
 def _drive() -> Drive:

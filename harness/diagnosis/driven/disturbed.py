@@ -35,11 +35,6 @@ def force_noise(
 
     noise : of the channels. start (n, 2) : how little is known of position and speed where the motion is followed anew.
     """
-    if not force.found:
-        if start is None:
-            return None
-        force = replace(force, sigma=0.0)
-    start = np.zeros((t.size, 2)) if start is None else start
     bend = np.cos(shown.x) if model.restoring is Restoring.PENDULUM else np.ones(t.size)
     pull, drag, push = model.k / model.m * bend, model.c / model.m, 1.0 / model.m
     slips = shown.mode != Mode.STICK
@@ -49,14 +44,23 @@ def force_noise(
     share[turns] = events.a_after[turns] / np.where(events.a_before[turns] == 0.0, math.inf, events.a_before[turns])
     moves = np.zeros((t.size - 1, 2, 4))
     _moves(t, slips, pull, drag, push, events.t, events.kind, np.clip(share, 0.0, 1.0), moves)
+    anew = np.zeros((t.size, 2)) if start is None else start
     # what went before tells nothing of a new start
-    moves[np.flatnonzero(np.any(start[1:] > 0.0, axis=1))] = 0.0
-    found = ForceNoise(t, force, moves, pull, drag, push, slips, np.zeros((t.size, 4)), start)
-    nothing = {c: np.zeros(t.size) for c in noise}
-    _, variance = found.whitened(t, noise, nothing, nothing)
-    added = max(float(np.max(v)) / noise[c].sigma ** 2 - 1.0 for c, v in variance.items())
-    placed = _PLACED if force.sigma > 0.0 else _PLACED_EXACTLY
-    return replace(found, jumps=_jumps(t, events, placed)) if added > _SHOWS else None
+    moves[np.flatnonzero(np.any(anew[1:] > 0.0, axis=1))] = 0.0
+    found = ForceNoise(t, force, moves, pull, drag, push, slips, np.zeros((t.size, 4)), np.zeros((t.size, 2)))
+    if not (force.found and _shows(found, noise)):
+        if not np.any(anew):
+            return None
+        found = replace(found, noise=replace(force, sigma=0.0, found=False))
+    placed = _PLACED if found.noise.found else _PLACED_EXACTLY
+    return replace(found, start=anew, jumps=_jumps(t, events, placed))
+
+
+def _shows(force: ForceNoise, noise: Mapping[str, Noise]) -> bool:
+    """Whether noise of a force adds to what sensors of this noise have of their own."""
+    nothing = {c: np.zeros(force.t.size) for c in noise}
+    _, variance = force.whitened(force.t, noise, nothing, nothing)
+    return any(float(np.max(v)) > (1.0 + _SHOWS) * noise[c].sigma ** 2 for c, v in variance.items())
 
 
 def _jumps(t: FloatArray, events: Events, placed: float) -> FloatArray:

@@ -6,7 +6,7 @@ import numpy as np
 
 from harness.core.arrays import FloatArray
 from harness.diagnosis.baseline import base_names, driven_scales
-from harness.diagnosis.driven.begun import begun
+from harness.diagnosis.driven.noisyfit import traced
 from harness.diagnosis.fit import Fit, fit
 from harness.diagnosis.observe import COARSE
 from harness.diagnosis.parameters import free_of
@@ -19,7 +19,7 @@ _BETTER = 0.98
 _ITERATIONS = 8
 _SAMPLES = 20_000
 _STRAYS = 300.0
-_TURNS = 2
+_TURNS = 3
 
 
 def held(t: FloatArray, u: FloatArray) -> Drive:
@@ -59,10 +59,10 @@ def acting(problem: Problem, u: FloatArray) -> Acting:
 
 
 def _followed(model: Model, problem: Problem, scales: Scales) -> Fit:
-    """The base model as it follows a drive; over gaps from starts that are fitted in turn with it."""
+    """The base model as it follows a drive; over gaps from starts of which nothing counts as known."""
     free = free_of(model, base_names(problem))
     found = fit(model, problem, free, scales, _ITERATIONS, COARSE, thorough=False)
     for _ in range(_TURNS if problem.restarts is not None else 0):
-        problem = begun(problem, found.model, scales)
+        problem = traced(problem, found, scales)
         found = fit(found.model, problem, free, scales, _ITERATIONS, COARSE, thorough=False)
     return found

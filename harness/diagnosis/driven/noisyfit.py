@@ -31,7 +31,7 @@ def along(base: Fit, problem: Problem, scales: Scales) -> tuple[Problem, Fit]:
         base = fit(base.model, problem, base.free, scales)
         if problem.restarts is not None and abs(base.chi2 - before) < _SAME * before:
             break
-    if problem.force_noise is not None and problem.force_noise.noise.sigma > 0.0:
+    if problem.force_noise is not None and problem.force_noise.noise.found:
         beyond = _beyond(base, problem, problem.force_noise, scales)
         problem = replace(problem, force_noise=replace(problem.force_noise, beyond=beyond))
     return problem, base
@@ -44,7 +44,8 @@ def traced(problem: Problem, found: Fit, scales: Scales) -> Problem:
         return problem
     problem = begun(problem, found.model, scales)
     shown = found.shown if problem.restarts is None else observe(found.model, problem, (), scales)
-    force = force_noise(found.model, shown, problem.t, known.noise, problem.noise, known.start)
+    start = known.start[np.searchsorted(known.t, problem.t)]
+    force = force_noise(found.model, shown, problem.t, known.noise, problem.noise, start)
     return replace(problem, force_noise=force if force is None else replace(force, beyond=known.beyond))
 
 

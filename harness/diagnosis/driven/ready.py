@@ -20,7 +20,7 @@ from harness.diagnosis.driven.measured import GAP
 from harness.diagnosis.driven.smooth import Smooth, smoothed
 from harness.diagnosis.observe import COARSE, observe
 from harness.diagnosis.problem import Problem, Restarts
-from harness.estimate.noise import channel_noise
+from harness.estimate.noise import Noise, channel_noise
 from harness.model.model import Model, Restoring
 
 HORIZON = 1.0
@@ -77,24 +77,30 @@ def driven_problem(recording: Recording, asked: Asked) -> tuple[Problem, tuple[s
         first=first,
         restarts=anew(math.inf) if float(np.max(np.diff(t))) > longest else None,
     )
+    noise_u = channel_noise(t, u)
+    if problem.restarts is not None:
+        problem = _allowing(problem, first, noise_u)
     force = acting(problem, u)
     problem = replace(problem, drive=force.drive)
     notes = ["the force acts as a sampled controller's, held from each sample to the next"] if force.held else []
     horizon = asked.horizon
     if not force.follows:
         horizon = HORIZON if horizon is None else horizon
-        problem = replace(problem, restarts=anew(horizon), by_force=True)
+        problem = replace(problem, restarts=anew(horizon), by_force=True, force_noise=None)
         how = f"the force is fitted, and simulations run over {_windows(problem)} of at most {horizon:g} s, each"
         return problem, (f"driven: {how} restarted from the smoothed recorded state", *notes)
     if horizon is not None:
         problem = replace(problem, restarts=anew(horizon))
-    problem = begun(problem, force.model, driven_scales(problem, force.model))
-    problem, said = _with_force_noise(problem, force.model, u)
+    problem = _allowing(begun(problem, force.model, driven_scales(problem, force.model)), force.model, noise_u)
+    if problem.force_noise is not None and problem.force_noise.noise.found:
+        share = 100.0 * noise_u.sigma / math.sqrt(float(np.mean(u**2)))
+        of = f"{noise_u.sigma:.3g} N ({share:.2g} % of its rms)"
+        notes.append(f"the force's own noise, {of}, shows in the motion and is allowed for")
     if problem.restarts is None:
-        return problem, ("driven: the whole recording is followed from one start", *notes, *said)
+        return problem, ("driven: the whole recording is followed from one start", *notes)
     where = "between gaps of the recording" if horizon is None else f"of at most {horizon:g} s"
     how = f"the recording is followed over {_windows(problem)} {where}, each from a start of its own"
-    return problem, (f"driven: {how}", *notes, *said)
+    return problem, (f"driven: {how}", *notes)
 
 
 def _windows(problem: Problem) -> str:
@@ -103,20 +109,12 @@ def _windows(problem: Problem) -> str:
     return f"{count} window{'s' if count > 1 else ''}"
 
 
-def _with_force_noise(problem: Problem, model: Model, u: FloatArray) -> tuple[Problem, tuple[str, ...]]:
-    """The problem, allowing for the noise of its force u (n,) if that shows in a model's motion; what is said of it."""
-    noise = channel_noise(problem.t, u)
+def _allowing(problem: Problem, model: Model, noise: Noise) -> Problem:
+    """The problem under the noise of its force if that shows in a model's motion, and for starts that are not known."""
     shown = observe(model, problem, (), None, COARSE)
-    force = force_noise(model, shown, problem.t, noise, problem.noise, _unknown_starts(problem))
-    if force is None:
-        return problem, ()
-    if force.noise.sigma == 0.0:
-        return replace(problem, force_noise=force), ()
-    share = 100.0 * noise.sigma / math.sqrt(float(np.mean(u**2)))
-    said = (
-        f"the force's own noise, {noise.sigma:.3g} N ({share:.2g} % of its rms), shows in the motion and is allowed for"
+    return replace(
+        problem, force_noise=force_noise(model, shown, problem.t, noise, problem.noise, _unknown_starts(problem))
     )
-    return replace(problem, force_noise=force), (said,)
 
 
 def _unknown_starts(problem: Problem) -> FloatArray | None:

@@ -66,9 +66,10 @@ def starts_of(model: Model, restarts: Restarts) -> list[Start]:
             i = index["viscoelastic"]
             terms[i] = replace(terms[i], internal0=(float(y),))
             slopes[(i, 1)] = {"viscoelastic.w0": float(by_tau)}
-        if "presliding" in index and v0 != 0.0:
+        stiff = terms[index["presliding"]].value("sigma0") if "presliding" in index else 0.0
+        if stiff > 0.0 and v0 != 0.0:
             i = index["presliding"]
-            sigma0, side = terms[i].value("sigma0"), math.copysign(1.0, v0)
+            sigma0, side = stiff, math.copysign(1.0, v0)
             z = side * model.f_k / sigma0
             terms[i] = replace(terms[i], internal0=(z,))
             slopes["f_k"] = {"presliding.z": side / sigma0}

@@ -115,8 +115,8 @@ class Machine:
             if abs(net) <= self.model.friction.level.break_away(t, s[0], net, s[-1]):
                 return 0.0
             return math.copysign(1.0, net)
-        acceleration = self.motion(t, s, 0.0)[0]
-        return math.copysign(1.0, acceleration) if acceleration != 0.0 else 0.0
+        # without a stick nothing holds it: at rest in balance it is off on either side with the first push
+        return math.copysign(1.0, self.motion(t, s, 0.0)[0])
 
     def kinks(self, d: float) -> list[tuple[Switch, float]]:
         """Functions whose sign change ends a smooth piece, each with the size its values have."""
