@@ -26,6 +26,8 @@ AMONG_NAMES = DECISIVE + 2.0 * math.log(len({term.name for term in TERMS}))
 """What the first term must take off BIC: any of the catalogue's names could have, each as likely as the next."""
 _MOST_TERMS = 2
 """Three flexible terms fit nearly any motion, those of no catalogue included: what needs them is called unexplained."""
+_TURNS, _SAME = 6, 0.01
+"""Fits and starts of windows in turn at most, and the share of chi-square that is no change."""
 _PART = 40.0
 """What a second term must take off BIC: of two terms that fit a third effect together one is often weak."""
 _NOISE_MOVED = 0.01
@@ -93,15 +95,21 @@ def _moved(new: dict[str, Noise], old: Problem) -> bool:
 def _renew(
     problem: Problem, scales: Scales, best: Fit, others: tuple[Fit, ...]
 ) -> tuple[Problem, Fit, tuple[Fit, ...]]:
-    """Take the noise from what the best fit leaves, and the starts of windows from its motion; see all fits so."""
-    noise, before = noise_of(best, problem, scales.omega), problem
-    if problem.restarts is not None:
-        problem = traced(problem, best, scales)
-    if problem is before and not _moved(noise, problem):
+    """Take the noise from what the best fit leaves, and see all fits with it.
+
+    Windows also start as that fit has them, and both in turn until nothing moves: a poor model starts them poorly.
+    """
+    noise = noise_of(best, problem, scales.omega)
+    if problem.restarts is None and not _moved(noise, problem):
         return problem, best, others
-    problem = replace(problem, noise=noise)
-    seen = tuple(sorted((under(f, problem) for f in others), key=lambda f: f.bic))
-    return problem, settle(under(best, problem), problem, scales), seen
+    for _ in range(1 if problem.restarts is None else _TURNS):
+        before = best.chi2
+        anew = problem if problem.restarts is None else traced(problem, best, scales)
+        problem = replace(anew, noise=noise_of(best, problem, scales.omega))
+        best = settle(under(best, problem), problem, scales)
+        if abs(best.chi2 - before) < _SAME * before:
+            break
+    return problem, best, tuple(sorted((under(f, problem) for f in others), key=lambda f: f.bic))
 
 
 def _beyond(problem: Problem) -> float:

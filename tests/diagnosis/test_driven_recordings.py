@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -13,19 +14,20 @@ from harness.core.errors import InputError
 from harness.core.recording import Recording
 from harness.diagnosis.asked import Asked
 from harness.diagnosis.baseline import base_names, baseline
+from harness.diagnosis.driven.chance import taken_by_chance
 from harness.diagnosis.driven.force import inverse_force
 from harness.diagnosis.driven.forcefit import correlation_time, fit_force
 from harness.diagnosis.driven.measured import Measured
 from harness.diagnosis.driven.protocol import DIRECTED, PUBLISHED, SYMMETRIC
 from harness.diagnosis.driven.ripple import find_ripple, periods
-from harness.diagnosis.driven.search import search_driven
+from harness.diagnosis.driven.search import extended, search_driven
 from harness.diagnosis.driven.smooth import smoothed
 from harness.diagnosis.driven.validate import Judge
 from harness.diagnosis.fit import fit
 from harness.diagnosis.observe import observe
 from harness.diagnosis.parameters import free_of
 from harness.diagnosis.prepare import prepare
-from harness.diagnosis.search import noise_of, under
+from harness.diagnosis.search import AMONG_NAMES, noise_of, under
 from harness.io.recording import ReadOptions, read_recording
 from harness.kernels.solve import Drive, solve
 from harness.model.model import Model, ModelTerm, Restoring
@@ -97,6 +99,29 @@ def test_force_is_fitted_over_windows_within_errors_that_allow_for_colour() -> N
     assert found.independent() < 0.5 * found.residual.size
     search, _ = search_driven(problem)
     assert search.chosen.model.terms == ()
+
+
+@pytest.mark.parametrize("terms", [(), (ModelTerm.named("asymmetric-viscous", c_diff=1.2),)], ids=["none", "one"])
+def test_a_fitted_force_has_a_law_more_only_where_chance_takes_off_less(terms: tuple[ModelTerm, ...]) -> None:
+    """Coarse and noisy, so that smoothing rounds off each reversal: laws of friction take that for their own."""
+    truth = replace(TRUTH, terms=terms)
+    fine = driven(truth, sigma=1e-4, n=24_000)
+    problem, _ = prepare(
+        Recording(fine.t[::8], {c: fine[c][::8] for c in ("x", "u")}), Asked(Restoring.NONE, horizon=1.0)
+    )
+    problem = replace(problem, by_force=True, force_noise=None)
+    found, scales = search_driven(problem)
+    assert [e.term.name for e in found.chosen.model.terms] == [e.term.name for e in terms]
+    measured = Measured.of(problem)
+    assert problem.first is not None
+    base = fit_force(problem.first, measured, free_of(problem.first, base_names(problem)))
+    chance = taken_by_chance(base, problem, scales, partial(extended, problem=problem, scales=scales))
+    best = extended(base, measured, problem, scales)[0]
+    taken = (base.squares - best.squares) / base.residual.size
+    # by its evidence alone some law would be decisive in both
+    independent = best.independent()
+    assert base.bic(independent) - best.bic(independent) > AMONG_NAMES
+    assert (taken > 3.0 * chance) == bool(terms)
 
 
 def test_correlation_time_is_that_of_the_noise() -> None:

@@ -97,3 +97,27 @@ def _with_noisy_force(i: int) -> tuple[Problem, tuple[str, ...]]:
 def test_random_controls_whose_force_is_noisy(count: int) -> None:
     verdicts = [diagnose(_with_noisy_force(i)[0]).verdict for i in range(count)]
     assert verdicts.count("missing_physics") <= binom.ppf(1.0 - _CHANCE, count, 0.02)
+
+
+def _with_gaps(i: int) -> Problem:
+    """A driven control of which three stretches of up to a thirtieth are missing."""
+    random = np.random.default_rng([79, i])
+    setting = ("driven", "axis")[i % 2]
+    case = draw("control", random, setting=setting)
+    t = case.recorded["t"]
+    keep = np.ones(t.size, dtype=bool)
+    for _ in range(3):
+        begin = int(random.integers(1, t.size - 40))
+        keep[begin : min(begin + int(random.integers(8, max(9, t.size // 30))), t.size - 1)] = False
+    values = {c: y[keep] for c, y in case.recorded.items() if c != "t"}
+    restoring = Restoring.NONE if setting == "axis" else Restoring.SPRING
+    return prepare(Recording(t[keep], values), Asked(restoring))[0]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("count", [2, pytest.param(100, marks=pytest.mark.full)])
+def test_random_controls_with_gaps(count: int) -> None:
+    problems = [_with_gaps(i) for i in range(count)]
+    assert all(p.restarts is not None for p in problems)
+    alarms = sum(diagnose(p).verdict != "adequate" for p in problems)
+    assert alarms <= binom.ppf(1.0 - _CHANCE, count, 0.02)

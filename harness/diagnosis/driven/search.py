@@ -40,7 +40,7 @@ def search_driven(problem: Problem, judge: Judge | None = None) -> tuple[Search,
     base = fit_force(problem.first, measured, free_of(problem.first, base_names(problem)))
     chosen, singles, rivals, path = base, [base], [base], [base]
     for _ in range(_MOST_TERMS):
-        found = _extended(chosen, measured, problem, scales)
+        found = extended(chosen, measured, problem, scales)
         if chosen is base:
             singles = found or singles
         if not found:
@@ -52,7 +52,7 @@ def search_driven(problem: Problem, judge: Judge | None = None) -> tuple[Search,
         if judge is not None:
             kept = next((f for f in better if judge.confirms(chosen.model, f.model)), None)
         elif better:
-            chance = taken_by_chance(chosen, problem, scales, partial(_extended, problem=problem, scales=scales))
+            chance = taken_by_chance(chosen, problem, scales, partial(extended, problem=problem, scales=scales))
             kept = next((f for f in better if f.bic(independent, chance) < most), None)
         if kept is None:
             break
@@ -82,7 +82,7 @@ def search_driven(problem: Problem, judge: Judge | None = None) -> tuple[Search,
     ), scales
 
 
-def _extended(current: ForceFit, measured: Measured, problem: Problem, scales: Scales) -> list[ForceFit]:
+def extended(current: ForceFit, measured: Measured, problem: Problem, scales: Scales) -> list[ForceFit]:
     """Fits with one more law, the best of each, best first by evidence."""
     best: dict[str, ForceFit] = {}
     base = base_of(current.free)
