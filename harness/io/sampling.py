@@ -22,6 +22,6 @@ def sampling_notes(t: FloatArray) -> tuple[str, ...]:
         notes.append(f"Sampling is irregular: intervals of {low:.3g} to {high:.3g} ms, median {median * 1e3:.3g} ms.")
     if gaps.size:
         longest = gaps[np.argmax(steps[gaps])]
-        count = "1 gap" if gaps.size == 1 else f"{gaps.size} gaps"
-        notes.append(f"There is {count} in time, the longest of {steps[longest]:.3g} s at t = {t[longest]:.4g} s.")
+        count = "is 1 gap" if gaps.size == 1 else f"are {gaps.size} gaps"
+        notes.append(f"There {count} in time, the longest of {steps[longest]:.3g} s at t = {t[longest]:.4g} s.")
     return tuple(notes)
