@@ -102,7 +102,7 @@ def test_random_controls_whose_force_is_noisy(count: int) -> None:
 def _with_gaps(i: int) -> Problem:
     """A driven control of which three stretches of up to a thirtieth are missing."""
     random = np.random.default_rng([79, i])
-    setting = ("driven", "axis")[i % 2]
+    setting = ("axis", "driven")[i % 2]
     case = draw("control", random, setting=setting)
     t = case.recorded["t"]
     keep = np.ones(t.size, dtype=bool)
@@ -115,7 +115,7 @@ def _with_gaps(i: int) -> Problem:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("count", [2, pytest.param(100, marks=pytest.mark.full)])
+@pytest.mark.parametrize("count", [1, pytest.param(100, marks=pytest.mark.full)])
 def test_random_controls_with_gaps(count: int) -> None:
     problems = [_with_gaps(i) for i in range(count)]
     assert all(p.restarts is not None for p in problems)
