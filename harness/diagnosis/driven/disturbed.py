@@ -35,6 +35,9 @@ def force_noise(
 
     noise : of the channels. start (n, 2) : how little is known of position and speed where the motion is followed anew.
     """
+    anew = np.zeros((t.size, 2)) if start is None else start
+    if not force.found and not np.any(anew):
+        return None
     bend = np.cos(shown.x) if model.restoring is Restoring.PENDULUM else np.ones(t.size)
     pull, drag, push = model.k / model.m * bend, model.c / model.m, 1.0 / model.m
     slips = shown.mode != Mode.STICK
@@ -44,7 +47,6 @@ def force_noise(
     share[turns] = events.a_after[turns] / np.where(events.a_before[turns] == 0.0, math.inf, events.a_before[turns])
     moves = np.zeros((t.size - 1, 2, 4))
     _moves(t, slips, pull, drag, push, events.t, events.kind, np.clip(share, 0.0, 1.0), moves)
-    anew = np.zeros((t.size, 2)) if start is None else start
     # what went before tells nothing of a new start
     moves[np.flatnonzero(np.any(anew[1:] > 0.0, axis=1))] = 0.0
     found = ForceNoise(t, force, moves, pull, drag, push, slips, np.zeros((t.size, 4)), np.zeros((t.size, 2)))
