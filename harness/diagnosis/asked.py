@@ -2,21 +2,14 @@
 
 from dataclasses import dataclass
 
-from harness.core.checks import positive
 from harness.model.model import Restoring
 
 
 @dataclass(frozen=True, slots=True)
 class Asked:
-    """What was asked of a diagnosis: see the options of the same names; horizon in s, mass in kg."""
+    """What was asked of a diagnosis: see the options of the same names, which are checked there; s, kg."""
 
     restoring: Restoring = Restoring.SPRING
     zero_free: bool = False
     mass: float | None = None
     horizon: float | None = None
-
-    def __post_init__(self) -> None:
-        if self.horizon is not None:
-            positive("--horizon", self.horizon, "s")
-        if self.mass is not None:
-            positive("--mass", self.mass, "kg")

@@ -99,13 +99,12 @@ def _renew(
 
     Windows also start as that fit has them, and both in turn until nothing moves: a poor model starts them poorly.
     """
-    noise = noise_of(best, problem, scales.omega)
-    if problem.restarts is None and not _moved(noise, problem):
-        return problem, best, others
-    for _ in range(1 if problem.restarts is None else _TURNS):
-        before = best.chi2
+    for _ in range(_TURNS if problem.restarts is not None else 1):
+        noise, before = noise_of(best, problem, scales.omega), best.chi2
+        if problem.restarts is None and not _moved(noise, problem):
+            return problem, best, others
         anew = problem if problem.restarts is None else traced(problem, best, scales)
-        problem = replace(anew, noise=noise_of(best, problem, scales.omega))
+        problem = replace(anew, noise=noise)
         best = settle(under(best, problem), problem, scales)
         if abs(best.chi2 - before) < _SAME * before:
             break

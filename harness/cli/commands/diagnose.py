@@ -26,7 +26,7 @@ STANDARD_INPUT = "-"
 @click.option("--model", type=click.Path(path_type=Path), metavar="FILE", help="model.json of the simulation you have.")
 @click.option("--sim", type=click.Path(path_type=Path), metavar="TRACE", help="A trace of your own simulation.")
 @click.option("--validate", type=click.Path(path_type=Path), metavar="RECORDING", help="Try both models on this one.")
-@click.option("--horizon", type=float, metavar="S", help="Driven: windows, each its own start.  [whole]")
+@click.option("--horizon", type=float, metavar="S", help="Driven: windows, each its own start.  [whole, or 1]")
 @click.option("--zero", metavar="spring|free", help="What x is measured from.  [spring; free for a pendulum]")
 @click.option("--mass", type=float, metavar="KG", help="Mass, where it is known: forces in N.")
 @click.option("--restoring", default="spring", metavar="spring|pendulum|none", help="What pulls it back.  [spring]")

@@ -14,13 +14,11 @@ from dataclasses import replace
 import numpy as np
 
 from harness.core.errors import SimulationError
-from harness.diagnosis.driven.cut import windows_of
+from harness.diagnosis.driven.course import Course
 from harness.diagnosis.driven.forcefit import ForceFit, fit_force
-from harness.diagnosis.driven.inverse import state_of
-from harness.diagnosis.driven.measured import Measured, longest_interval
-from harness.diagnosis.driven.smooth import smoothed
+from harness.diagnosis.driven.measured import Measured
 from harness.diagnosis.observe import COARSE, observe
-from harness.diagnosis.problem import Problem, Restarts
+from harness.diagnosis.problem import Problem
 from harness.kernels.solve import Scales
 
 _DRAWS = 4
@@ -33,7 +31,9 @@ def taken_by_chance(
 
     0 where the model cannot be simulated: then it says nothing of what chance does.
     """
-    whole = _unbroken(problem)
+    # over each stretch without a gap from one start: no window's edge is in the motion
+    course = Course.of(problem.t, problem.channels, problem.noise)
+    whole = replace(problem, restarts=course.anew(math.inf))
     random, most = np.random.default_rng(0), 0.0
     with suppress(SimulationError):
         shown = observe(current.model, whole, (), scales, COARSE).y
@@ -46,13 +46,3 @@ def taken_by_chance(
                 squares = min(f.squares for f in after)
                 most = max(most, (before.squares - squares) / before.residual.size)
     return most
-
-
-def _unbroken(problem: Problem) -> Problem:
-    """The problem simulated over each stretch without a gap from one start: no window's edge is in its motion."""
-    t, longest = problem.t, longest_interval(problem.t)
-    seen = {c: y for c, y in problem.channels.items() if c in ("x", "v")}
-    smooth = {c: smoothed(t, y, longest, problem.noise[c].sigma) for c, y in seen.items()}
-    state = state_of(t, smooth)
-    windows = windows_of(t, state, smooth, math.inf, longest)
-    return replace(problem, restarts=Restarts(windows, t, state[1]))

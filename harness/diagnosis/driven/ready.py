@@ -12,14 +12,12 @@ from harness.diagnosis.asked import Asked
 from harness.diagnosis.baseline import driven_scales
 from harness.diagnosis.driven.begun import begun
 from harness.diagnosis.driven.between import between_samples
-from harness.diagnosis.driven.cut import windows_of
+from harness.diagnosis.driven.course import Course
 from harness.diagnosis.driven.disturbed import force_noise
 from harness.diagnosis.driven.hold import acting
-from harness.diagnosis.driven.inverse import inverse_start, state_of
-from harness.diagnosis.driven.measured import GAP
-from harness.diagnosis.driven.smooth import Smooth, smoothed
+from harness.diagnosis.driven.inverse import inverse_start
 from harness.diagnosis.observe import COARSE, observe
-from harness.diagnosis.problem import Problem, Restarts
+from harness.diagnosis.problem import Problem
 from harness.estimate.noise import Noise, channel_noise
 from harness.model.model import Model, Restoring
 
@@ -54,28 +52,21 @@ def driven_problem(recording: Recording, asked: Asked) -> tuple[Problem, tuple[s
     if all(float(np.std(y)) < _MOVES * noise[c].sigma for c, y in channels.items()):
         seen = ", ".join(f"{c} to {noise[c].sigma:.3g}" for c in channels)
         raise InputError(where, f"a slider that does not move beyond its noise ({seen})", "a driven motion is accepted")
-    longest = GAP * interval
-    smooth: dict[str, Smooth] = {
-        c: smoothed(t, channels[c], longest, noise[c].sigma) for c in ("x", "v") if c in channels
-    }
-    state = state_of(t, smooth)
-    first = inverse_start(state, u, asked.restoring, asked.mass, asked.zero_free)
-    first = replace(first, x0=float(state[0][0]) - first.offset, v0=float(state[1][0]), t0=float(t[0]))
-
-    def anew(horizon: float) -> Restarts:
-        return Restarts(windows_of(t, state, smooth, horizon, longest), t, state[1])
-
+    course = Course.of(t, channels, noise)
+    first = inverse_start(course.state, u, asked.restoring, asked.mass, asked.zero_free)
+    x, v, _ = course.state
+    first = replace(first, x0=float(x[0]) - first.offset, v0=float(v[0]), t0=float(t[0]))
     problem = Problem(
         t,
         channels,
         noise,
-        drive=between_samples(t, u, longest),
+        drive=between_samples(t, u, course.longest),
         mass=asked.mass,
         restoring=asked.restoring,
         zero_free=asked.zero_free and asked.restoring is not Restoring.NONE,
         angular=recording.angular,
         first=first,
-        restarts=anew(math.inf) if float(np.max(np.diff(t))) > longest else None,
+        restarts=course.anew(math.inf) if float(np.max(np.diff(t))) > course.longest else None,
     )
     noise_u = channel_noise(t, u)
     if problem.restarts is not None:
@@ -86,11 +77,11 @@ def driven_problem(recording: Recording, asked: Asked) -> tuple[Problem, tuple[s
     horizon = asked.horizon
     if not force.follows:
         horizon = HORIZON if horizon is None else horizon
-        problem = replace(problem, restarts=anew(horizon), by_force=True, force_noise=None)
+        problem = replace(problem, restarts=course.anew(horizon), by_force=True, force_noise=None)
         how = f"the force is fitted, and simulations run over {_windows(problem)} of at most {horizon:g} s, each"
         return problem, (f"driven: {how} restarted from the smoothed recorded state", *notes)
     if horizon is not None:
-        problem = replace(problem, restarts=anew(horizon))
+        problem = replace(problem, restarts=course.anew(horizon))
     problem = _allowing(begun(problem, force.model, driven_scales(problem, force.model)), force.model, noise_u)
     if problem.force_noise is not None and problem.force_noise.noise.found:
         share = 100.0 * noise_u.sigma / math.sqrt(float(np.mean(u**2)))
