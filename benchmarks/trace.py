@@ -14,7 +14,8 @@ from harness.core.scenario import FREE_DECAY
 from harness.core.trajectory import Source, Trajectory
 from harness.exact.decay import free_decay
 from harness.show.run_scene import run_scene
-from harness.show.trace import read_trace, write_trace
+from harness.show.stored import read_trace
+from harness.show.trace import write_trace
 
 SAMPLES = 1_000_000
 

@@ -1,3 +1,25 @@
-"""Cross-validation of dry friction in physics engines."""
+"""Cross-validation of dry friction in physics engines; the names below do for programs what the command does.
+
+They are loaded when they are first used: importing the package itself costs nothing.
+"""
+
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from harness.api import Model, Recording, compare, diagnose, identify, load, run, simulate
+else:
+    # out of sight of type checkers, which would take any name for granted
+    def __getattr__(name: str) -> Any:
+        if name not in __all__:
+            raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+        from harness import api
+
+        return getattr(api, name)
+
 
 __version__ = "0.1.0"
+__all__ = ["Model", "Recording", "__version__", "compare", "diagnose", "identify", "load", "run", "simulate"]
+
+
+def __dir__() -> list[str]:
+    return sorted({*globals(), *__all__})

@@ -1,26 +1,49 @@
-"""A few names for programs: load a recording, diagnose it, simulate a model. Results are those of the command.
+"""What the command does, for programs: load, identify, compare, diagnose, simulate, run; with its results.
 
-docs/api.md has a worked example.
+``import harness`` gives the same names. A recording is a ``Recording`` or the path of one, which is read as ``load``
+reads it without options; nothing is written unless ``out`` names a folder.
 """
 
 from collections.abc import Mapping, Sequence
 from os import PathLike
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from harness.core.recording import Recording
 from harness.core.trajectory import Trajectory
+from harness.model.model import Model
+from harness.results.compare import CompareResult
 from harness.results.diagnosis import DiagnosisResult
+from harness.results.identify import IdentifyResult
 from harness.results.model import ModelDocument
+from harness.results.run import RunResult
 
-__all__ = ["DiagnosisResult", "ModelDocument", "Recording", "Trajectory", "diagnose", "load", "simulate"]
+__all__ = [
+    "CompareResult",
+    "DiagnosisResult",
+    "IdentifyResult",
+    "Model",
+    "ModelDocument",
+    "Recording",
+    "RunResult",
+    "Trajectory",
+    "compare",
+    "diagnose",
+    "identify",
+    "load",
+    "run",
+    "simulate",
+]
+
+File: TypeAlias = str | PathLike[str]
+GivenModel: TypeAlias = Model | ModelDocument | Mapping[str, Any] | str | PathLike[str]
 
 
 def load(
-    path: str | PathLike[str],
+    path: File,
     *,
     columns: str | None = None,
     skip_rows: int = 0,
@@ -31,39 +54,72 @@ def load(
 ) -> Recording:
     """Read a recording of any accepted format, in SI units.
 
-    columns : as --columns, "t=t,x=qm[mm]". rate : Hz, where no column gives the time. start, stop : s, the part to
-    keep. trace : which one of a .rrd. Raises InputError naming what is wrong, and where.
+    columns : as --columns, "t=t,x=qm[mm]". skip_rows : lines before the header. rate : Hz, where no column gives the
+    time. start, stop : s, the part to keep. trace : which one of a .rrd. Raises InputError naming what is wrong, and
+    where.
     """
-    from harness.app.reading import ReadOptions, read
+    from harness.app.shared.reading import ReadOptions, read
 
     return read(Path(path), ReadOptions(columns, skip_rows, rate, start, stop), trace)
 
 
+def identify(recording: Recording | File, *, out: File | None = None) -> IdentifyResult:
+    """The estimators on a recording of a free decay: omega_n (rad/s), zeta, x_k (m), with standard errors.
+
+    out : folder for result, report and trace, as the command leaves them. Raises InputError with the reason when the
+    recording cannot be read, is driven, or shows no free decay; StoreError when ``out`` cannot be written.
+    """
+    from harness.app.identify.identify import deliver, result_of
+
+    found = _recording(recording)
+    return result_of(found) if out is None else deliver(found, Path(out))
+
+
+def compare(
+    sim: Recording | File, real: Recording | File, *, shift: float | None = None, out: File | None = None
+) -> CompareResult:
+    """Two traces of any origin: where they part, and in what way, before any model is fitted.
+
+    shift : s, added to the times of ``sim``; None to find it, 0 for one clock. out : folder for result, report and
+    trace, as the command leaves them. Raises InputError when one cannot be read or the two have nothing in common,
+    StoreError when ``out`` cannot be written.
+    """
+    from harness.app.compare.compare import deliver, result_of
+
+    traces = _recording(sim), _recording(real)
+    return result_of(*traces, shift=shift)[0] if out is None else deliver(*traces, Path(out), shift=shift)
+
+
 def diagnose(
-    recording: Recording,
+    recording: Recording | File,
     *,
-    out: str | PathLike[str] | None = None,
-    model: str | PathLike[str] | None = None,
-    sim: str | PathLike[str] | None = None,
+    model: GivenModel | None = None,
+    sim: Recording | File | None = None,
+    validate: Recording | File | None = None,
     mass: float | None = None,
-    restoring: str = "spring",
+    horizon: float | None = None,
+    restoring: str | None = None,
     zero: str | None = None,
-    engines: Sequence[str] = (),
+    engines: Sequence[str] | None = None,
     preset: str | None = None,
     dt: float | None = None,
+    out: File | None = None,
 ) -> DiagnosisResult:
     """Find which physics viscous and Coulomb friction leave out of a recording, and the model that has it.
 
-    out : folder for report, trace and models, as the command leaves them; None writes nothing. model : model.json of
-    the simulation as you have it. sim : a trace of it. mass : kg. restoring : "spring", "pendulum" or "none". zero :
-    "spring" or "free". engines, preset, dt (s) : in which the fit is shown; MuJoCo and PyBullet, tuned.
+    model : the simulation as you have it. sim : a trace of it. validate : another recording, on which both models are
+    tried. mass : kg. horizon : s, windows of a driven recording. restoring : "spring", "pendulum" or "none". zero :
+    "spring" or "free"; both are chosen at the base fit where nobody says. engines : in which the fit is shown; () for
+    none, None for MuJoCo and PyBullet. preset : "as-shipped" or "tuned". dt : their step, s. out : folder for report,
+    trace and models, as the command leaves them.
 
     Raises InputError for a recording or an option that cannot be used, SimulationError when no model could be
     simulated, StoreError when ``out`` cannot be written.
     """
-    from harness.app.diagnose import answer, deliver
-    from harness.app.diagnose_options import DiagnoseOptions
-    from harness.app.reading import ReadOptions
+    from harness.app.diagnose.one import answer, deliver
+    from harness.app.diagnose.options import DiagnoseOptions
+    from harness.app.run.simulate import model_of
+    from harness.app.shared.reading import ReadOptions
 
     options = DiagnoseOptions.chosen(
         ReadOptions(),
@@ -71,20 +127,65 @@ def diagnose(
         zero,
         engines,
         preset,
-        model=None if model is None else Path(model),
-        sim=None if sim is None else Path(sim),
+        model=Path(model) if isinstance(model, str | PathLike) else None if model is None else model_of(model),
+        sim=None if sim is None else _recording(sim),
+        validate=None if validate is None else _recording(validate),
         mass=mass,
+        horizon=horizon,
         dt=dt,
     )
-    return answer(recording, options) if out is None else deliver(recording, options, Path(out))
+    found = _recording(recording)
+    return answer(found, options) if out is None else deliver(found, options, Path(out))
 
 
-def simulate(model: ModelDocument | Mapping[str, Any] | str | PathLike[str], t: ArrayLike) -> Trajectory:
+def simulate(model: GivenModel, t: ArrayLike) -> Trajectory:
     """The motion of a model in the compiled reference.
 
-    model : as a result holds it (``result.refined_model``), its plain data, or a model.json. t : (n,), s, increasing.
-    Raises InputError for what is no model, SimulationError when it cannot be followed.
+    model : a ``Model``, one as a result holds it (``result.refined_model``), its plain data, or a model.json. t : (n,),
+    s, increasing. Raises InputError for what is no model, SimulationError when it cannot be followed.
     """
-    from harness.app.simulate import motion_of
+    from harness.app.run.simulate import motion_of
 
     return motion_of(model, np.asarray(t, dtype=np.float64))
+
+
+def run(
+    scenario: str | None = None,
+    *,
+    model: GivenModel | None = None,
+    m: float | None = None,
+    c: float | None = None,
+    k: float | None = None,
+    f_k: float | None = None,
+    f_s: float | None = None,
+    x0: float | None = None,
+    v0: float | None = None,
+    duration: float | None = None,
+    engines: Sequence[str] | None = None,
+    preset: str | None = None,
+    dt: float | None = None,
+    out: File | None = None,
+) -> RunResult:
+    """One scenario, or one model, in the exact reference and in engines, each as shipped and tuned, with estimators.
+
+    scenario : of the fidelity suite, None for "free-decay"; m (kg), c (N s/m), k (N/m), f_k, f_s (N), x0 (m), v0 (m/s)
+    and duration (s) take the place of its own. model : in place of a scenario, with ``duration`` alone. engines : ()
+    for the reference alone, None for MuJoCo and PyBullet. preset : "as-shipped" or "tuned", None for both. dt : step of
+    the tuned preset, s. out : folder for result, report, trace and models, as the command leaves them.
+
+    Raises InputError for values that are not accepted, StoreError when ``out`` cannot be written. An engine that cannot
+    complete its run has the reason in its trace's ``error``.
+    """
+    from harness.app.run.run import RunOptions, computed
+    from harness.app.run.run import run as deliver
+
+    given = {"m": m, "c": c, "k": k, "f_k": f_k, "f_s": f_s, "x0": x0, "v0": v0, "duration": duration}
+    if model is None:
+        options = RunOptions.named(scenario, given, engines, preset, dt)
+    else:
+        options = RunOptions.of_model(model, scenario, given, engines, preset, dt)
+    return computed(options)[0] if out is None else deliver(options, Path(out))
+
+
+def _recording(given: Recording | File) -> Recording:
+    return given if isinstance(given, Recording) else load(given)

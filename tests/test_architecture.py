@@ -1,12 +1,15 @@
 """Rooms import each other in the directions docs/architecture.md states; heavy libraries stay where they belong."""
 
 import ast
+import runpy
 import subprocess
 import sys
 from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
+
+from harness.model.registry import TERMS
 
 ROOT = Path(__file__).resolve().parents[1]
 PACKAGE = ROOT / "harness"
@@ -18,21 +21,27 @@ MAY: dict[str, frozenset[str]] = {
     "model": frozenset({"core"}),
     "kernels": frozenset({"core", "model"}),
     "exact": frozenset({"core"}),
-    "estimate": frozenset({"core"}),
+    "fit": frozenset({"core"}),
+    "estimate": frozenset({"core", "fit"}),
     "engines": frozenset({"core", "model", "kernels"}),
     "fidelity": frozenset({"core", "exact", "estimate", "engines.base"}),
-    "diagnosis": frozenset({"core", "model", "kernels", "exact", "estimate"}),
-    "proof": frozenset({"core", "results"}),
+    "diagnosis": frozenset({"core", "model", "kernels", "fit", "estimate"}),
+    "proof": frozenset({"core"}),
     "io": frozenset({"core"}),
     "show": frozenset({"core", "results"}),
     "cli": frozenset({"app", "core", "results"}),
 }
-"""What each room may import besides itself; app may import every room but cli."""
-MAY["app"] = frozenset(MAY) - {"cli"}
-OUTSIDE = {"api.py": frozenset({"app", "core", "results"})}
+"""What each room may import besides itself; app may import every room but cli and fit."""
+MAY["app"] = frozenset(MAY) - {"cli", "fit"}
+OUTSIDE = {"api.py": frozenset({"app", "core", "model", "results"}), "__init__.py": frozenset({"api"})}
 """Files beside the rooms, and what they may import."""
 PLANT = "proof/plant"
 """The independent check of the diagnosis: it sees core and nothing else, not even the rest of its room."""
+
+MOST_FILES = 24
+"""Python files of one folder; more are a list to search, not a place to know."""
+MANY = {"harness/model/terms"}
+"""Folders whose files are members of one kind, found by name."""
 
 HEAVY = ("numba", "scipy", "mujoco", "pybullet", "rerun", "pydantic", "rich", "pint", "numpy", "pyarrow", "h5py")
 FILES = sorted(PACKAGE.rglob("*.py"))
@@ -88,6 +97,52 @@ def test_rooms_import_in_one_direction(path: Path) -> None:
         assert ways & allowed or inside == "__version__", f"{name(path)} imports {module}"
 
 
+def packages(path: Path) -> set[str]:
+    """Folders of ours, as dotted names, that a file imports from."""
+    found = set()
+    for module in imports(path):
+        if module.startswith("harness."):
+            file = ROOT.joinpath(*module.split("."))
+            found.add(".".join((file if file.is_dir() else file.parent).relative_to(ROOT).parts))
+    return found
+
+
+def arrows() -> dict[str, set[str]]:
+    """Every folder with those it imports from; parent and child belong together and are left out."""
+    found: dict[str, set[str]] = {}
+    for path in FILES:
+        own = ".".join(path.parent.relative_to(ROOT).parts)
+        family = {to for to in packages(path) if f"{to}.".startswith(f"{own}.") or f"{own}.".startswith(f"{to}.")}
+        found.setdefault(own, set()).update(packages(path) - family)
+    return found
+
+
+def test_no_arrow_is_allowed_that_nobody_uses() -> None:
+    for room, allowed in MAY.items():
+        used = {module.removeprefix("harness.") for path in (PACKAGE / room).rglob("*.py") for module in imports(path)}
+        unused = {to for to in allowed if not any(f"{module}.".startswith(f"{to}.") for module in used)}
+        assert not unused, f"{room} may import {unused}, and does not"
+
+
+def circling(graph: dict[str, set[str]]) -> set[str]:
+    """What is in a circle, or imports something that is."""
+    while leaves := {own for own, others in graph.items() if not others & graph.keys()}:
+        graph = {own: others for own, others in graph.items() if own not in leaves}
+    return set(graph)
+
+
+def test_packages_import_each_other_in_no_circle() -> None:
+    assert circling({"a": {"b"}, "b": {"c"}, "c": {"b"}, "d": set()}) == {"a", "b", "c"}
+    assert not circling(arrows())
+
+
+def test_no_folder_is_too_long_to_know() -> None:
+    folders: dict[str, int] = {}
+    for path in FILES:
+        folders[name(path.parent)] = folders.get(name(path.parent), 0) + 1
+    assert not {folder: count for folder, count in folders.items() if count > MOST_FILES and folder not in MANY}
+
+
 def test_every_room_is_in_the_document_and_the_other_way_round() -> None:
     text = (ROOT / "docs" / "architecture.md").read_text(encoding="utf-8")
     rows = {
@@ -96,9 +151,41 @@ def test_every_room_is_in_the_document_and_the_other_way_round() -> None:
     assert rows == set(MAY)
 
 
+def test_the_document_says_the_same_arrows() -> None:
+    text = (ROOT / "docs" / "architecture.md").read_text(encoding="utf-8")
+    everything = {"nothing of ours": NOTHING, "everything but cli and fit": MAY["app"]}
+    for room, allowed in MAY.items():
+        (row,) = (line for line in text.splitlines() if line.startswith(f"| {room} |"))
+        said = row.split("|")[3].strip()
+        assert everything.get(said, frozenset(said.split(", "))) == allowed, room
+
+
+def test_the_picture_of_the_ways_is_that_of_the_code() -> None:
+    ways = runpy.run_path(str(ROOT / "docs" / "ways.py"))
+    made = ways["text"]()
+    assert (ROOT / "docs" / "architecture.md").read_text(encoding="utf-8") == made, "run python docs/ways.py"
+    for package in ("diagnosis.prepare", "diagnosis.search", "fidelity", "estimate", "show.report"):
+        assert f"<b>{package}</b>" in made
+
+
 def importers(*roots: str) -> set[str]:
     """Files that import any of these packages, at any depth."""
     return {name(path) for path in FILES if set(roots) & {module.split(".")[0] for module in imports(path)}}
+
+
+NAMED_BY_DESIGN = ("harness/model/terms/", "harness/kernels/dispatch.py", "harness/proof/")
+"""The terms themselves, the generated dispatch, and the proof, whose plant has its own list of effects."""
+
+
+def test_a_term_is_named_in_its_own_file_alone() -> None:
+    own = {word for term in TERMS for word in (term.key, term.name)}
+    found = []
+    for path in FILES:
+        if not name(path).startswith(NAMED_BY_DESIGN):
+            tree = ast.parse(path.read_text(encoding="utf-8"))
+            words = {n.value for n in ast.walk(tree) if isinstance(n, ast.Constant) and isinstance(n.value, str)}
+            found += [f"{name(path)}: {word}" for word in sorted(words & own)]
+    assert found == []
 
 
 def test_one_file_alone_imports_rerun() -> None:

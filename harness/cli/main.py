@@ -1,5 +1,7 @@
 """The entry point: finds the commands, and turns every failure into one line and an exit code."""
 
+import io
+import logging
 import os
 import pkgutil
 import signal
@@ -16,7 +18,8 @@ import click
 
 import harness
 from harness.cli import commands
-from harness.core.errors import HarnessError
+from harness.core.errors import HarnessError, InputError
+from harness.core.visible import visible
 
 INTERRUPTED = 130
 
@@ -68,6 +71,10 @@ def main(args: Sequence[str] | None = None) -> NoReturn:
     0 done; 1 a check failed; 2 bad input or usage, with one line on standard error; 130 interrupted.
     """
     _fill_standard_descriptors()
+    for stream in (sys.stdout, sys.stderr):
+        if isinstance(stream, io.TextIOWrapper):  # a locale without the letter in question shows its number
+            stream.reconfigure(errors="backslashreplace")
+    logging.captureWarnings(True)  # what libraries warn of goes to the log, where one is kept
     with suppress(ValueError):  # only the main thread may set handlers
         signal.signal(signal.SIGTERM, _terminated)
     sys.exit(run(args))
@@ -85,8 +92,10 @@ def _fill_standard_descriptors() -> None:
 def run(args: Sequence[str] | None = None) -> int:
     """Run the command and return its exit code; nothing but SystemExit from Python itself passes through."""
     try:
+        line = list(sys.argv[1:] if args is None else args)
+        _check_names(line)
         # not cli.main, which prints an empty line of its own when it is interrupted
-        with cli.make_context("harness", list(sys.argv[1:] if args is None else args)) as ctx:
+        with cli.make_context("harness", line) as ctx:
             code = cli.invoke(ctx)
         if sys.stdout is not None:  # None when the process was started with it closed
             sys.stdout.flush()
@@ -97,6 +106,20 @@ def run(args: Sequence[str] | None = None) -> int:
     except (Exception, KeyboardInterrupt) as error:
         return _say(*_explained(error))
     return code if isinstance(code, int) else 0
+
+
+def _check_names(line: Sequence[str]) -> None:
+    """Refuse names of files that are no text: results are text, and hold them."""
+    here = ""
+    with suppress(OSError):  # a folder that was removed meanwhile
+        here = os.getcwd()
+    for name in (*line, here):
+        try:
+            name.encode()
+        except UnicodeEncodeError:
+            where = "the working folder" if name not in line else "argument"
+            found = f"bytes that are no text in {sys.getfilesystemencoding()}"
+            raise InputError(f"{where} {visible(name)}", found, "a name that is text is accepted") from None
 
 
 def _explained(error: BaseException) -> tuple[str, int]:
@@ -127,7 +150,7 @@ def _stream(error: OSError) -> int:
 
 def _say(text: str, code: int) -> int:
     with suppress(OSError):
-        click.echo("harness: " + " ".join(text.split()), err=True)
+        click.echo("harness: " + visible(" ".join(text.split())), err=True)
     return code
 
 

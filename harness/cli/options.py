@@ -40,7 +40,11 @@ def engine_options(function: F) -> F:
     """--engine, --preset, --dt."""
     return _apply(
         click.option(
-            "--engine", "engines", multiple=True, metavar="NAME", help="Engine; may repeat.  [mujoco and pybullet]"
+            "--engine",
+            "engines",
+            multiple=True,
+            metavar="NAME[@PYTHON]",
+            help="Engine; may repeat.  [mujoco, pybullet]",
         ),
         click.option("--preset", metavar="as-shipped|tuned", help="Settings of the engines.  [both]"),
         click.option("--dt", type=float, metavar="S", help="Step of the tuned preset, s.  [1e-3]"),

@@ -4,9 +4,12 @@ import math
 import shlex
 import sys
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
+
+import click
 
 from harness.core.errors import InputError
+from harness.core.visible import visible
 
 if TYPE_CHECKING:
     from rich.table import Table
@@ -21,7 +24,7 @@ def check_json(json_to: str | None) -> None:
     if json_to == STANDARD_OUTPUT and sys.stdout is None:
         raise InputError("--json -", "standard output is closed", "an open one, or a file, is accepted")
     if json_to is not None and json_to != STANDARD_OUTPUT:
-        from harness.app.deliver import check_target
+        from harness.app.shared.deliver import check_target
 
         check_target(Path(json_to))
 
@@ -30,7 +33,7 @@ def emit_json(result: "Result", json_to: str | None) -> None:
     """Write the result where --json says."""
     if json_to is None:
         return
-    from harness.app.deliver import to_json, write_json
+    from harness.app.shared.deliver import to_json, write_json
 
     if json_to == STANDARD_OUTPUT:
         sys.stdout.write(to_json(result))
@@ -45,13 +48,23 @@ def shows_tables(json_to: str | None, quiet: bool) -> bool:
 
 
 def show(table: "Table") -> None:
-    """Print a table, as wide as it needs to be when it goes to a file."""
+    """Print a table of plain text, as wide as it needs to be when it goes to a file."""
     from rich.console import Console
+    from rich.text import Text
 
-    console = Console(highlight=False)
-    if not console.is_terminal:
-        console = Console(highlight=False, width=160)
-    console.print(table)
+    class Plain(Console):
+        """Shows cells as they are: no markup in brackets, no names of emoji, nothing that a terminal would obey."""
+
+        def render_str(self, text: str, **style: Any) -> Text:
+            return super().render_str(visible(text), **style)
+
+    width = None if Console().is_terminal else 160
+    Plain(width=width, highlight=False, markup=False, emoji=False).print(table)
+
+
+def say(text: str) -> None:
+    """Print a line, or several, for people; nothing in it that a terminal would obey."""
+    click.echo(visible(text))
 
 
 def this_line() -> str:

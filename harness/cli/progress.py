@@ -6,7 +6,7 @@ import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
 
-from harness.app.progress import SILENT, Progress
+from harness.app.shared.progress import SILENT, Progress
 
 PATIENCE_S = 2.0
 

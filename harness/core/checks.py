@@ -12,6 +12,8 @@ def finite(where: str, value: float) -> float:
     """Return ``value`` as a float, or raise InputError when it is not a finite number."""
     try:
         number = float(value)
+    except OverflowError:
+        raise InputError(where, "a number of more than 308 digits", "a finite number is accepted") from None
     except (TypeError, ValueError):
         raise InputError(where, f"{value!r}", "a finite number is accepted") from None
     if not math.isfinite(number):

@@ -1,13 +1,18 @@
 """Errors for people: what was found, where, and what would be accepted."""
 
+from harness.core.visible import visible
+
+_LONGEST = 400
+"""Characters of what was found that a message repeats."""
+
 
 class HarnessError(Exception):
-    """Anything this program reports to a person. Its text is exactly one line."""
+    """Anything this program reports to a person. Its text is exactly one line that a terminal shows as it is."""
 
     exit_code = 1
 
     def __str__(self) -> str:
-        return " ".join(super().__str__().split())
+        return visible(" ".join(super().__str__().split()))
 
 
 class InputError(HarnessError):
@@ -23,6 +28,7 @@ class InputError(HarnessError):
     exit_code = 2
 
     def __init__(self, where: str, found: str, accepted: str) -> None:
+        found = found if len(found) <= _LONGEST else f"{found[:_LONGEST]}..."
         super().__init__(f"{where}: {found}; {accepted}")
         self.where, self.found, self.accepted = where, found, accepted
 

@@ -3,13 +3,22 @@
 Kernels are written as ordinary functions and compiled here, so that with NUMBA_DISABLE_JIT=1 coverage and mutation
 testing see the plain code. The cache lies in a folder of the user's, or in a temporary one where that cannot be
 written: a read-only home costs a compilation, not a failure.
+
+Numba's cache is code, and its index files are pickles: whoever can write to it can run a program as the user. A folder
+is used only if it is the user's own and nobody else can write to it.
 """
 
+import atexit
 import hashlib
 import os
+import shutil
+import stat
 import tempfile
 from collections.abc import Callable
+from contextlib import suppress
 from functools import cache
+from importlib.metadata import entry_points
+from importlib.util import find_spec
 from pathlib import Path
 from typing import Any, TypeVar, cast
 
@@ -18,9 +27,13 @@ from platformdirs import user_cache_path
 F = TypeVar("F", bound=Callable[..., Any])
 
 
-def _writable(folder: Path) -> bool:
+def _private(folder: Path) -> bool:
+    """Whether a folder, made if need be, is the user's own, closed to the writing of others, and can be written."""
     try:
-        folder.mkdir(parents=True, exist_ok=True)
+        folder.mkdir(mode=0o700, parents=True, exist_ok=True)
+        about = folder.lstat()
+        if not stat.S_ISDIR(about.st_mode) or about.st_uid != os.geteuid() or about.st_mode & 0o022:
+            return False
         with tempfile.TemporaryFile(dir=folder):
             return True
     except OSError:
@@ -28,15 +41,19 @@ def _writable(folder: Path) -> bool:
 
 
 def cache_folder() -> Path:
-    """The folder in which compiled kernels are kept; made if need be."""
+    """The folder in which compiled kernels are kept; made if need be.
+
+    NUMBA_CACHE_DIR, else one in the user's cache, else one in the temporary folder; the first that is private. Where
+    none is, one of this process alone, removed at its end.
+    """
     named = os.environ.get("NUMBA_CACHE_DIR")
-    if named and _writable(Path(named)):
-        return Path(named)
-    own = Path(tempfile.gettempdir()) / f"friction-harness-{os.getuid()}"
-    for folder in (user_cache_path("friction-harness") / "numba", own):
-        if _writable(folder):
+    own = Path(tempfile.gettempdir()) / f"friction-harness-{os.geteuid()}"
+    for folder in (*([Path(named)] if named else []), user_cache_path("friction-harness") / "kernels", own):
+        if _private(folder):
             return folder
-    return Path(tempfile.mkdtemp(prefix="friction-harness-"))
+    folder = Path(tempfile.mkdtemp(prefix="friction-harness-"))
+    atexit.register(shutil.rmtree, folder, ignore_errors=True)
+    return folder
 
 
 os.environ["NUMBA_CACHE_DIR"] = str(cache_folder())
@@ -53,6 +70,17 @@ _INLINED_FROM = {
 }
 
 
+def _registered() -> list[Path]:
+    """Modules of other packages whose laws the kernels call; what cannot be found is the registry's to report."""
+    found = []
+    for point in sorted(entry_points(group="harness.terms"), key=lambda p: p.name):
+        with suppress(ImportError):
+            spec = find_spec(point.module)
+            if spec is not None and spec.origin is not None:
+                found.append(Path(spec.origin))
+    return found
+
+
 @cache
 def _fingerprint(room: str) -> str:
     """Hash of every source a room's kernels are compiled from: Numba itself looks only at a function's own file."""
@@ -60,6 +88,8 @@ def _fingerprint(room: str) -> str:
     for folder in _INLINED_FROM.get(room, (room,)):
         for file in sorted((_PACKAGE / folder).rglob("*.py")):
             digest.update(file.name.encode() + file.read_bytes())
+    for file in _registered() if "model" in _INLINED_FROM.get(room, ()) else ():
+        digest.update(file.name.encode() + file.read_bytes())
     return digest.hexdigest()[:12]
 
 

@@ -13,6 +13,11 @@ from harness.core.errors import InputError
 
 CHANNELS = ("x", "v", "a", "u")
 MINIMUM_SAMPLES = 50
+LARGEST, SMALLEST = 1e20, 1e-20
+"""Of a channel's values and of its range, in SI units."""
+LONGEST_TIME, SHORTEST_INTERVAL = 9e9, 1e-15
+"""Of a time stamp and of the median interval, s. The viewer counts nanoseconds in 64 bits; and within these bounds the
+fourth power of a second difference over the square of an interval, 1e20 / 1e-30, stays a number of double precision."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -23,8 +28,8 @@ class Recording:
     file : where it came from. sha256 : of that file. units : the unit each channel was given in.
     angular : whether x or a was given as an angle. notes : what the reader did, one sentence each.
 
-    Raises InputError for fewer than 50 samples, a value not finite, time that does not increase, no channel,
-    or a channel that is constant.
+    Raises InputError for fewer than 50 samples, a value not finite or out of all proportion, time that does not
+    increase, no channel, or a channel that is constant.
     """
 
     t: FloatArray
@@ -40,7 +45,12 @@ class Recording:
         t = vector(f"{self.file}: column t", self.t)
         if t.size < MINIMUM_SAMPLES:
             raise InputError(self.file, f"{t.size} samples", f"at least {MINIMUM_SAMPLES} are accepted")
+        _within(f"{self.file}: column t", t, LONGEST_TIME)
         increasing(f"{self.file}: column t", t)
+        interval = float(np.median(np.diff(t)))
+        if interval < SHORTEST_INTERVAL:
+            accepted = f"{SHORTEST_INTERVAL:g} s or more is accepted"
+            raise InputError(f"{self.file}: column t", f"samples {interval:.3g} s apart", accepted)
         object.__setattr__(self, "t", t)
         unknown = [name for name in self.channels if name not in CHANNELS]
         if unknown or not any(name in self.channels for name in ("x", "v", "a")):
@@ -50,10 +60,13 @@ class Recording:
         for name in CHANNELS:
             if name in self.channels:
                 values = vector(f"{self.file}: column {name}", self.channels[name], t.size)
-                if name != "u" and float(np.ptp(values)) == 0.0:
-                    raise InputError(
-                        f"{self.file}: column {name}", f"the constant {values[0]:g}", "a channel that moves is accepted"
-                    )
+                where = f"{self.file}: column {name}"
+                _within(where, values, LARGEST)
+                spread = float(np.ptp(values))
+                if name != "u" and spread == 0.0:
+                    raise InputError(where, f"the constant {values[0]:g}", "a channel that moves is accepted")
+                if 0.0 < spread < SMALLEST:
+                    raise InputError(where, f"a range of {spread:.3g}", f"one of {SMALLEST:g} or more is accepted")
                 kept[name] = values
         object.__setattr__(self, "channels", MappingProxyType(kept))
         object.__setattr__(self, "units", MappingProxyType(dict(self.units)))
@@ -96,3 +109,10 @@ class Recording:
             self.notes,
             self.extra,
         )
+
+
+def _within(where: str, values: FloatArray, largest: float) -> None:
+    beyond = np.flatnonzero(np.abs(values) > largest)
+    if beyond.size:
+        row = int(beyond[0])
+        raise InputError(f"{where}, row {row + 1}", f"{values[row]:g}", f"at most {largest:g} in size is accepted")

@@ -59,6 +59,11 @@ class Scenario:
         finite("scenario: v0", self.v0)
         positive("scenario: duration", self.duration, "s")
 
+    @property
+    def omega(self) -> float:
+        """Of its swing, rad/s."""
+        return self.slider.omega_n
+
 
 FREE_DECAY = Scenario("free-decay", PAPER)
 """The paper's numerical example, long enough to watch it rest."""

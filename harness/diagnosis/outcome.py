@@ -2,17 +2,19 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from enum import StrEnum
 from typing import Literal, TypeAlias
 
 from harness.core.quantity import Quantity
-from harness.diagnosis.fit import Fit
+from harness.diagnosis.fit.least_squares import Fit
+from harness.diagnosis.integrator_maps.maps import Stepping
 from harness.diagnosis.problem import Problem
-from harness.diagnosis.steps import Stepping
+from harness.diagnosis.rules import Rule
 from harness.kernels.solve import Scales
 from harness.model.model import ModelTerm
+from harness.model.place import Place, Spans
 
-Verdict: TypeAlias = Literal["adequate", "missing_physics", "unexplained"]
-Spans: TypeAlias = tuple[tuple[float, float], ...]
+Verdict: TypeAlias = Literal["adequate", "missing_physics", "main_effect", "one_of", "unexplained"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -23,25 +25,64 @@ class Alternative:
     delta_bic: float
 
 
+class Grade(StrEnum):
+    """How much of what is missing a term is."""
+
+    EXPLAINS = "explains"
+    MAIN = "main"
+    ONE_OF = "one-of"
+    MINOR = "minor"
+    TABULATED = "tabulated"
+
+
+@dataclass(frozen=True, slots=True)
+class Prediction:
+    """What took no part in a fit, predicted by the base and by the model with a term: rmse by channel, in its unit.
+
+    spans : s. ratios : of the squares, after over before, span by span.
+    """
+
+    spans: Spans
+    baseline_rmse: Mapping[str, float]
+    refined_rmse: Mapping[str, float]
+    ratios: tuple[float, ...] = ()
+
+
 @dataclass(frozen=True, slots=True)
 class Mechanism:
     """One piece of physics that was left out.
 
     entry : the term with its fitted values. statement : one plain sentence with numbers. parameters : with standard
-    errors. delta_bic : what BIC loses without it. spans : times (s) in which it acts.
+    errors. delta_bic : by which the base is worse than it alone, and in a pair than the pair without it. place : where
+    it acts. grade : how much of what is missing it is. share : of the misfit beyond noise that it takes
+    off alone. held_out : blocks of cycles left out of the fit; forward : a free run of the last part from a fit of the
+    first.
     """
 
     entry: ModelTerm
     statement: str
     parameters: Mapping[str, Quantity]
     delta_bic: float
-    spans: Spans
+    place: Place
     alternatives: tuple[Alternative, ...] = ()
+    grade: Grade = Grade.EXPLAINS
+    share: float | None = None
+    held_out: Prediction | None = None
+    forward: Prediction | None = None
 
     @property
     def name(self) -> str:
         """Catalogue name."""
         return self.entry.term.name
+
+
+@dataclass(frozen=True, slots=True)
+class Tried:
+    """A catalogue name alone. delta_bic : by which it beats the base; share : of the misfit beyond noise, if graded."""
+
+    name: str
+    delta_bic: float
+    share: float | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -67,12 +108,27 @@ class Holdout:
 
 
 @dataclass(frozen=True, slots=True)
+class Remainder:
+    """What the best model found leaves.
+
+    share : of the base's misfit beyond noise. over_noise : its rms in units of the sensors'. looks_like : one sentence.
+    depends_on : by "x", "v", "t", "direction", "amplitude", the share of it that is a function of that alone.
+    """
+
+    share: float
+    over_noise: float
+    looks_like: str
+    depends_on: Mapping[str, float]
+
+
+@dataclass(frozen=True, slots=True)
 class Outcome:
     """A diagnosis of one recording.
 
     problem : with the noise that the verdict rests on. base : fit of viscous and Coulomb friction. refined : fit of the
-    model that was chosen (the base when nothing is missing). evidence : delta BIC of every catalogue name that was
-    tried alone, best first. mechanisms : strongest first. stepping : of the engine whose trace the recording is.
+    best model found (the base when nothing is missing or nothing helps). evidence : every catalogue name that was
+    tried alone, best first. mechanisms : strongest first. stepping : of the engine whose trace it is.
+    rules : those that decided. remainder : where no model explains the recording to its noise.
     """
 
     problem: Problem
@@ -82,9 +138,11 @@ class Outcome:
     verdict: Verdict
     mechanisms: tuple[Mechanism, ...]
     holdout: Holdout
-    evidence: tuple[tuple[str, float], ...]
+    evidence: tuple[Tried, ...]
     base_parameters: Mapping[str, Quantity] = field(default_factory=dict)
     refined_parameters: Mapping[str, Quantity] = field(default_factory=dict)
     next_experiment: str = ""
     warnings: tuple[str, ...] = ()
     stepping: Stepping | None = None
+    rules: tuple[Rule, ...] = ()
+    remainder: Remainder | None = None

@@ -7,7 +7,7 @@ from types import MappingProxyType
 import numpy as np
 
 from harness.core.arrays import BoolArray, FloatArray
-from harness.diagnosis.driven.forcenoise import ForceNoise
+from harness.diagnosis.input_noise.force_noise import ForceNoise
 from harness.estimate.noise import Noise
 from harness.kernels.solve import Drive
 from harness.model.model import Model, Restoring

@@ -11,7 +11,7 @@ from harness.core.checks import positive
 from harness.core.errors import InputError, SimulationError
 from harness.core.scenario import Scenario
 from harness.core.trajectory import Trajectory
-from harness.engines.joint_words import JointWords
+from harness.engines.joint_words import JointWords, Kinds
 from harness.engines.law import Drive, ForceLaw
 
 Route: TypeAlias = Literal["joint", "contact", "law"]
@@ -46,7 +46,7 @@ class Task:
     settings : overrides of the preset; ``Engine.presets`` lists the names there are.
     law, drive : further forces; a drive adds to the action.
     restoring : "spring" (k x), "pendulum" (k sin x) or "none" (k is not used).
-    words : what the joint itself is given besides, for engines with native terms.
+    words : what the joint itself is given besides, for engines with native words.
 
     Raises InputError for a route, preset or restoring force that does not exist and for dt not above 0.
     """
@@ -78,16 +78,23 @@ class Engine(ABC):
     """A physics engine. Implementations are final, have no state of their own and are cheap to make.
 
     name : as in the entry point. routes : those the engine has; the others are refused with a SimulationError.
-    native_terms : catalogue names that its joint has words for.
+    native : kinds of elements that its joint has words for; a term made of those needs no law. place : name of the
+    environment it runs in, empty for that of this process.
     """
 
     name: ClassVar[str]
     routes: ClassVar[tuple[Route, ...]] = ROUTES
-    native_terms: ClassVar[frozenset[str]] = frozenset()
+    native: ClassVar[Kinds] = frozenset()
+    place: ClassVar[str] = ""
 
     @abstractmethod
     def version(self) -> str:
         """Version of the engine's package."""
+
+    @property
+    def label(self) -> str:
+        """Name, version, and place where that is not this process's: what tells two of one engine apart."""
+        return f"{self.name}@{self.version()}" + (f"({self.place})" if self.place else "")
 
     @abstractmethod
     def presets(self, route: Route, preset: Preset, dt: float | None = None) -> dict[str, Any]:
@@ -115,7 +122,7 @@ def resolve(engine: Engine, task: Task) -> dict[str, Any]:
     """
     if task.route not in engine.routes:
         raise SimulationError(f"{engine.name}: no {task.route} route; there is {', '.join(engine.routes)}")
-    if task.words is not None and (not engine.native_terms or task.route != "joint"):
+    if task.words is not None and (not engine.native or task.route != "joint"):
         raise SimulationError(f"{engine.name}: its joint has no words for polynomials on the {task.route} route")
     settings = engine.presets(task.route, task.preset, task.dt)
     for name, value in task.settings.items():

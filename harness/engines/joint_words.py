@@ -1,71 +1,64 @@
-"""Terms that a joint of MuJoCo has words for: polynomials of stiffness and damping, and springs with a dead zone.
+"""Elements of terms as words of one joint: polynomials of stiffness and damping, and springs with a dead zone.
 
 Measured in MuJoCo 4.0: stiffness "a b c" is a x + b x^2 + c x^3, damping "a b c" is a v + b v|v| + c v^3, and a fixed
 tendon with springlength "low high" pulls back beyond either of the two.
 """
 
 from collections.abc import Iterable
-from dataclasses import dataclass
-from typing import Final
+from dataclasses import dataclass, replace
+from typing import Final, TypeAlias
 
 import numpy as np
 
 from harness.core.arrays import FloatArray
+from harness.model.elements import Element, Polynomial, Zone
 from harness.model.model import ModelTerm
 
 FAR: Final = 1e6
 """m; a spring length that is never reached."""
 
-NAMES: Final = frozenset({"quadratic-stiffness", "cubic-stiffness", "quadratic-drag", "end-stop", "backlash"})
-"""Catalogue names with words."""
-
-
-@dataclass(frozen=True, slots=True)
-class Zone:
-    """A spring of this stiffness (N/m) that acts below ``low`` and above ``high`` (m)."""
-
-    name: str
-    stiffness: float
-    low: float
-    high: float
+Kinds: TypeAlias = frozenset[type[Element]]
+JOINT: Final[Kinds] = frozenset({Polynomial, Zone})
+"""Elements with words."""
 
 
 @dataclass(frozen=True, slots=True)
 class JointWords:
-    """What a joint is given beside the spring and the damper it has: coefficients in SI units, and zones."""
+    """What a joint is given beside the spring and the damper it has: coefficients in SI units, and zones by name."""
 
     stiffness: tuple[float, float, float] = (0.0, 0.0, 0.0)
     damping: tuple[float, float, float] = (0.0, 0.0, 0.0)
-    zones: tuple[Zone, ...] = ()
+    zones: tuple[tuple[str, Zone], ...] = ()
 
     def force(self, x: FloatArray, v: FloatArray) -> FloatArray:
         """Force on the left-hand side, N; x in m, v in m/s."""
         a, b, c = self.stiffness
         d, e, f = self.damping
         total: FloatArray = x * (a + x * (b + x * c)) + v * (d + np.abs(v) * e + v * v * f)
-        for zone in self.zones:
+        for _, zone in self.zones:
             total = total + zone.stiffness * (x - np.clip(x, zone.low, zone.high))
         return total
 
 
+def elements(entry: ModelTerm, k: float, kinds: Kinds) -> tuple[Element, ...]:
+    """The elements that say all of a term, empty where it has none or one is not among ``kinds``; k in N/m."""
+    said = () if entry.term.elements is None else entry.term.elements(entry.values, k)
+    return said if all(type(element) in kinds for element in said) else ()
+
+
 def words_of(terms: Iterable[ModelTerm], k: float) -> JointWords:
-    """Words for terms of NAMES; k in N/m is the spring's, which a backlash takes over."""
+    """Words for terms that are made of what JOINT lists; k in N/m is the spring's. Raises ValueError for others."""
     stiffness, damping, zones = [0.0, 0.0, 0.0], [0.0, 0.0, 0.0], []
     for i, entry in enumerate(terms):
-        match entry.term.name:
-            case "quadratic-stiffness":
-                stiffness[1] += entry.value("k2")
-            case "cubic-stiffness":
-                stiffness[2] += entry.value("k3")
-            case "quadratic-drag":
-                damping[1] += entry.value("c2")
-            case "end-stop":
-                gap, side = entry.value("gap"), entry.term.variant
-                low, high = -FAR if side == "positive" else -gap, FAR if side == "negative" else gap
-                zones.append(Zone(f"end_stop_{i}", entry.value("k_stop"), low, high))
-            case "backlash":
-                stiffness[0] -= k
-                zones.append(Zone(f"backlash_{i}", k, -entry.value("gap"), entry.value("gap")))
-            case name:
-                raise ValueError(f"{name} has no words of a joint")
+        said = elements(entry, k, JOINT)
+        if not said:
+            raise ValueError(f"{entry.term.name} has no words of a joint")
+        for element in said:
+            match element:
+                case Polynomial():
+                    stiffness = [sum(pair) for pair in zip(stiffness, element.stiffness, strict=True)]
+                    damping = [sum(pair) for pair in zip(damping, element.damping, strict=True)]
+                case Zone():
+                    within = replace(element, low=max(element.low, -FAR), high=min(element.high, FAR))
+                    zones.append((f"{entry.term.name.replace('-', '_')}_{i}", within))
     return JointWords((stiffness[0], stiffness[1], stiffness[2]), (damping[0], damping[1], damping[2]), tuple(zones))

@@ -1,11 +1,11 @@
 """A model of the five slots as MJCF and URDF: what those formats have words for, and a list of what they have not.
 
-MJCF has words for what harness.engines.joint_words lists, and gravity along the axis stands for a constant force.
+MJCF has words for what harness.engines.joint_words lists, and gravity along the axis stands for a push.
 URDF has mass, linear damping and a friction it is vague about.
 """
 
 from pathlib import Path
-from typing import Any, Final
+from typing import Any
 
 from lxml import etree
 
@@ -13,11 +13,12 @@ from harness.core.errors import StoreError
 from harness.core.slider import Slider
 from harness.engines import models
 from harness.engines.base import choice
-from harness.engines.joint_words import NAMES, JointWords, words_of
+from harness.engines.joint_words import JOINT, JointWords, Kinds, elements, words_of
+from harness.model.elements import Push
 from harness.model.model import Model
 from harness.model.term import Slot
 
-_PUSH: Final = "constant-force"
+_PUSH: Kinds = frozenset({Push})
 
 
 def _put_words(tree: Any, words: JointWords) -> None:
@@ -27,8 +28,8 @@ def _put_words(tree: Any, words: JointWords) -> None:
         own = [float(number) for number in joint.get(attribute, "0").split()]
         total = [left + right for left, right in zip([*own, 0.0, 0.0][:3], more, strict=True)]
         joint.set(attribute, " ".join(map(repr, total)))
-    for zone in words.zones:
-        fixed = etree.SubElement(tree.find("tendon"), "fixed", name=zone.name, stiffness=repr(zone.stiffness))
+    for name, zone in words.zones:
+        fixed = etree.SubElement(tree.find("tendon"), "fixed", name=name, stiffness=repr(zone.stiffness))
         fixed.set("springlength", f"{zone.low!r} {zone.high!r}")
         etree.SubElement(fixed, "joint", joint="slide", coef="1")
 
@@ -44,12 +45,12 @@ def _put_gravity(tree: Any, acceleration: float) -> None:
 def mjcf(model: Model) -> bytes:
     """The model as MJCF with every digit."""
     tree = etree.fromstring(models.exact_mjcf(_slider(model), "slider", model.restoring.value))
-    _put_words(tree, words_of((entry for entry in model.terms if entry.term.name in NAMES), model.k))
-    push = sum(entry.value("force") for entry in model.terms if entry.term.name == _PUSH)
+    _put_words(tree, words_of((entry for entry in model.terms if elements(entry, model.k, JOINT)), model.k))
+    pushes = [e for entry in model.terms for e in elements(entry, model.k, _PUSH) if isinstance(e, Push)]
+    push = sum(element.force for element in pushes)
     if push != 0.0:
         _put_gravity(tree, push / model.m)
-    friction = model.find("presliding") or model.find("regularised-friction")
-    if friction is not None:
+    if model.in_slot(Slot.FRICTION_LAW):
         tree.find(".//joint[@name='slide']").set("frictionloss", "0")
     text: bytes = etree.tostring(tree, xml_declaration=True, encoding="utf-8")
     return text
@@ -75,7 +76,7 @@ def cannot_say(model: Model, suffix: str) -> tuple[str, ...]:
     missing = list(models.cannot_say(_slider(model), "slider", suffix, model.restoring.value))
     missing.append(f"{suffix}: no release (x0 = {model.x0:g} m, v0 = {model.v0:g} m/s)")
     for entry in model.terms:
-        if suffix == "xml" and entry.term.name in (*NAMES, _PUSH):
+        if suffix == "xml" and (elements(entry, model.k, JOINT) or elements(entry, model.k, _PUSH)):
             continue
         values = ", ".join(f"{name} = {value:g}" for name, value in zip(entry.term.names, entry.values, strict=True))
         what = "no sensor that shows" if entry.term.slot is Slot.OBSERVATION else "no"

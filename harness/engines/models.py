@@ -1,7 +1,5 @@
 """The models of models/: where they are, and how a Slider's numbers get into them."""
 
-import os
-import tempfile
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -9,6 +7,7 @@ from lxml import etree
 
 from harness.core.errors import StoreError
 from harness.core.slider import Slider
+from harness.core.writing import replacing
 from harness.engines.base import Restoring, choice
 
 if TYPE_CHECKING:
@@ -51,8 +50,10 @@ def mjcf(slider: Slider, name: str = "slider", restoring: Restoring = "spring") 
 
     spec = mujoco.MjSpec.from_file(str(path(name, "xml")))
     slide = spec.joint("slide")
-    slide.stiffness = [slider.k if restoring == "spring" else 0.0, 0.0, 0.0]
-    slide.damping = [slider.c, 0.0, 0.0]
+    stiffness, damping = slider.k if restoring == "spring" else 0.0, slider.c
+    words = polynomial(slide)
+    slide.stiffness = [stiffness, 0.0, 0.0] if words else stiffness
+    slide.damping = [damping, 0.0, 0.0] if words else damping
     box = spec.geom("box")
     box.mass = slider.m
     if name == "slider":
@@ -61,6 +62,11 @@ def mjcf(slider: Slider, name: str = "slider", restoring: Restoring = "spring") 
         # MuJoCo takes the larger of the two coefficients
         box.friction[0] = spec.geom("floor").friction[0] = coefficient(slider)
     return spec
+
+
+def polynomial(joint: Any) -> bool:
+    """Whether this MuJoCo takes a joint's stiffness and damping as polynomials; older ones take one number each."""
+    return not isinstance(joint.stiffness, float)
 
 
 def urdf(slider: Slider, name: str = "slider") -> Any:
@@ -131,13 +137,6 @@ def cannot_say(slider: Slider, name: str, suffix: str, restoring: Restoring = "s
 
 def write(file: Path, text: bytes) -> Path:
     """Write a file whole or not at all."""
-    handle, beside = tempfile.mkstemp(dir=file.parent, prefix=f".{file.name}-")
-    try:
-        with os.fdopen(handle, "wb") as stream:
-            stream.write(text)
-        Path(beside).chmod(0o644)
-        Path(beside).replace(file)
-    except BaseException:
-        Path(beside).unlink(missing_ok=True)
-        raise
+    with replacing(file) as part:
+        part.write_bytes(text)
     return file

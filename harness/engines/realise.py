@@ -17,14 +17,17 @@ from harness.core.jit import compiled
 from harness.core.scenario import Scenario
 from harness.core.slider import Slider
 from harness.engines.base import Preset, Route, Settings, Task
-from harness.engines.joint_words import words_of
+from harness.engines.joint_words import Kinds, elements, words_of
 from harness.engines.law import Drive, ForceLaw
-from harness.kernels.dispatch import internal, modulation, smooth
+from harness.kernels.dispatch import bristle_law, internal, modulation, smooth, smoothed_law, speed_level
 from harness.kernels.layout import (
     BRISTLE,
     COULOMB,
     FRICTION,
     FRICTION_AT,
+    FRICTION_LAW,
+    LEVEL,
+    LEVEL_AT,
     LISTS,
     N_INTERNAL,
     N_MODULATION,
@@ -33,10 +36,10 @@ from harness.kernels.layout import (
     REGULARISED,
     RESTORING,
     SPRING,
-    STRIBECK_AT,
+    Layout,
     lay_out,
 )
-from harness.model.law import COLUMNS, INTERNAL_COLUMNS, KINETIC, MASS, STIFFNESS, VALUE, VISCOUS
+from harness.model.law import COLUMNS, D_FREE, D_INTERNAL, INTERNAL_COLUMNS, KINETIC, MASS, STIFFNESS, VALUE, VISCOUS
 from harness.model.model import Model
 from harness.model.term import Slot
 
@@ -48,12 +51,11 @@ STATE: Final = 3
 def _level(t: float, x: float, v: float, state: FloatArray, params: FloatArray) -> float:
     """Level of dry friction, N: curve times modulations, never below 0."""
     theta = params[SPEC + int(params[0]) :]
-    level = theta[KINETIC]
-    s = int(params[SPEC + STRIBECK_AT])
-    if s >= 0:
-        level += (theta[s] - level) * math.exp(-((v / theta[s + 1]) ** 2))
+    level, row = theta[KINETIC], np.zeros(COLUMNS)
+    if int(params[SPEC + LEVEL_AT]) >= 0:
+        speed_level(int(params[SPEC + LEVEL]), v, theta, int(params[SPEC + LEVEL_AT]), row)
+        level = row[VALUE]
     at = SPEC + LISTS
-    row = np.zeros(COLUMNS)
     for _ in range(int(params[SPEC + N_MODULATION])):
         row[VALUE] = 0.0
         modulation(int(params[at]), x, v, t + params[1], theta, int(params[at + 1]), row)
@@ -67,12 +69,15 @@ def _level(t: float, x: float, v: float, state: FloatArray, params: FloatArray) 
 level = compiled(_level)
 
 
-def _bristle(z: float, dx: float, sigma0: float, friction: float) -> float:
-    """Bristle after a displacement dx: the closed form of dz = dx - sigma0 |dx| z/friction."""
-    if dx == 0.0 or friction <= 0.0:
+def _bristle(z: float, dx: float, h: float, friction: float, params: FloatArray, rows: FloatArray) -> float:
+    """Bristle after a displacement dx in the time h; its rate is linear in z, so that there is a closed form."""
+    if dx == 0.0 or h <= 0.0 or friction <= 0.0:
         return z
-    end = math.copysign(friction / sigma0, dx)
-    return end + (z - end) * math.exp(-sigma0 * abs(dx) / friction)
+    theta = params[SPEC + int(params[0]) :]
+    number, o = int(params[SPEC + FRICTION_LAW]), int(params[SPEC + FRICTION_AT])
+    bristle_law(number, dx / h, 1 if dx > 0.0 else -1, z, friction, theta, o, rows)
+    rate, slope = float(rows[1, VALUE]), float(rows[1, D_INTERNAL])
+    return z + rate * (math.expm1(slope * h) / slope if slope != 0.0 else h)
 
 
 bristle = compiled(_bristle)
@@ -119,8 +124,8 @@ def _advance(t: float, x: float, v: float, dt: float, state: FloatArray, params:
     theta = params[SPEC + int(params[0]) :]
     before, now = (state[0], state[1], state[2]), (t, x, v)
     if int(params[SPEC + FRICTION]) == BRISTLE:
-        sigma0 = theta[int(params[SPEC + FRICTION_AT])]
-        state[STATE] = bristle(state[STATE], x - state[1], sigma0, level(t, x, v, state, params))
+        rows = np.zeros((3, INTERNAL_COLUMNS))
+        state[STATE] = bristle(state[STATE], x - state[1], t - state[0], level(t, x, v, state, params), params, rows)
     at = SPEC + LISTS + 3 * int(params[SPEC + N_MODULATION]) + 3 * int(params[SPEC + N_SMOOTH])
     for _ in range(int(params[SPEC + N_INTERNAL])):
         i, two = int(params[at + 3]) + STATE - 2, int(params[at + 4]) > 1
@@ -167,23 +172,32 @@ def _force(t: float, x: float, v: float, state: FloatArray, params: FloatArray) 
     theta = params[SPEC + int(params[0]) :]
     total = smooth_and_internal(t, x, v, state, params)
     kind, o = int(params[SPEC + FRICTION]), int(params[SPEC + FRICTION_AT])
-    if kind == BRISTLE:
-        sigma0, sigma1, f_k = theta[o], theta[o + 1], level(t, x, v, state, params)
-        z = bristle(state[STATE], x - state[1], sigma0, f_k)
-        slip = sigma0 * abs(v) * z / f_k if f_k > 0.0 else 0.0
-        total -= sigma0 * z + sigma1 * (v - slip)
+    number, f_k = int(params[SPEC + FRICTION_LAW]), level(t, x, v, state, params)
+    if kind == BRISTLE and f_k > 0.0:
+        rows = np.zeros((3, INTERNAL_COLUMNS))
+        z = bristle(state[STATE], x - state[1], t - state[0], f_k, params, rows)
+        bristle_law(number, v, 1 if v >= 0.0 else -1, z, f_k, theta, o, rows)
+        total -= rows[0, VALUE]
     elif kind == REGULARISED:
         others = total - theta[VISCOUS] * v
         if int(params[SPEC + RESTORING]) == SPRING:
             others -= theta[STIFFNESS] * x
         elif int(params[SPEC + RESTORING]) == PENDULUM:
             others -= theta[STIFFNESS] * math.sin(x)
-        ratio = (v + theta[o + 1] * others / theta[MASS]) / theta[o]
-        total -= level(t, x, v, state, params) * min(max(ratio, -1.0), 1.0)
+        row = np.zeros(COLUMNS)
+        smoothed_law(number, v, others / theta[MASS], f_k, theta, o, row)
+        total -= row[VALUE]
     return total
 
 
 force = compiled(_force)
+
+
+def _looks_ahead(laid: Layout) -> bool:
+    """Whether friction without a state hangs on the acceleration that other forces give."""
+    row = np.zeros(COLUMNS)
+    smoothed_law(int(laid.spec[FRICTION_LAW]), 0.0, 0.0, 1.0, laid.theta, int(laid.spec[FRICTION_AT]), row)
+    return bool(row[D_FREE] != 0.0)
 
 
 def task_of(
@@ -195,24 +209,25 @@ def task_of(
     preset: Preset = "tuned",
     settings: Settings | None = None,
     drive: Drive | None = None,
-    native: frozenset[str] = frozenset(),
+    native: Kinds = frozenset(),
 ) -> Task:
     """A Task that simulates ``model`` from its release on for ``duration`` s with step ``dt`` s.
 
-    Time 0 of the run is the release, model.t0; ``drive`` is given in time of the run. native : catalogue names that the
-    engine's joint has words for, which become those and not a law. Raises SimulationError for what
+    Time 0 of the run is the release, model.t0; ``drive`` is given in time of the run. native : kinds of elements that
+    the engine's joint has words for; a term made of those becomes words and not a law. Raises SimulationError for what
     no engine can be told: friction with a lead under a driving force, and on the contact route friction without stick.
     """
-    spoken = [entry for entry in model.terms if entry.term.name in native]
+    spoken = [entry for entry in model.terms if elements(entry, model.k, native)]
     words = words_of(spoken, model.k) if spoken else None
     model = replace(model, terms=tuple(entry for entry in model.terms if entry not in spoken))
     laid = lay_out(model, max(abs(model.v0), abs(model.x0) * math.sqrt(max(model.k, 1e-300) / model.m), 1e-9))
     kind = int(laid.spec[FRICTION])
     if kind != COULOMB and route != "joint":
         raise SimulationError(f"a model with friction without stick has no {route} route; there is joint")
-    leads = kind == REGULARISED and laid.theta[laid.spec[FRICTION_AT] + 1] != 0.0
-    if leads and (drive is not None or model.in_slot(Slot.EVENT)):
-        raise SimulationError("regularised-friction: with a lead and a driving force there is no law to call")
+    forced = drive is not None or bool(model.in_slot(Slot.EVENT))
+    if kind == REGULARISED and forced and _looks_ahead(laid):
+        name = model.in_slot(Slot.FRICTION_LAW)[0].term.key
+        raise SimulationError(f"{name}: with a lead and a driving force there is no law to call")
     static = model.in_slot(Slot.BREAK_AWAY)
     f_s = static[0].values[0] if static else model.f_s
     f_k = model.f_k if kind == COULOMB else 0.0
@@ -220,7 +235,7 @@ def task_of(
     f_s = None if kind != COULOMB or model.in_slot(Slot.FRICTION_LEVEL) else f_s
     slider = Slider(model.m, model.c, model.k if model.restoring != "none" else 1.0, f_k, f_s)
     for knock in model.in_slot(Slot.EVENT):
-        drive = (drive or Drive.none()).with_knock(knock.value("time") - model.t0, knock.value("impulse"), dt)
+        drive = (drive or Drive.none()).with_knock(knock.values[0] - model.t0, knock.values[1], dt)
     has_level = bool(model.in_slot(Slot.FRICTION_LEVEL, Slot.FRICTION_MODULATION)) and kind == COULOMB
     has_force = kind != COULOMB or bool(model.in_slot(Slot.SMOOTH, Slot.INTERNAL))
     moves = kind == BRISTLE or bool(model.in_slot(Slot.INTERNAL))

@@ -1,9 +1,13 @@
-"""Engines by name, found through the entry points of group harness.engines; a third party adds one the same way."""
+"""Engines by name, found through the entry points of group harness.engines; a third party adds one the same way.
+
+NAME@PYTHON is the engine NAME in another interpreter: another version of it, or one whose packages clash with ours.
+"""
 
 from importlib.metadata import EntryPoint, entry_points
 
 from harness.core.errors import InputError, SimulationError
 from harness.engines.base import Engine
+from harness.engines.elsewhere.remote import engine_in
 
 GROUP = "harness.engines"
 
@@ -17,24 +21,31 @@ def names() -> tuple[str, ...]:
     return tuple(sorted(_found()))
 
 
-def load(name: str) -> Engine:
-    """The engine of this name.
+def check(name: str, where: str = "engine") -> None:
+    """Raise InputError, about ``where``, for a name that is not registered; what follows an @ is not looked at."""
+    found = names()
+    if name.partition("@")[0] not in found:
+        accepted = f"one of {', '.join(found)} is accepted" if found else "none is registered: install the package"
+        raise InputError(where, repr(name), accepted)
 
-    Raises InputError listing the names there are for an unknown one, SimulationError with the reason when the package
-    that an engine needs is not installed or cannot be loaded.
+
+def load(name: str) -> Engine:
+    """The engine of this name, or NAME@PYTHON.
+
+    Raises InputError listing the names there are for an unknown one and for an interpreter that is none,
+    SimulationError with the reason when the package that an engine needs is not installed or cannot be loaded.
     """
-    found = _found()
-    if name not in found:
-        accepted = (
-            f"one of {', '.join(sorted(found))} is accepted" if found else "none is registered: install the package"
-        )
-        raise InputError("engine", repr(name), accepted)
+    check(name)
+    bare, _, python = name.partition("@")
+    point = _found()[bare]
     try:
-        engine = found[name].load()()
+        engine = engine_in(python, point.value) if python else point.load()()
     except ImportError as error:
         raise SimulationError(f"engine {name}: not installed ({error})") from error
+    except SimulationError as error:
+        raise SimulationError(f"engine {name}: {error}") from error
     if not isinstance(engine, Engine):
-        raise SimulationError(f"engine {name}: {found[name].value} is not a harness.engines.base.Engine")
+        raise SimulationError(f"engine {name}: {point.value} is not a harness.engines.base.Engine")
     return engine
 
 

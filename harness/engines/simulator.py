@@ -6,11 +6,12 @@ from typing import final
 from harness.core.trajectory import Trajectory
 from harness.engines import registry
 from harness.engines.base import Engine, Preset, Settings
+from harness.engines.joint_words import Kinds, elements
 from harness.engines.law import Drive
 from harness.engines.realise import task_of
 from harness.kernels.conditions import Drive as Measured
-from harness.model.model import Model
-from harness.model.term import Slot, Term
+from harness.model.model import Model, ModelTerm
+from harness.model.term import Slot
 
 
 @final
@@ -33,7 +34,7 @@ class EngineSimulator:
         return self.engine.name
 
     def __call__(self, model: Model, duration: float, dt: float | None, drive: Measured | None) -> Trajectory:
-        """See harness.diagnosis.engines.Simulator; dt None is the preset's own step.
+        """See harness.diagnosis.explain.engines.Simulator; dt None is the preset's own step.
 
         source.settings["terms"] says how each term was realised.
         """
@@ -42,28 +43,28 @@ class EngineSimulator:
         native = self._native(model)
         task = task_of(model, duration, step, preset=self.preset, settings=self.settings, drive=force, native=native)
         motion = self.engine.simulate(task)
-        terms = {entry.term.key: _how(entry.term, native) for entry in model.terms}
+        terms = {entry.term.key: _how(entry, model.k, native) for entry in model.terms}
         if not terms:
             return motion
         source = replace(motion.source, settings={**motion.source.settings, "terms": terms})
         return replace(motion, source=source)
 
-    def _native(self, model: Model) -> frozenset[str]:
-        """Names of terms that are left to the engine's joint.
+    def _native(self, model: Model) -> Kinds:
+        """Kinds of elements that are left to the engine's joint.
 
-        A friction with a lead looks at every other force, so that they all must be laws; a step that is implicit in
-        position gives back accelerations that only a linear spring can be taken out of.
+        A friction without a state may look at every other force, so that they all must be laws; a step that is implicit
+        in position gives back accelerations that only a linear spring can be taken out of.
         """
-        regularised = model.find("regularised-friction") is not None
+        smoothed = any(not law.term.internal for law in model.in_slot(Slot.FRICTION_LAW))
         implicit = self.settings.get("integrator") == "discrete"
-        return frozenset() if regularised or implicit else self.engine.native_terms
+        return frozenset() if smoothed or implicit else self.engine.native
 
 
-def _how(term: Term, native: frozenset[str]) -> str:
+def _how(entry: ModelTerm, k: float, native: Kinds) -> str:
     """How an engine was told of a term."""
-    if term.name in native:
+    if elements(entry, k, native):
         return "attribute of the joint"
-    match term.slot:
+    match entry.term.slot:
         case Slot.OBSERVATION:
             return "none: what a sensor makes of the motion"
         case Slot.EVENT:

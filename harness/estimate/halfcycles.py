@@ -13,6 +13,8 @@ import numpy as np
 from harness.core.arrays import BoolArray, FloatArray, IntArray
 from harness.estimate.projection import compiled_project
 from harness.estimate.reversals import HalfCycles, Kind
+from harness.fit.covariance import inverse_of
+from harness.fit.least_squares import Bounds, Until, least_squares
 
 
 @dataclass(frozen=True, slots=True)
@@ -95,6 +97,19 @@ class SeparateFit:
         return np.asarray(self.inverse[:, 0, 0] > 0.0, dtype=np.bool_)
 
 
+@dataclass(frozen=True, slots=True)
+class _Point:
+    """Sum of squares at one sigma and omega, and their normal equations with every amplitude eliminated."""
+
+    squares: float
+    information: FloatArray
+    gradient: FloatArray
+
+    def normal_equations(self) -> tuple[FloatArray, FloatArray]:
+        """Of sigma and omega."""
+        return self.information, self.gradient
+
+
 def fit_separately(
     t: FloatArray,
     y: FloatArray,
@@ -106,7 +121,7 @@ def fit_separately(
 ) -> SeparateFit:
     """Least squares over all half-cycles between ``edges`` (K+1,), leaving out ``guard`` s beside each.
 
-    start : first guess of sigma and omega in rad/s. Levenberg-Marquardt on these two, everything else in closed form.
+    start : first guess of sigma and omega in rad/s, which alone are searched for; all else has a closed form.
     fixed : sigma and omega are known already.
     """
     windows = Windows.of(t, edges, guard)
@@ -119,34 +134,16 @@ def fit_separately(
             t, y, windows.start, windows.lo, windows.hi, sigma, omega, size, c, inverse, slope, information, gradient
         )
 
-    (sigma, omega), damping = start, 1e-4
-    exact = 1e-28 * float(y @ y)
-    squares = evaluate(sigma, omega)
-    for _ in range(0 if fixed else 40):
-        normal, pull = information.copy(), gradient.copy()
-        accepted = False
-        for _ in range(12):
-            try:
-                step = np.linalg.solve(normal + damping * np.diag(np.diag(normal)), pull)
-            except np.linalg.LinAlgError:
-                break
-            if float(pull @ step) <= 1e-10 * squares + exact:
-                break
-            bound = 0.3 * omega
-            step *= min(1.0, bound / max(float(np.abs(step).max()), 1e-300))
-            possible = omega + step[1] > 0.0 and abs(sigma + step[0]) < 3.0 * (omega + step[1])
-            trial = evaluate(sigma + step[0], omega + step[1]) if possible else math.inf
-            if trial <= squares:
-                accepted = True
-                break
-            damping *= 8.0
-        if not accepted:
-            break
-        sigma, omega = sigma + float(step[0]), omega + float(step[1])
-        small = float(np.abs(step).max()) < 1e-13 * omega or squares - trial <= 1e-10 * squares or trial < exact
-        squares, damping = trial, damping * 0.1
-        if small:
-            break
+    def evaluated(at: FloatArray) -> _Point:
+        possible = at[1] > 0.0 and abs(at[0]) < 3.0 * at[1]
+        squares = evaluate(*at.tolist()) if possible else math.inf
+        return _Point(squares, information.copy(), gradient.copy())
+
+    sigma, omega = start
+    if not fixed:
+        until = Until(1e-28 * float(y @ y), 1e-10, 40)
+        found = least_squares(evaluated, np.array(start), until, Bounds.of(2, longest=0.3 * omega))
+        sigma, omega = found.coordinates.tolist()
     squares = evaluate(sigma, omega)
     freedom = max(windows.samples - (size * count + 2), 1)
     return SeparateFit(
@@ -159,7 +156,7 @@ def fit_separately(
         c,
         inverse,
         slope,
-        np.asarray(np.linalg.pinv(information), dtype=np.float64),
+        inverse_of(information),
         squares / freedom,
         freedom,
     )

@@ -43,6 +43,15 @@ class Noise:
         p = self.phi
         return (1.0 - p * p) / (1.0 - 2.0 * p * math.cos(min(omega * interval, math.pi)) + p * p)
 
+    def whitened(self, values: FloatArray) -> FloatArray:
+        """Residuals (n,) or partials (n, q) in units of the noise, colour taken out: what each sample adds to the one
+        before it.
+        """
+        white = values / self.sigma
+        if self.phi != 0.0:
+            white[1:] = (white[1:] - self.phi * white[:-1]) / math.sqrt(1.0 - self.phi**2)
+        return white
+
     def drawn(self, count: int, random: np.random.Generator) -> FloatArray:
         """A draw (count,) of noise of this level and first-order colour; it is not quantised."""
         fresh = self.sigma * random.standard_normal(count)

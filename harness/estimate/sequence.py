@@ -8,6 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from harness.core.arrays import FloatArray
+from harness.fit.covariance import covariance_of
+from harness.fit.least_squares import Residual, Until, least_squares
 
 Model = Callable[[FloatArray], tuple[FloatArray, FloatArray]]
 """Parameters (p,) to values (K,2) at start and end of each half-cycle, and their derivatives (K,2,p)."""
@@ -24,46 +26,22 @@ class SequenceFit:
 
 
 def fit_sequence(values: FloatArray, whiten: FloatArray, model: Model, start: FloatArray) -> SequenceFit:
-    """Fit ``values`` (K,2), weighted by ``whiten`` (K,2,2) (inverse Cholesky factors; zero rows leave a figure out).
-
-    Levenberg-Marquardt from ``start`` (p,).
+    """Fit ``values`` (K,2), weighted by ``whiten`` (K,2,2) (inverse Cholesky factors; zero rows leave a figure out),
+    from ``start`` (p,).
     """
-    with np.errstate(over="ignore", invalid="ignore"):  # a trial may run away; it is then refused below
-        return _fit(values, whiten, model, start)
-
-
-def _fit(values: FloatArray, whiten: FloatArray, model: Model, start: FloatArray) -> SequenceFit:
     clean = np.where(np.isfinite(values), values, 0.0)
 
-    def evaluate(theta: FloatArray) -> tuple[FloatArray, FloatArray]:
+    def evaluated(theta: FloatArray) -> Residual:
         predicted, slope = model(theta)
         left = np.einsum("kij,kj->ki", whiten, clean - predicted).ravel()
-        return left, np.einsum("kij,kjp->kip", whiten, slope).reshape(left.size, -1)
+        return Residual(left, np.einsum("kij,kjp->kip", whiten, slope).reshape(left.size, -1))
 
-    theta, damping = start.astype(np.float64), 1e-6
-    left, slope = evaluate(theta)
-    for _ in range(60):
-        scale = np.sqrt(np.maximum(np.sum(slope**2, axis=0), 1e-300))
-        scaled = slope / scale
-        normal = scaled.T @ scaled
-        step = np.linalg.solve(normal + max(damping, 1e-12) * np.eye(theta.size), scaled.T @ left) / scale
-        trial = theta + step
-        trial_left, trial_slope = evaluate(trial)
-        if not np.all(np.isfinite(trial_left)) or trial_left @ trial_left > left @ left:
-            damping *= 10.0
-            if damping > 1e8:
-                break
-            continue
-        settled = left @ left - trial_left @ trial_left <= 1e-15 * (left @ left)
-        theta, left, slope, damping = trial, trial_left, trial_slope, damping * 0.1
-        if settled:
-            break
-    scale = np.sqrt(np.maximum(np.sum(slope**2, axis=0), 1e-300))
-    covariance = np.linalg.pinv((slope / scale).T @ (slope / scale), rcond=1e-14) / np.outer(scale, scale)
+    with np.errstate(over="ignore", invalid="ignore"):  # a trial may run away; it is then refused
+        found = least_squares(evaluated, start.astype(np.float64), Until(share=1e-15, iterations=60))
+    theta, squares = found.coordinates, found.point.squares
     used = int(np.count_nonzero(np.any(whiten != 0.0, axis=2)))
-    squares = float(left @ left)
     freedom = used - theta.size
-    return SequenceFit(theta, covariance, squares / freedom if freedom > 0 else 1.0, squares)
+    return SequenceFit(theta, covariance_of(found.point.partials), squares / freedom if freedom > 0 else 1.0, squares)
 
 
 def whitening(covariance: FloatArray) -> FloatArray:

@@ -12,6 +12,8 @@ import numpy as np
 from harness.core.arrays import FloatArray
 from harness.core.jit import compiled
 from harness.estimate.reversals import Kind
+from harness.fit.covariance import inverse_of
+from harness.fit.least_squares import Until, least_squares
 
 _SIZE = 6
 SIGMA, OMEGA, D, P0, T0, OFFSET = range(_SIZE)
@@ -172,14 +174,18 @@ class TiedFit:
         return swing
 
 
-def _evaluate(
-    t: FloatArray, y: FloatArray, kind: Kind, theta: FloatArray, side: int, count: int, member: FloatArray, guard: float
-) -> tuple[float, int, FloatArray, FloatArray]:
-    swing, partial = np.empty(count + 1), np.empty((count + 1, 4))
-    normal, pull = np.empty((_SIZE, _SIZE)), np.empty(_SIZE)
-    _compiled_chain(theta, count, swing, partial)
-    squares, used = _compiled_normal(t, y, int(kind), theta, side, count, swing, partial, member, guard, normal, pull)
-    return squares, used, normal, pull
+@dataclass(frozen=True, slots=True)
+class _Point:
+    """Sums over all half-cycles at one theta; a theta that is no oscillation has no squares."""
+
+    squares: float
+    used: int
+    normal: FloatArray
+    pull: FloatArray
+
+    def normal_equations(self) -> tuple[FloatArray, FloatArray]:
+        """Of what is free."""
+        return self.normal, self.pull
 
 
 def fit_tied(
@@ -196,50 +202,36 @@ def fit_tied(
     """Least squares of the tied form over ``count`` half-cycles, from ``start`` (6,), with samples in ``span`` (s)
     alone.
 
-    Levenberg-Marquardt; samples are dealt to half-cycles anew until that settles. offset : whether theta's last is
-    free.
+    Samples are dealt to half-cycles anew until that settles. offset : whether theta's last is free.
     """
     free = _SIZE if offset else _SIZE - 1
-    theta = start.copy()
-    if not offset:
-        theta[OFFSET] = 0.0
-    squares, used, normal = 0.0, 0, np.eye(_SIZE)
-    exact = 1e-28 * float(y @ y)
+    fixed = np.zeros(_SIZE - free)
+    until = Until(1e-28 * float(y @ y), 1e-10, 60)
+    at = start[:free]
     for _ in range(8):
-        member = np.array([theta[T0], math.pi / theta[OMEGA], span[0], span[1]])
-        squares, used, normal, pull = _evaluate(t, y, kind, theta, side, count, member, guard)
-        damping = 1e-5
-        for _ in range(60):
-            scale = np.sqrt(np.maximum(np.diag(normal)[:free], 1e-300))
-            scaled = normal[:free, :free] / np.outer(scale, scale)
-            step = np.zeros(_SIZE)
-            step[:free] = np.linalg.solve(scaled + max(damping, 1e-12) * np.eye(free), pull[:free] / scale) / scale
-            if float(pull @ step) <= 1e-10 * squares + exact:
-                break
-            trial = theta + step
-            better = squares
-            if 0.5 * theta[OMEGA] < trial[OMEGA] < 2.0 * theta[OMEGA] and abs(trial[SIGMA]) < 3.0 * trial[OMEGA]:
-                result = _evaluate(t, y, kind, trial, side, count, member, guard)
-                better = result[0]
-            if better < squares:
-                settled = squares - better <= 1e-10 * squares or better < exact
-                theta, (squares, used, normal, pull) = trial, result
-                damping *= 0.1
-                if settled:
-                    break
-            else:
-                damping = max(damping * 10.0, 1e-8)
-                if damping > 1e6:
-                    break
-        moved = abs(theta[T0] - member[0]) + count * abs(math.pi / theta[OMEGA] - member[1])
+        omega = float(at[OMEGA])
+        member = np.array([at[T0], math.pi / omega, span[0], span[1]])
+
+        def evaluated(at: FloatArray, omega: float = omega, member: FloatArray = member) -> _Point:
+            normal, pull = np.zeros((_SIZE, _SIZE)), np.zeros(_SIZE)
+            if not (0.5 * omega < at[OMEGA] < 2.0 * omega and abs(at[SIGMA]) < 3.0 * at[OMEGA]):
+                return _Point(math.inf, 0, normal, pull)
+            theta, swing, partial = np.concatenate((at, fixed)), np.empty(count + 1), np.empty((count + 1, 4))
+            _compiled_chain(theta, count, swing, partial)
+            squares, used = _compiled_normal(
+                t, y, int(kind), theta, side, count, swing, partial, member, guard, normal, pull
+            )
+            return _Point(squares, used, normal[:free, :free], pull[:free])
+
+        found = least_squares(evaluated, at, until)
+        at = found.coordinates
+        moved = abs(at[T0] - member[0]) + count * abs(math.pi / at[OMEGA] - member[1])
         if moved < 1e-7 * member[1]:
             break
     covariance = np.zeros((_SIZE, _SIZE))
-    scale = np.sqrt(np.maximum(np.diag(normal)[:free], 1e-300))
-    covariance[:free, :free] = np.linalg.pinv(normal[:free, :free] / np.outer(scale, scale), rcond=1e-15) / np.outer(
-        scale, scale
-    )
-    return TiedFit(kind, theta, covariance, side, count, guard, squares, max(used - free, 1))
+    covariance[:free, :free] = inverse_of(found.point.normal)
+    theta, sums = np.concatenate((at, fixed)), found.point
+    return TiedFit(kind, theta, covariance, side, count, guard, sums.squares, max(sums.used - free, 1))
 
 
 def _sample(

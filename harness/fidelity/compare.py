@@ -10,7 +10,7 @@ Row = Mapping[str, Any]
 Verdict = Literal["worse", "better", "lost", "gained", "fails", "works", "missing", "new"]
 REGRESSIONS: frozenset[str] = frozenset({"worse", "lost", "fails", "missing"})
 
-KEPT = ("engine", "version", "route", "scenario", "dt_s", "metrics", "exact", "error")
+KEPT = ("engine", "version", "environment", "route", "scenario", "dt_s", "metrics", "exact", "error")
 """What a baseline keeps of a row; never how fast it was."""
 
 

@@ -5,13 +5,11 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
-from harness.fidelity import cases
-
 ERRORS: dict[str, str] = {
-    cases.DECAY: "max_error_m",
-    cases.FRICTIONLESS: "max_error_m",
-    cases.BELT: "period_s",
-    cases.HARMONIC: "amplitude_m",
+    "free-decay": "max_error_m",
+    "free-decay-no-friction": "max_error_m",
+    "belt": "period_s",
+    "harmonic": "amplitude_m",
 }
 """The metric whose error is followed down the steps, by scenario."""
 
@@ -60,7 +58,7 @@ class Ladder:
         changed = ",".join(sorted(name for name in row["changed"] if not name.startswith("sol") or name == "solver"))
         solver = str(row["settings"].get("solver", ""))
         about = ("engine", "version", "route", "preset", "integrator", "scenario")
-        group = (*(str(row[name]) for name in about), metric, changed, solver, repr(sorted(row["slider"].items())))
+        group = (*(str(row[name]) for name in about), metric, changed, solver, row["environment"])
         self.steps.setdefault(group, {})[row["dt_s"]] = error
 
     def orders(self) -> list[Order]:

@@ -27,7 +27,7 @@ _ACTIONS: dict[str, type[Harmonic] | type[Hold] | type[Belt]] = {kind.__name__: 
 def scenario_of(data: Mapping[str, Any]) -> Scenario:
     """The scenario that ``describe`` made this from; raises InputError when something is missing."""
     try:
-        release, acting = data["release"], data["action"]
+        release, acting = data["release"], data.get("action")
         action = (
             None if acting is None else _ACTIONS[acting["kind"]](**{k: v for k, v in acting.items() if k != "kind"})
         )

@@ -4,11 +4,12 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 
 from harness.engines.base import PRESETS, ROUTES, Engine, Preset, Route
-from harness.fidelity import cases
+from harness.fidelity import sliders
+from harness.fidelity.registry import suite
 from harness.fidelity.row import Spec
 from harness.fidelity.variants import COARSE, FINE, FINEST, HUNDRED, OWN, Variant, variants
 
-SHORT_SCENARIOS = (cases.DECAY, cases.FRICTIONLESS, "hold-97", cases.BELT, cases.HARMONIC)
+SHORT_SCENARIOS = ("free-decay", "free-decay-no-friction", "hold-97", "belt", "harmonic")
 
 
 @dataclass(frozen=True, slots=True)
@@ -44,17 +45,17 @@ class Matrix:
         return one * (self.sliders + 1)
 
     def _of(self, name: str, engine: Engine, route: Route, draw: int) -> Iterator[Spec]:
-        version = engine.version()
-        suite = cases.suite(route, cases.drawn(draw) if draw else cases.OWN)
-        for variant in variants(name, route):
+        version, place = engine.version(), engine.place
+        scenarios = suite(route, sliders.drawn(draw) if draw else sliders.OWN)
+        for variant in variants(engine.name, route):
             if self.presets and variant.name not in self.presets:
                 continue
             for dt in self._steps(variant):
                 # what depends on the step is never asked for at a step that is not known
                 changed = tuple(sorted(variant.settings(FINE if dt is None else dt).items()))
-                for scenario in suite.values():
+                for scenario in scenarios.values():
                     if self._wanted(variant, dt, bool(changed), scenario.name):
-                        yield Spec(name, version, route, variant.name, variant.base, changed, dt, scenario, draw)
+                        yield Spec(name, version, route, variant.name, variant.base, changed, dt, scenario, draw, place)
 
     def _steps(self, variant: Variant) -> tuple[float | None, ...]:
         if self.short:
@@ -69,16 +70,18 @@ class Matrix:
             return not changed and scenario in SHORT_SCENARIOS
         if not self.steps and dt == HUNDRED:
             # ten times the cost: the figures that are known at this step
-            return scenario in (cases.DECAY, cases.FRICTIONLESS, cases.BELT)
+            return scenario in ("free-decay", "free-decay-no-friction", "belt")
         if not self.steps and dt in (COARSE, FINEST):
             # outer rungs of the ladder serve the order of convergence
-            return scenario in (cases.DECAY, cases.FRICTIONLESS, cases.BELT, cases.HARMONIC)
+            return scenario in ("free-decay", "free-decay-no-friction", "belt", "harmonic")
         return True
 
 
 def preset_names(engines: Mapping[str, Engine], routes: tuple[Route, ...] = ROUTES) -> tuple[str, ...]:
     """Every name of settings there is, as-shipped and tuned first."""
-    found = [variant.name for name in engines for route in routes for variant in variants(name, route)]
+    found = [
+        variant.name for engine in engines.values() for route in routes for variant in variants(engine.name, route)
+    ]
     return tuple(dict.fromkeys([*PRESETS, *found]))
 
 

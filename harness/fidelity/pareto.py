@@ -5,7 +5,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
-from harness.fidelity.scores import FIGURES, distance
+from harness.fidelity.scores import distance, figures_of
 
 Row = Mapping[str, Any]
 
@@ -30,11 +30,10 @@ class Point:
         self.scenarios.add(row["scenario"])
         self.wall += row["wall_s"] or 0.0
         self.motion += row["setup"]["duration_s"]
-        for figure in FIGURES:
-            if figure.scenario == row["scenario"]:
-                value = distance(row, figure)
-                if value is not None:
-                    self.logs.append(math.log(max(value, FLOOR)))
+        for figure in figures_of(row["scenario"]):
+            value = distance(row, figure)
+            if value is not None:
+                self.logs.append(math.log(max(value, FLOOR)))
 
     @property
     def score(self) -> float:
@@ -52,7 +51,15 @@ def points(rows: Iterable[Row]) -> list[Point]:
     found: dict[tuple[Any, ...], Point] = {}
     for row in rows:
         if not row["draw"]:
-            key = (row["engine"], row["version"], row["route"], row["preset"], repr(row["changed"]), row["dt_s"])
+            key = (
+                row["engine"],
+                row["version"],
+                row["environment"],
+                row["route"],
+                row["preset"],
+                repr(row["changed"]),
+                row["dt_s"],
+            )
             found.setdefault(key, Point(row)).add(row)
     most: dict[str, int] = {}
     for point in found.values():

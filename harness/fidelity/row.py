@@ -8,27 +8,24 @@ from dataclasses import asdict, dataclass, field
 from typing import Any
 
 from harness.core.errors import HarnessError
-from harness.core.scenario import Belt, Harmonic, Hold, Scenario
+from harness.core.scenario import Scenario
 from harness.core.trajectory import Trajectory
 from harness.engines.base import Engine, Preset, Route, Task
-from harness.fidelity.answers import exact_answers
-from harness.fidelity.belt_metrics import measure_belt
-from harness.fidelity.contact_metrics import measure_contact
-from harness.fidelity.decay_metrics import measure_decay
 from harness.fidelity.describe import describe
-from harness.fidelity.harmonic_metrics import measure_harmonic
-from harness.fidelity.hold_metrics import measure_hold
-
-Metrics = dict[str, float | None]
+from harness.fidelity.kind import Metrics
+from harness.fidelity.metrics.contact import measure_contact
+from harness.fidelity.metrics.estimated import recovered
+from harness.fidelity.registry import kind_of
 
 
 @dataclass(frozen=True, slots=True)
 class Spec:
     """What one row runs.
 
-    preset : name of the settings in tables ("as-shipped", "tuned", "stiff", ...). base : the engine's preset that
-    ``changed`` overrides, name by name. dt : s, None for the preset's own step. version : of the engine. draw : 0 for
-    the sliders of the suite itself, else the number of the random ones.
+    engine : as registry.load takes it, NAME or NAME@PYTHON. version, place : of the engine. preset : name of the
+    settings in tables ("as-shipped", "tuned", "stiff", ...). base : the engine's preset that ``changed`` overrides,
+    name by name. dt : s, None for the preset's own step. draw : 0 for the sliders of the suite itself, else the number
+    of the random ones.
     """
 
     engine: str
@@ -40,14 +37,16 @@ class Spec:
     dt: float | None
     scenario: Scenario
     draw: int = 0
+    place: str = ""
 
     @property
     def name(self) -> str:
-        """The row for people and for baselines: everything but the version of the engine."""
+        """The row for people and for baselines."""
         changed = ",".join(f"{name}={_short(value)}" for name, value in self.changed)
         step = "own" if self.dt is None else f"{self.dt:g}"
         slider = f"slider-{self.draw}" if self.draw else ""
-        parts = (self.engine, self.route, self.preset, changed, f"dt={step}", self.scenario.name, slider)
+        engine = f"{self.engine.partition('@')[0]}@{self.version}" + (f"({self.place})" if self.place else "")
+        parts = (engine, self.route, self.preset, changed, f"dt={step}", self.scenario.name, slider)
         return "/".join(filter(None, parts))
 
     @property
@@ -72,6 +71,7 @@ class Row:
     name: str
     engine: str
     version: str
+    environment: str
     route: str
     preset: str
     settings: dict[str, Any]
@@ -113,17 +113,11 @@ def task(spec: Spec) -> Task:
 
 
 def measure_row(trace: Trajectory, scenario: Scenario) -> Metrics:
-    """Every metric that the scenario and the trace have."""
-    match scenario.action:
-        case Hold():
-            found = measure_hold(trace)
-        case Belt(speed=speed):
-            found = measure_belt(trace, speed)
-        case Harmonic(omega=omega):
-            found = measure_harmonic(trace, omega)
-        case _:
-            found = measure_decay(trace, scenario)
-    found = found | measure_contact(trace, scenario.slider)
+    """Every metric that the scenario and the trace have, what the estimators read from a free decay among them."""
+    found = kind_of(scenario).measure(trace, scenario)
+    if scenario.action is None:
+        found |= recovered(trace, scenario)
+    found |= measure_contact(trace, scenario.slider)
     return {name: value if value is None or math.isfinite(value) else None for name, value in found.items()}
 
 
@@ -138,7 +132,7 @@ def succeeded(spec: Spec, trace: Trajectory, metrics: Metrics) -> Row:
         integrator=integrator(source.settings),
         dt_s=source.dt,
         metrics=metrics,
-        exact=exact_answers(spec.scenario),
+        exact=kind_of(spec.scenario).answers(spec.scenario),
         samples=len(trace),
         wall_s=wall,
         steps_per_s=(len(trace) - 1) / wall if wall else None,
@@ -165,8 +159,9 @@ def _identity(spec: Spec) -> dict[str, Any]:
     return {
         "key": spec.key,
         "name": spec.name,
-        "engine": spec.engine,
+        "engine": spec.engine.partition("@")[0],
         "version": spec.version,
+        "environment": spec.place,
         "route": spec.route,
         "preset": spec.preset,
         "changed": {name: _plain(value) for name, value in spec.changed},
@@ -181,6 +176,8 @@ def integrator(settings: Mapping[str, Any]) -> str:
     """Name of the scheme that moves the slider; engines that have one only are read by how their step is taken."""
     if "integrator" in settings:
         return str(settings["integrator"])
+    if settings.get("own_spring"):
+        return "implicit Euler"
     return "leapfrog" if settings.get("leapfrog") else "semi-implicit Euler"
 
 

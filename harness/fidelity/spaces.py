@@ -75,6 +75,22 @@ _BULLET_CONTACT = (
     Axis("frictionAnchor", (False, True)),
 )
 
+_LEAPFROG = Axis("leapfrog", (False, True))
+_OWN_SPRING = (Axis("own_spring", (True, False)), _LEAPFROG)
+_RAPIER = (Axis("num_solver_iterations", (4, 1, 2, 8)), Axis("num_internal_pgs_iterations", (1, 4)))
+_PHYSX = (
+    *_OWN_SPRING,
+    Axis("solverType", ("TGS", "PGS")),
+    Axis("solverPositionIterationCount", (4, 1, 8, 16)),
+    Axis("solverVelocityIterationCount", (1, 0, 4)),
+    Axis("enableExternalForcesEveryIteration", (True, False)),
+)
+_DRAKE_CONTACT = (
+    _LEAPFROG,
+    Axis("contact_approximation", ("kLagged", "kTamsi", "kSimilar", "kSap")),
+    Axis("stiction_tolerance", (1e-4, 1e-5, 1e-6, 1e-8)),
+)
+
 _SPACES: dict[tuple[str, Route], Space] = {
     ("mujoco", "joint"): Space(
         (
@@ -101,8 +117,15 @@ _SPACES: dict[tuple[str, Route], Space] = {
     ("pybullet", "joint"): Space(_BULLET, _plain),
     ("pybullet", "law"): Space(_BULLET, _plain),
     ("pybullet", "contact"): Space((*_BULLET, *_BULLET_CONTACT), _plain),
-    ("dart", "joint"): Space((Axis("leapfrog", (False, True)),), _plain),
-    ("dart", "law"): Space((Axis("leapfrog", (False, True)),), _plain),
+    ("dart", "joint"): Space((_LEAPFROG,), _plain),
+    ("dart", "law"): Space((_LEAPFROG,), _plain),
+    ("rapier", "joint"): Space((*_OWN_SPRING, *_RAPIER), _plain),
+    ("rapier", "law"): Space((*_OWN_SPRING, *_RAPIER), _plain),
+    ("rapier", "contact"): Space((_LEAPFROG, *_RAPIER, Axis("friction_model", ("SIMPLIFIED", "COULOMB"))), _plain),
+    ("physx", "joint"): Space(_PHYSX, _plain),
+    ("physx", "law"): Space(_PHYSX, _plain),
+    ("drake", "contact"): Space(_DRAKE_CONTACT, _plain),
+    ("drake", "law"): Space((_LEAPFROG,), _plain),
 }
 
 

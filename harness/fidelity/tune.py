@@ -10,14 +10,15 @@ import numpy as np
 from harness.core.errors import HarnessError
 from harness.core.scenario import Scenario
 from harness.engines.base import Engine, Preset, Route
-from harness.fidelity import cases
 from harness.fidelity.pareto import Point
+from harness.fidelity.registry import suite
 from harness.fidelity.row import Row, Spec, run_row, task
+from harness.fidelity.sliders import drawn
 from harness.fidelity.spaces import Choice, Space
 
 SEARCH, HELD_OUT = (101, 102), (201, 202, 203)
 """Numbers of the random suites that are searched on, and of those the outcome is scored on."""
-SCENARIOS = (cases.DECAY, "hold-50", "hold-97", cases.BELT, cases.HARMONIC)
+SCENARIOS = ("free-decay", "hold-50", "hold-97", "belt", "harmonic")
 WORTH = 0.99
 """A change is kept when it takes the score below this share of what it was; less is not worth a setting."""
 STARTS = 3
@@ -44,8 +45,8 @@ class Trial:
         found = []
         for draw in draws:
             if draw not in self._suites:
-                suite = cases.suite(self.route, cases.drawn(draw))
-                self._suites[draw] = [suite[name] for name in SCENARIOS]
+                scenarios = suite(self.route, drawn(draw))
+                self._suites[draw] = [scenarios[name] for name in SCENARIOS]
             for scenario in self._suites[draw]:
                 found.append(run_row(self.engine, self._spec(changed, scenario, draw, base)))
         return found
@@ -65,7 +66,7 @@ class Trial:
         """
         key = repr(sorted(changed.items()))
         if key not in self._costs:
-            scenario = cases.suite(self.route, cases.drawn(SEARCH[0]))[cases.DECAY]
+            scenario = suite(self.route, drawn(SEARCH[0]))["free-decay"]
             mine, shipped = (self._spec(one, scenario, SEARCH[0], "as-shipped") for one in (changed, {}))
             turns = [(self._seconds(mine), self._seconds(shipped)) for _ in range(REPEATS)]
             self._costs[key] = min(first for first, _ in turns) / min(second for _, second in turns) if changed else 1.0

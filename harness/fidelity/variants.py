@@ -116,7 +116,48 @@ _PYBULLET_CONTACT = (
     Variant("tuned", "tuned", (1.0 / 240.0, MIDDLE)),
 )
 
+_PUSHED = Variant("pushed", "as-shipped", (FINE,), _fixed(own_spring=False))
+"""Spring and damper as a force held over the step, sub-steps as shipped."""
+_OFF_FLOOR_LAW = (Variant("as-shipped", "as-shipped", (OWN, FINE)), Variant("tuned", "tuned", (MIDDLE, FINE)))
+_RAPIER_JOINT = (
+    Variant("as-shipped", "as-shipped", (OWN, FINE)),
+    _PUSHED,
+    Variant("pushed", "as-shipped", (FINE,), _fixed(own_spring=False, num_solver_iterations=1)),
+    Variant("tuned", "tuned", LADDER),
+)
+_RAPIER_CONTACT = (
+    Variant("as-shipped", "as-shipped", (OWN, FINE)),
+    Variant("coulomb", "as-shipped", (FINE,), _fixed(friction_model="COULOMB")),
+    Variant("tuned", "tuned", (MIDDLE, FINE)),
+)
+_PHYSX_JOINT = (
+    Variant("as-shipped", "as-shipped", (OWN, FINE)),
+    _PUSHED,
+    Variant("once a step", "as-shipped", (FINE,), _fixed(own_spring=False, enableExternalForcesEveryIteration=False)),
+    Variant("pushed", "as-shipped", (FINE,), _fixed(own_spring=False, solverType="PGS")),
+    Variant("tuned", "tuned", LADDER),
+)
+_DRAKE_CONTACT = (
+    Variant("as-shipped", "as-shipped", (OWN,)),
+    *(
+        Variant(name[1:].lower(), "as-shipped", (FINE,), _fixed(contact_approximation=name))
+        for name in ("kTamsi", "kSimilar", "kSap")
+    ),
+    Variant("lagged", "as-shipped", (FINE,), _fixed(stiction_tolerance=1e-6)),
+    Variant("tuned", "tuned", (MIDDLE, FINE)),
+)
+_NEWTON = (Variant("as-shipped", "as-shipped", (OWN, FINE)), Variant("tuned", "tuned", (FINE,)))
+
 _TABLE: dict[tuple[str, Route], tuple[Variant, ...]] = {
+    ("rapier", "joint"): _RAPIER_JOINT,
+    ("rapier", "contact"): _RAPIER_CONTACT,
+    ("rapier", "law"): _OFF_FLOOR_LAW,
+    ("physx", "joint"): _PHYSX_JOINT,
+    ("physx", "law"): _OFF_FLOOR_LAW,
+    ("drake", "contact"): _DRAKE_CONTACT,
+    ("drake", "law"): (Variant("as-shipped", "as-shipped", (OWN,)), Variant("tuned", "tuned", (MIDDLE, FINE))),
+    ("newton", "joint"): _NEWTON,
+    ("newton", "law"): (Variant("as-shipped", "as-shipped", (OWN,)), Variant("tuned", "tuned", (COARSE,))),
     ("mujoco", "joint"): _MUJOCO_JOINT,
     ("mujoco", "law"): _MUJOCO_LAW,
     ("mujoco", "contact"): _MUJOCO_CONTACT,

@@ -1,7 +1,11 @@
-"""Tables in binary files: Parquet, MATLAB .mat from v4 to 7.3, NumPy .npz."""
+"""Tables in binary files: Parquet, MATLAB .mat from v4 to 7.3, NumPy .npz. Nothing is read but what is asked for.
+
+These readers run in a process of their own (harness.core.apart), where whatever a library does with damaged bytes ends.
+"""
 
 import zipfile
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -9,7 +13,7 @@ import numpy as np
 
 from harness.core.arrays import FloatArray
 from harness.core.errors import InputError
-from harness.io.table import ArrayTable, Table, table_of_arrays
+from harness.io.table import ArrayTable, Held, Table, held, table_of_arrays
 from harness.io.units import split_header
 
 
@@ -60,22 +64,35 @@ def _flatten(prefix: str, value: Any) -> Iterator[tuple[str, Any]]:
         yield prefix, value
 
 
-def _hdf5_arrays(path: Path) -> dict[str, Any]:
+def _hdf5_arrays(path: Path) -> dict[str, Held]:
     """Numeric data sets of a MATLAB 7.3 file, groups as dotted names; MATLAB stores the transpose."""
     import h5py
 
-    arrays: dict[str, Any] = {}
+    arrays: dict[str, Held] = {}
 
     def visit(name: str, item: Any) -> None:
-        if not isinstance(item, h5py.Dataset) or name.startswith("#"):
+        if not isinstance(item, h5py.Dataset) or name.startswith("#") or "MATLAB_empty" in item.attrs:
             return
         kind = item.attrs.get("MATLAB_class", b"")
-        if bytes(kind) not in (b"char", b"cell") and "MATLAB_empty" not in item.attrs and item.dtype.kind in "fiub":
-            arrays[name.replace("/", ".")] = np.asarray(item[()]).T
+        if isinstance(kind, bytes) and kind in (b"char", b"cell"):
+            return
+        key = name.replace("/", ".")
+        arrays[key] = Held(tuple(item.shape or ())[::-1], item.dtype, partial(_hdf5_array, path, name))
 
     with h5py.File(path, "r") as file:
         file.visititems(visit)
     return arrays
+
+
+def _hdf5_array(path: Path, name: str) -> Any:
+    """One data set. Raises InputError for one whose numbers are those of another file of this machine."""
+    import h5py
+
+    with h5py.File(path, "r") as file:
+        item = file[name]
+        if item.external or item.is_virtual:
+            raise InputError(f"{path}: {name}", "kept in another file", "a data set kept in this file is accepted")
+        return np.asarray(item[()]).T
 
 
 def open_mat(path: Path) -> ArrayTable:
@@ -89,12 +106,12 @@ def open_mat(path: Path) -> ArrayTable:
         import scipy.io
 
         content = scipy.io.loadmat(path, struct_as_record=False, squeeze_me=True)
-    except InputError:
+    except (InputError, MemoryError):
         raise
     except Exception as error:  # SciPy's and HDF5's parsers raise whatever the broken bytes lead them to
         raise InputError(str(path), f"not a MATLAB file ({error})", accepted) from None
     arrays = {k: v for key, value in content.items() if not key.startswith("__") for k, v in _flatten(key, value)}
-    return table_of_arrays(path, arrays)
+    return table_of_arrays(path, {name: held(value) for name, value in arrays.items()})
 
 
 def _hdf5_signature(path: Path) -> bool:
@@ -105,11 +122,39 @@ def _hdf5_signature(path: Path) -> bool:
 
 def open_npz(path: Path) -> ArrayTable:
     """Open a NumPy archive; pickled objects are refused."""
+    return table_of_arrays(path, _of_npz(path, _npy_arrays, path))
+
+
+def _of_npz(path: Path, read: Callable[..., Any], *arguments: Any) -> Any:
+    """What ``read`` finds; InputError for what the libraries of archives and of packing say of damage."""
     try:
-        with np.load(path, allow_pickle=False) as archive:
-            arrays = {name: archive[name] for name in archive.files}
-    except (ValueError, OSError, EOFError, AttributeError, zipfile.BadZipFile) as error:
+        return read(*arguments)
+    except (InputError, MemoryError):
+        raise
+    except Exception as error:  # zlib, bz2, lzma, zipfile and NumPy have each their own
         raise InputError(
             str(path), f"not an .npz archive ({error})", "numeric arrays saved by numpy.savez are accepted"
         ) from None
-    return table_of_arrays(path, arrays)
+
+
+def _npy_arrays(path: Path) -> dict[str, Held]:
+    """The arrays of an archive, by their headers alone."""
+    arrays = {}
+    with zipfile.ZipFile(path) as archive:
+        for entry in archive.namelist():
+            name = entry.removesuffix(".npy")
+            with archive.open(entry) as file:
+                version = np.lib.format.read_magic(file)
+                one = version == (1, 0)
+                read = np.lib.format.read_array_header_1_0 if one else np.lib.format.read_array_header_2_0
+                shape, _, dtype = read(file)
+            if dtype.hasobject:
+                accepted = "an archive of numeric arrays is accepted"
+                raise InputError(f"{path}: {name}", "pickled Python objects, which could run a program", accepted)
+            arrays[name] = Held(shape, dtype, partial(_of_npz, path, _npy_array, path, name))
+    return arrays
+
+
+def _npy_array(path: Path, name: str) -> Any:
+    with np.load(path, allow_pickle=False) as archive:
+        return archive[name]

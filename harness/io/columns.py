@@ -12,7 +12,6 @@ ACCEPTED = (
     'e.g. "t=t,x=qm[m],u=vir*35.15[N]"'
 )
 
-_ENTRY = re.compile(r"^\s*(?P<channel>[^=\[\]]*?)\s*=\s*(?P<product>[^\[\]]*?)\s*(?:\[(?P<unit>[^\[\]]*)\])?\s*$")
 _NUMBER = re.compile(r"^[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?$")
 _POSITION = re.compile(r"^#[1-9]\d{0,5}$")
 _NAME = re.compile(r"^[^\W\d][\w.]*(?: [\w.]+)*$")
@@ -28,9 +27,31 @@ class Mapping:
     unit: str | None = None
 
 
+_LONGEST = 2000
+"""Characters of ``--columns``."""
+
+
 def _split(text: str) -> list[str]:
     """Split at the commas outside brackets."""
-    return re.split(r",(?![^\[]*\])", text)
+    parts, inside = [""], False
+    for character in text:
+        inside = character == "[" or (inside and character != "]")
+        if character == "," and not inside:
+            parts.append("")
+        else:
+            parts[-1] += character
+    return parts
+
+
+def _parts(entry: str) -> tuple[str, str, str | None] | None:
+    """Channel, product and unit of an entry; None when it is none."""
+    channel, equals, rest = entry.partition("=")
+    product, bracket, unit = rest.partition("[")
+    if not equals or set("[]") & set(channel + product) or (bracket and not unit.endswith("]")):
+        return None
+    if set("[]") & set(unit[:-1]):
+        return None
+    return channel.strip(), product.strip(), unit[:-1] if bracket else None
 
 
 def _product(entry: str, text: str) -> tuple[tuple[str, ...], float]:
@@ -56,17 +77,18 @@ def parse_columns(text: str) -> dict[str, Mapping]:
 
     Raises InputError for anything but a list of CHANNEL=PRODUCT[UNIT].
     """
+    if len(text) > _LONGEST:
+        raise InputError("--columns", f"{len(text)} characters", f"at most {_LONGEST} are accepted")
     found: dict[str, Mapping] = {}
     for entry in (part.strip() for part in _split(text)):
-        match = _ENTRY.match(entry)
-        if match is None:
+        split = _parts(entry)
+        if split is None:
             raise InputError("--columns", f"'{entry}'", ACCEPTED)
-        channel = match["channel"]
+        channel, product, unit = split
         if channel not in CHANNELS:
             raise InputError("--columns", f"unknown channel '{channel}' in '{entry}'", ACCEPTED)
         if channel in found:
             raise InputError("--columns", f"channel {channel} given twice", "each channel once is accepted")
-        names, factor = _product(entry, match["product"])
-        unit = match["unit"]
+        names, factor = _product(entry, product)
         found[channel] = Mapping(channel, names, factor, None if unit is None else unit.strip())
     return found

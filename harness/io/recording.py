@@ -1,16 +1,20 @@
 """A file of any accepted format as a validated core Recording."""
 
 import hashlib
+from collections import abc
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
+from harness.core.apart import Found, read_apart
 from harness.core.arrays import FloatArray
+from harness.core.bounded import MOST_BYTES, check_size
 from harness.core.checks import finite, positive
 from harness.core.errors import InputError
-from harness.core.recording import MINIMUM_SAMPLES, Recording
+from harness.core.recording import LARGEST, LONGEST_TIME, MINIMUM_SAMPLES, Recording
 from harness.io.columns import Mapping, parse_columns
 from harness.io.sampling import sampling_notes
 from harness.io.table import Table
@@ -18,6 +22,7 @@ from harness.io.units import Unit, parse_unit
 
 FORMATS = "CSV (.csv, .csv.gz), Parquet, MATLAB .mat, .npz, plain text tables (.txt, .dat, .tsv) and our own .rrd"
 _TEXT = (".csv", ".txt", ".dat", ".tsv", ".asc", ".tab")
+_BINARY = (".parquet", ".pq", ".mat", ".npz")
 _FORCE_NAMES = ("u", "F")
 
 
@@ -57,11 +62,16 @@ def sha256(path: Path) -> str:
         return hashlib.file_digest(file, "sha256").hexdigest()
 
 
-def _open(path: Path, options: ReadOptions) -> Table:
+def _kind(path: Path) -> str:
+    """The suffix that says the format."""
     suffixes = [s.lower() for s in path.suffixes]
     if suffixes and suffixes[-1] == ".gz":
         suffixes.pop()
-    kind = suffixes[-1] if suffixes else ""
+    return suffixes[-1] if suffixes else ""
+
+
+def _open(path: Path, options: ReadOptions) -> Table:
+    kind = _kind(path)
     if kind in _TEXT:
         from harness.io.text import TextTable
 
@@ -129,20 +139,25 @@ def _channel(
     unit = _unit(table, mapping, positions, constants)
     factor = mapping.factor * unit.factor
     values = columns[0]
-    for column in columns[1:]:
-        if column.size not in (1, values.size) and values.size != 1:
-            found = f"columns of {values.size} and {column.size} values"
-            raise InputError(f"{table.path}: channel {mapping.channel}", found, "columns of one length are accepted")
-        values = values * column
-    return (values if factor == 1.0 else values * factor), unit
+    with np.errstate(over="ignore", invalid="ignore"):  # what becomes of it is looked at when the rows are checked
+        for column in columns[1:]:
+            if column.size not in (1, values.size) and values.size != 1:
+                found = f"columns of {values.size} and {column.size} values"
+                where = f"{table.path}: channel {mapping.channel}"
+                raise InputError(where, found, "columns of one length are accepted")
+            values = values * column
+        return (values if factor == 1.0 else values * factor), unit
 
 
 def _check_rows(table: Table, channel: str, values: FloatArray, first: int) -> None:
-    bad = np.flatnonzero(~np.isfinite(values))
+    largest = LONGEST_TIME if channel == "t" else LARGEST
+    bad = np.flatnonzero(~(np.abs(values) <= largest))  # that of nan is not
     if bad.size:
+        value = values[bad[0]]
         where = f"{table.path}: {table.row(first + int(bad[0]))}, column {channel}"
-        found = "no value or nan" if np.isnan(values[bad[0]]) else f"{values[bad[0]]}"
-        raise InputError(where, found, "a finite number is accepted")
+        found = "no value or nan" if np.isnan(value) else f"{value:g}"
+        accepted = f"at most {largest:g} in size is accepted" if np.isfinite(value) else "a finite number is accepted"
+        raise InputError(where, found, accepted)
 
 
 def _times(table: Table, values: FloatArray) -> None:
@@ -178,11 +193,37 @@ def read_recording(path: Path, options: ReadOptions | None = None, read_rrd: Rrd
         found = "a folder" if path.is_dir() else "no such file"
         raise InputError(str(path), found, "a file that can be read is accepted")
     try:
+        if _kind(path) in _TEXT:
+            check_size(path, MOST_BYTES)
         digest = sha256(path)
     except OSError as error:
         raise InputError(str(path), error.strerror or str(error), "a file that can be read is accepted") from None
     if path.suffix.lower() == ".rrd" and read_rrd is not None:
         return _from_rrd(path, digest, options, read_rrd)
+    if _kind(path) not in _BINARY:
+        return _read(path, digest, options)
+    accepted = f"a whole {_kind(path)} file is accepted"
+    columns, about = read_apart(
+        "harness.io.recording:columns_of", path, accepted, digest=digest, options=asdict(options)
+    )
+    channels = {name: values for name, values in columns.items() if name != "t"}
+    return Recording(columns["t"], channels, str(path), digest, **about)
+
+
+def columns_of(path: Path, digest: str, options: dict[str, Any]) -> Found:
+    """What ``read_recording`` finds, as a process of its own hands it on."""
+    found = _read(path, digest, ReadOptions(**options))
+    return {"t": found.t, **found.channels}, {name: _plain(getattr(found, name)) for name in _ABOUT}
+
+
+_ABOUT = ("units", "angular", "notes")
+
+
+def _plain(value: Any) -> Any:
+    return dict(value) if isinstance(value, abc.Mapping) else value
+
+
+def _read(path: Path, digest: str, options: ReadOptions) -> Recording:
     table = _open(path, options)
     read = _channels(table, _mappings(table, options))
     sizes = {channel: values.size for channel, (values, _) in read.items()}
@@ -190,7 +231,9 @@ def read_recording(path: Path, options: ReadOptions | None = None, read_rrd: Rrd
         found = ", ".join(f"{size} values of {channel}" for channel, size in sizes.items())
         raise InputError(str(path), found, "columns of one length are accepted")
     if options.rate is not None:
-        t = np.arange(next(iter(sizes.values())), dtype=np.float64) / options.rate
+        with np.errstate(over="ignore"):
+            t = np.arange(next(iter(sizes.values())), dtype=np.float64) / options.rate
+        _check_rows(table, "t", t, 0)
     else:
         t = read["t"][0]
         _times(table, t)

@@ -11,34 +11,9 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 
 from harness.core.errors import StoreError
+from harness.core.writing import explained, partial_folder, reason, replacing, sweep
 
 DEFAULT_PARENT = "reports"
-
-
-@contextmanager
-def explained(path: Path | str) -> Iterator[None]:
-    """Turn an OSError inside the block into a StoreError of one line that names ``path``."""
-    try:
-        yield
-    except OSError as error:
-        raise StoreError(f"{path}: {_reason(error)}") from error
-
-
-def _reason(error: OSError) -> str:
-    accepted = {
-        errno.ENOSPC: "no space left on the device; free some or name another place",
-        errno.EDQUOT: "the disk quota is used up; free some or name another place",
-        errno.EACCES: "no permission to write; a folder that can be written is accepted",
-        errno.EPERM: "no permission to write; a folder that can be written is accepted",
-        errno.EROFS: "a read-only file system; a folder that can be written is accepted",
-        errno.ENOTDIR: "a file stands where a folder is needed; another name is accepted",
-        errno.EEXIST: "a file stands where a folder is needed; another name is accepted",
-        errno.EISDIR: "a folder stands where a file is needed; another name is accepted",
-        errno.ENOENT: "no such folder; an existing one is accepted",
-        errno.ENAMETOOLONG: "the name is too long; a shorter one is accepted",
-    }
-    text = error.strerror or str(error)
-    return accepted.get(error.errno or 0, f"cannot be written ({text}); another place is accepted")
 
 
 class OutputFolder:
@@ -47,8 +22,10 @@ class OutputFolder:
     final : where it will be, absolute; reserved from the start. work : where files are written until ``commit``.
     """
 
-    def __init__(self, final: Path, work: Path, made: tuple[Path, ...]) -> None:
-        self.final, self.work, self._made = final, work, made
+    def __init__(self, final: Path, made: tuple[Path, ...]) -> None:
+        with explained(final):
+            self.work, self._mark = partial_folder(final)
+        self.final, self._made = final, made
         self.committed = False
 
     def __truediv__(self, name: str) -> Path:
@@ -68,8 +45,11 @@ class OutputFolder:
             os.rename(self.work, self.final)
         self.committed = True
 
-    def discard(self) -> None:
-        """Remove what was written and the folders that were made for it."""
+    def close(self) -> None:
+        """Without a commit, remove what was written and the folders that were made for it."""
+        os.close(self._mark)
+        if self.committed:
+            return
         shutil.rmtree(self.work, ignore_errors=True)
         for folder in self._made:
             with suppress(OSError):
@@ -88,6 +68,7 @@ def _reserve(name: str, out: Path | None) -> tuple[Path, tuple[Path, ...]]:
     if out is not None:
         final = Path(os.path.abspath(out))
         made = _make(final)
+        sweep(final.parent, final.name)
         with explained(final):
             taken = any(final.iterdir())
         if taken:
@@ -95,6 +76,9 @@ def _reserve(name: str, out: Path | None) -> tuple[Path, tuple[Path, ...]]:
         return final, made
     parent = Path.cwd() / DEFAULT_PARENT
     made = _make(parent)
+    for target in sweep(parent):
+        with suppress(OSError):  # the empty folder that a run which was killed had reserved
+            (parent / target).rmdir()
     stamp = f"{name}-{time.strftime('%Y%m%d-%H%M%S')}"
     for attempt in range(1, 1000):
         final = parent / (stamp if attempt == 1 else f"{stamp}-{attempt}")
@@ -103,7 +87,7 @@ def _reserve(name: str, out: Path | None) -> tuple[Path, tuple[Path, ...]]:
         except FileExistsError:
             continue
         except OSError as error:
-            raise StoreError(f"{final}: {_reason(error)}") from error
+            raise StoreError(f"{final}: {reason(error)}") from error
         return final, (final, *made)
     raise StoreError(f"{parent}: no free name for {stamp}; name one with --out")
 
@@ -125,33 +109,23 @@ def output_folder(name: str, out: Path | None = None) -> Iterator[OutputFolder]:
     """
     final, made = _reserve(name, out)
     try:
-        with explained(final):
-            work = Path(tempfile.mkdtemp(prefix=f".{final.name}.", suffix=".partial", dir=final.parent))
-            work.chmod(0o777 & ~_umask())
+        output = OutputFolder(final, made)
     except BaseException:
         for folder in made:
             with suppress(OSError):
                 folder.rmdir()
         raise
-    output = OutputFolder(final, work, made)
     try:
         yield output
     except StoreError as error:
         # the name people know, not that of the work in progress
-        raise StoreError(str(error).replace(str(work), str(final))) from error
+        raise StoreError(str(error).replace(str(output.work), str(final))) from error
     except OSError as error:
         if error.errno in (errno.ENOSPC, errno.EDQUOT):
-            raise StoreError(f"{final}: {_reason(error)}") from error
+            raise StoreError(f"{final}: {reason(error)}") from error
         raise
     finally:
-        if not output.committed:
-            output.discard()
-
-
-def _umask() -> int:
-    mask = os.umask(0o022)
-    os.umask(mask)
-    return mask
+        output.close()
 
 
 def check_writable(path: Path) -> None:
@@ -175,15 +149,5 @@ def write_text(path: Path, text: str) -> None:
         if path.exists() and not stat.S_ISREG(path.stat().st_mode):
             path.write_text(text, encoding="utf-8")
             return
-        handle, beside = tempfile.mkstemp(prefix=f".{path.name}.", suffix=".partial", dir=path.parent)
-        try:
-            with os.fdopen(handle, "w", encoding="utf-8") as file:
-                file.write(text)
-                file.flush()
-                os.fsync(file.fileno())
-            os.chmod(beside, 0o666 & ~_umask())
-            os.replace(beside, path)
-        except BaseException:
-            with suppress(OSError):
-                os.unlink(beside)
-            raise
+    with replacing(path) as part, part.open("w", encoding="utf-8") as file:
+        file.write(text)

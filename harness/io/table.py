@@ -1,8 +1,10 @@
 """A file seen as named columns, read only where somebody asks."""
 
 from abc import ABC, abstractmethod
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -59,19 +61,39 @@ class Table(ABC):
         return ", ".join(shown[:20]) + (", ..." if len(shown) > 20 else "")
 
 
-class ArrayTable(Table):
-    """Columns that are in memory already (.npz, .mat); a column of one value is a constant."""
+@dataclass(frozen=True, slots=True)
+class Held:
+    """An array that a file holds: its shape and type, and how its numbers are read when they are needed."""
 
-    def __init__(self, path: Path, columns: Mapping[str, FloatArray], units: Mapping[int, str]) -> None:
+    shape: tuple[int, ...]
+    dtype: np.dtype[Any]
+    load: Callable[[], Any]
+
+
+def held(value: object) -> Held:
+    """An array that is in memory already."""
+    array = np.asarray(value)
+    return Held(array.shape, array.dtype, lambda: array)
+
+
+class ArrayTable(Table):
+    """Columns of arrays (.npz, .mat); a column of one value is a constant."""
+
+    def __init__(self, path: Path, columns: Mapping[str, tuple[Held, int | None]], units: Mapping[int, str]) -> None:
         super().__init__(path, list(columns), units)
         self._columns = list(columns.values())
 
     def read(self, positions: Sequence[int]) -> list[FloatArray]:
         """See Table."""
-        return [self._columns[i] for i in positions]
+        return [self._column(*self._columns[i]) for i in positions]
+
+    @staticmethod
+    def _column(source: Held, part: int | None) -> FloatArray:
+        array = np.asarray(source.load())
+        return np.ascontiguousarray(array.ravel() if part is None else array[:, part], np.float64)
 
 
-def table_of_arrays(path: Path, arrays: Mapping[str, object]) -> ArrayTable:
+def table_of_arrays(path: Path, arrays: Mapping[str, Held]) -> ArrayTable:
     """Make a table of numeric arrays by name; a matrix becomes one column for each of its columns.
 
     Vectors of shape (n,), (n, 1) and (1, n) are columns; anything that is not numeric is left out.
@@ -79,21 +101,19 @@ def table_of_arrays(path: Path, arrays: Mapping[str, object]) -> ArrayTable:
     """
     from harness.io.units import split_header
 
-    columns: dict[str, FloatArray] = {}
+    columns: dict[str, tuple[Held, int | None]] = {}
     units: dict[int, str] = {}
-    for header, value in arrays.items():
-        array = np.asarray(value)
-        if array.dtype.kind not in "fiub" or array.size == 0 or array.ndim > 2:
+    for header, source in arrays.items():
+        shape = source.shape
+        if source.dtype.kind not in "fiub" or 0 in shape or len(shape) > 2:
             continue
         name, unit = split_header(header)
-        parts = [array.ravel()] if array.ndim < 2 or 1 in array.shape else list(array.T)
+        parts = [None] if len(shape) < 2 or 1 in shape else list(range(shape[1]))
         for number, part in enumerate(parts, 1):
             if unit is not None:
                 units[len(columns)] = unit
             label = name if len(parts) == 1 else f"{name}.{number}"
-            columns[label if label not in columns else f"{label}#{len(columns) + 1}"] = np.ascontiguousarray(
-                part, np.float64
-            )
+            columns[label if label not in columns else f"{label}#{len(columns) + 1}"] = source, part
     if not columns:
         raise InputError(str(path), "no numeric array in it", "vectors t and one or more of x, v, a, u are accepted")
     return ArrayTable(path, columns, units)

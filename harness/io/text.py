@@ -1,9 +1,8 @@
 """Tables in text: CSV with any usual separator, plain whitespace tables, both also gzipped."""
 
 import csv
-import gzip
 import re
-import zlib
+from array import array
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -11,11 +10,15 @@ from pathlib import Path
 import numpy as np
 
 from harness.core.arrays import FloatArray
+from harness.core.bounded import read_bytes, unpacked
 from harness.core.errors import InputError
 from harness.io.table import Table
 from harness.io.units import split_header
 
 _HEAD = 1 << 16
+MOST_ROWS = 20_000_000
+"""Of a text table: with the bound on its bytes, what keeps the memory it takes below 2 GiB."""
+_LONGEST_LINE = 1 << 20
 _COMMENT = ("#", "%")
 
 
@@ -43,10 +46,14 @@ def _number(cell: str, decimal: str = ".") -> float | None:
         return None
 
 
-def _cells(line: str, separator: str) -> list[str]:
+def _cells(where: str, line: str, separator: str) -> list[str]:
     if not separator:
         return line.split()
-    return [cell.strip() for cell in next(csv.reader([line], delimiter=separator))]
+    try:
+        return [cell.strip() for cell in next(csv.reader([line], delimiter=separator))]
+    except csv.Error as error:
+        accepted = f"cells of at most {csv.field_size_limit()} characters are accepted"
+        raise InputError(where, f"unreadable ({error})", accepted) from None
 
 
 def _separator(lines: Sequence[str]) -> tuple[str, str]:
@@ -59,8 +66,8 @@ def _separator(lines: Sequence[str]) -> tuple[str, str]:
     return "", "."
 
 
-def _layout(path: Path, data: bytes, skip_rows: int) -> _Layout:
-    head = data[:_HEAD]
+def _layout(path: Path, data: bytes | bytearray, skip_rows: int) -> _Layout:
+    head = bytes(data[:_HEAD])
     lines = head.split(b"\n")
     if len(data) > _HEAD and len(lines) > 1:
         lines.pop()
@@ -81,40 +88,59 @@ def _layout(path: Path, data: bytes, skip_rows: int) -> _Layout:
     sample = [text for _, _, text in body[:20]]
     separator, decimal = _separator(sample)
     number, start, first = body[0]
-    cells = _cells(first, separator)
+    where = f"{path}: line {number}"
+    cells = _cells(where, first, separator)
     if any(_number(cell, decimal) is not None and cell for cell in cells):
         comments = [text.lstrip("#% ") for n, _, text in shown if n < number]
-        named = _header(comments[-1], separator) if comments else []
+        named = _header(where, comments[-1], separator) if comments else []
         fields = tuple(named) if len(named) == len(cells) else ("",) * len(cells)
         return _Layout(separator, decimal, fields, start, number)
-    cells = _header(first, separator)
+    cells = _header(where, first, separator)
     if len(body) == 1:
         raise InputError(str(path), "0 rows under the header", "at least 50 are accepted")
     return _Layout(separator, decimal, tuple(cells), body[1][1], body[1][0])
 
 
-def _header(line: str, separator: str) -> list[str]:
+def _header(where: str, line: str, separator: str) -> list[str]:
     """The fields of a header; between blanks, ``x [mm]`` stays together."""
-    return _cells(line, separator) if separator else re.findall(r"[^\s\[]+(?:\s*\[[^\]]*\])?", line)
+    if separator:
+        return _cells(where, line, separator)
+    # a unit's text holds no second bracket: what is searched for its end ends at the next one
+    return re.findall(r"[^\s\[]+(?:\s?\[[^\[\]]*\])?", " ".join(line.split()))
 
 
-def _decode(raw: bytes) -> str:
+def _decode(raw: bytes | bytearray) -> str:
     try:
         return raw.decode("utf-8-sig")
     except UnicodeDecodeError:
         return raw.decode("latin-1")
 
 
-def _bytes(path: Path) -> bytes:
+def _bytes(path: Path) -> bytes | bytearray:
+    """The content, unpacked, its lines ended by a line feed whatever system wrote them."""
     try:
-        data = path.read_bytes()
-        if data[:2] == b"\x1f\x8b":
-            data = gzip.decompress(data)
-    except (OSError, EOFError, zlib.error) as error:
-        raise InputError(str(path), f"unreadable ({error})", "a readable file is accepted") from None
+        with path.open("rb") as file:
+            packed = file.read(2) == b"\x1f\x8b"
+            file.seek(0)
+            data = unpacked(path, file) if packed else read_bytes(path)
+    except OSError as error:
+        raise InputError(str(path), error.strerror or "unreadable", "a file that can be read is accepted") from None
     if b"\x00" in data[:_HEAD]:
         raise InputError(str(path), "binary content", "a text table in UTF-8 is accepted")
-    return data if b"\n" in data else data.replace(b"\r", b"\n")
+    if b"\r" in data:
+        data = data.replace(b"\r\n", b"\n").replace(b"\r", b"\n")
+    rows = data.count(b"\n")
+    if rows > MOST_ROWS:
+        raise InputError(str(path), f"{rows} lines", f"at most {MOST_ROWS} are accepted")
+    return data
+
+
+def _single_blanks(data: bytes | bytearray) -> bytes:
+    """Lines without blanks at their ends, and one blank between cells."""
+    found = bytes(data).replace(b"\t", b" ")
+    while b"  " in found:
+        found = found.replace(b"  ", b" ")
+    return found.replace(b" \n", b"\n").replace(b"\n ", b"\n").strip(b" ")
 
 
 class TextTable(Table):
@@ -133,7 +159,7 @@ class TextTable(Table):
 
         layout, data = self._layout, memoryview(self._data)[self._layout.offset :]
         if not layout.separator:
-            data = memoryview(re.sub(rb"[ \t]+", b" ", re.sub(rb"(?m)^[ \t]+|[ \t\r]+$", b"", data)))
+            data = memoryview(_single_blanks(self._data[layout.offset :]))
         names = [f"#{i}" for i in range(len(self.names))]
         wanted = list(dict.fromkeys(names[i] for i in positions))
         try:
@@ -155,15 +181,21 @@ class TextTable(Table):
 
     def _rows(self) -> Iterator[tuple[int, list[str]]]:
         """Line number and cells of every row."""
-        layout = self._layout
-        for line, raw in enumerate(self._data[layout.offset :].split(b"\n"), layout.line):
-            text = _decode(raw).strip(" \r")
+        start, line = self._layout.offset, self._layout.line
+        while start < len(self._data):
+            end = self._data.find(b"\n", start)
+            end = len(self._data) if end < 0 else end
+            where = f"{self.path}: line {line}"
+            if end - start > _LONGEST_LINE:
+                raise InputError(where, f"{end - start} bytes", f"lines of at most {_LONGEST_LINE} are accepted")
+            text = _decode(self._data[start:end]).strip(" ")
             if text.strip() and not text.startswith(_COMMENT):
-                yield line, _cells(text, layout.separator)
+                yield line, _cells(where, text, self._layout.separator)
+            start, line = end + 1, line + 1
 
     def _read_slowly(self, positions: Sequence[int]) -> list[FloatArray]:
         """Cell by cell: to say where the fast reader stumbled, or to read what only it could not."""
-        columns: list[list[float]] = [[] for _ in positions]
+        columns = [array("d") for _ in positions]
         width = len(self.names)
         for row, (line, cells) in enumerate(self._rows(), 1):
             if len(cells) != width:

@@ -10,7 +10,6 @@ from harness.core.errors import InputError
 STANDARD_GRAVITY = 9.80665
 """m/s^2; what ``[g]`` means on an acceleration (elsewhere ``g`` is the gram)."""
 
-_HEADER = re.compile(r"^\s*(?P<name>.*?)\s*(?:\[(?P<unit>[^\[\]]*)\])?\s*$", re.DOTALL)
 _GRAVITY = re.compile(r"^(?P<prefix>[mµμu]?)(?:g|G|gn|g_0|g0)$")
 _PLAIN = re.compile(r"^[\w\s*/^().%°²³⁻¹·-]{1,60}$")
 _LARGE_EXPONENT = re.compile(r"(?:\*\*|\^)[\s(+-]*(?:\d{2,}|[^\d\s])|\*\*[^*]*\*\*|\^[^^]*\^")
@@ -51,11 +50,11 @@ SI = Unit("", 1.0, False)
 
 def split_header(header: str) -> tuple[str, str | None]:
     """Split ``x [mm]`` into name and unit; the unit is None when there are no brackets."""
-    match = _HEADER.match(header)
-    if match is None:  # pragma: no cover - the pattern matches every text
-        return header.strip(), None
-    unit = match["unit"]
-    return match["name"], None if unit is None else unit.strip()
+    text = header.strip()
+    name, bracket, unit = text[:-1].rpartition("[")
+    if text.endswith("]") and bracket and "]" not in unit:
+        return name.strip(), unit.strip()
+    return text, None
 
 
 @cache

@@ -14,8 +14,6 @@ from harness.model.term import Slot
 TOLERANCE = 1e-9
 """Default error per step relative to the scale of the motion."""
 
-_PUSHES = {"constant-force": "force", "harmonic-force": "A", "force-ripple": "amplitude"}
-
 
 @dataclass(frozen=True, slots=True)
 class Drive:
@@ -55,12 +53,12 @@ class Scales:
         """From the model itself: its release, its frequency, what pushes and knocks it."""
         omega = math.sqrt(model.k / model.m) if model.restoring is not Restoring.NONE else 0.0
         push = float(np.max(np.abs(drive.u))) if drive is not None else 0.0
-        push += sum(abs(e.value(_PUSHES[e.term.name])) for e in model.terms if e.term.name in _PUSHES)
+        push += sum(abs(e.values[e.term.push]) for e in model.terms if e.term.push is not None)
         if omega == 0.0:
             # without a spring: the time in which viscous damping stops it, at least the recording's own scale
             span = float(drive.t[-1] - drive.t[0]) if drive is not None and drive.t.size > 1 else 1.0
             omega = max(model.c / model.m, 6.0 / span)
-        speed = abs(model.v0) + sum(abs(e.value("impulse")) / model.m for e in model.in_slot(Slot.EVENT))
+        speed = abs(model.v0) + sum(abs(e.values[1]) / model.m for e in model.in_slot(Slot.EVENT))
         inside = max((abs(w) for e in model.terms for w in e.internal0), default=0.0)
         x = max(abs(model.x0), speed / omega, push / model.m / omega**2, inside, 1e-12)
         return cls(x, max(speed, x * omega), omega)

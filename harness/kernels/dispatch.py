@@ -2,55 +2,40 @@
 
 from harness.core.arrays import FloatArray
 from harness.core.jit import compiled
-from harness.model.terms import (
-    asymmetric_viscous,
-    attached_mode,
-    backlash,
-    constant_force,
-    cubic_stiffness,
-    end_stop,
-    force_ripple,
-    friction_drift,
-    harmonic_force,
-    normal_load_variation,
-    pendulum_stiffness,
-    position_dependent_friction_cosine,
-    position_dependent_friction_slope,
-    power_law_damping,
-    quadratic_drag,
-    quadratic_stiffness,
-    stiffness_drift,
-    viscoelastic,
-)
+from harness.kernels.laws import laws
+from harness.kernels.layout import BRISTLES, INTERNAL, LEVELS, MODULATIONS, SMOOTH, SMOOTHED
 
-_position_dependent_friction = compiled(position_dependent_friction_slope.law, lean=True)
-_position_dependent_friction_periodic = compiled(position_dependent_friction_cosine.law, lean=True)
-_friction_drift = compiled(friction_drift.law, lean=True)
-_normal_load_variation = compiled(normal_load_variation.law, lean=True)
-_quadratic_drag = compiled(quadratic_drag.law, lean=True)
-_asymmetric_viscous = compiled(asymmetric_viscous.law, lean=True)
-_power_law_damping = compiled(power_law_damping.law, lean=True)
-_cubic_stiffness = compiled(cubic_stiffness.law, lean=True)
-_quadratic_stiffness = compiled(quadratic_stiffness.law, lean=True)
-_pendulum_stiffness = compiled(pendulum_stiffness.law, lean=True)
-_end_stop = compiled(end_stop.law_both, lean=True)
-_end_stop_positive = compiled(end_stop.law, lean=True)
-_end_stop_negative = compiled(end_stop.law_negative, lean=True)
-_backlash = compiled(backlash.law, lean=True)
-_stiffness_drift = compiled(stiffness_drift.law, lean=True)
-_constant_force = compiled(constant_force.law, lean=True)
-_force_ripple = compiled(force_ripple.law, lean=True)
-_harmonic_force = compiled(harmonic_force.law, lean=True)
-_viscoelastic = compiled(viscoelastic.law, lean=True)
-_attached_mode = compiled(attached_mode.law, lean=True)
+(_stribeck,) = laws(LEVELS, "stribeck")
+
+
+def _speed_level(number: int, v: float, theta: FloatArray, o: int, out: FloatArray) -> None:
+    """Level of friction by speed, and its partials."""
+    if number == 0:
+        _stribeck(v, theta, o, out)
+
+
+speed_level = compiled(_speed_level, lean=True)
+
+(
+    _position_dependent_friction,
+    _position_dependent_friction_periodic,
+    _friction_drift,
+    _normal_load_variation,
+) = laws(
+    MODULATIONS,
+    "position-dependent-friction",
+    "position-dependent-friction:periodic",
+    "friction-drift",
+    "normal-load-variation",
+)
 
 
 def _modulation(number: int, x: float, v: float, t: float, theta: FloatArray, o: int, out: FloatArray) -> None:
     """Factor on f_k and its partials."""
     if number == 0:
-        _position_dependent_friction(x, v, t, theta, o, out)
+        _position_dependent_friction(x, v, theta, o, out)
     elif number == 1:
-        _position_dependent_friction_periodic(x, v, t, theta, o, out)
+        _position_dependent_friction_periodic(x, v, theta, o, out)
     elif number == 2:
         _friction_drift(x, v, t, theta, o, out)
     elif number == 3:
@@ -59,40 +44,106 @@ def _modulation(number: int, x: float, v: float, t: float, theta: FloatArray, o:
 
 modulation = compiled(_modulation, lean=True)
 
+(_presliding,) = laws(BRISTLES, "presliding")
+
+
+def _bristle_law(
+    number: int, v: float, side: int, z: float, level: float, theta: FloatArray, o: int, out: FloatArray
+) -> None:
+    """Friction of a bristle (row 0), its rate, and partials."""
+    if number == 0:
+        _presliding(v, side, z, level, theta, o, out)
+
+
+bristle_law = compiled(_bristle_law, lean=True)
+
+(_regularised_friction,) = laws(SMOOTHED, "regularised-friction")
+
+
+def _smoothed_law(number: int, v: float, a: float, level: float, theta: FloatArray, o: int, out: FloatArray) -> None:
+    """Friction without stick and without a state, and its partials."""
+    if number == 0:
+        _regularised_friction(v, a, level, theta, o, out)
+
+
+smoothed_law = compiled(_smoothed_law, lean=True)
+
+(
+    _quadratic_drag,
+    _asymmetric_viscous,
+    _power_law_damping,
+    _cubic_stiffness,
+    _quadratic_stiffness,
+    _pendulum_stiffness,
+    _end_stop,
+    _end_stop_positive,
+    _end_stop_negative,
+    _backlash,
+    _stiffness_drift,
+    _constant_force,
+    _force_ripple,
+    _harmonic_force,
+) = laws(
+    SMOOTH,
+    "quadratic-drag",
+    "asymmetric-viscous",
+    "power-law-damping",
+    "cubic-stiffness",
+    "quadratic-stiffness",
+    "pendulum-stiffness",
+    "end-stop",
+    "end-stop:positive",
+    "end-stop:negative",
+    "backlash",
+    "stiffness-drift",
+    "constant-force",
+    "force-ripple",
+    "harmonic-force",
+)
+
 
 def _smooth(number: int, x: float, v: float, t: float, theta: FloatArray, o: int, out: FloatArray) -> None:
     """Force on the left side and its partials."""
     if number == 0:
-        _quadratic_drag(x, v, t, theta, o, out)
+        _quadratic_drag(x, v, theta, o, out)
     elif number == 1:
-        _asymmetric_viscous(x, v, t, theta, o, out)
+        _asymmetric_viscous(x, v, theta, o, out)
     elif number == 2:
-        _power_law_damping(x, v, t, theta, o, out)
+        _power_law_damping(x, v, theta, o, out)
     elif number == 3:
-        _cubic_stiffness(x, v, t, theta, o, out)
+        _cubic_stiffness(x, v, theta, o, out)
     elif number == 4:
-        _quadratic_stiffness(x, v, t, theta, o, out)
+        _quadratic_stiffness(x, v, theta, o, out)
     elif number == 5:
-        _pendulum_stiffness(x, v, t, theta, o, out)
+        _pendulum_stiffness(x, v, theta, o, out)
     elif number == 6:
-        _end_stop(x, v, t, theta, o, out)
+        _end_stop(x, v, theta, o, out)
     elif number == 7:
-        _end_stop_positive(x, v, t, theta, o, out)
+        _end_stop_positive(x, v, theta, o, out)
     elif number == 8:
-        _end_stop_negative(x, v, t, theta, o, out)
+        _end_stop_negative(x, v, theta, o, out)
     elif number == 9:
-        _backlash(x, v, t, theta, o, out)
+        _backlash(x, v, theta, o, out)
     elif number == 10:
         _stiffness_drift(x, v, t, theta, o, out)
     elif number == 11:
-        _constant_force(x, v, t, theta, o, out)
+        _constant_force(x, v, theta, o, out)
     elif number == 12:
-        _force_ripple(x, v, t, theta, o, out)
+        _force_ripple(x, v, theta, o, out)
     elif number == 13:
         _harmonic_force(x, v, t, theta, o, out)
 
 
 smooth = compiled(_smooth, lean=True)
+
+(
+    _viscoelastic,
+    _attached_mode,
+) = laws(
+    INTERNAL,
+    "viscoelastic",
+    "attached-mode",
+)
 
 
 def _internal(

@@ -16,13 +16,13 @@ from harness.kernels.layout import (
     COULOMB,
     FRICTION,
     FRICTION_AT,
+    LEVEL_AT,
     LISTS,
     N_INTERNAL,
     N_KNOCK,
     N_MODULATION,
     N_SMOOTH,
     N_STATE,
-    STRIBECK_AT,
 )
 from harness.kernels.rhs import FREE, SATURATED, STICKS, excess, rhs
 from harness.kernels.step import slope, step
@@ -62,7 +62,7 @@ mode_moving = compiled(_mode_moving, lean=True)
 def _saturates(mode: int, w: Work) -> bool:
     """Whether a bristle under a constant level has reached its full deflection; then it is put there exactly."""
     spec, theta = w.spec, w.theta
-    if abs(mode) != FREE or spec[FRICTION] != BRISTLE or spec[STRIBECK_AT] >= 0 or spec[N_MODULATION] > 0:
+    if abs(mode) != FREE or spec[FRICTION] != BRISTLE or spec[LEVEL_AT] >= 0 or spec[N_MODULATION] > 0:
         return False
     at = spec[FRICTION_AT]
     full = theta[KINETIC] / theta[at]

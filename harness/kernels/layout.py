@@ -18,16 +18,20 @@ from harness.model.term import Slot
 # places in spec
 RESTORING: Final = 0
 FRICTION: Final = 1
-FRICTION_AT: Final = 2
-STRIBECK_AT: Final = 3
-BREAK_AWAY_AT: Final = 4
-N_MODULATION: Final = 5
-N_SMOOTH: Final = 6
-N_INTERNAL: Final = 7
-N_KNOCK: Final = 8
-N_STATE: Final = 9
-CHANGES_IN_TIME: Final = 10
-LISTS: Final = 11
+FRICTION_LAW: Final = 2
+FRICTION_AT: Final = 3
+FRICTION_SIZE: Final = 4
+LEVEL: Final = 5
+LEVEL_AT: Final = 6
+LEVEL_SIZE: Final = 7
+BREAK_AWAY_AT: Final = 8
+N_MODULATION: Final = 9
+N_SMOOTH: Final = 10
+N_INTERNAL: Final = 11
+N_KNOCK: Final = 12
+N_STATE: Final = 13
+CHANGES_IN_TIME: Final = 14
+LISTS: Final = 15
 
 # values of FRICTION
 NO_FRICTION, COULOMB, BRISTLE, REGULARISED = range(4)
@@ -35,11 +39,12 @@ NO_FRICTION, COULOMB, BRISTLE, REGULARISED = range(4)
 NO_SPRING, SPRING, PENDULUM = range(3)
 
 _RESTORING = {Restoring.NONE: NO_SPRING, Restoring.SPRING: SPRING, Restoring.PENDULUM: PENDULUM}
-_FRICTION = {"presliding": BRISTLE, "regularised-friction": REGULARISED}
-_TIME_TERMS = frozenset({"harmonic-force", "stiffness-drift", "friction-drift", "normal-load-variation"})
 MODULATIONS: Final = of_slot(Slot.FRICTION_MODULATION)
 SMOOTH: Final = of_slot(Slot.SMOOTH)
 INTERNAL: Final = of_slot(Slot.INTERNAL)
+LEVELS: Final = of_slot(Slot.FRICTION_LEVEL)
+BRISTLES: Final = tuple(t for t in of_slot(Slot.FRICTION_LAW) if t.internal)
+SMOOTHED: Final = tuple(t for t in of_slot(Slot.FRICTION_LAW) if not t.internal)
 
 
 @dataclass(frozen=True, slots=True)
@@ -49,7 +54,6 @@ class Layout:
     spec : (s,) int64. theta : (P,) float64. names : name of each place in theta ("c", "cubic-stiffness.k3").
     start : (n,) state at release. state_names : "x", "v", then internal states. speeds : places of the states that are
     speeds. term_at : first place of each term. fastest : largest angular frequency of a force in time, rad/s.
-    A second term of a kind has "#2" behind its key in the names.
     """
 
     spec: IntArray
@@ -68,44 +72,48 @@ def lay_out(model: Model, v_scale: float) -> Layout:
     names = ["m", "c", "k", "f_k", "f_s", "v_scale"]
     assert tuple(range(7)) == (MASS, VISCOUS, STIFFNESS, KINETIC, STATIC, V_SCALE, FIRST_TERM)
     term_at: list[int] = []
-    labels: list[str] = []
-    for i, entry in enumerate(model.terms):
-        earlier = sum(other.term is entry.term for other in model.terms[:i])
-        labels.append(f"{entry.term.key}#{earlier + 1}" if earlier else entry.term.key)
+    for label, entry in zip(model.labels, model.terms, strict=True):
         term_at.append(len(theta))
         theta += entry.values
-        names += [f"{labels[i]}.{name}" for name in entry.term.names]
+        names += [f"{label}.{name}" for name in entry.term.names]
 
-    def of(*slots: Slot) -> list[tuple[int, ModelTerm]]:
-        """Terms in these slots with the places of their parameters."""
-        return [(at, e) for at, e in zip(term_at, model.terms, strict=True) if e.term.slot in slots]
+    def of(slot: Slot) -> list[tuple[int, ModelTerm]]:
+        """Terms in a slot with the places of their parameters."""
+        return [(at, e) for at, e in zip(term_at, model.terms, strict=True) if e.term.slot is slot]
 
     spec = [0] * LISTS
     spec[RESTORING] = _RESTORING[model.restoring]
     laws, levels = of(Slot.FRICTION_LAW), of(Slot.FRICTION_LEVEL)
-    spec[FRICTION] = _FRICTION[laws[0][1].term.name] if laws else COULOMB
-    spec[FRICTION_AT] = laws[0][0] if laws else -1
-    spec[STRIBECK_AT] = levels[0][0] if levels else -1
+    spec[FRICTION], spec[FRICTION_AT], spec[LEVEL_AT] = COULOMB, -1, -1
+    for at, entry in laws:
+        of_kind = BRISTLES if entry.term.internal else SMOOTHED
+        spec[FRICTION] = BRISTLE if entry.term.internal else REGULARISED
+        spec[FRICTION_LAW], spec[FRICTION_AT] = of_kind.index(entry.term), at
+        spec[FRICTION_SIZE] = len(entry.values)
+    for at, entry in levels:
+        spec[LEVEL], spec[LEVEL_AT], spec[LEVEL_SIZE] = LEVELS.index(entry.term), at, len(entry.values)
     static = of(Slot.BREAK_AWAY) or levels
     spec[BREAK_AWAY_AT] = static[0][0] if static else (KINETIC if model.f_s is None else STATIC)
     modulations = [(MODULATIONS.index(e.term), at, len(e.values)) for at, e in of(Slot.FRICTION_MODULATION)]
     smooth = [(SMOOTH.index(e.term), at, len(e.values)) for at, e in of(Slot.SMOOTH)]
     start, state_names, speeds = [model.x0, model.v0], ["x", "v"], [1]
+    inside = any(e.term.internal for e in model.terms)
+    own_names = dict(zip(term_at, model.internal_names, strict=True)) if inside else {}
     if spec[FRICTION] == BRISTLE:
         start += laws[0][1].internal0
-        state_names.append("presliding.z")
+        state_names += own_names[laws[0][0]]
     internal = []
     for at, entry in of(Slot.INTERNAL):
         internal.append((INTERNAL.index(entry.term), at, len(entry.values), len(start), entry.term.internal))
+        state_names += own_names[at]
         for i, value in enumerate(entry.internal0):
-            state_names.append(f"{labels[term_at.index(at)]}.w{i}")
             if i in entry.term.speeds:
                 speeds.append(len(start))
             start.append(value + (model.v0 if i in entry.term.speeds else 0.0))
     knocks = sorted(of(Slot.EVENT), key=lambda found: found[1].values[0])
     spec[N_MODULATION], spec[N_SMOOTH] = len(modulations), len(smooth)
     spec[N_INTERNAL], spec[N_KNOCK], spec[N_STATE] = len(internal), len(knocks), len(start)
-    spec[CHANGES_IN_TIME] = int(bool(internal) or any(e.term.name in _TIME_TERMS for e in model.terms))
+    spec[CHANGES_IN_TIME] = int(bool(internal) or any(e.term.changes_in_time for e in model.terms))
     for group in (*modulations, *smooth, *internal):
         spec += group
     spec += [at for at, _ in knocks]
@@ -117,5 +125,5 @@ def lay_out(model: Model, v_scale: float) -> Layout:
         tuple(state_names),
         tuple(speeds),
         tuple(term_at),
-        max((e.value("Omega") for e in model.terms if "Omega" in e.term.names), default=0.0),
+        max((e.repeats("time") or 0.0 for e in model.terms), default=0.0),
     )

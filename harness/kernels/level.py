@@ -1,12 +1,10 @@
 """The level of dry friction: the curve f_k(v) times the modulations, and the break-away level, with partials."""
 
-import math
-
 from harness.core.jit import compiled
-from harness.kernels.dispatch import modulation
-from harness.kernels.layout import BREAK_AWAY_AT, LISTS, N_MODULATION, STRIBECK_AT
+from harness.kernels.dispatch import modulation, speed_level
+from harness.kernels.layout import BREAK_AWAY_AT, LEVEL, LEVEL_AT, LEVEL_SIZE, LISTS, N_MODULATION
 from harness.kernels.work import Work
-from harness.model.law import COLUMNS, D_PARAMETER, D_T, D_X, KINETIC, MAX_PARAMETERS, VALUE
+from harness.model.law import COLUMNS, D_LEVEL, D_PARAMETER, D_T, D_V, D_X, KINETIC, MAX_PARAMETERS, VALUE
 
 
 def _modulated(t: float, x: float, v: float, w: Work) -> tuple[float, float, float]:
@@ -50,38 +48,30 @@ by_modulation = compiled(_by_modulation, lean=True)
 
 
 def _curve(v: float, w: Work) -> tuple[float, float]:
-    """f_k(v) before modulation, and its slope."""
-    theta, at = w.theta, w.spec[STRIBECK_AT]
-    level = theta[KINETIC]
+    """f_k(v) before modulation, and its slope; leaves both with the partials in w.level."""
+    row, at = w.level, w.spec[LEVEL_AT]
     if at < 0:
-        return level, 0.0
-    f_s, v_s = theta[at], theta[at + 1]
-    ratio = v / v_s
-    # exactly f_s at v = 0, where it is held against the break-away level
-    return f_s + (f_s - level) * math.expm1(-ratio * ratio), -2.0 * (f_s - level) * math.exp(
-        -ratio * ratio
-    ) * ratio / v_s
+        row[VALUE], row[D_V], row[D_LEVEL] = w.theta[KINETIC], 0.0, 1.0
+    else:
+        for j in range(COLUMNS):
+            row[j] = 0.0
+        speed_level(w.spec[LEVEL], v, w.theta, at, row)
+    return row[VALUE], row[D_V]
 
 
 curve = compiled(_curve, lean=True)
 
 
 def _level_partials(t: float, x: float, v: float, product: float, weight: float, i: int, w: Work) -> None:
-    """Set by_theta[i] to weight times the partials of the friction level by every parameter it depends on."""
-    theta, by_theta = w.theta, w.by_theta
-    level, at = theta[KINETIC], w.spec[STRIBECK_AT]
+    """Set by_theta[i] to weight times the partials of the friction level that ``curve`` has just been asked for."""
+    row, by_theta = w.level, w.by_theta
+    at = w.spec[LEVEL_AT]
+    by_theta[i, KINETIC] = weight * product * row[D_LEVEL]
     if at >= 0:
-        v_s = theta[at + 1]
-        e = math.exp(-((v / v_s) ** 2))
-        excess = theta[at] - level
-        by_theta[i, KINETIC] = weight * product * (1.0 - e)
-        by_theta[i, at] = weight * product * e
-        by_theta[i, at + 1] = weight * product * 2.0 * excess * e * v * v / (v_s * v_s * v_s)
-        level += excess * e
-    else:
-        by_theta[i, KINETIC] = weight * product
+        for j in range(min(w.spec[LEVEL_SIZE], MAX_PARAMETERS)):
+            by_theta[i, at + j] = weight * product * row[D_PARAMETER + j]
     if w.spec[N_MODULATION] > 0:
-        by_modulation(t, x, v, product, weight * level, i, w)
+        by_modulation(t, x, v, product, weight * row[VALUE], i, w)
 
 
 level_partials = compiled(_level_partials, lean=True)
@@ -89,8 +79,8 @@ level_partials = compiled(_level_partials, lean=True)
 
 def _break_away_at(w: Work) -> int:
     """Place in theta of the break-away level: never below the friction that sets in at v = 0."""
-    at, stribeck = w.spec[BREAK_AWAY_AT], w.spec[STRIBECK_AT]
-    sliding = stribeck if stribeck >= 0 else KINETIC
+    at, level = w.spec[BREAK_AWAY_AT], w.spec[LEVEL_AT]
+    sliding = level if level >= 0 else KINETIC
     return sliding if w.theta[sliding] > w.theta[at] else at
 
 

@@ -9,11 +9,23 @@ from typing import Final
 
 from harness.core.arrays import FloatArray
 from harness.core.jit import compiled
+from harness.kernels.dispatch import bristle_law, smoothed_law
 from harness.kernels.forces import net_force
-from harness.kernels.layout import BRISTLE, FRICTION, FRICTION_AT, N_STATE, REGULARISED
+from harness.kernels.layout import BRISTLE, FRICTION, FRICTION_AT, FRICTION_LAW, FRICTION_SIZE, N_STATE, REGULARISED
 from harness.kernels.level import break_away_at, curve, level_partials, modulated
 from harness.kernels.work import PLACES, ROW_BRISTLE, ROW_V, SPARE, Work, plain
-from harness.model.law import MASS
+from harness.model.law import (
+    COLUMNS,
+    D_FREE,
+    D_INTERNAL,
+    D_LEVEL,
+    D_PARAMETER,
+    D_V,
+    INTERNAL_COLUMNS,
+    MASS,
+    MAX_PARAMETERS,
+    VALUE,
+)
 
 _STUCK: Final = plain(0)
 STICKS: Final = plain(1)
@@ -22,40 +34,33 @@ SATURATED: Final = plain(3)
 
 
 def _bristle(stage: int, t: float, z: FloatArray, side: int, product: float, by_x: float, w: Work) -> float:
-    """Friction of a bristle: z' = v - sigma0 |v| z/level, f = sigma0 z + sigma1 z'; adds its partials."""
-    ks, jac, by_theta = w.ks, w.jac, w.by_theta
+    """Friction of a bristle, by its law; sets the bristle's rate and adds the partials of both."""
+    ks, jac, by_theta, rows = w.ks, w.jac, w.by_theta, w.rows
     at, over_m = w.spec[FRICTION_AT], 1.0 / w.theta[MASS]
-    s0, s1 = w.theta[at], w.theta[at + 1]
-    x, v, b = z[0], z[1], z[2]
-    speed = max(side * v, 0.0)
+    x, v = z[0], z[1]
     f_k, slope = curve(v, w)
     level, level_x, level_v = f_k * product, f_k * by_x, slope * product
+    for i in range(2):
+        for j in range(INTERNAL_COLUMNS):
+            rows[i, j] = 0.0
+    # without load the bristle lets go
+    if level > 0.0:
+        bristle_law(w.spec[FRICTION_LAW], v, side, z[2], level, w.theta, at, rows)
+    ks[stage, 2] = rows[1, VALUE]
+    jac[1, 0] -= rows[0, D_LEVEL] * level_x * over_m
+    jac[1, 1] -= (rows[0, D_V] + rows[0, D_LEVEL] * level_v) * over_m
+    jac[1, 2] = -rows[0, D_INTERNAL] * over_m
+    jac[2, 0] = rows[1, D_LEVEL] * level_x
+    jac[2, 1] = rows[1, D_V] + rows[1, D_LEVEL] * level_v
+    jac[2, 2] = rows[1, D_INTERNAL]
     for j in range(3, w.spec[N_STATE]):
         jac[2, j] = 0.0
-    if level <= 0.0:
-        # without load the bristle lets go
-        ks[stage, 2] = 0.0
-        jac[1, 2], jac[2, 0], jac[2, 1], jac[2, 2] = 0.0, 0.0, 0.0, 0.0
-        level_partials(t, x, v, product, 0.0, ROW_V, w)
-        level_partials(t, x, v, product, 0.0, ROW_BRISTLE, w)
-        by_theta[1, at], by_theta[1, at + 1], by_theta[2, at] = 0.0, 0.0, 0.0
-        return 0.0
-    pull = s0 * speed * b / level
-    rate = v - pull
-    rate_v = 1.0 - s0 * side * b / level + pull * level_v / level
-    rate_x = pull * level_x / level
-    rate_b = -s0 * speed / level
-    ks[stage, 2] = rate
-    jac[1, 0] -= s1 * rate_x * over_m
-    jac[1, 1] -= s1 * rate_v * over_m
-    jac[1, 2] = -(s0 + s1 * rate_b) * over_m
-    jac[2, 0], jac[2, 1], jac[2, 2] = rate_x, rate_v, rate_b
-    level_partials(t, x, v, product, -s1 * pull / level * over_m, ROW_V, w)
-    level_partials(t, x, v, product, pull / level, ROW_BRISTLE, w)
-    by_theta[1, at] = -(b - s1 * speed * b / level) * over_m
-    by_theta[1, at + 1] = -rate * over_m
-    by_theta[2, at] = -speed * b / level
-    friction: float = s0 * b + s1 * rate
+    for j in range(min(w.spec[FRICTION_SIZE], MAX_PARAMETERS)):
+        by_theta[1, at + j] = -rows[0, D_PARAMETER + j] * over_m
+        by_theta[2, at + j] = rows[1, D_PARAMETER + j]
+    level_partials(t, x, v, product, -rows[0, D_LEVEL] * over_m, ROW_V, w)
+    level_partials(t, x, v, product, rows[1, D_LEVEL], ROW_BRISTLE, w)
+    friction: float = rows[0, VALUE]
     return friction
 
 
@@ -63,38 +68,30 @@ bristle = compiled(_bristle, lean=True)
 
 
 def _regularised(t: float, z: FloatArray, force: float, product: float, by_x: float, w: Work) -> float:
-    """Friction level x sat((v + lead a0)/v_r), a0 = force/m; adds its partials."""
-    jac, by_theta = w.jac, w.by_theta
+    """Friction without stick, by its law of the speed and of a0 = force/m; adds its partials."""
+    jac, by_theta, row = w.jac, w.by_theta, w.row
     at, over_m = w.spec[FRICTION_AT], 1.0 / w.theta[MASS]
-    v_r, lead = w.theta[at], w.theta[at + 1]
     x, v = z[0], z[1]
     f_k, by_v = curve(v, w)
-    level: float = f_k * product
     level_x, level_v = f_k * by_x, by_v * product
-    ratio = (v + lead * force * over_m) / v_r
-    if abs(ratio) >= 1.0:
-        sign = 1.0 if ratio > 0.0 else -1.0
-        jac[1, 0] -= sign * level_x * over_m
-        jac[1, 1] -= sign * level_v * over_m
-        level_partials(t, x, v, product, -sign * over_m, ROW_V, w)
-        by_theta[1, at] = 0.0
-        by_theta[1, at + 1] = 0.0
-        level *= sign
-        return level
-    slope = level / v_r
-    keep = 1.0 - slope * lead * over_m
-    for j in range(w.spec[N_STATE]):
-        jac[1, j] *= keep
-    for j in range(w.count[PLACES]):
-        by_theta[1, j] *= keep
-    jac[1, 0] -= level_x * ratio * over_m
-    jac[1, 1] -= (level_v * ratio + slope) * over_m
-    level_partials(t, x, v, product, -ratio * over_m, ROW_V, w)
-    by_theta[1, MASS] += slope * lead * force * over_m * over_m * over_m
-    by_theta[1, at] = level * ratio / v_r * over_m
-    by_theta[1, at + 1] = -slope * force * over_m * over_m
-    level *= ratio
-    return level
+    for j in range(COLUMNS):
+        row[j] = 0.0
+    smoothed_law(w.spec[FRICTION_LAW], v, force * over_m, f_k * product, w.theta, at, row)
+    friction: float = row[VALUE]
+    by_free, by_level = row[D_FREE], row[D_LEVEL]
+    if by_free != 0.0:
+        keep = 1.0 - by_free * over_m
+        for j in range(w.spec[N_STATE]):
+            jac[1, j] *= keep
+        for j in range(w.count[PLACES]):
+            by_theta[1, j] *= keep
+        by_theta[1, MASS] += by_free * force * over_m * over_m * over_m
+    jac[1, 0] -= by_level * level_x * over_m
+    jac[1, 1] -= (by_level * level_v + row[D_V]) * over_m
+    for j in range(min(w.spec[FRICTION_SIZE], MAX_PARAMETERS)):
+        by_theta[1, at + j] = -row[D_PARAMETER + j] * over_m
+    level_partials(t, x, v, product, -by_level * over_m, ROW_V, w)
+    return friction
 
 
 regularised = compiled(_regularised, lean=True)
@@ -140,7 +137,8 @@ def _rhs(stage: int, t: float, z: FloatArray, mode: int, u: float, w: Work) -> N
                 jac[2, j] = 0.0
             for j in range(w.count[PLACES]):
                 by_theta[2, j] = 0.0
-            by_theta[1, at], by_theta[1, at + 1] = 0.0, 0.0
+            for j in range(spec[FRICTION_SIZE]):
+                by_theta[1, at + j] = 0.0
     ks[stage, 1] = (force - friction) * over_m
     by_theta[1, MASS] -= ks[stage, 1] * over_m
 

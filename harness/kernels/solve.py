@@ -16,6 +16,7 @@ from harness.kernels.integrate import DIVERGED, DONE, EVENT_COLUMNS, TOO_MANY_EV
 from harness.kernels.layout import Layout, lay_out
 from harness.kernels.work import workspace
 from harness.model.model import Model
+from harness.model.term import Slot
 
 __all__ = ["TOLERANCE", "By", "Drive", "Effort", "Scales", "Solution", "simulate", "solve"]
 
@@ -97,10 +98,10 @@ def _errors(layout: Layout, model: Model, scales: Scales, tolerance: float) -> F
     """Error allowed in a step for every state, (n,)."""
     error = np.full(layout.start.size, tolerance * scales.x)
     error[list(layout.speeds)] = tolerance * scales.v
-    bristle = model.find("presliding")
-    if bristle is not None:
-        # the bristle's own scale is the presliding displacement, far below that of the motion
-        error[2] *= min(1.0, max(1e-9, model.f_k / (bristle.value("sigma0") * scales.x + 1e-300)))
+    for law in model.in_slot(Slot.FRICTION_LAW):
+        if law.term.internal:
+            # the bristle's own scale is the presliding displacement, far below that of the motion
+            error[2] *= min(1.0, max(1e-9, model.f_k / (law.values[0] * scales.x + 1e-300)))
     return error
 
 

@@ -39,6 +39,7 @@ class Work(Protocol):
     z (n,), s (n, q) : state and sensitivities at the start of a step; z1, s1 : at its end; zi, si : between.
     ks (STAGES + 1, n), kss (STAGES + 1, n, q) : slopes by stage. jac (n, n), by_theta (n, P) : partials of the slopes.
     cz (n, 6) : interpolation. size_s (q,) : largest sensitivities so far. row, rows : what a law writes into.
+    level : what the last look at the level of friction by speed has written, with its partials.
     """
 
     h_max: float
@@ -62,6 +63,7 @@ class Work(Protocol):
     size_s: FloatArray
     row: FloatArray
     rows: FloatArray
+    level: FloatArray
 
 
 _N, _Q = MAX_STATES, MAX_COLUMNS
@@ -88,6 +90,7 @@ _RECORD = np.dtype(
         ("size_s", np.float64, (_Q,)),
         ("row", np.float64, (COLUMNS,)),
         ("rows", np.float64, (3, INTERNAL_COLUMNS)),
+        ("level", np.float64, (COLUMNS,)),
     ],
     align=True,
 )

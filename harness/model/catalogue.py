@@ -1,6 +1,5 @@
 """Writes docs/terms.md from the registry: ``python -m harness.model.catalogue``; a test regenerates and compares."""
 
-import inspect
 import math
 from pathlib import Path
 
@@ -8,20 +7,6 @@ from harness.model.registry import TERMS
 from harness.model.term import Parameter, Slot, Term
 
 TARGET = Path(__file__).resolve().parents[2] / "docs" / "terms.md"
-
-_REALISED = {
-    "stribeck": "f_k + (f_s - f_k) exp(-(v/v_s)^2); break-away at f_s.",
-    "static-friction": "f_s > f_k only at v = 0.",
-    "presliding": "z' = v - sigma0 |v| z/f_k, f = sigma0 z + sigma1 z' (Dahl: sigma1 = 0; with stribeck: LuGre).",
-    "regularised-friction": "f_k sat((v + lead a0)/v_r), a0 the acceleration without friction.",
-    "impulse": "At the given time v jumps by impulse/m.",
-    "sensor-lag": "x is recorded late against a.",
-    "sensor-gain": "a is multiplied by the gain.",
-    "sensor-bias": "a has the bias added.",
-    "sensor-drift": "x gains rate t.",
-    "sensor-clipping": "a saturates at the limit.",
-}
-"""Laws that the kernel or the observation realises itself."""
 
 _SLOTS = {
     Slot.SMOOTH: "a sum of forces on the left side of m x'' + c x' + k x + f = u",
@@ -37,15 +22,24 @@ _SLOTS = {
 _ADD = """\
 ## How to add a term
 
-1. Write `harness/model/terms/NAME.py`: a plain function `law(x, v, t, theta, o, out)` that reads its parameters from
-   `theta[o]` on and writes its value and its partial derivatives into `out` (columns in `harness/model/law.py`; `out`
-   holds zeros). No slices, no allocation: the compiled kernel calls it in its inner loop. With internal states it is
-   `law(x, v, w0, w1, theta, o, out)`, and rows 1 and 2 of `out` are their rates.
-2. Below it the `TERM`: name, family, slot, parameters with unit and bounds, one plain sentence, and `probes`, the
-   parameters at which it is worth a look given the evidence.
-3. List it in `harness/model/registry.py`, and give it values in `VALUES` of `tests/support/kernel_cases.py`: its
-   partials and its sensitivities are then tested against differences, alone and in pairs.
-4. `python -m harness.kernels.generate` and `python -m harness.model.catalogue` write the dispatch and this page.
+All that is known of a term stands in its file, and nothing else knows its name.
+
+1. Write `harness/model/terms/NAME.py`; it is found by being there. A law is a plain function that reads its parameters
+   from `theta[o]` on and writes its value and its partial derivatives into `out`, which holds zeros; what it is given
+   follows from its slot (`harness/model/law.py`). A law that takes `t` is one that changes in time. No slices, no
+   allocation: the compiled kernel calls it in its inner loop.
+2. Below it a `Term` (`harness/model/term.py`): name, family, slot, parameters with unit and bounds, one plain sentence,
+   `example` values at which it matters, and `probes`, the parameters at which it is worth a look given the evidence.
+   More only where it applies: where it acts, elements that an engine's joint may have words for, internal states that a
+   recorded motion implies, what recording tells it from another.
+3. `python -m harness.kernels.generate` examines every term (partials against differences, what its slot expects) and
+   writes the dispatch; `python -m harness.model.catalogue` writes this page, and
+   `python -m harness.diagnosis.rules > docs/rules.md` another on which the number of names stands. The tests of the
+   kernel, of the engines and of the files take the term from the catalogue.
+
+A package of your own does the same: an entry point of group `harness.terms` whose value is the `Term`
+(`magnet = "my_package.magnet:TERM"`), and `python -m harness.kernels.generate` once after it is installed or taken
+away; until then the reference is refused with a message that says so. `tests/support/third_party_terms.py` is one.
 """
 
 
@@ -57,9 +51,8 @@ def _range(p: Parameter) -> str:
 
 
 def _section(term: Term) -> list[str]:
-    doc = inspect.getdoc(term.law) if term.law is not None else _REALISED[term.name]
     lines = [f"### {term.key}", "", f"Family {term.family}, slot {term.slot}. {term.sentence}", ""]
-    lines += ["```text", *(doc or "").splitlines(), "```", ""]
+    lines += ["```text", *term.said.splitlines(), "```", ""]
     for p in term.parameters:
         none = "" if p.none is None else f"; no effect at {p.none:g}"
         lines.append(f"- `{p.name}` [{p.unit}]{_range(p)}{none}")

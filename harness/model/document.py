@@ -5,6 +5,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, Final
 
+from harness.core.bounded import MOST_DOCUMENT_BYTES, parse_json, read_bytes
 from harness.core.checks import finite
 from harness.core.errors import InputError
 from harness.model.model import Model, ModelTerm, Restoring
@@ -12,11 +13,12 @@ from harness.model.registry import term as find_term
 from harness.model.term import Slot
 
 SCHEMA: Final = "harness.model/1"
-_TOP = ("schema", "base", "restoring", "release", "terms", "mass_known")
+_TOP = ("schema", "base", "restoring", "release", "terms", "mass_known", "offset")
 _BASE = ("m", "c", "k", "f_k", "f_s")
 _RELEASE = ("x0", "v0", "t0")
 _TERM = ("name", "variant", "parameters", "internal")
-_NEVER_STICK = ("presliding", "regularised-friction")
+SMALLEST, LARGEST = 1e-30, 1e30
+"""Of a number in SI units: the product of four quotients of such numbers stays one of double precision."""
 
 
 def to_document(model: Model) -> dict[str, Any]:
@@ -38,6 +40,7 @@ def to_document(model: Model) -> dict[str, Any]:
         "release": {"x0": model.x0, "v0": model.v0, "t0": model.t0},
         "terms": terms,
         "mass_known": model.mass_known,
+        "offset": model.offset,
     }
 
 
@@ -57,7 +60,10 @@ def _fields(where: str, data: object, known: tuple[str, ...], needed: tuple[str,
 def _number(where: str, value: object) -> float:
     if isinstance(value, bool) or not isinstance(value, int | float):
         raise InputError(where, f"{value!r}", "a finite number is accepted")
-    return finite(where, value)
+    number = finite(where, value)
+    if number != 0.0 and not SMALLEST <= abs(number) <= LARGEST:
+        raise InputError(where, f"{number:g}", f"0, or {SMALLEST:g} to {LARGEST:g} in size, is accepted")
+    return number
 
 
 def _term(where: str, data: object) -> ModelTerm:
@@ -84,17 +90,18 @@ def _check_break_away(where: str, model: Model) -> None:
     """Refuse a break-away level that the model would not use."""
     static = model.in_slot(Slot.BREAK_AWAY)
     above = model.f_s is not None and model.f_s > model.f_k
-    for key in _NEVER_STICK:
-        if model.find(key) is not None and (static or above):
-            raise InputError(where, f"a break-away level together with {key}", "a law that sticks is accepted with one")
-    owner = next((key for key in ("static-friction", "stribeck") if model.find(key) is not None), None)
+    for law in model.in_slot(Slot.FRICTION_LAW):
+        if static or above:
+            found = f"a break-away level together with {law.term.key}"
+            raise InputError(where, found, "a law that sticks is accepted with one")
+    # the first parameter of either is a break-away force
+    owner = next(iter((*static, *model.in_slot(Slot.FRICTION_LEVEL))), None)
     if above and owner is not None:
-        raise InputError(
-            f"{where}: base.f_s", f"{model.f_s:g} beside the f_s of {owner}", "f_s = f_k is accepted there"
-        )
-    if static and static[0].value("f_s") < model.f_k:
-        found = f"{static[0].value('f_s'):g}, below f_k = {model.f_k:g}"
-        raise InputError(f"{where}: static-friction: f_s", found, "f_s >= f_k is accepted")
+        found = f"{model.f_s:g} beside the {owner.term.names[0]} of {owner.term.key}"
+        raise InputError(f"{where}: base.f_s", found, "f_s = f_k is accepted there")
+    if static and static[0].values[0] < model.f_k:
+        found = f"{static[0].values[0]:g}, below f_k = {model.f_k:g}"
+        raise InputError(f"{where}: {static[0].term.key}: {static[0].term.names[0]}", found, "f_s >= f_k is accepted")
 
 
 def from_document(data: object, where: str = "model") -> Model:
@@ -112,6 +119,7 @@ def from_document(data: object, where: str = "model") -> Model:
     mass_known = top.get("mass_known", True)
     if not isinstance(mass_known, bool):
         raise InputError(f"{where}: mass_known", f"{mass_known!r}", "true or false is accepted")
+    offset = _number(f"{where}: offset", top.get("offset", 0.0))
     listed = top.get("terms", [])
     if not isinstance(listed, list):
         raise InputError(f"{where}: terms", f"{listed!r}", "a list is accepted")
@@ -123,7 +131,8 @@ def from_document(data: object, where: str = "model") -> Model:
         if name not in values:
             raise InputError(f"{where}: base.{name}", "null", "a finite number is accepted")
     try:
-        model = Model(**values, f_s=f_s, restoring=Restoring(restoring), terms=terms, mass_known=mass_known, **start)
+        kind = Restoring(restoring)
+        model = Model(**values, f_s=f_s, restoring=kind, terms=terms, mass_known=mass_known, offset=offset, **start)
     except InputError as error:
         raise InputError(f"{where}: {error.where}", error.found, error.accepted) from None
     _check_break_away(where, model)
@@ -133,11 +142,11 @@ def from_document(data: object, where: str = "model") -> Model:
 def load(file: Path) -> Model:
     """The model in a file. Raises InputError when it cannot be read or is not a model."""
     try:
-        data = json.loads(file.read_text(encoding="utf-8"))
-    except OSError as error:
-        raise InputError(str(file), error.strerror or "cannot be read", "a readable file is accepted") from None
+        data = parse_json(read_bytes(file, MOST_DOCUMENT_BYTES).decode("utf-8"))
     except UnicodeDecodeError:
         raise InputError(str(file), "not text", f"JSON of {SCHEMA} is accepted") from None
     except json.JSONDecodeError as error:
         raise InputError(f"{file}, line {error.lineno}", error.msg, f"JSON of {SCHEMA} is accepted") from None
+    except ValueError as error:
+        raise InputError(str(file), str(error), f"JSON of {SCHEMA} is accepted") from None
     return from_document(data, str(file))

@@ -12,6 +12,7 @@ class Evidence:
     x_scale (m), v_scale (m/s), peak_a (m/s^2): largest values. low, high : smallest and largest position, m.
     f_k, k, omega : of the fitted model (per unit mass where the mass is unknown), omega in rad/s. duration : s.
     frequencies : angular frequencies (rad/s) at which the residual stands out. knock_times : times (s) worth a look.
+    periods : of travel (m) at which the force left over stands out, empty where no force is looked at.
     driven : whether a force is recorded. angular : whether the unit of a channel was an angle.
     """
 
@@ -28,3 +29,4 @@ class Evidence:
     knock_times: FloatArray
     driven: bool = False
     angular: bool = False
+    periods: tuple[float, ...] = ()

@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass, replace
 from enum import StrEnum
+from typing import Literal
 
 from harness.core.checks import finite, not_negative, positive
 from harness.core.errors import InputError
@@ -52,6 +53,11 @@ class ModelTerm:
             found = f"parameters {', '.join(sorted(values)) or 'none'}"
             raise InputError(f"term {key}", found, f"{', '.join(entry.names) or 'none'} is accepted")
         return cls(entry, tuple(float(values[name]) for name in entry.names))
+
+    def repeats(self, over: Literal["time", "travel"]) -> float | None:
+        """The angular frequency (rad/s) or the period (m) by which it repeats, None where it does not."""
+        index = self.term.repeating(over)
+        return None if index is None else self.values[index]
 
     def value(self, name: str) -> float:
         """The value of one parameter."""
@@ -109,6 +115,25 @@ class Model:
     def with_terms(self, *terms: ModelTerm) -> "Model":
         """The same model with these terms in place of its own."""
         return replace(self, terms=terms)
+
+    @property
+    def labels(self) -> tuple[str, ...]:
+        """A name for each term: its key, with "#2" behind the second of a kind."""
+        keys = [entry.term.key for entry in self.terms]
+        if len(set(keys)) == len(keys):
+            return tuple(keys)
+        earlier = [keys[:i].count(key) for i, key in enumerate(keys)]
+        return tuple(f"{key}#{n + 1}" if n else key for key, n in zip(keys, earlier, strict=True))
+
+    @property
+    def internal_names(self) -> tuple[tuple[str, ...], ...]:
+        """Names of the internal states of each term: "presliding.z" for a bristle's, "viscoelastic.w0" for others."""
+        return tuple(
+            (f"{label}.z",) * entry.term.internal
+            if entry.term.slot is Slot.FRICTION_LAW
+            else tuple(f"{label}.w{i}" for i in range(entry.term.internal))
+            for label, entry in zip(self.labels, self.terms, strict=True)
+        )
 
     def in_slot(self, *slots: Slot) -> tuple[ModelTerm, ...]:
         """The terms in these slots."""

@@ -1,72 +1,54 @@
-"""The catalogue by name: every term, in a fixed order that the compiled dispatch follows."""
+"""The catalogue by name: every Term in a module of harness.model.terms, then those that other packages register.
+
+A package adds a term by an entry point of group ``harness.terms`` whose value is the Term ("package.module:TERM").
+"""
+
+import importlib
+import pkgutil
+from collections.abc import Iterator
+from importlib.metadata import entry_points
 
 from harness.core.errors import InputError
+from harness.model import terms
 from harness.model.term import Slot, Term
-from harness.model.terms import (
-    asymmetric_viscous,
-    attached_mode,
-    backlash,
-    constant_force,
-    cubic_stiffness,
-    end_stop,
-    force_ripple,
-    friction_drift,
-    harmonic_force,
-    impulse,
-    normal_load_variation,
-    pendulum_stiffness,
-    position_dependent_friction_cosine,
-    position_dependent_friction_slope,
-    power_law_damping,
-    presliding,
-    quadratic_drag,
-    quadratic_stiffness,
-    regularised_friction,
-    sensor_bias,
-    sensor_clipping,
-    sensor_drift,
-    sensor_gain,
-    sensor_lag,
-    static_friction,
-    stiffness_drift,
-    stribeck,
-    viscoelastic,
-)
 
-TERMS: tuple[Term, ...] = (
-    stribeck.TERM,
-    static_friction.TERM,
-    presliding.TERM,
-    regularised_friction.TERM,
-    position_dependent_friction_slope.TERM,
-    position_dependent_friction_cosine.TERM,
-    friction_drift.TERM,
-    normal_load_variation.TERM,
-    quadratic_drag.TERM,
-    asymmetric_viscous.TERM,
-    power_law_damping.TERM,
-    viscoelastic.TERM,
-    cubic_stiffness.TERM,
-    quadratic_stiffness.TERM,
-    pendulum_stiffness.TERM,
-    end_stop.TERM,
-    end_stop.TERM_POSITIVE,
-    end_stop.TERM_NEGATIVE,
-    backlash.TERM,
-    stiffness_drift.TERM,
-    constant_force.TERM,
-    force_ripple.TERM,
-    harmonic_force.TERM,
-    impulse.TERM,
-    attached_mode.TERM,
-    sensor_lag.TERM,
-    sensor_gain.TERM,
-    sensor_bias.TERM,
-    sensor_drift.TERM,
-    sensor_clipping.TERM,
-)
+GROUP = "harness.terms"
 
-_BY_KEY = {term.key: term for term in TERMS}
+
+def _own() -> Iterator[Term]:
+    """The terms of the house, module by module."""
+    for found in pkgutil.iter_modules(terms.__path__):
+        module = importlib.import_module(f"{terms.__name__}.{found.name}")
+        yield from (value for value in vars(module).values() if isinstance(value, Term))
+
+
+def _registered() -> Iterator[Term]:
+    """Those of other packages, by name of the entry point."""
+    for point in sorted(entry_points(group=GROUP), key=lambda p: p.name):
+        try:
+            found = point.load()
+        except (ImportError, AttributeError, TypeError) as error:
+            raise InputError(
+                f"term {point.name}", f"{point.value}: {error}", "a package that loads is accepted"
+            ) from error
+        if not isinstance(found, Term):
+            accepted = "a harness.model.term.Term is accepted"
+            raise InputError(f"term {point.name}", f"{point.value} is {found!r}", accepted)
+        yield found
+
+
+def _catalogue() -> dict[str, Term]:
+    """Every term by its key, in an order that does not hang on where it was found."""
+    by_key: dict[str, Term] = {}
+    for found in sorted((*_own(), *_registered()), key=lambda t: t.order):
+        if found.key in by_key:
+            raise InputError(f"term {found.key}", "registered twice", "one is accepted")
+        by_key[found.key] = found
+    return by_key
+
+
+_BY_KEY = _catalogue()
+TERMS: tuple[Term, ...] = tuple(_BY_KEY.values())
 
 
 def term(key: str) -> Term:
@@ -80,8 +62,3 @@ def term(key: str) -> Term:
 def of_slot(slot: Slot) -> tuple[Term, ...]:
     """The terms of one slot, in catalogue order: the order of their numbers in the compiled dispatch."""
     return tuple(t for t in TERMS if t.slot is slot)
-
-
-def catalogue_names() -> tuple[str, ...]:
-    """Catalogue names without variants, in order."""
-    return tuple(dict.fromkeys(t.name for t in TERMS))

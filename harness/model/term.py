@@ -1,11 +1,17 @@
-"""What a catalogue entry says of itself."""
+"""What a catalogue entry says of itself: all there is to know of a term stands in its file."""
 
-from collections.abc import Callable, Sequence
+import inspect
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from enum import StrEnum
-from typing import Any
+from functools import cache
+from typing import Any, Literal
 
+from harness.model.elements import MadeOf
 from harness.model.evidence import Evidence
+from harness.model.history import Implied
+from harness.model.place import Placed, always
+from harness.model.sensor import Sensor
 
 
 class Slot(StrEnum):
@@ -23,6 +29,8 @@ class Slot(StrEnum):
 
 SINGLE = frozenset({Slot.FRICTION_LAW, Slot.FRICTION_LEVEL, Slot.BREAK_AWAY})
 """Slots that take one entry."""
+FAMILIES = ("friction", "damping", "stiffness", "environment", "sensor")
+_LAST = 1000
 
 
 @dataclass(frozen=True, slots=True)
@@ -33,6 +41,8 @@ class Parameter:
     lower, upper : bounds of what makes sense physically. none : the value at which the term has no effect, or None.
     positive : fitted through its logarithm. springs : upper bound in units of the spring's stiffness, None for none:
     what is stiffer gives way by less than a recording of the spring's motion can show.
+    repeats : "time" for the angular frequency (rad/s) of a law that repeats in time, "travel" for the period (m) of one
+    that repeats along the way.
     """
 
     name: str
@@ -42,23 +52,47 @@ class Parameter:
     none: float | None = None
     positive: bool = False
     springs: float | None = None
+    repeats: Literal["", "time", "travel"] = ""
 
 
 Probe = tuple[float, ...]
 
 
-@dataclass(frozen=True, slots=True)
+@cache
+def _takes_time(law: Callable[..., None]) -> bool:
+    """Whether t is among the arguments of a law."""
+    code = law.__code__
+    return "t" in code.co_varnames[: code.co_argcount]
+
+
+def _nothing(values: tuple[float, ...], k: float) -> Mapping[str, str]:
+    return {}
+
+
+@dataclass(frozen=True, slots=True, eq=False)
 class Term:
     """A catalogue entry: a law in a slot, with what is needed to find, say, fit and simulate it.
 
-    law : writes value and partials, see harness.model.law; None for slots that the kernel itself realises.
+    family : one of FAMILIES. parameters : of an event (time in s, impulse in N s), of a break-away force (f_s).
+    sentence : format string over the parameters by name (dots of names kept), one plain sentence.
+    example : values at which it matters to a slider of 1 kg, 100 N/m, 2 N that is let go at 1 m; tests use them.
+    law : writes value and partials, see harness.model.law; None for events, break-away and sensors. A law that takes t
+    is one that changes in time. corner : whether its value or its slope jumps somewhere.
+    formula : the law as the catalogue page shows it, the docstring of ``law`` when empty.
     probes : full parameter tuples at which the response to ``amplitude`` is worth a look, from the evidence at hand.
     amplitude : index of the parameter in which the law is linear with none = no effect, or None.
     phase : index of the phase of a harmonic, so that a cosine and a sine probe make amplitude and phase.
-    sentence : format string over the parameters by name (dots of names kept), one plain sentence.
+    push : index of the size of a force that acts on a slider at rest at x = 0, or None.
     internal : number of internal states. speeds : those of them that are speeds, and start relative to the slider's.
-    channels : channels an observation needs. needs : "driven", "angle", "spring".
-    variant : tells laws apart that share a catalogue name.
+    implied : internal states as a recorded motion leaves them, None where they are zero (speeds the slider's).
+    hidden : whether that is a guess, so that the law's force does not follow from the motion.
+    channels : channels an observation needs. sensor : what it does to one of them.
+    needs : "driven" (a recorded force), "angle", "spring", "zero" (a sensor of x whose zero is the spring's).
+    several : whether a model may have more than one. place : where it acts. only_there : whether nothing outside of
+    those times shows it. words : more words of the sentence, from values and k. elements : see harness.model.elements.
+    told_from : what recording would tell it from another name. steps_alike : whether the steps of an integrator show
+    like it. variant : tells laws apart that share a catalogue name. order : place in the catalogue.
+    There is one object of each term. Raises TypeError for an entry that contradicts itself.
     """
 
     name: str
@@ -75,6 +109,43 @@ class Term:
     channels: tuple[str, ...] = ()
     needs: tuple[str, ...] = ()
     variant: str = ""
+    example: Probe = ()
+    formula: str = ""
+    corner: bool = False
+    push: int | None = None
+    implied: Implied | None = None
+    hidden: bool = False
+    sensor: Sensor | None = None
+    several: bool = False
+    place: Placed = field(default=always())
+    only_there: bool = False
+    words: Callable[[tuple[float, ...], float], Mapping[str, str]] = _nothing
+    elements: MadeOf | None = None
+    told_from: Mapping[str, str] = field(default_factory=dict)
+    steps_alike: bool = False
+    order: int = _LAST
+
+    def __post_init__(self) -> None:
+        lawless = self.slot in (Slot.EVENT, Slot.BREAK_AWAY, Slot.OBSERVATION)
+        for wrong, why in (
+            (self.family not in FAMILIES, f"family {self.family!r}: one of {', '.join(FAMILIES)} is accepted"),
+            (len(self.example) != len(self.parameters), "example: a value for every parameter is needed"),
+            ((self.law is None) != lawless, f"slot {self.slot} takes {'no law' if lawless else 'a law'}"),
+            ((self.sensor is None) != (self.slot is not Slot.OBSERVATION), "a sensor belongs in slot O"),
+            (not self.formula and self.law is None and self.sensor is None, "a formula is needed without a law"),
+            (
+                self.changes_in_time and any(p.unit == "rad/s" and p.repeats != "time" for p in self.parameters),
+                'an angular frequency of a law that takes t is Parameter(..., repeats="time")',
+            ),
+        ):
+            if wrong:
+                raise TypeError(f"term {self.key}: {why}")
+
+    def __reduce__(self) -> tuple[Callable[[str], "Term"], tuple[str]]:
+        # there is one of each: between processes it goes by its key
+        from harness.model.registry import term
+
+        return term, (self.key,)
 
     @property
     def key(self) -> str:
@@ -85,6 +156,21 @@ class Term:
     def names(self) -> tuple[str, ...]:
         """Names of the parameters in their order."""
         return tuple(p.name for p in self.parameters)
+
+    @property
+    def changes_in_time(self) -> bool:
+        """Whether its law takes t; one that does not cannot know the time."""
+        return self.law is not None and _takes_time(self.law)
+
+    @property
+    def said(self) -> str:
+        """The law in words and signs."""
+        function = self.law if self.sensor is None else self.sensor.read
+        return self.formula or inspect.getdoc(function) or ""
+
+    def repeating(self, over: Literal["time", "travel"]) -> int | None:
+        """Index of the parameter by which the law repeats in time or along the travel, or None."""
+        return next((i for i, p in enumerate(self.parameters) if p.repeats == over), None)
 
     def say(self, values: dict[str, Any]) -> str:
         """The sentence with numbers."""

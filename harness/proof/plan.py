@@ -11,10 +11,12 @@ from harness.core.errors import InputError
 from harness.proof.detection import KINDS as CURVE
 from harness.proof.detection import LOSSES
 from harness.proof.engine_source import ENGINE_KINDS, ENGINES
+from harness.proof.machines import plan as machines
+from harness.proof.machines.kinds import FREE
 from harness.proof.plant.catalogue import ALIENS, KINDS, compatible
 
 SINGLE, CONTROL, PAIR, OUTSIDE, DETECTION = "single", "control", "pair", "outside", "detection"
-PLANT = "plant"
+PLANT, MACHINE = "plant", "machine"
 ENGINE_EVERY = 8
 """Of so many recordings of a group that an engine can make, each engine makes one."""
 CONTROL_SETTINGS = {"driven": 0.04, "pendulum": 0.03, "axis": 0.03}
@@ -32,6 +34,7 @@ class Sizes:
     controls: int = 300
     pairs: int = 60
     outside: int = 60
+    machines: int = 0
 
     def __post_init__(self) -> None:
         for field in fields(self):
@@ -44,30 +47,37 @@ class Sizes:
     @property
     def total(self) -> int:
         """Recordings of all groups."""
-        return self.singles + self.controls + self.pairs + self.outside
+        return self.singles + self.controls + self.pairs + self.outside + self.machines
 
     @property
     def is_evidence(self) -> bool:
         """Whether so many recordings can carry the figures a proof speaks of."""
-        return all(getattr(self, name) >= least for name, least in asdict(FULL).items())
+        return self.covers(FULL) or self.covers(MACHINES)
+
+    def covers(self, other: "Sizes") -> bool:
+        """Whether no group is smaller."""
+        return all(getattr(self, name) >= least for name, least in asdict(other).items())
 
     @classmethod
     def of(cls, said: Mapping[str, int]) -> "Sizes":
         """As a transcript holds it."""
-        return cls(**{field.name: int(said[field.name]) for field in fields(cls)})
+        return cls(**{field.name: int(said.get(field.name, 0)) for field in fields(cls)})
 
 
 FULL = Sizes()
 SHORT = Sizes(16, 5, 2, 1)
+MACHINES, SHORT_MACHINES = Sizes(0, 0, 0, 0, machines=600), Sizes(0, 0, 0, 0, machines=24)
+"""Proofs on recordings of machines alone."""
 
 
 @dataclass(frozen=True, slots=True)
 class Job:
     """One recording to be drawn.
 
-    index : its place, from which its chance follows. group : "single", "control", "pair", "outside", "detection".
-    source : what makes the motion. kinds : what is hidden, () in a control. setting, noise : as in
-    harness.proof.plant.cases.draw. series, level : of the detection curve, which case it is at which noise.
+    index : its place, from which its chance follows. group : "single", "control", "pair", "outside", "detection", or
+    one of a machine. source : what makes the motion. kinds : what is hidden, () in a control; of a machine the main
+    effect. setting, noise : as in harness.proof.plant.cases.draw; of a machine its kind. series, level : of the
+    detection curve, which case it is at which noise.
     """
 
     index: int
@@ -95,13 +105,21 @@ def plan(sizes: Sizes, seed: int) -> list[Job]:
     drafts += [Job(0, PAIR, PLANT, pairs[int(i)], "decay", NOISE) for i in chosen]
     drafts += [Job(0, OUTSIDE, PLANT, (kind,), "decay", NOISE) for kind in _cycled(tuple(ALIENS), sizes.outside, rng)]
     drafts = _sourced(drafts)
-    if sizes.is_evidence:
+    drafts += _machines(sizes.machines, seed)
+    if sizes.covers(FULL):
         drafts += [
             Job(0, DETECTION, PLANT, (kind,), "decay", "white", series, level)
             for series, kind in enumerate(CURVE)
             for level in range(len(LOSSES))
         ]
     return [replace(drafts[int(place)], index=index) for index, place in enumerate(rng.permutation(len(drafts)))]
+
+
+def _machines(count: int, seed: int) -> list[Job]:
+    """Recordings of machines: half of them controls, one in twelve with a main effect that no catalogue holds."""
+    controls, unknown = count // 2, count // 12
+    jobs = machines.plan(list(FREE.values()), count - controls - unknown, controls, unknown, 0, seed)
+    return [Job(0, job.group, MACHINE, (job.main,) if job.main else (), job.kind, "") for job in jobs]
 
 
 def _setting(kind: str) -> str:

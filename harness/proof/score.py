@@ -23,6 +23,9 @@ NEUTRAL = {"gain": 1.0}
 NOTHING, CANNOT_TELL, ABSENT = "nothing", "cannot tell", "no result"
 
 
+_VERDICTS = ("adequate", "missing_physics", "main_effect", "one_of", "unexplained")
+
+
 @dataclass(frozen=True, slots=True)
 class Answer:
     """What a diagnosis said: names, and names said or not ruled out."""
@@ -33,11 +36,17 @@ class Answer:
 
     @classmethod
     def of(cls, result: Result | None) -> "Answer":
-        """Read a harness.diagnosis/1 object; None stands for no result."""
+        """Read a harness.diagnosis/2 object (or a /1); None stands for no result.
+
+        A main effect is a name, as one that explains is; names of which one is meant are a list: nothing is named.
+        """
         verdict = (result or {}).get("verdict")
-        if result is None or verdict not in ("adequate", "missing_physics", "unexplained"):
+        if result is None or verdict not in _VERDICTS:
             return cls((), frozenset(), ABSENT)
-        if verdict != "missing_physics":
+        if verdict == "one_of":
+            listed = frozenset(m["name"] for m in result.get("mechanisms", []))
+            return cls((), listed if len(listed) <= LONGEST else frozenset(), "a list")
+        if verdict not in ("missing_physics", "main_effect"):
             return cls((), frozenset(), NOTHING if verdict == "adequate" else CANNOT_TELL)
         found = result.get("mechanisms", [])
         said = tuple(m["name"] for m in found)

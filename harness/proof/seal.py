@@ -7,6 +7,7 @@ in (seed, answers) goes in as a salted hash first and is opened at the end. Secr
 import hashlib
 import json
 import os
+import re
 import secrets
 import subprocess
 import tempfile
@@ -15,7 +16,9 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
+from harness.core.bounded import MOST_DOCUMENT_BYTES, parse_json, read_bytes
 from harness.core.errors import InputError
+from harness.core.writing import replacing
 
 LEDGER = "transcript.json"
 SCHEMA = "harness.proof-transcript/1"
@@ -70,22 +73,20 @@ class Ledger:
 
     def save(self, folder: Path) -> None:
         """Write the ledger; beside first, then renamed."""
-        part = folder / f"{LEDGER}.part"
-        part.write_text(json.dumps({"schema": SCHEMA, "entries": self.entries}, indent=1))
-        part.rename(folder / LEDGER)
+        with replacing(folder / LEDGER) as part:
+            part.write_text(json.dumps({"schema": SCHEMA, "entries": self.entries}, indent=1))
 
     @classmethod
     def load(cls, folder: Path) -> "Ledger":
         """Read a ledger; InputError when there is none or it is not one."""
         path = folder / LEDGER
         try:
-            said = json.loads(path.read_text())
-            entries = said["entries"]
+            said = parse_json(read_bytes(path, MOST_DOCUMENT_BYTES))
             if said["schema"] != SCHEMA:
                 raise KeyError("schema")
-        except (OSError, ValueError, KeyError, TypeError):
+            return cls(said["entries"])
+        except (InputError, ValueError, KeyError, TypeError):
             raise InputError(str(path), "no transcript of a proof", f"a file of schema {SCHEMA} is accepted") from None
-        return cls(entries)
 
     def broken_at(self) -> int | None:
         """Index of the first entry whose hash or chain does not hold, or None."""
@@ -99,10 +100,26 @@ class Ledger:
 
     def content(self, step: str) -> dict[str, Any]:
         """The content of the one entry of this step; InputError when there is not exactly one."""
-        found = [entry["content"] for entry in self.entries if entry["step"] == step]
-        if len(found) != 1:
+        found = [entry["content"] for entry in self.entries if entry.get("step") == step]
+        if len(found) != 1 or not isinstance(found[0], dict):
             raise InputError(LEDGER, f"{len(found)} entries of step {step}", "exactly one is accepted")
         return dict(found[0])
+
+
+_NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9 ._-]{0,99}")
+
+
+def file_of(folder: Path, name: str) -> Path:
+    """A file of a proof by the name that its transcript has for it.
+
+    Raises InputError for a name that leads out of the folder, by its parts or by a link: a transcript may come from
+    anybody, and says nothing about other files of this machine.
+    """
+    path = folder / name
+    parts_hold = all(_NAME.fullmatch(part) for part in name.split("/"))
+    if not parts_hold or not path.resolve().is_relative_to(folder.resolve()):
+        raise InputError(LEDGER, f"the file name '{name}'", "a name inside the folder of the proof is accepted")
+    return path
 
 
 STEPS = ("seed committed", "recordings sealed", "verdicts sealed", "opened")

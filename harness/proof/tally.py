@@ -2,17 +2,21 @@
 
 import json
 import random
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict
 from typing import Any
 
 from harness.proof.beside import ABOUT, beside, shortfalls
 from harness.proof.detection import curve
-from harness.proof.figures import figures
+from harness.proof.figures import Figure, figures
 from harness.proof.forced import forced
+from harness.proof.machine_figures import machine_figures
+from harness.proof.machines.plan import GROUPS as MACHINE_GROUPS
+from harness.proof.machines.score import right as right_of_machine
+from harness.proof.machines.score import score as score_machines
 from harness.proof.plan import CONTROL, DETECTION, OUTSIDE, PAIR, SINGLE
 from harness.proof.plant.catalogue import FAMILY, KINDS
-from harness.proof.score import Answer, Result, Scores, Truth, score
+from harness.proof.score import Answer, Result, Truth, score
 
 OURS = "harness"
 GROUPS = (SINGLE, CONTROL, PAIR, OUTSIDE)
@@ -43,16 +47,20 @@ def tally(answers: Mapping[str, Truth], verdicts: Mapping[str, Verdicts], seed: 
     scores, controls = score(scored, ours), forced(scored, ours)
     others = {who: parsed(said) for who, said in sorted(verdicts.items()) if who != OURS}
     margins = beside(scored, ours, others)
-    short = [*scores.shortfalls(), *(controls.shortfalls() if any_control(scored) else []), *shortfalls(margins)]
+    machines = {name: truth for name, truth in answers.items() if truth["group"] in MACHINE_GROUPS}
+    rows = figures(scores) if scored else []
+    rows += machine_figures(score_machines(machines, ours)) if machines else []
+    short = [row.sentence for row in rows if row.met is False]
+    short += [*(controls.shortfalls() if any_control(scored) else []), *shortfalls(margins)]
     return {
-        "figures": shown(scores),
+        "figures": shown(rows),
         "forced": controls.as_dict(),
         "confusion": {true: dict(sorted(said.items())) for true, said in sorted(scores.confusion.items())},
         "by_name": {name: rate.as_dict() for name, rate in scores.by_name.items()},
-        "not_tested": list(scores.not_tested),
+        "not_tested": list(scores.not_tested) if scored else [],
         "shortfalls": short,
         "by_source": _by_source(scored, ours),
-        "must_fail": _must_fail(scored, seed),
+        "must_fail": _must_fail(scored, seed) if scored else [],
         "baselines": [{**asdict(one), "about": ABOUT[one.name], "beaten": one.beaten} for one in margins],
         "detection": _detection(answers, ours),
         "cases": [_case(name, answers[name], ours.get(name)) for name in sorted(answers)],
@@ -70,7 +78,7 @@ def any_control(answers: Mapping[str, Truth]) -> bool:
     return any(truth["group"] == CONTROL for truth in answers.values())
 
 
-def shown(scores: Scores) -> list[dict[str, Any]]:
+def shown(rows: Sequence[Figure]) -> list[dict[str, Any]]:
     """Figures as results hold them."""
     return [
         {
@@ -82,14 +90,14 @@ def shown(scores: Scores) -> list[dict[str, Any]]:
             "hits": None,
             **figure.found.as_dict(),
         }
-        for figure in figures(scores)
+        for figure in rows
     ]
 
 
 def _by_source(answers: Mapping[str, Truth], ours: Mapping[str, Result]) -> dict[str, list[dict[str, Any]]]:
     found = {}
     for source in sorted({str(truth["source"]) for truth in answers.values()}):
-        found[source] = shown(score({n: t for n, t in answers.items() if t["source"] == source}, ours))
+        found[source] = shown(figures(score({n: t for n, t in answers.items() if t["source"] == source}, ours)))
     return found
 
 
@@ -100,6 +108,8 @@ def _case(name: str, truth: Truth, result: Result | None) -> dict[str, Any]:
     if truth["group"] == OUTSIDE:
         families = {FAMILY.get(one, "") for one in answer.said}
         right = answer.label not in ("nothing", "no result") and families <= set(truth["families"])
+    elif truth["group"] in MACHINE_GROUPS:
+        right = right_of_machine(truth, result)
     elif hidden:
         right = sorted(answer.said) == hidden
     else:

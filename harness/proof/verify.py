@@ -2,7 +2,7 @@
 
 import json
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -13,7 +13,10 @@ from harness.proof.seal import PUBLISHED, RESUMED, STEPS, Ledger, Sealed, digest
 
 ROUNDING = 1e-6
 """Relative difference that another processor may make in a number that is computed again."""
-FITTED = ("base_chi2_excess", "base_r2", "part_chi2_excess")
+FITTED = (
+    *("base_chi2_excess", "base_r2", "part_chi2_excess"),
+    *("share", "minor", "base_rel_rmse", "base_rmse", "weights"),
+)
 FIT_ROUNDING = 1e-2
 """The same for numbers that come out of a fit."""
 
@@ -23,11 +26,16 @@ def check_transcript(ledger: Ledger) -> list[str]:
     broken = ledger.broken_at()
     if broken is not None:
         return [f"entry {broken + 1} of the transcript was changed"]
-    steps = [entry["step"] for entry in ledger.entries if entry["step"] != RESUMED]
+    steps = [entry.get("step") for entry in ledger.entries if entry.get("step") != RESUMED]
     if tuple(steps[:4]) != STEPS or steps[4:] not in ([], [PUBLISHED]):
         return ["the steps of the transcript are not in their order"]
+    return _tried(_commitments, ledger)
+
+
+def _tried(check: Callable[[Ledger], list[str]], ledger: Ledger) -> list[str]:
+    """What ``check`` finds wrong; a transcript that has not what it looks at is wrong too."""
     try:
-        return _commitments(ledger)
+        return check(ledger)
     except (KeyError, TypeError, ValueError, AttributeError, InputError) as error:
         return [f"the transcript does not hold what one holds ({type(error).__name__}: {error})"]
 
@@ -50,8 +58,16 @@ def _commitments(ledger: Ledger) -> list[str]:
 
 def check_plan(ledger: Ledger) -> list[str]:
     """Whether cases, names and salts are those that follow from the seed; jobs that were given up may be missing."""
+    return _tried(_planned, ledger)
+
+
+def _planned(ledger: Ledger) -> list[str]:
     opened = ledger.content(STEPS[3])
     seed, answers = int(opened["seed"]["value"]), opened["answers"]
+    have = len(answers) + len(opened.get("given_up", []))
+    sizes = Sizes.of(ledger.content(STEPS[0])["sizes"])
+    if sizes.total > have:  # said before anything of that size is made
+        return [f"{sizes.total - have} recordings of the plan are missing"]
     planned = {job.index: name_of(seed, job.index) for job in planned_jobs(ledger)}
     salts = sealed_answers(seed, {name: one["value"] for name, one in answers.items()})
     wrong = []
@@ -60,9 +76,8 @@ def check_plan(ledger: Ledger) -> list[str]:
             wrong.append(f"{name}: no recording of the plan has this name")
         elif salts[name].salt != one["salt"]:
             wrong.append(f"{name}: its salt does not follow from the seed")
-    missing = len(planned) - len(answers) - len(opened.get("given_up", []))
-    if missing:
-        wrong.append(f"{missing} recordings of the plan are missing")
+    if len(planned) > have:
+        wrong.append(f"{len(planned) - have} recordings of the plan are missing")
     return wrong
 
 

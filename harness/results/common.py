@@ -1,10 +1,11 @@
 """Pieces that several results share: P (a number), WHERE (a place in a recording)."""
 
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any
 
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
 from harness.core.quantity import Quantity
+from harness.core.regime import Regime
 
 
 class Result(BaseModel):
@@ -34,20 +35,6 @@ class P(Result):
 
 
 Span = Annotated[list[float], Field(min_length=2, max_length=2, description="[t0, t1] in s")]
-
-Regime = Literal[
-    "reversal",
-    "stick",
-    "low-speed",
-    "high-speed",
-    "large-displacement",
-    "one-direction",
-    "one-side",
-    "early",
-    "late",
-    "throughout",
-    "channel",
-]
 
 
 class Where(Result):

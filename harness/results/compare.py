@@ -1,4 +1,4 @@
-"""The result of comparing two traces: harness.compare/1."""
+"""The result of comparing two traces: harness.compare/2."""
 
 from typing import Literal
 
@@ -17,19 +17,76 @@ class ChannelPair(Result):
     sentence: str
 
 
+class OtherShift(Result):
+    """A shift that was tried as well. worse_by: mean square difference over that of the shift taken."""
+
+    shift_s: float
+    worse_by: float
+
+
+class Aligned(Result):
+    """The first trace's clock in that of the second: its first sample is moved by shift_s, and from there on a second
+    of it lasts scale seconds of the second's clock.
+    """
+
+    shift_s: P
+    scale: P
+    alternatives: list[OtherShift] = Field(default_factory=list)
+
+
+class Event(Result):
+    """Where a motion begins, turns, or stops; time_s by the clock of the second trace."""
+
+    time_s: float
+    kind: Literal["release", "start", "reversal", "stop", "end"]
+    value: float | None = Field(description="of the displacement there, SI")
+
+
+class Reading(Result):
+    """What the estimators read from one trace."""
+
+    method: str | None = Field(description="of the estimators, None where none gives a figure")
+    omega_n: P
+    zeta: P
+    x_k: P
+    amplitude: P
+    rest: P
+    events: list[Event]
+
+
+class Difference(Result):
+    """One figure of both. significance: their distance over its standard error, None where one is not known."""
+
+    what: str
+    first: P
+    second: P
+    significance: float | None
+
+
+class Largest(Result):
+    """The largest difference of one sample, second minus first; time_s by the second's clock."""
+
+    channel: str
+    value: float
+    unit: str
+    time_s: float
+
+
 class CompareResult(Result):
     """harness compare."""
 
-    schema_: Literal["harness.compare/1"] = Field(default="harness.compare/1", alias="schema")
-    files: list[str] = Field(description="the simulated trace and the recorded one")
-    aligned: dict[str, P]
+    schema_: Literal["harness.compare/2"] = Field(default="harness.compare/2", alias="schema")
+    files: list[str] = Field(description="the first trace (simulated) and the second (recorded)")
+    aligned: Aligned
+    traces: dict[str, Reading] = Field(description="by the files' stems, or sim and real where these are alike")
+    differences: list[Difference] = Field(description="the most significant first")
+    largest: Largest
+    fit_percent: dict[str, float] = Field(description="100 (1 - |second - first| / |second - its mean|), by channel")
     noise: dict[str, float | str | None] = Field(description="of the difference, by channel, SI units")
     rmse: dict[str, float]
     where: list[Where]
-    consistent_channels: dict[str, dict[str, ChannelPair]] = Field(
-        description='by trace ("sim", "real") and pair ("x-a")'
-    )
-    verdict: Literal["same within noise", "different"]
+    consistent_channels: dict[str, dict[str, ChannelPair]] = Field(description='by trace and pair ("x-a")')
+    verdict: Literal["identical", "same within noise", "different"]
     p_value: float | None = Field(default=None, description="chance that noise alone differs so much")
     sentences: list[str] = Field(default_factory=list)
     recordings: list[RecordingInfo] = Field(default_factory=list)

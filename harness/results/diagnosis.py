@@ -1,4 +1,4 @@
-"""The result of a diagnosis: harness.diagnosis/1, one object, or an array when several files were given."""
+"""The result of a diagnosis: harness.diagnosis/2, one object, or an array when several files were given."""
 
 from typing import Annotated, Any, ClassVar, Literal
 
@@ -8,6 +8,8 @@ from harness.results.common import Machine, P, RecordingInfo, Result, Span, Wher
 from harness.results.compare import ChannelPair
 from harness.results.model import ModelDocument
 
+Verdict = Literal["adequate", "missing_physics", "main_effect", "one_of", "unexplained"]
+Grade = Literal["explains", "main", "one-of", "minor", "tabulated"]
 Rmse = dict[str, float]
 """Root mean square error by channel, in the channel's unit."""
 
@@ -27,6 +29,15 @@ class AlternativeResult(Result):
     delta_bic: float = Field(description="by how much it is worse, below 10")
 
 
+class PredictionResult(Result):
+    """What took no part in a fit, predicted without the term and with it."""
+
+    baseline_rmse: Rmse
+    refined_rmse: Rmse
+    blocks: list[float] = Field(description="squares after over before, span by span")
+    spans_s: list[Span]
+
+
 class MechanismResult(Result):
     """One piece of physics that was left out."""
 
@@ -35,7 +46,15 @@ class MechanismResult(Result):
     variant: str = Field(default="", description="which of the laws that share the name")
     statement: str
     parameters: dict[str, P]
+    grade: Grade = Field(default="explains", description="how much of what is missing it is")
+    share: float | None = Field(default=None, description="of the misfit beyond noise that it takes off alone")
     delta_bic: float = Field(description="what BIC loses without it")
+    holdout: PredictionResult | None = Field(
+        default=None, description="interleaved blocks of cycles, refitted without them"
+    )
+    forward: PredictionResult | None = Field(
+        default=None, description="fitted to the first 60 %, run freely through the rest"
+    )
     where: Where = Field(description="when it acts, and the share of the baseline's mean square mismatch in that time")
     alternatives: list[AlternativeResult] = Field(max_length=3)
 
@@ -115,19 +134,54 @@ class EvidenceResult(Result):
 
     name: str
     delta_bic: float = Field(description="by how much it is better than the baseline, by BIC")
+    share: float | None = Field(
+        default=None,
+        description="of the misfit beyond noise, where names are graded",
+        exclude_if=lambda value: value is None,
+    )
+
+
+class RemainderResult(Result):
+    """What the best model found leaves, where none explains the recording to its noise."""
+
+    share: float = Field(description="of the baseline's misfit beyond noise")
+    over_noise: float = Field(description="its rms over the sensors'")
+    looks_like: str
+    depends_on: dict[str, float] = Field(
+        description="share of it that is a function of x, v, t, direction or amplitude"
+    )
+
+
+class FitPercent(Result):
+    """100 (1 - |y - yhat| / |y - mean y|) by channel, before and after."""
+
+    baseline: dict[str, float]
+    refined: dict[str, float]
+
+
+class RuleResult(Result):
+    """A number that moved the verdict."""
+
+    name: str
+    value: float
+    unit: str
+    origin: str
 
 
 class DiagnosisResult(Result):
     """harness diagnose, for one recording."""
 
-    schema_: Literal["harness.diagnosis/1"] = Field(default="harness.diagnosis/1", alias="schema")
+    schema_: Literal["harness.diagnosis/2"] = Field(default="harness.diagnosis/2", alias="schema")
     recording: RecordingInfo
-    verdict: Literal["adequate", "missing_physics", "unexplained"]
+    verdict: Verdict
     statement: str = Field(description="the verdict in a sentence")
     baseline: FitResult
     where: list[Where]
     mechanisms: list[MechanismResult]
     refined: FitResult
+    remainder: RemainderResult | None = None
+    fit_percent: FitPercent | None = None
+    rules: list[RuleResult] = Field(default_factory=list, description="the numbers that moved the verdict")
     holdout: HoldoutResult
     engines: dict[str, EngineResult]
     attribution: AttributionResult | None = Field(description="null when no engine could be run")
@@ -155,7 +209,7 @@ class UnreadRecording(Result):
 class FailedDiagnosis(Result):
     """The entry of a file that failed; the others go on."""
 
-    named: Literal["harness.diagnosis/1"] = Field(default="harness.diagnosis/1", alias="schema")
+    named: Literal["harness.diagnosis/2"] = Field(default="harness.diagnosis/2", alias="schema")
     recording: UnreadRecording
     verdict: Literal["error"] = "error"
     error: str
@@ -168,4 +222,11 @@ Entry = Annotated[DiagnosisResult | FailedDiagnosis, Field(discriminator="verdic
 class DiagnosisDocument(RootModel[Entry | list[Entry]]):
     """What --json and result.json hold: one entry, or an array in the order of the files."""
 
-    SCHEMA: ClassVar[str] = "harness.diagnosis/1"
+    SCHEMA: ClassVar[str] = "harness.diagnosis/2"
+
+
+def read_diagnosis(data: dict[str, Any]) -> DiagnosisResult:
+    """A result of this version, or of harness.diagnosis/1, whose new fields are not known; raises ValidationError."""
+    if data.get("schema") == "harness.diagnosis/1":
+        data = {**data, "schema": "harness.diagnosis/2"}
+    return DiagnosisResult.model_validate(data)

@@ -43,3 +43,4 @@ class ModelDocument(Result):
     release: Release = Field(default_factory=Release)
     terms: list[ModelEntry] = Field(default_factory=list)
     mass_known: bool = True
+    offset: float = Field(default=0.0, description="what the sensor of x shows where the restoring force is nil, m")

@@ -113,6 +113,7 @@ class ProofSizes(Result):
     controls: int
     pairs: int
     outside: int
+    machines: int = Field(default=0, description="recordings of machines, half of them controls")
 
 
 class ProofResult(Result):

@@ -12,6 +12,7 @@ class BaselineRow(Result):
 
     engine: str
     version: str
+    environment: str = Field(default="", description="where the engine ran, empty for the environment of the program")
     route: str
     scenario: str
     dt_s: float | None

@@ -1,14 +1,21 @@
 """The result of the main job: harness.run/1."""
 
-from typing import Any, Literal
+from collections.abc import Mapping
+from typing import Any, Literal, Self
 
-from pydantic import Field
+from pydantic import ConfigDict, Field
 
 from harness.results.common import Machine, P, Result
 
 
 class Metrics(Result):
-    """How far a trace is from the exact one; null where the scenario has no such figure."""
+    """How far a trace is from the exact one; null where the scenario has no such figure.
+
+    A scenario that is no free decay has figures of its own beside these (period_s, stick_fraction, ...), SI units.
+    """
+
+    model_config = ConfigDict(extra="allow")
+    __pydantic_extra__: dict[str, float | None] = Field(init=False)
 
     max_error_m: float | None = Field(description="largest |x - exact x|, m")
     rest_error_m: float | None = Field(description="last x minus the exact rest position, m")
@@ -18,6 +25,11 @@ class Metrics(Result):
     reversal_lead_s: float | None = Field(description="by how much friction reverses before the speed does, s")
     energy_error: float | None = Field(description="largest error of the energy balance over the starting energy")
     lift_m: float | None = Field(default=None, description="contact route: largest height above the floor, m")
+
+    @classmethod
+    def of(cls, found: Mapping[str, float | None]) -> Self:
+        """From figures by name; those of every scenario that are not among them are null."""
+        return cls.model_validate(dict.fromkeys(cls.model_fields) | dict(found))
 
 
 class Estimates(Result):

@@ -11,9 +11,10 @@ class SweepRow(Result):
     """One engine, route, set of settings, step and scenario; metrics, or the reason why there are none."""
 
     key: str = Field(description="16 hex digits, the same for the same inputs and versions")
-    name: str = Field(description="the row without versions, as baselines know it")
+    name: str = Field(description="the row as baselines know it, with the version of its engine")
     engine: str
     version: str
+    environment: str = Field(default="", description="where the engine ran, empty for the environment of the program")
     route: Literal["joint", "contact", "law"]
     preset: str = Field(description="as-shipped, tuned, or the name of another set of settings")
     settings: dict[str, Any] = Field(description="every setting in force")

@@ -15,11 +15,10 @@ from harness.show.pack import pack_recording, pack_trajectories
 from harness.show.run_scene import DRAWN
 
 RECORDED, BEFORE, AFTER = "#8a93a0", "#e4632d", "#2b7fd6"
-_SIMULATED = (("before", "viscous and Coulomb", BEFORE), ("after", "refined", AFTER))
 _NAMES = {"x": "position / m", "v": "speed / (m/s)", "a": "acceleration / (m/s²)"}
 _ANGLES = {"x": "angle / rad", "v": "speed / (rad/s)", "a": "acceleration / (rad/s²)"}
 _PARTS, _ELSEWHERE = "parts", "elsewhere"
-_MOST_OF_IT = 0.999
+_MOST_OF_IT = 0.9
 """A place that covers more of the recording than this says nothing on where."""
 
 
@@ -28,10 +27,19 @@ def shown(simulated: Trajectory, channel: str) -> FloatArray:
     return simulated.extra[f"shown {channel}"]
 
 
+def model_names(result: Mapping[str, Any]) -> list[str]:
+    """What both models are called; one when nothing was found that helps."""
+    mechanisms = result["mechanisms"]
+    if not mechanisms:
+        return ["viscous and Coulomb"]
+    first = mechanisms[0]
+    return ["viscous and Coulomb", "refined" if first["grade"] == "explains" else f"with {first['name']}"]
+
+
 def shaded_spans(result: Mapping[str, Any]) -> list[list[float]]:
     """Where simulation and recording part, s: the places found, else those of the effects; none for the whole of it."""
-    places = [place["time_s"] for place in result["where"]]
-    places += [mechanism["where"]["time_s"] for mechanism in result["mechanisms"]]
+    found = [*result["where"], *(mechanism["where"] for mechanism in result["mechanisms"])]
+    places = [place["time_s"] for place in found if place["regime"] != "throughout"]
     for spans in places:
         covered = sum(high - low for low, high in spans)
         if spans and covered < _MOST_OF_IT * float(result["recording"]["duration_s"]):
@@ -62,7 +70,10 @@ def diagnosis_scene(
     """
     channels = [c for c in ("x", "v", "a") if c in recording and f"shown {c}" in simulated[0].extra]
     names = _ANGLES if recording.angular else _NAMES
-    models = list(zip(_SIMULATED, simulated, strict=True))[: 2 if result["mechanisms"] else 1]
+    labels = model_names(result)
+    looks = list(zip(("before", "after"), labels, (BEFORE, AFTER), strict=False))
+    models = list(zip(looks, simulated, strict=False))
+    leaves = (labels[0], labels[-1] if result["remainder"] is None else f"remainder, {labels[-1]}")
     around = reversal_times(simulated[-1])
     items: list[s.Item] = [s.Page("/notes", notes)]
     curves: list[s.Layout] = []
@@ -73,25 +84,25 @@ def diagnosis_scene(
         t = recording.t[at]
         items.append(s.Line(f"/channels/{c}/recording", "recording", t, recording[c][at], RECORDED, 3.0))
         left = []
-        for (key, label, color), model in models:
+        for ((key, label, color), model), rest in zip(models, leaves, strict=False):
             items.append(s.Line(f"/channels/{c}/{key}", label, t, shown(model, c)[at], color))
             left.append(recording[c][at] - shown(model, c)[at])
-            items.append(s.Line(f"/residual/{c}/{key}", label, t, left[-1], color))
+            items.append(s.Line(f"/residual/{c}/{key}", rest, t, left[-1], color))
         curves.append(s.Plot(names[c], [f"/channels/{c}"], roomy([recording[c]])))
         rests.append(s.Plot(f"recording minus simulation, {names[c]}", [f"/residual/{c}"], roomy(left)))
     spans = shaded_spans(result)
-    looks = {_PARTS: ("they part", BEFORE), _ELSEWHERE: ("elsewhere", "#3a414b")}
+    states_look = {_PARTS: ("they part", BEFORE), _ELSEWHERE: ("elsewhere", "#3a414b")}
     times, states = lane(spans, float(recording.t[0]), float(recording.t[-1]))
     lanes: list[s.Layout] = []
     if spans:
-        items.append(s.Lane("/where", times, states, looks))
+        items.append(s.Lane("/where", times, states, states_look))
         lanes.append(s.Lanes("where they part", ["/where"]))
     best = simulated[-1]
     at = keep(best.t, (best.x, best.v), around, DRAWN)
     # a plane of the viewer has one scale: the speed is drawn as large as the position
     drawn = float(np.ptp(best.x)) / max(float(np.ptp(best.v)), 1e-300)
     points = np.column_stack([best.x[at], best.v[at] * drawn])
-    name = "refined" if len(models) > 1 else "simulation"
+    name = labels[-1] if len(models) > 1 else "simulation"
     items.append(s.Orbit("/plane/motion", name, points, AFTER, (best.t[at], points)))
     x, y = padded([best.x], 0.06), padded([best.v * drawn], 0.06)
     unit, speed = ("rad", "rad/s") if recording.angular else ("mm", "m/s")

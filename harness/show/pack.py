@@ -70,6 +70,8 @@ def unpack(data: bytes) -> tuple[dict[str, FloatArray], dict[str, Any]]:
     text = json.loads(table.schema.metadata[b"harness"])
     columns = {}
     for name, order in text["orders"].items():
+        if not 0 <= order <= HIGHEST_ORDER:
+            raise ValueError(f"differences of order {order}, not of 0 to {HIGHEST_ORDER}")
         bits = table.column(name).to_numpy()
         for _ in range(order):
             bits = np.cumsum(bits)
@@ -122,9 +124,8 @@ def pack_trajectories(trajectories: Sequence[Trajectory]) -> list[bytes]:
         return list(pool.map(pack_trajectory, trajectories))
 
 
-def unpack_trajectory(data: bytes) -> Trajectory:
-    """The trajectory that ``pack_trajectory`` was given."""
-    columns, about = unpack(data)
+def trajectory_of(columns: Mapping[str, FloatArray], about: Mapping[str, Any]) -> Trajectory:
+    """The trajectory whose packed bytes unpack to this."""
     source = about["source"]
     mode = columns.get("mode")
     return Trajectory(
@@ -155,9 +156,8 @@ def pack_recording(recording: Recording) -> bytes:
     return pack(columns, about)
 
 
-def unpack_recording(data: bytes) -> Recording:
-    """The recording that ``pack_recording`` was given."""
-    columns, about = unpack(data)
+def recording_of(columns: Mapping[str, FloatArray], about: Mapping[str, Any]) -> Recording:
+    """The recording whose packed bytes unpack to this."""
     channels = {name.removeprefix(_CHANNEL): column for name, column in columns.items() if name != "t"}
     return Recording(
         columns["t"],

@@ -12,8 +12,8 @@ from harness.show.decimate import keep
 from harness.show.pack import pack_recording
 from harness.show.run_scene import DRAWN
 
-_NAMES = {"x": "position / m", "v": "speed / (m/s)", "a": "acceleration / (m/s²)", "u": "force / N"}
-_ANGLES = {"x": "angle / rad", "v": "speed / (rad/s)", "a": "acceleration / (rad/s²)", "u": "torque / (N m)"}
+NAMES = {"x": "position / m", "v": "speed / (m/s)", "a": "acceleration / (m/s²)", "u": "force / N"}
+ANGLES = {"x": "angle / rad", "v": "speed / (rad/s)", "a": "acceleration / (rad/s²)", "u": "torque / (N m)"}
 _COLORS = {"x": "#e4632d", "v": "#1f9e77", "a": "#2b7fd6", "u": "#a45bc2"}
 
 
@@ -28,7 +28,7 @@ def recording_scene(
     values = [recording[name] for name in channels]
     times = np.array([t for t, _ in reversals], dtype=np.float64)
     chosen = keep(recording.t, values, times[:64], DRAWN)
-    names = _ANGLES if recording.angular else _NAMES
+    names = ANGLES if recording.angular else NAMES
     items: list[s.Item] = [s.Page("/notes", notes)]
     views: list[s.Layout] = []
     for name in channels:

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from harness.core.errors import HarnessError, SimulationError
-from harness.show.files import replacing
+from harness.core.writing import replacing
 
 PATIENCE = 60.0
 TOASTS = 6.0

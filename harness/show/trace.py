@@ -6,7 +6,7 @@ import warnings
 from collections.abc import Iterator, Mapping
 from functools import singledispatch
 from pathlib import Path
-from typing import Any, NamedTuple, cast
+from typing import Any, cast
 
 import numpy as np
 import rerun as rr
@@ -16,14 +16,15 @@ from rerun.error_utils import RerunWarning
 from rerun.experimental import ViewerClient
 from rerun.urdf import UrdfTree
 
+from harness.core.apart import Found
 from harness.core.arrays import FloatArray
 from harness.core.errors import InputError, StoreError
-from harness.core.recording import Recording
-from harness.core.trajectory import Trajectory
+from harness.core.writing import replacing
 from harness.show import scene as s
 from harness.show.coil import Coil
-from harness.show.files import replacing
-from harness.show.pack import plain, unpack_recording, unpack_trajectory
+from harness.show.pack import plain, unpack
+from harness.show.pour import Pipe, poured
+from harness.show.stored import ACCEPTED, stored_of
 
 APPLICATION = "friction-harness"
 TIMELINE = "time"
@@ -34,35 +35,24 @@ _DATA, _PROPERTIES = "/data", "/__properties"
 _SAMPLES, _JSON = "samples", "json"
 
 
-class StoredTrace(NamedTuple):
-    """What a .rrd of ours holds: trajectories (the first is the reference), named properties, recordings."""
-
-    trajectories: list[Trajectory]
-    properties: dict[str, Any]
-    recordings: list[Recording]
-
-
 def write_trace(path: Path, scene: s.Scene) -> None:
     """Write a scene with its blueprint as one .rrd; the file appears whole or not at all.
 
     Raises StoreError when it cannot be written, InputError when a robot description cannot be read.
     """
     with replacing(path) as part:
-        # found now, because the library reports a folder that is not there or not ours in its log only
-        part.touch()
-        recording = rr.RecordingStream(APPLICATION, send_properties=False)
-        try:
+        with poured(part) as pipe:
+            recording = rr.RecordingStream(APPLICATION, send_properties=False)
             try:
-                _fill(recording, part, scene)
+                _fill(recording, pipe, scene)
             finally:
                 recording.disconnect()
-        except RuntimeError as error:  # all that the library says of a writer that found no room
-            raise StoreError(f"{path}: {error}; a place with room on its disk is accepted") from error
         _check_whole(part, path)
 
 
-def _fill(recording: rr.RecordingStream, file: Path, scene: s.Scene) -> None:
-    recording.save(file, default_blueprint=_blueprint(scene.layout))
+def _fill(recording: rr.RecordingStream, pipe: Pipe, scene: s.Scene) -> None:
+    recording.save(pipe.name, default_blueprint=_blueprint(scene.layout))
+    pipe.opened()
     recording.send_recording_name(scene.name)
     _send_properties(recording, scene.properties)
     for item in scene.items:
@@ -81,7 +71,7 @@ def _reader(path: Path) -> RrdReader:
 
 
 def _check_whole(part: Path, path: Path) -> None:
-    """The library logs a full disk and goes on; a file without its closing manifest was cut short."""
+    """A file without its closing manifest was cut short, whatever the library has said."""
     try:
         _reader(part).store()
     except (RerunWarning, ValueError, OSError, RuntimeError) as error:
@@ -95,13 +85,8 @@ def _send_properties(recording: rr.RecordingStream, properties: Mapping[str, Any
         recording.send_property(name, rr.AnyValues(True, **(named | {_JSON: json.dumps(value, default=plain)})))
 
 
-def read_trace(path: Path) -> StoredTrace:
-    """Trajectories and recordings, bit for bit as they were written, and the properties.
-
-    Raises InputError when the file is missing, no .rrd, cut short, or not written by this program.
-    """
-    if not path.is_file():
-        raise InputError(str(path), "no such file", "a .rrd written by this program is accepted")
+def columns_of(path: Path) -> Found:
+    """What a .rrd of ours holds, as a process of its own hands it on (harness.show.stored.read_trace)."""
     blobs: dict[str, bytes] = {}
     properties: dict[str, Any] = {}
     try:
@@ -115,19 +100,18 @@ def read_trace(path: Path) -> StoredTrace:
                     name = chunk.entity_path.removeprefix(_PROPERTIES + "/")
                     properties[name] = json.loads(batch.column(column)[0].as_py()[0])
     except RerunWarning:
-        raise InputError(str(path), "was cut short", "a whole .rrd written by this program is accepted") from None
-    except (ValueError, OSError, RuntimeError) as error:
-        raise InputError(
-            str(path), f"cannot be read ({error})", "a whole .rrd written by this program is accepted"
-        ) from None
+        raise InputError(str(path), "was cut short", ACCEPTED) from None
     if not blobs:
         raise InputError(str(path), "holds no trajectory of this program", "a .rrd written by it is accepted")
-    ordered = sorted(blobs.items())
-    return StoredTrace(
-        [unpack_trajectory(data) for name, data in ordered if name.startswith("trajectory")],
-        properties,
-        [unpack_recording(data) for name, data in ordered if name.startswith("recording")],
-    )
+    columns: dict[str, FloatArray] = {}
+    about: list[dict[str, Any]] = []
+    for name, data in sorted(blobs.items()):
+        found, said = unpack(data)
+        columns |= {f"{len(about)}/{column}": values for column, values in found.items()}
+        about.append({"name": name, "columns": list(found), "about": said})
+    whole = {"blobs": about, "properties": properties}
+    stored_of(columns, whole)  # what does not make trajectories and recordings is found here, not where it is used
+    return columns, whole
 
 
 def headless_viewer(port: int) -> ViewerClient:

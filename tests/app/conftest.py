@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from harness.app.run import RunOptions, run
+from harness.app.run.run import RunOptions, run
 from harness.results.run import RunResult
 
 

@@ -1,11 +1,62 @@
-"""The worked example of docs/api.md says what it prints."""
+"""The library: its names, what importing it loads, its page, and that it gives what the command gives."""
 
+import inspect
 import re
+import runpy
+import subprocess
+import sys
 from pathlib import Path
 
+import numpy as np
 import pytest
+from click import Context, Option
 
-TEXT = (Path(__file__).resolve().parents[2] / "docs" / "api.md").read_text(encoding="utf-8")
+import harness
+from harness.cli.main import cli
+from harness.core.errors import InputError
+
+ROOT = Path(__file__).resolve().parents[2]
+TEXT = (ROOT / "docs" / "api.md").read_text(encoding="utf-8")
+HEAVY = ("numpy", "scipy", "numba", "pydantic", "mujoco", "pybullet", "rerun", "h5py", "pyarrow", "click", "rich")
+
+
+def test_importing_loads_nothing_until_a_name_is_used() -> None:
+    program = (
+        "import sys, harness\n"
+        "assert {'load', 'identify', 'compare', 'diagnose', 'simulate', 'run', 'Recording'} <= set(dir(harness))\n"
+        f"print(sorted(set({HEAVY!r}) & set(sys.modules)), [m for m in sys.modules if m.startswith('harness.')])\n"
+        "from harness import Recording, simulate\n"
+        "print(Recording.__module__)\n"
+    )
+    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, cwd=ROOT, check=False)
+    assert (done.stdout, done.stderr) == ("[] []\nharness.core.recording\n", "")
+
+
+def test_a_name_that_is_not_there_is_said() -> None:
+    with pytest.raises(AttributeError, match="module 'harness' has no attribute 'guess'"):
+        harness.guess  # type: ignore[attr-defined]  # noqa: B018
+
+
+@pytest.mark.parametrize("name", ["identify", "compare", "diagnose", "run"])
+def test_every_option_of_a_command_is_an_argument_with_its_default(name: str) -> None:
+    context = Context(cli)
+    command = cli.get_command(context, name)
+    assert command is not None
+    own = inspect.signature(getattr(harness, name)).parameters
+    reading = inspect.signature(harness.load).parameters
+    # of several recordings, or of a file that is read by load; --no-shift is shift=0
+    elsewhere = {"no_shift", "json_to", "quiet", "recordings", "jobs", "resume", "sim_columns", "sim_trace"}
+    for option in command.params:
+        assert option.name in own or option.name in reading or option.name in elsewhere, option.name
+        if isinstance(option, Option) and option.name in own:
+            default = option.get_default(context)
+            # click has a mark of its own for an option without one
+            assert own[option.name].default == (default if isinstance(default, str | float) else None), option.name
+
+
+def test_the_page_is_made_of_the_docstrings() -> None:
+    made = runpy.run_path(str(ROOT / "docs" / "api_page.py"))["text"]()
+    assert made == TEXT, "run python docs/api_page.py"
 
 
 def test_the_worked_example_prints_what_the_page_says(capsys: pytest.CaptureFixture[str]) -> None:
@@ -21,3 +72,48 @@ def test_the_worked_example_prints_what_the_page_says(capsys: pytest.CaptureFixt
         assert re.sub(number, "#", found) == re.sub(number, "#", line)
         values = [[float(value) for value in re.findall(number, one)] for one in (found, line)]
         assert values[0] == pytest.approx(values[1], rel=0.1)
+
+
+@pytest.fixture(scope="module")
+def decay() -> harness.Recording:
+    model = harness.Model(1.0, 1.0, 100.0, 3.0, x0=1.0)
+    t = np.arange(0.0, 3.0, 4e-3)
+    motion, noise = harness.simulate(model, t), np.random.default_rng(3)
+    return harness.Recording(
+        t, {"x": motion.x + noise.normal(0.0, 1e-3, t.size), "a": motion.a + noise.normal(0.0, 0.3, t.size)}
+    )
+
+
+def test_identify_and_compare_take_what_is_in_memory(decay: harness.Recording, tmp_path: Path) -> None:
+    found = harness.identify(decay, out=tmp_path / "identified")
+    x_k = found.estimates["acceleration"].x_k.value
+    assert x_k == pytest.approx(0.03, rel=0.1)
+    assert (tmp_path / "identified" / "report.html").is_file()
+    assert harness.identify(decay).estimates == found.estimates
+    moved = harness.Recording(decay.t, {name: 1.2 * values for name, values in decay.channels.items()})
+    assert harness.compare(decay, moved).verdict == "different"
+
+
+def test_a_diagnosis_needs_no_engine(decay: harness.Recording, tmp_path: Path) -> None:
+    result = harness.diagnose(decay, engines=(), zero="spring", out=tmp_path / "out")
+    assert result.verdict == "adequate"
+    assert (result.engines, result.attribution, result.settings["engines"]) == ({}, None, [])
+    assert (tmp_path / "out" / "report.html").is_file()
+    # its own model and another recording may be given as they are
+    model = harness.Model(1.0, 1.0, 100.0, 3.0, x0=1.0)
+    again = harness.diagnose(decay, engines=(), model=model, validate=decay)
+    assert again.settings["model"] == "a Model"
+    assert again.validation is not None
+
+
+def test_run_is_the_command(tmp_path: Path) -> None:
+    alone = harness.run("belt", engines=(), out=tmp_path / "alone")
+    assert [trace.source for trace in alone.traces] == ["reference"]
+    assert (tmp_path / "alone" / "trace.rrd").is_file()
+    both = harness.run(f_k=2.0, duration=0.5, engines=["mujoco"], preset="tuned", dt=2e-3)
+    assert [trace.dt_s for trace in both.traces] == [None, 2e-3]
+    assert both.files == {}
+    model = harness.run(model=harness.Model(1.0, 1.0, 100.0, 3.0, x0=1.0), duration=0.5, engines=())
+    assert model.scenario["model"]["base"]["f_k"] == 3.0
+    with pytest.raises(InputError, match="--model: given with the scenario belt"):
+        harness.run("belt", model=harness.Model(1.0, 1.0, 100.0, 3.0))

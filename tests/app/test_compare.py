@@ -1,6 +1,7 @@
 """Two traces of any origin: the same within noise, or where they part."""
 
 import json
+import re
 from dataclasses import replace
 from pathlib import Path
 
@@ -8,13 +9,16 @@ import jsonschema
 import numpy as np
 import pytest
 
-from harness.app.compare import compare
+from harness.app.compare.compare import again, compare
+from harness.app.report.rebuild import rebuild
+from harness.core.errors import InputError
 from harness.core.slider import PAPER, Slider
 from harness.exact.decay import Decay, free_decay
 from harness.io.recording import ReadOptions
 from harness.results import generate
 from harness.results.compare import CompareResult
 from harness.results.run import RunResult
+from harness.show.stored import read_trace
 
 AS_IT_IS = (ReadOptions(), ReadOptions())
 
@@ -52,7 +56,7 @@ def test_a_motion_and_its_noisy_recording_are_the_same(tmp_path: Path, samples: 
     )
     assert result.verdict == "same within noise"
     assert result.where == []
-    found = result.aligned["shift_s"]
+    found = result.aligned.shift_s
     assert found.value is not None
     assert found.stderr is not None
     assert abs(found.value + shift) < 4.0 * found.stderr
@@ -90,8 +94,95 @@ def test_units_off_by_a_thousand_are_told(tmp_path: Path) -> None:
 def test_a_trace_against_itself(tmp_path: Path) -> None:
     real = trace(tmp_path / "real.csv", noise=GOOD)
     result = compared(real, real, tmp_path)
-    assert result.verdict == "same within noise"
+    assert result.verdict == "identical"
     assert result.rmse == {"x": 0.0, "a": 0.0}
+    assert result.fit_percent == {"x": 100.0, "a": 100.0}
+    assert [*result.traces] == ["sim", "real"]
+
+
+RIG = Path(__file__).parents[2] / "docs" / "example" / "rig.csv"
+
+
+def moved_clock(path: Path, by: float) -> Path:
+    """The example's recording by another clock."""
+    head, *rows = RIG.read_text().splitlines()
+    moved = (f"{float(t) + by:.3f},{rest}" for t, rest in (row.split(",", 1) for row in rows))
+    path.write_text("\n".join([head, *moved]) + "\n")
+    return path
+
+
+@pytest.mark.parametrize("by", [0.5, -3.0])
+def test_a_recording_by_another_clock_is_identical(tmp_path: Path, by: float) -> None:
+    result = compared(moved_clock(tmp_path / "late.csv", -by), RIG, tmp_path)
+    assert result.verdict == "identical"
+    assert result.aligned.shift_s.value == pytest.approx(by, abs=1e-9)
+    assert [*result.traces] == ["late", "rig"]
+
+
+def test_a_given_shift_is_taken_as_it_is(tmp_path: Path) -> None:
+    late = moved_clock(tmp_path / "late.csv", 0.5)
+    result = compare(late, RIG, AS_IT_IS, out=tmp_path / "out", shift=0.0)
+    assert result.verdict == "different"
+    assert result.aligned.shift_s.why == "given"
+    # while the later one still waits, the other swings through to the far side and most of the way back
+    assert abs(result.largest.value) == pytest.approx(0.07, abs=0.01)
+
+
+def test_a_simulation_from_its_release_on_meets_a_recording_that_waits(tmp_path: Path) -> None:
+    """Other damping, other stiffness: laid release on release, and said in words."""
+    t = np.arange(0.0, 6.0, 2e-3)
+    exact = free_decay(Decay.of(Slider(m=1.0, c=0.96, k=144.0, f_k=0.12, f_s=0.12), 0.040), t)
+    np.savetxt(
+        tmp_path / "mysim.csv", np.column_stack([t, exact.x, exact.a]), "%.12g", ",", header="t,x,a", comments=""
+    )
+    result = compared(tmp_path / "mysim.csv", RIG, tmp_path)
+    shift = result.aligned.shift_s
+    assert shift.value is not None
+    assert shift.stderr is not None
+    assert abs(shift.value - 0.5) < 3.0 * shift.stderr
+    assert shift.stderr < 0.02
+    zeta = next(one for one in result.differences if one.what == "zeta")
+    assert zeta.first.value == pytest.approx(0.96 / (2.0 * 12.0), rel=1e-4)
+    assert any(line.startswith("mysim has more dry friction: x_k 0.8333") for line in result.sentences)
+    assert result.traces["mysim"].events[0].kind == "start"
+    assert result.traces["rig"].events[0].kind == "release"
+    assert result.traces["rig"].events[0].time_s == pytest.approx(0.5, abs=0.01)
+    assert max(one.worse_by for one in result.aligned.alternatives) > 1.0
+
+
+def test_clocks_of_another_rate_are_told(tmp_path: Path) -> None:
+    sim = trace(tmp_path / "sim.csv", samples=3000)
+    table = np.loadtxt(sim, delimiter=",", skiprows=1)
+    table[:, 0] *= 1.004
+    np.savetxt(sim, table, "%.12g", ",", header="t,x,a", comments="")
+    result = compared(sim, trace(tmp_path / "real.csv", noise=GOOD), tmp_path)
+    scale = result.aligned.scale
+    assert scale.value is not None
+    assert scale.stderr is not None
+    assert abs(scale.value - 1.0 / 1.004) < 3.0 * scale.stderr < 1e-3
+    assert result.verdict == "same within noise"
+    assert any("runs at another rate" in line for line in result.sentences)
+
+
+@pytest.mark.parametrize("schema", ["harness.compare/1", "harness.compare/2"])
+def test_the_page_is_made_again_from_the_trace_alone(tmp_path: Path, schema: str) -> None:
+    real = trace(tmp_path / "real.csv", noise=GOOD)
+    result = compared(trace(tmp_path / "sim.csv", replace(PAPER, f_k=2.9, f_s=2.9)), real, tmp_path)
+    trace_file = tmp_path / "out" / "trace.rrd"
+    if schema == "harness.compare/1":
+        stored = read_trace(trace_file)
+        data = {k: v for k, v in stored.properties["result"].items() if k in KEPT}
+        data |= {"schema": schema, "aligned": {"shift_s": data["aligned"]["shift_s"]}}
+        page = tmp_path / "old.html"
+        assert again(stored, data, page).traces == result.traces
+    else:
+        made, page = rebuild(trace_file, tmp_path / "again.html")
+        assert made == result
+    assert page.read_text() == (tmp_path / "out" / "report.html").read_text()
+
+
+KEPT = {"schema", "files", "aligned", "noise", "rmse", "where", "verdict", "command", "machine", "outputs"}
+"""Some of what harness.compare/1 held."""
 
 
 def test_what_is_left_is_whole_and_valid(tmp_path: Path) -> None:
@@ -100,9 +191,11 @@ def test_what_is_left_is_whole_and_valid(tmp_path: Path) -> None:
     folder = tmp_path / "out"
     assert {file.name for file in folder.iterdir()} == {"result.json", "trace.rrd", "report.html", "log.txt"}
     data = json.loads((folder / "result.json").read_text())
-    jsonschema.validate(data, json.loads((generate.FOLDER / "harness.compare-1.json").read_text()))
+    jsonschema.validate(data, json.loads((generate.FOLDER / "harness.compare-2.json").read_text()))
     assert CompareResult.model_validate(data) == result
-    assert "The two traces differ" in (folder / "report.html").read_text()
+    page = (folder / "report.html").read_text()
+    assert "has less dry friction" in page
+    assert "at all times" not in page
 
 
 def test_traces_of_a_run_are_compared_by_name(done: tuple[RunResult, Path], tmp_path: Path) -> None:
@@ -110,3 +203,26 @@ def test_traces_of_a_run_are_compared_by_name(done: tuple[RunResult, Path], tmp_
     rrd = folder / "trace.rrd"
     result = compare(rrd, rrd, AS_IT_IS, ("mujoco as-shipped", "reference exact"), tmp_path / "out")
     assert result.verdict == "different"
+
+
+@pytest.mark.parametrize(
+    ("scale", "start", "message"),
+    [
+        (1e-6, 1e3, "e+06 periods"),
+        (1e-4, 0.0, "time alignment: traces that overlap nowhere; two traces of one motion are accepted"),
+    ],
+)
+def test_traces_that_share_no_time_are_told_so(tmp_path: Path, scale: float, start: float, message: str) -> None:
+    t = np.arange(400) / 200.0
+    x = np.exp(-0.5 * t) * np.cos(10.0 * t)
+    np.savetxt(tmp_path / "sim.csv", np.column_stack([t, x]), header="t,x", delimiter=",", comments="")
+    np.savetxt(
+        tmp_path / "real.csv",
+        np.column_stack([scale * t + start, x]),
+        header="t,x",
+        delimiter=",",
+        comments="",
+        fmt="%.15g",
+    )
+    with pytest.raises(InputError, match=re.escape(message)):
+        compared(tmp_path / "sim.csv", tmp_path / "real.csv", tmp_path / "out")

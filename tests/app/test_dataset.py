@@ -7,7 +7,7 @@ from types import SimpleNamespace
 import pytest
 from bad_input import refuses
 
-from harness.app.dataset_download import download_emps
+from harness.app.dataset.download import download_emps
 from harness.cli.main import run
 
 BAD = [

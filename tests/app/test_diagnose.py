@@ -10,12 +10,12 @@ import numpy as np
 import pytest
 from diagnose_examples import STOP, stopped
 
-from harness.app.diagnose import diagnose
-from harness.app.diagnose_checks import half_cycles
-from harness.app.diagnose_options import DiagnoseOptions
-from harness.app.diagnose_problem import prepared
-from harness.app.reading import ReadOptions, read, read_as, spooled
-from harness.app.rebuild import rebuild
+from harness.app.diagnose.checks import half_cycles
+from harness.app.diagnose.one import diagnose
+from harness.app.diagnose.options import DiagnoseOptions
+from harness.app.diagnose.problem import prepared
+from harness.app.report.rebuild import rebuild
+from harness.app.shared.reading import ReadOptions, read, read_as, spooled
 from harness.core.errors import InputError
 from harness.core.recording import Recording
 from harness.model.document import load
@@ -78,7 +78,7 @@ def test_what_is_left_is_whole_and_valid(done: Done) -> None:
     assert {"report", "rrd", "mjcf", "urdf", "model", "residual_map", "refined_trace"} <= set(result.files)
     data = json.loads((folder / "result.json").read_text())
     assert data == json.loads(result.model_dump_json(by_alias=True))
-    jsonschema.validate(data, json.loads((generate.FOLDER / "harness.diagnosis-1.json").read_text()))
+    jsonschema.validate(data, json.loads((generate.FOLDER / "harness.diagnosis-2.json").read_text()))
     DiagnosisDocument.model_validate([data])
     assert not list(folder.parent.glob(".*"))
 

@@ -8,10 +8,10 @@ import jsonschema
 import pytest
 from diagnose_examples import example
 
-from harness.app.diagnose import FILES
-from harness.app.diagnose_many import Answer, Work, compute, diagnose_all, failed, folder_names
-from harness.app.diagnose_options import DiagnoseOptions
-from harness.app.reading import ReadOptions
+from harness.app.diagnose.many import Answer, Work, compute, diagnose_all, failed, folder_names
+from harness.app.diagnose.one import FILES
+from harness.app.diagnose.options import DiagnoseOptions
+from harness.app.shared.reading import ReadOptions
 from harness.core.errors import InputError
 from harness.io.recording import sha256
 from harness.results import generate
@@ -49,9 +49,9 @@ def test_answers_keep_the_order_and_a_bad_file_does_not_stop_the_rest(tmp_path: 
     assert [Path(answer.recording.file).name for answer in many.answers] == list(NAMES)
     assert [type(answer) for answer in many.answers].count(FailedDiagnosis) == many.failed == 1
     data = json.loads((tmp_path / "out" / "result.json").read_text())
-    jsonschema.validate(data, json.loads((generate.FOLDER / "harness.diagnosis-1.json").read_text()))
+    jsonschema.validate(data, json.loads((generate.FOLDER / "harness.diagnosis-2.json").read_text()))
     assert data[2] == {
-        "schema": "harness.diagnosis/1",
+        "schema": "harness.diagnosis/2",
         "recording": {"file": str(tmp_path / "bad.csv")},
         "verdict": "error",
         "error": "bad.csv: 0 rows; at least 50 are accepted",

@@ -6,9 +6,9 @@ from pathlib import Path
 import pytest
 from click.testing import CliRunner
 
-from harness.app.model_run import ModelScenario, case_of_json
-from harness.app.rebuild import rebuild
-from harness.app.run import RunOptions, run
+from harness.app.report.rebuild import rebuild
+from harness.app.run.model import ModelScenario, case_of_json
+from harness.app.run.run import RunOptions, run
 from harness.cli.main import cli
 from harness.core.errors import InputError
 from harness.model import document
@@ -35,10 +35,14 @@ def file_of(model: Model, folder: Path) -> Path:
     return file
 
 
+def scenario_of(file: Path, duration: float | None) -> ModelScenario:
+    return ModelScenario.of(document.load(file), duration, str(file))
+
+
 @pytest.fixture(scope="module")
 def done(tmp_path_factory: pytest.TempPathFactory) -> tuple[RunResult, Path]:
     folder = tmp_path_factory.mktemp("model")
-    scenario = ModelScenario.of_file(file_of(MODEL, folder), None)
+    scenario = scenario_of(file_of(MODEL, folder), None)
     return run(RunOptions(scenario, presets=("tuned",)), folder / "out"), folder / "out"
 
 
@@ -81,15 +85,15 @@ def test_it_lasts_until_it_rests_or_ten_periods(done: tuple[RunResult, Path], tm
     assert rest is not None
     assert 1.2 * rest <= done[0].scenario["duration_s"] <= 1.3 * rest
     endless = Model(1.0, 0.1, 100.0, 0.0, x0=1.0)
-    assert ModelScenario.of_file(file_of(endless, tmp_path), None).duration == pytest.approx(6.3)
-    assert ModelScenario.of_file(file_of(endless, tmp_path), 0.5).duration == 0.5
+    assert scenario_of(file_of(endless, tmp_path), None).duration == pytest.approx(6.3)
+    assert scenario_of(file_of(endless, tmp_path), 0.5).duration == 0.5
 
 
 def test_a_free_axis_needs_a_duration(tmp_path: Path) -> None:
     free = file_of(Model(1.0, 1.0, 0.0, 3.0, restoring=Restoring.NONE, v0=1.0), tmp_path)
     with pytest.raises(InputError, match="a free axis, without a period; --duration is needed with it"):
-        ModelScenario.of_file(free, None)
-    result = run(RunOptions(ModelScenario.of_file(free, 0.5), presets=("tuned",)), tmp_path / "out")
+        scenario_of(free, None)
+    result = run(RunOptions(scenario_of(free, 0.5), presets=("tuned",)), tmp_path / "out")
     assert not [trace.error for trace in result.traces if trace.error]
     assert all((trace.metrics.max_error_m or 0.0) < 1e-3 for trace in result.traces)
 

@@ -7,18 +7,18 @@ import jsonschema
 import numpy as np
 import pytest
 
-from harness.app.rebuild import rebuild
-from harness.app.run import RunOptions, run
-from harness.app.scenarios import scenario_named
+from harness.app.report.rebuild import rebuild
+from harness.app.run.run import RunOptions, run
 from harness.core.errors import InputError, SimulationError
 from harness.core.scenario import FREE_DECAY
 from harness.core.trajectory import Trajectory
 from harness.engines.base import Task
 from harness.engines.mujoco import MujocoEngine
 from harness.exact.decay import free_decay
+from harness.fidelity.registry import kind, kinds
 from harness.results import generate
 from harness.results.run import RunResult, TraceResult
-from harness.show.trace import read_trace
+from harness.show.stored import read_trace
 
 Done = tuple[RunResult, Path]
 X_K, ZETA = 0.03, 0.05
@@ -125,7 +125,7 @@ def test_an_engine_that_fails_leaves_its_reason_and_the_others_go_on(
 
 
 def test_options_choose_what_is_run() -> None:
-    assert RunOptions.chosen(RunOptions().scenario, (), None, None).plan == [
+    assert RunOptions.chosen(RunOptions().scenario, None, None, None).plan == [
         ("mujoco", "as-shipped"),
         ("mujoco", "tuned"),
         ("pybullet", "as-shipped"),
@@ -140,12 +140,30 @@ def test_options_choose_what_is_run() -> None:
     "given", [{"f_k": 0.0}, {"c": 0.0}, {"x0": 0.02}, {"c": 30.0}, {"f_s": 4.0}, {"x0": -0.5, "v0": 2.0}]
 )
 def test_any_slider_gets_a_result(tmp_path: Path, given: dict[str, float]) -> None:
-    options = RunOptions(scenario_named("free-decay", given), presets=("tuned",), dt=2e-3)
+    options = RunOptions.named("free-decay", given, preset="tuned", dt=2e-3)
     result = run(options, tmp_path / "out")
     assert not [t.error for t in result.traces if t.error]
     for found in result.traces:
         for estimate in found.estimates.values():
             assert all(p.value is not None or p.why for p in (estimate.omega_n, estimate.zeta, estimate.x_k))
+
+
+@pytest.mark.parametrize("name", [name for name in kinds() if name != "free-decay"])
+def test_every_scenario_of_the_suite_is_run_with_the_figures_it_is_about(tmp_path: Path, name: str) -> None:
+    result = run(RunOptions.named(name, {}, ["mujoco"], "tuned"), tmp_path / "out")
+    reference, tuned = (found.metrics.model_dump() for found in result.traces)
+    case = kind(name)
+    scenario = case.chosen({})
+    for metric, truth in case.answers(scenario).items():
+        if metric in reference:
+            # whole samples of 1 ms, and of events that are counted in them
+            assert reference[metric] == pytest.approx(truth, rel=2e-3, abs=1e-3), metric
+            assert tuned[metric] is not None, metric
+    assert bool(result.traces[1].estimates) == (scenario.action is None)
+    again, _ = rebuild(tmp_path / "out")
+    assert again == result
+    page = (tmp_path / "out" / "report.html").read_text()
+    assert f"<p>{name.replace('-', ' ')}" in page
 
 
 def test_rebuilding_needs_a_trace_of_ours(tmp_path: Path) -> None:

@@ -74,7 +74,7 @@ BAD: list[tuple[str, str]] = [
     ("run --dt 0.001 --preset as-shipped", "--dt: given with --preset as-shipped"),
     ("run --preset best", "--preset: 'best'; one of as-shipped, tuned is accepted"),
     ("run --engine bullet", "--engine: 'bullet'; one of "),
-    ("run belt", "scenario: 'belt'; free-decay is accepted"),
+    ("run swing", "scenario: 'swing'; free-decay, free-decay-no-friction, hold-50, hold-97, belt, harmonic,"),
     ("run free-decay more", "unexpected extra argument"),
     ("run --out full", "--out full: the folder holds files already; a new or empty one is accepted"),
     ("run --out /proc/run", "accepted"),
@@ -131,12 +131,15 @@ def test_bad_input_is_one_line_and_exit_2(line: str, message: str, capfd: pytest
     assert code == 2
 
 
-def test_a_full_disk_is_one_line_and_leaves_nothing(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
+@pytest.mark.parametrize("size", ["200k", "2m"])
+def test_a_full_disk_is_one_line_and_leaves_nothing(
+    size: str, tmp_path: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
     if os.geteuid() != 0:
         pytest.skip("mounting a small file system needs root")
     place = tmp_path / "tiny"
     place.mkdir()
-    mount = ["mount", "-t", "tmpfs", "-o", "size=200k", "none", str(place)]
+    mount = ["mount", "-t", "tmpfs", "-o", f"size={size}", "none", str(place)]
     if subprocess.run(mount, capture_output=True, check=False).returncode != 0:
         pytest.skip("mounting a small file system is not allowed here")
     try:

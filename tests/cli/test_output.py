@@ -1,8 +1,12 @@
-"""Numbers for people."""
+"""Numbers for people, and text as it is."""
+
+from pathlib import Path
 
 import pytest
+from rich.table import Table
 
-from harness.cli.output import with_error
+from harness.app.report.view import viewer_command
+from harness.cli.output import say, show, with_error
 from harness.results.common import P
 
 
@@ -20,3 +24,28 @@ from harness.results.common import P
 )
 def test_values_carry_the_digits_their_errors_give_meaning_to(number: P, text: str) -> None:
     assert with_error(number) == text
+
+
+def test_a_cell_is_shown_as_it_is(capsys: pytest.CaptureFixture[str]) -> None:
+    table = Table(title="[bold]title[/]")
+    table.add_column("x [mm]")
+    table.add_row("pip install 'friction-harness[dart]'")
+    table.add_row(":smile: [red]red[/red] \x1b[2J\x9b")
+    show(table)
+    say("a line [red] \x1b[2J")
+    shown = capsys.readouterr().out
+    for text in (
+        "title[/]",
+        "x [mm]",
+        "friction-harness[dart]",
+        r":smile: [red]red[/red] \x1b[2J\x9b",
+        r"[red] \x1b[2J",
+    ):
+        assert text in shown
+    assert "\x1b" not in shown
+
+
+def test_the_viewer_listens_on_this_machine_alone() -> None:
+    command = viewer_command("rerun", Path("-trace.rrd"), web=True)
+    assert command[1:4] == ["--bind", "127.0.0.1", "--web-viewer"]
+    assert command[-1] == str(Path.cwd() / "-trace.rrd")

@@ -7,8 +7,8 @@ from hypothesis import strategies as st
 from scipy.integrate import cumulative_trapezoid
 
 from harness.core.arrays import FloatArray
-from harness.diagnosis.driven.between import between_samples, curve
-from harness.diagnosis.driven.kinks import kinks_of
+from harness.diagnosis.prepare.intersample_curve import between_samples, curve
+from harness.diagnosis.prepare.intersample_kinks import kinks_of
 
 
 def test_smooth_force_is_followed_smoothly_and_noise_straight() -> None:

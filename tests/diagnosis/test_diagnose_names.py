@@ -6,8 +6,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from harness.diagnosis.conclude import diagnose
 from harness.diagnosis.outcome import Outcome
+from harness.diagnosis.pipeline import diagnose
 from harness.diagnosis.problem import Problem
 from harness.estimate.noise import channel_noise
 from harness.proof.plant import Case, draw

@@ -8,26 +8,27 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from harness.app.dataset import Emps
+from harness.app.dataset.emps import PUBLISHED_DIRECTED_ERROR, PUBLISHED_SYMMETRIC, Emps
 from harness.core.arrays import FloatArray
 from harness.core.errors import InputError
 from harness.core.recording import Recording
-from harness.diagnosis.asked import Asked
-from harness.diagnosis.baseline import base_names, baseline
-from harness.diagnosis.driven.chance import taken_by_chance
-from harness.diagnosis.driven.force import inverse_force
-from harness.diagnosis.driven.forcefit import correlation_time, fit_force
-from harness.diagnosis.driven.measured import Measured
-from harness.diagnosis.driven.protocol import DIRECTED, PUBLISHED, SYMMETRIC
-from harness.diagnosis.driven.ripple import find_ripple, periods
-from harness.diagnosis.driven.search import extended, search_driven
-from harness.diagnosis.driven.smooth import smoothed
-from harness.diagnosis.driven.validate import Judge
-from harness.diagnosis.fit import fit
-from harness.diagnosis.observe import observe
-from harness.diagnosis.parameters import free_of
-from harness.diagnosis.prepare import prepare
-from harness.diagnosis.search import AMONG_NAMES, noise_of, under
+from harness.diagnosis.baseline.base_fit import base_names, baseline
+from harness.diagnosis.fit.least_squares import fit
+from harness.diagnosis.fit.observe import observe
+from harness.diagnosis.fit.parameters import free_of
+from harness.diagnosis.inverse_dynamics.bootstrap_null import taken_by_chance
+from harness.diagnosis.inverse_dynamics.force import inverse_force
+from harness.diagnosis.inverse_dynamics.force_fit import fit_force
+from harness.diagnosis.inverse_dynamics.measured import Measured
+from harness.diagnosis.inverse_dynamics.protocol import DIRECTED, PUBLISHED, SYMMETRIC
+from harness.diagnosis.inverse_dynamics.ripple import find_ripple, periods
+from harness.diagnosis.inverse_dynamics.search import extended, search_driven
+from harness.diagnosis.inverse_dynamics.validate import Judge
+from harness.diagnosis.prepare.prepare import prepare
+from harness.diagnosis.request import Asked
+from harness.diagnosis.rules import AMONG_NAMES
+from harness.diagnosis.search.search import noise_of, under
+from harness.diagnosis.smoothed_state.local_cubics import smoothed
 from harness.io.recording import ReadOptions, read_recording
 from harness.kernels.solve import Drive, solve
 from harness.model.model import Model, ModelTerm, Restoring
@@ -96,7 +97,7 @@ def test_force_is_fitted_over_windows_within_errors_that_allow_for_colour() -> N
     errors = np.sqrt(np.diag(found.covariance()))
     assert np.all(np.abs(found.model.m - 2.0) < 4.0 * errors[0])
     assert np.all(np.abs(np.array([found.model.c, found.model.f_k]) - (3.0, 1.5)) < 4.0 * errors[1:])
-    assert found.independent() < 0.5 * found.residual.size
+    assert found.memory.independent < 0.5 * found.residual.size
     search, _ = search_driven(problem)
     assert search.chosen.model.terms == ()
 
@@ -119,19 +120,9 @@ def test_a_fitted_force_has_a_law_more_only_where_chance_takes_off_less(terms: t
     best = extended(base, measured, problem, scales)[0]
     taken = (base.squares - best.squares) / base.residual.size
     # by its evidence alone some law would be decisive in both
-    independent = best.independent()
-    assert base.bic(independent) - best.bic(independent) > AMONG_NAMES
+    independent = best.memory.independent
+    assert base.bic(independent) - best.bic(independent) > AMONG_NAMES.value
     assert (taken > 3.0 * chance) == bool(terms)
-
-
-def test_correlation_time_is_that_of_the_noise() -> None:
-    draw = np.random.default_rng(2)
-    white = draw.standard_normal(20_000)
-    assert correlation_time(white) < 1.2
-    coloured = np.zeros(white.size)
-    for i in range(1, white.size):
-        coloured[i] = 0.8 * coloured[i - 1] + white[i]
-    assert correlation_time(coloured) == pytest.approx((1.0 + 0.8) / (1.0 - 0.8), rel=0.15)
 
 
 def test_ripple_of_a_fast_axis_is_found_over_its_travel() -> None:
@@ -169,7 +160,7 @@ def test_partials_over_windows_are_those_of_central_differences(terms: tuple[Mod
     free = free_of(model, ("m", "c", "f_k"))
     by = tuple(f.by for f in free)
     shown = observe(model, problem, by).dy["x"]
-    from harness.diagnosis.parameters import values_of, with_values
+    from harness.diagnosis.fit.parameters import values_of, with_values
 
     values = values_of(model, free)
     for i, value in enumerate(values):
@@ -253,10 +244,16 @@ def axis(recordings: Path) -> Judge:
 
 def test_published_protocol_is_reproduced(axis: Judge) -> None:
     values, errors = PUBLISHED.least_squares(SYMMETRIC, axis.fitted, axis.other)
+    *known, fit, cross = PUBLISHED_SYMMETRIC
+    # the protocol as it stands here leaves a little less than was published: 1.2 and 0.5 % of it
+    assert 0.98 * fit <= errors[0] <= fit
+    assert 0.99 * cross <= errors[1] <= cross
+    assert values["M"] == pytest.approx(known[0], abs=0.05)
+    _, directed = PUBLISHED.least_squares(DIRECTED, axis.fitted, axis.other)
+    assert 0.975 * PUBLISHED_DIRECTED_ERROR <= directed[0] <= PUBLISHED_DIRECTED_ERROR
+    # our own figures: what this protocol gives today, which is nowhere published
     assert errors == pytest.approx((4.035, 5.952), abs=6e-4)
-    assert values["M"] == pytest.approx(95.11, abs=0.05)
-    _, errors = PUBLISHED.least_squares(DIRECTED, axis.fitted, axis.other)
-    assert errors == pytest.approx((3.051, 5.336), abs=1e-3)
+    assert directed == pytest.approx((3.051, 5.336), abs=1e-3)
 
 
 def test_ripple_of_the_screw_is_in_each_file(axis: Judge) -> None:
@@ -278,6 +275,8 @@ def test_force_fit_finds_the_published_axis(axis: Judge, recordings: Path) -> No
     model = replace(base.model, terms=(ModelTerm.named("asymmetric-viscous", c_diff=0.0),))
     turned = fit_force(model, measured, free_of(model, base_names(problem)))
     fitted, cross = axis.errors(turned.model)
+    assert fitted < PUBLISHED_DIRECTED_ERROR
+    # our own figures, a little above what the protocol itself leaves with this law, 3.051 and 5.336
     assert fitted <= 3.06
     assert cross <= 5.345
     assert turned.model.m == pytest.approx(95.1, abs=0.5)

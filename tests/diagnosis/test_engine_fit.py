@@ -9,15 +9,15 @@ import pytest
 from harness.core.arrays import FloatArray
 from harness.core.errors import InputError, SimulationError
 from harness.core.recording import Recording
-from harness.diagnosis.align import align
-from harness.diagnosis.attribute import MeanSquares, attribute_engine, attribute_trace, shares
-from harness.diagnosis.engines import engine_fit, suitable_step
-from harness.diagnosis.fit import fit
-from harness.diagnosis.observe import observe
-from harness.diagnosis.parameters import free_of
+from harness.diagnosis.alignment.align import align
+from harness.diagnosis.explain.attribution import MeanSquares, attribute_engine, attribute_trace, shares
+from harness.diagnosis.explain.engines import engine_fit, suitable_step
+from harness.diagnosis.fit.least_squares import fit
+from harness.diagnosis.fit.observe import observe
+from harness.diagnosis.fit.parameters import free_of
 from harness.diagnosis.problem import Problem, Restarts, Window
-from harness.diagnosis.resample import motion_at
-from harness.diagnosis.sensors import sensed
+from harness.diagnosis.sensors.resample import motion_at
+from harness.diagnosis.sensors.sensed import sensed
 from harness.engines.simulator import EngineSimulator
 from harness.estimate.noise import Noise
 from harness.kernels.solve import Drive, Scales, simulate, solve
@@ -186,8 +186,12 @@ def trace_of(model: Model, start: float, *channels: str) -> Recording:
 
 @pytest.mark.parametrize("channels", [("x", "v", "a"), ("x",), ("a",)])
 def test_a_users_trace_is_shifted_to_where_it_belongs(channels: tuple[str, ...]) -> None:
-    found = align(trace_of(BASE, 7.3214, *channels), recorded(BASE), 2.0 * np.pi / 10.0)
-    assert found.shift == pytest.approx(-7.3214, abs=2e-4)
+    problem = recorded(BASE)
+    noise = {c: problem.noise[c] for c in problem.channels if c in channels}
+    found = align(trace_of(BASE, 7.3214, *channels), problem, noise, 2.0 * np.pi / 10.0)
+    assert found.shift.value == pytest.approx(-7.3214, abs=2e-4)
+    assert found.shift.stderr is not None
+    assert abs((found.shift.value or 0.0) + 7.3214) < 4.0 * found.shift.stderr
     assert found.covered.all()
 
 
@@ -205,7 +209,8 @@ def test_a_rest_does_not_draw_a_trace_away_from_the_motion() -> None:
     t = np.linspace(0.0, 9.0, 1801)
     noise = {"x": Noise(1e-3, True)}
     problem = Problem(t, {"x": solve(BASE, t).x}, noise)
-    assert align(trace_of(BASE, 40.0, "x"), problem.part(slice(0, 1200)), 0.628).shift == pytest.approx(-40.0, abs=2e-4)
+    found = align(trace_of(BASE, 40.0, "x"), problem.part(slice(0, 1200)), noise, 0.628)
+    assert found.shift.value == pytest.approx(-40.0, abs=2e-4)
 
 
 BAD: list[tuple[Recording, str]] = [
@@ -217,7 +222,7 @@ BAD: list[tuple[Recording, str]] = [
 @pytest.mark.parametrize(("trace", "message"), BAD, ids=["channels", "short"])
 def test_a_trace_that_does_not_belong_is_refused(trace: Recording, message: str) -> None:
     with pytest.raises(InputError, match=message):
-        align(trace, recorded(BASE), 0.628)
+        attribute_trace(trace, BASE, BASE, BASE, recorded(BASE), SCALES)
 
 
 @pytest.mark.parametrize(

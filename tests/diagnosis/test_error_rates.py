@@ -4,17 +4,25 @@ Short here; a few hundred with -m full. A rate is judged by what chance allows a
 """
 
 import functools
+from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 import pytest
-from scipy.stats import binom
+from scipy.stats import binom, kstest
 
 from harness.core.recording import Recording
-from harness.diagnosis.asked import Asked
-from harness.diagnosis.conclude import diagnose
+from harness.diagnosis.input_noise.noisy_base_fit import along
 from harness.diagnosis.outcome import Outcome
-from harness.diagnosis.prepare import prepare
+from harness.diagnosis.pipeline import diagnose
+from harness.diagnosis.prepare.prepare import prepare
 from harness.diagnosis.problem import Problem
+from harness.diagnosis.request import Asked
+from harness.diagnosis.residual_tests.structure import structure
+from harness.diagnosis.rules import STRUCTURE
+from harness.diagnosis.search.extend import settle
+from harness.diagnosis.search.long_recordings import shortened
+from harness.diagnosis.search.search import noise_of, under
 from harness.estimate.noise import channel_noise
 from harness.model.model import Restoring
 from harness.proof.plant import Case, draw
@@ -23,6 +31,8 @@ from harness.proof.statistics import is_noise
 _CHANCE = 1e-3
 """Probability with which a sound diagnosis may fail one of these tests."""
 _NOISES = ("white", "coloured", "quantised")
+DRAWS, LONG = 5, 100
+"""Draws of the base fit alone, and of whole diagnoses with -m full."""
 SIZES = (12, pytest.param(500, marks=pytest.mark.full))
 
 
@@ -92,11 +102,31 @@ def _with_noisy_force(i: int) -> tuple[Problem, tuple[str, ...]]:
     return prepare(Recording(case.recorded["t"], values), Asked(restoring))
 
 
+def structure_left(problem: Problem) -> float:
+    """Probability with which noise alone leaves as much structure in the base fit, before any name is tried."""
+    short, base, scales = shortened(problem)
+    base_problem, base = along(base, short, scales)
+    seen = replace(base_problem, noise=noise_of(base, base_problem, scales.omega))
+    return structure(settle(under(base, seen), seen, scales), seen, scales.omega).p_value
+
+
+def nothing_is_found_where_nothing_is(problems: Sequence[Problem]) -> None:
+    """Cheap enough for many draws: a diagnosis of each takes ten times as long, and one alone cannot fail."""
+    left = [structure_left(problem) for problem in problems]
+    assert sum(p <= STRUCTURE.value for p in left) <= binom.ppf(1.0 - _CHANCE, len(left), STRUCTURE.value)
+    # they may be larger than chance has them, since what the fit takes is allowed for with a margin; never smaller
+    assert kstest(left, "uniform", alternative="greater").pvalue > _CHANCE
+
+
 @pytest.mark.slow
-@pytest.mark.parametrize("count", [1, pytest.param(100, marks=pytest.mark.full)])
-def test_random_controls_whose_force_is_noisy(count: int) -> None:
-    verdicts = [diagnose(_with_noisy_force(i)[0]).verdict for i in range(count)]
-    assert verdicts.count("missing_physics") <= binom.ppf(1.0 - _CHANCE, count, 0.02)
+def test_noise_of_a_force_leaves_no_structure() -> None:
+    nothing_is_found_where_nothing_is([_with_noisy_force(i)[0] for i in range(DRAWS)])
+
+
+@pytest.mark.full
+def test_random_controls_whose_force_is_noisy() -> None:
+    verdicts = [diagnose(_with_noisy_force(i)[0]).verdict for i in range(LONG)]
+    assert verdicts.count("missing_physics") <= binom.ppf(1.0 - _CHANCE, LONG, 0.02)
 
 
 def _with_gaps(i: int) -> Problem:
@@ -115,9 +145,20 @@ def _with_gaps(i: int) -> Problem:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("count", [1, pytest.param(100, marks=pytest.mark.full)])
-def test_random_controls_with_gaps(count: int) -> None:
-    problems = [_with_gaps(i) for i in range(count)]
+def test_gaps_leave_no_structure() -> None:
+    problems = [_with_gaps(i) for i in range(DRAWS)]
     assert all(p.restarts is not None for p in problems)
-    alarms = sum(diagnose(p).verdict != "adequate" for p in problems)
-    assert alarms <= binom.ppf(1.0 - _CHANCE, count, 0.02)
+    nothing_is_found_where_nothing_is(problems)
+
+
+def test_structure_that_is_there_is_found() -> None:
+    """The statistic above can fail: eight standard deviations of a vibration that no base model has."""
+    problem = _with_gaps(0)
+    shaken = {c: y + 8.0 * problem.noise[c].sigma * np.sin(9.0 * problem.t) for c, y in problem.channels.items()}
+    assert structure_left(replace(problem, channels=shaken)) < 1e-6
+
+
+@pytest.mark.full
+def test_random_controls_with_gaps() -> None:
+    alarms = sum(diagnose(_with_gaps(i)).verdict != "adequate" for i in range(LONG))
+    assert alarms <= binom.ppf(1.0 - _CHANCE, LONG, 0.02)

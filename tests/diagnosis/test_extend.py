@@ -4,16 +4,17 @@ import numpy as np
 import pytest
 
 from harness.core.errors import SimulationError
-from harness.diagnosis import select
-from harness.diagnosis.baseline import baseline
-from harness.diagnosis.fit import Fit
+from harness.diagnosis.baseline.base_fit import baseline
+from harness.diagnosis.fit.least_squares import Fit
 from harness.diagnosis.problem import Problem
-from harness.diagnosis.repeats import repeats
-from harness.diagnosis.search import AMONG_NAMES
-from harness.diagnosis.select import DECISIVE, extend
+from harness.diagnosis.rules import AMONG_NAMES, DECISIVE
+from harness.diagnosis.search import extend as select
+from harness.diagnosis.search.extend import extend
+from harness.diagnosis.search.repeats import repeats
 from harness.estimate.noise import channel_noise
 from harness.kernels.solve import simulate
 from harness.model.model import Model, ModelTerm
+from harness.model.registry import TERMS
 
 
 def decay() -> Problem:
@@ -33,7 +34,7 @@ def test_a_law_too_stiff_for_a_first_look_is_nothing_to_build_on(monkeypatch: py
 
 
 def test_a_name_must_stand_out_among_all_that_were_tried() -> None:
-    assert pytest.approx(DECISIVE + 2.0 * np.log(27.0)) == AMONG_NAMES
+    assert pytest.approx(DECISIVE.value + 2.0 * np.log(len({term.name for term in TERMS}))) == AMONG_NAMES.value
 
 
 @pytest.mark.parametrize(

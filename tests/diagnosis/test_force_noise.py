@@ -10,16 +10,16 @@ from hypothesis import strategies as st
 from harness.core.arrays import FloatArray
 from harness.core.events import EventKind, Mode
 from harness.core.recording import Recording
-from harness.diagnosis.asked import Asked
-from harness.diagnosis.baseline import baseline
-from harness.diagnosis.conclude import diagnose
-from harness.diagnosis.driven.disturbed import force_noise
-from harness.diagnosis.driven.forcenoise import ForceNoise
-from harness.diagnosis.driven.noisyfit import along
-from harness.diagnosis.observe import Observation, observe
-from harness.diagnosis.prepare import prepare
+from harness.diagnosis.baseline.base_fit import baseline
+from harness.diagnosis.fit.observe import Observation, observe
+from harness.diagnosis.input_noise.force_noise import ForceNoise
+from harness.diagnosis.input_noise.noisy_base_fit import along
+from harness.diagnosis.input_noise.propagation import force_noise
+from harness.diagnosis.pipeline import diagnose
+from harness.diagnosis.prepare.prepare import prepare
 from harness.diagnosis.problem import Problem
-from harness.diagnosis.select import DECISIVE
+from harness.diagnosis.request import Asked
+from harness.diagnosis.rules import DECISIVE
 from harness.estimate.noise import Noise
 from harness.kernels.solve import Drive, solve
 from harness.model.model import Model, ModelTerm, Restoring
@@ -193,4 +193,4 @@ def test_what_noise_does_beyond_first_order_is_told() -> None:
         problem, _ = along(base, problem, scales)
         assert problem.force_noise is not None
         told.append(problem.force_noise.beyond)
-    assert told[0] < DECISIVE < told[1]
+    assert told[0] < DECISIVE.value < told[1]

@@ -8,17 +8,17 @@ import pytest
 
 from harness.core.arrays import BoolArray
 from harness.core.recording import Recording
-from harness.diagnosis.asked import Asked
-from harness.diagnosis.baseline import baseline
-from harness.diagnosis.conclude import diagnose
-from harness.diagnosis.driven.begun import begun
-from harness.diagnosis.driven.between import between_samples
-from harness.diagnosis.driven.noisyfit import along
-from harness.diagnosis.fit import Fit, fit
-from harness.diagnosis.observe import observe
-from harness.diagnosis.prepare import prepare
+from harness.diagnosis.baseline.base_fit import baseline
+from harness.diagnosis.fit.fitted_states import begun
+from harness.diagnosis.fit.least_squares import Fit, fit
+from harness.diagnosis.fit.observe import observe
+from harness.diagnosis.input_noise.noisy_base_fit import along
+from harness.diagnosis.pipeline import diagnose
+from harness.diagnosis.prepare.intersample_curve import between_samples
+from harness.diagnosis.prepare.prepare import prepare
 from harness.diagnosis.problem import Problem
-from harness.diagnosis.search import noise_of
+from harness.diagnosis.request import Asked
+from harness.diagnosis.search.search import noise_of
 from harness.kernels.solve import Drive, Scales, solve
 from harness.model.model import Model, ModelTerm, Restoring
 

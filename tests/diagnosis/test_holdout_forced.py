@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from harness.diagnosis.conclude import diagnose
+from harness.diagnosis.pipeline import diagnose
 from harness.diagnosis.problem import Problem
 from harness.estimate.noise import channel_noise
 from harness.proof.plant import draw

@@ -8,8 +8,8 @@ from scipy.integrate import solve_ivp
 
 from harness.core.arrays import FloatArray
 from harness.core.slider import PAPER
-from harness.diagnosis.consistency import Consistency, consistency
-from harness.diagnosis.force_map import ForceMap, force_map, write_history, write_map
+from harness.diagnosis.alignment.consistency import Consistency, consistency
+from harness.diagnosis.explain.force_map import ForceMap, force_map, write_history, write_map
 from harness.diagnosis.motion import Motion, motion_of
 from harness.estimate.noise import Noise
 from harness.exact.decay import Decay, free_decay

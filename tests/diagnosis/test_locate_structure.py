@@ -7,9 +7,9 @@ import pytest
 from scipy.signal import lfilter
 
 from harness.core.arrays import FloatArray
-from harness.diagnosis.lackfit import lack_of_fit
-from harness.diagnosis.locate import locate
+from harness.diagnosis.explain.locate import locate
 from harness.diagnosis.motion import Motion
+from harness.diagnosis.residual_tests.lack_of_fit import lack_of_fit
 
 
 def swing(n: int, per_period: int) -> tuple[FloatArray, Motion]:

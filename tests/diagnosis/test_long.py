@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 
 from harness.core.arrays import FloatArray
-from harness.diagnosis import long
-from harness.diagnosis.conclude import diagnose
 from harness.diagnosis.outcome import Outcome
+from harness.diagnosis.pipeline import diagnose
 from harness.diagnosis.problem import Problem
+from harness.diagnosis.search import long_recordings as long
 from harness.estimate.noise import channel_noise
 from harness.kernels.solve import solve
 from harness.model.model import Model, ModelTerm

@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 
 from harness.core.recording import Recording
-from harness.diagnosis.asked import Asked
-from harness.diagnosis.baseline import baseline
-from harness.diagnosis.fit import fit
-from harness.diagnosis.numbers import AT_LEAST, term_parameters
-from harness.diagnosis.parameters import free_of
-from harness.diagnosis.prepare import prepare
+from harness.diagnosis.baseline.base_fit import baseline
+from harness.diagnosis.fit.least_squares import fit
+from harness.diagnosis.fit.parameters import free_of
+from harness.diagnosis.fit.standard_errors import AT_LEAST, term_parameters
+from harness.diagnosis.prepare.prepare import prepare
+from harness.diagnosis.request import Asked
 from harness.kernels.solve import solve
 from harness.model.model import Model, ModelTerm
 
@@ -30,6 +30,6 @@ def test_on_its_upper_bound_a_number_is_a_least_one() -> None:
     found, scales = baseline(problem)
     stiff = replace(found.model, terms=(ModelTerm.named("presliding", sigma0=1e4 * found.model.k, sigma1=0.0),))
     seen = fit(stiff, problem, free_of(stiff, ("c", "f_k")), scales, iterations=0)
-    quantity = term_parameters(seen, problem, 0)["sigma0"]
+    quantity = term_parameters(seen, problem, 0, scales.omega)["sigma0"]
     assert quantity.stderr is None
     assert quantity.why == AT_LEAST

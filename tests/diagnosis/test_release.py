@@ -8,13 +8,14 @@ import numpy as np
 import pytest
 
 from harness.core.recording import Recording
-from harness.diagnosis.asked import Asked
-from harness.diagnosis.baseline import baseline
-from harness.diagnosis.conclude import diagnose
-from harness.diagnosis.hand import after_hand
-from harness.diagnosis.prepare import prepare
+from harness.diagnosis.baseline.base_fit import baseline
+from harness.diagnosis.pipeline import diagnose
+from harness.diagnosis.prepare.prepare import prepare
 from harness.diagnosis.problem import Problem
-from harness.diagnosis.structure import SIGNIFICANT, structure
+from harness.diagnosis.request import Asked
+from harness.diagnosis.residual_tests.structure import structure
+from harness.diagnosis.rules import STRUCTURE
+from harness.diagnosis.search.release_transient import after_hand
 from harness.kernels.solve import Drive, simulate, solve
 from harness.model.model import Model, ModelTerm, Restoring
 
@@ -72,7 +73,7 @@ def test_viscous_and_coulomb_friction_explain_what_follows_the_hand(case: dict[s
     recording = by_hand(**case)  # type: ignore[arg-type]
     problem, notes = prepare(recording, Asked(case.get("restoring", Restoring.SPRING)))  # type: ignore[arg-type]
     found, scales = baseline(problem)
-    assert structure(found, problem, scales.omega).p_value > SIGNIFICANT
+    assert structure(found, problem, scales.omega).p_value > STRUCTURE.value
     model = found.model
     assert found.chi2 / found.points == pytest.approx(1.0, abs=0.12)
     assert math.sqrt(model.k) == pytest.approx(case.get("omega", 10.0), rel=1e-3)

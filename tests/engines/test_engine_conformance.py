@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from engine_cases import GENTLE, INSTALLED, TABLE, decay, engine, short, sliders
+from engine_cases import GENTLE, INSTALLED, OFF_FLOOR, TABLE, decay, engine, short, sliders
 
 from harness.core.errors import InputError, SimulationError
 from harness.core.events import Mode
@@ -20,6 +20,7 @@ from harness.exact.decay import free_decay
 ALL = [(name, route, preset) for name, route in TABLE for preset in PRESETS]
 each = pytest.mark.parametrize(("name", "route", "preset"), ALL)
 each_route = pytest.mark.parametrize(("name", "route"), TABLE)
+each_off_floor = pytest.mark.parametrize(("name", "route"), OFF_FLOOR)
 each_engine = pytest.mark.parametrize("name", INSTALLED)
 
 
@@ -105,8 +106,7 @@ def test_friction_stays_within_its_limit(name: str, route: str, preset: str) -> 
     assert np.all(np.abs(trace.extra["friction_force"]) <= limit * (1.0 + 1e-5) + 1e-9)
 
 
-@pytest.mark.parametrize("route", ["joint", "law"])
-@each_engine
+@each_off_floor
 def test_tuned_follows_the_exact_decay_of_random_sliders(name: str, route: str) -> None:
     for slider in sliders(seed=11, count=6):
         period = 2.0 * np.pi / slider.omega_n
@@ -116,9 +116,9 @@ def test_tuned_follows_the_exact_decay_of_random_sliders(name: str, route: str) 
         assert np.abs(trace.x - exact.x).max() < 2e-3, slider
 
 
-@each_engine
-def test_energy_only_falls(name: str) -> None:
-    trace = run(name, Task(decay(), "joint", "tuned"))
+@each_off_floor
+def test_energy_only_falls(name: str, route: str) -> None:
+    trace = run(name, Task(decay(), route, "tuned"))  # type: ignore[arg-type]
     energy = 0.5 * PAPER.m * trace.v**2 + 0.5 * PAPER.k * trace.x**2
     # between samples the speed of half a step to either side differs: allow for the spring's work over one step
     slack = 0.5 * PAPER.k * np.abs(trace.v).max() * 1e-3 * np.abs(trace.x).max()
@@ -126,9 +126,9 @@ def test_energy_only_falls(name: str) -> None:
     assert energy[-1] < 1e-3 * energy[0]
 
 
-@each_engine
-def test_mode_says_stick_at_rest_and_the_direction_while_sliding(name: str) -> None:
-    trace = run(name, Task(decay(), "joint", "tuned"))
+@each_off_floor
+def test_mode_says_stick_at_rest_and_the_direction_while_sliding(name: str, route: str) -> None:
+    trace = run(name, Task(decay(), route, "tuned"))  # type: ignore[arg-type]
     assert trace.mode is not None
     assert trace.mode[-1] == Mode.STICK
     fast = np.abs(trace.v) > 0.2
@@ -146,8 +146,7 @@ def test_tuned_holds_a_static_load(name: str, route: str, share: float) -> None:
     assert trace.extra["friction_force"][-1] == pytest.approx(share * slider.f_k, rel=1e-3)
 
 
-@pytest.mark.parametrize("route", ["joint", "law"])
-@each_engine
+@each_off_floor
 def test_break_away_above_sliding_friction_gives_the_stick_slip_period(name: str, route: str) -> None:
     # the exact period of this belt is 0.6658 s
     scenario = Scenario("belt", Slider(1.0, 0.2, 100.0, 3.0, 4.0), 0.0, 0.1, 5.0, Belt(0.1))
@@ -160,8 +159,7 @@ def test_break_away_above_sliding_friction_gives_the_stick_slip_period(name: str
     assert np.abs(trace.v[stuck & (trace.t > 2.0)] - 0.1).max() < 2e-3
 
 
-@pytest.mark.parametrize("route", ["joint", "law"])
-@each_engine
+@each_off_floor
 def test_harmonic_forcing_without_friction_reaches_the_linear_amplitude(name: str, route: str) -> None:
     slider, drive = Slider(1.0, 4.0, 100.0, 0.0), Harmonic(20.0, 8.0, 0.4)
     trace = run(name, Task(Scenario("forced", slider, 0.0, 0.0, 12.0, drive), route, "tuned"))  # type: ignore[arg-type]
@@ -174,7 +172,7 @@ def test_harmonic_forcing_without_friction_reaches_the_linear_amplitude(name: st
 def test_a_route_an_engine_does_not_have_is_refused() -> None:
     lacking = [(name, route) for name in INSTALLED for route in ROUTES if (name, route) not in TABLE]
     for name, route in lacking:
-        with pytest.raises(SimulationError, match=f"{name}: no {route} route; there is joint"):
+        with pytest.raises(SimulationError, match=f"{name}: no {route} route; there is {engine(name).routes[0]}"):
             run(name, short(route))
 
 
@@ -193,24 +191,25 @@ BAD: list[tuple[dict[str, Any], str]] = [
 @each_engine
 def test_bad_input_is_refused_in_one_line(name: str, bad: dict[str, Any], message: str) -> None:
     with pytest.raises(InputError) as caught:
-        engine(name).simulate(Task(decay(), **bad))
+        engine(name).simulate(Task(decay(), **({"route": engine(name).routes[-1]} | bad)))
     assert message in str(caught.value)
     assert "\n" not in str(caught.value)
 
 
 @each_engine
 def test_a_setting_of_a_wrong_type_is_refused(name: str) -> None:
-    settings = engine(name).presets("joint", "tuned")
+    route = engine(name).routes[0]
+    settings = engine(name).presets(route, "tuned")
     for key, value in settings.items():
         if key != "dt":
             wrong = 3 if isinstance(value, str | tuple) else "much"
             with pytest.raises(InputError, match=f"{name} setting {key}: "):
-                engine(name).simulate(Task(decay(), settings={key: wrong}))
+                engine(name).simulate(Task(decay(), route, settings={key: wrong}))
 
 
 @each_engine
 def test_a_run_leaves_both_streams_alone(name: str, capfd: pytest.CaptureFixture[str]) -> None:
-    engine(name).simulate(short("joint"))
+    engine(name).simulate(short(engine(name).routes[0]))
     captured = capfd.readouterr()
     assert captured.out == ""
     assert captured.err == ""

@@ -11,19 +11,11 @@ from harness.core.errors import InputError, StoreError
 from harness.engines import model_files
 from harness.kernels.solve import simulate
 from harness.model.model import Model, ModelTerm, Restoring
+from harness.model.registry import TERMS
 
 BASE = Model(2.0, 1.5, 100.0, 3.0, x0=0.8)
 
-IN_MJCF: list[tuple[str, dict[str, float]]] = [
-    ("quadratic-stiffness", {"k2": 20.123456789012}),
-    ("cubic-stiffness", {"k3": -40.0}),
-    ("quadratic-drag", {"c2": 0.3}),
-    ("end-stop", {"gap": 0.4, "k_stop": 150.0}),
-    ("end-stop:positive", {"gap": 0.4, "k_stop": 150.0}),
-    ("end-stop:negative", {"gap": 0.4, "k_stop": 150.0}),
-    ("backlash", {"gap": 0.05}),
-    ("constant-force", {"force": 1.5}),
-]
+IN_MJCF = [ModelTerm(term, term.example) for term in TERMS if term.elements is not None]
 
 
 def compiled(model: Model) -> mujoco.MjModel:
@@ -32,9 +24,9 @@ def compiled(model: Model) -> mujoco.MjModel:
     return read
 
 
-@pytest.mark.parametrize(("key", "values"), IN_MJCF, ids=[key for key, _ in IN_MJCF])
-def test_a_term_with_native_words_accelerates_as_in_the_reference(key: str, values: dict[str, float]) -> None:
-    model = BASE.with_terms(ModelTerm.named(key, **values))
+@pytest.mark.parametrize("entry", IN_MJCF, ids=lambda entry: entry.term.key)
+def test_a_term_with_native_words_accelerates_as_in_the_reference(entry: ModelTerm) -> None:
+    model = BASE.with_terms(entry)
     read = compiled(model)
     data = mujoco.MjData(read)
     for x, v in [(0.6, 0.0), (-0.7, 1.2), (0.03, -0.4), (0.45, 2.0)]:
@@ -43,12 +35,12 @@ def test_a_term_with_native_words_accelerates_as_in_the_reference(key: str, valu
         mujoco.mj_forward(read, data)
         exact = simulate(smooth, np.array([0.0, 1e-3])).a[0]
         assert data.qacc[0] == pytest.approx(exact, rel=1e-9, abs=1e-9)
-    assert not [line for line in model_files.cannot_say(model, "xml") if key.partition(":")[0] in line]
-    assert [line for line in model_files.cannot_say(model, "urdf") if key.partition(":")[0] in line]
+    assert not [line for line in model_files.cannot_say(model, "xml") if entry.term.name in line]
+    assert [line for line in model_files.cannot_say(model, "urdf") if entry.term.name in line]
 
 
 def test_several_terms_share_a_joint() -> None:
-    model = BASE.with_terms(*(ModelTerm.named(k, **v) for k, v in IN_MJCF if k in ("cubic-stiffness", "backlash")))
+    model = BASE.with_terms(ModelTerm.named("cubic-stiffness", k3=-40.0), ModelTerm.named("backlash", gap=0.05))
     read = compiled(model)
     assert read.jnt_stiffness[0] == 0.0
     data = mujoco.MjData(read)

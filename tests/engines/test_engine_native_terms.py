@@ -5,31 +5,25 @@ import pytest
 from engine_cases import engine
 
 from harness.core.errors import SimulationError
-from harness.engines.joint_words import NAMES, words_of
+from harness.engines.joint_words import JOINT, elements, words_of
 from harness.engines.realise import task_of
 from harness.engines.simulator import EngineSimulator
 from harness.kernels.solve import simulate
 from harness.model.model import Model, ModelTerm
+from harness.model.registry import TERMS
 
 BASE = Model(1.3, 1.0, 100.0, 3.0, x0=1.0)
 
-TERMS: list[tuple[str, dict[str, float]]] = [
-    ("quadratic-stiffness", {"k2": 20.0}),
-    ("cubic-stiffness", {"k3": 40.0}),
-    ("quadratic-drag", {"c2": 0.3}),
-    ("end-stop", {"gap": 0.5, "k_stop": 100.0}),
-    ("end-stop:positive", {"gap": 0.5, "k_stop": 100.0}),
-    ("end-stop:negative", {"gap": 0.5, "k_stop": 100.0}),
-    ("backlash", {"gap": 0.05}),
-]
+SAID = [entry for t in TERMS if elements(entry := ModelTerm(t, t.example), BASE.k, JOINT)]
+"""Every term that is made of what a joint has words for."""
 
 
-@pytest.mark.parametrize(("key", "values"), TERMS, ids=[key for key, _ in TERMS])
-def test_words_of_the_joint_and_a_force_law_are_the_same(key: str, values: dict[str, float]) -> None:
-    model = BASE.with_terms(ModelTerm.named(key, **values))
+@pytest.mark.parametrize("entry", SAID, ids=lambda entry: entry.term.key)
+def test_words_of_the_joint_and_a_force_law_are_the_same(entry: ModelTerm) -> None:
+    model = BASE.with_terms(entry)
     mujoco = engine("mujoco")
     by_law = mujoco.simulate(task_of(model, 2.0, 1e-3))
-    task = task_of(model, 2.0, 1e-3, native=mujoco.native_terms)
+    task = task_of(model, 2.0, 1e-3, native=mujoco.native)
     assert task.law is None
     by_words = mujoco.simulate(task)
     assert np.abs(by_words.x - by_law.x).max() < 1e-9
@@ -41,14 +35,14 @@ def test_words_of_the_joint_and_a_force_law_are_the_same(key: str, values: dict[
 def test_words_and_laws_stand_side_by_side() -> None:
     model = BASE.with_terms(
         ModelTerm.named("stribeck", f_s=5.0, v_s=0.5),
-        *(ModelTerm.named(key, **values) for key, values in TERMS if ":" not in key),
+        *(entry for entry in SAID if not entry.term.variant),
         ModelTerm.named("viscoelastic", k_m=20.0, tau=0.1),
         ModelTerm.named("sensor-bias", bias=0.5),
     )
     trace = EngineSimulator.named("mujoco")(model, 2.0, 2e-4, None)
     assert np.abs(trace.x - simulate(model, trace.t).x).max() < 1e-3
     terms = trace.source.settings["terms"]
-    assert {name for name, how in terms.items() if how == "attribute of the joint"} == NAMES
+    assert {name for name, how in terms.items() if how == "attribute of the joint"} == {e.term.name for e in SAID}
     assert terms["stribeck"] == "limit of the engine's own friction, set in every step"
     assert terms["viscoelastic"] == "force law, called at every stage of the step"
     assert terms["sensor-bias"] == "none: what a sensor makes of the motion"
@@ -56,7 +50,7 @@ def test_words_and_laws_stand_side_by_side() -> None:
 
 @pytest.mark.parametrize("integrator", ["Euler", "implicitfast", "implicit", "discrete"])
 def test_every_integrator_has_the_terms(integrator: str) -> None:
-    model = BASE.with_terms(*(ModelTerm.named(key, **values) for key, values in TERMS[:3]))
+    model = BASE.with_terms(*(entry for entry in SAID if not entry.term.corner))
     trace = EngineSimulator.named("mujoco", "tuned", {"integrator": integrator})(model, 1.0, 1e-4, None)
     exact = simulate(model, trace.t)
     assert np.abs(trace.x - exact.x).max() < 5e-3
@@ -75,7 +69,7 @@ def test_a_friction_that_looks_ahead_sees_every_force() -> None:
 def test_an_engine_without_words_refuses_them() -> None:
     model = BASE.with_terms(ModelTerm.named("cubic-stiffness", k3=40.0))
     with pytest.raises(SimulationError, match="pybullet: its joint has no words"):
-        engine("pybullet").simulate(task_of(model, 1.0, 1e-3, native=frozenset({"cubic-stiffness"})))
+        engine("pybullet").simulate(task_of(model, 1.0, 1e-3, native=JOINT))
     assert EngineSimulator.named("pybullet")(model, 0.1, 1e-3, None).source.settings["terms"] == {
         "cubic-stiffness": "force law, called at every stage of the step"
     }

@@ -200,5 +200,6 @@ def test_anything_gets_figures_or_reasons() -> None:
     rng = np.random.default_rng(12)
     for _ in range(250):
         t, y = _oddity(rng)
-        found = (estimate_all(t, x=y), estimate_all(t, a=y), estimate_all(t, x=y, a=-y))[rng.integers(3)]
+        x, a = ((y, None), (None, y), (y, -y))[rng.integers(3)]
+        found = estimate_all(t, x=x, a=a)
         assert set(found.methods) == set(METHODS)

@@ -1,6 +1,7 @@
 """Exact answers of the scenarios against an integration that knows only the equation of motion."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -9,10 +10,12 @@ from fidelity_draws import drawn_suites, integrated
 from harness.core.errors import InputError
 from harness.core.scenario import Belt, Harmonic, Scenario
 from harness.core.slider import PAPER, Slider
-from harness.fidelity import cases
-from harness.fidelity.answers import exact_answers, exact_motion
 from harness.fidelity.describe import describe, scenario_of
+from harness.fidelity.kinds.harmonic import PERIODS
+from harness.fidelity.registry import kind_of, suite
 from harness.fidelity.row import measure_row
+from harness.fidelity.scenarios import belt, harmonic
+from harness.fidelity.sliders import OWN
 
 DRAWN = list(drawn_suites(31, 6))
 
@@ -20,7 +23,7 @@ DRAWN = list(drawn_suites(31, 6))
 @pytest.mark.parametrize("scenario", DRAWN, ids=lambda one: one.name)
 def test_exact_motion_agrees_with_integration(scenario: Scenario) -> None:
     t = np.linspace(0.0, scenario.duration, 400)
-    exact = exact_motion(scenario, t)
+    exact = kind_of(scenario).exact(scenario, t)
     size = max(np.abs(exact.x).max(), scenario.slider.x_k)
     assert np.abs(exact.x - integrated(scenario, t)).max() < 2e-8 * size
 
@@ -30,17 +33,17 @@ def test_metrics_of_the_exact_motion_are_the_exact_answers(scenario: Scenario) -
     # a run long enough for every metric, sampled as an engine would at a fine step
     longer = scenario
     if isinstance(scenario.action, Belt):
-        longer = cases.belt(scenario.slider, scenario.action.speed)
+        longer = belt.SCENARIO.ride(scenario.slider, scenario.action.speed)
     if isinstance(scenario.action, Harmonic):
-        longer = cases.forced(scenario.name, scenario.slider, scenario.action)
+        longer = replace(harmonic.SCENARIO.shake(scenario.slider, scenario.action), name=scenario.name)
     t = np.linspace(0.0, longer.duration, 40_001)
     step = float(t[1])
-    found = measure_row(exact_motion(longer, t), longer)
-    for name, truth in exact_answers(longer).items():
+    found = measure_row(kind_of(longer).exact(longer, t), longer)
+    for name, truth in kind_of(longer).answers(longer).items():
         value = found[name]
         assert value is not None, name
         if name.endswith("fraction"):
-            assert value == pytest.approx(truth, abs=4.0 * step / longer.duration * cases.FORCED_PERIODS), name
+            assert value == pytest.approx(truth, abs=4.0 * step / longer.duration * PERIODS), name
         elif name == "x_k_m":
             assert value == pytest.approx(truth, abs=1e-6), name
         else:
@@ -53,22 +56,21 @@ def test_a_scenario_survives_being_written_down(scenario: Scenario) -> None:
 
 
 def test_the_checked_cases() -> None:
-    suite = cases.suite("joint")
-    belt, forced = exact_answers(suite[cases.BELT]), exact_answers(suite[cases.HARMONIC])
-    assert belt["period_s"] == pytest.approx(0.6658, abs=5e-5)
-    assert belt["near_belt_fraction"] == pytest.approx(0.286, abs=5e-4)
-    assert belt["stick_fraction"] == pytest.approx(0.2830, abs=5e-5)
+    answers = {name: kind_of(one).answers(one) for name, one in suite("joint").items()}
+    riding, forced = answers["belt"], answers["harmonic"]
+    assert riding["period_s"] == pytest.approx(0.6658, abs=5e-5)
+    assert riding["near_belt_fraction"] == pytest.approx(0.286, abs=5e-4)
+    assert riding["stick_fraction"] == pytest.approx(0.2830, abs=5e-5)
     assert forced["amplitude_m"] == pytest.approx(0.262610, abs=1e-6)
     assert forced["stop_fraction"] == 0.0
-    stopping = exact_answers(suite[cases.STOPS])
-    assert 0.3 < stopping["stop_fraction"] < 0.4
+    assert 0.3 < answers["harmonic-stops"]["stop_fraction"] < 0.4
 
 
 def test_contact_scenarios_are_those_of_the_joint_on_a_smaller_scale() -> None:
-    joint, contact = cases.suite("joint"), cases.suite("contact")
+    joint, contact = suite("joint"), suite("contact")
     assert set(joint) < set(contact)
-    for name in (cases.DECAY, cases.HARMONIC, cases.STOPS):
-        large, small = exact_answers(joint[name]), exact_answers(contact[name])
+    for name in ("free-decay", "harmonic", "harmonic-stops"):
+        large, small = (kind_of(one).answers(one) for one in (joint[name], contact[name]))
         assert contact[name].slider.x_k == pytest.approx(0.1 * joint[name].slider.x_k)
         for metric in ("amplitude_m", "x_k_m"):
             if metric in large:
@@ -84,13 +86,13 @@ def test_contact_scenarios_are_those_of_the_joint_on_a_smaller_scale() -> None:
 )
 def test_a_belt_without_a_cycle_is_refused(slider: Slider, speed: float, message: str) -> None:
     with pytest.raises(InputError, match=message.replace("(", r"\(").replace(")", r"\)")):
-        cases.belt(slider, speed)
+        belt.SCENARIO.ride(slider, speed)
 
 
 def test_a_run_that_does_not_start_riding_has_no_exact_motion_here() -> None:
-    scenario = Scenario("belt", cases.BELT_SLIDER, 0.0, 0.0, 1.0, Belt(0.1))
+    scenario = Scenario("belt", OWN.sticky, 0.0, 0.0, 1.0, Belt(0.1))
     with pytest.raises(InputError, match="does not ride with the belt"):
-        exact_motion(scenario, np.linspace(0.0, 1.0, 10))
+        kind_of(scenario).exact(scenario, np.linspace(0.0, 1.0, 10))
 
 
 def test_a_damaged_description_is_refused() -> None:
@@ -99,7 +101,7 @@ def test_a_damaged_description_is_refused() -> None:
 
 
 def test_periods_are_whole() -> None:
-    for scenario in cases.suite("joint").values():
+    for scenario in suite("joint").values():
         if isinstance(scenario.action, Harmonic):
             periods = scenario.duration * scenario.action.omega / (2.0 * math.pi)
-            assert periods == pytest.approx(cases.FORCED_PERIODS)
+            assert periods == pytest.approx(PERIODS)

@@ -4,19 +4,20 @@ from pathlib import Path
 
 import pytest
 
-from harness.app.regress import load_baseline
+from harness.app.sweep.regress import load_baseline
 from harness.engines import registry
 from harness.engines.base import Preset, Route
-from harness.fidelity import cases
 from harness.fidelity.convergence import slope
-from harness.fidelity.row import Metrics, Spec, run_row
+from harness.fidelity.kind import Metrics
+from harness.fidelity.registry import suite
+from harness.fidelity.row import Spec, run_row
 
 PUBLISHED = Path(__file__).resolve().parents[2] / "reports" / "fidelity" / "baseline.json"
 
 
 def metrics(engine: str, route: Route, base: Preset, dt: float | None, scenario: str, **changed: object) -> Metrics:
     found = registry.load(engine)
-    case = cases.suite(route)[scenario]
+    case = suite(route)[scenario]
     row = run_row(found, Spec(engine, found.version(), route, "x", base, tuple(changed.items()), dt, case))
     assert row.error is None
     return row.metrics
@@ -35,13 +36,13 @@ def agrees(value: float | None, printed: str, scale: float = 1.0) -> bool:
 def test_belt(engine: str, route: Route) -> None:
     # PyBullet's contact takes 500 iterations a step, so its step is the coarse one
     dt = 1.0 / 240.0 if (engine, route) == ("pybullet", "contact") else 1e-3
-    found = metrics(engine, route, "tuned", dt, cases.BELT)
+    found = metrics(engine, route, "tuned", dt, "belt")
     assert agrees(found["period_s"], "0.6658")
     assert agrees(found["near_belt_fraction"], "0.286")
 
 
 def test_belt_converges_where_break_away_is_read_from_the_force() -> None:
-    found = metrics("mujoco", "joint", "tuned", 1e-4, cases.BELT)
+    found = metrics("mujoco", "joint", "tuned", 1e-4, "belt")
     assert found["period_s"] == pytest.approx(0.6659, abs=1e-4)
 
 
@@ -49,12 +50,12 @@ def test_belt_converges_where_break_away_is_read_from_the_force() -> None:
 @pytest.mark.parametrize(("route", "amplitude_mm"), [("joint", "262.610"), ("contact", "26.261"), ("law", "262.610")])
 def test_harmonic(engine: str, route: Route, amplitude_mm: str) -> None:
     dt = 1.0 / 240.0 if (engine, route) == ("pybullet", "contact") else 1e-3
-    assert agrees(metrics(engine, route, "tuned", dt, cases.HARMONIC)["amplitude_m"], amplitude_mm, 1e3)
+    assert agrees(metrics(engine, route, "tuned", dt, "harmonic")["amplitude_m"], amplitude_mm, 1e3)
 
 
 @pytest.mark.parametrize("engine", ["mujoco", "pybullet"])
 def test_stops_last_as_long_as_they_should(engine: str) -> None:
-    found = metrics(engine, "joint", "tuned", 1e-3, cases.STOPS)
+    found = metrics(engine, "joint", "tuned", 1e-3, "harmonic-stops")
     assert found["stop_fraction"] == pytest.approx(0.3711, abs=0.003)
 
 
@@ -72,7 +73,7 @@ def test_a_pyramidal_cone_creeps_like_an_elliptic_one() -> None:
 def test_a_stiff_contact_throws_a_fast_box_up() -> None:
     changed = {"cone": "elliptic", "solref": (0.002, 1.0), "solimp": (0.9999, 0.9999, 0.001, 0.5, 2.0)}
     fast = metrics("mujoco", "contact", "as-shipped", 1e-3, "free-decay-x10", **changed)["lift_m"]
-    slow = metrics("mujoco", "contact", "as-shipped", 1e-3, cases.DECAY, **changed)["lift_m"]
+    slow = metrics("mujoco", "contact", "as-shipped", 1e-3, "free-decay", **changed)["lift_m"]
     assert fast is not None
     assert slow is not None
     assert 0.170 < fast < 0.250
@@ -91,7 +92,9 @@ def test_order_of_convergence_without_friction(
     engine: str, base: Preset, changed: dict[str, object], order: float
 ) -> None:
     steps = (4e-3, 2e-3, 1e-3)
-    errors = [metrics(engine, "joint", base, dt, cases.FRICTIONLESS, **changed)["max_error_m"] or 0.0 for dt in steps]
+    errors = [
+        metrics(engine, "joint", base, dt, "free-decay-no-friction", **changed)["max_error_m"] or 0.0 for dt in steps
+    ]
     measured, spread = slope(steps, errors)
     assert measured == pytest.approx(order, abs=0.1)
     assert spread < 1.05
@@ -99,7 +102,7 @@ def test_order_of_convergence_without_friction(
 
 def test_what_cannot_run_is_a_row_with_its_reason() -> None:
     engine = registry.load("mujoco")
-    case = cases.suite("joint")[cases.DECAY]
+    case = suite("joint")["free-decay"]
     for changed, dt, message in (
         ((("integrator", "Verlet"),), 1e-3, "one of Euler, RK4"),
         ((("no_such", 1),), 1e-3, "mujoco setting no_such: unknown"),

@@ -11,9 +11,9 @@ from click.testing import CliRunner
 from jsonschema import Draft202012Validator
 from lxml import etree
 
-from harness.app import regress as room
-from harness.app.sweep import SweepOptions, sweep
-from harness.app.sweep_traces import SCHEMA, keep_worst, recomputed
+from harness.app.sweep import regress as room
+from harness.app.sweep.sweep import SweepOptions, sweep
+from harness.app.sweep.traces import SCHEMA, keep_worst, recomputed
 from harness.cli.commands.regress import command
 from harness.core.errors import InputError
 from harness.engines import registry
@@ -47,7 +47,7 @@ def rows() -> room.Rows:
 
 @pytest.fixture
 def baseline(rows: room.Rows, tmp_path: Path) -> Path:
-    room.update(tmp_path / "baseline.json", rows, SweepOptions())
+    room.update(tmp_path / "baseline.json", rows)
     return tmp_path / "baseline.json"
 
 
@@ -145,7 +145,7 @@ def test_a_missing_row_is_a_regression_only_of_a_whole_matrix(rows: room.Rows, b
 
 def test_update_of_one_engine_keeps_the_others(rows: room.Rows, baseline: Path) -> None:
     other = {name.replace("mujoco", "pybullet"): row | {"engine": "pybullet"} for name, row in rows.items()}
-    room.update(baseline, other, SweepOptions(("pybullet",)))
+    room.update(baseline, other)
     assert set(room.load_baseline(baseline).rows) == set(rows) | set(other)
 
 
@@ -175,10 +175,10 @@ def test_stored_traces_gate_against_the_baseline_without_an_engine(
 
 
 def test_a_change_of_a_metric_is_seen_in_stored_traces(traces: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    from harness.fidelity import hold_metrics
+    from harness.fidelity.metrics import hold as hold_metrics
 
     monkeypatch.setattr(hold_metrics, "drift_m", lambda trace: 1.0)
-    monkeypatch.setattr("harness.fidelity.decay_metrics.recovered", lambda trace, scenario: {"zeta": 0.06})
+    monkeypatch.setattr("harness.fidelity.row.recovered", lambda trace, scenario: {"zeta": 0.06})
     assert room.compared_traces(traces, PUBLISHED).regressions > 0
 
 
@@ -234,9 +234,11 @@ def test_plugin(pytester: pytest.Pytester, baseline: Path) -> None:
     done.assert_outcomes(passed=1)
 
 
-def test_a_spec_names_its_row_without_versions() -> None:
+def test_a_spec_names_its_row_with_the_version_of_its_engine() -> None:
     engine = registry.load("mujoco")
     specs = list(Matrix(("joint",), short=True).specs({"mujoco": engine}))
     newer: Spec = replace(specs[0], version="99")
-    assert newer.name == specs[0].name
+    assert specs[0].name.startswith("mujoco@4.0.0/joint/")
+    assert newer.name == specs[0].name.replace("4.0.0", "99")
+    assert replace(newer, place="old").name == specs[0].name.replace("4.0.0", "99(old)")
     assert newer.key != specs[0].key

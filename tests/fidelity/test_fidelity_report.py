@@ -6,13 +6,13 @@ from typing import Any
 
 import pytest
 
-from harness.app.sweep import Sweep, SweepOptions, settings_of, sweep
-from harness.app.sweep_conclusions import headline, percent, sentences
-from harness.app.sweep_report import finish, one_step_each, summary
-from harness.app.sweep_traces import worst_rows
+from harness.app.sweep.conclusions import headline, percent, sentences
+from harness.app.sweep.report import finish, one_step_each, summary
+from harness.app.sweep.sweep import Sweep, SweepOptions, settings_of, sweep
+from harness.app.sweep.traces import worst_rows
 from harness.fidelity.convergence import Ladder, slope
 from harness.fidelity.pareto import FLOOR, front, points
-from harness.fidelity.scores import FIGURES, LABELS, badness, cards, distance
+from harness.fidelity.scores import LABELS, badness, cards, distance, figures_of
 
 PUBLISHED = Path(__file__).resolve().parents[2] / "reports" / "fidelity"
 OPTIONS = SweepOptions(("mujoco", "pybullet"), ("joint",), ("as-shipped", "tuned"), (2e-3, 1e-3), jobs=1, keep=2)
@@ -86,8 +86,8 @@ def test_as_shipped_and_tuned_stand_beside_each_other(rows: list[dict[str, Any]]
 
 def test_distance_is_against_exact(rows: list[dict[str, Any]]) -> None:
     for row in rows:
-        for figure in FIGURES:
-            if figure.scenario == row["scenario"] and row["metrics"].get(figure.metric) is not None:
+        for figure in figures_of(row["scenario"]):
+            if row["metrics"].get(figure.metric) is not None:
                 exactly = row | {"metrics": row["metrics"] | {figure.metric: row["exact"].get(figure.metric, 0.0)}}
                 assert distance(exactly, figure) == 0.0
                 found = distance(row, figure)
@@ -163,5 +163,5 @@ def test_the_published_report_is_small_and_whole() -> None:
     links = re.findall(r'href="(traces/[^"]+)"', page)
     assert links
     assert all((PUBLISHED / link).is_file() for link in links)
-    assert "python -m harness.app.publish_fidelity" in page
+    assert "python -m harness.app.sweep.publish" in page
     assert len(LABELS) == len(set(LABELS))

@@ -18,16 +18,16 @@ from dask_cluster import two_workers
 from interruptible import listening
 from jsonschema import Draft202012Validator
 
-from harness.app import sweep as room
-from harness.app.sweep import SweepOptions, sweep
-from harness.app.sweep_parts import Parts
-from harness.app.sweep_pool import LocalPool
-from harness.app.sweep_rows import completed
-from harness.app.sweep_worker import failed_row
+from harness.app.shared.completed import completed
+from harness.app.shared.pool import LocalPool
+from harness.app.sweep import sweep as room
+from harness.app.sweep.parts import Parts
+from harness.app.sweep.sweep import SweepOptions, sweep
+from harness.app.sweep.worker import failed_row
 from harness.core.errors import HarnessError, InputError, StoreError
+from harness.core.writing import explained
 from harness.engines import registry
 from harness.fidelity.matrix import Matrix
-from harness.io.store import explained
 from harness.results.generate import schema_text
 from harness.results.sweep import SweepResult, SweepRow
 
@@ -149,7 +149,7 @@ import sys, tempfile
 from pathlib import Path
 sys.path.insert(0, {tests!r})
 import sweep_deaths
-from harness.app import sweep as room
+from harness.app.sweep import sweep as room
 from harness.cli.main import _say, _explained
 room.PART_S = 0.5
 class Fixed:
@@ -215,7 +215,7 @@ def test_a_full_disk_keeps_what_was_done(tmp_path: Path, monkeypatch: pytest.Mon
 @pytest.mark.parametrize(
     ("build", "message"),
     [
-        (lambda out: sweep(SweepOptions(("bullet",)), out), "--engine: 'bullet'; one of dart, mujoco, pybullet"),
+        (lambda out: sweep(SweepOptions(("bullet",)), out), "--engine: 'bullet'; one of dart, drake, mujoco, newton"),
         (lambda out: sweep(SweepOptions(steps=(-1.0,)), out), "--dt: -1; a number above 0 s is accepted"),
         (lambda out: sweep(SweepOptions(presets=("best",)), out), "--preset: 'best'; one of as-shipped, tuned"),
         (lambda out: sweep(SweepOptions(routes=("air",)), out), "--route: 'air'; one of joint, contact, law"),

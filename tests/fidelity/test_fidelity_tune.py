@@ -7,7 +7,7 @@ import mujoco
 import pytest
 from jsonschema import Draft202012Validator
 
-from harness.app.tune import tune
+from harness.app.sweep.tune import tune
 from harness.core.errors import InputError
 from harness.engines import registry
 from harness.engines.base import Route
@@ -150,7 +150,7 @@ def test_every_choice_of_every_space_is_a_setting_the_engine_has(entry: str) -> 
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        (("bullet",), "engine: 'bullet'; one of dart, mujoco, pybullet"),
+        (("bullet",), "engine: 'bullet'; one of dart, drake, mujoco, newton"),
         (("mujoco", "air"), "--route: 'air'; one of joint, contact, law"),
         (("mujoco", "joint", 0.0), "--dt: 0; a number above 0 s"),
         (("mujoco", "joint", 1e-3, -1.0), "--max-cost: -1; a number above 0"),

@@ -2,8 +2,12 @@
 
 import errno
 import os
+import random
+import shutil
 import stat
 import subprocess
+import sys
+import time
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -11,6 +15,8 @@ import pytest
 
 from harness.core.errors import StoreError
 from harness.io.store import check_writable, output_folder, write_text
+
+CHECKOUT = Path(__file__).resolve().parents[2]
 
 
 def everything(folder: Path) -> list[str]:
@@ -131,3 +137,73 @@ def test_devices_are_written_to_and_stay(tmp_path: Path) -> None:
 def test_a_file_that_cannot_be_written_is_known_before_the_work(path: str) -> None:
     with pytest.raises(StoreError, match="accepted"):
         check_writable(Path(path))
+
+
+def test_what_a_killed_process_left_is_removed_and_what_is_in_use_stays(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    for name in (".run-1.abcdefgh.partial", ".run-2.abcdefgh.partial", "run-1", ".mine.partial"):
+        (tmp_path / "reports" / name).mkdir(parents=True)
+    (tmp_path / "reports" / "run-1.partial").write_text("mine")
+    with output_folder("run") as living:
+        with output_folder("run") as output:
+            (output / "a").touch()
+            output.commit()
+        assert living.work.is_dir()
+        left = {path.name for path in (tmp_path / "reports").iterdir()}
+        assert left == {".mine.partial", "run-1.partial", living.work.name, living.final.name, output.final.name}
+    (tmp_path / ".a.json.abcdefgh.partial").write_text("half")
+    (tmp_path / ".b.json.abcdefgh.partial").write_text("of another file")
+    write_text(tmp_path / "a.json", "whole")
+    assert everything(tmp_path)[:2] == [".b.json.abcdefgh.partial", "a.json"]
+
+
+WRITER = """
+import sys
+from pathlib import Path
+from harness.io.store import output_folder, write_text
+
+place, text = Path(sys.argv[1]), "x" * 200_000 + "."
+sys.stdout.write("started\\n")
+sys.stdout.flush()
+for i in range(100_000):
+    write_text(place / "kept.json", text)
+    with output_folder("run", place / f"out-{i % 3}-{i}") as output:
+        (output / "a.json").write_text(text)
+        (output / "b.json").write_text(text)
+        output.commit()
+"""
+
+
+def killed_at_random(place: Path, times: int) -> None:
+    """Kill a process that writes, at moments drawn at random, and look at what there is."""
+    chance = random.Random(17)
+    for _ in range(times):
+        process = subprocess.Popen([sys.executable, "-c", WRITER, str(place)], stdout=subprocess.PIPE, cwd=CHECKOUT)
+        assert process.stdout is not None
+        process.stdout.readline()
+        time.sleep(chance.uniform(0.0, 0.03))
+        process.kill()
+        process.communicate()
+        if (place / "kept.json").exists():
+            assert (place / "kept.json").read_text().endswith("x.")
+        for folder in place.glob("out-*"):
+            names = sorted(path.name for path in folder.iterdir())
+            assert names in ([], ["a.json", "b.json"])
+            assert all(path.read_text().endswith("x.") for path in folder.iterdir())
+            shutil.rmtree(folder)
+    write_text(place / "kept.json", "whole")
+    for part in {path.name.removeprefix(".").split(".")[0] for path in place.glob(".out-*")}:
+        with output_folder("run", place / part):
+            pass
+    assert everything(place) == ["kept.json"]
+
+
+def test_a_writer_that_is_killed_leaves_nothing_that_looks_whole(tmp_path: Path) -> None:
+    killed_at_random(tmp_path, 6)
+
+
+@pytest.mark.full
+def test_a_writer_that_is_killed_two_hundred_times(tmp_path: Path) -> None:
+    killed_at_random(tmp_path, 200)

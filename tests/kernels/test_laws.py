@@ -1,96 +1,135 @@
-"""Every law's partial derivatives against differences of the plain function, and the generated dispatch."""
+"""Every term is what it says of itself, one that is not is refused, and the dispatch is the one of the registry."""
 
-from collections.abc import Callable
+from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
-from kernel_cases import VALUES
 
 from harness.core.arrays import FloatArray
+from harness.core.errors import InputError
 from harness.kernels import generate
-from harness.kernels.layout import INTERNAL, MODULATIONS, SMOOTH
-from harness.model.law import (
-    COLUMNS,
-    D_INTERNAL,
-    D_MASS,
-    D_PARAMETER,
-    D_STIFFNESS,
-    D_T,
-    D_V,
-    D_X,
-    FIRST_TERM,
-    INTERNAL_COLUMNS,
-    MASS,
-    STIFFNESS,
-    V_SCALE,
-    VALUE,
-)
-from harness.model.term import Slot, Term
-
-POINTS = np.random.default_rng(3).uniform(-1.3, 1.3, (25, 5))
-STEP = 1e-6
+from harness.kernels.examine import examine
+from harness.kernels.laws import laws
+from harness.kernels.layout import CHANGES_IN_TIME, SMOOTH, lay_out
+from harness.model.law import D_PARAMETER, D_T, D_X, VALUE
+from harness.model.model import Model, ModelTerm
+from harness.model.registry import TERMS, term
+from harness.model.term import Parameter, Slot, Term
 
 
-def theta_of(term: Term) -> FloatArray:
-    theta = np.zeros(FIRST_TERM + 3)
-    theta[[MASS, STIFFNESS, V_SCALE]] = 1.7, 80.0, 5.0
-    theta[FIRST_TERM : FIRST_TERM + len(term.parameters)] = VALUES[term.key]
-    return theta
+@pytest.mark.parametrize("entry", TERMS, ids=lambda t: t.key)
+def test_every_law_agrees_with_what_its_term_says(entry: Term) -> None:
+    examine(entry)
 
 
-def check(value: Callable[[FloatArray], FloatArray], at: FloatArray, columns: list[int], partials: FloatArray) -> None:
-    """Compare the named columns with central differences of ``value`` by each coordinate of ``at``."""
-    for i, column in enumerate(columns):
-        shift = np.zeros_like(at)
-        shift[i] = STEP * max(1.0, abs(at[i]))
-        difference = (value(at + shift) - value(at - shift)) / (2.0 * shift[i])
-        size = np.abs(partials[..., column]).max() + np.abs(value(at)).max() + 1.0
-        assert np.abs(partials[..., column] - difference).max() < 1e-7 * size, column
+@pytest.mark.parametrize("entry", [t for t in TERMS if t.law is not None], ids=lambda t: t.key)
+def test_the_kernel_knows_which_laws_change_in_time(entry: Term) -> None:
+    """A slider at rest is looked at again exactly while something can move it: a law of time, or an internal state."""
+    spec = lay_out(Model(1.0, 1.0, 100.0, 2.0, terms=(ModelTerm(entry, entry.example),)), 1.0).spec
+    assert bool(spec[CHANGES_IN_TIME]) == (entry.changes_in_time or entry.slot is Slot.INTERNAL)
 
 
-@pytest.mark.parametrize("term", [*SMOOTH, *MODULATIONS], ids=lambda t: t.key)
-def test_partials_of_a_smooth_law(term: Term) -> None:
-    theta, law = theta_of(term), term.law
-    assert law is not None
-    places = [MASS, STIFFNESS, *range(FIRST_TERM, FIRST_TERM + len(term.parameters))]
-    columns = [D_X, D_V, D_T, D_MASS, D_STIFFNESS, *range(D_PARAMETER, D_PARAMETER + len(term.parameters))]
-
-    def row(at: FloatArray) -> FloatArray:
-        changed, out = theta.copy(), np.zeros(COLUMNS)
-        changed[places] = at[3:]
-        law(float(at[0]), float(at[1]), float(at[2]), changed, FIRST_TERM, out)
-        return out
-
-    for x, v, t, _, _ in POINTS:
-        at = np.array([x, v, t, *theta[places]])
-        check(lambda a: row(a)[VALUE : VALUE + 1], at, columns, row(at)[None, :])
+def growing(x: float, v: float, t: float, theta: FloatArray, o: int, out: FloatArray) -> None:
+    """rate t: takes t and gives no partial by it."""
+    out[VALUE] = theta[o] * t
+    out[D_PARAMETER] = t
 
 
-@pytest.mark.parametrize("term", INTERNAL, ids=lambda t: t.key)
-def test_partials_of_a_law_with_internal_states(term: Term) -> None:
-    theta, law = theta_of(term), term.law
-    assert law is not None
-    places = [MASS, *range(FIRST_TERM, FIRST_TERM + len(term.parameters))]
-    columns = [D_X, D_V, D_INTERNAL, D_INTERNAL + 1, D_MASS, *range(D_PARAMETER, D_PARAMETER + len(term.parameters))]
+def shifted(x: float, v: float, theta: FloatArray, o: int, out: FloatArray) -> None:
+    """A partial by a time that it is not given."""
+    out[VALUE] = theta[o] * x
+    out[D_X] = theta[o]
+    out[D_PARAMETER] = x
+    out[D_T] = 1.0
 
-    def rows(at: FloatArray) -> FloatArray:
-        changed, out = theta.copy(), np.zeros((3, INTERNAL_COLUMNS))
-        changed[places] = at[4:]
-        law(*(float(value) for value in at[:4]), changed, FIRST_TERM, out)
-        return out
 
-    for x, v, _, w0, w1 in POINTS:
-        at = np.array([x, v, w0, w1, *theta[places]])
-        check(lambda a: rows(a)[:, VALUE], at, columns, rows(at))
+def pushing(x: float, v: float, theta: FloatArray, o: int, out: FloatArray) -> None:
+    """A force at rest."""
+    out[VALUE] = theta[o]
+    out[D_PARAMETER] = 1.0
+
+
+def low(v: float, theta: FloatArray, o: int, out: FloatArray) -> None:
+    """A level that is not its first parameter at v = 0."""
+    out[VALUE] = 0.5 * theta[o]
+    out[D_PARAMETER] = 0.5
+
+
+def springy(v: float, side: int, z: float, level: float, theta: FloatArray, o: int, out: FloatArray) -> None:
+    """A bristle without end."""
+    out[0, VALUE], out[1, VALUE] = theta[o] * z, v
+    out[0, 9], out[0, D_PARAMETER], out[1, 2] = theta[o], z, 1.0
+
+
+def entry(law: Any, slot: Slot = Slot.SMOOTH, **changed: Any) -> Term:
+    given: dict[str, Any] = {"parameters": (Parameter("one", "N"),), "example": (2.0,), "law": law} | changed
+    return Term("mine", "environment", slot, sentence="{one}", **given)
+
+
+BAD = [
+    (entry(growing), "the partial by t is "),
+    (entry(shifted), "it writes a partial by what it is not given"),
+    (entry(pushing), "push names the size of a force on a slider at rest at x = 0, and there is one"),
+    (entry(low, Slot.FRICTION_LEVEL), "the level at v = 0 must be the first parameter"),
+    (entry(springy, Slot.FRICTION_LAW, internal=1), "at full deflection level/theta"),
+]
+
+
+@pytest.mark.parametrize(("wrong", "message"), BAD, ids=lambda value: getattr(value, "law", value).__class__.__name__)
+def test_a_law_that_says_something_else_is_refused(wrong: Term, message: str) -> None:
+    with pytest.raises(TypeError, match=f"term mine: {message}"):
+        examine(wrong)
+
+
+CONTRADICTIONS: list[tuple[dict[str, Any], str]] = [
+    ({"law": None}, "slot S takes a law"),
+    ({"example": ()}, "a value for every parameter is needed"),
+    ({"slot": Slot.EVENT}, "slot E takes no law"),
+    ({"slot": Slot.OBSERVATION, "law": None}, "a sensor belongs in slot O"),
+    ({"slot": Slot.EVENT, "law": None}, "a formula is needed without a law"),
+    ({"law": growing, "parameters": (Parameter("Omega", "rad/s"),)}, "an angular frequency of a law that takes t"),
+]
+
+
+@pytest.mark.parametrize(("changed", "message"), CONTRADICTIONS)
+def test_an_entry_that_contradicts_itself_is_refused(changed: dict[str, Any], message: str) -> None:
+    with pytest.raises(TypeError, match=f"term mine: .*{message}"):
+        entry(**({"law": shifted} | changed))
+    with pytest.raises(TypeError, match="family 'magic': one of friction, damping"):
+        replace(term("cubic-stiffness"), family="magic")
+
+
+def test_a_law_with_other_arguments_is_refused() -> None:
+    ladder = next(ladder for ladder in generate.LADDERS if ladder.name == "smooth")
+    with pytest.raises(
+        TypeError, match=r"term mine: law\(v, theta, o, out\); law\(x, v, t, theta, o, out\) is accepted"
+    ):
+        ladder.call(entry(low))
 
 
 def test_the_dispatch_is_the_one_of_the_registry() -> None:
     assert generate.TARGET.read_text(encoding="utf-8") == generate.text(), "run python -m harness.kernels.generate"
+    dispatched = [t for ladder in generate.LADDERS for t in ladder.terms]
+    assert {t.key for t in dispatched} == {t.key for t in TERMS if t.law is not None}
 
 
-def test_every_term_with_a_law_of_its_own_is_dispatched() -> None:
-    from harness.model.registry import TERMS
+def test_a_dispatch_written_for_other_terms_is_refused() -> None:
+    keys = [t.key for t in SMOOTH]
+    for written, found in (
+        (keys[:-1], f"written without {keys[-1]}"),
+        ([*keys, "mine"], "written with mine"),
+        (keys[::-1], "written in another order"),
+    ):
+        with pytest.raises(InputError, match=rf"dispatch.py: {found}; what python -m harness.kernels.generate writes"):
+            laws(SMOOTH, *written)
+    assert laws(()) == ()
 
-    dispatched = {*SMOOTH, *MODULATIONS, *INTERNAL}
-    assert dispatched == {term for term in TERMS if term.law is not None}
-    assert {t.slot for t in dispatched} == {Slot.SMOOTH, Slot.FRICTION_MODULATION, Slot.INTERNAL}
+
+def test_laws_write_into_zeros_only_what_is_theirs() -> None:
+    """Rows come to a law as zeros, so that a law with a dead zone writes nothing within it."""
+    out = np.zeros(9)
+    stop = term("end-stop")
+    assert stop.law is not None
+    stop.law(0.1, 0.0, np.array([0.0] * 6 + [0.5, 100.0]), 6, out)
+    assert not out.any()

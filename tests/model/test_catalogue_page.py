@@ -1,7 +1,7 @@
 """docs/terms.md is the page that follows from the registry, and names every catalogue entry."""
 
 from harness.model import catalogue
-from harness.model.registry import TERMS, catalogue_names
+from harness.model.registry import TERMS
 
 
 def test_the_page_is_the_one_of_the_registry() -> None:
@@ -10,7 +10,6 @@ def test_the_page_is_the_one_of_the_registry() -> None:
 
 def test_every_term_is_on_it() -> None:
     page = catalogue.text()
-    assert len(catalogue_names()) == 27
     for term in TERMS:
         assert f"### {term.key}\n" in page
         for parameter in term.parameters:

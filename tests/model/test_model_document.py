@@ -2,6 +2,7 @@
 
 import copy
 import json
+import pickle
 from pathlib import Path
 from typing import Any
 
@@ -53,6 +54,7 @@ def test_every_term_survives(term: Any) -> None:
     values = tuple(max(3.0, p.lower) if p.name == "f_s" else middle(p.lower, p.upper) for p in term.parameters)
     model = Model(1.0, 1.0, 100.0, 3.0, terms=(ModelTerm(term, values),))
     assert from_document(json.loads(json.dumps(to_document(model)))) == model
+    assert pickle.loads(pickle.dumps(model)) == model
 
 
 def test_f_s_is_written_and_equal_levels_are_none() -> None:
@@ -122,7 +124,7 @@ def test_files_that_are_no_json_are_named(text: bytes, message: str, tmp_path: P
 
 
 def test_a_missing_file_is_named(tmp_path: Path) -> None:
-    with pytest.raises(InputError, match="No such file or directory; a readable file is accepted"):
+    with pytest.raises(InputError, match="No such file or directory; a file that can be read is accepted"):
         load(tmp_path / "none.json")
 
 

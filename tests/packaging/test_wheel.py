@@ -60,6 +60,7 @@ def test_the_command_and_its_files_are_there(installed: Path) -> None:
     assert said[1].startswith(str(installed))
     schemas = {file.name for file in (CHECKOUT / "harness" / "results" / "schemas").glob("*.json")}
     assert {file.name for file in (installed / "harness" / "results" / "schemas").iterdir()} >= schemas
+    assert (installed / "harness" / "py.typed").is_file()
     assert (installed / "harness" / "show" / "vendor" / "plotly-cartesian.min.js").is_file()
 
 

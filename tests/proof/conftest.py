@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 from small_proof import SIZES, STUB, unchanged_sources
 
-from harness.app.prove import ProveOptions, prove
+from harness.app.prove.prove import ProveOptions, prove
 
 
 @pytest.fixture

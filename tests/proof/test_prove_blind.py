@@ -10,8 +10,8 @@ import prove_cheater
 import pytest
 from small_proof import VERDICTS
 
-from harness.app.prove import ProveOptions, prove
-from harness.app.prove_store import published_verdicts
+from harness.app.prove.prove import ProveOptions, prove
+from harness.app.prove.store import published_verdicts
 from harness.proof.blind import BlindProcess
 from harness.proof.plan import Sizes
 from harness.proof.seal import Ledger

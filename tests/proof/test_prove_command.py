@@ -8,10 +8,10 @@ import pytest
 from bad_input import refuses
 from prove_stub import __file__ as stub
 
-from harness.app.proof_controls import controls
-from harness.app.prove import ProveOptions, prove
-from harness.app.prove_verify import verify_proof
-from harness.app.publish_proof import publish
+from harness.app.prove.controls import controls
+from harness.app.prove.prove import ProveOptions, prove
+from harness.app.prove.publish import publish
+from harness.app.prove.verify import verify_proof
 from harness.cli.main import run
 from harness.core.errors import HarnessError
 from harness.proof.plan import FULL, SHORT, Sizes
@@ -23,6 +23,9 @@ BAD = [
         "--singles, --controls, --pairs, --outside: 0 each; 1 or more of one is accepted",
     ),
     ("prove --short --singles 3", "--singles: given with --short; one of the two is accepted"),
+    ("prove --machines --singles 3", "--singles: given with --machines; one of the two is accepted"),
+    ("prove --machines --resume --out x", "--machines: given with --resume; --resume alone is accepted"),
+    ("prove --verify x --machines", "--machines: given with --verify; one of the two is accepted"),
     ("prove --resume --pairs 3 --out x", "--pairs: given with --resume; one of the two is accepted"),
     ("prove --resume --short --out x", "--short: given with --resume; --resume alone is accepted"),
     ("prove --resume", "--resume: given without --out; the folder of the proof to go on with is accepted"),

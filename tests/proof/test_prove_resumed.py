@@ -13,9 +13,9 @@ import pytest
 from interruptible import listening
 from small_proof import SIZES, STUB
 
-from harness.app.prove import ProveOptions, prove
-from harness.app.prove_publish import RESULT
-from harness.app.prove_verify import verify_proof
+from harness.app.prove.finish import RESULT
+from harness.app.prove.prove import ProveOptions, prove
+from harness.app.prove.verify import verify_proof
 from harness.core.errors import InputError
 from harness.proof.plan import Sizes
 from harness.proof.seal import Ledger
@@ -38,7 +38,7 @@ PROGRAM = """
 import sys
 from pathlib import Path
 from small_proof import unchanged_sources
-from harness.app.prove import ProveOptions, prove
+from harness.app.prove.prove import ProveOptions, prove
 from harness.core.errors import HarnessError
 from harness.proof.plan import Sizes
 if __name__ == "__main__":

@@ -9,9 +9,9 @@ import pytest
 from dask_cluster import two_workers
 from small_proof import SIZES, STUB, VERDICTS
 
-from harness.app.prove import ProveOptions, prove
-from harness.app.prove_publish import PAGE, RESULT
-from harness.app.prove_verify import verify_proof
+from harness.app.prove.finish import PAGE, RESULT
+from harness.app.prove.prove import ProveOptions, prove
+from harness.app.prove.verify import verify_proof
 from harness.core.errors import InputError, StoreError
 from harness.proof.seal import LEDGER
 from harness.results.generate import FOLDER

@@ -9,9 +9,9 @@ from typing import Any
 import pytest
 from small_proof import BASELINE, VERDICTS
 
-from harness.app.prove_publish import PAGE, RESULT
-from harness.app.prove_store import Store, published_verdicts
-from harness.app.prove_verify import verify_proof
+from harness.app.prove.finish import PAGE, RESULT
+from harness.app.prove.store import Store, published_verdicts
+from harness.app.prove.verify import verify_proof
 from harness.proof.seal import LEDGER, Ledger, digest
 
 pytestmark = pytest.mark.usefixtures("one_version")
@@ -126,6 +126,38 @@ def no_verdicts(folder: Path) -> None:
     (folder / VERDICTS).write_bytes(b"none")
 
 
+def file_elsewhere(entries: list[dict[str, Any]]) -> None:
+    entries[4]["content"]["files"]["../../../etc/passwd"] = "0" * 64
+
+
+def absolute_file(entries: list[dict[str, Any]]) -> None:
+    entries[4]["content"]["files"]["/etc/passwd"] = "0" * 64
+
+
+def diagnoser_elsewhere(entries: list[dict[str, Any]]) -> None:
+    said = entries[2]["content"]["baselines"]
+    said["../../secret"] = said.pop("pysindy")
+
+
+def page_is_a_link(folder: Path) -> None:
+    (folder / PAGE).unlink()
+    (folder / PAGE).symlink_to("/etc/passwd")
+
+
+def recording_is_a_link(folder: Path) -> None:
+    recording = min((folder / "recordings").iterdir())
+    recording.rename(folder / "moved.csv")
+    recording.symlink_to(folder / "moved.csv")
+
+
+def endless(entries: list[dict[str, Any]]) -> None:
+    entries[0]["content"]["sizes"]["controls"] = 10**12
+
+
+def no_sizes(entries: list[dict[str, Any]]) -> None:
+    entries[0]["content"]["sizes"] = None
+
+
 TAMPERED: dict[str, tuple[Callable[[Path], None], str]] = {
     "the transcript": (change_text(LEDGER, '"index": 0', '"index": 1'), "entry 4 of the transcript was changed"),
     "a hash": (change_text(LEDGER, '"hash": "', '"hash": "0'), "entry 1 of the transcript was changed"),
@@ -145,6 +177,13 @@ TAMPERED: dict[str, tuple[Callable[[Path], None], str]] = {
     "a case dropped": (forge(dropped_case), "1 recordings of the plan are missing"),
     "opened too early": (forge(swapped), "the steps of the transcript are not in their order"),
     "an entry without content": (forge(emptied), "the transcript does not hold what one holds"),
+    "a file elsewhere": (forge(file_elsewhere), "the file name '../../../etc/passwd'; a name inside the folder of"),
+    "an absolute file": (forge(absolute_file), "the file name '/etc/passwd'; a name inside the folder of the proof"),
+    "a diagnoser elsewhere": (forge(diagnoser_elsewhere), "the file name 'verdicts/../../secret.jsonl.gz'; a name"),
+    "a link": (page_is_a_link, "the file name 'report.html'; a name inside the folder of the proof is accepted"),
+    "a recording that is a link": (recording_is_a_link, ".csv was changed"),
+    "sizes without end": (forge(endless), "recordings of the plan are missing"),
+    "no sizes": (forge(no_sizes), "the transcript does not hold what one holds"),
     "a forged result": (forged_result, "result.json: figures does not follow from answers and verdicts"),
 }
 

@@ -11,7 +11,7 @@ from pydantic import ValidationError
 from harness.core.quantity import Quantity
 from harness.results import generate
 from harness.results.common import Machine, P, RecordingInfo, Result
-from harness.results.compare import CompareResult
+from harness.results.compare import Aligned, CompareResult, Difference, Event, Largest, OtherShift, Reading
 from harness.results.doctor import Check, DoctorResult
 from harness.results.identify import IdentifyResult
 from harness.results.run import Estimates, Metrics, RunResult, TraceResult
@@ -69,7 +69,26 @@ EXAMPLES: list[Result] = [
     ),
     CompareResult(
         files=["a.csv", "b.csv"],
-        aligned={"shift_s": P(value=0.0, stderr=1e-5, unit="s")},
+        aligned=Aligned(
+            shift_s=P(value=0.0, stderr=1e-5, unit="s"),
+            scale=P(value=1.0, stderr=1e-6, unit="1"),
+            alternatives=[OtherShift(shift_s=0.52, worse_by=3.2)],
+        ),
+        traces={
+            name: Reading(
+                method="displacement",
+                omega_n=NUMBER,
+                zeta=NUMBER,
+                x_k=NUMBER,
+                amplitude=NUMBER,
+                rest=REFUSED,
+                events=[Event(time_s=0.5, kind="release", value=0.04)],
+            )
+            for name in ("a", "b")
+        },
+        differences=[Difference(what="zeta", first=NUMBER, second=NUMBER, significance=0.0)],
+        largest=Largest(channel="x", value=1e-3, unit="m", time_s=0.7),
+        fit_percent={"x": 98.0},
         noise={"x": 1e-5},
         rmse={"x": 1e-3},
         where=[],

@@ -9,16 +9,30 @@ import numpy as np
 import pytest
 from diagnose_examples import STOP, example
 
+from harness.cli.commands.diagnose import _print as print_diagnosis
 from harness.core.recording import Recording
 from harness.core.trajectory import Source, Trajectory
 from harness.kernels.solve import simulate
 from harness.results.common import P, Where
-from harness.results.diagnosis import AttributionResult, EvidenceResult, FailedDiagnosis, UnreadRecording
+from harness.results.diagnosis import (
+    AttributionResult,
+    DiagnosisResult,
+    EvidenceResult,
+    FailedDiagnosis,
+    FitPercent,
+    PredictionResult,
+    RemainderResult,
+    RuleResult,
+    UnreadRecording,
+    read_diagnosis,
+)
 from harness.show.diagnosis_scene import diagnosis_scene, lane, shaded_spans
 from harness.show.report.diagnosis import diagnosis_sections, diagnosis_title
 from harness.show.report.diagnosis_index import index_sections, index_title
 from harness.show.report.page import render, write_report
-from harness.show.trace import read_trace, write_trace
+from harness.show.scene import Line
+from harness.show.stored import read_trace
+from harness.show.trace import write_trace
 
 if TYPE_CHECKING:
     from playwright.sync_api import Browser
@@ -143,3 +157,87 @@ def test_a_browser_draws_every_figure_without_a_word(
         assert set(page.evaluate(script)) == wanted
     assert said == []
     page.close()
+
+
+def graded(case: Case, verdict: str, grade: str) -> dict[str, Any]:
+    """The example with a misfit that its mechanism takes off in part."""
+    told = PredictionResult(
+        baseline_rmse={"x": 2e-3, "a": 0.0}, refined_rmse={"x": 1e-3, "a": 0.0}, blocks=[0.25], spans_s=[[1.0, 2.0]]
+    )
+    result = DiagnosisResult.model_validate(case[2])
+    named = {"grade": grade, "share": 0.72, "holdout": told, "forward": told}
+    depends = {"x": 0.3, "v": 0.0, "t": 0.41, "direction": 0.0, "amplitude": 0.4}
+    changed = {
+        "verdict": verdict,
+        "mechanisms": [result.mechanisms[0].model_copy(update=named)],
+        "remainder": RemainderResult(share=0.28, over_noise=3.4, looks_like="what is left is", depends_on=depends),
+        "fit_percent": FitPercent(baseline={"x": 98.25}, refined={"x": 99.125}),
+        "evidence": [EvidenceResult(name="end-stop", delta_bic=9e6, share=0.72)],
+        "rules": [RuleResult(name="least-ratio", value=1.25, unit="ratio of squares", origin="a simulation")],
+    }
+    return result.model_copy(update=changed).model_dump(mode="json", by_alias=True)
+
+
+@pytest.mark.parametrize(
+    ("verdict", "grade", "words"),
+    [
+        ("main_effect", "main", "main effect"),
+        ("one_of", "one-of", "one of these"),
+        ("unexplained", "minor", "minor part"),
+    ],
+)
+def test_a_graded_verdict_says_how_much_it_takes_and_what_it_leaves(
+    case: Case, verdict: str, grade: str, words: str
+) -> None:
+    recording, simulated, _ = case
+    result = graded(case, verdict, grade)
+    sections = diagnosis_sections(recording, simulated, result)
+    titles = [section.title for section in sections]
+    assert titles[:4] == ["Verdict", "Recording against simulation", "What was left out", "What is left"]
+    page = render(*diagnosis_title(result), sections)
+    for text in (
+        f"<td>{words}</td>",
+        "<td>72.0</td>",
+        "<td>0.50</td>",
+        "leaves 28.0 % of the misfit; its residual is 3.40 times the sensors&#39; noise",
+        "Fit of x (NRMSE) rises from 98.25 to 99.12 %.",
+        '"share of the misfit / %"',
+        "<details><summary>1 rules with their values and origins</summary>",
+        '"with end-stop"',
+    ):
+        assert text in page
+    assert 'in BIC"' not in page
+    scene = diagnosis_scene(recording, simulated, result, "")
+    labels = {item.path: item.name for item in scene.items if isinstance(item, Line)}
+    assert labels["/channels/x/after"] == "with end-stop"
+    assert labels["/residual/x/after"] == "remainder, with end-stop"
+
+
+def test_a_page_of_an_older_result_lacks_what_that_did_not_say(case: Case) -> None:
+    recording, simulated, result = case
+    new = ("remainder", "fit_percent", "rules")
+    older = {key: value for key, value in result.items() if key not in new} | {"schema": "harness.diagnosis/1"}
+    older["mechanisms"] = [
+        {key: value for key, value in one.items() if key not in ("grade", "share", "holdout", "forward")}
+        for one in older["mechanisms"]
+    ]
+    data = read_diagnosis(older).model_dump(mode="json", by_alias=True)
+    titles = [section.title for section in diagnosis_sections(recording, simulated, data)]
+    assert not {"What is left", "Rules that decided"} & set(titles)
+    assert "better than the base model by, in BIC" in render(
+        *diagnosis_title(data), diagnosis_sections(recording, simulated, data)
+    )
+
+
+def test_eighty_columns_hold_every_digit(case: Case, capsys: pytest.CaptureFixture[str]) -> None:
+    named = [
+        {**graded(case, "one_of", "one-of")["mechanisms"][0], "name": name}
+        for name in ("position-dependent-friction", "power-law-damping")
+    ]
+    result = graded(case, "one_of", "one-of") | {"mechanisms": named, "files": {"report": "r.html"}}
+    print_diagnosis(DiagnosisResult.model_validate(result))
+    lines = [line for line in capsys.readouterr().out.splitlines() if line[:1] in "┏┃┡│└"]
+    assert max(map(len, lines)) <= 80
+    assert not any("…" in line for line in lines)
+    assert sum("one-of" in line and "72 %" in line and line.count("x 0.5") == 2 for line in lines) == 2
+    assert any("98.25 %" in line and "99.12 %" in line for line in lines)

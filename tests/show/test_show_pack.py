@@ -12,9 +12,9 @@ from harness.show.pack import (
     pack,
     pack_recording,
     pack_trajectory,
+    recording_of,
+    trajectory_of,
     unpack,
-    unpack_recording,
-    unpack_trajectory,
 )
 
 finite = st.floats(allow_nan=False, allow_infinity=False)
@@ -51,11 +51,11 @@ def assert_same(one: Trajectory, other: Trajectory) -> None:
 
 def test_trajectories_come_back_whole(sources: list[Trajectory]) -> None:
     for trajectory in sources:
-        assert_same(trajectory, unpack_trajectory(pack_trajectory(trajectory)))
+        assert_same(trajectory, trajectory_of(*unpack(pack_trajectory(trajectory))))
 
 
 def test_a_recording_comes_back_whole(recording: Recording) -> None:
-    back = unpack_recording(pack_recording(recording))
+    back = recording_of(*unpack(pack_recording(recording)))
     assert back.t.tobytes() == recording.t.tobytes()
     assert {k: v.tobytes() for k, v in back.channels.items()} == {k: v.tobytes() for k, v in recording.channels.items()}
     assert (back.file, back.sha256, back.notes, back.angular) == ("bench.csv", "ab" * 32, recording.notes, False)

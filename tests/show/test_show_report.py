@@ -10,10 +10,10 @@ from show_examples import SCENARIO, make_run_result, make_sources
 from harness.core.errors import StoreError
 from harness.core.recording import Recording
 from harness.core.trajectory import Trajectory
+from harness.show.numbers import number, quantity, sentence_quantity, with_error
 from harness.show.report.estimates import percent, true_values
 from harness.show.report.figure import script_json
 from harness.show.report.identify import identify_headline, identify_sections, identify_title
-from harness.show.report.numbers import number, quantity, sentence_quantity, with_error
 from harness.show.report.page import render, symbols, write_report
 from harness.show.report.run import run_sections, run_title
 from harness.show.report.table import grade
@@ -157,6 +157,6 @@ def test_a_recording_without_figures_says_why(identify_result: dict[str, Any]) -
 
 
 def test_a_page_that_cannot_be_written_leaves_nothing(tmp_path: Path) -> None:
-    with pytest.raises(StoreError, match="No such file"):
+    with pytest.raises(StoreError, match="no such folder"):
         write_report(tmp_path / "none" / "page.html", "t", "s", [])
     assert list(tmp_path.iterdir()) == []

@@ -17,7 +17,8 @@ from harness.show import scene
 from harness.show.axes import roomy
 from harness.show.recording_scene import recording_scene
 from harness.show.run_scene import run_scene
-from harness.show.trace import read_trace, write_trace
+from harness.show.stored import read_trace
+from harness.show.trace import write_trace
 
 RERUN = Path(sys.executable).with_name("rerun")
 
@@ -170,7 +171,7 @@ def test_what_is_no_trace_of_ours_is_refused(tmp_path: Path, trace_file: Path, m
 
 
 def test_a_folder_that_is_not_there_is_said_and_nothing_is_left(tmp_path: Path, sources: list[Trajectory]) -> None:
-    with pytest.raises(StoreError, match="No such file or directory"):
+    with pytest.raises(StoreError, match="no such folder; an existing one is accepted"):
         write_trace(tmp_path / "missing" / "t.rrd", run_scene(sources, SCENARIO, {}, ""))
     with pytest.raises(HarnessError, match="cannot be read"):
         write_trace(tmp_path / "t.rrd", run_scene(sources, SCENARIO, {}, "", tmp_path / "no.urdf"))

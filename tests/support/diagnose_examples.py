@@ -4,7 +4,7 @@ from pathlib import Path
 
 import numpy as np
 
-from harness.app.machine import this_machine
+from harness.app.shared.machine import this_machine
 from harness.kernels.solve import simulate
 from harness.model.model import Model, ModelTerm
 from harness.results.common import P, RecordingInfo, Where

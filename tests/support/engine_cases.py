@@ -18,6 +18,12 @@ GENTLE = Slider(m=1.0, c=1.0, k=100.0, f_k=0.3)
 TABLE = [(name, route) for name in INSTALLED for route in registry.load(name).routes]
 """Every route of every one of them."""
 
+OFF_FLOOR = [(name, route) for name, route in TABLE if route != "contact"]
+"""Without the contact: fast sliders with much friction, pendulums, force laws."""
+
+JOINTED = tuple(name for name, route in TABLE if route == "joint")
+"""Engines whose joints have dry friction."""
+
 
 def engine(name: str) -> Engine:
     return registry.load(name)

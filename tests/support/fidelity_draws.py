@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Callable, Iterator
+from dataclasses import replace
 
 import numpy as np
 from scipy.integrate import solve_ivp
@@ -9,7 +10,7 @@ from scipy.integrate import solve_ivp
 from harness.core.arrays import FloatArray
 from harness.core.scenario import Belt, Harmonic, Hold, Scenario
 from harness.core.slider import Slider
-from harness.fidelity import cases
+from harness.fidelity.scenarios import belt, free_decay, free_decay_no_friction, harmonic, harmonic_stops, hold_97
 
 
 def drawn_suites(seed: int, count: int) -> Iterator[Scenario]:
@@ -19,16 +20,14 @@ def drawn_suites(seed: int, count: int) -> Iterator[Scenario]:
         m, omega = float(np.exp(rng.uniform(-1.0, 1.0))), float(rng.uniform(4.0, 20.0))
         k, zeta = m * omega**2, float(rng.uniform(0.0, 0.1))
         slider = Slider(m, 2.0 * zeta * m * omega, k, float(k * rng.uniform(0.02, 0.06)))
-        yield cases.decay(slider, float(rng.choice([-1.0, 1.0])), 20.0 / omega)
-        yield cases.frictionless(slider, 0.5, 20.0 / omega)
+        yield free_decay.SCENARIO.release(slider, float(rng.choice([-1.0, 1.0])), 20.0 / omega)
+        yield free_decay_no_friction.SCENARIO.release(replace(slider, f_k=0.0, f_s=0.0), 0.5, 20.0 / omega)
         sticky = Slider(m, slider.c, k, slider.f_k, slider.f_k * float(rng.uniform(1.2, 1.8)))
-        yield cases.belt(sticky, float(0.3 * slider.x_k * omega * rng.uniform(0.3, 1.0)), 3)
+        yield belt.SCENARIO.ride(sticky, float(0.3 * slider.x_k * omega * rng.uniform(0.3, 1.0)), 3)
         ratio = float(rng.uniform(0.5, 0.9))
-        yield cases.forced(
-            cases.HARMONIC, slider, Harmonic(slider.f_k * float(rng.uniform(2.0, 5.0)), ratio * omega), 3
-        )
-        yield cases.forced(cases.STOPS, slider, Harmonic(slider.f_k * float(rng.uniform(1.2, 1.7)), 0.4 * omega), 2)
-        yield cases.hold("hold-97", slider)
+        yield harmonic.SCENARIO.shake(slider, Harmonic(slider.f_k * float(rng.uniform(2.0, 5.0)), ratio * omega), 3)
+        yield harmonic_stops.SCENARIO.shake(slider, Harmonic(slider.f_k * float(rng.uniform(1.2, 1.7)), 0.4 * omega), 2)
+        yield hold_97.SCENARIO.load(slider)
 
 
 def integrated(scenario: Scenario, times: FloatArray) -> FloatArray:

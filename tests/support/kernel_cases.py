@@ -7,39 +7,17 @@ import numpy as np
 from harness.core.arrays import FloatArray
 from harness.kernels.solve import By, Drive, Effort, Scales, Solution, solve
 from harness.model.model import Model, ModelTerm
+from harness.model.registry import TERMS
+from harness.model.registry import term as find
+from harness.model.term import Slot
 
-VALUES: dict[str, tuple[float, ...]] = {
-    "stribeck": (3.0, 0.8),
-    "presliding": (2000.0, 5.0),
-    "regularised-friction": (0.6, 0.02),
-    "position-dependent-friction": (0.4,),
-    "position-dependent-friction:periodic": (0.4, 0.3, 0.3),
-    "friction-drift": (-0.2,),
-    "normal-load-variation": (0.3, 7.0, 0.2),
-    "quadratic-drag": (0.2,),
-    "asymmetric-viscous": (0.3,),
-    "power-law-damping": (0.8, 0.5),
-    "viscoelastic": (30.0, 0.1),
-    "cubic-stiffness": (20.0,),
-    "quadratic-stiffness": (20.0,),
-    "pendulum-stiffness": (),
-    "end-stop": (0.53, 200.0),
-    "end-stop:positive": (0.53, 200.0),
-    "end-stop:negative": (0.53, 200.0),
-    "backlash": (0.06,),
-    "stiffness-drift": (-0.1,),
-    "constant-force": (3.0,),
-    "force-ripple": (4.0, 0.35, 0.4),
-    "harmonic-force": (6.0, 13.0, 0.4),
-    "impulse": (0.8, 4.0),
-    "attached-mode": (21.0, 0.1, 0.03),
-}
+SHOWN = frozenset({Slot.OBSERVATION, Slot.BREAK_AWAY})
+"""Slots without dynamics, and with some only where something is held."""
+VALUES = {t.key: t.example for t in TERMS if t.slot not in SHOWN}
 """Parameters of every term with dynamics, large enough to matter."""
 
 
 def term(key: str, *values: float) -> ModelTerm:
-    from harness.model.registry import term as find
-
     return ModelTerm(find(key), values or VALUES[key])
 
 
@@ -68,10 +46,9 @@ def moved(m: Model, by: By, change: float) -> Model:
         values[by[1]] += change
         terms[i] = ModelTerm(terms[i].term, tuple(values), terms[i].internal0)
     else:
-        key, state = by.split(".")
-        i = next(i for i, e in enumerate(m.terms) if e.term.key == key)
+        i, j = next((i, names.index(by)) for i, names in enumerate(m.internal_names) if by in names)
         start = list(terms[i].internal0)
-        start[0 if state == "z" else int(state[1:])] += change
+        start[j] += change
         terms[i] = ModelTerm(terms[i].term, terms[i].values, tuple(start))
     return replace(m, terms=tuple(terms))
 
@@ -80,22 +57,15 @@ def every_parameter(m: Model) -> tuple[By, ...]:
     base = [name for name in ("x0", "v0", "m", "c", "k", "f_k") if not (name == "k" and m.k == 0.0)]
     if m.f_s is not None:
         base.append("f_s")
-    starts = []
-    for e in m.terms:
-        names = ("z",) if e.term.key == "presliding" else tuple(f"w{i}" for i in range(e.term.internal))
-        starts += [f"{e.term.key}.{name}" for name in names]
+    starts = [name for names in m.internal_names for name in names]
     own: list[By] = [(i, j) for i, e in enumerate(m.terms) for j in range(len(e.values))]
     return (*base, *own, *starts)
 
 
-CORNERS = frozenset({"presliding", "regularised-friction", "end-stop", "backlash", "power-law-damping"})
-_STEPS = {"end-stop": 2e-4, "backlash": 2e-4, "regularised-friction": 2e-4}
-
-
 def goal(m: Model) -> float:
     """Error to stay below: at a corner of a law the differences keep the step errors of two motions, or straddle it."""
-    names = {e.term.name for e in m.terms}
-    return 3e-5 if "regularised-friction" in names else (1e-5 if names & CORNERS else 2e-6)
+    smoothed = any(not e.term.internal for e in m.in_slot(Slot.FRICTION_LAW))
+    return 3e-5 if smoothed else (1e-5 if any(e.term.corner for e in m.terms) else 2e-6)
 
 
 def difference_error(m: Model, t: FloatArray, drive: Drive | None = None) -> tuple[float, str, Solution]:
@@ -108,7 +78,7 @@ def difference_error(m: Model, t: FloatArray, drive: Drive | None = None) -> tup
     effort = Effort(1e-13, 400_000)
     by = every_parameter(m)
     # wide enough to drown the step error at a stop, which x keeps; narrow enough not to move an event past a sample
-    relative = max((_STEPS.get(e.term.name, 5e-5) for e in m.terms), default=5e-5)
+    relative = 2e-4 if any(e.term.corner for e in m.terms) else 5e-5
     agree = max(1e-5, goal(m)) if goal(m) > 2e-6 else 1e-4
     s = solve(m, t, by, drive, scales, effort)
     worst, where = 0.0, ""

@@ -8,7 +8,7 @@ from pathlib import Path
 import prove_stub
 import pytest
 
-from harness.app import prove
+from harness.app.prove import prove
 from harness.proof.plan import Sizes
 
 STUB = (sys.executable, str(Path(prove_stub.__file__)))

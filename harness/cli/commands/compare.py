@@ -1,13 +1,15 @@
 """harness compare."""
 
+import math
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import click
 
 from harness.cli.options import output_options, reading_options
-from harness.cli.output import check_json, emit_json, show, shows_tables, this_line, with_error
+from harness.cli.output import check_json, emit_json, say, show, shows_tables, this_line, with_error
 from harness.cli.progress import shown
+from harness.core.errors import InputError
 
 if TYPE_CHECKING:
     from harness.results.compare import CompareResult
@@ -19,6 +21,8 @@ if TYPE_CHECKING:
 @reading_options
 @click.option("--sim-columns", metavar="MAP", help="Columns of SIM, where they are not those of REAL.")
 @click.option("--sim-trace", metavar="NAME", help="Which trace of SIM, where it is a .rrd of several.")
+@click.option("--shift", type=float, metavar="S", help="Added to the times of SIM, s.  [found]")
+@click.option("--no-shift", is_flag=True, help="The two are on one clock: as --shift 0.")
 @output_options
 def command(
     sim: Path,
@@ -31,14 +35,17 @@ def command(
     trace: str | None,
     sim_columns: str | None,
     sim_trace: str | None,
+    shift: float | None,
+    no_shift: bool,
     out: Path | None,
     json_to: str | None,
     quiet: bool,
 ) -> int:
     """Where a simulated trace SIM and a recorded one REAL part, before any model is fitted.
 
-    The two may be sampled differently and begin at different times; the shift between them is estimated, and the
-    difference is held against the noise found in both. Formats as for identify, .rrd of ours included.
+    The two may be sampled differently and begin at different times: they are laid over each other first, release on
+    release where they differ, and the difference is held against the noise found in both. Formats as for identify,
+    .rrd of ours included.
     --columns, --skip-rows, --rate and --trace say how REAL is read; where SIM is a file of the same kind they hold for
     it too, unless --sim-columns or --sim-trace says otherwise. --from and --to cut REAL.
 
@@ -47,17 +54,22 @@ def command(
              harness compare run/trace.rrd decay.csv --sim-trace "mujoco tuned" --columns "t=t,x=pos[mm]"
     """
     check_json(json_to)
-    from harness.app.compare import compare
-    from harness.app.reading import ReadOptions
+    from harness.app.compare.compare import compare
+    from harness.app.shared.reading import ReadOptions
 
     theirs = ReadOptions(columns, skip_rows, rate, start, stop)
     stored = [path.suffix.lower() == ".rrd" for path in (sim, real)]
     alike = stored[0] == stored[1]
     ours = ReadOptions(sim_columns or columns, skip_rows, rate) if alike else ReadOptions(sim_columns)
     taken = sim_trace or (trace if stored[0] else None)
+    if no_shift and shift:
+        raise InputError("--no-shift", f"given with --shift {shift:g}", "one of the two is accepted")
+    shift = 0.0 if no_shift else shift
+    if shift is not None and not math.isfinite(shift):
+        raise InputError("--shift", f"{shift}", "a finite number of seconds is accepted")
     with shown(quiet) as progress:
         names = (taken, trace if stored[1] or not stored[0] else None)
-        result = compare(sim, real, (ours, theirs), names, out, progress, this_line())
+        result = compare(sim, real, (ours, theirs), names, out, progress, this_line(), shift)
     emit_json(result, json_to)
     if shows_tables(json_to, quiet):
         _print(result)
@@ -67,18 +79,29 @@ def command(
 def _print(result: "CompareResult") -> None:
     from rich.table import Table
 
-    click.echo(f"{result.verdict}: {result.files[0]} and {result.files[1]}")
-    click.echo(f"shift {with_error(result.aligned['shift_s'])}")
+    from harness.app.compare.table import summary
+
+    headline, rows = summary(result)
+    say(headline)
+    say(f"shift {with_error(result.aligned.shift_s)}")
     table = Table()
-    for heading in ("channel", "rms difference", "noise"):
+    for heading in ("", *result.traces, "difference / its error"):
+        table.add_column(heading, justify="right" if heading else "left")
+    for label, cells in rows:
+        table.add_row(label, *cells)
+    show(table)
+    table = Table()
+    for heading in ("channel", "fit / %", "rms difference", "noise"):
         table.add_column(heading, justify="left" if heading == "channel" else "right")
     for channel, rmse in result.rmse.items():
         noise = result.noise[channel]
-        table.add_row(channel, f"{rmse:.4g}", noise if isinstance(noise, str) else f"{noise:.4g}")
+        shown_noise = noise if isinstance(noise, str) else f"{noise:.4g}"
+        table.add_row(channel, f"{result.fit_percent[channel]:.1f}", f"{rmse:.4g}", shown_noise)
     show(table)
     for where in result.where:
-        share = "" if where.share is None else f", {100.0 * where.share:.0f} % of the mismatch"
-        click.echo(f"- {where.regime}: {where.condition}{share}")
+        if where.regime != "throughout":
+            share = "" if where.share is None else f", {100.0 * where.share:.0f} % of the mismatch"
+            say(f"- {where.regime}: {where.condition}{share}")
     for sentence in result.sentences:
-        click.echo(f"- {sentence}")
-    click.echo(f"report: {result.outputs['report']}")
+        say(f"- {sentence}")
+    say(f"report: {result.outputs['report']}")

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 import click
 
 from harness.cli.options import output_options
-from harness.cli.output import check_json, emit_json, show, shows_tables, this_line
+from harness.cli.output import check_json, emit_json, say, show, shows_tables, this_line
 from harness.cli.progress import shown
 from harness.core.errors import InputError
 
@@ -33,8 +33,8 @@ def command(
     Example: harness dataset emps --from downloads/EMPS
     """
     check_json(json_to)
-    from harness.app.dataset import dataset_emps
-    from harness.app.dataset_download import download_emps
+    from harness.app.dataset.download import download_emps
+    from harness.app.dataset.emps import dataset_emps
 
     if (folder is None) == (into is None):
         raise InputError("--from, --download", "neither" if into is None else "both", "one of the two is accepted")
@@ -65,9 +65,9 @@ def _print(result: "DatasetResult") -> None:
         )
     show(table)
     for sentence in result.found:
-        click.echo(f"- {sentence}")
-    click.echo(f"- {result.unexplained}")
-    click.echo(f"report: {result.files['page']}")
+        say(f"- {sentence}")
+    say(f"- {result.unexplained}")
+    say(f"report: {result.files['page']}")
 
 
 def _said(value: float | None) -> str:

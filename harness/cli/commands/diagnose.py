@@ -4,19 +4,21 @@ import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal
 
 import click
 
 from harness.cli.options import jobs_option, output_options, reading_options
-from harness.cli.output import STANDARD_OUTPUT, check_json, emit_json, show, shows_tables, this_line, with_error
+from harness.cli.output import STANDARD_OUTPUT, check_json, emit_json, say, show, shows_tables, this_line, with_error
 from harness.cli.progress import shown
 from harness.core.errors import InputError
 
 if TYPE_CHECKING:
-    from harness.app.diagnose_many import Many
-    from harness.app.diagnose_options import DiagnoseOptions
-    from harness.results.diagnosis import DiagnosisResult, FitResult
+    from rich.table import Table
+
+    from harness.app.diagnose.many import Many
+    from harness.app.diagnose.options import DiagnoseOptions
+    from harness.results.diagnosis import DiagnosisResult, FitResult, MechanismResult, PredictionResult
 
 STANDARD_INPUT = "-"
 
@@ -27,10 +29,12 @@ STANDARD_INPUT = "-"
 @click.option("--sim", type=click.Path(path_type=Path), metavar="TRACE", help="A trace of your own simulation.")
 @click.option("--validate", type=click.Path(path_type=Path), metavar="RECORDING", help="Try both models on this one.")
 @click.option("--horizon", type=float, metavar="S", help="Driven: windows, each its own start.  [whole, or 1]")
-@click.option("--zero", metavar="spring|free", help="What x is measured from.  [spring; free for a pendulum]")
+@click.option("--zero", metavar="spring|free", help="What x is measured from.  [chosen at the base fit]")
 @click.option("--mass", type=float, metavar="KG", help="Mass, where it is known: forces in N.")
-@click.option("--restoring", default="spring", metavar="spring|pendulum|none", help="What pulls it back.  [spring]")
-@click.option("--engine", "engines", multiple=True, metavar="NAME", help="Engine; may repeat.  [mujoco and pybullet]")
+@click.option("--restoring", metavar="spring|pendulum|none", help="What pulls it back.  [chosen at the base fit]")
+@click.option(
+    "--engine", "engines", multiple=True, metavar="NAME[@PYTHON]", help="Engine; may repeat.  [mujoco, pybullet]"
+)
 @click.option("--preset", metavar="as-shipped|tuned", help="Settings of the engines.  [tuned]")
 @click.option("--dt", type=float, metavar="S", help="Step of the tuned preset, s.  [one that suits the recording]")
 @reading_options
@@ -49,6 +53,7 @@ def command(
     out: Path | None,
     json_to: str | None,
     quiet: bool,
+    engines: tuple[str, ...],
     **chosen: Any,
 ) -> int:
     """Where a simulation and a RECORDING differ, which physics was left out, and the model that has it.
@@ -65,10 +70,12 @@ def command(
              harness diagnose decay.csv --model mine.json --engine mujoco --preset as-shipped
     """
     check_json(json_to)
-    from harness.app.diagnose_options import DiagnoseOptions
-    from harness.app.reading import ReadOptions
+    from harness.app.diagnose.options import DiagnoseOptions
+    from harness.app.shared.reading import ReadOptions
 
-    options = DiagnoseOptions.chosen(ReadOptions(columns, skip_rows, rate, start, stop), **chosen)
+    options = DiagnoseOptions.chosen(
+        ReadOptions(columns, skip_rows, rate, start, stop), engines=engines or None, **chosen
+    )
     with _named(recordings) as named:
         if len(named) > 1 or resume:
             return _many(named, options, out, jobs, resume, json_to, quiet)
@@ -80,7 +87,7 @@ def command(
 @contextmanager
 def _named(recordings: tuple[Path, ...]) -> Iterator[list[tuple[Path, str]]]:
     """Path and label of each recording; standard input is put into a file for the while."""
-    from harness.app.reading import spooled
+    from harness.app.shared.reading import spooled
 
     if sum(str(path) == STANDARD_INPUT for path in recordings) > 1:
         raise InputError("recording", "- given twice", "standard input can be read once")
@@ -96,7 +103,7 @@ def _named(recordings: tuple[Path, ...]) -> Iterator[list[tuple[Path, str]]]:
 def _one(
     named: tuple[Path, str], options: "DiagnoseOptions", out: Path | None, json_to: str | None, quiet: bool
 ) -> int:
-    from harness.app.diagnose import diagnose
+    from harness.app.diagnose.one import diagnose
 
     with shown(quiet) as progress:
         result = diagnose(named[0], options, out, progress, this_line(), named[1])
@@ -115,8 +122,8 @@ def _many(
     json_to: str | None,
     quiet: bool,
 ) -> int:
-    from harness.app.deliver import write_json_text
-    from harness.app.diagnose_many import diagnose_all
+    from harness.app.diagnose.many import diagnose_all
+    from harness.app.shared.deliver import write_json_text
 
     with shown(quiet) as progress:
         many = diagnose_all(named, options, out, jobs, resume, progress, this_line())
@@ -131,32 +138,73 @@ def _many(
 
 
 def _print(result: "DiagnosisResult") -> None:
+    say(result.statement)
+    show(_fits(result))
+    graded = [m for m in result.mechanisms if m.grade != "explains"]
+    if graded:
+        show(_grades(graded))
+        say("of misfit: share of the mean square beyond noise that it takes off alone")
+        say("held out: error after over before, blocks of cycles; free run: the last 40 %")
+    for mechanism in result.mechanisms:
+        if mechanism.grade == "explains":
+            say(f"- {mechanism.name}: BIC {mechanism.delta_bic:.0f} in favour")
+        if mechanism.alternatives:
+            others = ", ".join(f"{a.name} (by {a.delta_bic:.1f})" for a in mechanism.alternatives)
+            say(f"- not ruled out in place of {mechanism.name}: {others}")
+    for line in [*([result.next_experiment] if result.next_experiment else []), *result.warnings]:
+        say(f"- {line}")
+    say(f"report: {result.files['report']}")
+
+
+def _fits(result: "DiagnosisResult") -> "Table":
+    """Both models side by side: a column each, so that a terminal of 80 columns holds every digit."""
     from rich.table import Table
 
-    click.echo(result.statement)
+    fits = [result.baseline, *([result.refined] if result.mechanisms else [])]
     table = Table()
-    names = list(dict.fromkeys([*result.baseline.parameters, *result.refined.parameters]))
-    for heading in ("model", "chi2 a point", *names, *(f"rmse {c}" for c in result.baseline.rmse)):
-        table.add_column(heading, justify="left" if heading == "model" else "right", no_wrap=True)
-    table.add_row("viscous and Coulomb", *_cells(result.baseline, names))
+    table.add_column("", no_wrap=True)
+    for heading in ("viscous and Coulomb", "refined")[: len(fits)]:
+        table.add_column(heading, justify="right", no_wrap=True)
     if result.mechanisms:
-        table.add_row("refined", *_cells(result.refined, names))
-    show(table)
-    for mechanism in result.mechanisms:
-        others = ", ".join(f"{a.name} (by {a.delta_bic:.1f})" for a in mechanism.alternatives)
-        click.echo(
-            f"- {mechanism.name}: BIC {mechanism.delta_bic:.0f} in favour"
-            + (f"; not ruled out: {others}" if others else "")
-        )
-    for line in [*([result.next_experiment] if result.next_experiment else []), *result.warnings]:
-        click.echo(f"- {line}")
-    click.echo(f"report: {result.files['report']}")
+        # several that explain are in one model together; of several that are graded the best alone
+        added = [m.name for m in result.mechanisms if m.grade == "explains"] or [result.mechanisms[0].name]
+        table.add_row("term", "-", "\n".join(added))
+    table.add_row("chi2 a point", *(_chi2(fit) for fit in fits))
+    if result.fit_percent is not None:
+        sides = [result.fit_percent.baseline, result.fit_percent.refined]
+        for c in result.fit_percent.baseline:
+            table.add_row(f"fit of {c}", *(f"{side[c]:.4g} %" for side in sides[: len(fits)]))
+    for c in result.baseline.rmse:
+        table.add_row(f"rmse {c}", *(f"{fit.rmse[c]:.4g}" for fit in fits))
+    for name in dict.fromkeys(name for fit in fits for name in fit.parameters):
+        table.add_row(name, *(with_error(f.parameters[name]) if name in f.parameters else "-" for f in fits))
+    return table
 
 
-def _cells(fit: "FitResult", names: list[str]) -> list[str]:
-    chi2 = "-" if fit.chi2_per_point is None else f"{fit.chi2_per_point:.4g}"
-    numbers = [with_error(fit.parameters[name]) if name in fit.parameters else "-" for name in names]
-    return [chi2, *numbers, *(f"{value:.4g}" for value in fit.rmse.values())]
+def _grades(mechanisms: list["MechanismResult"]) -> "Table":
+    """A line a mechanism: how much of what is missing it is, and how it predicts."""
+    from rich.table import Table
+
+    table = Table()
+    for heading in ("mechanism", "grade", "of misfit", "held out", "free run"):
+        justify: Literal["left", "right"] = "left" if heading in ("mechanism", "grade") else "right"
+        table.add_column(heading, justify=justify, no_wrap=True)
+    for m in mechanisms:
+        share = "-" if m.share is None else f"{100.0 * m.share:.0f} %"
+        table.add_row(m.name, m.grade, share, _ratio(m.holdout), _ratio(m.forward))
+    return table
+
+
+def _ratio(found: "PredictionResult | None") -> str:
+    """Error after over before, of the channel where it is largest."""
+    if found is None:
+        return "-"
+    ratios = [found.refined_rmse[c] / before for c, before in found.baseline_rmse.items() if before > 0.0]
+    return f"x {max(ratios):.2g}" if ratios else "-"
+
+
+def _chi2(fit: "FitResult") -> str:
+    return "-" if fit.chi2_per_point is None else f"{fit.chi2_per_point:.4g}"
 
 
 def _print_many(many: "Many") -> None:
@@ -173,7 +221,7 @@ def _print_many(many: "Many") -> None:
             table.add_row(name, "error", answer.error, "", "")
             continue
         left_out = ", ".join(m.name for m in answer.mechanisms) or "-"
-        table.add_row(name, answer.verdict, left_out, _cells(answer.baseline, [])[0], _cells(answer.refined, [])[0])
+        table.add_row(name, answer.verdict, left_out, _chi2(answer.baseline), _chi2(answer.refined))
     show(table)
-    click.echo(f"{len(many.answers)} recordings, {many.failed} failed")
-    click.echo(f"report: {many.folder / 'index.html'}")
+    say(f"{len(many.answers)} recordings, {many.failed} failed")
+    say(f"report: {many.folder / 'index.html'}")

@@ -18,18 +18,23 @@ def command(json_to: str | None, quiet: bool) -> int:
     Example: harness doctor
              harness doctor --json -
     """
-    from harness.app.doctor import doctor, healthy
+    from harness.app.doctor.checks import doctor, healthy
 
     check_json(json_to)
     result = doctor()
     emit_json(result, json_to)
     if shows_tables(json_to, quiet):
+        from rich.markup import escape  # the brackets of an extra are no markup
         from rich.table import Table
 
         table = Table(title=f"Python {result.machine.python}, {result.machine.system}, {result.machine.cores} cores")
         for heading in ("what", "", "found", "needed for", "remedy"):
             table.add_column(heading, overflow="fold")
         for check in result.checks:
-            table.add_row(check.name, "yes" if check.ok else "no", check.found, check.needed_for, check.remedy or "")
+            table.add_row(
+                check.name,
+                "yes" if check.ok else "no",
+                *map(escape, (check.found, check.needed_for, check.remedy or "")),
+            )
         show(table)
     return 0 if healthy(result) else 1

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 import click
 
 from harness.cli.options import output_options, reading_options
-from harness.cli.output import check_json, emit_json, show, shows_tables, this_line, with_error
+from harness.cli.output import check_json, emit_json, say, show, shows_tables, this_line, with_error
 from harness.cli.progress import shown
 
 if TYPE_CHECKING:
@@ -40,8 +40,8 @@ def command(
              harness identify rig.mat --columns "t=time[ms],x=enc*0.004[mm],a=acc[g]" --json -
     """
     check_json(json_to)
-    from harness.app.identify import identify
-    from harness.app.reading import ReadOptions
+    from harness.app.identify.identify import identify
+    from harness.app.shared.reading import ReadOptions
 
     options = ReadOptions(columns, skip_rows, rate, start, stop)
     with shown(quiet) as progress:
@@ -56,7 +56,7 @@ def _print(result: "IdentifyResult") -> None:
     from rich.table import Table
 
     found = result.recording
-    click.echo(f"{found.file}: {found.samples} samples of {', '.join(found.channels)} at {found.rate_hz:.4g} Hz")
+    say(f"{found.file}: {found.samples} samples of {', '.join(found.channels)} at {found.rate_hz:.4g} Hz")
     table = Table()
     for heading in ("method", "omega_n rad/s", "zeta", "x_k", "reversals"):
         table.add_column(heading, justify="left" if heading == "method" else "right", no_wrap=True)
@@ -68,7 +68,7 @@ def _print(result: "IdentifyResult") -> None:
         refused += [f"{method}: {reason}" for reason in reasons]
     show(table)
     if result.sensor_phase_rad.value is not None:
-        click.echo(f"the accelerometer leads the displacement sensor by {with_error(result.sensor_phase_rad)}")
+        say(f"the accelerometer leads the displacement sensor by {with_error(result.sensor_phase_rad)}")
     for line in [*refused, *result.warnings]:
-        click.echo(f"- {line}")
-    click.echo(f"report: {result.files['report']}")
+        say(f"- {line}")
+    say(f"report: {result.files['report']}")

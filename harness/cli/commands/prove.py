@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 import click
 
 from harness.cli.options import jobs_option, output_options
-from harness.cli.output import check_json, emit_json, show, shows_tables, this_line
+from harness.cli.output import check_json, emit_json, say, show, shows_tables, this_line
 from harness.cli.progress import shown
 from harness.core.errors import InputError
 
@@ -19,6 +19,7 @@ if TYPE_CHECKING:
 @click.option("--controls", type=click.IntRange(min=0), metavar="N", help="Recordings with none.  [300]")
 @click.option("--pairs", type=click.IntRange(min=0), metavar="N", help="Recordings with two effects.  [60]")
 @click.option("--outside", type=click.IntRange(min=0), metavar="N", help="With an effect no catalogue holds.  [60]")
+@click.option("--machines", is_flag=True, help="600 recordings of machines instead, half of them controls.")
 @click.option("--short", is_flag=True, help="24 recordings in all: no evidence. With --verify: draw 24 again.")
 @click.option("--verify", type=click.Path(path_type=Path), metavar="DIR", help="Recompute a proof; run nothing.")
 @click.option("--resume", is_flag=True, help="Go on with the proof that --out holds.")
@@ -26,6 +27,7 @@ if TYPE_CHECKING:
 @jobs_option
 @output_options
 def command(
+    machines: bool,
     short: bool,
     verify: Path | None,
     resume: bool,
@@ -43,6 +45,9 @@ def command(
     are hashed; then seed and answers are opened, and all is scored and published. Exit 1 when a figure falls short
     (with fewer recordings than the full number the figures are no evidence, and the exit code is 0).
 
+    --machines draws recordings as real machines make them: one large omission among small ones, a hand that gives way,
+    a zero anywhere, sensors as they are; half of them have no large one.
+
     --verify recomputes hashes, commitments, scores and recordings of a published proof. Exit 1 when it was changed.
 
     \b
@@ -53,15 +58,23 @@ def command(
     check_json(json_to)
     given = {name: value for name, value in sizes.items() if value is not None}
     if verify is not None:
-        _alone(given, {"--resume": resume, "--out": out is not None, "--cluster": cluster is not None})
+        _alone(
+            given,
+            {"--machines": machines, "--resume": resume, "--out": out is not None, "--cluster": cluster is not None},
+        )
         return _verify(verify, short, jobs, json_to, quiet)
-    if given and (short or resume):
-        raise InputError(f"--{next(iter(given))}", f"given with --{'short' if short else 'resume'}", _ONE)
+    plans = [name for name, chosen in (("short", short), ("machines", machines), ("resume", resume)) if chosen]
+    if given and plans:
+        raise InputError(f"--{next(iter(given))}", f"given with --{plans[0]}", _ONE)
+    if machines and resume:
+        raise InputError(
+            "--machines", "given with --resume", "--resume alone is accepted: it goes on with what was begun"
+        )
     if short and resume:
         raise InputError("--short", "given with --resume", "--resume alone is accepted: it goes on with what was begun")
-    from harness.app.prove import ProveOptions, prove
+    from harness.app.prove.prove import ProveOptions, prove
 
-    options = ProveOptions.chosen(given, short, jobs=jobs, cluster=cluster, resume=resume)
+    options = ProveOptions.chosen(given, short, machines, jobs=jobs, cluster=cluster, resume=resume)
     with shown(quiet) as progress:
         result = prove(options, out, progress, this_line())
     emit_json(result, json_to)
@@ -81,7 +94,7 @@ def _alone(given: dict[str, int], others: dict[str, bool]) -> None:
 
 
 def _verify(folder: Path, short: bool, jobs: int | None, json_to: str | None, quiet: bool) -> int:
-    from harness.app.prove_verify import verify_proof
+    from harness.app.prove.verify import verify_proof
 
     with shown(quiet) as progress:
         check = verify_proof(folder, short, jobs, progress)
@@ -93,9 +106,9 @@ def _verify(folder: Path, short: bool, jobs: int | None, json_to: str | None, qu
 
 def _print_check(check: "ProofCheck") -> None:
     for line in [*check.wrong, *check.notes]:
-        click.echo(f"- {line}")
+        say(f"- {line}")
     again = f"{check.drawn_again} of {check.recordings} recordings drawn again, {check.identical} the same to the bit"
-    click.echo(f"{check.folder}: {'accepted' if check.accepted else 'rejected'}; {again}")
+    say(f"{check.folder}: {'accepted' if check.accepted else 'rejected'}; {again}")
 
 
 def _print(result: "ProofResult") -> None:
@@ -116,11 +129,11 @@ def _print(result: "ProofResult") -> None:
         )
     show(table)
     if result.not_tested:
-        click.echo(f"- not tested: {', '.join(result.not_tested)}")
+        say(f"- not tested: {', '.join(result.not_tested)}")
     for line in [*result.shortfalls, *result.given_up]:
-        click.echo(f"- {line}")
+        say(f"- {line}")
     right = sum(case.right for case in result.cases)
-    click.echo(f"{len(result.cases)} recordings, {right} answered right, seed {result.seed}")
+    say(f"{len(result.cases)} recordings, {right} answered right, seed {result.seed}")
 
 
 def _said(figure: "ProofFigure", value: float | None) -> str:

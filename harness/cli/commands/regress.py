@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 import click
 
 from harness.cli.options import jobs_option, json_option, quiet_option
-from harness.cli.output import check_json, emit_json, show, shows_tables
+from harness.cli.output import check_json, emit_json, say, show, shows_tables
 from harness.cli.progress import shown
 from harness.core.errors import InputError
 
@@ -19,7 +19,9 @@ if TYPE_CHECKING:
 @click.option("--update", is_flag=True, help="Write the rows to --baseline instead of comparing.")
 @click.option("--traces", type=click.Path(path_type=Path), metavar="DIR", help="Recompute from .rrd files; no engine.")
 @click.option("--junit", "junit_to", type=click.Path(path_type=Path), metavar="FILE", help="Write JUnit XML.")
-@click.option("--engine", "engines", multiple=True, metavar="NAME", help="Engine; may repeat.  [all installed]")
+@click.option(
+    "--engine", "engines", multiple=True, metavar="NAME[@PYTHON]", help="Engine; may repeat.  [all installed]"
+)
 @click.option("--route", "routes", multiple=True, metavar="joint|contact|law", help="Route; may repeat.  [all]")
 @click.option("--short", is_flag=True, help="What ships and what is tuned, at one step each: for every change.")
 @jobs_option
@@ -52,9 +54,9 @@ def command(
         raise InputError("--baseline", "not given", "a baseline file, or --traces DIR alone, is accepted")
     if update and traces is not None:
         raise InputError("--update", "given with --traces", "one of them is accepted: a baseline is made by a sweep")
-    from harness.app import regress as room
-    from harness.app.deliver import check_target
-    from harness.app.sweep import SweepOptions
+    from harness.app.shared.deliver import check_target
+    from harness.app.sweep import regress as room
+    from harness.app.sweep.sweep import SweepOptions
 
     for target in (junit_to, baseline if update else None):
         if target is not None:
@@ -70,9 +72,9 @@ def command(
             rows = room.fresh_rows(options, progress)
         names = list(rows)
         if update:
-            written = room.update(baseline, rows, options)
+            written = room.update(baseline, rows)
             if shows_tables(json_to, quiet):
-                click.echo(f"{baseline}: {len(written.rows)} rows")
+                say(f"{baseline}: {len(written.rows)} rows")
             emit_json(written, json_to)
             return 0
         result = room.compared(baseline, rows, options)
@@ -95,10 +97,10 @@ def _print(result: "RegressResult") -> None:
             table.add_row(moved.name, moved.metric, _number(moved.before), _number(moved.after), moved.verdict)
         show(table)
         for why in dict.fromkeys(f"{moved.metric or moved.name}: {moved.why}" for moved in result.moved):
-            click.echo(f"- {why}")
+            say(f"- {why}")
     for engine in result.not_run:
-        click.echo(f"- {engine} is in the baseline but not installed here")
-    click.echo(f"{result.rows} rows compared, {len(result.moved)} moves, {result.regressions} regressions")
+        say(f"- {engine} is in the baseline but not installed here")
+    say(f"{result.rows} rows compared, {len(result.moved)} moves, {result.regressions} regressions")
 
 
 def _number(value: float | None) -> str:

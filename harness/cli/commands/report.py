@@ -5,7 +5,7 @@ from pathlib import Path
 import click
 
 from harness.cli.options import json_option, quiet_option
-from harness.cli.output import check_json, emit_json, shows_tables
+from harness.cli.output import check_json, emit_json, say, shows_tables
 
 
 @click.command(short_help="Make a page again, from its .rrd alone.")
@@ -23,10 +23,10 @@ def command(place: Path, out: Path | None, json_to: str | None, quiet: bool) -> 
              harness report trace.rrd --out page.html
     """
     check_json(json_to)
-    from harness.app.rebuild import rebuild
+    from harness.app.report.rebuild import rebuild
 
     result, page = rebuild(place, out)
     emit_json(result, json_to)
     if shows_tables(json_to, quiet):
-        click.echo(f"report: {page}")
+        say(f"report: {page}")
     return 0

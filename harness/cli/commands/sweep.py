@@ -7,11 +7,11 @@ from typing import TYPE_CHECKING
 import click
 
 from harness.cli.options import jobs_option, output_options
-from harness.cli.output import STANDARD_OUTPUT, check_json, show, shows_tables, this_line
+from harness.cli.output import STANDARD_OUTPUT, check_json, say, show, shows_tables, this_line
 from harness.cli.progress import shown
 
 if TYPE_CHECKING:
-    from harness.app.sweep import Sweep
+    from harness.app.sweep.sweep import Sweep
 
 
 def _worst(context: click.Context, option: click.Parameter, value: str | None) -> int:
@@ -25,7 +25,9 @@ def _worst(context: click.Context, option: click.Parameter, value: str | None) -
 
 
 @click.command(short_help="The friction-fidelity matrix: engines x route x settings x step x scenario.")
-@click.option("--engine", "engines", multiple=True, metavar="NAME", help="Engine; may repeat.  [all installed]")
+@click.option(
+    "--engine", "engines", multiple=True, metavar="NAME[@PYTHON]", help="Engine; may repeat.  [all installed]"
+)
 @click.option("--route", "routes", multiple=True, metavar="joint|contact|law", help="Route; may repeat.  [all]")
 @click.option("--preset", "presets", multiple=True, metavar="NAME", help="Settings; may repeat.  [all there are]")
 @click.option("--dt", "steps", multiple=True, type=float, metavar="S", help="Step, s; may repeat.  [a table's own]")
@@ -61,8 +63,8 @@ def command(
              harness sweep --out reports/mine --resume --keep-traces worst:10
     """
     check_json(json_to)
-    from harness.app.sweep import SweepOptions, sweep, write_stream
-    from harness.app.sweep_report import finish
+    from harness.app.sweep.report import finish
+    from harness.app.sweep.sweep import SweepOptions, sweep, write_stream
 
     options = SweepOptions(engines, routes, presets, steps, short, sliders, jobs, cluster, keep, resume)
     with shown(quiet) as progress:
@@ -81,7 +83,7 @@ def command(
 def _print(result: "Sweep") -> None:
     from rich.table import Table
 
-    from harness.app.sweep_report import summary
+    from harness.app.sweep.report import summary
 
     table = Table(title="as shipped and tuned against exact, the suite's own sliders")
     heads, lines = summary(result)
@@ -91,7 +93,7 @@ def _print(result: "Sweep") -> None:
         table.add_row(*line)
     show(table)
     for note in result.notes:
-        click.echo(f"- {note}")
+        say(f"- {note}")
     rate = f"{60.0 * result.computed / result.wall_s:.0f} rows a minute"
-    click.echo(f"{result.total} rows, {result.computed} computed now ({rate}), {result.failed} could not be run")
-    click.echo(f"report: {result.folder / 'report.html'}")
+    say(f"{result.total} rows, {result.computed} computed now ({rate}), {result.failed} could not be run")
+    say(f"report: {result.folder / 'report.html'}")

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 import click
 
 from harness.cli.options import json_option, quiet_option
-from harness.cli.output import check_json, emit_json, show, shows_tables
+from harness.cli.output import check_json, emit_json, say, show, shows_tables
 from harness.cli.progress import shown
 
 if TYPE_CHECKING:
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 def command(engine: str, dt: float, route: str, max_cost: float | None, json_to: str | None, quiet: bool) -> int:
     """Search an engine's settings on some random sliders, score them on others, print the XML or the calls to paste.
 
-    ENGINE is mujoco, pybullet or dart.
+    ENGINE is mujoco, pybullet, dart, rapier, drake or physx, as far as it is installed.
 
     \b
     Example: harness tune mujoco --dt 0.002
@@ -30,7 +30,7 @@ def command(engine: str, dt: float, route: str, max_cost: float | None, json_to:
              harness tune pybullet --route contact --dt 0.004 --json tuned.json
     """
     check_json(json_to)
-    from harness.app.tune import tune
+    from harness.app.sweep.tune import tune
 
     with shown(quiet) as progress:
         result = tune(engine, route, dt, max_cost, progress)  # type: ignore[arg-type]
@@ -43,15 +43,15 @@ def command(engine: str, dt: float, route: str, max_cost: float | None, json_to:
 def _print(result: "TuneResult") -> None:
     from rich.table import Table
 
-    click.echo(f"{result.engine} {result.version}, {result.route}, step {result.dt_s * 1e3:g} ms: distance from exact")
+    say(f"{result.engine} {result.version}, {result.route}, step {result.dt_s * 1e3:g} ms: distance from exact")
     table = Table()
     for heading in ("figure", "as shipped", "found"):
         table.add_column(heading, justify="left" if heading == "figure" else "right")
     for figure in result.figures:
         table.add_row(figure.name, _percent(figure.before), _percent(figure.after))
     show(table)
-    click.echo(result.paste)
-    click.echo(
+    say(result.paste)
+    say(
         f"score on sliders not searched on: {result.score_before:.3g} as shipped, {result.score_after:.3g} found,"
         f" {result.score_preset:.3g} with the preset tuned; it costs {result.cost:.2f} times what ships"
         f" ({result.searched} settings scored)"

@@ -15,6 +15,6 @@ def command(place: Path, web: bool) -> int:
     Example: harness view reports/free-decay-20260101-120000
              harness view trace.rrd --web
     """
-    from harness.app.rebuild import view
+    from harness.app.report.view import view
 
     return view(place, web)

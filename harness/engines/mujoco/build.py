@@ -4,6 +4,7 @@ from typing import Any
 
 import mujoco
 
+from harness.core.errors import SimulationError
 from harness.engines import models
 from harness.engines.actions import belt_speed
 from harness.engines.base import Task
@@ -15,7 +16,7 @@ _INTEGRATOR = {
     "RK4": mujoco.mjtIntegrator.mjINT_RK4,
     "implicit": mujoco.mjtIntegrator.mjINT_IMPLICIT,
     "implicitfast": mujoco.mjtIntegrator.mjINT_IMPLICITFAST,
-    "discrete": mujoco.mjtIntegrator.mjINT_DISCRETE,
+    "discrete": getattr(mujoco.mjtIntegrator, "mjINT_DISCRETE", None),  # newer ones have it
 }
 _SOLVER = {
     "PGS": mujoco.mjtSolver.mjSOL_PGS,
@@ -33,7 +34,10 @@ def compile_model(task: Task, settings: dict[str, Any], limit: float) -> Any:
     spec.nuserdata = SLOTS
     option = spec.option
     option.timestep = settings["dt"]
-    option.integrator = _INTEGRATOR[settings["integrator"]]
+    integrator = _INTEGRATOR[settings["integrator"]]
+    if integrator is None:
+        raise SimulationError(f"mujoco {mujoco.__version__}: no integrator {settings['integrator']}")
+    option.integrator = integrator
     option.solver = _SOLVER[settings["solver"]]
     option.cone = _CONE[settings["cone"]]
     for name in ("iterations", "tolerance", "ls_iterations", "noslip_iterations", "noslip_tolerance", "impratio"):
@@ -52,7 +56,10 @@ def compile_model(task: Task, settings: dict[str, Any], limit: float) -> Any:
         pair.solref, pair.solimp = settings["solref"], settings["solimp"]
         pair.solreffriction = settings["solreffriction"]
         # the surface moves, the geom does not
-        spec.geom("floor").surfacevel = [belt_speed(task), 0.0, 0.0, 0.0, 0.0, 0.0]
+        if belt := belt_speed(task):
+            if not hasattr(spec.geom("floor"), "surfacevel"):
+                raise SimulationError(f"mujoco {mujoco.__version__}: no surface of a geom moves (surfacevel)")
+            spec.geom("floor").surfacevel = [belt, 0.0, 0.0, 0.0, 0.0, 0.0]
     else:
         slide.frictionloss = limit if task.route == "joint" else 0.0
         slide.solref_friction = settings["solreffriction"]
@@ -62,10 +69,12 @@ def compile_model(task: Task, settings: dict[str, Any], limit: float) -> Any:
 
 def _say(spec: Any, slide: Any, words: JointWords) -> None:
     """Add polynomials and zones to the joint."""
+    if not models.polynomial(slide):
+        raise SimulationError(f"mujoco {mujoco.__version__}: a joint's stiffness and damping are one number each")
     slide.stiffness = [own + more for own, more in zip(slide.stiffness, words.stiffness, strict=True)]
     slide.damping = [own + more for own, more in zip(slide.damping, words.damping, strict=True)]
-    for zone in words.zones:
-        tendon = spec.add_tendon(name=zone.name)
+    for name, zone in words.zones:
+        tendon = spec.add_tendon(name=name)
         tendon.wrap_joint("slide", 1.0)
         tendon.stiffness = [zone.stiffness, 0.0, 0.0]
         tendon.springlength = [zone.low, zone.high]

@@ -14,7 +14,7 @@ from harness.core.errors import SimulationError
 from harness.core.trajectory import Trajectory
 from harness.engines import models
 from harness.engines.base import Engine, Preset, Route, Task, resolve
-from harness.engines.joint_words import NAMES
+from harness.engines.joint_words import JOINT, Kinds
 from harness.engines.mujoco import presets as table
 from harness.engines.mujoco.build import compile_model
 from harness.engines.mujoco.depth import rest_height
@@ -31,7 +31,7 @@ class MujocoEngine(Engine):
     """MuJoCo on one slide joint (joint and law routes) or a box that slides and lifts (contact route)."""
 
     name: ClassVar[str] = "mujoco"
-    native_terms: ClassVar[frozenset[str]] = NAMES
+    native: ClassVar[Kinds] = JOINT
 
     def version(self) -> str:
         """Version of the mujoco package."""

@@ -62,9 +62,8 @@ class PybulletBody(Stepped):
 
 def motion(plan: Plan, world: World, substeps: int) -> Motion:
     """Step through a run."""
-    moved = (
-        _lean(plan, world, substeps) if plan.simple() else stepped_through(plan, PybulletBody(world, plan, substeps))
-    )
+    lean = plan.simple() and plan.task.route == "joint"
+    moved = _lean(plan, world, substeps) if lean else stepped_through(plan, PybulletBody(world, plan, substeps))
     if substeps == 1:
         return moved
     # what the motor reports is the last sub-step's

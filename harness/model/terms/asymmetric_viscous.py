@@ -6,7 +6,7 @@ from harness.model.law import D_PARAMETER, D_V, VALUE
 from harness.model.term import Parameter, Probe, Slot, Term
 
 
-def law(x: float, v: float, t: float, theta: FloatArray, o: int, out: FloatArray) -> None:
+def law(x: float, v: float, theta: FloatArray, o: int, out: FloatArray) -> None:
     """c_diff |v|."""
     c_diff, s = theta[o], abs(v)
     out[VALUE] = c_diff * s
@@ -28,4 +28,6 @@ TERM = Term(
     law,
     probes,
     amplitude=0,
+    example=(0.3,),
+    order=100,
 )

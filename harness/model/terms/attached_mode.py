@@ -56,4 +56,7 @@ TERM = Term(
     amplitude=1,
     internal=2,
     speeds=(1,),
+    example=(21.0, 0.1, 0.03),
+    hidden=True,
+    order=230,
 )

@@ -1,12 +1,16 @@
 """A dead zone in the spring: no restoring force within the gap."""
 
+import numpy as np
+
 from harness.core.arrays import FloatArray
+from harness.model.elements import Element, Polynomial, Zone
 from harness.model.evidence import Evidence
 from harness.model.law import D_PARAMETER, D_STIFFNESS, D_X, STIFFNESS, VALUE
+from harness.model.place import Place, Seen
 from harness.model.term import Parameter, Probe, Slot, Term
 
 
-def law(x: float, v: float, t: float, theta: FloatArray, o: int, out: FloatArray) -> None:
+def law(x: float, v: float, theta: FloatArray, o: int, out: FloatArray) -> None:
     """-k clip(x, -gap, gap)."""
     gap, k = theta[o], theta[STIFFNESS]
     clipped = min(max(x, -gap), gap)
@@ -21,6 +25,16 @@ def probes(e: Evidence) -> list[Probe]:
     return [(f * e.x_scale,) for f in (0.003, 0.02, 0.08)]
 
 
+def place(values: Probe, seen: Seen) -> Place:
+    """Within the gap."""
+    return Place("throughout", f"|x| < {values[0]:.4g} m", seen.where(np.abs(seen.x) < values[0]))
+
+
+def made_of(values: Probe, k: float) -> tuple[Element, ...]:
+    """The spring taken away, and given back outside of the gap."""
+    return Polynomial(stiffness=(-k, 0.0, 0.0)), Zone(k, -values[0], values[0])
+
+
 TERM = Term(
     "backlash",
     "stiffness",
@@ -30,4 +44,9 @@ TERM = Term(
     law,
     probes,
     needs=("spring",),
+    example=(0.06,),
+    corner=True,
+    place=place,
+    elements=made_of,
+    order=170,
 )

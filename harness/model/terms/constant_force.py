@@ -1,12 +1,16 @@
 """A constant push: tilt, bias."""
 
+from collections.abc import Mapping
+
 from harness.core.arrays import FloatArray
+from harness.model.elements import Element, Push
 from harness.model.evidence import Evidence
+from harness.model.experiments import LARGER, REST
 from harness.model.law import D_PARAMETER, VALUE
 from harness.model.term import Parameter, Probe, Slot, Term
 
 
-def law(x: float, v: float, t: float, theta: FloatArray, o: int, out: FloatArray) -> None:
+def law(x: float, v: float, theta: FloatArray, o: int, out: FloatArray) -> None:
     """-force: it stands on the right side."""
     out[VALUE] = -theta[o]
     out[D_PARAMETER] = -1.0
@@ -15,6 +19,16 @@ def law(x: float, v: float, t: float, theta: FloatArray, o: int, out: FloatArray
 def probes(e: Evidence) -> list[Probe]:
     """Linear: one look."""
     return [(0.0,)]
+
+
+def made_of(values: Probe, k: float) -> tuple[Element, ...]:
+    """A push."""
+    return (Push(values[0]),)
+
+
+def words(values: Probe, k: float) -> Mapping[str, str]:
+    """By how much it moves the rest position of a spring."""
+    return {"offset": f"{values[0] / k:.4g}" if k > 0.0 else "nothing, without a spring"}
 
 
 TERM = Term(
@@ -26,4 +40,11 @@ TERM = Term(
     law,
     probes,
     amplitude=0,
+    example=(3.0,),
+    needs=("zero",),
+    push=0,
+    words=words,
+    elements=made_of,
+    told_from={"sensor-drift": REST, "force-ripple": LARGER},
+    order=190,
 )

@@ -1,12 +1,15 @@
 """A spring that hardens or softens: k3 x^3."""
 
 from harness.core.arrays import FloatArray
+from harness.model.elements import Element, Polynomial
 from harness.model.evidence import Evidence
+from harness.model.experiments import LARGER
 from harness.model.law import D_PARAMETER, D_X, VALUE
+from harness.model.place import always
 from harness.model.term import Parameter, Probe, Slot, Term
 
 
-def law(x: float, v: float, t: float, theta: FloatArray, o: int, out: FloatArray) -> None:
+def law(x: float, v: float, theta: FloatArray, o: int, out: FloatArray) -> None:
     """k3 x^3."""
     k3, x2 = theta[o], x * x
     out[VALUE] = k3 * x2 * x
@@ -19,6 +22,11 @@ def probes(e: Evidence) -> list[Probe]:
     return [(0.0,)]
 
 
+def made_of(values: Probe, k: float) -> tuple[Element, ...]:
+    """The third coefficient of a spring."""
+    return (Polynomial(stiffness=(0.0, 0.0, values[0])),)
+
+
 TERM = Term(
     "cubic-stiffness",
     "stiffness",
@@ -28,4 +36,9 @@ TERM = Term(
     law,
     probes,
     amplitude=0,
+    example=(20.0,),
+    place=always("large-displacement", "as x^3"),
+    elements=made_of,
+    told_from={"end-stop": LARGER, "stiffness-drift": LARGER},
+    order=130,
 )

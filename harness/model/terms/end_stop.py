@@ -1,18 +1,21 @@
 """A stop on the positive side, the negative side or both: a spring beyond a gap."""
 
+import math
+from collections.abc import Callable
+
+import numpy as np
+
 from harness.core.arrays import FloatArray
+from harness.model.elements import Element, Zone
 from harness.model.evidence import Evidence
 from harness.model.law import D_PARAMETER, D_X, VALUE
+from harness.model.place import Place, Seen
 from harness.model.term import Parameter, Probe, Slot, Term
 
 
-def law(x: float, v: float, t: float, theta: FloatArray, o: int, out: FloatArray) -> None:
+def law(x: float, v: float, theta: FloatArray, o: int, out: FloatArray) -> None:
     """k_stop (x - gap) beyond +gap, on the positive side."""
     gap, k_stop = theta[o], theta[o + 1]
-    out[VALUE] = 0.0
-    out[D_X] = 0.0
-    out[D_PARAMETER] = 0.0
-    out[D_PARAMETER + 1] = 0.0
     if x > gap:
         out[VALUE] = k_stop * (x - gap)
         out[D_X] = k_stop
@@ -20,13 +23,9 @@ def law(x: float, v: float, t: float, theta: FloatArray, o: int, out: FloatArray
         out[D_PARAMETER + 1] = x - gap
 
 
-def law_negative(x: float, v: float, t: float, theta: FloatArray, o: int, out: FloatArray) -> None:
+def law_negative(x: float, v: float, theta: FloatArray, o: int, out: FloatArray) -> None:
     """k_stop (x + gap) beyond -gap, on the negative side."""
     gap, k_stop = theta[o], theta[o + 1]
-    out[VALUE] = 0.0
-    out[D_X] = 0.0
-    out[D_PARAMETER] = 0.0
-    out[D_PARAMETER + 1] = 0.0
     if x < -gap:
         out[VALUE] = k_stop * (x + gap)
         out[D_X] = k_stop
@@ -34,13 +33,9 @@ def law_negative(x: float, v: float, t: float, theta: FloatArray, o: int, out: F
         out[D_PARAMETER + 1] = x + gap
 
 
-def law_both(x: float, v: float, t: float, theta: FloatArray, o: int, out: FloatArray) -> None:
+def law_both(x: float, v: float, theta: FloatArray, o: int, out: FloatArray) -> None:
     """k_stop (|x| - gap) sgn x beyond the gap, on both sides."""
     gap, k_stop = theta[o], theta[o + 1]
-    out[VALUE] = 0.0
-    out[D_X] = 0.0
-    out[D_PARAMETER] = 0.0
-    out[D_PARAMETER + 1] = 0.0
     if abs(x) > gap:
         side = 1.0 if x > 0.0 else -1.0
         out[VALUE] = k_stop * (x - side * gap)
@@ -54,38 +49,39 @@ def probes(e: Evidence) -> list[Probe]:
     return [(fraction * e.x_scale, 0.0) for fraction in (0.35, 0.5, 0.62, 0.74, 0.82, 0.89, 0.95)]
 
 
-_PARAMETERS = (Parameter("gap", "m", 0.0, positive=True), Parameter("k_stop", "N/m", 0.0, none=0.0))
-_SENTENCE = "A stop acts beyond {gap} {side}: k_stop = {k_stop}."
+def _stop(variant: str, side: str, law: Callable[..., None], sides: tuple[int, ...]) -> Term:
+    """The entry for a stop on these sides, +1 and -1."""
 
-TERM = Term(
-    "end-stop",
-    "stiffness",
-    Slot.SMOOTH,
-    _PARAMETERS,
-    _SENTENCE.replace("{side}", "on both sides"),
-    law_both,
-    probes,
-    amplitude=1,
-)
-TERM_POSITIVE = Term(
-    "end-stop",
-    "stiffness",
-    Slot.SMOOTH,
-    _PARAMETERS,
-    _SENTENCE.replace("{side}", "on the positive side"),
-    law,
-    probes,
-    amplitude=1,
-    variant="positive",
-)
-TERM_NEGATIVE = Term(
-    "end-stop",
-    "stiffness",
-    Slot.SMOOTH,
-    _PARAMETERS,
-    _SENTENCE.replace("{side}", "on the negative side"),
-    law_negative,
-    probes,
-    amplitude=1,
-    variant="negative",
-)
+    def place(values: Probe, seen: Seen) -> Place:
+        gap = values[0]
+        beyond = {1: seen.x > gap, -1: seen.x < -gap}
+        inside = np.any([beyond[s] for s in sides], axis=0)
+        if len(sides) == 2:
+            return Place("large-displacement", f"|x| > {gap:.4g} m", seen.where(inside))
+        return Place("one-side", f"x > {gap:.4g} m" if sides[0] > 0 else f"x < -{gap:.4g} m", seen.where(inside))
+
+    def made_of(values: Probe, k: float) -> tuple[Element, ...]:
+        gap, k_stop = values
+        return (Zone(k_stop, -gap if -1 in sides else -math.inf, gap if 1 in sides else math.inf),)
+
+    return Term(
+        "end-stop",
+        "stiffness",
+        Slot.SMOOTH,
+        (Parameter("gap", "m", 0.0, positive=True), Parameter("k_stop", "N/m", 0.0, none=0.0)),
+        f"A stop acts beyond {{gap}} on {side}: k_stop = {{k_stop}}.",
+        law,
+        probes,
+        amplitude=1,
+        variant=variant,
+        example=(0.53, 200.0),
+        corner=True,
+        place=place,
+        elements=made_of,
+        order=160,
+    )
+
+
+TERM = _stop("", "both sides", law_both, (1, -1))
+TERM_POSITIVE = _stop("positive", "the positive side", law, (1,))
+TERM_NEGATIVE = _stop("negative", "the negative side", law_negative, (-1,))

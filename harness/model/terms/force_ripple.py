@@ -8,7 +8,7 @@ from harness.model.law import D_PARAMETER, D_X, VALUE
 from harness.model.term import Parameter, Probe, Slot, Term
 
 
-def law(x: float, v: float, t: float, theta: FloatArray, o: int, out: FloatArray) -> None:
+def law(x: float, v: float, theta: FloatArray, o: int, out: FloatArray) -> None:
     """amplitude cos(2 pi x/period + phase)."""
     amplitude, period, phase = theta[o], theta[o + 1], theta[o + 2]
     w = 2.0 * math.pi / period
@@ -22,20 +22,28 @@ def law(x: float, v: float, t: float, theta: FloatArray, o: int, out: FloatArray
 
 
 def probes(e: Evidence) -> list[Probe]:
-    """Periods that fit into the travel, evenly spaced in their number; the response decides among them."""
+    """Periods at which a force stands out, else all that fit into the travel, evenly spaced in their number."""
     travel = e.high - e.low
     counts = [0.5 * i for i in range(2, 61)] if not e.driven else [float(i) for i in range(2, 200)]
-    return [(0.0, travel / count, phase) for count in counts for phase in (0.0, -0.5 * math.pi)]
+    periods = e.periods if e.periods else [travel / count for count in counts]
+    return [(0.0, period, phase) for period in periods for phase in (0.0, -0.5 * math.pi)]
 
 
 TERM = Term(
     "force-ripple",
     "environment",
     Slot.SMOOTH,
-    (Parameter("amplitude", "N", none=0.0), Parameter("period", "m", 0.0, positive=True), Parameter("phase", "rad")),
+    (
+        Parameter("amplitude", "N", none=0.0),
+        Parameter("period", "m", 0.0, positive=True, repeats="travel"),
+        Parameter("phase", "rad"),
+    ),
     "A force of {amplitude} repeats every {period} of travel.",
     law,
     probes,
     amplitude=0,
     phase=2,
+    example=(4.0, 0.35, 0.4),
+    push=0,
+    order=200,
 )

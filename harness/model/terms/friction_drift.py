@@ -3,6 +3,7 @@
 from harness.core.arrays import FloatArray
 from harness.model.evidence import Evidence
 from harness.model.law import D_PARAMETER, D_T, VALUE
+from harness.model.place import always
 from harness.model.term import Parameter, Probe, Slot, Term
 
 
@@ -28,4 +29,8 @@ TERM = Term(
     law,
     probes,
     amplitude=0,
+    example=(-0.2,),
+    place=always("late", "in proportion to t"),
+    told_from={"position-dependent-friction": "the same release repeated after a pause"},
+    order=70,
 )

@@ -31,7 +31,7 @@ TERM = Term(
     Slot.FRICTION_MODULATION,
     (
         Parameter("depth", "1", -1.0, 1.0, none=0.0),
-        Parameter("Omega", "rad/s", 0.0, positive=True),
+        Parameter("Omega", "rad/s", 0.0, positive=True, repeats="time"),
         Parameter("phase", "rad"),
     ),
     "The normal load varies at {Omega}, and friction with it by a fraction {depth}.",
@@ -39,4 +39,6 @@ TERM = Term(
     probes,
     amplitude=0,
     phase=2,
+    example=(0.3, 7.0, 0.2),
+    order=80,
 )

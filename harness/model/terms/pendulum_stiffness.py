@@ -4,10 +4,11 @@ import math
 
 from harness.core.arrays import FloatArray
 from harness.model.law import D_STIFFNESS, D_X, STIFFNESS, VALUE
+from harness.model.place import always
 from harness.model.term import Slot, Term
 
 
-def law(x: float, v: float, t: float, theta: FloatArray, o: int, out: FloatArray) -> None:
+def law(x: float, v: float, theta: FloatArray, o: int, out: FloatArray) -> None:
     """k (sin x - x); no parameter of its own."""
     k = theta[STIFFNESS]
     out[VALUE] = k * (math.sin(x) - x)
@@ -23,4 +24,6 @@ TERM = Term(
     "The restoring force is that of a pendulum, k sin x, and not of a linear spring.",
     law,
     needs=("angle",),
+    place=always("large-displacement", "as x - sin x"),
+    order=150,
 )

@@ -8,7 +8,7 @@ from harness.model.law import D_PARAMETER, D_X, VALUE
 from harness.model.term import Parameter, Probe, Slot, Term
 
 
-def law(x: float, v: float, t: float, theta: FloatArray, o: int, out: FloatArray) -> None:
+def law(x: float, v: float, theta: FloatArray, o: int, out: FloatArray) -> None:
     """Factor 1 + depth cos(2 pi x/period + phase)."""
     depth, period, phase = theta[o], theta[o + 1], theta[o + 2]
     w = 2.0 * math.pi / period
@@ -34,7 +34,7 @@ TERM = Term(
     Slot.FRICTION_MODULATION,
     (
         Parameter("depth", "1", -1.0, 1.0, none=0.0),
-        Parameter("period", "m", 0.0, positive=True),
+        Parameter("period", "m", 0.0, positive=True, repeats="travel"),
         Parameter("phase", "rad"),
     ),
     "Friction repeats every {period} along the rail, by a fraction {depth}.",
@@ -43,4 +43,6 @@ TERM = Term(
     amplitude=0,
     phase=2,
     variant="periodic",
+    example=(0.4, 0.3, 0.3),
+    order=60,
 )

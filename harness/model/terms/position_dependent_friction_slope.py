@@ -6,7 +6,7 @@ from harness.model.law import D_PARAMETER, D_X, VALUE
 from harness.model.term import Parameter, Probe, Slot, Term
 
 
-def law(x: float, v: float, t: float, theta: FloatArray, o: int, out: FloatArray) -> None:
+def law(x: float, v: float, theta: FloatArray, o: int, out: FloatArray) -> None:
     """Factor 1 + slope x."""
     slope = theta[o]
     out[VALUE] = 1.0 + slope * x
@@ -28,4 +28,6 @@ TERM = Term(
     law,
     probes,
     amplitude=0,
+    example=(0.4,),
+    order=50,
 )

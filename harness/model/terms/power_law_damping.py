@@ -11,7 +11,7 @@ SMOOTHING = 1e-4
 """Fraction of the speed scale below which the law is rounded: its slope at rest is infinite."""
 
 
-def law(x: float, v: float, t: float, theta: FloatArray, o: int, out: FloatArray) -> None:
+def law(x: float, v: float, theta: FloatArray, o: int, out: FloatArray) -> None:
     """c_p |v|^p sgn v, as c_p v (v^2 + e^2)^((p-1)/2) with e far below any speed that matters."""
     c_p, p = theta[o], theta[o + 1]
     e = SMOOTHING * theta[V_SCALE]
@@ -37,4 +37,7 @@ TERM = Term(
     law,
     probes,
     amplitude=0,
+    example=(0.8, 0.5),
+    corner=True,
+    order=110,
 )

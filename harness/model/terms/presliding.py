@@ -1,7 +1,34 @@
 """Presliding displacement of a bristle (Dahl; with Stribeck: LuGre)."""
 
+import numpy as np
+
+from harness.core.arrays import FloatArray
 from harness.model.evidence import Evidence
+from harness.model.experiments import REST
+from harness.model.history import History, States
+from harness.model.law import D_INTERNAL, D_LEVEL, D_PARAMETER, D_V, VALUE
+from harness.model.place import always
 from harness.model.term import Parameter, Probe, Slot, Term
+
+
+def law(v: float, side: int, z: float, level: float, theta: FloatArray, o: int, out: FloatArray) -> None:
+    """z' = v - sigma0 |v| z/f_k, f = sigma0 z + sigma1 z' (Dahl: sigma1 = 0; with stribeck: LuGre)."""
+    sigma0, sigma1 = theta[o], theta[o + 1]
+    speed = max(side * v, 0.0)
+    pull = sigma0 * speed * z / level
+    rate, by_v = v - pull, 1.0 - sigma0 * side * z / level
+    by_z, by_level = -sigma0 * speed / level, pull / level
+    out[1, VALUE] = rate
+    out[1, D_V] = by_v
+    out[1, D_LEVEL] = by_level
+    out[1, D_PARAMETER] = -speed * z / level
+    out[1, D_INTERNAL] = by_z
+    out[0, VALUE] = sigma0 * z + sigma1 * rate
+    out[0, D_V] = sigma1 * by_v
+    out[0, D_LEVEL] = sigma1 * by_level
+    out[0, D_PARAMETER] = z - sigma1 * speed * z / level
+    out[0, D_PARAMETER + 1] = rate
+    out[0, D_INTERNAL] = sigma0 + sigma1 * by_z
 
 
 def probes(e: Evidence) -> list[Probe]:
@@ -10,12 +37,29 @@ def probes(e: Evidence) -> list[Probe]:
     return [(ratio * k, damping * (ratio * k) ** 0.5) for ratio in (2.0, 6.0, 18.0) for damping in (0.0, 0.3)]
 
 
+def bent(values: Probe, motion: History) -> States:
+    """Fully bent in the direction of motion."""
+    sigma0, side = values[0], np.sign(motion.v_at)[:, None]
+    if sigma0 <= 0.0:
+        return States(0.0 * side)
+    z = side * motion.f_k / sigma0
+    return States(z, {"f_k": side / sigma0, 0: -z / sigma0})
+
+
 TERM = Term(
     "presliding",
     "friction",
     Slot.FRICTION_LAW,
     (Parameter("sigma0", "N/m", 0.0, positive=True, springs=1e4), Parameter("sigma1", "N s/m", 0.0)),
     "Friction builds up over a presliding displacement (bristle): sigma0 = {sigma0}, sigma1 = {sigma1}.",
-    probes=probes,
+    law,
+    probes,
     internal=1,
+    example=(2000.0, 5.0),
+    corner=True,
+    implied=bent,
+    hidden=True,
+    place=always("reversal", "after each reversal, until the bristles slide"),
+    told_from={"regularised-friction": REST},
+    order=30,
 )

@@ -1,12 +1,14 @@
 """Drag that grows with the square of the speed: c2 |v| v."""
 
 from harness.core.arrays import FloatArray
+from harness.model.elements import Element, Polynomial
 from harness.model.evidence import Evidence
 from harness.model.law import D_PARAMETER, D_V, VALUE
+from harness.model.place import always
 from harness.model.term import Parameter, Probe, Slot, Term
 
 
-def law(x: float, v: float, t: float, theta: FloatArray, o: int, out: FloatArray) -> None:
+def law(x: float, v: float, theta: FloatArray, o: int, out: FloatArray) -> None:
     """c2 |v| v."""
     c2, s = theta[o], abs(v)
     out[VALUE] = c2 * s * v
@@ -19,6 +21,11 @@ def probes(e: Evidence) -> list[Probe]:
     return [(0.0,)]
 
 
+def made_of(values: Probe, k: float) -> tuple[Element, ...]:
+    """The second coefficient of a damper."""
+    return (Polynomial(damping=(0.0, values[0], 0.0)),)
+
+
 TERM = Term(
     "quadratic-drag",
     "damping",
@@ -28,4 +35,8 @@ TERM = Term(
     law,
     probes,
     amplitude=0,
+    example=(0.2,),
+    place=always("high-speed", "as v^2"),
+    elements=made_of,
+    order=90,
 )

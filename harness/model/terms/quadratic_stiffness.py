@@ -1,12 +1,14 @@
 """A spring whose two sides differ: k2 x^2."""
 
 from harness.core.arrays import FloatArray
+from harness.model.elements import Element, Polynomial
 from harness.model.evidence import Evidence
 from harness.model.law import D_PARAMETER, D_X, VALUE
+from harness.model.place import always
 from harness.model.term import Parameter, Probe, Slot, Term
 
 
-def law(x: float, v: float, t: float, theta: FloatArray, o: int, out: FloatArray) -> None:
+def law(x: float, v: float, theta: FloatArray, o: int, out: FloatArray) -> None:
     """k2 x^2."""
     k2 = theta[o]
     out[VALUE] = k2 * x * x
@@ -19,6 +21,11 @@ def probes(e: Evidence) -> list[Probe]:
     return [(0.0,)]
 
 
+def made_of(values: Probe, k: float) -> tuple[Element, ...]:
+    """The second coefficient of a spring."""
+    return (Polynomial(stiffness=(0.0, values[0], 0.0)),)
+
+
 TERM = Term(
     "quadratic-stiffness",
     "stiffness",
@@ -28,4 +35,8 @@ TERM = Term(
     law,
     probes,
     amplitude=0,
+    example=(20.0,),
+    place=always("large-displacement", "as x^2"),
+    elements=made_of,
+    order=140,
 )

@@ -1,7 +1,28 @@
 """Friction that is smoothed over a speed: no stick, creep, reversal ahead of v = 0."""
 
+from harness.core.arrays import FloatArray
 from harness.model.evidence import Evidence
+from harness.model.law import D_FREE, D_LEVEL, D_PARAMETER, D_V, VALUE
+from harness.model.place import Place, Seen
 from harness.model.term import Parameter, Probe, Slot, Term
+
+
+def law(v: float, a: float, level: float, theta: FloatArray, o: int, out: FloatArray) -> None:
+    """f_k sat((v + lead a0)/v_r), a0 the acceleration without friction."""
+    v_r, lead = theta[o], theta[o + 1]
+    ratio = (v + lead * a) / v_r
+    if abs(ratio) >= 1.0:
+        side = 1.0 if ratio > 0.0 else -1.0
+        out[VALUE] = level * side
+        out[D_LEVEL] = side
+        return
+    slope = level / v_r
+    out[VALUE] = level * ratio
+    out[D_V] = slope
+    out[D_FREE] = slope * lead
+    out[D_LEVEL] = ratio
+    out[D_PARAMETER] = -level * ratio / v_r
+    out[D_PARAMETER + 1] = slope * a
 
 
 def probes(e: Evidence) -> list[Probe]:
@@ -11,11 +32,22 @@ def probes(e: Evidence) -> list[Probe]:
     return [(f * e.v_scale, 0.0) for f in speeds] + lead
 
 
+def place(values: Probe, seen: Seen) -> Place:
+    """Where friction is below its level."""
+    return Place("low-speed", f"|v| < {values[0]:.3g} m/s", seen.whole)
+
+
 TERM = Term(
     "regularised-friction",
     "friction",
     Slot.FRICTION_LAW,
     (Parameter("v_r", "m/s", 0.0, positive=True), Parameter("lead", "s", 0.0)),
     "Friction is smoothed over speeds below {v_r} and reverses {lead} ahead of the speed: it creeps and never sticks.",
-    probes=probes,
+    law,
+    probes,
+    example=(0.6, 0.02),
+    corner=True,
+    place=place,
+    steps_alike=True,
+    order=40,
 )

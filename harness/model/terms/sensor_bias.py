@@ -1,12 +1,22 @@
 """The accelerometer has an offset."""
 
+import numpy as np
+
+from harness.core.arrays import FloatArray
 from harness.model.evidence import Evidence
+from harness.model.place import always
+from harness.model.sensor import Sensor, Shown
 from harness.model.term import Parameter, Probe, Slot, Term
 
 
 def probes(e: Evidence) -> list[Probe]:
     """Linear: one look."""
     return [(0.0,)]
+
+
+def read(values: Probe, t: FloatArray, y: FloatArray, rate: FloatArray) -> Shown:
+    """a has the bias added."""
+    return Shown(y + values[0], np.ones(t.size), (np.ones(t.size),))
 
 
 TERM = Term(
@@ -18,4 +28,9 @@ TERM = Term(
     probes=probes,
     amplitude=0,
     channels=("a",),
+    example=(0.5,),
+    place=always("channel", "channel a"),
+    sensor=Sensor("a", read),
+    steps_alike=True,
+    order=260,
 )

@@ -1,12 +1,22 @@
 """The accelerometer's scale is off."""
 
+import numpy as np
+
+from harness.core.arrays import FloatArray
 from harness.model.evidence import Evidence
+from harness.model.place import always
+from harness.model.sensor import Sensor, Shown
 from harness.model.term import Parameter, Probe, Slot, Term
 
 
 def probes(e: Evidence) -> list[Probe]:
     """Linear: one look."""
     return [(1.0,)]
+
+
+def read(values: Probe, t: FloatArray, y: FloatArray, rate: FloatArray) -> Shown:
+    """a is multiplied by the gain."""
+    return Shown(values[0] * y, np.full(t.size, values[0]), (y,))
 
 
 TERM = Term(
@@ -18,4 +28,9 @@ TERM = Term(
     probes=probes,
     amplitude=0,
     channels=("x", "a"),
+    example=(1.05,),
+    place=always("channel", "channel a"),
+    sensor=Sensor("a", read),
+    steps_alike=True,
+    order=250,
 )

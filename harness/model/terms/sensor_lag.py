@@ -1,12 +1,22 @@
 """The displacement sensor is late."""
 
+import numpy as np
+
+from harness.core.arrays import FloatArray
 from harness.model.evidence import Evidence
+from harness.model.place import always
+from harness.model.sensor import Sensor, Shown
 from harness.model.term import Parameter, Probe, Slot, Term
 
 
 def probes(e: Evidence) -> list[Probe]:
     """Linear: one look."""
     return [(0.0,)]
+
+
+def read(values: Probe, t: FloatArray, y: FloatArray, rate: FloatArray) -> Shown:
+    """x is recorded late against a."""
+    return Shown(y, np.ones(t.size), (-rate,))
 
 
 TERM = Term(
@@ -18,4 +28,9 @@ TERM = Term(
     probes=probes,
     amplitude=0,
     channels=("x", "a"),
+    example=(2e-3,),
+    place=always("channel", "channel x"),
+    sensor=Sensor("x", read, delays=True),
+    steps_alike=True,
+    order=240,
 )

@@ -1,6 +1,8 @@
 """A break-away force above the sliding friction."""
 
 from harness.model.evidence import Evidence
+from harness.model.experiments import SLOW
+from harness.model.place import always
 from harness.model.term import Parameter, Probe, Slot, Term
 
 
@@ -17,4 +19,9 @@ TERM = Term(
     "It takes f_s = {f_s} to break away, more than f_k.",
     probes=probes,
     needs=("driven",),
+    example=(4.0,),
+    place=always("stick", "v = 0"),
+    formula="f_s > f_k only at v = 0.",
+    told_from={"stribeck": SLOW},
+    order=20,
 )

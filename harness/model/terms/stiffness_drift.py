@@ -3,6 +3,7 @@
 from harness.core.arrays import FloatArray
 from harness.model.evidence import Evidence
 from harness.model.law import D_PARAMETER, D_STIFFNESS, D_T, D_X, STIFFNESS, VALUE
+from harness.model.place import always
 from harness.model.term import Parameter, Probe, Slot, Term
 
 
@@ -31,4 +32,7 @@ TERM = Term(
     probes,
     amplitude=0,
     needs=("spring",),
+    example=(-0.1,),
+    place=always("late", "in proportion to t"),
+    order=180,
 )

@@ -1,7 +1,14 @@
 """A Maxwell branch in parallel with the spring: k_m y, y' = v - y/tau."""
 
+import math
+from collections.abc import Callable
+from functools import cache
+
+import numpy as np
+
 from harness.core.arrays import FloatArray
 from harness.model.evidence import Evidence
+from harness.model.history import History, States
 from harness.model.law import D_INTERNAL, D_PARAMETER, D_V, VALUE
 from harness.model.term import Parameter, Probe, Slot, Term
 
@@ -23,6 +30,36 @@ def probes(e: Evidence) -> list[Probe]:
     return [(0.0, f / e.omega) for f in (0.1, 0.3, 1.0, 3.0, 10.0)]
 
 
+def _stretch(t: FloatArray, v: FloatArray, at: FloatArray, tau: float, out: FloatArray) -> None:
+    """y' = v - y/tau and its partial by tau at the times ``at`` (m,), relaxed at first; out (m, 2)."""
+    y, slope, i = 0.0, 0.0, 0
+    for j in range(at.size):
+        while i + 1 < t.size and t[i + 1] <= at[j]:
+            h = t[i + 1] - t[i]
+            fade = math.exp(-h / tau)
+            mean = 0.5 * (v[i] + v[i + 1])
+            # exact for a speed that is constant over the interval
+            slope = fade * (slope + y * h / (tau * tau)) + mean * ((1.0 - fade) - fade * h / tau)
+            y = fade * y + mean * tau * (1.0 - fade)
+            i += 1
+        out[j, 0], out[j, 1] = y, slope
+
+
+@cache
+def _compiled() -> Callable[..., None]:
+    """The stretch compiled, when it is first asked for: the catalogue loads nothing heavy."""
+    from harness.core.jit import compiled
+
+    return compiled(_stretch)
+
+
+def stretched(values: Probe, motion: History) -> States:
+    """As the recorded speed has left it, relaxed at first."""
+    found = np.zeros((motion.at.size, 2))
+    _compiled()(motion.t, motion.v, motion.at, values[1], found)
+    return States(found[:, :1], {1: found[:, 1:]})
+
+
 TERM = Term(
     "viscoelastic",
     "damping",
@@ -33,4 +70,7 @@ TERM = Term(
     probes,
     amplitude=0,
     internal=1,
+    example=(30.0, 0.1),
+    implied=stretched,
+    order=120,
 )

@@ -32,6 +32,14 @@ def decay(
     t: FloatArray, omega_n: float, zeta: float, x_k: float, x0: float, v0: float
 ) -> tuple[FloatArray, FloatArray]:
     """x (m) and a (m/s^2), shape (n,), of a unit mass on a spring with viscous and Coulomb friction, 0 <= zeta < 1."""
+    x, _, a = decay_motion(t, omega_n, zeta, x_k, x0, v0)
+    return x, a
+
+
+def decay_motion(
+    t: FloatArray, omega_n: float, zeta: float, x_k: float, x0: float, v0: float
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """x (m), v (m/s) and a (m/s^2) of the same motion."""
     zeta, x_k = min(abs(zeta), 0.99), abs(x_k)
     omega_d, sigma = omega_n * math.sqrt(1.0 - zeta * zeta), zeta * omega_n
     start, amplitude, phase, centre = [], [], [], []
@@ -62,7 +70,7 @@ def decay(
         if at > t[-1]:
             break
     if not start:
-        return np.full(t.size, x0), np.zeros(t.size)
+        return np.full(t.size, x0), np.zeros(t.size), np.zeros(t.size)
     begun = np.asarray(start)
     i = np.clip(np.searchsorted(begun, t, side="right") - 1, 0, begun.size - 1)
     s = t - begun[i]
@@ -73,8 +81,8 @@ def decay(
     position = y + np.asarray(centre)[i]
     acceleration = -(omega_n**2) * y - 2.0 * sigma * y_rate
     still = t >= rest
-    position[still], acceleration[still] = x, 0.0
-    return position, acceleration
+    position[still], y_rate[still], acceleration[still] = x, 0.0, 0.0
+    return position, y_rate, acceleration
 
 
 def whiten(residual: FloatArray, sigma: float, correlation: float) -> FloatArray:

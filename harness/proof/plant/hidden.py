@@ -43,7 +43,9 @@ def _random(p: Values, b: Base) -> Pieces:
     return Pieces(forces=(Force(law, rate=rate),))
 
 
-BUILD: dict[str, Callable[[Values, Base], Pieces]] = {
+Law = Callable[[Values, Base], Pieces]
+
+BUILD: dict[str, Law] = {
     "stribeck": lambda p, b: Pieces(level={"f_s": p["f_s"], "v_s": p["v_s"]}),
     "static-friction": lambda p, b: Pieces(level={"f_s": p["f_s"]}),
     "presliding": lambda p, b: Pieces(law=lambda level: Bristle(level, p["sigma0"], p["sigma1"])),
@@ -92,9 +94,9 @@ def _speed_stiffness(k: float, gain: float, speed: float) -> Force:
     return Force(lambda t, x, v, d: k * gain * (v / speed) ** 2 * x)
 
 
-def build(base: Base, effects: Mapping[str, Values]) -> tuple[PlantModel, Sensors]:
-    """The plant and its sensors with these effects, each a name with its parameters (SI)."""
-    parts: Sequence[Pieces] = [BUILD[name](values, base) for name, values in effects.items()]
+def build(base: Base, effects: Mapping[str, Values], laws: Mapping[str, Law] = BUILD) -> tuple[PlantModel, Sensors]:
+    """The plant and its sensors with these effects, each a name with its parameters (SI); laws : what a name builds."""
+    parts: Sequence[Pieces] = [laws[name](values, base) for name, values in effects.items()]
     level: dict[str, float] = {}
     sensors: dict[str, float] = {}
     for part in parts:

@@ -150,10 +150,12 @@ class _Tape:
         self.states[: self.done, 1] = 0.0
 
 
-def simulate(model: PlantModel, t: FloatArray, *, tolerance: float = 1e-10, solver: str = "DOP853") -> PlantRun:
+def simulate(
+    model: PlantModel, t: FloatArray, *, tolerance: float = 1e-10, solver: str = "DOP853", pieces: int = MOST_PIECES
+) -> PlantRun:
     """The true motion at the times t (s, shape (n,), increasing, t[0] the start of the recording).
 
-    tolerance : relative tolerance of the solver. solver : "DOP853", "Radau" or "LSODA".
+    tolerance : relative tolerance of the solver. solver : "DOP853", "Radau" or "LSODA". pieces : most smooth pieces.
     Raises InputError for another solver, SimulationError when it gives up or the motion has no end of events.
     """
     if solver not in SOLVERS:
@@ -166,7 +168,7 @@ def simulate(model: PlantModel, t: FloatArray, *, tolerance: float = 1e-10, solv
         tape.hold(model.release)
         now = model.release
     knocks = sorted((k for k in model.knocks if now < k.time <= end), key=lambda k: k.time)
-    for _ in range(MOST_PIECES):
+    for _ in range(pieces):
         piece = _Piece(machine, now, y)
         stop = knocks[0].time if knocks else end
         now, y, root = _follow(machine, tape, piece, now, y, stop, tolerance, solver)
@@ -182,7 +184,7 @@ def simulate(model: PlantModel, t: FloatArray, *, tolerance: float = 1e-10, solv
         elif root is None:
             break
     else:
-        raise SimulationError(f"plant: more than {MOST_PIECES} events before {now:g} s")
+        raise SimulationError(f"plant: more than {pieces} events before {now:g} s")
     x, v = tape.states[:, 0], tape.states[:, 1]
     u = np.zeros(t.size)
     if model.drive is not None:

@@ -72,34 +72,32 @@ class Machine:
         force, z_rate = friction.act(level, s[1], d, net / self.model.m, s[2])
         return (net - force) / self.model.m, force, z_rate
 
+    def rates(self, t: float, s: State, d: float) -> list[float]:
+        """Time derivatives of the state while sliding in direction d."""
+        a, force, z_rate = self.motion(t, s, d)
+        out = [s[1], a]
+        if self.bristle:
+            out.append(z_rate)
+        for (lo, hi), branch in zip(self.slots, self.model.branches, strict=True):
+            out += branch.derivative(s[0], s[1], s[lo:hi])
+        out.append(force * s[1])
+        return out
+
+    def held_rates(self, s: State) -> list[float]:
+        """Time derivatives while stuck: only the branches move."""
+        out = [0.0] * (2 + self.bristle)
+        for (lo, hi), branch in zip(self.slots, self.model.branches, strict=True):
+            out += branch.derivative(s[0], 0.0, s[lo:hi])
+        out.append(0.0)
+        return out
+
     def slide(self, d: float) -> Callable[[float, State], State]:
         """Right-hand side while sliding in direction d."""
-
-        def rhs(t: float, y: State) -> State:
-            s = y.tolist()
-            a, force, z_rate = self.motion(t, s, d)
-            out = [s[1], a]
-            if self.bristle:
-                out.append(z_rate)
-            for (lo, hi), branch in zip(self.slots, self.model.branches, strict=True):
-                out += branch.derivative(s[0], s[1], s[lo:hi])
-            out.append(force * s[1])
-            return np.array(out)
-
-        return rhs
+        return lambda t, y: np.array(self.rates(t, y.tolist(), d))
 
     def hold(self) -> Callable[[float, State], State]:
-        """Right-hand side while stuck: only the branches move."""
-
-        def rhs(t: float, y: State) -> State:
-            s = y.tolist()
-            out = [0.0, 0.0]
-            for (lo, hi), branch in zip(self.slots, self.model.branches, strict=True):
-                out += branch.derivative(s[0], 0.0, s[lo:hi])
-            out.append(0.0)
-            return np.array(out)
-
-        return rhs
+        """Right-hand side while stuck."""
+        return lambda t, y: np.array(self.held_rates(y.tolist()))
 
     def spare(self, t: float, s: State) -> float:
         """What the break-away level has left while stuck, N."""

@@ -1,4 +1,4 @@
-"""The page of two traces: what differs, where, and whether each agrees with itself."""
+"""The page of two traces: what each of them reads, how far they are apart, and where."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -8,55 +8,243 @@ from typing import Any, ClassVar
 import numpy as np
 
 from harness.core.arrays import FloatArray
+from harness.results.common import P
+from harness.results.compare import Difference
 from harness.show.decimate import keep
+from harness.show.numbers import NONE, number, quantity, sentence_quantity, shown_value
 from harness.show.report.curves import POINTS
 from harness.show.report.figure import Figure
 from harness.show.report.identify import ANGLES, CHANNELS
 from harness.show.report.motion import GROUP
-from harness.show.report.numbers import NONE, number, sentence_quantity
 from harness.show.report.section import Section
 from harness.show.report.sources import MadeWith
 from harness.show.report.table import Cell, Column, Row, Table
 from harness.show.report.verdict import Verdict
+from harness.show.sentences.compare import SHOWS, difference_words, figure_words, telling
 
-_SIM = "#e4632d"
+FIRST = "#e4632d"
+_APART = "#2b7fd6"
 _SHADE = "rgba(228, 99, 45, 0.12)"
 _MOST_SHADES = 80
+_MOST_EVENTS = 24
+_SAID = 2
+"""Differences that the headline names."""
+_LABELS = {"omega_n": "omega_n", "zeta": "zeta", "x_k": "x_k", "amplitude": "amplitude", "rest": "rest"}
+
+
+@dataclass(frozen=True)
+class Shown:
+    """t : shared times (n,), s. channels : (first, second) of each, (n,). motion : position and speed of each.
+    names : of the traces.
+    """
+
+    t: FloatArray
+    channels: Mapping[str, tuple[FloatArray, FloatArray]]
+    motion: tuple[tuple[FloatArray, FloatArray], tuple[FloatArray, FloatArray]]
+    names: tuple[str, str]
+    angular: bool
 
 
 def compare_title(result: Mapping[str, Any]) -> tuple[str, str]:
     """Title and subtitle."""
-    sim, real = (PurePath(file).name for file in result["files"])
-    return f"{sim} against {real}", f"shift {sentence_quantity(result['aligned']['shift_s'])}"
+    first, second = (PurePath(file).name for file in result["files"])
+    return f"{first} against {second}", f"shift {sentence_quantity(result['aligned']['shift_s'])}"
 
 
-def compare_sections(
-    t: FloatArray,
-    shown: Mapping[str, tuple[FloatArray, FloatArray]],
-    noise: Mapping[str, float],
-    angular: bool,
-    result: Mapping[str, Any],
-) -> list[Section]:
-    """Sections of a comparison.
-
-    t : shared times (n,), s. shown : (sim, real) of each channel, (n,). noise : of the difference, SI units.
-    result : CompareResult.model_dump(by_alias=True).
-    """
+def compare_sections(shown: Shown, result: Mapping[str, Any]) -> list[Section]:
+    """Sections of a comparison. result : CompareResult.model_dump(by_alias=True)."""
     return [
-        Verdict(compare_headline(result), result["sentences"]),
+        Verdict(compare_headline(result), result["sentences"], tuple(result["traces"])),
+        Readings(result),
+        Overlay(shown, result["where"]),
+        Phase(shown),
+        EventTable(result),
         Places(result),
-        Overlay(t, shown, noise, angular, result["where"]),
         MadeWith(result["machine"], result["outputs"], result["command"]),
     ]
 
 
 def compare_headline(result: Mapping[str, Any]) -> str:
-    """The verdict, and the place that holds most."""
+    """The verdict, and in what the two differ most."""
+    first, second = result["traces"]
+    shift = result["aligned"]["shift_s"]
+    moved = shift["value"] and (not shift["stderr"] or abs(shift["value"]) > SHOWS * shift["stderr"])
+    after = f", {first} moved by {number(shift['value'])} s" if moved else ""
+    if result["verdict"] == "identical":
+        return f"{first} and {second} are identical{after}: the same samples."
     if result["verdict"] != "different":
-        return "The two traces are the same within noise."
-    first = result["where"][0]
-    share = "" if first["share"] is None else f", which holds {100.0 * first['share']:.0f} % of the mismatch"
-    return f"The two traces differ, most clearly at {first['condition']}{share}."
+        return f"{first} and {second} are the same within noise{after}."
+    apart = telling([Difference.model_validate(one) for one in result["differences"]])
+    largest = result["largest"]
+    value = shown_value(abs(largest["value"]), largest["unit"])
+    far = f"at most {value} apart in {largest['channel']}, at {number(largest['time_s'], 3)} s"
+    words = [difference_words(one).partition(" (")[0] for one in apart[:_SAID]]
+    return f"{first} {'; '.join(words)}; {far}{after}." if words else f"{first} and {second} differ: {far}{after}."
+
+
+def rows_of(result: Mapping[str, Any]) -> list[tuple[str, list[str]]]:
+    """Figures side by side: a label; the first's, the second's, and their distance in standard errors."""
+    readings = list(result["traces"].values())
+    apart = {one["what"]: one["significance"] for one in result["differences"]}
+    rows = []
+    for what, label in _LABELS.items():
+        cells = [figure_words(P.model_validate(one[what])) for one in readings]
+        significance = apart.get(what)
+        rows.append((label, [*cells, NONE if significance is None else number(significance, 2)]))
+    rows.append(("events", [*(str(len(one["events"])) for one in readings), NONE]))
+    return rows
+
+
+@dataclass(frozen=True)
+class Readings(Section):
+    """What the estimators read from each."""
+
+    template: ClassVar[str] = "table.html.j2"
+    result: Mapping[str, Any]
+
+    @property
+    def title(self) -> str:
+        """The heading."""
+        return "Side by side"
+
+    def context(self) -> Mapping[str, Any]:
+        """What the template shows."""
+        rows = [
+            Row(label, [Cell(cell) for cell in cells], note="differs" if self._shows(label) else "")
+            for label, cells in rows_of(self.result)
+        ]
+        fits = [f"{value:.1f} % of {c}" for c, value in self.result["fit_percent"].items()]
+        columns = [Column(name) for name in self.result["traces"]]
+        columns.append(Column("apart", "", "in standard errors of the difference"))
+        notes = [
+            f"{name}, {what}: {one[what]['why']}"
+            for name, one in self.result["traces"].items()
+            for what in _LABELS
+            if one[what]["value"] is None
+        ]
+        caption = f"With one standard error each. Fit: {', '.join(fits)} (NRMSE)."
+        return {"tables": [Table("figure", columns, rows, caption, "", list(dict.fromkeys(notes)))]}
+
+    def _shows(self, label: str) -> bool:
+        return any(one["what"] == label and (one["significance"] or 0.0) >= SHOWS for one in self.result["differences"])
+
+
+@dataclass(frozen=True)
+class Overlay(Section):
+    """Both traces, and their difference below in units, with the places shaded."""
+
+    template: ClassVar[str] = "motion.html.j2"
+    shown: Shown
+    where: Sequence[Mapping[str, Any]]
+
+    @property
+    def title(self) -> str:
+        """The heading."""
+        return "The two traces, and their difference"
+
+    def context(self) -> Mapping[str, Any]:
+        """What the template shows."""
+        figures = []
+        shades, shown = self._shades(), self.shown
+        budget = POINTS // (5 * len(shown.channels))
+        names = shown.names
+        for channel, (first, second) in shown.channels.items():
+            name, unit, factor = (ANGLES if shown.angular else CHANNELS)[channel]
+            written = f"({unit})" if "/" in unit else unit
+            chosen = keep(shown.t, (first, second, second - first), np.empty(0), budget)
+            t = shown.t[chosen]
+            layout = {
+                "xaxis": {"title": {"text": "time / s"}, "anchor": "y2"},
+                "yaxis": {"title": {"text": f"{name} / {written}"}, "domain": [0.42, 1.0]},
+                "yaxis2": {"title": {"text": f"difference / {written}"}, "domain": [0.0, 0.33], "zeroline": True},
+                "hovermode": "closest",
+                "shapes": shades,
+                "showlegend": True,
+            }
+            traces = [
+                _line(names[1], t, second[chosen] * factor, "ink", unit),
+                _line(names[0], t, first[chosen] * factor, FIRST, unit),
+                _line(f"{names[1]} minus {names[0]}", t, (second - first)[chosen] * factor, _APART, unit)
+                | {"yaxis": "y2"},
+            ]
+            caption = f"Below: {names[1]} minus {names[0]}, in {unit}."
+            caption += " The shaded stretches hold the mismatch." * bool(shades)
+            figures.append(Figure(f"compare-{channel}", traces, layout, caption, GROUP, 520))
+        return {"figures": figures, "buttons": [], "group": GROUP}
+
+    def _shades(self) -> list[dict[str, Any]]:
+        local = [one for one in self.where if one["regime"] not in ("throughout", "channel")]
+        spans = local[0]["time_s"][:_MOST_SHADES] if local else []
+        looks = {"type": "rect", "y0": 0, "y1": 1, "yref": "paper", "fillcolor": _SHADE, "layer": "below"}
+        return [looks | {"x0": a, "x1": b, "line": {"width": 0}} for a, b in spans]
+
+
+@dataclass(frozen=True)
+class Phase(Section):
+    """Speed over position of both."""
+
+    template: ClassVar[str] = "figures.html.j2"
+    shown: Shown
+
+    @property
+    def title(self) -> str:
+        """The heading."""
+        return "Phase portrait"
+
+    def context(self) -> Mapping[str, Any]:
+        """What the template shows."""
+        table = ANGLES if self.shown.angular else CHANNELS
+        (place, unit, factor), (speed, per, speed_factor) = table["x"], table["v"]
+        chosen = keep(self.shown.t, [y for pair in self.shown.motion for y in pair], np.empty(0), POINTS // 10)
+        traces = [
+            _line(name, x[chosen] * factor, v[chosen] * speed_factor, color, per, unit)
+            for name, (x, v), color in zip(self.shown.names, self.shown.motion, (FIRST, "ink"), strict=True)
+        ]
+        layout = {
+            "xaxis": {"title": {"text": f"{place} / {unit}"}},
+            "yaxis": {"title": {"text": f"{speed} / ({per})"}},
+            "showlegend": True,
+        }
+        measured = [c for c in ("x", "v") if c in self.shown.channels]
+        caption = "" if len(measured) == len("xv") else "What was not measured is smoothed or summed from what was."
+        return {"figures": [Figure("compare-phase", traces, layout, caption, "", 480)]}
+
+
+@dataclass(frozen=True)
+class EventTable(Section):
+    """Release, reversals and stop of both, one beside the other."""
+
+    template: ClassVar[str] = "table.html.j2"
+    result: Mapping[str, Any]
+
+    @property
+    def title(self) -> str:
+        """The heading."""
+        return "Events"
+
+    def context(self) -> Mapping[str, Any]:
+        """What the template shows."""
+        names, readings = list(self.result["traces"]), list(self.result["traces"].values())
+        events = [one["events"] for one in readings]
+        if not any(events):
+            return {"tables": []}
+        unit = readings[0]["rest"]["unit"]
+        rows = [
+            Row(str(i + 1), [cell for one in events for cell in _event_cells(one[i] if i < len(one) else None, unit)])
+            for i in range(min(max(map(len, events)), _MOST_EVENTS))
+        ]
+        shown_unit = quantity({"value": 0.0, "stderr": None, "unit": unit})[2]
+        columns = [column for name in names for column in (Column(name, "s"), Column("at", shown_unit))]
+        more = max(map(len, events)) - _MOST_EVENTS
+        caption = "Times by the clock of the second trace."
+        return {"tables": [Table("event", columns, rows, caption, "", [f"{more} more"] if more > 0 else [])]}
+
+
+def _event_cells(event: Mapping[str, Any] | None, unit: str) -> list[Cell]:
+    if event is None:
+        return [Cell(NONE), Cell(NONE)]
+    at = NONE if event["value"] is None else shown_value(event["value"], unit).split(" ")[0]
+    return [Cell(number(event["time_s"]), [event["kind"]]), Cell(at)]
 
 
 @dataclass(frozen=True)
@@ -106,83 +294,13 @@ class Places(Section):
         return {"tables": tables}
 
 
-@dataclass(frozen=True)
-class Overlay(Section):
-    """Both traces, and their difference in units of the noise, with the places shaded."""
-
-    template: ClassVar[str] = "motion.html.j2"
-    t: FloatArray
-    shown: Mapping[str, tuple[FloatArray, FloatArray]]
-    noise: Mapping[str, float]
-    angular: bool
-    where: Sequence[Mapping[str, Any]]
-
-    @property
-    def title(self) -> str:
-        """The heading."""
-        return "The two traces"
-
-    def context(self) -> Mapping[str, Any]:
-        """What the template shows."""
-        figures = []
-        shades = self._shades()
-        budget = POINTS // (4 * len(self.shown))
-        for channel, (sim, real) in self.shown.items():
-            name, unit, factor = (ANGLES if self.angular else CHANNELS)[channel]
-            chosen = keep(self.t, (real, real - sim), np.empty(0), budget)
-            t = self.t[chosen]
-            layout = {"xaxis": {"title": {"text": "time / s"}}, "hovermode": "closest", "shapes": shades}
-            figures.append(
-                Figure(
-                    f"compare-{channel}",
-                    [
-                        _line("real", t, real[chosen] * factor, "ink", unit),
-                        _line("sim", t, sim[chosen] * factor, _SIM, unit),
-                    ],
-                    layout | {"yaxis": {"title": {"text": f"{name} / {unit}"}}, "showlegend": True},
-                    "",
-                    GROUP,
-                )
-            )
-            left = (real - sim)[chosen] / self.noise[channel]
-            figures.append(
-                Figure(
-                    f"difference-{channel}",
-                    [_line("real minus sim", t, left, _SIM, "times the noise")],
-                    layout | {"yaxis": {"title": {"text": f"{name}: difference / noise"}}},
-                    "Real minus sim in units of the noise of both; the shaded stretches hold the mismatch.",
-                    GROUP,
-                    240,
-                )
-            )
-        return {"figures": figures, "buttons": [], "group": GROUP}
-
-    def _shades(self) -> list[dict[str, Any]]:
-        spans = self.where[0]["time_s"][:_MOST_SHADES] if self.where else []
-        line = {"width": 0}
-        return [
-            {
-                "type": "rect",
-                "x0": a,
-                "x1": b,
-                "y0": 0,
-                "y1": 1,
-                "yref": "paper",
-                "fillcolor": _SHADE,
-                "line": line,
-                "layer": "below",
-            }
-            for a, b in spans
-        ]
-
-
-def _line(name: str, t: FloatArray, y: FloatArray, color: str, unit: str) -> dict[str, Any]:
+def _line(name: str, x: FloatArray, y: FloatArray, color: str, unit: str, x_unit: str = "s") -> dict[str, Any]:
     return {
         "type": "scatter",
         "mode": "lines",
         "name": name,
-        "x": t,
+        "x": x,
         "y": y,
         "line": {"color": color, "width": 1.4},
-        "hovertemplate": f"%{{y:.6g}} {unit}<br>%{{x:.6f}} s",
+        "hovertemplate": f"%{{y:.6g}} {unit}<br>%{{x:.6f}} {x_unit}",
     }

@@ -6,9 +6,10 @@ from typing import Any
 
 from harness.core.recording import Recording
 from harness.core.trajectory import Trajectory
-from harness.show.report.diagnosis_figures import Before, Evidence, Mismatch, PhasePlane, Shares
-from harness.show.report.diagnosis_tables import Engines, Heldout, Mechanisms, Models
-from harness.show.report.numbers import number
+from harness.show.numbers import number
+from harness.show.report.diagnosis_bars import Evidence, Left, Shares
+from harness.show.report.diagnosis_figures import Before, Mismatch, PhasePlane
+from harness.show.report.diagnosis_tables import Engines, Heldout, Mechanisms, Models, Rules
 from harness.show.report.section import Section
 from harness.show.report.sources import MadeWith
 from harness.show.report.verdict import Verdict
@@ -20,25 +21,29 @@ def diagnosis_sections(
     """Sections of a diagnosis.
 
     simulated : base model and refined model at the recording's times, extra "shown x" and the like what their sensors
-    show. result : DiagnosisResult.model_dump(by_alias=True) (harness.diagnosis/1).
+    show. result : DiagnosisResult.model_dump(by_alias=True) (harness.diagnosis/2).
     """
-    curves = Before(recording, simulated, result)
+    answer = result["statement"].replace("+-", "\u00b1")
     sections: list[Section] = [
-        Verdict(result["statement"].replace("+-", "\u00b1"), said(result), heading="Verdict"),
-        curves,
-        Mismatch(recording, simulated, result),
-        PhasePlane(recording, simulated, result),
-        Models(result),
+        Verdict(answer, gained(result), heading="Verdict"),
+        Before(recording, simulated, result),
     ]
     if result["mechanisms"]:
         sections.append(Mechanisms(result))
+    if result["remainder"] is not None:
+        sections.append(Left(result))
+    sections.append(Models(result))
     if result["evidence"]:
         sections.append(Evidence(result))
-    sections.append(Heldout(result))
+    sections += [Mismatch(recording, simulated, result), PhasePlane(recording, simulated, result), Heldout(result)]
+    if more := said(result):
+        sections.append(Verdict("", more, heading="What to know besides"))
     if result["attribution"] is not None:
         sections.append(Shares(result["attribution"]))
     if result["engines"]:
         sections.append(Engines(result))
+    if result["rules"]:
+        sections.append(Rules(result))
     sections.append(MadeWith(result["machine"], result["files"], result["command"]))
     return sections
 
@@ -52,16 +57,26 @@ def diagnosis_title(result: Mapping[str, Any]) -> tuple[str, str]:
     return f"What a simulation leaves out of {name}", line
 
 
-def said(result: Mapping[str, Any]) -> list[str]:
-    """Sentences below the verdict: by how much, what else it could be, what would decide, warnings."""
-    sentences = []
-    before, after = (result[side]["chi2_per_point"] for side in ("baseline", "refined"))
-    if result["mechanisms"]:
-        sentences.append(
-            f"Chi-square per point falls from {number(before, 4)} to {number(after, 4)} (1 when only noise is left)."
+def gained(result: Mapping[str, Any]) -> list[str]:
+    """What the better model gains, in the figures that everyone knows."""
+    before, after = (number(result[side]["chi2_per_point"], 4) for side in ("baseline", "refined"))
+    percent = result["fit_percent"]
+    helped = bool(result["mechanisms"])
+    change = f"falls from {before} to {after}" if helped else f"is {before}"
+    sentences = [f"Chi-square per point {change} (1 when only noise is left)."]
+    for c, fit in (percent["baseline"] if percent else {}).items():
+        change = (
+            f"rises from {number(fit, 4)} to {number(percent['refined'][c], 4)} %"
+            if helped
+            else f"is {number(fit, 4)} %"
         )
-    else:
-        sentences.append(f"Chi-square per point is {number(before, 4)} (1 when only noise is left).")
+        sentences.append(f"Fit of {c} (NRMSE) {change}.")
+    return sentences
+
+
+def said(result: Mapping[str, Any]) -> list[str]:
+    """What else it could be, where, what would decide, warnings."""
+    sentences = []
     for mechanism in result["mechanisms"]:
         others = [f"{a['name']} (worse by {number(a['delta_bic'], 2)} in BIC)" for a in mechanism["alternatives"]]
         if others:

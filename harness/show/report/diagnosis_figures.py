@@ -1,6 +1,5 @@
-"""Figures of a diagnosis: recording against both simulations, residuals over time and phase plane, evidence, shares."""
+"""Figures of a diagnosis: recording against both simulations, residuals over time and phase plane."""
 
-import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, ClassVar
@@ -11,7 +10,7 @@ from harness.core.arrays import FloatArray, IntArray
 from harness.core.recording import Recording
 from harness.core.trajectory import Trajectory
 from harness.show.decimate import keep, reversal_times
-from harness.show.diagnosis_scene import AFTER, BEFORE, shaded_spans, shown
+from harness.show.diagnosis_scene import AFTER, BEFORE, model_names, shaded_spans, shown
 from harness.show.report.curves import upright_lines
 from harness.show.report.figure import Figure
 from harness.show.report.identify import ANGLES, CHANNELS
@@ -23,10 +22,7 @@ POINTS = 9_000
 DOTS = 5_000
 _MOST_SHADES = 80
 _SHADE = "rgba(228, 99, 45, 0.11)"
-_NAMES = ("viscous and Coulomb", "refined")
 _COLORS = (BEFORE, AFTER)
-_ROOM = 0.12
-"""Of the width of a bar chart, for the number beside a short bar."""
 
 
 def _curve(name: str, t: FloatArray, y: FloatArray, color: str, unit: str, width: float = 1.5) -> dict[str, Any]:
@@ -78,8 +74,7 @@ class _Curves(Section):
     @property
     def models(self) -> list[tuple[str, str, Trajectory]]:
         """Name, colour and motion of each model; one when nothing was left out."""
-        every = list(zip(_NAMES, _COLORS, self.simulated, strict=True))
-        return every if self.result["mechanisms"] else every[:1]
+        return list(zip(model_names(self.result), _COLORS, self.simulated, strict=False))
 
     def words(self, name: str) -> tuple[str, str, float]:
         """Label, unit and factor of a channel."""
@@ -145,7 +140,7 @@ class Before(_Curves):
     def _caption(self) -> str:
         if not shaded_spans(self.result):
             return "Fits that look alike here differ below: what counts is the residual against the noise."
-        return "Shaded: where simulation and recording part. Dotted: reversals of the refined model."
+        return "Shaded: where simulation and recording part. Dotted: reversals of the better model."
 
 
 @dataclass(frozen=True)
@@ -179,7 +174,7 @@ class Mismatch(_Curves):
                 level = f"{2.0 * sigma * factor:.3g} {unit}"
                 caption = f"Recording minus simulation; dashed: two standard deviations of the noise ({level})."
             figures.append(
-                Figure(f"residual-{name}", traces, _axes(f"{label} left over", unit, shapes), caption, GROUP, 260)
+                Figure(f"residual-{name}", traces, _axes(f"residual of {label}", unit, shapes), caption, GROUP, 260)
             )
         return {"figures": figures}
 
@@ -245,104 +240,5 @@ class PhasePlane(_Curves):
             layout[f"yaxis{own}"] = {"title": {"text": f"{speed} / ({per_second})"}, "anchor": f"x{own}"}
             place = {"xref": "paper", "yref": "paper", "x": low, "y": 1.0, "xanchor": "left", "yanchor": "bottom"}
             layout["annotations"].append({"text": said, "showarrow": False, **place})
-        caption = f"{label[0].upper()}{label[1:]} left over along the motion, in one scale of colours."
+        caption = f"Residual of {label} along the motion, in one scale of colours."
         return {"figures": [Figure("plane", traces, layout, caption, "", 430)]}
-
-
-@dataclass(frozen=True)
-class Evidence(Section):
-    """result : as in harness.diagnosis/1."""
-
-    template: ClassVar[str] = "figures.html.j2"
-    result: Mapping[str, Any]
-
-    @property
-    def title(self) -> str:
-        """The heading."""
-        return "Evidence over the catalogue"
-
-    def context(self) -> Mapping[str, Any]:
-        """What the template shows."""
-        chosen = {mechanism["name"] for mechanism in self.result["mechanisms"]}
-        ordered = sorted(self.result["evidence"], key=lambda one: float(one["delta_bic"]))
-        better = [one for one in ordered if one["delta_bic"] > 1.0]
-        others = [one["name"] for one in reversed(ordered) if one["delta_bic"] <= 1.0]
-        none = f" No better than the base model alone: {', '.join(others)}." if others else ""
-        if not better:
-            return {
-                "figures": [
-                    Figure("evidence", [], {}, f"No catalogue name does better than the base model.{none}", "", 40)
-                ]
-            }
-        trace = {
-            "type": "bar",
-            "orientation": "h",
-            "x": [float(one["delta_bic"]) for one in better],
-            "y": [one["name"] for one in better],
-            "marker": {"color": [AFTER if one["name"] in chosen else "#b9c0c9" for one in better]},
-            "text": [f"{one['delta_bic']:.0f}" for one in better],
-            "textposition": "auto",
-            "hovertemplate": "%{y}: %{x:.5g}<extra></extra>",
-        }
-        layout = {
-            "xaxis": {
-                "title": {"text": "better than the base model by, in BIC"},
-                "type": "log",
-                "range": [0.0, math.log10(1.3 * float(better[-1]["delta_bic"]))],
-                "dtick": 1,
-            },
-            "yaxis": {"ticks": ""},
-            "showlegend": False,
-            "bargap": 0.35,
-        }
-        caption = (
-            "Each catalogue name tried alone against viscous and Coulomb friction; 10 is decisive. Blue: in the "
-            f"refined model. With two effects, a name that explains neither alone can still do well here.{none}"
-        )
-        return {"figures": [Figure("evidence", [trace], layout, caption, "", 110 + 24 * len(better))]}
-
-
-@dataclass(frozen=True)
-class Shares(Section):
-    """attribution : as in harness.diagnosis/1."""
-
-    template: ClassVar[str] = "figures.html.j2"
-    attribution: Mapping[str, Any]
-
-    @property
-    def title(self) -> str:
-        """The heading."""
-        return "Whose mismatch it is"
-
-    def context(self) -> Mapping[str, Any]:
-        """What the template shows."""
-        names = ("engine", "parameters", "missing_physics", "unexplained", "noise")
-        labels = ("the engine's own error", "wrong parameters", "missing physics", "unexplained", "noise")
-        percent = [100.0 * float(self.attribution[name]) for name in names]
-        trace = {
-            "type": "bar",
-            "orientation": "h",
-            "x": percent[::-1],
-            "y": list(labels)[::-1],
-            "marker": {"color": ["#b9c0c9", "#a45bc2", AFTER, "#b58900", BEFORE]},
-            "text": [f"{value:.3g} %" for value in percent[::-1]],
-            "textposition": "auto",
-            "hovertemplate": "%{y}: %{x:.4g} %<extra></extra>",
-        }
-        low, high = min(0.0, *percent), max(percent)
-        beside = _ROOM * (high - low)
-        layout = {
-            "xaxis": {
-                "title": {"text": "share of the mean square mismatch / %"},
-                "zeroline": True,
-                "range": [low - (beside if low < 0.0 else 0.0), high + beside],
-            },
-            "yaxis": {"ticks": ""},
-            "showlegend": False,
-            "bargap": 0.35,
-        }
-        caption = (
-            f"Compared with the recording: {self.attribution['configuration']}. Steps: engine to exact motion at the "
-            "same parameters, to the baseline fit, to the refined model, to noise. Below 0: that step made it worse."
-        )
-        return {"figures": [Figure("attribution", [trace], layout, caption, "", 260)]}

@@ -6,12 +6,14 @@ from dataclasses import dataclass
 from pathlib import PurePath
 from typing import Any, ClassVar
 
-from harness.show.report.numbers import number
+from harness.show.numbers import number
 from harness.show.report.section import Section
 from harness.show.report.verdict import Verdict
 
 _VERDICTS = {
     "missing_physics": "physics left out",
+    "main_effect": "main effect",
+    "one_of": "one of several",
     "adequate": "adequate",
     "unexplained": "unexplained",
     "error": "could not be diagnosed",
@@ -26,7 +28,7 @@ def index_title(answers: Sequence[Mapping[str, Any]]) -> tuple[str, str]:
 
 
 def index_sections(answers: Sequence[Mapping[str, Any]], command: str) -> list[Section]:
-    """Sections of the page. answers : entries of harness.diagnosis/1, each with "link", its page or ""."""
+    """Sections of the page. answers : entries of harness.diagnosis/2, each with "link", its page or ""."""
     counts = Counter(m["name"] for answer in answers for m in answer["mechanisms"])
     named = ", ".join(f"{name} ({count})" for name, count in counts.most_common())
     headline = f"Left out: {named}." if named else "No physics was found to be left out."

@@ -4,12 +4,19 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
-from harness.show.report.numbers import NONE, number, quantity
+from harness.show.diagnosis_scene import model_names
+from harness.show.numbers import NONE, number, quantity
 from harness.show.report.section import Section
 from harness.show.report.sources import setting
 from harness.show.report.table import Cell, Column, Row, Table
 
-_SIDES = {"baseline": "viscous and Coulomb", "refined": "refined"}
+_GRADES = {
+    "explains": "explains it",
+    "main": "main effect",
+    "one-of": "one of these",
+    "minor": "minor part",
+    "tabulated": "tabulated",
+}
 
 
 def _units(result: Mapping[str, Any]) -> dict[str, str]:
@@ -36,7 +43,7 @@ def _footnotes(reasons: list[str]) -> list[str]:
 
 @dataclass(frozen=True)
 class Models(Section):
-    """Parameters of both models. result : as in harness.diagnosis/1."""
+    """Parameters of both models. result : as in harness.diagnosis/2."""
 
     template: ClassVar[str] = "table.html.j2"
     result: Mapping[str, Any]
@@ -54,20 +61,28 @@ class Models(Section):
         channels = list(self.result["baseline"]["rmse"])
         columns = [Column(n, quantity(self.result["baseline"]["parameters"][n])[2]) for n in names]
         columns += [Column("chi-square per point", "", "1 when only noise is left")]
+        percent = self.result["fit_percent"] or {}
+        fitted = [c for c in channels if percent]
+        columns += [Column(f"fit of {c}", "%", "100 (1 - |y - y_model| / |y - mean y|), NRMSE") for c in fitted]
         columns += [Column(f"rmse of {c}", units.get(c, "")) for c in channels]
         rows = []
-        for side, label in _SIDES.items():
+        for side, label in zip(("baseline", "refined"), model_names(self.result), strict=False):
             fit = self.result[side]
-            if side == "refined" and not self.result["mechanisms"]:
-                continue
             cells = [_cell(fit["parameters"].get(n), reasons) for n in names]
-            cells += [Cell(number(fit["chi2_per_point"], 4)), *(Cell(number(fit["rmse"].get(c), 4)) for c in channels)]
+            cells += [Cell(number(fit["chi2_per_point"], 4)), *(Cell(number(percent[side].get(c), 4)) for c in fitted)]
+            cells += [Cell(number(fit["rmse"].get(c), 4)) for c in channels]
             rows.append(Row(label, cells))
         noise = self.result["recording"]["noise"]
         said = [
             Cell(number(s, 4) if isinstance(s, float) else str(s or NONE)) for s in (noise.get(c) for c in channels)
         ]
-        rows.append(Row("noise", [*[Cell("") for _ in names], Cell("1"), *said], "estimated from the data"))
+        rows.append(
+            Row(
+                "noise",
+                [*[Cell("")] * len(names), Cell("1"), *[Cell("")] * len(fitted), *said],
+                "estimated from the data",
+            )
+        )
         return {
             "tables": [Table("model", columns, rows, "Below each value: one standard error.", "", _footnotes(reasons))]
         }
@@ -75,7 +90,7 @@ class Models(Section):
 
 @dataclass(frozen=True)
 class Mechanisms(Section):
-    """What was left out, with its parameters. result : as in harness.diagnosis/1."""
+    """What was left out, with its parameters. result : as in harness.diagnosis/2."""
 
     template: ClassVar[str] = "table.html.j2"
     result: Mapping[str, Any]
@@ -87,7 +102,7 @@ class Mechanisms(Section):
 
     def context(self) -> Mapping[str, Any]:
         """What the template shows."""
-        tables = []
+        tables = [self._grades()]
         for mechanism in self.result["mechanisms"]:
             reasons: list[str] = []
             parameters = mechanism["parameters"]
@@ -110,10 +125,42 @@ class Mechanisms(Section):
             )
         return {"tables": tables}
 
+    def _grades(self) -> Table:
+        """How much of what is missing each is, how it predicts, and what else it could be."""
+        columns = [
+            Column("grade"),
+            Column("share of the misfit", "%", "of the mean square beyond noise that it takes off alone"),
+            Column("held-out error", "after / before", "blocks of cycles that took no part in the fit"),
+            Column("free-run error", "after / before", "the last 40 %, from a fit of the first 60 %"),
+            Column("not ruled out", "worse by, BIC"),
+        ]
+        rows = []
+        for one in self.result["mechanisms"]:
+            others = [f"{a['name']} ({number(a['delta_bic'], 2)})" for a in one["alternatives"]]
+            share = None if one["share"] is None else 100.0 * one["share"]
+            cells = [
+                Cell(_GRADES[one["grade"]]),
+                Cell(number(share, 3)),
+                _ratios(one["holdout"]),
+                _ratios(one["forward"]),
+                Cell(others[0] if others else NONE, others[1:]),
+            ]
+            rows.append(Row(one["name"], cells, one["family"]))
+        return Table("mechanism", columns, rows)
+
+
+def _ratios(found: Mapping[str, Any] | None) -> Cell:
+    """Error after over before: the largest of the channels, all of them below it."""
+    if found is None:
+        return Cell(NONE)
+    pairs = [(c, found["refined_rmse"][c] / b) for c, b in found["baseline_rmse"].items() if b > 0.0]
+    notes = [f"{c} {number(r, 2)}" for c, r in pairs] if len(pairs) > 1 else []
+    return Cell(number(max((r for _, r in pairs), default=None), 2), notes)
+
 
 @dataclass(frozen=True)
 class Heldout(Section):
-    """Prediction of samples left out of the fits. result : as in harness.diagnosis/1."""
+    """Prediction of samples left out of the fits. result : as in harness.diagnosis/2."""
 
     template: ClassVar[str] = "table.html.j2"
     result: Mapping[str, Any]
@@ -146,16 +193,38 @@ class Heldout(Section):
         columns = [Column("rmse before"), Column("rmse after"), Column("after over before"), Column("noise")]
         spans = ", ".join(f"{low:.4g} to {high:.4g} s" for low, high in held["spans_s"][:8])
         more = f" and {len(held['spans_s']) - 8} more" if len(held["spans_s"]) > 8 else ""
+        graded = any(one["holdout"] is not None for one in self.result["mechanisms"])
+        what = "Each of these blocks of cycles" if graded else "Every second full period"
         caption = (
-            f"Every second full period took no part in these fits ({spans}{more}); the trajectory runs through. "
-            "Which terms the model has was chosen on the whole recording."
+            f"{what} took no part in {'the fit that predicts it' if graded else 'these fits'} ({spans}{more}); the "
+            "trajectory runs through. Which terms the model has was chosen on the whole recording."
         )
         return {"tables": [Table("channel", columns, rows, caption)]}
 
 
 @dataclass(frozen=True)
+class Rules(Section):
+    """Numbers that moved the verdict, folded. result : as in harness.diagnosis/2."""
+
+    template: ClassVar[str] = "rules.html.j2"
+    result: Mapping[str, Any]
+
+    @property
+    def title(self) -> str:
+        """The heading."""
+        return "Rules that decided"
+
+    def context(self) -> Mapping[str, Any]:
+        """What the template shows."""
+        rules = self.result["rules"]
+        columns = [Column("value"), Column("unit"), Column("origin")]
+        rows = [Row(r["name"], [Cell(number(r["value"], 4)), Cell(r["unit"]), Cell("", [r["origin"]])]) for r in rules]
+        return {"count": f"{len(rows)} rules with their values and origins", "table": Table("rule", columns, rows)}
+
+
+@dataclass(frozen=True)
 class Engines(Section):
-    """Both models in the engines. result : as in harness.diagnosis/1."""
+    """Both models in the engines. result : as in harness.diagnosis/2."""
 
     template: ClassVar[str] = "engines.html.j2"
     result: Mapping[str, Any]

@@ -5,7 +5,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
-from harness.show.report.numbers import MINUS, quantity
+from harness.show.numbers import MINUS, quantity
 from harness.show.report.section import Section
 from harness.show.report.table import Cell, Column, Row, Table, grade
 

@@ -10,11 +10,11 @@ import numpy as np
 from harness.core.arrays import FloatArray
 from harness.core.recording import Recording
 from harness.show.decimate import keep
+from harness.show.numbers import quantity, sentence_quantity
 from harness.show.report.curves import POINTS, upright_lines
 from harness.show.report.estimates import METHODS, QUANTITIES, cell, footnotes
 from harness.show.report.figure import Figure
 from harness.show.report.motion import GROUP, zoom_buttons
-from harness.show.report.numbers import quantity, sentence_quantity
 from harness.show.report.section import Section
 from harness.show.report.sources import MadeWith
 from harness.show.report.table import Column, Row, Table

@@ -14,6 +14,10 @@ from harness.show.report.section import Section
 
 GROUP = "time"
 MOST_BUTTONS = 12
+_JUMPS = (
+    "At a reversal dry friction changes sign and the acceleration jumps by 2 f_k/m: the diamonds "
+    "are its two sides in the exact solution. Zoom to one to see how each engine spreads it over time."
+)
 AROUND = 0.12
 """Half the width of a zoom to a jump, as a share of the time between reversals."""
 
@@ -74,8 +78,7 @@ class Motion(Section):
                 "acceleration",
                 acceleration,
                 layout | {"yaxis": {"title": {"text": "acceleration / (m/s²)"}}},
-                "At a reversal dry friction changes sign and the acceleration jumps by 2 f_k/m: the diamonds "
-                "are its two sides in the exact solution. Zoom to one to see how each engine spreads it over time.",
+                _JUMPS if len(turning(reference.events)) else "",
                 GROUP,
                 400,
             )
@@ -85,10 +88,11 @@ class Motion(Section):
 
 @dataclass(frozen=True)
 class Phase(Section):
-    """trajectories : the first is the reference."""
+    """trajectories : the first is the reference. decays : whether friction pulls the motion to rest."""
 
     template: ClassVar[str] = "figures.html.j2"
     trajectories: Sequence[Trajectory]
+    decays: bool = True
 
     @property
     def title(self) -> str:
@@ -102,7 +106,6 @@ class Phase(Section):
             for curve in drawn(self.trajectories)
         ]
         layout = {"xaxis": {"title": {"text": "position / mm"}}, "yaxis": {"title": {"text": "speed / (m/s)"}}}
-        caption = (
-            "Speed over position: the spiral winds about +x_k while it slips one way and about \u2212x_k the other."
-        )
+        caption = "Speed over position"
+        caption += ": the spiral winds about +x_k while it slips one way and about \u2212x_k the other." * self.decays
         return {"figures": [Figure("phase", traces, layout, caption, "", 480)]}

@@ -10,7 +10,7 @@ from typing import Any
 from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup, escape
 
-from harness.show.files import replacing
+from harness.core.writing import replacing
 from harness.show.report.figure import Figure, Pool, script_json
 from harness.show.report.section import Section
 

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, ClassVar
 
-from harness.show.report.numbers import number
+from harness.show.numbers import number
 from harness.show.report.page import write_report
 from harness.show.report.proof_figures import BAD, GOOD, ByName, Confusion, DetectionCurve, interval_figure
 from harness.show.report.section import Section
@@ -55,12 +55,9 @@ class Figures(Section):
         worst = self.forced["worst"]
         met = None if worst is None else worst <= 1.05
         asked = "at most 1.05"
-        rows.append(
-            Row(
-                "held-out rmse of controls, a term forced in, largest",
-                [Cell(number(worst, 4), grade=_grade(met)), Cell(""), Cell(str(self.forced["cases"])), Cell(asked)],
-            )
-        )
+        cells = [Cell(number(worst, 4), grade=_grade(met)), Cell(""), Cell(str(self.forced["cases"])), Cell(asked)]
+        # recordings of machines alone have no such controls
+        rows += [Row("held-out rmse of controls, a term forced in, largest", cells)] if self.by_source else []
         table = Table("figure", columns, rows, "Green: reached. Red: falls short. No colour: nothing is asked.")
         shares = [
             {**figure, "note": f"{figure['hits']} of {figure['cases']}", "color": _color(figure["met"])}
@@ -127,6 +124,9 @@ GROUPS = {
     "control": "Nothing hidden",
     "pair": "Two effects hidden",
     "outside": "An effect that no catalogue holds",
+    "main": "A machine with one large omission",
+    "machine-control": "A machine with small omissions alone",
+    "unknown": "A machine with a large omission that no catalogue holds",
 }
 
 
@@ -267,8 +267,13 @@ class SealedBy(Section):
 
 def _headline(result: Data) -> str:
     figures = {figure["key"]: figure for figure in result["figures"]}
-    named, alarms = figures["named"], figures["false_alarms"]
     parts = []
+    for key, what in (("listed", "named or listed"), ("wrong", "called another")):
+        one = figures.get(f"machines_{key}")
+        if one and one["cases"]:
+            parts.append(f"{one['hits']} of {one['cases']} main effects of machines were {what}")
+    nobody = {"cases": 0}
+    named, alarms = figures.get("named", nobody), figures.get("false_alarms", nobody)
     if named["cases"]:
         low = 100.0 * named["low"]
         parts.append(f"{named['hits']} of {named['cases']} hidden effects were named (at least {low:.1f} % of such)")
@@ -286,18 +291,24 @@ def proof_sections(result: Data) -> list[Section]:
     sizes = result["sizes"]
     drawn = f"{sizes['singles']} recordings hide one effect, {sizes['controls']} none, {sizes['pairs']} two, "
     sentences = [f"Falls short: {line}." for line in result["shortfalls"]]
-    sentences.append(f"{drawn}{sizes['outside']} one that no catalogue holds.")
+    if sizes["machines"]:
+        sentences.append(f"{sizes['machines']} recordings are of machines, half of them with small omissions alone.")
+    else:
+        sentences.append(f"{drawn}{sizes['outside']} one that no catalogue holds.")
     sentences += [f"Given up: {line}" for line in result["given_up"]]
     sections: list[Section] = [
         Verdict(_headline(result), sentences),
         Figures(result["figures"], result["forced"], result["by_source"]),
-        Confusion(result["confusion"], result["order"]),
-        ByName(result["by_name"], result["not_tested"]),
     ]
+    if result["confusion"]:
+        sections.append(Confusion(result["confusion"], result["order"]))
+        sections.append(ByName(result["by_name"], result["not_tested"]))
     if result["detection"] is not None:
         sections.append(DetectionCurve(result["detection"]))
     others = [baselines_table(result["baselines"])] if result["baselines"] else []
-    sections.append(Tables("Beside others", [*others, must_fail_table(result["must_fail"])]))
+    others += [must_fail_table(result["must_fail"])] if result["must_fail"] else []
+    if others:
+        sections.append(Tables("Beside others", others))
     sections += [
         missed_section(result["cases"]),
         SealedBy(result["transcript"]),

@@ -28,12 +28,13 @@ def run_sections(trajectories: Sequence[Trajectory], result: Mapping[str, Any], 
         if trace.get("error")
     ]
     palette = ["var(--ink)", *colors([trajectory.source for trajectory in trajectories])[1:]]
+    decays = result["scenario"].get("action") is None
     return [
         Verdict(headline(traces), [*failed, *result["conclusions"]], labels),
         Scorecard(traces, result["scenario"], palette),
-        Estimates(traces, result["scenario"], palette),
+        *([Estimates(traces, result["scenario"], palette)] if decays else []),
         Motion(trajectories),
-        Phase(trajectories),
+        Phase(trajectories, decays),
         Sources(traces, palette),
         MadeWith(result["machine"], result["files"], command),
     ]
@@ -47,12 +48,20 @@ def run_title(result: Mapping[str, Any]) -> tuple[str, str]:
     what = "Dry friction, engine by engine"
     if not isinstance(slider, Mapping):
         return what, f"{scenario.get('name', 'run')}: {engines}"
+    name = str(scenario.get("name", "run")).replace("-", " ")
+    what_acts = _ACTING.get((scenario.get("action") or {}).get("kind", ""), "").format(**(scenario.get("action") or {}))
     values = ", ".join(
         f"{symbol} = {slider[key]:g} {unit}"
         for symbol, key, unit in (("m", "m", "kg"), ("k", "k", "N/m"), ("c", "c", "N s/m"), ("f_k", "f_k", "N"))
         if isinstance(slider.get(key), (int, float))
     )
-    return (
-        what,
-        f"{str(scenario.get('name', 'run')).replace('-', ' ')} of a slider, {values}: {engines or 'reference only'}",
-    )
+    about = f"{name}: a slider {what_acts}" if what_acts else f"{name} of a slider"
+    return what, f"{about}, {values}: {engines or 'reference only'}"
+
+
+_ACTING = {
+    "Hold": "under a load of {force:.4g} N",
+    "Belt": "on a belt at {speed:.4g} m/s",
+    "Harmonic": "driven with {amplitude:.4g} N at {omega:.4g} rad/s",
+}
+"""What acts on the slider, by the kind of action."""

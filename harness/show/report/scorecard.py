@@ -5,15 +5,16 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
+from harness.show.headings import DECAY, heading
+from harness.show.numbers import number
 from harness.show.report.estimates import true_values
-from harness.show.report.numbers import number
 from harness.show.report.section import Section
 from harness.show.report.table import Cell, Column, Row, Table, grade
 
 
 @dataclass(frozen=True)
 class Scorecard(Section):
-    """traces : as in harness.run/1. palette : a CSS colour each."""
+    """traces : as in harness.run/1, the exact reference first. palette : a CSS colour each."""
 
     template: ClassVar[str] = "table.html.j2"
     traces: Sequence[Mapping[str, Any]]
@@ -27,66 +28,60 @@ class Scorecard(Section):
 
     def context(self) -> Mapping[str, Any]:
         """What the template shows."""
-        columns = [
-            Column("largest position error", "mm", "largest |x - exact x| over the run"),
-            Column("error at rest", "mm", "last position minus the exact rest position"),
-            Column("stops at", "s", "time from which the slider does not move any more"),
-            Column("creep", "mm/s", "mean speed while the exact slider rests"),
-            Column("half-cycles", "", "until it rests"),
-            Column("friction leads by", "ms", "by how much friction reverses before the speed does"),
-            Column("energy error", "", "largest error of the energy balance over the starting energy"),
-            Column("run time", "ms", "wall clock time of the simulation"),
-        ]
-        if any(trace["metrics"].get("lift_m") is not None for trace in self.traces):
-            columns.append(Column("lift", "mm", "largest height of the box above the floor"))
-        rows = [
-            self._row(trace, color, len(columns) > 8) for trace, color in zip(self.traces, self.palette, strict=True)
-        ]
+        shown = measured(self.traces, self.scenario)
+        headings = [heading(metric) for metric in shown]
+        columns = [Column(one.head, one.unit, one.hint) for one in headings]
+        columns.append(Column("run time", "ms", "wall clock time of the simulation"))
+        rows = [self._row(trace, color, shown) for trace, color in zip(self.traces, self.palette, strict=True)]
         caption = (
             "Colours run from green (as good as exact) to red (off by more than 5 % of the start, the friction "
             "displacement x_k or the period, whichever the figure belongs to). A dash: there is no such figure."
         )
         return {"tables": [Table("source", columns, rows, caption)]}
 
-    def _row(self, trace: Mapping[str, Any], color: str, with_lift: bool) -> Row:
-        metrics, exact = trace["metrics"], self.traces[0]["metrics"]
-        size = abs(float((self.scenario.get("release") or {}).get("x0") or 0.0)) or None
-        period, x_k = self._period(), self._x_k()
-        stick = metrics["stick_time_s"]
-        late = None if stick is None or exact["stick_time_s"] is None else stick - exact["stick_time_s"]
-        never = stick is None and exact["stick_time_s"] is not None
-        halves = metrics["half_cycles"]
-        cells = [
-            self._cell(metrics["max_error_m"], 1e3, size),
-            self._cell(metrics["rest_error_m"], 1e3, x_k),
-            Cell("never" if never else number(stick, 5), grade=4 if never else _graded(late, period)),
-            self._cell(metrics["creep_m_s"], 1e3, x_k / period if x_k and period else None),
-            Cell(
-                number(halves, 6) if halves is None else str(halves),
-                grade=None if halves is None or exact["half_cycles"] is None else 4 * (halves != exact["half_cycles"]),
-            ),
-            self._cell(metrics["reversal_lead_s"], 1e3, period),
-            self._cell(metrics["energy_error"], 1.0, 1.0, 2),
-            Cell(number(None if trace["wall_s"] is None else trace["wall_s"] * 1e3, 3)),
-        ]
-        if with_lift:
-            cells.append(self._cell(metrics.get("lift_m"), 1e3, size))
+    def _row(self, trace: Mapping[str, Any], color: str, shown: Sequence[str]) -> Row:
+        cells = [self._cell(trace, metric) for metric in shown]
+        cells.append(Cell(number(None if trace["wall_s"] is None else trace["wall_s"] * 1e3, 3)))
         step = "closed form" if trace["dt_s"] is None else f"step {trace['dt_s'] * 1e3:.4g} ms"
         return Row(
             f"{trace['source']} {trace['preset']}".strip(), cells, f"{trace['version']}, {step}".lstrip(", "), color
         )
 
-    @staticmethod
-    def _cell(value: float | None, factor: float, scale: float | None, digits: int = 4) -> Cell:
-        return Cell(number(None if value is None else value * factor, digits), grade=_graded(value, scale))
+    def _cell(self, trace: Mapping[str, Any], metric: str) -> Cell:
+        """A metric, graded by its distance from the exact motion's own."""
+        value, exact = trace["metrics"].get(metric), self.traces[0]["metrics"].get(metric)
+        if metric == "half_cycles":
+            same = None if value is None or exact is None else 4 * (value != exact)
+            return Cell(number(None) if value is None else str(value), grade=same)
+        if metric == "stick_time_s":
+            if value is None and exact is not None:
+                return Cell("never", grade=4)
+            return Cell(number(value, 5), grade=self._graded(metric, value, exact))
+        digits = 2 if metric == "energy_error" else 4
+        shown = number(None if value is None else value * heading(metric).factor, digits)
+        return Cell(shown, grade=self._graded(metric, value, 0.0 if metric in DECAY else exact))
 
-    def _x_k(self) -> float | None:
-        return true_values(self.scenario).get("x_k") or None
+    def _graded(self, metric: str, value: float | None, exact: float | None) -> int | None:
+        scale = scales(self.scenario).get(metric)
+        if scale is None and exact is not None:
+            scale = 1.0 if metric.endswith("fraction") else abs(exact)
+        return None if value is None or exact is None or not scale else grade((value - exact) / scale)
 
-    def _period(self) -> float | None:
-        omega_n = true_values(self.scenario).get("omega_n")
-        return 2.0 * math.pi / omega_n if omega_n else None
+
+def measured(traces: Sequence[Mapping[str, Any]], scenario: Mapping[str, Any]) -> list[str]:
+    """Metrics that a table of these traces shows, in order: a free decay's always, others where one trace has them."""
+    every = dict.fromkeys([*DECAY, *(metric for trace in traces for metric in trace["metrics"])])
+    always = DECAY if scenario.get("action") is None else ()
+    there = [metric for metric in every if any(trace["metrics"].get(metric) is not None for trace in traces)]
+    return [metric for metric in every if metric in always or metric in there]
 
 
-def _graded(value: float | None, scale: float | None) -> int | None:
-    return None if value is None or not scale else grade(value / scale)
+def scales(scenario: Mapping[str, Any]) -> Mapping[str, float]:
+    """What each metric is measured against, SI units; the scenario's own where it says them."""
+    truth = true_values(scenario)
+    found = {"max_error_m": abs(float((scenario.get("release") or {}).get("x0") or 0.0)), "energy_error": 1.0}
+    found |= {"lift_m": found["max_error_m"], "rest_error_m": truth.get("x_k", 0.0)}
+    if truth:
+        period = 2.0 * math.pi / truth["omega_n"]
+        found |= {"stick_time_s": period, "reversal_lead_s": period, "creep_m_s": truth["x_k"] / period}
+    return found | dict(scenario.get("scales") or {})

@@ -7,8 +7,8 @@ from typing import Any, ClassVar
 import numpy as np
 
 from harness.core.arrays import FloatArray
+from harness.show.numbers import number
 from harness.show.report.figure import Figure
-from harness.show.report.numbers import number
 from harness.show.report.section import Section
 from harness.show.report.sources import MadeWith
 from harness.show.report.table import Cell, Column, Row, Table, grade
@@ -328,7 +328,7 @@ def _line(name: str, t: FloatArray, x: FloatArray, line: Data) -> dict[str, Any]
 
 
 def sweep_sections(data: Data) -> list[Section]:
-    """Sections of the page; data : as harness.app.sweep_report makes it."""
+    """Sections of the page; data : as harness.app.sweep.report makes it."""
     sections: list[Section] = [
         Verdict(data["headline"], data["sentences"], data["about"], "Conclusions"),
         SweepScorecard(data["cards"], data["figures"]),

@@ -4,7 +4,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
-from harness.show.report.numbers import number
+from harness.show.numbers import number
 from harness.show.report.section import Section
 
 

@@ -1,0 +1,52 @@
+"""python -m harness.app.calibrate NAME --draws N --seed S --jobs J: the simulation that a rule comes from."""
+
+import argparse
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+
+from harness.app.calibrate import few_cycles, main_effect, pair_promise, pairs_apart, screen_share, second_term
+from harness.app.calibrate.calibration import Calibration, measured
+from harness.core.errors import HarnessError, InputError
+
+CALIBRATIONS: dict[str, Calibration] = {
+    "second-term": second_term.CALIBRATION,
+    "pairs-apart": pairs_apart.CALIBRATION,
+    "screen-share": screen_share.CALIBRATION,
+    "pair-promise": pair_promise.CALIBRATION,
+    "main-effect": main_effect.CALIBRATION,
+    "few-cycles": few_cycles.CALIBRATION,
+}
+
+
+def main(argv: Sequence[str] | None = None) -> int:
+    """Print a calibration; exit code."""
+    about = "; ".join(f"{name}: {one.about}" for name, one in CALIBRATIONS.items())
+    parser = argparse.ArgumentParser(prog="python -m harness.app.calibrate", description=about)
+    parser.add_argument("name", choices=CALIBRATIONS)
+    parser.add_argument("--draws", type=int, default=100)
+    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--jobs", type=int, default=1, help="processes side by side")
+    parser.add_argument("--plant", type=Path, help="main-effect: a folder that python -m harness.proof.machines left")
+    told = parser.parse_args(argv)
+    try:
+        print("\n".join(_lines(told)))
+    except HarnessError as error:
+        print(error, file=sys.stderr)
+        return error.exit_code
+    return 0
+
+
+def _lines(told: argparse.Namespace) -> Sequence[str]:
+    for option, value in (("--draws", told.draws), ("--jobs", told.jobs)):
+        if value < 1:
+            raise InputError(option, str(value), "a whole number of at least 1 is accepted")
+    if told.plant is not None and told.name != "main-effect":
+        raise InputError("--plant", f"given with {told.name}", "it is accepted with main-effect")
+    chosen = CALIBRATIONS[told.name] if told.plant is None else main_effect.of_plant(told.plant)
+    rows = measured(chosen.measure, told.seed, told.draws, told.jobs)
+    return [f"{told.name}: seed {told.seed}, {told.draws} draws, {len(rows)} measured", *chosen.said(rows)]
+
+
+if __name__ == "__main__":
+    sys.exit(main())

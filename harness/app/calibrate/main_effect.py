@@ -1,0 +1,275 @@
+"""Machines with one large omission among small ones: what is named, listed, wrong, claimed at which values of rules."""
+
+import json
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass, replace
+from functools import partial
+from io import BytesIO
+from itertools import product
+from pathlib import Path
+from typing import Any
+
+from harness.app.calibrate.calibration import Calibration, stands
+from harness.app.diagnose.options import DiagnoseOptions
+from harness.app.diagnose.problem import prepared
+from harness.app.shared.reading import read, spooled
+from harness.core.recording import Recording
+from harness.diagnosis.grading import grade as grading
+from harness.diagnosis.grading.grade import Graded, decided, grade
+from harness.diagnosis.grading.misfit import misfit
+from harness.diagnosis.grading.prediction import ratio
+from harness.diagnosis.outcome import Grade
+from harness.diagnosis.residual_tests.structure import Left, left_by
+from harness.diagnosis.rules import (
+    HELD_OUT,
+    LEAST_CYCLES,
+    LEAST_RATIO,
+    MARGIN,
+    MOST_WORDS,
+    RUN_BETTER,
+    SHARE_OF_EXCESS,
+    Rule,
+)
+from harness.diagnosis.search.extend import settle
+from harness.diagnosis.search.long_recordings import shortened
+from harness.diagnosis.search.search import noise_of, under
+from harness.model.model import Restoring
+from harness.proof.machines.catalogue import FAMILY
+from harness.proof.machines.kinds import FREE
+from harness.proof.machines.made import made
+from harness.proof.machines.plan import MAIN, UNNAMED, plan
+from harness.proof.statistics import Rate
+
+Setting = tuple[float, ...]
+TRIED: Mapping[str, tuple[Rule, tuple[float, ...]]] = {
+    "LEAST_RATIO": (LEAST_RATIO, (1.05, 1.1, 1.15, 1.25)),
+    "MARGIN": (MARGIN, (4.0, 6.0, 8.0)),
+    "SHARE_OF_EXCESS": (SHARE_OF_EXCESS, (0.5, 0.6, 0.7)),
+    "HELD_OUT": (HELD_OUT, (0.8, 0.9, 1.0)),
+    "LEAST_CYCLES": (LEAST_CYCLES, (6.0, 8.0)),
+    "RUN_BETTER": (RUN_BETTER, (0.5, 0.7, 0.85)),
+    "MOST_WORDS": (MOST_WORDS, (30.0, 60.0, 120.0)),
+}
+"""Rules by their constant, and the values tried: of the first five every combination, of the others one at a time."""
+_CROSSED = 5
+MOST_WRONG = 0.05
+"""Share of main effects called by a wrong name that is borne, and of controls that are claimed to have one."""
+
+
+@dataclass(frozen=True, slots=True)
+class Answer:
+    """Grade and names at some values of the rules."""
+
+    grade: Grade | None
+    names: tuple[str, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Row:
+    """A recording: its true answer, how many cycles, what was seen of each name, and the answer at each setting.
+
+    finalists : name, gain, share, held-out ratio, free-run ratio, clock.
+    """
+
+    truth: Mapping[str, Any]
+    cycles: float
+    finalists: tuple[tuple[str, float, float, float, float, bool], ...]
+    answers: Mapping[Setting, Answer]
+
+
+def settings() -> list[Setting]:
+    """Values of the rules of ``TRIED``, in their order; the values that the rules have come first."""
+    now = tuple(rule.value for rule, _ in TRIED.values())
+    crossed = [
+        (*some, *now[_CROSSED:])
+        for some in product(*(dict.fromkeys((rule.value, *values)) for rule, values in list(TRIED.values())[:_CROSSED]))
+    ]
+    single = [(*now[:i], v, *now[i + 1 :]) for i, (_, values) in enumerate(TRIED.values()) for v in values]
+    return list(dict.fromkeys((now, *crossed, *single)))
+
+
+@contextmanager
+def _instead(setting: Setting) -> Iterator[None]:
+    """Grading with other values of its rules, for a while."""
+    known = {name: rule for name, (rule, _) in TRIED.items() if hasattr(grading, name)}
+    try:
+        for (name, (rule, _)), value in zip(TRIED.items(), setting, strict=True):
+            if name in known:
+                setattr(grading, name, replace(rule, value=value))
+        yield
+    finally:
+        for name, rule in known.items():
+            setattr(grading, name, rule)
+
+
+def _in_words(found: Graded, most: float) -> Graded:
+    """Finalists as if a misfit had at most so many words: W ln(before/after) - q ln W - ln(cells) for another W."""
+    base, count = found.misfit.base, float(found.misfit.strokes.count)
+    now, then = found.misfit.words, min(count, most)
+
+    def gain(one: grading.Finalist) -> float:
+        more = len(one.fit.free) - len(base.free)
+        return one.gain + (then - now) * math.log(base.chi2 / one.fit.chi2) - more * math.log(then / now)
+
+    seen = (replace(f, gain=gain(f)) for f in found.finalists)
+    return replace(found, finalists=tuple(sorted(seen, key=lambda f: -f.gain)))
+
+
+def _row(recording: Recording, truth: Mapping[str, Any]) -> Row:
+    given = dict(zip(truth["options"][::2], truth["options"][1::2], strict=True))
+    options = DiagnoseOptions(
+        restoring=Restoring(given.get("--restoring", "spring")),
+        zero=given.get("--zero"),
+    )
+    problem, base, scales = shortened(prepared(recording, options).problem)
+    problem = replace(problem, noise=noise_of(base, problem, scales.omega))
+    base = settle(under(base, problem), problem, scales)
+    said = {key: value for key, value in truth.items() if key not in ("plant", "table")}
+    if left_by(base, problem, scales.omega, base) is not Left.STRUCTURE:
+        return Row(said, math.nan, (), dict.fromkeys(settings(), Answer(None, ())))
+    found = grade(misfit(problem, base, scales))
+    answers = {}
+    for setting in settings():
+        with _instead(setting):
+            answer = decided(_in_words(found, setting[-1]))
+        answers[setting] = Answer(answer.grade, tuple(f.name for f in answer.named))
+    seen = tuple(
+        (f.name, f.gain, f.share, ratio(f.held, found.base_held), ratio(f.run, found.base_run), f.clock)
+        for f in found.finalists
+    )
+    return Row(said, found.misfit.strokes.cycles, seen, answers)
+
+
+def measure(seed: int, index: int) -> Row:
+    """A new recording of a machine: of ten, six have a main effect, three small ones alone, one what no catalogue has.
+
+    Raises HarnessError for what cannot be diagnosed.
+    """
+    (job,) = plan(list(FREE.values()), *_GROUPS[index % len(_GROUPS)], 0, seed * 1_000_003 + index)
+    found = made(seed, replace(job, index=index))
+    with spooled(BytesIO(found.recording.encode())) as path:
+        return _row(read(path, DiagnoseOptions().reading), found.answer)
+
+
+_GROUPS = ((1, 0, 0), (0, 1, 0), (1, 0, 0), (1, 0, 0), (0, 1, 0), (1, 0, 0), (0, 0, 1), (1, 0, 0), (0, 1, 0), (1, 0, 0))
+"""Main effects, controls, effects of no catalogue: one at a time, in turn."""
+
+
+def of_plant(folder: Path) -> Calibration:
+    """The same for recordings that ``python -m harness.proof.machines`` left; the seed is not used."""
+    return Calibration(partial(_of_file, folder), said, ABOUT)
+
+
+def _of_file(folder: Path, seed: int, index: int) -> Row | None:
+    truths = json.loads((folder / "truth.json").read_text(encoding="utf-8"))
+    names = sorted(truths)
+    if index >= len(names):
+        return None
+    return _row(read(folder / names[index], DiagnoseOptions().reading), truths[names[index]])
+
+
+@dataclass(frozen=True, slots=True)
+class Counts:
+    """Recordings with a main effect: named, named or listed, called something else, called nothing; controls claimed.
+
+    misled : effects of no catalogue called one of another family.
+    """
+
+    named: Rate
+    listed: Rate
+    wrong: Rate
+    silent: Rate
+    claimed: Rate
+    misled: Rate
+
+    @classmethod
+    def of(cls, rows: Sequence[Row], setting: Setting) -> "Counts":
+        """At these values of the rules."""
+        mains = [(r.truth, r.answers[setting]) for r in rows if r.truth["group"] == MAIN]
+        controls = [(r.truth, _main(r.answers[setting])) for r in rows if not r.truth["dominant"]]
+        alien = [(r.truth, _main(r.answers[setting])) for r in rows if r.truth["group"] == UNNAMED]
+        return cls(
+            Rate.of([_main(a) == t["dominant"] for t, a in mains]),
+            Rate.of([a.grade in (Grade.MAIN, Grade.ONE_OF) and t["dominant"] in a.names for t, a in mains]),
+            Rate.of([_main(a) not in ("", t["dominant"]) for t, a in mains]),
+            Rate.of([a.grade not in (Grade.MAIN, Grade.ONE_OF) for _, a in mains]),
+            Rate.of([bool(name) and name not in t["may_name"] for t, name in controls]),
+            Rate.of([bool(name) and FAMILY.get(name) not in t["families"] for t, name in alien]),
+        )
+
+    @property
+    def line(self) -> str:
+        """Hits of cases, in the order of ``HEAD``."""
+        rates = (self.named, self.listed, self.wrong, self.silent, self.claimed, self.misled)
+        return " ".join(f"{f'{one.hits}/{one.cases}':>8s}" for one in rates)
+
+
+HEAD = " ".join(f"{name:>8s}" for name in ("named", "listed", "wrong", "silent", "claimed", "misled"))
+
+
+def _main(answer: Answer) -> str:
+    return answer.names[0] if answer.grade is Grade.MAIN else ""
+
+
+def said(rows: Sequence[Row]) -> Iterator[str]:
+    """Tables over the values tried, what was confused at the values of the rules, and which rules stand."""
+    now = settings()[0]
+    yield f"{'':32s} {HEAD}"
+    yield f"{'values of the rules':32s} {Counts.of(rows, now).line}"
+    for i, (rule, values) in enumerate(TRIED.values()):
+        for value in values:
+            mark = "*" if value == rule.value else ""
+            counts = Counts.of(rows, (*now[:i], value, *now[i + 1 :]))
+            yield f"{rule.name + f' {value:.4g}{mark}':32s} {counts.line}"
+    yield from _best(rows)
+    yield from _confused(rows, now)
+    for i, (rule, values) in enumerate(TRIED.values()):
+        yield _judged(rows, now, i, rule, values)
+
+
+def _judged(rows: Sequence[Row], now: Setting, i: int, rule: Rule, values: Sequence[float]) -> str:
+    """Whether no other value tried of one rule names more without naming more wrongly, and what is wrong is borne."""
+    here = Counts.of(rows, now)
+    falsely = here.wrong.hits + here.claimed.hits
+    better = []
+    for value in values:
+        there = Counts.of(rows, (*now[:i], value, *now[i + 1 :]))
+        if there.named.hits > here.named.hits and there.wrong.hits + there.claimed.hits <= falsely:
+            better.append(f"{value:.4g} names {there.named.hits}")
+    borne = all(rate.value is None or rate.value <= MOST_WRONG for rate in (here.wrong, here.claimed))
+    why = f"{', '.join(better)} of {here.named.cases} with no more falsely" if better else "no value tried is better"
+    return stands(rule, borne and not better, why if borne else f"{falsely} falsely; {why}")
+
+
+_FEW = 12
+
+
+def _best(rows: Sequence[Row]) -> Iterator[str]:
+    """The combinations that name most, for each number of false names."""
+    crossed = [(setting, Counts.of(rows, setting)) for setting in settings()]
+    shown: dict[int, tuple[Setting, Counts]] = {}
+    for setting, counts in crossed:
+        falsely = counts.wrong.hits + counts.claimed.hits
+        most = (counts.named.hits, counts.listed.hits)
+        if falsely not in shown or most > (shown[falsely][1].named.hits, shown[falsely][1].listed.hits):
+            shown[falsely] = (setting, counts)
+    yield "most named for so many wrong or claimed: " + ", ".join(rule.name for rule, _ in TRIED.values())
+    for _, (setting, counts) in sorted(shown.items())[:_FEW]:
+        yield f"{' '.join(f'{value:.4g}' for value in setting):32s} {counts.line}"
+
+
+def _confused(rows: Sequence[Row], now: Setting) -> Iterator[str]:
+    """Every recording whose answer is not the true one, with what was seen of the first names."""
+    for row in rows:
+        answer, want = row.answers[now], row.truth["dominant"] or "control"
+        if _main(answer) in (want, *row.truth["may_name"]) or (want == "control" and not _main(answer)):
+            continue
+        seen = "; ".join(f"{n} {g:.3g} {s:.2f} {h:.2f} {r:.2f}" for n, g, s, h, r, _ in row.finalists[:3])
+        called = f"{answer.grade.value if answer.grade else 'nothing'}: {', '.join(answer.names)}"
+        yield f"{want} called {called} ({row.cycles:.3g} cycles; gain share held run: {seen})"
+
+
+ABOUT = "named, listed, wrong, claimed on machines with one large omission among small ones"
+CALIBRATION = Calibration(measure, said, ABOUT)

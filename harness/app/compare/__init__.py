@@ -1,0 +1,1 @@
+"""harness compare: two traces."""

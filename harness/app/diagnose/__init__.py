@@ -1,0 +1,1 @@
+"""harness diagnose: one recording or many."""

@@ -1,0 +1,85 @@
+"""Recordings that cannot be diagnosed, refused with the reason; and units that look wrong, said in a sentence."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from harness.core.arrays import FloatArray
+from harness.core.errors import InputError
+from harness.core.recording import Recording
+from harness.diagnosis.alignment.consistency import Consistency
+from harness.diagnosis.problem import Problem
+
+FEWEST_HALF_CYCLES = 3
+_SWING = 0.03
+"""Smallest swing that counts as a half-cycle, as a share of the channel's range."""
+_RAIL, _RAILS = 0.15, 0.6
+"""Share of the samples at each end of a saturated channel's range, and at both together."""
+_SUSPECT = 3.0
+"""Ratio of one channel to the derivative of another from which a unit is doubted rather than a gain."""
+
+
+def half_cycles(y: FloatArray, sigma: float) -> int:
+    """Swings of a channel (n,) between turning points, those larger than 3 % of its range and than the noise."""
+    swing = max(_SWING * float(np.ptp(y)), 6.0 * sigma)
+    count, sign = 0, 0
+    low = high = float(y[0])
+    for value in y.tolist():
+        if sign <= 0 and value > low + swing:
+            count, sign, high = count + 1, 1, value
+        elif sign >= 0 and value < high - swing:
+            count, sign, low = count + 1, -1, value
+        # while it rises only its top matters, and the other way round
+        low, high = min(low, value), max(high, value)
+    return count
+
+
+def refuse(recording: Recording) -> None:
+    """Raise InputError for channels that hold no motion, or units that exclude each other."""
+    _refuse_saturated(recording)
+    _refuse_mixed_units(recording)
+
+
+def refuse_few(file: str, problem: Problem) -> None:
+    """Raise InputError for a free decay of fewer than three half-cycles."""
+    name, y = next(iter(problem.channels.items()))
+    found = half_cycles(y, problem.noise[name].sigma)
+    if found < FEWEST_HALF_CYCLES:
+        what = f"{found} half-cycle{'' if found == 1 else 's'}"
+        raise InputError(f"{file}: channel {name}", what, f"at least {FEWEST_HALF_CYCLES} are accepted")
+
+
+def _refuse_saturated(recording: Recording) -> None:
+    for name in ("x", "v", "a"):
+        if name not in recording:
+            continue
+        y = recording[name]
+        low, high = float(np.mean(y == y.min())), float(np.mean(y == y.max()))
+        if min(low, high) > _RAIL and low + high > _RAILS:
+            found = (
+                f"saturated throughout ({100.0 * (low + high):.0f} % of its samples at {y.min():.4g} or {y.max():.4g})"
+            )
+            raise InputError(
+                f"{recording.file}: channel {name}", found, "a channel mostly within its range is accepted"
+            )
+
+
+def _refuse_mixed_units(recording: Recording) -> None:
+    given = {c: recording.units[c] for c in ("x", "a") if recording.units.get(c)}
+    if len(given) == 2:
+        angles = {c: "rad" in unit or "deg" in unit or "°" in unit for c, unit in given.items()}
+        if angles["x"] != angles["a"]:
+            found = f"x in {given['x']} with a in {given['a']}, which cannot belong together"
+            raise InputError(recording.file, found, "both as angles or both as lengths is accepted")
+
+
+def refuse_unrelated(file: str, found: Sequence[Consistency]) -> tuple[str, ...]:
+    """Raise InputError for channels that are not of one motion; sentences on units that look wrong."""
+    said = []
+    for one in found:
+        if not one.related:
+            pair = " and ".join(one.pair)
+            raise InputError(f"{file}: channels {pair}", one.sentence, "channels of one motion are accepted")
+        if one.gain.value is not None and max(one.gain.value, 1.0 / one.gain.value) > _SUSPECT:
+            said.append(one.sentence)
+    return tuple(said)

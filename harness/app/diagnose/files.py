@@ -1,0 +1,60 @@
+"""Files that a diagnosis leaves beside its result: the refined model, and its trace at the recording's own times."""
+
+import json
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+
+from harness.core.recording import Recording
+from harness.core.trajectory import Source, Trajectory
+from harness.diagnosis.fit.observe import observe
+from harness.diagnosis.outcome import Outcome
+from harness.diagnosis.problem import Problem
+from harness.engines import model_files
+from harness.io.store import write_text
+from harness.model.document import to_document
+from harness.model.model import Model
+
+
+def whole_problem(recording: Recording, problem: Problem) -> Problem:
+    """The same question at every sample of the recording; a driven one has lost none."""
+    if problem.restarts is not None:
+        return problem
+    channels = {name: recording[name] for name in problem.channels}
+    return replace(problem, t=recording.t, channels=channels, weight={})
+
+
+def simulated(recording: Recording, outcome: Outcome) -> tuple[Trajectory, Trajectory]:
+    """Motion of both models at every time of the recording; extra "shown x" and the like: what their sensors show."""
+    whole = whole_problem(recording, outcome.problem)
+    return _motion("baseline", outcome.base.model, whole, outcome), _motion(
+        "refined", outcome.refined.model, whole, outcome
+    )
+
+
+def _motion(name: str, model: Model, whole: Problem, outcome: Outcome) -> Trajectory:
+    seen = observe(model, whole, (), outcome.scales)
+    extra = {f"shown {channel}": values for channel, values in seen.y.items()}
+    return Trajectory(
+        whole.t, seen.x, seen.v, seen.a, Source("reference", name), mode=seen.mode, extra=extra, events=seen.events
+    )
+
+
+def write_trace_csv(path: Path, motion: Trajectory) -> None:
+    """Columns t and what the sensors show, in SI units; t reads back as the very numbers of the recording."""
+    t, channels = motion.t, {name.removeprefix("shown "): values for name, values in motion.extra.items()}
+    columns = [t, *channels.values()]
+    lines = [",".join(["t", *channels])]
+    lines += [
+        ",".join([repr(row[0]), *(f"{value:.9g}" for value in row[1:])]) for row in np.column_stack(columns).tolist()
+    ]
+    write_text(path, "\n".join(lines) + "\n")
+
+
+def write_model(folder: Path, model: Model) -> list[str]:
+    """model.json, slider.xml, slider.urdf and not_said.txt: what the latter two leave out, returned as sentences."""
+    folder.mkdir(parents=True, exist_ok=True)
+    write_text(folder / "model.json", json.dumps(to_document(model), indent=2) + "\n")
+    model_files.export(model, folder)
+    return [line for suffix in ("xml", "urdf") for line in model_files.cannot_say(model, suffix)]

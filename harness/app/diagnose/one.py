@@ -1,0 +1,133 @@
+"""What a simulation with viscous and Coulomb friction leaves out of a recording, and the model that has it."""
+
+import tempfile
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from harness.app.diagnose.attribution import Configured
+from harness.app.diagnose.files import simulated, write_model, write_trace_csv
+from harness.app.diagnose.mismatch import left_over
+from harness.app.diagnose.options import DiagnoseOptions
+from harness.app.diagnose.problem import prepared
+from harness.app.diagnose.result import result_of
+from harness.app.diagnose.show import write_diagnosis_page, write_diagnosis_trace
+from harness.app.diagnose.validation import validated, validation
+from harness.app.shared.deliver import to_json
+from harness.app.shared.journal import NAME as LOG
+from harness.app.shared.journal import journal
+from harness.app.shared.progress import SILENT, Progress
+from harness.app.shared.reading import read_as
+from harness.core.recording import Recording
+from harness.core.trajectory import Trajectory
+from harness.diagnosis.explain.force_map import write_history, write_map
+from harness.diagnosis.outcome import Outcome
+from harness.diagnosis.pipeline import diagnose as conclude
+from harness.io.store import OutputFolder, output_folder
+from harness.results.diagnosis import DiagnosisResult
+
+STEPS = 4
+FILES = {
+    "result": "result.json",
+    "report": "report.html",
+    "rrd": "trace.rrd",
+    "model": "model/model.json",
+    "mjcf": "model/slider.xml",
+    "urdf": "model/slider.urdf",
+    "residual_map": "residual_map.csv",
+    "residual_force": "residual_force.csv",
+    "refined_trace": "refined_trace.csv",
+    "log": LOG,
+}
+
+
+@dataclass(frozen=True, slots=True)
+class Diagnosed:
+    """A diagnosis with what it rests on.
+
+    simulated : base model and refined model at every time of the recording. result : without files.
+    """
+
+    recording: Recording
+    outcome: Outcome
+    simulated: tuple[Trajectory, Trajectory]
+    result: DiagnosisResult
+
+
+def investigate(
+    recording: Recording, options: DiagnoseOptions, progress: Progress = SILENT, command: str = ""
+) -> Diagnosed:
+    """Diagnose a recording.
+
+    Raises InputError when it cannot be diagnosed, with the reason; SimulationError when no model could be simulated.
+    """
+    progress("base fit and search", 1, STEPS)
+    ready = prepared(recording, options)
+    other, user = validation(recording, options), Configured.of(options)
+    # a fit tries values far out, sees that they overflow, and turns back: nothing to tell anybody
+    with np.errstate(over="ignore", invalid="ignore"):
+        outcome = conclude(ready.problem, None if other is None else other.judge)
+    progress("engines and attribution", 2, STEPS)
+    result = result_of(recording, ready, outcome, options, user, command)
+    if other is not None:
+        result = result.model_copy(update={"validation": validated(other, outcome, options)})
+    return Diagnosed(recording, outcome, simulated(recording, outcome), result)
+
+
+def diagnose(
+    path: Path,
+    options: DiagnoseOptions,
+    out: Path | None = None,
+    progress: Progress = SILENT,
+    command: str = "",
+    label: str | None = None,
+) -> DiagnosisResult:
+    """Diagnose a file, and leave result, report, trace, models and the log in a folder.
+
+    out : new or empty folder, None for reports/NAME-TIME here. label : what to call the file, where it stands in for
+    another ("-"). Raises InputError, SimulationError, StoreError.
+    """
+    label = str(path) if label is None else label
+    progress("reading", 0, STEPS)
+    recording = read_as(label, path, options.reading, options.trace)
+    name = "stdin" if label == "-" else path.name.split(".")[0]
+    return deliver(recording, options, out, name, progress, command)
+
+
+def deliver(
+    recording: Recording,
+    options: DiagnoseOptions,
+    out: Path | None = None,
+    name: str = "recording",
+    progress: Progress = SILENT,
+    command: str = "",
+) -> DiagnosisResult:
+    """Diagnose a recording and leave everything in a folder, as ``diagnose`` does. name : of the default folder."""
+    with output_folder(f"diagnose-{name}", out) as output, journal(output / LOG):
+        found = investigate(recording, options, progress, command)
+        progress("writing trace and report", 3, STEPS)
+        result = _write(output, found)
+        output.commit()
+    return result
+
+
+def answer(recording: Recording, options: DiagnoseOptions) -> DiagnosisResult:
+    """Diagnose a recording and leave nothing; raises InputError, SimulationError."""
+    with tempfile.TemporaryDirectory(prefix="friction-harness-") as folder, journal(Path(folder) / LOG):
+        return investigate(recording, options).result
+
+
+def _write(output: OutputFolder, found: Diagnosed) -> DiagnosisResult:
+    left_out = write_model(output.work / "model", found.outcome.refined.model)
+    write_trace_csv(output / FILES["refined_trace"], found.simulated[1])
+    force = left_over(found.outcome)
+    write_map(output / FILES["residual_map"], force)
+    write_history(output / FILES["residual_force"], force)
+    files = {name: output.at(file) for name, file in FILES.items()}
+    more = {"files": files, "model_left_out": left_out, "residual_map": files["residual_map"]}
+    result = found.result.model_copy(update=more)
+    (output / FILES["result"]).write_text(to_json(result), encoding="utf-8")
+    write_diagnosis_trace(output / FILES["rrd"], result, found.recording, found.simulated)
+    write_diagnosis_page(output / FILES["report"], result, found.recording, found.simulated)
+    return result

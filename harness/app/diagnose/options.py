@@ -1,0 +1,129 @@
+"""What somebody asks of a diagnosis, checked as one: options that contradict each other are refused."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any, Literal, get_args
+
+from harness.core.checks import positive
+from harness.core.errors import InputError
+from harness.core.recording import Recording
+from harness.engines import registry
+from harness.engines.base import PRESETS, Preset, choice
+from harness.io.recording import ReadOptions
+from harness.model.model import Model, Restoring
+
+Zero = Literal["spring", "free"]
+ZEROS: tuple[Zero, ...] = get_args(Zero)
+ENGINES = ("mujoco", "pybullet")
+
+
+@dataclass(frozen=True, slots=True)
+class DiagnoseOptions:
+    """How to diagnose.
+
+    reading : how to read the recording. trace : which trace of a .rrd. model : the simulation as the user has it, a
+    model.json or a Model. sim : a trace of the user's own simulation. validate : another recording. mass : kg, None
+    when unknown. horizon : of a driven recording's windows, s. restoring : what pulls back.
+    zero : whether x is measured from the unstretched spring. Both None: chosen at the base fit, and said. engines : in
+    which the fit is shown, the first is what the mismatch is attributed to; there may be none. preset, dt : of the
+    engines; dt in s, None for one that suits the recording (as shipped: the engine's own).
+
+    Raises InputError for a value that does not exist and for options that contradict each other.
+    """
+
+    reading: ReadOptions = field(default_factory=ReadOptions)
+    trace: str | None = None
+    model: Path | Model | None = None
+    sim: Path | Recording | None = None
+    mass: float | None = None
+    horizon: float | None = None
+    validate: Path | Recording | None = None
+    restoring: Restoring | None = None
+    zero: Zero | None = None
+    engines: tuple[str, ...] = ENGINES
+    preset: Preset = "tuned"
+    dt: float | None = None
+
+    def __post_init__(self) -> None:
+        if self.mass is not None:
+            positive("--mass", self.mass, "kg")
+        if self.horizon is not None:
+            positive("--horizon", self.horizon, "s")
+        if self.dt is not None:
+            positive("--dt", self.dt, "s")
+            if self.preset == "as-shipped":
+                accepted = "it is accepted with tuned: as shipped has its own"
+                raise InputError("--dt", "given with --preset as-shipped", accepted)
+        if self.zero == "spring" and self.restoring not in (None, Restoring.SPRING):
+            found = f"spring with --restoring {self.restoring.value if self.restoring else ''}"
+            raise InputError("--zero", found, "free is accepted there")
+        if self.sim is not None and (self.preset == "as-shipped" or self.dt is not None):
+            option = "--dt" if self.dt is not None else "--preset as-shipped"
+            raise InputError(
+                "--sim", f"given with {option}", "one of the two is accepted: a trace has its own settings"
+            )
+        for name in self.engines:
+            registry.check(name, "--engine")
+
+    @classmethod
+    def chosen(
+        cls,
+        reading: ReadOptions,
+        restoring: str | None = None,
+        zero: str | None = None,
+        engines: Sequence[str] | None = None,
+        preset: str | None = None,
+        **rest: Any,
+    ) -> "DiagnoseOptions":
+        """As somebody chose, by name; engines None: MuJoCo and PyBullet. Raises InputError listing what there is."""
+        if restoring is not None:
+            choice("--restoring", restoring, tuple(kind.value for kind in Restoring))
+        if zero is not None:
+            choice("--zero", zero, ZEROS)
+        if preset is not None:
+            choice("--preset", preset, PRESETS)
+        named = ENGINES if engines is None else tuple(dict.fromkeys(engines))
+        held = None if restoring is None else Restoring(restoring)
+        return cls(reading, restoring=held, zero=zero, engines=named, preset=preset or "tuned", **rest)  # type: ignore[arg-type]
+
+    @property
+    def zero_free(self) -> bool | None:
+        """Whether x is measured from an unknown zero; None where nobody says."""
+        if self.zero is None:
+            return True if self.restoring is Restoring.PENDULUM else None
+        return self.zero == "free"
+
+    def settings(self) -> dict[str, Any]:
+        """Every option in force, as results hold it."""
+        r = self.reading
+        return {
+            "columns": r.columns,
+            "skip_rows": r.skip_rows,
+            "rate_hz": r.rate,
+            "from_s": r.start,
+            "to_s": r.stop,
+            "trace": self.trace,
+            "model": _said(self.model),
+            "sim": _said(self.sim),
+            "mass_kg": self.mass,
+            "horizon_s": self.horizon,
+            "validate": _said(self.validate),
+            "restoring": None if self.restoring is None else self.restoring.value,
+            "zero": self.zero,
+            "engines": list(self.engines),
+            "preset": self.preset,
+            "dt_s": self.dt,
+        }
+
+
+def _said(given: Path | Recording | Model | None) -> str | None:
+    """An absolute path, the name of a recording, or that it was no file."""
+    match given:
+        case Path():
+            return str(given.absolute())
+        case Recording(file=name):
+            return name
+        case Model():
+            return "a Model"
+    return None

@@ -1,0 +1,46 @@
+"""A recording made ready to be diagnosed, or refused with the reason."""
+
+from dataclasses import dataclass
+
+from harness.app.diagnose.checks import refuse, refuse_few, refuse_unrelated
+from harness.app.diagnose.options import DiagnoseOptions
+from harness.core.errors import InputError
+from harness.core.recording import Recording
+from harness.diagnosis.alignment.consistency import Consistency, consistency
+from harness.diagnosis.baseline.base_fit import dominant_frequency
+from harness.diagnosis.prepare.prepare import is_driven, prepare
+from harness.diagnosis.problem import Problem
+from harness.diagnosis.request import Asked
+
+
+@dataclass(frozen=True, slots=True)
+class Prepared:
+    """A recording ready to be diagnosed.
+
+    notes : what was done to it. warnings : what looks wrong with it. channels : what each pair says of the other.
+    """
+
+    problem: Problem
+    notes: tuple[str, ...]
+    warnings: tuple[str, ...]
+    channels: tuple[Consistency, ...]
+
+
+def prepared(recording: Recording, options: DiagnoseOptions) -> Prepared:
+    """Channels with their noise, what was asked, and what the recording itself says against it.
+
+    Raises InputError for a recording that cannot be diagnosed, and for options that do not go with it.
+    """
+    driven = is_driven(recording)
+    if options.horizon is not None and not driven:
+        accepted = "it is accepted with a driven recording"
+        raise InputError("--horizon", f"given, but {recording.file} has no measured force", accepted)
+    refuse(recording)
+    problem, notes = prepare(recording, Asked(options.restoring, options.zero_free, options.mass, options.horizon))
+    if not driven:
+        refuse_few(recording.file, problem)
+    omega = dominant_frequency(problem.t, next(iter(problem.channels.values())))
+    channels = (
+        consistency(problem.t, problem.channels, problem.noise, omega, problem.angular) if 0.0 < omega < 1e300 else ()
+    )
+    return Prepared(problem, notes, refuse_unrelated(recording.file, channels), channels)

@@ -1,0 +1,180 @@
+"""An outcome in the form of the results."""
+
+import logging
+from dataclasses import asdict
+from typing import Any
+
+from harness.app.compare.compare import channel_pair
+from harness.app.diagnose.attribution import Configured, attribution_of, simulator_of
+from harness.app.diagnose.mismatch import places
+from harness.app.diagnose.options import DiagnoseOptions
+from harness.app.diagnose.problem import Prepared
+from harness.app.diagnose.where import where_of
+from harness.app.shared.machine import this_machine
+from harness.app.shared.reading import recording_info
+from harness.core.errors import SimulationError
+from harness.core.recording import Recording
+from harness.diagnosis.explain.engines import engine_fit
+from harness.diagnosis.explain.verdict_sentence import sentence_of
+from harness.diagnosis.fit.least_squares import Fit
+from harness.diagnosis.fit.rmse import fit_percent, rmse
+from harness.diagnosis.outcome import Holdout, Mechanism, Outcome, Prediction
+from harness.diagnosis.problem import Problem
+from harness.model.document import to_document
+from harness.model.model import Model
+from harness.results.common import P, RecordingInfo
+from harness.results.diagnosis import (
+    AlternativeResult,
+    DiagnosisResult,
+    EngineResult,
+    EvidenceResult,
+    FitPercent,
+    FitResult,
+    ForcedResult,
+    HoldoutResult,
+    MechanismResult,
+    PredictionResult,
+    RemainderResult,
+    RuleResult,
+)
+from harness.results.model import ModelDocument
+
+LOGGER = logging.getLogger(__name__)
+
+
+def result_of(
+    recording: Recording,
+    prepared: Prepared,
+    outcome: Outcome,
+    options: DiagnoseOptions,
+    user: Configured,
+    command: str = "",
+) -> DiagnosisResult:
+    """Everything a result says but its files; runs both models in the engines.
+
+    Raises InputError for a --sim that has nothing in common with the recording.
+    """
+    problem = outcome.problem
+    engines = {name: _in_engine(name, outcome, options) for name in options.engines}
+    return DiagnosisResult(
+        recording=_info(recording, prepared, problem),
+        verdict=outcome.verdict,
+        statement=sentence_of(outcome),
+        baseline=_fit_result(outcome.base, problem, {n: P.of(q) for n, q in outcome.base_parameters.items()}),
+        where=places(outcome),
+        mechanisms=[_mechanism(m, outcome) for m in outcome.mechanisms],
+        refined=_fit_result(outcome.refined, problem, {n: P.of(q) for n, q in outcome.refined_parameters.items()}),
+        remainder=None if outcome.remainder is None else RemainderResult(**asdict(outcome.remainder)),
+        fit_percent=FitPercent(
+            baseline=fit_percent(outcome.base.shown.y, problem), refined=fit_percent(outcome.refined.shown.y, problem)
+        ),
+        rules=[RuleResult(name=r.name, value=r.value, unit=r.unit, origin=r.origin) for r in outcome.rules],
+        holdout=_held_out(outcome.holdout),
+        engines=engines,
+        attribution=attribution_of(outcome, options, user),
+        evidence=_evidence(outcome),
+        consistent_channels={"-".join(found.pair): channel_pair(found) for found in prepared.channels},
+        next_experiment=outcome.next_experiment,
+        residual_map=None,
+        baseline_model=_document(outcome.base.model),
+        refined_model=_document(outcome.refined.model),
+        model_left_out=[],
+        warnings=[*prepared.warnings, *outcome.warnings],
+        settings=options.settings(),
+        command=command,
+        machine=this_machine(),
+        files={},
+    )
+
+
+def _held_out(held: Holdout) -> HoldoutResult:
+    forced = None
+    if held.forced is not None:
+        forced = ForcedResult(
+            name=held.forced.name,
+            baseline_rmse=dict(held.forced.baseline_rmse),
+            refined_rmse=dict(held.forced.refined_rmse),
+        )
+    return HoldoutResult(
+        spans_s=[[low, high] for low, high in held.spans],
+        baseline_rmse=dict(held.baseline_rmse),
+        refined_rmse=dict(held.refined_rmse),
+        forced=forced,
+    )
+
+
+def _info(recording: Recording, prepared: Prepared, problem: Problem) -> RecordingInfo:
+    about = recording_info(recording, problem.noise)
+    return about.model_copy(update={"notes": [*about.notes, *map(_sentence, prepared.notes)]})
+
+
+def _sentence(note: str) -> str:
+    return f"{note[0].upper()}{note[1:]}."
+
+
+def _document(model: Model) -> ModelDocument:
+    return ModelDocument.model_validate(to_document(model))
+
+
+def _fit_result(found: Fit, problem: Problem, parameters: dict[str, P]) -> FitResult:
+    return FitResult(
+        parameters=parameters, rmse=rmse(found.shown.y, problem), chi2_per_point=found.chi2 / max(found.points, 1)
+    )
+
+
+def _mechanism(mechanism: Mechanism, outcome: Outcome) -> MechanismResult:
+    return MechanismResult(
+        name=mechanism.name,
+        family=mechanism.entry.term.family,
+        variant=mechanism.entry.term.variant,
+        statement=mechanism.statement,
+        parameters={name: P.of(quantity) for name, quantity in mechanism.parameters.items()},
+        delta_bic=mechanism.delta_bic,
+        grade=mechanism.grade.value,
+        share=mechanism.share,
+        holdout=_predicted(mechanism.held_out),
+        forward=_predicted(mechanism.forward),
+        where=where_of(mechanism, outcome),
+        alternatives=[AlternativeResult(name=a.name, delta_bic=a.delta_bic) for a in mechanism.alternatives],
+    )
+
+
+def _predicted(found: Prediction | None) -> PredictionResult | None:
+    if found is None:
+        return None
+    return PredictionResult(
+        baseline_rmse=dict(found.baseline_rmse),
+        refined_rmse=dict(found.refined_rmse),
+        blocks=list(found.ratios),
+        spans_s=[[low, high] for low, high in found.spans],
+    )
+
+
+def _evidence(outcome: Outcome) -> list[EvidenceResult]:
+    """The best of each name, best first."""
+    ordered = sorted(outcome.evidence, key=lambda one: -one.delta_bic)
+    best = {one.name: one for one in reversed(ordered)}
+    return [EvidenceResult(**asdict(one)) for one in ordered if best[one.name] is one]
+
+
+def _in_engine(name: str, outcome: Outcome, options: DiagnoseOptions) -> EngineResult:
+    """Both models in one engine, or the reason why not."""
+    try:
+        simulator, dt = simulator_of(name, options)
+        found = engine_fit(simulator, outcome.base.model, outcome.refined.model, outcome.problem, outcome.scales, dt)
+    except SimulationError as error:
+        LOGGER.warning("%s: %s", name, error)
+        return EngineResult(settings={}, baseline_rmse={}, refined_rmse={}, error=str(error))
+    return EngineResult(
+        settings=_plain(found.settings),
+        baseline_rmse=dict(found.baseline_rmse),
+        refined_rmse=dict(found.refined_rmse),
+        own_error=dict(found.own_error),
+        version=simulator.engine.version(),
+        ignored=list(found.ignored),
+    )
+
+
+def _plain(settings: Any) -> dict[str, Any]:
+    """Settings as JSON has them."""
+    return {k: list(v) if isinstance(v, tuple) else v for k, v in settings.items()}

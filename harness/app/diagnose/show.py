@@ -1,0 +1,52 @@
+"""Diagnoses as a trace for the viewer and as pages for the browser."""
+
+import os
+from collections.abc import Sequence
+from pathlib import Path
+
+from harness.core.recording import Recording
+from harness.core.trajectory import Trajectory
+from harness.results.diagnosis import DiagnosisResult, FailedDiagnosis
+from harness.show.diagnosis_scene import diagnosis_scene
+from harness.show.report.diagnosis import diagnosis_sections, diagnosis_title, gained, said
+from harness.show.report.diagnosis_index import index_sections, index_title
+from harness.show.report.page import write_report
+from harness.show.trace import write_trace
+
+
+def write_diagnosis_trace(
+    path: Path, result: DiagnosisResult, recording: Recording, simulated: Sequence[Trajectory]
+) -> None:
+    """Write trace.rrd with everything in it that the page needs; raises StoreError."""
+    data = result.model_dump(mode="json", by_alias=True)
+    lines = ["# Verdict", "", result.statement, "", *(f"- {sentence}" for sentence in gained(data) + said(data))]
+    if result.evidence:
+        lines += [
+            "",
+            "## Evidence over the catalogue",
+            "",
+            "| name | better by, in BIC | share of the misfit |",
+            "|---|---|---|",
+        ]
+        shares = ["-" if one.share is None else f"{100.0 * one.share:.0f} %" for one in result.evidence]
+        rows = zip(result.evidence, shares, strict=True)
+        lines += [f"| {one.name} | {one.delta_bic:.1f} | {share} |" for one, share in rows]
+    write_trace(path, diagnosis_scene(recording, simulated, data, "\n".join(lines)))
+
+
+def write_diagnosis_page(
+    path: Path, result: DiagnosisResult, recording: Recording, simulated: Sequence[Trajectory]
+) -> None:
+    """Write the page of a diagnosis; raises StoreError."""
+    data = result.model_dump(mode="json", by_alias=True)
+    write_report(path, *diagnosis_title(data), diagnosis_sections(recording, simulated, data))
+
+
+def write_index(path: Path, answers: Sequence[DiagnosisResult | FailedDiagnosis], command: str) -> None:
+    """Write the page of several diagnoses, one row each with a link; raises StoreError."""
+    data = []
+    for answer in answers:
+        one = answer.model_dump(mode="json", by_alias=True)
+        report = one.get("files", {}).get("report")
+        data.append(one | {"link": os.path.relpath(report, path.parent) if report else ""})
+    write_report(path, *index_title(data), index_sections(data, command))

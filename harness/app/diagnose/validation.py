@@ -1,0 +1,86 @@
+"""Both models of a diagnosis on another recording, with nothing fitted but its start."""
+
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+from harness.app.diagnose.options import DiagnoseOptions, Zero
+from harness.app.diagnose.problem import prepared
+from harness.app.shared.reading import read
+from harness.core.errors import InputError
+from harness.core.recording import Recording
+from harness.diagnosis.baseline.base_fit import baseline
+from harness.diagnosis.fit.least_squares import fit
+from harness.diagnosis.fit.parameters import free_of
+from harness.diagnosis.fit.rmse import rmse
+from harness.diagnosis.inverse_dynamics.validate import Judge, window_rmse
+from harness.diagnosis.outcome import Outcome
+from harness.diagnosis.prepare.prepare import is_driven
+from harness.diagnosis.problem import Problem
+from harness.model.model import Model, Restoring
+from harness.results.diagnosis import ForceError, ValidationResult
+
+_STARTS = ("x0", "v0")
+
+
+@dataclass(frozen=True, slots=True)
+class Validation:
+    """The other recording; judge : of force errors, where both are driven and the published protocol suits them."""
+
+    recording: Recording
+    judge: Judge | None
+
+
+def validation(recording: Recording, options: DiagnoseOptions) -> Validation | None:
+    """The recording of --validate, read as the first one was; None without the option.
+
+    Raises InputError when it cannot be read, or is driven where the first is not.
+    """
+    if options.validate is None:
+        return None
+    other = options.validate
+    if isinstance(other, Path):
+        other = read(other, options.reading, options.trace)
+    if is_driven(other) != is_driven(recording):
+        kinds = ("a free decay", "a driven recording")
+        found = f"{kinds[is_driven(other)]}, {other.file}"
+        raise InputError("--validate", found, f"{kinds[is_driven(recording)]} is accepted, as {recording.file} is")
+    return Validation(other, Judge.of(recording, other) if is_driven(other) else None)
+
+
+def held_alike(options: DiagnoseOptions, problem: Problem) -> DiagnoseOptions:
+    """The options with the restoring force and the zero that the first recording was diagnosed with."""
+    spring = problem.restoring is Restoring.SPRING
+    zero: Zero | None = "free" if problem.zero_free else ("spring" if spring else None)
+    return replace(options, restoring=problem.restoring, zero=zero)
+
+
+def validated(found: Validation, outcome: Outcome, options: DiagnoseOptions) -> ValidationResult:
+    """Both models on the other recording. Raises InputError, SimulationError."""
+    ready = prepared(found.recording, held_alike(options, outcome.problem))
+    problem = ready.problem
+    base, refined = outcome.base.model, outcome.refined.model
+    force = None
+    if problem.restarts is not None:
+        before, after = (window_rmse(model, problem, outcome.scales) for model in (base, refined))
+    else:
+        own, scales = baseline(problem)
+
+        def started(model: Model) -> dict[str, float]:
+            """Only where and how fast it starts belongs to the other recording."""
+            here = replace(model, x0=own.model.x0, v0=own.model.v0, t0=own.model.t0, offset=own.model.offset)
+            free = tuple(f for f in free_of(here, _STARTS) if f.name in _STARTS)
+            return rmse(fit(here, problem, free, scales).shown.y, problem)
+
+        before, after = started(base), started(refined)
+    if found.judge is not None:
+        errors = found.judge.compared(base, refined)
+        force = ForceError(
+            fit_baseline=errors.fit_baseline,
+            fit_refined=errors.fit_refined,
+            baseline=errors.baseline,
+            refined=errors.refined,
+            refined_with_ripple=errors.refitted,
+        )
+    return ValidationResult(
+        file=found.recording.file, baseline_rmse=dict(before), refined_rmse=dict(after), force_rel_error=force
+    )

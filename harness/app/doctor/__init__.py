@@ -1,0 +1,1 @@
+"""harness doctor: what works on this machine."""

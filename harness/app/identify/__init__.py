@@ -1,0 +1,1 @@
+"""harness identify: the estimators on a recording."""

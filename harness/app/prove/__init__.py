@@ -1,0 +1,1 @@
+"""harness prove: the sealed blind proof."""

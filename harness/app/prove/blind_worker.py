@@ -1,0 +1,142 @@
+"""The sealed side of a proof: ``python -m harness.app.prove.blind_worker`` reads recordings and writes verdicts.
+
+It knows nothing but what comes in on standard input; harness.proof.blind is the other side.
+"""
+
+import ctypes
+import io
+import json
+import os
+import signal
+import sys
+from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
+from dataclasses import asdict
+from typing import TYPE_CHECKING, Any, BinaryIO
+
+import numpy as np
+
+from harness.app.diagnose.one import answer
+from harness.app.diagnose.options import DiagnoseOptions
+from harness.app.shared.reading import ReadOptions, read_as, spooled
+from harness.core.arrays import FloatArray
+from harness.core.errors import HarnessError
+from harness.proof.beside import R2, SINDY, SYSID
+from harness.proof.seal import canonical
+from harness.proof.tally import OURS
+from harness.results.diagnosis import DiagnosisResult
+
+if TYPE_CHECKING:
+    from harness.proof.baselines.laws import Named
+
+EVIDENCE = 5
+"""Names tried alone that a verdict keeps."""
+
+Diagnoser = Callable[[bytes, Sequence[str]], dict[str, Any]]
+
+
+def diagnosed(recording: bytes, arguments: Sequence[str]) -> dict[str, Any]:
+    """The verdict of ``harness diagnose - ARGUMENTS`` on a recording, without what no score needs."""
+    options = _options(arguments)
+    with spooled(io.BytesIO(recording)) as path:
+        return compact(answer(read_as("-", path, options.reading), options))
+
+
+def compact(result: DiagnosisResult) -> dict[str, Any]:
+    """A harness.diagnosis/2 as a proof publishes it: no models, no settings, no files."""
+    full = json.loads(result.model_dump_json(by_alias=True))
+    kept = ("verdict", "statement", "baseline", "mechanisms", "refined", "attribution", "warnings")
+    engines = {
+        name: {key: block[key] for key in ("version", "baseline_rmse", "refined_rmse", "error")}
+        for name, block in full["engines"].items()
+    }
+    noise = full["recording"]["noise"]
+    rest = {"holdout": full["holdout"], "engines": engines, "evidence": full["evidence"][:EVIDENCE], "noise": noise}
+    return {name: full[name] for name in kept} | rest
+
+
+def _options(arguments: Sequence[str]) -> DiagnoseOptions:
+    """Options from ["--restoring", "none", ...]: how the machine is held, as the command takes it."""
+    named = dict(zip(arguments[::2], arguments[1::2], strict=True))
+    if "--restoring" not in named:
+        named |= {"--restoring": "spring", "--zero": "spring"}
+    return DiagnoseOptions.chosen(ReadOptions(), **{name.removeprefix("--"): value for name, value in named.items()})
+
+
+def diagnosers() -> Mapping[str, Diagnoser]:
+    """Everybody who answers in a proof, by name."""
+    return {OURS: diagnosed, R2: _by_r2, SINDY: _by_sindy, SYSID: _by_sysid}
+
+
+def _by_r2(recording: bytes, arguments: Sequence[str]) -> dict[str, Any]:
+    from harness.proof.baselines.r2 import name_by_r2
+
+    return _named(name_by_r2(columns(recording)))
+
+
+def _by_sindy(recording: bytes, arguments: Sequence[str]) -> dict[str, Any]:
+    from harness.proof.baselines.sparse import name_by_sindy
+
+    return _named(name_by_sindy(columns(recording)))
+
+
+def _by_sysid(recording: bytes, arguments: Sequence[str]) -> dict[str, Any]:
+    """arguments : the spans that our own verdict left out, as JSON."""
+    from harness.proof.baselines.sysid import holdout_by_sysid
+
+    return asdict(holdout_by_sysid(columns(recording), json.loads(arguments[0])))
+
+
+def _named(said: "Named") -> dict[str, Any]:
+    """What a baseline names in the form of a verdict."""
+    verdict = "missing_physics" if said.names else "adequate"
+    return {
+        "verdict": verdict,
+        "mechanisms": [{"name": n} for n in said.names],
+        "applies": said.applies,
+        "why": said.why,
+    }
+
+
+def columns(recording: bytes) -> dict[str, FloatArray]:
+    """The columns of a CSV recording by channel, shape (n,) each."""
+    head, _, rest = recording.partition(b"\n")
+    values = np.loadtxt(io.BytesIO(rest), delimiter=",", ndmin=2)
+    names = [name.split()[0] for name in head.decode().split(",")]
+    return {name: np.ascontiguousarray(values[:, i]) for i, name in enumerate(names)}
+
+
+def answered(who: str, arguments: Sequence[str], recording: bytes) -> bytes:
+    """The answer as it is hashed; what goes wrong is in it."""
+    try:
+        said = diagnosers()[who](recording, arguments)
+    except HarnessError as error:
+        said = {"verdict": "error", "error": str(error)}
+    except Exception as error:
+        said = {"verdict": "error", "error": f"internal error, {type(error).__name__}: {' '.join(str(error).split())}"}
+    return canonical(said)
+
+
+def serve(requests: BinaryIO, answers: BinaryIO) -> None:
+    """Answer until standard input ends."""
+    while line := requests.readline():
+        head = json.loads(line)
+        said = answered(head["who"], head["arguments"], requests.read(head["bytes"]))
+        answers.write(b"%d\n" % len(said) + said)
+        answers.flush()
+
+
+def main() -> None:
+    """Answers go to what was standard output; what libraries print goes nowhere."""
+    with suppress(OSError, AttributeError):
+        set_parent_death_signal = 1
+        ctypes.CDLL(None).prctl(set_parent_death_signal, signal.SIGKILL)
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    answers = os.fdopen(os.dup(1), "wb")
+    nowhere = os.open(os.devnull, os.O_WRONLY)
+    os.dup2(nowhere, 1)
+    serve(sys.stdin.buffer, answers)
+
+
+if __name__ == "__main__":
+    main()

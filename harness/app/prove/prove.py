@@ -1,0 +1,289 @@
+"""The sealed blind proof: draw, seal, diagnose blind, seal the verdicts, open, score.
+
+What must stay secret (seed and answers) is in no file while anything is diagnosed: see harness.app.prove.keeper.
+"""
+
+import hashlib
+import json
+import tempfile
+import time
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import asdict, dataclass, field, replace
+from datetime import UTC, datetime
+from pathlib import Path
+from typing import Any
+
+from harness.app.prove.finish import finish
+from harness.app.prove.keeper import keeping
+from harness.app.prove.store import Store
+from harness.app.prove.worker import (
+    COMMAND,
+    BlindTask,
+    DrawTask,
+    answer_failed,
+    answer_one,
+    draw_failed,
+    draw_one,
+)
+from harness.app.shared.completed import completed
+from harness.app.shared.journal import NAME as LOG
+from harness.app.shared.journal import journal
+from harness.app.shared.machine import cores, this_machine
+from harness.app.shared.pool import Cluster, LocalPool, Workers
+from harness.app.shared.progress import SILENT, Progress
+from harness.app.sweep.sweep import InterruptionError, duration
+from harness.core.errors import HarnessError, InputError
+from harness.io.store import growing_folder
+from harness.proof.beside import BASELINES
+from harness.proof.drawing import probes_of, sealed_answers
+from harness.proof.plan import FULL, MACHINES, SHORT, SHORT_MACHINES, Sizes, plan
+from harness.proof.seal import (
+    LEDGER,
+    PUBLISHED,
+    RESUMED,
+    STEPS,
+    Ledger,
+    Sealed,
+    open_all,
+    seal_recordings,
+    seal_seed,
+    seal_verdicts,
+)
+from harness.proof.tally import OURS
+from harness.results.prove import ProofResult
+
+CODE = Path(__file__).resolve().parents[1]
+
+
+@dataclass(frozen=True, slots=True)
+class ProveOptions:
+    """How to prove.
+
+    sizes : how many recordings. jobs : local processes, None for one a core. cluster : address of a dask scheduler,
+    None for the local pool. resume : go on with what the folder holds. baselines : who answers besides us.
+    blind : what runs in the sealed processes.
+    """
+
+    sizes: Sizes = field(default_factory=Sizes)
+    jobs: int | None = None
+    cluster: str | None = None
+    resume: bool = False
+    baselines: tuple[str, ...] = BASELINES
+    blind: tuple[str, ...] = COMMAND
+
+    @classmethod
+    def chosen(
+        cls, given: Mapping[str, int], short: bool = False, machines: bool = False, **rest: Any
+    ) -> "ProveOptions":
+        """As somebody chose: sizes by name, else the full ones, or the short ones; of machines, without baselines."""
+        if machines:
+            return cls(SHORT_MACHINES if short else MACHINES, baselines=(), **rest)
+        return cls(SHORT if short else replace(FULL, **given), **rest)
+
+
+def prove(
+    options: ProveOptions, out: Path | None = None, progress: Progress = SILENT, command: str = ""
+) -> ProofResult:
+    """Run a proof, or go on with one, into a folder.
+
+    out : folder, None for reports/proof-TIME here. Raises InputError for what cannot be resumed, StoreError for a
+    folder that cannot be written or is taken, InterruptionError after an interruption; what was done is kept.
+    """
+    folder = _resumed(out) if options.resume else growing_folder("proof", out)
+    with journal(folder / LOG):
+        return _Proof(options, folder, progress, command).run()
+
+
+def _resumed(out: Path | None) -> Path:
+    if out is None:
+        raise InputError("--resume", "given without --out", "the folder of the proof to go on with is accepted")
+    if not (out / LEDGER).is_file():
+        raise InputError(f"--out {out}", "holds no proof to resume", "the folder of one, or no --resume, is accepted")
+    return out.absolute()
+
+
+class _Proof:
+    """One call: each phase is left out when the transcript says that it is done."""
+
+    def __init__(self, options: ProveOptions, folder: Path, progress: Progress, command: str) -> None:
+        self._options, self._folder, self._progress, self._command = options, folder, progress, command
+        self._store = Store(folder)
+        self._ledger = Ledger.load(folder) if options.resume else Ledger()
+        self._sizes = options.sizes
+
+    def run(self) -> ProofResult:
+        """All phases; the result."""
+        try:
+            if self._options.resume:
+                self._check()
+            if not self._done(STEPS[0]):
+                self._begin()
+            if not self._done(STEPS[1]):
+                self._draw()
+            if not self._done(STEPS[3]):
+                self._diagnose()
+        except KeyboardInterrupt:
+            raise InterruptionError(f"interrupted; {self._go_on()}") from None
+        except HarnessError as error:
+            if isinstance(error, InputError):
+                raise
+            raise type(error)(f"{error}; {self._go_on()}") from None
+        if self._done(PUBLISHED):
+            self._ledger.entries = [entry for entry in self._ledger.entries if entry["step"] != PUBLISHED]
+        return finish(self._store, self._ledger, self._command, self._progress)
+
+    def _go_on(self) -> str:
+        return f"what is done is kept, the same command with --resume --out {self._folder} goes on"
+
+    def _done(self, step: str) -> bool:
+        return any(entry["step"] == step for entry in self._ledger.entries)
+
+    def _check(self) -> None:
+        """Whether what the folder holds can be gone on with by this program."""
+        if self._ledger.broken_at() is not None:
+            raise InputError(str(self._folder / LEDGER), "was changed", "the transcript as it was written is accepted")
+        about = self._ledger.content(STEPS[0])
+        self._sizes = Sizes.of(about["sizes"])
+        if not self._done(STEPS[3]) and about["code"] != code_digest():
+            accepted = "the same version, or a new proof, is accepted"
+            raise InputError("--resume", f"{self._folder.name} was begun by another version of the program", accepted)
+
+    def _begin(self) -> None:
+        about = {
+            "at": now(),
+            "sizes": asdict(self._sizes),
+            "code": code_digest(),
+            "versions": {"python": this_machine().python, **this_machine().packages},
+        }
+        seed = seal_seed(self._ledger, about)
+        self._store.keep_secret({"seed": asdict(seed)})
+        self._ledger.save(self._folder)
+
+    def _draw(self) -> None:
+        """Draw what is not drawn yet, then seal it; secrets are on disk, since nothing is diagnosed meanwhile."""
+        secret = self._secret()
+        seed = int(secret["seed"]["value"])
+        have = self._store.drawn()
+        jobs = plan(self._sizes, seed)
+        tasks = [DrawTask(seed, job) for job in jobs if job.index not in have]
+        with self._workers(len(tasks)) as workers:
+            told = self._clock("recordings drawn", len(jobs), len(have))
+            for one in told(completed(tasks, workers, draw_one, draw_failed)):
+                self._store.keep_drawn(one)
+        drawn = [one for one in self._store.drawn().values() if one["error"] is None]
+        if not drawn:
+            raise HarnessError("no recording could be drawn")
+        given_up = [one["error"] for one in self._store.drawn().values() if one["error"] is not None]
+        recordings = {one["name"]: one["recording"].encode() for one in drawn}
+        answers = {one["name"]: one["answer"] for one in drawn}
+        salts = sealed_answers(seed, answers)
+        self._store.write_recordings(recordings)
+        seal_recordings(self._ledger, recordings, salts, {name: probes_of(data) for name, data in recordings.items()})
+        self._store.keep_secret({"seed": secret["seed"], "answers": answers, "given_up": given_up})
+        self._ledger.save(self._folder)
+
+    def _diagnose(self) -> None:
+        """Every diagnoser on every recording, blind; then the verdicts are sealed and the answers opened."""
+        secret = self._secret()
+        with keeping(self._store.secret, secret) as keeper:
+            if self._options.resume:
+                self._store.mend()
+                about = {"at": now(), "kept": sum(map(len, self._store.answers().values())), "secrets": SECRETS}
+                self._ledger.add(RESUMED, about)
+                self._ledger.save(self._folder)
+            self._store.forget()
+            said = self._answers(secret["answers"])
+            seal_verdicts(self._ledger, said[OURS], {who: one for who, one in said.items() if who != OURS})
+            self._ledger.save(self._folder)
+            seed = Sealed(**secret["seed"])
+            open_all(self._ledger, seed, sealed_answers(int(seed.value), secret["answers"]), secret["given_up"])
+            self._ledger.save(self._folder)
+            keeper.release()
+
+    def _answers(self, answers: Mapping[str, Any]) -> dict[str, dict[str, bytes]]:
+        """What every diagnoser says, ours first; what has been said before is kept."""
+        names = self._store.names()
+        total = len(names) * (1 + len(self._options.baselines))
+        with tempfile.TemporaryDirectory(prefix="blind-") as place, self._workers(total) as workers:
+
+            def ask(tasks: list[BlindTask]) -> None:
+                told = self._clock("answers", total, sum(map(len, self._store.answers().values())))
+                for line in told(completed(tasks, workers, answer_one, answer_failed)):
+                    self._store.keep_answer(line)
+
+            ask([self._task(OURS, name, tuple(answers[name]["arguments"]), place) for name in self._left(OURS)])
+            ours = self._store.answers()[OURS]
+            ask(
+                [
+                    self._task(who, name, (spans_left_out(ours[name]),), place)
+                    for who in self._options.baselines
+                    for name in self._left(who)
+                ]
+            )
+        said = self._store.answers()
+        everybody = (OURS, *self._options.baselines)
+        return {who: {name: said[who][name].encode() for name in names} for who in everybody}
+
+    def _left(self, who: str) -> list[str]:
+        """Recordings on which this diagnoser has not said anything yet."""
+        have = self._store.answers().get(who, {})
+        return [name for name in self._store.names() if name not in have]
+
+    def _task(self, who: str, name: str, arguments: tuple[str, ...], place: str) -> BlindTask:
+        return BlindTask(name, who, arguments, self._store.recording(name), place, self._options.blind)
+
+    def _secret(self) -> dict[str, Any]:
+        found = self._store.take_secret()
+        if found is None:
+            accepted = "a new proof is accepted"
+            raise InputError("--resume", f"the seed of {self._folder.name} is lost, it was stopped too hard", accepted)
+        return found
+
+    @contextmanager
+    def _workers(self, tasks: int) -> Iterator[Workers]:
+        wanted = max(1, min(self._options.jobs or cores(), tasks))
+        workers: Workers = LocalPool(wanted) if self._options.cluster is None else Cluster(self._options.cluster)
+        try:
+            yield workers
+        finally:
+            workers.close()
+
+    def _clock(self, what: str, total: int, had: int) -> Callable[[Iterable[dict[str, Any]]], Iterator[dict[str, Any]]]:
+        """Pass results on and tell how far it is."""
+        started = time.monotonic()
+
+        def told(results: Iterable[dict[str, Any]]) -> Iterator[dict[str, Any]]:
+            self._progress(f"{had} of {total} {what}", had, total)
+            for done, one in enumerate(results, 1):
+                yield one
+                left = (total - had - done) * (time.monotonic() - started) / done
+                more = f", {duration(left)} left" if done >= 4 else ""
+                self._progress(f"{had + done} of {total} {what}{more}", had + done, total)
+
+        return told
+
+
+SECRETS = (
+    "seed and answers lay on disk, readable by the owner alone, from the interruption until now; "
+    "no diagnosing process ran meanwhile"
+)
+
+
+def spans_left_out(verdict: str) -> str:
+    """The spans that our verdict was not fitted to, as JSON: others predict the same."""
+    said: dict[str, Any] = json.loads(verdict) if verdict else {}
+    return json.dumps((said.get("holdout") or {}).get("spans_s", []))
+
+
+def now() -> str:
+    """The time as transcripts hold it, UTC."""
+    return datetime.now(UTC).isoformat(timespec="seconds")
+
+
+def code_digest() -> str:
+    """The hash of every source file of the program."""
+    found = hashlib.sha256()
+    for file in sorted(CODE.rglob("*.py")):
+        found.update(file.relative_to(CODE).as_posix().encode() + b"\0" + file.read_bytes())
+    return found.hexdigest()

@@ -1,0 +1,46 @@
+"""Puts a finished full proof into reports/proof: ``python -m harness.app.prove.publish DIR``."""
+
+import shutil
+import sys
+from pathlib import Path
+
+from harness.app.prove.finish import PAGE, RESULT
+from harness.app.prove.store import VERDICTS
+from harness.app.prove.verify import verify_proof
+from harness.core.errors import HarnessError
+from harness.proof.seal import LEDGER
+from harness.results.prove import ProofResult
+
+LARGEST = 10_000_000
+"""Bytes of everything that is published; recordings are not, they follow from the seed."""
+
+
+def publish(proof: Path, into: Path) -> int:
+    """Copy transcript, result, page and verdicts of a proof to ``into``, in place of what is there; returns bytes.
+
+    Raises HarnessError when the proof is no evidence, is too large, or does not verify (with a sample of its recordings
+    drawn again); then ``into`` stays as it is.
+    """
+    check = verify_proof(proof, short=True)
+    if not check.accepted:
+        raise HarnessError(f"{proof} is rejected: {'; '.join(check.wrong)}; nothing was published")
+    if not ProofResult.model_validate_json((proof / RESULT).read_text(encoding="utf-8")).evidence:
+        raise HarnessError(f"{proof} has too few recordings to be evidence; nothing was published")
+    files = [proof / LEDGER, proof / RESULT, proof / PAGE, *sorted((proof / VERDICTS).glob("*.jsonl.gz"))]
+    size = sum(file.stat().st_size for file in files)
+    if size > LARGEST:
+        raise HarnessError(f"the proof would take {size} bytes, more than {LARGEST}; nothing was published")
+    shutil.rmtree(into, ignore_errors=True)
+    (into / VERDICTS).mkdir(parents=True)
+    for file in files:
+        shutil.copyfile(file, into / file.relative_to(proof))
+    return size
+
+
+if __name__ == "__main__":
+    try:
+        if len(sys.argv) != 2:
+            raise HarnessError("the folder of one finished proof is accepted")
+        print(f"reports/proof: {publish(Path(sys.argv[1]), Path('reports/proof'))} bytes")
+    except HarnessError as error:
+        sys.exit(f"harness: {error}")

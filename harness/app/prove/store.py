@@ -1,0 +1,153 @@
+"""What a proof has on disk: recordings, verdicts line by line, and, while nothing is diagnosed, its secrets."""
+
+import gzip
+import json
+import os
+import shutil
+from collections.abc import Iterator, Mapping
+from contextlib import suppress
+from pathlib import Path
+from typing import Any
+
+from harness.app.prove.keeper import write_private
+from harness.core.bounded import parse_json, unpacked
+from harness.core.errors import InputError
+from harness.core.writing import explained, replacing
+from harness.io.store import write_text
+from harness.proof.seal import canonical
+from harness.proof.tally import OURS
+
+RECORDINGS, VERDICTS, SECRET, WORKING = "recordings", "verdicts", "secret", "working"
+ANSWERS = "answers.jsonl"
+
+
+class Store:
+    """The folder of a proof."""
+
+    def __init__(self, folder: Path) -> None:
+        self.folder = folder
+        self.secret = folder / SECRET / "seed.json"
+
+    def keep_secret(self, value: Mapping[str, Any]) -> None:
+        """Write the secrets down for the owner alone: only while nothing is diagnosed."""
+        with explained(self.secret):
+            write_private(self.secret, value)
+
+    def take_secret(self) -> dict[str, Any] | None:
+        """The secrets that an earlier call has left, or None; they stay until ``forget``."""
+        try:
+            return dict(json.loads(self.secret.read_text(encoding="utf-8")))
+        except FileNotFoundError:
+            return None
+        except (OSError, ValueError):
+            accepted = "the file as it was written, or a new proof, is accepted"
+            raise InputError(str(self.secret), "cannot be read", accepted) from None
+
+    def forget(self) -> None:
+        """Take everything secret off the disk."""
+        with suppress(FileNotFoundError):
+            shutil.rmtree(self.secret.parent)
+
+    def keep_drawn(self, drawn: Mapping[str, Any]) -> None:
+        """Write a drawn recording with its answer beside the seed."""
+        with explained(self.folder):
+            write_private(self.secret.parent / f"{drawn['index']:05d}.json", drawn)
+
+    def drawn(self) -> dict[int, dict[str, Any]]:
+        """Drawn recordings by their index."""
+        found = {}
+        for file in sorted(self.secret.parent.glob("[0-9]*.json")):
+            with suppress(OSError, ValueError):
+                one = json.loads(file.read_text(encoding="utf-8"))
+                found[int(one["index"])] = one
+        return found
+
+    def write_recordings(self, recordings: Mapping[str, bytes]) -> None:
+        """All recordings at once, in the order of their names: neither order nor time of a file tells anything."""
+        with explained(self.folder / RECORDINGS):
+            (self.folder / RECORDINGS).mkdir(exist_ok=True)
+            for name in sorted(recordings):
+                path = self.folder / RECORDINGS / f"{name}.csv"
+                path.write_bytes(recordings[name])
+                os.utime(path, (0, 0))
+
+    def names(self) -> list[str]:
+        """Names of all recordings."""
+        return sorted(file.stem for file in (self.folder / RECORDINGS).glob("*.csv"))
+
+    def recording(self, name: str) -> bytes:
+        """A recording."""
+        return (self.folder / RECORDINGS / f"{name}.csv").read_bytes()
+
+    def keep_answer(self, line: Mapping[str, Any]) -> None:
+        """Append an answer of a diagnoser to those there are."""
+        with explained(self.folder), self._working().open("a", encoding="utf-8") as file:
+            file.write(json.dumps(line) + "\n")
+
+    def mend(self) -> None:
+        """Take off a line that was cut in two when an earlier call ended."""
+        lines = [json.dumps(line) + "\n" for line in self._lines()]
+        if lines:
+            self.write(f"{WORKING}/{ANSWERS}", "".join(lines))
+
+    def answers(self) -> dict[str, dict[str, str]]:
+        """Answers so far: diagnoser -> recording -> what it said. A line that was cut off is left out."""
+        found: dict[str, dict[str, str]] = {}
+        for line in self._lines():
+            found.setdefault(line["who"], {})[line["name"]] = line["said"]
+        return found
+
+    def seconds(self) -> float:
+        """Time that all diagnoses took together, s; those of others do not count."""
+        return sum(float(line["seconds"]) for line in self._lines() if line["who"] == OURS)
+
+    def pack(self, who: str, verdicts: Mapping[str, bytes]) -> str:
+        """Write all verdicts of one diagnoser as they are published; the file's name in the folder."""
+        lines = [canonical({"name": name, "said": _parsed(verdicts[name])}) for name in sorted(verdicts)]
+        path = self.folder / VERDICTS / f"{who}.jsonl.gz"
+        with explained(path):
+            path.parent.mkdir(exist_ok=True)
+        with replacing(path) as beside:
+            beside.write_bytes(gzip.compress(b"\n".join(lines) + b"\n", mtime=0))
+        return f"{VERDICTS}/{path.name}"
+
+    def finish(self) -> None:
+        """Remove what was kept for resuming."""
+        self.forget()
+        with suppress(FileNotFoundError):
+            shutil.rmtree(self.folder / WORKING)
+
+    def write(self, name: str, text: str) -> None:
+        """Write a file, whole or not at all."""
+        write_text(self.folder / name, text)
+
+    def _working(self) -> Path:
+        (self.folder / WORKING).mkdir(exist_ok=True)
+        return self.folder / WORKING / ANSWERS
+
+    def _lines(self) -> Iterator[dict[str, Any]]:
+        try:
+            text = (self.folder / WORKING / ANSWERS).read_text(encoding="utf-8")
+        except FileNotFoundError:
+            return
+        for line in text.splitlines():
+            with suppress(ValueError):
+                yield json.loads(line)
+
+
+def _parsed(said: bytes) -> Any:
+    return json.loads(said) if said else None
+
+
+def published_verdicts(path: Path) -> dict[str, bytes]:
+    """Verdicts of a packed file by recording, each as it was hashed; raises InputError when it is not one."""
+    try:
+        found = {}
+        with path.open("rb") as file:
+            text = unpacked(path, file)
+        for line in text.splitlines():
+            one = parse_json(line)
+            found[str(one["name"])] = b"" if one["said"] is None else canonical(one["said"])
+    except (InputError, OSError, ValueError, KeyError, TypeError):
+        raise InputError(str(path), "no verdicts of a proof", "the file as it was published is accepted") from None
+    return found

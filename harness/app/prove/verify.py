@@ -1,0 +1,152 @@
+"""A published proof recomputed: whatever was changed is named."""
+
+import random
+from pathlib import Path
+from typing import Any
+
+from harness.app.prove.finish import RESULT, all_verdicts
+from harness.app.prove.worker import DrawTask, draw_failed, draw_one
+from harness.app.shared.completed import completed
+from harness.app.shared.machine import cores, this_machine
+from harness.app.shared.pool import LocalPool
+from harness.app.shared.progress import SILENT, Progress
+from harness.core.bounded import MOST_DOCUMENT_BYTES, read_bytes
+from harness.core.errors import InputError
+from harness.core.visible import visible
+from harness.io.recording import sha256
+from harness.proof.drawing import Drawn
+from harness.proof.plan import SHORT, Job, Sizes
+from harness.proof.seal import PUBLISHED, STEPS, Ledger, file_of
+from harness.proof.tally import OURS, tally
+from harness.proof.verify import (
+    agrees,
+    check_plan,
+    check_recording,
+    check_transcript,
+    check_verdicts,
+    planned_jobs,
+)
+from harness.results.prove import ProofCheck, ProofResult
+
+SAMPLE = SHORT.total
+"""Recordings that are drawn again by a short verification."""
+
+
+def verify_proof(folder: Path, short: bool = False, jobs: int | None = None, progress: Progress = SILENT) -> ProofCheck:
+    """Recompute a proof from its folder: chain, commitments, verdicts, scores, files, recordings.
+
+    short : draw a random sample of the recordings again and not all of them. Raises InputError when there is no
+    transcript or the proof was not finished.
+    """
+    ledger = Ledger.load(folder)
+    wrong = check_transcript(ledger)
+    if wrong:
+        return _said(folder, ledger, wrong)
+    if not any(entry["step"] == PUBLISHED for entry in ledger.entries):
+        raise InputError(str(folder), "a proof that was not finished", "a finished one is accepted")
+    wrong = check_plan(ledger) + _files(folder, ledger) + _verdicts(folder, ledger)
+    if wrong:
+        return _said(folder, ledger, wrong)
+    wrong = _scores(folder, ledger)
+    chosen = planned_jobs(ledger)
+    if short:
+        chosen = random.SystemRandom().sample(chosen, min(SAMPLE, len(chosen)))
+    again, identical = 0, 0
+    for case in _drawn(ledger, chosen, jobs or cores(), progress):
+        found = check_recording(ledger, case)
+        again, identical = again + 1, identical + found.identical
+        wrong += [found.wrong] if found.wrong else []
+    return _said(folder, ledger, sorted(wrong), again, identical)
+
+
+def _said(folder: Path, ledger: Ledger, wrong: list[str], again: int = 0, identical: int = 0) -> ProofCheck:
+    notes = []
+    if identical < again:
+        made: dict[str, str] = dict(ledger.content(STEPS[0])["versions"])
+        here = {"python": this_machine().python, **this_machine().packages}
+        other = ", ".join(f"{name} {made[name]}" for name in made if made[name] != here.get(name))
+        why = f"made with other versions ({other})" if other else "another processor rounds otherwise"
+        notes.append(f"{again - identical} recordings are not the same to the last bit: {why}")
+    cases: dict[str, Any] = next((e["content"].get("cases", {}) for e in ledger.entries if e["step"] == STEPS[1]), {})
+    return ProofCheck(
+        folder=str(folder.absolute()),
+        accepted=not wrong,
+        wrong=wrong,
+        recordings=len(cases),
+        drawn_again=again,
+        identical=identical,
+        notes=notes,
+    )
+
+
+def _files(folder: Path, ledger: Ledger) -> list[str]:
+    """Published files that are missing or changed."""
+    wrong = []
+    for name, known in sorted(ledger.content(PUBLISHED)["files"].items()):
+        try:
+            file = file_of(folder, name)
+        except InputError as error:
+            wrong.append(str(error))
+            continue
+        if not file.is_file():
+            wrong.append(f"{name} is missing")
+        elif sha256(file) != known:
+            wrong.append(f"{name} was changed")
+    for file in sorted((folder / "recordings").glob("*.csv")):
+        case = ledger.content(STEPS[1])["cases"].get(file.stem)
+        if case is None or file.is_symlink() or sha256(file) != case["recording"]:
+            wrong.append(visible(f"recordings/{file.name} was changed"))
+    return wrong
+
+
+def _verdicts(folder: Path, ledger: Ledger) -> list[str]:
+    try:
+        verdicts = all_verdicts(folder, ledger)
+    except InputError as error:
+        return [str(error)]
+    return [
+        line for who, said in verdicts.items() for line in check_verdicts(ledger, None if who == OURS else who, said)
+    ]
+
+
+def _scores(folder: Path, ledger: Ledger) -> list[str]:
+    """Whether the result says what follows from answers and verdicts."""
+    opened = ledger.content(STEPS[3])
+    answers = {name: one["value"] for name, one in opened["answers"].items()}
+    seed = int(opened["seed"]["value"])
+    try:
+        said = ProofResult.model_validate_json(read_bytes(file_of(folder, RESULT), MOST_DOCUMENT_BYTES))
+    except (InputError, ValueError):
+        return [f"{RESULT} is not a result of a proof"]
+    known = said.model_dump(mode="json", by_alias=True)
+    try:
+        counted = tally(answers, all_verdicts(folder, ledger), seed)
+    except (LookupError, TypeError, ValueError, AttributeError) as error:
+        return [f"answers and verdicts are not those of a proof ({type(error).__name__}: {error})"]
+    again = ProofResult.model_validate({**known, **counted, "seed": f"{seed:032x}"})
+    new = again.model_dump(mode="json", by_alias=True)
+    wrong = [
+        f"{RESULT}: {name} does not follow from answers and verdicts"
+        for name in known
+        if not agrees(known[name], new[name], 1e-9)
+    ]
+    sizes = Sizes.of(ledger.content(STEPS[0])["sizes"])
+    if Sizes.of(known["sizes"]) != sizes or known["evidence"] != sizes.is_evidence:
+        wrong.append(f"{RESULT}: sizes are not those of the transcript")
+    return wrong
+
+
+def _drawn(ledger: Ledger, chosen: list[Job], jobs: int, progress: Progress) -> list[Drawn]:
+    """Recordings drawn again from the revealed seed; those that were given up are left out."""
+    seed = int(ledger.content(STEPS[3])["seed"]["value"])
+    tasks = [DrawTask(seed, job) for job in chosen]
+    workers = LocalPool(max(1, min(jobs, len(tasks))))
+    found = []
+    try:
+        for done, one in enumerate(completed(tasks, workers, draw_one, draw_failed), 1):
+            progress(f"{done} of {len(tasks)} recordings drawn again", done, len(tasks))
+            if one["error"] is None:
+                found.append(Drawn(one["name"], one["recording"].encode(), one["answer"]))
+    finally:
+        workers.close()
+    return found

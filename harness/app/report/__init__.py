@@ -1,0 +1,1 @@
+"""harness report and harness view: what a trace holds, shown again."""

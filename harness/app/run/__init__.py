@@ -1,0 +1,1 @@
+"""harness run: one scenario, every source."""

@@ -1,0 +1,159 @@
+"""A model of the five slots as something to run: the compiled reference, and both engines by their laws."""
+
+import json
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any, final
+
+import numpy as np
+
+from harness.app.run.case import Case, SuiteCase
+from harness.core.arrays import FloatArray
+from harness.core.checks import positive
+from harness.core.errors import InputError
+from harness.core.events import EventKind, Mode
+from harness.core.scenario import Scenario
+from harness.core.trajectory import Trajectory
+from harness.engines import model_files
+from harness.engines.base import Engine, Preset
+from harness.engines.simulator import EngineSimulator
+from harness.exact.duration import rounded_up
+from harness.fidelity.describe import scenario_of
+from harness.fidelity.metrics import decay as figures
+from harness.kernels.solve import Scales, simulate
+from harness.model import document
+from harness.model.model import Model, Restoring
+from harness.model.term import Slot
+from harness.results.run import Metrics, TraceResult
+from harness.show.sentences.run import position_error
+
+_PERIODS = 10.0
+_LONGEST = 200.0
+
+
+@dataclass(frozen=True, slots=True)
+class ModelScenario:
+    """A model to run from its release on for ``duration`` s."""
+
+    model: Model
+    duration: float
+    name: str = "model"
+
+    @classmethod
+    def of(cls, model: Model, duration: float | None, label: str = "model") -> "ModelScenario":
+        """A model for ``duration`` s; None is a fifth longer than it takes to stick, or ten periods.
+
+        Raises InputError for a model that does not move, and for one whose duration cannot be guessed.
+        """
+        if duration is not None:
+            return cls(model, positive("--duration", duration, "s"))
+        if model.restoring is Restoring.NONE:
+            raise InputError(label, "a free axis, without a period", "--duration is needed with it")
+        return cls(model, _long_enough(model))
+
+    @property
+    def omega(self) -> float:
+        """Of its swing, rad/s."""
+        return Scales.of(self.model).omega
+
+
+def _long_enough(model: Model) -> float:
+    """A fifth longer than it takes to stick, ten periods where that takes longer than two hundred; two digits, s."""
+    period = 2.0 * math.pi / Scales.of(model).omega
+    motion = simulate(model, model.t0 + np.linspace(0.0, _LONGEST * period, int(40 * _LONGEST)), tolerance=1e-8)
+    sticks = motion.events.of(EventKind.STICK).t
+    rests = motion.mode is not None and motion.mode[-1] == Mode.STICK and sticks.size
+    return rounded_up(1.2 * (float(sticks[-1]) - model.t0) if rests else _PERIODS * period)
+
+
+@final
+class ModelCase(Case):
+    """A model in the reference and in the engines, in time since release."""
+
+    def __init__(self, scenario: ModelScenario) -> None:
+        self._scenario, self._model = scenario, scenario.model
+        self.decays = True
+
+    def exact(self, t: FloatArray) -> Trajectory:
+        """See Case.exact; the event-driven integrator."""
+        motion = simulate(self._model, t + self._model.t0)
+        events = replace(motion.events, t=motion.events.t - self._model.t0)
+        return replace(motion, t=t, events=events)
+
+    def simulated(self, engine: Engine, preset: Preset, dt: float | None) -> Trajectory:
+        """See Case.simulated."""
+        return EngineSimulator(engine, preset)(self._model, self._scenario.duration, dt, None)
+
+    def metrics(self, trajectory: Trajectory) -> Metrics:
+        """See Case.metrics; lead and energy are figures of the base model and are left out."""
+        exact = self.exact(trajectory.t)
+        speed = float(np.max(np.abs(exact.v)))
+        return Metrics.of(
+            {
+                "max_error_m": figures.max_error_m(trajectory, exact),
+                "rest_error_m": figures.rest_error_m(trajectory, exact),
+                "stick_time_s": figures.stick_time_s(trajectory, figures.STILL * speed),
+                "creep_m_s": figures.creep_m_s(trajectory, exact),
+                "half_cycles": figures.half_cycles(trajectory, figures.SWING * speed),
+            }
+        )
+
+    def describe(self) -> dict[str, Any]:
+        """See Case.describe."""
+        model = self._model
+        said: dict[str, Any] = {
+            "name": self._scenario.name,
+            "slider": {"m": model.m, "c": model.c, "k": model.k, "f_k": model.f_k},
+            "release": {"x0": model.x0, "v0": model.v0},
+            "duration_s": self._scenario.duration,
+            "model": document.to_document(model),
+        }
+        if model.restoring is not Restoring.NONE:
+            omega = math.sqrt(model.k / model.m)
+            zeta = model.c / (2.0 * math.sqrt(model.k * model.m))
+            said["truth"] = {"omega_n": omega, "zeta": zeta, "x_k": model.f_k / model.k}
+        return said
+
+    def conclusions(self, traces: Sequence[TraceResult]) -> list[str]:
+        """See Case.conclusions."""
+        said = [
+            f"{entry.term.name}: {entry.term.say(dict(zip(entry.term.names, map(_digits, entry.values), strict=True)))}"
+            for entry in self._model.terms
+        ]
+        if sensors := self._model.in_slot(Slot.OBSERVATION):
+            names = ", ".join(entry.term.name for entry in sensors)
+            said.append(
+                f"What is shown is the motion itself: {names} change what a sensor makes of it, not the motion."
+            )
+        if self._model.terms:
+            said.append("The estimators know viscous and dry friction alone; what else acts shows in their figures.")
+        for trace in traces:
+            if trace.error is not None:
+                said.append(f"{trace.source} {trace.preset} could not be run: {trace.error}")
+            elif trace.source != "reference" and (text := position_error(trace)) is not None:
+                said.append(f"{trace.source} {trace.preset}: {text}")
+        return said
+
+    def export(self, folder: Path) -> None:
+        """See Case.export; with model.json and a list of what the formats cannot say."""
+        model_files.export(self._model, folder)
+        text = json.dumps(document.to_document(self._model), indent=2, allow_nan=False)
+        (folder / "model.json").write_text(text + "\n", encoding="utf-8")
+
+
+def _digits(value: float) -> str:
+    return f"{value:.6g}"
+
+
+def case_of(scenario: Scenario | ModelScenario) -> Case:
+    """The case of a scenario."""
+    return ModelCase(scenario) if isinstance(scenario, ModelScenario) else SuiteCase(scenario)
+
+
+def case_of_json(data: Mapping[str, Any]) -> Case:
+    """The case that ``Case.describe`` made this from. Raises InputError when something is missing."""
+    if "model" in data:
+        return ModelCase(ModelScenario(document.from_document(data["model"]), float(data["duration_s"])))
+    return SuiteCase(scenario_of(data))

@@ -1,0 +1,116 @@
+"""Rows as they are completed, from whatever computes them: none lost, none double, whoever dies."""
+
+from collections import deque
+from collections.abc import Callable, Iterable, Iterator
+from concurrent.futures import FIRST_COMPLETED, CancelledError, Future, wait
+from typing import Generic, Protocol, TypeVar
+
+from harness.app.shared.pool import Workers
+
+AHEAD = 4
+"""Rows handed out per worker: enough to keep it busy, few enough to keep memory flat."""
+CHANCES = 2
+"""Times a row may take its worker down, alone, before it is given up."""
+
+MOMENTS = 0.5
+"""Seconds after a death in which a broken pool gives its other rows back."""
+
+
+class Keyed(Protocol):
+    """Something to do, with a key of its own."""
+
+    @property
+    def key(self) -> str:
+        """The same for the same thing to do."""
+
+
+Spec = TypeVar("Spec", bound=Keyed)
+Row = TypeVar("Row")
+
+
+def completed(
+    specs: Iterable[Spec], workers: Workers, compute: Callable[[Spec], Row], failed: Callable[[Spec, str], Row]
+) -> Iterator[Row]:
+    """Rows of ``specs`` in the order in which they are done; ``failed`` makes the row of one that took workers down.
+
+    When a worker dies, every row that was in work is tried again by itself, so that the one that killed it is found and
+    becomes a row with that reason, and the others lose nothing.
+    """
+    queue = _Queue(iter(specs), workers, compute, failed)
+    while queue.busy():
+        alone = len(queue.running) == 1
+        wait(queue.running, return_when=FIRST_COMPLETED)
+        rows, lost = queue.collect()
+        yield from rows
+        if lost:
+            workers.renew()
+            yield from queue.suspect(lost, alone)
+
+
+class _Queue(Generic[Spec, Row]):
+    """Rows to do, rows in work, and rows under suspicion of killing workers, which are tried one at a time."""
+
+    def __init__(
+        self,
+        todo: Iterator[Spec],
+        workers: Workers,
+        compute: Callable[[Spec], Row],
+        failed: Callable[[Spec, str], Row],
+    ) -> None:
+        self.running: dict[Future[Row], Spec] = {}
+        self._todo, self._workers, self._compute, self._failed = todo, workers, compute, failed
+        self._suspects: deque[Spec] = deque()
+        self._deaths: dict[str, int] = {}
+
+    def busy(self) -> bool:
+        """Hand out what can be; whether anything is in work now."""
+        if self._suspects:
+            if not self.running:
+                self._hand_out(self._suspects.popleft())
+            return True
+        while len(self.running) < AHEAD * self._workers.count:
+            spec = next(self._todo, None)
+            if spec is None:
+                break
+            self._hand_out(spec)
+        return bool(self.running)
+
+    def _hand_out(self, spec: Spec) -> None:
+        try:
+            future = self._workers.executor.submit(self._compute, spec)
+        except RuntimeError as error:  # a pool that broke while nobody looked
+            future = Future()
+            future.set_exception(error)
+        self.running[future] = spec
+
+    def collect(self) -> tuple[list[Row], list[Spec]]:
+        """Rows that are done, and specs whose worker died; both leave ``running``."""
+        rows, lost = self._ended()
+        if lost:
+            # a local pool that broke ends all its futures within moments; a cluster goes on with them
+            wait(self.running, timeout=MOMENTS)
+            more_rows, more_lost = self._ended()
+            rows, lost = rows + more_rows, lost + more_lost
+        return rows, lost
+
+    def _ended(self) -> tuple[list[Row], list[Spec]]:
+        rows, lost = [], []
+        for future in [future for future in self.running if future.done()]:
+            spec = self.running.pop(future)
+            error = CancelledError() if future.cancelled() else future.exception()
+            if error is None:
+                rows.append(future.result())
+            elif self._workers.died(error):
+                lost.append(spec)
+            else:
+                rows.append(self._failed(spec, f"internal error, {type(error).__name__}: {error}"))
+        return rows, lost
+
+    def suspect(self, lost: list[Spec], alone: bool) -> Iterator[Row]:
+        """Try these again, one at a time; those that had their chances become rows."""
+        for spec in lost:
+            self._deaths[spec.key] = self._deaths.get(spec.key, 0) + alone
+            if self._deaths[spec.key] >= CHANCES:
+                yield self._failed(spec, f"its worker process died, {CHANCES} times out of {CHANCES}")
+            else:
+                self._suspects.append(spec)

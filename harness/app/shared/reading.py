@@ -1,0 +1,92 @@
+"""Recordings of any format, our own .rrd among them, and what a result says about them."""
+
+import os
+import tempfile
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager, suppress
+from dataclasses import replace
+from pathlib import Path
+from typing import BinaryIO
+
+from harness.core.bounded import MEBIBYTE, MOST_BYTES
+from harness.core.errors import InputError
+from harness.core.recording import Recording
+from harness.core.trajectory import Trajectory
+from harness.estimate.noise import Noise
+from harness.io.recording import ReadOptions, read_recording
+from harness.results.common import RecordingInfo
+
+__all__ = ["ReadOptions", "read", "read_as", "recording_info", "spooled"]
+
+
+def read(path: Path, options: ReadOptions, trace: str | None = None) -> Recording:
+    """Read a recording; ``trace`` names the one to take of a .rrd that holds several ("mujoco tuned").
+
+    Raises InputError naming what is wrong, and where.
+    """
+    if trace is not None and path.suffix.lower() != ".rrd":
+        raise InputError("--trace", f"given for {path}", "it is accepted for a .rrd of ours alone")
+    return read_recording(path, options, lambda file: _from_rrd(file, trace))
+
+
+def read_as(label: str, path: Path, options: ReadOptions, trace: str | None = None) -> Recording:
+    """As ``read``, under another name where the file stands in for something else (standard input)."""
+    if label == str(path):
+        return read(path, options, trace)
+    try:
+        return replace(read(path, options, trace), file=label)
+    except InputError as error:
+        raise InputError(
+            error.where.replace(str(path), label), error.found.replace(str(path), label), error.accepted
+        ) from None
+
+
+@contextmanager
+def spooled(stream: BinaryIO) -> Iterator[Path]:
+    """A CSV stream as a file that is there for the while; reading goes by files."""
+    handle, name = tempfile.mkstemp(prefix="friction-harness-", suffix=".csv")
+    try:
+        with os.fdopen(handle, "wb") as file:
+            left = MOST_BYTES + 1
+            while piece := stream.read(min(left, MEBIBYTE)):
+                file.write(piece)
+                left -= len(piece)
+        if not left:
+            raise InputError("-", f"more than {MOST_BYTES} bytes", "at most as many are accepted")
+        yield Path(name)
+    finally:
+        with suppress(OSError):
+            os.unlink(name)
+
+
+def _from_rrd(path: Path, trace: str | None) -> Recording:
+    from harness.show.stored import read_trace
+
+    stored = read_trace(path)
+    found = {recording.file: recording for recording in stored.recordings}
+    found |= {trajectory.source.label: _recording(trajectory) for trajectory in stored.trajectories}
+    if trace is None and len(found) == 1:
+        return next(iter(found.values()))
+    if trace not in found:
+        text = "no --trace" if trace is None else f"no trace '{trace}'"
+        raise InputError(f"{path}", f"{text} among {len(found)}", f"--trace with one of {', '.join(found)} is accepted")
+    return found[trace]
+
+
+def _recording(trajectory: Trajectory) -> Recording:
+    """A simulated trace as if somebody had measured x and a."""
+    return Recording(trajectory.t, {"x": trajectory.x, "a": trajectory.a}, trajectory.source.label)
+
+
+def recording_info(recording: Recording, noise: Mapping[str, Noise]) -> RecordingInfo:
+    """What a result says about a recording."""
+    return RecordingInfo(
+        file=recording.file,
+        sha256=recording.sha256,
+        samples=len(recording),
+        channels=list(recording.channels),
+        rate_hz=recording.rate,
+        duration_s=recording.duration,
+        noise={channel: noise[channel].said if channel in noise else None for channel in recording.channels},
+        notes=list(recording.notes),
+    )

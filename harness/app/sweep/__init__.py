@@ -1,0 +1,1 @@
+"""harness sweep, regress and tune."""

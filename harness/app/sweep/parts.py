@@ -1,0 +1,118 @@
+"""Rows of a sweep on disk: Parquet parts that are written whole, read one by one, and set aside when damaged."""
+
+import json
+import os
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+from typing import Any
+
+from harness.core.errors import StoreError
+from harness.core.writing import explained, replacing, sweep
+
+Row = dict[str, Any]
+
+FOLDER = "rows"
+AS_TEXT = ("settings", "changed", "slider", "setup")
+"""Fields of free form; they are JSON text in a part."""
+AS_MAP = ("metrics", "exact")
+
+
+class Parts:
+    """The parts below one folder.
+
+    damaged : names of parts that could not be read and were set aside; their rows have to be computed again.
+    """
+
+    def __init__(self, folder: Path) -> None:
+        self._folder = folder / FOLDER
+        self.damaged: list[str] = []
+        with explained(self._folder):
+            self._folder.mkdir(parents=True, exist_ok=True)
+            sweep(self._folder)
+
+    @property
+    def folder(self) -> Path:
+        """Where the parts are."""
+        return self._folder
+
+    def write(self, rows: Sequence[Row]) -> None:
+        """Write one part, whole or not at all; raises StoreError."""
+        if not rows:
+            return
+        import pyarrow as pa
+        import pyarrow.parquet as pq
+
+        table = pa.Table.from_pylist([_flat(row) for row in rows], schema=_schema())
+        path = self._folder / f"part-{self._next():06d}.parquet"
+        with replacing(path) as beside:
+            pq.write_table(table, beside, compression="zstd")
+
+    def read(self) -> Iterator[Row]:
+        """Every row, one part in memory at a time; a damaged part is set aside under the name NAME.damaged."""
+        for path in self._paths():
+            yield from self._rows(path)
+
+    def keys(self) -> set[int]:
+        """Keys of the rows there are, as integers."""
+        found: set[int] = set()
+        for path in self._paths():
+            found.update(int(row["key"], 16) for row in self._rows(path, ["key"]))
+        return found
+
+    def _paths(self) -> list[Path]:
+        return sorted(self._folder.glob("part-*.parquet"))
+
+    def _next(self) -> int:
+        numbers = [int(path.name[5:11]) for path in self._folder.glob("part-*.parquet*") if path.name[5:11].isdigit()]
+        return max(numbers, default=0) + 1
+
+    def _rows(self, path: Path, columns: list[str] | None = None) -> list[Row]:
+        import pyarrow as pa
+        import pyarrow.parquet as pq
+
+        try:
+            # the whole part, so that damage anywhere in it is found here and not later
+            table = pq.ParquetFile(path, page_checksum_verification=True).read()
+            if columns is not None:
+                return list(table.select(columns).to_pylist())
+            return [_deep(row) for row in table.to_pylist(maps_as_pydicts="strict")]
+        except (pa.ArrowException, OSError, ValueError, KeyError, TypeError):
+            self.damaged.append(path.name)
+            with explained(path):
+                os.replace(path, path.with_name(path.name + ".damaged"))
+            return []
+
+
+def _schema() -> Any:
+    import pyarrow as pa
+
+    text, real = pa.string(), pa.float64()
+    kinds = {name: pa.map_(text, real) for name in AS_MAP} | dict.fromkeys(AS_TEXT, text)
+    kinds |= {"ignored": pa.list_(text), "samples": pa.int64(), "draw": pa.int64()}
+    kinds |= dict.fromkeys(("dt_s", "wall_s", "steps_per_s"), real)
+    order = (
+        "key name engine version environment route preset settings changed ignored integrator dt_s scenario slider"
+        " setup draw metrics exact samples wall_s steps_per_s error"
+    )
+    return pa.schema([(name, kinds.get(name, text)) for name in order.split()])
+
+
+def _flat(row: Row) -> Row:
+    flat = dict(row)
+    for name in AS_TEXT:
+        flat[name] = json.dumps(row[name], sort_keys=True)
+    for name in AS_MAP:
+        flat[name] = list(row[name].items())
+    return flat
+
+
+def _deep(flat: Row) -> Row:
+    for name in AS_TEXT:
+        flat[name] = json.loads(flat[name])
+    return flat
+
+
+def check_new(folder: Path) -> None:
+    """Raise StoreError when a folder holds rows already and nobody asked to go on with them."""
+    if any((folder / FOLDER).glob("part-*.parquet")):
+        raise StoreError(f"--out {folder}: holds rows of a sweep; --resume goes on with them, or name a new folder")

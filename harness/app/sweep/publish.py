@@ -1,0 +1,54 @@
+"""The published fidelity report: ``python -m harness.app.sweep.publish [NAME@PYTHON ...]`` makes reports/fidelity."""
+
+import shutil
+import sys
+import tempfile
+from collections.abc import Sequence
+from pathlib import Path
+
+from harness.app.sweep.regress import update
+from harness.app.sweep.report import finish
+from harness.app.sweep.sweep import PAGE, TRACES, SweepOptions, sweep
+from harness.core.errors import HarnessError
+from harness.engines import registry
+from harness.fidelity.compare import kept
+
+WORST = 5
+LARGEST = 5_000_000
+"""Bytes of everything that is published."""
+COMMAND = "python -m harness.app.sweep.publish"
+
+
+def publish(into: Path, elsewhere: Sequence[str] = ()) -> int:
+    """Sweep the whole matrix; report.html, traces/ and baseline.json replace those in ``into``. Returns their bytes.
+
+    elsewhere : engines of other interpreters besides those that are installed here, NAME@PYTHON. Rows of the baseline
+    of engines and versions that were not run stay. Raises HarnessError when a row could not be run or the result is too
+    large; then ``into`` stays as it is.
+    """
+    here = [name for name, why in registry.available().items() if why is None]
+    options = SweepOptions(engines=(*here, *elsewhere), keep=WORST)
+    with tempfile.TemporaryDirectory(prefix="friction-harness-") as temporary:
+        result = sweep(options, Path(temporary) / "sweep", command=COMMAND)
+        if result.failed:
+            raise HarnessError(f"{result.failed} rows could not be run; nothing was published")
+        finish(result, options)
+        if (into / "baseline.json").is_file():
+            shutil.copyfile(into / "baseline.json", result.folder / "baseline.json")
+        update(result.folder / "baseline.json", {row["name"]: kept(row) for row in result.rows()})
+        files = [result.folder / PAGE, result.folder / "baseline.json", *sorted((result.folder / TRACES).glob("*.rrd"))]
+        size = sum(file.stat().st_size for file in files)
+        if size > LARGEST:
+            raise HarnessError(f"the report would take {size} bytes, more than {LARGEST}; nothing was published")
+        shutil.rmtree(into / TRACES, ignore_errors=True)
+        (into / TRACES).mkdir(parents=True)
+        for file in files:
+            shutil.copyfile(file, into / file.relative_to(result.folder))
+    return size
+
+
+if __name__ == "__main__":
+    try:
+        print(f"reports/fidelity: {publish(Path('reports/fidelity'), sys.argv[1:])} bytes")
+    except HarnessError as error:
+        sys.exit(f"harness: {error}")

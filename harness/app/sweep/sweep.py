@@ -1,0 +1,310 @@
+"""The friction-fidelity matrix: computed row by row, kept as it comes, resumed where it was left."""
+
+import json
+import logging
+import time
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Any, NoReturn
+
+from harness.app.shared.completed import completed
+from harness.app.shared.journal import NAME as LOG
+from harness.app.shared.journal import journal
+from harness.app.shared.machine import cores, this_machine
+from harness.app.shared.pool import Cluster, LocalPool, Workers
+from harness.app.shared.progress import SILENT, Progress
+from harness.app.sweep.parts import Parts, check_new
+from harness.app.sweep.worker import compute, failed_row
+from harness.core.checks import positive
+from harness.core.errors import HarnessError, InputError, SimulationError, StoreError
+from harness.core.writing import replacing
+from harness.engines import registry
+from harness.engines.base import ROUTES, Engine, choice
+from harness.fidelity.convergence import Ladder
+from harness.fidelity.matrix import Matrix, preset_names
+from harness.fidelity.row import Spec
+from harness.io.store import growing_folder
+from harness.results.common import Machine
+from harness.results.sweep import Convergence, SweepRow
+
+LOGGER = logging.getLogger(__name__)
+
+PART_ROWS, PART_S = 64, 5.0
+"""A part is written after so many rows, or so many seconds, whichever comes first."""
+RESULT, PAGE, TRACES = "result.json", "report.html", "traces"
+
+Compute = Callable[[Spec], dict[str, Any]]
+
+
+class InterruptionError(HarnessError):
+    """Stopped by the user; what was done is kept."""
+
+    exit_code = 130
+
+
+@dataclass(frozen=True, slots=True)
+class SweepOptions:
+    """What to sweep and with what.
+
+    engines : names, empty for all that are installed. routes : empty for all. presets, steps (s), short, sliders : as
+    in Matrix.
+    jobs : local processes, None for one a core. cluster : address of a dask scheduler, None for the local pool.
+    keep : how many of the worst rows to keep as traces. resume : go on with the rows a folder holds.
+
+    Raises InputError for what does not exist.
+    """
+
+    engines: tuple[str, ...] = ()
+    routes: tuple[str, ...] = ()
+    presets: tuple[str, ...] = ()
+    steps: tuple[float, ...] = ()
+    short: bool = False
+    sliders: int = 0
+    jobs: int | None = None
+    cluster: str | None = None
+    keep: int = 0
+    resume: bool = False
+
+    def __post_init__(self) -> None:
+        for step in self.steps:
+            positive("--dt", step, "s")
+        for name in self.engines:
+            registry.check(name, "--engine")
+        for route in self.routes:
+            choice("--route", route, ROUTES)
+
+    @property
+    def matrix(self) -> Matrix:
+        """The rows of it."""
+        routes = tuple(route for route in ROUTES if not self.routes or route in self.routes)
+        return Matrix(routes, self.presets, self.steps, self.short, self.sliders)
+
+
+@dataclass(frozen=True, slots=True)
+class Sweep:
+    """A finished sweep: rows stay on disk and are read when asked for.
+
+    folder : where everything is. total : rows. computed : those of this call. failed : rows with an error.
+    """
+
+    folder: Path
+    machine: Machine
+    command: str
+    notes: tuple[str, ...]
+    total: int
+    computed: int
+    failed: int
+    wall_s: float
+
+    def rows(self) -> Iterator[dict[str, Any]]:
+        """Every row as plain data, one part in memory at a time."""
+        yield from Parts(self.folder).read()
+
+    def convergence(self) -> list[Convergence]:
+        """Measured orders, from the rows on disk."""
+        ladder = Ladder()
+        for row in self.rows():
+            ladder.add(row)
+        return [Convergence(**asdict(order)) for order in ladder.orders()]
+
+    def files(self) -> dict[str, str]:
+        """What the folder holds."""
+        there = {"result": RESULT, "report": PAGE, "rows": "rows", "traces": TRACES, "log": LOG}
+        return {name: str(self.folder / path) for name, path in there.items() if (self.folder / path).exists()}
+
+    def json(self) -> Iterator[str]:
+        """harness.sweep/1 as pieces of text, one row at a time."""
+        head = {
+            "schema": "harness.sweep/1",
+            "machine": self.machine.model_dump(mode="json"),
+            "command": self.command,
+            "notes": list(self.notes),
+            "files": self.files(),
+        }
+        yield json.dumps(head, indent=1)[:-2] + ',\n "rows": ['
+        between = "\n  "
+        for row in self.rows():
+            yield between + SweepRow.model_validate(row).model_dump_json()
+            between = ",\n  "
+        orders = ",\n  ".join(one.model_dump_json() for one in self.convergence())
+        yield f'\n ],\n "convergence": [\n  {orders}\n ]\n}}\n'
+
+
+def engines_for(options: SweepOptions) -> dict[str, Engine]:
+    """The engines to sweep; one that was asked for and is not installed is an error, others are left out."""
+    if options.engines:
+        try:
+            found = {name: registry.load(name) for name in dict.fromkeys(options.engines)}
+        except SimulationError as error:
+            raise InputError("--engine", str(error), "an installed engine is accepted") from None
+    else:
+        found = {name: registry.load(name) for name, why in registry.available().items() if why is None}
+    labels = [engine.label for engine in found.values()]
+    if twice := {label for label in labels if labels.count(label) > 1}:
+        same = ", ".join(sorted(twice))
+        raise InputError("--engine", f"{same} twice", "environments with names of their own are accepted")
+    for preset in options.presets:
+        choice("--preset", preset, preset_names(found))
+    return found
+
+
+def sweep(
+    options: SweepOptions,
+    out: Path | None = None,
+    progress: Progress = SILENT,
+    command: str = "",
+    function: Compute = compute,
+) -> Sweep:
+    """Compute the matrix into a folder; rows are on disk as they come.
+
+    out : folder, None for reports/sweep-TIME here. function : what a worker runs. Raises StoreError for a folder that
+    cannot be written or is taken, InterruptionError after an interruption, HarnessError when a cluster is lost; in each
+    case the rows that were done are kept and the message says how to go on.
+    """
+    started = time.perf_counter()
+    engines = engines_for(options)
+    folder = _folder(options, out)
+    with journal(folder / LOG):
+        parts = Parts(folder)
+        have = parts.keys() if options.resume else set()
+        notes = [_damaged(name) for name in parts.damaged]
+        total = options.matrix.size(engines)
+        wanted = (spec for spec in options.matrix.specs(engines) if int(spec.key, 16) not in have)
+        done = _compute(_Job(options, folder, parts, total, len(have)), wanted, progress, function)
+        count = failures = 0
+        for row in parts.read():
+            count, failures = count + 1, failures + (row["error"] is not None)
+        notes += [_damaged(name) for name in parts.damaged[len(notes) :]]
+    wall = time.perf_counter() - started
+    machine = this_machine()
+    return Sweep(folder, machine, command, tuple(notes), count, done, failures, wall)
+
+
+def write_result(result: Sweep) -> None:
+    """Write result.json into the folder, streaming; raises StoreError."""
+    write_stream(result, result.folder / RESULT)
+
+
+def write_stream(result: Sweep, path: Path) -> None:
+    """Write harness.sweep/1 to a file, whole or not at all; raises StoreError."""
+    with replacing(path) as part, part.open("w", encoding="utf-8") as file:
+        file.writelines(result.json())
+
+
+@dataclass(frozen=True, slots=True)
+class _Job:
+    options: SweepOptions
+    folder: Path
+    parts: Parts
+    total: int
+    had: int
+
+
+def _folder(options: SweepOptions, out: Path | None) -> Path:
+    if options.resume:
+        if out is None:
+            raise InputError("--resume", "given without --out", "the folder of the sweep to go on with is accepted")
+        if not (out / "rows").is_dir():
+            raise InputError(
+                f"--out {out}", "holds no sweep to resume", "the folder of one, or no --resume, is accepted"
+            )
+        return out.absolute()
+    if out is not None:
+        check_new(out)
+    return growing_folder("sweep", out)
+
+
+def _damaged(name: str) -> str:
+    return f"rows/{name} was damaged and set aside as {name}.damaged; its rows are computed again"
+
+
+def _compute(job: _Job, specs: Iterator[Spec], progress: Progress, function: Compute) -> int:
+    """Compute and keep; returns how many rows were computed."""
+    clock = _Clock(job.total, job.had, progress)
+    first = next(specs, None)
+    if first is None:
+        return 0
+    clock.tell(0)
+    workers = _workers(job.options)
+    buffer: list[dict[str, Any]] = []
+    done = kept = 0
+    flushed = time.monotonic()
+    try:
+        try:
+            for row in completed(_chain(first, specs), workers, function, failed_row):
+                buffer.append(row)
+                done += 1
+                clock.tell(done)
+                if len(buffer) >= PART_ROWS or time.monotonic() - flushed > PART_S:
+                    job.parts.write(buffer)
+                    kept, flushed = done, time.monotonic()
+                    buffer = []
+            job.parts.write(buffer)
+        except (KeyboardInterrupt, HarnessError) as error:
+            if not isinstance(error, StoreError):
+                job.parts.write(buffer)
+                kept = done
+            raise
+        finally:
+            workers.close()
+    except KeyboardInterrupt:
+        _stopped(InterruptionError, "interrupted", job, kept)
+    except StoreError as error:
+        _stopped(StoreError, str(error), job, kept)
+    except HarnessError as error:
+        _stopped(HarnessError, str(error), job, kept)
+    return done
+
+
+def _chain(first: Spec, rest: Iterator[Spec]) -> Iterator[Spec]:
+    yield first
+    yield from rest
+
+
+def _stopped(kind: type[HarnessError], what: str, job: _Job, kept: int) -> NoReturn:
+    rows = f"{job.had + kept} of {job.total} rows are kept"
+    raise kind(f"{what}; {rows}, the same command with --resume --out {job.folder} goes on") from None
+
+
+def _workers(options: SweepOptions) -> Workers:
+    return LocalPool(options.jobs or cores()) if options.cluster is None else Cluster(options.cluster)
+
+
+class _Clock:
+    """How far it is, and how long it will take."""
+
+    def __init__(self, total: int, had: int, progress: Progress) -> None:
+        self._total, self._had, self._progress = total, had, progress
+        self._started = time.monotonic()
+
+    def tell(self, done: int) -> None:
+        """Say that so many rows of this call are done."""
+        spent = time.monotonic() - self._started
+        left = ""
+        if done >= 4:
+            left = ", " + duration((self._total - self._had - done) * spent / done) + " left"
+        self._progress(f"{self._had + done} of {self._total} rows{left}", self._had + done, self._total)
+
+
+def duration(seconds: float) -> str:
+    """As people say it: "40 s", "3 min 20 s", "2 h 5 min"."""
+    whole = round(seconds)
+    if whole < 60:
+        return f"{whole} s"
+    if whole < 3600:
+        return f"{whole // 60} min {whole % 60} s"
+    return f"{whole // 3600} h {whole % 3600 // 60} min"
+
+
+def settings_of(row: Mapping[str, Any]) -> str:
+    """The settings of a row in one line: preset, integrator, step, and what was changed."""
+    changed = ", ".join(f"{name} {_text(value)}" for name, value in row["changed"].items() if name != "integrator")
+    step = "" if row["dt_s"] is None else f"{row['dt_s'] * 1e3:.4g} ms"
+    return ", ".join(filter(None, (row["preset"], row["integrator"], step, changed)))
+
+
+def _text(value: object) -> str:
+    if isinstance(value, list):
+        return " ".join(_text(inner) for inner in value)
+    return f"{value:.5g}" if isinstance(value, float) else str(value)

@@ -1,0 +1,79 @@
+"""Files read within bounds: their size is known, or counted, before it is taken into memory."""
+
+import gzip
+import json
+import zlib
+from pathlib import Path
+from typing import Any, BinaryIO
+
+from harness.core.errors import InputError
+
+MEBIBYTE = 1 << 20
+MOST_BYTES = 1024 * MEBIBYTE
+"""Of a recording as text, unpacked: ten million samples of five channels take less."""
+MOST_DOCUMENT_BYTES = 64 * MEBIBYTE
+"""Of a JSON document."""
+_PIECE = 4 * MEBIBYTE
+_MOST_DIGITS = 1000
+
+
+def check_size(path: Path, most: int) -> None:
+    """Raise InputError for a file of more than ``most`` bytes, OSError for none."""
+    size = path.stat().st_size
+    if size > most:
+        raise _too_large(path, f"{size} bytes", most)
+
+
+def read_bytes(path: Path, most: int = MOST_BYTES) -> bytes:
+    """The content of a file. Raises InputError when it cannot be read or holds more than ``most`` bytes."""
+    try:
+        check_size(path, most)
+        with path.open("rb") as file:
+            data = file.read(most + 1)  # a file that grows meanwhile, or one whose size the system does not say
+    except OSError as error:
+        raise InputError(str(path), error.strerror or "cannot be read", "a file that can be read is accepted") from None
+    if len(data) > most:
+        raise _too_large(path, f"more than {most} bytes", most)
+    return data
+
+
+def unpacked(path: Path, file: BinaryIO, most: int = MOST_BYTES) -> bytearray:
+    """The content of a gzip stream of the file ``path``, counted while it is unpacked.
+
+    Raises InputError when it is damaged or holds more than ``most`` bytes.
+    """
+    data = bytearray()
+    try:
+        with gzip.GzipFile(fileobj=file) as stream:
+            while piece := stream.read(_PIECE):
+                data += piece
+                if len(data) > most:
+                    raise _too_large(path, f"more than {most} bytes, unpacked", most)
+    except (OSError, EOFError, zlib.error) as error:
+        raise InputError(str(path), f"unreadable ({error})", "a whole gzip file is accepted") from None
+    return data
+
+
+def _too_large(path: Path, found: str, most: int) -> InputError:
+    return InputError(str(path), found, f"at most {most} are accepted")
+
+
+def parse_json(text: str | bytes | bytearray) -> Any:
+    """``json.loads`` that raises ValueError, and nothing else, for whatever it cannot read.
+
+    NaN and the infinities, which are no JSON, are refused; so is what is nested too deeply.
+    """
+    try:
+        return json.loads(text, parse_constant=_no_constant, parse_int=_integer)
+    except RecursionError:
+        raise ValueError("nested too deeply") from None
+
+
+def _integer(digits: str) -> int:
+    if len(digits) > _MOST_DIGITS:
+        raise ValueError(f"a number of {len(digits)} digits")
+    return int(digits)
+
+
+def _no_constant(name: str) -> float:
+    raise ValueError(f"{name} is not a number of JSON")

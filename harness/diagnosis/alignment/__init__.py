@@ -1,0 +1,1 @@
+"""Two traces over each other, and two channels of one recording."""

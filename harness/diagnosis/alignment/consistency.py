@@ -1,0 +1,254 @@
+"""Do two channels of one recording tell of the same motion? Without a model, from the data alone.
+
+A channel is never differentiated. Both are weighed with smooth windows phi that vanish with their derivatives at their
+ends: integration by parts gives int phi a dt = int phi'' x dt, jumps of a and all. Gain, lag and offset between the two
+are a least-squares line through many windows.
+"""
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from harness.core.arrays import FloatArray
+from harness.core.quantity import Quantity
+from harness.estimate.noise import Noise
+from harness.fit.covariance import inverse_of
+from harness.fit.least_squares import Bounds, Until, least_squares
+
+_WINDOW = 0.9
+_STEP = 4
+"""Windows overlap: each begins a quarter of a window after the one before."""
+_DONE = 1e-10
+"""Share of the squares that a lag must still take off."""
+_FEWEST = 8
+_TOLERANCE = 3.0
+_RELATED = 0.5
+_SHARP = 8.0
+_MOST_JUMPS = 400
+_UNITS = {
+    1000.0: "1000",
+    1e-3: "1/1000",
+    1e6: "1000000",
+    1e-6: "1/1000000",
+    9.80665: "9.81 (g)",
+    1.0 / 9.80665: "1/9.81 (g)",
+    math.degrees(1.0): "180/pi",
+    math.radians(1.0): "pi/180",
+}
+"""Factors that come of a unit taken for another."""
+_ORDER = {("x", "v"): 1, ("v", "a"): 1, ("x", "a"): 2}
+_NAMES = {"x": "displacement", "v": "velocity", "a": "acceleration"}
+_SI = {"x": "m", "v": "m/s", "a": "m/s^2"}
+
+
+@dataclass(frozen=True, slots=True)
+class Consistency:
+    """What one channel says of another.
+
+    pair : ("x", "a"). gain : of the second over the derivative of the first; lag : s, by which the first is late
+    against the second; offset : of the second, its unit. related : whether they move together at all. consistent :
+    gain 1, lag 0, offset 0 within three standard errors each. sentence : plainly.
+    """
+
+    pair: tuple[str, str]
+    gain: Quantity
+    lag: Quantity
+    offset: Quantity
+    related: bool
+    consistent: bool
+    sentence: str
+
+
+@dataclass(frozen=True, slots=True)
+class _Windows:
+    """Sample range of each window (m,) and its centre, s; length, s."""
+
+    low: np.ndarray
+    high: np.ndarray
+    centre: FloatArray
+    length: float
+
+
+def _windows(t: FloatArray, length: float) -> _Windows:
+    starts = np.arange(t[0], t[-1] - length, length / _STEP)
+    low, high = np.searchsorted(t, starts), np.searchsorted(t, starts + length, side="right")
+    interval = float(np.median(np.diff(t)))
+    # a gap spoils the windows over it
+    gaps = np.concatenate(([0], np.cumsum(np.diff(t) > 3.0 * interval)))
+    whole = (gaps[np.minimum(high, t.size) - 1] == gaps[np.minimum(low, t.size - 1)]) & (high - low >= _FEWEST)
+    return _Windows(low[whole], high[whole], starts[whole] + 0.5 * length, length)
+
+
+def _phi(s: FloatArray, order: int, length: float) -> FloatArray:
+    """Derivative of the given order of cos^6(pi s / length), zero outside |s| < length / 2.
+
+    cos^6 y = (10 + 15 cos 2y + 6 cos 4y + cos 6y) / 32.
+    """
+    y = math.pi * s / length
+    total = np.full_like(s, 10.0 if order == 0 else 0.0)
+    for weight, k in ((15.0, 2), (6.0, 4), (1.0, 6)):
+        total += weight * (k * math.pi / length) ** order * np.cos(k * y + 0.5 * math.pi * order)
+    return np.where(np.abs(s) < 0.5 * length, total / 32.0, 0.0)
+
+
+def _weigh(t: FloatArray, y: FloatArray, windows: _Windows, order: int, shift: float = 0.0) -> FloatArray:
+    """Integral of y (n,) times the derivative of phi over every window (m,), by the trapezium rule."""
+    weights = np.gradient(t)
+    out = np.empty(windows.centre.size)
+    for i, (low, high, centre) in enumerate(zip(windows.low, windows.high, windows.centre, strict=True)):
+        part = slice(low, high)
+        out[i] = np.dot(_phi(t[part] - centre - shift, order, windows.length), weights[part] * y[part])
+    return out
+
+
+def _covariance(length: float, order: int, noise: Noise, interval: float) -> FloatArray:
+    """Covariance (4,) of window integrals that begin 0, 1, 2, 3 quarters apart, for first-order noise."""
+    s = np.arange(-0.5 * length, 0.5 * length, interval)
+    density = noise.sigma**2 * interval * noise.inflation(2.0 * math.pi / length, interval)
+    first = _phi(s, order, length)
+    return np.array(
+        [density * interval * float(first @ _phi(s - k * length / _STEP, order, length)) for k in range(_STEP)]
+    )
+
+
+def consistency(
+    t: FloatArray, channels: Mapping[str, FloatArray], noise: Mapping[str, Noise], omega: float, angular: bool = False
+) -> tuple[Consistency, ...]:
+    """Every pair of x, v, a (n,) against each other; t in s, omega of the swing in rad/s. Linear in samples."""
+    pairs = [pair for pair in _ORDER if pair[0] in channels and pair[1] in channels]
+    return tuple(_pair(t, channels, noise, omega, pair, angular) for pair in pairs)
+
+
+def _late(t: FloatArray, y: FloatArray, windows: _Windows, order: int, lag: float, further: int) -> FloatArray:
+    """Integral (m,) of the derivative of this order of y in windows late by ``lag`` (s); ``further``: by the lag."""
+    return (-1.0) ** (order + further) * _weigh(t, y, windows, order + further, lag)
+
+
+@dataclass(frozen=True, slots=True)
+class _Line:
+    """One channel's integrals (m,) as a line of the other's, seen, at one lag; slope : of seen, by the lag."""
+
+    seen: FloatArray
+    slope: FloatArray
+    gain: float
+    offset: float
+    left: FloatArray
+    partial: FloatArray
+
+    @classmethod
+    def of(cls, y: FloatArray, one: FloatArray, seen: FloatArray, slope: FloatArray) -> "_Line":
+        """Gain and offset follow the lag: they are linear."""
+        plane, _ = np.linalg.qr(np.column_stack([seen, one]))
+        gain, offset = np.linalg.lstsq(np.column_stack([seen, one]), y, rcond=None)[0].tolist()
+        partial = gain * slope
+        return cls(seen, slope, gain, offset, y - gain * seen - offset * one, partial - plane @ (plane.T @ partial))
+
+    @property
+    def squares(self) -> float:
+        """Of what the line leaves."""
+        return float(self.left @ self.left)
+
+    def normal_equations(self) -> tuple[FloatArray, FloatArray]:
+        """Of the lag, gain and offset eliminated."""
+        return np.array([[self.partial @ self.partial]]), np.array([self.partial @ self.left])
+
+
+def _pair(
+    t: FloatArray,
+    channels: Mapping[str, FloatArray],
+    noise: Mapping[str, Noise],
+    omega: float,
+    pair: tuple[str, str],
+    angular: bool,
+) -> Consistency:
+    first, second = pair
+    order = _ORDER[pair]
+    unit = _SI[second].replace("m", "rad", 1) if angular else _SI[second]
+    windows = _windows(t, _WINDOW * 2.0 * math.pi / omega)
+    if windows.centre.size < _FEWEST:
+        why = f"{windows.centre.size} windows without a gap; {_FEWEST} are needed"
+        none = Quantity.refused("1", why)
+        return Consistency(pair, none, Quantity.refused("s", why), Quantity.refused(unit, why), True, True, why)
+    y, one = _weigh(t, channels[second], windows, 0), _weigh(t, np.ones(t.size), windows, 0)
+    interval = float(np.median(np.diff(t)))
+    limit = 0.25 * math.pi / omega
+
+    def evaluated(at: FloatArray) -> _Line:
+        # x late by lag: its window must be late as well
+        return _Line.of(y, one, *(_late(t, channels[first], windows, order, float(at[0]), k) for k in (0, 1)))
+
+    found = least_squares(evaluated, np.zeros(1), Until(share=_DONE), Bounds.of(1, -limit, limit))
+    lag, line = float(found.coordinates[0]), found.point
+    gain, offset, left = line.gain, line.offset, line.left
+    design = np.column_stack([line.seen, line.slope, one])
+    covariance = _covariance(windows.length, 0, noise[second], interval)
+    covariance = covariance + gain**2 * _covariance(windows.length, order, noise[first], interval)
+    jumps = _jumps(t, channels[second], noise[second], windows)
+    errors = _standard_errors(design, left, covariance, jumps)
+    swing = y - one * (one @ y) / (one @ one)
+    related = float(left @ left) < _RELATED * float(swing @ swing) and gain > 0.0
+    quantities = (
+        Quantity(gain, float(errors[0]), "1"),
+        Quantity(lag, float(errors[1]) / (abs(gain) or 1.0), "s"),
+        Quantity(offset, float(errors[2]), unit),
+    )
+    return _judged(pair, quantities, related)
+
+
+def _jumps(t: FloatArray, y: FloatArray, noise: Noise, windows: _Windows) -> FloatArray:
+    """One standard error (jumps, m) of every window's integral by each jump of y, anywhere in its interval."""
+    d = np.diff(y)
+    sharp = np.zeros(d.size)
+    sharp[1:-1] = d[1:-1] - 0.5 * (d[:-2] + d[2:])
+    size = np.abs(sharp)
+    level = _SHARP * max(noise.sigma, float(np.median(size)) / 0.6745 / math.sqrt(2.5))
+    size[1:-1] *= (size[1:-1] >= size[:-2]) & (size[1:-1] >= size[2:])
+    at = np.flatnonzero(size > level)
+    at = at[np.argsort(size[at])[::-1][:_MOST_JUMPS]]
+    middle, spread = 0.5 * (t[at] + t[at + 1]), size[at] * (t[at + 1] - t[at]) / math.sqrt(12.0)
+    return spread[:, None] * _phi(middle[:, None] - windows.centre[None, :], 0, windows.length)
+
+
+def _standard_errors(design: FloatArray, left: FloatArray, covariance: FloatArray, jumps: FloatArray) -> FloatArray:
+    """Of the three numbers, for windows that overlap; inflated by what the windows scatter beyond the noise."""
+    bread = inverse_of(design.T @ design)
+    middle = covariance[0] * (design.T @ design)
+    for k in range(1, covariance.size):
+        across = covariance[k] * (design[k:].T @ design[:-k])
+        middle = middle + across + across.T
+    by_jump = jumps @ design
+    middle = middle + by_jump.T @ by_jump
+    known = (left.size - 3) * covariance[0] + float(np.sum(jumps * jumps))
+    scatter = float(left @ left) / max(known, 1e-300)
+    errors: FloatArray = np.sqrt(np.maximum(np.diag(bread @ middle @ bread), 0.0) * max(scatter, 1.0))
+    return errors
+
+
+def _off(quantity: Quantity, wanted: float) -> bool:
+    value, error = quantity.value or 0.0, quantity.stderr or 0.0
+    return abs(value - wanted) > _TOLERANCE * error
+
+
+def _judged(pair: tuple[str, str], found: tuple[Quantity, Quantity, Quantity], related: bool) -> Consistency:
+    gain, lag, offset = found
+    first, second = (_NAMES[c] for c in pair)
+    value = gain.value or 0.0
+    factor = next((text for f, text in _UNITS.items() if abs(math.log(max(value, 1e-300) / f)) < 0.2), None)
+    if related and factor is not None:
+        sentence = f"{second} does not match {first} by a factor of about {factor}; are the units right?"
+        return Consistency(pair, gain, lag, offset, True, False, sentence)
+    if not related:
+        opposite = " (they move against each other)" if value < 0.0 else ""
+        sentence = f"{second} and {first} do not belong together{opposite}"
+        return Consistency(pair, gain, lag, offset, False, False, sentence)
+    said = []
+    if _off(gain, 1.0):
+        said.append(f"is {value:.4g} times what {first} says")
+    if _off(lag, 0.0):
+        said.append(f"is {'early' if (lag.value or 0.0) > 0.0 else 'late'} by {abs(lag.value or 0.0):.3g} s")
+    if _off(offset, 0.0):
+        said.append(f"is offset by {offset.value:.3g} {offset.unit}")
+    sentence = f"{second} " + " and ".join(said) if said else f"{second} agrees with {first}"
+    return Consistency(pair, gain, lag, offset, True, not said, sentence)

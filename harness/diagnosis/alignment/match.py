@@ -1,0 +1,169 @@
+"""Two traces of any origin laid over each other: what differs, in units of the noise."""
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from types import MappingProxyType
+
+import numpy as np
+
+from harness.core.arrays import FloatArray
+from harness.core.errors import InputError
+from harness.core.quantity import Quantity
+from harness.core.recording import MINIMUM_SAMPLES, Recording
+from harness.diagnosis.alignment.align import Alignment, align
+from harness.diagnosis.alignment.pair import Clock, Pair
+from harness.diagnosis.baseline.base_fit import dominant_frequency
+from harness.estimate.noise import Noise, channel_noise
+from harness.estimate.reversals import Kind, NoDecay, period_of
+
+
+@dataclass(frozen=True, slots=True)
+class Match:
+    """real minus sim at shared times t (n,), s, of the real trace's clock.
+
+    aligned : the shift, its error, and what else it could be. clock : as applied. sim, real : channels in common at t,
+    difference : real - sim, SI. whitened : the same in units of the noise of both. partial : of whitened by the shift.
+    noise : of the difference, by channel. found : noise of each trace, (sim, real). omega : rad/s of the swing.
+    interpolated : whether one of the two had to be, so that samples next to a jump mean little. identical : whether
+    the two hold the same samples there.
+    """
+
+    t: FloatArray
+    aligned: Alignment
+    clock: Clock
+    sim: Mapping[str, FloatArray]
+    real: Mapping[str, FloatArray]
+    whitened: Mapping[str, FloatArray]
+    partial: Mapping[str, FloatArray]
+    noise: Mapping[str, Noise]
+    found: tuple[Mapping[str, Noise], Mapping[str, Noise]]
+    omega: float
+    interpolated: bool
+    identical: bool
+
+    @property
+    def difference(self) -> dict[str, FloatArray]:
+        """Real minus sim by channel, SI units."""
+        return {c: self.real[c] - self.sim[c] for c in self.real}
+
+
+_KINDS = {"x": Kind.DISPLACEMENT, "v": Kind.VELOCITY, "a": Kind.ACCELERATION}
+
+
+def swing_of(recording: Recording) -> float:
+    """Angular frequency of a recording's motion, rad/s; raises InputError when it does not swing."""
+    name = next(c for c in ("x", "v", "a") if c in recording)
+    t, y = recording.t, recording[name]
+    try:
+        # a long wait before the release is no swing: of a displacement the speed is looked at
+        return 2.0 * math.pi / period_of(t, y, _KINDS[name], channel_noise(t, y))
+    except NoDecay:
+        omega = dominant_frequency(t, y)
+    if not math.isfinite(omega) or omega <= 0.0:
+        raise InputError(recording.file, "nothing that swings", "a motion that swings is accepted")
+    return omega
+
+
+def noise_of(recording: Recording, omega: float) -> dict[str, Noise]:
+    """Noise of every channel of motion."""
+    period = 2.0 * math.pi / omega
+    return {c: channel_noise(recording.t, recording[c], period) for c in ("x", "v", "a") if c in recording}
+
+
+def match(sim: Recording, real: Recording, given: float | None = None) -> Match:
+    """Lay a simulated trace over a recorded one.
+
+    Times are those of the trace that is sampled less densely; the other is interpolated. given : a shift, s, that is
+    taken as it is; None to find it, with the measured force of both too where there is one.
+
+    Raises InputError when no channel is common, or too few samples are.
+    """
+    common = [c for c in ("x", "v", "a") if c in sim and c in real]
+    if not common:
+        raise InputError(
+            f"{sim.file} and {real.file}",
+            f"channels {', '.join(sim.channels)} and {', '.join(real.channels)}",
+            "two traces with one of x, v, a in common are accepted",
+        )
+    omega = swing_of(real)
+    period = 2.0 * math.pi / omega
+    found = noise_of(sim, omega), noise_of(real, omega)
+    noise = {c: _both(found[0][c], found[1][c]) for c in common}
+    if "u" in sim and "u" in real and min(np.ptp(sim["u"]), np.ptp(real["u"])) > 0.0:
+        forces = [channel_noise(one.t, one["u"], period) for one in (sim, real)]
+        aligned = align(sim, real, noise | {"u": _both(*forces)}, period, given)
+    else:
+        aligned = align(sim, real, noise, period, given)
+    same = _same_samples(sim, real, aligned.clock)
+    if same is not None and (given is None or abs(given - same) < _INSTANT * real.interval):
+        exact = Quantity(same, 0.0, "s")
+        clock = Clock(same, 1.0, float(sim.t[0]))
+        aligned = replace(aligned, shift=exact, scale=Quantity(1.0, 0.0, "1"), clock=clock, alternatives=())
+        t, left, right = _shared(sim, real, common, same)
+    else:
+        same, clock = None, aligned.clock
+        t, left, right = Pair(sim, real, noise).at(clock)
+    if t.size < MINIMUM_SAMPLES:
+        raise InputError(
+            f"{sim.file} and {real.file}",
+            f"{t.size} samples at shared times",
+            f"traces that overlap by at least {MINIMUM_SAMPLES} samples are accepted",
+        )
+    frozen = MappingProxyType
+    return Match(
+        t,
+        aligned,
+        clock,
+        frozen(left),
+        frozen(right),
+        frozen({c: noise[c].whitened(right[c] - left[c]) for c in common}),
+        frozen({c: noise[c].whitened(np.gradient(left[c], t)) for c in common}),
+        noise,
+        found,
+        omega,
+        interpolated=same is None and not (clock == Clock(0.0, 1.0, clock.origin) and t.size == len(sim) == len(real)),
+        identical=same is not None,
+    )
+
+
+_INSTANT = 1e-3
+"""Share of a sampling interval by which instants that are the same may differ: times are written with few digits."""
+
+
+def _offset(sim: Recording, real: Recording, shift: float) -> tuple[slice, slice]:
+    """Samples of each that lie over the other, one for one, by a shift near ``shift`` (s)."""
+    begin = int(np.argmin(np.abs(real.t - sim.t[0] - shift)))
+    ahead = int(np.argmin(np.abs(sim.t + shift - real.t[0]))) if begin == 0 else 0
+    count = min(len(sim) - ahead, len(real) - begin)
+    return slice(ahead, ahead + count), slice(begin, begin + count)
+
+
+def _same_samples(sim: Recording, real: Recording, clock: Clock) -> float | None:
+    """The exact shift, s, where the two hold the same values at the same instants; None where they do not."""
+    ours, theirs = _offset(sim, real, clock.shift)
+    if ours.stop - ours.start < MINIMUM_SAMPLES:
+        return None
+    shift = float(np.median(real.t[theirs] - sim.t[ours]))
+    # a shift of whole digits, as the one who moved the clock wrote it
+    shift = float(np.round(shift, 9))
+    together = np.max(np.abs(real.t[theirs] - sim.t[ours] - shift)) <= _INSTANT * real.interval
+    if not together:
+        return None
+    common = [c for c in sim.channels if c in real]
+    return shift if all(np.array_equal(sim[c][ours], real[c][theirs]) for c in common) else None
+
+
+def _shared(
+    sim: Recording, real: Recording, common: list[str], shift: float
+) -> tuple[FloatArray, dict[str, FloatArray], dict[str, FloatArray]]:
+    """Times of the second's clock and the channels of both there, sample on sample."""
+    ours, theirs = _offset(sim, real, shift)
+    return real.t[theirs], {c: sim[c][ours] for c in common}, {c: real[c][theirs] for c in common}
+
+
+def _both(a: Noise, b: Noise) -> Noise:
+    """Noise of a difference."""
+    variance = a.sigma**2 + b.sigma**2
+    phi = (a.phi * a.sigma**2 + b.phi * b.sigma**2) / variance
+    return Noise(math.sqrt(variance), a.found or b.found, phi, max(a.step, b.step))

@@ -1,0 +1,1 @@
+"""The base fit: viscous and Coulomb friction on the restoring force."""

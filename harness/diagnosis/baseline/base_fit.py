@@ -1,0 +1,219 @@
+"""The base fit: viscous and Coulomb friction on the restoring force, without falling into false minima.
+
+The number of half-cycles before the slider sticks jumps with f_k, and a phase that slips by a cycle has a minimum of
+its own. So the start comes from the spectrum and the envelope, the fit first sees the first cycles only and then ever
+more of the recording, from several shares of viscous and dry friction; the best of them is kept.
+"""
+
+import math
+from dataclasses import replace
+from itertools import product
+
+import numpy as np
+
+from harness.core.arrays import FloatArray
+from harness.core.errors import InputError, SimulationError
+from harness.diagnosis.fit.least_squares import Fit, fit
+from harness.diagnosis.fit.observe import COARSE
+from harness.diagnosis.fit.parameters import base_of, free_of
+from harness.diagnosis.motion import motion_of
+from harness.diagnosis.problem import Problem
+from harness.kernels.solve import Scales
+from harness.model.model import Model, Restoring
+
+_SHARES = (0.5, 0.15, 0.85)
+_CLEARLY_MOVING = 6.0
+"""Standard errors of the first speed from which a release from rest need not be tried."""
+_FIRST_CYCLES = 2.0
+_DRY = (1.0, 0.5, 1.5)
+"""Shares of the dry friction that the inverse dynamics give, from which a driven fit starts."""
+
+
+def dominant_frequency(t: FloatArray, y: FloatArray) -> float:
+    """Angular frequency (rad/s) at which a channel (n,) swings, from its spectrum's peak."""
+    n = max(256, min(2 * t.size, 1 << 16))
+    grid = np.linspace(t[0], t[-1], n)
+    even = np.interp(grid, t, y)
+    even = (even - even.mean()) * np.hanning(n)
+    power = np.abs(np.fft.rfft(even, 4 * n)) ** 2
+    step = 2.0 * math.pi / (4 * n * (grid[1] - grid[0]))
+    i = int(np.argmax(power[1:])) + 1
+    if i + 1 < power.size:
+        left, mid, right = np.log(power[i - 1 : i + 2] + 1e-300)
+        bend = left - 2.0 * mid + right
+        shift = 0.5 * (left - right) / bend if bend < 0.0 else 0.0
+        return float((i + shift) * step)
+    return float(i * step)
+
+
+def _first_cycle(t: FloatArray, y: FloatArray, omega: float) -> tuple[float, float]:
+    """Amplitudes of cosine and sine at omega over the first cycle."""
+    keep = t - t[0] <= 2.0 * math.pi / omega
+    if np.count_nonzero(keep) < 8:
+        keep = np.arange(t.size) < 8
+    phase = omega * (t[keep] - t[0])
+    basis = np.column_stack((np.cos(phase), np.sin(phase), np.ones(phase.size)))
+    cosine, sine, _ = np.linalg.lstsq(basis, y[keep], rcond=None)[0]
+    return float(cosine), float(sine)
+
+
+def _decay(t: FloatArray, y: FloatArray, omega: float) -> float:
+    """Relative loss of amplitude per radian over the recording: an effective damping ratio."""
+    cycle = 2.0 * math.pi / omega
+    edges = np.arange(t[0], t[-1], cycle)
+    peaks = [float(np.ptp(y[(t >= e) & (t < e + cycle)])) for e in edges[:-1]]
+    peaks = [p for p in peaks if p > 0.15 * peaks[0]] if peaks else []
+    if len(peaks) < 2:
+        return 0.05
+    slope = np.polyfit(np.arange(len(peaks)), np.log(peaks), 1)[0]
+    return float(min(max(-slope / (2.0 * math.pi), 1e-4), 0.5))
+
+
+def scales_of(problem: Problem, omega: float) -> Scales:
+    """What counts as ordinary in this recording."""
+    if "x" in problem.channels:
+        x = float(np.max(np.abs(problem.channels["x"])))
+    elif "a" in problem.channels:
+        x = float(np.max(np.abs(problem.channels["a"]))) / omega**2
+    else:
+        x = float(np.max(np.abs(problem.channels["v"]))) / omega
+    return Scales(x, x * omega, omega)
+
+
+def starts(problem: Problem) -> list[Model]:
+    """Base models to start from, made from spectrum and envelope."""
+    name = next(c for c in ("x", "v", "a") if c in problem.channels)
+    t, y = problem.t, problem.channels[name]
+    omega = dominant_frequency(t, y)
+    if not math.isfinite(omega) or omega <= 0.0:
+        raise InputError("recording", "nothing that swings", "a free decay is accepted")
+    cosine, sine = _first_cycle(t, y, omega)
+    x0, v0 = {
+        "x": (cosine, sine * omega),
+        "v": (-sine / omega, cosine),
+        "a": (-cosine / omega**2, -sine / omega),
+    }[name]
+    loss = _decay(t, y, omega)
+    m = problem.mass or 1.0
+    amplitude = math.hypot(x0, v0 / omega)
+    # equal energy over a cycle at half the first amplitude: 4 f_k X = pi c omega X^2
+    models = []
+    for share in _SHARES:
+        zeta = loss * (1.0 - share)
+        f_k = share * loss * m * omega**2 * 0.5 * amplitude * math.pi / 2.0
+        models.append(
+            Model(
+                m, 2.0 * zeta * omega * m, m * omega**2, f_k, x0=x0, v0=v0, t0=float(t[0]),
+                restoring=problem.restoring, mass_known=problem.mass is not None,
+            )
+        )  # fmt: skip
+    return models
+
+
+def base_names(problem: Problem) -> tuple[str, ...]:
+    """Base parameters that are fitted: the mass only where a measured force gives it."""
+    mass = ("m",) if problem.drive is not None and problem.mass is None else ()
+    spring = () if problem.restoring is Restoring.NONE else ("k",)
+    zero = ("offset",) if problem.zero_free and spring and "x" in problem.channels else ()
+    start = ("x0", "v0") if problem.restarts is None else ()
+    return (*mass, "c", *spring, "f_k", *zero, *start)
+
+
+def _grow(model: Model, problem: Problem, scales: Scales) -> Fit:
+    """Fit ever longer stretches, so that the phase never slips."""
+    free = free_of(model, base_names(problem))
+    t = problem.t
+    span, cycle = float(t[-1] - t[0]), 2.0 * math.pi / scales.omega
+    cycles = _FIRST_CYCLES
+    while cycles * cycle < span:
+        stop = int(np.searchsorted(t, t[0] + cycles * cycle))
+        if stop >= 24:
+            thin = max(1, stop // 1500)
+            model = fit(model, problem.part(slice(0, stop, thin)), free, scales, 12, COARSE, thorough=False).model
+        cycles *= 2.0
+    return fit(model, problem, free, scales, thorough=False)
+
+
+def _whole(model: Model, problem: Problem, scales: Scales) -> Fit:
+    """Fit the whole recording at once: right where the spectrum gave the frequency well."""
+    thin = max(1, problem.t.size // 1500)
+    free = free_of(model, base_names(problem))
+    rough = fit(model, problem.part(slice(None, None, thin)), free, scales, 15, COARSE, thorough=False)
+    return fit(rough.model, problem, free, scales, thorough=False)
+
+
+def baseline(problem: Problem) -> tuple[Fit, Scales]:
+    """The best fit of the base model to a free decay.
+
+    Raises InputError when the recording does not swing, SimulationError when no start could be simulated.
+    """
+    if problem.first is not None:
+        return _driven(problem, problem.first)
+    models = starts(problem)
+    scales = scales_of(problem, math.sqrt(models[0].k / models[0].m))
+    best: Fit | None = None
+    why = ""
+    for model in models:
+        # a knock ends the growing fit in a minimum of its own; the whole at once has others
+        for attempt in (_grow, _whole):
+            try:
+                found = attempt(model, problem, scales)
+            except SimulationError as error:
+                why = str(error)
+                continue
+            if best is None or found.chi2 < best.chi2:
+                best = found
+    if best is None:
+        raise SimulationError(f"no base fit could be simulated: {why}")
+    best = fit(best.model, problem, best.free, scales)
+    return at_rest(best, problem, scales), scales
+
+
+def _driven(problem: Problem, model: Model) -> tuple[Fit, Scales]:
+    """The base model fitted to a driven recording, from the inverse dynamics and from less and more dry friction."""
+    scales = driven_scales(problem, model)
+    names = base_names(problem)
+    best: Fit | None = None
+    why = ""
+    # smoothing rounds off a first motion out of rest, so that a start at rest is looked at too
+    still = tuple(name for name in names if name != "v0")
+    begun = ((0.0, still), (model.v0, names)) if "v0" in names else ((model.v0, names),)
+    for share, (v0, base) in product(_DRY, begun):
+        started = replace(model, f_k=share * model.f_k, v0=v0)
+        try:
+            found = fit(started, problem, free_of(started, base), scales, thorough=False)
+        except SimulationError as error:
+            why = str(error)
+            continue
+        if best is None or found.bic < best.bic:
+            best = found
+    if best is None:
+        raise SimulationError(f"no base fit could be simulated: {why}")
+    return best, scales
+
+
+def driven_scales(problem: Problem, model: Model) -> Scales:
+    """What counts as ordinary in a driven recording; without a spring omega is the motion's own."""
+    omega = math.sqrt(model.k / model.m)
+    cycle = omega or dominant_frequency(problem.t, next(iter(problem.channels.values())))
+    motion = motion_of(problem.t, problem.channels, cycle)
+    if omega == 0.0:
+        omega = math.sqrt(float(np.mean(motion.v**2))) / max(float(np.std(motion.x)), 1e-300)
+    return Scales(0.5 * float(np.ptp(motion.x)), float(np.max(np.abs(motion.v))), omega)
+
+
+def at_rest(found: Fit, problem: Problem, scales: Scales) -> Fit:
+    """The same fit released from rest, where the recording does not ask for a speed at its start."""
+    if "v0" not in base_of(found.free):
+        return found
+    base = tuple(name for name in base_of(found.free) if name != "v0")
+    at = next(i for i, f in enumerate(found.free) if f.name == "v0")
+    error = math.sqrt(max(float(found.covariance()[at, at]), 0.0)) * math.sqrt(max(1.0, found.chi2 / found.points))
+    if abs(found.values[at]) > _CLEARLY_MOVING * error:
+        return found
+    model = replace(found.model, v0=0.0)
+    try:
+        still = fit(model, problem, free_of(model, base), scales)
+    except SimulationError:
+        return found
+    return still if still.bic <= found.bic else found

@@ -1,0 +1,49 @@
+"""How many independent words a misfit has said: one a stroke, not one a sample.
+
+What a model leaves of a decay says one thing for about half a swing. So evidence counts strokes (a stroke lasts from
+one reversal to the next), up to a bound, and a fit is judged by the logarithm of the squares it leaves: a misfit has
+no level that is known.
+"""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from harness.core.arrays import FloatArray, IntArray
+from harness.diagnosis.rules import MOST_WORDS
+
+
+@dataclass(frozen=True, slots=True)
+class Strokes:
+    """Strokes of a motion: the number (n,) of the stroke that each sample lies in, and how many there are."""
+
+    of: IntArray
+    count: int
+
+    @classmethod
+    def by(cls, v: FloatArray) -> "Strokes":
+        """From the speed (n,) of a model's motion."""
+        turned = np.concatenate(([0], np.cumsum(np.diff(np.sign(v)) != 0)))
+        return cls(turned.astype(np.int64), int(turned[-1]) + 1)
+
+    @property
+    def cycles(self) -> float:
+        """Full swings."""
+        return 0.5 * self.count
+
+
+def words_of(strokes: Strokes) -> float:
+    """Independent words of a misfit: one a stroke, at most so many as a rule allows."""
+    return min(float(strokes.count), MOST_WORDS.value)
+
+
+def evidence(before: float, after: float, words: float, parameters: int, cells: float) -> float:
+    """What a model that leaves ``after`` of the squares ``before`` gains in evidence, twice a log likelihood.
+
+    W ln(before/after) - q ln W - ln(cells): the Bayesian information criterion of W values whose variance is unknown
+    (Schwarz 1978, Ann. Stat. 6, 461), with what a scan over so many cells of a parameter may find by chance.
+    """
+    if after <= 0.0:
+        return math.inf
+    return words * math.log(before / after) - parameters * math.log(words) - math.log(max(cells, 1.0))

@@ -1,0 +1,85 @@
+"""Whether two matched traces differ by more than their noise, and where."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from harness.core.recording import Recording
+from harness.diagnosis.alignment.consistency import Consistency, consistency
+from harness.diagnosis.alignment.match import Match, match, swing_of
+from harness.diagnosis.explain.locate import Place, locate
+from harness.diagnosis.motion import motion_of
+from harness.diagnosis.residual_tests.cleaned import isolated
+from harness.diagnosis.residual_tests.lack_of_fit import LackOfFit, lack_of_fit
+
+_UNLIKELY = 0.01
+"""Level of the test of structure: of pairs of the same motion one in a hundred is called different."""
+_LOUD = 1.5
+"""Mean square difference over that of the noise from which the two differ whatever its structure."""
+_ONE_CHANNEL = 0.95
+"""Share of the excess that one channel holds where the mismatch is that channel's."""
+
+
+@dataclass(frozen=True, slots=True)
+class Comparison:
+    """Two traces, moved and scaled onto each other.
+
+    match : how, and what differs. doubted : structure of the difference. loud : its mean square over that of the noise,
+    by channel. places : where it lies, none where the two agree. checks : what each trace's channels say of each other,
+    sim first.
+    """
+
+    match: Match
+    doubted: LackOfFit
+    loud: Mapping[str, float]
+    places: tuple[Place, ...]
+    checks: tuple[tuple[Consistency, ...], tuple[Consistency, ...]]
+
+    @property
+    def verdict(self) -> Literal["identical", "same within noise", "different"]:
+        """Whether the two differ."""
+        if self.match.identical:
+            return "identical"
+        different = self.doubted.p_value < _UNLIKELY or max(self.loud.values()) > _LOUD
+        return "different" if different else "same within noise"
+
+
+def compared(sim: Recording, real: Recording, shift: float | None = None) -> Comparison:
+    """Compare two traces, with a given shift of the first (s) or the one found; raises InputError when they have
+    nothing in common.
+    """
+    found = match(sim, real, shift)
+    motion = motion_of(found.t, found.real, found.omega)
+    jacobian = {c: d[:, None] for c, d in found.partial.items()}
+    doubted = lack_of_fit(found.whitened, found.t, found.omega, jacobian=jacobian, motion=motion)
+    judged = dict(found.whitened)
+    if found.interpolated:
+        judged = {c: np.where(isolated(r), 0.0, r) for c, r in judged.items()}
+    loud = {c: float(np.mean(np.square(r))) for c, r in judged.items()}
+    # a trace in which nothing swings has no channels to hold against each other
+    checks = (
+        consistency(sim.t, sim.channels, found.found[0], swing_of(sim), sim.angular),
+        consistency(real.t, real.channels, found.found[1], found.omega, real.angular),
+    )
+    same = Comparison(found, doubted, loud, (), checks)
+    if same.verdict != "different":
+        return same
+    located = locate(judged, found.t, motion, unit="rad" if real.angular else "m")
+    whole = ((float(found.t[0]), float(found.t[-1])),)
+    places = (*_channel_alone(loud, whole), *located) or (
+        Place(whole, "throughout", "the whole of both traces", 1.0, 0.0),
+    )
+    return Comparison(found, doubted, loud, places, checks)
+
+
+def _channel_alone(loud: Mapping[str, float], whole: tuple[tuple[float, float], ...]) -> tuple[Place, ...]:
+    """The one channel that holds nearly all of the mismatch, where the others agree within the noise."""
+    excess = {c: max(power - 1.0, 0.0) for c, power in loud.items()}
+    total = sum(excess.values())
+    for channel, own in excess.items():
+        others = [power for c, power in loud.items() if c != channel]
+        if others and loud[channel] > _LOUD and own > _ONE_CHANNEL * total and max(others) < _LOUD:
+            return (Place(whole, "channel", f"channel {channel}", own / total, 0.0),)
+    return ()

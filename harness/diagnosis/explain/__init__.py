@@ -1,0 +1,1 @@
+"""What is said of an outcome: mechanisms, where, held-out prediction, engines, attribution."""

@@ -1,0 +1,71 @@
+"""What a reader of a verdict is warned of."""
+
+from harness.diagnosis.fit.least_squares import Fit
+from harness.diagnosis.grading.grade import Graded
+from harness.diagnosis.outcome import Grade, Holdout
+from harness.diagnosis.rules import DECISIVE, LEAST_CYCLES, LISTED_CYCLES, PREDICTS_WORSE
+from harness.diagnosis.search.extend import key_of
+from harness.diagnosis.search.search import Search
+from harness.diagnosis.verdict import Judgement
+
+_MOST_CLOSEST = 3
+"""Names listed as closest."""
+_NOISY_FORCE = (
+    "the noise of the measured force shifts reversals and sticking by more than can be allowed for; a force measured"
+    " with less noise would decide"
+)
+
+
+def cautions(found: Search, judgement: Judgement, prediction: Holdout) -> tuple[str, ...]:
+    """Sentences, none where all is as it should be."""
+    if judgement.rival is not None:
+        return (_undecided(chosen=found.chosen, rival=judgement.rival),)
+    if judgement.verdict == "unexplained":
+        said = "no entry or pair of the catalogue explains it; standard errors are inflated by the misfit"
+        force = found.problem.force_noise
+        noisy = force is not None and force.beyond > DECISIVE.value
+        return (said, *_closest(found), *((_NOISY_FORCE,) if noisy else ()))
+    if judgement.verdict == "missing_physics" and prediction.refined_rmse:
+        most = {c: PREDICTS_WORSE.value * before for c, before in prediction.baseline_rmse.items()}
+        worse = [c for c, after in prediction.refined_rmse.items() if after > most[c]]
+        return (f"BIC decides for the refined model although it predicts {', '.join(worse)} worse",) if worse else ()
+    return ()
+
+
+def _undecided(chosen: Fit, rival: Fit) -> str:
+    """Why a pair that explains a recording is not named."""
+    one, other = (" with ".join(key_of(f)) for f in (chosen, rival))
+    return (
+        f"{one} would explain it, but {other} nearly as well (BIC {rival.bic - chosen.bic:.0f} worse): when pairs of"
+        " different kinds do, it is as likely an effect of no catalogue, and none is named; standard errors are"
+        " inflated by the misfit"
+    )
+
+
+def _closest(found: Search) -> tuple[str, ...]:
+    """What of the catalogue would take off most, where nothing explains a recording."""
+    misfit = found.base.chi2 - found.base.points
+    near = [(key_of(f)[0], (found.base.chi2 - f.chi2) / misfit) for f in found.singles[:_MOST_CLOSEST]]
+    if misfit <= 0.0 or not near:
+        return ()
+    said = ", ".join(f"{name} {100.0 * share:.0f} %" for name, share in near)
+    return (f"of the misfit the closest entries take off, each alone: {said}; none is named, because none explains it",)
+
+
+def cautions_of_misfit(graded: Graded) -> tuple[str, ...]:
+    """Sentences on a misfit that no model explains."""
+    said = ["no entry or pair of the catalogue explains it to its noise; standard errors allow for the misfit"]
+    if graded.misfit.left_out > 0.0:
+        said.append(
+            f"the first {graded.misfit.left_out:.4g} s, up to the first turning point, took no part: what lets go there"
+            " cannot be told from what is missing"
+        )
+    cycles = graded.misfit.strokes.cycles
+    if graded.grade is Grade.ONE_OF and cycles < LEAST_CYCLES.value:
+        said.append(f"{cycles:.3g} cycles are too few for one name alone; a decay of {LEAST_CYCLES.value:g} would do")
+    if cycles < LISTED_CYCLES.value:
+        said.append(f"{cycles:.3g} cycles are too few for any name; a decay of {LEAST_CYCLES.value:g} would do")
+    clocks = [f.name for f in graded.named if f.clock]
+    if clocks:
+        said.append(f"{clocks[0]} has the period of the oscillation itself, and such a law follows any other")
+    return tuple(said)

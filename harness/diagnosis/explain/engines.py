@@ -1,0 +1,137 @@
+"""Does the refined model explain the recording in a physics engine too? The engine is passed in."""
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any, Protocol
+
+import numpy as np
+
+from harness.core.arrays import FloatArray
+from harness.core.errors import SimulationError
+from harness.core.trajectory import Trajectory
+from harness.diagnosis.fit.initial_states import starts_of
+from harness.diagnosis.fit.observe import observe
+from harness.diagnosis.fit.rmse import rms, rmse
+from harness.diagnosis.problem import Problem
+from harness.diagnosis.sensors.sensed import latest, sensed
+from harness.kernels.solve import Drive, Scales
+from harness.model.model import Model
+
+_COARSEST = 1e-3
+_STEPS_A_CYCLE = 400
+_SMALL = 0.3
+"""Share of the noise that an engine's own error may reach."""
+_HALVINGS = 4
+_WORTH = 0.9
+"""Half a step that leaves more than this of the error is not worth its time."""
+_MOST_STEPS = 2_000_000
+
+
+class Simulator(Protocol):
+    """An engine with its settings, ready to simulate models. harness.engines.simulator has one."""
+
+    def __call__(self, model: Model, duration: float, dt: float | None, drive: Drive | None) -> Trajectory:
+        """The motion from release on, in time since release, for ``duration`` s.
+
+        dt : step in s, None for the settings' own. drive : in time since release. Raises SimulationError.
+        """
+
+
+@dataclass(frozen=True, slots=True)
+class EngineFit:
+    """Both models in one engine against the recording.
+
+    settings : in force, "dt" (s) among them. ignored : what the engine does not honour, one sentence each.
+    baseline_rmse, refined_rmse : by channel, in its unit. own_error : rms by channel of the engine against the exact
+    motion of the refined model, in units of the noise.
+    """
+
+    settings: Mapping[str, Any]
+    baseline_rmse: Mapping[str, float]
+    refined_rmse: Mapping[str, float]
+    own_error: Mapping[str, float]
+    ignored: tuple[str, ...] = ()
+
+    @property
+    def improved(self) -> bool:
+        """Whether the refined model is the better one in every channel."""
+        return all(self.refined_rmse[c] < self.baseline_rmse[c] for c in self.baseline_rmse)
+
+
+def engine_fit(
+    simulate: Simulator, base: Model, refined: Model, problem: Problem, scales: Scales, dt: float | None = None
+) -> EngineFit:
+    """Simulate both models in an engine and compare what the sensors would have shown with the recording.
+
+    dt : step in s; None halves a step that suits the recording, at most four times, until the engine's own error, which
+    the exact motion shows, is far below the noise. Raises SimulationError for what the engine cannot do.
+    """
+    exact = observe(refined, problem, scales=scales).y
+    step = suitable_step(problem, scales) if dt is None else dt
+    shown, motion = shown_by(simulate, refined, problem, step)
+    own = _own_error(shown, exact, problem)
+    for _ in range(_HALVINGS if dt is None else 0):
+        if max(own.values()) <= _SMALL or _steps(problem, 0.5 * step) > _MOST_STEPS:
+            break
+        finer, finer_motion = shown_by(simulate, refined, problem, 0.5 * step)
+        finer_own = _own_error(finer, exact, problem)
+        if max(finer_own.values()) > _WORTH * max(own.values()):
+            break
+        step, shown, motion, own = 0.5 * step, finer, finer_motion, finer_own
+    before, _ = shown_by(simulate, base, problem, step)
+    return EngineFit(
+        {**motion.source.settings, "dt": step, "steps": _steps(problem, step)},
+        rmse(before, problem),
+        rmse(shown, problem),
+        own,
+        motion.source.ignored,
+    )
+
+
+def shown_by(
+    simulate: Simulator, model: Model, problem: Problem, dt: float | None
+) -> tuple[dict[str, FloatArray], Trajectory]:
+    """Channels of ``problem`` as an engine and the model's sensors show them, and the engine's last motion.
+
+    A driven recording is simulated window by window, each from its own start, as the fit does it.
+    """
+    if problem.restarts is None:
+        return _stretch(simulate, model, problem, problem.t, dt)
+    parts = [
+        _stretch(simulate, start.model, problem, problem.t[start.window.start : start.window.stop], dt)
+        for start in starts_of(model, problem.restarts)
+    ]
+    return {c: np.concatenate([shown[c] for shown, _ in parts]) for c in problem.channels}, parts[-1][1]
+
+
+def _stretch(
+    simulate: Simulator, model: Model, problem: Problem, t: FloatArray, dt: float | None
+) -> tuple[dict[str, FloatArray], Trajectory]:
+    """Channels at times t (s) of one run from the model's own start, and the motion behind them."""
+    duration = latest(model, t)
+    if duration <= 0.0:
+        raise SimulationError("the recording ends before the slider is released")
+    drive = None
+    if problem.drive is not None:
+        # a run needs no more of the force than its own stretch
+        at, force = problem.drive.within(model.t0, model.t0 + duration)
+        drive = Drive(at - model.t0, force)
+    motion = simulate(model, duration, dt, drive)
+    return sensed(model, t, motion, problem.channels), motion
+
+
+def suitable_step(problem: Problem, scales: Scales) -> float:
+    """A step (s) of at most 1 ms and 1/400 of a period that divides the recording's interval, so that samples meet."""
+    interval = float(np.median(np.diff(problem.t)))
+    longest = min(_COARSEST, 2.0 * math.pi / scales.omega / _STEPS_A_CYCLE)
+    return interval / math.ceil(interval / longest)
+
+
+def _own_error(shown: Mapping[str, FloatArray], exact: Mapping[str, FloatArray], problem: Problem) -> dict[str, float]:
+    """Rms by channel of what an engine shows against the exact, in units of the noise."""
+    return {c: rms(shown[c] - exact[c], problem.weight[c] > 0.0) / problem.noise[c].sigma for c in shown}
+
+
+def _steps(problem: Problem, dt: float) -> int:
+    return math.ceil(float(problem.t[-1] - problem.t[0]) / dt)

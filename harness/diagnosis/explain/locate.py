@@ -1,0 +1,145 @@
+"""Where a residual stands out: conditions on time, speed and displacement that part loud from quiet stretches.
+
+The residual is averaged over short blocks, so that noise falls and structure stays. Every regime is a quantity and a
+side of a threshold; the threshold that best parts two levels of power is found on a fixed grid, and its gain in
+log-likelihood is judged against the number of all comparisons made (Bonferroni) and of independent blocks.
+"""
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from scipy.special import chdtrc
+
+from harness.core.arrays import BoolArray, FloatArray
+from harness.diagnosis.explain.regimes import Split, splits
+from harness.diagnosis.motion import Motion
+from harness.fit.autocorrelation import memory
+from harness.model.place import Spans
+
+_BLOCKS_PER_SWING = 48
+_ALPHA = 0.01
+_MOST = 3
+_LONGEST_MEMORY = 0.5
+_MOST_SPANS = 60
+_NOTHING_MORE = 0.02
+
+
+@dataclass(frozen=True, slots=True)
+class Place:
+    """A place in a recording where the mismatch lies.
+
+    spans : s. regime, condition : as in results. share : of the mean square mismatch above noise, None when there is
+    none. p_value : chance that noise alone parts so clearly, all comparisons counted.
+    """
+
+    spans: Spans
+    regime: str
+    condition: str
+    share: float | None
+    p_value: float
+
+
+@dataclass(frozen=True, slots=True)
+class _Blocks:
+    """Blocks: power of their means in units of white noise (m, channels), and how many are independent."""
+
+    power: FloatArray
+    width: int
+    independent: float
+
+
+def _blocks(residuals: Sequence[FloatArray], width: int, longest: int) -> _Blocks:
+    count = residuals[0].size // width
+    means = [r[: count * width].reshape(count, width).sum(axis=1) / math.sqrt(width) for r in residuals]
+    power = np.column_stack([m * m for m in means])
+    # ranks, so that a few large values do not hide what the many do
+    ranks = np.argsort(np.argsort(power.mean(axis=1), kind="stable"), kind="stable").astype(np.float64)
+    return _Blocks(power, width, memory(ranks - ranks.mean(), min(longest, count // 4)).independent)
+
+
+def _gain(power: FloatArray, inside: BoolArray) -> float:
+    """Twice the log-likelihood ratio of two levels of variance, loud inside, against one; 0 when it is not louder."""
+    n1 = int(np.count_nonzero(inside))
+    n0 = power.size - n1
+    if n1 < 6 or n0 < 6:
+        return 0.0
+    total = float(power.sum())
+    in_ = float(power[inside].sum())
+    s, s1, s0 = total / power.size, in_ / n1, (total - in_) / n0
+    if s1 <= s0 or s0 <= 0.0:
+        return 0.0
+    return power.size * math.log(s) - n1 * math.log(s1) - n0 * math.log(s0)
+
+
+def _spread(power: FloatArray) -> float:
+    """Variance of the power over that of a squared normal, at least 1: heavy tails are no place."""
+    mean = float(power.mean())
+    return max(1.0, float(np.minimum(power, 12.0 * mean).var()) / (2.0 * mean * mean)) if mean > 0.0 else 1.0
+
+
+def locate(
+    residuals: Mapping[str, FloatArray], t: FloatArray, motion: Motion, alpha: float = _ALPHA, unit: str = "m"
+) -> tuple[Place, ...]:
+    """Up to three places that hold the structure of whitened residuals (n,) at t (n,), s; none where it is even.
+
+    alpha : chance of naming a place in noise, white or coloured, all comparisons together. unit : of x, m or rad.
+    Linear in samples, deterministic.
+    """
+    names = [c for c, r in residuals.items() if np.any(r)]
+    per_swing = 2.0 * math.pi / motion.omega / float(np.median(np.diff(t)))
+    width = max(1, int(per_swing / _BLOCKS_PER_SWING))
+    if not names or t.size // width < 24:
+        return ()
+    blocks = _blocks([residuals[c] for c in names], width, int(_LONGEST_MEMORY * per_swing / width))
+    power, found = blocks.power.mean(axis=1), []
+    middle = np.minimum(np.arange(power.size) * width + width // 2, t.size - 1)
+    at = replace(motion, x=motion.x[middle], v=motion.v[middle], stuck=motion.stuck[middle])
+    candidates = splits(t[middle], at, unit)
+    quiet = _level(residuals, names)
+    excess = np.maximum(power - quiet, 0.0)
+    weighted = power.copy()
+    taken = np.zeros(power.size, dtype=np.bool_)
+    for _ in range(_MOST):
+        scale = blocks.independent / power.size / _spread_of(weighted, len(names))
+        best = max(candidates, key=lambda c: _gain(weighted, c.inside), default=None)
+        if best is None:
+            break
+        gain = _gain(weighted, best.inside) * scale
+        p = min(1.0, float(chdtrc(1.0, gain)) * len(candidates))
+        if p > alpha:
+            break
+        total = float(excess.sum())
+        share = float(excess[best.inside].sum()) / total if total > 0.0 else None
+        fresh = float(excess[best.inside & ~taken].sum()) / total if total > 0.0 else 0.0
+        if fresh > _NOTHING_MORE:
+            found.append(_place(best, t, middle, width, share, p))
+        taken |= best.inside
+        # what this place explains is taken out before the next is looked for
+        inside = best.inside
+        weighted = weighted / np.where(inside, weighted[inside].mean(), weighted[~inside].mean())
+    return tuple(found)
+
+
+def _spread_of(power: FloatArray, channels: int) -> float:
+    # a mean over channels varies less than one squared normal; never counted for more than it shows
+    return max(_spread(power), 1.0 / channels)
+
+
+def _level(residuals: Mapping[str, FloatArray], names: Sequence[str]) -> float:
+    """Power of the noise, from differences of neighbours, never above what was claimed."""
+    levels = [0.5 * float(np.median(np.diff(residuals[c]) ** 2)) / 0.4549 for c in names]
+    return min(1.0, float(np.mean(levels)))
+
+
+def _place(split: Split, t: FloatArray, middle: np.ndarray, width: int, share: float | None, p: float) -> Place:
+    edges = np.diff(np.concatenate(([0], split.inside.astype(np.int8), [0])))
+    first, last = np.flatnonzero(edges == 1), np.flatnonzero(edges == -1) - 1
+    lo = t[np.maximum(middle[first] - width // 2, 0)]
+    hi = t[np.minimum(middle[last] + (width + 1) // 2, t.size - 1)]
+    spans = [(float(a), float(b)) for a, b in zip(lo, hi, strict=True)]
+    if len(spans) > _MOST_SPANS:
+        # a list nobody reads helps nobody: the stretch that holds them all, the condition says the rest
+        spans = [(spans[0][0], spans[-1][1])]
+    return Place(tuple(spans), split.regime, split.condition, share, p)

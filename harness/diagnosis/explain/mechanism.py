@@ -1,0 +1,71 @@
+"""What is said of a term that is named: its sentence, parameters, evidence, and what could stand in its place."""
+
+from harness.core.quantity import Quantity
+from harness.diagnosis.fit.least_squares import Fit
+from harness.diagnosis.fit.standard_errors import AT_LEAST, term_parameters
+from harness.diagnosis.outcome import Alternative, Mechanism
+from harness.diagnosis.rules import DECISIVE
+from harness.diagnosis.search.extend import key_of
+from harness.diagnosis.search.search import Search
+from harness.model.model import ModelTerm
+from harness.model.place import Place
+
+_MOST_ALTERNATIVES = 3
+
+
+def mechanism(found: Search, index: int, entry: ModelTerm, omega: float, place: Place) -> Mechanism:
+    """All of a named term, the chosen model's number ``index``; place : where it acts. omega : rad/s."""
+    parameters = term_parameters(found.chosen, found.problem, index, omega)
+    return Mechanism(
+        entry=entry,
+        statement=statement_of(entry, parameters, found.chosen),
+        parameters=parameters,
+        delta_bic=_lost_without(found, entry),
+        place=place,
+        alternatives=_alternatives(found, entry),
+        share=_share(found, entry),
+    )
+
+
+def _share(found: Search, entry: ModelTerm) -> float | None:
+    """Share of the base's misfit beyond noise that a term takes off alone; None where it was not fitted alone."""
+    excess = found.base.chi2 - found.base.points
+    alone = [found.chosen] if len(found.chosen.model.terms) == 1 else list(found.singles)
+    same = [f.chi2 for f in alone if key_of(f) == (entry.term.name,)]
+    return min(max((found.base.chi2 - min(same)) / excess, 0.0), 1.0) if same and excess > 0.0 else None
+
+
+def _lost_without(found: Search, entry: ModelTerm) -> float:
+    """What BIC loses without a term: against the best of the models searched that lack its name."""
+    lacking = [f.bic for f in (found.base, *found.singles, *found.rivals) if entry.term.name not in key_of(f)]
+    others = tuple(sorted(e.term.name for e in found.chosen.model.terms if e is not entry))
+    same = [f.bic for f in (found.base, *found.singles, *found.rivals) if key_of(f) == others]
+    return min(same or lacking) - found.chosen.bic
+
+
+def _alternatives(found: Search, entry: ModelTerm) -> tuple[Alternative, ...]:
+    """Names that could stand in a term's place, by less than what is decisive."""
+    rest = sorted(e.term.name for e in found.chosen.model.terms if e is not entry)
+    near = []
+    for rival in found.rivals:
+        names = list(key_of(rival))
+        delta = rival.bic - found.chosen.bic
+        if delta >= DECISIVE.value or len(names) != len(rest) + 1:
+            continue
+        for name in rest:
+            if name in names:
+                names.remove(name)
+        if len(names) == 1 and names[0] != entry.term.name:
+            near.append(Alternative(names[0], delta))
+    return tuple(sorted(near, key=lambda a: a.delta_bic)[:_MOST_ALTERNATIVES])
+
+
+def _said(quantity: Quantity) -> str:
+    """A number as a sentence shows it."""
+    return f"at least {quantity}" if quantity.why == AT_LEAST else str(quantity)
+
+
+def statement_of(entry: ModelTerm, parameters: dict[str, Quantity], found: Fit) -> str:
+    """One plain sentence of a term, with its numbers."""
+    values = {name: _said(q) for name, q in parameters.items()}
+    return entry.term.say({**values, **entry.term.words(entry.values, found.model.k)})

@@ -1,0 +1,51 @@
+"""The verdict in a sentence."""
+
+from harness.diagnosis.outcome import Outcome
+
+_NOTHING = "Viscous and Coulomb friction explain this recording to its noise: nothing is left out that it could show."
+_UNTESTED = (
+    "No law takes more off the force than chance does beside viscous and Coulomb friction; what they leave of it was"
+    " not tested for being noise."
+)
+_NOBODY = (
+    "Viscous and Coulomb friction do not explain this recording, and no entry of the catalogue is the main part of what"
+    " they leave."
+)
+
+
+def sentence_of(outcome: Outcome) -> str:
+    """The verdict in a sentence or two, with numbers."""
+    words = [m.name.replace("-", " ") for m in outcome.mechanisms]
+    if outcome.verdict == "adequate":
+        return _UNTESTED if outcome.problem.by_force else _NOTHING
+    if outcome.verdict == "missing_physics":
+        said = " ".join(m.statement for m in outcome.mechanisms)
+        return f"The simulation leaves out {' and '.join(words)}: {said}"
+    share = _percent(outcome.mechanisms[0].share) if words else ""
+    left = "" if outcome.remainder is None else f" {_capital(outcome.remainder.looks_like)}."
+    over = 1.0 if outcome.remainder is None else outcome.remainder.over_noise
+    if outcome.verdict == "main_effect":
+        return (
+            f"The main thing that the simulation leaves out is {words[0]}: {outcome.mechanisms[0].statement} It takes"
+            f" {share} of the misfit off; what is left is {over:.2g} times the sensors' noise.{left}"
+        )
+    if outcome.verdict == "one_of" and len(words) == 1:
+        return (
+            f"What the simulation leaves out looks like {words[0]}, which takes {share} of the misfit off; this"
+            f" recording alone does not decide it.{left}"
+        )
+    if outcome.verdict == "one_of":
+        return (
+            f"The main thing that the simulation leaves out is one of {', '.join(words[:-1])} or {words[-1]}; this"
+            f" recording cannot tell which. The first takes {share} of the misfit off.{left}"
+        )
+    minor = f" The largest single part of it is {words[0]} ({share})." if words else ""
+    return f"{_NOBODY}{minor}{left}"
+
+
+def _percent(share: float | None) -> str:
+    return "an unknown share" if share is None else f"{100.0 * share:.0f} %"
+
+
+def _capital(text: str) -> str:
+    return f"{text[0].upper()}{text[1:]}"

@@ -1,0 +1,1 @@
+"""A model's motion seen by sensors, fitted to a recording by least squares."""

@@ -1,0 +1,71 @@
+"""Starts of windows from what follows them: a smoothed channel is rounded off at its ends, a model's motion is not."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+
+from harness.core.arrays import FloatArray
+from harness.core.errors import SimulationError
+from harness.diagnosis.fit.initial_states import Start, starts_of
+from harness.diagnosis.fit.observe import COARSE, observe
+from harness.diagnosis.problem import Problem, Window
+from harness.fit.covariance import covariance_of
+from harness.fit.least_squares import Residual, Until, least_squares
+from harness.kernels.solve import By, Scales
+from harness.model.model import Model
+
+_CYCLE = 0.25
+"""Cycles after a start that say where it was: too few for what a model lacks to show."""
+_FEWEST = 12
+_ITERATIONS = 4
+_DONE = 1e-5
+"""What a step must take off the squares, in units of the noise."""
+_BY: tuple[By, ...] = ("x0", "v0")
+
+
+def begun(problem: Problem, model: Model, scales: Scales) -> Problem:
+    """The problem with each window's start fitted to what follows it within a quarter of a cycle, all else given."""
+    if problem.restarts is None:
+        return problem
+    length = _CYCLE * 2.0 * math.pi / scales.omega
+    windows = tuple(_fitted(problem, start, length, scales) for start in starts_of(model, problem.restarts))
+    return replace(problem, restarts=replace(problem.restarts, windows=windows))
+
+
+def _fitted(problem: Problem, start: Start, length: float, scales: Scales) -> Window:
+    """A window with the start that what follows tells best: in motion, or at rest unless that is worse."""
+    w, t = start.window, problem.t
+    stop = min(max(int(np.searchsorted(t, w.t0 + length)), w.start + _FEWEST), w.stop)
+    part = replace(problem.part(slice(w.start, stop)), restarts=None, force_noise=None)
+    # smoothing rounds off a first motion out of rest
+    tried = [_descended(part, w, replace(start.model, v0=0.0), _BY[:1], scales)]
+    if start.model.v0 != 0.0:
+        tried.append(_descended(part, w, start.model, _BY, scales))
+    squares, found = min(tried, key=lambda one: one[0])
+    return found if math.isfinite(squares) else w
+
+
+def _descended(part: Problem, w: Window, model: Model, by: tuple[By, ...], scales: Scales) -> tuple[float, Window]:
+    """Squares, in units of the noise, at the start that fits the samples of ``part`` best, and the window with it."""
+
+    def started(at: FloatArray) -> Model:
+        return replace(model, **dict(zip(map(str, by), at.tolist(), strict=True)))
+
+    def evaluated(at: FloatArray) -> Residual:
+        shown = observe(started(at), part, by, scales, COARSE)
+        left = [(y - shown.y[c]) / part.noise[c].sigma for c, y in part.channels.items()]
+        partials = [shown.dy[c] / part.noise[c].sigma for c in part.channels]
+        return Residual(np.concatenate(left), np.concatenate(partials))
+
+    start = np.array([getattr(model, str(b)) for b in by])
+    try:
+        found = least_squares(evaluated, start, Until(_DONE, iterations=_ITERATIONS))
+    except SimulationError:
+        return math.inf, w
+    # what does not show, as a speed does not where it sticks, stays as it is and as well known as it was
+    variances = np.diag(covariance_of(found.point.partials)).tolist()
+    known = {b: math.sqrt(s) for b, s in zip(by, variances, strict=True) if s > 0.0}
+    best = started(found.coordinates)
+    x_sd, v_sd = min(known.get("x0", w.x_sd), w.x_sd), min(known.get("v0", w.v_sd), w.v_sd)
+    return found.point.squares, replace(w, x0=best.x0 + best.offset, v0=best.v0, x_sd=x_sd, v_sd=v_sd)

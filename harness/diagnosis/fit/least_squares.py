@@ -1,0 +1,221 @@
+"""Least squares of a model to a recording, with exact sensitivities; care where an event lies beside a sample."""
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from harness.core.arrays import FloatArray
+from harness.core.errors import SimulationError
+from harness.core.events import Events
+from harness.diagnosis.fit.observe import FINE, Observation, observe
+from harness.diagnosis.fit.parameters import Free, bounds_of, coordinates_of, values_of, with_coordinates, with_values
+from harness.diagnosis.problem import Problem
+from harness.fit.covariance import covariance_of
+from harness.fit.least_squares import Stop, Until, least_squares
+from harness.kernels.solve import Effort, Scales
+from harness.model.model import Model
+
+_DRAWS = 16
+_REACHES = (1.0, 1.0, 0.5, 0.5, 0.25)
+_LEFT_OUT = (3.0, 1.5)
+"""Sampling intervals next to an event that are left out at first."""
+
+_NEAR = 3.5
+"""Standard deviations from which a sample beside a jump is looked at twice."""
+
+_DONE = 1e-5
+"""A step that promises less than this in chi-square changes nothing that anybody could see."""
+
+
+@dataclass(frozen=True, slots=True)
+class Fit:
+    """A model fitted to a recording.
+
+    chi2 : sum of squares in units of the noise. points : values fitted. residual : (N,) whitened, channels one after
+    another. jacobian : (N, q), whitened, by the fitted numbers themselves. shown : what the sensors would have shown.
+    stop : why the descent ended.
+    """
+
+    model: Model
+    free: tuple[Free, ...]
+    chi2: float
+    points: int
+    residual: FloatArray
+    jacobian: FloatArray
+    shown: Observation
+    stop: Stop
+
+    @property
+    def bic(self) -> float:
+        """Bayesian information criterion with known noise: chi2 + q ln N."""
+        return self.chi2 + len(self.free) * math.log(max(self.points, 2))
+
+    @property
+    def values(self) -> FloatArray:
+        """Values of the fitted numbers, (q,)."""
+        return values_of(self.model, self.free)
+
+    def covariance(self) -> FloatArray:
+        """Covariance of the fitted numbers, (q, q), for noise as estimated; numbers on a bound have none."""
+        return covariance_of(self.jacobian)
+
+
+def whitened(problem: Problem, values: Mapping[str, FloatArray]) -> FloatArray:
+    """Residuals (n,) or partials (n, q) of all channels whitened, one channel after another.
+
+    Where the noise of a force shows, all channels together tell of it: each sample counts as what it adds to those
+    before it.
+    """
+    if problem.force_noise is not None:
+        own = {c: values[c] for c in problem.channels}
+        together, _ = problem.force_noise.whitened(problem.t, problem.noise, problem.weight, own)
+        return np.concatenate([together[c] for c in problem.channels])
+    return np.concatenate([_counted(problem.noise[c].whitened(values[c]), problem.weight[c]) for c in problem.channels])
+
+
+def _counted(white: FloatArray, weight: FloatArray) -> FloatArray:
+    """Whitened residuals (n,) or partials (n, q), those without weight (n,) zero."""
+    return white * (weight if white.ndim == 1 else weight[:, None])
+
+
+def evaluate(
+    model: Model,
+    problem: Problem,
+    free: tuple[Free, ...],
+    scales: Scales | None = None,
+    effort: Effort = FINE,
+) -> tuple[FloatArray, FloatArray, Observation]:
+    """Whitened residual (N,) and its partials (N, q) by the fitted numbers, data minus model."""
+    shown = observe(model, problem, tuple(f.by for f in free), scales, effort)
+    residual = whitened(problem, {c: y - shown.y[c] for c, y in problem.channels.items()})
+    jacobian = whitened(problem, shown.dy)
+    return residual, jacobian, shown
+
+
+@dataclass(frozen=True, slots=True)
+class _Point:
+    """A model seen with its recording; coordinates are those of ``free``."""
+
+    model: Model
+    free: tuple[Free, ...]
+    residual: FloatArray
+    jacobian: FloatArray
+    shown: Observation
+
+    @property
+    def squares(self) -> float:
+        """Chi-square."""
+        return float(self.residual @ self.residual)
+
+    def normal_equations(self) -> tuple[FloatArray, FloatArray]:
+        """By the coordinates that are fitted; infinite where a number has run away to a limit of its law."""
+        values = values_of(self.model, self.free)
+        with np.errstate(over="ignore", invalid="ignore"):
+            j = self.jacobian * [f.slope(v) for f, v in zip(self.free, values, strict=True)]
+            return j.T @ j, j.T @ self.residual
+
+
+def _descend(
+    model: Model,
+    problem: Problem,
+    free: tuple[Free, ...],
+    scales: Scales | None = None,
+    iterations: int = 40,
+    effort: Effort = FINE,
+) -> Fit:
+    """The nearest fit downhill."""
+
+    def evaluated(at: FloatArray) -> _Point:
+        candidate = with_coordinates(model, free, at)
+        return _Point(candidate, free, *evaluate(candidate, problem, free, scales, effort))
+
+    start = coordinates_of(model, free)
+    found = least_squares(evaluated, start, Until(_DONE, iterations=iterations), bounds_of(free))
+    at = found.point
+    return Fit(at.model, free, at.squares, problem.points, at.residual, at.jacobian, at.shown, found.stop)
+
+
+def fit(
+    model: Model,
+    problem: Problem,
+    free: tuple[Free, ...],
+    scales: Scales | None = None,
+    iterations: int = 40,
+    effort: Effort = FINE,
+    thorough: bool = True,
+) -> Fit:
+    """Fit the free numbers of a model, starting from its own values.
+
+    An acceleration jumps at a reversal, so chi-square has a step wherever an event passes a sample, and a descent stops
+    before the first. With ``thorough``, where a sample next to an event seems to lie on its wrong side, it is made
+    without those samples too, and from the best of several points that this leaves open with all of them.
+    Raises SimulationError when even the start cannot be simulated.
+    """
+    found = _descend(model, problem, free, scales, iterations, effort)
+    if not thorough or not _misplaced(found, problem):
+        return found
+    smooth = found
+    for width in _LEFT_OUT:
+        apart = _apart_from(problem, smooth.shown.events, width)
+        smooth = _descend(smooth.model, apart, free, scales, iterations, effort)
+    best = min((found, _descend(smooth.model, problem, free, scales, iterations, effort)), key=lambda f: f.chi2)
+    spread = _spread(smooth)
+    random = np.random.default_rng(0)
+    for reach in _REACHES:
+        if not _misplaced(best, problem):
+            break
+        nearby = [_drawn(best, spread, reach * random.standard_normal(len(free))) for _ in range(_DRAWS)]
+        start = min(nearby, key=lambda m: chi2_of(m, problem, scales, effort))
+        tried = _descend(start, problem, free, scales, iterations, effort)
+        best = min((best, tried), key=lambda f: f.chi2)
+    return best
+
+
+def _misplaced(found: Fit, problem: Problem) -> bool:
+    """Whether an acceleration next to a jump, or at the start, stands out as if the event lay on its other side."""
+    events = found.shown.events
+    if "a" not in problem.channels or not len(events):
+        return False
+    t, sigma = problem.t, problem.noise["a"].sigma
+    jumps = events.t[np.abs(events.a_after - events.a_before) > _NEAR * sigma]
+    first = list(problem.channels).index("a") * t.size
+    residual = np.abs(found.residual[first : first + t.size])
+    after = np.searchsorted(t, jumps)
+    beside = np.unique(np.clip(np.concatenate((after - 2, after - 1, after, after + 1, [0])), 0, t.size - 1))
+    level = max(1.0, float(np.sqrt(np.mean(residual**2))))
+    return bool(np.any(residual[beside] > _NEAR * level))
+
+
+def _spread(smooth: Fit) -> FloatArray:
+    """Matrix (q, q) that turns standard normal numbers into what the uncertainty of a fit leaves open."""
+    values, vectors = np.linalg.eigh(smooth.covariance())
+    spread: FloatArray = vectors * np.sqrt(np.maximum(values, 0.0))
+    return spread
+
+
+def _drawn(best: Fit, spread: FloatArray, draw: FloatArray) -> Model:
+    """The model of a fit moved by a draw, within the bounds."""
+    moved = best.values + spread @ draw
+    moved = np.array([min(max(v, f.lower), f.upper) for f, v in zip(best.free, moved, strict=True)])
+    return with_values(best.model, best.free, moved)
+
+
+def chi2_of(model: Model, problem: Problem, scales: Scales | None = None, effort: Effort = FINE) -> float:
+    """Chi-square of a model as it stands; infinite where it cannot be simulated."""
+    try:
+        residual, _, _ = evaluate(model, problem, (), scales, effort)
+    except SimulationError:
+        return math.inf
+    return float(residual @ residual)
+
+
+def _apart_from(problem: Problem, events: Events, width: float) -> Problem:
+    """The problem without the accelerations within ``width`` sampling intervals of an event."""
+    t = problem.t
+    reach = width * float(np.median(np.diff(t)))
+    after = np.clip(np.searchsorted(events.t, t), 1, len(events)) if len(events) else np.ones(t.size, dtype=np.int64)
+    gap = np.minimum(np.abs(t - events.t[after - 1]), np.abs(t - events.t[np.minimum(after, len(events) - 1)]))
+    keep = {c: gap > reach if c == "a" else np.ones(t.size, dtype=bool) for c in problem.channels}
+    return problem.weighted(keep)

@@ -1,0 +1,124 @@
+"""What the sensors would have shown of a model's motion, with partials: slot O, composed per channel."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, fields, replace
+
+import numpy as np
+
+from harness.core.arrays import FloatArray, IntArray, ModeArray
+from harness.core.events import Events
+from harness.diagnosis.fit.initial_states import Start, starts_of
+from harness.diagnosis.problem import Problem
+from harness.diagnosis.sensors.readings import Reading, lag_of, read
+from harness.diagnosis.sensors.resample import Kinematics
+from harness.kernels.solve import By, Effort, Scales, solve
+from harness.model.model import Model
+from harness.model.term import Slot
+
+FINE = Effort(1e-8, 1500)
+"""Far below any noise."""
+COARSE = Effort(1e-6, 600)
+"""For a first look; a law too stiff for it is not worth one."""
+
+
+@dataclass(frozen=True, slots=True)
+class Observation:
+    """Predicted channels y[c] (n,) with partials dy[c] (n, q), and the motion behind them (x, v, mode at t)."""
+
+    y: dict[str, FloatArray]
+    dy: dict[str, FloatArray]
+    x: FloatArray
+    v: FloatArray
+    a: FloatArray
+    mode: ModeArray
+    events: Events
+
+
+def _is_sensor(model: Model, by: By) -> bool:
+    return by == "offset" or (isinstance(by, tuple) and model.terms[by[0]].term.slot is Slot.OBSERVATION)
+
+
+def observe(
+    model: Model,
+    problem: Problem,
+    by: tuple[By, ...] = (),
+    scales: Scales | None = None,
+    effort: Effort = FINE,
+) -> Observation:
+    """Channels of ``problem`` as ``model`` predicts them, with partials by the parameters ``by``.
+
+    With windows, each is simulated from its own start. Raises SimulationError when the motion cannot be followed.
+    """
+    if problem.restarts is None:
+        return _stretch(model, problem, problem.t, by, scales, effort)
+    scales = scales or Scales.of(model, problem.drive)
+    return _joined([_window(model, problem, w, by, scales, effort) for w in starts_of(model, problem.restarts)])
+
+
+def _window(
+    model: Model, problem: Problem, start: Start, by: tuple[By, ...], scales: Scales, effort: Effort
+) -> Observation:
+    """One window, its starts (the internal ones too) moving with the parameters that decide them."""
+    w = start.window
+    asked = tuple(dict.fromkeys((*by, *(name for b in by for name in start.slopes.get(b, {})))))
+    shown = _stretch(start.model, problem, problem.t[w.start : w.stop], asked, scales, effort)
+    for column, b in enumerate(by):
+        for name, slope in start.slopes.get(b, {}).items():
+            for partials in shown.dy.values():
+                partials[:, column] += slope * partials[:, asked.index(name)]
+    return replace(shown, dy={c: partials[:, : len(by)] for c, partials in shown.dy.items()})
+
+
+def _joined(parts: Sequence[Observation]) -> Observation:
+    """Windows one after another; arrays of shape (n,) and (n, q) as for one stretch."""
+    channels = parts[0].y
+    events = [p.events for p in parts]
+    return Observation(
+        {c: np.concatenate([p.y[c] for p in parts]) for c in channels},
+        {c: np.concatenate([p.dy[c] for p in parts]) for c in channels},
+        x=np.concatenate([p.x for p in parts]),
+        v=np.concatenate([p.v for p in parts]),
+        a=np.concatenate([p.a for p in parts]),
+        mode=np.concatenate([p.mode for p in parts]),
+        events=Events(**{f.name: np.concatenate([getattr(e, f.name) for e in events]) for f in fields(Events)}),
+    )
+
+
+def _stretch(
+    model: Model, problem: Problem, t: FloatArray, by: tuple[By, ...], scales: Scales | None, effort: Effort
+) -> Observation:
+    """A stretch simulated from the model's own start."""
+    dynamic = tuple(b for b in by if not _is_sensor(model, b))
+    column = {b: i for i, b in enumerate(dynamic)}
+    want_a = "a" in problem.channels
+    lag = lag_of(model)
+    if lag != 0.0 and "x" in problem.channels:
+        times = np.concatenate((t, t - lag))
+        order = np.argsort(times, kind="stable")
+        sorted_times, back = np.unique(times[order], return_inverse=True)
+        place = np.empty(times.size, dtype=np.int64)
+        place[order] = back
+        at, late = place[: t.size], place[t.size :]
+        motion = solve(model, sorted_times, dynamic, problem.drive, scales, effort, want_a)
+    else:
+        at = late = np.arange(t.size)
+        motion = solve(model, t, dynamic, problem.drive, scales, effort, want_a)
+    source = np.array([column.get(b, -1) for b in by], dtype=np.int64)
+    moved = source >= 0
+
+    def through(reading: Reading, partials: FloatArray, rows: IntArray) -> FloatArray:
+        """Partials (n, q) of a channel: the motion's through the sensors, the sensors' own beside them."""
+        out = np.zeros((t.size, len(by)))
+        out[:, moved] = partials[np.ix_(rows, source[moved])] * reading.by_motion[:, None]
+        for i, b in enumerate(by):
+            if b in reading.by:
+                out[:, i] = reading.by[b]
+        return out
+
+    true = Kinematics(motion.x[at], motion.v[at], motion.a[at])
+    delayed = true if late is at else Kinematics(motion.x[late], motion.v[late], motion.a[late])
+    readings = read(model, t, true, delayed, problem.channels)
+    moves = {"x": (motion.dx, late), "v": (motion.dv, at), "a": (motion.da, at)}
+    y = {c: reading.y for c, reading in readings.items()}
+    dy = {c: through(reading, *moves[c]) for c, reading in readings.items()}
+    return Observation(y, dy, true.x, true.v, true.a, motion.mode[at], motion.events)

@@ -1,0 +1,113 @@
+"""What of a model is fitted, and in which coordinates."""
+
+import math
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from harness.core.arrays import FloatArray
+from harness.fit.least_squares import Bounds
+from harness.kernels.solve import By
+from harness.model.model import Model, ModelTerm
+
+BASE = ("m", "c", "k", "f_k", "offset", "x0", "v0")
+_POSITIVE_BASE = frozenset({"m", "k"})
+_LEAST, _MOST = 1e-300, 1e300
+"""Between these lies what is fitted as a logarithm."""
+_LONGEST = 2.0
+"""How far one step may move a logarithm."""
+
+
+@dataclass(frozen=True, slots=True)
+class Free:
+    """One fitted number.
+
+    by : base name, (term, parameter), or name of an internal start. lower, upper : bounds. log : fitted as logarithm.
+    name : as results show it.
+    """
+
+    by: By
+    name: str
+    lower: float
+    upper: float
+    log: bool
+
+    def inward(self, value: float) -> float:
+        """To the coordinate that is fitted."""
+        return math.log(max(value, _LEAST)) if self.log else value
+
+    def outward(self, coordinate: float) -> float:
+        """Back to the parameter, within its bounds."""
+        # a number on its bound is known by equality, which a logarithm there and back would lose
+        if coordinate >= self.inward(self.upper):
+            return self.upper
+        if coordinate <= self.inward(self.lower):
+            return max(self.lower, _LEAST) if self.log else self.lower
+        return min(max(math.exp(coordinate), self.lower), self.upper) if self.log else coordinate
+
+    def slope(self, value: float) -> float:
+        """d parameter / d coordinate."""
+        return value if self.log else 1.0
+
+
+def free_of(model: Model, base: tuple[str, ...]) -> tuple[Free, ...]:
+    """The fitted numbers of a model: these base names, then every parameter of every term."""
+    free = []
+    for name in base:
+        positive = name in _POSITIVE_BASE
+        lower = 0.0 if name in ("c", "f_k") else (_LEAST if positive else -math.inf)
+        free.append(Free(name, name, lower, math.inf, positive))
+    for i, entry in enumerate(model.terms):
+        for j, p in enumerate(entry.term.parameters):
+            log = p.positive and entry.values[j] > 0.0
+            upper = p.springs * model.k if p.springs is not None and model.k > 0.0 else p.upper
+            free.append(Free((i, j), f"{entry.term.key}.{p.name}", p.lower, upper, log))
+    return tuple(free)
+
+
+def values_of(model: Model, free: tuple[Free, ...]) -> FloatArray:
+    """Values of the fitted numbers in a model, (q,)."""
+    values = np.empty(len(free))
+    for i, f in enumerate(free):
+        values[i] = model.terms[f.by[0]].values[f.by[1]] if isinstance(f.by, tuple) else getattr(model, f.by)
+    return values
+
+
+def with_values(model: Model, free: tuple[Free, ...], values: FloatArray) -> Model:
+    """The model with these values (q,) for its fitted numbers."""
+    base: dict[str, Any] = {}
+    terms = [list(entry.values) for entry in model.terms]
+    for f, value in zip(free, values, strict=True):
+        if isinstance(f.by, tuple):
+            terms[f.by[0]][f.by[1]] = float(value)
+        else:
+            base[f.by] = float(value)
+    entries = tuple(
+        ModelTerm(entry.term, tuple(new), entry.internal0) for entry, new in zip(model.terms, terms, strict=True)
+    )
+    return replace(model, terms=entries, **base)
+
+
+def bounds_of(free: tuple[Free, ...]) -> Bounds:
+    """Bounds of the coordinates that are fitted."""
+    return Bounds(
+        np.array([f.inward(f.lower) for f in free]),
+        np.array([f.inward(min(f.upper, _MOST)) if f.log else f.upper for f in free]),
+        np.array([_LONGEST if f.log else math.inf for f in free]),
+    )
+
+
+def coordinates_of(model: Model, free: tuple[Free, ...]) -> FloatArray:
+    """Coordinates (q,) of the fitted numbers in a model."""
+    return np.array([f.inward(v) for f, v in zip(free, values_of(model, free).tolist(), strict=True)])
+
+
+def with_coordinates(model: Model, free: tuple[Free, ...], at: FloatArray) -> Model:
+    """The model with its fitted numbers at these coordinates (q,), within their bounds."""
+    return with_values(model, free, np.array([f.outward(c) for f, c in zip(free, at.tolist(), strict=True)]))
+
+
+def base_of(free: tuple[Free, ...]) -> tuple[str, ...]:
+    """Names of the base parameters among fitted numbers."""
+    return tuple(f.name for f in free if isinstance(f.by, str))

@@ -1,0 +1,31 @@
+"""How far what a model shows is from a recording."""
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from harness.core.arrays import BoolArray, FloatArray
+from harness.diagnosis.problem import Problem
+
+
+def rmse(shown: Mapping[str, FloatArray], problem: Problem, at: BoolArray | None = None) -> dict[str, float]:
+    """Root mean square of recording minus ``shown`` (n,) by channel, in its unit.
+
+    at (n,) : samples to look at, None for those that count.
+    """
+    return {c: rms(y - shown[c], problem.weight[c] > 0.0 if at is None else at) for c, y in problem.channels.items()}
+
+
+def rms(difference: FloatArray, at: BoolArray) -> float:
+    """Root mean square of a difference (n,) over some samples (n,)."""
+    return float(np.sqrt(np.mean(difference[at] ** 2)))
+
+
+def fit_percent(shown: Mapping[str, FloatArray], problem: Problem) -> dict[str, float]:
+    """Normalised root mean square fit by channel, 100 (1 - |y - yhat| / |y - mean y|), over samples that count."""
+    out = {}
+    for c, y in problem.channels.items():
+        at = problem.weight[c] > 0.0
+        spread = float(np.linalg.norm(y[at] - np.mean(y[at])))
+        out[c] = 100.0 * (1.0 - float(np.linalg.norm((y - shown[c])[at])) / spread) if spread > 0.0 else 0.0
+    return out

@@ -1,0 +1,105 @@
+"""Fitted numbers with standard errors that are honest: from the curvature, withheld on a bound, inflated on misfit.
+
+Where a model does not explain its recording, a number's variance is the largest of three: by curvature, by curvature
+times chi-square per point, and by the scatter of what half-swings say of it.
+"""
+
+import math
+
+import numpy as np
+
+from harness.core.arrays import FloatArray
+from harness.core.quantity import Quantity
+from harness.diagnosis.fit.cluster_covariance import clustered_covariance
+from harness.diagnosis.fit.least_squares import Fit
+from harness.diagnosis.problem import Problem
+from harness.model.model import Restoring
+
+_ON_BOUND = "the estimate lies on a bound of what is possible"
+AT_LEAST = "at least this: what is larger the recording cannot show"
+_NOT_SEEN = "the recording does not determine it"
+
+
+def inflation(found: Fit) -> float:
+    """Factor on standard errors: the root of chi-square per point where that exceeds one."""
+    return math.sqrt(max(1.0, found.chi2 / max(found.points - len(found.free), 1)))
+
+
+def unit_of(unit: str, problem: Problem) -> str:
+    """A parameter's unit in this recording: radians for metres, per unit mass where the mass is unknown."""
+    if problem.angular:
+        unit = unit.replace("kg/m", "1/rad").replace("m/s^2", "rad/s^2").replace("m/s", "rad/s")
+        unit = "rad" if unit == "m" else unit
+    if not problem.in_newtons and unit.split("/")[0].split(" ")[0] in ("N", "kg"):
+        return f"{unit} per kg"
+    return unit
+
+
+def _quantity(value: float, variance: float, unit: str, bound: str | None) -> Quantity:
+    if bound is not None:
+        return Quantity(value, None, unit, bound)
+    if not math.isfinite(variance) or variance <= 0.0:
+        return Quantity(value, None, unit, _NOT_SEEN)
+    return Quantity(value, math.sqrt(variance), unit)
+
+
+def covariances(found: Fit, problem: Problem, omega: float, explained: bool) -> tuple[FloatArray, ...]:
+    """Covariances (q, q) of the fitted numbers, of which the larger variance counts; omega of the swing, rad/s."""
+    inflated = found.covariance() * inflation(found) ** 2
+    if explained or problem.by_force:
+        return (inflated,)
+    return inflated, clustered_covariance(found, problem, omega)
+
+
+def _variance(matrices: tuple[FloatArray, ...], gradient: FloatArray) -> float:
+    used = gradient != 0.0  # an infinite variance times none is none
+    with np.errstate(invalid="ignore"):  # infinite variances that cancel leave no number
+        return float(np.max([gradient[used] @ m[np.ix_(used, used)] @ gradient[used] for m in matrices]))
+
+
+def term_parameters(
+    found: Fit, problem: Problem, index: int, omega: float, explained: bool = True
+) -> dict[str, Quantity]:
+    """Parameters of the term at ``index`` of a model, with standard errors; see ``base_parameters``."""
+    variances, values = [np.diag(m) for m in covariances(found, problem, omega, explained)], found.values
+    out = {}
+    for i, f in enumerate(found.free):
+        if isinstance(f.by, tuple) and f.by[0] == index:
+            parameter = found.model.terms[index].term.parameters[f.by[1]]
+            why = _ON_BOUND if values[i] <= f.lower else (AT_LEAST if values[i] >= f.upper else None)
+            out[parameter.name] = _quantity(
+                float(values[i]), max(float(v[i]) for v in variances), unit_of(parameter.unit, problem), why
+            )
+    return out
+
+
+def base_parameters(found: Fit, problem: Problem, omega: float, explained: bool) -> dict[str, Quantity]:
+    """omega_n, zeta, x_k of a fit (mass, c, f_k on a free axis), standard errors through the first derivatives.
+
+    omega : of the swing, rad/s. explained : whether the fit leaves nothing but noise.
+    """
+    model, matrices = found.model, covariances(found, problem, omega, explained)
+    at = {f.name: i for i, f in enumerate(found.free) if isinstance(f.by, str)}
+
+    def combined(value: float, slopes: dict[str, float], unit: str, on_bound: bool = False) -> Quantity:
+        gradient: FloatArray = np.zeros(len(found.free))
+        for name, slope in slopes.items():
+            if name in at:
+                gradient[at[name]] = slope
+        return _quantity(value, _variance(matrices, gradient), unit, _ON_BOUND if on_bound else None)
+
+    m, c, k, f_k = model.m, model.c, model.k, model.f_k
+    if model.restoring is Restoring.NONE:
+        return {
+            "mass": combined(m, {"m": 1.0}, "kg") if "m" in at else Quantity(m, None, "kg", "given, not fitted"),
+            "c": combined(c, {"c": 1.0}, unit_of("N s/m", problem), c <= 0.0),
+            "f_k": combined(f_k, {"f_k": 1.0}, unit_of("N", problem), f_k <= 0.0),
+        }
+    omega, root = math.sqrt(k / m), math.sqrt(k * m)
+    return {
+        "omega_n": combined(omega, {"k": 0.5 * omega / k, "m": -0.5 * omega / m}, "rad/s"),
+        "zeta": combined(
+            c / (2.0 * root), {"c": 0.5 / root, "k": -0.25 * c / (root * k), "m": -0.25 * c / (root * m)}, "1", c <= 0.0
+        ),
+        "x_k": combined(f_k / k, {"f_k": 1.0 / k, "k": -f_k / k**2}, "rad" if problem.angular else "m", f_k <= 0.0),
+    }

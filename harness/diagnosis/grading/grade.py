@@ -1,0 +1,221 @@
+"""Grades: which term is the main part of a misfit that nothing explains, and by what margin.
+
+A real machine has one large omission and a crowd of small ones; no model of one or two terms meets its noise. So a term
+is judged by its share of the misfit, by evidence that counts words and not samples, by its distance to every other
+term, and by prediction of what it was not fitted to.
+"""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+from harness.diagnosis.baseline.words import evidence
+from harness.diagnosis.fit.least_squares import Fit
+from harness.diagnosis.grading.misfit import Misfit
+from harness.diagnosis.grading.prediction import Predicted, clearly_less, free_run, held_out, ratio, trained
+from harness.diagnosis.outcome import Grade
+from harness.diagnosis.rules import (
+    AMONG_ALIKE,
+    GAIN,
+    HELD_OUT,
+    LEAST_CYCLES,
+    LEAST_RATIO,
+    LISTED_CYCLES,
+    MARGIN,
+    MOST_LISTED,
+    PREDICTS_BETTER,
+    RUN_BETTER,
+    SAME_CLOCK,
+    SHARE_OF_EXCESS,
+    SHARE_OF_MISFIT,
+    Rule,
+)
+from harness.diagnosis.search.extend import extend
+from harness.diagnosis.search.start_evidence import evidence as starting_evidence
+from harness.model.evidence import Evidence
+from harness.model.model import ModelTerm
+from harness.model.registry import TERMS
+
+_FINALISTS = 4
+"""Names whose predictions are computed."""
+
+
+@dataclass(frozen=True, slots=True)
+class Finalist:
+    """A catalogue name, alone on the base.
+
+    fit : under the noise of the misfit. gain : evidence over the base. share : of the misfit beyond the sensors' noise
+    that it takes off; of_all : of the whole. clock : whether it has a clock of its own on the swing. held, run :
+    prediction of blocks that were left out, and of the last part from the first.
+    """
+
+    fit: Fit
+    gain: float
+    share: float
+    of_all: float
+    clock: bool
+    held: Predicted | None = None
+    run: Predicted | None = None
+
+    @property
+    def name(self) -> str:
+        """Catalogue name."""
+        return self.fit.model.terms[-1].term.name
+
+
+@dataclass(frozen=True, slots=True)
+class Graded:
+    """What a misfit comes to: grade and names, best first; the first one's fit is the best model found.
+
+    base_held, base_run : prediction by the base. rules : those that decided.
+    """
+
+    misfit: Misfit
+    grade: Grade | None
+    named: tuple[Finalist, ...]
+    finalists: tuple[Finalist, ...]
+    base_held: Predicted | None
+    base_run: Predicted | None
+    rules: tuple[Rule, ...]
+
+
+def grade(misfit: Misfit) -> Graded:
+    """Grade the catalogue against a misfit. Raises SimulationError."""
+    problem, scales, strokes = misfit.problem, misfit.scales, misfit.strokes
+    finalists = ranked(misfit)
+    if not finalists:
+        return Graded(misfit, None, (), (), None, None, (GAIN,))
+    base_held, base_run = held_out(misfit.base, problem, scales, strokes), free_run(misfit.base, problem, scales)
+    seen = [
+        replace(f, held=held_out(f.fit, problem, scales, strokes), run=free_run(f.fit, problem, scales))
+        if i < _FINALISTS
+        else f
+        for i, f in enumerate(finalists)
+    ]
+    return decided(Graded(misfit, None, (), tuple(seen), base_held, base_run, ()))
+
+
+def decided(found: Graded) -> Graded:
+    """Grade finalists whose evidence and predictions are known."""
+    if found.misfit.strokes.cycles < LISTED_CYCLES.value:
+        return replace(found, rules=(LISTED_CYCLES,))
+    return _by_share(found) or _by_run(found) or _minor(found)
+
+
+def ranked(misfit: Misfit) -> list[Finalist]:
+    """Every catalogue name alone, the best law of each, most evidence first."""
+    problem, base, scales = misfit.problem, misfit.base, misfit.scales
+    fits = extend(base, problem, scales).fits
+    if not fits:
+        return []
+    floor = misfit.floor(misfit.noise_left(min(fits, key=lambda f: f.chi2)))
+    excess = base.chi2 - floor
+    cells = _cells(starting_evidence(base, problem, scales))
+    best: dict[str, Finalist] = {}
+    for one in fits:
+        entry, parameters = one.model.terms[-1], len(one.free) - len(base.free)
+        taken = base.chi2 - one.chi2
+        found = Finalist(
+            one,
+            evidence(base.chi2, one.chi2, misfit.words, parameters, cells[entry.term.name]),
+            min(taken / excess, 1.0) if excess > 0.0 else 0.0,
+            taken / base.chi2,
+            _on_the_swing(entry, misfit),
+        )
+        if entry.term.name not in best or found.gain > best[entry.term.name].gain:
+            best[entry.term.name] = found
+    return sorted(best.values(), key=lambda f: -f.gain)
+
+
+def _cells(seen: Evidence) -> dict[str, float]:
+    """Places that each name's parameters are scanned over: its probes, a cosine and a sine counted as one."""
+    cells: dict[str, float] = {}
+    for term in TERMS:
+        probes = len(term.probes(seen)) / (1.0 if term.phase is None else 2.0)
+        cells[term.name] = cells.get(term.name, 0.0) + max(probes, 1.0)
+    return cells
+
+
+def _on_the_swing(entry: ModelTerm, misfit: Misfit) -> bool:
+    """Whether a law with a clock of its own keeps time with the swing or a multiple of it: then it follows anything."""
+    if "Omega" not in entry.term.names:
+        return False
+    rate, omega = entry.value("Omega"), misfit.scales.omega
+    span = float(misfit.problem.t[-1] - misfit.problem.t[0])
+    width = SAME_CLOCK.value * 2.0 * math.pi / span
+    return any(abs(rate - m * omega) < width for m in range(1, 5))
+
+
+def _alike(first: Finalist, others: Sequence[Finalist]) -> list[Finalist]:
+    """Those that are not told apart from the first."""
+    return [
+        f
+        for f in others
+        if f is not first
+        and f.gain >= GAIN.value
+        and (f.gain > first.gain - MARGIN.value or f.fit.chi2 < LEAST_RATIO.value * first.fit.chi2)
+    ]
+
+
+def _worthy(f: Finalist, found: Graded) -> bool:
+    """Whether a term takes most of the misfit, and predicts."""
+    return (
+        f.gain >= GAIN.value
+        and f.share >= SHARE_OF_EXCESS.value
+        and f.of_all >= SHARE_OF_MISFIT.value
+        and ratio(f.held, found.base_held) <= HELD_OUT.value
+    )
+
+
+def _by_share(found: Graded) -> Graded | None:
+    """A main effect by its share of the misfit, or the names that share that place; None where no term has it."""
+    rules = (GAIN, SHARE_OF_EXCESS, SHARE_OF_MISFIT, HELD_OUT)
+    steady = [f for f in found.finalists if not f.clock]
+    worthy = [f for f in steady if _worthy(f, found)]
+    # a clock on the swing follows anything: it is listed where it leads by far, never alone
+    clocks = [f for f in found.finalists if f.clock and _worthy(f, found)]
+    if not worthy:
+        return None
+    first = worthy[0]
+    better = [
+        f
+        for f in worthy
+        if f.held is not None and first.held is not None and clearly_less(f.held, first.held, PREDICTS_BETTER.value)
+    ]
+    near = _alike(first, steady)
+    leading = [f for f in clocks[:1] if f.gain > first.gain + MARGIN.value]
+    listed = (*leading, first, *near, *(f for f in better if f not in near))
+    if len(listed) > 1:
+        why, first_few = SAME_CLOCK if leading else MARGIN, listed[: MOST_LISTED.count]
+        return replace(found, grade=Grade.ONE_OF, named=first_few, rules=(*rules, why, LEAST_RATIO, MOST_LISTED))
+    if found.misfit.strokes.cycles < LEAST_CYCLES.value:
+        return replace(found, grade=Grade.ONE_OF, named=listed, rules=(*rules, LEAST_CYCLES))
+    return replace(found, grade=Grade.MAIN, named=listed, rules=(*rules, MARGIN, LEAST_RATIO))
+
+
+def _by_run(found: Graded) -> Graded | None:
+    """Names whose free run is far better than the base's though they take little off where they were fitted.
+
+    What hardly shows in the large swings can rule the small ones. They are listed, never the main effect.
+    """
+    misfit = found.misfit
+    if found.base_run is None:
+        return None
+    words = float(misfit.strokes.of[-1] - misfit.strokes.of[trained(misfit.problem)])
+    good: list[tuple[float, Finalist]] = []
+    for f in found.finalists:
+        if f.run is None or f.clock or f.gain <= 0.0 or ratio(f.run, found.base_run) > RUN_BETTER.value:
+            continue
+        if evidence(found.base_run.total, f.run.total, max(words, 1.0), 0, AMONG_ALIKE.value) >= GAIN.value:
+            good.append((f.run.total, f))
+    good.sort(key=lambda one: one[0])
+    listed = tuple(f for total, f in good if total < LEAST_RATIO.value * good[0][0])
+    if not 0 < len(listed) <= MOST_LISTED.count:
+        return None
+    return replace(found, grade=Grade.ONE_OF, named=listed, rules=(RUN_BETTER, GAIN))
+
+
+def _minor(found: Graded) -> Graded:
+    """The largest single part, no headline."""
+    parts = [f for f in found.finalists if f.gain >= GAIN.value and not f.clock]
+    return replace(found, grade=Grade.MINOR if parts else None, named=tuple(parts[:1]), rules=(GAIN, SHARE_OF_EXCESS))

@@ -1,0 +1,99 @@
+"""A recording as its misfit tells of it: from the first turning point, each channel weighed by what the base leaves."""
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from harness.core.arrays import FloatArray
+from harness.diagnosis.baseline.base_fit import baseline
+from harness.diagnosis.baseline.residual_noise import residual_noise
+from harness.diagnosis.baseline.words import Strokes, words_of
+from harness.diagnosis.fit.least_squares import Fit, fit
+from harness.diagnosis.problem import Problem
+from harness.diagnosis.rules import HAS_BEGUN
+from harness.estimate.noise import Noise
+from harness.kernels.solve import Scales
+
+_CHI2_A_WORD = 30.0
+"""Chi-square of the base a word, in the units of the search: a share of a thirtieth of a word is then not pruned."""
+_FEWEST = 50
+"""Samples that must stay."""
+
+
+@dataclass(frozen=True, slots=True)
+class Misfit:
+    """What viscous and Coulomb friction leave, where no model explains it.
+
+    problem : from the first turning point, each channel's noise set to what the base leaves of it. base : fit under it.
+    noise : of the sensors, as it was seen before. strokes, words : of the motion. left_out : s, before the first
+    turning point.
+    """
+
+    problem: Problem
+    base: Fit
+    noise: Mapping[str, Noise]
+    scales: Scales
+    strokes: Strokes
+    words: float
+    left_out: float
+
+    def noise_left(self, shown: Fit) -> dict[str, Noise]:
+        """The sensors' noise by channel: what a fit leaves within short windows.
+
+        It is no more than was seen before, nor than all that the fit leaves.
+        """
+        t, period = self.problem.t, 2.0 * math.pi / self.scales.omega
+        left = {c: y - shown.shown.y[c] for c, y in self.problem.channels.items()}
+        found = {c: residual_noise(t, r, self.problem.channels[c], period) for c, r in left.items()}
+        least = {c: n if n.sigma < self.noise[c].sigma else self.noise[c] for c, n in found.items()}
+        return {c: replace(n, sigma=min(n.sigma, _rms(left[c]) or n.sigma)) for c, n in least.items()}
+
+    def floor(self, noise: Mapping[str, Noise]) -> float:
+        """What noise alone would leave of chi-square, in the units of the search."""
+        return sum(
+            float(np.sum(self.problem.weight[c])) * (n.sigma / self.problem.noise[c].sigma) ** 2
+            for c, n in noise.items()
+        )
+
+
+def _rms(r: FloatArray) -> float:
+    return math.sqrt(float(np.mean(r**2)))
+
+
+def first_turn(x: FloatArray, v: FloatArray) -> int:
+    """First sample after the first turning point of a motion that has begun; 0 where there is none.
+
+    x (n,), v (n,) : of a model that follows the motion. A hand at the release acts before it.
+    """
+    left = np.flatnonzero(np.abs(x - x[0]) > HAS_BEGUN.value * np.ptp(x))
+    if not left.size:
+        return 0
+    turns = np.flatnonzero(np.sign(v[left[0] : -1]) * np.sign(v[left[0] + 1 :]) < 0.0)
+    return int(left[0] + turns[0]) + 1 if turns.size else 0
+
+
+def misfit(problem: Problem, base: Fit, scales: Scales) -> Misfit:
+    """The misfit of a recording whose base model is fitted. Raises SimulationError.
+
+    A free decay is looked at from its first turning point, a driven recording whole: no hand lets it go. What noise of
+    its force does is part of the misfit.
+    """
+    at = first_turn(base.shown.x, base.shown.v) if problem.drive is None else 0
+    left_out = 0.0
+    if at and problem.t.size - at >= _FEWEST:
+        left_out = float(problem.t[at] - problem.t[0])
+        problem = problem.part(slice(at, None))
+        base, scales = baseline(problem)
+    strokes = Strokes.by(base.shown.v)
+    words = words_of(strokes)
+    points = sum(float(np.sum(w)) for w in problem.weight.values())
+    left = {c: _rms(y - base.shown.y[c]) for c, y in problem.channels.items()}
+    floor = {c: problem.noise[c].sigma for c in left}
+    level = math.sqrt(points / (_CHI2_A_WORD * words))
+    weighed = replace(
+        problem, force_noise=None, noise={c: Noise(level * max(s, floor[c]), True) for c, s in left.items()}
+    )
+    base = fit(base.model, weighed, base.free, scales, thorough=False)
+    return Misfit(weighed, base, problem.noise, scales, strokes, words, left_out)

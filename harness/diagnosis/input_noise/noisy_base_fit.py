@@ -1,0 +1,90 @@
+"""A base fit under the noise of its force, and what that noise does beyond first order, by simulation."""
+
+import math
+from collections.abc import Callable
+from contextlib import suppress
+from dataclasses import replace
+
+import numpy as np
+
+from harness.core.errors import SimulationError
+from harness.diagnosis.fit.fitted_states import begun
+from harness.diagnosis.fit.least_squares import Fit, fit, whitened
+from harness.diagnosis.fit.observe import COARSE, observe
+from harness.diagnosis.input_noise.force_noise import ForceNoise
+from harness.diagnosis.input_noise.propagation import force_noise
+from harness.diagnosis.problem import Problem
+from harness.diagnosis.rules import INPUT_NOISE_DRAWS
+from harness.kernels.solve import Scales
+
+_TURNS = 6
+_SAME = 1e-3
+"""Share of chi-square that changes nothing."""
+_FAR = 5.0
+"""Standard deviations beyond which a value says no more."""
+
+
+def along(base: Fit, problem: Problem, scales: Scales) -> tuple[Problem, Fit]:
+    """A problem with what its force's noise does along the motion of its base fit, and that fit under it."""
+    if problem.force_noise is None:
+        return problem, base
+    problem, base = in_turn(problem, base, scales, lambda p, found: (p, fit(found.model, p, found.free, scales)))
+    if problem.force_noise is not None and problem.force_noise.noise.found:
+        beyond = _beyond(base, problem, problem.force_noise, scales)
+        problem = replace(problem, force_noise=replace(problem.force_noise, beyond=beyond))
+    return problem, base
+
+
+def in_turn(
+    problem: Problem,
+    found: Fit,
+    scales: Scales,
+    again: Callable[[Problem, Fit], tuple[Problem, Fit]],
+    same: float = _SAME,
+) -> tuple[Problem, Fit]:
+    """What depends on a model's motion (starts of windows, what noise of a force does) and the fit, in turn.
+
+    again : the problem and the fit of a turn, from those of the one before. Ends where chi-square stays within the
+    share ``same``.
+    """
+    for _ in range(_TURNS):
+        before = found.chi2
+        problem, found = again(traced(problem, found, scales), found)
+        if abs(found.chi2 - before) < same * before:
+            break
+    return problem, found
+
+
+def traced(problem: Problem, found: Fit, scales: Scales) -> Problem:
+    """The problem with its starts as a model has them, and what its force's noise does along that model's motion."""
+    known = problem.force_noise
+    if known is None:
+        return problem
+    problem = begun(problem, found.model, scales)
+    shown = found.shown if problem.restarts is None else observe(found.model, problem, (), scales)
+    start = known.start[np.searchsorted(known.t, problem.t)]
+    force = force_noise(found.model, shown, problem.t, known.noise, problem.noise, start)
+    return replace(problem, force_noise=force if force is None else replace(force, beyond=known.beyond))
+
+
+def _beyond(base: Fit, problem: Problem, force: ForceNoise, scales: Scales) -> float:
+    """Chi-square that noise of a force leaves beyond first order and what a fit takes: the most of some draws.
+
+    Reversals come earlier or later, and slight ones become sticking. A sample on the other side of a jump counts as
+    one that is far out, no more.
+    """
+    assert problem.drive is not None
+    random, partials = np.random.default_rng(0), base.jacobian
+    size = np.sqrt(np.sum(partials**2, axis=0))
+    taken, _ = np.linalg.qr(partials[:, size > 0.0] / size[size > 0.0])
+    found = []
+    for _ in range(INPUT_NOISE_DRAWS.count):
+        w = force.noise.drawn(force.t.size, random)
+        u = problem.drive.u + np.interp(problem.drive.t, force.t, w)
+        with suppress(SimulationError):
+            disturbed = observe(base.model, replace(problem, drive=replace(problem.drive, u=u)), (), scales, COARSE).y
+            felt = force.felt(w)
+            left = whitened(problem, {c: disturbed[c] - base.shown.y[c] - felt[c] for c in problem.channels})
+            left = np.clip(left, -_FAR, _FAR)
+            found.append(float(left @ left) - float(np.sum((taken.T @ left) ** 2)))
+    return max(found, default=math.inf)

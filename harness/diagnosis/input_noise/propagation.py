@@ -1,0 +1,138 @@
+"""What the noise of a measured force does to a slider, to first order along the motion of a model.
+
+Between samples that noise is a straight line as the force is. Where the slider sticks it moves nothing, and a reversal
+passes on that share of a disturbed speed which the acceleration keeps (the saltation of a Filippov system: Leine and
+Nijmeijer 2004, ch. 7).
+"""
+
+import math
+from collections.abc import Mapping
+from dataclasses import replace
+
+import numpy as np
+
+from harness.core.arrays import BoolArray, FloatArray, IntArray
+from harness.core.events import EventKind, Events, Mode
+from harness.core.jit import compiled
+from harness.diagnosis.fit.observe import Observation
+from harness.diagnosis.input_noise.force_noise import ForceNoise
+from harness.estimate.noise import Noise
+from harness.model.model import Model, Restoring
+
+_SHOWS = 0.01
+"""Share of its sensors' variance that the force's noise adds somewhere, from which it is allowed for."""
+_SERIES = 5
+_PLACED, _PLACED_EXACTLY = 0.1, 1e-3
+"""Sampling intervals to which a force places an event, noisy or not: what it does between samples is a guess."""
+_REVERSAL, _STICK, _BREAK_AWAY = int(EventKind.REVERSAL), int(EventKind.STICK), int(EventKind.BREAK_AWAY)
+
+
+def force_noise(
+    model: Model, shown: Observation, t: FloatArray, force: Noise, noise: Mapping[str, Noise],
+    start: FloatArray | None = None,
+) -> ForceNoise | None:  # fmt: skip
+    """What the noise of a force does to a recording at t (n,), s, that ``model`` follows as shown; None if nothing.
+
+    noise : of the channels. start (n, 2) : how little is known of position and speed where the motion is followed anew.
+    """
+    anew = np.zeros((t.size, 2)) if start is None else start
+    if not force.found and not np.any(anew):
+        return None
+    bend = np.cos(shown.x) if model.restoring is Restoring.PENDULUM else np.ones(t.size)
+    pull, drag, push = model.k / model.m * bend, model.c / model.m, 1.0 / model.m
+    slips = shown.mode != Mode.STICK
+    events = shown.events
+    turns = events.kind == EventKind.REVERSAL
+    share = np.zeros(len(events))
+    share[turns] = events.a_after[turns] / np.where(events.a_before[turns] == 0.0, math.inf, events.a_before[turns])
+    moves = np.zeros((t.size - 1, 2, 4))
+    _moves(t, slips, pull, drag, push, events.t, events.kind, np.clip(share, 0.0, 1.0), moves)
+    # what went before tells nothing of a new start
+    moves[np.flatnonzero(np.any(anew[1:] > 0.0, axis=1))] = 0.0
+    found = ForceNoise(t, force, moves, pull, drag, push, slips, np.zeros((t.size, 4)), np.zeros((t.size, 2)))
+    if not (force.found and _shows(found, noise)):
+        if not np.any(anew):
+            return None
+        found = replace(found, noise=replace(force, sigma=0.0, found=False))
+    placed = _PLACED if found.noise.found else _PLACED_EXACTLY
+    return replace(found, start=anew, jumps=_jumps(t, events, placed))
+
+
+def _shows(force: ForceNoise, noise: Mapping[str, Noise]) -> bool:
+    """Whether noise of a force adds to what sensors of this noise have of their own."""
+    nothing = {c: np.zeros(force.t.size) for c in noise}
+    _, variance = force.whitened(force.t, noise, nothing, nothing)
+    return any(float(np.max(v)) > (1.0 + _SHOWS) * noise[c].sigma ** 2 for c, v in variance.items())
+
+
+def _jumps(t: FloatArray, events: Events, placed: float) -> FloatArray:
+    """At the nearest event (N, 4): jump of the acceleration, time to it, acceleration before it, its time's error."""
+    found = np.zeros((t.size, 4))
+    jump = np.abs(events.a_after - events.a_before)
+    at = np.flatnonzero((jump > 0.0) & (events.a_before != 0.0))
+    if at.size:
+        middles = 0.5 * (events.t[at][1:] + events.t[at][:-1])
+        nearest = at[np.searchsorted(middles, t)]
+        found[:, 0], found[:, 2] = jump[nearest], np.abs(events.a_before[nearest])
+        found[:, 1] = np.abs(t - events.t[nearest])
+        found[:, 3] = placed * float(np.median(np.diff(t)))
+    return found
+
+
+def _step(pull: float, drag: float, push: float, h: float, begin: float, end: float, move: FloatArray) -> None:
+    """Carry ``move`` (2, 4) on by h (s), while the force's noise goes from share ``begin`` of its way to ``end``."""
+    # powers of the 2 x 2 system, over h and half of it; the force's part by Simpson's rule
+    whole, half = np.eye(2), np.eye(2)
+    term_w, term_h = np.eye(2), np.eye(2)
+    a = np.array([[0.0, 1.0], [-pull, -drag]])
+    for i in range(1, _SERIES + 1):
+        term_w, term_h = term_w @ a * (h / i), term_h @ a * (0.5 * h / i)
+        whole, half = whole + term_w, half + term_h
+    middle = 0.5 * (begin + end)
+    moved = whole @ move
+    for r in range(2):
+        first, second, third = push * whole[r, 1], push * half[r, 1], push if r == 1 else 0.0
+        moved[r, 2] += h / 6.0 * (first * (1.0 - begin) + 4.0 * second * (1.0 - middle) + third * (1.0 - end))
+        moved[r, 3] += h / 6.0 * (first * begin + 4.0 * second * middle + third * end)
+    move[:] = moved
+
+
+_compiled_step = compiled(_step)
+
+
+def _all_moves(
+    t: FloatArray, slips: BoolArray, pull: FloatArray, drag: float, push: float, events: FloatArray,
+    kind: IntArray, share: FloatArray, out: FloatArray,
+) -> None:  # fmt: skip
+    """From each instant to the next (n - 1, 2, 4), through the events between."""
+    e = 0
+    for i in range(t.size - 1):
+        move = out[i]
+        move[:] = 0.0
+        move[0, 0] = move[1, 1] = 1.0
+        slipping, since, width = slips[i], t[i], t[i + 1] - t[i]
+        while e < events.size and events[e] <= t[i]:
+            e += 1
+        while True:
+            until = events[e] if e < events.size and events[e] <= t[i + 1] else t[i + 1]
+            if slipping:
+                begin, end = (since - t[i]) / width, (until - t[i]) / width
+                _compiled_step(0.5 * (pull[i] + pull[i + 1]), drag, push, until - since, begin, end, move)
+            else:
+                move[1] = 0.0
+            since = until
+            if e >= events.size or events[e] > t[i + 1]:
+                break
+            if kind[e] == _REVERSAL:
+                move[1] *= share[e]
+            elif kind[e] == _STICK:
+                slipping = False
+            elif kind[e] == _BREAK_AWAY:
+                slipping = True
+                move[1] = 0.0
+            e += 1
+        if not slips[i + 1]:
+            move[1] = 0.0
+
+
+_moves = compiled(_all_moves)

@@ -1,0 +1,1 @@
+"""Recordings that are traces of an engine that steps."""

@@ -1,0 +1,215 @@
+"""Is a recording the trace of a simulation that steps? Then what its integrator adds is the engine's, not physics.
+
+An integrator of first order shifts omega_n and zeta, reads the acceleration of the step before, scales it by
+1 + h c/m and turns friction round on whole steps. In the catalogue's words that looks like sensors out of tune. So
+where the search ends at friction of a soft constraint, at nothing but sensors or at nothing, the recording is also
+fitted by the very maps that engines step by (steps.py); one that tells more with fewer numbers is believed.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+
+from harness.core.arrays import FloatArray
+from harness.diagnosis.baseline.residual_noise import residual_noise
+from harness.diagnosis.fit.least_squares import Fit, fit, whitened
+from harness.diagnosis.fit.parameters import base_of, free_of
+from harness.diagnosis.integrator_maps.maps import SCHEMES, Scheme, Stepping, stepped
+from harness.diagnosis.problem import Problem
+from harness.diagnosis.residual_tests.lack_of_fit import lack_of_fit
+from harness.diagnosis.residual_tests.structure import Left
+from harness.diagnosis.rules import STEPPED, STEPPED_WITHIN, STRUCTURE
+from harness.diagnosis.search.extend import key_of
+from harness.diagnosis.search.search import Search, under
+from harness.fit.least_squares import Bounds, Until, least_squares
+from harness.kernels.solve import Scales
+from harness.model.model import Model, ModelTerm, Restoring
+from harness.model.registry import TERMS
+from harness.model.term import Slot
+
+_READINGS = frozenset(t.name for t in TERMS if t.steps_alike and t.slot is Slot.OBSERVATION)
+_SOFT = next(t.name for t in TERMS if t.steps_alike and t.slot is Slot.FRICTION_LAW)
+"""What steps look like in the catalogue's words: sensors out of tune, and the friction of a soft constraint."""
+_STEPS_A_SAMPLE = (1, 2, 4, 5, 10)
+_EVEN = 1e-2
+"""Share of the sampling interval by which times may differ from even ones (files are written with few digits)."""
+_DIFFERENCE, _FAR, _DONE = 1e-6, 1e6, 1e-2
+_FIRST_LOOK, _SECOND_LOOK = 1500, 4000
+_LOOKS, _ROUNDS = 10, 25
+_FINALISTS = 5
+"""Samples and rounds of the first look at every scheme; those that go on to a second."""
+
+
+@dataclass(frozen=True, slots=True)
+class _Tried:
+    scheme: Scheme
+    h: float
+    each: int
+    late: bool
+    values: FloatArray
+    residual: FloatArray
+    jacobian: FloatArray
+
+    @property
+    def chi2(self) -> float:
+        return float(self.residual @ self.residual)
+
+
+def _is_even(t: FloatArray) -> bool:
+    interval = (t[-1] - t[0]) / (t.size - 1)
+    return bool(np.max(np.abs(np.diff(t) - interval)) < _EVEN * interval)
+
+
+def _worth_a_try(found: Search) -> Fit | None:
+    """The fit to start from: where soft friction, nothing but readings, or no explanation was found."""
+    if found.problem.drive is not None or "x" not in found.problem.channels or not _is_even(found.problem.t):
+        return None
+    names = set(key_of(found.chosen))
+    if found.explained:
+        return found.chosen if names and names <= _READINGS | {_SOFT} else None
+    if _SOFT in names:
+        return found.chosen
+    soft_first = found.singles and key_of(found.singles[0]) == (_SOFT,)
+    return found.singles[0] if soft_first else found.base
+
+
+def as_stepped(found: Search, scales: Scales) -> tuple[Search, Stepping] | None:
+    """The search's answer for the trace of an engine, and how it steps; None for any other recording."""
+    start = _worth_a_try(found)
+    if start is None:
+        return None
+    best = _best(found.problem, start.model)
+    shown = _shown(best, found.problem, start.model)
+    period = 2.0 * np.pi / scales.omega
+    noise = {c: residual_noise(found.problem.t, y - shown[c], y, period) for c, y in found.problem.channels.items()}
+    problem = replace(found.problem, noise=noise)
+    best = _fitted(best, problem, start.model, _ROUNDS)
+    penalty = np.log(problem.points)
+    rival = min(under(f, problem).bic for f in (found.chosen, start, *found.singles[:1]))
+    free = best.values.size
+    if best.chi2 + free * penalty > rival - STEPPED.value or not _is_noise(best, problem, scales.omega):
+        return None
+    stepping = _said(best, problem, start.model)
+    return _without_readings(found, problem, start, stepping, scales), stepping
+
+
+def _best(problem: Problem, model: Model) -> _Tried:
+    interval = float((problem.t[-1] - problem.t[0]) / (problem.t.size - 1))
+    interval, none = float(f"{interval:.9g}"), np.empty(0)
+    tries = []
+    for each in _STEPS_A_SAMPLE:
+        for scheme in SCHEMES:
+            for late in (False, True) if "a" in problem.channels else (False,):
+                tries.append(_Tried(scheme, interval / each, each, late, _start(model, interval / each), none, none))
+    first, second = (problem.part(slice(0, n)) for n in (_FIRST_LOOK, _SECOND_LOOK))
+    looks = sorted((_fitted(t, first, model, _LOOKS) for t in tries), key=lambda t: t.chi2)
+    return min((_fitted(t, second, model, _ROUNDS) for t in looks[:_FINALISTS]), key=lambda t: t.chi2)
+
+
+def _start(model: Model, h: float) -> FloatArray:
+    soft = model.find(_SOFT)
+    f = model.f_k / model.m
+    v_r, lead = (h * f, h) if soft is None else (soft.value("v_r"), soft.value("lead"))
+    offset = (model.offset,) if model.offset else ()
+    return np.array([model.c / model.m, model.k / model.m, f, model.x0, model.v0, v_r, lead, *offset])
+
+
+def _shown(tried: _Tried, problem: Problem, model: Model) -> dict[str, FloatArray]:
+    pendulum = model.restoring is Restoring.PENDULUM
+    p = tried.values
+    motion = stepped(p[:7], tried.h, tried.each, tried.scheme, pendulum, tried.late, problem.t.size)
+    every = {"x": motion.x + (p[7] if p.size > 7 else 0.0), "v": motion.v, "a": motion.a}
+    return {c: every[c] for c in problem.channels}
+
+
+@dataclass(frozen=True)
+class _Point:
+    """A map's numbers (q,) in units of their size, and the whitened residual (n,) that they leave."""
+
+    at: FloatArray
+    residual: FloatArray
+    seen: Callable[[FloatArray], FloatArray]
+
+    @property
+    def squares(self) -> float:
+        """Chi-square."""
+        return float(self.residual @ self.residual)
+
+    @cached_property
+    def partials(self) -> FloatArray:
+        """Of the residual (n, q); differences serve, because a map is smooth where its friction is."""
+        steps = _DIFFERENCE * np.eye(self.at.size)
+        return np.column_stack([(self.seen(self.at + step) - self.residual) / _DIFFERENCE for step in steps])
+
+    def normal_equations(self) -> tuple[FloatArray, FloatArray]:
+        """By the numbers in units of their size."""
+        return self.partials.T @ self.partials, -self.partials.T @ self.residual
+
+
+def _fitted(tried: _Tried, problem: Problem, model: Model, rounds: int) -> _Tried:
+    """Least squares of a map."""
+    size = np.maximum(np.abs(tried.values), _sizes(tried.values))
+    bounds = Bounds.of(size.size)
+    bounds.lower[[0, 1, 2, 6]] = 0.0
+    bounds.lower[5] = 1e-9
+
+    def seen(scaled: FloatArray) -> FloatArray:
+        shown = _shown(replace(tried, values=scaled * size), problem, model)
+        left = whitened(problem, {c: y - shown[c] for c, y in problem.channels.items()})
+        # a map that diverges is far off, not an error
+        return np.clip(np.nan_to_num(left, nan=_FAR), -_FAR, _FAR)
+
+    found = least_squares(
+        lambda at: _Point(at, seen(at), seen), tried.values / size, Until(_DONE, iterations=rounds), bounds
+    )
+    point = found.point
+    return replace(tried, values=found.coordinates * size, residual=point.residual, jacobian=point.partials)
+
+
+def _sizes(p: FloatArray) -> FloatArray:
+    """What counts as one of each number where it is zero."""
+    omega = np.sqrt(p[1])
+    x = abs(p[3]) + abs(p[4]) / omega
+    scale = np.array([0.01 * omega, p[1], 0.01 * p[1] * x, x, x * omega, 1e-3 * x * omega, 1e-3 / omega, x])
+    return scale[: p.size]
+
+
+def _is_noise(tried: _Tried, problem: Problem, omega: float) -> bool:
+    n = problem.t.size
+    parts = {c: slice(i * n, (i + 1) * n) for i, c in enumerate(problem.channels)}
+    left = lack_of_fit(
+        {c: tried.residual[at] for c, at in parts.items()},
+        problem.t,
+        omega,
+        jacobian={c: tried.jacobian[at] for c, at in parts.items()},
+    )
+    return left.p_value > STRUCTURE.value
+
+
+def _said(tried: _Tried, problem: Problem, model: Model) -> Stepping:
+    p, m = tried.values, model.m
+    soft = ModelTerm.named(_SOFT, v_r=float(p[5]), lead=float(p[6]))
+    stepped_model = replace(
+        model, c=float(p[0]) * m, k=float(p[1]) * m, f_k=float(p[2]) * m, x0=float(p[3]), v0=float(p[4]), terms=(soft,)
+    )
+    within = p[6] <= STEPPED_WITHIN.value * tried.h and p[5] <= STEPPED_WITHIN.value * tried.h * p[2]
+    return Stepping(
+        tried.scheme, tried.h, tried.late, stepped_model, tried.chi2 / problem.points, within_a_step=bool(within)
+    )
+
+
+def _without_readings(found: Search, problem: Problem, start: Fit, stepping: Stepping, scales: Scales) -> Search:
+    """The search's answer with soft friction alone, or with nothing where friction turns within a step."""
+    base = under(found.base, problem)
+    singles = tuple(sorted((under(f, problem) for f in found.singles), key=lambda f: f.bic))
+    chosen = base
+    if not stepping.within_a_step:
+        names = base_of(base.free)
+        names = names if "v0" in names else (*names, "v0")
+        # v_r and lead as the steps give them: an exact motion would bend them to make up for the integrator
+        model = replace(start.model, terms=stepping.model.terms)
+        moved = fit(model, problem, free_of(replace(model, terms=()), names), scales)
+        chosen = fit(moved.model, problem, free_of(model, names), scales, iterations=0, thorough=False)
+    return Search(problem, base, chosen, singles, (), Left.NOISE)

@@ -1,0 +1,1 @@
+"""Driven recordings that are fitted in their force."""

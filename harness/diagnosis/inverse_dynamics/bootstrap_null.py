@@ -1,0 +1,47 @@
+"""What a further law takes off a fitted force where there is nothing to take: the model's own motion, seen as measured.
+
+Smoothing rounds off what friction does at reversals, noise is amplified by two differences, and some law of a whole
+catalogue always fits what comes of both. How well is simulated: the fitted model moves under the recorded force, its
+motion gets the noise that was found and passes the same smoothing, the same fit and the same search (a parametric
+bootstrap of the search; Davison and Hinkley 1997, ch. 4).
+"""
+
+import math
+from collections.abc import Callable
+from contextlib import suppress
+from dataclasses import replace
+
+import numpy as np
+
+from harness.core.errors import SimulationError
+from harness.diagnosis.fit.observe import COARSE, observe
+from harness.diagnosis.inverse_dynamics.force_fit import ForceFit, fit_force
+from harness.diagnosis.inverse_dynamics.measured import Measured
+from harness.diagnosis.problem import Problem
+from harness.diagnosis.rules import NULL_DRAWS
+from harness.diagnosis.smoothed_state.state import Course
+from harness.kernels.solve import Scales
+
+
+def taken_by_chance(
+    current: ForceFit, problem: Problem, scales: Scales, further: Callable[[ForceFit, Measured], list[ForceFit]]
+) -> float:
+    """Squares of force, N^2 a value, that the best of ``further`` takes off a true model: the most of some draws.
+
+    0 where the model cannot be simulated: then it says nothing of what chance does.
+    """
+    # over each stretch without a gap from one start: no window's edge is in the motion
+    course = Course.of(problem.t, problem.channels, problem.noise)
+    whole = replace(problem, restarts=course.anew(math.inf))
+    random, most = np.random.default_rng(0), 0.0
+    with suppress(SimulationError):
+        shown = observe(current.model, whole, (), scales, COARSE).y
+        for _ in range(NULL_DRAWS.count):
+            channels = {c: problem.noise[c].over(shown[c], random) for c in problem.channels}
+            measured = Measured.of(replace(problem, channels=channels))
+            before = fit_force(current.model, measured, current.free)
+            after = further(before, measured)
+            if after:
+                squares = min(f.squares for f in after)
+                most = max(most, (before.squares - squares) / before.residual.size)
+    return most

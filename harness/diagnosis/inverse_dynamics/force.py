@@ -1,0 +1,49 @@
+"""The force a model asks for to move as recorded: its inverse dynamics, by the kernel's own laws."""
+
+import numpy as np
+
+from harness.core.arrays import FloatArray
+from harness.core.jit import compiled
+from harness.kernels.integrate import mode_moving
+from harness.kernels.layout import lay_out
+from harness.kernels.rhs import rhs
+from harness.kernels.work import SPARE, Work, workspace
+from harness.model.history import History
+from harness.model.model import Model
+
+
+def _forces(
+    t: FloatArray, x: FloatArray, v: FloatArray, a: FloatArray, inside: FloatArray, m: float, w: Work, out: FloatArray
+) -> None:
+    """m (a - acceleration without drive) at every sample; inside (n, k): internal states beyond x and v."""
+    for n in range(t.size):
+        w.z[0], w.z[1] = x[n], v[n]
+        for i in range(inside.shape[1]):
+            w.z[2 + i] = inside[n, i]
+        rhs(SPARE, t[n], w.z, mode_moving(v[n], w), 0.0, w)
+        out[n] = m * (a[n] - w.ks[SPARE, 1])
+
+
+forces = compiled(_forces)
+
+
+def inverse_force(model: Model, t: FloatArray, x: FloatArray, v: FloatArray, a: FloatArray) -> FloatArray:
+    """Force (n,), N, that moves the model through x (as its sensor shows it), v, a (n,) at t (s).
+
+    Internal states are as each term says that the motion leaves them; what it says nothing of moves with the slider.
+    """
+    layout = lay_out(model, max(float(np.max(np.abs(v))), 1e-300))
+    inside = np.zeros((t.size, layout.start.size - 2))
+    inside[:, [i - 2 for i in layout.speeds if i > 1]] = v[:, None]
+    motion = History(t, v, t, v, model.f_k)
+    for names, entry in zip(model.internal_names, model.terms, strict=True):
+        if entry.term.implied is not None:
+            columns = [layout.state_names.index(name) - 2 for name in names]
+            inside[:, columns] += entry.term.implied(entry.values, motion).values
+    work = workspace(
+        layout.spec, layout.theta, np.empty(0, np.int64), np.ones(layout.start.size), layout.start,
+        np.zeros((layout.start.size, 0)),
+    )  # fmt: skip
+    out = np.empty(t.size)
+    forces(t, x - model.offset, v, a, inside, model.m, work, out)
+    return out

@@ -1,0 +1,174 @@
+"""Least squares of the force: inverse dynamics fitted to what was measured, with errors that allow for colour.
+
+What a real drive leaves over is a force that no law of the model says (ripple, bending, heat), far above what its
+encoder's noise makes of it; so the force is what is fitted. What is left is coloured: neighbouring values say the same
+thing, so that a sum of squares counts as that of fewer values, and standard errors come from the residual's own
+covariance with the partials (Newey and West 1987), not from a law of its noise.
+"""
+
+import math
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from harness.core.arrays import FloatArray
+from harness.core.errors import SimulationError
+from harness.diagnosis.fit.least_squares import Fit
+from harness.diagnosis.fit.observe import COARSE, Observation, observe
+from harness.diagnosis.fit.parameters import Free, bounds_of, coordinates_of, values_of, with_coordinates, with_values
+from harness.diagnosis.inverse_dynamics.measured import Measured
+from harness.diagnosis.problem import Problem
+from harness.fit.autocorrelation import Memory, memory
+from harness.fit.covariance import covariance_of
+from harness.fit.least_squares import Stop, Until, least_squares
+from harness.kernels.solve import Scales
+from harness.model.model import Model
+
+_STEP = 1e-6
+_ITERATIONS = 25
+_DONE = 1e-9
+"""Share of the sum of squares below which a step is the last."""
+_REACH = 2.0
+"""Correlation times over which partials and residual may go together."""
+
+
+@dataclass(frozen=True, slots=True)
+class ForceFit:
+    """residual (m,), N: force measured minus asked for. jacobian (m, q): partials of the latter by the free numbers."""
+
+    model: Model
+    free: tuple[Free, ...]
+    residual: FloatArray
+    jacobian: FloatArray
+
+    @property
+    def squares(self) -> float:
+        """Sum of squares of the residual, N^2."""
+        return float(self.residual @ self.residual)
+
+    @property
+    def memory(self) -> Memory:
+        """How long the residual remembers."""
+        return memory(self.residual)
+
+    def bic(self, independent: float, spare: float = 0.0) -> float:
+        """Bayesian information criterion for noise of unknown level and so many independent values.
+
+        spare : N^2 a value, taken off by chance alone, which does not count.
+        """
+        squares = self.squares + spare * self.residual.size
+        return independent * math.log(squares) + len(self.free) * math.log(independent)
+
+    def covariance(self) -> FloatArray:
+        """Covariance (q, q) of the free numbers, colour and uneven size of the residual allowed for."""
+        moments = self.jacobian * self.residual[:, None]
+        lags = min(math.ceil(_REACH * self.memory.time), self.residual.size - 1)
+        middle = moments.T @ moments
+        for lag in range(1, lags + 1):
+            across = moments[lag:].T @ moments[:-lag]
+            middle += (1.0 - lag / (lags + 1.0)) * (across + across.T)
+        size = self.residual.size
+        middle *= size / max(size - len(self.free), 1)
+        bread = covariance_of(self.jacobian)
+        return np.asarray(bread @ middle @ bread, dtype=np.float64)
+
+
+@dataclass(frozen=True)
+class _Point:
+    """A model beside a force (m,), N, that is measured; asked (m,) is the force it needs."""
+
+    model: Model
+    measured: Measured
+    free: tuple[Free, ...]
+    asked: FloatArray
+    residual: FloatArray
+
+    @property
+    def squares(self) -> float:
+        """Sum of squares of the force left over, N^2."""
+        return float(self.residual @ self.residual)
+
+    @cached_property
+    def partials(self) -> FloatArray:
+        """Partials (m, q) of the force asked for, by differences: most laws are linear, none has an event here."""
+        values = values_of(self.model, self.free)
+        columns = []
+        for i, f in enumerate(self.free):
+            moved = values.copy()
+            step = _STEP * (abs(values[i]) or 1.0)
+            moved[i] += step if values[i] + step <= f.upper else -step
+            asked = self.measured.asked(with_values(self.model, self.free, moved))
+            columns.append((asked - self.asked) / (moved[i] - values[i]))
+        return np.column_stack(columns)
+
+    def normal_equations(self) -> tuple[FloatArray, FloatArray]:
+        """By the coordinates that are fitted."""
+        slopes = [f.slope(v) for f, v in zip(self.free, values_of(self.model, self.free), strict=True)]
+        j = self.partials * slopes
+        return j.T @ j, j.T @ self.residual
+
+
+def fit_force(model: Model, measured: Measured, free: tuple[Free, ...]) -> ForceFit:
+    """Fit the free numbers of a model to the force, from its own values; SimulationError where a law overflows."""
+    force = measured.blocks(measured.u)
+
+    def evaluated(at: FloatArray) -> _Point:
+        trial = with_coordinates(model, free, at)
+        asked = measured.asked(trial)
+        return _Point(trial, measured, free, asked, force - asked)
+
+    found = least_squares(
+        evaluated, coordinates_of(model, free), Until(share=_DONE, iterations=_ITERATIONS), bounds_of(free)
+    )
+    at = found.point
+    if not (math.isfinite(at.squares) and np.all(np.isfinite(at.partials))):
+        raise SimulationError("a law's force overflows")
+    return ForceFit(at.model, free, at.residual, at.partials)
+
+
+def simulated(found: ForceFit, problem: Problem, scales: Scales) -> Observation:
+    """The model's motion over the windows."""
+    return observe(found.model, problem, (), scales, COARSE)
+
+
+def as_fit(found: ForceFit, problem: Problem, measured: Measured, reference: ForceFit, shown: Observation) -> Fit:
+    """A fit of the force as a fit: chi-square in units of what the reference leaves, its independent values counted.
+
+    residual : of the force at the problem's samples, zero where it was not fitted, in the first channel's place.
+    jacobian : any that has the covariance of the fit. shown : what the model shows over
+    the windows.
+    """
+    independent, size = reference.memory.independent, found.residual.size
+    level = math.sqrt(reference.squares / size)
+    residual = np.zeros(problem.t.size * len(problem.channels))
+    blocks = np.zeros(measured.moving.size)
+    blocks[measured.moving] = found.residual / level
+    residual[: measured.t.size] = np.repeat(blocks, measured.t.size // blocks.size)
+    jacobian = np.zeros((residual.size, len(found.free)))
+    jacobian[: len(found.free)] = _root_of_inverse(found.covariance())
+    return Fit(
+        found.model,
+        found.free,
+        independent * found.squares / reference.squares,
+        max(round(independent), 1),
+        residual,
+        jacobian,
+        shown,
+        Stop.CONVERGED,
+    )
+
+
+def _root_of_inverse(covariance: FloatArray) -> FloatArray:
+    """A matrix whose square is the inverse of a covariance (q, q); directions without variance count as unknown."""
+    scale = np.sqrt(np.maximum(np.diag(covariance), 0.0))
+    scale[scale == 0.0] = 1.0
+    values, vectors = np.linalg.eigh(covariance / np.outer(scale, scale))
+    inverse = np.where(values > 1e-12, 1.0 / np.sqrt(np.maximum(values, 1e-12)), 0.0)
+    root: FloatArray = (inverse[:, None] * vectors.T) / scale
+    return root
+
+
+def refitted(found: Fit, measured: Measured) -> Model:
+    """The model of a fit, fitted to the blocks that count in ``measured``."""
+    return fit_force(found.model, measured, found.free).model

@@ -1,0 +1,115 @@
+"""Which laws of the catalogue would take most off what inverse dynamics leave of a force, with starting values."""
+
+import math
+from collections.abc import Iterator
+from dataclasses import replace
+
+import numpy as np
+
+from harness.core.arrays import FloatArray
+from harness.diagnosis.baseline.spectral_peaks import peaks
+from harness.diagnosis.inverse_dynamics.force import inverse_force
+from harness.diagnosis.inverse_dynamics.force_fit import ForceFit
+from harness.diagnosis.inverse_dynamics.measured import Measured
+from harness.diagnosis.inverse_dynamics.ripple import periods
+from harness.diagnosis.problem import Problem
+from harness.diagnosis.search.repeats import repeats
+from harness.diagnosis.search.screen import applicable, with_amplitudes
+from harness.kernels.solve import Scales
+from harness.model.evidence import Evidence
+from harness.model.model import Model, ModelTerm
+from harness.model.registry import TERMS
+from harness.model.term import Probe, Slot, Term
+
+_SLOTS = frozenset({Slot.SMOOTH, Slot.FRICTION_LAW, Slot.FRICTION_LEVEL, Slot.FRICTION_MODULATION, Slot.INTERNAL})
+_PEAKS = 24
+_KEPT = 2
+
+
+def sayable(term: Term) -> bool:
+    """Whether a law's force follows from the recorded motion: no event, no sensor, no hidden start."""
+    return term.slot in _SLOTS and not term.hidden
+
+
+def _evidence(found: ForceFit, measured: Measured, problem: Problem, scales: Scales) -> Evidence:
+    """What the laws choose their starts from: the recorded motion, and frequencies at which the residual stands out."""
+    every = np.zeros(measured.moving.size)
+    every[measured.moving] = found.residual
+    times = measured.t.reshape(measured.moving.size, -1).mean(axis=1)
+    step = float(np.median(np.diff(times)))
+    power = np.abs(np.fft.rfft(every * np.hanning(every.size), 4 * every.size)) ** 2
+    tops = peaks(power)[:_PEAKS]
+    x, v = measured.x, measured.v
+    return Evidence(
+        x_scale=float(np.max(np.abs(x))),
+        v_scale=float(np.max(np.abs(v))),
+        peak_a=float(np.max(np.abs(measured.a))),
+        low=float(x.min()),
+        high=float(x.max()),
+        f_k=found.model.f_k,
+        k=found.model.k,
+        omega=scales.omega,
+        duration=float(measured.t[-1] - measured.t[0]),
+        frequencies=np.asarray(2.0 * math.pi * tops / (4.0 * every.size * step), dtype=np.float64),
+        knock_times=np.empty(0),
+        driven=True,
+        angular=problem.angular,
+        periods=tuple(_periods(found, measured)),
+    )
+
+
+def _periods(found: ForceFit, measured: Measured) -> list[float]:
+    """Periods over the travel at which the force left over stands out, at the full rate: a fast pass has its ripple."""
+    left = measured.u - inverse_force(found.model, measured.t, measured.x, measured.v, measured.a)
+    moving = np.repeat(measured.moving, measured.t.size // measured.moving.size)
+    return periods(measured.x[moving], left[moving])
+
+
+def whole_in(model: Model, measured: Measured) -> bool:
+    """Whether a period of a model's last law lies in the recording whole."""
+    return repeats(model.terms[-1], float(np.ptp(measured.x)), float(measured.t[-1] - measured.t[0]))
+
+
+def starts(found: ForceFit, measured: Measured, problem: Problem, scales: Scales) -> Iterator[Model]:
+    """The model with one more law each, at its best probes."""
+    evidence = _evidence(found, measured, problem, scales)
+    q, _ = np.linalg.qr(found.jacobian / np.maximum(np.linalg.norm(found.jacobian, axis=0), 1e-300))
+    for term in TERMS:
+        if not sayable(term) or not applicable(term, found.model, problem):
+            continue
+        probes = list(term.probes(evidence))
+        if term.amplitude is None:
+            yield from (_with(found.model, term, p) for p in probes or ([()] if not term.parameters else []))
+            continue
+        width = 1 if term.phase is None else 2
+        ranked = []
+        for i in range(0, len(probes), width):
+            group = probes[i : i + width]
+            answers = np.column_stack([_answer(found, measured, term, p) for p in group])
+            answers -= q @ (q.T @ answers)
+            size = np.linalg.norm(answers, axis=0)
+            if not np.all(np.isfinite(size)) or np.any(size <= 0.0):
+                continue
+            amplitudes = np.asarray(np.linalg.lstsq(answers, found.residual, rcond=1e-10)[0], dtype=np.float64)
+            gain = float(found.residual @ answers @ amplitudes)
+            ranked.append((gain, _within_bounds(term, with_amplitudes(term, group[0], amplitudes))))
+        ranked.sort(key=lambda r: -r[0])
+        yield from (_with(found.model, term, values) for _, values in ranked[:_KEPT])
+
+
+def _with(model: Model, term: Term, values: Probe) -> Model:
+    return replace(model, terms=(*model.terms, ModelTerm(term, values)))
+
+
+def _answer(found: ForceFit, measured: Measured, term: Term, probe: Probe) -> FloatArray:
+    """What a unit of the law's amplitude adds to the force asked for, (m,)."""
+    assert term.amplitude is not None
+    unit = list(probe)
+    size = 1e-3 if term.slot is Slot.FRICTION_MODULATION else 1.0
+    unit[term.amplitude] += size
+    none = measured.asked(_with(found.model, term, probe))
+    return (measured.asked(_with(found.model, term, tuple(unit))) - none) / size
+
+
+def _within_bounds(term: Term, values: Probe) -> Probe:
+    return tuple(min(max(v, p.lower), p.upper) for v, p in zip(values, term.parameters, strict=True))

@@ -1,0 +1,41 @@
+"""Prediction of windows that took no part: every second one, the force fitted to the others alone."""
+
+from contextlib import suppress
+
+import numpy as np
+
+from harness.core.arrays import BoolArray
+from harness.core.errors import SimulationError
+from harness.diagnosis.fit.least_squares import Fit
+from harness.diagnosis.fit.observe import COARSE, observe
+from harness.diagnosis.fit.rmse import rmse
+from harness.diagnosis.inverse_dynamics.force_fit import refitted
+from harness.diagnosis.inverse_dynamics.measured import Measured
+from harness.diagnosis.outcome import Holdout
+from harness.diagnosis.problem import Problem
+from harness.kernels.solve import Scales
+
+
+def holdout_windows(base: Fit, refined: Fit, problem: Problem, scales: Scales) -> Holdout:
+    """Held-out rmse by channel of the base model and the refined one; no spans below two windows."""
+    assert problem.restarts is not None
+    windows, t = problem.restarts.windows[1::2], problem.t
+    if not windows:
+        return Holdout((), {}, {})
+    out = np.zeros(t.size, dtype=np.bool_)
+    for w in windows:
+        out[w.start : w.stop] = True
+    measured = Measured.of(problem)
+    touched: BoolArray = np.any(out[: measured.t.size].reshape(measured.moving.size, -1), axis=1)
+    apart = measured.part(~touched)
+
+    before = _predicted(base, apart, problem, scales, out)
+    after = before if refined is base else _predicted(refined, apart, problem, scales, out)
+    return Holdout(tuple((w.t0, float(t[w.stop - 1])) for w in windows), before, after)
+
+
+def _predicted(found: Fit, apart: Measured, problem: Problem, scales: Scales, out: BoolArray) -> dict[str, float]:
+    model = found.model
+    with suppress(SimulationError):
+        model = refitted(found, apart)
+    return rmse(observe(model, problem, (), scales, COARSE).y, problem, out)

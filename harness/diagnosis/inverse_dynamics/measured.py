@@ -1,0 +1,87 @@
+"""The motion and the force of a driven recording, made ready for inverse dynamics."""
+
+import math
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from harness.core.arrays import BoolArray, FloatArray
+from harness.core.errors import SimulationError
+from harness.diagnosis.inverse_dynamics.force import inverse_force
+from harness.diagnosis.problem import Problem
+from harness.diagnosis.smoothed_state.inverse_start import state_of
+from harness.diagnosis.smoothed_state.local_cubics import Smooth, inner, longest_interval, smoothed, smoothed_alike
+from harness.model.model import Model
+
+BLOCK = 10
+"""Samples whose mean counts as one value of the force."""
+_ALIKE = 1.05
+"""Smoothing must not round off what the force is compared with."""
+_AT_REST = 3.0
+"""Standard errors below which a speed is none, and friction may have any value."""
+
+
+@dataclass(frozen=True, slots=True)
+class Measured:
+    """Motion t (s), x, v, a and force u (N), each (n,), smoothed; n is a multiple of the block.
+
+    moving : (n / block,), blocks in which the slider moves throughout, so that its friction is known, and which lie
+    far enough from the ends of a stretch to be smoothed as the others are.
+    """
+
+    t: FloatArray
+    x: FloatArray
+    v: FloatArray
+    a: FloatArray
+    u: FloatArray
+    moving: BoolArray
+
+    @classmethod
+    def of(cls, problem: Problem) -> "Measured":
+        """From position or speed; a force that is held counts as it acts. Raises SimulationError when little moves."""
+        assert problem.drive is not None
+        t = problem.t
+        longest = longest_interval(t)
+        smooth: dict[str, Smooth] = {
+            c: smoothed(t, y, longest, _least(problem, c), _ALIKE)
+            for c, y in problem.channels.items()
+            if c in ("x", "v")
+        }
+        # differences of what passed a filter, against a force that passed the same one
+        if "v" in smooth:
+            v = smooth["v"].value
+            x = smooth["x"].value if "x" in smooth else state_of(t, smooth)[0]
+        else:
+            x = smooth["x"].value
+            v = np.gradient(x, t)
+        a = np.gradient(v, t)
+        kept = t.size // BLOCK * BLOCK
+        half = smooth["v" if "v" in smooth else "x"].half
+        u = smoothed_alike(t, np.interp(t, problem.drive.t, problem.drive.u), longest, half)
+        v_sd = smooth["v"].value_sd if "v" in smooth else smooth["x"].slope_sd
+        slides = (np.abs(v) > _AT_REST * v_sd)[:kept].reshape(-1, BLOCK)
+        whole = np.max(np.diff(t[:kept].reshape(-1, BLOCK), axis=1), axis=1) <= longest
+        central = inner(t, longest, half)[:kept].reshape(-1, BLOCK)
+        moving = whole & np.all(slides & central, axis=1)
+        if np.count_nonzero(moving) < BLOCK:
+            raise SimulationError("the slider hardly moves")
+        return cls(t[:kept], x[:kept], v[:kept], a[:kept], u[:kept], moving)
+
+    def blocks(self, y: FloatArray) -> FloatArray:
+        """Means of y (n,) or (n, q) over the blocks that count."""
+        means: FloatArray = y.reshape(-1, BLOCK, *y.shape[1:]).mean(axis=1)[self.moving]
+        return means
+
+    def asked(self, model: Model) -> FloatArray:
+        """Force (m,), N, that a model needs for this motion, mean over the blocks that count."""
+        return self.blocks(inverse_force(model, self.t, self.x, self.v, self.a))
+
+    def part(self, keep: BoolArray) -> "Measured":
+        """With only these blocks (n / block,) counting."""
+        return replace(self, moving=self.moving & keep)
+
+
+def _least(problem: Problem, channel: str) -> float:
+    """Noise below which smoothing need not look: what was found; a floor by convention would round off the motion."""
+    noise = problem.noise[channel]
+    return noise.sigma if noise.found else noise.step / math.sqrt(12.0)

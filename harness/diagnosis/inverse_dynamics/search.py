@@ -1,0 +1,113 @@
+"""Search on a driven recording whose force is fitted: laws one after another, as long as evidence grows.
+
+With another recording as judge a further law is kept only if the force error there falls too, by more than its own
+standard error explains; without one, only if it takes more off than a law does where none is needed. What is left of a
+real drive is never white, so that evidence counts independent values only.
+"""
+
+import math
+from dataclasses import replace
+from functools import partial
+
+import numpy as np
+
+from harness.core.errors import SimulationError
+from harness.diagnosis.baseline.base_fit import base_names, driven_scales
+from harness.diagnosis.fit.least_squares import Fit
+from harness.diagnosis.fit.parameters import base_of, free_of
+from harness.diagnosis.inverse_dynamics.bootstrap_null import taken_by_chance
+from harness.diagnosis.inverse_dynamics.force_fit import ForceFit, as_fit, fit_force, simulated
+from harness.diagnosis.inverse_dynamics.force_screen import starts, whole_in
+from harness.diagnosis.inverse_dynamics.measured import Measured
+from harness.diagnosis.inverse_dynamics.validate import Judge
+from harness.diagnosis.problem import Problem
+from harness.diagnosis.residual_tests.structure import Left
+from harness.diagnosis.rules import AMONG_NAMES, DECISIVE, MOST_FORCE_TERMS
+from harness.diagnosis.search.search import Search
+from harness.estimate.noise import Noise
+from harness.fit.autocorrelation import ENOUGH
+from harness.kernels.solve import Scales
+
+_LOOKED_AT = 5
+
+
+def search_driven(problem: Problem, judge: Judge | None = None) -> tuple[Search, Scales]:
+    """The smallest model that says the force of a recording as well as any, and what counts as ordinary in it.
+
+    Raises SimulationError when not even the base model can be fitted.
+    """
+    assert problem.first is not None
+    measured, scales = Measured.of(problem), driven_scales(problem, problem.first)
+    base = fit_force(problem.first, measured, free_of(problem.first, base_names(problem)))
+    chosen, singles, rivals, path = base, [base], [base], [base]
+    for _ in range(MOST_FORCE_TERMS.count):
+        found = extended(chosen, measured, problem, scales)
+        if chosen is base:
+            singles = found or singles
+        if not found:
+            break
+        rivals = found
+        independent, kept = found[0].memory.independent, None
+        most = chosen.bic(independent) - (AMONG_NAMES if chosen is base else DECISIVE).value
+        better = [f for f in found[:_LOOKED_AT] if f.bic(independent) < most]
+        if judge is not None:
+            kept = next((f for f in better if judge.confirms(chosen.model, f.model)), None)
+        elif better:
+            chance = taken_by_chance(chosen, problem, scales, partial(extended, problem=problem, scales=scales))
+            kept = next((f for f in better if f.bic(independent, chance) < most), None)
+        if kept is None:
+            break
+        chosen = kept
+        path.append(kept)
+    level = (chosen.squares / chosen.residual.size) ** 0.5
+    problem = replace(problem, noise={**problem.noise, "u": Noise(level, True, 0.0, 0.0)})
+
+    shown = simulated(base, problem, scales)
+    first = as_fit(base, problem, measured, chosen, shown)
+    last = first
+    if chosen is not base:
+        last = as_fit(chosen, problem, measured, chosen, simulated(chosen, problem, scales))
+
+    def seen(fits: list[ForceFit]) -> tuple[Fit, ...]:
+        # their evidence counts alone: nobody looks at what they would have shown
+        again = (last if f is chosen else as_fit(f, problem, measured, chosen, shown) for f in fits)
+        return tuple(sorted(again, key=lambda f: f.bic))
+
+    return Search(
+        problem,
+        first,
+        last,
+        seen(singles),
+        seen([*rivals, *(f for f in path if all(f is not r for r in rivals))]),
+        Left.UNTESTED,
+    ), scales
+
+
+def extended(current: ForceFit, measured: Measured, problem: Problem, scales: Scales) -> list[ForceFit]:
+    """Fits with one more law, the best of each, best first by evidence."""
+    best: dict[str, ForceFit] = {}
+    base = base_of(current.free)
+    for model in starts(current, measured, problem, scales):
+        try:
+            found = fit_force(model, measured, free_of(model, base))
+        except SimulationError:
+            continue
+        key = model.terms[-1].term.key
+        if whole_in(found.model, measured) and (key not in best or found.squares < best[key].squares):
+            best[key] = found
+    if not best:
+        return []
+    independent = min(best.values(), key=lambda f: f.squares).memory.independent
+    return sorted(best.values(), key=lambda f: f.bic(independent))
+
+
+def left_said(problem: Problem, independent: int) -> str:
+    """What a fitted force leaves, as so many independent values, said plainly: it was not tested for being noise."""
+    assert problem.drive is not None
+    level = problem.noise["u"].sigma
+    share = 100.0 * level / math.sqrt(float(np.mean(problem.drive.u**2)))
+    few = f"; they count as {independent} independent values, too few for their errors to be trusted"
+    return (
+        f"{level:.3g} N rms of the force ({share:.2g} %) are left over; they count as the drive's own, coloured, and"
+        f" were not tested for being noise{few if independent < ENOUGH else ''}"
+    )

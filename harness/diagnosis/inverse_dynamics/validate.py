@@ -1,0 +1,112 @@
+"""A driven model on another recording: rmse over windows, and the force error by the published protocol."""
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from harness.core.arrays import FloatArray
+from harness.core.recording import Recording
+from harness.diagnosis.fit.observe import observe
+from harness.diagnosis.fit.rmse import rmse
+from harness.diagnosis.inverse_dynamics.force import inverse_force
+from harness.diagnosis.inverse_dynamics.protocol import PUBLISHED, Filtered
+from harness.diagnosis.problem import Problem
+from harness.diagnosis.rules import CONFIRMED
+from harness.kernels.solve import Scales
+from harness.model.model import Model, ModelTerm
+from harness.model.term import Slot
+
+_BLOCK = 1.0
+"""Length (s) of stretches whose errors count as independent."""
+
+
+@dataclass(frozen=True, slots=True)
+class ForceErrors:
+    """Relative force errors, %: of both models on the recording fitted, and on the other, without a ripple.
+
+    refitted : on the other with the ripple, its amplitude and phase refitted there; None without a ripple.
+    """
+
+    fit_baseline: float
+    fit_refined: float
+    baseline: float
+    refined: float
+    refitted: float | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Judge:
+    """Force errors of models on the recording they were fitted to and on the one that judges them."""
+
+    fitted: Filtered
+    other: Filtered
+
+    @classmethod
+    def of(cls, fitted: Recording, other: Recording) -> "Judge | None":
+        """From two driven recordings of x; None where the protocol's constants do not suit them."""
+        if not all("x" in r and "u" in r and PUBLISHED.applies(r.t) for r in (fitted, other)):
+            return None
+        return cls(*(PUBLISHED.filtered(r.t, r["x"], r["u"]) for r in (fitted, other)))
+
+    def errors(self, model: Model) -> tuple[float, float]:
+        """On the recording fitted and on the other, %, without a ripple: its phase belongs to one recording."""
+        fit, cross = PUBLISHED.model_errors(without_ripple(model), self.fitted, self.other)
+        return fit, cross
+
+    def compared(self, baseline: Model, refined: Model) -> ForceErrors:
+        """Both models by the protocol."""
+        before, after = self.errors(baseline), self.errors(refined)
+        return ForceErrors(before[0], after[0], before[1], after[1], self._refitted(refined))
+
+    def confirms(self, before: Model, after: Model) -> bool:
+        """Whether the force error on the other recording falls, by more than chance explains.
+
+        The fall of the squares is compared with its scatter over blocks of a second. A ripple is judged with its
+        amplitude and phase refitted, as its phase is each recording's own.
+        """
+        errors = [self._left(model) for model in (before, after)]
+        interval = float(np.median(np.diff(self.other.t))) * PUBLISHED.decimation
+        width = max(1, round(_BLOCK / interval))
+        fall = errors[0] ** 2 - errors[1] ** 2
+        count = max(fall.size // width, 2)
+        means = np.array([np.mean(part) for part in np.array_split(fall, count)])
+        return float(np.mean(means)) > CONFIRMED.value * float(np.std(means, ddof=1)) / math.sqrt(count)
+
+    def _left(self, model: Model) -> FloatArray:
+        """Force (m,), N, left over on the other recording."""
+        plain, f, r = without_ripple(model), self.fitted, self.other
+        offset = float(np.mean(f.u - PUBLISHED.decimated(inverse_force(plain, f.t, f.x, f.v, f.a))))
+        left = r.u - offset - PUBLISHED.decimated(inverse_force(plain, r.t, r.x, r.v, r.a))
+        for period in _periods(model):
+            angle = 2.0 * np.pi * r.x / period
+            waves = PUBLISHED.decimated(np.column_stack((np.cos(angle), np.sin(angle))))
+            left = left - waves @ np.linalg.lstsq(waves, left, rcond=None)[0]
+        return np.asarray(left, dtype=np.float64)
+
+    def _refitted(self, model: Model) -> float | None:
+        """The error on the other recording, %, with the ripple's amplitude and phase refitted to it."""
+        if not _periods(model):
+            return None
+        return 100.0 * float(np.linalg.norm(self._left(model)) / np.linalg.norm(self.other.u))
+
+
+def _is_ripple(entry: ModelTerm) -> bool:
+    """Whether a term is a force that is harmonic along the travel."""
+    return entry.term.slot is Slot.SMOOTH and entry.term.phase is not None and entry.repeats("travel") is not None
+
+
+def _periods(model: Model) -> list[float]:
+    """The periods (m) of a model's ripples."""
+    return [period for entry in model.terms if _is_ripple(entry) and (period := entry.repeats("travel")) is not None]
+
+
+def without_ripple(model: Model) -> Model:
+    """The model without force ripples."""
+    return replace(model, terms=tuple(entry for entry in model.terms if not _is_ripple(entry)))
+
+
+def window_rmse(model: Model, problem: Problem, scales: Scales) -> Mapping[str, float]:
+    """Root mean square of recording minus model by channel, window by window, nothing fitted but the starts."""
+    return rmse(observe(model, problem, (), scales).y, problem)

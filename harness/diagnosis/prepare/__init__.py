@@ -1,0 +1,1 @@
+"""A recording made ready: release, noise, the drive between samples."""

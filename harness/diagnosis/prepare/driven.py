@@ -1,0 +1,119 @@
+"""A driven recording made ready: noise, the drive between samples and over gaps, from where the motion is followed."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+
+from harness.core.arrays import FloatArray
+from harness.core.errors import InputError
+from harness.core.recording import Recording
+from harness.diagnosis.baseline.base_fit import driven_scales
+from harness.diagnosis.fit.fitted_states import begun
+from harness.diagnosis.fit.observe import COARSE, observe
+from harness.diagnosis.input_noise.propagation import force_noise
+from harness.diagnosis.prepare.intersample_curve import between_samples
+from harness.diagnosis.prepare.intersample_hold import acting
+from harness.diagnosis.problem import Problem
+from harness.diagnosis.request import Asked
+from harness.diagnosis.smoothed_state.inverse_start import inverse_start
+from harness.diagnosis.smoothed_state.state import Course
+from harness.estimate.noise import Noise, channel_noise
+from harness.model.model import Model, Restoring
+
+HORIZON = 1.0
+"""Default length of the windows where the force is fitted, s."""
+_FEWEST_IN_WINDOW = 20
+_UNKNOWN = 1e3
+"""Standard errors of a smoothed start that stand for knowing nothing: the motion after it tells more."""
+_MOVES = 1.5
+"""Times its noise by which some channel of a driven slider must scatter."""
+
+
+def driven_problem(recording: Recording, asked: Asked) -> tuple[Problem, tuple[str, ...]]:
+    """A driven recording as a problem, and what was done to it, one sentence each.
+
+    It is followed from one start, over gaps from a new one. Where no force that is known says its motion well enough,
+    the force is fitted instead. Raises InputError, SimulationError.
+    """
+    restoring = asked.restoring or Restoring.SPRING
+    where = f"{recording.file}: channels {', '.join(recording.channels)}"
+    if "x" not in recording and ("v" not in recording or restoring is not Restoring.NONE):
+        need = "x, or v with --restoring none," if "v" in recording else "x (or v with --restoring none)"
+        raise InputError(where, "a driven recording whose state cannot be seen", f"{need} beside u is accepted")
+    t, u = recording.t, recording["u"]
+    if float(np.ptp(u)) == 0.0:
+        raise InputError(f"{recording.file}: channel u", f"the constant {u[0]:g}", "a force that changes is accepted")
+    interval = recording.interval
+    if asked.horizon is not None and asked.horizon < _FEWEST_IN_WINDOW * interval:
+        found = f"{asked.horizon:g} s, {asked.horizon / interval:.1f} samples of {recording.file}"
+        raise InputError("--horizon", found, f"at least {_FEWEST_IN_WINDOW * interval:g} s is accepted")
+    channels: dict[str, FloatArray] = {c: recording[c] for c in ("x", "v", "a") if c in recording}
+    noise = {c: channel_noise(t, y) for c, y in channels.items()}
+    if all(float(np.std(y)) < _MOVES * noise[c].sigma for c, y in channels.items()):
+        seen = ", ".join(f"{c} to {noise[c].sigma:.3g}" for c in channels)
+        raise InputError(where, f"a slider that does not move beyond its noise ({seen})", "a driven motion is accepted")
+    course = Course.of(t, channels, noise)
+    first = inverse_start(course.state, u, restoring, asked.mass, bool(asked.zero_free))
+    x, v, _ = course.state
+    first = replace(first, x0=float(x[0]) - first.offset, v0=float(v[0]), t0=float(t[0]))
+    problem = Problem(
+        t,
+        channels,
+        noise,
+        drive=between_samples(t, u, course.longest),
+        mass=asked.mass,
+        restoring=restoring,
+        zero_free=bool(asked.zero_free) and restoring is not Restoring.NONE,
+        angular=recording.angular,
+        first=first,
+        restarts=course.anew(math.inf) if float(np.max(np.diff(t))) > course.longest else None,
+    )
+    noise_u = channel_noise(t, u)
+    if problem.restarts is not None:
+        problem = _allowing(problem, first, noise_u)
+    force = acting(problem, u)
+    problem = replace(problem, drive=force.drive)
+    notes = ["the force acts as a sampled controller's, held from each sample to the next"] if force.held else []
+    horizon = asked.horizon
+    if not force.follows:
+        horizon = HORIZON if horizon is None else horizon
+        problem = replace(problem, restarts=course.anew(horizon), by_force=True, force_noise=None)
+        how = f"the force is fitted, and simulations run over {_windows(problem)} of at most {horizon:g} s, each"
+        return problem, (f"driven: {how} restarted from the smoothed recorded state", *notes)
+    if horizon is not None:
+        problem = replace(problem, restarts=course.anew(horizon))
+    problem = _allowing(begun(problem, force.model, driven_scales(problem, force.model)), force.model, noise_u)
+    if problem.force_noise is not None and problem.force_noise.noise.found:
+        share = 100.0 * noise_u.sigma / math.sqrt(float(np.mean(u**2)))
+        of = f"{noise_u.sigma:.3g} N ({share:.2g} % of its rms)"
+        notes.append(f"the force's own noise, {of}, shows in the motion and is allowed for")
+    if problem.restarts is None:
+        return problem, ("driven: the whole recording is followed from one start", *notes)
+    where = "between gaps of the recording" if horizon is None else f"of at most {horizon:g} s"
+    how = f"the recording is followed over {_windows(problem)} {where}, each from a start of its own"
+    return problem, (f"driven: {how}", *notes)
+
+
+def _windows(problem: Problem) -> str:
+    assert problem.restarts is not None
+    count = len(problem.restarts.windows)
+    return f"{count} window{'s' if count > 1 else ''}"
+
+
+def _allowing(problem: Problem, model: Model, noise: Noise) -> Problem:
+    """The problem under the noise of its force if that shows in a model's motion, and for starts that are not known."""
+    shown = observe(model, problem, (), None, COARSE)
+    return replace(
+        problem, force_noise=force_noise(model, shown, problem.t, noise, problem.noise, _unknown_starts(problem))
+    )
+
+
+def _unknown_starts(problem: Problem) -> FloatArray | None:
+    """Standard deviations (n, 2) of the starts of windows, as if next to nothing was known of them; None without."""
+    if problem.restarts is None:
+        return None
+    start = np.zeros((problem.t.size, 2))
+    for w in problem.restarts.windows:
+        start[w.start] = _UNKNOWN * w.x_sd, _UNKNOWN * w.v_sd
+    return start

@@ -1,0 +1,99 @@
+"""A recording made ready: what is no motion cut away, noise; a driven one is made ready apart (prepare/driven.py)."""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from harness.core.errors import InputError
+from harness.core.recording import MINIMUM_SAMPLES, Recording
+from harness.diagnosis.baseline.base_fit import dominant_frequency
+from harness.diagnosis.prepare.driven import driven_problem
+from harness.diagnosis.prepare.held import held
+from harness.diagnosis.prepare.release import released, without_hand
+from harness.diagnosis.problem import Problem
+from harness.diagnosis.request import Asked
+from harness.estimate.noise import channel_noise
+from harness.estimate.reversals import Kind, NoDecay, find_half_cycles
+from harness.model.model import Restoring
+
+_KINDS = {"x": Kind.DISPLACEMENT, "v": Kind.VELOCITY, "a": Kind.ACCELERATION}
+_REST = 1.0
+"""How long a rest is kept after the last half-cycle, in times of the decay: it says where the slider stays."""
+
+
+def is_driven(recording: Recording) -> bool:
+    """Whether a measured force acts."""
+    return "u" in recording and bool(np.any(recording["u"] != 0.0))
+
+
+def prepare(recording: Recording, asked: Asked) -> tuple[Problem, tuple[str, ...]]:
+    """A recording as a problem, and what was done to it, one sentence each.
+
+    Raises InputError for options that contradict the recording, and for what cannot be diagnosed.
+    """
+    if is_driven(recording):
+        return driven_problem(recording, asked)
+    if asked.restoring is Restoring.NONE:
+        found = "none, but no force u is recorded" if "u" not in recording else "none, but the force u is 0 throughout"
+        raise InputError("--restoring", f"{found} in {recording.file}", "a recorded force, or spring, is accepted")
+    return _decay(recording, asked)
+
+
+def _decay(recording: Recording, asked: Asked) -> tuple[Problem, tuple[str, ...]]:
+    moving = _in_motion(recording, asked.restoring or Restoring.SPRING)
+    recording, notes = moving.recording, moving.notes
+    channels = {c: recording[c] for c in ("x", "v", "a") if c in recording}
+    omega = dominant_frequency(recording.t, next(iter(channels.values())))
+    period = 2.0 * math.pi / omega if math.isfinite(omega) and omega > 0.0 else None
+    noise = {c: channel_noise(recording.t, y, period) for c, y in channels.items()}
+    problem = Problem(
+        recording.t,
+        channels,
+        noise,
+        mass=asked.mass,
+        angular=recording.angular,
+    )
+    problem, said = held(problem, asked)
+    notes = (*notes, said) if said else notes
+    if moving.released:
+        problem, touched = without_hand(problem, moving.half)
+        if touched > 0.0:
+            why = "no free decay of this slider, as if a hand was not yet off"
+            notes = (*notes, f"{touched:.4g} s after the release are left out: {why}")
+    return problem, notes
+
+
+@dataclass(frozen=True, slots=True)
+class _Moving:
+    """A recording cut to its free decay; released : whether it shows the release. half : of a half-cycle, s."""
+
+    recording: Recording
+    notes: tuple[str, ...] = ()
+    released: bool = False
+    half: float = 0.0
+
+
+def _in_motion(recording: Recording, restoring: Restoring) -> _Moving:
+    """A free decay without a hold before its release and without most of a long rest at its end."""
+    channel = next(c for c in ("x", "v", "a") if c in recording)
+    t, y = recording.t, recording[channel]
+    noise = channel_noise(t, y)
+    try:
+        found = find_half_cycles(t, y, _KINDS[channel], noise)
+    except NoDecay:
+        return _Moving(recording)
+    begin, end, notes = 0, t.size, []
+    if found.held:
+        begin = released(t, y, noise, found, channel == "x", restoring is Restoring.PENDULUM)
+    late = float(found.edges[-1]) + _REST * float(found.edges[-1] - found.edges[0])
+    if late < t[-1]:
+        end = int(np.searchsorted(t, late))
+    if end - begin < MINIMUM_SAMPLES:
+        return _Moving(recording)
+    if begin > 0:
+        notes.append(f"the first {t[begin] - t[0]:.4g} s, before the release, are left out")
+    if end < t.size:
+        notes.append(f"the last {t[-1] - t[end - 1]:.4g} s, a long rest, are left out")
+    cut = recording.cut(slice(begin, end)) if notes else recording
+    return _Moving(cut, tuple(notes), begin > 0, found.half_time)

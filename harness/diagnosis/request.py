@@ -1,0 +1,18 @@
+"""What was asked of a diagnosis, beside its recording."""
+
+from dataclasses import dataclass
+
+from harness.model.model import Restoring
+
+
+@dataclass(frozen=True, slots=True)
+class Asked:
+    """What was asked of a diagnosis: see the options of the same names, which are checked there; s, kg.
+
+    restoring, zero_free : None where nobody said; a free decay's are then chosen at the base fit.
+    """
+
+    restoring: Restoring | None = None
+    zero_free: bool | None = None
+    mass: float | None = None
+    horizon: float | None = None

@@ -1,0 +1,1 @@
+"""Does anything but noise stay in a residual?"""

@@ -1,0 +1,180 @@
+"""Does structure remain in a residual beyond noise whose level is known only from the residual itself?
+
+The total chi-square says little then. So each test compares something a misfit would fill with something only noise
+fills: low frequencies with the band above them, one spectral line with its surroundings, one stretch of time or one
+part of the swing with the same floor. What a fit has already taken from the residual is accounted for by its Jacobian.
+Single samples on the wrong side of a jump are set aside: they are flat in frequency but many.
+"""
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from harness.core.arrays import BoolArray, FloatArray
+from harness.diagnosis.motion import Motion
+from harness.diagnosis.residual_tests.cleaned import BANDS, Channel, channels_of
+from harness.diagnosis.residual_tests.constancy import constancy
+from harness.diagnosis.residual_tests.floor import over_floor
+
+_STRETCHES = (4, 16, 64)
+_PHASES = 24
+_SURROUNDINGS = 64
+_INSIDE = 1e-2
+"""A fitted direction with less than this share of its power outside a band is lost to it."""
+
+
+@dataclass(frozen=True, slots=True)
+class LackOfFit:
+    """Outcome of the test.
+
+    p_value : chance that noise alone looks at least so structured. statistic : of the strongest single test, its mean
+    square over what noise gives. sentence : what was found, plainly. tests : every test with its p-value.
+    """
+
+    p_value: float
+    statistic: float
+    sentence: str
+    tests: tuple[tuple[str, float], ...] = ()
+
+
+def _score(c: FloatArray, a: FloatArray) -> tuple[float, float]:
+    """Chi-square of the coefficients c (K,) of an orthonormal set, and its degrees of freedom.
+
+    a : (K, q), coefficients in the same set of an orthonormal basis of what was fitted, to which the residual is
+    orthogonal. The set's covariance is then I - a a', inverted by way of I - a' a.
+    """
+    chi2 = float(c @ c)
+    if not a.shape[1]:
+        return chi2, float(c.size)
+    inner = np.eye(a.shape[1]) - a.T @ a
+    values, vectors = np.linalg.eigh(inner)
+    free = values > _INSIDE
+    lost = float(np.count_nonzero(~free))
+    b = (vectors.T @ (a.T @ c))[free]
+    return chi2 + float(np.sum(b * b / values[free])), max(c.size - lost, 0.0)
+
+
+def _bands(channels: Mapping[str, Channel]) -> list[tuple[str, float, float]]:
+    out = []
+    for end in BANDS:
+        c, a, m = [], [], []
+        for one in channels.values():
+            k = int(np.clip(end * one.per_omega, 1, one.top))
+            c.append(one.c[:k])
+            a.append(one.q[:k])
+            m.append(one.freedom)
+        chi2, k_free = _score(np.concatenate(c), np.concatenate(a))
+        name = f"slow structure, up to {end:g} times the swing's frequency"
+        out.append((name, over_floor(chi2, k_free, float(sum(m))), chi2 / max(k_free, 1.0)))
+    return out
+
+
+def _stretches(channels: Mapping[str, Channel]) -> list[tuple[str, float, float]]:
+    """The strongest of equal stretches of time, in slow structure within the stretch."""
+    out = []
+    for count in _STRETCHES:
+        for name, one in channels.items():
+            width = one.r.size // count
+            block = max(1, int(one.r.size / max(one.top, 1)))
+            inside = width // block
+            if inside < 3:
+                continue
+            cut = one.r[: count * width].reshape(count, width)[:, : inside * block]
+            means = cut.reshape(count, inside, block).sum(axis=2) / math.sqrt(block)
+            power = np.sum(means**2, axis=1)
+            worst = float(np.max(power))
+            single = over_floor(worst, float(inside), float(one.freedom))
+            text = f"channel {name} stands out in one {count}th of the time"
+            out.append((text, -math.expm1(count * math.log1p(-min(single, 1.0 - 1e-16))), worst / inside))
+    return out
+
+
+def _lines(channels: Mapping[str, Channel]) -> list[tuple[str, float, float]]:
+    """The strongest spectral line over its surroundings, at any frequency (Fisher's test with a local level)."""
+    out = []
+    for name, one in channels.items():
+        n = one.r.size
+        if n < 2 * _SURROUNDINGS:
+            continue
+        power = np.abs(np.fft.rfft(one.r))[1 : (n + 1) // 2] ** 2 / n
+        count = power.size // _SURROUNDINGS
+        rows = power[: count * _SURROUNDINGS].reshape(count, -1)
+        level = np.maximum(np.median(rows, axis=1) / math.log(2.0), 0.8)
+        peaks = np.max(rows, axis=1) / level
+        i = int(np.argmax(peaks))
+        # the level is a median of 64: its scatter fattens the tail, as an F with about 2 x 44 degrees would
+        single = over_floor(2.0 * float(peaks[i]), 2.0, 2.0 * 44.0 if power.size < 8 * _SURROUNDINGS else 2.0 * 60.0)
+        p = -math.expm1(power.size * math.log1p(-min(single, 1.0 - 1e-16)))
+        out.append((f"a line in the spectrum of channel {name}", p, float(peaks[i])))
+    return out
+
+
+def _phases(channels: Mapping[str, Channel], motion: Motion) -> list[tuple[str, float, float]]:
+    """Mean residual in parts of the swing, large and small amplitudes apart."""
+    turn = np.arctan2(-motion.v / motion.omega, motion.x) / (2.0 * math.pi) + 0.5
+    size = np.hypot(motion.x, motion.v / motion.omega)
+    part = np.minimum((turn * _PHASES).astype(np.int64), _PHASES - 1) + _PHASES * (size > np.median(size))
+    c, a, m = [], [], []
+    for one in channels.values():
+        place = part[one.kept]
+        count = np.bincount(place, minlength=2 * _PHASES).astype(np.float64)
+        used = count > 0
+        root = np.sqrt(count[used])
+        c.append(np.bincount(place, one.r, 2 * _PHASES)[used] / root)
+        q = one.basis
+        a.append(
+            np.column_stack([np.bincount(place, q[:, j], 2 * _PHASES)[used] / root for j in range(q.shape[1])])
+            if q.shape[1]
+            else np.zeros((int(used.sum()), 0))
+        )
+        m.append(one.freedom)
+    chi2, k = _score(np.concatenate(c), np.concatenate(a))
+    return [("a mean that depends on the part of the swing", over_floor(chi2, k, float(sum(m))), chi2 / max(k, 1.0))]
+
+
+def _combined(p_values: Sequence[float]) -> float:
+    """One p-value of several dependent ones (Liu and Xie 2020, the Cauchy combination: exact in the tail)."""
+    p = np.clip(np.asarray(p_values), 1e-300, 1.0 - 1e-12)
+    if p.min() < 1e-12:
+        return float(min(1.0, p.min() * p.size))
+    mean = float(np.mean(np.tan((0.5 - p) * math.pi)))
+    return 0.5 - math.atan(mean) / math.pi
+
+
+def lack_of_fit(
+    residuals: Mapping[str, FloatArray],
+    t: FloatArray,
+    omega: float,
+    *,
+    jacobian: Mapping[str, FloatArray] | None = None,
+    doubtful: Mapping[str, BoolArray] | None = None,
+    motion: Motion | None = None,
+    gain: float = 0.0,
+) -> LackOfFit:
+    """Whether structure remains in whitened residuals (n,) of each channel at t (n,), s; omega of the motion, rad/s.
+
+    The level of the noise is taken from the residuals; samples that are exactly zero did not count in the fit.
+    jacobian : whitened partials (n, q) of each channel by the fitted numbers, so that the test is exact although the
+    fit has taken its share. doubtful : samples that may lie on the wrong side of a jump. motion : to look at parts of
+    the swing too, and of the recording. gain : chi-square that the model's terms explain. Linear in samples.
+    """
+    names = [c for c, r in residuals.items() if np.count_nonzero(r) >= 40]
+    if not names:
+        return LackOfFit(1.0, 0.0, "there is nothing left over at all")
+    partials = {c: jacobian[c] if jacobian else np.zeros((t.size, 0)) for c in names}
+    channels = channels_of({c: residuals[c] for c in names}, partials, t, omega, doubtful or {})
+    if not channels:
+        return LackOfFit(1.0, 0.0, "too few samples for any structure to show")
+    tests = _bands(channels) + _stretches(channels) + _lines(channels)
+    if motion is not None:
+        tests += _phases(channels, motion)
+        tests += constancy(channels, t, motion, gain)
+    p = _combined([test[1] for test in tests])
+    name, _, ratio = min(tests, key=lambda test: (test[1], -test[2]))
+    if p < 0.05:
+        sentence = f"{name}: {ratio:.3g} times what noise gives there (p = {p:.2g})"
+    else:
+        sentence = f"what is left looks like noise (p = {p:.2g})"
+    return LackOfFit(p, ratio, sentence, tuple((test[0], test[1]) for test in tests))

@@ -1,0 +1,40 @@
+"""Does anything but noise stay in a fit? The calibrated test of lackfit, on a fit."""
+
+from enum import Enum
+
+from harness.core.events import Mode
+from harness.diagnosis.fit.least_squares import Fit
+from harness.diagnosis.motion import Motion
+from harness.diagnosis.problem import Problem
+from harness.diagnosis.residual_tests.lack_of_fit import LackOfFit, lack_of_fit
+from harness.diagnosis.rules import STRUCTURE, STRUCTURE_NAMED
+
+
+def structure(found: Fit, problem: Problem, omega: float, gain: float = 0.0) -> LackOfFit:
+    """Structure left in a fit's residual, its own parameters allowed for; gain : chi-square its terms explain."""
+    n = problem.t.size
+    parts = {c: slice(i * n, (i + 1) * n) for i, c in enumerate(problem.channels)}
+    motion = Motion(found.shown.x, found.shown.v, found.shown.mode == Mode.STICK, omega)
+    return lack_of_fit(
+        {c: found.residual[at] for c, at in parts.items()},
+        problem.t,
+        omega,
+        jacobian={c: found.jacobian[at] for c, at in parts.items()},
+        motion=motion,
+        gain=gain,
+    )
+
+
+class Left(Enum):
+    """What a model leaves of a recording."""
+
+    NOISE = "noise"
+    STRUCTURE = "structure"
+    UNTESTED = "untested"
+
+
+def left_by(found: Fit, problem: Problem, omega: float, base: Fit) -> Left:
+    """What a fit leaves; base : the fit without terms under the same noise, which may be the fit."""
+    gain = max(base.chi2 - found.chi2, 0.0)
+    level = STRUCTURE_NAMED if found.model.terms else STRUCTURE
+    return Left.NOISE if structure(found, problem, omega, gain).p_value > level.value else Left.STRUCTURE

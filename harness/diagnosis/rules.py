@@ -1,0 +1,396 @@
+"""Every number that moves a verdict: its value, its unit, what it moves, and where it comes from.
+
+A rule is used as ``RULE.value``. Numbers that only decide how much work is done, or how a curve is smoothed, stand
+beside the code that uses them. docs/rules.md is made from this file: ``python -m harness.diagnosis.rules``.
+"""
+
+import math
+import sys
+from dataclasses import dataclass
+
+from harness.model.registry import TERMS
+
+
+@dataclass(frozen=True, slots=True)
+class Rule:
+    """A number that moves a verdict.
+
+    name : as results and docs call it. value, unit : "1" for a pure number. moves : what it decides. origin : a source,
+    a derivation, or the command that simulates it.
+    """
+
+    name: str
+    value: float
+    unit: str
+    moves: str
+    origin: str
+
+    @property
+    def count(self) -> int:
+        """The value of a rule that counts."""
+        return round(self.value)
+
+
+_NAMES = len({term.name for term in TERMS})
+_PAIRS = _NAMES * (_NAMES - 1) // 2
+
+DECISIVE = Rule(
+    "decisive",
+    10.0,
+    "BIC",
+    "one model is preferred to another; a name nearer than this stays as an alternative, a term missed by less is left"
+    " out again",
+    'Kass and Raftery 1995, J. Am. Stat. Assoc. 90, 773, section 3.2: "very strong" evidence',
+)
+AMONG_NAMES = Rule(
+    "among-names",
+    DECISIVE.value + 2.0 * math.log(_NAMES),
+    "BIC",
+    "a first term is added to viscous and Coulomb friction",
+    f"decisive, and 2 ln of the number of names: before the recording is seen each of the {_NAMES} names is as likely"
+    " as the next; it grows with the catalogue",
+)
+SECOND_TERM = Rule(
+    "second-term",
+    40.0,
+    "BIC",
+    "a second term is added to a first",
+    "the 99 % point of what the best second term takes off where one effect is hidden; too few draws were repeated to"
+    " tell (python -m harness.app.calibrate second-term)",
+)
+MOST_TERMS = Rule(
+    "most-terms",
+    2.0,
+    "terms",
+    "a free decay is searched for models of so many terms",
+    "three laws of three parameters each follow the amplitude and the phase of every cycle of a decay of ten: nothing"
+    " is left that could contradict them",
+)
+MOST_FORCE_TERMS = Rule(
+    "most-force-terms",
+    3.0,
+    "terms",
+    "a force is searched for models of so many terms",
+    "a driven path comes back to the same places at other speeds, so that one law more than in a decay can be told",
+)
+FLEXIBLE = Rule(
+    "flexible-law",
+    3.0,
+    "parameters",
+    "a pair that holds a law of so many parameters must stand apart from pairs of other families",
+    "a law with a place, a width and a height bends towards any one feature",
+)
+APART = Rule(
+    "pairs-apart",
+    30.0,
+    "BIC",
+    "what the next pair of another family must lose before a pair with a flexible law is named",
+    f"decisive and 2 ln of the number of pairs ({DECISIVE.value + 2.0 * math.log(_PAIRS):.3g}), and what chance adds"
+    " between rivals where an effect of no catalogue is followed; not repeated yet"
+    " (python -m harness.app.calibrate pairs-apart)",
+)
+STRUCTURE = Rule(
+    "structure",
+    1e-3,
+    "chance",
+    "viscous and Coulomb friction are said not to explain a recording",
+    "level of the test: one sound control in a thousand (rate simulated: pytest -m full"
+    " tests/diagnosis/test_error_rates.py)",
+)
+STRUCTURE_NAMED = Rule(
+    "structure-named",
+    5e-3,
+    "chance",
+    "a model that names something is said to explain a recording",
+    "level of the test: five sound models in a thousand are turned away; what mimics another effect leaves little, so"
+    " that the level is higher than for a base model",
+)
+COLOUR_ALONE = Rule(
+    "colour-alone",
+    0.02,
+    "chance",
+    "the whole residual is taken for coloured noise",
+    "level of the test: of residuals that are nothing else one in fifty is not taken for it, and what is missing must"
+    " hide from the same test at twenty times the level of the verdict",
+)
+PREDICTS_WORSE = Rule(
+    "predicts-worse",
+    1.05,
+    "ratio of rmse",
+    "a refined model that predicts what was held out worse than this is said to",
+    "a term forced into a control, which needs none, raises the error of what was held out by 1.8 % at most of 500"
+    " (reports/proof, harness prove)",
+)
+HAND_SHOWN = Rule(
+    "hand-shown",
+    0.5,
+    "half-cycles",
+    "a hand is looked for so long after a release that the recording shows",
+    "a hand that gives way over 10 to 50 ms is off within a quarter of a period of anything slower than 5 Hz",
+)
+HAND_UNSEEN = Rule(
+    "hand-unseen",
+    2.5,
+    "half-cycles",
+    "a hand is looked for so long where the recording shows no release and nothing else explains it",
+    "the first turning point after a motion that began unseen, and a whole period to be sure",
+)
+HAND_USUAL = Rule(
+    "hand-usual",
+    3.5,
+    "half-cycles",
+    "stretch after it from which the level of a usual residual is taken",
+    "at least three turning points, so that a jump beside one does not make the level",
+)
+HAND_STANDS_OUT = Rule(
+    "hand-stands-out",
+    5.0,
+    "standard deviations of noise",
+    "a sample shows a hand",
+    "one in two million by normal noise: none in a recording",
+)
+HAND_UNUSUAL = Rule(
+    "hand-unusual",
+    3.0,
+    "times the usual residual",
+    "a sample shows a hand",
+    "the largest of a sine is 1.4 times its rms; a factor of two over that is none of the residual's own",
+)
+HAND_TURNS = Rule(
+    "hand-turns",
+    3.0,
+    "reversals",
+    "must stay after what a hand touched",
+    "a base model has omega_n, zeta and x_k: fewer reversals than numbers contradict none of them",
+)
+FORCE_HELD = Rule(
+    "force-held",
+    0.98,
+    "ratio of chi-square",
+    "a measured force counts as held between its samples",
+    "chance alone moves the ratio by 1/sqrt(N): 2 % are two of these at the least of 2,500 values",
+)
+INPUT_NOISE_DRAWS = Rule(
+    "input-noise-draws",
+    11.0,
+    "draws",
+    "chi-square that noise of a force leaves beyond first order: the most of so many draws",
+    "the next draw exceeds the most of n with chance 1/(n + 1): one in twelve",
+)
+NULL_DRAWS = Rule(
+    "null-draws",
+    4.0,
+    "draws",
+    "what a search takes off a true model's force: the most of so many draws",
+    "the next draw exceeds the most of n with chance 1/(n + 1): one in five, and the evidence asked for on top makes it"
+    " rare",
+)
+CONFIRMED = Rule(
+    "confirmed",
+    2.0,
+    "standard errors",
+    "the force error on another recording falls",
+    "one-sided level of 2.3 %",
+)
+STEPPED = Rule(
+    "stepped",
+    5.0,
+    "BIC",
+    "a recording is the trace of an engine that steps",
+    "a lag of exactly one step is one parameter less, worth ln N (5 at 150 samples)",
+)
+STEPPED_WITHIN = Rule(
+    "stepped-within",
+    1.1,
+    "steps",
+    "friction has turned round, so that it is dry friction to this engine",
+    "friction that turns round within one step cannot be told from a jump; a tenth for the fit's own error",
+)
+PERIOD_SEEN = Rule(
+    "period-seen",
+    0.5,
+    "periods",
+    "a law that repeats in time is tried",
+    "less than half a period is a slow change of any kind, a trend",
+)
+SCREEN_GAIN = Rule(
+    "screen-gain",
+    6.0,
+    "chi-square",
+    "a law of two or more parameters is fitted at all",
+    "below 2 ln N + decisive for every N: a law that promises less cannot be named; first order promises up to twice"
+    " or half of it",
+)
+SCREEN_GAIN_OF_ONE = Rule(
+    "screen-gain-of-one",
+    2.0,
+    "chi-square",
+    "a law of one parameter is fitted at all",
+    "as screen-gain; the expectation of chance is 1, and a fit of one parameter costs little",
+)
+SCREEN_SHARE = Rule(
+    "screen-share",
+    0.04,
+    "share of the best",
+    "a law of two or more parameters is fitted at all",
+    "half of the least share of the best promise that a true effect had in the screen; too few draws were repeated to"
+    " tell (python -m harness.app.calibrate screen-share)",
+)
+
+PAIR_PROMISE = Rule(
+    "pair-promise",
+    2.0,
+    "chi-square per point",
+    "a model that explains nothing is extended by a second term only if one promises to come so near the noise",
+    "the largest promise of the true second term, over recordings of two effects, with a third to spare; not repeated"
+    " yet (python -m harness.app.calibrate pair-promise)",
+)
+FRICTION_GONE = Rule(
+    "friction-gone",
+    0.05,
+    "share of the damping",
+    "laws that bend friction are also looked for from a base with friction in it",
+    "below a twentieth of the damping's energy over a cycle friction answers less than the noise of a screen",
+)
+MOST_WORDS = Rule(
+    "most-words",
+    60.0,
+    "words",
+    "a misfit is counted as so many independent words at most",
+    "not settled by draws: on 96 machines 60 and 120 answer alike, 30 names as many and one less wrongly"
+    " (python -m harness.app.calibrate main-effect)",
+)
+HAS_BEGUN = Rule(
+    "has-begun",
+    0.15,
+    "share of the range",
+    "a motion has begun, so that the next turning point is free of the hand",
+    "half of what a decay of zeta 0.05 has lost after a half-cycle (1 - exp(-0.05 pi) = 0.145)",
+)
+GAIN = Rule(
+    "gain",
+    6.0,
+    "evidence in words",
+    "a term improves on the base model where the misfit is not noise",
+    'Kass and Raftery 1995, section 3.2: "strong" evidence',
+)
+MARGIN = Rule(
+    "margin",
+    6.0,
+    "evidence in words",
+    "one term is told apart from another where the misfit is not noise",
+    'Kass and Raftery 1995, section 3.2: "strong" evidence',
+)
+LEAST_RATIO = Rule(
+    "least-ratio",
+    1.25,
+    "ratio of squares",
+    "another term must leave so much more, however many cycles there are",
+    "at sixty words a margin of 6 is a ratio of 1.1, which unmodelled small effects shift by themselves: on 96 machines"
+    " 1.15 and 1.25 answer alike, 1.05 and 1.1 name one main effect more and claim one control more"
+    " (python -m harness.app.calibrate main-effect)",
+)
+SHARE_OF_EXCESS = Rule(
+    "share-of-excess",
+    0.6,
+    "share of squares",
+    "one term is the main part of the misfit beyond the sensors' noise",
+    "more than the rest together, by half: on 96 machines .5 answers alike, .7 names one less and no less falsely"
+    " (python -m harness.app.calibrate main-effect)",
+)
+SHARE_OF_MISFIT = Rule(
+    "share-of-misfit",
+    0.5,
+    "share of squares",
+    "one term is the main part of all that is left, noise included",
+    "more than all the rest together",
+)
+HELD_OUT = Rule(
+    "held-out",
+    0.9,
+    "ratio of rmse",
+    "a term predicts blocks that it was not fitted to better than the base",
+    "a tenth less than without it: a guard, which the draws do not settle; on 96 machines .8, .9 and 1 answer alike"
+    " (python -m harness.app.calibrate main-effect)",
+)
+PREDICTS_BETTER = Rule(
+    "predicts-better",
+    2.0,
+    "standard errors over blocks",
+    "another term predicts better, so that both are listed",
+    "one-sided level of 2.3 %",
+)
+RUN_BETTER = Rule(
+    "run-better",
+    0.7,
+    "ratio of rmse",
+    "a free run of the last 40 %, from a fit of the first 60 %, is so much better that a term counts though it takes"
+    " little off where it was fitted",
+    "half of the squares; not settled by draws: on 96 machines .7 and .85 answer alike, .5 is silent on one more"
+    " (python -m harness.app.calibrate main-effect)",
+)
+AMONG_ALIKE = Rule(
+    "among-alike",
+    float(_NAMES),
+    "names",
+    "what a free run may be better by through chance alone",
+    "each name of the catalogue could have been the one",
+)
+LARGE_ANGLE = Rule(
+    "large-angle",
+    0.35,
+    "rad",
+    "a swing from which a pendulum is tried where nobody says what pulls it back",
+    "below it sine and line differ by 2 % of the force at most (0.35^2 / 6), which stiffness laws of other kinds take"
+    " up as well",
+)
+SAME_CLOCK = Rule(
+    "same-clock",
+    1.5,
+    "periods over the recording",
+    "a law with a clock keeps time with the swing, and is listed but never the main effect",
+    "two frequencies nearer than one over the length of the recording are one (Rayleigh), and half of that again for"
+    " a period that changes with the swing",
+)
+LEAST_CYCLES = Rule(
+    "least-cycles",
+    8.0,
+    "cycles",
+    "a main effect is named; below it at most a list",
+    "the base's own six parameters eat words: at eight cycles the best of ten laws of one parameter passes gain and"
+    " share on random misfit in 5 %, at six in 34 %, by a calculation that is not repeated yet"
+    " (python -m harness.app.calibrate few-cycles); on 96 machines 8 names four main effects less than 6, one less"
+    " wrongly, and claims two controls less (python -m harness.app.calibrate main-effect)",
+)
+LISTED_CYCLES = Rule(
+    "listed-cycles",
+    6.0,
+    "cycles",
+    "a list is given; below it nothing is named",
+    "at five cycles the best of ten laws of one parameter passes gain and share on random misfit in 73 %, at six in"
+    " 34 %, by a calculation that is not repeated yet (python -m harness.app.calibrate few-cycles)",
+)
+MOST_LISTED = Rule(
+    "most-listed",
+    4.0,
+    "names",
+    "a list is given",
+    "a list of more says nothing that an experiment could decide between",
+)
+
+RULES: tuple[Rule, ...] = tuple(value for value in list(globals().values()) if isinstance(value, Rule))
+
+
+def document() -> str:
+    """docs/rules.md."""
+    head = (
+        "# Rules\n\nEvery number that moves a verdict, where it comes from, and what repeats it. Made from\n"
+        "harness/diagnosis/rules.py by `python -m harness.diagnosis.rules`; a result carries those that decided it.\n\n"
+        "| rule | value | what it decides | origin |\n|---|---|---|---|\n"
+    )
+    rows = (f"| {r.name} | {r.value:.4g} {r.unit if r.unit != '1' else ''} | {r.moves} | {r.origin} |\n" for r in RULES)
+    return head + "".join(row.replace(" |", " |") for row in rows)
+
+
+if __name__ == "__main__":
+    sys.stdout.write(document())

@@ -1,0 +1,206 @@
+"""Which terms: forward by full fits of what the screen lets through, pairs from several singles, pruned by BIC."""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from harness.core.errors import SimulationError
+from harness.diagnosis.baseline.base_fit import at_rest
+from harness.diagnosis.fit.least_squares import Fit, chi2_of, fit
+from harness.diagnosis.fit.observe import COARSE
+from harness.diagnosis.fit.parameters import base_of, free_of
+from harness.diagnosis.problem import Problem
+from harness.diagnosis.rules import (
+    DECISIVE,
+    FRICTION_GONE,
+    PAIR_PROMISE,
+    PERIOD_SEEN,
+    SCREEN_GAIN,
+    SCREEN_GAIN_OF_ONE,
+    SCREEN_SHARE,
+)
+from harness.diagnosis.search.decimation import condensed
+from harness.diagnosis.search.repeats import repeats
+from harness.diagnosis.search.screen import Candidate, direct, screen
+from harness.diagnosis.search.start_evidence import evidence
+from harness.kernels.solve import Scales
+from harness.model.model import Model
+from harness.model.registry import TERMS
+from harness.model.term import Term
+
+_COARSE_SAMPLES = 1200
+_COARSE_ITERATIONS = 6
+_FIRST_ITERATIONS = 3
+_KEPT_STARTS = 2
+_EARLY = 0.5
+_FINALISTS, _SURE_FINALISTS, _NEAR_BEST = 8, 3, 0.1
+_MISPLACED, _MISPLACED_SHARE = 150.0, 0.02
+"""What a fit may lose by an event on the wrong side of a sample."""
+
+
+@dataclass(frozen=True, slots=True)
+class Step:
+    """Fits of one more term each on a model, best first by BIC, one per catalogue key."""
+
+    before: Fit
+    fits: tuple[Fit, ...]
+
+
+def key_of(found: Fit) -> tuple[str, ...]:
+    """Catalogue names of a fit's terms, sorted."""
+    return tuple(sorted(entry.term.name for entry in found.model.terms))
+
+
+def _try(model: Model, problem: Problem, base: tuple[str, ...], scales: Scales, iterations: int) -> Fit | None:
+    try:
+        return fit(model, problem, free_of(model, base), scales, iterations, COARSE, thorough=False)
+    except SimulationError:
+        return None
+
+
+def _start(candidate: Candidate, problem: Problem, early: Problem, base: tuple[str, ...], scales: Scales) -> Fit | None:
+    """A first few steps from the candidate itself or by way of the first part of the recording, whichever is nearer."""
+    first = _try(candidate.model, early, base, scales, _FIRST_ITERATIONS)
+    starts = [candidate.model] if first is None else [candidate.model, first.model]
+    nearest = min(starts, key=lambda m: chi2_of(m, problem, scales, COARSE))
+    return _try(nearest, problem, base, scales, _FIRST_ITERATIONS)
+
+
+def _rough(candidates: Sequence[Candidate], problem: Problem, base: tuple[str, ...], scales: Scales) -> list[Fit]:
+    """A rough fit of every entry, best first: a few steps of every start, then the nearest of each entry go on."""
+    early = problem.part(slice(0, int(_EARLY * problem.t.size)))
+    begun: dict[str, list[Fit]] = {}
+    for candidate in candidates:
+        found = _start(candidate, problem, early, base, scales)
+        if found is not None:
+            begun.setdefault(candidate.term.key, []).append(found)
+    best = []
+    for group in begun.values():
+        group.sort(key=lambda f: f.chi2)
+        further = [_try(f.model, problem, base, scales, _COARSE_ITERATIONS) for f in group[:_KEPT_STARTS]]
+        best.append(min((*group, *(f for f in further if f is not None)), key=lambda f: f.bic))
+    return sorted(best, key=lambda f: f.bic)
+
+
+def _candidates(current: Fit, problem: Problem, scales: Scales, terms: Sequence[Term]) -> list[Candidate]:
+    """What the screen lets through, of the whole recording and of its first part alone.
+
+    In the first part a misfit has not grown yet, so that the first-order answer is a good one.
+    """
+    base = base_of(current.free)
+    early = problem.part(slice(0, int(_EARLY * problem.t.size)))
+    before = _try(current.model, early, base, scales, _COARSE_ITERATIONS)
+    worthy: list[Candidate] = []
+    for fitted, part in ((current, problem), (before, early), (_with_friction(current, problem, scales), problem)):
+        if fitted is None:
+            continue
+        seen = evidence(fitted, part, scales)
+        try:
+            found = screen(fitted, part, seen, scales, terms)
+        except SimulationError:
+            continue  # a law too stiff for a first look is nothing to build on
+        best = found[0].gain if found else 0.0
+        least = max(SCREEN_GAIN.value, SCREEN_SHARE.value * best)
+        worthy += [c for c in found if c.gain >= (least if len(c.term.parameters) > 1 else SCREEN_GAIN_OF_ONE.value)]
+        excess = fitted.chi2 - fitted.points
+        if excess > 3.0 * math.sqrt(2.0 * fitted.points) or best > 2.0 * math.log(fitted.points):
+            worthy += direct(fitted, part, seen, terms)
+    return worthy
+
+
+def _with_friction(current: Fit, problem: Problem, scales: Scales) -> Fit | None:
+    """A model whose friction has vanished, with half of its damping given back to it; None where it has not.
+
+    What is missing may have taken friction's place in the base. Laws that bend or modulate friction then answer to
+    nothing, and are looked for from here: equal energy over a cycle of half the amplitude, 4 f_k X = pi c omega X^2.
+    """
+    model = current.model
+    as_friction = math.pi / 4.0 * model.c * scales.omega * 0.5 * scales.x
+    if "f_k" not in base_of(current.free) or model.f_k > FRICTION_GONE.value * as_friction:
+        return None
+    split = replace(model, c=0.5 * model.c, f_k=0.5 * as_friction)
+    try:
+        return fit(split, problem, current.free, scales, 0, COARSE, thorough=False)
+    except SimulationError:
+        return None
+
+
+def extend(current: Fit, problem: Problem, scales: Scales, terms: Sequence[Term] = TERMS) -> Step:
+    """Fit every term that is worth it on top of a model."""
+    base = base_of(current.free)
+    if problem.restarts is None and "v0" not in base:
+        base = (*base, "v0")
+    small, _ = condensed(problem, current.shown, _COARSE_SAMPLES, scales.omega)
+    best = _rough(_candidates(current, problem, scales, terms), small, base, scales)
+    finalists = _finalists(best, chi2_of(current.model, small, scales, COARSE) + current.bic - current.chi2)
+    quick = [q for q in (_quick(start.model, problem, base, scales) for start in finalists) if q is not None]
+    quick.sort(key=lambda f: f.bic)
+    fits: dict[tuple[str, ...], Fit] = {}
+    reach = max(_MISPLACED, _MISPLACED_SHARE * (current.bic - quick[0].bic)) if quick else 0.0
+    for hasty in quick:
+        near = hasty.bic < min(quick[0].bic + reach, current.bic)
+        found = settle(hasty, problem, scales) if near else hasty
+        key = key_of(found)
+        if _repeats(found, problem) and (key not in fits or found.bic < fits[key].bic):
+            fits[key] = found
+    return Step(current, tuple(sorted(fits.values(), key=lambda f: f.bic)))
+
+
+def promising_start(current: Fit, problem: Problem, scales: Scales) -> bool:
+    """Whether some further term may bring a model near the noise, to first order: else no pair with it explains."""
+    try:
+        found = screen(current, problem, evidence(current, problem, scales), scales, TERMS)
+    except SimulationError:
+        return False
+    return bool(found) and current.chi2 - found[0].gain <= PAIR_PROMISE.value * current.points
+
+
+def _repeats(found: Fit, problem: Problem) -> bool:
+    """Whether what was recorded holds a period over the travel, half a one in time, of each law that repeats."""
+    travel, span = float(np.ptp(found.shown.x)), float(problem.t[-1] - problem.t[0])
+    return all(repeats(entry, travel, span, PERIOD_SEEN.value) for entry in found.model.terms)
+
+
+def _finalists(rough: list[Fit], before: float) -> list[Fit]:
+    """Rough fits, best first, that go on: the first ones, and those that come near; before : BIC without the entry.
+
+    Where the best promises less than what an event on the wrong side of a sample costs, all come near.
+    """
+    most = before - rough[0].bic if rough else 0.0
+    reach = _NEAR_BEST * most if most > _MISPLACED else -DECISIVE.value
+    return [f for i, f in enumerate(rough[:_FINALISTS]) if i < _SURE_FINALISTS or before - f.bic > reach]
+
+
+def _quick(model: Model, problem: Problem, base: tuple[str, ...], scales: Scales) -> Fit | None:
+    try:
+        return fit(model, problem, free_of(model, base), scales, thorough=False)
+    except SimulationError:
+        return None
+
+
+def settle(found: Fit, problem: Problem, scales: Scales) -> Fit:
+    """The same model fitted with care about jumps, released from rest if that serves as well."""
+    try:
+        return at_rest(fit(found.model, problem, found.free, scales), problem, scales)
+    except SimulationError:
+        return found
+
+
+def prune(found: Fit, problem: Problem, scales: Scales) -> Fit:
+    """Leave out each term that BIC does not miss."""
+    while found.model.terms:
+        base = base_of(found.free)
+        smaller = []
+        for i in range(len(found.model.terms)):
+            model = replace(found.model, terms=found.model.terms[:i] + found.model.terms[i + 1 :])
+            try:
+                smaller.append(fit(model, problem, free_of(model, base), scales))
+            except SimulationError:
+                continue
+        best = min(smaller, key=lambda f: f.bic, default=None)
+        if best is None or best.bic > found.bic + DECISIVE.value:
+            return found
+        found = best
+    return found

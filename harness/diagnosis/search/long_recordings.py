@@ -1,0 +1,69 @@
+"""A free decay of very many samples: searched in means of neighbours, told on all of its samples.
+
+Means of what a fitted model leaves keep nearly all that a recording says of slower things (condense.py), so that a
+search costs no more for a hundred times the samples; the models it ends at are fitted to every sample.
+"""
+
+from dataclasses import replace
+
+import numpy as np
+
+from harness.diagnosis.baseline.base_fit import baseline
+from harness.diagnosis.fit.least_squares import Fit, fit
+from harness.diagnosis.fit.observe import observe
+from harness.diagnosis.problem import Problem
+from harness.diagnosis.search.decimation import condensed
+from harness.diagnosis.search.extend import key_of
+from harness.diagnosis.search.search import Search, noise_of
+from harness.kernels.solve import Scales
+
+LONG = 40_000
+"""Samples that a search is given at most, unless the cycles are so many that these were too few for each."""
+_FEW = 4
+
+
+def shortened(problem: Problem) -> tuple[Problem, Fit, Scales]:
+    """A problem to search in, its base fit, and what counts as ordinary; the problem itself unless it is long.
+
+    Raises InputError, SimulationError: see ``baseline``.
+    """
+    size = problem.t.size // LONG
+    if size < 2 or problem.drive is not None:
+        return problem, *baseline(problem)
+    base, scales = baseline(problem.part(slice(None, None, size)))
+    small, _ = condensed(problem, observe(base.model, problem, (), scales), LONG, scales.omega)
+    if small is problem:
+        return problem, *baseline(problem)
+    return small, fit(base.model, small, base.free, scales), scales
+
+
+def lifted(found: Search, whole: Problem, scales: Scales) -> Search:
+    """A search in means as if it had been made in the whole problem.
+
+    Base, chosen model and best single are fitted to all samples that are not before the start of the base; of the
+    others the differences in BIC are kept, and nothing else is to be asked of them.
+    """
+    problem = whole.part(slice(int(np.searchsorted(whole.t, found.base.model.t0)), None))
+    seen = fit(found.chosen.model, problem, found.chosen.free, scales, 0, thorough=False)
+    problem = replace(problem, noise=noise_of(seen, problem, scales.omega))
+
+    def fitted(one: Fit) -> Fit:
+        return fit(one.model, problem, one.free, scales, _FEW, thorough=False)
+
+    chosen = fitted(found.chosen)
+    base = chosen if found.chosen is found.base else fitted(found.base)
+    by = chosen.bic - found.chosen.bic
+
+    def moved(fits: tuple[Fit, ...]) -> tuple[Fit, ...]:
+        return tuple(replace(one, chi2=one.chi2 + by) for one in fits)
+
+    first = found.singles[:1]
+    best = tuple(chosen if key_of(one) == key_of(chosen) else fitted(one) for one in first)
+    return replace(
+        found,
+        problem=problem,
+        base=base,
+        chosen=chosen,
+        singles=(*best, *moved(found.singles[1:])),
+        rivals=moved(found.rivals),
+    )

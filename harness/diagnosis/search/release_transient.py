@@ -1,0 +1,53 @@
+"""Is a hand that lets go all that is missing? Then nothing is, once the beginning is left out."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+
+from harness.diagnosis.baseline.base_fit import baseline
+from harness.diagnosis.fit.least_squares import Fit
+from harness.diagnosis.prepare.release import without_hand
+from harness.diagnosis.problem import Problem
+from harness.diagnosis.residual_tests.structure import Left, left_by
+from harness.diagnosis.rules import AMONG_NAMES, HAND_SHOWN, HAND_TURNS, HAND_UNSEEN
+from harness.diagnosis.search.extend import extend, settle
+from harness.diagnosis.search.search import Search, noise_of, under
+from harness.kernels.solve import Scales
+from harness.model.term import Slot
+
+
+def knocked_at_release(found: Fit, scales: Scales) -> bool:
+    """Whether all that was named is a knock in the first quarter of a period: what a hand does that lets go."""
+    if [entry.term.slot for entry in found.model.terms] != [Slot.EVENT]:
+        return False
+    since = found.model.terms[0].values[0] - found.model.t0
+    return since < HAND_SHOWN.value * math.pi / scales.omega
+
+
+def after_hand(problem: Problem, scales: Scales) -> tuple[Search, Scales, float] | None:
+    """A recording without its beginning, where viscous and Coulomb friction explain all else; None where they do not.
+
+    With what counts as ordinary in it, and the time left out, s.
+    """
+    problem, touched = without_hand(problem, math.pi / scales.omega, HAND_UNSEEN.value)
+    if touched == 0.0:
+        return None
+    base, scales = baseline(problem)
+    problem = replace(problem, noise=noise_of(base, problem, scales.omega))
+    base = settle(under(base, problem), problem, scales)
+    if len(base.shown.events) < HAND_TURNS.value or left_by(base, problem, scales.omega, base) is not Left.NOISE:
+        return None
+    if _something_later(problem, scales):
+        return None
+    return Search(problem, base, base, (), (), Left.NOISE), scales, touched
+
+
+def _something_later(problem: Problem, scales: Scales) -> bool:
+    """Whether a term improves what follows the first quarter of a period, where no hand is any more."""
+    later = problem.part(
+        slice(int(np.searchsorted(problem.t, problem.t[0] + HAND_SHOWN.value * math.pi / scales.omega)), None)
+    )
+    base, scales = baseline(later)
+    singles = extend(base, later, scales).fits
+    return bool(singles) and singles[0].bic < base.bic - AMONG_NAMES.value

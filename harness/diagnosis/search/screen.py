@@ -1,0 +1,200 @@
+"""A first look at the whole catalogue: how much would each term explain, to first order?
+
+A term whose amplitude is zero leaves the motion as it is, but its sensitivity says how the motion would answer. One
+simulation carries the answers of hundreds of probes; what each would take off chi-square, with the base parameters
+free to follow, is a projection of the residual (the score test). It costs a simulation, not a fit.
+"""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from harness.core.arrays import FloatArray
+from harness.core.errors import SimulationError
+from harness.diagnosis.fit.least_squares import Fit, evaluate, whitened
+from harness.diagnosis.fit.observe import COARSE, observe
+from harness.diagnosis.fit.parameters import with_values
+from harness.diagnosis.problem import Problem
+from harness.diagnosis.search.decimation import condensed
+from harness.kernels.solve import By, Scales
+from harness.model.evidence import Evidence
+from harness.model.model import Model, ModelTerm
+from harness.model.term import SINGLE, Slot, Term
+from harness.model.term import Probe as TermProbe
+
+_SAMPLES = 2000
+_COLUMNS = 120
+_INTERNAL_AT_ONCE = 4
+_KEPT = 2
+
+
+@dataclass(frozen=True, slots=True)
+class Candidate:
+    """A term with starting values, the rest of the model moved to meet it, and what it promises to take off chi2."""
+
+    term: Term
+    model: Model
+    gain: float
+
+
+@dataclass(frozen=True, slots=True)
+class _Probe:
+    term: Term
+    values: tuple[tuple[float, ...], ...]  # one set, or cosine and sine
+
+
+def applicable(term: Term, model: Model, problem: Problem) -> bool:
+    """Whether a term can be added to a model of this recording at all."""
+    recorded = all(c in problem.channels for c in term.channels)
+    given = {"driven": problem.drive is not None, "angle": problem.angular, "spring": model.k > 0.0}
+    given["zero"] = not problem.zero_free
+    met = all(given[need] for need in term.needs)
+    taken = term.slot in SINGLE and bool(model.in_slot(term.slot))
+    once = not term.several and any(e.term.name == term.name for e in model.terms)
+    return recorded and met and not (taken or once)
+
+
+def _probes(term: Term, evidence: Evidence) -> Iterator[_Probe]:
+    values = list(term.probes(evidence))
+    if term.phase is None:
+        yield from (_Probe(term, (v,)) for v in values)
+    else:
+        yield from (_Probe(term, (values[i], values[i + 1])) for i in range(0, len(values), 2))
+
+
+def _batches(probes: Sequence[_Probe]) -> Iterator[list[_Probe]]:
+    """Probes that may share one simulation."""
+    shared, internal, sensors = [], [], []
+    for probe in probes:
+        if probe.term.slot in SINGLE:
+            yield [probe]
+        elif probe.term.slot is Slot.INTERNAL:
+            internal.append(probe)
+        elif probe.term.slot is Slot.OBSERVATION:
+            sensors.append(probe)
+        else:
+            shared.append(probe)
+    if sensors:
+        yield sensors
+    for i in range(0, len(internal), _INTERNAL_AT_ONCE):
+        yield internal[i : i + _INTERNAL_AT_ONCE]
+    batch: list[_Probe] = []
+    for probe in shared:
+        batch.append(probe)
+        if sum(len(p.values) for p in batch) >= _COLUMNS:
+            yield batch
+            batch = []
+    if batch:
+        yield batch
+
+
+def _responses(model: Model, problem: Problem, batch: list[_Probe], scales: Scales) -> FloatArray:
+    """Whitened answers (N, m) of the channels to each probe's amplitude."""
+    first = len(model.terms)
+    entries: list[ModelTerm] = []
+    by: list[By] = []
+    for probe in batch:
+        for values in probe.values:
+            amplitude = probe.term.amplitude
+            assert amplitude is not None
+            by.append((first + len(entries), amplitude))
+            entries.append(ModelTerm(probe.term, values))
+    extended = replace(model, terms=(*model.terms, *entries))
+    shown = observe(extended, problem, tuple(by), scales, COARSE)
+    return whitened(problem, shown.dy)
+
+
+def with_amplitudes(term: Term, start: TermProbe, amplitudes: FloatArray) -> TermProbe:
+    """Parameter values of a term's probe with its linear amplitude, or cosine and sine (1 or 2,), put in."""
+    index, values = term.amplitude, list(start)
+    assert index is not None
+    if term.phase is not None:
+        values[index] = float(np.hypot(amplitudes[0], amplitudes[1]))
+        values[term.phase] = float(np.arctan2(-amplitudes[1], amplitudes[0]))
+    else:
+        values[index] += float(amplitudes[0])
+    return tuple(values)
+
+
+def _combined(probe: _Probe, amplitudes: FloatArray) -> tuple[float, ...] | None:
+    """Parameter values for these amplitudes, None where they lie out of bounds."""
+    index = probe.term.amplitude
+    assert index is not None
+    values = list(with_amplitudes(probe.term, probe.values[0], amplitudes))
+    parameter = probe.term.parameters[index]
+    if probe.term.phase is not None:
+        values[index] = min(values[index], parameter.upper)
+    lower = probe.values[0][index] if probe.term.slot is Slot.FRICTION_LEVEL else parameter.lower
+    return tuple(values) if lower <= values[index] <= parameter.upper else None
+
+
+def screen(
+    current: Fit, problem: Problem, evidence: Evidence, scales: Scales, terms: Sequence[Term]
+) -> list[Candidate]:
+    """Candidates among ``terms`` with a linear amplitude, the best probes of each, most promising first."""
+    small, scale_up = condensed(problem, current.shown, _SAMPLES, scales.omega)
+    residual, jacobian, _ = evaluate(current.model, small, current.free, scales, COARSE)
+    norm = np.sqrt(np.sum(jacobian**2, axis=0))
+    norm[norm == 0.0] = 1.0
+    q, r = np.linalg.qr(jacobian / norm)
+    usable = np.abs(np.diag(r)) > 1e-10
+    found: dict[str, list[Candidate]] = {}
+    probes = [
+        p
+        for term in terms
+        if term.amplitude is not None and applicable(term, current.model, problem)
+        for p in _probes(term, evidence)
+    ]
+    for batch in _batches(probes):
+        try:
+            answers = _responses(current.model, small, batch, scales)
+        except SimulationError:
+            continue
+        along = q.T @ answers
+        across = answers - q @ along
+        column = 0
+        for probe in batch:
+            width = len(probe.values)
+            part = across[:, column : column + width]
+            gram = part.T @ part
+            size = np.sqrt(np.diag(gram))
+            if np.any(size <= 1e-9 * np.linalg.norm(answers[:, column : column + width], axis=0)) or not np.all(size):
+                column += width
+                continue
+            projected = part.T @ residual
+            amplitudes = np.asarray(np.linalg.lstsq(gram, projected, rcond=1e-12)[0], dtype=np.float64)
+            gain = float(projected @ amplitudes) * scale_up
+            values = _combined(probe, amplitudes)
+            if values is not None and np.all(np.isfinite(values)):
+                shift = np.zeros(len(current.free))
+                if np.all(usable):
+                    shift = -np.linalg.solve(r, along[:, column : column + width] @ amplitudes) / norm
+                moved = _moved(current, shift)
+                entry = ModelTerm(probe.term, values)
+                candidate = Candidate(probe.term, replace(moved, terms=(*moved.terms, entry)), gain)
+                found.setdefault(probe.term.key, []).append(candidate)
+            column += width
+    best = [c for group in found.values() for c in sorted(group, key=lambda c: -c.gain)[:_KEPT]]
+    return sorted(best, key=lambda c: -c.gain)
+
+
+def _moved(current: Fit, shift: FloatArray) -> Model:
+    """The current model with its numbers moved as the new term asks, within their bounds and by no more than half."""
+    values = current.values
+    limit = np.array(
+        [0.5 * abs(v) if f.log or f.lower == 0.0 else np.inf for f, v in zip(current.free, values, strict=True)]
+    )
+    moved = values + np.clip(shift, -limit, limit)
+    moved = np.array([min(max(v, f.lower), f.upper) for f, v in zip(current.free, moved, strict=True)])
+    return with_values(current.model, current.free, moved)
+
+
+def direct(current: Fit, problem: Problem, evidence: Evidence, terms: Sequence[Term]) -> list[Candidate]:
+    """Candidates among ``terms`` without a linear amplitude: every probe is a start; they promise nothing yet."""
+    return [
+        Candidate(term, replace(current.model, terms=(*current.model.terms, ModelTerm(term, values))), 0.0)
+        for term in terms
+        if term.amplitude is None and applicable(term, current.model, problem)
+        for values in (term.probes(evidence) or ([()] if not term.parameters else []))
+    ]

@@ -1,0 +1,222 @@
+"""The search for the model: base, one term, two, as long as evidence grows; noise is taken anew from what is left.
+
+BIC with known noise rules. Held-out prediction is reported beside it; where the two disagree BIC stands, because a
+stretch that is left out says little of what acts elsewhere, and a warning says so.
+"""
+
+import math
+from dataclasses import dataclass, replace
+from itertools import zip_longest
+
+import numpy as np
+
+from harness.diagnosis.baseline.residual_noise import coloured_whole, residual_noise
+from harness.diagnosis.fit.least_squares import Fit, whitened
+from harness.diagnosis.input_noise.noisy_base_fit import in_turn
+from harness.diagnosis.problem import Problem
+from harness.diagnosis.residual_tests.structure import Left, left_by, structure
+from harness.diagnosis.rules import AMONG_NAMES, COLOUR_ALONE, DECISIVE, MOST_TERMS, SECOND_TERM
+from harness.diagnosis.search.extend import Step, extend, key_of, promising_start, prune, settle
+from harness.estimate.noise import Noise
+from harness.kernels.solve import Scales
+
+_BEAM = 4
+_FEWEST_STARTS = 4
+_NOISE_MOVED, _SAME = 0.01, 0.01
+"""Shares: of a noise that has moved, and of a chi-square that has not; noise taken anew each turn moves it too."""
+
+
+@dataclass(frozen=True, slots=True)
+class Search:
+    """Where the search ended.
+
+    problem : with the noise as the chosen model leaves it. base, chosen : fits under that noise. singles : each
+    catalogue name alone, best first. rivals : fits of as many terms as the chosen one, best first. left : what the
+    chosen model leaves.
+    """
+
+    problem: Problem
+    base: Fit
+    chosen: Fit
+    singles: tuple[Fit, ...]
+    rivals: tuple[Fit, ...]
+    left: Left
+
+    @property
+    def explained(self) -> bool:
+        """Whether no structure is left, as far as it was tested."""
+        return self.left is not Left.STRUCTURE
+
+
+def noise_of(found: Fit, problem: Problem, omega: float) -> dict[str, Noise]:
+    """Noise per channel from what a fit leaves.
+
+    Windows much shorter than the motion tell noise from misfit, but not the colour of a coarse recording. Where the
+    whole residual is nothing but noise of first-order colour, it is that.
+    """
+    period = 2.0 * math.pi / omega
+    left = {c: y - found.shown.y[c] for c, y in problem.channels.items()}
+    said = {c: residual_noise(problem.t, left[c], y, period) for c, y in problem.channels.items()}
+    if problem.force_noise is not None and problem.force_noise.noise.found:
+        # what is slower than the windows is the force's
+        return {c: problem.force_noise.own(c, said[c], problem.noise[c]) for c in said}
+    whole = {c: coloured_whole(left[c], problem.weight[c], said[c]) for c in said}
+    if all(whole[c] is said[c] for c in said):
+        return said
+    coloured = replace(problem, noise={**problem.noise, **whole})
+    return whole if structure(under(found, coloured), coloured, omega).p_value > COLOUR_ALONE.value else said
+
+
+def under(found: Fit, problem: Problem) -> Fit:
+    """The same model seen with another noise."""
+    shown = found.shown
+    residual = whitened(problem, {c: y - shown.y[c] for c, y in problem.channels.items()})
+    jacobian = whitened(problem, shown.dy)
+    return replace(found, residual=residual, jacobian=jacobian, chi2=float(residual @ residual), points=problem.points)
+
+
+def _simplest(fits: tuple[Fit, ...], before: Fit, gain: float) -> Fit:
+    """The best by BIC, unless a smaller model is as good that gains as much over the one before."""
+    most = min(fits[0].bic + DECISIVE.value, before.bic - gain)
+    near = [f for f in fits if f.bic < most] or [fits[0]]
+    return min(near, key=lambda f: (len(f.free), f.bic))
+
+
+def _moved(new: dict[str, Noise], old: Problem) -> bool:
+    return any(
+        abs(math.log(n.sigma / old.noise[c].sigma)) > _NOISE_MOVED or n.phi != old.noise[c].phi for c, n in new.items()
+    )
+
+
+def _renew(
+    problem: Problem, scales: Scales, best: Fit, others: tuple[Fit, ...]
+) -> tuple[Problem, Fit, tuple[Fit, ...]]:
+    """Take the noise from what the best fit leaves, and see all fits with it.
+
+    Windows also start as that fit has them, and both in turn until nothing moves: a poor model starts them poorly.
+    """
+
+    def again(problem: Problem, found: Fit) -> tuple[Problem, Fit]:
+        problem = replace(problem, noise=noise_of(found, problem, scales.omega))
+        return problem, settle(under(found, problem), problem, scales)
+
+    if problem.restarts is not None:
+        problem, best = in_turn(problem, best, scales, again, _SAME)
+    elif _moved(noise_of(best, problem, scales.omega), problem):
+        problem, best = again(problem, best)
+    else:
+        return problem, best, others
+    return problem, best, tuple(sorted((under(f, problem) for f in others), key=lambda f: f.bic))
+
+
+def _beyond(problem: Problem) -> float:
+    """What a term must take off BIC besides: as much as noise of a force may do that no first order tells of."""
+    return 0.0 if problem.force_noise is None else problem.force_noise.beyond
+
+
+def search(problem: Problem, base: Fit, scales: Scales) -> Search:
+    """Find the smallest model that explains a recording."""
+    found = _levelled(_search(problem, base, scales))
+    if not found.chosen.model.terms or found.base.bic > found.chosen.bic + AMONG_NAMES.value + _beyond(problem):
+        return found
+    # what counts as noise has grown since the term was decided for
+    return replace(found, chosen=found.base, left=left_by(found.base, found.problem, scales.omega, found.base))
+
+
+def _search(problem: Problem, base: Fit, scales: Scales) -> Search:
+    beyond = _beyond(problem)
+    first, second = AMONG_NAMES.value + beyond, SECOND_TERM.value + beyond
+    singles = extend(base, problem, scales).fits
+    if not singles or singles[0].bic > base.bic - first:
+        return Search(problem, base, base, singles, singles, left_by(base, problem, scales.omega, base))
+    problem, best, singles = _renew(problem, scales, singles[0], singles)
+    base = under(base, problem)
+    singles = tuple(sorted((*(f for f in singles if key_of(f) != key_of(best)), best), key=lambda f: f.bic))
+    chosen, rivals = _simplest(singles, base, first), singles
+    left = left_by(chosen, problem, scales.omega, base)
+    beam = _beam(singles)
+    while len(chosen.model.terms) < MOST_TERMS.count:
+        worth = left is Left.NOISE or promising_start(chosen, problem, scales)
+        step = extend(chosen, problem, scales) if worth else Step(chosen, ())
+        promising = bool(step.fits) and step.fits[0].bic < chosen.bic - second
+        if left is Left.NOISE and not promising:
+            break
+        # where a noisy force leaves as much as a second term would, pairs are no better than one another
+        plain = left is Left.NOISE or beyond > SECOND_TERM.value
+        found = step.fits if plain else _wider(step, chosen, beam, problem, scales, base)
+        if not found or found[0].bic > chosen.bic - second:
+            break
+        problem, best, found = _renew(problem, scales, found[0], found)
+        found = tuple(sorted((*(f for f in found if key_of(f) != key_of(best)), best), key=lambda f: f.bic))
+        base = under(base, problem)
+        singles = tuple(sorted((under(f, problem) for f in singles), key=lambda f: f.bic))
+        chosen, rivals = _simplest(found, under(chosen, problem), second), found
+        left = left_by(chosen, problem, scales.omega, base)
+        beam = list(found[:2])
+    pruned = prune(chosen, problem, scales)
+    if len(pruned.model.terms) < len(chosen.model.terms):
+        chosen = settle(pruned, problem, scales)
+        rivals = singles if len(chosen.model.terms) <= 1 else rivals
+        left = left_by(chosen, problem, scales.omega, base)
+    return Search(problem, base, chosen, singles, rivals, left)
+
+
+def _levelled(found: Search) -> Search:
+    """The noise as what an explaining model leaves: every sample says something of it then, not the fast part alone."""
+    if not found.explained:
+        return found
+    problem, n = found.problem, found.problem.t.size
+    noise = {}
+    for i, channel in enumerate(problem.channels):
+        r = found.chosen.residual[i * n : (i + 1) * n]
+        count = max(np.count_nonzero(problem.weight[channel]) - len(found.chosen.free) / len(problem.channels), 1.0)
+        level = math.sqrt(float(r @ r) / count)
+        old = problem.noise[channel]
+        noise[channel] = replace(old, sigma=old.sigma * level) if old.found and level > 0.0 else old
+    problem = replace(problem, noise=noise)
+    same = found.chosen is found.base
+    base = under(found.base, problem)
+    chosen = base if same else under(found.chosen, problem)
+
+    def seen(fits: tuple[Fit, ...]) -> tuple[Fit, ...]:
+        again = (chosen if f is found.chosen else under(f, problem) for f in fits)
+        return tuple(sorted(again, key=lambda f: f.bic))
+
+    return Search(problem, base, chosen, seen(found.singles), seen(found.rivals), found.left)
+
+
+def _beam(singles: tuple[Fit, ...]) -> list[Fit]:
+    """Singles to build pairs on: the best and, in turn, the best of the plain laws that a flexible one may outdo."""
+    plain = [f for f in singles if len(f.model.terms[0].values) == 1]
+    in_turn = [f for pair in zip_longest(singles[:_BEAM], plain[:_BEAM]) for f in pair if f is not None]
+    return [f for i, f in enumerate(in_turn) if all(f is not other for other in in_turn[:i])]
+
+
+def _wider(first: Step, chosen: Fit, beam: list[Fit], problem: Problem, scales: Scales, base: Fit) -> tuple[Fit, ...]:
+    """Extensions of the chosen model and of its rivals, best first, as far as it takes to find one that explains.
+
+    A pair is tried with each of its terms exchanged before it counts as the best one.
+    """
+    steps, waiting, tried = [first], [f for f in beam if f is not chosen], 1
+    while waiting:
+        best = _merged(steps)[:1]
+        parts = [f for f in waiting if best and set(key_of(f)) < set(key_of(best[0]))]
+        enough = tried >= _FEWEST_STARTS and not parts
+        if enough and best and left_by(best[0], problem, scales.omega, base) is Left.NOISE:
+            break
+        following, tried = (parts[0] if parts else waiting[0]), tried + 1
+        if promising_start(following, problem, scales):
+            steps.append(extend(following, problem, scales))
+        waiting = [f for f in waiting if f is not following]
+    return _merged(steps)
+
+
+def _merged(steps: list[Step]) -> tuple[Fit, ...]:
+    """Fits of several steps, the best of each set of names, best first."""
+    best: dict[tuple[str, ...], Fit] = {}
+    for step in steps:
+        for found in step.fits:
+            key = key_of(found)
+            if key not in best or found.bic < best[key].bic:
+                best[key] = found
+    return tuple(sorted(best.values(), key=lambda f: f.bic))

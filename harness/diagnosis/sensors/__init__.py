@@ -1,0 +1,1 @@
+"""The sensor model, and motions read at the times of a recording."""

@@ -1,0 +1,72 @@
+"""The inverse dynamics of a driven recording: force from smoothed motion, by least squares; a start for the fit."""
+
+import math
+from collections.abc import Mapping
+
+import numpy as np
+
+from harness.core.arrays import FloatArray
+from harness.core.errors import InputError
+from harness.diagnosis.smoothed_state.local_cubics import Smooth
+from harness.model.model import Model, Restoring
+
+_MOVING = 0.02
+"""Share of the largest speed below which friction may have any value."""
+_LEAST = 1e-3
+"""Share that a parameter which must not vanish is given where least squares makes it negative."""
+
+
+def state_of(t: FloatArray, smooth: Mapping[str, Smooth]) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Position, speed and acceleration (n,) from smoothed x or v; x from v alone counts from its first sample."""
+    if "x" in smooth:
+        x = smooth["x"]
+        v = smooth["v"].value if "v" in smooth else x.slope
+        a = smooth["v"].slope if "v" in smooth else x.bend
+        return x.value, v, a
+    v = smooth["v"].value
+    steps = 0.5 * (v[1:] + v[:-1]) * np.diff(t)
+    return np.concatenate(([0.0], np.cumsum(steps))), v, smooth["v"].slope
+
+
+def inverse_start(
+    state: tuple[FloatArray, FloatArray, FloatArray],
+    u: FloatArray,
+    restoring: Restoring,
+    mass: float | None,
+    zero_free: bool,
+) -> Model:
+    """Base model by least squares of m a + c v + k R(x) + f_k sgn(v) + constant = u over the samples in motion.
+
+    The constant takes up what would bias the others; it gives the sensor's zero with ``zero_free``. Raises InputError
+    when the slider hardly moves.
+    """
+    x, v, a = state
+    moving = np.abs(v) > _MOVING * float(np.max(np.abs(v)))
+    if np.count_nonzero(moving) < 20:
+        raise InputError("recording", "a slider that hardly moves", "a driven motion is accepted")
+    pull = {Restoring.SPRING: x, Restoring.PENDULUM: np.sin(x), Restoring.NONE: None}[restoring]
+    columns = {"m": a, "c": v, "f_k": np.sign(v), "one": np.ones_like(v)}
+    if pull is not None:
+        columns["k"] = pull
+    right = u.copy()
+    if mass is not None:
+        right -= mass * columns.pop("m")
+    table = np.column_stack([y[moving] for y in columns.values()])
+    size = np.sqrt(np.mean(table**2, axis=0))
+    found = np.linalg.lstsq(table / size, right[moving], rcond=None)[0] / size
+    value = dict(zip(columns, found.tolist(), strict=True))
+    force = math.sqrt(float(np.mean(u**2)))
+    m = mass if mass is not None else max(value["m"], _LEAST * force / (math.sqrt(float(np.mean(a**2))) + 1e-300))
+    speed = math.sqrt(float(np.mean(v**2)))
+    k = 0.0
+    if pull is not None:
+        k = max(value["k"], _LEAST * force / (math.sqrt(float(np.mean(x**2))) + 1e-300))
+    return Model(
+        m,
+        max(value["c"], _LEAST * force / speed),
+        k,
+        max(value["f_k"], _LEAST * force),
+        restoring=restoring,
+        mass_known=True,
+        offset=-value["one"] / k if zero_free and k > 0.0 else 0.0,
+    )

@@ -1,0 +1,132 @@
+"""A channel smoothed by local cubics: value, slope and bend with standard errors, irregular sampling and all."""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from harness.core.arrays import BoolArray, FloatArray, IntArray
+from harness.core.jit import compiled
+
+_HALF_WIDTHS = (4, 6, 9, 13, 20, 30, 45)
+ALIKE = 1.25
+"""By how much a wider cubic may miss more than the narrowest, where only a start depends on it."""
+_LOOKED_AT = 4000
+_TERMS = 4
+GAP = 5.0
+"""Sampling intervals from which on there is a gap."""
+
+
+def longest_interval(t: FloatArray) -> float:
+    """Interval, s, beyond which there is a gap in t (n,)."""
+    return GAP * float(np.median(np.diff(t)))
+
+
+@dataclass(frozen=True, slots=True)
+class Smooth:
+    """Value, slope and second derivative of a channel at its samples (n,), standard errors of the first two."""
+
+    value: FloatArray
+    slope: FloatArray
+    bend: FloatArray
+    value_sd: FloatArray
+    slope_sd: FloatArray
+    half: int
+
+
+def _local(
+    t: FloatArray, y: FloatArray, first: IntArray, last: IntArray, at: IntArray, half: int, out: FloatArray
+) -> None:
+    """Cubic around each sample in ``at`` (m,), within its stretch first to last (n,).
+
+    out (m, 6) : value, slope, second derivative, variances of the first two in units of the noise's, mean square left.
+    """
+    normal, inverse = np.empty((4, 4)), np.empty((4, 4))
+    right, row = np.empty(4), np.empty(4)
+    for j in range(at.size):
+        i = at[j]
+        lo, hi = max(i - half, first[i]), min(i + half + 1, last[i])
+        # a full width at the ends too, off centre
+        lo, hi = max(min(lo, hi - 2 * half - 1), first[i]), min(max(hi, lo + 2 * half + 1), last[i])
+        width = max(t[hi - 1] - t[i], t[i] - t[lo])
+        count = min(4, hi - lo)
+        normal[:], right[:] = 0.0, 0.0
+        for n in range(lo, hi):
+            s = (t[n] - t[i]) / width if width > 0.0 else 0.0
+            row[0] = 1.0
+            for k in range(1, 4):
+                row[k] = row[k - 1] * s
+            for k in range(count):
+                right[k] += row[k] * (y[n] - y[i])
+                for m in range(count):
+                    normal[k, m] += row[k] * row[m]
+        for k in range(count, 4):
+            normal[k, k] = 1.0
+        inverse[:] = np.linalg.inv(normal)
+        c = inverse @ right
+        left = 0.0
+        for n in range(lo, hi):
+            s = (t[n] - t[i]) / width if width > 0.0 else 0.0
+            left += (y[n] - y[i] - c[0] - s * (c[1] + s * (c[2] + s * c[3]))) ** 2
+        out[j, 0] = y[i] + c[0]
+        out[j, 1] = c[1] / width if width > 0.0 else 0.0
+        out[j, 2] = 2.0 * c[2] / width**2 if width > 0.0 else 0.0
+        out[j, 3] = inverse[0, 0]
+        out[j, 4] = inverse[1, 1] / width**2 if width > 0.0 else 0.0
+        out[j, 5] = left / max(hi - lo - count, 1)
+
+
+local = compiled(_local)
+
+
+def stretches(t: FloatArray, longest: float) -> tuple[IntArray, IntArray]:
+    """First sample and one past the last, (n,) each, of the stretch without a gap that every sample lies in.
+
+    longest : s, an interval beyond it is a gap.
+    """
+    gaps = np.flatnonzero(np.diff(t) > longest) + 1
+    edges = np.concatenate(([0], gaps, [t.size])).astype(np.int64)
+    sizes = np.diff(edges)
+    return np.repeat(edges[:-1], sizes), np.repeat(edges[1:], sizes)
+
+
+def inner(t: FloatArray, longest: float, half: int) -> BoolArray:
+    """Samples (n,) that are in the middle of their cubic: off centre its slope has many times the error."""
+    first, last = stretches(t, longest)
+    at = np.arange(t.size)
+    return np.asarray((at - first >= half) & (last - at > half), dtype=np.bool_)
+
+
+def smoothed(t: FloatArray, y: FloatArray, longest: float, sigma: float, alike: float = ALIKE) -> Smooth:
+    """Smooth a channel (n,) at t (n,), s, over the widest window that still leaves no more than the narrowest does.
+
+    longest : interval (s) beyond which there is a gap, which no window spans. sigma : least noise. alike : by how much
+    a wider cubic may miss more than the narrowest.
+    """
+    first, last = stretches(t, longest)
+    some = np.linspace(0, t.size - 1, min(t.size, _LOOKED_AT)).astype(np.int64)
+    best, narrowest = _HALF_WIDTHS[0], 0.0
+    for half in _HALF_WIDTHS:
+        if 2 * half + 1 > t.size // 4:
+            break
+        out = np.empty((some.size, 6))
+        local(t, y, first, last, some, half, out)
+        # a median over cubics in the middle of the motion; jumps of the acceleration are few
+        left = math.sqrt(float(np.median(out[:, 5]))) + sigma
+        if narrowest == 0.0:
+            narrowest = left
+        elif left > alike * narrowest:
+            break
+        best = half
+    out = np.empty((t.size, 6))
+    local(t, y, first, last, np.arange(t.size), best, out)
+    noise = max(math.sqrt(float(np.median(out[:, 5]))), sigma)
+    return Smooth(out[:, 0], out[:, 1], out[:, 2], noise * np.sqrt(out[:, 3]), noise * np.sqrt(out[:, 4]), best)
+
+
+def smoothed_alike(t: FloatArray, y: FloatArray, longest: float, half: int) -> FloatArray:
+    """Another channel (n,) through the cubics of this half width, so that both have passed the same filter."""
+    first, last = stretches(t, longest)
+    out = np.empty((t.size, 6))
+    local(t, y, first, last, np.arange(t.size), half, out)
+    return out[:, 0]

@@ -1,0 +1,63 @@
+"""The verdict: the one place that decides what a search has come to."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from harness.diagnosis.fit.least_squares import Fit
+from harness.diagnosis.grading.grade import Graded
+from harness.diagnosis.outcome import Grade, Verdict
+from harness.diagnosis.residual_tests.structure import Left
+from harness.diagnosis.rules import AMONG_NAMES, APART, FLEXIBLE, SECOND_TERM, STRUCTURE, STRUCTURE_NAMED, Rule
+from harness.diagnosis.search.search import Search
+
+
+@dataclass(frozen=True, slots=True)
+class Judgement:
+    """What a search has come to.
+
+    refined : the model that the verdict stands by. rival : a pair of other families that a pair is not told apart
+    from, which is why it is not named. rules : those that decided.
+    """
+
+    verdict: Verdict
+    refined: Fit
+    rules: tuple[Rule, ...]
+    rival: Fit | None = None
+
+
+_BY_GRADE: Mapping[Grade | None, Verdict] = {Grade.MAIN: "main_effect", Grade.ONE_OF: "one_of"}
+
+
+def judge(found: Search, graded: Graded | None = None) -> Judgement:
+    """Decide.
+
+    graded : how much of the misfit each name takes, where structure is left.
+    """
+    named = bool(found.chosen.model.terms)
+    gates = (AMONG_NAMES, SECOND_TERM) if len(found.chosen.model.terms) > 1 else (AMONG_NAMES,)
+    tested = () if found.left is Left.UNTESTED else (STRUCTURE_NAMED if named else STRUCTURE,)
+    if found.left is Left.STRUCTURE and graded is not None:
+        return Judgement(_BY_GRADE.get(graded.grade, "unexplained"), found.base, (*tested, *graded.rules))
+    if found.left is Left.STRUCTURE:
+        return Judgement("unexplained", found.base, (*gates, *tested))
+    rival = None if found.left is Left.UNTESTED else _near_pair(found)
+    if rival is not None:
+        return Judgement("unexplained", found.base, (*gates, *tested, FLEXIBLE, APART), rival)
+    return Judgement("missing_physics" if named else "adequate", found.chosen, (*gates, *tested))
+
+
+def _families(found: Fit) -> frozenset[str]:
+    return frozenset(entry.term.family for entry in found.model.terms)
+
+
+def _near_pair(found: Search) -> Fit | None:
+    """The best pair of other families that a pair is not told apart from, None where what was found is decided.
+
+    Two terms, one of them a flexible law, can follow an effect that no catalogue holds as well as they follow their
+    own. Such a pair has near relatives: exchange a term for one of another family, and little is lost.
+    """
+    chosen = found.chosen
+    if len(chosen.model.terms) < 2 or all(len(entry.values) < FLEXIBLE.count for entry in chosen.model.terms):
+        return None
+    near = [r for r in found.rivals if _families(r) != _families(chosen) and r.bic < chosen.bic + APART.value]
+    return min(near, key=lambda f: f.bic, default=None)

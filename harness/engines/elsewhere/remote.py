@@ -1,0 +1,146 @@
+"""An engine that runs in a worker, behind the interface of those that run here."""
+
+import atexit
+import os
+import shutil
+import subprocess
+import sys
+import tempfile
+from collections.abc import Callable
+from contextlib import suppress
+from dataclasses import replace
+from functools import cache
+from pathlib import Path
+from typing import Any, ClassVar
+
+import harness
+from harness.core.errors import InputError, SimulationError
+from harness.core.trajectory import Trajectory
+from harness.engines.base import Engine, Preset, Route, Task
+from harness.engines.elsewhere.wire import receive, send
+from harness.engines.elsewhere.worker import START
+
+PATIENCE_S = 5.0
+"""How long a worker may take to end before it is ended."""
+LAST_LINES = 3
+
+
+class Worker:
+    """A process of ``python`` with one engine ("module:Class") in it; started when first asked, again after a death."""
+
+    def __init__(self, python: str, where: str) -> None:
+        self._python, self._where = python, where
+        self._process: subprocess.Popen[bytes] | None = None
+        self._said: Any = None
+        self._last: list[str] = []
+
+    def ask(self, *request: Any) -> Any:
+        """The answer; raises the HarnessError of a run that failed, SimulationError when the process died."""
+        process = self._running()
+        assert process.stdin is not None
+        assert process.stdout is not None
+        try:
+            send(process.stdin, request)
+            kind, value = receive(process.stdout)
+        except (OSError, EOFError):
+            raise SimulationError(self._obituary(process)) from None
+        if kind == "failed":
+            raise value
+        return value
+
+    def close(self) -> None:
+        """End the process."""
+        process, self._process = self._process, None
+        if process is None:
+            return
+        assert process.stdin is not None
+        assert process.stdout is not None
+        with suppress(OSError):
+            process.stdin.close()
+        try:
+            process.wait(PATIENCE_S)
+        except subprocess.TimeoutExpired:
+            process.kill()
+            process.wait()
+        process.stdout.close()
+        self._said.seek(0)
+        self._last = self._said.read().decode(errors="replace").splitlines()
+        self._said.close()
+
+    def _running(self) -> subprocess.Popen[bytes]:
+        if self._process is None:
+            self._said = tempfile.TemporaryFile()  # noqa: SIM115  (open as long as the process)
+            folder = str(Path(harness.__file__).resolve().parent)
+            self._process = subprocess.Popen(
+                [self._python, "-P", "-c", START, folder, self._where],
+                stdin=subprocess.PIPE,
+                stdout=subprocess.PIPE,
+                stderr=self._said,
+                env=_environment(self._python),
+            )
+        return self._process
+
+    def _obituary(self, process: subprocess.Popen[bytes]) -> str:
+        self.close()
+        lines = [line.strip() for line in self._last if line.strip()]
+        last = f" ({'; '.join(lines[-LAST_LINES:])})" if lines else ""
+        return f"{self._python}: its process ended with code {process.returncode}{last}"
+
+
+def _environment(python: str) -> dict[str, str]:
+    """What a worker starts with; one of this interpreter finds the modules that this process finds."""
+    same = {"PYTHONPATH": os.pathsep.join(filter(None, sys.path))} if python == sys.executable else {}
+    return os.environ | same
+
+
+class Elsewhere(Engine):
+    """An engine in a worker; what it can do is asked once."""
+
+    worker: ClassVar[Worker]
+    found: ClassVar[str]
+
+    def version(self) -> str:
+        """Version of the engine's package over there."""
+        return self.found
+
+    def presets(self, route: Route, preset: Preset, dt: float | None = None) -> dict[str, Any]:
+        """See Engine.presets."""
+        settings: dict[str, Any] = self.worker.ask("presets", route, preset, dt)
+        return settings
+
+    def simulate(self, task: Task) -> Trajectory:
+        """See Engine.simulate; also raises SimulationError when the process dies."""
+        motion: Trajectory = self.worker.ask("simulate", task)
+        return replace(motion, source=replace(motion.source, name=self.label))
+
+
+@cache
+def worker(python: str, where: str) -> Worker:
+    """The one worker of this process for an engine in an interpreter."""
+    made = Worker(python, where)
+    atexit.register(made.close)
+    return made
+
+
+def engine_in(python: str, where: str) -> Engine:
+    """The engine "module:Class" of the interpreter ``python``.
+
+    Raises InputError when there is no such interpreter, SimulationError when it has no such engine.
+    """
+    program = shutil.which(python)
+    if program is None:
+        raise InputError(f"engine @{python}", "no program", "NAME@PYTHON with the path of an interpreter is accepted")
+    return _kind(program, where)()
+
+
+@cache
+def _kind(program: str, where: str) -> Callable[[], Engine]:
+    asked = worker(program, where)
+    name, version, routes, native, place = asked.ask("about")
+    about = {"name": name, "routes": routes, "native": native, "place": place}
+    kind: Callable[[], Engine] = type("Elsewhere", (Elsewhere,), about | {"worker": asked, "found": version})
+    return kind
+
+
+HERE = sys.executable
+"""The interpreter of this process, for engines that want a process of their own."""

@@ -1,0 +1,44 @@
+"""Friction of engines that do not tell it: what is missing in the momentum of a step."""
+
+import math
+
+import numpy as np
+
+from harness.core.arrays import FloatArray
+
+SINGLE = float(np.finfo(np.float32).eps)
+"""Rounding of a number in single precision, relative."""
+ROUNDINGS = 8.0
+"""Roundings of a speed in a step: two a sub-step, of four sub-steps."""
+
+
+class Momentum:
+    """Friction over a step of n equal sub-steps v+ = (v + (h/n) (u - f - k x+)/m) / (1 + h c/(n m)), x+ = x + (h/n) v+.
+
+    m in kg; c in N s/m and k in N/m are what the engine takes at the end of every sub-step, zero for what is pushed
+    with; h in s. The speed after the step is linear, v+ = A x + B v + C (u - f), so that f follows from it.
+    """
+
+    def __init__(self, m: float, c: float, k: float, h: float, n: int) -> None:
+        part = h / n
+        weight = 1.0 / (1.0 + part * (c + part * k) / m)
+        once: FloatArray = np.array([[1.0 - part**2 * k * weight / m, part * weight], [-part * k * weight / m, weight]])
+        given: FloatArray = part * weight / m * np.array([part, 1.0])
+        state: FloatArray = np.eye(2)
+        gained: FloatArray = np.zeros(2)
+        for _ in range(n):
+            gained = once @ gained + given
+            state = once @ state
+        self._of_x, self._of_v = float(state[1, 0]), float(state[1, 1])
+        self._gain = float(gained[1])
+
+    def friction(self, x: float, v: float, after: float, push: float, limit: float) -> float:
+        """Friction force on the left-hand side, N, held constant over the step.
+
+        x (m) and v (m/s) before the step, ``after`` (m/s) behind it; push in N. A force that is ``limit`` (N) to
+        within the rounding of single precision is the limit.
+        """
+        kept = self._of_x * x + self._of_v * v
+        force = push - (after - kept) / self._gain
+        slack = ROUNDINGS * SINGLE * ((abs(kept) + abs(after)) / self._gain + abs(push))
+        return math.copysign(limit, force) if abs(abs(force) - limit) < slack else force

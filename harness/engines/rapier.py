@@ -1,0 +1,171 @@
+"""Rapier (rapier3d): a multibody joint with MJCF's frictionloss, or a box that slides and lifts."""
+
+import time
+from importlib.metadata import version
+from typing import Any, ClassVar, final
+
+import rapier3d
+from rapier3d.loaders import mjcf
+
+from harness.core.slider import Slider
+from harness.core.trajectory import Trajectory
+from harness.engines.base import TUNED_DT, Engine, Preset, Route, Task, choice, resolve
+from harness.engines.models import GRAVITY, coefficient
+from harness.engines.momentum import Momentum
+from harness.engines.own_spring import own_or_pushed
+from harness.engines.samples import trajectory
+from harness.engines.stepping import Plan, Stepped, moved
+
+SHIPPED_DT = 1.0 / 60.0
+"""Rapier's own step, s."""
+HALF = (0.1, 0.12, 0.06)
+"""Half of the box's edges, as in models/, m."""
+FLOOR = 50.0
+"""Half of the floor's edges, m."""
+MODELS = ("SIMPLIFIED", "COULOMB")
+"""Friction models of a contact; the first ships."""
+IGNORED = (
+    "precision: positions, speeds and forces are single, about seven digits",
+    "break-away: friction has one level; above sliding friction it is switched from outside when the force saturates",
+)
+
+_JOINT = """<mujoco><worldbody><body name="slider">
+<joint name="slide" type="slide" axis="1 0 0" stiffness="{k!r}" damping="{c!r}" frictionloss="{f!r}"/>
+<geom type="box" size="0.1 0.12 0.06" mass="{m!r}"/></body></worldbody></mujoco>"""
+
+
+def _world(plan: Plan, settings: dict[str, Any], gravity: float) -> Any:
+    world = rapier3d.PhysicsWorld(gravity=(0.0, 0.0, -gravity))
+    given = world.integration_parameters
+    given.dt = plan.dt
+    given.num_solver_iterations = settings["num_solver_iterations"]
+    given.num_internal_pgs_iterations = settings["num_internal_pgs_iterations"]
+    if "friction_model" in settings:
+        # a contact that is used again keeps its coefficient: one that was given anew would do nothing, without a word
+        given.contact_recycling = False
+        given.friction_model = getattr(rapier3d.FrictionModel, settings["friction_model"])
+    return world
+
+
+@final
+class RapierJoint(Stepped):
+    """A slider on a multibody joint; frictionloss is a word of the file alone, so another limit is another world."""
+
+    def __init__(self, plan: Plan, settings: dict[str, Any]) -> None:
+        slider, native = plan.task.scenario.slider, plan.native
+        self._plan, self._settings = plan, settings
+        self._k = slider.k if native.spring and plan.task.restoring == "spring" else 0.0
+        self._c = slider.c if native.damping else 0.0
+        self._momentum = Momentum(slider.m, self._c, self._k, plan.dt, max(1, settings["num_solver_iterations"]))
+        self._q, self._speed = plan.task.scenario.x0, plan.first_speed
+        self.limit(0.0)
+
+    def limit(self, force: float) -> None:
+        """See Stepped.limit."""
+        text = _JOINT.format(m=self._plan.task.scenario.slider.m, k=self._k, c=self._c, f=force)
+        options = mjcf.MjcfLoaderOptions(make_roots_fixed=True, create_colliders_from_collision_shapes=False)
+        robot, _ = mjcf.MjcfRobot.from_str(text, options)
+        self._world = world = _world(self._plan, self._settings, 0.0)
+        handles = robot.insert_using_multibody_joints(
+            world.rigid_bodies, world.colliders, world.multibody_joints, world.impulse_joints
+        )
+        self._body = world.rigid_bodies[handles.bodies[-1].body]
+        self._body.activation = rapier3d.RigidBodyActivation.cannot_sleep()
+        self._joint = world.multibody_joints[handles.joints[0].joint].multibody
+        # the fixed base counts until the first step
+        base = [0.0] * (self._joint.ndofs - 1)
+        self._joint.apply_displacements([*base, self._q])
+        self._joint.set_generalized_velocity([*base, self._speed])
+        self._limit = force
+
+    def step(self, push: float) -> tuple[float, float, float]:
+        """See Stepped.step; a force stays until it is taken away."""
+        body, joint, q, speed = self._body, self._joint, self._q, self._speed
+        body.reset_forces(True)
+        body.add_force((push, 0.0, 0.0), True)
+        self._world.step()
+        self._q = joint.generalized_position()[-1]
+        self._speed = after = joint.generalized_velocity()[-1]
+        return self._q, after, self._momentum.friction(q, speed, after, push, self._limit)
+
+    def floor(self) -> tuple[float, float]:
+        """See Stepped.floor."""
+        return 0.0, 0.0
+
+
+@final
+class RapierBox(Stepped):
+    """A box that slides and lifts, on a floor; both have the same coefficient, which Rapier averages."""
+
+    def __init__(self, plan: Plan, settings: dict[str, Any]) -> None:
+        self._slider: Slider = plan.task.scenario.slider
+        self._world = world = _world(plan, settings, GRAVITY)
+        self._dt = plan.dt
+        self._momentum = Momentum(self._slider.m, 0.0, 0.0, plan.dt, 1)
+        bodies = rapier3d.RigidBodyBuilder
+        floor = world.add_body(bodies(rapier3d.RigidBodyType.FIXED).translation((0.0, 0.0, -FLOOR)))
+        start = (plan.task.scenario.x0, 0.0, HALF[2])
+        # with its y locked too a box has no friction along x, without a word
+        locked = rapier3d.LockedAxes.ROTATION_LOCKED
+        made = bodies(rapier3d.RigidBodyType.DYNAMIC).translation(start).locked_axes(locked).can_sleep(False)
+        box = world.add_body(made.linvel((plan.first_speed, 0.0, 0.0)))
+        self._ground = world.add_collider(rapier3d.Collider.cuboid(FLOOR, FLOOR, FLOOR), floor)
+        self._shape = world.add_collider(rapier3d.Collider.cuboid(*HALF).mass(self._slider.m), box)
+        self._body = world.rigid_bodies[box]
+        self._normal = self._mu = 0.0
+
+    def limit(self, force: float) -> None:
+        """See Stepped.limit."""
+        self._mu = coefficient(self._slider, force)
+        for handle in (self._ground, self._shape):
+            self._world.colliders[handle].friction = self._mu
+
+    def step(self, push: float) -> tuple[float, float, float]:
+        """See Stepped.step."""
+        body, before = self._body, self._body.linvel.x
+        body.reset_forces(True)
+        body.add_force((push, 0.0, 0.0), True)
+        self._world.step()
+        pair = self._world.narrow_phase.contact_pair(self._ground, self._shape)
+        found = [] if pair is None else [point.impulse for manifold in pair.manifolds for point in manifold.points]
+        self._normal = sum(found) / self._dt
+        after = body.linvel.x
+        friction = self._momentum.friction(0.0, before, after, push, self._mu * self._normal)
+        return body.translation.x, after, friction
+
+    def floor(self) -> tuple[float, float]:
+        """See Stepped.floor."""
+        return self._body.translation.z - HALF[2], self._normal
+
+
+@final
+class RapierEngine(Engine):
+    """Rapier on one multibody joint (joint and law routes) or a box on a floor (contact route)."""
+
+    name: ClassVar[str] = "rapier"
+
+    def version(self) -> str:
+        """Version of the rapier3d package."""
+        return version("rapier3d")
+
+    def presets(self, route: Route, preset: Preset, dt: float | None = None) -> dict[str, Any]:
+        """Settings of a preset; see Engine.presets. own_spring, leapfrog : see own_or_pushed."""
+        shipped = preset == "as-shipped"
+        settings: dict[str, Any] = {
+            "dt": dt or (SHIPPED_DT if shipped else TUNED_DT),
+            "leapfrog": not shipped,
+            "num_solver_iterations": 4 if shipped else 1,
+            "num_internal_pgs_iterations": 1,
+        }
+        return settings | ({"friction_model": "SIMPLIFIED"} if route == "contact" else {"own_spring": shipped})
+
+    def simulate(self, task: Task) -> Trajectory:
+        """Run a task; see Engine.simulate."""
+        settings = resolve(self, task)
+        if settings.get("friction_model", MODELS[0]) not in MODELS:
+            choice("rapier setting friction_model", settings["friction_model"], MODELS)
+        plan, ignored = own_or_pushed(task, settings)
+        body = RapierBox(plan, settings) if task.route == "contact" else RapierJoint(plan, settings)
+        started = time.perf_counter()
+        motion = moved(plan, body)
+        return trajectory(self, task, settings, (*ignored, *IGNORED), motion, time.perf_counter() - started)

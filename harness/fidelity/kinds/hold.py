@@ -1,0 +1,75 @@
+"""Static holds: a constant load below break-away on a slider at rest."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import final
+
+import numpy as np
+
+from harness.core.arrays import FloatArray
+from harness.core.errors import InputError
+from harness.core.events import Mode
+from harness.core.scenario import Hold, Scenario
+from harness.core.slider import Slider
+from harness.core.trajectory import Source, Trajectory
+from harness.exact import hold
+from harness.fidelity import figure
+from harness.fidelity.figure import Row
+from harness.fidelity.kind import Answers, Kind, Metrics
+from harness.fidelity.metrics.hold import measure_hold
+from harness.fidelity.sliders import OWN, VALUES, Sliders, only, plain, with_values
+
+SOFT = 0.01
+"""Stiffness of a hold over that of the free decay: creep must not unload it."""
+
+
+def creep_scale(row: Row) -> float:
+    """x_k in a period of the free decay, to which the soft spring does not belong, m/s."""
+    k = float(row["slider"]["k"]) / SOFT
+    slider = {**row["slider"], "k": k}
+    return figure.x_k({"slider": slider}) / figure.period({"slider": slider})
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True)
+class HoldKind(Kind):
+    """A load of ``share`` of break-away for half a second; the spring is soft, so that creep does not unload it."""
+
+    share: float
+    duration: float = 0.5
+
+    def of_suite(self, sliders: Sliders, scale: float) -> Scenario:
+        """See Kind.of_suite; a box at rest does not lift, so friction is the same on every route."""
+        slider = sliders.decay
+        return self.load(Slider(slider.m, 0.0, plain(SOFT * slider.k), slider.f_k))
+
+    def load(self, slider: Slider, duration: float | None = None) -> Scenario:
+        """The scenario of a slider; duration in s."""
+        force = Hold(plain(self.share * slider.break_away))
+        return Scenario(self.name, slider, 0.0, 0.0, self.duration if duration is None else duration, force)
+
+    def chosen(self, given: Mapping[str, float]) -> Scenario:
+        """See Kind.chosen."""
+        only(self.name, given, (*VALUES, "duration"))
+        slider = with_values(self.of_suite(OWN, 1.0).slider, given)
+        if slider.break_away == 0.0:
+            raise InputError("--f-k", "0, and nothing holds the slider", "friction above 0 is accepted")
+        return self.load(slider, given.get("duration"))
+
+    def exact(self, scenario: Scenario, t: FloatArray) -> Trajectory:
+        """See Kind.exact; nothing moves."""
+        assert isinstance(scenario.action, Hold)
+        hold.creep(scenario.slider, scenario.action)
+        still = np.zeros_like(t)
+        mode = np.full(t.size, int(Mode.STICK), dtype=np.int8)
+        force = np.full(t.size, scenario.action.force)
+        return Trajectory(t, still + scenario.x0, still, still, Source("reference", "exact"), force, mode)
+
+    def answers(self, scenario: Scenario) -> Answers:
+        """See Kind.answers."""
+        assert isinstance(scenario.action, Hold)
+        return {"creep_m_s": hold.creep(scenario.slider, scenario.action)}
+
+    def measure(self, trace: Trajectory, scenario: Scenario) -> Metrics:
+        """See Kind.measure."""
+        return measure_hold(trace)

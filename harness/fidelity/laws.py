@@ -1,0 +1,61 @@
+"""What a time-stepping scheme does to damping and to rest, derived in docs/fidelity.md and tested at random sliders.
+
+m in kg, c in N s/m, k in N/m, h the step in s, n its equal sub-steps, load and limit in N.
+"""
+
+import math
+
+TGS_LEFT = 1.0 / 41.0
+"""What one iteration of PhysX's TGS leaves of a joint's speed that friction should stop: 1 - 1/1.025, measured."""
+SAP_SIGMA = 1e-3
+"""Regularisation of friction in Drake's SAP and, as its least, in its lagged and similar approximations."""
+
+
+def held(m: float, c: float, k: float, h: float, n: int) -> float:
+    """Damping that acts, N s/m, where spring and damper are a force held over a step of n sub-steps.
+
+    The step's determinant is 1 - (h/m)(c - k h (1 - 1/n)/2), and damping is -(m/h) ln of it.
+    """
+    return -m / h * math.log1p(-h / m * (c - 0.5 * k * h * (1.0 - 1.0 / n)))
+
+
+def implicit(m: float, c: float, k: float, h: float, n: int) -> float:
+    """Damping that acts, N s/m, where the engine takes both at the end of each of n sub-steps.
+
+    A sub-step's determinant is 1/(1 + (h/n)(c + k h/n)/m).
+    """
+    return n * m / h * math.log1p(h / n * (c + k * h / n) / m)
+
+
+def tgs_creep(m: float, load: float, h: float, n: int, velocity_iterations: int) -> float:
+    """Speed in m/s at which a joint of PhysX creeps under TGS with n position iterations: load h/(40 m n), nearly."""
+    left, gain = TGS_LEFT, TGS_LEFT / (1.0 - TGS_LEFT)
+    steady = gain * load * h / (m * n)
+    # iterations of speed stop the slider once more, and the next step begins from there
+    again = left**velocity_iterations
+    behind = (1.0 - again) / (1.0 - again * left**n)
+    return steady * (1.0 - behind * left * (1.0 - left**n) / (n * (1.0 - left)))
+
+
+def smooth_creep(tolerance: float, load: float, limit: float) -> float:
+    """Speed in m/s at which v/sqrt(v^2 + v_s^2) of ``limit`` carries ``load`` (Drake, lagged and similar)."""
+    share = load / limit
+    return tolerance * share / math.sqrt(1.0 - share**2)
+
+
+def tamsi_creep(tolerance: float, load: float, limit: float) -> float:
+    """Speed in m/s at which s (2 - s) of ``limit``, s = v/v_s, carries ``load`` (Drake's TAMSI)."""
+    return tolerance * (1.0 - math.sqrt(1.0 - load / limit))
+
+
+def sap_creep(m: float, load: float, h: float) -> float:
+    """Speed in m/s at which one contact point creeps under Drake's SAP: sigma load h |W|/3.
+
+    |W| is the Frobenius norm of the point's inverse mass, sqrt(2)/m for a box that slides and lifts.
+    """
+    return SAP_SIGMA * load * h * math.sqrt(2.0) / (3.0 * m)
+
+
+def least_tolerance(m: float, limit: float, h: float) -> float:
+    """The stiction tolerance in m/s below which a smaller one changes nothing (Drake, lagged and similar)."""
+    return sap_creep(m, limit, h)

@@ -1,0 +1,1 @@
+"""Numerics of fitting that know no model: least squares, covariances, whitening, autocorrelation."""

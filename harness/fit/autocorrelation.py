@@ -1,0 +1,47 @@
+"""How long a series remembers: its integrated autocorrelation time, and whether it is long enough to tell."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from harness.core.arrays import FloatArray
+
+_LONGEST = 0.1
+"""Share of the values over which memory is looked for."""
+ENOUGH = 50.0
+"""Autocorrelation times that a series must last for the estimate to be trusted (Foreman-Mackey et al. 2013, emcee)."""
+
+
+@dataclass(frozen=True, slots=True)
+class Memory:
+    """time : integrated autocorrelation time, in values, at least 1. size : values."""
+
+    time: float
+    size: int
+
+    @property
+    def independent(self) -> float:
+        """How many independent values the series counts as."""
+        return self.size / self.time
+
+    @property
+    def too_short(self) -> bool:
+        """Whether the series is too short for its autocorrelation time to be trusted: the true one may be longer."""
+        return self.independent < ENOUGH
+
+
+def memory(series: FloatArray, longest: int | None = None) -> Memory:
+    """Memory of a series (n,) of mean zero: pairs of lags are summed up to the first without any (Geyer 1992).
+
+    longest : lags looked at, by default a tenth of the values.
+    """
+    size = series.size
+    spectrum = np.abs(np.fft.rfft(series, 2 * size)) ** 2
+    lagged = np.fft.irfft(spectrum)[: max(int(_LONGEST * size) if longest is None else longest + 1, 2)]
+    if lagged[0] <= 0.0:
+        return Memory(1.0, size)
+    share = lagged / lagged[0]
+    # in pairs, as a noisy correlation swings about zero
+    pairs = share[1 : 2 * ((share.size - 1) // 2) + 1].reshape(-1, 2).sum(axis=1)
+    ends = np.flatnonzero(pairs <= 0.0)
+    return Memory(max(1.0, 1.0 + 2.0 * float(np.sum(pairs[: ends[0] if ends.size else pairs.size]))), size)

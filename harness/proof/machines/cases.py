@@ -1,0 +1,163 @@
+"""A recording of a machine: one main effect among small ones, small ones alone, or one of no catalogue."""
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from harness.core.arrays import FloatArray
+from harness.core.errors import InputError, SimulationError
+from harness.proof.machines.catalogue import ALIENS, STATIC
+from harness.proof.machines.drawing import draw_rig
+from harness.proof.machines.kinds import Kind
+from harness.proof.machines.noise import Spoiled, draw_noise
+from harness.proof.machines.rigs import Effects, Rig
+from harness.proof.machines.shares import Reading, fitted_share, ratio, read, refitted, relative, weights
+from harness.proof.machines.small import draw_small
+from harness.proof.machines.strengths import draw_strength, scaled, three_digits
+from harness.proof.plant.base import log_uniform
+
+SHARES = (0.6, 0.99)
+"""Band of the share of a main effect."""
+TABLE_SHARES = (0.8, 0.97)
+"""The same where it is a static law of no catalogue."""
+SMALL = 0.5
+"""Share that no effect of a control has alone."""
+TOGETHER = 0.5
+"""Least sum of those shares: else what is left comes of how the effects act together, and none of them is small."""
+MISFIT = (0.003, 0.03)
+CONTROL_MISFIT = (0.001, 0.01)
+FORCE_MISFIT = (0.01, 0.2)
+"""What the base leaves, relative to the motion or, of a measured force, to the force."""
+LEAST_MISFIT, MOST_MISFIT = 5e-4, 0.08
+MOST_TRIES = 60
+TURNS = 3
+"""Times the small effects are weighed against the main one, the last on the true motion."""
+BARE = 0.15
+"""Share of controls without any effect."""
+
+
+@dataclass(frozen=True, slots=True)
+class Messy:
+    """A recording with its answer.
+
+    main : name of the main effect, "" in a control. effects : every effect with its parameters, SI.
+    whole : what is read without noise. weight : of the channels, by what the base leaves in each.
+    share : of the misfit beyond noise that goes with the main effect. small : share of each other effect alone.
+    fitted : of a control, share that each effect takes off when it is fitted.
+    recorded : t, the channels with their zero, u; SI, shape (n,) each.
+    """
+
+    rig: Rig
+    main: str
+    effects: Effects
+    whole: Reading
+    weight: Mapping[str, float]
+    noise: Spoiled
+    share: float | None
+    small: Mapping[str, float]
+    fitted: Mapping[str, float]
+    recorded: Mapping[str, FloatArray]
+
+
+def draw(kind: Kind, main: str, rng: np.random.Generator) -> Messy:
+    """A random recording of a machine. main : an effect of the catalogue or of none, or "" for a control.
+
+    Raises InputError for an effect that this machine cannot have, SimulationError when no draw came out.
+    """
+    if main and main not in kind.names and main not in ALIENS:
+        raise InputError("effect", main, f"one of {', '.join((*kind.names, *ALIENS))} is accepted on a {kind.name}")
+    bare = not main and rng.random() < BARE
+    for _ in range(MOST_TRIES):
+        try:
+            rig = draw_rig(kind, main, rng)
+            found = _with_main(rig, main, rng) if main else _control(rig, bare, rng)
+        except SimulationError:
+            continue
+        if found is not None:
+            return found
+    raise SimulationError(f"machines: no draw of {main or 'control'} on a {kind.name} in {MOST_TRIES} tries")
+
+
+def _goal(rig: Rig, control: bool, rng: np.random.Generator) -> float:
+    if rig.kind.driven:
+        return log_uniform(rng, *FORCE_MISFIT) * (0.3 if control else 1.0)
+    return log_uniform(rng, *(CONTROL_MISFIT if control else MISFIT))
+
+
+def _made(rig: Rig, name: str, goal: float, rng: np.random.Generator) -> tuple[dict[str, Any], Reading] | None:
+    """A main effect as strong as makes the base leave about ``goal`` alone, if it can; None where it makes nothing."""
+    said = draw_strength(name, rig.base, rng)
+    found = read(rig, {name: said}, quick=True)
+    left = relative(rig, found)
+    if not 1e-6 < left < 2.0:
+        return None
+    if not 0.6 < left / goal < 1.6:
+        said = scaled(name, said, three_digits(goal / left), rig.base)
+        found = read(rig, {name: said}, quick=True)
+    return said, found
+
+
+def _with_main(rig: Rig, main: str, rng: np.random.Generator) -> Messy | None:
+    low, high = TABLE_SHARES if main in STATIC else SHARES
+    share = float(rng.uniform(low + 0.02, high - 0.005))
+    made = _made(rig, main, _goal(rig, False, rng), rng)
+    if made is None or not LEAST_MISFIT < relative(rig, made[1]) < (0.5 if rig.kind.driven else MOST_MISFIT):
+        return None
+    values, alone = made
+    count = int(rng.integers(1, 3 if _slow(rig) else 5))
+    small, _ = draw_small(rig, main, relative(rig, alone) * math.sqrt((1.0 - share) / share), count, rng)
+    for turn in range(TURNS):
+        # strengths are tried quickly, and what they came to is measured on the true motion
+        quick = turn < TURNS - 1
+        whole, rest = read(rig, {main: values, **small.effects}, quick), read(rig, small.effects, quick)
+        noise = draw_noise(rig, whole, rng)
+        weight = weights(whole, noise.total)
+        if not quick:
+            whole, rest = refitted(rig, whole, weight), refitted(rig, rest, weight)
+        found = 1.0 - ratio(rest, whole, weight)
+        if quick and not (low + 0.01 <= found <= high - 0.003):
+            if not small.effects or not -3.0 < found < 1.0:
+                return None
+            factor = three_digits(math.sqrt((1.0 - share) / (1.0 - found)))
+            small = small.times(dict.fromkeys(small.effects, factor), rig.base)
+    shares = small.shares(whole, weight)
+    if not low <= found <= high or any(one > SMALL for one in shares.values()):
+        return None
+    recorded = _recorded(rig, whole, noise, rng)
+    return Messy(rig, main, {main: values, **small.effects}, whole, weight, noise, found, shares, {}, recorded)
+
+
+def _control(rig: Rig, bare: bool, rng: np.random.Generator) -> Messy | None:
+    if bare:
+        whole = read(rig, {})
+        noise = draw_noise(rig, whole, rng)
+        return Messy(
+            rig, "", {}, whole, weights(whole, noise.total), noise, None, {}, {}, _recorded(rig, whole, noise, rng)
+        )
+    goal = _goal(rig, True, rng)
+    small, alone = draw_small(rig, "", goal, int(rng.integers(2, 4 if _slow(rig) else 6)), rng)
+    if len(small.effects) < 2:
+        return None
+    for quick in (True, False):
+        whole = read(rig, small.effects, quick)
+        noise = draw_noise(rig, whole, rng)
+        weight = weights(whole, noise.total)
+        shares = small.shares(whole, weight)
+        if max(shares.values()) > SMALL or sum(shares.values()) < TOGETHER or relative(rig, whole) < 0.3 * goal:
+            return None
+    fitted = {} if rig.kind.driven else {name: fitted_share(one, whole, weight) for name, one in alone.items()}
+    recorded = _recorded(rig, whole, noise, rng)
+    return Messy(rig, "", small.effects, whole, weight, noise, None, shares, fitted, recorded)
+
+
+def _recorded(rig: Rig, whole: Reading, noise: Spoiled, rng: np.random.Generator) -> dict[str, FloatArray]:
+    shifted = {**whole.clean, "x": whole.clean["x"] + rig.zero}
+    return {"t": rig.stamps, **noise.spoil(shifted, rng)}
+
+
+def _slow(rig: Rig) -> bool:
+    """Whether its motion takes long to compute: then there are fewer small effects."""
+    return rig.kind.driven or rig.kind.cycles[1] > 30.0

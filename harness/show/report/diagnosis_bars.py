@@ -1,0 +1,181 @@
+"""Bars of a diagnosis: what each catalogue name takes off, what the best model leaves, whose mismatch it is."""
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+from harness.show.diagnosis_scene import AFTER, BEFORE
+from harness.show.numbers import number
+from harness.show.report.figure import Figure
+from harness.show.report.section import Section
+
+_GREY = "#b9c0c9"
+_ROOM = 0.12
+"""Of the width of a bar chart, for the number beside a short bar."""
+
+
+def _percents(
+    name: str, labels: Sequence[str], percent: Sequence[float], colors: Sequence[str], title: str, caption: str
+) -> Figure:
+    """Bars in per cent, the first on top."""
+    low, high = min(0.0, *percent), max(1.0, *percent)
+    beside = _ROOM * (high - low)
+    trace = {
+        "type": "bar",
+        "orientation": "h",
+        "x": list(percent)[::-1],
+        "y": list(labels)[::-1],
+        "marker": {"color": list(colors)[::-1]},
+        "text": [f"{value:.3g} %" for value in reversed(percent)],
+        "textposition": ["outside" if abs(value) < beside else "auto" for value in reversed(percent)],
+        "hovertemplate": "%{y}: %{x:.4g} %<extra></extra>",
+    }
+    limits = [low - (beside if low < 0.0 else 0.0), high + beside]
+    layout = {
+        "xaxis": {"title": {"text": title}, "zeroline": True, "range": limits},
+        "yaxis": {"ticks": ""},
+        "showlegend": False,
+        "bargap": 0.35,
+    }
+    return Figure(name, [trace], layout, caption, "", 110 + 30 * len(labels))
+
+
+@dataclass(frozen=True)
+class Evidence(Section):
+    """result : as in harness.diagnosis/2."""
+
+    template: ClassVar[str] = "figures.html.j2"
+    result: Mapping[str, Any]
+
+    @property
+    def title(self) -> str:
+        """The heading."""
+        return "Evidence over the catalogue"
+
+    def context(self) -> Mapping[str, Any]:
+        """What the template shows."""
+        chosen = {mechanism["name"] for mechanism in self.result["mechanisms"]}
+        if self.result["evidence"] and all(one.get("share") is not None for one in self.result["evidence"]):
+            return {"figures": [self._shares(chosen)]}
+        ordered = sorted(self.result["evidence"], key=lambda one: float(one["delta_bic"]))
+        better = [one for one in ordered if one["delta_bic"] > 1.0]
+        others = [one["name"] for one in reversed(ordered) if one["delta_bic"] <= 1.0]
+        none = f" No better than the base model alone: {', '.join(others)}." if others else ""
+        if not better:
+            return {
+                "figures": [
+                    Figure("evidence", [], {}, f"No catalogue name does better than the base model.{none}", "", 40)
+                ]
+            }
+        trace = {
+            "type": "bar",
+            "orientation": "h",
+            "x": [float(one["delta_bic"]) for one in better],
+            "y": [one["name"] for one in better],
+            "marker": {"color": [AFTER if one["name"] in chosen else _GREY for one in better]},
+            "text": [f"{one['delta_bic']:.0f}" for one in better],
+            "textposition": "auto",
+            "hovertemplate": "%{y}: %{x:.5g}<extra></extra>",
+        }
+        layout = {
+            "xaxis": {
+                "title": {"text": "better than the base model by, in BIC"},
+                "type": "log",
+                "range": [0.0, math.log10(1.3 * float(better[-1]["delta_bic"]))],
+                "dtick": 1,
+            },
+            "yaxis": {"ticks": ""},
+            "showlegend": False,
+            "bargap": 0.35,
+        }
+        caption = (
+            "Each catalogue name tried alone against viscous and Coulomb friction; 10 is decisive. Blue: in the "
+            f"refined model. With two effects, a name that explains neither alone can still do well here.{none}"
+        )
+        return {"figures": [Figure("evidence", [trace], layout, caption, "", 110 + 24 * len(better))]}
+
+    def _shares(self, chosen: set[str]) -> Figure:
+        """Where names are graded: the share of the misfit, which says more than a BIC that counts samples."""
+        ordered = sorted(self.result["evidence"], key=lambda one: -float(one["share"]))
+        caption = (
+            "Each catalogue name tried alone against viscous and Coulomb friction: share of the mean square misfit "
+            "beyond noise that it takes off. Blue: named."
+        )
+        return _percents(
+            "evidence",
+            [one["name"] for one in ordered],
+            [100.0 * float(one["share"]) for one in ordered],
+            [AFTER if one["name"] in chosen else _GREY for one in ordered],
+            "share of the misfit / %",
+            caption,
+        )
+
+
+_DEPENDS = {
+    "x": "position",
+    "v": "speed",
+    "t": "time",
+    "direction": "direction of motion",
+    "amplitude": "amplitude",
+}
+
+
+@dataclass(frozen=True)
+class Left(Section):
+    """What the best model found leaves. result : as in harness.diagnosis/2, with a remainder."""
+
+    template: ClassVar[str] = "left.html.j2"
+    result: Mapping[str, Any]
+
+    @property
+    def title(self) -> str:
+        """The heading."""
+        return "What is left"
+
+    def context(self) -> Mapping[str, Any]:
+        """What the template shows."""
+        rest = self.result["remainder"]
+        said = rest["looks_like"]
+        best = f"with {self.result['mechanisms'][0]['name']}" if self.result["mechanisms"] else "viscous and Coulomb"
+        sentence = (
+            f"The best model found ({best}) leaves {number(100.0 * rest['share'], 3)} % of the misfit; its residual is "
+            f"{number(rest['over_noise'], 3)} times the sensors' noise. {said[0].upper()}{said[1:]}."
+        )
+        percent = [100.0 * float(rest["depends_on"].get(name, 0.0)) for name in _DEPENDS]
+        caption = (
+            "Share of the residual that is a function of one quantity alone; the bars overlap and need not add up to "
+            "100 %. What is a function of none of them is no law of this motion, or of several together."
+        )
+        colors = ["#b58900"] * len(percent)
+        title = "share of the residual / %"
+        return {
+            "sentence": sentence,
+            "figures": [_percents("remainder", list(_DEPENDS.values()), percent, colors, title, caption)],
+        }
+
+
+@dataclass(frozen=True)
+class Shares(Section):
+    """attribution : as in harness.diagnosis/2."""
+
+    template: ClassVar[str] = "figures.html.j2"
+    attribution: Mapping[str, Any]
+
+    @property
+    def title(self) -> str:
+        """The heading."""
+        return "Whose mismatch it is"
+
+    def context(self) -> Mapping[str, Any]:
+        """What the template shows."""
+        names = ("engine", "parameters", "missing_physics", "unexplained", "noise")
+        labels = ("the engine's own error", "wrong parameters", "missing physics", "unexplained", "noise")
+        percent = [100.0 * float(self.attribution[name]) for name in names]
+        colors = [BEFORE, "#b58900", AFTER, "#a45bc2", _GREY]
+        caption = (
+            f"Compared with the recording: {self.attribution['configuration']}. Steps: engine to exact motion at the "
+            "same parameters, to the baseline fit, to the refined model, to noise. Below 0: that step made it worse."
+        )
+        title = "share of the mean square mismatch / %"
+        return {"figures": [_percents("attribution", labels, percent, colors, title, caption)]}

@@ -1,0 +1,82 @@
+"""Simulations that rules come from run, say the value of their rule, and give the same twice."""
+
+import subprocess
+import sys
+
+import pytest
+
+from harness.app.calibrate.__main__ import CALIBRATIONS, main
+from harness.app.calibrate.main_effect import Answer, Counts, Row, settings
+from harness.diagnosis.outcome import Grade
+from harness.diagnosis.rules import RULES
+
+JUDGES = {
+    "second-term": {"second-term"},
+    "pairs-apart": {"pairs-apart"},
+    "screen-share": {"screen-share"},
+    "pair-promise": {"pair-promise"},
+    "main-effect": {"least-ratio", "margin", "share-of-excess", "held-out", "least-cycles", "run-better", "most-words"},
+    "few-cycles": {"least-cycles"},
+}
+
+
+def _asked() -> set[str]:
+    """Names of calibrations that origins of rules ask for."""
+    command = "python -m harness.app.calibrate "
+    return {word.strip("();,.") for r in RULES for word in [r.origin.partition(command)[2].split(" ")[0]] if word}
+
+
+def test_every_calibration_that_a_rule_comes_from_is_there() -> None:
+    assert _asked() <= set(CALIBRATIONS) == set(JUDGES)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", CALIBRATIONS)
+def test_a_calibration_says_whether_its_rule_stands(name: str, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main([name, "--draws", "2", "--seed", "3"]) == 0
+    lines = capsys.readouterr().out.splitlines()
+    assert lines[0].startswith(f"{name}: seed 3, 2 draws, ")
+    judged = {line.split(" = ")[0] for line in lines if "the rule stands" in line or "the rule falls short" in line}
+    assert judged == JUDGES[name]
+
+
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        (["few-cycles", "--draws", "0"], "--draws: 0; a whole number of at least 1 is accepted"),
+        (["few-cycles", "--jobs", "-1"], "--jobs: -1; a whole number of at least 1 is accepted"),
+        (["few-cycles", "--plant", "."], "--plant: given with few-cycles; it is accepted with main-effect"),
+    ],
+)
+def test_options_that_do_not_go_are_refused(
+    arguments: list[str], said: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(arguments) == 2
+    assert capsys.readouterr().err.strip() == said
+
+
+def test_counts_tell_named_listed_wrong_and_claimed() -> None:
+    setting = settings()[0]
+
+    def row(group: str, want: str | None, *names: str, grade: Grade | None = Grade.MAIN) -> Row:
+        truth = {"group": group, "dominant": want, "may_name": ["c"], "families": ["friction"]}
+        return Row(truth, 10.0, (), {setting: Answer(grade, names)})
+
+    mains = [row("main", "a", "a"), row("main", "a", "b"), row("main", "a", "b", "a", grade=Grade.ONE_OF)]
+    silent = [row("main", "a", "a", grade=Grade.MINOR), row("main", "a", grade=None)]
+    controls = [
+        row("machine-control", None, "a"),
+        row("control", None, "c"),
+        row("control", None, "a", grade=Grade.MINOR),
+    ]
+    counts = Counts.of([*mains, *silent, *controls, row("unknown", "alien", "stribeck")], setting)
+    found = (counts.named, counts.listed, counts.wrong, counts.silent, counts.claimed, counts.misled)
+    assert [(one.hits, one.cases) for one in found] == [(1, 5), (2, 5), (1, 5), (2, 5), (1, 3), (0, 1)]
+
+
+def test_the_command_is_one_line_where_a_name_is_none() -> None:
+    done = subprocess.run(
+        [sys.executable, "-m", "harness.app.calibrate", "nothing"], capture_output=True, text=True, check=False
+    )
+    assert done.returncode == 2
+    assert "Traceback" not in done.stderr

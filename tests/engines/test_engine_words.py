@@ -1,0 +1,149 @@
+"""Every documented word of friction moves the motion, or stands on the list of warnings in docs/fidelity.md."""
+
+import os
+from typing import Any
+
+import numpy as np
+import pytest
+from engine_cases import GENTLE, TABLE, decay, engine
+
+from harness.core.scenario import Hold, Scenario
+from harness.core.slider import Slider
+from harness.engines import registry
+from harness.engines.base import Task
+from harness.exact.decay import free_decay
+
+HAVE = {name for name, _ in TABLE}
+
+
+def only(name: str) -> pytest.MarkDecorator:
+    return pytest.mark.skipif(name not in HAVE, reason=f"{name} is not installed")
+
+
+@pytest.mark.parametrize(("name", "route"), TABLE)
+@pytest.mark.parametrize("preset", ["as-shipped", "tuned"])
+def test_the_level_of_friction_counts_at_the_start_and_when_it_is_given_anew(
+    name: str, route: str, preset: str
+) -> None:
+    more = Slider(GENTLE.m, GENTLE.c, GENTLE.k, 2.0 * GENTLE.f_k)
+    tasks = [Task(decay(one, 0.1, 0.3), route, preset, 1e-3) for one in (GENTLE, more)]  # type: ignore[arg-type]
+    runs = [engine(name).simulate(task) for task in tasks]
+    assert np.abs(runs[0].x - runs[1].x).max() > 1e-3
+    # held at 0.3 N by f_s = 0.4, then pushed past it: with f_s still in force it would slide at 0.5 - 0.4
+    slider = Slider(1.0, 0.0, 1e-9, 0.2, 0.4)
+    pushed = Scenario("hold", slider, 0.0, 0.0, 0.2, Hold(0.5))
+    trace = engine(name).simulate(Task(pushed, route, preset, 1e-3))  # type: ignore[arg-type]
+    assert trace.v[-1] == pytest.approx(0.2 * (0.5 - 0.2), rel=0.05)
+
+
+WORDS: list[tuple[str, str, dict[str, Any], dict[str, Any]]] = [
+    ("mujoco", "joint", {}, {"solreffriction": (0.05, 1.0)}),
+    ("mujoco", "joint", {}, {"solimpfriction": (0.5, 0.6, 0.001, 0.5, 2.0)}),
+    ("mujoco", "joint", {}, {"noslip_iterations": 50}),
+    ("mujoco", "contact", {}, {"solref": (0.05, 1.0)}),
+    ("mujoco", "contact", {}, {"cone": "elliptic"}),
+    ("mujoco", "contact", {"cone": "elliptic"}, {"impratio": 100.0}),
+    ("mujoco", "contact", {"cone": "elliptic"}, {"solreffriction": (0.05, 1.0)}),
+    ("pybullet", "contact", {}, {"frictionAnchor": True}),
+    ("rapier", "joint", {}, {"num_solver_iterations": 1}),
+    ("rapier", "contact", {}, {"friction_model": "COULOMB"}),
+    ("physx", "joint", {}, {"solverType": "PGS"}),
+    ("physx", "joint", {}, {"solverPositionIterationCount": 16}),
+    ("physx", "joint", {}, {"solverVelocityIterationCount": 0}),
+    ("physx", "joint", {"own_spring": False}, {"enableExternalForcesEveryIteration": False}),
+    ("drake", "contact", {}, {"contact_approximation": "kTamsi"}),
+    ("drake", "contact", {}, {"contact_approximation": "kSimilar"}),
+    ("drake", "contact", {}, {"contact_approximation": "kSap"}),
+    ("drake", "contact", {}, {"stiction_tolerance": 1e-3}),
+]
+
+
+@pytest.mark.parametrize(
+    ("name", "route", "base", "word"), [pytest.param(*row, marks=only(row[0])) for row in WORDS], ids=str
+)
+def test_a_word_of_friction_moves_the_motion(name: str, route: str, base: dict[str, Any], word: dict[str, Any]) -> None:
+    moved = 0.0
+    for scenario in (decay(GENTLE, 0.1, 0.5), Scenario("hold", GENTLE, 0.0, 0.0, 0.2, Hold(0.15))):
+        first, second = (Task(scenario, route, "as-shipped", settings=one) for one in (base, base | word))  # type: ignore[arg-type]
+        plain, other = engine(name).simulate(first), engine(name).simulate(second)
+        assert not any(line.startswith(tuple(word)) for line in other.source.ignored)
+        moved = max(moved, float(np.abs(other.x - plain.x).max()))
+    assert moved > 1e-9
+
+
+def rapier_box(locks: str) -> tuple[Any, Any, list[Any]]:
+    """A box of 1 kg with mu = 0.5 on a floor, one millisecond a step: world, body, collider handles."""
+    import rapier3d
+
+    world = rapier3d.PhysicsWorld(gravity=(0.0, 0.0, -9.81))
+    world.integration_parameters.dt = 1e-3
+    floor = world.add_body(rapier3d.RigidBodyBuilder(rapier3d.RigidBodyType.FIXED).translation((0.0, 0.0, -1.0)))
+    locked = rapier3d.LockedAxes.ROTATION_LOCKED
+    if locks == "y":
+        locked = locked | rapier3d.LockedAxes.TRANSLATION_LOCKED_Y
+    made = rapier3d.RigidBodyBuilder(rapier3d.RigidBodyType.DYNAMIC).translation((0.0, 0.0, 0.06))
+    box = world.add_body(made.locked_axes(locked).can_sleep(False))
+    shapes = [rapier3d.Collider.cuboid(5.0, 5.0, 1.0), rapier3d.Collider.cuboid(0.1, 0.12, 0.06).mass(1.0)]
+    handles = [world.add_collider(shape.friction(0.5), body) for shape, body in zip(shapes, (floor, box), strict=True)]
+    return world, world.rigid_bodies[box], handles
+
+
+def pushed(world: Any, body: Any, force: float, steps: int) -> float:
+    """Speed after so many steps under a force, m/s."""
+    for _ in range(steps):
+        body.reset_forces(True)
+        body.add_force((force, 0.0, 0.0), True)
+        world.step()
+    return float(body.linvel.x)
+
+
+@only("rapier")
+def test_warning_list_a_lock_of_y_takes_rapiers_friction_along_x_away() -> None:
+    world, body, _ = rapier_box("")
+    assert pushed(world, body, 3.0, 100) == pytest.approx(0.0, abs=1e-6)
+    world, body, _ = rapier_box("y")
+    assert pushed(world, body, 3.0, 100) == pytest.approx(0.3, rel=1e-3)
+
+
+@only("rapier")
+@pytest.mark.parametrize(("recycling", "speed"), [(True, 0.0), (False, 0.1 * (3.0 - 0.1 * 9.81))])
+def test_warning_list_a_lasting_contact_of_rapier_keeps_its_coefficient(recycling: bool, speed: float) -> None:
+    world, body, handles = rapier_box("")
+    assert world.integration_parameters.contact_recycling
+    world.integration_parameters.contact_recycling = recycling
+    pushed(world, body, 3.0, 50)
+    for handle in handles:
+        world.colliders[handle].friction = 0.1
+    assert pushed(world, body, 3.0, 100) == pytest.approx(speed, abs=2e-3)
+
+
+@only("drake")
+def test_warning_list_drakes_joints_have_no_word_of_friction() -> None:
+    from pydrake.multibody.tree import PrismaticJoint
+
+    assert not [name for name in dir(PrismaticJoint) if "friction" in name.lower()]
+
+
+NEWTON = os.environ.get("HARNESS_NEWTON_PYTHON", "")
+
+
+with_newton = pytest.mark.skipif(not NEWTON, reason="HARNESS_NEWTON_PYTHON names no interpreter that has newton")
+
+
+@with_newton
+@pytest.mark.parametrize("route", ["joint", "law"])
+def test_newton_tuned_follows_the_exact_decay(route: str) -> None:
+    trace = registry.load(f"newton@{NEWTON}").simulate(Task(decay(), route, "tuned", 1e-3))  # type: ignore[arg-type]
+    assert np.abs(trace.x - free_decay(decay(), trace.t).x).max() < 2e-3
+
+
+@with_newton
+@pytest.mark.parametrize("solver", ["SolverFeatherstone", "SolverSemiImplicit", "SolverXPBD"])
+def test_warning_list_newtons_other_solvers_drop_joint_friction(solver: str) -> None:
+    newton = registry.load(f"newton@{NEWTON}")
+    scenario = Scenario("hold", Slider(1.0, 0.0, 1e-9, 3.0), 0.0, 0.0, 0.1, Hold(1.5))
+    with_friction = newton.simulate(Task(scenario, "joint", "as-shipped", 1e-3))
+    without = newton.simulate(Task(scenario, "joint", "as-shipped", 1e-3, {"solver": solver}))
+    assert abs(with_friction.v[-1]) < 2e-3
+    assert without.v[-1] == pytest.approx(0.15, rel=0.02)
+    assert any(line.startswith("friction: ") for line in without.source.ignored)

@@ -1,0 +1,116 @@
+"""Scenarios by name and parameters, and one that is added."""
+
+import re
+import sys
+from pathlib import Path
+
+import pytest
+
+from harness.app.run.run import RunOptions, run
+from harness.core.errors import InputError
+from harness.core.scenario import FREE_DECAY, Hold
+from harness.engines import registry
+from harness.exact.decay import Decay, schedule
+from harness.fidelity import scenarios
+from harness.fidelity.describe import describe, scenario_of
+from harness.fidelity.matrix import Matrix
+from harness.fidelity.registry import chosen, kinds
+from harness.fidelity.row import run_row
+
+
+def test_without_parameters_it_is_the_papers_case() -> None:
+    assert chosen("free-decay", {"m": None, "x0": None}) == FREE_DECAY
+
+
+def test_given_values_take_the_place_of_the_papers() -> None:
+    scenario = chosen("free-decay", {"m": 2.42, "k": 2310.0, "c": 4.79, "f_k": 0.351, "x0": 0.01})
+    assert (scenario.slider.m, scenario.slider.k, scenario.x0) == (2.42, 2310.0, 0.01)
+    stick = schedule(Decay.of(scenario.slider, 0.01)).stick_time
+    assert stick is not None
+    assert 1.2 * stick <= scenario.duration <= 1.4 * stick
+
+
+@pytest.mark.parametrize(
+    ("given", "least", "most"),
+    [
+        ({"f_k": 0.0}, 6.28, 6.3),  # ten periods of 0.628 s, for it never sticks
+        ({"c": 0.0, "f_k": 0.0}, 6.28, 6.3),
+        ({"x0": 0.02}, 0.62, 0.64),  # stuck from the start: one period
+        ({"c": 50.0}, 6.28, 6.3),
+        ({"duration": 1.25}, 1.25, 1.25),
+    ],
+)
+def test_runs_are_long_enough(given: dict[str, float], least: float, most: float) -> None:
+    assert least <= chosen("free-decay", given).duration <= most
+
+
+def test_break_away_follows_kinetic_friction_unless_given() -> None:
+    assert chosen("free-decay", {"f_k": 2.0}).slider.break_away == 2.0
+    assert chosen("free-decay", {"f_s": 4.0}).slider.break_away == 4.0
+
+
+@pytest.mark.parametrize("given", [{}, {"f_s": 4.0, "v0": -1.0}, {"c": 0.0}])
+def test_a_scenario_survives_json(given: dict[str, float]) -> None:
+    scenario = chosen("free-decay", given)
+    assert scenario_of(describe(scenario)) == scenario
+
+
+def test_every_file_holds_the_scenario_it_is_named_after() -> None:
+    files = {file.stem.replace("_", "-") for file in Path(scenarios.__path__[0]).glob("[!_]*.py")}
+    assert files == set(kinds())
+
+
+@pytest.mark.parametrize(
+    ("name", "given", "message"),
+    [
+        ("swing", {}, "scenario: 'swing'; free-decay, free-decay-no-friction, hold-50, hold-97, belt, harmonic"),
+        ("hold-97", {"x0": 0.1}, "--x0: 0.1, given with hold-97; m, c, k, f_k, f_s, duration are accepted with it"),
+        ("free-decay-no-friction", {"f_k": 1.0}, "--f-k: 1, given with free-decay-no-friction; m, c, k, x0, v0"),
+        ("hold-50", {"f_k": 0.0}, "--f-k: 0, and nothing holds the slider; friction above 0 is accepted"),
+        ("belt", {"f_s": 3.0}, "belt: no stick-slip (f_s does not exceed f_k)"),
+        ("harmonic", {"duration": -1.0}, "scenario: duration: -1"),
+    ],
+)
+def test_what_a_scenario_does_not_take_is_refused(name: str, given: dict[str, float], message: str) -> None:
+    with pytest.raises(InputError, match=re.escape(message)):
+        chosen(name, given)
+
+
+def test_values_change_what_a_scenario_is_about() -> None:
+    # break-away follows friction in proportion: 3 -> 4 N becomes 1.5 -> 2 N
+    belt = chosen("belt", {"f_k": 1.5})
+    assert belt.slider.break_away == pytest.approx(2.0, rel=1e-12)
+    hold = chosen("hold-50", {"f_k": 5.0, "duration": 2.0})
+    assert hold.action == Hold(2.5)
+    assert hold.duration == 2.0
+
+
+NEW = '''"""A load of 80 % of break-away."""
+
+from harness.fidelity.figure import Figure
+from harness.fidelity.kinds.hold import HoldKind, creep_scale
+
+SCENARIO = HoldKind(
+    name="hold-80",
+    place=2,
+    share=0.8,
+    figures=(Figure("creep 80 %", "creep_m_s", creep_scale, "creep in one period, over x_k"),),
+)
+'''
+
+
+def test_a_file_adds_a_scenario_to_run_and_sweep(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    (tmp_path / "hold_80.py").write_text(NEW)
+    monkeypatch.setattr(scenarios, "__path__", [*scenarios.__path__, str(tmp_path)])
+    kinds.cache_clear()
+    try:
+        engine = registry.load("mujoco")
+        rows = [spec for spec in Matrix(("joint",), ("as-shipped",)).specs({"mujoco": engine}) if spec.dt is None]
+        (row,) = (run_row(engine, spec) for spec in rows if spec.scenario.name == "hold-80")
+        # creep is in proportion to the load, 1.583 mm/s at half of break-away
+        assert row.metrics["creep_m_s"] == pytest.approx(1.6 * 1.583e-3, rel=0.05)
+        result = run(RunOptions.named("hold-80", {}, ["mujoco"], "as-shipped"), tmp_path / "out")
+        assert result.traces[1].metrics.creep_m_s == row.metrics["creep_m_s"]
+    finally:
+        kinds.cache_clear()
+        sys.modules.pop(f"{scenarios.__name__}.hold_80", None)

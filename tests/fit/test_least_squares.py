@@ -1,0 +1,160 @@
+"""The one least-squares loop: certified answers to the digit, bounds, rank, what cannot be evaluated, named stops."""
+
+import math
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from harness.core.arrays import FloatArray
+from harness.core.errors import SimulationError
+from harness.fit.covariance import covariance_of, inverse_of
+from harness.fit.least_squares import Bounds, Residual, Stop, Until, least_squares
+
+Law = Callable[[FloatArray, FloatArray], FloatArray]
+
+MISRA_X = np.array([77.6, 114.9, 141.1, 190.8, 239.9, 289.0, 332.8, 378.4, 434.8, 477.3, 536.8, 593.1, 689.1, 760.0])
+MISRA_Y = np.array(
+    [10.07, 14.73, 17.94, 23.93, 29.61, 35.18, 40.02, 44.82, 50.76, 55.05, 61.01, 66.40, 75.47, 81.78]
+)  # fmt: skip
+KOWALIK_X = np.array([4.0, 2.0, 1.0, 0.5, 0.25, 0.167, 0.125, 0.1, 0.0833, 0.0714, 0.0625])
+KOWALIK_Y = np.array([0.1957, 0.1947, 0.1735, 0.16, 0.0844, 0.0627, 0.0456, 0.0342, 0.0323, 0.0235, 0.0246])
+ONION_Y = np.array(
+    [16.08, 33.83, 65.80, 97.20, 191.55, 326.20, 386.87, 520.53, 590.03, 651.92, 724.93, 699.56, 689.96, 637.56, 717.41]
+)
+STRD = [
+    (
+        "Misra1a", MISRA_X, MISRA_Y, lambda b, x: b[0] * (1.0 - np.exp(-b[1] * x)),
+        ((500.0, 1e-4), (250.0, 5e-4)),
+        (2.3894212918e02, 5.5015643181e-04), (2.7070075241, 7.2668688436e-06), 1.2455138894e-01,
+    ),
+    (
+        "MGH09", KOWALIK_X, KOWALIK_Y, lambda b, x: b[0] * (x**2 + x * b[1]) / (x**2 + x * b[2] + b[3]),
+        ((25.0, 39.0, 41.5, 39.0), (0.25, 0.39, 0.415, 0.39)),
+        (1.9280693458e-01, 1.9128232873e-01, 1.2305650693e-01, 1.3606233068e-01),
+        (1.1435312227e-02, 1.9633220911e-01, 8.0842031232e-02, 9.0025542308e-02), 3.0750560385e-04,
+    ),
+    (
+        "Rat43", np.arange(1.0, 16.0), ONION_Y, lambda b, x: b[0] / (1.0 + np.exp(b[1] - b[2] * x)) ** (1.0 / b[3]),
+        ((100.0, 10.0, 1.0, 1.0), (700.0, 5.0, 0.75, 1.3)),
+        (6.9964151270e02, 5.2771253025, 7.5962938329e-01, 1.2792483859),
+        (1.6302297817e01, 2.0828735829, 1.9566123451e-01, 6.8761936385e-01), 8.7864049080e03,
+    ),
+]  # fmt: skip
+"""Statistical reference datasets for nonlinear regression (NIST): starts, certified values, their errors, squares."""
+
+
+def evaluated(law: Law, x: FloatArray, y: FloatArray) -> Callable[[FloatArray], Residual]:
+    """Residual of a law with partials by complex steps, exact to rounding."""
+
+    def at(b: FloatArray) -> Residual:
+        with np.errstate(all="ignore"):
+            steps = [law(b + 1e-30j * unit, x).imag / 1e-30 for unit in np.eye(b.size)]
+            return Residual(y - law(b, x), np.column_stack(steps))
+
+    return at
+
+
+@pytest.mark.parametrize("start", [0, 1])
+@pytest.mark.parametrize("case", STRD, ids=[case[0] for case in STRD])
+def test_certified_values_to_the_rounding_of_their_squares(case: tuple[str, ...], start: int) -> None:
+    _, x, y, law, starts, values, errors, squares = case
+    found = least_squares(evaluated(law, x, y), np.array(starts[start]), Until(share=1e-18, iterations=1000))  # type: ignore[arg-type]
+    assert found.stop in (Stop.CONVERGED, Stop.NO_DESCENT)
+    assert found.point.squares == pytest.approx(squares, rel=1e-9)
+    # squares known to 2e-16 tell where they are least to the root of it, in standard errors: seven to ten digits here
+    assert np.max(np.abs(found.coordinates - np.array(values)) / np.array(errors)) < 1e-7
+    variance = found.point.squares / (len(y) - len(values))
+    assert np.sqrt(variance * np.diag(covariance_of(found.point.partials))) == pytest.approx(np.array(errors), rel=1e-7)
+
+
+def line(x: FloatArray, y: FloatArray) -> Callable[[FloatArray], Residual]:
+    return lambda b: Residual(y - x @ b, x)
+
+
+@given(st.integers(0, 10_000), st.integers(1, 5))
+def test_a_linear_problem_is_that_of_the_normal_equations(seed: int, count: int) -> None:
+    random = np.random.default_rng(seed)
+    # columns of very different units
+    x = random.standard_normal((20, count)) * 10.0 ** random.uniform(-6, 6, count)
+    y = random.standard_normal(20)
+    found = least_squares(line(x, y), np.zeros(count), Until(1e-20))
+    exact = np.linalg.lstsq(x / np.linalg.norm(x, axis=0), y, rcond=None)[0] / np.linalg.norm(x, axis=0)
+    assert found.coordinates == pytest.approx(exact, rel=1e-6)
+    assert found.stop is not Stop.ITERATIONS
+
+
+def test_numbers_of_one_effect_share_it_and_one_without_effect_stays() -> None:
+    x = np.column_stack([np.ones(9), np.ones(9), np.zeros(9)])
+    found = least_squares(line(x, np.full(9, 3.0)), np.array([0.0, 0.0, 7.0]), Until(1e-20))
+    assert found.coordinates[0] + found.coordinates[1] == pytest.approx(3.0, rel=1e-9)
+    assert found.coordinates[2] == 7.0
+    # the sum is known to 1/9; each half of it to a quarter of that, and what does not show has none
+    known = covariance_of(x)
+    assert np.diag(known) == pytest.approx([1.0 / 36.0, 1.0 / 36.0, 0.0], rel=1e-9)
+    assert inverse_of(np.diag([4.0, 1e-20])) == pytest.approx(np.diag([0.25, 1e20]))
+
+
+def test_a_bound_holds_and_the_others_are_best_beside_it() -> None:
+    x = np.column_stack([np.ones(5), np.arange(5.0)])
+    free = least_squares(line(x, 1.0 - 2.0 * np.arange(5.0)), np.ones(2), Until(1e-20))
+    assert free.coordinates == pytest.approx([1.0, -2.0])
+    bounds = Bounds(np.array([-math.inf, 0.0]), np.full(2, math.inf), np.full(2, math.inf))
+    held = least_squares(line(x, 1.0 - 2.0 * np.arange(5.0)), np.array([1.0, -5.0]), Until(1e-20), bounds)
+    # without its slope the line is the mean, 1 - 2 x 2
+    assert held.coordinates == pytest.approx([-3.0, 0.0])
+    assert held.stop is Stop.CONVERGED
+
+
+def test_a_step_is_no_longer_than_allowed() -> None:
+    seen: list[float] = []
+
+    def at(b: FloatArray) -> Residual:
+        seen.append(float(b[0]))
+        return Residual(10.0 - b, np.ones((1, 1)))
+
+    least_squares(at, np.zeros(1), Until(1e-12), Bounds.of(1, longest=3.0))
+    assert max(np.diff(seen)) <= 3.0
+    assert seen[-1] == pytest.approx(10.0)
+
+
+def cliff(edge: float) -> Callable[[FloatArray], Residual]:
+    """b to be 10, which cannot be evaluated beyond an edge."""
+
+    def at(b: FloatArray) -> Residual:
+        if b[0] > edge:
+            raise SimulationError("the motion diverges")
+        return Residual(10.0 - b, np.ones((1, 1)))
+
+    return at
+
+
+def test_what_cannot_be_evaluated_is_stepped_back_from() -> None:
+    found = least_squares(cliff(9.0), np.zeros(1), Until(1e-9))
+    assert 8.0 < found.coordinates[0] <= 9.0
+    assert found.stop is Stop.NOT_EVALUATED
+    with pytest.raises(SimulationError, match="the motion diverges"):
+        least_squares(cliff(-1.0), np.zeros(1), Until(1e-9))
+
+
+def bent(slope: float, value: float = 1.0) -> Callable[[FloatArray], Residual]:
+    """A residual whose partials are not its own."""
+    return lambda b: Residual(np.array([value + b[0] ** 2]), np.array([[slope]]))
+
+
+STOPS = [
+    (bent(1.0), Until(1e-9), Stop.NO_DESCENT),
+    (bent(math.inf), Until(1e-9), Stop.NOT_EVALUATED),
+    (bent(1.0, math.nan), Until(1e-9), Stop.NOT_EVALUATED),
+    (bent(0.0), Until(0.0), Stop.CONVERGED),
+    (line(np.ones((1, 1)), np.ones(1)), Until(0.0, iterations=1), Stop.ITERATIONS),
+    (line(np.ones((1, 1)), np.ones(1)), Until(0.0, iterations=0), Stop.ITERATIONS),
+    (line(np.ones((1, 1)), np.ones(1)), Until(1e-9), Stop.CONVERGED),
+]
+
+
+@pytest.mark.parametrize(("at", "until", "stop"), STOPS)
+def test_every_stop_has_its_name(at: Callable[[FloatArray], Residual], until: Until, stop: Stop) -> None:
+    assert least_squares(at, np.zeros(1), until).stop is stop

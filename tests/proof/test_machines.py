@@ -1,0 +1,329 @@
+"""The plant of machines: repeatable to the bit, shares that another fit finds, answers that say what is in the file."""
+
+import ast
+import json
+import math
+import subprocess
+import sys
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from scipy.optimize import least_squares
+
+import harness.proof.machines as package
+from harness.core.arrays import FloatArray
+from harness.core.errors import InputError
+from harness.proof.machines import score as scorer
+from harness.proof.machines.__main__ import main
+from harness.proof.machines.cases import SHARES, SMALL, TABLE_SHARES, Messy, draw
+from harness.proof.machines.catalogue import ALIENS, FAMILY, NAMES, STATIC, families
+from harness.proof.machines.kinds import DRIVEN, FREE, KINDS
+from harness.proof.machines.laws import CURVES, LAWS
+from harness.proof.machines.made import Made, made
+from harness.proof.machines.pendulum import swing
+from harness.proof.machines.plan import CONTROL, MAIN, TABLE, UNNAMED, Job, chosen_kinds, plan, possible
+from harness.proof.machines.records import csv_text
+from harness.proof.machines.shares import read
+from harness.proof.machines.strengths import draw_strength, scaled
+from harness.proof.machines.truth import truth
+from harness.proof.plant.base_fit import decay_motion
+from harness.proof.plant.integrate import simulate
+
+SEED = 4711
+DRAWN = {
+    "cart": Job(0, MAIN, "cart", "viscoelastic"),
+    "arm": Job(1, MAIN, "spring-arm", "quadratic-drag"),
+    "wheel": Job(2, MAIN, "torsion-wheel", "quadratic-stiffness"),
+    "pendulum": Job(3, MAIN, "encoder-pendulum", "asymmetric-viscous"),
+    "control": Job(4, CONTROL, "spring-arm", ""),
+    "rubber": Job(5, CONTROL, "rubber-stage", ""),
+    "table": Job(6, TABLE, "spring-arm", "alien-magnet-well"),
+    "unknown": Job(7, UNNAMED, "servo-pendulum", "alien-parametric-stiffness"),
+    "axis": Job(8, MAIN, "spring-axis", "cubic-stiffness"),
+}
+
+
+@cache
+def job_made(name: str) -> Made:
+    return made(SEED, DRAWN[name])
+
+
+@cache
+def case_of(name: str) -> Messy:
+    job = DRAWN[name]
+    return draw(KINDS[job.kind], job.main, np.random.default_rng([SEED, 1, job.index, 0]))
+
+
+def columns(text: str) -> tuple[list[str], FloatArray]:
+    head, *rows = text.splitlines()
+    return head.split(","), np.array([[float(n) for n in row.split(",")] for row in rows])
+
+
+def test_machines_import_core_and_the_proof_alone() -> None:
+    allowed = ("harness.core", "harness.proof.machines", "harness.proof.plant", "harness.proof.statistics")
+    for file in Path(str(package.__file__)).parent.glob("*.py"):
+        for node in ast.walk(ast.parse(file.read_text())):
+            names = [a.name for a in node.names] if isinstance(node, ast.Import) else []
+            names += [node.module or ""] if isinstance(node, ast.ImportFrom) else []
+            for name in names:
+                root = name.split(".")[0]
+                assert name.startswith((*allowed, "numpy", "scipy")) or root in sys.stdlib_module_names, name
+
+
+def test_every_name_can_be_built_and_drawn() -> None:
+    assert set(LAWS) == set(NAMES) | set(ALIENS)
+    assert set(CURVES) == set(STATIC)
+    assert len(FREE) >= 8
+    assert {name for kind in FREE.values() for name in kind.names} >= set(NAMES) - {"static-friction"}
+    assert {name for kind in DRIVEN.values() for name in kind.names} >= set(NAMES) - {"pendulum-stiffness"}
+    rng, base = np.random.default_rng(0), case_of("arm").rig.base
+    for name in LAWS:
+        values = draw_strength(name, base, rng)
+        assert set(scaled(name, values, 0.5, base)) == set(values)
+        assert json.loads(json.dumps(values)) == values
+        assert families(name)[0] in set(FAMILY.values())
+
+
+@pytest.mark.parametrize("name", ["control", "table"])
+def test_a_draw_is_the_same_to_the_bit(name: str) -> None:
+    again = made(SEED, DRAWN[name])
+    assert again == job_made(name)
+    assert made(SEED + 1, DRAWN[name]).recording != again.recording
+
+
+def test_a_draw_is_the_same_in_another_process(tmp_path: Path) -> None:
+    told = ["--seed", "7", "--count", "1", "--controls", "1", "--kind", "rubber-stage", "--jobs", "1"]
+    outs = [tmp_path / "here", tmp_path / "there"]
+    assert main([*told, "--out", str(outs[0])]) == 0
+    command = [sys.executable, "-m", "harness.proof.machines", *told, "--out", str(outs[1])]
+    subprocess.run(command, check=True, capture_output=True)
+    for name in ("000.csv", "001.csv", "truth.json"):
+        assert (outs[0] / name).read_bytes() == (outs[1] / name).read_bytes()
+
+
+def refitted(case: Messy, effects: Any) -> float:
+    """Squares that SciPy's own fit of the base leaves of the true motion, channels by their weights."""
+    rig, b = case.rig, case.rig.base
+    _, clean = rig.motion(effects)
+    after = rig.t >= rig.free_from + 0.12 * 2.0 * math.pi / b.omega_n
+    t, motion = rig.t[after] - rig.t[after][0], decay_motion if b.restoring == "spring" else swing
+    unit = np.array([b.omega_n, 0.01, 0.01 * b.length, b.length, b.speed, b.length])
+
+    def left(z: FloatArray, n: int) -> FloatArray:
+        x, v, a = motion(t[:n], *(z * unit)[:5])
+        said = {"x": x + (0.0 if rig.told_zero else z[5] * unit[5]), "v": v, "a": a}
+        return np.concatenate([math.sqrt(w) * (clean[c][after][:n] - said[c]) for c, w in case.weight.items()])
+
+    z = np.array([b.omega_n, b.zeta, b.x_k, clean["x"][after][0], clean["v"][after][0], 0.0]) / unit
+    for part in (0.1, 0.2, 0.3, 0.5, 0.7, 1.0):
+        found = least_squares(left, z, x_scale="jac", method="trf", args=(int(part * t.size),))
+        z = found.x
+    return float(2.0 * found.cost)
+
+
+@pytest.mark.parametrize("name", ["cart", "arm", "wheel", "pendulum", "table"])
+def test_shares_are_those_of_an_independent_refit(name: str) -> None:
+    case = case_of(name)
+    rest = {other: values for other, values in case.effects.items() if other != case.main}
+    share = 1.0 - refitted(case, rest) / refitted(case, case.effects)
+    low, high = TABLE_SHARES if name == "table" else SHARES
+    assert case.share is not None
+    assert low <= case.share <= high
+    assert share == pytest.approx(case.share, abs=0.01)
+
+
+def test_a_control_has_no_main_effect_and_none_above_half() -> None:
+    for name in ("control", "rubber"):
+        answer = job_made(name).answer
+        assert answer["dominant"] is None
+        assert answer["share"] is None
+        assert all(part <= SMALL for part in answer["minor"].values())
+        assert set(answer["may_name"]) <= set(answer["minor"])
+
+
+@pytest.mark.parametrize("name", sorted(DRAWN))
+def test_the_answer_says_what_is_in_the_file(name: str) -> None:
+    answer, (head, values) = job_made(name).answer, columns(job_made(name).recording)
+    assert json.loads(json.dumps(answer)) == answer
+    assert values.shape[0] == answer["samples"]
+    assert np.all(np.diff(values[:, 0]) > 0.0)
+    assert [column.split(" ")[0] for column in head] == ["t", *answer["channels"], *(["u"] if name == "axis" else [])]
+    assert all(column.endswith("]") for column in head)
+    told = dict(zip(answer["options"][::2], answer["options"][1::2], strict=True))
+    assert told["--restoring"] in ("spring", "pendulum", "none")
+    assert told.get("--zero", "free") in ("spring", "free")
+    assert set(told) <= {"--restoring", "--zero"}
+    assert ("table" in answer) == (answer["dominant"] in CURVES)
+    if answer["dominant"]:
+        assert answer["family"] in answer["families"]
+        assert set(answer["plant"]) == {answer["dominant"], *answer["minor"]}
+
+
+@pytest.mark.parametrize("name", ["arm", "cart", "wheel", "control"])
+def test_noise_steps_and_stamps_are_as_stated(name: str) -> None:
+    case = case_of(name)
+    rig, answer = case.rig, truth(case)
+    for channel in rig.channels:
+        added = case.recorded[channel] - case.whole.clean[channel] - (rig.zero if channel == "x" else 0.0)
+        size = case.noise.noise.total(channel)
+        correlated = 1.0 + case.noise.noise.correlation
+        assert np.std(added) == pytest.approx(size, rel=8.0 * correlated / math.sqrt(added.size))
+        assert answer["noise"][channel] >= size
+        step = (case.noise.noise.step or {}).get(channel)
+        if step:
+            counts = case.recorded[channel] / step
+            assert counts == pytest.approx(np.round(counts), abs=1e-6)
+    late = rig.t - rig.stamps
+    assert (np.std(late) > 0.0) == (rig.clock in ("jitter", "rounded"))
+    assert np.max(np.abs(late)) < float(rig.t[-1]) / (rig.t.size - 1)
+    assert csv_text(case).count("\n") == rig.t.size + 1
+
+
+def test_a_table_holds_the_true_curve_over_the_swept_range() -> None:
+    case, answer = case_of("table"), truth(case_of("table"))
+    p, curve = case.effects["alien-magnet-well"], answer["table"]
+    at = np.array(curve["at"])
+    s = (at - p["place"]) / p["width"]
+    assert curve["form"] == "f(x)"
+    assert np.array(curve["force"]) == pytest.approx(p["size"] * s * np.exp(0.5 - 0.5 * s**2), rel=1e-12)
+    assert at[0] >= case.whole.run.x.min() - 1e-12
+    assert at[-1] <= case.whole.run.x.max() + 1e-12
+
+
+def test_a_hand_holds_then_gives_way() -> None:
+    rng = np.random.default_rng(3)
+    while True:
+        case = draw(KINDS["spring-arm"], "quadratic-drag", rng)
+        if case.rig.release == "gives-way":
+            break
+    rig, clean = case.rig, case.whole.clean
+    assert 0.005 <= rig.hand.fades <= 0.05
+    held = rig.t < rig.hand.until
+    assert np.all(clean["v"][held] == 0.0)
+    # let go at once it would have moved by k x t^2/2; a hand that fades has let it go less far
+    going = (rig.t > rig.hand.until) & (rig.t < rig.hand.gone)
+    free = 0.5 * rig.base.omega_n**2 * rig.base.length * (rig.t[going] - rig.hand.until) ** 2
+    assert np.all(np.abs(clean["x"][going] - rig.base.x0) <= free + 1e-12)
+    assert rig.free_from == pytest.approx(rig.hand.until + rig.hand.fades)
+
+
+def test_strengths_are_tried_on_the_motion_that_is_recorded() -> None:
+    case = case_of("cart")
+    quick, exact = (read(case.rig, case.effects, one) for one in (True, False))
+    for channel in case.rig.channels:
+        assert quick.clean[channel] == pytest.approx(exact.clean[channel], abs=2e-3 * case.rig.scale(channel))
+        assert quick.misfit[channel] == pytest.approx(exact.misfit[channel], rel=0.02)
+
+
+@pytest.mark.parametrize("x_k", [0.0, 0.01])
+def test_the_stepped_pendulum_is_that_of_the_plant(x_k: float) -> None:
+    base = case_of("pendulum").rig.base.moved(np.array([6.0, 0.01, x_k, 1.2, 0.0]))
+    t = np.linspace(0.0, 12.0, 600)
+    exact = simulate(base.model(), t)
+    x, v, a = swing(t, 6.0, 0.01, x_k, 1.2, 0.0)
+    assert x == pytest.approx(exact.x, abs=2e-4)
+    assert v == pytest.approx(exact.v, abs=2e-3)
+    assert np.median(np.abs(a - exact.a)) < 5e-3
+
+
+def test_kinds_take_turns_and_every_name_has_its_machine() -> None:
+    jobs = plan(list(FREE.values()), 240, 300, 60, 0, SEED)
+    assert jobs == plan(list(FREE.values()), 240, 300, 60, 0, SEED) != plan(list(FREE.values()), 240, 300, 60, 0, 1)
+    assert [job.index for job in jobs] == list(range(600))
+    for group, count in ((MAIN, 240), (CONTROL, 300), (UNNAMED, 60)):
+        here = [job.kind for job in jobs if job.group == group]
+        assert len(here) == count
+        assert {here.count(kind) for kind in FREE} <= {count // 8, count // 8 + 1}
+    assert {job.main for job in jobs if job.group == MAIN} == set(NAMES) - {"static-friction"}
+    assert all(job.main in possible(KINDS[job.kind], job.group) for job in jobs)
+
+
+def test_bad_requests_are_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(InputError, match="effect: sensor-lag; one of stribeck"):
+        draw(KINDS["spring-arm"], "sensor-lag", np.random.default_rng(0))
+    with pytest.raises(InputError, match="--kind: robot; free, driven or one of spring-arm"):
+        chosen_kinds(["robot"])
+    (tmp_path / "full").write_text("")
+    assert main(["--seed", "1", "--out", str(tmp_path)]) == 2
+    assert "a new or empty folder is accepted" in capsys.readouterr().err
+
+
+def result(verdict: str, *mechanisms: dict[str, Any], after: float = 0.5) -> dict[str, Any]:
+    held = {"baseline_rmse": {"x": 1.0}, "refined_rmse": {"x": after}}
+    return {"verdict": verdict, "mechanisms": list(mechanisms), "holdout": held}
+
+
+def test_claims_are_read_in_both_forms() -> None:
+    old = scorer.Claim.of(result("missing_physics", {"name": "stribeck", "alternatives": [{"name": "presliding"}]}))
+    assert (old.main, old.near) == ("stribeck", frozenset({"stribeck", "presliding"}))
+    several = scorer.Claim.of(result("one_of", *({"name": n, "grade": "one-of"} for n in ("stribeck", "presliding"))))
+    assert (several.main, several.near) == ("", frozenset({"stribeck", "presliding"}))
+    small = scorer.Claim.of(result("unexplained", {"name": "stribeck", "grade": "minor"}))
+    assert (small.main, small.near, small.minor) == ("", frozenset(), frozenset({"stribeck"}))
+    table = scorer.Claim.of(
+        result("main_effect", {"name": "impulse", "grade": "main"}, {"name": "f", "grade": "tabulated"})
+    )
+    assert (table.main, table.minor) == ("impulse", frozenset({"f"}))
+    assert scorer.Claim.of(None).main == ""
+
+
+def test_figures_count_what_they_say() -> None:
+    names = ("stribeck", "presliding", "impulse", "end-stop", "backlash")
+    truths: dict[str, dict[str, Any]] = {
+        "a": {"dominant": "stribeck", "family": "friction", "share": 0.8, "minor": {}, "kind": "cart"},
+        "b": {"dominant": "impulse", "family": "environment", "share": 0.8, "minor": {}, "kind": "cart"},
+        "c": {"dominant": "backlash", "family": "stiffness", "share": 0.8, "minor": {}, "kind": "cart"},
+        "d": {"dominant": None, "family": None, "share": None, "minor": {"impulse": 0.4}, "may_name": ["impulse"]},
+        "e": {"dominant": None, "family": None, "share": None, "minor": {}},
+        "f": {"dominant": "alien-x", "family": "friction", "families": ["friction", "damping"], "share": 0.7},
+        "g": {"dominant": "alien-y", "family": "friction", "share": 0.7, "group": "table"},
+    }
+    said = {
+        "a": result("main_effect", {"name": "stribeck", "grade": "main", "share": 0.7}),
+        "b": result("one_of", *({"name": n, "grade": "one-of"} for n in names[:4]), after=0.9),
+        "c": result("one_of", *({"name": n, "grade": "one-of"} for n in names)),
+        "d": result("main_effect", {"name": "impulse", "grade": "main"}),
+        "e": result("main_effect", {"name": "impulse", "grade": "main"}),
+        "f": result("main_effect", {"name": "quadratic-drag", "grade": "main"}),
+        "g": result("main_effect", {"name": "impulse", "grade": "main"}, after=0.6),
+    }
+    scores = scorer.score(truths, said)
+    counted = {name: (rate.hits, rate.cases) for name, rate in vars_of(scores).items()}
+    assert counted["named"] == (1, 3)
+    assert counted["listed"] == (2, 3)
+    assert counted["wrong"] == (0, 3)
+    assert counted["silent"] == (0, 3)
+    assert counted["claimed"] == (1, 2)
+    assert counted["misled"] == (1, 2)
+    assert counted["better"] == (1, 2)
+    assert counted["table_better"] == (1, 1)
+    assert scores.share_error.value == pytest.approx(0.1)
+    assert scorer.score(truths, {}).silent.hits == 3
+    assert any(line.startswith("named or listed: 2 of 3, 66.7 %") for line in scorer.lines(scores))
+    assert list(scorer.misses(truths, said)) == [
+        "b: impulse (80 %) on a cart called end-stop, impulse, presliding, stribeck (listed)",
+        "c: backlash (80 %) on a cart called backlash, end-stop, impulse, presliding, stribeck",
+        "e: control () called impulse",
+    ]
+
+
+def vars_of(scores: scorer.MachineScores) -> dict[str, Any]:
+    return {
+        name: getattr(scores, name) for name in scorer.LABELS if name not in ("holdout", "table_holdout", "share_error")
+    }
+
+
+def test_the_scorer_is_a_command(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    found = {**result("main_effect", {"name": "impulse", "grade": "main"}), "recording": {"file": "/there/a.csv"}}
+    (tmp_path / "results.json").write_text(json.dumps([found]))
+    answer = {"dominant": "impulse", "family": "environment", "share": 0.8, "minor": {}, "kind": "cart"}
+    (tmp_path / "truth.json").write_text(json.dumps({"a.csv": answer}))
+    told = [str(tmp_path / "results.json"), str(tmp_path / "truth.json")]
+    assert scorer.main([*told, "--json", str(tmp_path / "figures.json")]) == 0
+    assert "main effect named: 1 of 1, 100.0 % (2.5 to 100.0 %)" in capsys.readouterr().out
+    assert json.loads((tmp_path / "figures.json").read_text())["named"]["hits"] == 1
+    assert scorer.main([str(tmp_path / "truth.json"), told[1]]) == 2
+    assert "no results; the JSON of harness diagnose" in capsys.readouterr().err
