@@ -1,5 +1,6 @@
 """Rows of the matrix against figures that engines are known by, on every route."""
 
+import re
 from pathlib import Path
 
 import pytest
@@ -145,7 +146,8 @@ def within(value: float, printed: str) -> bool:
 
 @pytest.mark.parametrize(("name", "error_mm", "creep_mm_s"), PRINTED, ids=[row[0] for row in PRINTED])
 def test_the_published_rows_hold_the_known_figures(name: str, error_mm: str, creep_mm_s: str | None) -> None:
-    rows = load_baseline(PUBLISHED).rows
+    # a published row is named with its engine's version; the figures are those of the engine
+    rows = {re.sub(r"@[^/]*", "", row, count=1): found for row, found in load_baseline(PUBLISHED).rows.items()}
     found = rows[name.format("solimpfriction=0.9999 0.9999 0.001 0.5 2,solreffriction")].metrics
     error, creep = found["max_error_m"], found["creep_m_s"]
     assert error is not None
