@@ -113,6 +113,13 @@ COLOUR_ALONE = Rule(
     "level of the test: of residuals that are nothing else one in fifty is not taken for it, and what is missing must"
     " hide from the same test at twenty times the level of the verdict",
 )
+STEADY = Rule(
+    "steady",
+    1e-3,
+    "chance",
+    "the whole residual is not taken for coloured noise where one stretch of it is stronger than the rest",
+    "level of the test: of steady noise one residual in a thousand is not taken for it",
+)
 PREDICTS_WORSE = Rule(
     "predicts-worse",
     1.05,

@@ -18,12 +18,16 @@ speed_level = compiled(_speed_level, lean=True)
 
 (
     _position_dependent_friction,
+    _load_dependent_friction,
+    _load_dependent_friction_gravity,
     _position_dependent_friction_periodic,
     _friction_drift,
     _normal_load_variation,
 ) = laws(
     MODULATIONS,
     "position-dependent-friction",
+    "load-dependent-friction",
+    "load-dependent-friction:gravity",
     "position-dependent-friction:periodic",
     "friction-drift",
     "normal-load-variation",
@@ -35,10 +39,14 @@ def _modulation(number: int, x: float, v: float, t: float, theta: FloatArray, o:
     if number == 0:
         _position_dependent_friction(x, v, theta, o, out)
     elif number == 1:
-        _position_dependent_friction_periodic(x, v, theta, o, out)
+        _load_dependent_friction(x, v, theta, o, out)
     elif number == 2:
-        _friction_drift(x, v, t, theta, o, out)
+        _load_dependent_friction_gravity(x, v, theta, o, out)
     elif number == 3:
+        _position_dependent_friction_periodic(x, v, theta, o, out)
+    elif number == 4:
+        _friction_drift(x, v, t, theta, o, out)
+    elif number == 5:
         _normal_load_variation(x, v, t, theta, o, out)
 
 

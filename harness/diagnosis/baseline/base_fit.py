@@ -13,6 +13,7 @@ import numpy as np
 
 from harness.core.arrays import FloatArray
 from harness.core.errors import InputError, SimulationError
+from harness.diagnosis.baseline.spectral_peaks import peaks
 from harness.diagnosis.fit.least_squares import Fit, fit
 from harness.diagnosis.fit.observe import COARSE
 from harness.diagnosis.fit.parameters import base_of, free_of
@@ -25,6 +26,8 @@ _SHARES = (0.5, 0.15, 0.85)
 _CLEARLY_MOVING = 6.0
 """Standard errors of the first speed from which a release from rest need not be tried."""
 _FIRST_CYCLES = 2.0
+_LEAST_PERIODS = 1.25
+"""Of a swing over the recording: three half-cycles are accepted, and a peak is as wide as a quarter of a period."""
 _DRY = (1.0, 0.5, 1.5)
 """Shares of the dry friction that the inverse dynamics give, from which a driven fit starts."""
 
@@ -37,7 +40,10 @@ def dominant_frequency(t: FloatArray, y: FloatArray) -> float:
     even = (even - even.mean()) * np.hanning(n)
     power = np.abs(np.fft.rfft(even, 4 * n)) ** 2
     step = 2.0 * math.pi / (4 * n * (grid[1] - grid[0]))
-    i = int(np.argmax(power[1:])) + 1
+    # a rest off the mean has its peak at no frequency at all: what swings is a peak beyond it
+    tops = peaks(power)
+    swings = tops[tops > 4.0 * _LEAST_PERIODS]
+    i = int(swings[0]) if swings.size else int(np.argmax(power[1:])) + 1
     if i + 1 < power.size:
         left, mid, right = np.log(power[i - 1 : i + 2] + 1e-300)
         bend = left - 2.0 * mid + right

@@ -4,8 +4,10 @@ import math
 from dataclasses import replace
 
 import numpy as np
+from scipy.stats import chi2
 
 from harness.core.arrays import FloatArray
+from harness.diagnosis.rules import STEADY
 from harness.estimate.noise import FLOOR, Noise, quantisation_step
 
 _SHARE_OF_PERIOD = 0.25
@@ -13,6 +15,8 @@ _SHORTEST, _LONGEST = 12, 40
 _DEGREE = 3
 _OUTLYING = 5.0
 _SHOWS, _MOST_COLOUR = 2.5, 0.85
+_LONGEST_COLOUR = 0.97
+_STRETCHES = 16
 _GRID = np.linspace(-0.9, 0.98, 95)
 
 
@@ -37,7 +41,8 @@ def coloured_whole(residual: FloatArray, weight: FloatArray, said: Noise) -> Noi
     """Noise of first-order colour that a residual (n,) as a whole would be; ``said`` where it shows no such colour.
 
     said : as windows tell it; they see little of a colour that lasts long beside them. weight (n,) : 0 for samples that
-    do not count. Positive colours only, short beside a motion of some twenty samples a period.
+    do not count. Positive colours only, short beside a motion of some twenty samples a period, and as strong in every
+    stretch as in the others: a burst, such as a hand's at the release, is no noise.
     """
     used = weight > 0.0
     both = used[1:] & used[:-1]
@@ -49,7 +54,19 @@ def coloured_whole(residual: FloatArray, weight: FloatArray, said: Noise) -> Noi
     phi += (1.0 + 3.0 * phi) / n  # its bias in a short series (Marriott and Pope 1954)
     if not _SHOWS / math.sqrt(n) < phi < _MOST_COLOUR:
         return said
-    return replace(said, sigma=math.sqrt(power), phi=phi)
+    coloured = replace(said, sigma=math.sqrt(power), phi=phi)
+    return coloured if _steady(coloured.whitened(residual)[used]) else said
+
+
+def _steady(white: FloatArray) -> bool:
+    """Whether no stretch of whitened noise (n,) is stronger than chance makes the strongest."""
+    width = white.size // _STRETCHES
+    if width < 1:
+        return True
+    stretches = white[: _STRETCHES * width].reshape(_STRETCHES, width)
+    strongest = float(np.max(np.sum(stretches**2, axis=1)))
+    # one of so many: Bonferroni
+    return bool(_STRETCHES * chi2.sf(strongest, width) > STEADY.value)
 
 
 def residual_noise(t: FloatArray, residual: FloatArray, channel: FloatArray, period: float) -> Noise:
@@ -80,6 +97,8 @@ def residual_noise(t: FloatArray, residual: FloatArray, channel: FloatArray, per
         white = float(np.interp(0.0, _GRID, ratio))
         if abs(seen - white) > 4.0 / math.sqrt(sane.shape[0] * freedom):
             phi = float(np.interp(seen, np.maximum.accumulate(ratio), _GRID))
+            # a colour as long as the windows is not told from what the model misses
+            phi = 0.0 if phi > _LONGEST_COLOUR else phi
             variance = total / sane.shape[0] / float(np.interp(phi, _GRID, level))
     step = quantisation_step(channel)
     sigma = math.sqrt(max(variance, step * step / 12.0))

@@ -22,6 +22,12 @@ class Strokes:
     count: int
 
     @classmethod
+    def between(cls, turns: IntArray, samples: int) -> "Strokes":
+        """Between turning points (m,) of so many samples; what lies before the first and after the last is one each."""
+        of = np.searchsorted(turns, np.arange(samples), side="left").astype(np.int64)
+        return cls(of, int(of[-1]) + 1)
+
+    @classmethod
     def by(cls, v: FloatArray) -> "Strokes":
         """From the speed (n,) of a model's motion."""
         turned = np.concatenate(([0], np.cumsum(np.diff(np.sign(v)) != 0)))

@@ -11,6 +11,7 @@ from dataclasses import dataclass, replace
 
 from harness.diagnosis.baseline.words import evidence
 from harness.diagnosis.fit.least_squares import Fit
+from harness.diagnosis.grading.friction_split import resplit
 from harness.diagnosis.grading.misfit import Misfit
 from harness.diagnosis.grading.prediction import Predicted, clearly_less, free_run, held_out, ratio, trained
 from harness.diagnosis.outcome import Grade
@@ -105,7 +106,7 @@ def decided(found: Graded) -> Graded:
 def ranked(misfit: Misfit) -> list[Finalist]:
     """Every catalogue name alone, the best law of each, most evidence first."""
     problem, base, scales = misfit.problem, misfit.base, misfit.scales
-    fits = extend(base, problem, scales).fits
+    fits = resplit(extend(base, problem, scales).fits, problem, scales)
     if not fits:
         return []
     floor = misfit.floor(misfit.noise_left(min(fits, key=lambda f: f.chi2)))

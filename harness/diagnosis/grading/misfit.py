@@ -9,10 +9,10 @@ import numpy as np
 from harness.core.arrays import FloatArray
 from harness.diagnosis.baseline.base_fit import baseline
 from harness.diagnosis.baseline.residual_noise import residual_noise
+from harness.diagnosis.baseline.turning_points import first_turn, turning_points
 from harness.diagnosis.baseline.words import Strokes, words_of
 from harness.diagnosis.fit.least_squares import Fit, fit
 from harness.diagnosis.problem import Problem
-from harness.diagnosis.rules import HAS_BEGUN
 from harness.estimate.noise import Noise
 from harness.kernels.solve import Scales
 
@@ -62,16 +62,11 @@ def _rms(r: FloatArray) -> float:
     return math.sqrt(float(np.mean(r**2)))
 
 
-def first_turn(x: FloatArray, v: FloatArray) -> int:
-    """First sample after the first turning point of a motion that has begun; 0 where there is none.
-
-    x (n,), v (n,) : of a model that follows the motion. A hand at the release acts before it.
-    """
-    left = np.flatnonzero(np.abs(x - x[0]) > HAS_BEGUN.value * np.ptp(x))
-    if not left.size:
-        return 0
-    turns = np.flatnonzero(np.sign(v[left[0] : -1]) * np.sign(v[left[0] + 1 :]) < 0.0)
-    return int(left[0] + turns[0]) + 1 if turns.size else 0
+def _strokes(problem: Problem, base: Fit) -> Strokes:
+    """Of the recorded swing; a driven motion's are those of the model, which follows it."""
+    if problem.drive is not None:
+        return Strokes.by(base.shown.v)
+    return Strokes.between(turning_points(problem.t, problem.channels), problem.t.size)
 
 
 def misfit(problem: Problem, base: Fit, scales: Scales) -> Misfit:
@@ -80,13 +75,15 @@ def misfit(problem: Problem, base: Fit, scales: Scales) -> Misfit:
     A free decay is looked at from its first turning point, a driven recording whole: no hand lets it go. What noise of
     its force does is part of the misfit.
     """
-    at = first_turn(base.shown.x, base.shown.v) if problem.drive is None else 0
-    left_out = 0.0
+    at, left_out = 0, 0.0
+    if problem.drive is None:
+        turns = turning_points(problem.t, problem.channels)
+        at = first_turn(problem.t, problem.channels, turns)
     if at and problem.t.size - at >= _FEWEST:
         left_out = float(problem.t[at] - problem.t[0])
         problem = problem.part(slice(at, None))
         base, scales = baseline(problem)
-    strokes = Strokes.by(base.shown.v)
+    strokes = _strokes(problem, base)
     words = words_of(strokes)
     points = sum(float(np.sum(w)) for w in problem.weight.values())
     left = {c: _rms(y - base.shown.y[c]) for c, y in problem.channels.items()}

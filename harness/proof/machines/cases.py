@@ -35,6 +35,8 @@ LEAST_MISFIT, MOST_MISFIT = 5e-4, 0.08
 MOST_TRIES = 60
 TURNS = 3
 """Times the small effects are weighed against the main one, the last on the true motion."""
+LEAST_TURNS = 5
+"""Reversals of a free decay: a release and five of them are three cycles."""
 BARE = 0.15
 """Share of controls without any effect."""
 
@@ -126,6 +128,9 @@ def _with_main(rig: Rig, main: str, rng: np.random.Generator) -> Messy | None:
     shares = small.shares(whole, weight)
     if not low <= found <= high or any(one > SMALL for one in shares.values()):
         return None
+    if not rig.kind.driven and (_turns(whole) < LEAST_TURNS or fitted_share(alone, whole, weight) < low):
+        # what does not swing is no free decay; what its own law does not take off is not what the base lacks most
+        return None
     recorded = _recorded(rig, whole, noise, rng)
     return Messy(rig, main, {main: values, **small.effects}, whole, weight, noise, found, shares, {}, recorded)
 
@@ -151,6 +156,11 @@ def _control(rig: Rig, bare: bool, rng: np.random.Generator) -> Messy | None:
     fitted = {} if rig.kind.driven else {name: fitted_share(one, whole, weight) for name, one in alone.items()}
     recorded = _recorded(rig, whole, noise, rng)
     return Messy(rig, "", small.effects, whole, weight, noise, None, shares, fitted, recorded)
+
+
+def _turns(reading: Reading) -> int:
+    """How often a motion turns round."""
+    return int(np.count_nonzero(np.diff(np.sign(reading.run.v[reading.run.v != 0.0]))))
 
 
 def _recorded(rig: Rig, whole: Reading, noise: Spoiled, rng: np.random.Generator) -> dict[str, FloatArray]:

@@ -1,0 +1,42 @@
+"""Friction that grows with the load of the spring on its guide: 1 + gain |x|."""
+
+import math
+
+from harness.core.arrays import FloatArray
+from harness.model.evidence import Evidence
+from harness.model.law import D_PARAMETER, D_X, VALUE
+from harness.model.place import always
+from harness.model.term import Parameter, Probe, Slot, Term
+
+
+def law(x: float, v: float, theta: FloatArray, o: int, out: FloatArray) -> None:
+    """Factor 1 + gain |x|."""
+    gain = theta[o]
+    out[VALUE] = 1.0 + gain * math.fabs(x)
+    out[D_X] = math.copysign(gain, x)
+    out[D_PARAMETER] = math.fabs(x)
+
+
+def probes(e: Evidence) -> list[Probe]:
+    """Linear: one look."""
+    return [(0.0,)]
+
+
+TERM = Term(
+    "load-dependent-friction",
+    "friction",
+    Slot.FRICTION_MODULATION,
+    (Parameter("gain", "1/m", 0.0, none=0.0),),
+    "Friction grows with the load of the spring: f_k (1 + gain |x|), gain = {gain}.",
+    law,
+    probes,
+    amplitude=0,
+    corner=True,
+    example=(0.8,),
+    place=always("large-displacement", "in proportion to |x|"),
+    told_from={
+        "quadratic-drag": "a release from another amplitude",
+        "friction-drift": "the same release repeated after a pause",
+    },
+    order=55,
+)

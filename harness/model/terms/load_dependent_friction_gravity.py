@@ -1,0 +1,45 @@
+"""Friction that grows with the torque of gravity on a bearing: 1 + gain |sin x|."""
+
+import math
+
+from harness.core.arrays import FloatArray
+from harness.model.evidence import Evidence
+from harness.model.law import D_PARAMETER, D_X, VALUE
+from harness.model.place import always
+from harness.model.term import Parameter, Probe, Slot, Term
+
+
+def law(x: float, v: float, theta: FloatArray, o: int, out: FloatArray) -> None:
+    """Factor 1 + gain |sin x|."""
+    gain = theta[o]
+    s = math.sin(x)
+    out[VALUE] = 1.0 + gain * math.fabs(s)
+    out[D_X] = math.copysign(gain, s) * math.cos(x)
+    out[D_PARAMETER] = math.fabs(s)
+
+
+def probes(e: Evidence) -> list[Probe]:
+    """Linear: one look."""
+    return [(0.0,)]
+
+
+TERM = Term(
+    "load-dependent-friction",
+    "friction",
+    Slot.FRICTION_MODULATION,
+    (Parameter("gain", "1", 0.0, none=0.0),),
+    "Friction grows with the torque of gravity: f_k (1 + gain |sin x|), gain = {gain}.",
+    law,
+    probes,
+    amplitude=0,
+    corner=True,
+    needs=("angle",),
+    variant="gravity",
+    example=(0.8,),
+    place=always("large-displacement", "in proportion to |sin x|"),
+    told_from={
+        "quadratic-drag": "a release from another amplitude",
+        "friction-drift": "the same release repeated after a pause",
+    },
+    order=56,
+)
