@@ -369,14 +369,6 @@ LEAST_CYCLES = Rule(
     " (python -m harness.app.calibrate few-cycles); on 96 machines 8 names four main effects less than 6, one less"
     " wrongly, and claims two controls less (python -m harness.app.calibrate main-effect)",
 )
-LISTED_CYCLES = Rule(
-    "listed-cycles",
-    6.0,
-    "cycles",
-    "a list is given; below it nothing is named",
-    "at five cycles the best of ten laws of one parameter passes gain and share on random misfit in 73 %, at six in"
-    " 34 %, by a calculation that is not repeated yet (python -m harness.app.calibrate few-cycles)",
-)
 MOST_LISTED = Rule(
     "most-listed",
     4.0,

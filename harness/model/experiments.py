@@ -5,3 +5,4 @@ from typing import Final
 LARGER: Final = "a release from a larger displacement"
 REST: Final = "a recording that starts before the release and goes on well after rest"
 SLOW: Final = "a slow to-and-fro drive with the force recorded, so that it breaks away several times"
+AGAIN: Final = "the same release repeated after a pause"

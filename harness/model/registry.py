@@ -62,3 +62,8 @@ def term(key: str) -> Term:
 def of_slot(slot: Slot) -> tuple[Term, ...]:
     """The terms of one slot, in catalogue order: the order of their numbers in the compiled dispatch."""
     return tuple(t for t in TERMS if t.slot is slot)
+
+
+def not_parted(one: str, other: str) -> bool:
+    """Whether two names of the catalogue say of each other that it takes another recording to tell them apart."""
+    return any({t.name, name} == {one, other} for t in TERMS for name in t.told_from)

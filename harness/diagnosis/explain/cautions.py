@@ -3,7 +3,7 @@
 from harness.diagnosis.fit.least_squares import Fit
 from harness.diagnosis.grading.grade import Graded
 from harness.diagnosis.outcome import Grade, Holdout
-from harness.diagnosis.rules import DECISIVE, LEAST_CYCLES, LISTED_CYCLES, PREDICTS_WORSE
+from harness.diagnosis.rules import DECISIVE, LEAST_CYCLES, PREDICTS_WORSE
 from harness.diagnosis.search.extend import key_of
 from harness.diagnosis.search.search import Search
 from harness.diagnosis.verdict import Judgement
@@ -63,8 +63,6 @@ def cautions_of_misfit(graded: Graded) -> tuple[str, ...]:
     cycles = graded.misfit.strokes.cycles
     if graded.grade is Grade.ONE_OF and cycles < LEAST_CYCLES.value:
         said.append(f"{cycles:.3g} cycles are too few for one name alone; a decay of {LEAST_CYCLES.value:g} would do")
-    if cycles < LISTED_CYCLES.value:
-        said.append(f"{cycles:.3g} cycles are too few for any name; a decay of {LEAST_CYCLES.value:g} would do")
     clocks = [f.name for f in graded.named if f.clock]
     if clocks:
         said.append(f"{clocks[0]} has the period of the oscillation itself, and such a law follows any other")

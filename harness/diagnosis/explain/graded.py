@@ -9,12 +9,13 @@ from harness.diagnosis.explain.place import place_of
 from harness.diagnosis.explain.remainder import remainder
 from harness.diagnosis.fit.least_squares import Fit
 from harness.diagnosis.fit.standard_errors import term_parameters
-from harness.diagnosis.grading.grade import Finalist, Graded
+from harness.diagnosis.grading.grade import Finalist, Graded, worthy
 from harness.diagnosis.grading.prediction import Predicted
 from harness.diagnosis.outcome import Alternative, Grade, Holdout, Mechanism, Prediction, Remainder, Tried
 from harness.diagnosis.problem import Problem
 from harness.diagnosis.rules import DECISIVE
 from harness.diagnosis.search.search import under
+from harness.model.registry import not_parted
 
 _MOST_ALTERNATIVES = 3
 """Names beside a main effect."""
@@ -69,8 +70,15 @@ def _mechanism(finalist: Finalist, graded: Graded, base: Fit, problem: Problem) 
 
 
 def _alternatives(first: Finalist, graded: Graded) -> tuple[Alternative, ...]:
-    near = [Alternative(f.name, first.gain - f.gain) for f in graded.finalists if f is not first and not f.clock]
-    return tuple(a for a in near if a.delta_bic < DECISIVE.value)[:_MOST_ALTERNATIVES]
+    """Names that are near, and those that this recording cannot part from the first whatever their evidence says.
+
+    A law of the amplitude and one of the time follow one decay alike, to the shape that small effects give it.
+    """
+    others = [f for f in graded.finalists if f is not first and not f.clock]
+    found = [Alternative(f.name, first.gain - f.gain) for f in others]
+    twins = {f.name for f in others if worthy(f, graded) and not_parted(first.name, f.name)}
+    listed = [a for a in found if a.delta_bic < DECISIVE.value or a.name in twins]
+    return tuple(sorted(listed, key=lambda a: a.name not in twins))[:_MOST_ALTERNATIVES]
 
 
 def _prediction(before: Predicted | None, after: Predicted | None) -> Prediction | None:

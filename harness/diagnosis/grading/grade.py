@@ -6,7 +6,6 @@ term, and by prediction of what it was not fitted to.
 """
 
 import math
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 from harness.diagnosis.baseline.words import evidence
@@ -21,7 +20,6 @@ from harness.diagnosis.rules import (
     HELD_OUT,
     LEAST_CYCLES,
     LEAST_RATIO,
-    LISTED_CYCLES,
     MARGIN,
     MOST_LISTED,
     PREDICTS_BETTER,
@@ -98,8 +96,6 @@ def grade(misfit: Misfit) -> Graded:
 
 def decided(found: Graded) -> Graded:
     """Grade finalists whose evidence and predictions are known."""
-    if found.misfit.strokes.cycles < LISTED_CYCLES.value:
-        return replace(found, rules=(LISTED_CYCLES,))
     return _by_share(found) or _by_run(found) or _minor(found)
 
 
@@ -147,18 +143,15 @@ def _on_the_swing(entry: ModelTerm, misfit: Misfit) -> bool:
     return any(abs(rate - m * omega) < width for m in range(1, 5))
 
 
-def _alike(first: Finalist, others: Sequence[Finalist]) -> list[Finalist]:
-    """Those that are not told apart from the first."""
-    return [
-        f
-        for f in others
-        if f is not first
-        and f.gain >= GAIN.value
-        and (f.gain > first.gain - MARGIN.value or f.fit.chi2 < LEAST_RATIO.value * first.fit.chi2)
-    ]
+def _alike(first: Finalist, found: Graded) -> list[Finalist]:
+    """Those that are not told apart from the first; a clock on the swing follows anything, so that it must predict."""
+    # at many words a margin is a hair in squares, which small effects that nobody models shift by themselves
+    margin = max(MARGIN.value, found.misfit.words * math.log(LEAST_RATIO.value))
+    near = [f for f in found.finalists if f is not first and f.gain >= GAIN.value and f.gain > first.gain - margin]
+    return [f for f in near if not f.clock] + [f for f in near if f.clock and worthy(f, found)]
 
 
-def _worthy(f: Finalist, found: Graded) -> bool:
+def worthy(f: Finalist, found: Graded) -> bool:
     """Whether a term takes most of the misfit, and predicts."""
     return (
         f.gain >= GAIN.value
@@ -171,27 +164,27 @@ def _worthy(f: Finalist, found: Graded) -> bool:
 def _by_share(found: Graded) -> Graded | None:
     """A main effect by its share of the misfit, or the names that share that place; None where no term has it."""
     rules = (GAIN, SHARE_OF_EXCESS, SHARE_OF_MISFIT, HELD_OUT)
-    steady = [f for f in found.finalists if not f.clock]
-    worthy = [f for f in steady if _worthy(f, found)]
-    # a clock on the swing follows anything: it is listed where it leads by far, never alone
-    clocks = [f for f in found.finalists if f.clock and _worthy(f, found)]
-    if not worthy:
+    # a clock on the swing follows anything: it may be listed, never first and never alone
+    candidates = [f for f in found.finalists if not f.clock and worthy(f, found)]
+    if not candidates:
         return None
-    first = worthy[0]
-    better = [
-        f
-        for f in worthy
-        if f.held is not None and first.held is not None and clearly_less(f.held, first.held, PREDICTS_BETTER.value)
-    ]
-    near = _alike(first, steady)
-    leading = [f for f in clocks[:1] if f.gain > first.gain + MARGIN.value]
-    listed = (*leading, first, *near, *(f for f in better if f not in near))
+    first = candidates[0]
+    near = _alike(first, found)
+    better = [f for f in candidates if f not in near and _predicts_better(f, first)]
+    listed = (first, *near, *better)
     if len(listed) > 1:
-        why, first_few = SAME_CLOCK if leading else MARGIN, listed[: MOST_LISTED.count]
-        return replace(found, grade=Grade.ONE_OF, named=first_few, rules=(*rules, why, LEAST_RATIO, MOST_LISTED))
+        first_few = listed[: MOST_LISTED.count]
+        return replace(found, grade=Grade.ONE_OF, named=first_few, rules=(*rules, MARGIN, LEAST_RATIO, MOST_LISTED))
     if found.misfit.strokes.cycles < LEAST_CYCLES.value:
         return replace(found, grade=Grade.ONE_OF, named=listed, rules=(*rules, LEAST_CYCLES))
     return replace(found, grade=Grade.MAIN, named=listed, rules=(*rules, MARGIN, LEAST_RATIO))
+
+
+def _predicts_better(one: Finalist, first: Finalist) -> bool:
+    """Whether a term misses clearly less of what was left out than the first one does."""
+    if one.held is None or first.held is None:
+        return False
+    return clearly_less(one.held, first.held, PREDICTS_BETTER.value)
 
 
 def _by_run(found: Graded) -> Graded | None:

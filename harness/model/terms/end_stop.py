@@ -8,6 +8,7 @@ import numpy as np
 from harness.core.arrays import FloatArray
 from harness.model.elements import Element, Zone
 from harness.model.evidence import Evidence
+from harness.model.experiments import LARGER
 from harness.model.law import D_PARAMETER, D_X, VALUE
 from harness.model.place import Place, Seen
 from harness.model.term import Parameter, Probe, Slot, Term
@@ -78,6 +79,7 @@ def _stop(variant: str, side: str, law: Callable[..., None], sides: tuple[int, .
         corner=True,
         place=place,
         elements=made_of,
+        told_from={"stiffness-drift": LARGER},
         order=160,
     )
 

@@ -2,6 +2,7 @@
 
 from harness.core.arrays import FloatArray
 from harness.model.evidence import Evidence
+from harness.model.experiments import AGAIN
 from harness.model.law import D_PARAMETER, D_T, VALUE
 from harness.model.place import always
 from harness.model.term import Parameter, Probe, Slot, Term
@@ -31,6 +32,6 @@ TERM = Term(
     amplitude=0,
     example=(-0.2,),
     place=always("late", "in proportion to t"),
-    told_from={"position-dependent-friction": "the same release repeated after a pause"},
+    told_from={"position-dependent-friction": AGAIN, "quadratic-drag": AGAIN},
     order=70,
 )

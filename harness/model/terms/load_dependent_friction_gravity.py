@@ -4,6 +4,7 @@ import math
 
 from harness.core.arrays import FloatArray
 from harness.model.evidence import Evidence
+from harness.model.experiments import AGAIN, LARGER
 from harness.model.law import D_PARAMETER, D_X, VALUE
 from harness.model.place import always
 from harness.model.term import Parameter, Probe, Slot, Term
@@ -38,8 +39,8 @@ TERM = Term(
     example=(0.8,),
     place=always("large-displacement", "in proportion to |sin x|"),
     told_from={
-        "quadratic-drag": "a release from another amplitude",
-        "friction-drift": "the same release repeated after a pause",
+        "quadratic-drag": LARGER,
+        "friction-drift": AGAIN,
     },
     order=56,
 )
