@@ -128,7 +128,8 @@ class Outcome:
     problem : with the noise that the verdict rests on. base : fit of viscous and Coulomb friction. refined : fit of the
     best model found (the base when nothing is missing or nothing helps). evidence : every catalogue name that was
     tried alone, best first. mechanisms : strongest first. stepping : of the engine whose trace it is.
-    rules : those that decided. remainder : where no model explains the recording to its noise.
+    rules : those that decided. remainder : where no model explains the recording to its noise. tested : whether what
+    the refined model leaves was tested for being noise.
     """
 
     problem: Problem
@@ -146,3 +147,4 @@ class Outcome:
     stepping: Stepping | None = None
     rules: tuple[Rule, ...] = ()
     remainder: Remainder | None = None
+    tested: bool = True

@@ -7,6 +7,7 @@ from harness.core.errors import SimulationError
 from harness.diagnosis.baseline.base_fit import baseline
 from harness.diagnosis.fit.least_squares import Fit
 from harness.diagnosis.problem import Problem
+from harness.diagnosis.problems.free_decay import FreeDecay
 from harness.diagnosis.rules import AMONG_NAMES, DECISIVE
 from harness.diagnosis.search import extend as select
 from harness.diagnosis.search.extend import extend
@@ -20,7 +21,7 @@ from harness.model.registry import TERMS
 def decay() -> Problem:
     t = np.linspace(0.0, 8.0, 1200)
     x = simulate(Model(1.0, 0.3, 100.0, 0.4, x0=0.1), t).x + 1e-4 * np.random.default_rng(1).standard_normal(t.size)
-    return Problem(t, {"x": x}, {"x": channel_noise(t, x)})
+    return FreeDecay(t, {"x": x}, {"x": channel_noise(t, x)})
 
 
 def test_a_law_too_stiff_for_a_first_look_is_nothing_to_build_on(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -23,7 +23,9 @@ from harness.diagnosis.fit.rmse import rmse
 from harness.diagnosis.outcome import Forced, Holdout
 from harness.diagnosis.problem import Problem
 from harness.diagnosis.search.screen import screen
+from harness.diagnosis.search.search import Search
 from harness.diagnosis.search.start_evidence import evidence
+from harness.diagnosis.verdict import Judgement
 from harness.kernels.solve import Scales
 from harness.model.model import Model, ModelTerm
 from harness.model.place import Place, Spans
@@ -141,7 +143,7 @@ def _shown_nowhere_else(entry: ModelTerm, place: Place, problem: Problem, taken:
 
 
 def holdout(
-    base: Fit, refined: Fit, problem: Problem, scales: Scales, acting: list[tuple[ModelTerm, Place]]
+    base: Fit, refined: Fit, problem: Problem, scales: Scales, acting: Sequence[tuple[ModelTerm, Place]]
 ) -> Holdout:
     """Held-out rmse by channel of the base model and the refined one; no spans below two periods."""
     spans = _periods(problem, scales.omega)
@@ -153,3 +155,15 @@ def holdout(
     before = rmse(_predicted(base, problem, scales, out), problem, out)
     after = before if refined is base else rmse(_predicted(refined, problem, scales, out), problem, out)
     return Holdout(spans, before, after)
+
+
+def periods_held_out(
+    found: Search, judgement: Judgement, scales: Scales, acting: Sequence[tuple[ModelTerm, Place]]
+) -> Holdout:
+    """What was held out, predicted by the base and the refined model, and by one term too many where none is needed."""
+    problem = found.problem
+    refined = found.base if judgement.refined.model.terms == () else found.chosen
+    prediction = holdout(found.base, refined, problem, scales, acting)
+    if judgement.verdict == "adequate":
+        prediction = replace(prediction, forced=forced(found.base, found.singles, problem, scales))
+    return prediction

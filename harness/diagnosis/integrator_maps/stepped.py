@@ -64,7 +64,7 @@ def _is_even(t: FloatArray) -> bool:
 
 def _worth_a_try(found: Search) -> Fit | None:
     """The fit to start from: where soft friction, nothing but readings, or no explanation was found."""
-    if found.problem.drive is not None or "x" not in found.problem.channels or not _is_even(found.problem.t):
+    if "x" not in found.problem.channels or not _is_even(found.problem.t):
         return None
     names = set(key_of(found.chosen))
     if found.explained:

@@ -12,14 +12,13 @@ from harness.diagnosis.fit.rmse import rmse
 from harness.diagnosis.inverse_dynamics.force_fit import refitted
 from harness.diagnosis.inverse_dynamics.measured import Measured
 from harness.diagnosis.outcome import Holdout
-from harness.diagnosis.problem import Problem
+from harness.diagnosis.problems.inverse_dynamics import InverseDynamics
 from harness.kernels.solve import Scales
 
 
-def holdout_windows(base: Fit, refined: Fit, problem: Problem, scales: Scales) -> Holdout:
+def holdout_windows(base: Fit, refined: Fit, problem: InverseDynamics, scales: Scales) -> Holdout:
     """Held-out rmse by channel of the base model and the refined one; no spans below two windows."""
-    assert problem.restarts is not None
-    windows, t = problem.restarts.windows[1::2], problem.t
+    windows, t = problem.starts.windows[1::2], problem.t
     if not windows:
         return Holdout((), {}, {})
     out = np.zeros(t.size, dtype=np.bool_)
@@ -34,7 +33,9 @@ def holdout_windows(base: Fit, refined: Fit, problem: Problem, scales: Scales) -
     return Holdout(tuple((w.t0, float(t[w.stop - 1])) for w in windows), before, after)
 
 
-def _predicted(found: Fit, apart: Measured, problem: Problem, scales: Scales, out: BoolArray) -> dict[str, float]:
+def _predicted(
+    found: Fit, apart: Measured, problem: InverseDynamics, scales: Scales, out: BoolArray
+) -> dict[str, float]:
     model = found.model
     with suppress(SimulationError):
         model = refitted(found, apart)

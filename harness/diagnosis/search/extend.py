@@ -130,7 +130,7 @@ def _with_friction(current: Fit, problem: Problem, scales: Scales) -> Fit | None
 def extend(current: Fit, problem: Problem, scales: Scales, terms: Sequence[Term] = TERMS) -> Step:
     """Fit every term that is worth it on top of a model."""
     base = base_of(current.free)
-    if problem.restarts is None and "v0" not in base:
+    if "v0" in problem.starts.names and "v0" not in base:
         base = (*base, "v0")
     small, _ = condensed(problem, current.shown, _COARSE_SAMPLES, scales.omega)
     best = _rough(_candidates(current, problem, scales, terms), small, base, scales)

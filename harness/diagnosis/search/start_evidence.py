@@ -53,6 +53,6 @@ def evidence(fit: Fit, problem: Problem, scales: Scales) -> Evidence:
         duration=span,
         frequencies=frequencies(fit, problem, scales.omega),
         knock_times=knocks,
-        driven=problem.drive is not None,
+        driven="driven" in problem.given,
         angular=problem.angular,
     )
