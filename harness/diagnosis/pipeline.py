@@ -91,6 +91,7 @@ def _said(judged: Judged) -> Outcome:
     )
     coarse = judged.found.coarse.problem
     prediction = kind_of(coarse).hold_out(coarse, judged, acting)
+    unpredicted = (prediction.why,) if prediction.why else ()
     tested = found.left is not Left.UNTESTED
     said = () if stepping is None else (stepping.sentence,)
     return Outcome(
@@ -106,7 +107,7 @@ def _said(judged: Judged) -> Outcome:
         base_parameters=base_parameters(found.base, problem, scales.omega, verdict == "adequate" or not tested),
         refined_parameters=base_parameters(refined, problem, scales.omega, verdict != "unexplained"),
         next_experiment=next_experiment(tuple(mechanisms), problem),
-        warnings=(*said, *cautions(found, judgement, prediction), *judged.found.notes),
+        warnings=(*said, *cautions(found, judgement, prediction), *unpredicted, *judged.found.notes),
         stepping=stepping,
         rules=judgement.rules,
         tested=tested,

@@ -20,7 +20,7 @@ from harness.diagnosis.problems.driven import Driven
 from harness.diagnosis.problems.free_decay import FreeDecay
 from harness.diagnosis.problems.starts import Window, Windows
 from harness.diagnosis.sensors.resample import motion_at
-from harness.diagnosis.sensors.sensed import sensed
+from harness.diagnosis.sensors.sensor_model import sensed
 from harness.engines.simulator import EngineSimulator
 from harness.estimate.noise import Noise
 from harness.kernels.solve import Drive, Scales, simulate, solve

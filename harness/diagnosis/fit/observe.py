@@ -9,8 +9,8 @@ from harness.core.arrays import FloatArray, IntArray, ModeArray
 from harness.core.events import Events
 from harness.diagnosis.problem import Problem
 from harness.diagnosis.problems.starts import Start
-from harness.diagnosis.sensors.readings import Reading, lag_of, read
 from harness.diagnosis.sensors.resample import Kinematics
+from harness.diagnosis.sensors.sensor_model import Reading, lag_of, read
 from harness.kernels.solve import By, Effort, Scales, solve
 from harness.model.model import Model
 from harness.model.term import Slot

@@ -170,5 +170,10 @@ def _root_of_inverse(covariance: FloatArray) -> FloatArray:
 
 
 def refitted(found: Fit, measured: Measured) -> Model:
-    """The model of a fit, fitted to the blocks that count in ``measured``."""
+    """The model of a fit, fitted to the blocks that count in ``measured``.
+
+    Raises SimulationError where these are fewer than its numbers, or a law overflows.
+    """
+    if np.count_nonzero(measured.moving) <= len(found.free):
+        raise SimulationError("the slider hardly moves")
     return fit_force(found.model, measured, found.free).model

@@ -6,6 +6,7 @@ real drive is never white, so that evidence counts independent values only.
 """
 
 import math
+from collections.abc import Iterator
 from dataclasses import replace
 from functools import partial
 
@@ -89,7 +90,19 @@ def search_driven(problem: InverseDynamics, judge: Judge | None = None) -> tuple
         seen(singles),
         seen([*rivals, *(f for f in path if all(f is not r for r in rivals))]),
         Left.UNTESTED,
+        tuple(f if f is None else as_fit(f, problem, measured, chosen, shown) for f in _less_each(chosen, measured)),
     ), scales
+
+
+def _less_each(found: ForceFit, measured: Measured) -> Iterator[ForceFit | None]:
+    """A model of several terms less each of them in turn, fitted again; None where a law overflows."""
+    terms = found.model.terms
+    for i in range(len(terms) if len(terms) > 1 else 0):
+        model = replace(found.model, terms=terms[:i] + terms[i + 1 :])
+        try:
+            yield fit_force(model, measured, free_of(model, base_of(found.free)))
+        except SimulationError:
+            yield None
 
 
 def extended(current: ForceFit, measured: Measured, problem: InverseDynamics, scales: Scales) -> list[ForceFit]:

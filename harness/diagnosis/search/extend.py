@@ -188,19 +188,23 @@ def settle(found: Fit, problem: Problem, scales: Scales) -> Fit:
         return found
 
 
-def prune(found: Fit, problem: Problem, scales: Scales) -> Fit:
-    """Leave out each term that BIC does not miss."""
+def prune(found: Fit, problem: Problem, scales: Scales) -> tuple[Fit, tuple[Fit | None, ...]]:
+    """Leave out each term that BIC does not miss; and what is left, without each of its terms in turn.
+
+    The latter are fitted again; None where that cannot be simulated.
+    """
     while found.model.terms:
-        base = base_of(found.free)
-        smaller = []
-        for i in range(len(found.model.terms)):
-            model = replace(found.model, terms=found.model.terms[:i] + found.model.terms[i + 1 :])
-            try:
-                smaller.append(fit(model, problem, free_of(model, base), scales))
-            except SimulationError:
-                continue
-        best = min(smaller, key=lambda f: f.bic, default=None)
+        smaller = tuple(_without(found, i, problem, scales) for i in range(len(found.model.terms)))
+        best = min((f for f in smaller if f is not None), key=lambda f: f.bic, default=None)
         if best is None or best.bic > found.bic + DECISIVE.value:
-            return found
+            return found, smaller
         found = best
-    return found
+    return found, ()
+
+
+def _without(found: Fit, index: int, problem: Problem, scales: Scales) -> Fit | None:
+    model = replace(found.model, terms=found.model.terms[:index] + found.model.terms[index + 1 :])
+    try:
+        return fit(model, problem, free_of(model, base_of(found.free)), scales)
+    except SimulationError:
+        return None

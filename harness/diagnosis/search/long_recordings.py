@@ -66,4 +66,5 @@ def lifted(found: Search, whole: Problem, scales: Scales) -> Search:
         chosen=chosen,
         singles=(*best, *moved(found.singles[1:])),
         rivals=moved(found.rivals),
+        without=tuple(f if f is None else moved((f,))[0] for f in found.without),
     )

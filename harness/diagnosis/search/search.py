@@ -33,7 +33,8 @@ class Search:
 
     problem : with the noise as the chosen model leaves it. base, chosen : fits under that noise. singles : each
     catalogue name alone, best first. rivals : fits of as many terms as the chosen one, best first. left : what the
-    chosen model leaves.
+    chosen model leaves. without : where the chosen model has several terms, it less each of them in turn, the rest
+    fitted again; None where that cannot be simulated.
     """
 
     problem: Problem
@@ -42,6 +43,7 @@ class Search:
     singles: tuple[Fit, ...]
     rivals: tuple[Fit, ...]
     left: Left
+    without: tuple[Fit | None, ...] = ()
 
     @property
     def explained(self) -> bool:
@@ -119,7 +121,9 @@ def search(problem: P, base: Fit, scales: Scales, renew: Renew[P] = once) -> Sea
     if not found.chosen.model.terms or found.base.bic > found.chosen.bic + AMONG_NAMES.value + problem.spare:
         return found
     # what counts as noise has grown since the term was decided for
-    return replace(found, chosen=found.base, left=left_by(found.base, found.problem, scales.omega, found.base))
+    return replace(
+        found, chosen=found.base, without=(), left=left_by(found.base, found.problem, scales.omega, found.base)
+    )
 
 
 def _search(problem: P, base: Fit, scales: Scales, renew: Renew[P]) -> Search:
@@ -153,12 +157,12 @@ def _search(problem: P, base: Fit, scales: Scales, renew: Renew[P]) -> Search:
         chosen, rivals = _simplest(found, under(chosen, problem), second), found
         left = left_by(chosen, problem, scales.omega, base)
         beam = list(found[:2])
-    pruned = prune(chosen, problem, scales)
+    pruned, without = prune(chosen, problem, scales)
     if len(pruned.model.terms) < len(chosen.model.terms):
         chosen = settle(pruned, problem, scales)
         rivals = singles if len(chosen.model.terms) <= 1 else rivals
         left = left_by(chosen, problem, scales.omega, base)
-    return Search(problem, base, chosen, singles, rivals, left)
+    return Search(problem, base, chosen, singles, rivals, left, without if len(chosen.model.terms) > 1 else ())
 
 
 def _levelled(found: Search) -> Search:
@@ -182,7 +186,8 @@ def _levelled(found: Search) -> Search:
         again = (chosen if f is found.chosen else under(f, problem) for f in fits)
         return tuple(sorted(again, key=lambda f: f.bic))
 
-    return Search(problem, base, chosen, seen(found.singles), seen(found.rivals), found.left)
+    without = tuple(f if f is None else under(f, problem) for f in found.without)
+    return Search(problem, base, chosen, seen(found.singles), seen(found.rivals), found.left, without)
 
 
 def _beam(singles: tuple[Fit, ...]) -> list[Fit]:
