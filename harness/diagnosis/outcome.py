@@ -6,7 +6,7 @@ from enum import StrEnum
 from typing import Literal, TypeAlias
 
 from harness.core.quantity import Quantity
-from harness.diagnosis.fit.least_squares import Fit
+from harness.diagnosis.fit.model_fit import Fit
 from harness.diagnosis.integrator_maps.maps import Stepping
 from harness.diagnosis.problem import Problem
 from harness.diagnosis.rules import Rule

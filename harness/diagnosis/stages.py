@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 from typing import Generic
 
-from harness.diagnosis.fit.least_squares import Fit
+from harness.diagnosis.fit.model_fit import Fit
 from harness.diagnosis.grading.grade import Graded
 from harness.diagnosis.integrator_maps.maps import Stepping
 from harness.diagnosis.problem import P

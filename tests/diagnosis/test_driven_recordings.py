@@ -13,7 +13,7 @@ from harness.core.arrays import FloatArray
 from harness.core.errors import InputError
 from harness.core.recording import Recording
 from harness.diagnosis.baseline.driven_base_fit import driven_baseline
-from harness.diagnosis.fit.least_squares import fit
+from harness.diagnosis.fit.model_fit import fit
 from harness.diagnosis.fit.observe import observe
 from harness.diagnosis.fit.parameters import free_of
 from harness.diagnosis.inverse_dynamics.bootstrap_null import taken_by_chance

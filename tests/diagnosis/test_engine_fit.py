@@ -12,7 +12,7 @@ from harness.core.recording import Recording
 from harness.diagnosis.alignment.align import align
 from harness.diagnosis.explain.attribution import MeanSquares, attribute_engine, attribute_trace, shares
 from harness.diagnosis.explain.engines import engine_fit, suitable_step
-from harness.diagnosis.fit.least_squares import fit
+from harness.diagnosis.fit.model_fit import fit
 from harness.diagnosis.fit.observe import observe
 from harness.diagnosis.fit.parameters import free_of
 from harness.diagnosis.problem import Problem

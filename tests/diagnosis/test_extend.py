@@ -6,7 +6,7 @@ import pytest
 from harness.core.errors import SimulationError
 from harness.diagnosis.baseline.base_fit import baseline
 from harness.diagnosis.explain.mechanism import mechanism
-from harness.diagnosis.fit.least_squares import Fit, fit
+from harness.diagnosis.fit.model_fit import Fit, fit
 from harness.diagnosis.fit.parameters import free_of
 from harness.diagnosis.problem import Problem
 from harness.diagnosis.problems.free_decay import FreeDecay

@@ -10,7 +10,7 @@ from harness.core.arrays import BoolArray
 from harness.core.recording import Recording
 from harness.diagnosis.baseline.driven_base_fit import driven_baseline
 from harness.diagnosis.fit.fitted_states import begun
-from harness.diagnosis.fit.least_squares import Fit, fit
+from harness.diagnosis.fit.model_fit import Fit, fit
 from harness.diagnosis.fit.observe import observe
 from harness.diagnosis.input_noise.noisy_base_fit import along
 from harness.diagnosis.pipeline import diagnose, prepare

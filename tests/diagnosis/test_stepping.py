@@ -10,7 +10,7 @@ from harness.core.recording import Recording
 from harness.core.trajectory import Trajectory
 from harness.diagnosis.baseline.base_fit import baseline
 from harness.diagnosis.explain.attribution import MeanSquares, shares
-from harness.diagnosis.fit.least_squares import fit
+from harness.diagnosis.fit.model_fit import fit
 from harness.diagnosis.fit.parameters import free_of
 from harness.diagnosis.integrator_maps.stepped import as_stepped
 from harness.diagnosis.outcome import Outcome

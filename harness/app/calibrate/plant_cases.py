@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from harness.core.errors import SimulationError
-from harness.diagnosis.fit.least_squares import Fit
+from harness.diagnosis.fit.model_fit import Fit
 from harness.diagnosis.problem import Problem
 from harness.diagnosis.problems.free_decay import FreeDecay
 from harness.diagnosis.search.extend import extend, settle

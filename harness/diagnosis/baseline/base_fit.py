@@ -13,7 +13,7 @@ import numpy as np
 from harness.core.arrays import FloatArray
 from harness.core.errors import InputError, SimulationError
 from harness.diagnosis.baseline.spectral_peaks import peaks
-from harness.diagnosis.fit.least_squares import Fit, fit
+from harness.diagnosis.fit.model_fit import Fit, fit
 from harness.diagnosis.fit.observe import COARSE
 from harness.diagnosis.fit.parameters import base_of, free_of
 from harness.diagnosis.problem import Problem

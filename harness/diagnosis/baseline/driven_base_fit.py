@@ -8,7 +8,7 @@ import numpy as np
 
 from harness.core.errors import SimulationError
 from harness.diagnosis.baseline.base_fit import dominant_frequency
-from harness.diagnosis.fit.least_squares import Fit, fit
+from harness.diagnosis.fit.model_fit import Fit, fit
 from harness.diagnosis.fit.parameters import free_of
 from harness.diagnosis.motion import motion_of
 from harness.diagnosis.problem import Problem

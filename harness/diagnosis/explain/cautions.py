@@ -1,6 +1,6 @@
 """What a reader of a verdict is warned of."""
 
-from harness.diagnosis.fit.least_squares import Fit
+from harness.diagnosis.fit.model_fit import Fit
 from harness.diagnosis.grading.grade import Graded
 from harness.diagnosis.outcome import Grade, Holdout
 from harness.diagnosis.rules import DECISIVE, LEAST_CYCLES, LISTED_CYCLES, PREDICTS_WORSE

@@ -16,7 +16,7 @@ import numpy as np
 from harness.core.arrays import BoolArray, FloatArray
 from harness.core.errors import SimulationError
 from harness.diagnosis.explain.place import place_of
-from harness.diagnosis.fit.least_squares import Fit, fit
+from harness.diagnosis.fit.model_fit import Fit, fit
 from harness.diagnosis.fit.observe import FINE, observe
 from harness.diagnosis.fit.parameters import base_of, free_of
 from harness.diagnosis.fit.rmse import rmse

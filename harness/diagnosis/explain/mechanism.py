@@ -1,7 +1,7 @@
 """What is said of a term that is named: its sentence, parameters, evidence, and what could stand in its place."""
 
 from harness.core.quantity import Quantity
-from harness.diagnosis.fit.least_squares import Fit
+from harness.diagnosis.fit.model_fit import Fit
 from harness.diagnosis.fit.standard_errors import AT_LEAST, term_parameters
 from harness.diagnosis.outcome import Alternative, Mechanism
 from harness.diagnosis.rules import DECISIVE

@@ -2,7 +2,7 @@
 
 from dataclasses import replace
 
-from harness.diagnosis.fit.least_squares import fit
+from harness.diagnosis.fit.model_fit import fit
 from harness.diagnosis.fit.observe import observe
 from harness.diagnosis.fit.parameters import free_of
 from harness.diagnosis.fit.rmse import rmse

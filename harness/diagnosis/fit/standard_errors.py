@@ -11,7 +11,7 @@ import numpy as np
 from harness.core.arrays import FloatArray
 from harness.core.quantity import Quantity
 from harness.diagnosis.fit.cluster_covariance import clustered_covariance
-from harness.diagnosis.fit.least_squares import Fit
+from harness.diagnosis.fit.model_fit import Fit
 from harness.diagnosis.problem import Problem
 from harness.model.model import Restoring
 

@@ -10,7 +10,7 @@ from harness.core.arrays import FloatArray
 from harness.diagnosis.baseline.base_fit import baseline
 from harness.diagnosis.baseline.residual_noise import residual_noise
 from harness.diagnosis.baseline.words import Strokes, words_of
-from harness.diagnosis.fit.least_squares import Fit, fit
+from harness.diagnosis.fit.model_fit import Fit, fit
 from harness.diagnosis.problem import Problem
 from harness.estimate.noise import Noise
 from harness.kernels.solve import Scales

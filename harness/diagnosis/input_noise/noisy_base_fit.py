@@ -9,7 +9,7 @@ import numpy as np
 
 from harness.core.errors import SimulationError
 from harness.diagnosis.fit.fitted_states import begun
-from harness.diagnosis.fit.least_squares import Fit, fit, whitened
+from harness.diagnosis.fit.model_fit import Fit, fit, whitened
 from harness.diagnosis.fit.observe import COARSE, observe
 from harness.diagnosis.input_noise.propagation import force_noise
 from harness.diagnosis.problems.driven import Driven

@@ -14,7 +14,7 @@ import numpy as np
 
 from harness.core.arrays import FloatArray
 from harness.core.errors import SimulationError
-from harness.diagnosis.fit.least_squares import Fit
+from harness.diagnosis.fit.model_fit import Fit
 from harness.diagnosis.fit.observe import COARSE, Observation, observe
 from harness.diagnosis.fit.parameters import Free, bounds_of, coordinates_of, values_of, with_coordinates, with_values
 from harness.diagnosis.inverse_dynamics.measured import Measured

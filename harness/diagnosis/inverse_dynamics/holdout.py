@@ -6,7 +6,7 @@ import numpy as np
 
 from harness.core.arrays import BoolArray
 from harness.core.errors import SimulationError
-from harness.diagnosis.fit.least_squares import Fit
+from harness.diagnosis.fit.model_fit import Fit
 from harness.diagnosis.fit.observe import COARSE, observe
 from harness.diagnosis.fit.rmse import rmse
 from harness.diagnosis.inverse_dynamics.force_fit import refitted

@@ -14,7 +14,7 @@ import numpy as np
 
 from harness.core.errors import SimulationError
 from harness.diagnosis.baseline.driven_base_fit import driven_scales
-from harness.diagnosis.fit.least_squares import Fit
+from harness.diagnosis.fit.model_fit import Fit
 from harness.diagnosis.fit.parameters import base_of, free_of
 from harness.diagnosis.inverse_dynamics.bootstrap_null import taken_by_chance
 from harness.diagnosis.inverse_dynamics.force_fit import ForceFit, as_fit, fit_force, simulated

@@ -7,7 +7,7 @@ from harness.core.recording import Recording
 from harness.diagnosis.baseline.driven_base_fit import driven_baseline
 from harness.diagnosis.explain.holdout import periods_held_out
 from harness.diagnosis.fit.another import as_started, only_started
-from harness.diagnosis.fit.least_squares import Fit
+from harness.diagnosis.fit.model_fit import Fit
 from harness.diagnosis.input_noise.noisy_base_fit import along, in_turn
 from harness.diagnosis.inverse_dynamics.validate import Judge
 from harness.diagnosis.kinds.kind import Kind

@@ -14,7 +14,7 @@ import numpy as np
 from harness.core.errors import InputError, SimulationError
 from harness.diagnosis.baseline.base_fit import baseline
 from harness.diagnosis.baseline.words import Strokes, evidence, words_of
-from harness.diagnosis.fit.least_squares import Fit
+from harness.diagnosis.fit.model_fit import Fit
 from harness.diagnosis.problem import P, Problem
 from harness.diagnosis.request import Asked
 from harness.diagnosis.rules import GAIN, LARGE_ANGLE

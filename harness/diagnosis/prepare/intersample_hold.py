@@ -6,7 +6,7 @@ import numpy as np
 
 from harness.core.arrays import FloatArray
 from harness.diagnosis.baseline.driven_base_fit import driven_scales
-from harness.diagnosis.fit.least_squares import Fit, fit
+from harness.diagnosis.fit.model_fit import Fit, fit
 from harness.diagnosis.fit.observe import COARSE
 from harness.diagnosis.fit.parameters import free_of
 from harness.diagnosis.input_noise.noisy_base_fit import in_turn

@@ -8,7 +8,7 @@ import numpy as np
 
 from harness.core.errors import SimulationError
 from harness.diagnosis.baseline.base_fit import at_rest
-from harness.diagnosis.fit.least_squares import Fit, chi2_of, fit
+from harness.diagnosis.fit.model_fit import Fit, chi2_of, fit
 from harness.diagnosis.fit.observe import COARSE
 from harness.diagnosis.fit.parameters import base_of, free_of
 from harness.diagnosis.problem import Problem

@@ -9,7 +9,7 @@ from dataclasses import replace
 import numpy as np
 
 from harness.diagnosis.baseline.base_fit import baseline
-from harness.diagnosis.fit.least_squares import Fit, fit
+from harness.diagnosis.fit.model_fit import Fit, fit
 from harness.diagnosis.fit.observe import observe
 from harness.diagnosis.problem import P, Problem
 from harness.diagnosis.search.decimation import condensed

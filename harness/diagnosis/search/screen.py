@@ -12,7 +12,7 @@ import numpy as np
 
 from harness.core.arrays import FloatArray
 from harness.core.errors import SimulationError
-from harness.diagnosis.fit.least_squares import Fit, evaluate, whitened
+from harness.diagnosis.fit.model_fit import Fit, evaluate, whitened
 from harness.diagnosis.fit.observe import COARSE, observe
 from harness.diagnosis.fit.parameters import with_values
 from harness.diagnosis.problem import Problem

@@ -13,7 +13,7 @@ from typing import TypeAlias
 import numpy as np
 
 from harness.diagnosis.baseline.residual_noise import coloured_whole, residual_noise
-from harness.diagnosis.fit.least_squares import Fit, whitened
+from harness.diagnosis.fit.model_fit import Fit, whitened
 from harness.diagnosis.problem import P, Problem
 from harness.diagnosis.residual_tests.structure import Left, left_by, structure
 from harness.diagnosis.rules import AMONG_NAMES, COLOUR_ALONE, DECISIVE, MOST_TERMS, SECOND_TERM

@@ -6,7 +6,7 @@ import numpy as np
 
 from harness.core.arrays import FloatArray
 from harness.diagnosis.baseline.spectral_peaks import peaks
-from harness.diagnosis.fit.least_squares import Fit
+from harness.diagnosis.fit.model_fit import Fit
 from harness.diagnosis.problem import Problem
 from harness.kernels.solve import Scales
 from harness.model.evidence import Evidence
