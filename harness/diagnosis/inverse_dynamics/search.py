@@ -25,7 +25,7 @@ from harness.diagnosis.problem import Problem
 from harness.diagnosis.problems.inverse_dynamics import InverseDynamics
 from harness.diagnosis.residual_tests.structure import Left
 from harness.diagnosis.rules import AMONG_NAMES, DECISIVE, MOST_FORCE_TERMS
-from harness.diagnosis.search.search import Search
+from harness.diagnosis.search.search import Search, less_each
 from harness.estimate.noise import Noise
 from harness.fit.autocorrelation import ENOUGH
 from harness.kernels.solve import Drive, Scales
@@ -83,21 +83,16 @@ def search_driven(problem: InverseDynamics, judge: Judge | None = None) -> tuple
         again = (last if f is chosen else as_fit(f, problem, measured, chosen, shown) for f in fits)
         return tuple(sorted(again, key=lambda f: f.bic))
 
-    return Search(
-        problem,
-        first,
-        last,
-        seen(singles),
-        seen([*rivals, *(f for f in path if all(f is not r for r in rivals))]),
-        Left.UNTESTED,
-        tuple(f if f is None else as_fit(f, problem, measured, chosen, shown) for f in _less_each(chosen, measured)),
-    ), scales
+    alone, rest = seen(singles), seen([*rivals, *(f for f in path if all(f is not r for r in rivals))])
+    fitted = [f if f is None else as_fit(f, problem, measured, chosen, shown) for f in _refitted(chosen, measured)]
+    without = less_each(last, fitted, (*alone, *rest))
+    return Search(problem, first, last, alone, rest, Left.UNTESTED, without), scales
 
 
-def _less_each(found: ForceFit, measured: Measured) -> Iterator[ForceFit | None]:
+def _refitted(found: ForceFit, measured: Measured) -> Iterator[ForceFit | None]:
     """A model of several terms less each of them in turn, fitted again; None where a law overflows."""
     terms = found.model.terms
-    for i in range(len(terms) if len(terms) > 1 else 0):
+    for i in range(len(terms)):
         model = replace(found.model, terms=terms[:i] + terms[i + 1 :])
         try:
             yield fit_force(model, measured, free_of(model, base_of(found.free)))

@@ -5,7 +5,7 @@ stretch that is left out says little of what acts elsewhere, and a warning says 
 """
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from itertools import zip_longest
 from typing import TypeAlias
@@ -33,8 +33,8 @@ class Search:
 
     problem : with the noise as the chosen model leaves it. base, chosen : fits under that noise. singles : each
     catalogue name alone, best first. rivals : fits of as many terms as the chosen one, best first. left : what the
-    chosen model leaves. without : where the chosen model has several terms, it less each of them in turn, the rest
-    fitted again; None where that cannot be simulated.
+    chosen model leaves. without : where the chosen model has several terms, it less each of them in turn, the best
+    fit known of the rest; None where none could be simulated.
     """
 
     problem: Problem
@@ -162,7 +162,23 @@ def _search(problem: P, base: Fit, scales: Scales, renew: Renew[P]) -> Search:
         chosen = settle(pruned, problem, scales)
         rivals = singles if len(chosen.model.terms) <= 1 else rivals
         left = left_by(chosen, problem, scales.omega, base)
-    return Search(problem, base, chosen, singles, rivals, left, without if len(chosen.model.terms) > 1 else ())
+    return Search(problem, base, chosen, singles, rivals, left, less_each(chosen, without, (*singles, *rivals)))
+
+
+def less_each(chosen: Fit, fitted: Sequence[Fit | None], searched: Sequence[Fit]) -> tuple[Fit | None, ...]:
+    """A model of several terms less each in turn, the best fit known of each; none of a lone term.
+
+    fitted : from the model's own numbers, which may end beside what the search came to from others. searched : fits of
+    any laws.
+    """
+    laws = sorted(entry.term.key for entry in chosen.model.terms)
+    found = []
+    for entry, one in zip(chosen.model.terms, fitted, strict=True) if len(laws) > 1 else ():
+        rest = laws.copy()
+        rest.remove(entry.term.key)
+        same = [f for f in searched if sorted(e.term.key for e in f.model.terms) == rest]
+        found.append(min((f for f in (one, *same) if f is not None), key=lambda f: f.bic, default=None))
+    return tuple(found)
 
 
 def _levelled(found: Search) -> Search:
