@@ -25,7 +25,7 @@ from harness.diagnosis.inverse_dynamics.ripple import find_ripple, periods
 from harness.diagnosis.inverse_dynamics.search import extended, search_driven
 from harness.diagnosis.inverse_dynamics.validate import Judge
 from harness.diagnosis.pipeline import prepare
-from harness.diagnosis.problems.driven import Driven
+from harness.diagnosis.problems.driven import Driven, Forced
 from harness.diagnosis.problems.inverse_dynamics import InverseDynamics
 from harness.diagnosis.problems.starts import Windows
 from harness.diagnosis.request import Asked
@@ -115,9 +115,11 @@ def test_a_fitted_force_has_a_law_more_only_where_chance_takes_off_less(terms: t
     problem, _ = prepare(
         Recording(fine.t[::8], {c: fine[c][::8] for c in ("x", "u")}), Asked(Restoring.NONE, horizon=1.0)
     )
-    assert isinstance(problem, Driven)
-    assert isinstance(problem.starts, Windows)
-    problem = InverseDynamics.of(problem, problem.starts)
+    # with the law missing its motion cannot be followed, and the force is fitted without being told to
+    if isinstance(problem, Driven):
+        assert isinstance(problem.starts, Windows)
+        problem = InverseDynamics.of(problem, problem.starts)
+    assert isinstance(problem, InverseDynamics)
     found, scales = search_driven(problem)
     assert [e.term.name for e in found.chosen.model.terms] == [e.term.name for e in terms]
     measured = Measured.of(problem)
@@ -141,7 +143,7 @@ def test_ripple_of_a_fast_axis_is_found_over_its_travel() -> None:
 def test_direction_dependent_friction_beats_the_base_and_has_its_value() -> None:
     truth = replace(TRUTH, terms=(ModelTerm.named("asymmetric-viscous", c_diff=0.6),))
     problem, _ = prepare(driven(truth), Asked(Restoring.NONE))
-    assert isinstance(problem, Driven)
+    assert isinstance(problem, Forced)
     found, scales = driven_baseline(problem)
     model = replace(found.model, terms=(ModelTerm.named("asymmetric-viscous", c_diff=0.0),))
     better = fit(model, problem, free_of(model, problem.base_names), scales)

@@ -12,7 +12,7 @@ from harness.diagnosis.fit.model_fit import Fit, fit
 from harness.diagnosis.fit.parameters import free_of
 from harness.diagnosis.motion import motion_of
 from harness.diagnosis.problem import Problem
-from harness.diagnosis.problems.driven import Driven
+from harness.diagnosis.problems.driven import Forced
 from harness.kernels.solve import Scales
 from harness.model.model import Model
 
@@ -20,7 +20,7 @@ _DRY = (1.0, 0.5, 1.5)
 """Shares of the dry friction that the inverse dynamics give, from which a driven fit starts."""
 
 
-def driven_baseline(problem: Driven) -> tuple[Fit, Scales]:
+def driven_baseline(problem: Forced) -> tuple[Fit, Scales]:
     """The base model fitted to a driven recording, from the inverse dynamics and from less and more dry friction.
 
     Raises SimulationError when no start could be simulated.
