@@ -4,9 +4,10 @@ import ast
 import inspect
 import re
 from pathlib import Path
+from types import ModuleType
 
 import harness
-from harness import api
+from harness import api, stages
 
 DOCS = Path(__file__).resolve().parent
 TARGET = DOCS / "api.md"
@@ -72,17 +73,65 @@ refined and true motion differ by at most 13 um
 """
 
 
+STEPS = ("prepare", "fit_base", "search", "judge", "explain", "statement")
+STAGES = """\
+## harness.stages
+
+The steps of `harness.diagnose` one by one, for a program that looks in between or does a step its own way. Each gives
+what the next one takes; nothing is written, and no engine is needed.
+
+```python
+import numpy as np
+
+import harness
+from harness import stages
+
+truth = {
+    "schema": "harness.model/1",
+    "base": {"m": 1.0, "c": 0.3, "k": 100.0, "f_k": 0.4},
+    "release": {"x0": 0.1},
+    "terms": [{"name": "quadratic-drag", "parameters": {"c2": 2.0}}],
+    "mass_known": False,
+}
+t = np.arange(0.0, 4.0, 0.01)
+x = harness.simulate(truth, t).x + np.random.default_rng(2).normal(0.0, 1e-5, t.size)
+
+ready = stages.prepare(harness.Recording(t, {"x": x}), zero="spring")
+print(f"noise of x {1e6 * ready.problem.noise['x'].sigma:.0f} um")
+based = stages.fit_base(ready.problem)
+print(f"chi-square per point {based.fit.chi2 / based.fit.points:.0f} with viscous and Coulomb friction alone")
+found = stages.search(based)
+print(", ".join(entry.term.name for entry in found.search.chosen.model.terms))
+judged = stages.judge(found)
+print(f"{judged.judgement.verdict}, by the rules {', '.join(rule.name for rule in judged.judgement.rules)}")
+print(stages.statement(stages.explain(judged)))
+```
+
+It prints:
+
+```text
+noise of x 10 um
+chi-square per point 5039 with viscous and Coulomb friction alone
+quadratic-drag
+missing_physics, by the rules among-names, structure-named
+The simulation leaves out quadratic drag: A drag grows with the square of the speed: c2 = 2.0002 +- 0.0011 kg/m per kg.
+```
+"""
+
+
 def text() -> str:
     """The page."""
     functions = [name for name in harness.__all__ if inspect.isfunction(getattr(api, name, None))]
     classes = [name for name in harness.__all__ if inspect.isclass(getattr(api, name, None))]
     parts = [_function(name) for name in functions] + [_class(name) for name in classes]
-    return "".join((INTRODUCTION, EXAMPLE, "\n", *parts)).rstrip() + "\n"
+    steps = [_function(name, stages) for name in STEPS]
+    return "".join((INTRODUCTION, EXAMPLE, "\n", *parts, STAGES, "\n", *steps)).rstrip() + "\n"
 
 
-def _function(name: str) -> str:
-    found = getattr(api, name)
-    return f"## harness.{name}\n\n```python\n{_signature(name, found)}\n```\n\n{_doc(found)}\n\n"
+def _function(name: str, of: ModuleType = api) -> str:
+    found = getattr(of, name)
+    head = f"## harness.{name}" if of is api else f"### harness.stages.{name}"
+    return f"{head}\n\n```python\n{_signature(name, found)}\n```\n\n{_doc(found)}\n\n"
 
 
 def _class(name: str) -> str:

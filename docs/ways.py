@@ -26,7 +26,9 @@ WAYS = {
     ),
 }
 """Where each way begins; a slider's goes through what a case does, which no call names."""
-FOLLOWED = ("harness.app", "harness.diagnosis.pipeline")
+FOLLOWED = ("harness.app", "harness.diagnosis.pipeline", "harness.diagnosis.kinds")
+KINDS, KIND = ("kind_for", "kind_of"), "harness.diagnosis.kinds.free_decay.FreeDecays"
+"""Where the kind of a recording says what is called, the way is that of this one."""
 LEFT_OUT = ("harness.core", "harness.results")
 MOST = 6
 """Functions named at one station."""
@@ -95,6 +97,8 @@ def called(path: str) -> Iterator[str]:
         match call.func:
             case ast.Name(id=known) if known in home.stands_for:
                 yield home.stands_for[known]
+            case ast.Attribute(value=ast.Call(func=ast.Name(id=known)), attr=attr) if known in KINDS:
+                yield f"{KIND}.{attr}"
             case ast.Attribute(value=ast.Name(id=known), attr=attr) if typed.get(known, known) in home.stands_for:
                 target = home.stands_for[typed.get(known, known)]
                 # a function of a module, or a method of an argument; how a class makes itself is no station

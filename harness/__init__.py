@@ -3,22 +3,24 @@
 They are loaded when they are first used: importing the package itself costs nothing.
 """
 
+from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from harness import stages
     from harness.api import Model, Recording, compare, diagnose, identify, load, run, simulate
 else:
     # out of sight of type checkers, which would take any name for granted
     def __getattr__(name: str) -> Any:
         if name not in __all__:
             raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-        from harness import api
-
-        return getattr(api, name)
+        if name == "stages":
+            return import_module("harness.stages")
+        return getattr(import_module("harness.api"), name)
 
 
 __version__ = "0.1.0"
-__all__ = ["Model", "Recording", "__version__", "compare", "diagnose", "identify", "load", "run", "simulate"]
+__all__ = ["Model", "Recording", "__version__", "compare", "diagnose", "identify", "load", "run", "simulate", "stages"]
 
 
 def __dir__() -> list[str]:

@@ -6,7 +6,7 @@ from enum import StrEnum
 from typing import Literal, TypeAlias
 
 from harness.core.quantity import Quantity
-from harness.diagnosis.fit.least_squares import Fit
+from harness.diagnosis.fit.model_fit import Fit
 from harness.diagnosis.integrator_maps.maps import Stepping
 from harness.diagnosis.problem import Problem
 from harness.diagnosis.rules import Rule
@@ -53,7 +53,8 @@ class Mechanism:
     """One piece of physics that was left out.
 
     entry : the term with its fitted values. statement : one plain sentence with numbers. parameters : with standard
-    errors. delta_bic : by which the base is worse than it alone, and in a pair than the pair without it. place : where
+    errors. delta_bic : what BIC loses when it is taken out of the refined model and the rest is fitted again; of a lone
+    term, base minus refined. place : where
     it acts. grade : how much of what is missing it is. share : of the misfit beyond noise that it takes
     off alone. held_out : blocks of cycles left out of the fit; forward : a free run of the last part from a fit of the
     first.
@@ -98,13 +99,21 @@ class Forced:
 class Holdout:
     """Prediction of samples that took no part in the fits: spans (s), rmse by channel before and after.
 
-    forced : where nothing is missing, what one term too many would do to the prediction.
+    forced : where nothing is missing, what one term too many would do to the prediction. why : where there is no figure
+    because a fit failed, a sentence that says so.
     """
 
     spans: Spans
     baseline_rmse: Mapping[str, float]
     refined_rmse: Mapping[str, float]
     forced: Forced | None = None
+    why: str = ""
+
+    @classmethod
+    def none(cls, of: str = "") -> "Holdout":
+        """No figure; ``of`` : the model that could not be fitted without what was held out, or not followed there."""
+        said = f"there is no prediction of what is held out: the {of} model, fitted to the rest, cannot be followed"
+        return cls((), {}, {}, why=said if of else "")
 
 
 @dataclass(frozen=True, slots=True)
@@ -128,7 +137,8 @@ class Outcome:
     problem : with the noise that the verdict rests on. base : fit of viscous and Coulomb friction. refined : fit of the
     best model found (the base when nothing is missing or nothing helps). evidence : every catalogue name that was
     tried alone, best first. mechanisms : strongest first. stepping : of the engine whose trace it is.
-    rules : those that decided. remainder : where no model explains the recording to its noise.
+    rules : those that decided. remainder : where no model explains the recording to its noise. tested : whether what
+    the refined model leaves was tested for being noise.
     """
 
     problem: Problem
@@ -146,3 +156,4 @@ class Outcome:
     stepping: Stepping | None = None
     rules: tuple[Rule, ...] = ()
     remainder: Remainder | None = None
+    tested: bool = True

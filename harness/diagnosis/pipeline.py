@@ -1,92 +1,98 @@
-"""From a prepared recording to an outcome: fit, search, decide, say."""
+"""The steps of a diagnosis, in order: prepare, fit the base, search, judge, explain. Each can be taken by itself.
+
+Where kinds of problem differ, their own files say how (harness.diagnosis.kinds); what is said here is the same for all.
+"""
 
 from contextlib import suppress
-from dataclasses import replace
+from typing import Any
 
 from harness.core.errors import SimulationError
+from harness.core.recording import Recording
 from harness.diagnosis.explain.cautions import cautions, cautions_of_misfit
 from harness.diagnosis.explain.graded import told
-from harness.diagnosis.explain.holdout import forced, holdout
 from harness.diagnosis.explain.mechanism import mechanism
 from harness.diagnosis.explain.next_experiment import next_experiment
 from harness.diagnosis.explain.place import place_of
 from harness.diagnosis.fit.standard_errors import base_parameters
 from harness.diagnosis.grading.grade import Graded, grade
 from harness.diagnosis.grading.misfit import misfit
-from harness.diagnosis.input_noise.noisy_base_fit import along
-from harness.diagnosis.integrator_maps.maps import Stepping
-from harness.diagnosis.integrator_maps.stepped import as_stepped
-from harness.diagnosis.inverse_dynamics.holdout import holdout_windows
-from harness.diagnosis.inverse_dynamics.search import left_said, search_driven
 from harness.diagnosis.inverse_dynamics.validate import Judge
-from harness.diagnosis.outcome import Holdout, Outcome, Tried
+from harness.diagnosis.kinds.known import kind_for, kind_of
+from harness.diagnosis.outcome import Outcome, Tried
 from harness.diagnosis.problem import Problem
+from harness.diagnosis.request import Asked
 from harness.diagnosis.residual_tests.structure import Left
-from harness.diagnosis.search.extend import key_of, settle
-from harness.diagnosis.search.long_recordings import lifted, shortened
-from harness.diagnosis.search.release_transient import after_hand, knocked_at_release
-from harness.diagnosis.search.search import Search, noise_of, search, under
-from harness.diagnosis.verdict import Judgement, judge
+from harness.diagnosis.search.extend import key_of
+from harness.diagnosis.search.search import Search
+from harness.diagnosis.stages import Based, Found, Judged
+from harness.diagnosis.verdict import judge as verdict_of
 from harness.kernels.solve import Scales
-from harness.model.model import ModelTerm
-from harness.model.place import Place
-
-_JUDGED = (
-    "terms were kept because the force error on the other recording falls with them, so that its errors took part in"
-    " the choice; what stays was not tested for being noise"
-)
 
 
 def diagnose(problem: Problem, other: Judge | None = None) -> Outcome:
-    """Diagnose a recording: what viscous and Coulomb friction leave unexplained, and what explains it.
+    """All steps after the first: what viscous and Coulomb friction leave unexplained, and what explains it.
 
     other : another driven recording, which must confirm what is named where nothing explains this one to its noise.
     Raises InputError when the recording holds no free decay to fit, SimulationError when no model could be simulated.
     """
-    if problem.by_force:
-        driven, scales = search_driven(problem, other)
-        outcome = conclude(driven, scales)
-        judged = () if other is None else (_JUDGED,)
-        return replace(outcome, warnings=(*outcome.warnings, left_said(outcome.problem, outcome.base.points), *judged))
-    short, base, scales = shortened(problem)
-    whole = None if short is problem else problem
-    short, base = along(base, short, scales)
-    short = replace(short, noise=noise_of(base, short, scales.omega))
-    found = search(short, settle(under(base, short), short, scales), scales)
-    doubtful = problem.drive is None and (not found.explained or knocked_at_release(found.chosen, scales))
-    free = after_hand(found.problem, scales) if doubtful else None
-    if free is not None:
-        later, scales, touched = free
-        said = f"the first {touched:.4g} s are left out: no free decay, as if a hand had not yet been off"
-        outcome = _concluded(later, scales, whole)
-        return replace(outcome, warnings=(*outcome.warnings, said))
-    return _concluded(found, scales, whole)
+    return explain(judge(search(fit_base(problem), other)))
 
 
-def _concluded(found: Search, scales: Scales, whole: Problem | None) -> Outcome:
-    """What a free decay's search has come to; whole : all of its samples, where the search saw means of them."""
-    every = found if whole is None else lifted(found, whole, scales)
-    trace = as_stepped(every, scales)
-    return conclude(every, scales, coarse=found) if trace is None else conclude(trace[0], scales, trace[1])
+def prepare(recording: Recording, asked: Asked) -> tuple[Problem, tuple[str, ...]]:
+    """A recording as a problem of its kind, and what was done to it, one sentence each.
 
-
-def conclude(found: Search, scales: Scales, stepping: Stepping | None = None, coarse: Search | None = None) -> Outcome:
-    """Judge what a search has come to, and say it.
-
-    stepping : of the engine whose trace the recording is. coarse : the search as it was, where its samples were means:
-    what was held out is predicted in it.
+    Raises InputError for options that contradict the recording, and for what cannot be diagnosed.
     """
-    graded = graded_misfit(found, scales)
-    if graded is not None:
-        return _graded(found, graded, scales)
-    problem, judgement = found.problem, judge(found)
+    prepared: tuple[Problem, tuple[str, ...]] = kind_for(recording).prepare(recording, asked)
+    return prepared
+
+
+def fit_base(problem: Problem) -> Based[Any]:
+    """Viscous and Coulomb friction fitted, and the noise that they leave. Raises InputError, SimulationError."""
+    based: Based[Any] = kind_of(problem).fit_base(problem)
+    return based
+
+
+def search(based: Based[Any], other: Judge | None = None) -> Found:
+    """The smallest model that explains the recording, or what comes nearest. Raises SimulationError."""
+    found: Found = kind_of(based.whole).search(based, other)
+    return found
+
+
+def judge(found: Found) -> Judged:
+    """The verdict; where no model explains the recording, by how much of the misfit each name takes."""
+    graded = _graded(found.search, found.scales)
+    return Judged(found, verdict_of(found.search, graded), graded)
+
+
+def explain(judged: Judged) -> Outcome:
+    """All that is said of a verdict: mechanisms, numbers with errors, prediction of what was held out, warnings."""
+    return _said(judged) if judged.graded is None else _misfit_said(judged, judged.graded)
+
+
+def _graded(found: Search, scales: Scales) -> Graded | None:
+    """The catalogue graded against what the base model leaves, where no model explains the recording."""
+    if found.left is not Left.STRUCTURE:
+        return None
+    with suppress(SimulationError):
+        return grade(misfit(found.problem, found.base, scales))
+    return None
+
+
+def _said(judged: Judged) -> Outcome:
+    """The outcome where a model explains the recording, or nothing is known of why none does."""
+    found, scales, stepping = judged.found.search, judged.found.scales, judged.found.stepping
+    problem, judgement = found.problem, judged.judgement
     refined, verdict = judgement.refined, judgement.verdict
     acting = [(entry, place_of(entry, refined, problem, scales.omega)) for entry in refined.model.terms]
     mechanisms = sorted(
         (mechanism(found, i, entry, scales.omega, place) for i, (entry, place) in enumerate(acting)),
         key=lambda m: -m.delta_bic,
     )
-    prediction = _prediction(found if coarse is None else coarse, judgement, scales, acting)
+    coarse = judged.found.coarse.problem
+    prediction = kind_of(coarse).hold_out(coarse, judged, acting)
+    unpredicted = (prediction.why,) if prediction.why else ()
+    tested = found.left is not Left.UNTESTED
     said = () if stepping is None else (stepping.sentence,)
     return Outcome(
         problem=problem,
@@ -96,53 +102,34 @@ def conclude(found: Search, scales: Scales, stepping: Stepping | None = None, co
         verdict=verdict,
         mechanisms=tuple(mechanisms),
         holdout=prediction,
-        evidence=tuple(Tried(key_of(f)[0], found.base.bic - f.bic) for f in found.singles),
-        base_parameters=base_parameters(found.base, problem, scales.omega, verdict == "adequate"),
+        evidence=tuple(Tried(key_of(f)[0], found.base.bic - f.bic) for f in found.singles if f.model.terms),
+        # errors of a fit that was not tested count all that it leaves
+        base_parameters=base_parameters(found.base, problem, scales.omega, verdict == "adequate" or not tested),
         refined_parameters=base_parameters(refined, problem, scales.omega, verdict != "unexplained"),
         next_experiment=next_experiment(tuple(mechanisms), problem),
-        warnings=(*said, *cautions(found, judgement, prediction)),
+        warnings=(*said, *cautions(found, judgement, prediction), *unpredicted, *judged.found.notes),
         stepping=stepping,
         rules=judgement.rules,
+        tested=tested,
     )
 
 
-def graded_misfit(found: Search, scales: Scales) -> Graded | None:
-    """The catalogue graded against what the base model leaves, where no model explains the recording."""
-    if found.left is not Left.STRUCTURE:
-        return None
-    with suppress(SimulationError):
-        return grade(misfit(found.problem, found.base, scales))
-    return None
-
-
-def _graded(found: Search, graded: Graded, scales: Scales) -> Outcome:
+def _misfit_said(judged: Judged, graded: Graded) -> Outcome:
     """The outcome of a misfit that no model explains."""
-    judgement, said, omega = judge(found, graded), told(graded), graded.misfit.scales.omega
+    said, omega = told(graded), graded.misfit.scales.omega
     return Outcome(
         problem=said.problem,
         scales=graded.misfit.scales,
         base=said.base,
         refined=said.refined,
-        verdict=judgement.verdict,
+        verdict=judged.judgement.verdict,
         mechanisms=said.mechanisms,
         holdout=said.holdout,
         evidence=said.evidence,
         base_parameters=base_parameters(said.base, said.problem, omega, explained=False),
         refined_parameters=base_parameters(said.refined, said.problem, omega, explained=False),
         next_experiment=next_experiment(said.mechanisms, said.problem),
-        warnings=cautions_of_misfit(graded),
-        rules=judgement.rules,
+        warnings=(*cautions_of_misfit(graded), *judged.found.notes),
+        rules=judged.judgement.rules,
         remainder=said.remainder,
     )
-
-
-def _prediction(found: Search, judgement: Judgement, scales: Scales, acting: list[tuple[ModelTerm, Place]]) -> Holdout:
-    """What was held out, predicted by the base and the refined model, and by one term too many where none is needed."""
-    problem = found.problem
-    refined = found.base if judgement.refined.model.terms == () else found.chosen
-    if problem.by_force:
-        return holdout_windows(found.base, refined, problem, scales)
-    prediction = holdout(found.base, refined, problem, scales, acting)
-    if judgement.verdict == "adequate":
-        prediction = replace(prediction, forced=forced(found.base, found.singles, problem, scales))
-    return prediction

@@ -1,81 +1,45 @@
-"""A recording made ready for fitting: channels, their noise, the drive, and what was asked."""
+"""A recording made ready for fitting: channels, their noise, and what was asked.
 
+A problem says itself what distinguishes its kind (harness.diagnosis.problems has them); no room asks which one it is.
+"""
+
+from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from types import MappingProxyType
+from typing import ClassVar, Self, TypeVar
 
 import numpy as np
 
-from harness.core.arrays import BoolArray, FloatArray
-from harness.diagnosis.input_noise.force_noise import ForceNoise
+from harness.core.arrays import BoolArray, FloatArray, IntArray
+from harness.diagnosis.problems.starts import OneStart, Starts
 from harness.estimate.noise import Noise
 from harness.kernels.solve import Drive
-from harness.model.model import Model, Restoring
+from harness.model.model import Restoring
 
 
-@dataclass(frozen=True, slots=True)
-class Window:
-    """A stretch of a driven recording, simulated from its own start.
-
-    start, stop : its samples. t0 (s), x0, v0 : the start, from the smoothed recording. x_sd, v_sd : standard errors.
-    """
-
-    start: int
-    stop: int
-    t0: float
-    x0: float
-    v0: float
-    x_sd: float
-    v_sd: float
-
-
-@dataclass(frozen=True, slots=True)
-class Restarts:
-    """How a driven recording is simulated: window after window, none longer than the horizon.
-
-    t (k,), v (k,) : smoothed speed of the whole recording.
-    """
-
-    windows: tuple[Window, ...]
-    t: FloatArray
-    v: FloatArray
-
-    def part(self, keep: range) -> "Restarts":
-        """The windows as they lie in these samples of the recording."""
-
-        def place(sample: int) -> int:
-            return min(max(-((keep.start - sample) // keep.step), 0), len(keep))
-
-        windows = (replace(w, start=place(w.start), stop=place(w.stop)) for w in self.windows)
-        return replace(self, windows=tuple(w for w in windows if w.stop > w.start))
-
-
-@dataclass(frozen=True, slots=True)
-class Problem:
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Problem(ABC):
     """What is to be explained; arrays have shape (n,).
 
     t : s. channels : "x", "v", "a" as measured. noise : per channel. weight : 0 leaves a sample out of the fit, or 1.
-    drive : measured force or None. force_noise : what its noise does to the whole, None where nothing shows.
-    restarts : of a driven recording, None where the whole is simulated from one start. by_force : whether the force is
-    what is fitted, and the motion over the windows only shown. mass : kg, None when unknown
-    (then m = 1 and forces are per unit mass, unless a measured force gives the mass).
-    first : of a driven recording, a rough base model with its start.
-    zero_free : x is measured from an unknown zero. angular : x or a was given as an angle.
+    mass : kg, None when unknown (then m = 1 and forces are per unit mass, unless a measured force gives the mass).
+    zero_free : x is measured from an unknown zero. angular : x or a was given as an angle. starts : from where it is
+    simulated. drive : the measured force as the solver takes it, None where none acts.
     """
 
-    t: FloatArray
-    channels: Mapping[str, FloatArray]
-    noise: Mapping[str, Noise]
+    t: FloatArray = field(kw_only=False)
+    channels: Mapping[str, FloatArray] = field(kw_only=False)
+    noise: Mapping[str, Noise] = field(kw_only=False)
     weight: Mapping[str, FloatArray] = field(default_factory=dict)
-    drive: Drive | None = None
     mass: float | None = None
     restoring: Restoring = Restoring.SPRING
     zero_free: bool = False
     angular: bool = False
-    restarts: Restarts | None = None
-    by_force: bool = False
-    force_noise: ForceNoise | None = None
-    first: Model | None = None
+    starts: Starts = field(default_factory=OneStart)
+    drive: Drive | None = None
+    provides: ClassVar[frozenset[str]] = frozenset()
+    """What a term may need that every problem of this kind has; see ``given``."""
 
     def __post_init__(self) -> None:
         ones = np.ones(self.t.size)
@@ -85,29 +49,115 @@ class Problem:
 
     @property
     def points(self) -> int:
-        """Measured values that count, but for two that each start of a window takes."""
-        starts = 0 if self.restarts is None else 2 * len(self.restarts.windows)
-        return max(int(sum(np.count_nonzero(w) for w in self.weight.values())) - starts, 1)
+        """Measured values that count, but for those that starts take."""
+        return max(int(sum(np.count_nonzero(w) for w in self.weight.values())) - self.starts.taken, 1)
 
     @property
     def in_newtons(self) -> bool:
         """Whether forces are known, and not only forces per unit mass."""
-        return self.mass is not None or self.drive is not None
+        return self.mass is not None
 
-    def weighted(self, keep: Mapping[str, BoolArray] | BoolArray) -> "Problem":
+    @property
+    def given(self) -> frozenset[str]:
+        """What a term may need of a recording (see ``Term.needs``), "spring" apart, which is the model's."""
+        own = {"angle": self.angular, "zero": not self.zero_free}
+        return self.provides | {need for need, met in own.items() if met}
+
+    @property
+    def base_names(self) -> tuple[str, ...]:
+        """Base parameters that are fitted."""
+        spring = () if self.restoring is Restoring.NONE else ("k",)
+        zero = ("offset",) if self.zero_free and spring and "x" in self.channels else ()
+        return (*self.mass_names, "c", *spring, "f_k", *zero, *self.starts.names)
+
+    @property
+    def mass_names(self) -> tuple[str, ...]:
+        """The mass where the recording itself gives it: then it is fitted."""
+        return ()
+
+    @property
+    def spare(self) -> float:
+        """Chi-square that may be left beyond what whitening allows for."""
+        return 0.0
+
+    @property
+    def slow_is_sensors(self) -> bool:
+        """Whether what is slow beside a sample can be the sensors' own noise, and nothing else's."""
+        return True
+
+    def own_noise(self, left: Mapping[str, Noise]) -> dict[str, Noise]:
+        """The sensors' own noise, where a model leaves ``left``."""
+        return dict(left)
+
+    def whitened(self, values: Mapping[str, FloatArray]) -> dict[str, FloatArray]:
+        """Residuals (n,) or partials (n, q) of every channel in units of the noise, neighbours independent."""
+        return apart(self, values)
+
+    @abstractmethod
+    def misfit_begins(self) -> int:
+        """First sample at which a misfit tells of the model."""
+
+    @abstractmethod
+    def turns(self, v: FloatArray) -> IntArray:
+        """Samples (m,) at which the motion turns round, in order; v (n,) : speed of a model that follows it."""
+
+    def under_noise(self, noise: Mapping[str, Noise]) -> Self:
+        """The same with each channel's noise so, and no other."""
+        return replace(self, noise=noise)
+
+    def drive_over(self, begin: float, end: float) -> Drive | None:
+        """The force that acts between two times, s, in time since the first."""
+        return None
+
+    def weighted(self, keep: Mapping[str, BoolArray] | BoolArray) -> Self:
         """The same with only these samples counting."""
         mask = keep if isinstance(keep, Mapping) else dict.fromkeys(self.channels, keep)
         return replace(self, weight={c: self.weight[c] * mask[c] for c in self.channels})
 
-    def part(self, keep: slice) -> "Problem":
+    def part(self, keep: slice) -> Self:
         """A stretch or a thinning of it; colour fades with the distance of the samples kept."""
         stride = keep.step or 1
-        samples = range(*keep.indices(self.t.size))
         return replace(
             self,
-            restarts=None if self.restarts is None else self.restarts.part(samples),
+            starts=self.starts.part(range(*keep.indices(self.t.size))),
             t=self.t[keep],
             noise={c: replace(n, phi=n.phi**stride) for c, n in self.noise.items()},
             channels={c: y[keep] for c, y in self.channels.items()},
             weight={c: w[keep] for c, w in self.weight.items()},
         )
+
+    def condensed(self, shown: Mapping[str, FloatArray], size: int) -> tuple[Self, float]:
+        """In means of ``size`` neighbours, and by how much its chi-square falls short of the whole one's.
+
+        shown (n,) : by channel, what a model that follows the recording shows; means are taken of what it leaves.
+        """
+        return in_means(self, shown, size), 1.0
+
+    def at_every_sample(self, t: FloatArray, channels: Mapping[str, FloatArray]) -> "Problem":
+        """The same question at every sample t (m,), s, of the recording it was made from; channels (m,) of it."""
+        return replace(self, t=t, channels={c: channels[c] for c in self.channels}, weight={})
+
+
+P = TypeVar("P", bound=Problem)
+
+
+def apart(problem: Problem, values: Mapping[str, FloatArray]) -> dict[str, FloatArray]:
+    """Residuals (n,) or partials (n, q) whitened channel by channel; samples without weight are zero."""
+    white = {c: problem.noise[c].whitened(values[c]) for c in problem.channels}
+    return {c: w * (problem.weight[c] if w.ndim == 1 else problem.weight[c][:, None]) for c, w in white.items()}
+
+
+def in_means(problem: P, shown: Mapping[str, FloatArray], size: int) -> P:
+    """A problem in means of neighbours; see ``Problem.condensed``."""
+    first = np.arange(0, problem.t.size - size + 1, size)
+    middle = first + size // 2
+    used = int(first[-1]) + size
+    channels, weight = {}, {}
+    for c, y in problem.channels.items():
+        counts = problem.weight[c][:used]
+        total = np.add.reduceat(counts, first)
+        left = np.add.reduceat((y - shown[c])[:used] * counts, first)
+        channels[c] = shown[c][middle] + left / np.maximum(total, 1e-300)
+        weight[c] = np.sqrt(total / size)
+    noise = {c: n.of_means(size) for c, n in problem.noise.items()}
+    return replace(problem, t=problem.t[middle], channels=channels, weight=weight, noise=noise)

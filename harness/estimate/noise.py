@@ -52,6 +52,12 @@ class Noise:
             white[1:] = (white[1:] - self.phi * white[:-1]) / math.sqrt(1.0 - self.phi**2)
         return white
 
+    def of_means(self, size: int) -> "Noise":
+        """Noise of the mean of ``size`` neighbours, by its first-order colour."""
+        lags = np.arange(1, size)
+        shared = 1.0 + 2.0 * float(np.sum((1.0 - lags / size) * self.phi**lags)) if self.phi else 1.0
+        return replace(self, sigma=self.sigma * math.sqrt(shared / size), phi=self.phi**size)
+
     def drawn(self, count: int, random: np.random.Generator) -> FloatArray:
         """A draw (count,) of noise of this level and first-order colour; it is not quantised."""
         fresh = self.sigma * random.standard_normal(count)

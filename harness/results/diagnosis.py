@@ -48,7 +48,9 @@ class MechanismResult(Result):
     parameters: dict[str, P]
     grade: Grade = Field(default="explains", description="how much of what is missing it is")
     share: float | None = Field(default=None, description="of the misfit beyond noise that it takes off alone")
-    delta_bic: float = Field(description="what BIC loses without it")
+    delta_bic: float = Field(
+        description="what BIC loses when it is taken out of the refined model and the rest is fitted again"
+    )
     holdout: PredictionResult | None = Field(
         default=None, description="interleaved blocks of cycles, refitted without them"
     )

@@ -14,6 +14,7 @@ from click import Context, Option
 import harness
 from harness.cli.main import cli
 from harness.core.errors import InputError
+from harness.diagnosis.problem import Problem
 
 ROOT = Path(__file__).resolve().parents[2]
 TEXT = (ROOT / "docs" / "api.md").read_text(encoding="utf-8")
@@ -59,12 +60,13 @@ def test_the_page_is_made_of_the_docstrings() -> None:
     assert made == TEXT, "run python docs/api_page.py"
 
 
-def test_the_worked_example_prints_what_the_page_says(capsys: pytest.CaptureFixture[str]) -> None:
-    code, said = (re.search(rf"```{kind}\n(.*?)```", TEXT, re.DOTALL) for kind in ("python", "text"))
-    assert code is not None
-    assert said is not None
-    exec(compile(code[1], "docs/api.md", "exec"), {})
-    printed, wanted = capsys.readouterr().out.splitlines(), said[1].splitlines()
+EXAMPLES = re.findall(r"```python\n((?:(?!```).)*)```\n\nIt prints:\n\n```text\n(.*?)```", TEXT, re.DOTALL)
+
+
+@pytest.mark.parametrize(("code", "said"), EXAMPLES, ids=["diagnose", "stages"])
+def test_a_worked_example_prints_what_the_page_says(code: str, said: str, capsys: pytest.CaptureFixture[str]) -> None:
+    exec(compile(code, "docs/api.md", "exec"), {})
+    printed, wanted = capsys.readouterr().out.splitlines(), said.splitlines()
     assert len(printed) == len(wanted)
     number = r"-?\d+\.?\d*(?:e-?\d+)?"
     for found, line in zip(printed, wanted, strict=True):
@@ -94,11 +96,21 @@ def test_identify_and_compare_take_what_is_in_memory(decay: harness.Recording, t
     assert harness.compare(decay, moved).verdict == "different"
 
 
+def _ready(decay: harness.Recording) -> Problem:
+    return harness.stages.prepare(decay, zero="spring").problem
+
+
 def test_a_diagnosis_needs_no_engine(decay: harness.Recording, tmp_path: Path) -> None:
     result = harness.diagnose(decay, engines=(), zero="spring", out=tmp_path / "out")
     assert result.verdict == "adequate"
     assert (result.engines, result.attribution, result.settings["engines"]) == ({}, None, [])
     assert (tmp_path / "out" / "report.html").is_file()
+    # step by step it comes to the same
+    judged = harness.stages.judge(harness.stages.search(harness.stages.fit_base(_ready(decay))))
+    outcome = harness.stages.explain(judged)
+    assert outcome.verdict == result.verdict
+    assert harness.stages.statement(outcome) == result.statement
+    assert outcome.base.model.f_k == result.baseline_model.base.f_k
     # its own model and another recording may be given as they are
     model = harness.Model(1.0, 1.0, 100.0, 3.0, x0=1.0)
     again = harness.diagnose(decay, engines=(), model=model, validate=decay)

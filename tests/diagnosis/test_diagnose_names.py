@@ -9,6 +9,7 @@ import pytest
 from harness.diagnosis.outcome import Outcome
 from harness.diagnosis.pipeline import diagnose
 from harness.diagnosis.problem import Problem
+from harness.diagnosis.problems.free_decay import FreeDecay
 from harness.estimate.noise import channel_noise
 from harness.proof.plant import Case, draw
 
@@ -19,7 +20,7 @@ LONG = ("cubic-stiffness", "sensor-gain", "stribeck", "presliding", "friction-dr
 def _problem(case: Case) -> Problem:
     channels = {c: case.recorded[c] for c in case.channels}
     t = case.recorded["t"]
-    return Problem(t, channels, {c: channel_noise(t, y) for c, y in channels.items()})
+    return FreeDecay(t, channels, {c: channel_noise(t, y) for c, y in channels.items()})
 
 
 @functools.cache

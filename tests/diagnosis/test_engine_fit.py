@@ -12,12 +12,15 @@ from harness.core.recording import Recording
 from harness.diagnosis.alignment.align import align
 from harness.diagnosis.explain.attribution import MeanSquares, attribute_engine, attribute_trace, shares
 from harness.diagnosis.explain.engines import engine_fit, suitable_step
-from harness.diagnosis.fit.least_squares import fit
+from harness.diagnosis.fit.model_fit import fit
 from harness.diagnosis.fit.observe import observe
 from harness.diagnosis.fit.parameters import free_of
-from harness.diagnosis.problem import Problem, Restarts, Window
+from harness.diagnosis.problem import Problem
+from harness.diagnosis.problems.driven import Driven
+from harness.diagnosis.problems.free_decay import FreeDecay
+from harness.diagnosis.problems.starts import Window, Windows
 from harness.diagnosis.sensors.resample import motion_at
-from harness.diagnosis.sensors.sensed import sensed
+from harness.diagnosis.sensors.sensor_model import sensed
 from harness.engines.simulator import EngineSimulator
 from harness.estimate.noise import Noise
 from harness.kernels.solve import Drive, Scales, simulate, solve
@@ -34,9 +37,9 @@ def recorded(model: Model, seed: int = 0, count: int = 601, **sigma: float) -> P
     t = np.linspace(0.0, 3.0, count)
     level = sigma or {"x": SIGMA["x"], "a": SIGMA["a"]}
     noise = {c: Noise(s, True) for c, s in level.items()}
-    clean = observe(model, Problem(t, dict.fromkeys(level, t), noise), scales=SCALES).y
+    clean = observe(model, FreeDecay(t, dict.fromkeys(level, t), noise), scales=SCALES).y
     random = np.random.default_rng(seed)
-    return Problem(t, {c: y + level[c] * random.standard_normal(t.size) for c, y in clean.items()}, noise)
+    return FreeDecay(t, {c: y + level[c] * random.standard_normal(t.size) for c, y in clean.items()}, noise)
 
 
 def test_a_motion_is_read_between_samples_with_its_jumps() -> None:
@@ -77,7 +80,7 @@ def test_sensors_show_of_any_motion_what_they_show_of_the_reference() -> None:
     model = replace(CUBIC.with_terms(*CUBIC.terms, *SENSORS), offset=0.02)
     t = np.linspace(0.0, 3.0, 733)
     noise = {c: Noise(s, True) for c, s in SIGMA.items()}
-    expected = observe(model, Problem(t, dict.fromkeys(SIGMA, t), noise), scales=SCALES).y
+    expected = observe(model, FreeDecay(t, dict.fromkeys(SIGMA, t), noise), scales=SCALES).y
     shown = sensed(model, t, simulate(model, np.linspace(0.0, 3.0, 6001)), SIGMA)
     for channel, tolerance in (("x", 1e-7), ("v", 1e-5), ("a", 2e-3)):
         assert np.abs(shown[channel] - expected[channel]).max() < tolerance, channel
@@ -116,9 +119,9 @@ def test_a_driven_recording_is_simulated_window_by_window(name: str) -> None:
     windows = tuple(Window(i, i + 400, float(t[i]), true.x[i], true.v[i], 1e-9, 1e-9) for i in starts)
     random = np.random.default_rng(3)
     noise = {"x": Noise(1e-5, True)}
-    whole = Problem(t[:1600], {"x": true.x[:1600] + 1e-5 * random.standard_normal(1600)}, noise, drive=drive)
-    problem = replace(whole, restarts=Restarts(windows, t, true.v))
     base = model.with_terms()
+    x = true.x[:1600] + 1e-5 * random.standard_normal(1600)
+    problem = Driven(t[:1600], {"x": x}, noise, drive=drive, first=base, starts=Windows(windows, t, true.v))
     found = engine_fit(EngineSimulator.named(name), base, model, problem, Scales(1.0, 3.0, 3.0))
     assert found.improved
     assert found.refined_rmse["x"] < 2e-5
@@ -208,7 +211,7 @@ def test_a_users_trace_of_other_parameters_is_attributed() -> None:
 def test_a_rest_does_not_draw_a_trace_away_from_the_motion() -> None:
     t = np.linspace(0.0, 9.0, 1801)
     noise = {"x": Noise(1e-3, True)}
-    problem = Problem(t, {"x": solve(BASE, t).x}, noise)
+    problem = FreeDecay(t, {"x": solve(BASE, t).x}, noise)
     found = align(trace_of(BASE, 40.0, "x"), problem.part(slice(0, 1200)), noise, 0.628)
     assert found.shift.value == pytest.approx(-40.0, abs=2e-4)
 
@@ -242,7 +245,7 @@ def test_mujocos_friction_is_a_regularised_friction(timeconst: float, d0: float,
     channels = {
         c: getattr(motion, c)[every] + s * random.standard_normal(motion.t[every].size) for c, s in sigma.items()
     }
-    problem = Problem(motion.t[every], channels, {c: Noise(s, True) for c, s in sigma.items()})
+    problem = FreeDecay(motion.t[every], channels, {c: Noise(s, True) for c, s in sigma.items()})
     start = BASE.with_terms(ModelTerm.named("regularised-friction", v_r=0.1, lead=0.003))
     found = fit(start, problem, free_of(start, ("c", "k", "f_k", "x0")), SCALES)
     b = 2.0 / (width * timeconst)

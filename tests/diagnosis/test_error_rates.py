@@ -12,17 +12,14 @@ import pytest
 from scipy.stats import binom, kstest
 
 from harness.core.recording import Recording
-from harness.diagnosis.input_noise.noisy_base_fit import along
 from harness.diagnosis.outcome import Outcome
-from harness.diagnosis.pipeline import diagnose
-from harness.diagnosis.prepare.prepare import prepare
+from harness.diagnosis.pipeline import diagnose, fit_base, prepare
 from harness.diagnosis.problem import Problem
+from harness.diagnosis.problems.free_decay import FreeDecay
+from harness.diagnosis.problems.starts import Windows
 from harness.diagnosis.request import Asked
 from harness.diagnosis.residual_tests.structure import structure
 from harness.diagnosis.rules import STRUCTURE
-from harness.diagnosis.search.extend import settle
-from harness.diagnosis.search.long_recordings import shortened
-from harness.diagnosis.search.search import noise_of, under
 from harness.estimate.noise import channel_noise
 from harness.model.model import Restoring
 from harness.proof.plant import Case, draw
@@ -45,7 +42,7 @@ def _controls(count: int) -> tuple[tuple[Case, Outcome], ...]:
 def _problem(case: Case) -> Problem:
     channels = {c: case.recorded[c] for c in case.channels}
     t = case.recorded["t"]
-    return Problem(t, channels, {c: channel_noise(t, y) for c, y in channels.items()})
+    return FreeDecay(t, channels, {c: channel_noise(t, y) for c, y in channels.items()})
 
 
 def false_alarms_are_at_most_one_in_fifty(count: int) -> None:
@@ -104,10 +101,8 @@ def _with_noisy_force(i: int) -> tuple[Problem, tuple[str, ...]]:
 
 def structure_left(problem: Problem) -> float:
     """Probability with which noise alone leaves as much structure in the base fit, before any name is tried."""
-    short, base, scales = shortened(problem)
-    base_problem, base = along(base, short, scales)
-    seen = replace(base_problem, noise=noise_of(base, base_problem, scales.omega))
-    return structure(settle(under(base, seen), seen, scales), seen, scales.omega).p_value
+    based = fit_base(problem)
+    return structure(based.fit, based.problem, based.scales.omega).p_value
 
 
 def nothing_is_found_where_nothing_is(problems: Sequence[Problem]) -> None:
@@ -147,7 +142,7 @@ def _with_gaps(i: int) -> Problem:
 @pytest.mark.slow
 def test_gaps_leave_no_structure() -> None:
     problems = [_with_gaps(i) for i in range(DRAWS)]
-    assert all(p.restarts is not None for p in problems)
+    assert all(isinstance(p.starts, Windows) for p in problems)
     nothing_is_found_where_nothing_is(problems)
 
 

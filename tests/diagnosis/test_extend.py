@@ -5,22 +5,28 @@ import pytest
 
 from harness.core.errors import SimulationError
 from harness.diagnosis.baseline.base_fit import baseline
-from harness.diagnosis.fit.least_squares import Fit
+from harness.diagnosis.explain.mechanism import mechanism
+from harness.diagnosis.fit.model_fit import Fit, fit
+from harness.diagnosis.fit.parameters import free_of
 from harness.diagnosis.problem import Problem
+from harness.diagnosis.problems.free_decay import FreeDecay
+from harness.diagnosis.residual_tests.structure import Left
 from harness.diagnosis.rules import AMONG_NAMES, DECISIVE
 from harness.diagnosis.search import extend as select
-from harness.diagnosis.search.extend import extend
+from harness.diagnosis.search.extend import extend, prune
 from harness.diagnosis.search.repeats import repeats
-from harness.estimate.noise import channel_noise
-from harness.kernels.solve import simulate
+from harness.diagnosis.search.search import Search
+from harness.estimate.noise import Noise, channel_noise
+from harness.kernels.solve import Scales, simulate, solve
 from harness.model.model import Model, ModelTerm
+from harness.model.place import Place
 from harness.model.registry import TERMS
 
 
 def decay() -> Problem:
     t = np.linspace(0.0, 8.0, 1200)
     x = simulate(Model(1.0, 0.3, 100.0, 0.4, x0=0.1), t).x + 1e-4 * np.random.default_rng(1).standard_normal(t.size)
-    return Problem(t, {"x": x}, {"x": channel_noise(t, x)})
+    return FreeDecay(t, {"x": x}, {"x": channel_noise(t, x)})
 
 
 def test_a_law_too_stiff_for_a_first_look_is_nothing_to_build_on(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -52,3 +58,21 @@ def test_a_name_must_stand_out_among_all_that_were_tried() -> None:
 def test_less_than_a_period_is_no_repetition(entry: ModelTerm, said: bool) -> None:
     """Half a period in 1 s is pi rad/s; one over 0.2 m of travel is 0.2 m."""
     assert repeats(entry, 0.2, 1.0, 0.5) is said
+
+
+def test_a_term_of_a_pair_is_worth_what_is_lost_when_it_is_taken_out_and_the_rest_fitted_again() -> None:
+    cubic, drag = ModelTerm.named("cubic-stiffness", k3=60.0), ModelTerm.named("quadratic-drag", c2=0.05)
+    truth = Model(1.0, 0.3, 100.0, 0.4, x0=0.1, terms=(cubic, drag))
+    t = np.arange(0.0, 4.0, 0.01)
+    x = solve(truth, t).x + 1e-5 * np.random.default_rng(2).standard_normal(t.size)
+    problem, scales = FreeDecay(t, {"x": x}, {"x": Noise(1e-5, True)}), Scales(0.1, 1.0, 10.0)
+    names = ("c", "k", "f_k", "x0")
+    base, pair = (fit(m, problem, free_of(m, names), scales) for m in (truth.with_terms(), truth))
+    kept, without = prune(pair, problem, scales)
+    assert kept is pair
+    found = Search(problem, base, pair, (), (), Left.NOISE, without)
+    place = Place("throughout", "always", ())
+    for i, (entry, other) in enumerate(((cubic, drag), (drag, cubic))):
+        alone = truth.with_terms(other)
+        expected = fit(alone, problem, free_of(alone, names), scales).bic - pair.bic
+        assert mechanism(found, i, entry, scales.omega, place).delta_bic == pytest.approx(expected, abs=0.1)

@@ -10,14 +10,13 @@ from hypothesis import strategies as st
 from harness.core.arrays import FloatArray
 from harness.core.events import EventKind, Mode
 from harness.core.recording import Recording
-from harness.diagnosis.baseline.base_fit import baseline
+from harness.diagnosis.baseline.driven_base_fit import driven_baseline
 from harness.diagnosis.fit.observe import Observation, observe
-from harness.diagnosis.input_noise.force_noise import ForceNoise
 from harness.diagnosis.input_noise.noisy_base_fit import along
 from harness.diagnosis.input_noise.propagation import force_noise
-from harness.diagnosis.pipeline import diagnose
-from harness.diagnosis.prepare.prepare import prepare
-from harness.diagnosis.problem import Problem
+from harness.diagnosis.pipeline import diagnose, prepare
+from harness.diagnosis.problems.driven import Driven
+from harness.diagnosis.problems.force_noise import ForceNoise
 from harness.diagnosis.request import Asked
 from harness.diagnosis.rules import DECISIVE
 from harness.estimate.noise import Noise
@@ -34,7 +33,7 @@ SENSORS = {"x": Noise(1e-4, True), "v": Noise(1e-3, True), "a": Noise(0.05, True
 
 
 def seen(model: Model, u: FloatArray = DRIVE) -> Observation:
-    problem = Problem(T, dict.fromkeys("xva", T), SENSORS, drive=Drive(T, u), restoring=model.restoring)
+    problem = Driven(T, dict.fromkeys("xva", T), SENSORS, drive=Drive(T, u), first=model, restoring=model.restoring)
     return observe(model, problem)
 
 
@@ -160,6 +159,7 @@ def recorded(
 @pytest.mark.parametrize(("model", "share"), [(SPRING, 1e-2), (AXIS, 3e-3)], ids=["spring", "axis"])
 def test_nothing_is_missing_where_only_the_force_is_noisy(model: Model, share: float) -> None:
     problem, notes = prepare(recorded(model, share), Asked(model.restoring))
+    assert isinstance(problem, Driven)
     assert problem.force_noise is not None
     assert "shows in the motion and is allowed for" in notes[-1]
     assert diagnose(problem).verdict == "adequate"
@@ -169,7 +169,8 @@ def test_numbers_hold_that_a_noisy_force_tells() -> None:
     off = []
     for seed in range(8):
         problem, _ = prepare(recorded(SPRING, 1e-2, "x", seed, 2000, 0.005), Asked())
-        base, scales = baseline(problem)
+        assert isinstance(problem, Driven)
+        base, scales = driven_baseline(problem)
         _, base = along(base, problem, scales)
         errors = np.sqrt(np.diag(base.covariance()))
         for f, value, error in zip(base.free, base.values, errors, strict=True):
@@ -189,7 +190,8 @@ def test_what_noise_does_beyond_first_order_is_told() -> None:
     told = []
     for share in (1e-3, 1e-1):
         problem, _ = prepare(recorded(SPRING, share), Asked())
-        base, scales = baseline(problem)
+        assert isinstance(problem, Driven)
+        base, scales = driven_baseline(problem)
         problem, _ = along(base, problem, scales)
         assert problem.force_noise is not None
         told.append(problem.force_noise.beyond)

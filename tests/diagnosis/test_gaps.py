@@ -8,15 +8,15 @@ import pytest
 
 from harness.core.arrays import BoolArray
 from harness.core.recording import Recording
-from harness.diagnosis.baseline.base_fit import baseline
+from harness.diagnosis.baseline.driven_base_fit import driven_baseline
 from harness.diagnosis.fit.fitted_states import begun
-from harness.diagnosis.fit.least_squares import Fit, fit
+from harness.diagnosis.fit.model_fit import Fit, fit
 from harness.diagnosis.fit.observe import observe
 from harness.diagnosis.input_noise.noisy_base_fit import along
-from harness.diagnosis.pipeline import diagnose
+from harness.diagnosis.pipeline import diagnose, prepare
 from harness.diagnosis.prepare.intersample_curve import between_samples
-from harness.diagnosis.prepare.prepare import prepare
-from harness.diagnosis.problem import Problem
+from harness.diagnosis.problems.driven import Driven
+from harness.diagnosis.problems.starts import OneStart, Windows
 from harness.diagnosis.request import Asked
 from harness.diagnosis.search.search import noise_of
 from harness.kernels.solve import Drive, Scales, solve
@@ -38,10 +38,11 @@ def recorded(model: Model, gaps: tuple[tuple[float, float], ...] = GAPS, n: int 
     return Recording(t[keep], {"x": x[keep], "u": u[::16][keep]})
 
 
-def fitted(recording: Recording, asked: Asked) -> tuple[Problem, Fit, Scales]:
+def fitted(recording: Recording, asked: Asked) -> tuple[Driven, Fit, Scales]:
     """The base model along its own motion, under the noise that it leaves."""
     problem, _ = prepare(recording, asked)
-    base, scales = baseline(problem)
+    assert isinstance(problem, Driven)
+    base, scales = driven_baseline(problem)
     problem, base = along(base, problem, scales)
     problem = replace(problem, noise=noise_of(base, problem, scales.omega))
     return problem, fit(base.model, problem, base.free, scales), scales
@@ -55,9 +56,9 @@ def test_a_control_is_recovered_to_its_noise(
     truth: Model, gaps: tuple[tuple[float, float], ...], horizon: float | None, windows: int
 ) -> None:
     problem, found, _ = fitted(recorded(truth, gaps), Asked(truth.restoring, horizon=horizon))
-    assert problem.restarts is not None
-    assert not problem.by_force
-    assert len(problem.restarts.windows) == windows
+    assert isinstance(problem, Driven)
+    assert isinstance(problem.starts, Windows)
+    assert len(problem.starts.windows) == windows
     assert problem.noise["x"].sigma == pytest.approx(SIGMA, rel=0.05)
     assert abs(found.chi2 / found.points - 1.0) < 4.0 * math.sqrt(2.0 / found.points)
     errors = np.sqrt(np.diag(found.covariance()))
@@ -69,15 +70,15 @@ def test_a_control_is_recovered_to_its_noise(
 def test_starts_are_found_from_what_follows_them() -> None:
     truth = SPRING
     problem, _ = prepare(recorded(truth), Asked())
-    assert problem.restarts is not None
-    windows = problem.restarts.windows
+    assert isinstance(problem.starts, Windows)
+    windows = problem.starts.windows
     moved = tuple(replace(w, x0=w.x0 + 3e-4, v0=w.v0 - 3e-3, x_sd=1e-3, v_sd=1e-2) for w in windows)
     again = begun(
-        replace(problem, restarts=replace(problem.restarts, windows=moved)), truth, Scales.of(truth, problem.drive)
+        replace(problem, starts=replace(problem.starts, windows=moved)), truth, Scales.of(truth, problem.drive)
     )
     exact = solve(truth, np.array([0.0, *(w.t0 for w in windows[1:])]), drive=_drive())
-    assert again.restarts is not None
-    for i, w in enumerate(again.restarts.windows):
+    assert isinstance(again.starts, Windows)
+    for i, w in enumerate(again.starts.windows):
         assert abs(w.x0 - exact.x[i]) < 4.0 * w.x_sd < 1e-4
         assert abs(w.v0 - exact.v[i]) < 4.0 * w.v_sd
         assert w.v_sd < 2.5e-3 or w.v0 == exact.v[i] == 0.0
@@ -91,11 +92,11 @@ def _drive() -> Drive:
 
 def test_where_a_window_starts_counts_for_nothing() -> None:
     problem, found, scales = fitted(recorded(SPRING), Asked())
-    assert problem.restarts is not None
+    assert isinstance(problem.starts, Windows)
     assert problem.force_noise is not None
-    w = problem.restarts.windows[1]
+    w = problem.starts.windows[1]
     model = replace(found.model, x0=w.x0, v0=w.v0, t0=w.t0)
-    part = replace(problem.part(slice(w.start, w.stop)), restarts=None, force_noise=None)
+    part = replace(problem.part(slice(w.start, w.stop)), starts=OneStart(), force_noise=None)
     by_start = observe(model, part, ("x0", "v0"), scales).dy["x"]
     out = np.zeros((problem.t.size, 2))
     out[w.start : w.stop] = by_start / np.abs(by_start).max(axis=0)

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from harness.diagnosis.pipeline import diagnose
-from harness.diagnosis.problem import Problem
+from harness.diagnosis.problems.free_decay import FreeDecay
 from harness.estimate.noise import channel_noise
 from harness.proof.plant import draw
 
@@ -13,7 +13,7 @@ from harness.proof.plant import draw
 def test_a_control_is_predicted_as_well_with_the_best_ranked_term_forced_in(seed: int) -> None:
     case = draw("control", np.random.default_rng(seed))
     t, channels = case.recorded["t"], {c: case.recorded[c] for c in case.channels}
-    outcome = diagnose(Problem(t, channels, {c: channel_noise(t, y) for c, y in channels.items()}))
+    outcome = diagnose(FreeDecay(t, channels, {c: channel_noise(t, y) for c, y in channels.items()}))
     assert outcome.verdict == "adequate"
     forced = outcome.holdout.forced
     assert forced is not None

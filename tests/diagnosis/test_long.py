@@ -7,6 +7,7 @@ from harness.core.arrays import FloatArray
 from harness.diagnosis.outcome import Outcome
 from harness.diagnosis.pipeline import diagnose
 from harness.diagnosis.problem import Problem
+from harness.diagnosis.problems.free_decay import FreeDecay
 from harness.diagnosis.search import long_recordings as long
 from harness.estimate.noise import channel_noise
 from harness.kernels.solve import solve
@@ -24,7 +25,7 @@ def decay(terms: tuple[ModelTerm, ...]) -> Problem:
         "x": run.x + 2e-3 * draw.standard_normal(t.size),
         "a": run.a + 0.2 * draw.standard_normal(t.size),
     }
-    return Problem(t, channels, {c: channel_noise(t, y) for c, y in channels.items()})
+    return FreeDecay(t, channels, {c: channel_noise(t, y) for c, y in channels.items()})
 
 
 def told(problem: Problem, monkeypatch: pytest.MonkeyPatch, samples: int) -> Outcome:

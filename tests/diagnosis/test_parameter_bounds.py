@@ -7,10 +7,10 @@ import pytest
 
 from harness.core.recording import Recording
 from harness.diagnosis.baseline.base_fit import baseline
-from harness.diagnosis.fit.least_squares import fit
+from harness.diagnosis.fit.model_fit import fit
 from harness.diagnosis.fit.parameters import free_of
 from harness.diagnosis.fit.standard_errors import AT_LEAST, term_parameters
-from harness.diagnosis.prepare.prepare import prepare
+from harness.diagnosis.pipeline import prepare
 from harness.diagnosis.request import Asked
 from harness.kernels.solve import solve
 from harness.model.model import Model, ModelTerm

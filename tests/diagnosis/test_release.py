@@ -9,8 +9,7 @@ import pytest
 
 from harness.core.recording import Recording
 from harness.diagnosis.baseline.base_fit import baseline
-from harness.diagnosis.pipeline import diagnose
-from harness.diagnosis.prepare.prepare import prepare
+from harness.diagnosis.pipeline import diagnose, prepare
 from harness.diagnosis.problem import Problem
 from harness.diagnosis.request import Asked
 from harness.diagnosis.residual_tests.structure import structure

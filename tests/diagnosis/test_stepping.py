@@ -10,15 +10,15 @@ from harness.core.recording import Recording
 from harness.core.trajectory import Trajectory
 from harness.diagnosis.baseline.base_fit import baseline
 from harness.diagnosis.explain.attribution import MeanSquares, shares
-from harness.diagnosis.fit.least_squares import fit
+from harness.diagnosis.fit.model_fit import fit
 from harness.diagnosis.fit.parameters import free_of
 from harness.diagnosis.integrator_maps.stepped import as_stepped
 from harness.diagnosis.outcome import Outcome
-from harness.diagnosis.pipeline import conclude, diagnose
-from harness.diagnosis.prepare.prepare import prepare
+from harness.diagnosis.pipeline import diagnose, explain, judge, prepare
 from harness.diagnosis.request import Asked
 from harness.diagnosis.residual_tests.structure import Left
 from harness.diagnosis.search.search import Search
+from harness.diagnosis.stages import Found
 from harness.engines.simulator import EngineSimulator
 from harness.kernels.solve import Scales, simulate
 from harness.model.model import Model, ModelTerm
@@ -54,7 +54,7 @@ def concluded(recording: Recording, *named: ModelTerm) -> tuple[Outcome, Scales]
         model = replace(base.model, terms=named[:count])
         fits.append(fit(model, problem, free_of(model, names), scales))
     found = as_stepped(Search(problem, base, fits[-1], tuple(fits[:1]), tuple(fits[-1:]), Left.STRUCTURE), scales)
-    return None if found is None else (conclude(found[0], scales, found[1]), scales)
+    return None if found is None else (explain(judge(Found(found[0], scales, found[0], found[1]))), scales)
 
 
 SOFT = ModelTerm.named("regularised-friction", v_r=0.03, lead=0.009)

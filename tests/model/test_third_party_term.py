@@ -21,8 +21,7 @@ import json
 import numpy as np
 from scipy.integrate import solve_ivp
 from harness.core.recording import Recording
-from harness.diagnosis.pipeline import diagnose
-from harness.diagnosis.prepare.prepare import prepare
+from harness.diagnosis.pipeline import diagnose, prepare
 from harness.diagnosis.request import Asked
 from harness.engines.realise import task_of
 from harness.engines.registry import load

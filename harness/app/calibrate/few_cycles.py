@@ -12,7 +12,7 @@ from harness.app.calibrate.calibration import Calibration, stands
 from harness.diagnosis.baseline.base_fit import baseline
 from harness.diagnosis.baseline.words import Strokes, evidence
 from harness.diagnosis.grading.misfit import misfit
-from harness.diagnosis.problem import Problem
+from harness.diagnosis.problems.free_decay import FreeDecay
 from harness.diagnosis.rules import GAIN, LEAST_CYCLES, SHARE_OF_EXCESS
 from harness.diagnosis.search.screen import screen
 from harness.diagnosis.search.start_evidence import evidence as starting_evidence
@@ -55,7 +55,7 @@ def _passes(cycles: int, rng: np.random.Generator) -> bool:
     stroke = Strokes.by(run.v).of
     a, b = rng.standard_normal((2, stroke[-1] + 1))[:, stroke]
     x = run.x + _MISFIT * (a * np.cos(omega_n * t) + b * np.sin(omega_n * t)) + _NOISE * rng.standard_normal(t.size)
-    problem = Problem(t, {"x": x}, {"x": channel_noise(t, x)}, zero_free=True)
+    problem = FreeDecay(t, {"x": x}, {"x": channel_noise(t, x)}, zero_free=True)
     found = misfit(problem, *baseline(problem))
     base_fit, scales = found.base, found.scales
     promised = screen(base_fit, found.problem, starting_evidence(base_fit, found.problem, scales), scales, _ONE)

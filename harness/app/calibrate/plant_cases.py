@@ -6,8 +6,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from harness.core.errors import SimulationError
-from harness.diagnosis.fit.least_squares import Fit
+from harness.diagnosis.fit.model_fit import Fit
 from harness.diagnosis.problem import Problem
+from harness.diagnosis.problems.free_decay import FreeDecay
 from harness.diagnosis.search.extend import extend, settle
 from harness.diagnosis.search.long_recordings import shortened
 from harness.diagnosis.search.search import noise_of, under
@@ -51,7 +52,7 @@ def pair_of(rng: np.random.Generator, among: Sequence[str] = NAMES) -> tuple[str
 def start_of(case: Case) -> Start:
     """The recording of a case, made ready. Raises SimulationError when its base model cannot be fitted."""
     t, channels = case.recorded["t"], {c: case.recorded[c] for c in case.channels}
-    problem = Problem(t, channels, {c: channel_noise(t, y) for c, y in channels.items()})
+    problem = FreeDecay(t, channels, {c: channel_noise(t, y) for c, y in channels.items()})
     problem, base, scales = shortened(problem)
     return seen(problem, base, scales)
 

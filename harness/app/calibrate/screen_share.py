@@ -6,7 +6,7 @@ import numpy as np
 
 from harness.app.calibrate.calibration import Calibration, head, quantiles, stands
 from harness.app.calibrate.plant_cases import NAMES, case_of, start_of, terms_of
-from harness.diagnosis.fit.least_squares import fit
+from harness.diagnosis.fit.model_fit import fit
 from harness.diagnosis.rules import SCREEN_SHARE
 from harness.diagnosis.search.screen import screen
 from harness.diagnosis.search.start_evidence import evidence

@@ -1,7 +1,6 @@
 """Files that a diagnosis leaves beside its result: the refined model, and its trace at the recording's own times."""
 
 import json
-from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -17,17 +16,9 @@ from harness.model.document import to_document
 from harness.model.model import Model
 
 
-def whole_problem(recording: Recording, problem: Problem) -> Problem:
-    """The same question at every sample of the recording; a driven one has lost none."""
-    if problem.restarts is not None:
-        return problem
-    channels = {name: recording[name] for name in problem.channels}
-    return replace(problem, t=recording.t, channels=channels, weight={})
-
-
 def simulated(recording: Recording, outcome: Outcome) -> tuple[Trajectory, Trajectory]:
     """Motion of both models at every time of the recording; extra "shown x" and the like: what their sensors show."""
-    whole = whole_problem(recording, outcome.problem)
+    whole = outcome.problem.at_every_sample(recording.t, recording.channels)
     return _motion("baseline", outcome.base.model, whole, outcome), _motion(
         "refined", outcome.refined.model, whole, outcome
     )

@@ -8,7 +8,8 @@ from harness.core.errors import InputError
 from harness.core.recording import Recording
 from harness.diagnosis.alignment.consistency import Consistency, consistency
 from harness.diagnosis.baseline.base_fit import dominant_frequency
-from harness.diagnosis.prepare.prepare import is_driven, prepare
+from harness.diagnosis.pipeline import prepare
+from harness.diagnosis.prepare.driven import is_driven
 from harness.diagnosis.problem import Problem
 from harness.diagnosis.request import Asked
 

@@ -16,7 +16,7 @@ from harness.core.errors import SimulationError
 from harness.core.recording import Recording
 from harness.diagnosis.explain.engines import engine_fit
 from harness.diagnosis.explain.verdict_sentence import sentence_of
-from harness.diagnosis.fit.least_squares import Fit
+from harness.diagnosis.fit.model_fit import Fit
 from harness.diagnosis.fit.rmse import fit_percent, rmse
 from harness.diagnosis.outcome import Holdout, Mechanism, Outcome, Prediction
 from harness.diagnosis.problem import Problem

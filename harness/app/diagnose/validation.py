@@ -8,18 +8,13 @@ from harness.app.diagnose.problem import prepared
 from harness.app.shared.reading import read
 from harness.core.errors import InputError
 from harness.core.recording import Recording
-from harness.diagnosis.baseline.base_fit import baseline
-from harness.diagnosis.fit.least_squares import fit
-from harness.diagnosis.fit.parameters import free_of
-from harness.diagnosis.fit.rmse import rmse
-from harness.diagnosis.inverse_dynamics.validate import Judge, window_rmse
+from harness.diagnosis.inverse_dynamics.validate import Judge
+from harness.diagnosis.kinds.known import kind_of
 from harness.diagnosis.outcome import Outcome
-from harness.diagnosis.prepare.prepare import is_driven
+from harness.diagnosis.prepare.driven import is_driven
 from harness.diagnosis.problem import Problem
-from harness.model.model import Model, Restoring
+from harness.model.model import Restoring
 from harness.results.diagnosis import ForceError, ValidationResult
-
-_STARTS = ("x0", "v0")
 
 
 @dataclass(frozen=True, slots=True)
@@ -60,18 +55,7 @@ def validated(found: Validation, outcome: Outcome, options: DiagnoseOptions) -> 
     problem = ready.problem
     base, refined = outcome.base.model, outcome.refined.model
     force = None
-    if problem.restarts is not None:
-        before, after = (window_rmse(model, problem, outcome.scales) for model in (base, refined))
-    else:
-        own, scales = baseline(problem)
-
-        def started(model: Model) -> dict[str, float]:
-            """Only where and how fast it starts belongs to the other recording."""
-            here = replace(model, x0=own.model.x0, v0=own.model.v0, t0=own.model.t0, offset=own.model.offset)
-            free = tuple(f for f in free_of(here, _STARTS) if f.name in _STARTS)
-            return rmse(fit(here, problem, free, scales).shown.y, problem)
-
-        before, after = started(base), started(refined)
+    before, after = kind_of(problem).tried(problem, (base, refined), outcome.scales)
     if found.judge is not None:
         errors = found.judge.compared(base, refined)
         force = ForceError(

@@ -1,4 +1,4 @@
-"""The base fit: viscous and Coulomb friction on the restoring force, without falling into false minima.
+"""The base fit of a free decay: viscous and Coulomb friction on the restoring force, without falling into false minima.
 
 The number of half-cycles before the slider sticks jumps with f_k, and a phase that slips by a cycle has a minimum of
 its own. So the start comes from the spectrum and the envelope, the fit first sees the first cycles only and then ever
@@ -7,20 +7,18 @@ more of the recording, from several shares of viscous and dry friction; the best
 
 import math
 from dataclasses import replace
-from itertools import product
 
 import numpy as np
 
 from harness.core.arrays import FloatArray
 from harness.core.errors import InputError, SimulationError
 from harness.diagnosis.baseline.spectral_peaks import peaks
-from harness.diagnosis.fit.least_squares import Fit, fit
+from harness.diagnosis.fit.model_fit import Fit, fit
 from harness.diagnosis.fit.observe import COARSE
 from harness.diagnosis.fit.parameters import base_of, free_of
-from harness.diagnosis.motion import motion_of
 from harness.diagnosis.problem import Problem
 from harness.kernels.solve import Scales
-from harness.model.model import Model, Restoring
+from harness.model.model import Model
 
 _SHARES = (0.5, 0.15, 0.85)
 _CLEARLY_MOVING = 6.0
@@ -28,8 +26,6 @@ _CLEARLY_MOVING = 6.0
 _FIRST_CYCLES = 2.0
 _LEAST_PERIODS = 1.25
 """Of a swing over the recording: three half-cycles are accepted, and a peak is as wide as a quarter of a period."""
-_DRY = (1.0, 0.5, 1.5)
-"""Shares of the dry friction that the inverse dynamics give, from which a driven fit starts."""
 
 
 def dominant_frequency(t: FloatArray, y: FloatArray) -> float:
@@ -116,18 +112,9 @@ def starts(problem: Problem) -> list[Model]:
     return models
 
 
-def base_names(problem: Problem) -> tuple[str, ...]:
-    """Base parameters that are fitted: the mass only where a measured force gives it."""
-    mass = ("m",) if problem.drive is not None and problem.mass is None else ()
-    spring = () if problem.restoring is Restoring.NONE else ("k",)
-    zero = ("offset",) if problem.zero_free and spring and "x" in problem.channels else ()
-    start = ("x0", "v0") if problem.restarts is None else ()
-    return (*mass, "c", *spring, "f_k", *zero, *start)
-
-
 def _grow(model: Model, problem: Problem, scales: Scales) -> Fit:
     """Fit ever longer stretches, so that the phase never slips."""
-    free = free_of(model, base_names(problem))
+    free = free_of(model, problem.base_names)
     t = problem.t
     span, cycle = float(t[-1] - t[0]), 2.0 * math.pi / scales.omega
     cycles = _FIRST_CYCLES
@@ -143,7 +130,7 @@ def _grow(model: Model, problem: Problem, scales: Scales) -> Fit:
 def _whole(model: Model, problem: Problem, scales: Scales) -> Fit:
     """Fit the whole recording at once: right where the spectrum gave the frequency well."""
     thin = max(1, problem.t.size // 1500)
-    free = free_of(model, base_names(problem))
+    free = free_of(model, problem.base_names)
     rough = fit(model, problem.part(slice(None, None, thin)), free, scales, 15, COARSE, thorough=False)
     return fit(rough.model, problem, free, scales, thorough=False)
 
@@ -153,8 +140,6 @@ def baseline(problem: Problem) -> tuple[Fit, Scales]:
 
     Raises InputError when the recording does not swing, SimulationError when no start could be simulated.
     """
-    if problem.first is not None:
-        return _driven(problem, problem.first)
     models = starts(problem)
     scales = scales_of(problem, math.sqrt(models[0].k / models[0].m))
     best: Fit | None = None
@@ -173,39 +158,6 @@ def baseline(problem: Problem) -> tuple[Fit, Scales]:
         raise SimulationError(f"no base fit could be simulated: {why}")
     best = fit(best.model, problem, best.free, scales)
     return at_rest(best, problem, scales), scales
-
-
-def _driven(problem: Problem, model: Model) -> tuple[Fit, Scales]:
-    """The base model fitted to a driven recording, from the inverse dynamics and from less and more dry friction."""
-    scales = driven_scales(problem, model)
-    names = base_names(problem)
-    best: Fit | None = None
-    why = ""
-    # smoothing rounds off a first motion out of rest, so that a start at rest is looked at too
-    still = tuple(name for name in names if name != "v0")
-    begun = ((0.0, still), (model.v0, names)) if "v0" in names else ((model.v0, names),)
-    for share, (v0, base) in product(_DRY, begun):
-        started = replace(model, f_k=share * model.f_k, v0=v0)
-        try:
-            found = fit(started, problem, free_of(started, base), scales, thorough=False)
-        except SimulationError as error:
-            why = str(error)
-            continue
-        if best is None or found.bic < best.bic:
-            best = found
-    if best is None:
-        raise SimulationError(f"no base fit could be simulated: {why}")
-    return best, scales
-
-
-def driven_scales(problem: Problem, model: Model) -> Scales:
-    """What counts as ordinary in a driven recording; without a spring omega is the motion's own."""
-    omega = math.sqrt(model.k / model.m)
-    cycle = omega or dominant_frequency(problem.t, next(iter(problem.channels.values())))
-    motion = motion_of(problem.t, problem.channels, cycle)
-    if omega == 0.0:
-        omega = math.sqrt(float(np.mean(motion.v**2))) / max(float(np.std(motion.x)), 1e-300)
-    return Scales(0.5 * float(np.ptp(motion.x)), float(np.max(np.abs(motion.v))), omega)
 
 
 def at_rest(found: Fit, problem: Problem, scales: Scales) -> Fit:

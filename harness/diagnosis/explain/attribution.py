@@ -10,7 +10,7 @@ from harness.core.errors import InputError
 from harness.core.recording import Recording
 from harness.diagnosis.alignment.align import LEAST_SHARED, align
 from harness.diagnosis.explain.engines import Simulator, shown_by
-from harness.diagnosis.fit.least_squares import whitened
+from harness.diagnosis.fit.model_fit import whitened
 from harness.diagnosis.fit.observe import observe
 from harness.diagnosis.problem import Problem
 from harness.diagnosis.sensors.resample import channels_at

@@ -1,6 +1,6 @@
 """What a reader of a verdict is warned of."""
 
-from harness.diagnosis.fit.least_squares import Fit
+from harness.diagnosis.fit.model_fit import Fit
 from harness.diagnosis.grading.grade import Graded
 from harness.diagnosis.outcome import Grade, Holdout
 from harness.diagnosis.rules import DECISIVE, LEAST_CYCLES, PREDICTS_WORSE
@@ -22,8 +22,7 @@ def cautions(found: Search, judgement: Judgement, prediction: Holdout) -> tuple[
         return (_undecided(chosen=found.chosen, rival=judgement.rival),)
     if judgement.verdict == "unexplained":
         said = "no entry or pair of the catalogue explains it; standard errors are inflated by the misfit"
-        force = found.problem.force_noise
-        noisy = force is not None and force.beyond > DECISIVE.value
+        noisy = found.problem.spare > DECISIVE.value
         return (said, *_closest(found), *((_NOISY_FORCE,) if noisy else ()))
     if judgement.verdict == "missing_physics" and prediction.refined_rmse:
         most = {c: PREDICTS_WORSE.value * before for c, before in prediction.baseline_rmse.items()}

@@ -10,11 +10,10 @@ import numpy as np
 from harness.core.arrays import FloatArray
 from harness.core.errors import SimulationError
 from harness.core.trajectory import Trajectory
-from harness.diagnosis.fit.initial_states import starts_of
 from harness.diagnosis.fit.observe import observe
 from harness.diagnosis.fit.rmse import rms, rmse
 from harness.diagnosis.problem import Problem
-from harness.diagnosis.sensors.sensed import latest, sensed
+from harness.diagnosis.sensors.sensor_model import latest, sensed
 from harness.kernels.solve import Drive, Scales
 from harness.model.model import Model
 
@@ -96,11 +95,8 @@ def shown_by(
 
     A driven recording is simulated window by window, each from its own start, as the fit does it.
     """
-    if problem.restarts is None:
-        return _stretch(simulate, model, problem, problem.t, dt)
     parts = [
-        _stretch(simulate, start.model, problem, problem.t[start.window.start : start.window.stop], dt)
-        for start in starts_of(model, problem.restarts)
+        _stretch(simulate, start.model, problem, problem.t[start.samples], dt) for start in problem.starts.of(model)
     ]
     return {c: np.concatenate([shown[c] for shown, _ in parts]) for c in problem.channels}, parts[-1][1]
 
@@ -112,12 +108,7 @@ def _stretch(
     duration = latest(model, t)
     if duration <= 0.0:
         raise SimulationError("the recording ends before the slider is released")
-    drive = None
-    if problem.drive is not None:
-        # a run needs no more of the force than its own stretch
-        at, force = problem.drive.within(model.t0, model.t0 + duration)
-        drive = Drive(at - model.t0, force)
-    motion = simulate(model, duration, dt, drive)
+    motion = simulate(model, duration, dt, problem.drive_over(model.t0, model.t0 + duration))
     return sensed(model, t, motion, problem.channels), motion
 
 

@@ -16,14 +16,16 @@ import numpy as np
 from harness.core.arrays import BoolArray, FloatArray
 from harness.core.errors import SimulationError
 from harness.diagnosis.explain.place import place_of
-from harness.diagnosis.fit.least_squares import Fit, fit
+from harness.diagnosis.fit.model_fit import Fit, fit
 from harness.diagnosis.fit.observe import FINE, observe
 from harness.diagnosis.fit.parameters import base_of, free_of
 from harness.diagnosis.fit.rmse import rmse
 from harness.diagnosis.outcome import Forced, Holdout
 from harness.diagnosis.problem import Problem
 from harness.diagnosis.search.screen import screen
+from harness.diagnosis.search.search import Search
 from harness.diagnosis.search.start_evidence import evidence
+from harness.diagnosis.verdict import Judgement
 from harness.kernels.solve import Scales
 from harness.model.model import Model, ModelTerm
 from harness.model.place import Place, Spans
@@ -63,8 +65,8 @@ def _held_out(problem: Problem, spans: Spans, keep: Spans) -> BoolArray:
 
 def _predicted(
     found: Fit, problem: Problem, scales: Scales, out: BoolArray, other: Model | None = None
-) -> dict[str, FloatArray]:
-    """Channels (n,) as a model predicts them that is fitted without the samples held out.
+) -> dict[str, FloatArray] | None:
+    """Channels (n,) as a model predicts them that is fitted without the samples held out; None where that fails.
 
     other : a second model to start from; the fit that is nearer to what is not held out predicts.
     """
@@ -73,9 +75,11 @@ def _predicted(
         if model is not None:
             with suppress(SimulationError):
                 fits.append(fit(model, kept, found.free, scales, 15, thorough=False))
-    # where none succeeds the fit to all samples stands in; it can only flatter the side that failed
-    best = min(fits, key=lambda f: f.chi2, default=found)
-    return observe(best.model, problem, (), scales, FINE).y
+    # a fit to all samples must not stand in: it would flatter the side that failed
+    if fits:
+        with suppress(SimulationError):
+            return observe(min(fits, key=lambda f: f.chi2).model, problem, (), scales, FINE).y
+    return None
 
 
 def _best_ranked(base: Fit, singles: Sequence[Fit], problem: Problem, scales: Scales) -> Fit | None:
@@ -93,7 +97,8 @@ def _best_ranked(base: Fit, singles: Sequence[Fit], problem: Problem, scales: Sc
 def forced(base: Fit, singles: Sequence[Fit], problem: Problem, scales: Scales) -> Forced | None:
     """What the best-ranked term, forced into a base that needs none, does to the prediction of what was held out.
 
-    singles : fits of one term each, best first. None when no term could be put in, or below two periods.
+    singles : fits of one term each, best first. None when no term could be put in, below two periods, or
+    where one of the two cannot be fitted without what is held out.
     """
     ranked = _best_ranked(base, singles, problem, scales)
     if ranked is None:
@@ -108,6 +113,8 @@ def forced(base: Fit, singles: Sequence[Fit], problem: Problem, scales: Scales) 
     idle = _idle(ranked, base)
     for out in (out for out in outs if np.any(out)):
         one, other = _predicted(base, problem, scales, out), _predicted(ranked, problem, scales, out, idle)
+        if one is None or other is None:
+            return None
         for c in problem.channels:
             before[c][out], after[c][out] = one[c][out], other[c][out]
     return Forced(entry.term.name, rmse(before, problem, every), rmse(after, problem, every))
@@ -141,15 +148,34 @@ def _shown_nowhere_else(entry: ModelTerm, place: Place, problem: Problem, taken:
 
 
 def holdout(
-    base: Fit, refined: Fit, problem: Problem, scales: Scales, acting: list[tuple[ModelTerm, Place]]
+    base: Fit, refined: Fit, problem: Problem, scales: Scales, acting: Sequence[tuple[ModelTerm, Place]]
 ) -> Holdout:
-    """Held-out rmse by channel of the base model and the refined one; no spans below two periods."""
+    """Held-out rmse by channel of the base model and the refined one.
+
+    No spans below two periods, nor where one of them cannot be fitted without what is held out, which is then said.
+    """
     spans = _periods(problem, scales.omega)
     taken = _held_out(problem, spans, ())
     keep = tuple(span for entry, own in acting if _shown_nowhere_else(entry, own, problem, taken) for span in own.spans)
     out = _held_out(problem, spans, keep)
     if not np.any(out):
-        return Holdout((), {}, {})
-    before = rmse(_predicted(base, problem, scales, out), problem, out)
-    after = before if refined is base else rmse(_predicted(refined, problem, scales, out), problem, out)
-    return Holdout(spans, before, after)
+        return Holdout.none()
+    before = _predicted(base, problem, scales, out)
+    if before is None:
+        return Holdout.none("base")
+    after = before if refined is base else _predicted(refined, problem, scales, out)
+    if after is None:
+        return Holdout.none("refined")
+    return Holdout(spans, rmse(before, problem, out), rmse(after, problem, out))
+
+
+def periods_held_out(
+    found: Search, judgement: Judgement, scales: Scales, acting: Sequence[tuple[ModelTerm, Place]]
+) -> Holdout:
+    """What was held out, predicted by the base and the refined model, and by one term too many where none is needed."""
+    problem = found.problem
+    refined = found.base if judgement.refined.model.terms == () else found.chosen
+    prediction = holdout(found.base, refined, problem, scales, acting)
+    if judgement.verdict == "adequate":
+        prediction = replace(prediction, forced=forced(found.base, found.singles, problem, scales))
+    return prediction

@@ -1,7 +1,7 @@
 """What is said of a term that is named: its sentence, parameters, evidence, and what could stand in its place."""
 
 from harness.core.quantity import Quantity
-from harness.diagnosis.fit.least_squares import Fit
+from harness.diagnosis.fit.model_fit import Fit
 from harness.diagnosis.fit.standard_errors import AT_LEAST, term_parameters
 from harness.diagnosis.outcome import Alternative, Mechanism
 from harness.diagnosis.rules import DECISIVE
@@ -20,7 +20,7 @@ def mechanism(found: Search, index: int, entry: ModelTerm, omega: float, place: 
         entry=entry,
         statement=statement_of(entry, parameters, found.chosen),
         parameters=parameters,
-        delta_bic=_lost_without(found, entry),
+        delta_bic=_lost_without(found, index),
         place=place,
         alternatives=_alternatives(found, entry),
         share=_share(found, entry),
@@ -35,12 +35,13 @@ def _share(found: Search, entry: ModelTerm) -> float | None:
     return min(max((found.base.chi2 - min(same)) / excess, 0.0), 1.0) if same and excess > 0.0 else None
 
 
-def _lost_without(found: Search, entry: ModelTerm) -> float:
-    """What BIC loses without a term: against the best of the models searched that lack its name."""
-    lacking = [f.bic for f in (found.base, *found.singles, *found.rivals) if entry.term.name not in key_of(f)]
-    others = tuple(sorted(e.term.name for e in found.chosen.model.terms if e is not entry))
-    same = [f.bic for f in (found.base, *found.singles, *found.rivals) if key_of(f) == others]
-    return min(same or lacking) - found.chosen.bic
+def _lost_without(found: Search, index: int) -> float:
+    """What BIC loses when a term is taken out of the chosen model and the rest is fitted again.
+
+    Of a lone term that is base minus chosen; the base also stands in where the rest cannot be simulated.
+    """
+    rest = found.without[index] if len(found.chosen.model.terms) > 1 else found.base
+    return (found.base if rest is None else rest).bic - found.chosen.bic
 
 
 def _alternatives(found: Search, entry: ModelTerm) -> tuple[Alternative, ...]:

@@ -1,6 +1,6 @@
 """Where a named effect acts, by the motion of the fitted model that has it."""
 
-from harness.diagnosis.fit.least_squares import Fit
+from harness.diagnosis.fit.model_fit import Fit
 from harness.diagnosis.problem import Problem
 from harness.model.model import ModelTerm
 from harness.model.place import Place, Seen

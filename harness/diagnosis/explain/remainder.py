@@ -6,7 +6,7 @@ import numpy as np
 
 from harness.core.arrays import FloatArray, IntArray
 from harness.diagnosis.baseline.words import Strokes
-from harness.diagnosis.fit.least_squares import Fit
+from harness.diagnosis.fit.model_fit import Fit
 from harness.diagnosis.outcome import Remainder
 from harness.diagnosis.problem import Problem
 

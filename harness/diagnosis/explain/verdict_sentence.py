@@ -17,7 +17,7 @@ def sentence_of(outcome: Outcome) -> str:
     """The verdict in a sentence or two, with numbers."""
     words = [m.name.replace("-", " ") for m in outcome.mechanisms]
     if outcome.verdict == "adequate":
-        return _UNTESTED if outcome.problem.by_force else _NOTHING
+        return _NOTHING if outcome.tested else _UNTESTED
     if outcome.verdict == "missing_physics":
         said = " ".join(m.statement for m in outcome.mechanisms)
         return f"The simulation leaves out {' and '.join(words)}: {said}"

@@ -10,7 +10,7 @@ import math
 import numpy as np
 
 from harness.core.arrays import FloatArray
-from harness.diagnosis.fit.least_squares import Fit
+from harness.diagnosis.fit.model_fit import Fit
 from harness.diagnosis.problem import Problem
 
 

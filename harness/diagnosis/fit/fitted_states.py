@@ -7,9 +7,9 @@ import numpy as np
 
 from harness.core.arrays import FloatArray
 from harness.core.errors import SimulationError
-from harness.diagnosis.fit.initial_states import Start, starts_of
 from harness.diagnosis.fit.observe import COARSE, observe
-from harness.diagnosis.problem import Problem, Window
+from harness.diagnosis.problem import P, Problem
+from harness.diagnosis.problems.starts import OneStart, Window
 from harness.fit.covariance import covariance_of
 from harness.fit.least_squares import Residual, Until, least_squares
 from harness.kernels.solve import By, Scales
@@ -24,24 +24,28 @@ _DONE = 1e-5
 _BY: tuple[By, ...] = ("x0", "v0")
 
 
-def begun(problem: Problem, model: Model, scales: Scales) -> Problem:
+def begun(problem: P, model: Model, scales: Scales) -> P:
     """The problem with each window's start fitted to what follows it within a quarter of a cycle, all else given."""
-    if problem.restarts is None:
-        return problem
     length = _CYCLE * 2.0 * math.pi / scales.omega
-    windows = tuple(_fitted(problem, start, length, scales) for start in starts_of(model, problem.restarts))
-    return replace(problem, restarts=replace(problem.restarts, windows=windows))
+
+    def anew(window: Window, started: Model) -> Window:
+        return _fitted(problem, window, started, length, scales)
+
+    return replace(problem, starts=problem.starts.moved(anew, model))
 
 
-def _fitted(problem: Problem, start: Start, length: float, scales: Scales) -> Window:
-    """A window with the start that what follows tells best: in motion, or at rest unless that is worse."""
-    w, t = start.window, problem.t
+def _fitted(problem: Problem, w: Window, model: Model, length: float, scales: Scales) -> Window:
+    """A window with the start that what follows tells best: in motion, or at rest unless that is worse.
+
+    model : at the window's start.
+    """
+    t = problem.t
     stop = min(max(int(np.searchsorted(t, w.t0 + length)), w.start + _FEWEST), w.stop)
-    part = replace(problem.part(slice(w.start, stop)), restarts=None, force_noise=None)
+    part = replace(problem.part(slice(w.start, stop)), starts=OneStart())
     # smoothing rounds off a first motion out of rest
-    tried = [_descended(part, w, replace(start.model, v0=0.0), _BY[:1], scales)]
-    if start.model.v0 != 0.0:
-        tried.append(_descended(part, w, start.model, _BY, scales))
+    tried = [_descended(part, w, replace(model, v0=0.0), _BY[:1], scales)]
+    if model.v0 != 0.0:
+        tried.append(_descended(part, w, model, _BY, scales))
     squares, found = min(tried, key=lambda one: one[0])
     return found if math.isfinite(squares) else w
 

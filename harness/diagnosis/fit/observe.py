@@ -7,10 +7,10 @@ import numpy as np
 
 from harness.core.arrays import FloatArray, IntArray, ModeArray
 from harness.core.events import Events
-from harness.diagnosis.fit.initial_states import Start, starts_of
 from harness.diagnosis.problem import Problem
-from harness.diagnosis.sensors.readings import Reading, lag_of, read
+from harness.diagnosis.problems.starts import Start
 from harness.diagnosis.sensors.resample import Kinematics
+from harness.diagnosis.sensors.sensor_model import Reading, lag_of, read
 from harness.kernels.solve import By, Effort, Scales, solve
 from harness.model.model import Model
 from harness.model.term import Slot
@@ -47,21 +47,16 @@ def observe(
 ) -> Observation:
     """Channels of ``problem`` as ``model`` predicts them, with partials by the parameters ``by``.
 
-    With windows, each is simulated from its own start. Raises SimulationError when the motion cannot be followed.
+    Each stretch is simulated from its own start. Raises SimulationError when the motion cannot be followed.
     """
-    if problem.restarts is None:
-        return _stretch(model, problem, problem.t, by, scales, effort)
     scales = scales or Scales.of(model, problem.drive)
-    return _joined([_window(model, problem, w, by, scales, effort) for w in starts_of(model, problem.restarts)])
+    return _joined([_from(start, problem, by, scales, effort) for start in problem.starts.of(model)])
 
 
-def _window(
-    model: Model, problem: Problem, start: Start, by: tuple[By, ...], scales: Scales, effort: Effort
-) -> Observation:
-    """One window, its starts (the internal ones too) moving with the parameters that decide them."""
-    w = start.window
+def _from(start: Start, problem: Problem, by: tuple[By, ...], scales: Scales, effort: Effort) -> Observation:
+    """One stretch, its starts (the internal ones too) moving with the parameters that decide them."""
     asked = tuple(dict.fromkeys((*by, *(name for b in by for name in start.slopes.get(b, {})))))
-    shown = _stretch(start.model, problem, problem.t[w.start : w.stop], asked, scales, effort)
+    shown = _stretch(start.model, problem, problem.t[start.samples], asked, scales, effort)
     for column, b in enumerate(by):
         for name, slope in start.slopes.get(b, {}).items():
             for partials in shown.dy.values():
@@ -70,7 +65,9 @@ def _window(
 
 
 def _joined(parts: Sequence[Observation]) -> Observation:
-    """Windows one after another; arrays of shape (n,) and (n, q) as for one stretch."""
+    """Stretches one after another; arrays of shape (n,) and (n, q) as for one stretch."""
+    if len(parts) == 1:
+        return parts[0]
     channels = parts[0].y
     events = [p.events for p in parts]
     return Observation(

@@ -11,7 +11,7 @@ import numpy as np
 from harness.core.arrays import FloatArray
 from harness.core.quantity import Quantity
 from harness.diagnosis.fit.cluster_covariance import clustered_covariance
-from harness.diagnosis.fit.least_squares import Fit
+from harness.diagnosis.fit.model_fit import Fit
 from harness.diagnosis.problem import Problem
 from harness.model.model import Restoring
 
@@ -44,9 +44,12 @@ def _quantity(value: float, variance: float, unit: str, bound: str | None) -> Qu
 
 
 def covariances(found: Fit, problem: Problem, omega: float, explained: bool) -> tuple[FloatArray, ...]:
-    """Covariances (q, q) of the fitted numbers, of which the larger variance counts; omega of the swing, rad/s."""
+    """Covariances (q, q) of the fitted numbers, of which the larger variance counts; omega of the swing, rad/s.
+
+    explained : whether the fit leaves nothing that its own covariance does not count.
+    """
     inflated = found.covariance() * inflation(found) ** 2
-    if explained or problem.by_force:
+    if explained:
         return (inflated,)
     return inflated, clustered_covariance(found, problem, omega)
 

@@ -9,7 +9,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
 from harness.core.errors import SimulationError
-from harness.diagnosis.fit.least_squares import Fit, fit
+from harness.diagnosis.fit.model_fit import Fit, fit
 from harness.diagnosis.fit.parameters import base_of
 from harness.diagnosis.problem import Problem
 from harness.kernels.solve import Scales

@@ -9,7 +9,7 @@ import math
 from dataclasses import dataclass, replace
 
 from harness.diagnosis.baseline.words import evidence
-from harness.diagnosis.fit.least_squares import Fit
+from harness.diagnosis.fit.model_fit import Fit
 from harness.diagnosis.grading.friction_split import resplit
 from harness.diagnosis.grading.misfit import Misfit
 from harness.diagnosis.grading.prediction import Predicted, clearly_less, free_run, held_out, ratio, trained

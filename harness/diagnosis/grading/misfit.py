@@ -9,9 +9,8 @@ import numpy as np
 from harness.core.arrays import FloatArray
 from harness.diagnosis.baseline.base_fit import baseline
 from harness.diagnosis.baseline.residual_noise import residual_noise
-from harness.diagnosis.baseline.turning_points import first_turn, turning_points
 from harness.diagnosis.baseline.words import Strokes, words_of
-from harness.diagnosis.fit.least_squares import Fit, fit
+from harness.diagnosis.fit.model_fit import Fit, fit
 from harness.diagnosis.problem import Problem
 from harness.estimate.noise import Noise
 from harness.kernels.solve import Scales
@@ -62,35 +61,23 @@ def _rms(r: FloatArray) -> float:
     return math.sqrt(float(np.mean(r**2)))
 
 
-def _strokes(problem: Problem, base: Fit) -> Strokes:
-    """Of the recorded swing; a driven motion's are those of the model, which follows it."""
-    if problem.drive is not None:
-        return Strokes.by(base.shown.v)
-    return Strokes.between(turning_points(problem.t, problem.channels), problem.t.size)
-
-
 def misfit(problem: Problem, base: Fit, scales: Scales) -> Misfit:
     """The misfit of a recording whose base model is fitted. Raises SimulationError.
 
     A free decay is looked at from its first turning point, a driven recording whole: no hand lets it go. What noise of
     its force does is part of the misfit.
     """
-    at, left_out = 0, 0.0
-    if problem.drive is None:
-        turns = turning_points(problem.t, problem.channels)
-        at = first_turn(problem.t, problem.channels, turns)
+    at, left_out = problem.misfit_begins(), 0.0
     if at and problem.t.size - at >= _FEWEST:
         left_out = float(problem.t[at] - problem.t[0])
         problem = problem.part(slice(at, None))
         base, scales = baseline(problem)
-    strokes = _strokes(problem, base)
+    strokes = Strokes.between(problem.turns(base.shown.v), problem.t.size)
     words = words_of(strokes)
     points = sum(float(np.sum(w)) for w in problem.weight.values())
     left = {c: _rms(y - base.shown.y[c]) for c, y in problem.channels.items()}
     floor = {c: problem.noise[c].sigma for c in left}
     level = math.sqrt(points / (_CHI2_A_WORD * words))
-    weighed = replace(
-        problem, force_noise=None, noise={c: Noise(level * max(s, floor[c]), True) for c, s in left.items()}
-    )
+    weighed = problem.under_noise({c: Noise(level * max(s, floor[c]), True) for c, s in left.items()})
     base = fit(base.model, weighed, base.free, scales, thorough=False)
     return Misfit(weighed, base, problem.noise, scales, strokes, words, left_out)

@@ -10,7 +10,7 @@ import numpy as np
 from harness.core.arrays import BoolArray, FloatArray
 from harness.core.errors import SimulationError
 from harness.diagnosis.baseline.words import Strokes
-from harness.diagnosis.fit.least_squares import Fit, fit
+from harness.diagnosis.fit.model_fit import Fit, fit
 from harness.diagnosis.fit.observe import FINE, observe
 from harness.diagnosis.problem import Problem
 from harness.kernels.solve import Scales

@@ -1,1 +1,1 @@
-"""Noise of a measured force: what it does to the motion, and residuals whitened by it."""
+"""Noise of a measured force along the motion of a model, and fits under it."""

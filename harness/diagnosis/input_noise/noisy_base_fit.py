@@ -9,11 +9,12 @@ import numpy as np
 
 from harness.core.errors import SimulationError
 from harness.diagnosis.fit.fitted_states import begun
-from harness.diagnosis.fit.least_squares import Fit, fit, whitened
+from harness.diagnosis.fit.model_fit import Fit, fit, whitened
 from harness.diagnosis.fit.observe import COARSE, observe
-from harness.diagnosis.input_noise.force_noise import ForceNoise
 from harness.diagnosis.input_noise.propagation import force_noise
-from harness.diagnosis.problem import Problem
+from harness.diagnosis.problems.driven import Driven
+from harness.diagnosis.problems.force_noise import ForceNoise
+from harness.diagnosis.problems.starts import Windows
 from harness.diagnosis.rules import INPUT_NOISE_DRAWS
 from harness.kernels.solve import Scales
 
@@ -24,7 +25,7 @@ _FAR = 5.0
 """Standard deviations beyond which a value says no more."""
 
 
-def along(base: Fit, problem: Problem, scales: Scales) -> tuple[Problem, Fit]:
+def along(base: Fit, problem: Driven, scales: Scales) -> tuple[Driven, Fit]:
     """A problem with what its force's noise does along the motion of its base fit, and that fit under it."""
     if problem.force_noise is None:
         return problem, base
@@ -36,12 +37,12 @@ def along(base: Fit, problem: Problem, scales: Scales) -> tuple[Problem, Fit]:
 
 
 def in_turn(
-    problem: Problem,
+    problem: Driven,
     found: Fit,
     scales: Scales,
-    again: Callable[[Problem, Fit], tuple[Problem, Fit]],
+    again: Callable[[Driven, Fit], tuple[Driven, Fit]],
     same: float = _SAME,
-) -> tuple[Problem, Fit]:
+) -> tuple[Driven, Fit]:
     """What depends on a model's motion (starts of windows, what noise of a force does) and the fit, in turn.
 
     again : the problem and the fit of a turn, from those of the one before. Ends where chi-square stays within the
@@ -55,25 +56,25 @@ def in_turn(
     return problem, found
 
 
-def traced(problem: Problem, found: Fit, scales: Scales) -> Problem:
+def traced(problem: Driven, found: Fit, scales: Scales) -> Driven:
     """The problem with its starts as a model has them, and what its force's noise does along that model's motion."""
     known = problem.force_noise
     if known is None:
         return problem
     problem = begun(problem, found.model, scales)
-    shown = found.shown if problem.restarts is None else observe(found.model, problem, (), scales)
+    moved = isinstance(problem.starts, Windows)
+    shown = observe(found.model, problem, (), scales) if moved else found.shown
     start = known.start[np.searchsorted(known.t, problem.t)]
     force = force_noise(found.model, shown, problem.t, known.noise, problem.noise, start)
     return replace(problem, force_noise=force if force is None else replace(force, beyond=known.beyond))
 
 
-def _beyond(base: Fit, problem: Problem, force: ForceNoise, scales: Scales) -> float:
+def _beyond(base: Fit, problem: Driven, force: ForceNoise, scales: Scales) -> float:
     """Chi-square that noise of a force leaves beyond first order and what a fit takes: the most of some draws.
 
     Reversals come earlier or later, and slight ones become sticking. A sample on the other side of a jump counts as
     one that is far out, no more.
     """
-    assert problem.drive is not None
     random, partials = np.random.default_rng(0), base.jacobian
     size = np.sqrt(np.sum(partials**2, axis=0))
     taken, _ = np.linalg.qr(partials[:, size > 0.0] / size[size > 0.0])

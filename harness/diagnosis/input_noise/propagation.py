@@ -15,7 +15,7 @@ from harness.core.arrays import BoolArray, FloatArray, IntArray
 from harness.core.events import EventKind, Events, Mode
 from harness.core.jit import compiled
 from harness.diagnosis.fit.observe import Observation
-from harness.diagnosis.input_noise.force_noise import ForceNoise
+from harness.diagnosis.problems.force_noise import ForceNoise
 from harness.estimate.noise import Noise
 from harness.model.model import Model, Restoring
 

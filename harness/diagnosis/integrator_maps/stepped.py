@@ -14,7 +14,7 @@ import numpy as np
 
 from harness.core.arrays import FloatArray
 from harness.diagnosis.baseline.residual_noise import residual_noise
-from harness.diagnosis.fit.least_squares import Fit, fit, whitened
+from harness.diagnosis.fit.model_fit import Fit, fit, whitened
 from harness.diagnosis.fit.parameters import base_of, free_of
 from harness.diagnosis.integrator_maps.maps import SCHEMES, Scheme, Stepping, stepped
 from harness.diagnosis.problem import Problem
@@ -64,7 +64,7 @@ def _is_even(t: FloatArray) -> bool:
 
 def _worth_a_try(found: Search) -> Fit | None:
     """The fit to start from: where soft friction, nothing but readings, or no explanation was found."""
-    if found.problem.drive is not None or "x" not in found.problem.channels or not _is_even(found.problem.t):
+    if "x" not in found.problem.channels or not _is_even(found.problem.t):
         return None
     names = set(key_of(found.chosen))
     if found.explained:

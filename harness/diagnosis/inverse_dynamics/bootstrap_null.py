@@ -17,14 +17,14 @@ from harness.core.errors import SimulationError
 from harness.diagnosis.fit.observe import COARSE, observe
 from harness.diagnosis.inverse_dynamics.force_fit import ForceFit, fit_force
 from harness.diagnosis.inverse_dynamics.measured import Measured
-from harness.diagnosis.problem import Problem
+from harness.diagnosis.problems.inverse_dynamics import InverseDynamics
 from harness.diagnosis.rules import NULL_DRAWS
 from harness.diagnosis.smoothed_state.state import Course
 from harness.kernels.solve import Scales
 
 
 def taken_by_chance(
-    current: ForceFit, problem: Problem, scales: Scales, further: Callable[[ForceFit, Measured], list[ForceFit]]
+    current: ForceFit, problem: InverseDynamics, scales: Scales, further: Callable[[ForceFit, Measured], list[ForceFit]]
 ) -> float:
     """Squares of force, N^2 a value, that the best of ``further`` takes off a true model: the most of some draws.
 
@@ -32,7 +32,7 @@ def taken_by_chance(
     """
     # over each stretch without a gap from one start: no window's edge is in the motion
     course = Course.of(problem.t, problem.channels, problem.noise)
-    whole = replace(problem, restarts=course.anew(math.inf))
+    whole = replace(problem, starts=course.anew(math.inf))
     random, most = np.random.default_rng(0), 0.0
     with suppress(SimulationError):
         shown = observe(current.model, whole, (), scales, COARSE).y

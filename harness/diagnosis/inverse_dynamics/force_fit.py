@@ -14,7 +14,7 @@ import numpy as np
 
 from harness.core.arrays import FloatArray
 from harness.core.errors import SimulationError
-from harness.diagnosis.fit.least_squares import Fit
+from harness.diagnosis.fit.model_fit import Fit
 from harness.diagnosis.fit.observe import COARSE, Observation, observe
 from harness.diagnosis.fit.parameters import Free, bounds_of, coordinates_of, values_of, with_coordinates, with_values
 from harness.diagnosis.inverse_dynamics.measured import Measured
@@ -170,5 +170,10 @@ def _root_of_inverse(covariance: FloatArray) -> FloatArray:
 
 
 def refitted(found: Fit, measured: Measured) -> Model:
-    """The model of a fit, fitted to the blocks that count in ``measured``."""
+    """The model of a fit, fitted to the blocks that count in ``measured``.
+
+    Raises SimulationError where these are fewer than its numbers, or a law overflows.
+    """
+    if np.count_nonzero(measured.moving) <= len(found.free):
+        raise SimulationError("the slider hardly moves")
     return fit_force(found.model, measured, found.free).model

@@ -9,6 +9,7 @@ from harness.core.arrays import BoolArray, FloatArray
 from harness.core.errors import SimulationError
 from harness.diagnosis.inverse_dynamics.force import inverse_force
 from harness.diagnosis.problem import Problem
+from harness.diagnosis.problems.driven import Forced
 from harness.diagnosis.smoothed_state.inverse_start import state_of
 from harness.diagnosis.smoothed_state.local_cubics import Smooth, inner, longest_interval, smoothed, smoothed_alike
 from harness.model.model import Model
@@ -37,9 +38,8 @@ class Measured:
     moving: BoolArray
 
     @classmethod
-    def of(cls, problem: Problem) -> "Measured":
+    def of(cls, problem: Forced) -> "Measured":
         """From position or speed; a force that is held counts as it acts. Raises SimulationError when little moves."""
-        assert problem.drive is not None
         t = problem.t
         longest = longest_interval(t)
         smooth: dict[str, Smooth] = {

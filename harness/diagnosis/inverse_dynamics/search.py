@@ -6,14 +6,15 @@ real drive is never white, so that evidence counts independent values only.
 """
 
 import math
+from collections.abc import Iterator
 from dataclasses import replace
 from functools import partial
 
 import numpy as np
 
 from harness.core.errors import SimulationError
-from harness.diagnosis.baseline.base_fit import base_names, driven_scales
-from harness.diagnosis.fit.least_squares import Fit
+from harness.diagnosis.baseline.driven_base_fit import driven_scales
+from harness.diagnosis.fit.model_fit import Fit
 from harness.diagnosis.fit.parameters import base_of, free_of
 from harness.diagnosis.inverse_dynamics.bootstrap_null import taken_by_chance
 from harness.diagnosis.inverse_dynamics.force_fit import ForceFit, as_fit, fit_force, simulated
@@ -21,24 +22,33 @@ from harness.diagnosis.inverse_dynamics.force_screen import starts, whole_in
 from harness.diagnosis.inverse_dynamics.measured import Measured
 from harness.diagnosis.inverse_dynamics.validate import Judge
 from harness.diagnosis.problem import Problem
+from harness.diagnosis.problems.inverse_dynamics import InverseDynamics
 from harness.diagnosis.residual_tests.structure import Left
 from harness.diagnosis.rules import AMONG_NAMES, DECISIVE, MOST_FORCE_TERMS
-from harness.diagnosis.search.search import Search
+from harness.diagnosis.search.search import Search, less_each
 from harness.estimate.noise import Noise
 from harness.fit.autocorrelation import ENOUGH
-from harness.kernels.solve import Scales
+from harness.kernels.solve import Drive, Scales
 
 _LOOKED_AT = 5
 
 
-def search_driven(problem: Problem, judge: Judge | None = None) -> tuple[Search, Scales]:
+def force_baseline(problem: InverseDynamics) -> tuple[Measured, ForceFit, Scales]:
+    """What was measured, the base model fitted to its force, and what counts as ordinary.
+
+    Raises SimulationError when little moves or the base model cannot be fitted.
+    """
+    measured = Measured.of(problem)
+    base = fit_force(problem.first, measured, free_of(problem.first, problem.base_names))
+    return measured, base, driven_scales(problem, problem.first)
+
+
+def search_driven(problem: InverseDynamics, judge: Judge | None = None) -> tuple[Search, Scales]:
     """The smallest model that says the force of a recording as well as any, and what counts as ordinary in it.
 
     Raises SimulationError when not even the base model can be fitted.
     """
-    assert problem.first is not None
-    measured, scales = Measured.of(problem), driven_scales(problem, problem.first)
-    base = fit_force(problem.first, measured, free_of(problem.first, base_names(problem)))
+    measured, base, scales = force_baseline(problem)
     chosen, singles, rivals, path = base, [base], [base], [base]
     for _ in range(MOST_FORCE_TERMS.count):
         found = extended(chosen, measured, problem, scales)
@@ -73,17 +83,24 @@ def search_driven(problem: Problem, judge: Judge | None = None) -> tuple[Search,
         again = (last if f is chosen else as_fit(f, problem, measured, chosen, shown) for f in fits)
         return tuple(sorted(again, key=lambda f: f.bic))
 
-    return Search(
-        problem,
-        first,
-        last,
-        seen(singles),
-        seen([*rivals, *(f for f in path if all(f is not r for r in rivals))]),
-        Left.UNTESTED,
-    ), scales
+    alone, rest = seen(singles), seen([*rivals, *(f for f in path if all(f is not r for r in rivals))])
+    fitted = [f if f is None else as_fit(f, problem, measured, chosen, shown) for f in _refitted(chosen, measured)]
+    without = less_each(last, fitted, (*alone, *rest))
+    return Search(problem, first, last, alone, rest, Left.UNTESTED, without), scales
 
 
-def extended(current: ForceFit, measured: Measured, problem: Problem, scales: Scales) -> list[ForceFit]:
+def _refitted(found: ForceFit, measured: Measured) -> Iterator[ForceFit | None]:
+    """A model of several terms less each of them in turn, fitted again; None where a law overflows."""
+    terms = found.model.terms
+    for i in range(len(terms)):
+        model = replace(found.model, terms=terms[:i] + terms[i + 1 :])
+        try:
+            yield fit_force(model, measured, free_of(model, base_of(found.free)))
+        except SimulationError:
+            yield None
+
+
+def extended(current: ForceFit, measured: Measured, problem: InverseDynamics, scales: Scales) -> list[ForceFit]:
     """Fits with one more law, the best of each, best first by evidence."""
     best: dict[str, ForceFit] = {}
     base = base_of(current.free)
@@ -101,11 +118,10 @@ def extended(current: ForceFit, measured: Measured, problem: Problem, scales: Sc
     return sorted(best.values(), key=lambda f: f.bic(independent))
 
 
-def left_said(problem: Problem, independent: int) -> str:
+def left_said(problem: Problem, drive: Drive, independent: int) -> str:
     """What a fitted force leaves, as so many independent values, said plainly: it was not tested for being noise."""
-    assert problem.drive is not None
     level = problem.noise["u"].sigma
-    share = 100.0 * level / math.sqrt(float(np.mean(problem.drive.u**2)))
+    share = 100.0 * level / math.sqrt(float(np.mean(drive.u**2)))
     few = f"; they count as {independent} independent values, too few for their errors to be trusted"
     return (
         f"{level:.3g} N rms of the force ({share:.2g} %) are left over; they count as the drive's own, coloured, and"

@@ -1,20 +1,15 @@
-"""A driven model on another recording: rmse over windows, and the force error by the published protocol."""
+"""A driven model on another recording: the force error by the published protocol."""
 
 import math
-from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from harness.core.arrays import FloatArray
 from harness.core.recording import Recording
-from harness.diagnosis.fit.observe import observe
-from harness.diagnosis.fit.rmse import rmse
 from harness.diagnosis.inverse_dynamics.force import inverse_force
 from harness.diagnosis.inverse_dynamics.protocol import PUBLISHED, Filtered
-from harness.diagnosis.problem import Problem
 from harness.diagnosis.rules import CONFIRMED
-from harness.kernels.solve import Scales
 from harness.model.model import Model, ModelTerm
 from harness.model.term import Slot
 
@@ -105,8 +100,3 @@ def _periods(model: Model) -> list[float]:
 def without_ripple(model: Model) -> Model:
     """The model without force ripples."""
     return replace(model, terms=tuple(entry for entry in model.terms if not _is_ripple(entry)))
-
-
-def window_rmse(model: Model, problem: Problem, scales: Scales) -> Mapping[str, float]:
-    """Root mean square of recording minus model by channel, window by window, nothing fitted but the starts."""
-    return rmse(observe(model, problem, (), scales).y, problem)

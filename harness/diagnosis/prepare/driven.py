@@ -8,13 +8,15 @@ import numpy as np
 from harness.core.arrays import FloatArray
 from harness.core.errors import InputError
 from harness.core.recording import Recording
-from harness.diagnosis.baseline.base_fit import driven_scales
+from harness.diagnosis.baseline.driven_base_fit import driven_scales
 from harness.diagnosis.fit.fitted_states import begun
 from harness.diagnosis.fit.observe import COARSE, observe
 from harness.diagnosis.input_noise.propagation import force_noise
 from harness.diagnosis.prepare.intersample_curve import between_samples
 from harness.diagnosis.prepare.intersample_hold import acting
-from harness.diagnosis.problem import Problem
+from harness.diagnosis.problems.driven import Driven, Forced
+from harness.diagnosis.problems.inverse_dynamics import InverseDynamics
+from harness.diagnosis.problems.starts import OneStart, Windows
 from harness.diagnosis.request import Asked
 from harness.diagnosis.smoothed_state.inverse_start import inverse_start
 from harness.diagnosis.smoothed_state.state import Course
@@ -30,7 +32,12 @@ _MOVES = 1.5
 """Times its noise by which some channel of a driven slider must scatter."""
 
 
-def driven_problem(recording: Recording, asked: Asked) -> tuple[Problem, tuple[str, ...]]:
+def is_driven(recording: Recording) -> bool:
+    """Whether a measured force acts."""
+    return "u" in recording and bool(np.any(recording["u"] != 0.0))
+
+
+def driven_problem(recording: Recording, asked: Asked) -> tuple[Forced, tuple[str, ...]]:
     """A driven recording as a problem, and what was done to it, one sentence each.
 
     It is followed from one start, over gaps from a new one. Where no force that is known says its motion well enough,
@@ -57,7 +64,8 @@ def driven_problem(recording: Recording, asked: Asked) -> tuple[Problem, tuple[s
     first = inverse_start(course.state, u, restoring, asked.mass, bool(asked.zero_free))
     x, v, _ = course.state
     first = replace(first, x0=float(x[0]) - first.offset, v0=float(v[0]), t0=float(t[0]))
-    problem = Problem(
+    gaps = float(np.max(np.diff(t))) > course.longest
+    problem = Driven(
         t,
         channels,
         noise,
@@ -67,10 +75,10 @@ def driven_problem(recording: Recording, asked: Asked) -> tuple[Problem, tuple[s
         zero_free=bool(asked.zero_free) and restoring is not Restoring.NONE,
         angular=recording.angular,
         first=first,
-        restarts=course.anew(math.inf) if float(np.max(np.diff(t))) > course.longest else None,
+        starts=course.anew(math.inf) if gaps else OneStart(),
     )
     noise_u = channel_noise(t, u)
-    if problem.restarts is not None:
+    if gaps:
         problem = _allowing(problem, first, noise_u)
     force = acting(problem, u)
     problem = replace(problem, drive=force.drive)
@@ -78,30 +86,32 @@ def driven_problem(recording: Recording, asked: Asked) -> tuple[Problem, tuple[s
     horizon = asked.horizon
     if not force.follows:
         horizon = HORIZON if horizon is None else horizon
-        problem = replace(problem, restarts=course.anew(horizon), by_force=True, force_noise=None)
-        how = f"the force is fitted, and simulations run over {_windows(problem)} of at most {horizon:g} s, each"
-        return problem, (f"driven: {how} restarted from the smoothed recorded state", *notes)
+        windows = course.anew(horizon)
+        how = f"the force is fitted, and simulations run over {_said(windows)} of at most {horizon:g} s, each"
+        return InverseDynamics.of(problem, windows), (
+            f"driven: {how} restarted from the smoothed recorded state",
+            *notes,
+        )
     if horizon is not None:
-        problem = replace(problem, restarts=course.anew(horizon))
+        problem = replace(problem, starts=course.anew(horizon))
     problem = _allowing(begun(problem, force.model, driven_scales(problem, force.model)), force.model, noise_u)
     if problem.force_noise is not None and problem.force_noise.noise.found:
         share = 100.0 * noise_u.sigma / math.sqrt(float(np.mean(u**2)))
         of = f"{noise_u.sigma:.3g} N ({share:.2g} % of its rms)"
         notes.append(f"the force's own noise, {of}, shows in the motion and is allowed for")
-    if problem.restarts is None:
+    if not isinstance(problem.starts, Windows):
         return problem, ("driven: the whole recording is followed from one start", *notes)
     where = "between gaps of the recording" if horizon is None else f"of at most {horizon:g} s"
-    how = f"the recording is followed over {_windows(problem)} {where}, each from a start of its own"
+    how = f"the recording is followed over {_said(problem.starts)} {where}, each from a start of its own"
     return problem, (f"driven: {how}", *notes)
 
 
-def _windows(problem: Problem) -> str:
-    assert problem.restarts is not None
-    count = len(problem.restarts.windows)
+def _said(windows: Windows) -> str:
+    count = len(windows.windows)
     return f"{count} window{'s' if count > 1 else ''}"
 
 
-def _allowing(problem: Problem, model: Model, noise: Noise) -> Problem:
+def _allowing(problem: Driven, model: Model, noise: Noise) -> Driven:
     """The problem under the noise of its force if that shows in a model's motion, and for starts that are not known."""
     shown = observe(model, problem, (), None, COARSE)
     return replace(
@@ -109,11 +119,11 @@ def _allowing(problem: Problem, model: Model, noise: Noise) -> Problem:
     )
 
 
-def _unknown_starts(problem: Problem) -> FloatArray | None:
+def _unknown_starts(problem: Driven) -> FloatArray | None:
     """Standard deviations (n, 2) of the starts of windows, as if next to nothing was known of them; None without."""
-    if problem.restarts is None:
+    if not isinstance(problem.starts, Windows):
         return None
     start = np.zeros((problem.t.size, 2))
-    for w in problem.restarts.windows:
+    for w in problem.starts.windows:
         start[w.start] = _UNKNOWN * w.x_sd, _UNKNOWN * w.v_sd
     return start

@@ -14,8 +14,8 @@ import numpy as np
 from harness.core.errors import InputError, SimulationError
 from harness.diagnosis.baseline.base_fit import baseline
 from harness.diagnosis.baseline.words import Strokes, evidence, words_of
-from harness.diagnosis.fit.least_squares import Fit
-from harness.diagnosis.problem import Problem
+from harness.diagnosis.fit.model_fit import Fit
+from harness.diagnosis.problem import P, Problem
 from harness.diagnosis.request import Asked
 from harness.diagnosis.rules import GAIN, LARGE_ANGLE
 from harness.model.model import Restoring
@@ -24,7 +24,7 @@ _LOOKED_AT = 1500
 """Samples that these first fits are made of."""
 
 
-def held(problem: Problem, asked: Asked) -> tuple[Problem, str]:
+def held(problem: P, asked: Asked) -> tuple[P, str]:
     """The problem with its restoring force and its zero, and a sentence on what was chosen; "" where it was given."""
     choices = _choices(problem, asked)
     if len(choices) == 1:

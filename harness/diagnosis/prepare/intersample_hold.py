@@ -5,12 +5,13 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from harness.core.arrays import FloatArray
-from harness.diagnosis.baseline.base_fit import base_names, driven_scales
-from harness.diagnosis.fit.least_squares import Fit, fit
+from harness.diagnosis.baseline.driven_base_fit import driven_scales
+from harness.diagnosis.fit.model_fit import Fit, fit
 from harness.diagnosis.fit.observe import COARSE
 from harness.diagnosis.fit.parameters import free_of
 from harness.diagnosis.input_noise.noisy_base_fit import in_turn
-from harness.diagnosis.problem import Problem
+from harness.diagnosis.problems.driven import Driven
+from harness.diagnosis.problems.starts import Windows
 from harness.diagnosis.rules import FORCE_HELD
 from harness.kernels.solve import Drive, Scales
 from harness.model.model import Model
@@ -37,15 +38,13 @@ class Acting:
     model: Model
 
 
-def acting(problem: Problem, u: FloatArray) -> Acting:
+def acting(problem: Driven, u: FloatArray) -> Acting:
     """How the force u (n,) acts, and whether the base model then follows the recording.
 
     It is held where the base model follows the recording better so. The model strays where its misfit is hundreds of
     times what the sensor's noise is, as an encoder shows of a real drive: then no law says the force well enough, and
     the force itself is what can be compared. Raises SimulationError.
     """
-    assert problem.first is not None
-    assert problem.drive is not None
     part, stepped = problem.part(slice(0, _SAMPLES)), held(problem.t, u)
     straight, in_steps = (
         _followed(problem.first, replace(part, drive=drive), driven_scales(problem, problem.first))
@@ -56,12 +55,12 @@ def acting(problem: Problem, u: FloatArray) -> Acting:
     return Acting(stepped if is_held else problem.drive, is_held, found.chi2 < _STRAYS**2 * found.points, found.model)
 
 
-def _followed(model: Model, problem: Problem, scales: Scales) -> Fit:
+def _followed(model: Model, problem: Driven, scales: Scales) -> Fit:
     """The base model as it follows a drive; over gaps from starts of which nothing counts as known."""
-    free = free_of(model, base_names(problem))
+    free = free_of(model, problem.base_names)
 
-    def again(problem: Problem, found: Fit) -> tuple[Problem, Fit]:
+    def again(problem: Driven, found: Fit) -> tuple[Driven, Fit]:
         return problem, fit(found.model, problem, free, scales, _ITERATIONS, COARSE, thorough=False)
 
     found = fit(model, problem, free, scales, _ITERATIONS, COARSE, thorough=False)
-    return found if problem.restarts is None else in_turn(problem, found, scales, again)[1]
+    return in_turn(problem, found, scales, again)[1] if isinstance(problem.starts, Windows) else found

@@ -12,7 +12,7 @@ import numpy as np
 from harness.core.arrays import FloatArray
 from harness.core.errors import InputError, SimulationError
 from harness.diagnosis.baseline.base_fit import baseline
-from harness.diagnosis.problem import Problem
+from harness.diagnosis.problem import P, Problem
 from harness.diagnosis.rules import HAND_SHOWN, HAND_STANDS_OUT, HAND_UNUSUAL, HAND_USUAL
 from harness.estimate.noise import Noise
 from harness.estimate.reversals import HalfCycles
@@ -96,7 +96,7 @@ def hand_off(problem: Problem, half: float, within: float) -> int:
     return off
 
 
-def without_hand(problem: Problem, half: float, within: float = HAND_SHOWN.value) -> tuple[Problem, float]:
+def without_hand(problem: P, half: float, within: float = HAND_SHOWN.value) -> tuple[P, float]:
     """A problem from where the hand is off, and for how long it was not, s. See ``hand_off``."""
     off = hand_off(problem, half, within)
     if off == 0:

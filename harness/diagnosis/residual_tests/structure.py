@@ -3,7 +3,7 @@
 from enum import Enum
 
 from harness.core.events import Mode
-from harness.diagnosis.fit.least_squares import Fit
+from harness.diagnosis.fit.model_fit import Fit
 from harness.diagnosis.motion import Motion
 from harness.diagnosis.problem import Problem
 from harness.diagnosis.residual_tests.lack_of_fit import LackOfFit, lack_of_fit

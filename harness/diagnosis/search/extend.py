@@ -8,7 +8,7 @@ import numpy as np
 
 from harness.core.errors import SimulationError
 from harness.diagnosis.baseline.base_fit import at_rest
-from harness.diagnosis.fit.least_squares import Fit, chi2_of, fit
+from harness.diagnosis.fit.model_fit import Fit, chi2_of, fit
 from harness.diagnosis.fit.observe import COARSE
 from harness.diagnosis.fit.parameters import base_of, free_of
 from harness.diagnosis.problem import Problem
@@ -130,7 +130,7 @@ def _with_friction(current: Fit, problem: Problem, scales: Scales) -> Fit | None
 def extend(current: Fit, problem: Problem, scales: Scales, terms: Sequence[Term] = TERMS) -> Step:
     """Fit every term that is worth it on top of a model."""
     base = base_of(current.free)
-    if problem.restarts is None and "v0" not in base:
+    if "v0" in problem.starts.names and "v0" not in base:
         base = (*base, "v0")
     small, _ = condensed(problem, current.shown, _COARSE_SAMPLES, scales.omega)
     best = _rough(_candidates(current, problem, scales, terms), small, base, scales)
@@ -188,19 +188,23 @@ def settle(found: Fit, problem: Problem, scales: Scales) -> Fit:
         return found
 
 
-def prune(found: Fit, problem: Problem, scales: Scales) -> Fit:
-    """Leave out each term that BIC does not miss."""
+def prune(found: Fit, problem: Problem, scales: Scales) -> tuple[Fit, tuple[Fit | None, ...]]:
+    """Leave out each term that BIC does not miss; and what is left, without each of its terms in turn.
+
+    The latter are fitted again; None where that cannot be simulated.
+    """
     while found.model.terms:
-        base = base_of(found.free)
-        smaller = []
-        for i in range(len(found.model.terms)):
-            model = replace(found.model, terms=found.model.terms[:i] + found.model.terms[i + 1 :])
-            try:
-                smaller.append(fit(model, problem, free_of(model, base), scales))
-            except SimulationError:
-                continue
-        best = min(smaller, key=lambda f: f.bic, default=None)
+        smaller = tuple(_without(found, i, problem, scales) for i in range(len(found.model.terms)))
+        best = min((f for f in smaller if f is not None), key=lambda f: f.bic, default=None)
         if best is None or best.bic > found.bic + DECISIVE.value:
-            return found
+            return found, smaller
         found = best
-    return found
+    return found, ()
+
+
+def _without(found: Fit, index: int, problem: Problem, scales: Scales) -> Fit | None:
+    model = replace(found.model, terms=found.model.terms[:index] + found.model.terms[index + 1 :])
+    try:
+        return fit(model, problem, free_of(model, base_of(found.free)), scales)
+    except SimulationError:
+        return None

@@ -9,9 +9,9 @@ from dataclasses import replace
 import numpy as np
 
 from harness.diagnosis.baseline.base_fit import baseline
-from harness.diagnosis.fit.least_squares import Fit, fit
+from harness.diagnosis.fit.model_fit import Fit, fit
 from harness.diagnosis.fit.observe import observe
-from harness.diagnosis.problem import Problem
+from harness.diagnosis.problem import P, Problem
 from harness.diagnosis.search.decimation import condensed
 from harness.diagnosis.search.extend import key_of
 from harness.diagnosis.search.search import Search, noise_of
@@ -22,13 +22,13 @@ LONG = 40_000
 _FEW = 4
 
 
-def shortened(problem: Problem) -> tuple[Problem, Fit, Scales]:
-    """A problem to search in, its base fit, and what counts as ordinary; the problem itself unless it is long.
+def shortened(problem: P) -> tuple[P, Fit, Scales]:
+    """A free decay to search in, its base fit, and what counts as ordinary; the problem itself unless it is long.
 
     Raises InputError, SimulationError: see ``baseline``.
     """
     size = problem.t.size // LONG
-    if size < 2 or problem.drive is not None:
+    if size < 2:
         return problem, *baseline(problem)
     base, scales = baseline(problem.part(slice(None, None, size)))
     small, _ = condensed(problem, observe(base.model, problem, (), scales), LONG, scales.omega)
@@ -66,4 +66,5 @@ def lifted(found: Search, whole: Problem, scales: Scales) -> Search:
         chosen=chosen,
         singles=(*best, *moved(found.singles[1:])),
         rivals=moved(found.rivals),
+        without=tuple(f if f is None else moved((f,))[0] for f in found.without),
     )

@@ -12,7 +12,7 @@ import numpy as np
 
 from harness.core.arrays import FloatArray
 from harness.core.errors import SimulationError
-from harness.diagnosis.fit.least_squares import Fit, evaluate, whitened
+from harness.diagnosis.fit.model_fit import Fit, evaluate, whitened
 from harness.diagnosis.fit.observe import COARSE, observe
 from harness.diagnosis.fit.parameters import with_values
 from harness.diagnosis.problem import Problem
@@ -47,9 +47,8 @@ class _Probe:
 def applicable(term: Term, model: Model, problem: Problem) -> bool:
     """Whether a term can be added to a model of this recording at all."""
     recorded = all(c in problem.channels for c in term.channels)
-    given = {"driven": problem.drive is not None, "angle": problem.angular, "spring": model.k > 0.0}
-    given["zero"] = not problem.zero_free
-    met = all(given[need] for need in term.needs)
+    given = problem.given | ({"spring"} if model.k > 0.0 else frozenset())
+    met = given.issuperset(term.needs)
     taken = term.slot in SINGLE and bool(model.in_slot(term.slot))
     once = not term.several and any(e.term.name == term.name for e in model.terms)
     return recorded and met and not (taken or once)

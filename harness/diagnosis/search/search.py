@@ -5,15 +5,16 @@ stretch that is left out says little of what acts elsewhere, and a warning says 
 """
 
 import math
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from itertools import zip_longest
+from typing import TypeAlias
 
 import numpy as np
 
 from harness.diagnosis.baseline.residual_noise import coloured_whole, residual_noise
-from harness.diagnosis.fit.least_squares import Fit, whitened
-from harness.diagnosis.input_noise.noisy_base_fit import in_turn
-from harness.diagnosis.problem import Problem
+from harness.diagnosis.fit.model_fit import Fit, whitened
+from harness.diagnosis.problem import P, Problem
 from harness.diagnosis.residual_tests.structure import Left, left_by, structure
 from harness.diagnosis.rules import AMONG_NAMES, COLOUR_ALONE, DECISIVE, MOST_TERMS, SECOND_TERM
 from harness.diagnosis.search.extend import Step, extend, key_of, promising_start, prune, settle
@@ -22,8 +23,8 @@ from harness.kernels.solve import Scales
 
 _BEAM = 4
 _FEWEST_STARTS = 4
-_NOISE_MOVED, _SAME = 0.01, 0.01
-"""Shares: of a noise that has moved, and of a chi-square that has not; noise taken anew each turn moves it too."""
+_NOISE_MOVED = 0.01
+"""Share by which a noise must move to be taken anew."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -32,7 +33,8 @@ class Search:
 
     problem : with the noise as the chosen model leaves it. base, chosen : fits under that noise. singles : each
     catalogue name alone, best first. rivals : fits of as many terms as the chosen one, best first. left : what the
-    chosen model leaves.
+    chosen model leaves. without : where the chosen model has several terms, it less each of them in turn, the best
+    fit known of the rest; None where none could be simulated.
     """
 
     problem: Problem
@@ -41,6 +43,7 @@ class Search:
     singles: tuple[Fit, ...]
     rivals: tuple[Fit, ...]
     left: Left
+    without: tuple[Fit | None, ...] = ()
 
     @property
     def explained(self) -> bool:
@@ -57,9 +60,8 @@ def noise_of(found: Fit, problem: Problem, omega: float) -> dict[str, Noise]:
     period = 2.0 * math.pi / omega
     left = {c: y - found.shown.y[c] for c, y in problem.channels.items()}
     said = {c: residual_noise(problem.t, left[c], y, period) for c, y in problem.channels.items()}
-    if problem.force_noise is not None and problem.force_noise.noise.found:
-        # what is slower than the windows is the force's
-        return {c: problem.force_noise.own(c, said[c], problem.noise[c]) for c in said}
+    if not problem.slow_is_sensors:
+        return problem.own_noise(said)
     whole = {c: coloured_whole(left[c], problem.weight[c], said[c]) for c in said}
     if all(whole[c] is said[c] for c in said):
         return said
@@ -88,48 +90,50 @@ def _moved(new: dict[str, Noise], old: Problem) -> bool:
     )
 
 
-def _renew(
-    problem: Problem, scales: Scales, best: Fit, others: tuple[Fit, ...]
-) -> tuple[Problem, Fit, tuple[Fit, ...]]:
-    """Take the noise from what the best fit leaves, and see all fits with it.
+Again: TypeAlias = Callable[[P, Fit], tuple[P, Fit]]
+Renew: TypeAlias = Callable[[P, Fit, Scales, Again[P]], tuple[P, Fit]]
+"""What depends on a model, and the model's fit: from a problem and its best fit, by way of one turn of both."""
 
-    Windows also start as that fit has them, and both in turn until nothing moves: a poor model starts them poorly.
-    """
 
-    def again(problem: Problem, found: Fit) -> tuple[Problem, Fit]:
+def once(problem: P, best: Fit, scales: Scales, again: Again[P]) -> tuple[P, Fit]:
+    """The noise alone depends on the model, and a turn is worth its time where that has moved."""
+    return again(problem, best) if _moved(noise_of(best, problem, scales.omega), problem) else (problem, best)
+
+
+def _renewed(
+    problem: P, scales: Scales, best: Fit, others: tuple[Fit, ...], renew: Renew[P]
+) -> tuple[P, Fit, tuple[Fit, ...]]:
+    """Take the noise from what the best fit leaves, and see all fits with it."""
+
+    def again(problem: P, found: Fit) -> tuple[P, Fit]:
         problem = replace(problem, noise=noise_of(found, problem, scales.omega))
         return problem, settle(under(found, problem), problem, scales)
 
-    if problem.restarts is not None:
-        problem, best = in_turn(problem, best, scales, again, _SAME)
-    elif _moved(noise_of(best, problem, scales.omega), problem):
-        problem, best = again(problem, best)
-    else:
+    new, found = renew(problem, best, scales, again)
+    if found is best:
         return problem, best, others
-    return problem, best, tuple(sorted((under(f, problem) for f in others), key=lambda f: f.bic))
+    return new, found, tuple(sorted((under(f, new) for f in others), key=lambda f: f.bic))
 
 
-def _beyond(problem: Problem) -> float:
-    """What a term must take off BIC besides: as much as noise of a force may do that no first order tells of."""
-    return 0.0 if problem.force_noise is None else problem.force_noise.beyond
-
-
-def search(problem: Problem, base: Fit, scales: Scales) -> Search:
-    """Find the smallest model that explains a recording."""
-    found = _levelled(_search(problem, base, scales))
-    if not found.chosen.model.terms or found.base.bic > found.chosen.bic + AMONG_NAMES.value + _beyond(problem):
+def search(problem: P, base: Fit, scales: Scales, renew: Renew[P] = once) -> Search:
+    """Find the smallest model that explains a recording. renew : what else follows a model once it is found."""
+    found = _levelled(_search(problem, base, scales, renew))
+    if not found.chosen.model.terms or found.base.bic > found.chosen.bic + AMONG_NAMES.value + problem.spare:
         return found
     # what counts as noise has grown since the term was decided for
-    return replace(found, chosen=found.base, left=left_by(found.base, found.problem, scales.omega, found.base))
+    return replace(
+        found, chosen=found.base, without=(), left=left_by(found.base, found.problem, scales.omega, found.base)
+    )
 
 
-def _search(problem: Problem, base: Fit, scales: Scales) -> Search:
-    beyond = _beyond(problem)
+def _search(problem: P, base: Fit, scales: Scales, renew: Renew[P]) -> Search:
+    # what a term must take off besides: as much as may be left beyond what whitening allows for
+    beyond = problem.spare
     first, second = AMONG_NAMES.value + beyond, SECOND_TERM.value + beyond
     singles = extend(base, problem, scales).fits
     if not singles or singles[0].bic > base.bic - first:
         return Search(problem, base, base, singles, singles, left_by(base, problem, scales.omega, base))
-    problem, best, singles = _renew(problem, scales, singles[0], singles)
+    problem, best, singles = _renewed(problem, scales, singles[0], singles, renew)
     base = under(base, problem)
     singles = tuple(sorted((*(f for f in singles if key_of(f) != key_of(best)), best), key=lambda f: f.bic))
     chosen, rivals = _simplest(singles, base, first), singles
@@ -146,19 +150,35 @@ def _search(problem: Problem, base: Fit, scales: Scales) -> Search:
         found = step.fits if plain else _wider(step, chosen, beam, problem, scales, base)
         if not found or found[0].bic > chosen.bic - second:
             break
-        problem, best, found = _renew(problem, scales, found[0], found)
+        problem, best, found = _renewed(problem, scales, found[0], found, renew)
         found = tuple(sorted((*(f for f in found if key_of(f) != key_of(best)), best), key=lambda f: f.bic))
         base = under(base, problem)
         singles = tuple(sorted((under(f, problem) for f in singles), key=lambda f: f.bic))
         chosen, rivals = _simplest(found, under(chosen, problem), second), found
         left = left_by(chosen, problem, scales.omega, base)
         beam = list(found[:2])
-    pruned = prune(chosen, problem, scales)
+    pruned, without = prune(chosen, problem, scales)
     if len(pruned.model.terms) < len(chosen.model.terms):
         chosen = settle(pruned, problem, scales)
         rivals = singles if len(chosen.model.terms) <= 1 else rivals
         left = left_by(chosen, problem, scales.omega, base)
-    return Search(problem, base, chosen, singles, rivals, left)
+    return Search(problem, base, chosen, singles, rivals, left, less_each(chosen, without, (*singles, *rivals)))
+
+
+def less_each(chosen: Fit, fitted: Sequence[Fit | None], searched: Sequence[Fit]) -> tuple[Fit | None, ...]:
+    """A model of several terms less each in turn, the best fit known of each; none of a lone term.
+
+    fitted : from the model's own numbers, which may end beside what the search came to from others. searched : fits of
+    any laws.
+    """
+    laws = sorted(entry.term.key for entry in chosen.model.terms)
+    found = []
+    for entry, one in zip(chosen.model.terms, fitted, strict=True) if len(laws) > 1 else ():
+        rest = laws.copy()
+        rest.remove(entry.term.key)
+        same = [f for f in searched if sorted(e.term.key for e in f.model.terms) == rest]
+        found.append(min((f for f in (one, *same) if f is not None), key=lambda f: f.bic, default=None))
+    return tuple(found)
 
 
 def _levelled(found: Search) -> Search:
@@ -182,7 +202,8 @@ def _levelled(found: Search) -> Search:
         again = (chosen if f is found.chosen else under(f, problem) for f in fits)
         return tuple(sorted(again, key=lambda f: f.bic))
 
-    return Search(problem, base, chosen, seen(found.singles), seen(found.rivals), found.left)
+    without = tuple(f if f is None else under(f, problem) for f in found.without)
+    return Search(problem, base, chosen, seen(found.singles), seen(found.rivals), found.left, without)
 
 
 def _beam(singles: tuple[Fit, ...]) -> list[Fit]:

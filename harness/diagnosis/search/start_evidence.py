@@ -6,7 +6,7 @@ import numpy as np
 
 from harness.core.arrays import FloatArray
 from harness.diagnosis.baseline.spectral_peaks import peaks
-from harness.diagnosis.fit.least_squares import Fit
+from harness.diagnosis.fit.model_fit import Fit
 from harness.diagnosis.problem import Problem
 from harness.kernels.solve import Scales
 from harness.model.evidence import Evidence
@@ -53,6 +53,6 @@ def evidence(fit: Fit, problem: Problem, scales: Scales) -> Evidence:
         duration=span,
         frequencies=frequencies(fit, problem, scales.omega),
         knock_times=knocks,
-        driven=problem.drive is not None,
+        driven="driven" in problem.given,
         angular=problem.angular,
     )

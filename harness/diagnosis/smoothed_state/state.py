@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from harness.core.arrays import FloatArray
-from harness.diagnosis.problem import Restarts
+from harness.diagnosis.problems.starts import Windows
 from harness.diagnosis.smoothed_state.inverse_start import state_of
 from harness.diagnosis.smoothed_state.local_cubics import Smooth, longest_interval, smoothed
 from harness.diagnosis.smoothed_state.windows import windows_of
@@ -27,6 +27,6 @@ class Course:
         smooth = {c: smoothed(t, channels[c], longest, noise[c].sigma) for c in ("x", "v") if c in channels}
         return cls(t, smooth, state_of(t, smooth), longest)
 
-    def anew(self, horizon: float) -> Restarts:
+    def anew(self, horizon: float) -> Windows:
         """Windows no longer than a horizon, s; an infinite one leaves the stretches between gaps."""
-        return Restarts(windows_of(self.t, self.state, self.smooth, horizon, self.longest), self.t, self.state[1])
+        return Windows(windows_of(self.t, self.state, self.smooth, horizon, self.longest), self.t, self.state[1])

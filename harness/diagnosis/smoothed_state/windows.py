@@ -5,7 +5,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from harness.core.arrays import FloatArray, IntArray
-from harness.diagnosis.problem import Window
+from harness.diagnosis.problems.starts import Window
 from harness.diagnosis.smoothed_state.local_cubics import Smooth, stretches
 
 FEWEST = 8

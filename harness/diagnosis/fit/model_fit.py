@@ -63,21 +63,9 @@ class Fit:
 
 
 def whitened(problem: Problem, values: Mapping[str, FloatArray]) -> FloatArray:
-    """Residuals (n,) or partials (n, q) of all channels whitened, one channel after another.
-
-    Where the noise of a force shows, all channels together tell of it: each sample counts as what it adds to those
-    before it.
-    """
-    if problem.force_noise is not None:
-        own = {c: values[c] for c in problem.channels}
-        together, _ = problem.force_noise.whitened(problem.t, problem.noise, problem.weight, own)
-        return np.concatenate([together[c] for c in problem.channels])
-    return np.concatenate([_counted(problem.noise[c].whitened(values[c]), problem.weight[c]) for c in problem.channels])
-
-
-def _counted(white: FloatArray, weight: FloatArray) -> FloatArray:
-    """Whitened residuals (n,) or partials (n, q), those without weight (n,) zero."""
-    return white * (weight if white.ndim == 1 else weight[:, None])
+    """Residuals (n,) or partials (n, q) of all channels whitened, one channel after another."""
+    white = problem.whitened(values)
+    return np.concatenate([white[c] for c in problem.channels])
 
 
 def evaluate(

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from harness.core.arrays import BoolArray, FloatArray
-from harness.diagnosis.input_noise.innovations import MOTION, carry, innovations
+from harness.diagnosis.problems.innovations import MOTION, carry, innovations
 from harness.estimate.noise import Noise
 
 _MOSTLY = 0.75

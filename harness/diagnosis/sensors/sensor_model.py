@@ -1,7 +1,7 @@
-"""What the sensors of a model make of its motion: slot O, composed, with partials.
+"""What the sensors of a model make of a motion: slot O, composed, with partials.
 
-Each sensor's law stands in its term's file; harness.diagnosis.fit.observe reads the reference through them and
-harness.diagnosis.sensors.sensed a motion from any origin.
+Each sensor's law stands in its term's file. ``read`` is the composition; harness.diagnosis.fit.observe reads the
+reference through it, with partials, and ``sensed`` a motion from any origin.
 """
 
 from collections.abc import Collection, Mapping
@@ -11,7 +11,8 @@ from typing import Literal
 import numpy as np
 
 from harness.core.arrays import FloatArray
-from harness.diagnosis.sensors.resample import Kinematics
+from harness.core.trajectory import Trajectory
+from harness.diagnosis.sensors.resample import Kinematics, motion_at
 from harness.kernels.solve import By
 from harness.model.model import Model
 
@@ -70,3 +71,19 @@ def _through(
         through = {b: partials * shown.by_y for b, partials in by.items()}
         by = through | {(i, j): partials for j, partials in enumerate(shown.by)}
     return Reading(y, by_motion, by)
+
+
+def sensed(model: Model, t: FloatArray, motion: Trajectory, channels: Collection[str]) -> dict[str, FloatArray]:
+    """Channels ("x", "v", "a") as the sensors of ``model`` show them at times t (s), each of shape (n,).
+
+    motion : in time since release, which is at model.t0; before it the slider is held.
+    """
+    since, lag = t - model.t0, lag_of(model)
+    true = motion_at(motion, since)
+    late = true if lag == 0.0 or "x" not in channels else motion_at(motion, since - lag)
+    return {c: reading.y for c, reading in read(model, t, true, late, channels).items()}
+
+
+def latest(model: Model, t: FloatArray) -> float:
+    """Time after release (s) up to which a motion is needed to be sensed at times t; an early x needs more."""
+    return float(t[-1]) - model.t0 + max(0.0, -lag_of(model))

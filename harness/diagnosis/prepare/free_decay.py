@@ -1,4 +1,4 @@
-"""A recording made ready: what is no motion cut away, noise; a driven one is made ready apart (prepare/driven.py)."""
+"""A free decay made ready: what is no motion cut away, noise, and how the slider is held."""
 
 import math
 from dataclasses import dataclass
@@ -8,10 +8,9 @@ import numpy as np
 from harness.core.errors import InputError
 from harness.core.recording import MINIMUM_SAMPLES, Recording
 from harness.diagnosis.baseline.base_fit import dominant_frequency
-from harness.diagnosis.prepare.driven import driven_problem
 from harness.diagnosis.prepare.held import held
 from harness.diagnosis.prepare.release import released, without_hand
-from harness.diagnosis.problem import Problem
+from harness.diagnosis.problems.free_decay import FreeDecay
 from harness.diagnosis.request import Asked
 from harness.estimate.noise import channel_noise
 from harness.estimate.reversals import Kind, NoDecay, find_half_cycles
@@ -22,32 +21,21 @@ _REST = 1.0
 """How long a rest is kept after the last half-cycle, in times of the decay: it says where the slider stays."""
 
 
-def is_driven(recording: Recording) -> bool:
-    """Whether a measured force acts."""
-    return "u" in recording and bool(np.any(recording["u"] != 0.0))
-
-
-def prepare(recording: Recording, asked: Asked) -> tuple[Problem, tuple[str, ...]]:
-    """A recording as a problem, and what was done to it, one sentence each.
+def free_decay_problem(recording: Recording, asked: Asked) -> tuple[FreeDecay, tuple[str, ...]]:
+    """A free decay as a problem, and what was done to it, one sentence each.
 
     Raises InputError for options that contradict the recording, and for what cannot be diagnosed.
     """
-    if is_driven(recording):
-        return driven_problem(recording, asked)
     if asked.restoring is Restoring.NONE:
         found = "none, but no force u is recorded" if "u" not in recording else "none, but the force u is 0 throughout"
         raise InputError("--restoring", f"{found} in {recording.file}", "a recorded force, or spring, is accepted")
-    return _decay(recording, asked)
-
-
-def _decay(recording: Recording, asked: Asked) -> tuple[Problem, tuple[str, ...]]:
     moving = _in_motion(recording, asked.restoring or Restoring.SPRING)
     recording, notes = moving.recording, moving.notes
     channels = {c: recording[c] for c in ("x", "v", "a") if c in recording}
     omega = dominant_frequency(recording.t, next(iter(channels.values())))
     period = 2.0 * math.pi / omega if math.isfinite(omega) and omega > 0.0 else None
     noise = {c: channel_noise(recording.t, y, period) for c, y in channels.items()}
-    problem = Problem(
+    problem = FreeDecay(
         recording.t,
         channels,
         noise,

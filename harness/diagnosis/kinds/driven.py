@@ -1,0 +1,69 @@
+"""The steps of a driven recording that is followed in its channels, under the noise of its force."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+
+from harness.core.recording import Recording
+from harness.diagnosis.baseline.driven_base_fit import driven_baseline
+from harness.diagnosis.explain.holdout import periods_held_out
+from harness.diagnosis.fit.another import as_started, only_started
+from harness.diagnosis.fit.model_fit import Fit
+from harness.diagnosis.input_noise.noisy_base_fit import along, in_turn
+from harness.diagnosis.inverse_dynamics.validate import Judge
+from harness.diagnosis.kinds.kind import Kind
+from harness.diagnosis.outcome import Holdout
+from harness.diagnosis.prepare.driven import driven_problem, is_driven
+from harness.diagnosis.problems.driven import Driven, Forced
+from harness.diagnosis.problems.starts import Windows
+from harness.diagnosis.request import Asked
+from harness.diagnosis.search.extend import settle
+from harness.diagnosis.search.search import Again, noise_of, once, search, under
+from harness.diagnosis.stages import Based, Found, Judged
+from harness.kernels.solve import Scales
+from harness.model.model import Model, ModelTerm
+from harness.model.place import Place
+
+_SAME = 0.01
+"""Share of a chi-square that has not moved; noise taken anew each turn moves it too."""
+
+
+class DrivenRecordings(Kind[Driven]):
+    """See Kind."""
+
+    of = Driven
+
+    def suits(self, recording: Recording) -> bool:
+        """Where a measured force acts."""
+        return is_driven(recording)
+
+    def prepare(self, recording: Recording, asked: Asked) -> tuple[Forced, tuple[str, ...]]:
+        """See harness.diagnosis.prepare.driven; one that cannot be followed is one of inverse dynamics."""
+        return driven_problem(recording, asked)
+
+    def fit_base(self, problem: Driven) -> Based[Driven]:
+        """Along the base model's own motion, which says what noise of the force does."""
+        base, scales = driven_baseline(problem)
+        seen, base = along(base, problem, scales)
+        seen = replace(seen, noise=noise_of(base, seen, scales.omega))
+        return Based(problem, seen, settle(under(base, seen), seen, scales), scales)
+
+    def search(self, based: Based[Driven], other: Judge | None) -> Found:
+        """Windows start as the model has them: a poor one starts them poorly, so both are taken in turn."""
+        renew = _in_turns if isinstance(based.problem.starts, Windows) else once
+        found = search(based.problem, based.fit, based.scales, renew)
+        return Found(found, based.scales, found)
+
+    def hold_out(self, problem: Driven, judged: Judged, acting: Sequence[tuple[ModelTerm, Place]]) -> Holdout:
+        """Every second full period."""
+        return periods_held_out(judged.found.coarse, judged.judgement, judged.found.scales, acting)
+
+    def tried(self, problem: Driven, models: Sequence[Model], scales: Scales) -> list[Mapping[str, float]]:
+        """Over the same windows, or from the start of its own base fit."""
+        if isinstance(problem.starts, Windows):
+            return [as_started(model, problem, scales) for model in models]
+        own, scales = driven_baseline(problem)
+        return [only_started(model, problem, own.model, scales) for model in models]
+
+
+def _in_turns(problem: Driven, best: Fit, scales: Scales, again: Again[Driven]) -> tuple[Driven, Fit]:
+    return in_turn(problem, best, scales, again, _SAME)

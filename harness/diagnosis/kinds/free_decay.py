@@ -1,0 +1,70 @@
+"""The steps of a free decay: a long one is searched in means, a hand may have let go late, an engine have made it."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+
+from harness.core.recording import Recording
+from harness.diagnosis.baseline.base_fit import baseline
+from harness.diagnosis.explain.holdout import periods_held_out
+from harness.diagnosis.fit.another import only_started
+from harness.diagnosis.integrator_maps.stepped import as_stepped
+from harness.diagnosis.inverse_dynamics.validate import Judge
+from harness.diagnosis.kinds.kind import Kind
+from harness.diagnosis.outcome import Holdout
+from harness.diagnosis.prepare.free_decay import free_decay_problem
+from harness.diagnosis.problems.free_decay import FreeDecay
+from harness.diagnosis.request import Asked
+from harness.diagnosis.search.extend import settle
+from harness.diagnosis.search.long_recordings import lifted, shortened
+from harness.diagnosis.search.release_transient import after_hand, knocked_at_release
+from harness.diagnosis.search.search import noise_of, search, under
+from harness.diagnosis.stages import Based, Found, Judged
+from harness.kernels.solve import Scales
+from harness.model.model import Model, ModelTerm
+from harness.model.place import Place
+
+
+class FreeDecays(Kind[FreeDecay]):
+    """See Kind."""
+
+    of = FreeDecay
+
+    def suits(self, recording: Recording) -> bool:
+        """Any recording that no force drives."""
+        return True
+
+    def prepare(self, recording: Recording, asked: Asked) -> tuple[FreeDecay, tuple[str, ...]]:
+        """See harness.diagnosis.prepare.free_decay."""
+        return free_decay_problem(recording, asked)
+
+    def fit_base(self, problem: FreeDecay) -> Based[FreeDecay]:
+        """In means of neighbours where it is very long."""
+        short, base, scales = shortened(problem)
+        short = replace(short, noise=noise_of(base, short, scales.omega))
+        return Based(problem, short, settle(under(base, short), short, scales), scales)
+
+    def search(self, based: Based[FreeDecay], other: Judge | None) -> Found:
+        """Where it is doubtful, also without its beginning; then on all samples, and as the trace of an engine."""
+        scales = based.scales
+        notes: tuple[str, ...] = ()
+        found = search(based.problem, based.fit, scales)
+        doubtful = not found.explained or knocked_at_release(found.chosen, scales)
+        free = after_hand(found.problem, scales) if doubtful else None
+        if free is not None:
+            found, scales, touched = free
+            notes = (f"the first {touched:.4g} s are left out: no free decay, as if a hand had not yet been off",)
+        in_means = based.problem.t.size < based.whole.t.size
+        every = lifted(found, based.whole, scales) if in_means else found
+        trace = as_stepped(every, scales)
+        if trace is None:
+            return Found(every, scales, found, None, notes)
+        return Found(trace[0], scales, trace[0], trace[1], notes)
+
+    def hold_out(self, problem: FreeDecay, judged: Judged, acting: Sequence[tuple[ModelTerm, Place]]) -> Holdout:
+        """Every second full period."""
+        return periods_held_out(judged.found.coarse, judged.judgement, judged.found.scales, acting)
+
+    def tried(self, problem: FreeDecay, models: Sequence[Model], scales: Scales) -> list[Mapping[str, float]]:
+        """Released as its own base fit is."""
+        own, scales = baseline(problem)
+        return [only_started(model, problem, own.model, scales) for model in models]

@@ -1,0 +1,59 @@
+"""The steps of a driven recording whose force is fitted."""
+
+from collections.abc import Mapping, Sequence
+
+from harness.core.recording import Recording
+from harness.diagnosis.fit.another import as_started
+from harness.diagnosis.inverse_dynamics.force_fit import as_fit, simulated
+from harness.diagnosis.inverse_dynamics.holdout import holdout_windows
+from harness.diagnosis.inverse_dynamics.search import force_baseline, left_said, search_driven
+from harness.diagnosis.inverse_dynamics.validate import Judge
+from harness.diagnosis.kinds.kind import Kind
+from harness.diagnosis.outcome import Holdout
+from harness.diagnosis.prepare.driven import driven_problem
+from harness.diagnosis.problems.driven import Forced
+from harness.diagnosis.problems.inverse_dynamics import InverseDynamics
+from harness.diagnosis.request import Asked
+from harness.diagnosis.stages import Based, Found, Judged
+from harness.kernels.solve import Scales
+from harness.model.model import Model, ModelTerm
+from harness.model.place import Place
+
+_JUDGED = (
+    "terms were kept because the force error on the other recording falls with them, so that its errors took part in"
+    " the choice; what stays was not tested for being noise"
+)
+
+
+class FittedForces(Kind[InverseDynamics]):
+    """See Kind."""
+
+    of = InverseDynamics
+
+    def suits(self, recording: Recording) -> bool:
+        """No recording by itself: whether its motion can be followed shows when it is made ready."""
+        return False
+
+    def prepare(self, recording: Recording, asked: Asked) -> tuple[Forced, tuple[str, ...]]:
+        """See harness.diagnosis.prepare.driven."""
+        return driven_problem(recording, asked)
+
+    def fit_base(self, problem: InverseDynamics) -> Based[InverseDynamics]:
+        """By the force."""
+        measured, base, scales = force_baseline(problem)
+        shown = simulated(base, problem, scales)
+        return Based(problem, problem, as_fit(base, problem, measured, base, shown), scales)
+
+    def search(self, based: Based[InverseDynamics], other: Judge | None) -> Found:
+        """A law is kept if it takes more off than chance does, or if another recording confirms it."""
+        found, scales = search_driven(based.whole, other)
+        notes = (left_said(found.problem, based.whole.drive, found.base.points), *((_JUDGED,) if other else ()))
+        return Found(found, scales, found, None, notes)
+
+    def hold_out(self, problem: InverseDynamics, judged: Judged, acting: Sequence[tuple[ModelTerm, Place]]) -> Holdout:
+        """Every second window."""
+        return holdout_windows(judged.found.coarse.base, judged.judgement.refined, problem, judged.found.scales)
+
+    def tried(self, problem: InverseDynamics, models: Sequence[Model], scales: Scales) -> list[Mapping[str, float]]:
+        """Over the same windows."""
+        return [as_started(model, problem, scales) for model in models]

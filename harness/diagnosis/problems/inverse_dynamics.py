@@ -1,0 +1,30 @@
+"""A driven recording whose force is fitted: no force that is known says its motion well enough to follow it."""
+
+from dataclasses import dataclass, field
+
+from harness.diagnosis.problems.driven import Driven, Forced
+from harness.diagnosis.problems.starts import Windows
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class InverseDynamics(Forced):
+    """The force is what is fitted; the motion over the windows is only shown."""
+
+    starts: Windows = field()
+
+    @classmethod
+    def of(cls, driven: Driven, windows: Windows) -> "InverseDynamics":
+        """The same recording, with its force fitted."""
+        return cls(
+            driven.t,
+            driven.channels,
+            driven.noise,
+            weight=driven.weight,
+            mass=driven.mass,
+            restoring=driven.restoring,
+            zero_free=driven.zero_free,
+            angular=driven.angular,
+            starts=windows,
+            drive=driven.drive,
+            first=driven.first,
+        )

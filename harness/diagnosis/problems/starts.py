@@ -1,0 +1,154 @@
+"""From where a recording is simulated: as a whole from the model's own start, or window after window.
+
+A window starts with position and speed as recorded, and internal states as the motion before it has left them.
+"""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
+from typing import Protocol
+
+import numpy as np
+
+from harness.core.arrays import FloatArray
+from harness.kernels.solve import By
+from harness.model.history import History
+from harness.model.model import Model
+
+_AT_REST = 3.0
+"""Standard errors below which a speed is none."""
+
+
+@dataclass(frozen=True, slots=True)
+class Window:
+    """A stretch of a driven recording, simulated from its own start.
+
+    start, stop : its samples. t0 (s), x0, v0 : the start, from the smoothed recording. x_sd, v_sd : standard errors.
+    """
+
+    start: int
+    stop: int
+    t0: float
+    x0: float
+    v0: float
+    x_sd: float
+    v_sd: float
+
+
+@dataclass(frozen=True, slots=True)
+class Start:
+    """A stretch of a recording and the model at its start.
+
+    samples : of the stretch. slopes : for each parameter, the partials by it of starts that hang on it, by their names.
+    """
+
+    samples: slice
+    model: Model
+    slopes: Mapping[By, Mapping[str, float]]
+
+
+class Starts(Protocol):
+    """How a recording falls into stretches, and what each starts from."""
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """The starts that are parameters of the model."""
+
+    @property
+    def taken(self) -> int:
+        """Measured values that the starts take, and no parameter says so."""
+
+    def of(self, model: Model) -> list[Start]:
+        """The model at the start of every stretch, in order."""
+
+    def part(self, keep: range) -> "Starts":
+        """The stretches as they lie in these samples of the recording."""
+
+    def moved(self, anew: Callable[[Window, Model], Window], model: Model) -> "Starts":
+        """With what does not belong to the model started anew; ``anew`` gets a window and the model at its start."""
+
+
+@dataclass(frozen=True, slots=True)
+class OneStart:
+    """The whole recording from one start, which is the model's own."""
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Position and speed."""
+        return ("x0", "v0")
+
+    @property
+    def taken(self) -> int:
+        """None: they are parameters."""
+        return 0
+
+    def of(self, model: Model) -> list[Start]:
+        """The model itself."""
+        return [Start(slice(None), model, {})]
+
+    def part(self, keep: range) -> "OneStart":
+        """The same."""
+        return self
+
+    def moved(self, anew: Callable[[Window, Model], Window], model: Model) -> "OneStart":
+        """The same."""
+        return self
+
+
+@dataclass(frozen=True, slots=True)
+class Windows:
+    """Window after window, none longer than the horizon.
+
+    t (k,), s, v (k,), m/s : smoothed speed of the whole recording, which says how a window's internal states start.
+    """
+
+    windows: tuple[Window, ...]
+    t: FloatArray
+    v: FloatArray
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """None: every window has its own."""
+        return ()
+
+    @property
+    def taken(self) -> int:
+        """Two a window."""
+        return 2 * len(self.windows)
+
+    def of(self, model: Model) -> list[Start]:
+        """The model at the start of every window.
+
+        x0, v0 : as recorded, the sensor's offset taken off; a speed within its error of none is none. Internal states :
+        as each term says that the recorded motion leaves them.
+        """
+        times = np.array([w.t0 for w in self.windows])
+        speeds = np.array([0.0 if abs(w.v0) < _AT_REST * w.v_sd else w.v0 for w in self.windows])
+        motion = History(self.t, self.v, times, speeds, model.f_k)
+        implied = {i: e.term.implied(e.values, motion) for i, e in enumerate(model.terms) if e.term.implied is not None}
+        found = []
+        for at, (w, v0) in enumerate(zip(self.windows, speeds.tolist(), strict=True)):
+            terms = list(model.terms)
+            slopes: dict[By, dict[str, float]] = {"offset": {"x0": -1.0}}
+            for i, states in implied.items():
+                terms[i] = replace(terms[i], internal0=tuple(states.values[at].tolist()))
+                for by, partials in states.by.items():
+                    names = zip(model.internal_names[i], partials[at].tolist(), strict=True)
+                    moved = slopes.setdefault((i, by) if isinstance(by, int) else by, {})
+                    moved |= {name: partial for name, partial in names if partial != 0.0}
+            started = replace(model, x0=w.x0 - model.offset, v0=v0, t0=w.t0, terms=tuple(terms))
+            found.append(Start(slice(w.start, w.stop), started, slopes))
+        return found
+
+    def part(self, keep: range) -> "Windows":
+        """The windows as they lie in these samples of the recording."""
+
+        def place(sample: int) -> int:
+            return min(max(-((keep.start - sample) // keep.step), 0), len(keep))
+
+        windows = (replace(w, start=place(w.start), stop=place(w.stop)) for w in self.windows)
+        return replace(self, windows=tuple(w for w in windows if w.stop > w.start))
+
+    def moved(self, anew: Callable[[Window, Model], Window], model: Model) -> "Windows":
+        """With each window started anew."""
+        starts = zip(self.windows, self.of(model), strict=True)
+        return replace(self, windows=tuple(anew(w, start.model) for w, start in starts))
