@@ -29,6 +29,7 @@ from harness.fit.autocorrelation import ENOUGH
 from harness.kernels.solve import Scales
 
 _LOOKED_AT = 5
+"""Names that are extended by a further one."""
 
 
 def search_driven(problem: Problem, judge: Judge | None = None) -> tuple[Search, Scales]:

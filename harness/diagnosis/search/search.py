@@ -21,7 +21,9 @@ from harness.estimate.noise import Noise
 from harness.kernels.solve import Scales
 
 _BEAM = 4
+"""First terms that are extended by a second."""
 _FEWEST_STARTS = 4
+"""First terms after which a pair that leaves noise alone ends the search."""
 _NOISE_MOVED, _SAME = 0.01, 0.01
 """Shares: of a noise that has moved, and of a chi-square that has not; noise taken anew each turn moves it too."""
 
