@@ -390,7 +390,7 @@ TRACES_LOUD = Rule(
     "mean square over the noise's",
     "two traces are said to differ, whatever the structure of what is between them; one channel is said to, where the"
     " others are below",
-    "chance moves the mean square of N samples by sqrt(2/N), 0.2 at the least of 50, and a noise that is estimated by as"
+    "chance moves the mean square of N samples by sqrt(2/N), 0.2 at the least of 50, and an estimated noise by as"
     " much: two of these",
 )
 ONE_CHANNEL = Rule(

@@ -25,7 +25,8 @@ def kinds() -> Mapping[str, Kind]:
     modules = pkgutil.iter_modules(scenarios.__path__)
     own = [import_module(f"{scenarios.__name__}.{found.name}").SCENARIO for found in modules]
     found: dict[str, Kind] = {}
-    for one in sorted((*own, *(k for _, k in registered(GROUP, Kind, "scenario"))), key=lambda kind: kind.place):
+    others = (k for _, k in registered(GROUP, Kind, "scenario"))  # type: ignore[type-abstract]  # only asked for
+    for one in sorted((*own, *others), key=lambda kind: kind.place):
         if one.name in found:
             raise InputError(f"scenario {one.name}", "registered twice", "one is accepted")
         found[one.name] = one
