@@ -19,24 +19,33 @@ import click
 import harness
 from harness.cli import commands
 from harness.core.errors import HarnessError, InputError
+from harness.core.registered import names, registered
 from harness.core.visible import visible
 
 INTERRUPTED = 130
+
+
+GROUP = "harness.commands"
+"""Of the entry points by which other packages add commands ("package.module:command")."""
+
+
+def _own() -> list[str]:
+    return [found.name for found in pkgutil.iter_modules(commands.__path__)]
 
 
 class Commands(click.Group):
     """The commands, each imported when it is asked for."""
 
     def list_commands(self, ctx: click.Context) -> list[str]:
-        """Names of the files in harness.cli.commands."""
-        return sorted(found.name for found in pkgutil.iter_modules(commands.__path__))
+        """Names of the files in harness.cli.commands, and of the entry points of other packages."""
+        return sorted({*_own(), *names(GROUP)})
 
     def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
-        """The ``command`` of the file of that name."""
-        if cmd_name not in self.list_commands(ctx):
-            return None
-        command: click.Command = import_module(f"harness.cli.commands.{cmd_name}").command
-        return command
+        """The ``command`` of the file of that name, else the one another package registered; ours go first."""
+        if cmd_name in _own():
+            command: click.Command = import_module(f"harness.cli.commands.{cmd_name}").command
+            return command
+        return next((found for _, found in registered(GROUP, click.Command, "command", cmd_name)), None)
 
     def resolve_command(
         self, ctx: click.Context, args: list[str]

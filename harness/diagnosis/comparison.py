@@ -13,13 +13,7 @@ from harness.diagnosis.explain.locate import Place, locate
 from harness.diagnosis.motion import motion_of
 from harness.diagnosis.residual_tests.cleaned import isolated
 from harness.diagnosis.residual_tests.lack_of_fit import LackOfFit, lack_of_fit
-
-_UNLIKELY = 0.01
-"""Level of the test of structure: of pairs of the same motion one in a hundred is called different."""
-_LOUD = 1.5
-"""Mean square difference over that of the noise from which the two differ whatever its structure."""
-_ONE_CHANNEL = 0.95
-"""Share of the excess that one channel holds where the mismatch is that channel's."""
+from harness.diagnosis.rules import ONE_CHANNEL, TRACES_LOUD, TRACES_STRUCTURE
 
 
 @dataclass(frozen=True, slots=True)
@@ -42,7 +36,7 @@ class Comparison:
         """Whether the two differ."""
         if self.match.identical:
             return "identical"
-        different = self.doubted.p_value < _UNLIKELY or max(self.loud.values()) > _LOUD
+        different = self.doubted.p_value < TRACES_STRUCTURE.value or max(self.loud.values()) > TRACES_LOUD.value
         return "different" if different else "same within noise"
 
 
@@ -80,6 +74,11 @@ def _channel_alone(loud: Mapping[str, float], whole: tuple[tuple[float, float], 
     total = sum(excess.values())
     for channel, own in excess.items():
         others = [power for c, power in loud.items() if c != channel]
-        if others and loud[channel] > _LOUD and own > _ONE_CHANNEL * total and max(others) < _LOUD:
+        if (
+            others
+            and loud[channel] > TRACES_LOUD.value
+            and own > ONE_CHANNEL.value * total
+            and max(others) < TRACES_LOUD.value
+        ):
             return (Place(whole, "channel", f"channel {channel}", own / total, 0.0),)
     return ()

@@ -9,7 +9,13 @@ import numpy as np
 from harness.core.arrays import BoolArray, FloatArray
 
 _SMOOTH = 1.0 / 12.0
+"""Of a period: running means of it lose 1 % of a sine, and noise more."""
 _REST = 0.3
+"""Periods of standing still from which it is a rest: a turning point is slow for 0.002 of one."""
+_SLOW = 5e-3
+"""Of the largest speed: slower is standing still."""
+_LINE = 3
+"""Samples that a slope needs."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -34,7 +40,7 @@ def _running(y: FloatArray, width: int) -> FloatArray:
 
 def _slope(t: FloatArray, y: FloatArray, width: int) -> FloatArray:
     """Slope of the straight line through ``width`` samples around each, by running sums."""
-    if width < 3:
+    if width < _LINE:
         return np.gradient(y, t)
     s = t - t[0]
     ms, my = _running(s, width), _running(y, width)
@@ -62,7 +68,7 @@ def motion_of(t: FloatArray, channels: Mapping[str, FloatArray], omega: float) -
     if "x" in channels:
         x = channels["x"]
         v = channels["v"] if "v" in channels else _slope(t, x, width)
-        x = _running(x, width) if width > 3 else x
+        x = _running(x, width) if width > _LINE else x
     elif "v" in channels:
         v = channels["v"]
         x = _integral(t, v, period)
@@ -74,7 +80,7 @@ def motion_of(t: FloatArray, channels: Mapping[str, FloatArray], omega: float) -
 
 def _rest(t: FloatArray, v: FloatArray, omega: float) -> BoolArray:
     """Stretches longer than a third of a period without speed to speak of."""
-    slow = np.abs(v) < 5e-3 * np.max(np.abs(v))
+    slow = np.abs(v) < _SLOW * np.max(np.abs(v))
     edges = np.diff(np.concatenate(([0], slow.astype(np.int8), [0])))
     found = np.zeros(t.size, dtype=np.bool_)
     for lo, hi in zip(np.flatnonzero(edges == 1), np.flatnonzero(edges == -1), strict=True):

@@ -376,6 +376,43 @@ MOST_LISTED = Rule(
     "a list is given",
     "a list of more says nothing that an experiment could decide between",
 )
+TRACES_STRUCTURE = Rule(
+    "traces-structure",
+    0.01,
+    "chance",
+    "two traces are said to differ (harness compare)",
+    "level of the test: of pairs of the same motion one in a hundred is called different",
+)
+TRACES_LOUD = Rule(
+    "traces-loud",
+    1.5,
+    "mean square over the noise's",
+    "two traces are said to differ, whatever the structure of what is between them; one channel is said to, where the"
+    " others are below",
+    "chance moves the mean square of N samples by sqrt(2/N), 0.2 at the least of 50, and an estimated noise by as"
+    " much: two of these",
+)
+ONE_CHANNEL = Rule(
+    "one-channel",
+    0.95,
+    "share of the excess",
+    "what is between two traces is said to be one channel's",
+    "the others together hold less than a twentieth, and none of them is loud: nothing else is left to be said of them",
+)
+CHANNELS_AGREE = Rule(
+    "channels-agree",
+    3.0,
+    "standard errors",
+    "two channels of a recording are said to disagree in gain, lag or offset",
+    "two-sided level of 0.3 % each",
+)
+CHANNELS_RELATED = Rule(
+    "channels-related",
+    0.5,
+    "share of squares",
+    "two channels of a recording are said not to belong together",
+    "a line through the one leaves half of the other's squares or more: more is strange than is common",
+)
 
 RULES: tuple[Rule, ...] = tuple(value for value in list(globals().values()) if isinstance(value, Rule))
 

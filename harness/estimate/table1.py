@@ -76,10 +76,15 @@ def run(slider: Slider = EXPERIMENT, setup: Setup | None = None) -> tuple[Figure
     return figures, phases
 
 
-def table(slider: Slider = EXPERIMENT, setup: Setup | None = None) -> str:
-    """Table 1 as text: rows of x_k (mm) and zeta by release, mean, reference, standard deviation and error."""
+def table(
+    slider: Slider = EXPERIMENT, setup: Setup | None = None, found: tuple[Figures, list[float]] | None = None
+) -> str:
+    """Table 1 as text: rows of x_k (mm) and zeta by release, mean, reference, standard deviation and error.
+
+    found : what ``run`` gave for these, where it has been run already.
+    """
     setup = setup or Setup()
-    figures, phases = run(slider, setup)
+    figures, phases = found or run(slider, setup)
     head = "".join(f"{f'Test {i + 1}':>9}" for i in range(len(setup.starts)))
     lines = [
         f"m={slider.m} kg, k={slider.k:g} N/m, c={slider.c} N s/m, f_k={slider.f_k} N; {setup.rate:g} Hz,"

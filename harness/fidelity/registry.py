@@ -1,4 +1,7 @@
-"""The scenarios of the suite by name, found by importing harness.fidelity.scenarios."""
+"""The scenarios of the suite by name: those of harness.fidelity.scenarios, then those that other packages register.
+
+A package adds one by an entry point of group ``harness.scenarios`` whose value is the Kind ("package.module:SCENARIO").
+"""
 
 import pkgutil
 from collections.abc import Mapping
@@ -6,21 +9,28 @@ from functools import cache
 from importlib import import_module
 
 from harness.core.errors import InputError
+from harness.core.registered import registered
 from harness.core.scenario import Scenario
 from harness.engines.base import Route
 from harness.fidelity import scenarios
 from harness.fidelity.kind import Kind
 from harness.fidelity.sliders import OWN, Sliders, scale_of
 
+GROUP = "harness.scenarios"
+
 
 @cache
 def kinds() -> Mapping[str, Kind]:
-    """Every scenario by its name, in the order in which they are shown."""
-    modules = (
-        import_module(f"{scenarios.__name__}.{found.name}") for found in pkgutil.iter_modules(scenarios.__path__)
-    )
-    found: list[Kind] = sorted((module.SCENARIO for module in modules), key=lambda kind: kind.place)
-    return {kind.name: kind for kind in found}
+    """Every scenario by its name, in the order in which they are shown. Raises InputError for a name that is taken."""
+    modules = pkgutil.iter_modules(scenarios.__path__)
+    own = [import_module(f"{scenarios.__name__}.{found.name}").SCENARIO for found in modules]
+    found: dict[str, Kind] = {}
+    others = (k for _, k in registered(GROUP, Kind, "scenario"))  # type: ignore[type-abstract]  # only asked for
+    for one in sorted((*own, *others), key=lambda kind: kind.place):
+        if one.name in found:
+            raise InputError(f"scenario {one.name}", "registered twice", "one is accepted")
+        found[one.name] = one
+    return found
 
 
 def kind(name: str) -> Kind:

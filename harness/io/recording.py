@@ -16,13 +16,11 @@ from harness.core.checks import finite, positive
 from harness.core.errors import InputError
 from harness.core.recording import LARGEST, LONGEST_TIME, MINIMUM_SAMPLES, Recording
 from harness.io.columns import Mapping, parse_columns
+from harness.io.registry import formats, reader_of
 from harness.io.sampling import sampling_notes
 from harness.io.table import Table
 from harness.io.units import Unit, parse_unit
 
-FORMATS = "CSV (.csv, .csv.gz), Parquet, MATLAB .mat, .npz, plain text tables (.txt, .dat, .tsv) and our own .rrd"
-_TEXT = (".csv", ".txt", ".dat", ".tsv", ".asc", ".tab")
-_BINARY = (".parquet", ".pq", ".mat", ".npz")
 _FORCE_NAMES = ("u", "F")
 
 
@@ -72,21 +70,14 @@ def _kind(path: Path) -> str:
 
 def _open(path: Path, options: ReadOptions) -> Table:
     kind = _kind(path)
-    if kind in _TEXT:
-        from harness.io.text import TextTable
-
-        return TextTable(path, options.skip_rows)
+    reader = reader_of(kind)
+    if reader is not None and reader.text:
+        return reader.open(path, options.skip_rows)
     if options.skip_rows:
         raise InputError("--skip-rows", f"given for the {kind} file {path}", "it is accepted for text tables alone")
-    from harness.io import binary
-
-    if kind in (".parquet", ".pq"):
-        return binary.ParquetTable(path)
-    if kind == ".mat":
-        return binary.open_mat(path)
-    if kind == ".npz":
-        return binary.open_npz(path)
-    raise InputError(str(path), f"the format {kind or 'without a name'}", f"{FORMATS} are accepted")
+    if reader is None:
+        raise InputError(str(path), f"the format {kind or 'without a name'}", f"{formats()} are accepted")
+    return reader.open(path)
 
 
 def _mappings(table: Table, options: ReadOptions) -> dict[str, Mapping]:
@@ -192,15 +183,16 @@ def read_recording(path: Path, options: ReadOptions | None = None, read_rrd: Rrd
     if not path.is_file():
         found = "a folder" if path.is_dir() else "no such file"
         raise InputError(str(path), found, "a file that can be read is accepted")
+    reader = reader_of(_kind(path))
     try:
-        if _kind(path) in _TEXT:
+        if reader is not None and reader.text:
             check_size(path, MOST_BYTES)
         digest = sha256(path)
     except OSError as error:
         raise InputError(str(path), error.strerror or str(error), "a file that can be read is accepted") from None
     if path.suffix.lower() == ".rrd" and read_rrd is not None:
         return _from_rrd(path, digest, options, read_rrd)
-    if _kind(path) not in _BINARY:
+    if reader is None or reader.text:
         return _read(path, digest, options)
     accepted = f"a whole {_kind(path)} file is accepted"
     columns, about = read_apart(

@@ -39,7 +39,7 @@ All that is known of a term stands in its file, and nothing else knows its name.
 
 A package of your own does the same: an entry point of group `harness.terms` whose value is the `Term`
 (`magnet = "my_package.magnet:TERM"`), and `python -m harness.kernels.generate` once after it is installed or taken
-away; until then the reference is refused with a message that says so. `tests/support/third_party_terms.py` is one.
+away; until then the reference is refused with a message that says so. [extending.md](extending.md) shows one whole.
 """
 
 

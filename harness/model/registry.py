@@ -6,9 +6,9 @@ A package adds a term by an entry point of group ``harness.terms`` whose value i
 import importlib
 import pkgutil
 from collections.abc import Iterator
-from importlib.metadata import entry_points
 
 from harness.core.errors import InputError
+from harness.core.registered import registered
 from harness.model import terms
 from harness.model.term import Slot, Term
 
@@ -22,25 +22,10 @@ def _own() -> Iterator[Term]:
         yield from (value for value in vars(module).values() if isinstance(value, Term))
 
 
-def _registered() -> Iterator[Term]:
-    """Those of other packages, by name of the entry point."""
-    for point in sorted(entry_points(group=GROUP), key=lambda p: p.name):
-        try:
-            found = point.load()
-        except (ImportError, AttributeError, TypeError) as error:
-            raise InputError(
-                f"term {point.name}", f"{point.value}: {error}", "a package that loads is accepted"
-            ) from error
-        if not isinstance(found, Term):
-            accepted = "a harness.model.term.Term is accepted"
-            raise InputError(f"term {point.name}", f"{point.value} is {found!r}", accepted)
-        yield found
-
-
 def _catalogue() -> dict[str, Term]:
     """Every term by its key, in an order that does not hang on where it was found."""
     by_key: dict[str, Term] = {}
-    for found in sorted((*_own(), *_registered()), key=lambda t: t.order):
+    for found in sorted((*_own(), *(t for _, t in registered(GROUP, Term, "term"))), key=lambda t: t.order):
         if found.key in by_key:
             raise InputError(f"term {found.key}", "registered twice", "one is accepted")
         by_key[found.key] = found

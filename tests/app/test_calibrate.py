@@ -1,14 +1,17 @@
 """Simulations that rules come from run, say the value of their rule, and give the same twice."""
 
+import math
 import subprocess
 import sys
 
+import numpy as np
 import pytest
 
 from harness.app.calibrate.__main__ import CALIBRATIONS, main
+from harness.app.calibrate.few_cycles import by_words
 from harness.app.calibrate.main_effect import Answer, Counts, Row, settings
 from harness.diagnosis.outcome import Grade
-from harness.diagnosis.rules import RULES
+from harness.diagnosis.rules import GAIN, RULES, SHARE_OF_EXCESS
 
 JUDGES = {
     "second-term": {"second-term"},
@@ -38,6 +41,20 @@ def test_a_calibration_says_whether_its_rule_stands(name: str, capsys: pytest.Ca
     assert lines[0].startswith(f"{name}: seed 3, 2 draws, ")
     judged = {line.split(" = ")[0] for line in lines if "the rule stands" in line or "the rule falls short" in line}
     assert judged == JUDGES[name]
+
+
+def test_the_bound_of_few_cycles_is_that_of_random_directions() -> None:
+    rng = np.random.default_rng(1)
+    cycles, laws = 6, 10
+    words, left = 2 * cycles, 2 * cycles - 6
+    directions = rng.standard_normal((4000, laws, left))
+    directions /= np.linalg.norm(directions, axis=-1, keepdims=True)
+    misfit = rng.standard_normal((4000, left, 1))
+    share = np.max((directions @ misfit)[..., 0] ** 2, axis=-1) / np.sum(misfit[..., 0] ** 2, axis=-1)
+    gain = -words * np.log1p(-share) - math.log(words)
+    seen = np.mean((share >= SHARE_OF_EXCESS.value) & (gain >= GAIN.value))
+    # one standard error of 4000 draws at a third is 0.0075
+    assert by_words(cycles, laws) == pytest.approx(seen, abs=0.025)
 
 
 @pytest.mark.parametrize(

@@ -85,7 +85,7 @@ BAD: list[tuple[str, str]] = [
     ("identify", "Missing argument 'RECORDING'"),
     ("identify none.csv", "none.csv: no such file; a file that can be read is accepted"),
     ("identify full", "full: a folder"),
-    ("identify log.json", "the format .json; CSV (.csv, .csv.gz), Parquet, MATLAB .mat"),
+    ("identify log.json", "the format .json; text tables, also gzipped (.csv, .txt"),
     ("identify two.csv", "two.csv: 2 samples; at least 50 are accepted"),
     ("identify nan.csv", "nan.csv: row 20 (line 21), column x: no value or nan"),
     ("identify text.csv", "text.csv: row 20 (line 21), column x: the text 'high'; a number is accepted"),

@@ -28,8 +28,10 @@ def environment(**changes: str) -> dict[str, str]:
 
 
 def test_run_works_without_a_home_and_standard_output_is_json_alone(tmp_path: Path) -> None:
+    # one engine, the one whose library writes to the streams; all of them are run beside the use case
+    line = ["run", "--engine", "pybullet", "--preset", "tuned", "--json", "-"]
     done = subprocess.run(
-        [*COMMAND, "run", "--json", "-"],
+        [*COMMAND, *line],
         stdin=subprocess.DEVNULL,
         capture_output=True,
         text=True,
@@ -40,7 +42,7 @@ def test_run_works_without_a_home_and_standard_output_is_json_alone(tmp_path: Pa
     assert (done.returncode, done.stderr) == (0, "")
     result = json.loads(done.stdout)
     assert result["schema"] == "harness.run/1"
-    assert result["command"] == "harness run --json -"
+    assert result["command"] == f"harness {' '.join(line)}"
     (folder,) = (tmp_path / "reports").iterdir()
     assert json.loads((folder / "result.json").read_text()) == result
     assert "pybullet build time" in (folder / "log.txt").read_text()

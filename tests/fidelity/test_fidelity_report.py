@@ -6,13 +6,13 @@ from typing import Any
 
 import pytest
 
-from harness.app.sweep.conclusions import headline, percent, sentences
 from harness.app.sweep.report import finish, one_step_each, summary
 from harness.app.sweep.sweep import Sweep, SweepOptions, settings_of, sweep
 from harness.app.sweep.traces import worst_rows
 from harness.fidelity.convergence import Ladder, slope
 from harness.fidelity.pareto import FLOOR, front, points
 from harness.fidelity.scores import LABELS, badness, cards, distance, figures_of
+from harness.show.sentences.sweep import headline, percent, sentences
 
 PUBLISHED = Path(__file__).resolve().parents[2] / "reports" / "fidelity"
 OPTIONS = SweepOptions(("mujoco", "pybullet"), ("joint",), ("as-shipped", "tuned"), (2e-3, 1e-3), jobs=1, keep=2)

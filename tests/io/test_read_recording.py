@@ -273,7 +273,7 @@ def test_refused_by_name(tmp_path: Path, content: str, message: str, options: Re
 
 
 BROKEN: list[tuple[str, bytes, str]] = [
-    ("a.json", b"{}", "the format .json; CSV (.csv, .csv.gz), Parquet"),
+    ("a.json", b"{}", "the format .json; text tables, also gzipped (.csv, .txt, "),
     ("recording", b"", "the format without a name"),
     ("a.parquet", b"nothing", "not a Parquet file"),
     ("a.mat", b"nothing", "not a MATLAB file"),

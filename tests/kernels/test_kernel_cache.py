@@ -8,13 +8,25 @@ import pytest
 
 from harness.core import jit
 
+KERNEL = """
+from harness.core.jit import compiled
+from harness.model.terms import cubic_stiffness
+
+_law = compiled(cubic_stiffness.law, lean=True)
+
+
+def _force(x, theta, out):
+    _law(x, 0.0, theta, 6, out)
+
+
+force = compiled(_force, lean=True)
+"""
+"""A kernel that has a law in its own code, as the dispatch has all of them."""
 PROGRAM = """
 import numpy as np
-from harness.model.terms import cubic_stiffness
-from harness.kernels.dispatch import smooth
-from harness.kernels.layout import SMOOTH
+from harness.kernels.small import force
 theta, out = np.full(9, 2.0), np.zeros(9)
-smooth(SMOOTH.index(cubic_stiffness.TERM), 0.5, 0.0, 0.0, theta, 6, out)
+force(0.5, theta, out)
 print(out[0])
 """
 
@@ -27,6 +39,7 @@ def test_a_changed_law_is_compiled_anew(tmp_path: Path) -> None:
             copy.parent.mkdir(parents=True, exist_ok=True)
             copy.write_bytes(file.read_bytes())
     (package / "__init__.py").touch()
+    (package / "kernels" / "small.py").write_text(KERNEL)
     law = package / "model" / "terms" / "cubic_stiffness.py"
 
     def value() -> float:

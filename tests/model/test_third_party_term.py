@@ -12,6 +12,7 @@ import pytest
 import third_party_terms
 
 import harness
+from harness.core import registered
 from harness.core.errors import InputError
 from harness.model import registry
 
@@ -111,6 +112,6 @@ BAD = [
 
 @pytest.mark.parametrize(("value", "message"), BAD)
 def test_what_is_no_term_is_refused(value: str, message: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(registry, "entry_points", lambda group: (EntryPoint("mine", value, registry.GROUP),))
+    monkeypatch.setattr(registered, "entry_points", lambda group: (EntryPoint("mine", value, registry.GROUP),))
     with pytest.raises(InputError, match=message):
         registry._catalogue()

@@ -1,12 +1,15 @@
 """Random misfit: how often does a law of one parameter pass gain and share where there is nothing to find?
 
-What is left is of its own amplitude and phase in each stroke. Laws answer to first order, as in the screen.
+What is left is of its own amplitude and phase in each stroke. Laws answer to first order, as in the screen. Beside it
+the rate where a stroke says one word alone, as evidence counts them, and laws are directions by chance: an upper bound,
+since laws resemble each other and the base, and a stroke says more.
 """
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
 
 import numpy as np
+from scipy.stats import beta
 
 from harness.app.calibrate.calibration import Calibration, stands
 from harness.diagnosis.baseline.base_fit import baseline
@@ -66,12 +69,29 @@ def _passes(cycles: int, rng: np.random.Generator) -> bool:
     )
 
 
+_OF_BASE = 6
+"""Words that the base's own parameters take up: mass aside, damping, spring, friction, zero, start and speed."""
+
+
+def by_words(cycles: int, laws: int) -> float:
+    """Chance that the best of so many directions passes, where a misfit says one word a stroke.
+
+    The share of squares that one direction takes off n independent words is Beta(1/2, (n - 1)/2).
+    """
+    words = 2.0 * cycles
+    needed = 1.0 - math.exp(-(GAIN.value + math.log(words)) / words)
+    single = float(beta.sf(max(needed, SHARE_OF_EXCESS.value), 0.5, (words - _OF_BASE - 1.0) / 2.0))
+    return float(-math.expm1(laws * math.log1p(-single)))
+
+
 def said(rows: Sequence[Mapping[int, bool]]) -> Iterator[str]:
     """The rate at each number of cycles."""
     yield f"best of {len(_ONE)} laws of one parameter on random misfit, {len(rows)} draws"
     yield "cycles " + " ".join(f"{cycles:>7d}" for cycles in CYCLES)
     rates = {cycles: sum(row[cycles] for row in rows) / max(len(rows), 1) for cycles in CYCLES}
     yield "passes " + " ".join(f"{100.0 * rate:>5.1f} %" for rate in rates.values())
+    bounds = " ".join(f"{100.0 * by_words(cycles, len(_ONE)):>5.1f} %" for cycles in CYCLES)
+    yield "bound  " + bounds + f" (one word a stroke, {len(_ONE)} directions by chance)"
     here = max((rate for cycles, rate in rates.items() if cycles >= LEAST_CYCLES.value), default=1.0)
     yield stands(
         LEAST_CYCLES, here <= LEVEL, f"{100.0 * here:.1f} % at the most from there on, {100 * LEVEL:.0f} % is borne"

@@ -20,6 +20,7 @@ from harness.diagnosis.alignment.consistency import Consistency
 from harness.diagnosis.alignment.match import Match
 from harness.diagnosis.alignment.pair import Clock
 from harness.diagnosis.comparison import Comparison, compared
+from harness.diagnosis.fit.rmse import percent_followed
 from harness.io.recording import ReadOptions
 from harness.io.store import output_folder
 from harness.results.common import P
@@ -99,7 +100,7 @@ def result_of(
         traces=dict(zip(names, readings, strict=True)),
         differences=differences(*readings),
         largest=_largest(found, real.angular),
-        fit_percent={c: fit_percent(found.sim[c], y) for c, y in found.real.items()},
+        fit_percent={c: percent_followed(found.sim[c], y) for c, y in found.real.items()},
         noise={c: noise.said for c, noise in found.noise.items()},
         rmse={c: float(np.sqrt(np.mean(np.square(d)))) for c, d in found.difference.items()},
         where=[where_of_place(place) for place in comparison.places],
@@ -136,11 +137,6 @@ def names_of(first: str, second: str) -> tuple[str, str]:
     """What the two traces are called: the stems of their files, where these differ."""
     stems = tuple(Path(file).name.split(".")[0] for file in (first, second))
     return (stems[0], stems[1]) if stems[0] != stems[1] and all(stems) else ("sim", "real")
-
-
-def fit_percent(shown: np.ndarray, seen: np.ndarray) -> float:
-    """The normalised root mean square as 100 (1 - |y - yhat| / |y - mean y|), of arrays (n,)."""
-    return float(100.0 * (1.0 - np.linalg.norm(seen - shown) / np.linalg.norm(seen - seen.mean())))
 
 
 def _largest(found: Match, angular: bool) -> Largest:

@@ -1,20 +1,14 @@
-"""What a proof's controls say of the base fit: ``python -m harness.app.prove.controls DIR``, reports/proof by default.
-
-Three numbers of every control's slider against the true ones, and what is left of each channel against the noise that
-the plant put in: nothing that the diagnosis estimated is believed.
-"""
+"""What a proof's controls say of the base fit: ``python -m harness.app.prove.controls DIR`` (reports/proof)."""
 
 import sys
 from pathlib import Path
 
 from harness.app.prove.store import VERDICTS, published_verdicts
 from harness.core.errors import HarnessError
-from harness.proof.plan import CONTROL
+from harness.proof.base_fit import base_fit
 from harness.proof.seal import Ledger
-from harness.proof.statistics import Rate, is_noise
+from harness.proof.statistics import Rate
 from harness.proof.tally import OURS, parsed
-
-_SLIDER = ("omega_n", "zeta", "x_k")
 
 
 def controls(folder: Path) -> dict[str, Rate]:
@@ -22,30 +16,7 @@ def controls(folder: Path) -> dict[str, Rate]:
     answers = Ledger.load(folder).content("opened")["answers"]
     truths = {name: answer["value"] for name, answer in answers.items()}
     verdicts = parsed(published_verdicts(folder / VERDICTS / f"{OURS}.jsonl.gz"))
-    alarm: list[bool] = []
-    within: list[bool] = []
-    held: dict[str, list[bool]] = {name: [] for name in _SLIDER}
-    for name, truth in truths.items():
-        said = verdicts.get(name, {})
-        if truth["group"] != CONTROL:
-            continue
-        alarm.append(said.get("verdict") != "adequate")
-        if "baseline" not in said:
-            continue
-        within += [
-            is_noise(said["baseline"]["rmse"][c] / truth["noise"][c], truth["points"], truth["noise_correlation"])
-            for c in truth["channels"]
-        ]
-        for parameter in _SLIDER:
-            value = said["baseline"]["parameters"].get(parameter) or {}
-            if value.get("stderr") is not None:
-                held[parameter].append(abs(value["value"] - truth[parameter]) <= 2.0 * value["stderr"])
-    return {
-        "false alarms": Rate.of(alarm),
-        "mean square of what is left within 99 % of its scatter about the true noise's": Rate.of(within),
-        **{f"{parameter} within two standard errors": Rate.of(hits) for parameter, hits in held.items()},
-        "all three within two standard errors": Rate.of([hit for hits in held.values() for hit in hits]),
-    }
+    return base_fit(truths, verdicts)
 
 
 def main(folder: Path) -> None:

@@ -7,13 +7,13 @@ from typing import Any
 import numpy as np
 
 from harness.app.shared.progress import SILENT, Progress
-from harness.app.sweep.conclusions import about, headline, percent, sentences
 from harness.app.sweep.sweep import PAGE, TRACES, Sweep, SweepOptions, settings_of, write_result
 from harness.app.sweep.traces import keep_worst, overlay
 from harness.fidelity.pareto import front, points
 from harness.fidelity.scores import COLUMNS, FIGURES, Card, badness, cards
 from harness.show.report.page import write_report
 from harness.show.report.sweep import engine_color, sweep_sections
+from harness.show.sentences.sweep import about, headline, percent, sentences
 
 BRIEF = ("position", "x_k wide", "x_k narrow", "zeta", "creep 97 %", "belt period", "forced", "lift")
 """Figures of the table in the terminal."""

@@ -31,10 +31,13 @@ slightly different rate, moving one takes off half: with weight e^(-2s) the vari
 _EVIDENCE = 25.0
 """Or, where nothing but noise is left, when twice the logarithm of its likelihood ratio is this: five sigma."""
 _TOLD = 4
+"""Other shifts that are told."""
 _THIN = 20_000
 """Samples with which candidates are refined."""
 LEAST_SHARED = 0.5
 """Share of a trace of which more than half should be shown to speak of it as a whole."""
+_ELSEWHERE = 0.3
+"""Periods from which another shift is another one: candidates are looked for as far apart (coarse)."""
 _SAME_CLOCK = 0.6
 """Periods by which traces of one clock may be apart, where neither shows its release."""
 
@@ -149,7 +152,7 @@ def _distinct(found: list[Candidate], taken: Candidate, period: float) -> list[C
     """Other shifts, each once, the closest match first."""
     kept: list[Candidate] = []
     for one in sorted(found, key=lambda one: one.mean_log):
-        if all(abs(one.clock.shift - other.clock.shift) > 0.3 * period for other in (taken, *kept)):
+        if all(abs(one.clock.shift - other.clock.shift) > _ELSEWHERE * period for other in (taken, *kept)):
             kept.append(one)
     return kept
 

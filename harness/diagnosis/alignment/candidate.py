@@ -11,7 +11,9 @@ from harness.diagnosis.alignment.pair import Clock, Pair
 from harness.fit.least_squares import Bounds, Residual, Until, least_squares
 
 _FEWEST = 8
+"""Samples of a channel that traces must share."""
 _TURNS = 12
+"""Steps of a refinement; it ends sooner where a shift no longer moves."""
 _MOVED = 1e-6
 """Standard errors by which a shift may still move when it is found."""
 SAME = 1.5

@@ -14,9 +14,11 @@ from harness.estimate.noise import Noise
 BINS = 40
 """Bins a period: two curves half a bin apart differ by 0.3 % of their power."""
 _MOST_BINS = 4_000_000
+"""Bounds the memory of the transforms: 32 MB a channel."""
 _LEAST_SHARED = 0.15
 """Share of the shorter trace that must lie over the other."""
 _CANDIDATES = 9
+"""Shifts that are refined: bounds the work."""
 _APART = 0.3
 """Share of a period between candidates."""
 

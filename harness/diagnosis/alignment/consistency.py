@@ -13,20 +13,27 @@ import numpy as np
 
 from harness.core.arrays import FloatArray
 from harness.core.quantity import Quantity
+from harness.diagnosis.rules import CHANNELS_AGREE, CHANNELS_RELATED
 from harness.estimate.noise import Noise
 from harness.fit.covariance import inverse_of
 from harness.fit.least_squares import Bounds, Until, least_squares
 
 _WINDOW = 0.9
+"""Length of a window, in periods."""
 _STEP = 4
 """Windows overlap: each begins a quarter of a window after the one before."""
 _DONE = 1e-10
 """Share of the squares that a lag must still take off."""
 _FEWEST = 8
-_TOLERANCE = 3.0
-_RELATED = 0.5
+"""Samples of a window, and windows: more than twice the three numbers fitted."""
+_GAP = 3.0
+"""Sampling intervals from which on a window does not reach across."""
 _SHARP = 8.0
+"""Times its usual scatter by which a step between samples is a jump: none by chance."""
 _MOST_JUMPS = 400
+"""Jumps allowed for, the largest first."""
+_A_UNIT = 0.2
+"""How near the logarithm of a gain must lie to that of a unit's factor: these are a factor of five apart or more."""
 _UNITS = {
     1000.0: "1000",
     1e-3: "1/1000",
@@ -76,7 +83,7 @@ def _windows(t: FloatArray, length: float) -> _Windows:
     low, high = np.searchsorted(t, starts), np.searchsorted(t, starts + length, side="right")
     interval = float(np.median(np.diff(t)))
     # a gap spoils the windows over it
-    gaps = np.concatenate(([0], np.cumsum(np.diff(t) > 3.0 * interval)))
+    gaps = np.concatenate(([0], np.cumsum(np.diff(t) > _GAP * interval)))
     whole = (gaps[np.minimum(high, t.size) - 1] == gaps[np.minimum(low, t.size - 1)]) & (high - low >= _FEWEST)
     return _Windows(low[whole], high[whole], starts[whole] + 0.5 * length, length)
 
@@ -188,7 +195,7 @@ def _pair(
     jumps = _jumps(t, channels[second], noise[second], windows)
     errors = _standard_errors(design, left, covariance, jumps)
     swing = y - one * (one @ y) / (one @ one)
-    related = float(left @ left) < _RELATED * float(swing @ swing) and gain > 0.0
+    related = float(left @ left) < CHANNELS_RELATED.value * float(swing @ swing) and gain > 0.0
     quantities = (
         Quantity(gain, float(errors[0]), "1"),
         Quantity(lag, float(errors[1]) / (abs(gain) or 1.0), "s"),
@@ -228,14 +235,14 @@ def _standard_errors(design: FloatArray, left: FloatArray, covariance: FloatArra
 
 def _off(quantity: Quantity, wanted: float) -> bool:
     value, error = quantity.value or 0.0, quantity.stderr or 0.0
-    return abs(value - wanted) > _TOLERANCE * error
+    return abs(value - wanted) > CHANNELS_AGREE.value * error
 
 
 def _judged(pair: tuple[str, str], found: tuple[Quantity, Quantity, Quantity], related: bool) -> Consistency:
     gain, lag, offset = found
     first, second = (_NAMES[c] for c in pair)
     value = gain.value or 0.0
-    factor = next((text for f, text in _UNITS.items() if abs(math.log(max(value, 1e-300) / f)) < 0.2), None)
+    factor = next((text for f, text in _UNITS.items() if abs(math.log(max(value, 1e-300) / f)) < _A_UNIT), None)
     if related and factor is not None:
         sentence = f"{second} does not match {first} by a factor of about {factor}; are the units right?"
         return Consistency(pair, gain, lag, offset, True, False, sentence)

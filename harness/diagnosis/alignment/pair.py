@@ -13,6 +13,9 @@ from harness.diagnosis.residual_tests.cleaned import isolated
 from harness.estimate.noise import Noise
 from harness.fit.least_squares import Residual
 
+_EVEN = 1.0001
+"""Ratio of intervals up to which they are the same: times are written with few digits."""
+
 
 class Signals(Protocol):
     """What can be aligned: channels (n,) at times t (n,), s."""
@@ -52,7 +55,7 @@ class Pair:
     def __init__(self, first: Signals, second: Signals, noise: Mapping[str, Noise], most: int | None = None) -> None:
         intervals = [float(np.median(np.diff(one.t))) for one in (first, second)]
         self.noise, self.interval, self.origin = noise, max(intervals), float(first.t[0])
-        self.onto_second = intervals[0] <= intervals[1] * 1.0001
+        self.onto_second = intervals[0] <= intervals[1] * _EVEN
         self.fine, coarse = (first, second) if self.onto_second else (second, first)
         thin = slice(None, None, 1 if most is None else max(1, coarse.t.size // most))
         self.interval *= thin.step

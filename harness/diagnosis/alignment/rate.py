@@ -15,7 +15,9 @@ _MOST = 0.03
 _STEP = 0.25
 """Periods by which the ends of the traces move between two rates that are tried."""
 _MOST_TRIED = 41
+"""Rates tried: bounds the work."""
 _CLEARLY = 0.25
+"""Share of the mean square that another rate must leave at most, as another shift (align)."""
 _DIFFER = "the two differ by more than clocks do, and a clock that is fast cannot be told from a stiffer spring"
 
 

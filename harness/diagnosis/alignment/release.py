@@ -11,6 +11,7 @@ from harness.estimate.noise import Noise
 _LEAVES, _SIGMAS = 0.02, 6.0
 """A channel has left its first value when it is this share of its range, and so many sigma, away."""
 _IN_A_ROW = 3
+"""Samples in a row that must be away: a stray one is none."""
 _HELD = 0.15
 """Periods after which a channel that has not left its first value was held: from a turning point it leaves by 2 % of
 the range within arccos(0.96) / (2 pi) = 0.045 of a period."""

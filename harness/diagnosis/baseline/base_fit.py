@@ -21,11 +21,19 @@ from harness.kernels.solve import Scales
 from harness.model.model import Model
 
 _SHARES = (0.5, 0.15, 0.85)
+"""Of the damping that is given to dry friction at a start; the best fit of the three goes on."""
 _CLEARLY_MOVING = 6.0
 """Standard errors of the first speed from which a release from rest need not be tried."""
 _FIRST_CYCLES = 2.0
 _LEAST_PERIODS = 1.25
 """Of a swing over the recording: three half-cycles are accepted, and a peak is as wide as a quarter of a period."""
+"""Cycles of the first stretch that is fitted, each next one twice as long."""
+_FEWEST = 24
+"""Samples of such a stretch: four to each of six numbers."""
+_FEWEST_AMPLITUDES = 8
+"""Samples from which two amplitudes and a mean are read."""
+_ABOVE_NOISE = 0.15
+"""Of the first peak: smaller ones may be noise or rest, and do not count for the decay that a fit starts from."""
 
 
 def dominant_frequency(t: FloatArray, y: FloatArray) -> float:
@@ -51,8 +59,8 @@ def dominant_frequency(t: FloatArray, y: FloatArray) -> float:
 def _first_cycle(t: FloatArray, y: FloatArray, omega: float) -> tuple[float, float]:
     """Amplitudes of cosine and sine at omega over the first cycle."""
     keep = t - t[0] <= 2.0 * math.pi / omega
-    if np.count_nonzero(keep) < 8:
-        keep = np.arange(t.size) < 8
+    if np.count_nonzero(keep) < _FEWEST_AMPLITUDES:
+        keep = np.arange(t.size) < _FEWEST_AMPLITUDES
     phase = omega * (t[keep] - t[0])
     basis = np.column_stack((np.cos(phase), np.sin(phase), np.ones(phase.size)))
     cosine, sine, _ = np.linalg.lstsq(basis, y[keep], rcond=None)[0]
@@ -64,7 +72,7 @@ def _decay(t: FloatArray, y: FloatArray, omega: float) -> float:
     cycle = 2.0 * math.pi / omega
     edges = np.arange(t[0], t[-1], cycle)
     peaks = [float(np.ptp(y[(t >= e) & (t < e + cycle)])) for e in edges[:-1]]
-    peaks = [p for p in peaks if p > 0.15 * peaks[0]] if peaks else []
+    peaks = [p for p in peaks if p > _ABOVE_NOISE * peaks[0]] if peaks else []
     if len(peaks) < 2:
         return 0.05
     slope = np.polyfit(np.arange(len(peaks)), np.log(peaks), 1)[0]
@@ -120,7 +128,7 @@ def _grow(model: Model, problem: Problem, scales: Scales) -> Fit:
     cycles = _FIRST_CYCLES
     while cycles * cycle < span:
         stop = int(np.searchsorted(t, t[0] + cycles * cycle))
-        if stop >= 24:
+        if stop >= _FEWEST:
             thin = max(1, stop // 1500)
             model = fit(model, problem.part(slice(0, stop, thin)), free, scales, 12, COARSE, thorough=False).model
         cycles *= 2.0

@@ -11,12 +11,25 @@ from harness.diagnosis.rules import STEADY
 from harness.estimate.noise import FLOOR, Noise, quantisation_step
 
 _SHARE_OF_PERIOD = 0.25
+"""Length of a window: a cubic follows a quarter of a swing to two thousandths."""
 _SHORTEST, _LONGEST = 12, 40
+"""Samples of a window: eight are left to a cubic, and a longer one takes a misfit's bend for noise."""
 _DEGREE = 3
+"""Of what is taken off each window."""
 _OUTLYING = 5.0
+"""Standard deviations of a window's power above the typical from which a misfit inflates it."""
 _SHOWS, _MOST_COLOUR = 2.5, 0.85
+"""Standard errors of a correlation that shows a colour (one-sided level 0.6 %); above the other it is motion."""
+_WINDOW_SHOWS = 4.0
+"""The same where windows tell it."""
+_MOVING = 0.01
+"""Of a channel's range: a window that spans less is at rest, where a quantised sensor says nothing."""
+_FEWEST, _FEWEST_OF_COLOUR, _LEAST_FREEDOM = 4, 10, 6
+"""Windows whose power has a median; windows that tell a colour, and the degrees of freedom of each."""
 _LONGEST_COLOUR = 0.97
+"""At the end of the grid: a colour as long as the windows, which is motion."""
 _STRETCHES = 16
+"""Of a residual, of which none may be stronger than chance makes the strongest."""
 _GRID = np.linspace(-0.9, 0.98, 95)
 
 
@@ -78,8 +91,8 @@ def residual_noise(t: FloatArray, residual: FloatArray, channel: FloatArray, per
     width = int(np.clip(_SHARE_OF_PERIOD * period / np.median(np.diff(t)), _SHORTEST, _LONGEST))
     windows = residual[: residual.size // width * width].reshape(-1, width)
     span = np.ptp(channel[: windows.size].reshape(-1, width), axis=1)
-    moving = span > 0.01 * np.ptp(channel)
-    windows = windows[moving] if np.count_nonzero(moving) >= 4 else windows
+    moving = span > _MOVING * np.ptp(channel)
+    windows = windows[moving] if np.count_nonzero(moving) >= _FEWEST else windows
     keep = _residual_maker(width)
     left = windows @ keep
     freedom = width - _DEGREE - 1
@@ -87,15 +100,15 @@ def residual_noise(t: FloatArray, residual: FloatArray, channel: FloatArray, per
     typical = float(np.median(power)) / (freedom * (1.0 - 2.0 / (9.0 * freedom)) ** 3)
     # windows that a misfit inflates are left out; what that takes from honest ones is below one per cent
     sane = left[power <= typical * (freedom + _OUTLYING * math.sqrt(2.0 * freedom))]
-    if sane.shape[0] < 4:
+    if sane.shape[0] < _FEWEST:
         sane = left
     total = float(np.sum(sane**2))
     phi, variance = 0.0, total / (sane.shape[0] * freedom)
-    if freedom >= 6 and sane.shape[0] >= 10 and total > 0.0:
+    if freedom >= _LEAST_FREEDOM and sane.shape[0] >= _FEWEST_OF_COLOUR and total > 0.0:
         level, ratio = _expected(keep)
         seen = float(np.sum(sane[:, 1:] * sane[:, :-1])) / total
         white = float(np.interp(0.0, _GRID, ratio))
-        if abs(seen - white) > 4.0 / math.sqrt(sane.shape[0] * freedom):
+        if abs(seen - white) > _WINDOW_SHOWS / math.sqrt(sane.shape[0] * freedom):
             phi = float(np.interp(seen, np.maximum.accumulate(ratio), _GRID))
             # a colour as long as the windows is not told from what the model misses
             phi = 0.0 if phi > _LONGEST_COLOUR else phi

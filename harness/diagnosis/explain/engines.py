@@ -18,13 +18,17 @@ from harness.kernels.solve import Drive, Scales
 from harness.model.model import Model
 
 _COARSEST = 1e-3
+"""Step that an engine begins with at most, s: that of the tuned presets."""
 _STEPS_A_CYCLE = 400
+"""Or so many a swing."""
 _SMALL = 0.3
 """Share of the noise that an engine's own error may reach."""
 _HALVINGS = 4
+"""Of the step: to a sixteenth."""
 _WORTH = 0.9
 """Half a step that leaves more than this of the error is not worth its time."""
 _MOST_STEPS = 2_000_000
+"""Bounds the work of a run."""
 
 
 class Simulator(Protocol):

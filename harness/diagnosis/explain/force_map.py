@@ -19,6 +19,7 @@ from harness.diagnosis.motion import Motion
 
 _CHANNELS = ("x", "v", "a")
 _CELLS = 15
+"""Along each side of the map."""
 _RATES = tuple(10.0 ** (0.5 * i) for i in range(-8, 5))
 """Wander of f over one radian of the swing, in units of the force scale."""
 

@@ -32,6 +32,7 @@ from harness.model.place import Place, Spans
 from harness.model.registry import TERMS
 
 _TURNS = 5
+"""Of five cycles one is held out, each in its turn."""
 _SHOWN = 0.25
 """Share of its time in which an effect must act outside of what is held out, or its spans stay in the fit too."""
 

@@ -19,11 +19,19 @@ from harness.fit.autocorrelation import memory
 from harness.model.place import Spans
 
 _BLOCKS_PER_SWING = 48
+"""Blocks a swing, whose power counts as one value."""
 _ALPHA = 0.01
+"""Level at which a place is said, over all places looked at; it moves no verdict."""
 _MOST = 3
+"""Places said."""
 _LONGEST_MEMORY = 0.5
+"""Swings over which the power of blocks may go together."""
 _MOST_SPANS = 60
+"""Spans said one by one; more are said by their condition alone."""
 _NOTHING_MORE = 0.02
+"""Share of the mismatch that a further place must add."""
+_FEWEST_BLOCKS, _FEWEST_IN_ALL = 6, 24
+"""Blocks on either side of a regime's edge, and of a recording, below which a share says nothing."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -63,7 +71,7 @@ def _gain(power: FloatArray, inside: BoolArray) -> float:
     """Twice the log-likelihood ratio of two levels of variance, loud inside, against one; 0 when it is not louder."""
     n1 = int(np.count_nonzero(inside))
     n0 = power.size - n1
-    if n1 < 6 or n0 < 6:
+    if n1 < _FEWEST_BLOCKS or n0 < _FEWEST_BLOCKS:
         return 0.0
     total = float(power.sum())
     in_ = float(power[inside].sum())
@@ -90,7 +98,7 @@ def locate(
     names = [c for c, r in residuals.items() if np.any(r)]
     per_swing = 2.0 * math.pi / motion.omega / float(np.median(np.diff(t)))
     width = max(1, int(per_swing / _BLOCKS_PER_SWING))
-    if not names or t.size // width < 24:
+    if not names or t.size // width < _FEWEST_IN_ALL:
         return ()
     blocks = _blocks([residuals[c] for c in names], width, int(_LONGEST_MEMORY * per_swing / width))
     power, found = blocks.power.mean(axis=1), []

@@ -11,6 +11,7 @@ from harness.model.model import ModelTerm
 from harness.model.place import Place
 
 _MOST_ALTERNATIVES = 3
+"""Names that are not ruled out and are told."""
 
 
 def mechanism(found: Search, index: int, entry: ModelTerm, omega: float, place: Place) -> Mechanism:

@@ -13,6 +13,8 @@ _SHARES = (0.05, 0.1, 0.15, 0.2, 0.3, 0.4, 0.5)
 _TIMES = (0.05, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 0.95)
 _WINDOWS = (8, 16)
 _REVERSAL = (0.02, 0.04, 0.08)
+"""Edges at which regimes are tried: shares of the largest speed or displacement, of the time, equal windows of it, and
+swings around a reversal. ``locate`` pays for each that is tried."""
 
 
 @dataclass(frozen=True, slots=True)

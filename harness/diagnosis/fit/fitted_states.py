@@ -18,7 +18,9 @@ from harness.model.model import Model
 _CYCLE = 0.25
 """Cycles after a start that say where it was: too few for what a model lacks to show."""
 _FEWEST = 12
+"""Samples that say where a start was: three to each number of it."""
 _ITERATIONS = 4
+"""Of its fit, which begins near."""
 _DONE = 1e-5
 """What a step must take off the squares, in units of the noise."""
 _BY: tuple[By, ...] = ("x0", "v0")

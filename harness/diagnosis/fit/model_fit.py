@@ -19,6 +19,7 @@ from harness.model.model import Model
 
 _DRAWS = 16
 _REACHES = (1.0, 1.0, 0.5, 0.5, 0.25)
+"""Places drawn around a fit that stopped, and how far around, in its standard deviations, turn by turn."""
 _LEFT_OUT = (3.0, 1.5)
 """Sampling intervals next to an event that are left out at first."""
 

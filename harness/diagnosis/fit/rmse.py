@@ -23,9 +23,11 @@ def rms(difference: FloatArray, at: BoolArray) -> float:
 
 def fit_percent(shown: Mapping[str, FloatArray], problem: Problem) -> dict[str, float]:
     """Normalised root mean square fit by channel, 100 (1 - |y - yhat| / |y - mean y|), over samples that count."""
-    out = {}
-    for c, y in problem.channels.items():
-        at = problem.weight[c] > 0.0
-        spread = float(np.linalg.norm(y[at] - np.mean(y[at])))
-        out[c] = 100.0 * (1.0 - float(np.linalg.norm((y - shown[c])[at])) / spread) if spread > 0.0 else 0.0
-    return out
+    at = {c: weight > 0.0 for c, weight in problem.weight.items()}
+    return {c: percent_followed(shown[c][at[c]], y[at[c]]) for c, y in problem.channels.items()}
+
+
+def percent_followed(shown: FloatArray, seen: FloatArray) -> float:
+    """100 (1 - |y - yhat| / |y - mean y|) of arrays (n,); 0 where what was seen does not move."""
+    spread = float(np.linalg.norm(seen - np.mean(seen)))
+    return 100.0 * (1.0 - float(np.linalg.norm(seen - shown)) / spread) if spread > 0.0 else 0.0

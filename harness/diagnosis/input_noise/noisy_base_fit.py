@@ -19,6 +19,7 @@ from harness.diagnosis.rules import INPUT_NOISE_DRAWS
 from harness.kernels.solve import Scales
 
 _TURNS = 6
+"""Fits in turn with the noise they leave; most end after two."""
 _SAME = 1e-3
 """Share of chi-square that changes nothing."""
 _FAR = 5.0

@@ -22,6 +22,7 @@ from harness.model.model import Model, Restoring
 _SHOWS = 0.01
 """Share of its sensors' variance that the force's noise adds somewhere, from which it is allowed for."""
 _SERIES = 5
+"""Terms of the exponential of a step: the next is 1/720 at a step of one radian."""
 _PLACED, _PLACED_EXACTLY = 0.1, 1e-3
 """Sampling intervals to which a force places an event, noisy or not: what it does between samples is a guess."""
 _REVERSAL, _STICK, _BREAK_AWAY = int(EventKind.REVERSAL), int(EventKind.STICK), int(EventKind.BREAK_AWAY)

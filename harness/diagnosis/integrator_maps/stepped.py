@@ -33,9 +33,13 @@ _READINGS = frozenset(t.name for t in TERMS if t.steps_alike and t.slot is Slot.
 _SOFT = next(t.name for t in TERMS if t.steps_alike and t.slot is Slot.FRICTION_LAW)
 """What steps look like in the catalogue's words: sensors out of tune, and the friction of a soft constraint."""
 _STEPS_A_SAMPLE = (1, 2, 4, 5, 10)
+"""Steps an engine may have made between samples: how traces are thinned."""
 _EVEN = 1e-2
 """Share of the sampling interval by which times may differ from even ones (files are written with few digits)."""
 _DIFFERENCE, _FAR, _DONE = 1e-6, 1e6, 1e-2
+"""Of partials, in scales; residuals that diverged count as so many sigma; what a last step takes off chi-square."""
+_ZERO = 7
+"""Place of the sensor's zero among the parameters, after those of the motion."""
 _FIRST_LOOK, _SECOND_LOOK = 1500, 4000
 _LOOKS, _ROUNDS = 10, 25
 _FINALISTS = 5
@@ -120,7 +124,7 @@ def _shown(tried: _Tried, problem: Problem, model: Model) -> dict[str, FloatArra
     pendulum = model.restoring is Restoring.PENDULUM
     p = tried.values
     motion = stepped(p[:7], tried.h, tried.each, tried.scheme, pendulum, tried.late, problem.t.size)
-    every = {"x": motion.x + (p[7] if p.size > 7 else 0.0), "v": motion.v, "a": motion.a}
+    every = {"x": motion.x + (p[_ZERO] if p.size > _ZERO else 0.0), "v": motion.v, "a": motion.a}
     return {c: every[c] for c in problem.channels}
 
 

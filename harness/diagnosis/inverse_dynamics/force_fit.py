@@ -26,7 +26,11 @@ from harness.kernels.solve import Scales
 from harness.model.model import Model
 
 _STEP = 1e-6
+"""Of differences, in sizes of a parameter."""
 _ITERATIONS = 25
+"""Of a fit, bounds the work."""
+_ALONE = 1e-12
+"""Share of a direction's power below which the data does not see it."""
 _DONE = 1e-9
 """Share of the sum of squares below which a step is the last."""
 _REACH = 2.0
@@ -164,7 +168,7 @@ def _root_of_inverse(covariance: FloatArray) -> FloatArray:
     scale = np.sqrt(np.maximum(np.diag(covariance), 0.0))
     scale[scale == 0.0] = 1.0
     values, vectors = np.linalg.eigh(covariance / np.outer(scale, scale))
-    inverse = np.where(values > 1e-12, 1.0 / np.sqrt(np.maximum(values, 1e-12)), 0.0)
+    inverse = np.where(values > _ALONE, 1.0 / np.sqrt(np.maximum(values, _ALONE)), 0.0)
     root: FloatArray = (inverse[:, None] * vectors.T) / scale
     return root
 

@@ -23,7 +23,9 @@ from harness.model.term import Probe, Slot, Term
 
 _SLOTS = frozenset({Slot.SMOOTH, Slot.FRICTION_LAW, Slot.FRICTION_LEVEL, Slot.FRICTION_MODULATION, Slot.INTERNAL})
 _PEAKS = 24
+"""Frequencies of the force left over at which a law that repeats in time is tried."""
 _KEPT = 2
+"""Starts of a law that are fitted."""
 
 
 def sayable(term: Term) -> bool:

@@ -13,6 +13,9 @@ from harness.core.arrays import FloatArray
 from harness.diagnosis.inverse_dynamics.force import inverse_force
 from harness.model.model import Model
 
+_FASTER, _LONGER = 2.5, 4
+"""Sampling over the cut-off (two is the limit of a filter), and samples over those dropped at an end: half stay."""
+
 
 @dataclass(frozen=True, slots=True)
 class Filtered:
@@ -45,7 +48,8 @@ class ForceProtocol:
 
     def applies(self, t: FloatArray) -> bool:
         """Whether a recording at t (n,) is fast and long enough for these constants."""
-        return 2.5 * self.cut_off_hz < 1.0 / float(np.median(np.diff(t))) and t.size > 4 * self.dropped
+        fast = 1.0 / float(np.median(np.diff(t))) > _FASTER * self.cut_off_hz
+        return fast and t.size > _LONGER * self.dropped
 
     def filtered(self, t: FloatArray, x: FloatArray, u: FloatArray) -> Filtered:
         """A recording of x (n,) and u (n,) at t (n,) through the filter, the differences and the trimming."""

@@ -12,9 +12,11 @@ from harness.diagnosis.inverse_dynamics.protocol import Filtered
 from harness.model.model import Model
 
 _LEAST_CYCLES, _MOST_CYCLES = 8.0, 400.0
+"""Over the travel: fewer are a slow change with place, more are finer than a path is read."""
 _PER_CYCLE = 4
 """Frequencies tried per one over the travel."""
 _MOVING = 0.05
+"""Of the largest speed: slower, friction may have any value and the place hardly changes."""
 _PLACES = 1 << 13
 """Places over the travel, twenty to the shortest period."""
 

@@ -31,6 +31,7 @@ from harness.fit.autocorrelation import ENOUGH
 from harness.kernels.solve import Drive, Scales
 
 _LOOKED_AT = 5
+"""Names that are extended by a further one."""
 
 
 def force_baseline(problem: InverseDynamics) -> tuple[Measured, ForceFit, Scales]:

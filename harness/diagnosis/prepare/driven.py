@@ -26,6 +26,7 @@ from harness.model.model import Model, Restoring
 HORIZON = 1.0
 """Default length of the windows where the force is fitted, s."""
 _FEWEST_IN_WINDOW = 20
+"""Samples: fewer say no more than where the window began."""
 _UNKNOWN = 1e3
 """Standard errors of a smoothed start that stand for knowing nothing: the motion after it tells more."""
 _MOVES = 1.5

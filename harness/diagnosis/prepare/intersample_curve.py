@@ -9,9 +9,12 @@ from harness.core.arrays import FloatArray
 from harness.diagnosis.prepare.intersample_kinks import STENCIL, kinks_of, polynomials, smooth_stencils, value
 from harness.kernels.solve import Drive
 
+_SAME_TIME = 1e-9
+"""Sampling intervals: rounding alone parts times that are nearer."""
 _FINER = 4
 """Straight pieces by which a smooth interval is followed."""
 _FEWEST = 20
+"""Samples below which a force is not asked how it goes between them."""
 
 
 def between_samples(t: FloatArray, u: FloatArray, longest: float = math.inf) -> Drive:
@@ -56,7 +59,7 @@ def curve(t: FloatArray, u: FloatArray) -> Drive:
     at, force = (np.concatenate(part) for part in zip(*parts, strict=True))
     order = np.argsort(at, kind="stable")
     at, force = at[order], force[order]
-    keep = np.concatenate(([True], np.diff(at) > 1e-9 * float(np.median(np.diff(t)))))
+    keep = np.concatenate(([True], np.diff(at) > _SAME_TIME * float(np.median(np.diff(t)))))
     return Drive(at[keep], force[keep])
 
 

@@ -17,8 +17,11 @@ from harness.kernels.solve import Drive, Scales
 from harness.model.model import Model
 
 _ITERATIONS = 8
+"""Of a first fit."""
 _SAMPLES = 20_000
+"""That tell whether a force is held, more than enough for a share of chi-square of 2 %."""
 _STRAYS = 300.0
+"""Standard deviations by which a simulation may miss on average; more, and it is another motion."""
 
 
 def held(t: FloatArray, u: FloatArray) -> Drive:

@@ -12,6 +12,8 @@ from numpy.polynomial.polynomial import polyder, polyval
 
 from harness.core.arrays import BoolArray, FloatArray, IntArray
 
+_NORMAL = 1.4826
+"""A standard deviation over the median size of normal noise."""
 STENCIL = 5
 """Samples of a polynomial: fourth degree, so that a loop's transient of a few samples is followed."""
 _STANDS_OUT = 8.0
@@ -67,7 +69,7 @@ def _suspects(t: FloatArray, u: FloatArray) -> IntArray:
     level = both - (bend[i - 1] + bend[i + 2])
     slanted = both - (2.0 * bend[i - 1] - bend[i - 2] + 2.0 * bend[i + 2] - bend[i + 3])
     jump = np.minimum(np.abs(level), np.abs(slanted))
-    keep: BoolArray = jump > _STANDS_OUT * 1.4826 * float(np.median(jump))
+    keep: BoolArray = jump > _STANDS_OUT * _NORMAL * float(np.median(jump))
     peak = np.where(keep, jump, 0.0)
     for shift in range(1, _ALONE + 1):
         keep[shift:] &= peak[shift:] > peak[:-shift]

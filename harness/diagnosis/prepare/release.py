@@ -20,9 +20,13 @@ from harness.estimate.reversals import HalfCycles
 _HOLD = (0.6, 0.15)
 """Stretch before the first turning point, in half-cycles, in which a hold must show."""
 _FEWEST = 5
+"""Samples that show a hold."""
 _LEAVES = 5.0
 """Standard deviations of noise, and the share of the swing, beyond which a channel has left its hold."""
 _SHARE_OF_SWING = 0.003
+"""As _LEAVES, of the swing: a hand's tremor."""
+_MOSTLY = 0.9
+"""Share of its samples that lie on a hold; the others are stray."""
 _FIRST_HALF = {False: (1.0,), True: (1.0, 1.4, 1.9)}
 """Half-cycles, in usual ones, that the first may last: of a spring, and of a pendulum let go from high up."""
 _LONGEST_HALF = {False: 1.35, True: 2.2}
@@ -58,7 +62,7 @@ def _left_hold(
     level = float(np.median(y[low:high]))
     tolerance = max(_LEAVES * noise.sigma, _SHARE_OF_SWING * float(np.ptp(y)))
     inside = np.abs(y - level) <= tolerance
-    if np.mean(inside[low:high]) <= 0.9:
+    if np.mean(inside[low:high]) <= _MOSTLY:
         return 0
     until = int(np.searchsorted(t, turn if displacement else around + 0.25 * half))
     last = int(low) + int(np.flatnonzero(inside[low:until])[-1])

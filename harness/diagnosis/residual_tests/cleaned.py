@@ -12,13 +12,29 @@ from harness.core.arrays import BoolArray, FloatArray
 BANDS = (0.5, 1.5, 3.5, 8.5, 16.5)
 """Upper ends of the bands tested, in units of the motion's frequency."""
 _WIDEST = 0.4
+"""Share of all coefficients below which the bands stay, so that a floor is left above them."""
 _FLOOR_RATIO = 4.0
+"""The floor reaches so many times as far as the bands: further up a sensor's own filter shows."""
 _FEWEST_FLOOR = 60
+"""Coefficients of a floor: it is then known to 18 % (sqrt(2/60))."""
 _ISOLATED = 3.5
+"""Standard deviations from which a sample is far out: one in two thousand by chance."""
 _NEIGHBOUR = 1.7
+"""Standard deviations that its neighbours must stay below for it to stand alone: nine in a hundred do not by chance."""
+_OF_ITSELF = 0.4
+"""Or share of its own size: beside a jump that is smeared the neighbour has more."""
 _TAIL = 2.8
+"""Standard deviations at which values are cut: of normal noise one in two hundred is, and its power falls by 1 %."""
 _STILL = 5
+"""Samples in a row that say the same, so that they are one."""
+_SAID_AGAIN = 1e-6
+"""Share of a value within which another is the same: rounding of a simulation."""
 _LOWEST_FLOOR = 0.5
+"""Of the claimed power: one that lies further above what is seen is believed."""
+_TOLD = 1e-10
+"""Share of the largest below which a fitted direction is none."""
+_NORMAL = 1.4826
+"""A standard deviation over the median size of normal noise."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -41,18 +57,20 @@ class Channel:
 
 def isolated(r: FloatArray) -> BoolArray:
     """Which samples of a residual (n,) stand alone far out: misplaced next to a jump, or stray."""
-    level = 1.4826 * float(np.median(np.abs(r)))
+    level = _NORMAL * float(np.median(np.abs(r)))
     if level <= 0.0:
         return np.zeros(r.size, dtype=np.bool_)
     padded = np.concatenate(([0.0], r, [0.0]))
     beside = np.maximum(padded[:-2] * np.sign(r), padded[2:] * np.sign(r))
-    found: BoolArray = (np.abs(r) > _ISOLATED * level) & (beside < np.maximum(_NEIGHBOUR * level, 0.4 * np.abs(r)))
+    found: BoolArray = (np.abs(r) > _ISOLATED * level) & (
+        beside < np.maximum(_NEIGHBOUR * level, _OF_ITSELF * np.abs(r))
+    )
     return found
 
 
 def _repeats(r: FloatArray) -> BoolArray:
     """Samples that repeat the one before in a run of at least five: a quantised sensor at rest says one thing once."""
-    same = np.concatenate(([False], np.abs(np.diff(r)) <= 1e-6 * (np.abs(r[1:]) + 1e-12)))
+    same = np.concatenate(([False], np.abs(np.diff(r)) <= _SAID_AGAIN * (np.abs(r[1:]) + 1e-12)))
     edges = np.diff(np.concatenate(([0], same.astype(np.int8), [0])))
     starts, ends = np.flatnonzero(edges == 1), np.flatnonzero(edges == -1)
     found = np.zeros(r.size, dtype=np.bool_)
@@ -81,7 +99,7 @@ def _clean(r: FloatArray, j: FloatArray, t: FloatArray, omega: float, doubtful: 
     if doubtful is not None:
         away |= doubtful[kept]
     # heavier tails than normal ones are cut: what they hold is no structure, but would count as much
-    level = _TAIL * 1.4826 * float(np.median(np.abs(y))) if y.size else 0.0
+    level = _TAIL * _NORMAL * float(np.median(np.abs(y))) if y.size else 0.0
     if level > 0.0:
         np.clip(y, -level, level, out=y)
     y[away] = 0.0
@@ -128,6 +146,6 @@ def _orthonormal(j: FloatArray) -> FloatArray:
     if not j.shape[1]:
         return j
     values, vectors = np.linalg.eigh(j.T @ j)
-    good = values > 1e-10 * float(values[-1])
+    good = values > _TOLD * float(values[-1])
     basis: FloatArray = j @ (vectors[:, good] / np.sqrt(values[good]))
     return basis

@@ -15,6 +15,7 @@ from harness.diagnosis.residual_tests.cleaned import Channel
 from harness.diagnosis.residual_tests.floor import over_floor
 
 _MOST_STRETCHES = 8
+"""Of equal numbers of half-cycles, which are held against each other."""
 _SEEN = 1e-6
 """Share of its power in a part from which a fitted direction is seen there."""
 _TRUSTED = 1e-4

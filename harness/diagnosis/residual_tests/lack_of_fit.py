@@ -19,8 +19,24 @@ from harness.diagnosis.residual_tests.constancy import constancy
 from harness.diagnosis.residual_tests.floor import over_floor
 
 _STRETCHES = (4, 16, 64)
+"""Equal stretches of a recording, the strongest of which is tested: one event, or many cycles."""
+_FEWEST_INSIDE = 3
+"""Blocks of slow structure in a stretch below which it has none of its own."""
 _PHASES = 24
+"""Parts of a swing whose means are tested."""
 _SURROUNDINGS = 64
+"""Frequencies around a line that say its level."""
+_FEW_SURROUNDINGS, _FEW_FREEDOM, _FREEDOM = 8, 2.0 * 44.0, 2.0 * 60.0
+"""The level is a median of 64: its scatter fattens the tail, as an F with so many degrees would, fewer where there are
+few levels to be the largest of."""
+_LEAST_LEVEL = 0.8
+"""Of the floor: beside a lower level any line would stand out."""
+_FEWEST = 40
+"""Samples of a channel that is tested."""
+_EXACT = 1e-12
+"""Chance below which the combination of tests is that of the least, times their number."""
+_SAID = 0.05
+"""Chance from which the sentence says noise; the verdict has its own level (rule structure)."""
 _INSIDE = 1e-2
 """A fitted direction with less than this share of its power outside a band is lost to it."""
 
@@ -79,7 +95,7 @@ def _stretches(channels: Mapping[str, Channel]) -> list[tuple[str, float, float]
             width = one.r.size // count
             block = max(1, int(one.r.size / max(one.top, 1)))
             inside = width // block
-            if inside < 3:
+            if inside < _FEWEST_INSIDE:
                 continue
             cut = one.r[: count * width].reshape(count, width)[:, : inside * block]
             means = cut.reshape(count, inside, block).sum(axis=2) / math.sqrt(block)
@@ -101,11 +117,11 @@ def _lines(channels: Mapping[str, Channel]) -> list[tuple[str, float, float]]:
         power = np.abs(np.fft.rfft(one.r))[1 : (n + 1) // 2] ** 2 / n
         count = power.size // _SURROUNDINGS
         rows = power[: count * _SURROUNDINGS].reshape(count, -1)
-        level = np.maximum(np.median(rows, axis=1) / math.log(2.0), 0.8)
+        level = np.maximum(np.median(rows, axis=1) / math.log(2.0), _LEAST_LEVEL)
         peaks = np.max(rows, axis=1) / level
         i = int(np.argmax(peaks))
-        # the level is a median of 64: its scatter fattens the tail, as an F with about 2 x 44 degrees would
-        single = over_floor(2.0 * float(peaks[i]), 2.0, 2.0 * 44.0 if power.size < 8 * _SURROUNDINGS else 2.0 * 60.0)
+        few = power.size < _FEW_SURROUNDINGS * _SURROUNDINGS
+        single = over_floor(2.0 * float(peaks[i]), 2.0, _FEW_FREEDOM if few else _FREEDOM)
         p = -math.expm1(power.size * math.log1p(-min(single, 1.0 - 1e-16)))
         out.append((f"a line in the spectrum of channel {name}", p, float(peaks[i])))
     return out
@@ -136,8 +152,8 @@ def _phases(channels: Mapping[str, Channel], motion: Motion) -> list[tuple[str, 
 
 def _combined(p_values: Sequence[float]) -> float:
     """One p-value of several dependent ones (Liu and Xie 2020, the Cauchy combination: exact in the tail)."""
-    p = np.clip(np.asarray(p_values), 1e-300, 1.0 - 1e-12)
-    if p.min() < 1e-12:
+    p = np.clip(np.asarray(p_values), 1e-300, 1.0 - _EXACT)
+    if p.min() < _EXACT:
         return float(min(1.0, p.min() * p.size))
     mean = float(np.mean(np.tan((0.5 - p) * math.pi)))
     return 0.5 - math.atan(mean) / math.pi
@@ -160,7 +176,7 @@ def lack_of_fit(
     fit has taken its share. doubtful : samples that may lie on the wrong side of a jump. motion : to look at parts of
     the swing too, and of the recording. gain : chi-square that the model's terms explain. Linear in samples.
     """
-    names = [c for c, r in residuals.items() if np.count_nonzero(r) >= 40]
+    names = [c for c, r in residuals.items() if np.count_nonzero(r) >= _FEWEST]
     if not names:
         return LackOfFit(1.0, 0.0, "there is nothing left over at all")
     partials = {c: jacobian[c] if jacobian else np.zeros((t.size, 0)) for c in names}
@@ -173,7 +189,7 @@ def lack_of_fit(
         tests += constancy(channels, t, motion, gain)
     p = _combined([test[1] for test in tests])
     name, _, ratio = min(tests, key=lambda test: (test[1], -test[2]))
-    if p < 0.05:
+    if p < _SAID:
         sentence = f"{name}: {ratio:.3g} times what noise gives there (p = {p:.2g})"
     else:
         sentence = f"what is left looks like noise (p = {p:.2g})"

@@ -34,8 +34,13 @@ _COARSE_SAMPLES = 1200
 _COARSE_ITERATIONS = 6
 _FIRST_ITERATIONS = 3
 _KEPT_STARTS = 2
+"""Samples and iterations of first looks, and starts of a law that are gone on with: they bound the work."""
 _EARLY = 0.5
+"""Share of a recording in which phases have not yet parted, so that a law promises what it would."""
+_BEYOND = 3.0
+"""Standard deviations of chi-square from which a fit leaves something, so that knocks are looked for."""
 _FINALISTS, _SURE_FINALISTS, _NEAR_BEST = 8, 3, 0.1
+"""Laws fitted to all samples: at most, in any case, and while they gain this share of the best."""
 _MISPLACED, _MISPLACED_SHARE = 150.0, 0.02
 """What a fit may lose by an event on the wrong side of a sample."""
 
@@ -105,7 +110,7 @@ def _candidates(current: Fit, problem: Problem, scales: Scales, terms: Sequence[
         least = max(SCREEN_GAIN.value, SCREEN_SHARE.value * best)
         worthy += [c for c in found if c.gain >= (least if len(c.term.parameters) > 1 else SCREEN_GAIN_OF_ONE.value)]
         excess = fitted.chi2 - fitted.points
-        if excess > 3.0 * math.sqrt(2.0 * fitted.points) or best > 2.0 * math.log(fitted.points):
+        if excess > _BEYOND * math.sqrt(2.0 * fitted.points) or best > 2.0 * math.log(fitted.points):
             worthy += direct(fitted, part, seen, terms)
     return worthy
 

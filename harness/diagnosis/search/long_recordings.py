@@ -20,6 +20,7 @@ from harness.kernels.solve import Scales
 LONG = 40_000
 """Samples that a search is given at most, unless the cycles are so many that these were too few for each."""
 _FEW = 4
+"""Iterations of a fit that begins at the one to fewer samples."""
 
 
 def shortened(problem: P) -> tuple[P, Fit, Scales]:

@@ -26,7 +26,11 @@ from harness.model.term import Probe as TermProbe
 _SAMPLES = 2000
 _COLUMNS = 120
 _INTERNAL_AT_ONCE = 4
+"""Samples, and columns and laws with states of their own that are simulated at once: they bound time and memory."""
 _KEPT = 2
+"""Probes of a law that go on."""
+_SEEN, _OWN = 1e-10, 1e-9
+"""Of a column: below it what was fitted already says the same, or rounding alone is left of an answer."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -137,7 +141,7 @@ def screen(
     norm = np.sqrt(np.sum(jacobian**2, axis=0))
     norm[norm == 0.0] = 1.0
     q, r = np.linalg.qr(jacobian / norm)
-    usable = np.abs(np.diag(r)) > 1e-10
+    usable = np.abs(np.diag(r)) > _SEEN
     found: dict[str, list[Candidate]] = {}
     probes = [
         p
@@ -158,7 +162,7 @@ def screen(
             part = across[:, column : column + width]
             gram = part.T @ part
             size = np.sqrt(np.diag(gram))
-            if np.any(size <= 1e-9 * np.linalg.norm(answers[:, column : column + width], axis=0)) or not np.all(size):
+            if np.any(size <= _OWN * np.linalg.norm(answers[:, column : column + width], axis=0)) or not np.all(size):
                 column += width
                 continue
             projected = part.T @ residual

@@ -22,7 +22,9 @@ from harness.estimate.noise import Noise
 from harness.kernels.solve import Scales
 
 _BEAM = 4
+"""First terms that are extended by a second."""
 _FEWEST_STARTS = 4
+"""First terms after which a pair that leaves noise alone ends the search."""
 _NOISE_MOVED = 0.01
 """Share by which a noise must move to be taken anew."""
 

@@ -14,6 +14,9 @@ from harness.model.evidence import Evidence
 _PEAKS = 48
 _KNOCKS_PER_CYCLE = 12
 _MOST_KNOCKS = 400
+"""Frequencies and times that are tried: they bound the work."""
+_HIGHEST = 12.0
+"""Times the swing's frequency: a force further up hardly moves the slider (1/144 of what it would at rest)."""
 
 
 def frequencies(fit: Fit, problem: Problem, omega: float) -> FloatArray:
@@ -28,7 +31,7 @@ def frequencies(fit: Fit, problem: Problem, omega: float) -> FloatArray:
         power += np.abs(np.fft.rfft(np.interp(grid, t, part), 4 * n)) ** 2
     step = 2.0 * math.pi * (n - 1) / (4.0 * n * span)
     tops = peaks(power)
-    order = tops[(tops * step > math.pi / span) & (tops * step < 12.0 * omega)][:_PEAKS]
+    order = tops[(tops * step > math.pi / span) & (tops * step < _HIGHEST * omega)][:_PEAKS]
     # a slow or a resonant force hides below a peak of something else: a few fixed places besides
     fixed = omega * np.array([0.25, 0.5, 0.75, 0.9, 1.1, 1.3, 1.6, 2.0, 2.5, 3.0, 3.7, 4.5])
     return np.concatenate((order * step, fixed))

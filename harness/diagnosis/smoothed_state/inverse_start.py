@@ -12,6 +12,8 @@ from harness.model.model import Model, Restoring
 
 _MOVING = 0.02
 """Share of the largest speed below which friction may have any value."""
+_FEWEST = 20
+"""Moving samples: four to each of five numbers."""
 _LEAST = 1e-3
 """Share that a parameter which must not vanish is given where least squares makes it negative."""
 
@@ -42,7 +44,7 @@ def inverse_start(
     """
     x, v, a = state
     moving = np.abs(v) > _MOVING * float(np.max(np.abs(v)))
-    if np.count_nonzero(moving) < 20:
+    if np.count_nonzero(moving) < _FEWEST:
         raise InputError("recording", "a slider that hardly moves", "a driven motion is accepted")
     pull = {Restoring.SPRING: x, Restoring.PENDULUM: np.sin(x), Restoring.NONE: None}[restoring]
     columns = {"m": a, "c": v, "f_k": np.sign(v), "one": np.ones_like(v)}

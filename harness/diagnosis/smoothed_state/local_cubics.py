@@ -9,10 +9,15 @@ from harness.core.arrays import BoolArray, FloatArray, IntArray
 from harness.core.jit import compiled
 
 _HALF_WIDTHS = (4, 6, 9, 13, 20, 30, 45)
+"""Samples to either side, each half again as many: the widest that still follows the motion is taken."""
 ALIKE = 1.25
 """By how much a wider cubic may miss more than the narrowest, where only a start depends on it."""
 _LOOKED_AT = 4000
+"""Places at which that is judged."""
 _TERMS = 4
+"""Of a cubic."""
+_LEAST_PARTS = 4
+"""Widths that a recording must hold."""
 GAP = 5.0
 """Sampling intervals from which on there is a gap."""
 
@@ -107,7 +112,7 @@ def smoothed(t: FloatArray, y: FloatArray, longest: float, sigma: float, alike: 
     some = np.linspace(0, t.size - 1, min(t.size, _LOOKED_AT)).astype(np.int64)
     best, narrowest = _HALF_WIDTHS[0], 0.0
     for half in _HALF_WIDTHS:
-        if 2 * half + 1 > t.size // 4:
+        if 2 * half + 1 > t.size // _LEAST_PARTS:
             break
         out = np.empty((some.size, 6))
         local(t, y, first, last, some, half, out)

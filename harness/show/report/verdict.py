@@ -6,6 +6,7 @@ from typing import Any, ClassVar
 
 from harness.show.numbers import number
 from harness.show.report.section import Section
+from harness.show.sentences.words import engine_name
 
 
 @dataclass(frozen=True)
@@ -54,7 +55,7 @@ def _sentence(preset: str, traces: Sequence[Mapping[str, Any]]) -> str:
     parts = []
     for trace in traces:
         metrics = trace["metrics"]
-        part = f"{_name(trace['source'])} is off by at most {number(metrics['max_error_m'] * 1e3, 3)} mm"
+        part = f"{engine_name(trace['source'])} is off by at most {number(metrics['max_error_m'] * 1e3, 3)} mm"
         creep = metrics["creep_m_s"]
         if creep is not None and abs(creep) > 1e-6:
             part += f" and never rests (it creeps at {number(creep * 1e3, 3)} mm/s)"
@@ -75,11 +76,4 @@ def _joined(parts: Sequence[str]) -> str:
         parts[0]
         if len(parts) == 1
         else ", ".join(parts[:-1]) + "; " * (len(parts) > 2) + " and " * (len(parts) == 2) + parts[-1]
-    )
-
-
-def _name(source: str) -> str:
-    """Engines under the names their makers use."""
-    return {"mujoco": "MuJoCo", "pybullet": "PyBullet", "dart": "DART", "reference": "the reference"}.get(
-        source, source
     )

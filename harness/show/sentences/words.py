@@ -1,4 +1,4 @@
-"""Lengths for running text, and what counts as rest."""
+"""Lengths and names for running text, and what counts as rest."""
 
 AT_REST = 1e-6
 """Creep below this speed in m/s is rest."""
@@ -7,3 +7,20 @@ AT_REST = 1e-6
 def mm(metres: float) -> str:
     """A length (m) in mm."""
     return f"{metres * 1e3:.3g} mm" if abs(metres) >= 1e-6 else "less than 0.001 mm"
+
+
+_ENGINES = {
+    "mujoco": "MuJoCo",
+    "pybullet": "PyBullet",
+    "dart": "DART",
+    "rapier": "Rapier",
+    "drake": "Drake",
+    "physx": "PhysX",
+    "newton": "Newton",
+    "reference": "the reference",
+}
+
+
+def engine_name(name: str) -> str:
+    """An engine as its makers write it; one that is not known here by its own name."""
+    return _ENGINES.get(name, name)

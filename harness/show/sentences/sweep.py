@@ -1,38 +1,63 @@
 """What a sweep shows, in sentences: which settings to change, and what stays wrong."""
 
 from collections.abc import Mapping, Sequence
-from typing import Any
+from typing import Any, Protocol
 
-from harness.fidelity.scores import Card
+from harness.show.sentences.words import engine_name
 
-NAMES = {
-    "mujoco": "MuJoCo",
-    "pybullet": "PyBullet",
-    "dart": "DART",
-    "rapier": "Rapier",
-    "drake": "Drake",
-    "physx": "PhysX",
-    "newton": "Newton",
-}
 ROUTES = {"joint": "joint friction", "contact": "contact friction", "law": "the clipped force law"}
 WORDS = {"dt": "the step (s)", "leapfrog": "leapfrog (start half a step back, read speeds as means of two)"}
 NOTICEABLE = 0.01
 """A distance from exact above this is worth a sentence."""
 MOST = 3
+"""Figures that a sentence names."""
+
+
+class Card(Protocol):
+    """A line of the scorecard: an engine's figures on a route under a preset, and the rows they are from, by label."""
+
+    @property
+    def engine(self) -> str:
+        """Its name."""
+
+    @property
+    def version(self) -> str:
+        """Of its package."""
+
+    @property
+    def environment(self) -> str:
+        """Name of the one it ran in, empty for that of the process."""
+
+    @property
+    def route(self) -> str:
+        """Where friction lives."""
+
+    @property
+    def preset(self) -> str:
+        """As shipped or tuned."""
+
+    @property
+    def values(self) -> Mapping[str, float | None]:
+        """Figures, 0 where exact."""
+
+    @property
+    def rows(self) -> Mapping[str, Mapping[str, Any]]:
+        """As a result holds them."""
 
 
 def headline(cards: Sequence[Card]) -> str:
     """The worst figure of every engine as shipped, and the worst that is left after tuning, on the joint route."""
     said = []
     versions = {(card.engine, card.version, card.environment) for card in cards}
-    several = {name for name in NAMES if sum(engine == name for engine, _, _ in versions) > 1}
+    names = [engine for engine, _, _ in versions]
+    several = {name for name in names if names.count(name) > 1}
     for preset, start in (("as-shipped", "As shipped"), ("tuned", "tuned")):
         parts = []
         for card in cards:
             if card.route == "joint" and card.preset == preset:
                 label, value = max(_known(card).items(), key=lambda item: item[1], default=("", 0.0))
                 if label:
-                    name = about(card).partition(",")[0] if card.engine in several else _name(card.engine)
+                    name = about(card).partition(",")[0] if card.engine in several else engine_name(card.engine)
                     parts.append(f"{name} is off by up to {percent(value)} ({label})")
         if parts:
             said.append(f"{start}, " + ", ".join(parts))
@@ -59,7 +84,7 @@ def sentences(cards: Sequence[Card]) -> list[str]:
 def about(card: Card) -> str:
     """What a card is about, as its sentences begin."""
     place = f" ({card.environment})" if card.environment else ""
-    return f"{_name(card.engine)} {card.version}{place}, {ROUTES.get(card.route, card.route)}"
+    return f"{engine_name(card.engine)} {card.version}{place}, {ROUTES.get(card.route, card.route)}"
 
 
 def _known(card: Card) -> dict[str, float]:
@@ -96,10 +121,6 @@ def _settings(card: Card) -> Mapping[str, Any]:
     rows = list(card.rows.values())
     settings: Mapping[str, Any] = rows[0]["settings"] if rows else {}
     return settings
-
-
-def _name(engine: str) -> str:
-    return NAMES.get(engine, engine)
 
 
 def percent(value: float) -> str:

@@ -1,0 +1,34 @@
+"""What other installed packages add: the objects that their entry points name."""
+
+from collections.abc import Iterator
+from importlib.metadata import entry_points
+from typing import TypeVar
+
+from harness.core.errors import InputError
+
+T = TypeVar("T")
+
+
+def names(group: str) -> set[str]:
+    """Names of the entry points of a group, whether they load or not."""
+    return entry_points(group=group).names
+
+
+def registered(group: str, kind: type[T], what: str, name: str | None = None) -> Iterator[tuple[str, T]]:
+    """Name and object of every entry point of a group, or of those of one name; ``what`` is what a message calls one.
+
+    Raises InputError for a package that does not load, and for an object that is no ``kind``.
+    """
+    for point in sorted(entry_points(group=group), key=lambda p: p.name):
+        if name not in (None, point.name):
+            continue
+        try:
+            found = point.load()
+        except (ImportError, AttributeError, TypeError) as error:
+            raise InputError(
+                f"{what} {point.name}", f"{point.value}: {error}", "a package that loads is accepted"
+            ) from error
+        if not isinstance(found, kind):
+            accepted = f"a {kind.__module__}.{kind.__qualname__} is accepted"
+            raise InputError(f"{what} {point.name}", f"{point.value} is {found!r}", accepted)
+        yield point.name, found

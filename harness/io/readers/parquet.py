@@ -1,0 +1,6 @@
+"""Parquet."""
+
+from harness.io.binary import ParquetTable
+from harness.io.reader import Reader
+
+READER = Reader(name="Parquet", suffixes=(".parquet", ".pq"), open=ParquetTable)
