@@ -26,6 +26,7 @@ from harness.diagnosis.search.extend import key_of, settle
 from harness.diagnosis.search.long_recordings import lifted, shortened
 from harness.diagnosis.search.release_transient import after_hand, knocked_at_release
 from harness.diagnosis.search.search import Search, noise_of, search, under
+from harness.diagnosis.tables.step import with_tables
 from harness.diagnosis.verdict import Judgement, judge
 from harness.kernels.solve import Scales
 from harness.model.model import ModelTerm
@@ -118,7 +119,7 @@ def graded_misfit(found: Search, scales: Scales) -> Graded | None:
 def _graded(found: Search, graded: Graded, scales: Scales) -> Outcome:
     """The outcome of a misfit that no model explains."""
     judgement, said, omega = judge(found, graded), told(graded), graded.misfit.scales.omega
-    return Outcome(
+    outcome = Outcome(
         problem=said.problem,
         scales=graded.misfit.scales,
         base=said.base,
@@ -134,6 +135,7 @@ def _graded(found: Search, graded: Graded, scales: Scales) -> Outcome:
         rules=judgement.rules,
         remainder=said.remainder,
     )
+    return with_tables(outcome, graded)
 
 
 def _prediction(found: Search, judgement: Judgement, scales: Scales, acting: list[tuple[ModelTerm, Place]]) -> Holdout:

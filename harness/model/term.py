@@ -107,8 +107,8 @@ class Term:
     several : whether a model may have more than one. place : where it acts. only_there : whether nothing outside of
     those times shows it. words : more words of the sentence, from values and k. elements : see harness.model.elements.
     searched : whether it is looked for as a name; a table is none. known : where a table is known, None for a law that
-    holds everywhere. told_from : what recording would tell it from another name. steps_alike : whether the steps of an integrator show
-    like it. variant : tells laws apart that share a catalogue name. order : place in the catalogue.
+    holds everywhere. told_from : what recording would tell it from another name. steps_alike : whether the steps of an
+    integrator show like it. variant : tells laws apart that share a catalogue name. order : place in the catalogue.
     There is one object of each term. Raises TypeError for an entry that contradicts itself.
     """
 

@@ -99,12 +99,12 @@ def tabulated(misfit: Misfit, model: Model, names: tuple[str, ...], before: Pred
         held = None if found is None else held_out(found, misfit)
         if found is None or held is None:
             continue
-        if all(_better(held, one) for one in (before, *(kept[on].held for on in rung.on if on in kept))):
+        if all(improves(held, one) for one in (before, *(kept[on].held for on in rung.on if on in kept))):
             kept[rung.said] = Tabulated(rung, found, held)
     return tuple(sorted(kept.values(), key=lambda one: one.held.total))
 
 
-def _better(held: Predicted, before: Predicted) -> bool:
+def improves(held: Predicted, before: Predicted) -> bool:
     """Whether so much less is missed that a table, or a further one, stays."""
     return ratio(held, before) <= TABLE_BETTER.value and clearly_less(held, before, TABLE_ERRORS.value)
 
@@ -125,5 +125,3 @@ def finished(found: Tabulated, misfit: Misfit) -> Tabulated:
             effort=FINE,
         )
     return replace(found, fit=fit)
-
-
