@@ -134,7 +134,7 @@ class Table:
     """
 
     form: str
-    of: str
+    of: Literal["x", "v", "|v|"]
     at: FloatArray
     force: FloatArray
     stderr: FloatArray

@@ -121,7 +121,7 @@ def _row(recording: Recording, truth: Mapping[str, Any], rng: np.random.Generato
         return row
     first = len(seen.base.model.terms)
     numbers = tuple(first + i for i in number)
-    table = table_of(best.fit, seen, numbers, form)
+    table = table_of(best.fit, seen, numbers, form, seen.base.chi2)
     return replace(row, held=_held(table, truth, best.fit.model))
 
 
@@ -155,6 +155,9 @@ def _held(table: Table, truth: Mapping[str, Any], model: Model) -> float:
     """Share of the swept range on which two standard errors about the table hold the true force, gauge taken off."""
     at, force = (np.array(truth["table"][key]) for key in ("at", "force"))
     force = force * model.m / truth["m"]
+    # the true curve is of the distance from the spring's zero; the table's of that from where the fit has it
+    if table.of == "x":
+        at = at + truth["nuisances"].get("zero", 0.0) - model.offset
 
     def true(z: FloatArray) -> FloatArray:
         found = np.interp(z, at, force)
@@ -183,11 +186,9 @@ def said(rows: Sequence[Row]) -> Iterator[str]:
     for group, goal in ((RANDOM, 0.97), ("machine-control", math.nan)):
         here = [r for r in rows if r.group == group]
         kept = [r for r in here if r.kept]
-        yield (
-            f"{group}: withdrawn {_of(Rate.of([not r.kept for r in here]))}"
-            f"{'' if math.isnan(goal) else f' (goal {100 * goal:.0f} %)'}; of the others {sum(r.ratio <= MOST for r in kept)}"
-            f" of {len(kept)} at most {MOST}"
-        )
+        wanted = "" if math.isnan(goal) else f" (goal {100.0 * goal:.0f} %)"
+        borne = f"of the others {sum(r.ratio <= MOST for r in kept)} of {len(kept)} at most {MOST}"
+        yield f"{group}: withdrawn {_of(Rate.of([not r.kept for r in here]))}{wanted}; {borne}"
     for r in sorted(rows, key=lambda r: (r.group, r.form, r.main)):
         what = r.why or (f"{r.kept} {r.ratio:.2f} band {r.held:.2f}" if r.kept else "withdrawn")
         yield f"  {r.group:16s} {r.main or '-':24s} {r.form or '-':12s} {r.cycles:5.1f} cycles: {what}"

@@ -2,10 +2,13 @@
 
 The error is the larger of two: the penalised fit read as a posterior (Nychka 1988, J. Am. Stat. Assoc. 83, 1134), its
 noise as large as the scores of strokes scatter, and those scores through the fit (Liang and Zeger 1986). A misfit
-says one thing for half a swing; samples are no independent words.
+says one thing for half a swing; samples are no independent words. To it is added what else may be in the table: small
+effects that it has taken in are held to be as large, in proportion, as what it has left.
 """
 
+import math
 from dataclasses import dataclass
+from typing import Literal, TypeAlias
 
 import numpy as np
 
@@ -19,6 +22,7 @@ from harness.kernels.solve import Scales
 from harness.model.model import ModelTerm
 from harness.model.term import Slot
 
+Quantity: TypeAlias = Literal["x", "v", "|v|"]
 POINTS = 121
 """Of a curve."""
 
@@ -27,7 +31,7 @@ POINTS = 121
 class Strip:
     """A piece of a curve over one quantity: where it is known, and the fit's partials (m, q) of its force there."""
 
-    of: str
+    of: Quantity
     at: FloatArray
     columns: FloatArray
     unit_force: bool
@@ -51,14 +55,18 @@ def covariances(found: TableFit, misfit: Misfit) -> tuple[FloatArray, FloatArray
     return inverse * inflated, inverse @ meat @ inverse
 
 
-def table_of(found: TableFit, misfit: Misfit, numbers: tuple[int, ...], said: str) -> Table:
-    """Some of the tables of a fit as one curve. numbers : of the tables, places among the model's terms."""
+def table_of(found: TableFit, misfit: Misfit, numbers: tuple[int, ...], said: str, before: float) -> Table:
+    """Some of the tables of a fit as one curve.
+
+    numbers : of the tables, places among the model's terms. before : chi-square without them, in the misfit's units.
+    """
     strips = [_strip(found, i, misfit.scales) for i in numbers]
     strips.sort(key=lambda one: float(one.at[0]))
-    of = strips[0].of if len(strips) == 1 else "v"
+    of: Quantity = strips[0].of if len(strips) == 1 else "v"
     at = np.concatenate([s.at for s in strips])
     columns = np.vstack([s.columns for s in strips])
-    factor = found.model.f_k if not strips[0].unit_force else 1.0
+    level = math.inf if strips[0].unit_force else found.model.f_k
+    factor = 1.0 if math.isinf(level) else level
     b = len(found.free)
     spread = [
         np.sqrt(np.maximum(np.einsum("ij,jk,ik->i", columns, v[b:, b:], columns), 0.0))
@@ -67,18 +75,16 @@ def table_of(found: TableFit, misfit: Misfit, numbers: tuple[int, ...], said: st
     x, v = found.shown.x, found.shown.v
     quantity = {"x": x, "|v|": np.abs(v), "v": v}[of]
     looks = np.quantile(quantity[v != 0.0], np.linspace(0.0, 1.0, POINTS))
-    return Table(
-        form=said,
-        of=of,
-        at=at,
-        force=factor * (columns @ found.at),
-        stderr=factor * np.maximum(*spread),
-        swept=looks,
-        gauge=_gauge(found, of, strips[0].unit_force),
-    )
+    # friction is never below none
+    force = np.maximum(factor * (columns @ found.at), -level)
+    taken = max(before - found.squares, 1e-300)
+    size = float(np.sqrt(np.mean(np.interp(looks, at, force) ** 2)))
+    beside = size * math.sqrt(found.squares / taken)
+    stderr = np.hypot(factor * np.maximum(*spread), beside)
+    return Table(said, of, at, force, stderr, looks, _gauge(found, of, strips[0].unit_force))
 
 
-def _gauge(found: TableFit, of: str, unit_force: bool) -> tuple[str, ...]:
+def _gauge(found: TableFit, of: Quantity, unit_force: bool) -> tuple[str, ...]:
     """What the table has none of: "constant", "line"."""
     names = {f.name for f in found.free}
     if of != "x":
@@ -101,5 +107,5 @@ def _strip(found: TableFit, number: int, scales: Scales) -> Strip:
     rows = partials(found.model, number, x, v, scales) @ found.basis.free[mine]
     if side < 0.0:
         at, rows = -at[::-1], rows[::-1]
-    of = "v" if known.of in ("v", "-v") else known.of
+    of: Quantity = "v" if known.of in ("v", "-v") else "x" if known.of == "x" else "|v|"
     return Strip(of, at, rows, entry.term.slot is Slot.SMOOTH)

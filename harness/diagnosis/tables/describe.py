@@ -18,10 +18,24 @@ _WIDE = 0.05
 """Of the range: narrower than this a stretch is not worth a word."""
 
 
+_BASE = {
+    ("x", "constant"): "no constant, which is the zero's",
+    ("x", "line"): "no straight line, which is the spring's",
+    ("v", "line"): "nothing in proportion to speed, which is the damping's, and nothing at rest, which is friction's",
+    ("g", "constant"): "no constant, which is f_k",
+}
+
+
+def gauge_of(table: Table) -> str:
+    """What a table has none of over the motion, and whose it is."""
+    kind = "g" if table.form.startswith("g") else table.of.strip("|")
+    return " and ".join(_BASE[kind, one] for one in table.gauge) or "nothing is taken off"
+
+
 def described(table: Table, model: Model, angular: bool) -> str:
     """In words. model : whose spring, damping and friction the table stands beside."""
     unit = ("rad" if angular else "m") if table.of == "x" else ("rad/s" if angular else "m/s")
-    if "constant" in table.gauge and "line" not in table.gauge and table.form.startswith("g"):
+    if table.form.startswith("g"):
         return _rubbing(table, unit)
     return _force(table, unit) if table.of == "x" else _resistance(table, model, unit)
 

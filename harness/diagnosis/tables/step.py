@@ -59,7 +59,7 @@ def _told(outcome: Outcome, graded: Graded, start: Fit, kept: tuple[Tabulated, .
     seen = evidence(graded.misfit.base, problem, outcome.scales)
     tables = []
     for numbers, form in groups:
-        table = table_of(found, graded.misfit, numbers, form)
+        table = table_of(found, graded.misfit, numbers, form, start.chi2)
         near = nearest(table, start.model, problem, outcome.scales, seen)
         tables.append(replace(table, described=described(table, found.model, problem.angular), nearest=near))
     excess = max(outcome.base.chi2 - float(outcome.base.points), 1e-300)
