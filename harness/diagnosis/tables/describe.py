@@ -33,14 +33,14 @@ def gauge_of(table: Table) -> str:
 
 
 def described(table: Table, model: Model, angular: bool) -> str:
-    """In words. model : whose spring, damping and friction the table stands beside."""
+    """In words, places as the sensor of x shows them. model : whose spring, damping and friction it stands beside."""
     unit = ("rad" if angular else "m") if table.of == "x" else ("rad/s" if angular else "m/s")
     if table.form.startswith("g"):
-        return _rubbing(table, unit)
-    return _force(table, unit) if table.of == "x" else _resistance(table, model, unit)
+        return _rubbing(table, model.offset, unit)
+    return _force(table, model.offset, unit) if table.of == "x" else _resistance(table, model, unit)
 
 
-def _force(table: Table, unit: str) -> str:
+def _force(table: Table, offset: float, unit: str) -> str:
     """A force of position: symmetry, on which side it bends, where it is steep."""
     words = [_symmetry(table)]
     at, slope, bend = table.at, np.gradient(table.force, table.at), _bend(table)
@@ -53,7 +53,7 @@ def _force(table: Table, unit: str) -> str:
     top = _peak(slope, inside)
     if top is not None:
         place, width, sign = top
-        where = f"x = {_short(at[place])} {unit}"
+        where = f"x = {_short(at[place] + offset)} {unit}"
         if sign > 0.0 and width < _NARROW:
             words.append(f"stiffer about {where}: a well there, or a spring that saturates beyond")
         elif width < _NARROW:
@@ -91,7 +91,7 @@ def _resistance(table: Table, model: Model, unit: str) -> str:
     return said.replace("grows faster than with speed", "grows faster than in proportion to speed")
 
 
-def _rubbing(table: Table, unit: str) -> str:
+def _rubbing(table: Table, offset: float, unit: str) -> str:
     """Friction along the way: where it is most."""
     at, f, e = table.at, table.force, table.stderr
     top, least = int(np.argmax(f)), int(np.argmin(f))
@@ -103,7 +103,7 @@ def _rubbing(table: Table, unit: str) -> str:
     if min(ends) > middle and min(ends) - middle > 0.5 * (max(ends) - middle):
         return "it rubs most at both ends of the way"
     if at[0] + edge < at[top] < at[-1] - edge:
-        return f"it rubs most about x = {_short(at[top])} {unit}"
+        return f"it rubs most about x = {_short(at[top] + offset)} {unit}"
     return f"it rubs more on the {'positive' if at[top] > at.mean() else 'negative'} side"
 
 
