@@ -402,7 +402,7 @@ TABLE_WORDS = Rule(
     1.0 / 3.0,
     "parameters a word",
     "how many effective parameters a table may have",
-    "a third of what the recording says: a straight line needs two of three points",
+    "three words a parameter at least; a bound, within which inner blocks choose",
 )
 
 RULES: tuple[Rule, ...] = tuple(value for value in list(globals().values()) if isinstance(value, Rule))
