@@ -50,7 +50,7 @@ def _modulation(number: int, x: float, v: float, t: float, theta: FloatArray, o:
         _friction_drift(x, v, t, theta, o, out)
     elif number == 5:
         _normal_load_variation(x, v, t, theta, o, out)
-    elif number == 4:
+    elif number == 6:
         _tabulated_friction_position(x, v, theta, o, out)
 
 
