@@ -5,6 +5,7 @@ from dataclasses import dataclass, field
 from enum import StrEnum
 from typing import Literal, TypeAlias
 
+from harness.core.arrays import FloatArray
 from harness.core.quantity import Quantity
 from harness.diagnosis.fit.model_fit import Fit
 from harness.diagnosis.integrator_maps.maps import Stepping
@@ -131,6 +132,28 @@ class Remainder:
 
 
 @dataclass(frozen=True, slots=True)
+class Table:
+    """A force without a name, as a curve with one standard error.
+
+    form : "f(x)" and the like. of : "x", "v" or "|v|". at (m,) : m (a sensor shows the model's offset more) or m/s,
+    over the range that was swept; beyond it nothing is known. force, stderr (m,) : N, on the left of the equation of
+    motion; of "g(x) sgn v" the force at v > 0. swept (l,) : quantiles of the motion. gauge : what the table has none of
+    over them, as it belongs to the base: "constant" (the zero, or f_k), "line" (k, or c). described : its shape in
+    words. nearest : catalogue names and the share of it that they say.
+    """
+
+    form: str
+    of: Literal["x", "v", "|v|"]
+    at: FloatArray
+    force: FloatArray
+    stderr: FloatArray
+    swept: FloatArray
+    gauge: tuple[str, ...]
+    described: str = ""
+    nearest: tuple[tuple[str, float], ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
 class Outcome:
     """A diagnosis of one recording.
 
@@ -138,7 +161,7 @@ class Outcome:
     best model found (the base when nothing is missing or nothing helps). evidence : every catalogue name that was
     tried alone, best first. mechanisms : strongest first. stepping : of the engine whose trace it is.
     rules : those that decided. remainder : where no model explains the recording to its noise. tested : whether what
-    the refined model leaves was tested for being noise.
+    the refined model leaves was tested for being noise. tables : of what has no name, part of the refined model.
     """
 
     problem: Problem
@@ -157,3 +180,4 @@ class Outcome:
     rules: tuple[Rule, ...] = ()
     remainder: Remainder | None = None
     tested: bool = True
+    tables: tuple[Table, ...] = ()

@@ -25,6 +25,7 @@ from harness.diagnosis.residual_tests.structure import Left
 from harness.diagnosis.search.extend import key_of
 from harness.diagnosis.search.search import Search
 from harness.diagnosis.stages import Based, Found, Judged
+from harness.diagnosis.tables.step import with_tables
 from harness.diagnosis.verdict import judge as verdict_of
 from harness.kernels.solve import Scales
 
@@ -117,7 +118,7 @@ def _said(judged: Judged) -> Outcome:
 def _misfit_said(judged: Judged, graded: Graded) -> Outcome:
     """The outcome of a misfit that no model explains."""
     said, omega = told(graded), graded.misfit.scales.omega
-    return Outcome(
+    outcome = Outcome(
         problem=said.problem,
         scales=graded.misfit.scales,
         base=said.base,
@@ -133,3 +134,4 @@ def _misfit_said(judged: Judged, graded: Graded) -> Outcome:
         rules=judged.judgement.rules,
         remainder=said.remainder,
     )
+    return with_tables(outcome, graded)

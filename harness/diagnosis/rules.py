@@ -8,7 +8,7 @@ import math
 import sys
 from dataclasses import dataclass
 
-from harness.model.registry import TERMS
+from harness.model.registry import NAMED
 
 
 @dataclass(frozen=True, slots=True)
@@ -31,7 +31,7 @@ class Rule:
         return round(self.value)
 
 
-_NAMES = len({term.name for term in TERMS})
+_NAMES = len({term.name for term in NAMED})
 _PAIRS = _NAMES * (_NAMES - 1) // 2
 
 DECISIVE = Rule(
@@ -412,6 +412,34 @@ CHANNELS_RELATED = Rule(
     "share of squares",
     "two channels of a recording are said not to belong together",
     "a line through the one leaves half of the other's squares or more: more is strange than is common",
+)
+TABLE_OVER_NOISE = Rule(
+    "table-over-noise",
+    3.0,
+    "sensors' noise",
+    "what is left without a name is so much that a table of it is fitted",
+    "a tenth of the squares is then noise, so that a table has something to predict",
+)
+TABLE_BETTER = Rule(
+    "table-better",
+    0.9,
+    "ratio of rmse",
+    "a table stays: it predicts blocks that took no part in its fit so much better than the model without it",
+    "as for a term (held-out); measured with python -m harness.app.calibrate tables",
+)
+TABLE_ERRORS = Rule(
+    "table-errors",
+    2.0,
+    "standard errors over blocks",
+    "a table stays: its better prediction is no chance",
+    "one-sided level of 2.3 %",
+)
+TABLE_WORDS = Rule(
+    "table-words",
+    1.0 / 3.0,
+    "parameters a word",
+    "how many effective parameters a table may have",
+    "three words a parameter at least; a bound, within which inner blocks choose",
 )
 
 RULES: tuple[Rule, ...] = tuple(value for value in list(globals().values()) if isinstance(value, Rule))

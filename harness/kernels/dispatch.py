@@ -23,6 +23,7 @@ speed_level = compiled(_speed_level, lean=True)
     _position_dependent_friction_periodic,
     _friction_drift,
     _normal_load_variation,
+    _tabulated_friction_position,
 ) = laws(
     MODULATIONS,
     "position-dependent-friction",
@@ -31,6 +32,7 @@ speed_level = compiled(_speed_level, lean=True)
     "position-dependent-friction:periodic",
     "friction-drift",
     "normal-load-variation",
+    "tabulated-friction:position",
 )
 
 
@@ -48,6 +50,8 @@ def _modulation(number: int, x: float, v: float, t: float, theta: FloatArray, o:
         _friction_drift(x, v, t, theta, o, out)
     elif number == 5:
         _normal_load_variation(x, v, t, theta, o, out)
+    elif number == 6:
+        _tabulated_friction_position(x, v, theta, o, out)
 
 
 modulation = compiled(_modulation, lean=True)
@@ -91,6 +95,10 @@ smoothed_law = compiled(_smoothed_law, lean=True)
     _constant_force,
     _force_ripple,
     _harmonic_force,
+    _tabulated_stiffness,
+    _tabulated_friction,
+    _tabulated_friction_forward,
+    _tabulated_friction_backward,
 ) = laws(
     SMOOTH,
     "quadratic-drag",
@@ -107,6 +115,10 @@ smoothed_law = compiled(_smoothed_law, lean=True)
     "constant-force",
     "force-ripple",
     "harmonic-force",
+    "tabulated-stiffness",
+    "tabulated-friction",
+    "tabulated-friction:forward",
+    "tabulated-friction:backward",
 )
 
 
@@ -140,6 +152,14 @@ def _smooth(number: int, x: float, v: float, t: float, theta: FloatArray, o: int
         _force_ripple(x, v, theta, o, out)
     elif number == 13:
         _harmonic_force(x, v, t, theta, o, out)
+    elif number == 14:
+        _tabulated_stiffness(x, v, theta, o, out)
+    elif number == 15:
+        _tabulated_friction(x, v, theta, o, out)
+    elif number == 16:
+        _tabulated_friction_forward(x, v, theta, o, out)
+    elif number == 17:
+        _tabulated_friction_backward(x, v, theta, o, out)
 
 
 smooth = compiled(_smooth, lean=True)

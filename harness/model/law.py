@@ -16,9 +16,9 @@ side is the direction in which it counts as moving, +-1; the speed of a bristle 
 # places of the base parameters in theta
 MASS, VISCOUS, STIFFNESS, KINETIC, STATIC, V_SCALE, FIRST_TERM = range(7)
 
-# columns of out: value, partials by state and time, by mass and stiffness, by up to three parameters of the law
+# columns of out: value, partials by state and time, by mass and stiffness, by the parameters of the law
 VALUE, D_X, D_V, D_T, D_MASS, D_STIFFNESS, D_PARAMETER = range(7)
-MAX_PARAMETERS = 3
+MAX_PARAMETERS = 14
 COLUMNS = D_PARAMETER + MAX_PARAMETERS
 
 # friction knows neither mass nor stiffness: there stand its partials by the acceleration without friction and by the

@@ -34,6 +34,8 @@ def _catalogue() -> dict[str, Term]:
 
 _BY_KEY = _catalogue()
 TERMS: tuple[Term, ...] = tuple(_BY_KEY.values())
+NAMED: tuple[Term, ...] = tuple(t for t in TERMS if t.searched)
+"""Those that are looked for; the others are tables, for what has no name."""
 
 
 def term(key: str) -> Term:

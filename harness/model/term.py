@@ -58,6 +58,22 @@ class Parameter:
 Probe = tuple[float, ...]
 
 
+@dataclass(frozen=True, slots=True)
+class Known:
+    """Where a law is known, and not only continued.
+
+    of : "x", "|v|", "v" or "-v". low, high : parameters that hold the ends, None for 0.
+    """
+
+    of: Literal["x", "|v|", "v", "-v"]
+    low: int | None
+    high: int
+
+    def ends(self, values: Probe) -> tuple[float, float]:
+        """Both ends, m or m/s."""
+        return 0.0 if self.low is None else values[self.low], values[self.high]
+
+
 @cache
 def _takes_time(law: Callable[..., None]) -> bool:
     """Whether t is among the arguments of a law."""
@@ -90,8 +106,9 @@ class Term:
     needs : "driven" (a recorded force), "angle", "spring", "zero" (a sensor of x whose zero is the spring's).
     several : whether a model may have more than one. place : where it acts. only_there : whether nothing outside of
     those times shows it. words : more words of the sentence, from values and k. elements : see harness.model.elements.
-    told_from : what recording would tell it from another name. steps_alike : whether the steps of an integrator show
-    like it. variant : tells laws apart that share a catalogue name. order : place in the catalogue.
+    searched : whether it is looked for as a name; a table is none. known : where a table is known, None for a law that
+    holds everywhere. told_from : what recording would tell it from another name. steps_alike : whether the steps of an
+    integrator show like it. variant : tells laws apart that share a catalogue name. order : place in the catalogue.
     There is one object of each term. Raises TypeError for an entry that contradicts itself.
     """
 
@@ -123,6 +140,8 @@ class Term:
     elements: MadeOf | None = None
     told_from: Mapping[str, str] = field(default_factory=dict)
     steps_alike: bool = False
+    searched: bool = True
+    known: Known | None = None
     order: int = _LAST
 
     def __post_init__(self) -> None:

@@ -154,6 +154,28 @@ class RemainderResult(Result):
     )
 
 
+class NearResult(Result):
+    """A law of the catalogue that comes near a table."""
+
+    name: str
+    share: float = Field(description="of the table's squares over the motion, what belongs to the base taken off")
+
+
+class TableResult(Result):
+    """A force without a name, on the left of the equation of motion, over the range that was swept."""
+
+    form: str = Field(description="f(x), f(v), f(|v|) sgn v, or g(x) sgn v")
+    of: Literal["x", "v", "|v|"]
+    at: list[float] = Field(description="m or m/s, rad or rad/s; beyond the ends nothing is known")
+    at_unit: str
+    force: list[float]
+    stderr: list[float] = Field(description="one standard error")
+    force_unit: str
+    gauge: str = Field(description="what the table has none of, as it belongs to the base")
+    described: str = Field(description="its shape in words")
+    nearest: list[NearResult]
+
+
 class FitPercent(Result):
     """100 (1 - |y - yhat| / |y - mean y|) by channel, before and after."""
 
@@ -182,6 +204,9 @@ class DiagnosisResult(Result):
     mechanisms: list[MechanismResult]
     refined: FitResult
     remainder: RemainderResult | None = None
+    tables: list[TableResult] = Field(
+        default_factory=list, description="what has no name, as curves; part of the refined model"
+    )
     fit_percent: FitPercent | None = None
     rules: list[RuleResult] = Field(default_factory=list, description="the numbers that moved the verdict")
     holdout: HoldoutResult

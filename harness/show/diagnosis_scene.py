@@ -32,8 +32,12 @@ def model_names(result: Mapping[str, Any]) -> list[str]:
     mechanisms = result["mechanisms"]
     if not mechanisms:
         return ["viscous and Coulomb"]
-    first = mechanisms[0]
-    return ["viscous and Coulomb", "refined" if first["grade"] == "explains" else f"with {first['name']}"]
+    return ["viscous and Coulomb", "refined" if mechanisms[0]["grade"] == "explains" else f"with {best_terms(result)}"]
+
+
+def best_terms(result: Mapping[str, Any]) -> str:
+    """Catalogue names of the best model found."""
+    return " and ".join(dict.fromkeys(term["name"] for term in result["refined_model"]["terms"]))
 
 
 def shaded_spans(result: Mapping[str, Any]) -> list[list[float]]:

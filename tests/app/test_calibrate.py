@@ -62,7 +62,7 @@ def test_the_bound_of_few_cycles_is_that_of_random_directions() -> None:
     [
         (["few-cycles", "--draws", "0"], "--draws: 0; a whole number of at least 1 is accepted"),
         (["few-cycles", "--jobs", "-1"], "--jobs: -1; a whole number of at least 1 is accepted"),
-        (["few-cycles", "--plant", "."], "--plant: given with few-cycles; it is accepted with main-effect"),
+        (["few-cycles", "--plant", "."], "--plant: given with few-cycles; it is accepted with main-effect and tables"),
     ],
 )
 def test_options_that_do_not_go_are_refused(

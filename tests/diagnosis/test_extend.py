@@ -20,7 +20,7 @@ from harness.estimate.noise import Noise, channel_noise
 from harness.kernels.solve import Scales, simulate, solve
 from harness.model.model import Model, ModelTerm
 from harness.model.place import Place
-from harness.model.registry import TERMS
+from harness.model.registry import NAMED
 
 
 def decay() -> Problem:
@@ -40,7 +40,7 @@ def test_a_law_too_stiff_for_a_first_look_is_nothing_to_build_on(monkeypatch: py
 
 
 def test_a_name_must_stand_out_among_all_that_were_tried() -> None:
-    assert pytest.approx(DECISIVE.value + 2.0 * np.log(len({term.name for term in TERMS}))) == AMONG_NAMES.value
+    assert pytest.approx(DECISIVE.value + 2.0 * np.log(len({term.name for term in NAMED}))) == AMONG_NAMES.value
 
 
 @pytest.mark.parametrize(

@@ -12,7 +12,7 @@ from harness.kernels import generate
 from harness.kernels.examine import examine
 from harness.kernels.laws import laws
 from harness.kernels.layout import CHANGES_IN_TIME, SMOOTH, lay_out
-from harness.model.law import D_PARAMETER, D_T, D_X, VALUE
+from harness.model.law import D_INTERNAL, D_PARAMETER, D_T, D_X, VALUE
 from harness.model.model import Model, ModelTerm
 from harness.model.registry import TERMS, term
 from harness.model.term import Parameter, Slot, Term
@@ -59,7 +59,7 @@ def low(v: float, theta: FloatArray, o: int, out: FloatArray) -> None:
 def springy(v: float, side: int, z: float, level: float, theta: FloatArray, o: int, out: FloatArray) -> None:
     """A bristle without end."""
     out[0, VALUE], out[1, VALUE] = theta[o] * z, v
-    out[0, 9], out[0, D_PARAMETER], out[1, 2] = theta[o], z, 1.0
+    out[0, D_INTERNAL], out[0, D_PARAMETER], out[1, 2] = theta[o], z, 1.0
 
 
 def entry(law: Any, slot: Slot = Slot.SMOOTH, **changed: Any) -> Term:

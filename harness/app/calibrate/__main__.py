@@ -5,7 +5,7 @@ import sys
 from collections.abc import Sequence
 from pathlib import Path
 
-from harness.app.calibrate import few_cycles, main_effect, pair_promise, pairs_apart, screen_share, second_term
+from harness.app.calibrate import few_cycles, main_effect, pair_promise, pairs_apart, screen_share, second_term, tables
 from harness.app.calibrate.calibration import Calibration, measured
 from harness.core.errors import HarnessError, InputError
 
@@ -16,7 +16,10 @@ CALIBRATIONS: dict[str, Calibration] = {
     "pair-promise": pair_promise.CALIBRATION,
     "main-effect": main_effect.CALIBRATION,
     "few-cycles": few_cycles.CALIBRATION,
+    "tables": tables.CALIBRATION,
 }
+_OF_PLANT = {"main-effect": main_effect.of_plant, "tables": tables.of_plant}
+"""Those that can be measured on recordings that are there."""
 
 
 def main(argv: Sequence[str] | None = None) -> int:
@@ -27,7 +30,9 @@ def main(argv: Sequence[str] | None = None) -> int:
     parser.add_argument("--draws", type=int, default=100)
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--jobs", type=int, default=1, help="processes side by side")
-    parser.add_argument("--plant", type=Path, help="main-effect: a folder that python -m harness.proof.machines left")
+    parser.add_argument(
+        "--plant", type=Path, help="main-effect, tables: a folder that python -m harness.proof.machines left"
+    )
     told = parser.parse_args(argv)
     try:
         print("\n".join(_lines(told)))
@@ -41,9 +46,9 @@ def _lines(told: argparse.Namespace) -> Sequence[str]:
     for option, value in (("--draws", told.draws), ("--jobs", told.jobs)):
         if value < 1:
             raise InputError(option, str(value), "a whole number of at least 1 is accepted")
-    if told.plant is not None and told.name != "main-effect":
-        raise InputError("--plant", f"given with {told.name}", "it is accepted with main-effect")
-    chosen = CALIBRATIONS[told.name] if told.plant is None else main_effect.of_plant(told.plant)
+    if told.plant is not None and told.name not in _OF_PLANT:
+        raise InputError("--plant", f"given with {told.name}", f"it is accepted with {' and '.join(_OF_PLANT)}")
+    chosen = CALIBRATIONS[told.name] if told.plant is None else _OF_PLANT[told.name](told.plant)
     rows = measured(chosen.measure, told.seed, told.draws, told.jobs)
     return [f"{told.name}: seed {told.seed}, {told.draws} draws, {len(rows)} measured", *chosen.said(rows)]
 

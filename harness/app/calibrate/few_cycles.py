@@ -20,13 +20,13 @@ from harness.diagnosis.rules import GAIN, LEAST_CYCLES, SHARE_OF_EXCESS
 from harness.diagnosis.search.screen import screen
 from harness.diagnosis.search.start_evidence import evidence as starting_evidence
 from harness.estimate.noise import channel_noise
-from harness.model.registry import TERMS
+from harness.model.registry import NAMED
 from harness.proof.plant.base import Base
 from harness.proof.plant.integrate import simulate
 
 CYCLES = (4, 5, 6, 8, 10, 14)
 LEVEL = 0.05
-_ONE = tuple(term for term in TERMS if len(term.parameters) == 1 and term.amplitude is not None)
+_ONE = tuple(term for term in NAMED if len(term.parameters) == 1 and term.amplitude is not None)
 _MISFIT, _NOISE = 0.01, 1e-4
 """Over the first amplitude."""
 _PER_CYCLE = 50

@@ -14,13 +14,13 @@ from harness.diagnosis.search.long_recordings import shortened
 from harness.diagnosis.search.search import noise_of, under
 from harness.estimate.noise import channel_noise
 from harness.kernels.solve import Scales
-from harness.model.registry import TERMS
+from harness.model.registry import NAMED
 from harness.model.term import Term
 from harness.proof.plant import KINDS, Case, draw
 from harness.proof.plant.catalogue import NEEDS, compatible
 
 NOISES = ("white", "coloured", "quantised")
-NAMES = tuple(name for name in KINDS if any(term.name == name and "driven" not in term.needs for term in TERMS))
+NAMES = tuple(name for name in KINDS if any(term.name == name and "driven" not in term.needs for term in NAMED))
 """Effects of the plant that show in a free decay."""
 
 
@@ -65,7 +65,7 @@ def seen(problem: Problem, fitted: Fit, scales: Scales) -> Start:
 
 def terms_of(name: str) -> tuple[Term, ...]:
     """Catalogue entries of a name."""
-    return tuple(term for term in TERMS if term.name == name)
+    return tuple(term for term in NAMED if term.name == name)
 
 
 def with_term(start: Start, name: str) -> Start | None:

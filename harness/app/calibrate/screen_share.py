@@ -10,7 +10,7 @@ from harness.diagnosis.fit.model_fit import fit
 from harness.diagnosis.rules import SCREEN_SHARE
 from harness.diagnosis.search.screen import screen
 from harness.diagnosis.search.start_evidence import evidence
-from harness.model.registry import TERMS
+from harness.model.registry import NAMED
 
 _EARLY = 0.5
 _LAWS = tuple(name for name in NAMES if all(t.amplitude is not None and len(t.parameters) > 1 for t in terms_of(name)))
@@ -28,7 +28,7 @@ def measure(seed: int, index: int) -> tuple[str, float] | None:
         (start.problem, start.base),
         (early, fit(start.base.model, early, start.base.free, start.scales)),
     ):
-        found = screen(base, problem, evidence(base, problem, start.scales), start.scales, TERMS)
+        found = screen(base, problem, evidence(base, problem, start.scales), start.scales, NAMED)
         own = max((c.gain for c in found if c.term.name == name), default=0.0)
         if found and found[0].gain > 0.0:
             shares.append(own / found[0].gain)

@@ -18,8 +18,10 @@ from harness.diagnosis.explain.engines import engine_fit
 from harness.diagnosis.explain.verdict_sentence import sentence_of
 from harness.diagnosis.fit.model_fit import Fit
 from harness.diagnosis.fit.rmse import fit_percent, rmse
-from harness.diagnosis.outcome import Holdout, Mechanism, Outcome, Prediction
+from harness.diagnosis.fit.standard_errors import unit_of
+from harness.diagnosis.outcome import Holdout, Mechanism, Outcome, Prediction, Table
 from harness.diagnosis.problem import Problem
+from harness.diagnosis.tables.describe import gauge_of
 from harness.model.document import to_document
 from harness.model.model import Model
 from harness.results.common import P, RecordingInfo
@@ -33,9 +35,11 @@ from harness.results.diagnosis import (
     ForcedResult,
     HoldoutResult,
     MechanismResult,
+    NearResult,
     PredictionResult,
     RemainderResult,
     RuleResult,
+    TableResult,
 )
 from harness.results.model import ModelDocument
 
@@ -65,6 +69,7 @@ def result_of(
         mechanisms=[_mechanism(m, outcome) for m in outcome.mechanisms],
         refined=_fit_result(outcome.refined, problem, {n: P.of(q) for n, q in outcome.refined_parameters.items()}),
         remainder=None if outcome.remainder is None else RemainderResult(**asdict(outcome.remainder)),
+        tables=[_table(table, problem) for table in outcome.tables],
         fit_percent=FitPercent(
             baseline=fit_percent(outcome.base.shown.y, problem), refined=fit_percent(outcome.refined.shown.y, problem)
         ),
@@ -136,6 +141,21 @@ def _mechanism(mechanism: Mechanism, outcome: Outcome) -> MechanismResult:
         forward=_predicted(mechanism.forward),
         where=where_of(mechanism, outcome),
         alternatives=[AlternativeResult(name=a.name, delta_bic=a.delta_bic) for a in mechanism.alternatives],
+    )
+
+
+def _table(table: Table, problem: Problem) -> TableResult:
+    return TableResult(
+        form=table.form,
+        of=table.of,
+        at=table.at.tolist(),
+        at_unit=unit_of("m" if table.of == "x" else "m/s", problem),
+        force=table.force.tolist(),
+        stderr=table.stderr.tolist(),
+        force_unit=unit_of("N", problem),
+        gauge=gauge_of(table),
+        described=table.described,
+        nearest=[NearResult(name=name, share=share) for name, share in table.nearest],
     )
 
 

@@ -24,6 +24,7 @@ from harness.fidelity.describe import scenario_of
 from harness.fidelity.metrics import decay as figures
 from harness.kernels.solve import Scales, simulate
 from harness.model import document
+from harness.model.beyond import beyond
 from harness.model.model import Model, Restoring
 from harness.model.term import Slot
 from harness.results.run import Metrics, TraceResult
@@ -31,6 +32,8 @@ from harness.show.sentences.run import position_error
 
 _PERIODS = 10.0
 _LONGEST = 200.0
+_LOOKS = 4000
+"""Samples at which a motion is held against the range of a table."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -122,6 +125,9 @@ class ModelCase(Case):
             f"{entry.term.name}: {entry.term.say(dict(zip(entry.term.names, map(_digits, entry.values), strict=True)))}"
             for entry in self._model.terms
         ]
+        if any(entry.term.known is not None for entry in self._model.terms):
+            motion = self.exact(np.linspace(0.0, self._scenario.duration, _LOOKS))
+            said += beyond(self._model, motion.x, motion.v)
         if sensors := self._model.in_slot(Slot.OBSERVATION):
             names = ", ".join(entry.term.name for entry in sensors)
             said.append(

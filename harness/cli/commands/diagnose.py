@@ -166,8 +166,8 @@ def _fits(result: "DiagnosisResult") -> "Table":
     for heading in ("viscous and Coulomb", "refined")[: len(fits)]:
         table.add_column(heading, justify="right", no_wrap=True)
     if result.mechanisms:
-        # several that explain are in one model together; of several that are graded the best alone
-        added = [m.name for m in result.mechanisms if m.grade == "explains"] or [result.mechanisms[0].name]
+        # several that explain are in one model together; of several that are graded the best alone, or a table
+        added = dict.fromkeys(term.name for term in result.refined_model.terms)
         table.add_row("term", "-", "\n".join(added))
     table.add_row("chi2 a point", *(_chi2(fit) for fit in fits))
     if result.fit_percent is not None:

@@ -64,8 +64,8 @@ def _mechanism(finalist: Finalist, graded: Graded, base: Fit, problem: Problem) 
         alternatives=_alternatives(finalist, graded) if graded.grade is Grade.MAIN else (),
         grade=graded.grade,
         share=finalist.share,
-        held_out=_prediction(graded.base_held, finalist.held),
-        forward=_prediction(graded.base_run, finalist.run),
+        held_out=prediction(graded.base_held, finalist.held),
+        forward=prediction(graded.base_run, finalist.run),
     )
 
 
@@ -81,7 +81,8 @@ def _alternatives(first: Finalist, graded: Graded) -> tuple[Alternative, ...]:
     return tuple(sorted(listed, key=lambda a: a.name not in twins))[:_MOST_ALTERNATIVES]
 
 
-def _prediction(before: Predicted | None, after: Predicted | None) -> Prediction | None:
+def prediction(before: Predicted | None, after: Predicted | None) -> Prediction | None:
+    """What two models miss of the same blocks, as results say it."""
     if before is None or after is None:
         return None
     ratios = after.by_span / np.maximum(before.by_span, 1e-300)

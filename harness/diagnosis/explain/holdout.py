@@ -29,7 +29,7 @@ from harness.diagnosis.verdict import Judgement
 from harness.kernels.solve import Scales
 from harness.model.model import Model, ModelTerm
 from harness.model.place import Place, Spans
-from harness.model.registry import TERMS
+from harness.model.registry import NAMED
 
 _TURNS = 5
 """Of five cycles one is held out, each in its turn."""
@@ -87,7 +87,7 @@ def _best_ranked(base: Fit, singles: Sequence[Fit], problem: Problem, scales: Sc
     """The term that ranks first when nothing is missing: by BIC, else (no term was worth a fit) by its promise."""
     if singles:
         return singles[0]
-    for candidate in screen(base, problem, evidence(base, problem, scales), scales, TERMS):
+    for candidate in screen(base, problem, evidence(base, problem, scales), scales, NAMED):
         with suppress(SimulationError):
             return fit(
                 candidate.model, problem, free_of(candidate.model, base_of(base.free)), scales, 15, thorough=False

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from harness.diagnosis.fit.least_squares import Fit
+from harness.diagnosis.fit.model_fit import Fit
 from harness.diagnosis.problem import Problem
 from harness.model.place import Place
 

@@ -1,6 +1,6 @@
 """The verdict in a sentence."""
 
-from harness.diagnosis.outcome import Outcome
+from harness.diagnosis.outcome import Grade, Outcome
 
 _NOTHING = "Viscous and Coulomb friction explain this recording to its noise: nothing is left out that it could show."
 _UNTESTED = (
@@ -15,7 +15,7 @@ _NOBODY = (
 
 def sentence_of(outcome: Outcome) -> str:
     """The verdict in a sentence or two, with numbers."""
-    words = [m.name.replace("-", " ") for m in outcome.mechanisms]
+    words = [m.name.replace("-", " ") for m in outcome.mechanisms if m.grade is not Grade.TABULATED]
     if outcome.verdict == "adequate":
         return _NOTHING if outcome.tested else _UNTESTED
     if outcome.verdict == "missing_physics":
@@ -23,6 +23,7 @@ def sentence_of(outcome: Outcome) -> str:
         return f"The simulation leaves out {' and '.join(words)}: {said}"
     share = _percent(outcome.mechanisms[0].share) if words else ""
     left = "" if outcome.remainder is None else f" {_capital(outcome.remainder.looks_like)}."
+    left = f"{_tabulated(outcome)}{left}"
     over = 1.0 if outcome.remainder is None else outcome.remainder.over_noise
     if outcome.verdict == "main_effect":
         return (
@@ -41,6 +42,15 @@ def sentence_of(outcome: Outcome) -> str:
         )
     minor = f" The largest single part of it is {words[0]} ({share})." if words else ""
     return f"{_NOBODY}{minor}{left}"
+
+
+def _tabulated(outcome: Outcome) -> str:
+    """What has no name, as a table."""
+    tables = [m for m in outcome.mechanisms if m.grade is Grade.TABULATED]
+    if not tables:
+        return ""
+    said = " ".join(dict.fromkeys(m.statement for m in tables))
+    return f" What has no name is in the model as a table that takes {_percent(tables[0].share)} off. {said}"
 
 
 def _percent(share: float | None) -> str:

@@ -33,7 +33,7 @@ from harness.diagnosis.search.extend import extend
 from harness.diagnosis.search.start_evidence import evidence as starting_evidence
 from harness.model.evidence import Evidence
 from harness.model.model import ModelTerm
-from harness.model.registry import TERMS
+from harness.model.registry import NAMED
 
 _FINALISTS = 4
 """Names whose predictions are computed."""
@@ -127,7 +127,7 @@ def ranked(misfit: Misfit) -> list[Finalist]:
 def _cells(seen: Evidence) -> dict[str, float]:
     """Places that each name's parameters are scanned over: its probes, a cosine and a sine counted as one."""
     cells: dict[str, float] = {}
-    for term in TERMS:
+    for term in NAMED:
         probes = len(term.probes(seen)) / (1.0 if term.phase is None else 2.0)
         cells[term.name] = cells.get(term.name, 0.0) + max(probes, 1.0)
     return cells

@@ -1,7 +1,7 @@
 """Prediction of what was left out of a fit: interleaved blocks of cycles, and the last part from the first."""
 
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from contextlib import suppress
 from dataclasses import dataclass
 
@@ -80,6 +80,16 @@ def held_out(found: Fit, problem: Problem, scales: Scales, strokes: Strokes) -> 
 
     The trajectory runs through. An interleaved block says little against a law of time: see ``free_run``.
     """
+    return by_blocks(problem, strokes, lambda out: _refitted(found, problem, scales, ~out))
+
+
+def by_blocks(
+    problem: Problem, strokes: Strokes, refitted: Callable[[BoolArray], Mapping[str, FloatArray] | None]
+) -> Predicted | None:
+    """What is missed of blocks that were left out, fold by fold.
+
+    refitted : from the samples (n,) left out to what a model shows (n,) by channel that was fitted to the others.
+    """
     block = blocks_of(strokes)
     count = int(block.max()) + 1
     if count < 2:
@@ -87,7 +97,7 @@ def held_out(found: Fit, problem: Problem, scales: Scales, strokes: Strokes) -> 
     squares = {c: np.zeros(count) for c in problem.channels}
     for fold in range(min(_FOLDS, count)):
         out = (block >= 0) & (block % _FOLDS == fold)
-        shown = _refitted(found, problem, scales, ~out)
+        shown = refitted(out)
         if shown is None:
             return None
         for c, left in _missed(problem, shown).items():

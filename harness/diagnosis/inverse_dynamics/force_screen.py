@@ -18,7 +18,7 @@ from harness.diagnosis.search.screen import applicable, with_amplitudes
 from harness.kernels.solve import Scales
 from harness.model.evidence import Evidence
 from harness.model.model import Model, ModelTerm
-from harness.model.registry import TERMS
+from harness.model.registry import NAMED
 from harness.model.term import Probe, Slot, Term
 
 _SLOTS = frozenset({Slot.SMOOTH, Slot.FRICTION_LAW, Slot.FRICTION_LEVEL, Slot.FRICTION_MODULATION, Slot.INTERNAL})
@@ -76,7 +76,7 @@ def starts(found: ForceFit, measured: Measured, problem: Problem, scales: Scales
     """The model with one more law each, at its best probes."""
     evidence = _evidence(found, measured, problem, scales)
     q, _ = np.linalg.qr(found.jacobian / np.maximum(np.linalg.norm(found.jacobian, axis=0), 1e-300))
-    for term in TERMS:
+    for term in NAMED:
         if not sayable(term) or not applicable(term, found.model, problem):
             continue
         probes = list(term.probes(evidence))

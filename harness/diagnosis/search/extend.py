@@ -27,7 +27,7 @@ from harness.diagnosis.search.screen import Candidate, direct, screen
 from harness.diagnosis.search.start_evidence import evidence
 from harness.kernels.solve import Scales
 from harness.model.model import Model
-from harness.model.registry import TERMS
+from harness.model.registry import NAMED
 from harness.model.term import Term
 
 _COARSE_SAMPLES = 1200
@@ -121,18 +121,24 @@ def _with_friction(current: Fit, problem: Problem, scales: Scales) -> Fit | None
     What is missing may have taken friction's place in the base. Laws that bend or modulate friction then answer to
     nothing, and are looked for from here: equal energy over a cycle of half the amplitude, 4 f_k X = pi c omega X^2.
     """
-    model = current.model
-    as_friction = math.pi / 4.0 * model.c * scales.omega * 0.5 * scales.x
-    if "f_k" not in base_of(current.free) or model.f_k > FRICTION_GONE.value * as_friction:
+    split = with_friction(current.model, base_of(current.free), scales)
+    if split is None:
         return None
-    split = replace(model, c=0.5 * model.c, f_k=0.5 * as_friction)
     try:
         return fit(split, problem, current.free, scales, 0, COARSE, thorough=False)
     except SimulationError:
         return None
 
 
-def extend(current: Fit, problem: Problem, scales: Scales, terms: Sequence[Term] = TERMS) -> Step:
+def with_friction(model: Model, base: tuple[str, ...], scales: Scales) -> Model | None:
+    """A model whose friction, which is fitted, has vanished, with half of its damping as friction; None for others."""
+    as_friction = math.pi / 4.0 * model.c * scales.omega * 0.5 * scales.x
+    if "f_k" not in base or model.f_k > FRICTION_GONE.value * as_friction:
+        return None
+    return replace(model, c=0.5 * model.c, f_k=0.5 * as_friction)
+
+
+def extend(current: Fit, problem: Problem, scales: Scales, terms: Sequence[Term] = NAMED) -> Step:
     """Fit every term that is worth it on top of a model."""
     base = base_of(current.free)
     if "v0" in problem.starts.names and "v0" not in base:
@@ -156,7 +162,7 @@ def extend(current: Fit, problem: Problem, scales: Scales, terms: Sequence[Term]
 def promising_start(current: Fit, problem: Problem, scales: Scales) -> bool:
     """Whether some further term may bring a model near the noise, to first order: else no pair with it explains."""
     try:
-        found = screen(current, problem, evidence(current, problem, scales), scales, TERMS)
+        found = screen(current, problem, evidence(current, problem, scales), scales, NAMED)
     except SimulationError:
         return False
     return bool(found) and current.chi2 - found[0].gain <= PAIR_PROMISE.value * current.points

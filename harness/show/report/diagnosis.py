@@ -9,6 +9,7 @@ from harness.core.trajectory import Trajectory
 from harness.show.numbers import number
 from harness.show.report.diagnosis_bars import Evidence, Left, Shares
 from harness.show.report.diagnosis_figures import Before, Mismatch, PhasePlane
+from harness.show.report.diagnosis_force import Tables
 from harness.show.report.diagnosis_tables import Engines, Heldout, Mechanisms, Models, Rules
 from harness.show.report.section import Section
 from harness.show.report.sources import MadeWith
@@ -32,6 +33,8 @@ def diagnosis_sections(
         sections.append(Mechanisms(result))
     if result["remainder"] is not None:
         sections.append(Left(result))
+    if result["tables"]:
+        sections.append(Tables(result))
     sections.append(Models(result))
     if result["evidence"]:
         sections.append(Evidence(result))

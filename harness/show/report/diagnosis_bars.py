@@ -5,7 +5,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
-from harness.show.diagnosis_scene import AFTER, BEFORE
+from harness.show.diagnosis_scene import AFTER, BEFORE, best_terms
 from harness.show.numbers import number
 from harness.show.report.figure import Figure
 from harness.show.report.section import Section
@@ -137,7 +137,7 @@ class Left(Section):
         """What the template shows."""
         rest = self.result["remainder"]
         said = rest["looks_like"]
-        best = f"with {self.result['mechanisms'][0]['name']}" if self.result["mechanisms"] else "viscous and Coulomb"
+        best = f"with {best_terms(self.result)}" if self.result["mechanisms"] else "viscous and Coulomb"
         sentence = (
             f"The best model found ({best}) leaves {number(100.0 * rest['share'], 3)} % of the misfit; its residual is "
             f"{number(rest['over_noise'], 3)} times the sensors' noise. {said[0].upper()}{said[1:]}."

@@ -1,0 +1,111 @@
+"""A fitted table as a curve: what it says over the swept range, with one standard error, and what its gauge leaves out.
+
+The error is the larger of two: the penalised fit read as a posterior (Nychka 1988, J. Am. Stat. Assoc. 83, 1134), its
+noise as large as the scores of strokes scatter, and those scores through the fit (Liang and Zeger 1986). A misfit
+says one thing for half a swing; samples are no independent words. To it is added what else may be in the table: small
+effects that it has taken in are held to be as large, in proportion, as what it has left.
+"""
+
+import math
+from dataclasses import dataclass
+from typing import Literal, TypeAlias
+
+import numpy as np
+
+from harness.core.arrays import FloatArray
+from harness.diagnosis.grading.misfit import Misfit
+from harness.diagnosis.outcome import Table
+from harness.diagnosis.tables.basis import partials
+from harness.diagnosis.tables.penalised import TableFit
+from harness.fit.covariance import inverse_of
+from harness.kernels.solve import Scales
+from harness.model.model import ModelTerm
+from harness.model.term import Slot
+
+Quantity: TypeAlias = Literal["x", "v", "|v|"]
+POINTS = 121
+"""Of a curve."""
+
+
+@dataclass(frozen=True, slots=True)
+class Strip:
+    """A piece of a curve over one quantity: where it is known, and the fit's partials (m, q) of its force there."""
+
+    of: Quantity
+    at: FloatArray
+    columns: FloatArray
+    unit_force: bool
+
+
+def covariances(found: TableFit, misfit: Misfit) -> tuple[FloatArray, FloatArray]:
+    """Posterior and sandwich (p, p) of base parameters and coordinates of the tables."""
+    inverse = inverse_of(found.curvature())
+    n, p = misfit.problem.t.size, found.jacobian.shape[1]
+    cluster, count = misfit.strokes.of, misfit.strokes.count
+    scores = np.zeros((count, p))
+    for i in range(found.residual.size // n):
+        rows = slice(i * n, (i + 1) * n)
+        each = found.jacobian[rows] * found.residual[rows, None]
+        scores += np.column_stack([np.bincount(cluster, each[:, j], count) for j in range(p)])
+    # the fit has taken its own share of what the strokes say
+    taken = len(found.free) + found.effective
+    meat = scores.T @ scores * count / max(count - taken, 1.0)
+    normal = found.jacobian.T @ found.jacobian
+    inflated = float(np.trace(inverse @ meat)) / max(float(np.trace(inverse @ normal)), 1e-300)
+    return inverse * inflated, inverse @ meat @ inverse
+
+
+def table_of(found: TableFit, misfit: Misfit, numbers: tuple[int, ...], said: str, before: float) -> Table:
+    """Some of the tables of a fit as one curve.
+
+    numbers : of the tables, places among the model's terms. before : chi-square without them, in the misfit's units.
+    """
+    strips = [_strip(found, i, misfit.scales) for i in numbers]
+    strips.sort(key=lambda one: float(one.at[0]))
+    of: Quantity = strips[0].of if len(strips) == 1 else "v"
+    at = np.concatenate([s.at for s in strips])
+    columns = np.vstack([s.columns for s in strips])
+    level = math.inf if strips[0].unit_force else found.model.f_k
+    factor = 1.0 if math.isinf(level) else level
+    b = len(found.free)
+    spread = [
+        np.sqrt(np.maximum(np.einsum("ij,jk,ik->i", columns, v[b:, b:], columns), 0.0))
+        for v in covariances(found, misfit)
+    ]
+    x, v = found.shown.x, found.shown.v
+    quantity = {"x": x, "|v|": np.abs(v), "v": v}[of]
+    looks = np.quantile(quantity[v != 0.0], np.linspace(0.0, 1.0, POINTS))
+    # friction is never below none
+    force = np.maximum(factor * (columns @ found.at), -level)
+    taken = max(before - found.squares, 1e-300)
+    size = float(np.sqrt(np.mean(np.interp(looks, at, force) ** 2)))
+    beside = size * math.sqrt(found.squares / taken)
+    stderr = np.hypot(factor * np.maximum(*spread), beside)
+    return Table(said, of, at, force, stderr, looks, _gauge(found, of, strips[0].unit_force))
+
+
+def _gauge(found: TableFit, of: Quantity, unit_force: bool) -> tuple[str, ...]:
+    """What the table has none of: "constant", "line"."""
+    names = {f.name for f in found.free}
+    if of != "x":
+        return ("line",)
+    if not unit_force:
+        return ("constant",)
+    return (*(("constant",) if "offset" in names else ()), *(("line",) if "k" in names else ()))
+
+
+def _strip(found: TableFit, number: int, scales: Scales) -> Strip:
+    """One table over the range in which it is known."""
+    entry: ModelTerm = found.model.terms[number]
+    known = entry.term.known
+    assert known is not None
+    low, high = known.ends(entry.values)
+    at = np.linspace(low, high, POINTS)
+    mine = [c for c, (i, _) in enumerate(found.basis.places) if i == number]
+    side = -1.0 if known.of == "-v" else 1.0
+    x, v = (at, np.ones(POINTS)) if known.of == "x" else (np.zeros(POINTS), side * at)
+    rows = partials(found.model, number, x, v, scales) @ found.basis.free[mine]
+    if side < 0.0:
+        at, rows = -at[::-1], rows[::-1]
+    of: Quantity = "v" if known.of in ("v", "-v") else "x" if known.of == "x" else "|v|"
+    return Strip(of, at, rows, entry.term.slot is Slot.SMOOTH)

@@ -1,0 +1,127 @@
+"""Which tables stay: those that predict blocks of cycles that took no part in their fit, clearly better than without.
+
+Outer blocks judge; how smooth a table is was chosen by inner ones, anew for each fold, so that no block takes part in
+what predicts it. The first cycle, with the largest swings, is in every fit.
+"""
+
+from collections.abc import Mapping
+from contextlib import suppress
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from harness.core.arrays import BoolArray, FloatArray
+from harness.core.errors import SimulationError
+from harness.diagnosis.fit.observe import COARSE, FINE, observe
+from harness.diagnosis.fit.parameters import free_of
+from harness.diagnosis.grading.misfit import Misfit
+from harness.diagnosis.grading.prediction import Predicted, blocks_of, by_blocks, clearly_less, ratio
+from harness.diagnosis.rules import TABLE_BETTER, TABLE_ERRORS, TABLE_WORDS
+from harness.diagnosis.search.extend import with_friction
+from harness.diagnosis.tables.basis import basis_of
+from harness.diagnosis.tables.penalised import FIRST, TableFit, fit_tables, strength_by_blocks
+from harness.diagnosis.tables.rungs import RUNGS, Rung
+from harness.model.model import Model
+from harness.model.term import Slot
+
+_AGAIN = 8
+"""Steps of a refit that starts from the fit to all."""
+_FEWEST_BLOCKS = 4
+"""Blocks below which their scatter says nothing."""
+
+
+@dataclass(frozen=True, slots=True)
+class Tabulated:
+    """A rung fitted to all, and what it misses of what it was not fitted to."""
+
+    rung: Rung
+    fit: TableFit
+    held: Predicted
+
+
+def fitted(rung: Rung, misfit: Misfit, model: Model, base: tuple[str, ...]) -> TableFit | None:
+    """A rung beside a model, as smooth as blocks of the recording say; None where it cannot be simulated."""
+    problem, scales = misfit.problem, misfit.scales
+    if any(term.slot is Slot.FRICTION_MODULATION for term in rung.terms):
+        model = with_friction(model, base, scales) or model
+    most, block = TABLE_WORDS.value * misfit.words, blocks_of(misfit.strokes)
+    with suppress(SimulationError):
+        shown = observe(model, problem, (), scales, COARSE)
+        basis = basis_of(rung, model, base, shown.x, shown.v, scales)
+        free = free_of(model, base)
+        # the terms of the model move with the base; of the tables only what the gauge leaves
+        at = np.zeros(basis.free.shape[1])
+        found = fit_tables(basis, basis.model, at, free, problem, scales, FIRST)
+        every = range(int(block.max()) + 1)
+        strength = strength_by_blocks(found, block, every, most)
+        return fit_tables(basis, found.model, found.at, free, problem, scales, strength, found.penalty)
+    return None
+
+
+def held_out(found: TableFit, misfit: Misfit) -> Predicted | None:
+    """What a rung misses of blocks of cycles that neither its values nor its smoothness were fitted to."""
+    problem, scales, block = misfit.problem, misfit.scales, blocks_of(misfit.strokes)
+    most = TABLE_WORDS.value * misfit.words
+
+    def refitted(out: BoolArray) -> Mapping[str, FloatArray] | None:
+        with suppress(SimulationError):
+            left_out = set(np.unique(block[out]).tolist())
+            keep = [i for i in range(int(block.max()) + 1) if i not in left_out]
+            strength = strength_by_blocks(found, block, keep, most)
+            again = fit_tables(
+                found.basis,
+                found.model,
+                found.at,
+                found.free,
+                problem.weighted(~out),
+                scales,
+                strength,
+                found.penalty,
+                _AGAIN,
+            )
+            return observe(again.model, problem, (), scales, FINE).y
+        return None
+
+    return by_blocks(problem, misfit.strokes, refitted)
+
+
+def tabulated(misfit: Misfit, model: Model, names: tuple[str, ...], before: Predicted) -> tuple[Tabulated, ...]:
+    """The rungs that stay beside a model, the one that predicts best first; none where none does.
+
+    names : base parameters of the model's fit. before : what it misses of the blocks without a table.
+    """
+    if before.by_span.size < _FEWEST_BLOCKS:
+        return ()
+    base = (*names, "v0") if "v0" in misfit.problem.starts.names and "v0" not in names else names
+    kept: dict[str, Tabulated] = {}
+    for rung in RUNGS:
+        found = fitted(rung, misfit, model, base)
+        held = None if found is None else held_out(found, misfit)
+        if found is None or held is None:
+            continue
+        if all(improves(held, one) for one in (before, *(kept[on].held for on in rung.on if on in kept))):
+            kept[rung.said] = Tabulated(rung, found, held)
+    return tuple(sorted(kept.values(), key=lambda one: one.held.total))
+
+
+def improves(held: Predicted, before: Predicted) -> bool:
+    """Whether so much less is missed that a table, or a further one, stays."""
+    return ratio(held, before) <= TABLE_BETTER.value and clearly_less(held, before, TABLE_ERRORS.value)
+
+
+def finished(found: Tabulated, misfit: Misfit) -> Tabulated:
+    """The same, fitted finely."""
+    fit = found.fit
+    with suppress(SimulationError):
+        fit = fit_tables(
+            fit.basis,
+            fit.model,
+            fit.at,
+            fit.free,
+            misfit.problem,
+            misfit.scales,
+            fit.strength,
+            fit.penalty,
+            effort=FINE,
+        )
+    return replace(found, fit=fit)

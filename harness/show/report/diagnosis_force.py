@@ -1,0 +1,70 @@
+"""Forces without a name, drawn: each table with its band over the range that was swept."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+import numpy as np
+
+from harness.show.report.figure import Figure
+from harness.show.report.section import Section
+
+_COLOR, _BAND = "#e4632d", "rgba(228, 99, 45, 0.18)"
+_ERRORS = 2.0
+"""Standard errors of a band."""
+
+
+@dataclass(frozen=True)
+class Tables(Section):
+    """What has no name, as curves. result : as in harness.diagnosis/2, with tables."""
+
+    template: ClassVar[str] = "figures.html.j2"
+    result: Mapping[str, Any]
+
+    @property
+    def title(self) -> str:
+        """The heading."""
+        return "Force without a name"
+
+    def context(self) -> Mapping[str, Any]:
+        """What the template shows."""
+        return {"figures": [_figure(i, table) for i, table in enumerate(self.result["tables"])]}
+
+
+def _figure(number: int, table: Mapping[str, Any]) -> Figure:
+    at, force, stderr = (np.array(table[key]) for key in ("at", "force", "stderr"))
+    label = {"x": "displacement", "v": "speed", "|v|": "speed, either way"}[table["of"]]
+    at_unit, unit = _unit(table["at_unit"]), _unit(table["force_unit"])
+    plain: dict[str, Any] = {"type": "scatter", "mode": "lines", "x": at, "hoverinfo": "skip", "showlegend": False}
+    line = {"width": 0}
+    traces = [
+        {**plain, "y": force - _ERRORS * stderr, "line": line},
+        {**plain, "y": force + _ERRORS * stderr, "line": line, "fill": "tonexty", "fillcolor": _BAND},
+        {
+            "type": "scatter",
+            "mode": "lines",
+            "name": table["form"],
+            "x": at,
+            "y": force,
+            "line": {"color": _COLOR, "width": 2},
+            "hovertemplate": "%{x:.4g}: %{y:.4g}<extra></extra>",
+        },
+    ]
+    layout = {
+        "xaxis": {"title": {"text": f"{label} / {at_unit}"}},
+        "yaxis": {"title": {"text": f"{table['form']} / {unit}"}},
+        "showlegend": False,
+        "hovermode": "closest",
+    }
+    near = ", ".join(f"{one['name']} ({100.0 * one['share']:.0f} % of it)" for one in table["nearest"])
+    said = table["described"]
+    caption = (
+        f"{said[:1].upper()}{said[1:]}. On the left of the equation of motion, with two standard errors, over the "
+        f"range that was swept; beyond it nothing is known. The table holds {table['gauge']}."
+        f"{f' Nearest in the catalogue: {near}.' if near else ''}"
+    )
+    return Figure(f"table-{number}", traces, layout, caption, height=320)
+
+
+def _unit(unit: str) -> str:
+    return f"({unit})" if "/" in unit or " " in unit else unit

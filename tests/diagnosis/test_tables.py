@@ -1,0 +1,207 @@
+"""Forces without a name: tables find a law that no catalogue has, and nothing where there is none."""
+
+from dataclasses import replace
+from functools import cache
+
+import numpy as np
+import pytest
+
+from harness.app.calibrate.tables import Row, measure, said
+from harness.core.arrays import FloatArray
+from harness.diagnosis.baseline.base_fit import baseline
+from harness.diagnosis.fit.parameters import base_of, free_of
+from harness.diagnosis.grading.misfit import Misfit, misfit
+from harness.diagnosis.grading.prediction import blocks_of, held_out, ratio
+from harness.diagnosis.outcome import Table
+from harness.diagnosis.problem import Problem
+from harness.diagnosis.tables.basis import Basis, basis_of, partials
+from harness.diagnosis.tables.curve import table_of
+from harness.diagnosis.tables.describe import described, gauge_of
+from harness.diagnosis.tables.nearest import ungauged
+from harness.diagnosis.tables.penalised import Blocks, TableFit, fit_tables
+from harness.diagnosis.tables.rungs import RUNGS
+from harness.diagnosis.tables.selection import finished, tabulated
+from harness.estimate.noise import Noise
+from harness.kernels.solve import simulate
+from harness.model.model import Model, ModelTerm
+from harness.model.registry import TERMS
+from harness.model.spline import KNOTS
+from harness.model.term import Slot
+
+BASE = Model(1.0, 0.25, 40.0, 0.05, x0=1.0)
+T = np.linspace(0.0, 14.0, 1200)
+SIGMA = 2e-4
+BY_PLACE = next(t for t in TERMS if t.known is not None and t.known.of == "x" and t.slot is Slot.SMOOTH)
+
+
+def well(x: FloatArray) -> FloatArray:
+    """A magnet about x = 0.3."""
+    return np.asarray(1.2 * (x - 0.3) / 0.25 * np.exp(0.5 - 0.5 * ((x - 0.3) / 0.25) ** 2))
+
+
+def problem_of(model: Model, more: FloatArray | float = 0.0) -> Problem:
+    noise = SIGMA * np.random.default_rng(4).standard_normal(T.size)
+    return Problem(T, {"x": simulate(model, T).x + noise + more}, {"x": Noise(SIGMA, True)}, zero_free=True)
+
+
+def misfit_of(problem: Problem) -> Misfit:
+    base, scales = baseline(problem)
+    return misfit(problem, base, scales)
+
+
+@cache
+def magnet() -> Misfit:
+    knots = np.linspace(-1.1, 1.1, KNOTS)
+    return misfit_of(problem_of(BASE.with_terms(ModelTerm(BY_PLACE, (*well(knots).tolist(), -1.1, 1.1)))))
+
+
+@cache
+def fitted_magnet() -> TableFit:
+    seen = magnet()
+    return fit_tables(basis(), basis().model, np.zeros(basis().free.shape[1]), free(), seen.problem, seen.scales, 1e-3)
+
+
+def free() -> tuple:  # type: ignore[type-arg]
+    return free_of(magnet().base.model, base_of(magnet().base.free))
+
+
+@cache
+def basis(said: str = "f(x)") -> Basis:
+    seen = magnet()
+    rung = next(r for r in RUNGS if r.said == said)
+    shown = seen.base.shown
+    return basis_of(rung, seen.base.model, base_of(seen.base.free), shown.x, shown.v, seen.scales)
+
+
+def test_a_law_of_no_catalogue_is_found_with_its_place_and_within_its_band() -> None:
+    seen = magnet()
+    before = held_out(seen.base, seen.problem, seen.scales, seen.strokes)
+    assert before is not None
+    kept = tabulated(seen, seen.base.model, base_of(seen.base.free), before)
+    assert kept[0].rung.said == "f(x)"
+    assert ratio(kept[0].held, before) < 0.2
+    found = finished(kept[0], seen).fit
+    table = table_of(found, seen, (0,), "f(x)", seen.base.chi2)
+    # what the spring and the zero say is not the table's
+    true = ungauged(table, np.interp(table.swept + found.model.offset, T_TRUE, well_as_tabled()))
+    shown = np.interp(table.swept, table.at, table.force)
+    assert np.mean(np.abs(shown - true) <= 2.0 * np.interp(table.swept, table.at, table.stderr)) > 0.9
+    assert "x = 0.3" in described(table, found.model, False) or "x = 0.2" in described(table, found.model, False)
+
+
+T_TRUE = np.linspace(-1.1, 1.1, 400)
+
+
+def well_as_tabled() -> FloatArray:
+    """The well through the knots it was simulated with."""
+    model = BASE.with_terms(ModelTerm(BY_PLACE, (*well(np.linspace(-1.1, 1.1, KNOTS)).tolist(), -1.1, 1.1)))
+    rows = partials(model, 0, T_TRUE, np.ones(T_TRUE.size), magnet().scales)
+    return np.asarray(rows @ np.array(model.terms[0].values[:KNOTS]))
+
+
+def test_a_random_misfit_gets_no_table() -> None:
+    draws = np.random.default_rng(1).standard_normal(T.size)
+    left = np.zeros(T.size)
+    for i in range(1, T.size):
+        left[i] = 0.95 * left[i - 1] + 0.31 * draws[i]
+    seen = misfit_of(problem_of(BASE, 0.01 * left))
+    before = held_out(seen.base, seen.problem, seen.scales, seen.strokes)
+    assert before is not None
+    assert tabulated(seen, seen.base.model, base_of(seen.base.free), before) == ()
+
+
+@pytest.mark.parametrize("said", [r.said for r in RUNGS])
+def test_tables_hold_nothing_of_what_is_the_bases(said: str) -> None:
+    one, seen = basis(said), magnet()
+    x, v = seen.base.shown.x, seen.base.shown.v
+    moving = np.flatnonzero(v != 0.0)
+    at = moving[:: max(1, moving.size // 600)]
+    numbers = sorted({i for i, _ in one.places})
+    shown = np.hstack([partials(one.model, i, x[at], v[at], seen.scales) for i in numbers]) @ one.free
+    by_place = one.model.terms[0].term.known is not None and one.model.terms[0].term.known.of == "x"
+    if said == "g(x) sgn v":
+        functions = [np.ones(at.size)]
+    elif by_place:
+        functions = [x[at], np.ones(at.size)] if said == "f(x)" else []
+    else:
+        functions = [v[at]]
+    for f in functions:
+        assert np.abs(f @ shown).max() < 1e-8 * np.linalg.norm(f) * np.linalg.norm(shown, axis=0).max()
+
+
+def test_a_straight_line_has_no_roughness() -> None:
+    one = basis()
+    line = np.linspace(-3.0, 5.0, KNOTS)
+    assert np.abs(one.rough @ line).max() < 1e-10
+    assert np.abs(one.rough @ line**2).max() > 0.1
+
+
+def test_the_penalty_takes_freedom() -> None:
+    found = fitted_magnet()
+    freedom = [replace(found, strength=s).effective for s in (1e-8, 1e-3, 1.0, 1e3, 1e8)]
+    assert freedom == sorted(freedom, reverse=True)
+    assert freedom[0] == pytest.approx(found.at.size, abs=0.05)
+    assert freedom[-1] < 0.05
+
+
+def test_blocks_predict_as_a_fit_without_them_would() -> None:
+    found, block = fitted_magnet(), blocks_of(magnet().strokes)
+    blocks, b = Blocks.of(found, block), len(found.free)
+    penalty = np.zeros((found.jacobian.shape[1],) * 2)
+    penalty[b:, b:] = found.penalty.T @ found.penalty
+    out = block == 1
+    y = found.residual + found.jacobian @ np.concatenate((np.zeros(b), found.at))
+    j = found.jacobian[~out]
+    p = np.linalg.solve(j.T @ j + penalty, j.T @ y[~out])
+    numbers = np.arange(blocks.size.size)
+    missed = blocks.missed(numbers != 2, numbers == 2, penalty)
+    assert missed == pytest.approx(float(np.sum((y[out] - found.jacobian[out] @ p) ** 2)), rel=1e-6)
+
+
+AT = np.linspace(-1.0, 1.0, 121)
+SPEED = np.linspace(0.0, 1.0, 121)
+
+
+def table(form: str, of: str, at: FloatArray, force: FloatArray, *gauge: str) -> Table:
+    return Table(form, of, at, force, np.full(at.size, 1e-3), at, gauge)  # type: ignore[arg-type]
+
+
+SHAPES = [
+    (table("f(x)", "x", AT, np.tanh(AT / 0.15), "line"), "odd, stiffer about x ="),
+    (table("f(x)", "x", AT, AT**3 - 0.6 * AT, "constant", "line"), "odd, it hardens towards the ends"),
+    (table("f(x)", "x", AT, -(AT**3) + 0.6 * AT, "constant", "line"), "odd, it softens towards the ends"),
+    (table("f(x)", "x", AT, np.abs(AT) - 0.5, "constant", "line"), "even"),
+    (table("f(x)", "x", AT, np.maximum(AT - 0.3, 0.0) ** 2, "constant", "line"), "one-sided: it bends on the positive"),
+    (table("g(x) sgn v", "x", AT, np.exp(-(((AT - 0.3) / 0.2) ** 2)), "constant"), "it rubs most about x = 0.3 m"),
+    (table("g(x) sgn v", "x", AT, AT**4, "constant"), "it rubs most at both ends of the way"),
+    (table("g(x) sgn v", "x", AT, np.tanh(8.0 * AT), "constant"), "it rubs more on the positive side"),
+    (table("g(x) sgn v", "x", AT, 0.0 * AT, "constant"), "no place stands out of its error"),
+    (table("f(|v|) sgn v", "|v|", SPEED, np.exp(-SPEED / 0.1) - 1.0, "line"), "it falls with speed up to"),
+    (table("f(|v|) sgn v", "|v|", SPEED, np.tanh(SPEED / 0.2), "line"), "it saturates with speed"),
+    (table("f(|v|) sgn v", "|v|", SPEED, SPEED**3, "line"), "it grows faster than in proportion to speed"),
+    (table("f(v)", "v", AT, np.maximum(AT, 0.0) ** 2, "line"), "it acts forwards more than backwards"),
+]
+
+
+@pytest.mark.parametrize(("one", "words"), SHAPES)
+def test_a_shape_is_said_in_words(one: Table, words: str) -> None:
+    assert words in described(one, replace(BASE, c=0.01), False)
+    assert gauge_of(one)
+
+
+def test_figures_of_a_calibration_are_said() -> None:
+    rows = [
+        Row("table", "a", "f(x)", 9.0, kept="f(x)", ratio=0.3, held=1.0),
+        Row("table", "b", "f(v)", 9.0),
+        Row("random", "", "", 9.0),
+    ]
+    lines = list(said(rows))
+    assert "at most 0.7 of the base's in 1 of 2 (50 %)" in lines[0]
+    assert any("random: withdrawn 1 of 1" in line for line in lines)
+
+
+@pytest.mark.full
+def test_a_drawn_machine_is_measured() -> None:
+    row = measure(5, 0)
+    assert row.group == "table"
+    assert row.ratio <= 1.05

@@ -1,0 +1,76 @@
+"""Tables as terms: the spline they are made of, what they say at rest, where they are known; no search names one."""
+
+import numpy as np
+import pytest
+from scipy.interpolate import CubicSpline
+
+from harness.model.beyond import beyond
+from harness.model.law import D_PARAMETER, INTERNAL_COLUMNS, VALUE
+from harness.model.model import Model, ModelTerm
+from harness.model.registry import NAMED, TERMS
+from harness.model.spline import KNOTS, curve
+from harness.model.term import Slot
+
+TABLES = [t for t in TERMS if t.known is not None]
+VALUES = np.array([1.0, -2.0, 0.5, 4.0, 3.0, -1.0, 0.0, 2.0, 5.0, -3.0, 1.5, 2.5])
+
+
+def spline(u: float, values: np.ndarray = VALUES) -> tuple[float, float, np.ndarray]:
+    out = np.zeros(INTERNAL_COLUMNS)
+    value, slope = curve(u, 0, values, 0, out)
+    return value, slope, out[D_PARAMETER:]
+
+
+def test_the_spline_is_the_natural_one() -> None:
+    known = CubicSpline(np.arange(KNOTS), VALUES, bc_type="natural")
+    for u in np.linspace(0.0, KNOTS - 1.0, 57).tolist():
+        value, slope, _ = spline(u)
+        assert value == pytest.approx(known(u), abs=1e-12)
+        assert slope == pytest.approx(known(u, 1), abs=1e-11)
+
+
+def test_the_spline_is_linear_in_its_values() -> None:
+    value, _, weights = spline(3.7)
+    assert value == pytest.approx(weights[:KNOTS] @ VALUES)
+    assert weights[:KNOTS].sum() == pytest.approx(1.0)
+
+
+@pytest.mark.parametrize(
+    ("u", "last"), [(-0.5, VALUES[0]), (-1e300, VALUES[0]), (40.0, VALUES[-1]), (1e300, VALUES[-1])]
+)
+def test_beyond_its_ends_it_keeps_the_last_value(u: float, last: float) -> None:
+    value, slope, _ = spline(u)
+    assert value == pytest.approx(last)
+    assert slope == 0.0
+
+
+def test_no_number_is_no_place_in_memory() -> None:
+    assert spline(float("nan"))[0] == VALUES[0]
+
+
+def test_no_search_names_a_table() -> None:
+    assert {t.key for t in TERMS} - {t.key for t in NAMED} == {t.key for t in TABLES}
+    assert len({t.known for t in TABLES}) > 1
+    assert not any(t.probes is not TABLES[0].probes or t.amplitude is not None for t in TABLES)
+
+
+@pytest.mark.parametrize("entry", [t for t in TABLES if t.known is not None and t.known.of != "x"], ids=lambda t: t.key)
+def test_a_resistance_by_speed_is_nothing_at_rest_and_never_jumps(entry: object) -> None:
+    assert entry in TABLES
+    term = next(t for t in TABLES if t is entry)
+    assert term.law is not None
+    for v in (0.0, 1e-12, -1e-12):
+        out = np.zeros(INTERNAL_COLUMNS)
+        term.law(0.3, v, np.array(term.example), 0, out)
+        assert abs(out[VALUE]) < 1e-9
+
+
+def test_what_is_not_known_is_said() -> None:
+    table = next(t for t in TABLES if t.known is not None and t.known.of == "x" and t.slot is Slot.SMOOTH)
+    model = Model(1.0, 0.1, 100.0, 0.1, x0=1.0).with_terms(ModelTerm(table, table.example))
+    still = np.zeros(2)
+    assert beyond(model, np.array([-1.2, 1.3]), still) == []
+    (said,) = beyond(model, np.array([-1.2, 1.4]), still)
+    assert "known from x = -1.2 to 1.3 m, and the motion reaches 1.4 m" in said
+    (said,) = beyond(model, np.array([-1.3, 1.0]), still)
+    assert "reaches -1.3 m" in said
