@@ -13,7 +13,7 @@ from harness.diagnosis.fit.parameters import base_of, free_of
 from harness.diagnosis.grading.misfit import Misfit, misfit
 from harness.diagnosis.grading.prediction import blocks_of, held_out, ratio
 from harness.diagnosis.outcome import Table
-from harness.diagnosis.problem import Problem
+from harness.diagnosis.problems.free_decay import FreeDecay
 from harness.diagnosis.tables.basis import Basis, basis_of, partials
 from harness.diagnosis.tables.curve import table_of
 from harness.diagnosis.tables.describe import described, gauge_of
@@ -39,12 +39,12 @@ def well(x: FloatArray) -> FloatArray:
     return np.asarray(1.2 * (x - 0.3) / 0.25 * np.exp(0.5 - 0.5 * ((x - 0.3) / 0.25) ** 2))
 
 
-def problem_of(model: Model, more: FloatArray | float = 0.0) -> Problem:
+def problem_of(model: Model, more: FloatArray | float = 0.0) -> FreeDecay:
     noise = SIGMA * np.random.default_rng(4).standard_normal(T.size)
-    return Problem(T, {"x": simulate(model, T).x + noise + more}, {"x": Noise(SIGMA, True)}, zero_free=True)
+    return FreeDecay(T, {"x": simulate(model, T).x + noise + more}, {"x": Noise(SIGMA, True)}, zero_free=True)
 
 
-def misfit_of(problem: Problem) -> Misfit:
+def misfit_of(problem: FreeDecay) -> Misfit:
     base, scales = baseline(problem)
     return misfit(problem, base, scales)
 
