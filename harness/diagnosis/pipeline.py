@@ -4,6 +4,7 @@ Where kinds of problem differ, their own files say how (harness.diagnosis.kinds)
 """
 
 from contextlib import suppress
+from dataclasses import replace
 from typing import Any
 
 from harness.core.errors import SimulationError
@@ -14,6 +15,7 @@ from harness.diagnosis.explain.mechanism import mechanism
 from harness.diagnosis.explain.next_experiment import next_experiment
 from harness.diagnosis.explain.place import place_of
 from harness.diagnosis.fit.standard_errors import base_parameters
+from harness.diagnosis.grading.first_turn import after_first_turn
 from harness.diagnosis.grading.grade import Graded, grade
 from harness.diagnosis.grading.misfit import misfit
 from harness.diagnosis.inverse_dynamics.validate import Judge
@@ -63,6 +65,12 @@ def search(based: Based[Any], other: Judge | None = None) -> Found:
 def judge(found: Found) -> Judged:
     """The verdict; where no model explains the recording, by how much of the misfit each name takes."""
     graded = _graded(found.search, found.scales)
+    later = None if graded is None else _after_first_turn(graded)
+    if later is not None:
+        explained, scales, left_out = later
+        note = f"the first {left_out:.4g} s, up to the first turning point, are left out: no free decay yet"
+        found = replace(found, search=explained, scales=scales, coarse=explained, notes=(*found.notes, note))
+        graded = None
     return Judged(found, verdict_of(found.search, graded), graded)
 
 
@@ -77,6 +85,12 @@ def _graded(found: Search, scales: Scales) -> Graded | None:
         return None
     with suppress(SimulationError):
         return grade(misfit(found.problem, found.base, scales))
+    return None
+
+
+def _after_first_turn(graded: Graded) -> tuple[Search, Scales, float] | None:
+    with suppress(SimulationError):
+        return after_first_turn(graded)
     return None
 
 
