@@ -24,9 +24,11 @@ _SHARES = (0.5, 0.15, 0.85)
 """Of the damping that is given to dry friction at a start; the best fit of the three goes on."""
 _CLEARLY_MOVING = 6.0
 """Standard errors of the first speed from which a release from rest need not be tried."""
-_FIRST_CYCLES = 2.0
+_FINER = 4
+"""Lines of a spectrum to a period over the recording."""
 _LEAST_PERIODS = 1.25
 """Of a swing over the recording: three half-cycles are accepted, and a peak is as wide as a quarter of a period."""
+_FIRST_CYCLES = 2.0
 """Cycles of the first stretch that is fitted, each next one twice as long."""
 _FEWEST = 24
 """Samples of such a stretch: four to each of six numbers."""
@@ -42,11 +44,11 @@ def dominant_frequency(t: FloatArray, y: FloatArray) -> float:
     grid = np.linspace(t[0], t[-1], n)
     even = np.interp(grid, t, y)
     even = (even - even.mean()) * np.hanning(n)
-    power = np.abs(np.fft.rfft(even, 4 * n)) ** 2
-    step = 2.0 * math.pi / (4 * n * (grid[1] - grid[0]))
+    power = np.abs(np.fft.rfft(even, _FINER * n)) ** 2
+    step = 2.0 * math.pi / (_FINER * n * (grid[1] - grid[0]))
     # a rest off the mean has its peak at no frequency at all: what swings is a peak beyond it
     tops = peaks(power)
-    swings = tops[tops > 4.0 * _LEAST_PERIODS]
+    swings = tops[tops > _FINER * _LEAST_PERIODS]
     i = int(swings[0]) if swings.size else int(np.argmax(power[1:])) + 1
     if i + 1 < power.size:
         left, mid, right = np.log(power[i - 1 : i + 2] + 1e-300)

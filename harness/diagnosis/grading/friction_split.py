@@ -25,6 +25,7 @@ _NEAR = 0.5
 """Fits that leave more than the first by this share of what it takes off are too far behind to catch up."""
 _MOST = 8
 _ITERATIONS = 20
+"""Fits that are tried again, and iterations of each: they bound the work."""
 
 
 def resplit(fits: Sequence[Fit], problem: Problem, scales: Scales) -> list[Fit]:
