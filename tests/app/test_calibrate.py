@@ -20,6 +20,7 @@ JUDGES = {
     "pair-promise": {"pair-promise"},
     "main-effect": {"least-ratio", "margin", "share-of-excess", "held-out", "least-cycles", "run-better", "most-words"},
     "few-cycles": {"least-cycles"},
+    "tables": {"table-better", "table-errors", "table-words"},
 }
 
 

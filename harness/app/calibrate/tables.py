@@ -121,7 +121,7 @@ def _row(recording: Recording, truth: Mapping[str, Any], rng: np.random.Generato
         return row
     first = len(seen.base.model.terms)
     numbers = tuple(first + i for i in number)
-    table = table_of(best.fit, seen, numbers, form, seen.base.chi2)
+    table = table_of(best.fit, seen, numbers, form, row.ratio)
     return replace(row, held=_held(table, truth, best.fit.model))
 
 

@@ -3,7 +3,7 @@
 The error is the larger of two: the penalised fit read as a posterior (Nychka 1988, J. Am. Stat. Assoc. 83, 1134), its
 noise as large as the scores of strokes scatter, and those scores through the fit (Liang and Zeger 1986). A misfit
 says one thing for half a swing; samples are no independent words. To it is added what else may be in the table: small
-effects that it has taken in are held to be as large, in proportion, as what it has left.
+effects that it has taken in are held to be as large, in proportion, as what it leaves of blocks left out.
 """
 
 import math
@@ -37,6 +37,10 @@ class Strip:
     unit_force: bool
 
 
+_LEAST_TAKEN = 0.01
+"""Share of the squares that a table takes at least, as the band counts it."""
+
+
 def covariances(found: TableFit, misfit: Misfit) -> tuple[FloatArray, FloatArray]:
     """Posterior and sandwich (p, p) of base parameters and coordinates of the tables."""
     inverse = inverse_of(found.curvature())
@@ -55,10 +59,10 @@ def covariances(found: TableFit, misfit: Misfit) -> tuple[FloatArray, FloatArray
     return inverse * inflated, inverse @ meat @ inverse
 
 
-def table_of(found: TableFit, misfit: Misfit, numbers: tuple[int, ...], said: str, before: float) -> Table:
+def table_of(found: TableFit, misfit: Misfit, numbers: tuple[int, ...], said: str, held: float) -> Table:
     """Some of the tables of a fit as one curve.
 
-    numbers : of the tables, places among the model's terms. before : chi-square without them, in the misfit's units.
+    numbers : of the tables, places among the model's terms. held : held-out error with them, over that without.
     """
     strips = [_strip(found, i, misfit.scales) for i in numbers]
     strips.sort(key=lambda one: float(one.at[0]))
@@ -77,9 +81,8 @@ def table_of(found: TableFit, misfit: Misfit, numbers: tuple[int, ...], said: st
     looks = np.quantile(quantity[v != 0.0], np.linspace(0.0, 1.0, POINTS))
     # friction is never below none
     force = np.maximum(factor * (columns @ found.at), -level)
-    taken = max(before - found.squares, 1e-300)
     size = float(np.sqrt(np.mean(np.interp(looks, at, force) ** 2)))
-    beside = size * math.sqrt(found.squares / taken)
+    beside = size * held / math.sqrt(max(1.0 - held**2, _LEAST_TAKEN))
     stderr = np.hypot(factor * np.maximum(*spread), beside)
     return Table(said, of, at, force, stderr, looks, _gauge(found, of, strips[0].unit_force))
 

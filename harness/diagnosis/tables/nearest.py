@@ -33,6 +33,8 @@ def nearest(
         if whole <= 0.0 or not applicable(term, model, problem):
             continue
         for shapes in _shapes(term, model, seen, x, v, scales):
+            if not any(np.ptp(s) > 0.0 for s in shapes):
+                continue  # a law of the other quantity
             columns = np.column_stack([ungauged(table, s) for s in shapes])
             left = target - columns @ np.linalg.lstsq(columns, target, rcond=1e-10)[0]
             share = 1.0 - float(left @ left) / whole

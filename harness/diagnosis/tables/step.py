@@ -12,6 +12,7 @@ from harness.diagnosis.fit.model_fit import Fit, whitened
 from harness.diagnosis.fit.parameters import base_of
 from harness.diagnosis.fit.standard_errors import base_parameters, unit_of
 from harness.diagnosis.grading.grade import Graded
+from harness.diagnosis.grading.prediction import ratio
 from harness.diagnosis.outcome import Grade, Holdout, Mechanism, Outcome, Table
 from harness.diagnosis.problem import Problem
 from harness.diagnosis.rules import TABLE_BETTER, TABLE_ERRORS, TABLE_OVER_NOISE, TABLE_WORDS
@@ -46,11 +47,12 @@ def with_tables(outcome: Outcome, graded: Graded) -> Outcome:
     rival = None if named is None or named is main else named.held
     if not kept or not (rival is None or improves(kept[0].held, rival)):
         return replace(outcome, rules=(*outcome.rules, *_RULES))
-    return _told(outcome, graded, start, (finished(kept[0], graded.misfit), *kept[1:]))
+    best = finished(kept[0], graded.misfit)
+    return _told(outcome, graded, start, ratio(best.held, held), (best, *kept[1:]))
 
 
-def _told(outcome: Outcome, graded: Graded, start: Fit, kept: tuple[Tabulated, ...]) -> Outcome:
-    """The outcome with the best of the tables that stay."""
+def _told(outcome: Outcome, graded: Graded, start: Fit, held: float, kept: tuple[Tabulated, ...]) -> Outcome:
+    """The outcome with the best of the tables that stay; held : its held-out error over that of ``start``."""
     first, problem, omega = kept[0], outcome.problem, graded.misfit.scales.omega
     found = first.fit
     refined = _as_fit(found, problem)
@@ -59,7 +61,7 @@ def _told(outcome: Outcome, graded: Graded, start: Fit, kept: tuple[Tabulated, .
     seen = evidence(graded.misfit.base, problem, outcome.scales)
     tables = []
     for numbers, form in groups:
-        table = table_of(found, graded.misfit, numbers, form, start.chi2)
+        table = table_of(found, graded.misfit, numbers, form, held)
         near = nearest(table, start.model, problem, outcome.scales, seen)
         tables.append(replace(table, described=described(table, found.model, problem.angular), nearest=near))
     excess = max(outcome.base.chi2 - float(outcome.base.points), 1e-300)
@@ -93,14 +95,14 @@ def _told(outcome: Outcome, graded: Graded, start: Fit, kept: tuple[Tabulated, .
                     held_out=predicted,
                 )
             )
-    held = outcome.holdout
+    holdout = outcome.holdout
     if predicted is not None:
-        held = Holdout(predicted.spans, predicted.baseline_rmse, predicted.refined_rmse)
+        holdout = Holdout(predicted.spans, predicted.baseline_rmse, predicted.refined_rmse)
     return replace(
         outcome,
         refined=refined,
         mechanisms=(*outcome.mechanisms, *mechanisms),
-        holdout=held,
+        holdout=holdout,
         refined_parameters=base_parameters(refined, problem, omega, explained=False),
         remainder=remainder(outcome.base, refined, problem, float(outcome.base.points)),
         rules=(*outcome.rules, *_RULES),
