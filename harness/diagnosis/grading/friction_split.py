@@ -25,6 +25,8 @@ _NEAR = 0.5
 """Fits that leave more than the first by this share of what it takes off are too far behind to catch up."""
 _MOST = 8
 _ITERATIONS = 20
+_ROUNDS, _WORTH = 4, 0.9
+"""Rounds at most, and the share of the squares below which a round has come nearer, so that another may."""
 """Fits that are tried again, and iterations of each: they bound the work."""
 
 
@@ -42,6 +44,15 @@ def resplit(fits: Sequence[Fit], problem: Problem, scales: Scales) -> list[Fit]:
 def _best(found: Fit, problem: Problem, scales: Scales) -> Fit:
     if "f_k" not in base_of(found.free):
         return found
+    for _ in range(_ROUNDS):
+        before = found.chi2
+        found = _nearer(found, problem, scales)
+        if found.chi2 > _WORTH * before:
+            break
+    return found
+
+
+def _nearer(found: Fit, problem: Problem, scales: Scales) -> Fit:
     best = found
     for model in _others(found.model, scales):
         try:

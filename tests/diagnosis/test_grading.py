@@ -1,0 +1,140 @@
+"""One large omission among small ones: graded by share, evidence in words, distance to every other, and prediction."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from harness.core.arrays import FloatArray
+from harness.diagnosis.baseline.base_fit import baseline
+from harness.diagnosis.explain.graded import told
+from harness.diagnosis.fit.model_fit import fit
+from harness.diagnosis.fit.parameters import free_of
+from harness.diagnosis.grading.first_turn import after_first_turn
+from harness.diagnosis.grading.friction_split import resplit
+from harness.diagnosis.grading.grade import Finalist, Graded, decided, grade
+from harness.diagnosis.grading.misfit import misfit
+from harness.diagnosis.outcome import Grade
+from harness.diagnosis.problems.free_decay import FreeDecay
+from harness.diagnosis.rules import GAIN, LEAST_CYCLES, LEAST_RATIO, MARGIN, MOST_LISTED
+from harness.estimate.noise import Noise
+from harness.kernels.solve import Scales, simulate
+from harness.model.model import Model, ModelTerm
+from harness.model.registry import not_parted, term
+
+SIGMA = 2e-4
+T = np.linspace(0.0, 8.0, 1201)
+DRAG = ModelTerm(term("quadratic-drag"), (0.25,))
+
+
+def machine(*terms: ModelTerm) -> Model:
+    """12 cycles of 9.4 rad/s."""
+    return Model(m=1.0, c=0.15, k=88.4, f_k=0.3, x0=1.0, terms=terms)
+
+
+def problem_of(x: FloatArray, t: FloatArray = T) -> FreeDecay:
+    noise = SIGMA * np.random.default_rng(5).standard_normal(t.size)
+    return FreeDecay(t, {"x": x + noise}, {"x": Noise(SIGMA, True)})
+
+
+def crowd(model: Model, t: FloatArray = T) -> FloatArray:
+    """What small effects of no catalogue add to a motion, 1 to 2 thousandths of its release."""
+    run = simulate(model, t)
+    return run.x + 1e-3 * np.sin(5.1 * t) * run.x + 1e-3 * run.x**2 * np.cos(1.3 * t)
+
+
+@pytest.fixture(scope="module")
+def graded() -> Graded:
+    problem = problem_of(crowd(machine(DRAG)))
+    return grade(misfit(problem, *baseline(problem)))
+
+
+def test_drag_is_the_main_effect_among_small_ones(graded: Graded) -> None:
+    assert graded.grade is Grade.MAIN
+    (first,) = graded.named
+    assert first.name == "quadratic-drag"
+    assert first.fit.model.terms[0].value("c2") == pytest.approx(0.25, rel=0.1)
+    assert 0.6 < first.share < 1.0
+
+
+def test_what_a_decay_cannot_part_is_given_beside_it(graded: Graded) -> None:
+    """A drag and friction that grows with the load follow one decay alike, whatever their evidence."""
+    assert not_parted("quadratic-drag", "load-dependent-friction")
+    assert not not_parted("quadratic-drag", "cubic-stiffness")
+    (main,) = told(graded).mechanisms
+    beside = {a.name for a in main.alternatives}
+    worthy = [f.name for f in graded.finalists if f.share > 0.6 and f.gain > GAIN.value and f.name != main.name]
+    assert {name for name in worthy if not_parted(main.name, name)} <= beside
+
+
+def moved(graded: Graded, behind: float, **changed: object) -> Graded:
+    """The grade with a second name so far behind the first in evidence, and nobody else."""
+    first = next(f for f in graded.finalists if f.name == "quadratic-drag")
+    second: Finalist = replace(first, gain=first.gain - behind, **changed)  # type: ignore[arg-type]
+    return decided(replace(graded, finalists=(first, second)))
+
+
+def test_a_name_is_told_apart_by_a_margin_that_grows_with_the_words(graded: Graded) -> None:
+    margin = max(MARGIN.value, graded.misfit.words * np.log(LEAST_RATIO.value))
+    assert moved(graded, margin + 0.1).grade is Grade.MAIN
+    near = moved(graded, margin - 0.1)
+    assert near.grade is Grade.ONE_OF
+    assert len(near.named) == 2
+
+
+def test_a_clock_on_the_swing_is_listed_last_and_never_alone(graded: Graded) -> None:
+    ahead = moved(graded, -20.0, clock=True)
+    assert ahead.grade is Grade.ONE_OF
+    assert [f.clock for f in ahead.named] == [False, True]
+    alone = decided(replace(graded, finalists=(replace(graded.finalists[0], clock=True),)))
+    assert alone.grade is None
+
+
+def test_few_cycles_name_nothing_alone(graded: Graded) -> None:
+    strokes = replace(graded.misfit.strokes, count=int(2 * LEAST_CYCLES.value) - 1)
+    few = decided(replace(graded, misfit=replace(graded.misfit, strokes=strokes)))
+    assert few.grade is Grade.ONE_OF
+    assert len(few.named) == 1
+
+
+def test_a_list_is_short(graded: Graded) -> None:
+    first = graded.finalists[0]
+    many = replace(graded, finalists=tuple(replace(first, gain=first.gain - 0.1 * i) for i in range(9)))
+    assert len(decided(many).named) == MOST_LISTED.count
+
+
+def test_a_law_that_stands_for_friction_is_found_without_it() -> None:
+    """Damping with a power .58 of the speed, begun from a base model that took it for dry friction, at power .8."""
+    law = term("power-law-damping")
+    t = np.linspace(0.0, 30.0, 451)
+    truth = Model(m=1.0, c=0.05, k=25.7, f_k=0.0, x0=1.0, terms=(ModelTerm(law, (0.46, 0.58)),))
+    problem = problem_of(simulate(truth, t).x, t)
+    base, scales = baseline(problem)
+    begun = replace(base.model, terms=(ModelTerm(law, (0.0, 0.8)),))
+    stuck = fit(begun, problem, free_of(begun, ("c", "k", "f_k", "x0", "v0")), scales, thorough=False)
+    assert stuck.chi2 > 100.0 * stuck.points
+    # all else of a search's list is the base itself
+    found = resplit([stuck, base], problem, scales)[0]
+    assert found.chi2 < 1.2 * found.points
+    assert found.model.terms[0].value("exponent") == pytest.approx(0.58, abs=0.01)
+
+
+def test_what_follows_a_hand_is_explained() -> None:
+    """A hand moves the slider for half a second and lets go; from the first turning point on nothing is missing."""
+    t = T[T >= 0.5]
+    free = simulate(replace(machine(), t0=0.5), t).x
+    pulled = 1.0 - 0.08 * (1.0 - T[T < 0.5] / 0.5) ** 2 + 0.01 * np.sin(40.0 * T[T < 0.5])
+    problem = problem_of(np.concatenate((pulled, free)))
+    seen = grade(misfit(problem, *baseline(problem)))
+    later = after_first_turn(seen)
+    assert later is not None
+    search, scales, left_out = later
+    assert isinstance(scales, Scales)
+    assert search.explained
+    assert search.chosen.model.terms == ()
+    assert left_out == pytest.approx(0.5 + np.pi / 9.4, abs=0.05)
+    assert search.chosen.model.f_k == pytest.approx(0.3, rel=0.05)
+
+
+def test_structure_after_the_first_turning_point_is_no_hand(graded: Graded) -> None:
+    assert after_first_turn(graded) is None
