@@ -103,6 +103,7 @@ class DiagnoseOptions:
             "rate_hz": r.rate,
             "from_s": r.start,
             "to_s": r.stop,
+            "drop_nan": r.drop_nan,
             "trace": self.trace,
             "model": _said(self.model),
             "sim": _said(self.sim),

@@ -48,6 +48,7 @@ def command(
     rate: float | None,
     start: float | None,
     stop: float | None,
+    drop_nan: bool,
     resume: bool,
     jobs: int | None,
     out: Path | None,
@@ -74,7 +75,7 @@ def command(
     from harness.app.shared.reading import ReadOptions
 
     options = DiagnoseOptions.chosen(
-        ReadOptions(columns, skip_rows, rate, start, stop), engines=engines or None, **chosen
+        ReadOptions(columns, skip_rows, rate, start, stop, drop_nan), engines=engines or None, **chosen
     )
     with _named(recordings) as named:
         if len(named) > 1 or resume:
@@ -138,6 +139,8 @@ def _many(
 
 
 def _print(result: "DiagnosisResult") -> None:
+    for line in result.recording.notes:
+        say(f"- {line}")
     say(result.statement)
     show(_fits(result))
     graded = [m for m in result.mechanisms if m.grade != "explains"]

@@ -24,6 +24,7 @@ def command(
     rate: float | None,
     start: float | None,
     stop: float | None,
+    drop_nan: bool,
     trace: str | None,
     out: Path | None,
     json_to: str | None,
@@ -43,7 +44,7 @@ def command(
     from harness.app.identify.identify import identify
     from harness.app.shared.reading import ReadOptions
 
-    options = ReadOptions(columns, skip_rows, rate, start, stop)
+    options = ReadOptions(columns, skip_rows, rate, start, stop, drop_nan)
     with shown(quiet) as progress:
         result = identify(recording, options, trace, out, progress, this_line())
     emit_json(result, json_to)
@@ -69,6 +70,6 @@ def _print(result: "IdentifyResult") -> None:
     show(table)
     if result.sensor_phase_rad.value is not None:
         say(f"the accelerometer leads the displacement sensor by {with_error(result.sensor_phase_rad)}")
-    for line in [*refused, *result.warnings]:
+    for line in [*found.notes, *refused, *result.warnings]:
         say(f"- {line}")
     say(f"report: {result.files['report']}")
