@@ -56,7 +56,7 @@ def meaning(name: str) -> Meaning | None:
 
 
 def candidates(names: Sequence[str]) -> dict[str, list[int]]:
-    """Positions of the columns that may be each channel, by their names; one that has the channel's own stands alone."""
+    """Positions of the columns that may be each channel, by name; one that has the channel's own stands alone."""
     found: dict[str, list[int]] = {}
     for i, name in enumerate(names):
         means = meaning(name)

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from harness.app.diagnose.attribution import Configured
-from harness.app.diagnose.files import simulated, write_model, write_trace_csv
+from harness.app.diagnose.files import simulated, whole_problem, write_model, write_trace_csv
 from harness.app.diagnose.mismatch import left_over
 from harness.app.diagnose.options import DiagnoseOptions
 from harness.app.diagnose.problem import prepared
@@ -46,12 +46,13 @@ FILES = {
 class Diagnosed:
     """A diagnosis with what it rests on.
 
-    simulated : base model and refined model at every time of the recording. result : without files.
+    simulated : base model and refined model at every time of the recording, behind them the user's own simulation
+    where there is one. result : without files.
     """
 
     recording: Recording
     outcome: Outcome
-    simulated: tuple[Trajectory, Trajectory]
+    simulated: tuple[Trajectory, ...]
     result: DiagnosisResult
 
 
@@ -72,7 +73,9 @@ def investigate(
     result = result_of(recording, ready, outcome, options, user, command)
     if other is not None:
         result = result.model_copy(update={"validation": validated(other, outcome, options)})
-    return Diagnosed(recording, outcome, simulated(recording, outcome), result)
+    own = user.motion(outcome, whole_problem(recording, outcome.problem))
+    motions = (*simulated(recording, outcome), *(() if own is None else (own,)))
+    return Diagnosed(recording, outcome, motions, result)
 
 
 def diagnose(
