@@ -7,7 +7,7 @@ reads it without options; nothing is written unless ``out`` names a folder.
 from collections.abc import Mapping, Sequence
 from os import PathLike
 from pathlib import Path
-from typing import Any, TypeAlias
+from typing import Any, Literal, TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -64,16 +64,18 @@ def load(
     return read(Path(path), ReadOptions(columns, skip_rows, rate, start, stop, drop_nan), trace)
 
 
-def identify(recording: Recording | File, *, out: File | None = None) -> IdentifyResult:
+def identify(
+    recording: Recording | File, *, restoring: Literal["spring", "pendulum"] = "spring", out: File | None = None
+) -> IdentifyResult:
     """The estimators on a recording of a free decay: omega_n (rad/s), zeta, x_k (m), with standard errors.
 
-    out : folder for result, report and trace, as the command leaves them. Raises InputError with the reason when the
-    recording cannot be read, is driven, or shows no free decay; StoreError when ``out`` cannot be written.
+    restoring : what pulls back; a pendulum is read as the spring that it would be. out : folder for result, report and
+    trace, as the command leaves them. Raises InputError with the reason when the recording cannot be read, is driven, or shows no free decay; StoreError when ``out`` cannot be written.
     """
     from harness.app.identify.identify import deliver, result_of
 
     found = _recording(recording)
-    return result_of(found) if out is None else deliver(found, Path(out))
+    return result_of(found, restoring=restoring) if out is None else deliver(found, Path(out), restoring=restoring)
 
 
 def compare(

@@ -13,7 +13,6 @@ from harness.model.model import Model, ModelTerm
 from harness.results.diagnosis import ChangeResult
 
 _UNITS = {"m": "kg", "c": "N s/m", "k": "N/m", "f_k": "N"}
-_ANGULAR = {"m": "kg m^2", "c": "N m s/rad", "k": "N m/rad", "f_k": "N m"}
 _CLEARLY = 2.0
 """Standard errors of the recording's figure from which another is worth a change."""
 _RELATIVE = 1e-3
@@ -22,9 +21,7 @@ _RELATIVE = 1e-3
 
 def unit(name: str, problem: Problem) -> str:
     """Of a base parameter in this recording; per kg (kg m^2 of an angle) where no mass is known."""
-    if not problem.angular:
-        return unit_of(_UNITS[name], problem)
-    return _ANGULAR[name] if problem.in_newtons else f"{_ANGULAR[name]} per kg m^2"
+    return unit_of(_UNITS[name], problem)
 
 
 def parameters_of(found: Fit, problem: Problem) -> dict[str, Quantity]:

@@ -10,15 +10,17 @@ from harness.cli.output import check_json, emit_json, say, show, shows_tables, t
 from harness.cli.progress import shown
 
 if TYPE_CHECKING:
-    from harness.results.identify import IdentifyResult
+    from harness.results.identify import IdentifyResult, Swing
 
 
 @click.command(short_help="Natural frequency, damping and friction from a recorded free decay.")
 @click.argument("recording", type=click.Path(path_type=Path))
+@click.option("--restoring", type=click.Choice(["spring", "pendulum"]), default="spring", help="What pulls it back.")
 @reading_options
 @output_options
 def command(
     recording: Path,
+    restoring: "Swing",
     columns: str | None,
     skip_rows: int,
     rate: float | None,
@@ -38,6 +40,7 @@ def command(
     \b
     Example: harness identify decay.csv
              harness identify swing.txt --columns "x=#1[deg]" --skip-rows 2 --rate 1000 --from 0.4
+             harness identify pendulum.csv --columns "t=t,x=enc[deg]" --restoring pendulum
              harness identify rig.mat --columns "t=time[ms],x=enc*0.004[mm],a=acc[g]" --json -
     """
     check_json(json_to)
@@ -46,7 +49,7 @@ def command(
 
     options = ReadOptions(columns, skip_rows, rate, start, stop, drop_nan)
     with shown(quiet) as progress:
-        result = identify(recording, options, trace, out, progress, this_line())
+        result = identify(recording, options, trace, out, progress, this_line(), restoring)
     emit_json(result, json_to)
     if shows_tables(json_to, quiet):
         _print(result)
