@@ -70,7 +70,8 @@ def identify(
     """The estimators on a recording of a free decay: omega_n (rad/s), zeta, x_k (m), with standard errors.
 
     restoring : what pulls back; a pendulum is read as the spring that it would be. out : folder for result, report and
-    trace, as the command leaves them. Raises InputError with the reason when the recording cannot be read, is driven, or shows no free decay; StoreError when ``out`` cannot be written.
+    trace, as the command leaves them. Raises InputError with the reason when the recording cannot be read, is driven,
+    or shows no free decay; StoreError when ``out`` cannot be written.
     """
     from harness.app.identify.identify import deliver, result_of
 

@@ -79,7 +79,6 @@ def cannot_say(model: Model, suffix: str, angular: bool = False) -> tuple[str, .
     """
     choice("model format", suffix, ("xml", "urdf"))
     hinge = turns(model, angular)
-    said = JOINT if hinge else JOINT | _PUSH
     if hinge:
         missing = hinge_files.cannot_say(model, suffix)
         missing.append(f"{suffix}: no release (x0 = {model.x0:g} rad, v0 = {model.v0:g} rad/s)")
@@ -87,7 +86,8 @@ def cannot_say(model: Model, suffix: str, angular: bool = False) -> tuple[str, .
         missing = list(models.cannot_say(_slider(model), "slider", suffix, model.restoring.value))
         missing.append(f"{suffix}: no release (x0 = {model.x0:g} m, v0 = {model.v0:g} m/s)")
     for entry in model.terms:
-        if suffix == "xml" and any(elements(entry, model.k, frozenset({kind})) for kind in said):
+        pushed = not hinge and elements(entry, model.k, _PUSH)
+        if suffix == "xml" and (elements(entry, model.k, JOINT) or pushed):
             continue
         values = ", ".join(f"{name} = {value:g}" for name, value in zip(entry.term.names, entry.values, strict=True))
         what = "no sensor that shows" if entry.term.slot is Slot.OBSERVATION else "no"

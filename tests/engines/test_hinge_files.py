@@ -56,7 +56,7 @@ def in_pybullet(file: Path, x0: float) -> FloatArray:
 
 
 def exact(model: Model) -> FloatArray:
-    return simulate(model, STEP * np.arange(round(SPAN / STEP) + 1)).x
+    return simulate(model, np.linspace(0.0, SPAN, round(SPAN / STEP) + 1)).x
 
 
 @pytest.mark.parametrize(

@@ -27,6 +27,8 @@ class Case(ABC):
     """
 
     decays: bool
+    file_name: str = "slider"
+    """Of the MJCF and URDF that are left, without ending."""
 
     @abstractmethod
     def exact(self, t: FloatArray) -> Trajectory:

@@ -83,6 +83,7 @@ class ModelCase(Case):
     def __init__(self, scenario: ModelScenario) -> None:
         self._scenario, self._model = scenario, scenario.model
         self.decays = True
+        self.file_name = model_files.file_name(self._model)
 
     def exact(self, t: FloatArray) -> Trajectory:
         """See Case.exact; the event-driven integrator."""

@@ -164,11 +164,11 @@ def run(options: RunOptions, out: Path | None = None, progress: Progress = SILEN
     """
     with output_folder(options.scenario.name, out) as output, journal(output / LOG):
         case = case_of(options.scenario)
-        result, trajectories = computed(options, progress, command, _files(output))
+        result, trajectories = computed(options, progress, command, _files(output, case.file_name))
         progress("writing model, trace and report", len(options.plan) + 1, len(options.plan) + 2)
         case.export(output.work / "model")
         (output / "result.json").write_text(to_json(result), encoding="utf-8")
-        write_run_trace(output / "trace.rrd", result, trajectories, output / "model/slider.urdf")
+        write_run_trace(output / "trace.rrd", result, trajectories, output / "model" / f"{case.file_name}.urdf")
         write_run_page(output / "report.html", result, trajectories)
         output.commit()
     return result
@@ -191,9 +191,9 @@ def computed(
     return result, trajectories
 
 
-def _files(output: OutputFolder) -> dict[str, str]:
+def _files(output: OutputFolder, model: str) -> dict[str, str]:
     named = {"result": "result.json", "report": "report.html", "rrd": "trace.rrd", "log": LOG}
-    named |= {"mjcf": "model/slider.xml", "urdf": "model/slider.urdf"}
+    named |= {"mjcf": f"model/{model}.xml", "urdf": f"model/{model}.urdf"}
     return {name: output.at(file) for name, file in named.items()}
 
 
