@@ -25,7 +25,6 @@ from harness.io.turns import unwrapped
 from harness.io.units import Unit
 
 
-
 @dataclass(frozen=True, slots=True)
 class ReadOptions:
     """How to read a recording.

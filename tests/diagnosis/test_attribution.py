@@ -14,6 +14,7 @@ from harness.diagnosis.fit.model_fit import fit
 from harness.diagnosis.fit.parameters import free_of
 from harness.diagnosis.pipeline import diagnose
 from harness.diagnosis.problem import Problem
+from harness.diagnosis.problems.free_decay import FreeDecay
 from harness.estimate.noise import Noise
 from harness.kernels.solve import Scales, simulate, solve
 from harness.model.model import Model, ModelTerm
@@ -46,7 +47,7 @@ def test_two_errors_along_one_line_share_by_the_formula() -> None:
 def recording(model: Model = DRAG) -> Problem:
     t = np.arange(0.0, 5.0, 5e-3)
     random = np.random.default_rng(1)
-    return Problem(t, {"x": solve(model, t).x + 1e-3 * random.standard_normal(t.size)}, {"x": Noise(1e-3, True)})
+    return FreeDecay(t, {"x": solve(model, t).x + 1e-3 * random.standard_normal(t.size)}, {"x": Noise(1e-3, True)})
 
 
 def trace(model: Model, wait: float = 0.3) -> Recording:

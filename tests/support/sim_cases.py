@@ -6,6 +6,7 @@ import numpy as np
 
 from harness.core.recording import Recording
 from harness.diagnosis.problem import Problem
+from harness.diagnosis.problems.free_decay import FreeDecay
 from harness.estimate.noise import Noise
 from harness.kernels.solve import Scales, simulate, solve
 from harness.model.model import Model, ModelTerm
@@ -55,7 +56,7 @@ def sim_case(seed: int) -> SimCase:
     t = np.arange(0.0, span, period / 120.0)
     sigma = 1e-3 * x0
     x = solve(true, t).x + sigma * random.standard_normal(t.size)
-    recorded = Problem(t, {"x": x}, {"x": Noise(sigma, True)})
+    recorded = FreeDecay(t, {"x": x}, {"x": Noise(sigma, True)})
     wait = float(random.uniform(0.3, 0.9)) * period if kind == "waiting" else 0.0
     ticks = np.arange(0.0, span + wait, period / 400.0)
     trace = Recording(ticks + float(random.uniform(-5.0, 5.0)), {"x": simulate(replace(user, t0=wait), ticks).x}, "sim")

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from harness.app.diagnose.attribution import Configured
-from harness.app.diagnose.files import simulated, whole_problem, write_model, write_trace_csv
+from harness.app.diagnose.files import simulated, write_model, write_trace_csv
 from harness.app.diagnose.mismatch import left_over
 from harness.app.diagnose.options import DiagnoseOptions
 from harness.app.diagnose.problem import prepared
@@ -74,7 +74,7 @@ def investigate(
     result = result_of(recording, ready, outcome, options, user, command)
     if other is not None:
         result = result.model_copy(update={"validation": validated(other, outcome, options)})
-    own = user.motion(outcome, whole_problem(recording, outcome.problem))
+    own = user.motion(outcome, outcome.problem.at_every_sample(recording.t, recording.channels))
     motions = (*simulated(recording, outcome), *(() if own is None else (own,)))
     return Diagnosed(recording, outcome, motions, result)
 

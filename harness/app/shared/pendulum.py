@@ -15,8 +15,8 @@ from harness.core.errors import InputError, SimulationError
 from harness.core.recording import Recording
 from harness.diagnosis.baseline.base_fit import baseline
 from harness.diagnosis.fit.observe import observe
-from harness.diagnosis.prepare.prepare import prepare
-from harness.diagnosis.problem import Problem
+from harness.diagnosis.pipeline import prepare
+from harness.diagnosis.problems.free_decay import FreeDecay
 from harness.diagnosis.request import Asked
 from harness.model.model import Model, Restoring
 
@@ -46,4 +46,4 @@ def _shown(model: Model, recording: Recording) -> dict[str, FloatArray]:
     """The motion channels of a model without noise, at the recording's times."""
     names = [c for c in ("x", "v", "a") if c in recording]
     nothing: FloatArray = np.zeros(recording.t.size)
-    return observe(model, Problem(recording.t, dict.fromkeys(names, nothing), {})).y
+    return observe(model, FreeDecay(recording.t, dict.fromkeys(names, nothing), {})).y

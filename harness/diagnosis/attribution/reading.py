@@ -12,12 +12,15 @@ from harness.core.events import Mode
 from harness.core.recording import Recording
 from harness.diagnosis.alignment.align import LEAST_SHARED, Alignment, align
 from harness.diagnosis.attribution.mixed import in_masses_of
-from harness.diagnosis.baseline.base_fit import base_names, baseline
+from harness.diagnosis.baseline.base_fit import baseline
+from harness.diagnosis.baseline.driven_base_fit import driven_baseline
 from harness.diagnosis.fit.model_fit import Fit, fit
 from harness.diagnosis.fit.observe import COARSE
 from harness.diagnosis.fit.parameters import free_of
-from harness.diagnosis.prepare.prepare import is_driven, prepare
+from harness.diagnosis.pipeline import prepare
+from harness.diagnosis.prepare.driven import is_driven
 from harness.diagnosis.problem import Problem
+from harness.diagnosis.problems.driven import Forced
 from harness.diagnosis.request import Asked
 from harness.diagnosis.sensors.resample import channels_at
 from harness.kernels.solve import Scales
@@ -75,7 +78,7 @@ def read_trace(
     shows no motion to fit, SimulationError.
     """
     own = _prepared(trace, problem, on)
-    base, scales = baseline(own)
+    base, scales = driven_baseline(own) if isinstance(own, Forced) else baseline(own)
     best = base
     if given is not None:
         best = _from(base, given, own, scales, with_terms=False) or base
@@ -99,7 +102,7 @@ def _from(base: Fit, meant: Model, own: Problem, scales: Scales, with_terms: boo
     thin = own.part(slice(None, None, max(1, own.t.size // 1500)))
     best: Fit | None = None
     for start in (like, half, replace(like, k=read.k), read.with_terms(*like.terms)):
-        free = tuple(f for f in free_of(start, base_names(own)) if with_terms or isinstance(f.by, str))
+        free = tuple(f for f in free_of(start, own.base_names) if with_terms or isinstance(f.by, str))
         with suppress(SimulationError):
             rough = fit(start, thin, free, scales, 20, COARSE, thorough=False)
             if best is None or rough.chi2 < best.chi2:
@@ -145,7 +148,7 @@ def _prepared(trace: Recording, problem: Problem, on: Alignment) -> Problem:
         c: replace(n, sigma=max(n.sigma, problem.noise[c].sigma), phi=0.0) if c in problem.noise else n
         for c, n in own.noise.items()
     }
-    return replace(own, noise=noise, force_noise=None)
+    return own.under_noise(noise)
 
 
 def trace_channels(trace: Recording, problem: Problem, on: Alignment) -> dict[str, FloatArray]:

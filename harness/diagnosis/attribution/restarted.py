@@ -14,7 +14,8 @@ import numpy as np
 from harness.core.arrays import FloatArray
 from harness.core.events import Mode
 from harness.diagnosis.fit.observe import observe
-from harness.diagnosis.problem import Problem, Restarts, Window
+from harness.diagnosis.problem import Problem
+from harness.diagnosis.problems.starts import OneStart, Window, Windows
 from harness.kernels.solve import Scales
 from harness.model.model import Model
 
@@ -49,7 +50,7 @@ class Restarted:
     def slipping(self, shown: dict[str, FloatArray]) -> float:
         """Share of the windows at whose end the motion shown is a quarter period and more out of step."""
         channel = next(iter(self.right))
-        windows = () if self.problem.restarts is None else self.problem.restarts.windows
+        windows = () if not isinstance(self.problem.starts, Windows) else self.problem.starts.windows
         out, moving = 0, 0
         for w in windows:
             one, other = (values[w.start : w.stop] - np.mean(values[w.start : w.stop])
@@ -67,7 +68,7 @@ def restarted(refined: Model, problem: Problem, scales: Scales) -> Restarted:
     shown = observe(refined, problem, scales=scales)
     t = problem.t
     period = 2.0 * math.pi / scales.omega
-    begins = [0 if problem.restarts is not None else int(np.searchsorted(t, refined.t0, side="left"))]
+    begins = [0 if not isinstance(problem.starts, OneStart) else int(np.searchsorted(t, refined.t0, side="left"))]
     longest = 3.0 * float(np.median(np.diff(t)))
     while (stop := _next(t, begins[-1], period, longest)) < t.size:
         begins.append(stop)
@@ -86,8 +87,7 @@ def restarted(refined: Model, problem: Problem, scales: Scales) -> Restarted:
         t=t[kept],
         channels={c: y[kept] for c, y in problem.channels.items()},
         weight={c: w[kept] for c, w in problem.weight.items()},
-        restarts=Restarts(tuple(windows), t, shown.v),
-        force_noise=None,
+        starts=Windows(tuple(windows), t, shown.v),
     )
     right = observe(refined, part, scales=scales).y
     return Restarted(part, right, {c: noise.sigma for c, noise in problem.noise.items()})
