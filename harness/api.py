@@ -7,7 +7,7 @@ reads it without options; nothing is written unless ``out`` names a folder.
 from collections.abc import Mapping, Sequence
 from os import PathLike
 from pathlib import Path
-from typing import Any, TypeAlias
+from typing import Any, Literal, TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -50,29 +50,33 @@ def load(
     rate: float | None = None,
     start: float | None = None,
     stop: float | None = None,
+    drop_nan: bool = False,
     trace: str | None = None,
 ) -> Recording:
     """Read a recording of any accepted format, in SI units.
 
     columns : as --columns, "t=t,x=qm[mm]". skip_rows : lines before the header. rate : Hz, where no column gives the
-    time. start, stop : s, the part to keep. trace : which one of a .rrd. Raises InputError naming what is wrong, and
-    where.
+    time. start, stop : s, the part to keep. drop_nan : leave out rows in which a channel has no value. trace : which
+    one of a .rrd. Raises InputError naming what is wrong, and where.
     """
     from harness.app.shared.reading import ReadOptions, read
 
-    return read(Path(path), ReadOptions(columns, skip_rows, rate, start, stop), trace)
+    return read(Path(path), ReadOptions(columns, skip_rows, rate, start, stop, drop_nan), trace)
 
 
-def identify(recording: Recording | File, *, out: File | None = None) -> IdentifyResult:
+def identify(
+    recording: Recording | File, *, restoring: Literal["spring", "pendulum"] = "spring", out: File | None = None
+) -> IdentifyResult:
     """The estimators on a recording of a free decay: omega_n (rad/s), zeta, x_k (m), with standard errors.
 
-    out : folder for result, report and trace, as the command leaves them. Raises InputError with the reason when the
-    recording cannot be read, is driven, or shows no free decay; StoreError when ``out`` cannot be written.
+    restoring : what pulls back; a pendulum is read as the spring that it would be. out : folder for result, report and
+    trace, as the command leaves them. Raises InputError with the reason when the recording cannot be read, is driven,
+    or shows no free decay; StoreError when ``out`` cannot be written.
     """
     from harness.app.identify.identify import deliver, result_of
 
     found = _recording(recording)
-    return result_of(found) if out is None else deliver(found, Path(out))
+    return result_of(found, restoring=restoring) if out is None else deliver(found, Path(out), restoring=restoring)
 
 
 def compare(

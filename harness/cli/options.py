@@ -52,12 +52,13 @@ def engine_options(function: F) -> F:
 
 
 def reading_options(function: F) -> F:
-    """--columns, --skip-rows, --rate, --from, --to, --trace."""
+    """--columns, --skip-rows, --rate, --from, --to, --drop-nan, --trace."""
     return _apply(
         click.option("--columns", metavar="MAP", help='Columns, constants and units: "t=t,x=qm[mm],u=vir*35.15[N]".'),
         click.option("--skip-rows", type=int, default=0, metavar="N", help="Lines before the header or the numbers."),
         click.option("--rate", type=float, metavar="HZ", help="Sampling rate, where no column gives the time."),
         click.option("--from", "start", type=float, metavar="S", help="Leave out what comes before this time."),
         click.option("--to", "stop", type=float, metavar="S", help="Leave out what comes after this time."),
+        click.option("--drop-nan", is_flag=True, help="Leave out rows in which a channel has no value."),
         click.option("--trace", metavar="NAME", help='Which trace of a .rrd, such as "mujoco tuned".'),
     )(function)

@@ -11,11 +11,11 @@ from lxml import etree
 
 from harness.core.errors import StoreError
 from harness.core.slider import Slider
-from harness.engines import models
+from harness.engines import hinge_files, models
 from harness.engines.base import choice
 from harness.engines.joint_words import JOINT, JointWords, Kinds, elements, words_of
 from harness.model.elements import Push
-from harness.model.model import Model
+from harness.model.model import Model, Restoring
 from harness.model.term import Slot
 
 _PUSH: Kinds = frozenset({Push})
@@ -67,34 +67,49 @@ def _slider(model: Model) -> Slider:
     return Slider(model.m, model.c, model.k or 1.0, model.f_k, model.f_s)
 
 
-def cannot_say(model: Model, suffix: str) -> tuple[str, ...]:
+def turns(model: Model, angular: bool = False) -> bool:
+    """Whether a model is that of a hinge: a pendulum always is, others where their recording is of an angle."""
+    return angular or model.restoring is Restoring.PENDULUM
+
+
+def cannot_say(model: Model, suffix: str, angular: bool = False) -> tuple[str, ...]:
     """What a file of this format ("xml" is MJCF, or "urdf") leaves out of the model, one sentence each.
 
-    Raises InputError for another format.
+    angular : x is an angle. Raises InputError for another format.
     """
     choice("model format", suffix, ("xml", "urdf"))
-    missing = list(models.cannot_say(_slider(model), "slider", suffix, model.restoring.value))
-    missing.append(f"{suffix}: no release (x0 = {model.x0:g} m, v0 = {model.v0:g} m/s)")
+    hinge = turns(model, angular)
+    if hinge:
+        missing = hinge_files.cannot_say(model, suffix)
+        missing.append(f"{suffix}: no release (x0 = {model.x0:g} rad, v0 = {model.v0:g} rad/s)")
+    else:
+        missing = list(models.cannot_say(_slider(model), "slider", suffix, model.restoring.value))
+        missing.append(f"{suffix}: no release (x0 = {model.x0:g} m, v0 = {model.v0:g} m/s)")
     for entry in model.terms:
-        if suffix == "xml" and (elements(entry, model.k, JOINT) or elements(entry, model.k, _PUSH)):
+        pushed = not hinge and elements(entry, model.k, _PUSH)
+        if suffix == "xml" and (elements(entry, model.k, JOINT) or pushed):
             continue
         values = ", ".join(f"{name} = {value:g}" for name, value in zip(entry.term.names, entry.values, strict=True))
         what = "no sensor that shows" if entry.term.slot is Slot.OBSERVATION else "no"
         missing.append(f"{suffix}: {what} {entry.term.name}" + (f" ({values})" if values else ""))
     if suffix == "urdf" and model.f_k > 0.0:
-        missing.append(f"urdf: friction = {model.f_k:g} N is written, but readers differ in what they make of it")
+        unit = "N m" if hinge else "N"
+        missing.append(f"urdf: friction = {model.f_k:g} {unit} is written, but readers differ in what they make of it")
     return tuple(missing)
 
 
-def export(model: Model, into: Path) -> dict[str, Path]:
-    """Write slider.xml, slider.urdf and not_said.txt (what they leave out) to a folder, which is made.
+def export(model: Model, into: Path, angular: bool = False) -> dict[str, Path]:
+    """Write NAME.xml, NAME.urdf and not_said.txt (what they leave out) to a folder, which is made.
 
-    Returns the files by name. Raises StoreError when the folder cannot be written.
+    NAME : "pendulum" for a hinge (``turns``), else "slider". Returns the files by name. Raises StoreError when the
+    folder cannot be written.
     """
-    said = [line for suffix in ("xml", "urdf") for line in cannot_say(model, suffix)]
+    said = [line for suffix in ("xml", "urdf") for line in cannot_say(model, suffix, angular)]
+    hinge = turns(model, angular)
+    name = file_name(model, angular)
     texts = {
-        "slider.xml": mjcf(model),
-        "slider.urdf": urdf(model),
+        f"{name}.xml": hinge_files.mjcf(model) if hinge else mjcf(model),
+        f"{name}.urdf": hinge_files.urdf(model) if hinge else urdf(model),
         "not_said.txt": ("\n".join(said) + "\n").encode(),
     }
     try:
@@ -102,3 +117,8 @@ def export(model: Model, into: Path) -> dict[str, Path]:
         return {name: models.write(into / name, text) for name, text in texts.items()}
     except OSError as error:
         raise StoreError(f"{into}: cannot write the models ({error.strerror})") from error
+
+
+def file_name(model: Model, angular: bool = False) -> str:
+    """What a model's files are called, without ending."""
+    return hinge_files.NAME if turns(model, angular) else "slider"

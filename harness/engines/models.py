@@ -18,6 +18,8 @@ GRAVITY = 9.81
 
 NAMES = ("slider", "slider_on_floor")
 """Joint friction, and a box on a floor with contact friction."""
+FILES = (*NAMES, "pendulum")
+"""And a hinge under gravity (harness.engines.hinge_files)."""
 
 
 def folder() -> Path:
@@ -33,8 +35,8 @@ def folder() -> Path:
 
 
 def path(name: str, suffix: str) -> Path:
-    """The file of a model; name is one of NAMES, suffix "xml" (MJCF) or "urdf". Raises InputError for others."""
-    choice("model", name, NAMES)
+    """The file of a model; name is one of FILES, suffix "xml" (MJCF) or "urdf". Raises InputError for others."""
+    choice("model", name, FILES)
     choice("model format", suffix, ("xml", "urdf"))
     return folder() / f"{name}.{suffix}"
 

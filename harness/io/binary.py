@@ -32,7 +32,8 @@ class ParquetTable(Table):
             ) from None
         headers = list(self._file.schema_arrow.names)
         split = [split_header(header) for header in headers]
-        super().__init__(path, [name for name, _ in split], {i: u for i, (_, u) in enumerate(split) if u is not None})
+        units = {i: u for i, (_, u) in enumerate(split) if u is not None}
+        super().__init__(path, [name for name, _ in split], units, headers)
         self._headers = headers
 
     def read(self, positions: Sequence[int]) -> list[FloatArray]:

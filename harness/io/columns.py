@@ -9,11 +9,13 @@ from harness.core.errors import InputError
 CHANNELS = ("t", "x", "v", "a", "u")
 ACCEPTED = (
     "CHANNEL=PRODUCT[UNIT] with channel t, x, v, a or u and a product of column names, #N and numbers is accepted, "
-    'e.g. "t=t,x=qm[m],u=vir*35.15[N]"'
+    "e.g. \"t=t,x=qm[m],u=vir*35.15[N]\"; a name with other signs in it stands in quotes, t='Time (s)'"
 )
 
 _NUMBER = re.compile(r"^[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?$")
 _POSITION = re.compile(r"^#[1-9]\d{0,5}$")
+_QUOTED = re.compile(r"'([^']*)'|\"([^\"]*)\"")
+_HELD = re.compile(r"^\x00(\d+)\x00$")
 _NAME = re.compile(r"^[^\W\d][\w.]*(?: [\w.]+)*$")
 
 
@@ -54,17 +56,32 @@ def _parts(entry: str) -> tuple[str, str, str | None] | None:
     return channel.strip(), product.strip(), unit[:-1] if bracket else None
 
 
-def _product(entry: str, text: str) -> tuple[tuple[str, ...], float]:
+def _put_aside(text: str) -> tuple[str, list[str]]:
+    """The text with a mark for each quoted name, and the names."""
+    names: list[str] = []
+
+    def mark(found: re.Match[str]) -> str:
+        names.append((found[1] if found[1] is not None else found[2]).strip())
+        return f"\x00{len(names) - 1}\x00"
+
+    return _QUOTED.sub(mark, text.replace("\x00", "")), names
+
+
+def _product(entry: str, text: str, quoted: list[str]) -> tuple[tuple[str, ...], float]:
     names: list[str] = []
     factor = 1.0
     for part in text.split("*"):
         item = part.strip()
-        if _NUMBER.match(item):
+        held = _HELD.match(item)
+        if held and quoted[int(held[1])]:
+            names.append(quoted[int(held[1])])
+        elif _NUMBER.match(item):
             factor *= float(item)
         elif _POSITION.match(item) or _NAME.match(item):
             names.append(item)
         else:
-            raise InputError("--columns", f"'{item or text}' in '{entry}' is no name, #N or number", ACCEPTED)
+            found = f"'{item or text}' in '{entry}' is no name, #N or number".replace("\x00", "'")
+            raise InputError("--columns", found, ACCEPTED)
     if not names:
         raise InputError("--columns", f"'{entry}' names no column", ACCEPTED)
     if not math.isfinite(factor) or factor == 0.0:
@@ -80,7 +97,8 @@ def parse_columns(text: str) -> dict[str, Mapping]:
     if len(text) > _LONGEST:
         raise InputError("--columns", f"{len(text)} characters", f"at most {_LONGEST} are accepted")
     found: dict[str, Mapping] = {}
-    for entry in (part.strip() for part in _split(text)):
+    aside, quoted = _put_aside(text)
+    for entry in (part.strip() for part in _split(aside)):
         split = _parts(entry)
         if split is None:
             raise InputError("--columns", f"'{entry}'", ACCEPTED)
@@ -89,6 +107,6 @@ def parse_columns(text: str) -> dict[str, Mapping]:
             raise InputError("--columns", f"unknown channel '{channel}' in '{entry}'", ACCEPTED)
         if channel in found:
             raise InputError("--columns", f"channel {channel} given twice", "each channel once is accepted")
-        names, factor = _product(entry, product)
+        names, factor = _product(entry, product, quoted)
         found[channel] = Mapping(channel, names, factor, None if unit is None else unit.strip())
     return found

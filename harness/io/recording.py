@@ -2,7 +2,7 @@
 
 import hashlib
 from collections import abc
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
@@ -10,18 +10,19 @@ from typing import Any
 import numpy as np
 
 from harness.core.apart import Found, read_apart
-from harness.core.arrays import FloatArray
+from harness.core.arrays import FloatArray, IntArray
 from harness.core.bounded import MOST_BYTES, check_size
 from harness.core.checks import finite, positive
 from harness.core.errors import InputError
 from harness.core.recording import LARGEST, LONGEST_TIME, MINIMUM_SAMPLES, Recording
-from harness.io.columns import Mapping, parse_columns
+from harness.io.choose import chosen, quoted_of, said, unit_of
+from harness.io.columns import Mapping
 from harness.io.registry import formats, reader_of
 from harness.io.sampling import sampling_notes
+from harness.io.stamps import repeated, since_first, whole_numbers
 from harness.io.table import Table
-from harness.io.units import Unit, parse_unit
-
-_FORCE_NAMES = ("u", "F")
+from harness.io.turns import unwrapped
+from harness.io.units import Unit
 
 
 @dataclass(frozen=True, slots=True)
@@ -29,7 +30,7 @@ class ReadOptions:
     """How to read a recording.
 
     columns : the text of --columns. skip_rows : lines before the header. rate : Hz, where no column gives the time.
-    start, stop : s, the part to keep (--from, --to).
+    start, stop : s, the part to keep (--from, --to). drop_nan : leave out rows in which a channel has no value.
     """
 
     columns: str | None = None
@@ -37,6 +38,7 @@ class ReadOptions:
     rate: float | None = None
     start: float | None = None
     stop: float | None = None
+    drop_nan: bool = False
 
     def __post_init__(self) -> None:
         if self.skip_rows < 0:
@@ -80,41 +82,8 @@ def _open(path: Path, options: ReadOptions) -> Table:
     return reader.open(path)
 
 
-def _mappings(table: Table, options: ReadOptions) -> dict[str, Mapping]:
-    """Which columns to read for which channel."""
-    if options.columns is not None:
-        mappings = parse_columns(options.columns)
-        if "t" not in mappings and options.rate is None and "t" in table.names:
-            mappings["t"] = Mapping("t", ("t",))
-    else:
-        mappings = {name: Mapping(name, (name,)) for name in ("t", "x", "v", "a") if name in table.names}
-        forces = [name for name in _FORCE_NAMES if name in table.names]
-        if forces:
-            mappings["u"] = Mapping("u", (forces[0],))
-    if not set(mappings) & {"x", "v", "a"}:
-        hint = "t and one or more of x, v, a, or others named by --columns, are accepted"
-        raise InputError(str(table.path), f"the columns {table.listed()}", hint)
-    if "t" not in mappings and options.rate is None:
-        raise InputError(
-            str(table.path), f"no time among the columns {table.listed()}", "a column t or --rate HZ is accepted"
-        )
-    if "t" in mappings and options.rate is not None:
-        accepted = "one of the two is accepted (--columns without t leaves the column out)"
-        raise InputError("--rate", f"given although a column of {table.path} gives the time", accepted)
-    return mappings
-
-
-def _unit(table: Table, mapping: Mapping, positions: Sequence[int], constants: Sequence[bool]) -> Unit:
-    """The unit of a mapping: its own, else that of its one column."""
-    if mapping.unit is not None:
-        return parse_unit(f"--columns, channel {mapping.channel}", mapping.channel, mapping.unit)
-    moving = [i for i, constant in zip(positions, constants, strict=True) if not constant]
-    header = table.units.get(moving[0]) if len(moving) == 1 and not any(constants) else None
-    return parse_unit(f"{table.path}: column {'*'.join(mapping.names)}", mapping.channel, header)
-
-
 def _channels(table: Table, mappings: dict[str, Mapping]) -> dict[str, tuple[FloatArray, Unit]]:
-    """The values of every channel in SI, and the unit they came in; the file is read once."""
+    """The values of every channel in SI, those of t as they stand, and the unit they came in; the file is read once."""
     at = {name: table.position(name) for mapping in mappings.values() for name in mapping.names}
     positions = sorted(set(at.values()))
     columns = dict(zip(positions, table.read(positions), strict=True))
@@ -127,8 +96,8 @@ def _channel(
     positions = [at[name] for name in mapping.names]
     columns = [read[i] for i in positions]
     constants = [column.size == 1 for column in columns]
-    unit = _unit(table, mapping, positions, constants)
-    factor = mapping.factor * unit.factor
+    unit = unit_of(table, mapping, positions, constants)
+    factor = mapping.factor * (1.0 if mapping.channel == "t" else unit.factor)
     values = columns[0]
     with np.errstate(over="ignore", invalid="ignore"):  # what becomes of it is looked at when the rows are checked
         for column in columns[1:]:
@@ -140,24 +109,31 @@ def _channel(
         return (values if factor == 1.0 else values * factor), unit
 
 
-def _check_rows(table: Table, channel: str, values: FloatArray, first: int) -> None:
+def _check_rows(table: Table, channel: str, values: FloatArray, rows: IntArray) -> None:
+    """rows : the file's row of each value, from 0."""
     largest = LONGEST_TIME if channel == "t" else LARGEST
     bad = np.flatnonzero(~(np.abs(values) <= largest))  # that of nan is not
     if bad.size:
         value = values[bad[0]]
-        where = f"{table.path}: {table.row(first + int(bad[0]))}, column {channel}"
+        where = f"{table.path}: {table.row(int(rows[bad[0]]))}, column {channel}"
         found = "no value or nan" if np.isnan(value) else f"{value:g}"
         accepted = f"at most {largest:g} in size is accepted" if np.isfinite(value) else "a finite number is accepted"
+        if np.isnan(value):
+            accepted += "; --drop-nan leaves such rows out"
         raise InputError(where, found, accepted)
 
 
-def _times(table: Table, values: FloatArray) -> None:
-    _check_rows(table, "t", values, 0)
+def _times(table: Table, values: FloatArray, rows: IntArray, others: str) -> None:
     back = np.flatnonzero(np.diff(values) <= 0.0)
-    if back.size:
-        i = int(back[0]) + 1
-        found = f"time {values[i]:.9g} s does not come after {values[i - 1]:.9g} s"
-        raise InputError(f"{table.path}: {table.row(i)}, column t", found, "times that increase are accepted")
+    if not back.size:
+        return
+    i = int(back[0]) + 1
+    where = f"{table.path}: {table.row(int(rows[i]))}, column t"
+    again = repeated(values, others)
+    if again is not None:
+        raise InputError(where, *again)
+    found = f"time {values[i]:.9g} s does not come after {values[i - 1]:.9g} s"
+    raise InputError(where, found, "times that increase are accepted")
 
 
 def _kept(path: Path, t: FloatArray, options: ReadOptions) -> slice:
@@ -175,7 +151,8 @@ def read_recording(path: Path, options: ReadOptions | None = None, read_rrd: Rrd
     """Read a recording of any accepted format, in SI units.
 
     With --columns only the channels it names are taken (and a column t, unless --rate is given); without it the columns
-    t, x, v, a and u (or F). Values are checked between --from and --to.
+    whose names say t, x, v, a or u as people write them, and what was guessed is a note. Stamps that count from 1970
+    are counted from the first. An angle that wraps is put together. Values are checked between --from and --to.
 
     Raises InputError naming the file, row, column or option that is wrong.
     """
@@ -217,31 +194,63 @@ def _plain(value: Any) -> Any:
 
 def _read(path: Path, digest: str, options: ReadOptions) -> Recording:
     table = _open(path, options)
-    read = _channels(table, _mappings(table, options))
+    mappings, guessed = chosen(table, options.columns, options.rate)
+    read = _channels(table, mappings)
+    notes: list[str | None] = [said(table, mappings, {c: unit for c, (_, unit) in read.items()}, guessed)]
+    for channel in sorted(guessed & {"v", "a", "u"}):
+        if len(read) > 2 and _still(read[channel][0]):
+            del read[channel]
+            notes.append(f"The column read as {channel} says nothing throughout: left out.")
     sizes = {channel: values.size for channel, (values, _) in read.items()}
     if len(set(sizes.values())) > 1:
         found = ", ".join(f"{size} values of {channel}" for channel, size in sizes.items())
         raise InputError(str(path), found, "columns of one length are accepted")
+    rows = np.arange(next(iter(sizes.values())))
+    if options.drop_nan:
+        rows = rows[~np.any([np.isnan(values) for values, _ in read.values()], axis=0)]
+        dropped = next(iter(sizes.values())) - rows.size
+        notes.append(f"{dropped} rows without a value are left out (--drop-nan)." if dropped else None)
     if options.rate is not None:
         with np.errstate(over="ignore"):
-            t = np.arange(next(iter(sizes.values())), dtype=np.float64) / options.rate
-        _check_rows(table, "t", t, 0)
+            t = rows.astype(np.float64) / options.rate
+        _check_rows(table, "t", t, rows)
     else:
-        t = read["t"][0]
-        _times(table, t)
+        stamps, unit = read["t"]
+        with np.errstate(over="ignore", invalid="ignore"):
+            t, counted = since_first(stamps[rows], unit)
+        _check_rows(table, "t", t, rows)
+        paste = ",".join(f"{c}={quoted_of(table, m)}" for c, m in mappings.items() if c != "t" and c in read)
+        _times(table, t, rows, paste)
+        notes += [counted, whole_numbers(t, unit)]
     keep = _kept(path, t, options)
-    channels = {channel: values[keep] for channel, (values, _) in read.items() if channel != "t"}
+    channels = {channel: values[rows][keep] for channel, (values, _) in read.items() if channel != "t"}
     for channel, values in channels.items():
-        _check_rows(table, channel, values, keep.start)
+        _check_rows(table, channel, values, rows[keep])
+    angular = _angular({channel: unit for channel, (_, unit) in read.items()})
+    if angular and "x" in channels:
+        channels["x"], wrapped = unwrapped(channels["x"])
+        notes.append(wrapped)
     return Recording(
         t[keep],
         channels,
         file=str(path),
         sha256=digest,
         units={channel: unit.text for channel, (_, unit) in read.items() if unit.text},
-        angular=any(unit.angular for channel, (_, unit) in read.items() if channel in ("x", "a")),
-        notes=sampling_notes(t[keep]),
+        angular=angular,
+        notes=(*(note for note in notes if note), *sampling_notes(t[keep])),
     )
+
+
+def _still(values: FloatArray) -> bool:
+    """Whether a column says nothing: one value throughout, or none."""
+    told = values[~np.isnan(values)]
+    return told.size == 0 or bool(np.all(told == told[0]))
+
+
+def _angular(units: dict[str, Unit]) -> bool:
+    """Whether what moves is an angle: as position and acceleration say, else the speed."""
+    by = [units[channel] for channel in ("x", "a") if channel in units]
+    return any(unit.angular for unit in by or [units[c] for c in ("v",) if c in units])
 
 
 def _from_rrd(path: Path, digest: str, options: ReadOptions, read_rrd: RrdReader) -> Recording:

@@ -16,11 +16,14 @@ class Table(ABC):
     """Named columns of one file.
 
     path : the file. names : of the columns in order, units split off, "" where a column has no name.
-    units : unit text of columns whose header carries one, by position.
+    units : unit text of columns whose header carries one, by position. headers : as they stand in the file.
     """
 
-    def __init__(self, path: Path, names: Sequence[str], units: Mapping[int, str]) -> None:
+    def __init__(
+        self, path: Path, names: Sequence[str], units: Mapping[int, str], headers: Sequence[str] | None = None
+    ) -> None:
         self.path, self.names, self.units = path, tuple(names), dict(units)
+        self.headers = tuple(names if headers is None else headers)
 
     @abstractmethod
     def read(self, positions: Sequence[int]) -> list[FloatArray]:
@@ -46,6 +49,7 @@ class Table(ABC):
                 )
             return number - 1
         at = [i for i, existing in enumerate(self.names) if existing == name]
+        at = at or [i for i, existing in enumerate(self.headers) if existing.strip() == name]
         if not at:
             raise InputError(f"{self.path}: column {name}", "no such column", f"{self.listed()} are accepted")
         if len(at) > 1:

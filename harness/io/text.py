@@ -20,6 +20,8 @@ MOST_ROWS = 20_000_000
 """Of a text table: with the bound on its bytes, what keeps the memory it takes below 2 GiB."""
 _LONGEST_LINE = 1 << 20
 _COMMENT = ("#", "%")
+_MISSING = ("na", "n/a", "null", "none")
+"""What loggers write for no value, besides nothing and nan."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -36,7 +38,7 @@ class _Layout:
 def _number(cell: str, decimal: str = ".") -> float | None:
     """The value of a cell; nan when it is empty, None when it is text."""
     text = cell.strip()
-    if not text:
+    if not text or text.lower() in _MISSING:
         return float("nan")
     if "_" in text:
         return None
@@ -106,7 +108,7 @@ def _header(where: str, line: str, separator: str) -> list[str]:
     if separator:
         return _cells(where, line, separator)
     # a unit's text holds no second bracket: what is searched for its end ends at the next one
-    return re.findall(r"[^\s\[]+(?:\s?\[[^\[\]]*\])?", " ".join(line.split()))
+    return re.findall(r"[^\s\[(]+(?:\s?[\[(][^\[\]()]*[\])])*", " ".join(line.split()))
 
 
 def _decode(raw: bytes | bytearray) -> str:
@@ -150,7 +152,8 @@ class TextTable(Table):
         self._data = _bytes(path)
         self._layout = _layout(path, self._data, skip_rows)
         split = [split_header(field) for field in self._layout.fields]
-        super().__init__(path, [name for name, _ in split], {i: u for i, (_, u) in enumerate(split) if u is not None})
+        units = {i: u for i, (_, u) in enumerate(split) if u is not None}
+        super().__init__(path, [name for name, _ in split], units, self._layout.fields)
 
     def read(self, positions: Sequence[int]) -> list[FloatArray]:
         """See Table."""

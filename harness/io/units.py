@@ -49,11 +49,15 @@ SI = Unit("", 1.0, False)
 
 
 def split_header(header: str) -> tuple[str, str | None]:
-    """Split ``x [mm]`` into name and unit; the unit is None when there are no brackets."""
+    """Split ``x [mm]`` or ``Time (s)`` into name and unit; the unit is None when there are no brackets.
+
+    ``position[0]`` is the name of an element, and stays whole.
+    """
     text = header.strip()
-    name, bracket, unit = text[:-1].rpartition("[")
-    if text.endswith("]") and bracket and "]" not in unit:
-        return name.strip(), unit.strip()
+    for opening, closing in ("[]", "()"):
+        name, bracket, unit = text[:-1].rpartition(opening)
+        if text.endswith(closing) and bracket and name.strip() and closing not in unit and not unit.strip().isdigit():
+            return name.strip(), unit.strip()
     return text, None
 
 

@@ -96,16 +96,36 @@ class EngineResult(Result):
     error: str | None = Field(default=None, description="why this engine could not be run")
 
 
+class ChangeResult(Result):
+    """One thing to change in the user's simulation."""
+
+    kind: Literal["parameter", "term", "setting"]
+    name: str
+    before: float | str | None = Field(description="as the simulation has it; null for a term it lacks")
+    after: float | str | None = Field(description="as the recording asks for it; null for a term to take out")
+    unit: str = ""
+    said: str = Field(description="the change in words")
+
+
 class AttributionResult(Result):
-    """Shares of the mean square mismatch of an engine as configured; they add up to 1, negative ones too."""
+    """Shares of the mean square mismatch of a simulation; they add up to 1, negative ones too.
+
+    Shapley values of a game in which engine, parameters and missing physics are put right in every order.
+    """
 
     engine: float
+    why: str | None = Field(default=None, description="why engine is 0: with --sim alone it is in parameters")
     parameters: float
     missing_physics: float
     unexplained: float
     noise: float
     configuration: str = Field(default="", description="what was compared with the recording")
     mean_square: float | None = Field(default=None, description="S0, the whole, in units of the noise")
+    shift_s: float | None = Field(default=None, description="by which a trace was moved in time")
+    reads: dict[str, P] | None = Field(default=None, description="what the trace of --sim reads, fitted as a recording")
+    recording: dict[str, P] = Field(default_factory=dict, description="the refined model's, beside it")
+    changes: list[ChangeResult] = Field(default_factory=list, description="what to change, what moves most first")
+    sentences: list[str] = Field(default_factory=list)
 
 
 class ForceError(Result):

@@ -7,6 +7,9 @@ from pydantic import Field
 from harness.results.common import Machine, P, RecordingInfo, Result
 from harness.results.run import Estimates
 
+Swing = Literal["spring", "pendulum"]
+"""What pulls back."""
+
 
 class IdentifyResult(Result):
     """harness identify."""
@@ -15,6 +18,7 @@ class IdentifyResult(Result):
     recording: RecordingInfo
     estimates: dict[str, Estimates]
     sensor_phase_rad: P
+    restoring: Swing = Field(default="spring", description="a pendulum is read as the spring that it would be")
     warnings: list[str]
     command: str = Field(default="", description="the line that makes it again")
     machine: Machine

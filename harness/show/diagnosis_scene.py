@@ -14,7 +14,8 @@ from harness.show.decimate import keep, reversal_times
 from harness.show.pack import pack_recording, pack_trajectories
 from harness.show.run_scene import DRAWN
 
-RECORDED, BEFORE, AFTER = "#8a93a0", "#e4632d", "#2b7fd6"
+RECORDED, BEFORE, AFTER, YOURS = "#8a93a0", "#e4632d", "#2b7fd6", "#1f9e77"
+YOUR_SIMULATION = "your simulation"
 _NAMES = {"x": "position / m", "v": "speed / (m/s)", "a": "acceleration / (m/s²)"}
 _ANGLES = {"x": "angle / rad", "v": "speed / (rad/s)", "a": "acceleration / (rad/s²)"}
 _PARTS, _ELSEWHERE = "parts", "elsewhere"
@@ -25,6 +26,11 @@ _MOST_OF_IT = 0.9
 def shown(simulated: Trajectory, channel: str) -> FloatArray:
     """A channel as the sensors of a simulation show it, (n,)."""
     return simulated.extra[f"shown {channel}"]
+
+
+def yours(simulated: Sequence[Trajectory]) -> Trajectory | None:
+    """The user's own simulation behind both models, where there is one; its times are those it reaches."""
+    return simulated[2] if len(simulated) > 2 else None
 
 
 def model_names(result: Mapping[str, Any]) -> list[str]:
@@ -69,13 +75,16 @@ def diagnosis_scene(
 ) -> s.Scene:
     """Scene of a diagnosis.
 
-    simulated : base model and refined model at the recording's times. result : JSON-able, stored as a property.
+    simulated : base model and refined model at the recording's times, behind them the user's own simulation where
+    there is one. result : JSON-able, stored as a property.
     notes : Markdown.
     """
     channels = [c for c in ("x", "v", "a") if c in recording and f"shown {c}" in simulated[0].extra]
     names = _ANGLES if recording.angular else _NAMES
     labels = model_names(result)
     looks = list(zip(("before", "after"), labels, (BEFORE, AFTER), strict=False))
+    everything, own = simulated, yours(simulated)
+    simulated = simulated[:2]
     models = list(zip(looks, simulated, strict=False))
     leaves = (labels[0], labels[-1] if result["remainder"] is None else f"remainder, {labels[-1]}")
     around = reversal_times(simulated[-1])
@@ -92,6 +101,9 @@ def diagnosis_scene(
             items.append(s.Line(f"/channels/{c}/{key}", label, t, shown(model, c)[at], color))
             left.append(recording[c][at] - shown(model, c)[at])
             items.append(s.Line(f"/residual/{c}/{key}", rest, t, left[-1], color))
+        if own is not None and f"shown {c}" in own.extra:
+            at = keep(own.t, [shown(own, c)], around, DRAWN)
+            items.append(s.Line(f"/channels/{c}/yours", YOUR_SIMULATION, own.t[at], shown(own, c)[at], YOURS))
         curves.append(s.Plot(names[c], [f"/channels/{c}"], roomy([recording[c]])))
         rests.append(s.Plot(f"recording minus simulation, {names[c]}", [f"/residual/{c}"], roomy(left)))
     spans = shaded_spans(result)
@@ -120,7 +132,7 @@ def diagnosis_scene(
         ],
         [3.0, 2.0],
     )
-    blobs = {f"trajectory-{i:03d}": data for i, data in enumerate(pack_trajectories(simulated))}
+    blobs = {f"trajectory-{i:03d}": data for i, data in enumerate(pack_trajectories(everything))}
     blobs["recording-000"] = pack_recording(recording)
     return s.Scene(
         f"diagnosis of {recording.file.rpartition('/')[2]}",

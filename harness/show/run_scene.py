@@ -68,12 +68,13 @@ def run_scene(
     items += reversal_marks(reference)
     items.append(_plane(trajectories))
     items += [s.Page("/notes", notes), s.Page("/parameters", _parameters(scenario, trajectories))]
-    bodies, factor = _bodies(trajectories, slugs, palette, urdf)
+    turns = (scenario.get("model") or {}).get("restoring") == "pendulum"
+    bodies, factor = _bodies(trajectories, slugs, palette, urdf, turns)
     items += bodies
     return s.Scene(
         f"{scenario.get('name', 'run')}: {', '.join(dict.fromkeys(tr.source.name for tr in trajectories))}",
         items,
-        _layout(trajectories, errors, bodies, factor, any(isinstance(item, s.Lane) for item in items)),
+        _layout(trajectories, errors, bodies, factor, any(isinstance(item, s.Lane) for item in items), turns),
         {f"trajectory-{i:03d}": data for i, data in enumerate(pack_trajectories(trajectories))},
         {"scenario": dict(scenario), "result": dict(result), "notes": {"text": notes}},
     )
@@ -146,14 +147,14 @@ def _plane_bounds(trajectories: Sequence[Trajectory]) -> tuple[tuple[float, floa
 
 
 def _bodies(
-    trajectories: Sequence[Trajectory], slugs: Sequence[str], palette: Sequence[str], urdf: Path | None
+    trajectories: Sequence[Trajectory], slugs: Sequence[str], palette: Sequence[str], urdf: Path | None, turns: bool
 ) -> tuple[list[s.Body], float]:
-    """One model a source, side by side, all with the same exaggeration of the motion."""
+    """One model a source, side by side, all with the same exaggeration of the motion; an angle is drawn as it is."""
     if urdf is None:
         return [], 1.0
     largest = max(float(np.max(np.abs(tr.x))) for tr in trajectories)
     factor = 1.0
-    if largest > 0.0 and not 0.3 * RAIL < largest <= RAIL:
+    if not turns and largest > 0.0 and not 0.3 * RAIL < largest <= RAIL:
         exponent = np.floor(np.log10(RAIL / largest))
         step = RAIL / largest / 10.0**exponent
         factor = float(max(nice for nice in (1.0, 2.0, 5.0) if nice <= step) * 10.0**exponent)
@@ -171,13 +172,17 @@ def _layout(
     bodies: Sequence[s.Body],
     factor: float,
     lanes: bool,
+    turns: bool,
 ) -> s.Layout:
-    position = s.Plot("position / m", ["/position"], roomy([tr.x for tr in trajectories]))
-    acceleration = s.Plot("acceleration / (m/s²)", ["/acceleration"], roomy([tr.a for tr in trajectories]))
+    names = (
+        ("angle / rad", "acceleration / (rad/s²)", "mrad") if turns else ("position / m", "acceleration / (m/s²)", "mm")
+    )
+    position = s.Plot(names[0], ["/position"], roomy([tr.x for tr in trajectories]))
+    acceleration = s.Plot(names[1], ["/acceleration"], roomy([tr.a for tr in trajectories]))
     left: list[s.Layout] = [position]
     shares = [3.0]
     if errors:
-        left.append(s.Plot("error against the reference / mm", ["/error"], roomy([e * 1e3 for e in errors])))
+        left.append(s.Plot(f"error against the reference / {names[2]}", ["/error"], roomy([e * 1e3 for e in errors])))
         shares.append(2.6)
     left.append(acceleration)
     shares.append(3.0)

@@ -10,7 +10,7 @@ from harness.core.arrays import FloatArray
 from harness.core.errors import InputError, SimulationError
 from harness.core.recording import Recording
 from harness.diagnosis.alignment.align import align
-from harness.diagnosis.explain.attribution import MeanSquares, attribute_engine, attribute_trace, shares
+from harness.diagnosis.attribution.attribute import attribute_engine, attribute_trace
 from harness.diagnosis.explain.engines import engine_fit, suitable_step
 from harness.diagnosis.fit.model_fit import fit
 from harness.diagnosis.fit.observe import observe
@@ -141,14 +141,6 @@ def test_a_recording_that_ends_before_the_release_is_refused() -> None:
         engine_fit(EngineSimulator.named("pybullet"), late, late, recorded(BASE), SCALES)
 
 
-def test_shares_are_those_of_the_definition_and_sum_to_one() -> None:
-    found = shares(MeanSquares(100.0, 60.0, 70.0, 3.0))
-    assert (found.engine, found.parameters, found.missing_physics) == (0.4, -0.1, 0.67)
-    assert (found.unexplained, found.noise) == (0.02, 0.01)
-    total = found.engine + found.parameters + found.missing_physics + found.unexplained + found.noise
-    assert total == pytest.approx(1.0, abs=1e-15)
-
-
 INTEGRATORS: list[tuple[dict[str, Any], float, bool]] = [
     ({"integrator": "Euler"}, 2e-3, True),
     ({"integrator": "implicitfast"}, 2e-3, True),
@@ -161,23 +153,25 @@ INTEGRATORS: list[tuple[dict[str, Any], float, bool]] = [
 def test_what_the_integrator_does_wrong_is_the_engines(settings: dict[str, Any], dt: float, errs: bool) -> None:
     """The model is the true one: parameters and physics have no share, whatever the integrator does."""
     problem = recorded(BASE)
-    found = attribute_engine(EngineSimulator.named("mujoco", "tuned", settings), BASE, BASE, BASE, problem, SCALES, dt)
+    found = attribute_engine(EngineSimulator.named("mujoco", "tuned", settings), BASE, BASE, problem, SCALES, dt)
     assert found.parameters == found.missing_physics == 0.0
     assert abs(found.unexplained) < 0.1 * found.noise
     assert found.engine > 0.5 if errs else abs(found.engine) < 0.1
 
 
 def test_parameters_and_missing_physics_have_their_shares() -> None:
+    """Right parameters without the term: all is missing physics; a base fit's stand for a part of the term."""
     problem = recorded(CUBIC)
     base = fit(BASE, problem, free_of(BASE, ("c", "k", "f_k", "x0")), SCALES, thorough=False).model
     simulator = EngineSimulator.named("mujoco")
-    found = attribute_engine(simulator, BASE, base, CUBIC, problem, SCALES, 1e-4)
-    assert found.parameters > 0.5
-    assert found.missing_physics > 0.0
-    assert abs(found.engine) < 0.05
-    without = attribute_engine(simulator, base, base, CUBIC, problem, SCALES, 1e-4)
-    assert without.parameters == 0.0
-    assert without.missing_physics > 0.8
+    right = attribute_engine(simulator, CUBIC.with_terms(), CUBIC, problem, SCALES, 1e-4)
+    assert abs(right.parameters) < 0.02
+    assert right.missing_physics > 0.95
+    assert not right.hides
+    fitted = attribute_engine(simulator, base, CUBIC, problem, SCALES, 1e-4)
+    assert fitted.hides
+    assert fitted.whole < right.whole
+    assert all(abs(found.engine) < 0.05 for found in (right, fitted))
 
 
 def trace_of(model: Model, start: float, *channels: str) -> Recording:
@@ -198,16 +192,6 @@ def test_a_users_trace_is_shifted_to_where_it_belongs(channels: tuple[str, ...])
     assert found.covered.all()
 
 
-def test_a_users_trace_of_other_parameters_is_attributed() -> None:
-    problem = recorded(BASE)
-    rough = Model(1.0, 1.0, 100.0, 3.3, x0=1.0)
-    found = attribute_trace(trace_of(rough, 1.0, "x", "v", "a"), rough, BASE, BASE, problem, SCALES)
-    assert found.shift == pytest.approx(-1.0, abs=1e-3)
-    assert abs(found.engine) < 0.05
-    assert found.parameters > 0.9
-    assert found.missing_physics == 0.0
-
-
 def test_a_rest_does_not_draw_a_trace_away_from_the_motion() -> None:
     t = np.linspace(0.0, 9.0, 1801)
     noise = {"x": Noise(1e-3, True)}
@@ -225,7 +209,7 @@ BAD: list[tuple[Recording, str]] = [
 @pytest.mark.parametrize(("trace", "message"), BAD, ids=["channels", "short"])
 def test_a_trace_that_does_not_belong_is_refused(trace: Recording, message: str) -> None:
     with pytest.raises(InputError, match=message):
-        attribute_trace(trace, BASE, BASE, BASE, recorded(BASE), SCALES)
+        attribute_trace(trace, None, BASE, recorded(BASE), SCALES)
 
 
 @pytest.mark.parametrize(

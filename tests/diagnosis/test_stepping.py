@@ -8,8 +8,8 @@ import pytest
 
 from harness.core.recording import Recording
 from harness.core.trajectory import Trajectory
+from harness.diagnosis.attribution.attribute import Attribution
 from harness.diagnosis.baseline.base_fit import baseline
-from harness.diagnosis.explain.attribution import MeanSquares, shares
 from harness.diagnosis.fit.model_fit import fit
 from harness.diagnosis.fit.parameters import free_of
 from harness.diagnosis.integrator_maps.stepped import as_stepped
@@ -134,8 +134,9 @@ def test_a_sensor_of_a_real_recording_stays_a_sensor() -> None:
 
 
 def test_what_the_integrator_adds_counts_as_the_engines() -> None:
-    plain = shares(MeanSquares(simulated=100.0, configured=90.0, baseline=80.0, refined=5.0))
-    seen = plain.with_steps(1.1)
+    model = Model(1.0, 1.0, 100.0, 1.0, x0=1.0)
+    plain = Attribution(0.1, 0.1, 0.75, 0.04, 0.01, whole=100.0, configured=model, alone={}, by_parameter={})
+    seen = plain.with_steps(1.1, 5.0)
     assert seen.engine == pytest.approx(plain.engine + 0.039)
     assert seen.unexplained == pytest.approx(0.001)
     total = seen.engine + seen.parameters + seen.missing_physics + seen.unexplained + seen.noise

@@ -99,7 +99,7 @@ def test_a_format_says_what_it_leaves_out() -> None:
 
 
 def test_unknown_names_and_unwritable_folders_are_refused(tmp_path: Path) -> None:
-    with pytest.raises(InputError, match="model: 'cart'; one of slider, slider_on_floor is accepted"):
+    with pytest.raises(InputError, match="model: 'cart'; one of slider, slider_on_floor, pendulum is accepted"):
         models.path("cart", "xml")
     with pytest.raises(InputError, match="model format: 'sdf'; one of xml, urdf is accepted"):
         models.path("slider", "sdf")

@@ -207,7 +207,12 @@ def blank_line(lines: list[str]) -> None:
 
 
 REFUSED: list[tuple[str, str, str, ReadOptions]] = [
-    ("no time", edited(nothing, "time,x"), "no time among the columns time, x; a column t or --rate HZ", ReadOptions()),
+    (
+        "no time",
+        edited(nothing, "row,x"),
+        'no time among the columns row, x; --rate HZ, or a column t, such as --columns "t=row,x=x", is accepted',
+        ReadOptions(),
+    ),
     ("time and rate", edited(nothing), "--rate: given although a column", ReadOptions(rate=100.0)),
     ("no channel", edited(nothing, "t,y"), "the columns t, y; t and one or more of x, v, a", ReadOptions()),
     (

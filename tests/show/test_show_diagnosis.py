@@ -16,6 +16,7 @@ from harness.kernels.solve import simulate
 from harness.results.common import P, Where
 from harness.results.diagnosis import (
     AttributionResult,
+    ChangeResult,
     DiagnosisResult,
     EvidenceResult,
     FailedDiagnosis,
@@ -103,6 +104,28 @@ def test_the_trace_holds_recording_and_simulations_bit_for_bit(case: Case, tmp_p
     for kept, made in zip(stored.trajectories, simulated, strict=True):
         assert kept.source == made.source
         np.testing.assert_array_equal(kept.extra["shown a"], made.extra["shown a"])
+
+
+def test_a_users_own_simulation_is_a_third_curve_as_far_as_it_reaches(case: Case, tmp_path: Path) -> None:
+    recording, simulated, result = case
+    part = simulated[0].t[10:200]
+    shown_x = np.cos(part)
+    own = Trajectory(part, shown_x, 0.0 * part, 0.0 * part, Source("yours", "as given"), extra={"shown x": shown_x})
+    changed = ChangeResult(kind="parameter", name="c", before=0.8, after=0.4, unit="N s/m", said="c: 0.8 to 0.4 N s/m")
+    told = AttributionResult(
+        engine=0.0, why="a trace alone", parameters=-0.4, missing_physics=1.4, unexplained=0.0, noise=0.0,
+        changes=[changed], sentences=["The parameters hide the missing term: c 0.8 stands for 0.4 and end-stop."],
+    )  # fmt: skip
+    result = result | {"attribution": told.model_dump(mode="json", by_alias=True)}
+    scene = diagnosis_scene(recording, [*simulated, own], result, "# Verdict")
+    assert "/channels/x/yours" in {getattr(item, "path", "") for item in scene.items}
+    write_trace(tmp_path / "trace.rrd", scene)
+    assert [len(kept) for kept in read_trace(tmp_path / "trace.rrd").trajectories][2] == part.size
+    page = render(*diagnosis_title(result), diagnosis_sections(recording, [*simulated, own], result))
+    assert "your simulation" in page
+    assert "C: 0.8 to 0.4 N s/m." in page
+    assert "parameters and engine" in page
+    assert "stands for 0.4 and end-stop" in page
 
 
 def index_data() -> list[dict[str, Any]]:

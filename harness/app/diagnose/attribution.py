@@ -1,21 +1,39 @@
 """Whose mismatch it is: the simulation as the user has it, engine or trace, against the recording."""
 
 import logging
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
+import numpy as np
+
+from harness.app.diagnose.changes import changes_of, hidden, parameters_of
 from harness.app.diagnose.options import DiagnoseOptions
-from harness.app.shared.reading import ReadOptions, read
+from harness.app.shared.reading import read
+from harness.core.arrays import BoolArray, FloatArray
 from harness.core.errors import SimulationError
 from harness.core.recording import Recording
-from harness.diagnosis.explain.attribution import Attribution, attribute_engine, attribute_trace
+from harness.core.trajectory import Source, Trajectory
+from harness.diagnosis.attribution.attribute import (
+    Attribution,
+    NoSharesError,
+    attribute_engine,
+    attribute_model,
+    attribute_trace,
+)
+from harness.diagnosis.attribution.reading import aligned, trace_channels
+from harness.diagnosis.fit.observe import observe
 from harness.diagnosis.outcome import Outcome
+from harness.diagnosis.problem import Problem
 from harness.engines.simulator import EngineSimulator
 from harness.model.document import load as load_model
 from harness.model.model import Model
+from harness.results.common import P
 from harness.results.diagnosis import AttributionResult
 
 LOGGER = logging.getLogger(__name__)
+JOINED = "a trace alone does not tell what its engine does from what its parameters do; --model FILE parts them"
+_TOLD = 0.02
+"""Share of an engine below which its settings are let be."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -29,7 +47,7 @@ class Configured:
     def of(cls, options: DiagnoseOptions) -> "Configured":
         """Read the files; raises InputError for one that cannot be used."""
         model = load_model(options.model) if isinstance(options.model, Path) else options.model
-        return cls(model, read(options.sim, ReadOptions()) if isinstance(options.sim, Path) else options.sim)
+        return cls(model, read(options.sim, options.sim_reading) if isinstance(options.sim, Path) else options.sim)
 
     def released(self, base: Model) -> Model:
         """The user's model, released as the recording was where the file does not say; ``base`` when there is none."""
@@ -38,6 +56,48 @@ class Configured:
         if self.model.x0 == 0.0 and self.model.v0 == 0.0:
             return replace(self.model, x0=base.x0, v0=base.v0, t0=base.t0)
         return self.model
+
+    def motion(self, outcome: Outcome, whole: Problem) -> Trajectory | None:
+        """The user's simulation at the recording's times, as far as it reaches; None where there is none to show.
+
+        extra "shown x" and the like: its channels. whole : the question at every sample of the recording.
+        """
+        if self.trace is not None:
+            on = aligned(self.trace, outcome.problem, outcome.scales)
+            covers = replace(on, covered=_covered(self.trace, on.clock.back(whole.t)))
+            shown = trace_channels(self.trace, whole, covers)
+            at = np.flatnonzero(covers.covered)
+            return _motion(whole.t[at], {c: y[at] for c, y in shown.items()})
+        if self.model is None:
+            return None
+        try:
+            seen = observe(self.released(outcome.base.model), whole, scales=outcome.scales)
+        except SimulationError as error:
+            LOGGER.warning("the model given: %s", error)
+            return None
+        return _motion(whole.t, seen.y)
+
+
+def _covered(trace: Recording, t: FloatArray) -> BoolArray:
+    covered: BoolArray = (t >= trace.t[0]) & (t <= trace.t[-1])
+    return covered
+
+
+def _motion(t: FloatArray, shown: dict[str, FloatArray]) -> Trajectory | None:
+    if t.size < 2:
+        return None
+    none = np.zeros(t.size)
+    extra = {f"shown {c}": y for c, y in shown.items()}
+    x, v, a = (shown.get(c, none) for c in ("x", "v", "a"))
+    return Trajectory(t, x, v, a, Source("yours", "as given"), extra=extra)
+
+
+@dataclass(frozen=True, slots=True)
+class Shared:
+    """Shares of the mismatch, None where there are none; warnings say why."""
+
+    result: AttributionResult | None = None
+    warnings: tuple[str, ...] = field(default=())
 
 
 def simulator_of(name: str, options: DiagnoseOptions) -> tuple[EngineSimulator, float | None]:
@@ -48,28 +108,46 @@ def simulator_of(name: str, options: DiagnoseOptions) -> tuple[EngineSimulator, 
     return simulator, options.dt
 
 
-def attribution_of(outcome: Outcome, options: DiagnoseOptions, user: Configured) -> AttributionResult | None:
-    """Shares of the mismatch of the user's trace, else of the first engine that runs; None when none does."""
-    base, refined = outcome.base.model, outcome.refined.model
-    model = user.released(base)
+def attribution_of(outcome: Outcome, options: DiagnoseOptions, user: Configured) -> Shared:
+    """Shares of the mismatch of the user's trace, else of the first engine that runs.
+
+    Raises InputError for a trace that does not belong to the recording.
+    """
+    refined, problem, scales = outcome.refined.model, outcome.problem, outcome.scales
+    if user.trace is not None:
+        given = None if user.model is None else user.released(outcome.base.model)
+        try:
+            found = attribute_trace(user.trace, given, refined, problem, scales)
+        except (NoSharesError, SimulationError) as error:
+            return Shared(None, (f"whose mismatch it is, was not divided: {error}",))
+        moved = "" if not found.shift else f", moved by {found.shift:.4g} s"
+        against = "" if given is None else f", made with {_name(options.model)}"
+        return Shared(_shares(found, outcome, f"the trace {_name(options.sim)}{against}{moved}", []))
     parameters = (
         "the baseline fit's parameters" if options.model is None else f"the parameters in {_name(options.model)}"
     )
-    if user.trace is not None:
-        found = attribute_trace(user.trace, model, base, refined, outcome.problem, outcome.scales)
-        moved = "" if not found.shift else f", moved by {found.shift:.4g} s"
-        return _shares(_with_steps(found, outcome), f"the trace {_name(options.sim)}{moved}, against {parameters}")
+    model = user.released(outcome.base.model)
+    if user.model is not None and not options.engines:
+        try:
+            exact = attribute_model(model, refined, problem, scales)
+        except (NoSharesError, SimulationError) as error:
+            return Shared(None, (f"whose mismatch it is, was not divided: {error}",))
+        return Shared(_shares(exact, outcome, f"the exact motion at {parameters}", []))
+    why: list[str] = []
     for name in options.engines:
         try:
             simulator, dt = simulator_of(name, options)
             step = dt if dt is not None else float(simulator.engine.presets("joint", options.preset)["dt"])
-            found = attribute_engine(simulator, model, base, refined, outcome.problem, outcome.scales, step)
+            found = attribute_engine(simulator, model, refined, problem, scales, step)
+        except NoSharesError as error:
+            why.append(f"whose mismatch it is, was not divided ({name}): {error}")
+            continue
         except SimulationError as error:
             LOGGER.warning("attribution, %s: %s", name, error)
             continue
         configuration = f"{name}, {options.preset}, step {step * 1e3:.4g} ms, at {parameters}"
-        return _shares(_with_steps(found, outcome), configuration)
-    return None
+        return Shared(_shares(found, outcome, configuration, _settings(simulator, found, step)))
+    return Shared(None, tuple(why))
 
 
 def _name(given: Path | Recording | Model | None) -> str:
@@ -77,18 +155,56 @@ def _name(given: Path | Recording | Model | None) -> str:
     return given.file if isinstance(given, Recording) else str(given) if isinstance(given, Path) else "the given model"
 
 
-def _with_steps(found: Attribution, outcome: Outcome) -> Attribution:
-    """With what the integrator adds to a recording that is the trace of an engine."""
-    return found if outcome.stepping is None else found.with_steps(outcome.stepping.left)
+def _settings(simulator: EngineSimulator, found: Attribution, step: float) -> list[tuple[str, str, str]]:
+    """Settings of the engine that differ from its tuned ones, name, from, to; none where its share is small."""
+    if found.engine < _TOLD:
+        return []
+    own = {**simulator.engine.presets("joint", simulator.preset), "dt": step}
+    tuned = simulator.engine.presets("joint", "tuned")
+    apart = [(k, f"{own.get(k, 'not set')}", f"{v}") for k, v in tuned.items() if own.get(k) != v and k != "dt"]
+    smaller = min(float(tuned.get("dt", step)), 0.5 * step)
+    return [*apart, ("dt", f"{step:g} s", f"{smaller:g} s or less")]
 
 
-def _shares(found: Attribution, configuration: str) -> AttributionResult:
+def _shares(
+    found: Attribution, outcome: Outcome, configuration: str, settings: list[tuple[str, str, str]]
+) -> AttributionResult:
+    if outcome.stepping is not None:
+        found = found.with_steps(outcome.stepping.left, found.whole * (found.unexplained + found.noise))
+    changes = changes_of(found, outcome, settings)
+    reads = None if found.reading is None else parameters_of(found.reading.found, found.reading.problem)
     return AttributionResult(
         engine=found.engine,
         parameters=found.parameters,
         missing_physics=found.missing_physics,
         unexplained=found.unexplained,
         noise=found.noise,
+        why=JOINED if found.joined else None,
         configuration=configuration,
-        mean_square=found.squares.simulated,
+        mean_square=found.whole,
+        shift_s=found.shift,
+        reads=None if reads is None else {n: P.of(q) for n, q in reads.items()},
+        recording={n: P.of(q) for n, q in parameters_of(outcome.refined, outcome.problem).items()},
+        changes=changes,
+        sentences=_sentences(found, outcome),
     )
+
+
+def _sentences(found: Attribution, outcome: Outcome) -> list[str]:
+    said = []
+    if found.joined and found.reading is not None:
+        reads = parameters_of(found.reading.found, outcome.problem)
+        figures = ", ".join(f"{n} = {q.value:.4g} {q.unit}" for n, q in reads.items() if q.value is not None)
+        if own := [entry.term.name for entry in found.reading.model.terms]:
+            figures += f", with {' and '.join(own)} of its own"
+        said.append(
+            f"This trace reads like {figures}. Where your file says otherwise, the engine does that: a step or a "
+            "damping of its own reads so too. --model FILE parts the two."
+        )
+        if found.reading.left > 1.0:
+            said.append(
+                f"What no parameter shows, {found.reading.left:.3g} times the noise in mean square, the engine adds."
+            )
+    if sentence := hidden(found, outcome):
+        said.append(sentence)
+    return said

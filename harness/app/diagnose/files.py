@@ -32,9 +32,14 @@ def _motion(name: str, model: Model, whole: Problem, outcome: Outcome) -> Trajec
     )
 
 
-def write_trace_csv(path: Path, motion: Trajectory) -> None:
-    """Columns t and what the sensors show, in SI units; t reads back as the very numbers of the recording."""
-    t, channels = motion.t, {name.removeprefix("shown "): values for name, values in motion.extra.items()}
+def write_trace_csv(path: Path, motion: Trajectory, release: float) -> None:
+    """Columns t and what the sensors show, in SI units; t reads back as the very numbers of the recording.
+
+    release : s; what the recording shows before it, a hand or a hold, the model says nothing of, and no row stands for.
+    """
+    moves = motion.t >= release
+    t = motion.t[moves]
+    channels = {name.removeprefix("shown "): values[moves] for name, values in motion.extra.items()}
     columns = [t, *channels.values()]
     lines = [",".join(["t", *channels])]
     lines += [
@@ -43,9 +48,12 @@ def write_trace_csv(path: Path, motion: Trajectory) -> None:
     write_text(path, "\n".join(lines) + "\n")
 
 
-def write_model(folder: Path, model: Model) -> list[str]:
-    """model.json, slider.xml, slider.urdf and not_said.txt: what the latter two leave out, returned as sentences."""
+def write_model(folder: Path, model: Model, angular: bool) -> list[str]:
+    """model.json, MJCF, URDF and not_said.txt: what the latter two leave out, returned as sentences.
+
+    angular : x is an angle, and the files are of a hinge.
+    """
     folder.mkdir(parents=True, exist_ok=True)
     write_text(folder / "model.json", json.dumps(to_document(model), indent=2) + "\n")
-    model_files.export(model, folder)
-    return [line for suffix in ("xml", "urdf") for line in model_files.cannot_say(model, suffix)]
+    model_files.export(model, folder, angular)
+    return [line for suffix in ("xml", "urdf") for line in model_files.cannot_say(model, suffix, angular)]

@@ -24,6 +24,7 @@ from harness.core.trajectory import Trajectory
 from harness.diagnosis.explain.force_map import write_history, write_map
 from harness.diagnosis.outcome import Outcome
 from harness.diagnosis.pipeline import diagnose as conclude
+from harness.engines import model_files
 from harness.io.store import OutputFolder, output_folder
 from harness.results.diagnosis import DiagnosisResult
 
@@ -46,12 +47,13 @@ FILES = {
 class Diagnosed:
     """A diagnosis with what it rests on.
 
-    simulated : base model and refined model at every time of the recording. result : without files.
+    simulated : base model and refined model at every time of the recording, behind them the user's own simulation
+    where there is one. result : without files.
     """
 
     recording: Recording
     outcome: Outcome
-    simulated: tuple[Trajectory, Trajectory]
+    simulated: tuple[Trajectory, ...]
     result: DiagnosisResult
 
 
@@ -72,7 +74,9 @@ def investigate(
     result = result_of(recording, ready, outcome, options, user, command)
     if other is not None:
         result = result.model_copy(update={"validation": validated(other, outcome, options)})
-    return Diagnosed(recording, outcome, simulated(recording, outcome), result)
+    own = user.motion(outcome, outcome.problem.at_every_sample(recording.t, recording.channels))
+    motions = (*simulated(recording, outcome), *(() if own is None else (own,)))
+    return Diagnosed(recording, outcome, motions, result)
 
 
 def diagnose(
@@ -119,12 +123,15 @@ def answer(recording: Recording, options: DiagnoseOptions) -> DiagnosisResult:
 
 
 def _write(output: OutputFolder, found: Diagnosed) -> DiagnosisResult:
-    left_out = write_model(output.work / "model", found.outcome.refined.model)
-    write_trace_csv(output / FILES["refined_trace"], found.simulated[1])
+    model, angular = found.outcome.refined.model, found.outcome.problem.angular
+    left_out = write_model(output.work / "model", model, angular)
+    name = model_files.file_name(model, angular)
+    named = {**FILES, "mjcf": f"model/{name}.xml", "urdf": f"model/{name}.urdf"}
+    write_trace_csv(output / FILES["refined_trace"], found.simulated[1], found.outcome.refined.model.t0)
     force = left_over(found.outcome)
     write_map(output / FILES["residual_map"], force)
     write_history(output / FILES["residual_force"], force)
-    files = {name: output.at(file) for name, file in FILES.items()}
+    files = {name: output.at(file) for name, file in named.items()}
     more = {"files": files, "model_left_out": left_out, "residual_map": files["residual_map"]}
     result = found.result.model_copy(update=more)
     (output / FILES["result"]).write_text(to_json(result), encoding="utf-8")

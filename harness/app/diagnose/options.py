@@ -23,8 +23,8 @@ class DiagnoseOptions:
     """How to diagnose.
 
     reading : how to read the recording. trace : which trace of a .rrd. model : the simulation as the user has it, a
-    model.json or a Model. sim : a trace of the user's own simulation. validate : another recording. mass : kg, None
-    when unknown. horizon : of a driven recording's windows, s. restoring : what pulls back.
+    model.json or a Model. sim : a trace of the user's own simulation. sim_reading : how to read it. validate : another
+    recording. mass : kg, None when unknown. horizon : of a driven recording's windows, s. restoring : what pulls back.
     zero : whether x is measured from the unstretched spring. Both None: chosen at the base fit, and said. engines : in
     which the fit is shown, the first is what the mismatch is attributed to; there may be none. preset, dt : of the
     engines; dt in s, None for one that suits the recording (as shipped: the engine's own).
@@ -36,6 +36,7 @@ class DiagnoseOptions:
     trace: str | None = None
     model: Path | Model | None = None
     sim: Path | Recording | None = None
+    sim_reading: ReadOptions = field(default_factory=ReadOptions)
     mass: float | None = None
     horizon: float | None = None
     validate: Path | Recording | None = None
@@ -103,9 +104,13 @@ class DiagnoseOptions:
             "rate_hz": r.rate,
             "from_s": r.start,
             "to_s": r.stop,
+            "drop_nan": r.drop_nan,
             "trace": self.trace,
             "model": _said(self.model),
             "sim": _said(self.sim),
+            "sim_columns": self.sim_reading.columns,
+            "sim_skip_rows": self.sim_reading.skip_rows,
+            "sim_rate_hz": self.sim_reading.rate,
             "mass_kg": self.mass,
             "horizon_s": self.horizon,
             "validate": _said(self.validate),

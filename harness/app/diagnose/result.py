@@ -60,6 +60,7 @@ def result_of(
     """
     problem = outcome.problem
     engines = {name: _in_engine(name, outcome, options) for name in options.engines}
+    shared = attribution_of(outcome, options, user)
     return DiagnosisResult(
         recording=_info(recording, prepared, problem),
         verdict=outcome.verdict,
@@ -76,7 +77,7 @@ def result_of(
         rules=[RuleResult(name=r.name, value=r.value, unit=r.unit, origin=r.origin) for r in outcome.rules],
         holdout=_held_out(outcome.holdout),
         engines=engines,
-        attribution=attribution_of(outcome, options, user),
+        attribution=shared.result,
         evidence=_evidence(outcome),
         consistent_channels={"-".join(found.pair): channel_pair(found) for found in prepared.channels},
         next_experiment=outcome.next_experiment,
@@ -84,7 +85,7 @@ def result_of(
         baseline_model=_document(outcome.base.model),
         refined_model=_document(outcome.refined.model),
         model_left_out=[],
-        warnings=[*prepared.warnings, *outcome.warnings],
+        warnings=[*prepared.warnings, *outcome.warnings, *shared.warnings],
         settings=options.settings(),
         command=command,
         machine=this_machine(),

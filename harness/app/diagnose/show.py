@@ -8,7 +8,7 @@ from harness.core.recording import Recording
 from harness.core.trajectory import Trajectory
 from harness.results.diagnosis import DiagnosisResult, FailedDiagnosis
 from harness.show.diagnosis_scene import diagnosis_scene
-from harness.show.report.diagnosis import diagnosis_sections, diagnosis_title, gained, said
+from harness.show.report.diagnosis import diagnosis_sections, diagnosis_title, gained, said, to_change
 from harness.show.report.diagnosis_index import index_sections, index_title
 from harness.show.report.page import write_report
 from harness.show.trace import write_trace
@@ -20,6 +20,8 @@ def write_diagnosis_trace(
     """Write trace.rrd with everything in it that the page needs; raises StoreError."""
     data = result.model_dump(mode="json", by_alias=True)
     lines = ["# Verdict", "", result.statement, "", *(f"- {sentence}" for sentence in gained(data) + said(data))]
+    if data["attribution"] is not None and (change := to_change(data["attribution"])):
+        lines += ["", "## What to change in your simulation", "", *(f"- {sentence}" for sentence in change)]
     if result.evidence:
         lines += [
             "",

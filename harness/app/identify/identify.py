@@ -10,6 +10,7 @@ from harness.app.shared.estimates import estimates_of, why_no_decay
 from harness.app.shared.journal import NAME as LOG
 from harness.app.shared.journal import journal
 from harness.app.shared.machine import this_machine
+from harness.app.shared.pendulum import NOTE, as_spring
 from harness.app.shared.progress import SILENT, Progress
 from harness.app.shared.reading import read, recording_info
 from harness.app.shared.showing import write_recording_page, write_recording_trace
@@ -20,18 +21,20 @@ from harness.estimate.result import Estimation
 from harness.io.recording import ReadOptions
 from harness.io.store import output_folder
 from harness.results.common import P
-from harness.results.identify import IdentifyResult
+from harness.results.identify import IdentifyResult, Swing
 
 FILES = {"result": "result.json", "report": "report.html", "rrd": "trace.rrd", "log": LOG}
 FREE = "a free decay of at least three half-cycles is accepted"
 
 
-def estimate(recording: Recording) -> Estimation:
-    """The estimates from a recording.
+def estimate(recording: Recording, restoring: Swing = "spring") -> Estimation:
+    """The estimates from a recording; a pendulum is read as the spring that it would be.
 
     Raises InputError with the reason when it is driven, or shows no free decay.
     """
     refuse_driven(recording)
+    if restoring == "pendulum":
+        recording = as_spring(recording)
     x, v, a = (recording.channels.get(name) for name in ("x", "v", "a"))
     estimation = estimate_all(recording.t, x, v, a, unit="rad" if recording.angular else "m")
     why = why_no_decay(estimation.methods, recording.channels)
@@ -55,17 +58,18 @@ def identify(
     out: Path | None = None,
     progress: Progress = SILENT,
     command: str = "",
+    restoring: Swing = "spring",
 ) -> IdentifyResult:
     """Read a recording, estimate, and leave result.json, trace.rrd, report.html and the log in a folder.
 
     trace : which of the traces of a .rrd. out : new or empty folder, None for reports/NAME-TIME here. command : the
-    line that makes it again.
+    line that makes it again. restoring : what pulls back.
 
     Raises InputError with the reason when the recording cannot be read, is driven, or shows no free decay, StoreError
     when the folder cannot be written.
     """
     progress("reading", 0, 3)
-    return deliver(read(path, options, trace), out, path.name.split(".")[0], progress, command)
+    return deliver(read(path, options, trace), out, path.name.split(".")[0], progress, command, restoring)
 
 
 def deliver(
@@ -74,11 +78,13 @@ def deliver(
     name: str = "recording",
     progress: Progress = SILENT,
     command: str = "",
+    restoring: Swing = "spring",
 ) -> IdentifyResult:
     """Estimate, and leave everything in a folder, as ``identify`` does. name : of the default folder."""
     with output_folder(f"identify-{name}", out) as output, journal(output / LOG):
         progress("estimating", 1, 3)
-        result = result_of(recording, command, {name: output.at(file) for name, file in FILES.items()})
+        files = {name: output.at(file) for name, file in FILES.items()}
+        result = result_of(recording, command, files, restoring)
         progress("writing trace and report", 2, 3)
         (output / FILES["result"]).write_text(to_json(result), encoding="utf-8")
         write_recording_trace(output / FILES["rrd"], result, recording)
@@ -87,14 +93,18 @@ def deliver(
     return result
 
 
-def result_of(recording: Recording, command: str = "", files: Mapping[str, str] | None = None) -> IdentifyResult:
+def result_of(
+    recording: Recording, command: str = "", files: Mapping[str, str] | None = None, restoring: Swing = "spring"
+) -> IdentifyResult:
     """The estimates from a recording as a result; raises InputError as ``estimate`` does."""
-    estimation = estimate(recording)
+    estimation = estimate(recording, restoring)
+    noted = [NOTE] if restoring == "pendulum" else []
     return IdentifyResult(
         recording=recording_info(recording, estimation.noise),
         estimates=estimates_of(estimation),
         sensor_phase_rad=P.of(estimation.sensor_phase),
-        warnings=list(estimation.warnings),
+        restoring=restoring,
+        warnings=[*noted, *estimation.warnings],
         command=command,
         machine=this_machine(),
         files=dict(files or {}),

@@ -61,7 +61,9 @@ def _run_again(stored: StoredTrace, data: Any, page: Path) -> RunResult:
 
 def _identify_again(stored: StoredTrace, data: Any, page: Path) -> IdentifyResult:
     kept = IdentifyResult.model_validate(data)
-    result = result_of(stored.recordings[0], kept.command, kept.files).model_copy(update={"machine": kept.machine})
+    result = result_of(stored.recordings[0], kept.command, kept.files, kept.restoring).model_copy(
+        update={"machine": kept.machine}
+    )
     write_recording_page(page, result, stored.recordings[0])
     return result
 

@@ -10,6 +10,8 @@ from harness.core.scenario import Scenario
 from harness.core.trajectory import Trajectory
 from harness.engines import models
 from harness.engines.base import Engine, Preset, Task
+from harness.estimate.every import estimate_all
+from harness.estimate.result import Estimation
 from harness.fidelity.describe import describe
 from harness.fidelity.metrics.contact import measure_contact
 from harness.fidelity.metrics.decay import max_error_m
@@ -25,6 +27,8 @@ class Case(ABC):
     """
 
     decays: bool
+    file_name: str = "slider"
+    """Of the MJCF and URDF that are left, without ending."""
 
     @abstractmethod
     def exact(self, t: FloatArray) -> Trajectory:
@@ -37,6 +41,10 @@ class Case(ABC):
     @abstractmethod
     def metrics(self, trajectory: Trajectory) -> Metrics:
         """Figures of a trajectory against the exact motion."""
+
+    def estimated(self, trajectory: Trajectory) -> Estimation:
+        """What the estimators read of it, from position and acceleration."""
+        return estimate_all(trajectory.t, x=trajectory.x, a=trajectory.a)
 
     @abstractmethod
     def describe(self) -> dict[str, Any]:

@@ -10,15 +10,20 @@ from typing import Any, final
 import numpy as np
 
 from harness.app.run.case import Case, SuiteCase
+from harness.app.shared.pendulum import as_spring
 from harness.core.arrays import FloatArray
 from harness.core.checks import positive
 from harness.core.errors import InputError
 from harness.core.events import EventKind, Mode
+from harness.core.quantity import Quantity
+from harness.core.recording import Recording
 from harness.core.scenario import Scenario
 from harness.core.trajectory import Trajectory
 from harness.engines import model_files
 from harness.engines.base import Engine, Preset
 from harness.engines.simulator import EngineSimulator
+from harness.estimate.every import estimate_all
+from harness.estimate.result import Estimation
 from harness.exact.duration import rounded_up
 from harness.fidelity.describe import scenario_of
 from harness.fidelity.metrics import decay as figures
@@ -78,6 +83,7 @@ class ModelCase(Case):
     def __init__(self, scenario: ModelScenario) -> None:
         self._scenario, self._model = scenario, scenario.model
         self.decays = True
+        self.file_name = model_files.file_name(self._model)
 
     def exact(self, t: FloatArray) -> Trajectory:
         """See Case.exact; the event-driven integrator."""
@@ -102,6 +108,19 @@ class ModelCase(Case):
                 "half_cycles": figures.half_cycles(trajectory, figures.SWING * speed),
             }
         )
+
+    def estimated(self, trajectory: Trajectory) -> Estimation:
+        """See Case.estimated; a pendulum's trace is read as that of the spring it would be."""
+        if self._model.restoring is not Restoring.PENDULUM:
+            return super().estimated(trajectory)
+        measured = Recording(
+            trajectory.t, {"x": trajectory.x, "a": trajectory.a}, trajectory.source.label, angular=True
+        )
+        try:
+            spring = as_spring(measured)
+        except InputError as error:
+            return Estimation({}, Quantity.refused("rad", str(error)), warnings=(str(error),))
+        return estimate_all(spring.t, x=spring["x"], a=spring["a"], unit="rad")
 
     def describe(self) -> dict[str, Any]:
         """See Case.describe."""
@@ -135,10 +154,11 @@ class ModelCase(Case):
             )
         if self._model.terms:
             said.append("The estimators know viscous and dry friction alone; what else acts shows in their figures.")
+        turns = self._model.restoring is Restoring.PENDULUM
         for trace in traces:
             if trace.error is not None:
                 said.append(f"{trace.source} {trace.preset} could not be run: {trace.error}")
-            elif trace.source != "reference" and (text := position_error(trace)) is not None:
+            elif trace.source != "reference" and (text := position_error(trace, turns)) is not None:
                 said.append(f"{trace.source} {trace.preset}: {text}")
         return said
 

@@ -27,9 +27,9 @@ from harness.core.scenario import FREE_DECAY, Scenario
 from harness.core.trajectory import Source, Trajectory
 from harness.engines import registry
 from harness.engines.base import PRESETS, TUNED_DT, Preset, choice
-from harness.estimate.every import estimate_all
 from harness.fidelity import registry as suite
 from harness.io.store import OutputFolder, output_folder
+from harness.model.model import Model, Restoring
 from harness.results.run import Metrics, RunResult, TraceResult
 
 LOGGER = logging.getLogger(__name__)
@@ -115,6 +115,35 @@ class RunOptions:
         label = str(model) if isinstance(model, str | PathLike) else "model"
         return cls.chosen(ModelScenario.of(model_of(model), given.get("duration"), label), engines, preset, dt)
 
+    @classmethod
+    def held(
+        cls,
+        restoring: str,
+        model: Path | None,
+        scenario: str | None,
+        given: Mapping[str, float | None],
+        engines: Sequence[str] | None = None,
+        preset: str | None = None,
+        dt: float | None = None,
+    ) -> "RunOptions":
+        """A free decay under the restoring force that was named: a spring's is the suite's, a pendulum's a model.
+
+        A pendulum has inertia, damping and friction about its hinge, k sin x, and exact events by the integrator.
+        Raises InputError for another word, and for a model or a scenario beside it that says this itself.
+        """
+        choice("--restoring", restoring, ("spring", "pendulum"))
+        if model is not None:
+            raise InputError("--restoring", f"given with --model {model}", "the model's own is accepted")
+        if scenario not in (None, FREE_DECAY.name):
+            raise InputError("--restoring", f"given with the scenario {scenario}", f"{FREE_DECAY.name} is accepted")
+        if restoring == "spring":
+            return cls.named(scenario, given, engines, preset, dt)
+        own = suite.chosen(FREE_DECAY.name, {name: value for name, value in given.items() if name != "duration"})
+        pendulum = replace(Model.of_slider(own.slider, own.x0, own.v0), restoring=Restoring.PENDULUM)
+        return cls.chosen(
+            replace(ModelScenario.of(pendulum, given.get("duration")), name="pendulum"), engines, preset, dt
+        )
+
     @property
     def interval(self) -> float:
         """Interval of the reference's samples, s."""
@@ -135,11 +164,11 @@ def run(options: RunOptions, out: Path | None = None, progress: Progress = SILEN
     """
     with output_folder(options.scenario.name, out) as output, journal(output / LOG):
         case = case_of(options.scenario)
-        result, trajectories = computed(options, progress, command, _files(output))
+        result, trajectories = computed(options, progress, command, _files(output, case.file_name))
         progress("writing model, trace and report", len(options.plan) + 1, len(options.plan) + 2)
         case.export(output.work / "model")
         (output / "result.json").write_text(to_json(result), encoding="utf-8")
-        write_run_trace(output / "trace.rrd", result, trajectories, output / "model/slider.urdf")
+        write_run_trace(output / "trace.rrd", result, trajectories, output / "model" / f"{case.file_name}.urdf")
         write_run_page(output / "report.html", result, trajectories)
         output.commit()
     return result
@@ -162,9 +191,9 @@ def computed(
     return result, trajectories
 
 
-def _files(output: OutputFolder) -> dict[str, str]:
+def _files(output: OutputFolder, model: str) -> dict[str, str]:
     named = {"result": "result.json", "report": "report.html", "rrd": "trace.rrd", "log": LOG}
-    named |= {"mjcf": "model/slider.xml", "urdf": "model/slider.urdf"}
+    named |= {"mjcf": f"model/{model}.xml", "urdf": f"model/{model}.urdf"}
     return {name: output.at(file) for name, file in named.items()}
 
 
@@ -216,7 +245,7 @@ def measured(trajectory: Trajectory, case: Case) -> TraceResult:
         samples=len(trajectory),
         metrics=case.metrics(trajectory),
         # the estimators know free decays alone
-        estimates=estimates_of(estimate_all(trajectory.t, x=trajectory.x, a=trajectory.a)) if case.decays else {},
+        estimates=estimates_of(case.estimated(trajectory)) if case.decays else {},
     )
 
 

@@ -13,7 +13,11 @@ Lines = list[list[str]]
 def summary(result: RunResult) -> tuple[str, tuple[str, ...], Lines]:
     """What it shows, headings, and a line for every source."""
     if result.scenario.get("action") is None:
-        heads: tuple[str, ...] = ("x_k mm", "x_k at reversal", "zeta", "error mm", "creep mm/s", "stick s", "lead ms")
+        turns = (result.scenario.get("model") or {}).get("restoring") == "pendulum"
+        unit = "mrad" if turns else "mm"
+        heads: tuple[str, ...] = (
+            f"x_k {unit}", "x_k at reversal", "zeta", f"error {unit}", f"creep {unit}/s", "stick s", "lead ms"
+        )  # fmt: skip
         about = "x_k and zeta as the estimators read them; error, creep, rest and lead against the exact motion"
         return about, ("source", "step ms", *heads), [_line(trace, _decay) for trace in result.traces]
     shown = measured([trace.model_dump() for trace in result.traces], result.scenario)

@@ -32,6 +32,7 @@ def command(
     rate: float | None,
     start: float | None,
     stop: float | None,
+    drop_nan: bool,
     trace: str | None,
     sim_columns: str | None,
     sim_trace: str | None,
@@ -47,7 +48,7 @@ def command(
     release where they differ, and the difference is held against the noise found in both. Formats as for identify,
     .rrd of ours included.
     --columns, --skip-rows, --rate and --trace say how REAL is read; where SIM is a file of the same kind they hold for
-    it too, unless --sim-columns or --sim-trace says otherwise. --from and --to cut REAL.
+    it too, unless --sim-columns or --sim-trace says otherwise. --from and --to cut REAL, --drop-nan holds for both.
 
     \b
     Example: harness compare simulated.csv measured.csv
@@ -57,10 +58,12 @@ def command(
     from harness.app.compare.compare import compare
     from harness.app.shared.reading import ReadOptions
 
-    theirs = ReadOptions(columns, skip_rows, rate, start, stop)
+    theirs = ReadOptions(columns, skip_rows, rate, start, stop, drop_nan)
     stored = [path.suffix.lower() == ".rrd" for path in (sim, real)]
     alike = stored[0] == stored[1]
-    ours = ReadOptions(sim_columns or columns, skip_rows, rate) if alike else ReadOptions(sim_columns)
+    ours = (
+        ReadOptions(sim_columns or columns, skip_rows, rate, drop_nan=drop_nan) if alike else ReadOptions(sim_columns)
+    )
     taken = sim_trace or (trace if stored[0] else None)
     if no_shift and shift:
         raise InputError("--no-shift", f"given with --shift {shift:g}", "one of the two is accepted")
@@ -102,6 +105,7 @@ def _print(result: "CompareResult") -> None:
         if where.regime != "throughout":
             share = "" if where.share is None else f", {100.0 * where.share:.0f} % of the mismatch"
             say(f"- {where.regime}: {where.condition}{share}")
-    for sentence in result.sentences:
+    read = {f"{Path(one.file).name}: {note}" for one in result.recordings for note in one.notes}
+    for sentence in [*sorted(read), *result.sentences]:
         say(f"- {sentence}")
     say(f"report: {result.outputs['report']}")

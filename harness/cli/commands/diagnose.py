@@ -18,7 +18,13 @@ if TYPE_CHECKING:
 
     from harness.app.diagnose.many import Many
     from harness.app.diagnose.options import DiagnoseOptions
-    from harness.results.diagnosis import DiagnosisResult, FitResult, MechanismResult, PredictionResult
+    from harness.results.diagnosis import (
+        AttributionResult,
+        DiagnosisResult,
+        FitResult,
+        MechanismResult,
+        PredictionResult,
+    )
 
 STANDARD_INPUT = "-"
 
@@ -27,6 +33,9 @@ STANDARD_INPUT = "-"
 @click.argument("recordings", metavar="RECORDING...", nargs=-1, required=True, type=click.Path(path_type=Path))
 @click.option("--model", type=click.Path(path_type=Path), metavar="FILE", help="model.json of the simulation you have.")
 @click.option("--sim", type=click.Path(path_type=Path), metavar="TRACE", help="A trace of your own simulation.")
+@click.option("--sim-columns", metavar="MAP", help="Columns of --sim, as --columns.")
+@click.option("--sim-skip-rows", type=int, default=0, metavar="N", help="Lines before the header of --sim.")
+@click.option("--sim-rate", type=float, metavar="HZ", help="Sampling rate of --sim without times.")
 @click.option("--validate", type=click.Path(path_type=Path), metavar="RECORDING", help="Try both models on this one.")
 @click.option("--horizon", type=float, metavar="S", help="Driven: windows, each its own start.  [whole, or 1]")
 @click.option("--zero", metavar="spring|free", help="What x is measured from.  [chosen at the base fit]")
@@ -48,12 +57,17 @@ def command(
     rate: float | None,
     start: float | None,
     stop: float | None,
+    drop_nan: bool,
     resume: bool,
     jobs: int | None,
     out: Path | None,
     json_to: str | None,
     quiet: bool,
     engines: tuple[str, ...],
+    sim: Path | None,
+    sim_columns: str | None,
+    sim_skip_rows: int,
+    sim_rate: float | None,
     **chosen: Any,
 ) -> int:
     """Where a simulation and a RECORDING differ, which physics was left out, and the model that has it.
@@ -73,8 +87,15 @@ def command(
     from harness.app.diagnose.options import DiagnoseOptions
     from harness.app.shared.reading import ReadOptions
 
+    for option, value in (("columns", sim_columns), ("skip-rows", sim_skip_rows or None), ("rate", sim_rate)):
+        if value is not None and sim is None:
+            raise InputError(f"--sim-{option}", "given without --sim", "it is accepted with --sim TRACE")
     options = DiagnoseOptions.chosen(
-        ReadOptions(columns, skip_rows, rate, start, stop), engines=engines or None, **chosen
+        ReadOptions(columns, skip_rows, rate, start, stop, drop_nan),
+        sim_reading=ReadOptions(sim_columns, sim_skip_rows, sim_rate, drop_nan=drop_nan),
+        engines=engines or None,
+        sim=sim,
+        **chosen,
     )
     with _named(recordings) as named:
         if len(named) > 1 or resume:
@@ -138,6 +159,8 @@ def _many(
 
 
 def _print(result: "DiagnosisResult") -> None:
+    for line in result.recording.notes:
+        say(f"- {line}")
     say(result.statement)
     show(_fits(result))
     graded = [m for m in result.mechanisms if m.grade != "explains"]
@@ -151,9 +174,44 @@ def _print(result: "DiagnosisResult") -> None:
         if mechanism.alternatives:
             others = ", ".join(f"{a.name} (by {a.delta_bic:.1f})" for a in mechanism.alternatives)
             say(f"- not ruled out in place of {mechanism.name}: {others}")
+    if result.attribution is not None and (result.settings.get("sim") or result.settings.get("model")):
+        _print_shares(result.attribution)
     for line in [*([result.next_experiment] if result.next_experiment else []), *result.warnings]:
         say(f"- {line}")
     say(f"report: {result.files['report']}")
+
+
+def _print_shares(found: "AttributionResult") -> None:
+    """Whose mismatch it is, what the simulation reads beside the recording, and what to change in it."""
+    from rich.table import Table
+
+    say("whose mismatch it is, % of the mean square:")
+    table = Table()
+    shares = {
+        "parameters and engine" if found.why else "parameters": found.parameters,
+        **({} if found.why else {"engine": found.engine}),
+        "missing physics": found.missing_physics,
+        "unexplained": found.unexplained,
+        "noise": found.noise,
+    }
+    for heading in shares:
+        table.add_column(heading, justify="right")
+    table.add_row(*(f"{100.0 * share:.1f}" for share in shares.values()))
+    show(table)
+    if found.reads is not None:
+        table = Table()
+        for heading in ("", "your trace reads", "the recording reads"):
+            table.add_column(heading, justify="right" if heading else "left", no_wrap=True)
+        for name, own in found.reads.items():
+            if name in found.recording:
+                table.add_row(name, with_error(own), with_error(found.recording[name]))
+        show(table)
+    for sentence in found.sentences:
+        say(f"- {sentence}")
+    if found.changes:
+        say("to change in your simulation:")
+        for change in found.changes:
+            say(f"- {change.said}")
 
 
 def _fits(result: "DiagnosisResult") -> "Table":

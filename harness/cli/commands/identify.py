@@ -10,20 +10,23 @@ from harness.cli.output import check_json, emit_json, say, show, shows_tables, t
 from harness.cli.progress import shown
 
 if TYPE_CHECKING:
-    from harness.results.identify import IdentifyResult
+    from harness.results.identify import IdentifyResult, Swing
 
 
 @click.command(short_help="Natural frequency, damping and friction from a recorded free decay.")
 @click.argument("recording", type=click.Path(path_type=Path))
+@click.option("--restoring", type=click.Choice(["spring", "pendulum"]), default="spring", help="What pulls it back.")
 @reading_options
 @output_options
 def command(
     recording: Path,
+    restoring: "Swing",
     columns: str | None,
     skip_rows: int,
     rate: float | None,
     start: float | None,
     stop: float | None,
+    drop_nan: bool,
     trace: str | None,
     out: Path | None,
     json_to: str | None,
@@ -37,15 +40,16 @@ def command(
     \b
     Example: harness identify decay.csv
              harness identify swing.txt --columns "x=#1[deg]" --skip-rows 2 --rate 1000 --from 0.4
+             harness identify pendulum.csv --columns "t=t,x=enc[deg]" --restoring pendulum
              harness identify rig.mat --columns "t=time[ms],x=enc*0.004[mm],a=acc[g]" --json -
     """
     check_json(json_to)
     from harness.app.identify.identify import identify
     from harness.app.shared.reading import ReadOptions
 
-    options = ReadOptions(columns, skip_rows, rate, start, stop)
+    options = ReadOptions(columns, skip_rows, rate, start, stop, drop_nan)
     with shown(quiet) as progress:
-        result = identify(recording, options, trace, out, progress, this_line())
+        result = identify(recording, options, trace, out, progress, this_line(), restoring)
     emit_json(result, json_to)
     if shows_tables(json_to, quiet):
         _print(result)
@@ -69,6 +73,6 @@ def _print(result: "IdentifyResult") -> None:
     show(table)
     if result.sensor_phase_rad.value is not None:
         say(f"the accelerometer leads the displacement sensor by {with_error(result.sensor_phase_rad)}")
-    for line in [*refused, *result.warnings]:
+    for line in [*found.notes, *refused, *result.warnings]:
         say(f"- {line}")
     say(f"report: {result.files['report']}")

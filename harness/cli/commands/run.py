@@ -22,6 +22,7 @@ if TYPE_CHECKING:
 @click.option("--f-s", "f_s", type=float, metavar="N", help="Break-away friction.  [that of --f-k]")
 @click.option("--x0", type=float, metavar="M", help="Position at release.  [1]")
 @click.option("--v0", type=float, metavar="M/S", help="Speed at release.  [0]")
+@click.option("--restoring", metavar="spring|pendulum", help="What pulls it back; a pendulum turns, in rad.  [spring]")
 @click.option("--duration", type=float, metavar="S", help="Length of the run.  [3, or until it rests]")
 @click.option(
     "--model",
@@ -34,6 +35,7 @@ if TYPE_CHECKING:
 def command(
     scenario: str | None,
     model: Path | None,
+    restoring: str | None,
     engines: tuple[str, ...],
     preset: str | None,
     dt: float | None,
@@ -53,12 +55,15 @@ def command(
              harness run belt
              harness run --engine mujoco --preset tuned --dt 5e-4
              harness run --model model.json
+             harness run --restoring pendulum --x0 1.2 --f-k 2
              harness run --m 2.42 --k 2310 --c 4.79 --f-k 0.351 --x0 0.01 --json -
     """
     check_json(json_to)
     from harness.app.run.run import RunOptions, run
 
-    if model is None:
+    if restoring is not None:
+        chosen = RunOptions.held(restoring, model, scenario, given, engines or None, preset, dt)
+    elif model is None:
         chosen = RunOptions.named(scenario, given, engines or None, preset, dt)
     else:
         chosen = RunOptions.of_model(model, scenario, given, engines or None, preset, dt)

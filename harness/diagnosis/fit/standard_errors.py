@@ -8,6 +8,7 @@ import math
 
 import numpy as np
 
+from harness.core.angular import about_an_axis
 from harness.core.arrays import FloatArray
 from harness.core.quantity import Quantity
 from harness.diagnosis.fit.cluster_covariance import clustered_covariance
@@ -26,13 +27,10 @@ def inflation(found: Fit) -> float:
 
 
 def unit_of(unit: str, problem: Problem) -> str:
-    """A parameter's unit in this recording: radians for metres, per unit mass where the mass is unknown."""
-    if problem.angular:
-        unit = unit.replace("kg/m", "1/rad").replace("m/s^2", "rad/s^2").replace("m/s", "rad/s")
-        unit = "rad" if unit == "m" else unit
-    if not problem.in_newtons and unit.split("/")[0].split(" ")[0] in ("N", "kg"):
-        return f"{unit} per kg"
-    return unit
+    """A parameter's unit in this recording: about an axis for an angle, per unit mass where the mass is unknown."""
+    with_mass = unit.split("/", maxsplit=1)[0].split(" ", maxsplit=1)[0] in ("N", "kg")
+    own, mass = (about_an_axis(unit), "kg m^2") if problem.angular else (unit, "kg")
+    return f"{own} per {mass}" if with_mass and not problem.in_newtons else own
 
 
 def _quantity(value: float, variance: float, unit: str, bound: str | None) -> Quantity:
@@ -93,8 +91,9 @@ def base_parameters(found: Fit, problem: Problem, omega: float, explained: bool)
 
     m, c, k, f_k = model.m, model.c, model.k, model.f_k
     if model.restoring is Restoring.NONE:
+        mass = about_an_axis("kg") if problem.angular else "kg"
         return {
-            "mass": combined(m, {"m": 1.0}, "kg") if "m" in at else Quantity(m, None, "kg", "given, not fitted"),
+            "mass": combined(m, {"m": 1.0}, mass) if "m" in at else Quantity(m, None, mass, "given, not fitted"),
             "c": combined(c, {"c": 1.0}, unit_of("N s/m", problem), c <= 0.0),
             "f_k": combined(f_k, {"f_k": 1.0}, unit_of("N", problem), f_k <= 0.0),
         }

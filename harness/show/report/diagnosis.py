@@ -22,7 +22,8 @@ def diagnosis_sections(
     """Sections of a diagnosis.
 
     simulated : base model and refined model at the recording's times, extra "shown x" and the like what their sensors
-    show. result : DiagnosisResult.model_dump(by_alias=True) (harness.diagnosis/2).
+    show, and behind them the user's own simulation where there is one.
+    result : DiagnosisResult.model_dump(by_alias=True) (harness.diagnosis/2).
     """
     answer = result["statement"].replace("+-", "\u00b1")
     sections: list[Section] = [
@@ -43,12 +44,20 @@ def diagnosis_sections(
         sections.append(Verdict("", more, heading="What to know besides"))
     if result["attribution"] is not None:
         sections.append(Shares(result["attribution"]))
+        if change := to_change(result["attribution"]):
+            sections.append(Verdict("", change, heading="What to change in your simulation"))
     if result["engines"]:
         sections.append(Engines(result))
     if result["rules"]:
         sections.append(Rules(result))
     sections.append(MadeWith(result["machine"], result["files"], result["command"]))
     return sections
+
+
+def to_change(attribution: Mapping[str, Any]) -> list[str]:
+    """What a trace reads, and the changes, a sentence each."""
+    changes = [change["said"] for change in attribution.get("changes") or []]
+    return [*(attribution.get("sentences") or []), *(f"{said[0].upper()}{said[1:]}." for said in changes)]
 
 
 def diagnosis_title(result: Mapping[str, Any]) -> tuple[str, str]:

@@ -169,13 +169,17 @@ class Shares(Section):
 
     def context(self) -> Mapping[str, Any]:
         """What the template shows."""
-        names = ("engine", "parameters", "missing_physics", "unexplained", "noise")
-        labels = ("the engine's own error", "wrong parameters", "missing physics", "unexplained", "noise")
-        percent = [100.0 * float(self.attribution[name]) for name in names]
+        names = ["engine", "parameters", "missing_physics", "unexplained", "noise"]
+        labels = ["the engine's own error", "wrong parameters", "missing physics", "unexplained", "noise"]
         colors = [BEFORE, "#b58900", AFTER, "#a45bc2", _GREY]
+        joined = self.attribution.get("why")
+        if joined:
+            names, labels, colors = names[1:], ["parameters and engine", *labels[2:]], colors[1:]
+        percent = [100.0 * float(self.attribution[name]) for name in names]
         caption = (
-            f"Compared with the recording: {self.attribution['configuration']}. Steps: engine to exact motion at the "
-            "same parameters, to the baseline fit, to the refined model, to noise. Below 0: that step made it worse."
+            f"Compared with the recording: {self.attribution['configuration']}. Shares are what each brings when all "
+            "are put right in turn, averaged over the orders, in windows of about a period. Below 0: its error hides "
+            f"that of another.{f' One bar for two: {joined}.' if joined else ''}"
         )
         title = "share of the mean square mismatch / %"
         return {"figures": [_percents("attribution", labels, percent, colors, title, caption)]}

@@ -10,7 +10,16 @@ from harness.core.arrays import FloatArray, IntArray
 from harness.core.recording import Recording
 from harness.core.trajectory import Trajectory
 from harness.show.decimate import keep, reversal_times
-from harness.show.diagnosis_scene import AFTER, BEFORE, model_names, shaded_spans, shown
+from harness.show.diagnosis_scene import (
+    AFTER,
+    BEFORE,
+    YOUR_SIMULATION,
+    YOURS,
+    model_names,
+    shaded_spans,
+    shown,
+    yours,
+)
 from harness.show.report.curves import upright_lines
 from harness.show.report.figure import Figure
 from harness.show.report.identify import ANGLES, CHANNELS
@@ -76,6 +85,11 @@ class _Curves(Section):
         """Name, colour and motion of each model; one when nothing was left out."""
         return list(zip(model_names(self.result), _COLORS, self.simulated, strict=False))
 
+    @property
+    def best(self) -> Trajectory:
+        """The better model's motion."""
+        return self.simulated[:2][-1]
+
     def words(self, name: str) -> tuple[str, str, float]:
         """Label, unit and factor of a channel."""
         return (ANGLES if self.recording.angular else CHANNELS)[name]
@@ -96,7 +110,7 @@ class _Curves(Section):
     @property
     def times(self) -> FloatArray:
         """Reversals of the better model, s."""
-        return reversal_times(self.simulated[-1])
+        return reversal_times(self.best)
 
     @property
     def shapes(self) -> list[dict[str, Any]]:
@@ -128,6 +142,11 @@ class Before(_Curves):
                 _curve(said, t[free], y[free] * factor, color, unit)
                 for (said, color, _), y in zip(self.models, sims, strict=True)
             ]
+            own = yours(self.simulated)
+            if own is not None and f"shown {name}" in own.extra:
+                y = shown(own, name)
+                at = keep(own.t, [y], self.times, POINTS)
+                traces.append(_curve(YOUR_SIMULATION, own.t[at], y[at] * factor, YOURS, unit))
             figures.append(
                 Figure(f"channel-{name}", traces, _axes(label, unit, self.shapes), self._caption(), GROUP, 320)
             )
@@ -202,7 +221,7 @@ class PhasePlane(_Curves):
         label, unit, factor = self.words(name)
         position, length, scale = self.words("x")
         speed, per_second, _ = self.words("v")
-        best = self.simulated[-1]
+        best = self.best
         at = self.free(np.linspace(0, len(best) - 1, min(DOTS, len(best))).astype(np.int64))
         residuals = [self.residual(model, name)[at] * factor for _, _, model in self.models]
         # a few samples on the wrong side of a jump would else decide the colours

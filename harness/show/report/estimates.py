@@ -18,7 +18,7 @@ METHODS = {
     "constant-decrement": "Coulomb friction alone",
 }
 
-SHOWN_FACTOR = {"mm": 1e3, "rad/s": 1.0, "": 1.0}
+SHOWN_FACTOR = {"mm": 1e3, "rad": 1.0, "rad/s": 1.0, "": 1.0}
 
 QUANTITIES = {"x_k": "Friction displacement x_k", "zeta": "Damping ratio zeta", "omega_n": "Natural frequency omega_n"}
 

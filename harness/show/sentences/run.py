@@ -63,9 +63,9 @@ def _against(trace: TraceResult, reference: TraceResult) -> list[str]:
     return ["; ".join(said) + "."] if said else []
 
 
-def position_error(trace: TraceResult) -> str | None:
-    """How far it is from the exact motion."""
+def position_error(trace: TraceResult, angular: bool = False) -> str | None:
+    """How far it is from the exact motion, an angle where it turns."""
     error = trace.metrics.max_error_m
     if error is None or trace.dt_s is None:
         return None
-    return f"its position is at most {mm(error)} from the exact one, at a step of {trace.dt_s * 1e3:.3g} ms."
+    return f"its position is at most {mm(error, angular)} from the exact one, at a step of {trace.dt_s * 1e3:.3g} ms."

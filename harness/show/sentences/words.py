@@ -4,9 +4,10 @@ AT_REST = 1e-6
 """Creep below this speed in m/s is rest."""
 
 
-def mm(metres: float) -> str:
-    """A length (m) in mm."""
-    return f"{metres * 1e3:.3g} mm" if abs(metres) >= 1e-6 else "less than 0.001 mm"
+def mm(metres: float, angular: bool = False) -> str:
+    """A length (m) in mm; an angle (rad) in mrad."""
+    unit = "mrad" if angular else "mm"
+    return f"{metres * 1e3:.3g} {unit}" if abs(metres) >= 1e-6 else f"less than 0.001 {unit}"
 
 
 _ENGINES = {

@@ -1,0 +1,201 @@
+"""The game of a mismatch: engine, parameters and terms put right in every order; what each brings is its share.
+
+Noise, and what the refined model leaves beyond it, are taken off first: what is divided is the distance of a simulation
+from the refined model, in windows of about a period restarted from the recording's smoothed state.
+"""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
+
+from harness.core.arrays import FloatArray
+from harness.core.errors import InputError
+from harness.core.recording import Recording
+from harness.diagnosis.attribution.game import saved
+from harness.diagnosis.attribution.mixed import BASE, in_masses_of, mixed, moved
+from harness.diagnosis.attribution.reading import Reading, aligned, read_trace
+from harness.diagnosis.attribution.restarted import Restarted, restarted
+from harness.diagnosis.explain.engines import Simulator, shown_by
+from harness.diagnosis.fit.model_fit import whitened
+from harness.diagnosis.fit.observe import observe
+from harness.diagnosis.problem import Problem
+from harness.kernels.solve import Scales
+from harness.model.model import Model
+
+ENGINE, PARAMETERS, TERMS = "engine", "parameters", "missing_physics"
+MOST_SLIPPING = 1.0 / 3.0
+"""Of the windows: where more are out of step within their period, squares say nothing of whose fault it is."""
+
+
+class NoSharesError(Exception):
+    """Squares say nothing of whose the mismatch is; the text says why."""
+
+
+@dataclass(frozen=True, slots=True)
+class Attribution:
+    """Shares of the whole, which sum to 1; a share below 0 belongs to an error that hides another.
+
+    whole : mean square of the mismatch, in units of the noise. configured : the model of the simulation, as it was
+    given or read. reading : of a trace. alone : what is left beyond the refined model when these alone are put right.
+    by_parameter : distance from the refined model that each parameter of the simulation would bring by itself.
+    shift : s by which a trace was moved in time.
+    """
+
+    engine: float
+    parameters: float
+    missing_physics: float
+    unexplained: float
+    noise: float
+    whole: float
+    configured: Model
+    alone: Mapping[str, float]
+    by_parameter: Mapping[str, float]
+    reading: Reading | None = None
+    shift: float | None = None
+    joined: bool = False
+
+    def with_steps(self, left: float, refined: float) -> "Attribution":
+        """The same where the recording is itself the trace of an engine, whose steps leave the mean square ``left``.
+
+        refined : what the exact refined model leaves; what of it is above ``left`` is the integrator's, the engine's.
+        """
+        own = (refined - left) / self.whole
+        return replace(self, engine=self.engine + own, unexplained=self.unexplained - own)
+
+    @property
+    def hides(self) -> bool:
+        """Whether the parameters hide a missing term: put right alone, they make the match clearly worse."""
+        before, after = self.alone[""], self.alone[PARAMETERS]
+        return self.missing_physics > _SEEN and after > before + _SEEN * self.whole
+
+
+_SEEN = 0.02
+"""Share of the whole below which nothing is said."""
+
+Distance = Callable[[Model, bool], float]
+"""How far a model is from the refined one; whether the user's engine simulates it."""
+
+
+def attribute_engine(
+    simulate: Simulator, configured: Model, refined: Model, problem: Problem, scales: Scales, dt: float | None = None
+) -> Attribution:
+    """Attribution for an engine as it is configured: its settings, its step (s, None for the settings' own).
+
+    configured : the user's model, else the baseline fit's. Raises SimulationError, NoSharesError where a third of the
+    windows slip.
+    """
+    seen = restarted(refined, problem, scales)
+
+    def distance(model: Model, engine: bool) -> float:
+        if engine:
+            return seen.distance(shown_by(simulate, model, seen.problem, dt)[0])
+        return seen.distance(observe(model, seen.problem, scales=scales).y)
+
+    _refuse_slips(seen, shown_by(simulate, _user(configured, refined), seen.problem, dt)[0], "the simulation")
+    return _played((ENGINE, PARAMETERS, TERMS), distance, configured, refined, problem, scales)
+
+
+def attribute_model(configured: Model, refined: Model, problem: Problem, scales: Scales) -> Attribution:
+    """Attribution for a model simulated exactly: no engine plays. Raises SimulationError, NoSharesError."""
+    seen = restarted(refined, problem, scales)
+
+    def distance(model: Model, engine: bool) -> float:
+        return seen.distance(observe(model, seen.problem, scales=scales).y)
+
+    _refuse_slips(seen, observe(_user(configured, refined), seen.problem, scales=scales).y, "the model")
+    return _played((PARAMETERS, TERMS), distance, configured, refined, problem, scales)
+
+
+def attribute_trace(
+    trace: Recording, configured: Model | None, refined: Model, problem: Problem, scales: Scales
+) -> Attribution:
+    """Attribution for a trace of the user's own simulation.
+
+    configured : the model it was made with, None when it is not known; then what the trace reads stands for it, and
+    engine and parameters are one share, in ``parameters``. Raises InputError for a trace that does not belong to the
+    recording, NoSharesError for one that cannot be read or of which a third of the windows slip; SimulationError.
+    """
+    on = aligned(trace, problem, scales)
+    try:
+        reading = read_trace(trace, problem, refined, on, configured)
+    except InputError as error:
+        raise NoSharesError(f"{trace.file} could not be read as the recording was: {error}") from None
+    seen = restarted(refined, problem, scales)
+    read = in_masses_of(reading.model, refined)
+
+    def distance(model: Model, engine: bool) -> float:
+        shown = model
+        if engine and configured is not None:
+            shown = moved(model, read, in_masses_of(configured, refined))
+        left = reading.left if engine else 0.0
+        return seen.distance(observe(shown, seen.problem, scales=scales).y) + left
+
+    model = read if configured is None else configured
+    start = _user(read, refined)
+    _refuse_slips(seen, observe(start, seen.problem, scales=scales).y, trace.file)
+    joined = configured is None
+    players = (PARAMETERS, TERMS) if joined else (ENGINE, PARAMETERS, TERMS)
+    found = _played(players, distance, model, refined, problem, scales, joined)
+    return replace(found, reading=reading, shift=on.clock.shift, joined=joined)
+
+
+def _user(configured: Model, refined: Model) -> Model:
+    """The user's model with the refined one's start and zero."""
+    own = in_masses_of(configured, refined)
+    return mixed(own, own, refined)
+
+
+def _refuse_slips(seen: Restarted, shown: Mapping[str, FloatArray], name: str) -> None:
+    slipping = seen.slipping(dict(shown))
+    if slipping > MOST_SLIPPING:
+        raise NoSharesError(
+            f"{name} is out of step with the recording within a period in {100.0 * slipping:.0f} % of the windows; "
+            "one with about its frequency can be divided"
+        )
+
+
+def _played(
+    players: tuple[str, ...],
+    distance: Distance,
+    configured: Model,
+    refined: Model,
+    problem: Problem,
+    scales: Scales,
+    joined: bool = False,
+) -> Attribution:
+    user = _user(configured, refined)
+
+    def left(put: frozenset[str]) -> float:
+        parameters = refined if PARAMETERS in put else user
+        terms = refined if TERMS in put else user
+        # where the two are one share, the engine goes with the parameters
+        engine = PARAMETERS not in put if joined else ENGINE in players and ENGINE not in put
+        if not engine and parameters is refined and terms is refined:
+            return 0.0
+        return distance(mixed(parameters, terms, refined), engine)
+
+    shares = saved(players, left)
+    remaining = mean_square(observe(refined, problem, scales=scales).y, problem)
+    whole = max(left(frozenset()) + remaining, 1e-300)
+    alone = {"": left(frozenset()), **{player: left(frozenset({player})) for player in players}}
+    single = {}
+    for name in BASE:
+        if getattr(user, name) != getattr(refined, name):
+            single[name] = distance(replace(refined, **{name: getattr(user, name)}), False)
+    return Attribution(
+        engine=shares.get(ENGINE, 0.0) / whole,
+        parameters=shares[PARAMETERS] / whole,
+        missing_physics=shares[TERMS] / whole,
+        unexplained=(remaining - 1.0) / whole,
+        noise=1.0 / whole,
+        whole=whole,
+        configured=user,
+        alone=alone,
+        by_parameter=single,
+    )
+
+
+def mean_square(shown: Mapping[str, FloatArray], problem: Problem) -> float:
+    """Mean square of recording minus ``shown`` over the values that count, whitened by the noise."""
+    values = whitened(problem, {c: y - shown[c] for c, y in problem.channels.items()})
+    total = float(values @ values)
+    return total / problem.points

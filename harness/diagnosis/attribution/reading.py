@@ -1,0 +1,159 @@
+"""What a trace of the user's simulation reads: the same fit that the recording gets, to the trace."""
+
+import math
+from contextlib import suppress
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from harness.core.arrays import FloatArray
+from harness.core.errors import InputError, SimulationError
+from harness.core.events import Mode
+from harness.core.recording import Recording
+from harness.diagnosis.alignment.align import LEAST_SHARED, Alignment, align
+from harness.diagnosis.attribution.mixed import in_masses_of
+from harness.diagnosis.baseline.base_fit import baseline
+from harness.diagnosis.baseline.driven_base_fit import driven_baseline
+from harness.diagnosis.fit.model_fit import Fit, fit
+from harness.diagnosis.fit.observe import COARSE
+from harness.diagnosis.fit.parameters import free_of
+from harness.diagnosis.pipeline import prepare
+from harness.diagnosis.prepare.driven import is_driven
+from harness.diagnosis.problem import Problem
+from harness.diagnosis.problems.driven import Forced
+from harness.diagnosis.request import Asked
+from harness.diagnosis.sensors.resample import channels_at
+from harness.kernels.solve import Scales
+from harness.model.model import Model
+from harness.model.term import Slot
+
+_FEWEST = 50
+_MOST_SAMPLES = 12_000
+"""Of a trace that is fitted; a finer one is thinned."""
+_FINER = 0.03
+"""Of the recording's noise, with which the last fit to a trace ends."""
+_EVIDENCE = 10.0
+"""By how much a trace's terms must better its BIC: those of a simulation are its own, and not its rounding's."""
+
+
+@dataclass(frozen=True, slots=True)
+class Reading:
+    """A trace of a simulation read as a model.
+
+    found : the fit. left : mean square that the model leaves of the trace, in units
+    of the recording's noise, the trace's own noise taken off: what the engine does that no parameter does.
+    """
+
+    found: Fit
+    problem: Problem
+    left: float
+
+    @property
+    def model(self) -> Model:
+        """What the trace reads."""
+        return self.found.model
+
+
+def aligned(trace: Recording, problem: Problem, scales: Scales) -> Alignment:
+    """The trace laid over the recording; raises InputError for one that has nothing in common with it."""
+    common = [c for c in problem.channels if c in trace]
+    if not common:
+        found = f"channels {', '.join(trace.channels)}"
+        raise InputError(trace.file, found, f"one or more of {', '.join(problem.channels)} is accepted")
+    span = float(problem.t[-1] - problem.t[0])
+    if trace.duration < LEAST_SHARED * span:
+        found = f"{trace.duration:.4g} s long"
+        raise InputError(trace.file, found, f"a trace of at least half of the recording's {span:.4g} s is accepted")
+    names = {c: problem.channels[c] for c in common}
+    seen = replace(problem, channels=names, weight={c: problem.weight[c] for c in common})
+    return align(trace, seen, {c: problem.noise[c] for c in common}, 2.0 * math.pi / scales.omega)
+
+
+def read_trace(
+    trace: Recording, problem: Problem, refined: Model, on: Alignment, given: Model | None = None
+) -> Reading:
+    """Fit the base model to the trace, and the refined model's terms beside it where the trace asks for them.
+
+    given : the model the trace was made with, whose terms are then kept as they are. Raises InputError for a trace that
+    shows no motion to fit, SimulationError.
+    """
+    own = _prepared(trace, problem, on)
+    base, scales = driven_baseline(own) if isinstance(own, Forced) else baseline(own)
+    best = base
+    if given is not None:
+        best = _from(base, given, own, scales, with_terms=False) or base
+    elif base.chi2 > base.points:
+        dynamic = tuple(e for e in refined.terms if e.term.slot not in (Slot.OBSERVATION, Slot.EVENT))
+        terms = _from(base, refined.with_terms(*dynamic), own, scales, with_terms=True) if dynamic else None
+        if terms is not None and terms.bic < base.bic - _EVIDENCE:
+            best = terms
+    return Reading(_sharpened(best, own, scales), own, max(0.0, best.chi2 / best.points - 1.0))
+
+
+def _from(base: Fit, meant: Model, own: Problem, scales: Scales, with_terms: bool) -> Fit | None:
+    """The best fit with the terms of ``meant``, from the base fit's parameters, from its own, and from between.
+
+    with_terms : whether the terms' parameters are fitted too.
+    """
+    read = base.model
+    like = in_masses_of(meant, read)
+    like = replace(like, m=read.m, x0=read.x0, v0=read.v0, t0=read.t0, offset=read.offset, mass_known=read.mass_known)
+    half = replace(like, c=0.5 * (read.c + like.c), f_k=0.5 * (read.f_k + like.f_k), k=read.k)
+    thin = own.part(slice(None, None, max(1, own.t.size // 1500)))
+    best: Fit | None = None
+    for start in (like, half, replace(like, k=read.k), read.with_terms(*like.terms)):
+        free = tuple(f for f in free_of(start, own.base_names) if with_terms or isinstance(f.by, str))
+        with suppress(SimulationError):
+            rough = fit(start, thin, free, scales, 20, COARSE, thorough=False)
+            if best is None or rough.chi2 < best.chi2:
+                best = rough
+    if best is None:
+        return None
+    with suppress(SimulationError):
+        return fit(best.model, own, best.free, scales)
+    return None
+
+
+def _sharpened(found: Fit, own: Problem, scales: Scales) -> Fit:
+    """The same fit with a finer noise: a simulation says more of its parameters than the recording's noise shows."""
+    finer = replace(own, noise={c: replace(n, sigma=_FINER * n.sigma) for c, n in own.noise.items()})
+    best = found
+    # whether it comes to rest a swing earlier is a step in chi-square: what is before the last swing leads past it
+    moving = np.flatnonzero(found.shown.mode != Mode.STICK)
+    last = float(own.t[moving[-1]]) - 1.5 * math.pi / scales.omega if moving.size else float(own.t[-1])
+    early = int(np.searchsorted(own.t, last))
+    with suppress(SimulationError):
+        if early >= _FEWEST and early < own.t.size:
+            best = fit(best.model, finer.part(slice(0, early)), found.free, scales, thorough=False)
+        tried = [fit(start, finer, found.free, scales, thorough=False) for start in (best.model, found.model)]
+        return min(tried, key=lambda one: one.chi2)
+    return best
+
+
+def _prepared(trace: Recording, problem: Problem, on: Alignment) -> Problem:
+    """The trace as a problem of its own, its noise that of the recording where that is larger."""
+    names = [c for c in problem.channels if c in trace]
+    channels = {c: trace[c] for c in (*names, *(["u"] if "u" in trace else []))}
+    if problem.drive is not None and not is_driven(trace):
+        # a simulation that was driven by the recorded force need not repeat it
+        at = on.clock.onto(trace.t)
+        channels["u"] = np.interp(at, problem.drive.t, problem.drive.u)
+    if problem.drive is None:
+        channels.pop("u", None)
+    step = max(1, len(trace) // _MOST_SAMPLES)
+    seen = Recording(trace.t[::step], {c: y[::step] for c, y in channels.items()}, trace.file, angular=problem.angular)
+    asked = Asked(problem.restoring, problem.zero_free if problem.drive is None else None, problem.mass, None)
+    own, _ = prepare(seen, asked)
+    noise = {
+        c: replace(n, sigma=max(n.sigma, problem.noise[c].sigma), phi=0.0) if c in problem.noise else n
+        for c, n in own.noise.items()
+    }
+    return own.under_noise(noise)
+
+
+def trace_channels(trace: Recording, problem: Problem, on: Alignment) -> dict[str, FloatArray]:
+    """The trace's channels (n,) at the recording's times, nan where it shows nothing."""
+    names = [c for c in problem.channels if c in trace]
+    at = on.clock.back(problem.t)
+    shown = channels_at(trace, np.clip(at, trace.t[0], trace.t[-1]), names)
+    return {c: np.where(on.covered, y, np.nan) for c, y in shown.items()}

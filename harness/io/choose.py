@@ -1,0 +1,90 @@
+"""Which columns of a table are which channels: as --columns says, else by their names."""
+
+from harness.core.errors import InputError
+from harness.io.columns import CHANNELS, Mapping, parse_columns
+from harness.io.guess import candidates, meaning, quoted, ready
+from harness.io.table import Table
+from harness.io.units import Unit, parse_unit
+
+_OWN = {"t": ("t",), "x": ("x",), "v": ("v",), "a": ("a",), "u": ("u", "F")}
+
+
+def chosen(table: Table, columns: str | None, rate: float | None) -> tuple[dict[str, Mapping], frozenset[str]]:
+    """What to read for each channel, and the channels that were guessed from names that are not the channel's own.
+
+    columns : the text of --columns. rate : Hz, that of --rate. Raises InputError where names leave it open, with a
+    --columns that can be pasted.
+    """
+    guessed: frozenset[str] = frozenset()
+    if columns is not None:
+        mappings = parse_columns(columns)
+        if "t" not in mappings and rate is None and "t" in table.names:
+            mappings["t"] = Mapping("t", ("t",))
+    else:
+        mappings, guessed = _by_name(table)
+    paste = f"such as {ready(table.headers, table.units)}, is accepted"
+    if not set(mappings) & {"x", "v", "a"}:
+        hint = f"t and one or more of x, v, a, or columns named as in {paste}"
+        raise InputError(str(table.path), f"the columns {table.listed()}", hint)
+    if "t" not in mappings and rate is None:
+        raise InputError(
+            str(table.path), f"no time among the columns {table.listed()}", f"--rate HZ, or a column t, {paste}"
+        )
+    if "t" in mappings and rate is not None:
+        accepted = "one of the two is accepted (--columns without t leaves the column out)"
+        raise InputError("--rate", f"given although a column of {table.path} gives the time", accepted)
+    return mappings, guessed
+
+
+def _by_name(table: Table) -> tuple[dict[str, Mapping], frozenset[str]]:
+    found = candidates(table.names)
+    mappings, guessed = {}, set()
+    for channel in (c for c in CHANNELS if c in found):
+        positions = found[channel]
+        if len(positions) > 1:
+            named = ", ".join(table.headers[i] or f"#{i + 1}" for i in positions)
+            hint = f"one of them by {ready(table.headers, table.units)} is accepted"
+            raise InputError(str(table.path), f"{len(positions)} columns that may be {channel}: {named}", hint)
+        name = table.names[positions[0]]
+        mappings[channel] = Mapping(channel, (f"#{positions[0] + 1}",))
+        if name not in _OWN[channel]:
+            guessed.add(channel)
+    return mappings, frozenset(guessed)
+
+
+def unit_of(table: Table, mapping: Mapping, positions: list[int], constants: list[bool]) -> Unit:
+    """The unit of a mapping: its own, else what the header of its one column says, in brackets or by its ending."""
+    if mapping.unit is not None:
+        return parse_unit(f"--columns, channel {mapping.channel}", mapping.channel, mapping.unit)
+    moving = [i for i, constant in zip(positions, constants, strict=True) if not constant]
+    if len(moving) != 1 or any(constants):
+        return parse_unit("", mapping.channel, None)
+    header = table.units.get(moving[0])
+    means = meaning(table.names[moving[0]])
+    if header is None and means is not None and means.channel == mapping.channel:
+        header = means.unit or ("rad" if means.angle else None)
+    where = f"{table.path}: column {'*'.join(table.names[i] or f'#{i + 1}' for i in positions)}"
+    return parse_unit(where, mapping.channel, header)
+
+
+def quoted_of(table: Table, mapping: Mapping) -> str:
+    """A mapping's product as --columns takes it."""
+    at = [table.position(name) for name in mapping.names]
+    product = "*".join(quoted(table.headers[i], i) for i in at)
+    factor = "" if mapping.factor == 1.0 else f"{mapping.factor:.9g}*"
+    return factor + product + ("" if mapping.unit is None else f"[{mapping.unit}]")
+
+
+def said(table: Table, mappings: dict[str, Mapping], units: dict[str, Unit], guessed: frozenset[str]) -> str | None:
+    """What was guessed, in one sentence that ends with the --columns that says the same; None where nothing was."""
+    if not guessed:
+        return None
+    parts, paste = [], []
+    for channel in (c for c in CHANNELS if c in mappings):
+        position = table.position(mappings[channel].names[0])
+        unit = units[channel].text
+        shown = unit or {"t": "s", "x": "m", "v": "m/s", "a": "m/s^2", "u": "N"}[channel]
+        paste.append(f"{channel}={quoted(table.headers[position], position)}[{shown}]")
+        if channel in guessed:
+            parts.append(f"{channel} from {table.headers[position]} in {shown}{'' if unit else ' (no unit given)'}")
+    return f'Read {", ".join(parts)}; to say otherwise: --columns "{",".join(paste)}".'

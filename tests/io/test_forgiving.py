@@ -1,0 +1,194 @@
+"""Reading is forgiving where it is safe, says what it guessed, and ends in a line to paste where it cannot guess."""
+
+import re
+import shlex
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from harness.core.errors import InputError
+from harness.core.recording import Recording
+from harness.io.guess import Meaning, meaning
+from harness.io.recording import ReadOptions, read_recording
+
+T = np.arange(400) / 200.0
+X = np.exp(-0.5 * T) * np.cos(10.0 * T)
+
+
+def written(path: Path, header: str, *columns: np.ndarray, comments: bool = False) -> Path:
+    lines = [",".join(f"{v:.17g}" for v in row) for row in zip(*columns, strict=True)]
+    if comments:
+        lines[7:7] = ["# the belt slipped here", "# or so"]
+    path.write_text("\n".join([*(["# made by hand"] if comments else []), header, *lines]) + "\n")
+    return path
+
+
+MEANINGS: list[tuple[str, Meaning | None]] = [
+    ("time", Meaning("t")),
+    ("Time", Meaning("t")),
+    ("stamp", Meaning("t")),
+    ("header.stamp", Meaning("t")),
+    ("pos", Meaning("x")),
+    ("Position 1", Meaning("x")),
+    ("angle", Meaning("x", None, True)),
+    ("theta", Meaning("x", None, True)),
+    ("q", Meaning("x")),
+    ("dq", Meaning("v")),
+    ("tau", Meaning("u")),
+    ("effort", Meaning("u")),
+    ("/joint_states/position[0]", Meaning("x")),
+    ("/joint_states/effort[12]", Meaning("u")),
+    ("t_s", Meaning("t", "s")),
+    ("t_ms", Meaning("t", "ms")),
+    ("time_us", Meaning("t", "us")),
+    ("millis", Meaning("t", "ms")),
+    ("x_rad", Meaning("x", "rad")),
+    ("v_rad_s", Meaning("v", "rad/s")),
+    ("F_N", Meaning("u", "N")),
+    ("theta_deg", Meaning("x", "deg", True)),
+    ("acc_m_s2", Meaning("a", "m/s^2")),
+    ("temperature", None),
+    ("y", None),
+    ("current", None),
+    ("x_target", None),
+    ("", None),
+]
+
+
+@pytest.mark.parametrize(("name", "wanted"), MEANINGS)
+def test_what_a_name_means(name: str, wanted: Meaning | None) -> None:
+    assert meaning(name) == wanted
+
+
+HEADERS: list[tuple[str, float, float, bool]] = [
+    ("Time (s),Position (mm)", 1.0, 1e3, False),
+    ("t_ms,x_rad", 1e3, 1.0, True),
+    ("stamp,/joint_states/position[0]", 1.0, 1.0, False),
+    ("time [us],angle [deg]", 1e6, 180.0 / np.pi, True),
+    ("secs,theta", 1.0, 1.0, True),
+]
+
+
+@pytest.mark.parametrize(("header", "per_s", "per_unit", "angular"), HEADERS)
+@pytest.mark.parametrize("comments", [False, True])
+def test_names_as_people_write_them(
+    tmp_path: Path, header: str, per_s: float, per_unit: float, angular: bool, comments: bool
+) -> None:
+    found = read_recording(written(tmp_path / "a.csv", header, T * per_s, X * per_unit, comments=comments))
+    np.testing.assert_allclose(found.t, T, rtol=1e-12, atol=1e-15)
+    np.testing.assert_allclose(found["x"], X, rtol=1e-12, atol=1e-15)
+    assert found.angular == angular
+    assert found.notes[0].startswith("Read t from ")
+
+
+@pytest.mark.parametrize(("header", "per_s", "per_unit", "angular"), HEADERS)
+def test_the_columns_that_a_guess_prints_give_the_same_recording(
+    tmp_path: Path, header: str, per_s: float, per_unit: float, angular: bool
+) -> None:
+    path = written(tmp_path / "a.csv", header, T * per_s, X * per_unit)
+    guessed = read_recording(path)
+    again = read_recording(path, pasted(guessed.notes[0]))
+    np.testing.assert_array_equal(guessed.t, again.t)
+    np.testing.assert_array_equal(guessed["x"], again["x"])
+    assert guessed.angular == again.angular == angular
+    assert not any(note.startswith("Read") for note in again.notes)
+
+
+def pasted(text: str) -> ReadOptions:
+    """The options in a message, as a shell hands them on."""
+    given = re.search(r'--columns "[^"]*"(?: --rate \S+)?', text)
+    assert given is not None, text
+    words = shlex.split(given[0])
+    return ReadOptions(columns=words[1], rate=float(words[3]) if len(words) > 2 else None)
+
+
+CANNOT: list[tuple[str, int]] = [("alpha1,beta1", 2), ("time,left,right", 3), ("t,pos,angle", 3), ("row,x", 2)]
+
+
+@pytest.mark.parametrize(("header", "width"), CANNOT)
+def test_what_cannot_be_guessed_ends_in_columns_to_paste(tmp_path: Path, header: str, width: int) -> None:
+    path = written(tmp_path / "a.csv", header, *(T, X, 2.0 * X)[:width])
+    with pytest.raises(InputError) as caught:
+        read_recording(path)
+    assert "\n" not in str(caught.value)
+    np.testing.assert_array_equal(read_recording(path, pasted(str(caught.value)))["x"], X)
+
+
+def test_without_a_header_too(tmp_path: Path) -> None:
+    path = tmp_path / "a.txt"
+    np.savetxt(path, np.stack([T, X], axis=1), fmt="%.17g")
+    with pytest.raises(InputError) as caught:
+        read_recording(path)
+    np.testing.assert_array_equal(read_recording(path, pasted(str(caught.value))).t, T)
+
+
+@pytest.mark.parametrize(("name", "per_s"), [("s", 1.0), ("ms", 1e3), ("us", 1e6), ("ns", 1e9)])
+@pytest.mark.parametrize("told", [False, True])
+def test_stamps_since_1970_count_from_the_first(tmp_path: Path, name: str, per_s: float, told: bool) -> None:
+    header = f"stamp [{name}],x" if told else "t,x"
+    found = read_recording(written(tmp_path / "a.csv", header, np.round((1.7e9 + T) * per_s, 3), X))
+    np.testing.assert_allclose(found.t, T, atol=5e-4 if name == "s" else 3e-6)
+    assert any("since 1970" in note and "2023-11-14 22:13:20 UTC" in note for note in found.notes)
+
+
+def test_angles_that_wrap_are_put_together(tmp_path: Path) -> None:
+    whole = 170.0 + 40.0 * X
+    wrapped = (whole + 180.0) % 360.0 - 180.0
+    found = read_recording(written(tmp_path / "a.csv", "t,angle [deg]", T, wrapped))
+    np.testing.assert_allclose(found["x"], np.deg2rad(whole), atol=1e-12)
+    assert any("wraps" in note for note in found.notes)
+
+
+def test_lengths_do_not_wrap(tmp_path: Path) -> None:
+    found = read_recording(written(tmp_path / "a.csv", "t,x", T, (10.0 * X) % 6.0))
+    np.testing.assert_allclose(found["x"], (10.0 * X) % 6.0)
+
+
+def test_rows_without_a_value(tmp_path: Path) -> None:
+    x = X.copy()
+    x[[3, 50, 51]] = np.nan
+    path = written(tmp_path / "a.csv", "t,x", T, x)
+    with pytest.raises(
+        InputError, match=r"row 4 \(line 5\), column x: no value or nan; .* --drop-nan leaves such rows"
+    ):
+        read_recording(path)
+    found = read_recording(path, ReadOptions(drop_nan=True))
+    np.testing.assert_array_equal(found["x"], X[~np.isnan(x)])
+    np.testing.assert_array_equal(found.t, T[~np.isnan(x)])
+    assert any(note.startswith("3 rows without a value") for note in found.notes)
+    path.write_text(path.read_text().replace("nan", "N/A"))
+    assert len(read_recording(path, ReadOptions(drop_nan=True))) == 397
+
+
+def test_dropped_rows_keep_their_place_under_a_rate(tmp_path: Path) -> None:
+    x = X.copy()
+    x[10] = np.nan
+    found = read_recording(written(tmp_path / "a.csv", "x", x), ReadOptions(rate=200.0, drop_nan=True))
+    np.testing.assert_allclose(found.t, np.delete(T, 10), atol=1e-15)
+
+
+def test_repeated_times_are_said_with_what_to_do(tmp_path: Path) -> None:
+    path = written(tmp_path / "a.csv", "t,x", np.floor(T * 100.0) / 100.0, X)
+    with pytest.raises(InputError) as caught:
+        read_recording(path)
+    assert "200 of 400 times repeat the one before" in str(caught.value)
+    options = pasted(str(caught.value))
+    found: Recording = read_recording(path, options)
+    np.testing.assert_array_equal(found["x"], X)
+    assert found.rate == pytest.approx(200.0, rel=5e-3)
+
+
+def test_a_guessed_column_that_says_nothing_is_left_out(tmp_path: Path) -> None:
+    path = written(tmp_path / "a.csv", "time,position,effort", T, X, 0.0 * X)
+    found = read_recording(path)
+    assert list(found.channels) == ["x"]
+    assert any("read as u says nothing" in note for note in found.notes)
+
+
+def test_names_with_signs_stand_in_quotes(tmp_path: Path) -> None:
+    path = written(tmp_path / "a.csv", "Time (s),pos [mm],a=b", T, X * 1e3, X)
+    found = read_recording(path, ReadOptions(columns="t='Time (s)',x='pos [mm]'"))
+    np.testing.assert_allclose(found["x"], X, rtol=1e-14)
+    found = read_recording(path, ReadOptions(columns="t='Time (s)',x=2*'a=b'[mm]"))
+    np.testing.assert_allclose(found["x"], 2e-3 * X, rtol=1e-14)
