@@ -4,11 +4,12 @@ from harness.core.quantity import Quantity
 from harness.diagnosis.fit.model_fit import Fit
 from harness.diagnosis.fit.standard_errors import AT_LEAST, term_parameters
 from harness.diagnosis.outcome import Alternative, Mechanism
-from harness.diagnosis.rules import DECISIVE
+from harness.diagnosis.rules import DECISIVE, LEAST_RATIO
 from harness.diagnosis.search.extend import key_of
 from harness.diagnosis.search.search import Search
 from harness.model.model import ModelTerm
 from harness.model.place import Place
+from harness.model.registry import not_parted
 
 _MOST_ALTERNATIVES = 3
 """Names that are not ruled out and are told."""
@@ -46,18 +47,26 @@ def _lost_without(found: Search, index: int) -> float:
 
 
 def _alternatives(found: Search, entry: ModelTerm) -> tuple[Alternative, ...]:
-    """Names that could stand in a term's place, by less than what is decisive."""
+    """Names that could stand in a term's place: by less than what is decisive, or because one decay cannot part them.
+
+    Evidence that two laws differ is evidence of their shape; a law of the amplitude and one of the time differ in
+    little else, and by less than what small effects that nobody models change.
+    """
+    decay = "driven" not in found.problem.given
     rest = sorted(e.term.name for e in found.chosen.model.terms if e is not entry)
     near = []
     for rival in found.rivals:
         names = list(key_of(rival))
         delta = rival.bic - found.chosen.bic
-        if delta >= DECISIVE.value or len(names) != len(rest) + 1:
+        if len(names) != len(rest) + 1:
             continue
         for name in rest:
             if name in names:
                 names.remove(name)
-        if len(names) == 1 and names[0] != entry.term.name:
+        if len(names) != 1 or names[0] == entry.term.name:
+            continue
+        alike = decay and rival.chi2 < LEAST_RATIO.value * found.chosen.chi2 and not_parted(entry.term.name, names[0])
+        if delta < DECISIVE.value or alike:
             near.append(Alternative(names[0], delta))
     return tuple(sorted(near, key=lambda a: a.delta_bic)[:_MOST_ALTERNATIVES])
 
