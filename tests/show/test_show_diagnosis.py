@@ -27,6 +27,7 @@ from harness.results.diagnosis import (
     UnreadRecording,
     read_diagnosis,
 )
+from harness.results.model import ModelEntry
 from harness.show.diagnosis_scene import diagnosis_scene, lane, shaded_spans
 from harness.show.report.diagnosis import diagnosis_sections, diagnosis_title
 from harness.show.report.diagnosis_index import index_sections, index_title
@@ -190,8 +191,10 @@ def graded(case: Case, verdict: str, grade: str) -> dict[str, Any]:
     result = DiagnosisResult.model_validate(case[2])
     named = {"grade": grade, "share": 0.72, "holdout": told, "forward": told}
     depends = {"x": 0.3, "v": 0.0, "t": 0.41, "direction": 0.0, "amplitude": 0.4}
+    ended = ModelEntry(name="end-stop", variant="positive", parameters={"gap": 0.1, "k_s": 900.0})
     changed = {
         "verdict": verdict,
+        "refined_model": result.refined_model.model_copy(update={"terms": [ended]}),
         "mechanisms": [result.mechanisms[0].model_copy(update=named)],
         "remainder": RemainderResult(share=0.28, over_noise=3.4, looks_like="what is left is", depends_on=depends),
         "fit_percent": FitPercent(baseline={"x": 98.25}, refined={"x": 99.125}),

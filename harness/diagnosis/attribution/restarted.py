@@ -25,6 +25,8 @@ _IN_STEP = 0.5
 """Correlation over a period below which a motion is out of step: that of cos(s) and cos(1.33 s)."""
 _MOST = 120
 """Windows that are looked at; of more, as many evenly spread."""
+_SEEN, _MOVES = 3.0, 0.1
+"""Standard deviations of noise above which a window shows motion, and the share of it that the other must show."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -57,7 +59,7 @@ class Restarted:
                           for values in (self.right[channel], shown[channel]))  # fmt: skip
             sizes = float(np.std(one)), float(np.std(other))
             # what hardly moves is out of no step
-            if sizes[0] > 3.0 * self.sigma[channel] and sizes[1] > 0.1 * sizes[0]:
+            if sizes[0] > _SEEN * self.sigma[channel] and sizes[1] > _MOVES * sizes[0]:
                 moving += 1
                 out += float(one @ other) < _IN_STEP * sizes[0] * sizes[1] * one.size
         return out / moving if moving else 0.0

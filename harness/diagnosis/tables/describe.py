@@ -14,6 +14,14 @@ _MOSTLY = 0.85
 """Share of squares from which a table is called odd, even or one-sided."""
 _NARROW = 0.6
 """Of the range: wider than this a bend is no place."""
+_INSIDE = 0.45
+"""Of the range, to either side of its middle: slopes of a spline's last twentieth are loose."""
+_END = 0.2
+"""Of the range: the end of it, whose slope is compared with the middle's."""
+_EDGE = 0.15
+"""Of the range: what rubs there rubs at the end."""
+_ONE_WAY = 0.3
+"""Of the longer side: a range that reaches less far to the other has one side."""
 _WIDE = 0.05
 """Of the range: narrower than this a stretch is not worth a word."""
 
@@ -44,7 +52,7 @@ def _force(table: Table, offset: float, unit: str) -> str:
     """A force of position: symmetry, on which side it bends, where it is steep."""
     words = [_symmetry(table)]
     at, slope, bend = table.at, np.gradient(table.force, table.at), _bend(table)
-    inside = np.abs(at - at.mean()) < 0.45 * np.ptp(at)
+    inside = np.abs(at - at.mean()) < _INSIDE * np.ptp(at)
     total = float(np.sum(bend[inside] ** 2))
     for side, name in ((at > 0.0, "positive"), (at < 0.0, "negative")):
         if total > 0.0 and np.sum(bend[inside & side] ** 2) > _MOSTLY * total:
@@ -59,7 +67,7 @@ def _force(table: Table, offset: float, unit: str) -> str:
         elif width < _NARROW:
             words.append(f"softer about {where}: something pushes away from there, or play")
     if len(words) == 1 or not words[-1].startswith(("stiffer", "softer")):
-        ends = 0.5 * (np.mean(slope[at > high - 0.2 * (high - low)]) + np.mean(slope[at < low + 0.2 * (high - low)]))
+        ends = 0.5 * (np.mean(slope[at > high - _END * (high - low)]) + np.mean(slope[at < low + _END * (high - low)]))
         middle = float(np.mean(slope[inside]))
         words.append(f"it {'hardens' if ends > middle else 'softens'} towards the ends")
     return ", ".join(w for w in words if w)
@@ -97,7 +105,7 @@ def _rubbing(table: Table, offset: float, unit: str) -> str:
     top, least = int(np.argmax(f)), int(np.argmin(f))
     if f[top] - f[least] < _CLEAR * np.hypot(e[top], e[least]):
         return "no place stands out of its error"
-    edge = 0.15 * float(np.ptp(at))
+    edge = _EDGE * float(np.ptp(at))
     ends = [float(np.mean(f[at < at[0] + edge])), float(np.mean(f[at > at[-1] - edge]))]
     middle = float(np.mean(f[np.abs(at - at.mean()) < edge]))
     if min(ends) > middle and min(ends) - middle > 0.5 * (max(ends) - middle):
@@ -109,7 +117,7 @@ def _rubbing(table: Table, offset: float, unit: str) -> str:
 
 def _symmetry(table: Table) -> str:
     reach = min(-table.at[0], table.at[-1])
-    if reach <= 0.3 * max(-table.at[0], table.at[-1]):
+    if reach <= _ONE_WAY * max(-table.at[0], table.at[-1]):
         return ""
     grid = np.linspace(-reach, reach, table.at.size)
     f = np.interp(grid, table.at, table.force)

@@ -16,6 +16,7 @@ from harness.model.term import Slot, Term
 _NEAR = 0.5
 """Share of squares below which a law is not near."""
 _MOST = 3
+"""Names that are told."""
 
 
 def nearest(
