@@ -97,6 +97,10 @@ class Problem(ABC):
     def misfit_begins(self) -> int:
         """First sample at which a misfit tells of the model."""
 
+    def begun_at(self, sample: int) -> Self:
+        """What follows this sample."""
+        return self.part(slice(sample, None))
+
     @abstractmethod
     def turns(self, v: FloatArray) -> IntArray:
         """Samples (m,) at which the motion turns round, in order; v (n,) : speed of a model that follows it."""

@@ -82,12 +82,21 @@ def test_a_name_is_told_apart_by_a_margin_that_grows_with_the_words(graded: Grad
     assert len(near.named) == 2
 
 
-def test_a_clock_on_the_swing_is_listed_last_and_never_alone(graded: Graded) -> None:
+def test_a_clock_on_the_swing_is_listed_last_and_never_the_main_effect(graded: Graded) -> None:
     ahead = moved(graded, -20.0, clock=True)
     assert ahead.grade is Grade.ONE_OF
     assert [f.clock for f in ahead.named] == [False, True]
     alone = decided(replace(graded, finalists=(replace(graded.finalists[0], clock=True),)))
-    assert alone.grade is None
+    assert alone.grade is Grade.ONE_OF
+
+
+def test_a_name_that_runs_on_far_better_is_listed_beside_the_first(graded: Graded) -> None:
+    first = next(f for f in graded.finalists if f.name == "quadratic-drag")
+    assert first.run is not None
+    half = replace(first.run, squares={c: 0.25 * s for c, s in first.run.squares.items()})
+    assert moved(graded, 100.0).grade is Grade.MAIN
+    far = replace(graded, base_run=None, finalists=(replace(first, gain=first.gain + 100.0), replace(first, run=half)))
+    assert decided(far).grade is Grade.ONE_OF
 
 
 def test_few_cycles_name_nothing_alone(graded: Graded) -> None:

@@ -96,7 +96,7 @@ def grade(misfit: Misfit) -> Graded:
 
 def decided(found: Graded) -> Graded:
     """Grade finalists whose evidence and predictions are known."""
-    return _by_share(found) or _by_run(found) or _minor(found)
+    return _by_share(found) or _by_run(found) or _by_clock(found) or _minor(found)
 
 
 def ranked(misfit: Misfit) -> list[Finalist]:
@@ -164,7 +164,7 @@ def worthy(f: Finalist, found: Graded) -> bool:
 def _by_share(found: Graded) -> Graded | None:
     """A main effect by its share of the misfit, or the names that share that place; None where no term has it."""
     rules = (GAIN, SHARE_OF_EXCESS, SHARE_OF_MISFIT, HELD_OUT)
-    # a clock on the swing follows anything: it may be listed, never first and never alone
+    # a clock on the swing follows anything: it is never the main effect
     candidates = [f for f in found.finalists if not f.clock and worthy(f, found)]
     if not candidates:
         return None
@@ -181,10 +181,11 @@ def _by_share(found: Graded) -> Graded | None:
 
 
 def _predicts_better(one: Finalist, first: Finalist) -> bool:
-    """Whether a term misses clearly less of what was left out than the first one does."""
+    """Whether a term misses clearly less of what was left out than the first one, of blocks or of the last part."""
     if one.held is None or first.held is None:
         return False
-    return clearly_less(one.held, first.held, PREDICTS_BETTER.value)
+    forward = ratio(one.run, first.run) if one.run is not None else 1.0
+    return clearly_less(one.held, first.held, PREDICTS_BETTER.value) or forward <= RUN_BETTER.value
 
 
 def _by_run(found: Graded) -> Graded | None:
@@ -207,6 +208,15 @@ def _by_run(found: Graded) -> Graded | None:
     if not 0 < len(listed) <= MOST_LISTED.count:
         return None
     return replace(found, grade=Grade.ONE_OF, named=listed, rules=(RUN_BETTER, GAIN))
+
+
+def _by_clock(found: Graded) -> Graded | None:
+    """A law with a clock on the swing, where it alone takes most of the misfit: it follows any other, and is listed."""
+    clocks = [f for f in found.finalists if f.clock and worthy(f, found)]
+    if not clocks:
+        return None
+    rules = (GAIN, SHARE_OF_EXCESS, SHARE_OF_MISFIT, HELD_OUT, SAME_CLOCK)
+    return replace(found, grade=Grade.ONE_OF, named=tuple(clocks[:1]), rules=rules)
 
 
 def _minor(found: Graded) -> Graded:

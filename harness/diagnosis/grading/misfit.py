@@ -70,7 +70,7 @@ def misfit(problem: Problem, base: Fit, scales: Scales) -> Misfit:
     at, left_out = problem.misfit_begins(), 0.0
     if at and problem.t.size - at >= _FEWEST:
         left_out = float(problem.t[at] - problem.t[0])
-        problem = problem.part(slice(at, None))
+        problem = problem.begun_at(at)
         base, scales = baseline(problem)
     strokes = Strokes.between(problem.turns(base.shown.v), problem.t.size)
     words = words_of(strokes)

@@ -11,8 +11,8 @@ import numpy as np
 
 from harness.core.arrays import FloatArray
 from harness.kernels.solve import By
-from harness.model.history import History
-from harness.model.model import Model
+from harness.model.history import History, States
+from harness.model.model import Model, ModelTerm
 
 _AT_REST = 3.0
 """Standard errors below which a speed is none."""
@@ -95,6 +95,56 @@ class OneStart:
 
 
 @dataclass(frozen=True, slots=True)
+class InMotion:
+    """The whole from one start that lies within a motion: internal states are as the recorded motion has left them.
+
+    t (k,), s, v (k,), m/s : speed up to the start, which is the last of them. before : speed of the last motion, m/s.
+    """
+
+    t: FloatArray
+    v: FloatArray
+    before: float
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Position and speed."""
+        return ("x0", "v0")
+
+    @property
+    def taken(self) -> int:
+        """None: they are parameters."""
+        return 0
+
+    def of(self, model: Model) -> list[Start]:
+        """The model, its internal states as each term says that the motion before leaves them."""
+        motion = History(self.t, self.v, self.t[-1:], np.array([self.before]), model.f_k)
+        terms = list(model.terms)
+        slopes: dict[By, dict[str, float]] = {}
+        for i, entry in enumerate(terms):
+            if entry.term.implied is not None:
+                states = entry.term.implied(entry.values, motion)
+                terms[i] = _left_by(model, i, states, 0, slopes)
+        return [Start(slice(None), replace(model, terms=tuple(terms)), slopes)]
+
+    def part(self, keep: range) -> "OneStart | InMotion":
+        """The same from the first sample on; of what begins later no motion is kept."""
+        return self if keep.start == 0 else OneStart()
+
+    def moved(self, anew: Callable[[Window, Model], Window], model: Model) -> "InMotion":
+        """The same."""
+        return self
+
+
+def _left_by(model: Model, i: int, states: States, at: int, slopes: dict[By, dict[str, float]]) -> ModelTerm:
+    """Term ``i`` with its internal states, and in ``slopes`` their partials by what they hang on."""
+    for by, partials in states.by.items():
+        names = zip(model.internal_names[i], partials[at].tolist(), strict=True)
+        moved = slopes.setdefault((i, by) if isinstance(by, int) else by, {})
+        moved |= {name: partial for name, partial in names if partial != 0.0}
+    return replace(model.terms[i], internal0=tuple(states.values[at].tolist()))
+
+
+@dataclass(frozen=True, slots=True)
 class Windows:
     """Window after window, none longer than the horizon.
 
@@ -130,11 +180,7 @@ class Windows:
             terms = list(model.terms)
             slopes: dict[By, dict[str, float]] = {"offset": {"x0": -1.0}}
             for i, states in implied.items():
-                terms[i] = replace(terms[i], internal0=tuple(states.values[at].tolist()))
-                for by, partials in states.by.items():
-                    names = zip(model.internal_names[i], partials[at].tolist(), strict=True)
-                    moved = slopes.setdefault((i, by) if isinstance(by, int) else by, {})
-                    moved |= {name: partial for name, partial in names if partial != 0.0}
+                terms[i] = _left_by(model, i, states, at, slopes)
             started = replace(model, x0=w.x0 - model.offset, v0=v0, t0=w.t0, terms=tuple(terms))
             found.append(Start(slice(w.start, w.stop), started, slopes))
         return found
