@@ -4,16 +4,15 @@ import math
 import shlex
 import sys
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import click
 
+from harness.cli.width import line_width, wrapped
 from harness.core.errors import InputError
 from harness.core.visible import visible
 
 if TYPE_CHECKING:
-    from rich.table import Table
-
     from harness.results.common import P, Result
 
 STANDARD_OUTPUT = "-"
@@ -47,23 +46,13 @@ def shows_tables(json_to: str | None, quiet: bool) -> bool:
     return not quiet and json_to != STANDARD_OUTPUT
 
 
-def show(table: "Table") -> None:
-    """Print a table of plain text, as wide as it needs to be when it goes to a file."""
-    from rich.console import Console
-    from rich.text import Text
-
-    class Plain(Console):
-        """Shows cells as they are: no markup in brackets, no names of emoji, nothing that a terminal would obey."""
-
-        def render_str(self, text: str, **style: Any) -> Text:
-            return super().render_str(visible(text), **style)
-
-    width = None if Console().is_terminal else 160
-    Plain(width=width, highlight=False, markup=False, emoji=False).print(table)
-
-
 def say(text: str) -> None:
-    """Print a line, or several, for people; nothing in it that a terminal would obey."""
+    """Print sentences for people, wrapped at words where a line has a width; nothing in them that a terminal obeys."""
+    click.echo(wrapped(visible(text), line_width()))
+
+
+def say_as_it_is(text: str) -> None:
+    """Print what is to be copied: its lines stay as long as they are."""
     click.echo(visible(text))
 
 

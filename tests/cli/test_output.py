@@ -6,7 +6,8 @@ import pytest
 from rich.table import Table
 
 from harness.app.report.view import viewer_command
-from harness.cli.output import say, show, with_error
+from harness.cli.output import say, with_error
+from harness.cli.tables import show
 from harness.results.common import P
 
 

@@ -6,8 +6,9 @@ from typing import TYPE_CHECKING
 import click
 
 from harness.cli.options import output_options
-from harness.cli.output import check_json, emit_json, say, show, shows_tables, this_line
+from harness.cli.output import check_json, emit_json, say, shows_tables, this_line
 from harness.cli.progress import shown
+from harness.cli.tables import show
 from harness.core.errors import InputError
 
 if TYPE_CHECKING:

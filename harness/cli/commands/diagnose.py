@@ -9,8 +9,9 @@ from typing import TYPE_CHECKING, Any, Literal
 import click
 
 from harness.cli.options import jobs_option, output_options, reading_options
-from harness.cli.output import STANDARD_OUTPUT, check_json, emit_json, say, show, shows_tables, this_line, with_error
+from harness.cli.output import STANDARD_OUTPUT, check_json, emit_json, say, shows_tables, this_line, with_error
 from harness.cli.progress import shown
+from harness.cli.tables import show
 from harness.core.errors import InputError
 
 if TYPE_CHECKING:

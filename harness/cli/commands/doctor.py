@@ -3,7 +3,8 @@
 import click
 
 from harness.cli.options import json_option, quiet_option
-from harness.cli.output import check_json, emit_json, show, shows_tables
+from harness.cli.output import check_json, emit_json, shows_tables
+from harness.cli.tables import show
 
 
 @click.command(short_help="Versions, engines, viewer, browser, cache: what works and what does not.")
@@ -24,17 +25,13 @@ def command(json_to: str | None, quiet: bool) -> int:
     result = doctor()
     emit_json(result, json_to)
     if shows_tables(json_to, quiet):
-        from rich.markup import escape  # the brackets of an extra are no markup
         from rich.table import Table
 
         table = Table(title=f"Python {result.machine.python}, {result.machine.system}, {result.machine.cores} cores")
         for heading in ("what", "", "found", "needed for", "remedy"):
             table.add_column(heading, overflow="fold")
         for check in result.checks:
-            table.add_row(
-                check.name,
-                "yes" if check.ok else "no",
-                *map(escape, (check.found, check.needed_for, check.remedy or "")),
-            )
+            works = "yes" if check.ok else "no"
+            table.add_row(check.name, works, check.found, check.needed_for, check.remedy or "")
         show(table)
     return 0 if healthy(result) else 1

@@ -6,8 +6,9 @@ from typing import TYPE_CHECKING
 import click
 
 from harness.cli.options import jobs_option, json_option, quiet_option
-from harness.cli.output import check_json, emit_json, say, show, shows_tables
+from harness.cli.output import check_json, emit_json, say, shows_tables
 from harness.cli.progress import shown
+from harness.cli.tables import show
 from harness.core.errors import InputError
 
 if TYPE_CHECKING:

@@ -7,8 +7,9 @@ from typing import TYPE_CHECKING
 import click
 
 from harness.cli.options import jobs_option, output_options
-from harness.cli.output import STANDARD_OUTPUT, check_json, say, show, shows_tables, this_line
+from harness.cli.output import STANDARD_OUTPUT, check_json, say, shows_tables, this_line
 from harness.cli.progress import shown
+from harness.cli.tables import show
 
 if TYPE_CHECKING:
     from harness.app.sweep.sweep import Sweep

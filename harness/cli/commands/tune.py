@@ -5,8 +5,9 @@ from typing import TYPE_CHECKING
 import click
 
 from harness.cli.options import json_option, quiet_option
-from harness.cli.output import check_json, emit_json, say, show, shows_tables
+from harness.cli.output import check_json, emit_json, say, say_as_it_is, shows_tables
 from harness.cli.progress import shown
+from harness.cli.tables import show
 
 if TYPE_CHECKING:
     from harness.results.tune import TuneResult
@@ -50,7 +51,7 @@ def _print(result: "TuneResult") -> None:
     for figure in result.figures:
         table.add_row(figure.name, _percent(figure.before), _percent(figure.after))
     show(table)
-    say(result.paste)
+    say_as_it_is(result.paste)
     say(
         f"score on sliders not searched on: {result.score_before:.3g} as shipped, {result.score_after:.3g} found,"
         f" {result.score_preset:.3g} with the preset tuned; it costs {result.cost:.2f} times what ships"
