@@ -37,6 +37,7 @@ OUTSIDE = {
     "api.py": frozenset({"app", "core", "model", "results"}),
     "stages.py": frozenset({"api", "app", "core", "diagnosis"}),
     "__init__.py": frozenset({"api", "stages"}),
+    "__main__.py": frozenset({"cli"}),
 }
 """Files beside the rooms, and what they may import."""
 PLANT = "proof/plant"

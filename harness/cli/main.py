@@ -15,15 +15,18 @@ from types import FrameType
 from typing import NoReturn
 
 import click
+from click.shell_completion import shell_complete
 
 import harness
 from harness.cli import commands
 from harness.core.errors import HarnessError, InputError
+from harness.core.near import did_you_mean
 from harness.core.registered import names, registered
 from harness.core.visible import visible
 
 INTERRUPTED = 130
-
+COMPLETION = "_HARNESS_COMPLETE"
+"""The variable by which a shell asks for completions, or for the script that makes it ask; its name is click's."""
 
 GROUP = "harness.commands"
 """Of the entry points by which other packages add commands ("package.module:command")."""
@@ -52,14 +55,15 @@ class Commands(click.Group):
     ) -> tuple[str | None, click.Command | None, list[str]]:
         """As click does it, with the commands there are in the message."""
         if args and not args[0].startswith("-") and self.get_command(ctx, args[0]) is None:
-            ctx.fail(f"command '{args[0]}': no such command; accepted: {', '.join(self.list_commands(ctx))}")
+            known = self.list_commands(ctx)
+            near = did_you_mean(args[0], known)
+            ctx.fail(f"command '{args[0]}': no such command; accepted: {', '.join(known)}{near}")
         return super().resolve_command(ctx, args)
 
 
 @click.group(
     cls=Commands,
     context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 100},
-    no_args_is_help=True,
 )
 @click.version_option(harness.__version__, prog_name="harness")
 def cli() -> None:
@@ -102,9 +106,11 @@ def run(args: Sequence[str] | None = None) -> int:
     """Run the command and return its exit code; nothing but SystemExit from Python itself passes through."""
     try:
         line = list(sys.argv[1:] if args is None else args)
+        if asked := os.environ.get(COMPLETION):
+            return shell_complete(cli, {}, "harness", COMPLETION, asked)
         _check_names(line)
         # not cli.main, which prints an empty line of its own when it is interrupted
-        with cli.make_context("harness", line) as ctx:
+        with cli.make_context("harness", line or ["--help"]) as ctx:
             code = cli.invoke(ctx)
         if sys.stdout is not None:  # None when the process was started with it closed
             sys.stdout.flush()
@@ -136,8 +142,6 @@ def _explained(error: BaseException) -> tuple[str, int]:
     match error:
         case HarnessError():
             return str(error), error.exit_code
-        case click.exceptions.NoArgsIsHelpError():
-            return "no command given; harness --help lists them", error.exit_code
         case click.UsageError() if error.ctx is not None:
             return f"{error.format_message()} (see {error.ctx.command_path} --help)", error.exit_code
         case click.ClickException():

@@ -5,6 +5,9 @@ from pathlib import Path
 from typing import Any, TypeVar
 
 import click
+from click.shell_completion import CompletionItem
+
+from harness.core.registered import names
 
 F = TypeVar("F", bound=Callable[..., Any])
 
@@ -36,16 +39,27 @@ def output_options(function: F) -> F:
     return _apply(out_option, json_option, quiet_option)(function)
 
 
+def _engine_names(ctx: click.Context, param: click.Parameter, incomplete: str) -> list[CompletionItem]:
+    """For the completion of a shell: engines that are registered, installed or not."""
+    return [CompletionItem(name) for name in sorted(names("harness.engines")) if name.startswith(incomplete)]
+
+
+def engines_option(given: str) -> Callable[[F], F]:
+    """--engine, which may repeat; ``given`` says what is taken where it is not given."""
+    return click.option(
+        "--engine",
+        "engines",
+        multiple=True,
+        metavar="NAME[@PYTHON]",
+        shell_complete=_engine_names,
+        help=f"Engine; may repeat.  [{given}]",
+    )
+
+
 def engine_options(function: F) -> F:
     """--engine, --preset, --dt."""
     return _apply(
-        click.option(
-            "--engine",
-            "engines",
-            multiple=True,
-            metavar="NAME[@PYTHON]",
-            help="Engine; may repeat.  [mujoco, pybullet]",
-        ),
+        engines_option("mujoco, pybullet"),
         click.option("--preset", metavar="as-shipped|tuned", help="Settings of the engines.  [both]"),
         click.option("--dt", type=float, metavar="S", help="Step of the tuned preset, s.  [1e-3]"),
     )(function)

@@ -17,6 +17,16 @@ _PIECE = 4 * MEBIBYTE
 _MOST_DIGITS = 1000
 
 
+def check_file(path: Path, where: str = "", accepted: str = "a file that can be read is accepted") -> None:
+    """Raise InputError, about ``where`` or the path itself, for a path that is no file.
+
+    It loads nothing: a mistyped name is refused before a program loads what it would read the file with.
+    """
+    if not path.is_file():
+        found = "a folder" if path.is_dir() else "no such file"
+        raise InputError(where or str(path), found, accepted)
+
+
 def check_size(path: Path, most: int) -> None:
     """Raise InputError for a file of more than ``most`` bytes, OSError for none."""
     size = path.stat().st_size

@@ -9,6 +9,7 @@ from typing import Any, ClassVar, Literal, TypeAlias, get_args
 
 from harness.core.checks import positive
 from harness.core.errors import InputError, SimulationError
+from harness.core.near import did_you_mean
 from harness.core.scenario import Scenario
 from harness.core.trajectory import Trajectory
 from harness.engines.joint_words import JointWords, Kinds
@@ -30,7 +31,8 @@ TUNED_DT = 1e-3
 def choice(where: str, found: str, accepted: tuple[str, ...]) -> None:
     """Raise InputError when ``found`` is not one of ``accepted``; the message lists them."""
     if found not in accepted:
-        raise InputError(where, repr(found), f"one of {', '.join(accepted)} is accepted")
+        near = did_you_mean(found, accepted)
+        raise InputError(where, repr(found), f"one of {', '.join(accepted)} is accepted{near}")
 
 
 @dataclass(frozen=True, slots=True)

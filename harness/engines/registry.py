@@ -6,6 +6,7 @@ NAME@PYTHON is the engine NAME in another interpreter: another version of it, or
 from importlib.metadata import EntryPoint, entry_points
 
 from harness.core.errors import InputError, SimulationError
+from harness.core.near import did_you_mean
 from harness.engines.base import Engine
 from harness.engines.elsewhere.remote import engine_in
 
@@ -25,7 +26,10 @@ def check(name: str, where: str = "engine") -> None:
     """Raise InputError, about ``where``, for a name that is not registered; what follows an @ is not looked at."""
     found = names()
     if name.partition("@")[0] not in found:
-        accepted = f"one of {', '.join(found)} is accepted" if found else "none is registered: install the package"
+        near = did_you_mean(name.partition("@")[0], found)
+        accepted = (
+            f"one of {', '.join(found)} is accepted{near}" if found else "none is registered: install the package"
+        )
         raise InputError(where, repr(name), accepted)
 
 

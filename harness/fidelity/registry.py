@@ -9,6 +9,7 @@ from functools import cache
 from importlib import import_module
 
 from harness.core.errors import InputError
+from harness.core.near import did_you_mean
 from harness.core.registered import registered
 from harness.core.scenario import Scenario
 from harness.engines.base import Route
@@ -37,7 +38,7 @@ def kind(name: str) -> Kind:
     """The scenario of this name; InputError lists those there are."""
     found = kinds().get(name)
     if found is None:
-        raise InputError("scenario", repr(name), f"{', '.join(kinds())} is accepted")
+        raise InputError("scenario", repr(name), f"{', '.join(kinds())} is accepted{did_you_mean(name, kinds())}")
     return found
 
 

@@ -11,7 +11,7 @@ import numpy as np
 
 from harness.core.apart import Found, read_apart
 from harness.core.arrays import FloatArray, IntArray
-from harness.core.bounded import MOST_BYTES, check_size
+from harness.core.bounded import MOST_BYTES, check_file, check_size
 from harness.core.checks import finite, positive
 from harness.core.errors import InputError
 from harness.core.recording import LARGEST, LONGEST_TIME, MINIMUM_SAMPLES, Recording
@@ -157,9 +157,7 @@ def read_recording(path: Path, options: ReadOptions | None = None, read_rrd: Rrd
     Raises InputError naming the file, row, column or option that is wrong.
     """
     options = options or ReadOptions()
-    if not path.is_file():
-        found = "a folder" if path.is_dir() else "no such file"
-        raise InputError(str(path), found, "a file that can be read is accepted")
+    check_file(path)
     reader = reader_of(_kind(path))
     try:
         if reader is not None and reader.text:

@@ -8,6 +8,7 @@ import pkgutil
 from collections.abc import Iterator
 
 from harness.core.errors import InputError
+from harness.core.near import did_you_mean
 from harness.core.registered import registered
 from harness.model import terms
 from harness.model.term import Slot, Term
@@ -42,7 +43,8 @@ def term(key: str) -> Term:
     """The term of this key ("end-stop", "end-stop:positive"); InputError lists the names there are."""
     found = _BY_KEY.get(key)
     if found is None:
-        raise InputError("term", f"{key!r} is not in the catalogue", f"one of {', '.join(_BY_KEY)} is accepted")
+        accepted = f"one of {', '.join(_BY_KEY)} is accepted{did_you_mean(key, _BY_KEY)}"
+        raise InputError("term", f"{key!r} is not in the catalogue", accepted)
     return found
 
 

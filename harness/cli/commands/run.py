@@ -9,6 +9,7 @@ from harness.cli.options import engine_options, output_options
 from harness.cli.output import check_json, emit_json, say, shows_tables, this_line
 from harness.cli.progress import shown
 from harness.cli.tables import show
+from harness.core.bounded import check_file
 
 if TYPE_CHECKING:
     from harness.results.run import RunResult
@@ -59,6 +60,8 @@ def command(
              harness run --restoring pendulum --x0 1.2 --f-k 2
              harness run --m 2.42 --k 2310 --c 4.79 --f-k 0.351 --x0 0.01 --json -
     """
+    if model is not None:
+        check_file(model)
     check_json(json_to)
     from harness.app.run.run import RunOptions, run
 

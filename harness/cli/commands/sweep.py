@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from harness.cli.options import jobs_option, output_options
+from harness.cli.options import engines_option, jobs_option, output_options
 from harness.cli.output import STANDARD_OUTPUT, check_json, say, shows_tables, this_line
 from harness.cli.progress import shown
 from harness.cli.tables import show
@@ -26,9 +26,7 @@ def _worst(context: click.Context, option: click.Parameter, value: str | None) -
 
 
 @click.command(short_help="The friction-fidelity matrix: engines x route x settings x step x scenario.")
-@click.option(
-    "--engine", "engines", multiple=True, metavar="NAME[@PYTHON]", help="Engine; may repeat.  [all installed]"
-)
+@engines_option("all installed")
 @click.option("--route", "routes", multiple=True, metavar="joint|contact|law", help="Route; may repeat.  [all]")
 @click.option("--preset", "presets", multiple=True, metavar="NAME", help="Settings; may repeat.  [all there are]")
 @click.option("--dt", "steps", multiple=True, type=float, metavar="S", help="Step, s; may repeat.  [a table's own]")
