@@ -56,6 +56,14 @@ def say_as_it_is(text: str) -> None:
     click.echo(visible(text))
 
 
+def say_left_out() -> None:
+    """Name the engines that are usually taken and that this Python cannot have."""
+    from harness.app.shared.usual import left_out
+
+    for sentence in left_out():
+        say(f"- {sentence}")
+
+
 def this_line() -> str:
     """The command line as somebody would type it again; "" when the program was not started by one."""
     is_ours = Path(sys.argv[0]).name in ("harness", "__main__.py")

@@ -3,7 +3,9 @@
 NAME@PYTHON is the engine NAME in another interpreter: another version of it, or one whose packages clash with ours.
 """
 
+import sys
 from importlib.metadata import EntryPoint, entry_points
+from importlib.util import find_spec
 
 from harness.core.errors import InputError, SimulationError
 from harness.core.near import did_you_mean
@@ -11,6 +13,25 @@ from harness.engines.base import Engine
 from harness.engines.elsewhere.remote import engine_in
 
 GROUP = "harness.engines"
+
+
+USUAL = ("mujoco", "pybullet")
+"""Engines taken where nobody names any."""
+NO_PYBULLET = (3, 12)
+"""Python from which on pybullet has no wheel, and is no dependency of ours (pyproject.toml says the same)."""
+
+
+def usual() -> tuple[str, ...]:
+    """Engines taken where nobody names any: MuJoCo, and PyBullet where a Python can have it or somebody built it."""
+    without = sys.version_info >= NO_PYBULLET and not _is_there("pybullet")
+    return tuple(name for name in USUAL if not (without and name == "pybullet"))
+
+
+def _is_there(package: str) -> bool:
+    try:
+        return find_spec(package) is not None
+    except ValueError:  # it stands in sys.modules, and is no module
+        return False
 
 
 def _found() -> dict[str, EntryPoint]:
@@ -24,12 +45,11 @@ def names() -> tuple[str, ...]:
 
 def check(name: str, where: str = "engine") -> None:
     """Raise InputError, about ``where``, for a name that is not registered; what follows an @ is not looked at."""
-    found = names()
-    if name.partition("@")[0] not in found:
-        near = did_you_mean(name.partition("@")[0], found)
-        accepted = (
-            f"one of {', '.join(found)} is accepted{near}" if found else "none is registered: install the package"
-        )
+    found, bare = names(), name.partition("@")[0]
+    if bare not in found:
+        accepted = f"one of {', '.join(found)} is accepted{did_you_mean(bare, found)}"
+        if not found:
+            accepted = "none is registered: install the package"
         raise InputError(where, repr(name), accepted)
 
 

@@ -71,6 +71,8 @@ def _body(task: Task, engine: EngineName) -> Body:
         from harness.proof.engine_source_mujoco import MujocoBody
 
         return MujocoBody(task)
-    from harness.proof.engine_source_pybullet import PybulletBody
-
+    try:
+        from harness.proof.engine_source_pybullet import PybulletBody
+    except ImportError as error:
+        raise SimulationError(f"engine {engine}: not installed ({error}); the proof draws recordings in it") from None
     return PybulletBody(task)

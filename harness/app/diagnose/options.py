@@ -15,7 +15,6 @@ from harness.model.model import Model, Restoring
 
 Zero = Literal["spring", "free"]
 ZEROS: tuple[Zero, ...] = get_args(Zero)
-ENGINES = ("mujoco", "pybullet")
 
 
 @dataclass(frozen=True, slots=True)
@@ -42,7 +41,7 @@ class DiagnoseOptions:
     validate: Path | Recording | None = None
     restoring: Restoring | None = None
     zero: Zero | None = None
-    engines: tuple[str, ...] = ENGINES
+    engines: tuple[str, ...] = field(default_factory=registry.usual)
     preset: Preset = "tuned"
     dt: float | None = None
 
@@ -84,7 +83,7 @@ class DiagnoseOptions:
             choice("--zero", zero, ZEROS)
         if preset is not None:
             choice("--preset", preset, PRESETS)
-        named = ENGINES if engines is None else tuple(dict.fromkeys(engines))
+        named = registry.usual() if engines is None else tuple(dict.fromkeys(engines))
         held = None if restoring is None else Restoring(restoring)
         return cls(reading, restoring=held, zero=zero, engines=named, preset=preset or "tuned", **rest)  # type: ignore[arg-type]
 

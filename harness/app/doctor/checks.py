@@ -12,8 +12,8 @@ from harness.app.shared.machine import package_version, this_machine
 from harness.results.doctor import Check, DoctorResult
 
 BROWSERS = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable", "firefox")
-REQUIRED = ("python", "engine mujoco", "engine pybullet", "models", "numba cache", "rerun viewer")
-"""Checks that must pass; the others are optional."""
+ALWAYS = ("python", "engine mujoco", "models", "numba cache", "rerun viewer")
+"""Checks that must pass; the others are optional, and so are engines that this Python cannot have."""
 
 
 def doctor() -> DoctorResult:
@@ -25,12 +25,18 @@ def doctor() -> DoctorResult:
 
 def healthy(result: DoctorResult) -> bool:
     """Whether everything works that the main job needs."""
-    return all(check.ok for check in result.checks if check.name in REQUIRED)
+    return all(check.ok for check in result.checks if check.name in _required())
+
+
+def _required() -> tuple[str, ...]:
+    from harness.engines import registry
+
+    return (*ALWAYS, *(f"engine {name}" for name in registry.usual()))
 
 
 def _python() -> Check:
     version = sys.version.split()[0]
-    remedy = None if sys.version_info[:2] == (3, 11) else "use Python 3.11: PyBullet has no wheel above it"
+    remedy = None if sys.version_info >= (3, 11) else "use Python 3.11 or later"
     return Check(name="python", ok=remedy is None, found=version, needed_for="everything", remedy=remedy)
 
 
@@ -43,8 +49,10 @@ def _engines() -> list[Check]:
 def _engine(name: str) -> Check:
     from harness.engines import registry
 
-    needed = f"simulations in {name}" if f"engine {name}" in REQUIRED else f"simulations in {name} (optional)"
+    needed = f"simulations in {name}" if f"engine {name}" in _required() else f"simulations in {name} (optional)"
     remedy = _REMEDY.get(name, f"pip install {name}")
+    if name == "pybullet" and sys.version_info >= registry.NO_PYBULLET:
+        remedy = "use Python 3.11: PyBullet has no wheel above it; or build it from source: pip install pybullet"
     return _tried(f"engine {name}", needed, remedy, lambda: f"version {registry.load(name).version()}")
 
 

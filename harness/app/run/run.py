@@ -4,7 +4,7 @@ import logging
 import math
 import time
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from os import PathLike
 from pathlib import Path
 
@@ -33,7 +33,6 @@ from harness.model.model import Model, Restoring
 from harness.results.run import Metrics, RunResult, TraceResult
 
 LOGGER = logging.getLogger(__name__)
-ENGINES = ("mujoco", "pybullet")
 MOST_SAMPLES, MOST_CYCLES = 20_000_000, 1_000_000
 
 
@@ -48,7 +47,7 @@ class RunOptions:
     """
 
     scenario: Scenario | ModelScenario = FREE_DECAY
-    engines: tuple[str, ...] = ENGINES
+    engines: tuple[str, ...] = field(default_factory=registry.usual)
     presets: tuple[str, ...] = PRESETS
     dt: float | None = None
 
@@ -75,9 +74,9 @@ class RunOptions:
     def chosen(
         cls, scenario: Scenario | ModelScenario, engines: Sequence[str] | None, preset: str | None, dt: float | None
     ) -> "RunOptions":
-        """As somebody chose: engines None means MuJoCo and PyBullet, preset None means both."""
+        """As somebody chose: engines None means the usual ones, MuJoCo and PyBullet, preset None means both."""
         presets: tuple[str, ...] = PRESETS if preset is None else (preset,)
-        return cls(scenario, ENGINES if engines is None else tuple(engines), presets, dt)
+        return cls(scenario, registry.usual() if engines is None else tuple(engines), presets, dt)
 
     @classmethod
     def named(

@@ -9,7 +9,16 @@ from typing import TYPE_CHECKING, Any, Literal
 import click
 
 from harness.cli.options import engines_option, jobs_option, output_options, reading_options
-from harness.cli.output import STANDARD_OUTPUT, check_json, emit_json, say, shows_tables, this_line, with_error
+from harness.cli.output import (
+    STANDARD_OUTPUT,
+    check_json,
+    emit_json,
+    say,
+    say_left_out,
+    shows_tables,
+    this_line,
+    with_error,
+)
 from harness.cli.progress import shown
 from harness.cli.tables import show
 from harness.core.bounded import check_file
@@ -100,10 +109,14 @@ def command(
     )
     with _named(recordings) as named:
         if len(named) > 1 or resume:
-            return _many(named, options, out, jobs, resume, json_to, quiet)
-        if jobs is not None:
+            code = _many(named, options, out, jobs, resume, json_to, quiet)
+        elif jobs is not None:
             raise InputError("--jobs", "given with one recording", "it is accepted with several")
-        return _one(named[0], options, out, json_to, quiet)
+        else:
+            code = _one(named[0], options, out, json_to, quiet)
+    if shows_tables(json_to, quiet) and not engines:
+        say_left_out()
+    return code
 
 
 def _check_files(

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 import click
 
 from harness.cli.options import engine_options, output_options
-from harness.cli.output import check_json, emit_json, say, shows_tables, this_line
+from harness.cli.output import check_json, emit_json, say, say_left_out, shows_tables, this_line
 from harness.cli.progress import shown
 from harness.cli.tables import show
 from harness.core.bounded import check_file
@@ -76,6 +76,8 @@ def command(
     emit_json(result, json_to)
     if shows_tables(json_to, quiet):
         _print(result)
+        if not engines:
+            say_left_out()
     return 1 if any(trace.error for trace in result.traces) else 0
 
 
