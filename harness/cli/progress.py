@@ -1,46 +1,103 @@
-"""Progress on work over two seconds, where the terminal is one."""
+"""Progress on work over two seconds: a bar on a terminal, elsewhere a line on standard error now and then."""
 
 import os
 import sys
 import threading
-from collections.abc import Iterator
-from contextlib import contextmanager
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, suppress
+from typing import TextIO
 
-from harness.app.shared.progress import SILENT, Progress
+from harness.app.shared.progress import SILENT, Pace, Progress
+from harness.core.visible import visible
 
 PATIENCE_S = 2.0
+"""What takes less says nothing."""
+EVERY_S = 10.0
+"""Between two lines where no terminal draws a bar."""
 
 
 @contextmanager
 def shown(quiet: bool) -> Iterator[Progress]:
-    """A Progress that draws a bar on standard error after two seconds; silent when that is no terminal.
+    """A Progress that says on standard error what is being tried, how many are done, and the time that is left.
 
-    It keeps a copy of the stream, since the work diverts what libraries print.
+    It keeps a copy of the stream, since the work diverts what libraries print. Silent when ``quiet``, and where
+    standard error is closed or no file.
     """
-    if quiet or not sys.stderr.isatty():
+    stream = None if quiet else _copy()
+    if stream is None:
         yield SILENT
         return
+    drawn = _bar if stream.isatty() else _lines
+    with stream, drawn(stream) as told:
+        yield told
+
+
+def _copy() -> TextIO | None:
+    try:
+        return os.fdopen(os.dup(sys.stderr.fileno()), "w", errors="backslashreplace")
+    except (OSError, ValueError, AttributeError):
+        return None
+
+
+@contextmanager
+def _lines(stream: TextIO) -> Iterator[Progress]:
+    pace = Pace()
+
+    def say() -> None:
+        line = pace.line()
+        if line:
+            with suppress(OSError):  # a reader that is gone is no reason to fail
+                stream.write(f"harness: {visible(line)}\n")
+                stream.flush()
+
+    with _after(PATIENCE_S, say, EVERY_S):
+        yield pace.tell
+
+
+@contextmanager
+def _bar(stream: TextIO) -> Iterator[Progress]:
     from rich.console import Console
     from rich.progress import BarColumn, TextColumn, TimeElapsedColumn
     from rich.progress import Progress as Bar
 
-    with os.fdopen(os.dup(sys.stderr.fileno()), "w") as terminal:
-        bar = Bar(
-            TextColumn("{task.description}"),
-            BarColumn(),
-            TimeElapsedColumn(),
-            console=Console(file=terminal, force_terminal=True),
-            transient=True,
-            redirect_stdout=False,
-            redirect_stderr=False,
-        )
-        task = bar.add_task("", total=None)
-        timer = threading.Timer(PATIENCE_S, bar.start)
-        timer.daemon = True
-        timer.start()
+    pace = Pace()
+    bar = Bar(
+        TextColumn("{task.description}", markup=False),
+        BarColumn(16),
+        TimeElapsedColumn(),
+        console=Console(file=stream, force_terminal=True),
+        transient=True,
+        redirect_stdout=False,
+        redirect_stderr=False,
+    )
+    task = bar.add_task("", total=None)
+
+    def tell(step: str, done: int, total: int) -> None:
+        pace.tell(step, done, total)
+        bar.update(task, description=visible(pace.line()), completed=done, total=total or None)
+
+    with _after(PATIENCE_S, bar.start):
         try:
-            yield lambda step, done, total: bar.update(task, description=step, completed=done, total=total)
+            yield tell
         finally:
-            timer.cancel()
-            timer.join()
             bar.stop()
+
+
+@contextmanager
+def _after(wait_s: float, action: Callable[[], None], again_s: float | None = None) -> Iterator[None]:
+    """Call ``action`` once after a while, and then again and again where ``again_s`` says so, until the block ends."""
+    over = threading.Event()
+
+    def watch() -> None:
+        wait: float | None = wait_s
+        while wait is not None and not over.wait(wait):
+            action()
+            wait = again_s
+
+    thread = threading.Thread(target=watch, daemon=True)
+    thread.start()
+    try:
+        yield
+    finally:
+        over.set()
+        thread.join()

@@ -22,6 +22,12 @@ NO_HOME = "/proc/no-home"
 """A home that nobody can make, root neither."""
 
 
+@pytest.fixture(autouse=True)
+def patient(monkeypatch: pytest.MonkeyPatch) -> None:
+    """How slow this machine is must not be seen in standard error."""
+    monkeypatch.setattr(progress, "PATIENCE_S", 600.0)
+
+
 def environment(**changes: str) -> dict[str, str]:
     kept = {k: v for k, v in os.environ.items() if not k.startswith(("XDG_", "HARNESS_"))}
     return {**kept, "PYTHONPATH": str(CHECKOUT), "NUMBA_CACHE_DIR": str(cache_folder()), **changes}
@@ -29,7 +35,7 @@ def environment(**changes: str) -> dict[str, str]:
 
 def test_run_works_without_a_home_and_standard_output_is_json_alone(tmp_path: Path) -> None:
     # one engine, the one whose library writes to the streams; all of them are run beside the use case
-    line = ["run", "--engine", "pybullet", "--preset", "tuned", "--json", "-"]
+    line = ["run", "--engine", "pybullet", "--preset", "tuned", "--json", "-", "--quiet"]
     done = subprocess.run(
         [*COMMAND, *line],
         stdin=subprocess.DEVNULL,
@@ -71,6 +77,7 @@ def test_an_interruption_leaves_nothing(tmp_path: Path, stop: signal.Signals) ->
         "1e-4",
         "--json",
         "-",
+        "--quiet",
     ]
     with subprocess.Popen(
         line,
@@ -192,11 +199,26 @@ def test_progress_is_shown_on_a_terminal(monkeypatch: pytest.MonkeyPatch) -> Non
         assert b"mujoco tuned" in reader.read(4096)
 
 
-def test_progress_is_silent_elsewhere(capfd: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
+@pytest.mark.parametrize("quiet", [False, True])
+def test_progress_is_a_line_now_and_then_elsewhere(
+    quiet: bool, capfd: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
     monkeypatch.setattr(progress, "PATIENCE_S", 0.0)
+    monkeypatch.setattr(progress, "EVERY_S", 0.01)
+    with progress.shown(quiet) as tell:
+        tell("mujoco [tuned]\x1b", 2, 4)
+        said = "harness: mujoco [tuned]\\x1b: 2 of 4 done\n"
+        seen, deadline = "", time.monotonic() + (0.1 if quiet else 60.0)
+        while said not in seen and time.monotonic() < deadline:
+            time.sleep(0.01)
+            seen += capfd.readouterr().err
+    assert set(seen.splitlines(keepends=True)) == (set() if quiet else {said})
+
+
+def test_short_work_says_nothing(capfd: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(progress, "PATIENCE_S", 600.0)
     with progress.shown(quiet=False) as tell:
-        tell("mujoco tuned", 1, 4)
-        time.sleep(0.1)
+        tell("reading", 0, 3)
     assert capfd.readouterr() == ("", "")
 
 

@@ -103,12 +103,12 @@ def diagnose_all(
             kept = _kept(work)
             if kept is not None:
                 answers[i] = kept
-    progress(f"{len(answers)} of {len(works)} recordings", len(answers), len(works))
+    progress("recordings", len(answers), len(works))
     left = {i: work for i, work in enumerate(works) if i not in answers}
     try:
         for i, answer in _computed(left, min(jobs or cores(), max(len(left), 1)), function):
             answers[i] = answer
-            progress(f"{len(answers)} of {len(works)} recordings", len(answers), len(works))
+            progress("recordings", len(answers), len(works))
     except KeyboardInterrupt:
         done = f"{len(answers)} of {len(works)} recordings are kept"
         raise InterruptionError(f"interrupted; {done}, the same command with --resume --out {folder} goes on") from None

@@ -20,6 +20,7 @@ from harness.app.shared.journal import journal
 from harness.app.shared.progress import SILENT, Progress
 from harness.app.shared.reading import read_as
 from harness.core.recording import Recording
+from harness.core.telling import listening
 from harness.core.trajectory import Trajectory
 from harness.diagnosis.explain.force_map import write_history, write_map
 from harness.diagnosis.outcome import Outcome
@@ -68,7 +69,7 @@ def investigate(
     ready = prepared(recording, options)
     other, user = validation(recording, options), Configured.of(options)
     # a fit tries values far out, sees that they overflow, and turns back: nothing to tell anybody
-    with np.errstate(over="ignore", invalid="ignore"):
+    with np.errstate(over="ignore", invalid="ignore"), listening(progress):
         outcome = conclude(ready.problem, None if other is None else other.judge)
     progress("engines and attribution", 2, STEPS)
     result = result_of(recording, ready, outcome, options, user, command)

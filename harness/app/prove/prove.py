@@ -6,7 +6,6 @@ What must stay secret (seed and answers) is in no file while anything is diagnos
 import hashlib
 import json
 import tempfile
-import time
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import asdict, dataclass, field, replace
@@ -32,7 +31,7 @@ from harness.app.shared.journal import journal
 from harness.app.shared.machine import cores, this_machine
 from harness.app.shared.pool import Cluster, LocalPool, Workers
 from harness.app.shared.progress import SILENT, Progress
-from harness.app.sweep.sweep import InterruptionError, duration
+from harness.app.sweep.sweep import InterruptionError
 from harness.core.errors import HarnessError, InputError
 from harness.io.store import growing_folder
 from harness.proof.beside import BASELINES
@@ -251,15 +250,12 @@ class _Proof:
 
     def _clock(self, what: str, total: int, had: int) -> Callable[[Iterable[dict[str, Any]]], Iterator[dict[str, Any]]]:
         """Pass results on and tell how far it is."""
-        started = time.monotonic()
 
         def told(results: Iterable[dict[str, Any]]) -> Iterator[dict[str, Any]]:
-            self._progress(f"{had} of {total} {what}", had, total)
+            self._progress(what, had, total)
             for done, one in enumerate(results, 1):
                 yield one
-                left = (total - had - done) * (time.monotonic() - started) / done
-                more = f", {duration(left)} left" if done >= 4 else ""
-                self._progress(f"{had + done} of {total} {what}{more}", had + done, total)
+                self._progress(what, had + done, total)
 
         return told
 

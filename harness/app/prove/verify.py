@@ -144,7 +144,7 @@ def _drawn(ledger: Ledger, chosen: list[Job], jobs: int, progress: Progress) -> 
     found = []
     try:
         for done, one in enumerate(completed(tasks, workers, draw_one, draw_failed), 1):
-            progress(f"{done} of {len(tasks)} recordings drawn again", done, len(tasks))
+            progress("recordings drawn again", done, len(tasks))
             if one["error"] is None:
                 found.append(Drawn(one["name"], one["recording"].encode(), one["answer"]))
     finally:

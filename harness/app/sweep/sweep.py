@@ -221,11 +221,10 @@ def _damaged(name: str) -> str:
 
 def _compute(job: _Job, specs: Iterator[Spec], progress: Progress, function: Compute) -> int:
     """Compute and keep; returns how many rows were computed."""
-    clock = _Clock(job.total, job.had, progress)
     first = next(specs, None)
     if first is None:
         return 0
-    clock.tell(0)
+    progress("rows", job.had, job.total)
     workers = _workers(job.options)
     buffer: list[dict[str, Any]] = []
     done = kept = 0
@@ -235,7 +234,7 @@ def _compute(job: _Job, specs: Iterator[Spec], progress: Progress, function: Com
             for row in completed(_chain(first, specs), workers, function, failed_row):
                 buffer.append(row)
                 done += 1
-                clock.tell(done)
+                progress("rows", job.had + done, job.total)
                 if len(buffer) >= PART_ROWS or time.monotonic() - flushed > PART_S:
                     job.parts.write(buffer)
                     kept, flushed = done, time.monotonic()
@@ -269,32 +268,6 @@ def _stopped(kind: type[HarnessError], what: str, job: _Job, kept: int) -> NoRet
 
 def _workers(options: SweepOptions) -> Workers:
     return LocalPool(options.jobs or cores()) if options.cluster is None else Cluster(options.cluster)
-
-
-class _Clock:
-    """How far it is, and how long it will take."""
-
-    def __init__(self, total: int, had: int, progress: Progress) -> None:
-        self._total, self._had, self._progress = total, had, progress
-        self._started = time.monotonic()
-
-    def tell(self, done: int) -> None:
-        """Say that so many rows of this call are done."""
-        spent = time.monotonic() - self._started
-        left = ""
-        if done >= 4:
-            left = ", " + duration((self._total - self._had - done) * spent / done) + " left"
-        self._progress(f"{self._had + done} of {self._total} rows{left}", self._had + done, self._total)
-
-
-def duration(seconds: float) -> str:
-    """As people say it: "40 s", "3 min 20 s", "2 h 5 min"."""
-    whole = round(seconds)
-    if whole < 60:
-        return f"{whole} s"
-    if whole < 3600:
-        return f"{whole // 60} min {whole % 60} s"
-    return f"{whole // 3600} h {whole % 3600 // 60} min"
 
 
 def settings_of(row: Mapping[str, Any]) -> str:

@@ -42,7 +42,7 @@ def keep_worst(result: Sweep, options: SweepOptions, progress: Progress = SILENT
         found = places.get(spec.key)
         if found is not None:
             place, row = found
-            progress(f"trace {len(written) + 1} of {len(places)}", len(written), len(places))
+            progress("traces written", len(written), len(places))
             name = f"{place:03d}-{re.sub(r'[^A-Za-z0-9.-]+', '-', row['name'])[:120]}.rrd"
             write_row_trace(folder / name, engines[spec.engine].simulate, spec, row)
             written[row["name"]] = name

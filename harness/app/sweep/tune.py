@@ -46,9 +46,7 @@ def tune(
     if math.isinf(score_of(shipped)):
         why = next(row.error for row in shipped if row.error is not None)
         raise InputError(f"--dt {dt:g}", f"what ships cannot run at this step ({why})", "a smaller step is accepted")
-    chosen = search(
-        trial, found, most, tell=lambda done: progress(f"{done} settings scored", min(done, EXPECTED), EXPECTED)
-    )
+    chosen = search(trial, found, most, tell=lambda done: progress("settings scored", done, max(done, EXPECTED)))
     changed = trial.changed(found, chosen)
     tuned = trial.rows(changed, HELD_OUT)
     settings = engine.presets(route, "as-shipped", dt) | changed

@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from harness.core.errors import SimulationError
+from harness.core.telling import told
 from harness.diagnosis.baseline.base_fit import at_rest
 from harness.diagnosis.fit.model_fit import Fit, chi2_of, fit
 from harness.diagnosis.fit.observe import COARSE
@@ -58,6 +59,11 @@ def key_of(found: Fit) -> tuple[str, ...]:
     return tuple(sorted(entry.term.name for entry in found.model.terms))
 
 
+def _said(model: Model) -> str:
+    """The terms of a model, for people."""
+    return " with ".join(entry.term.name for entry in model.terms)
+
+
 def _try(model: Model, problem: Problem, base: tuple[str, ...], scales: Scales, iterations: int) -> Fit | None:
     try:
         return fit(model, problem, free_of(model, base), scales, iterations, COARSE, thorough=False)
@@ -77,7 +83,7 @@ def _rough(candidates: Sequence[Candidate], problem: Problem, base: tuple[str, .
     """A rough fit of every entry, best first: a few steps of every start, then the nearest of each entry go on."""
     early = problem.part(slice(0, int(_EARLY * problem.t.size)))
     begun: dict[str, list[Fit]] = {}
-    for candidate in candidates:
+    for candidate in told(candidates, lambda c: f"trying {_said(c.model)}"):
         found = _start(candidate, problem, early, base, scales)
         if found is not None:
             begun.setdefault(candidate.term.key, []).append(found)
@@ -146,11 +152,12 @@ def extend(current: Fit, problem: Problem, scales: Scales, terms: Sequence[Term]
     small, _ = condensed(problem, current.shown, _COARSE_SAMPLES, scales.omega)
     best = _rough(_candidates(current, problem, scales, terms), small, base, scales)
     finalists = _finalists(best, chi2_of(current.model, small, scales, COARSE) + current.bic - current.chi2)
-    quick = [q for q in (_quick(start.model, problem, base, scales) for start in finalists) if q is not None]
+    fitted = told(finalists, lambda f: f"fitting {_said(f.model)}")
+    quick = [q for q in (_quick(start.model, problem, base, scales) for start in fitted) if q is not None]
     quick.sort(key=lambda f: f.bic)
     fits: dict[tuple[str, ...], Fit] = {}
     reach = max(_MISPLACED, _MISPLACED_SHARE * (current.bic - quick[0].bic)) if quick else 0.0
-    for hasty in quick:
+    for hasty in told(quick, lambda f: f"settling {_said(f.model)}"):
         near = hasty.bic < min(quick[0].bic + reach, current.bic)
         found = settle(hasty, problem, scales) if near else hasty
         key = key_of(found)
