@@ -3,11 +3,13 @@
 import os
 import subprocess
 import sys
+from itertools import pairwise
 from pathlib import Path
 
+import click
 import pytest
 
-from harness.cli.main import COMPLETION, run
+from harness.cli.main import COMPLETION, cli, run
 from harness.core.errors import InputError
 from harness.core.near import did_you_mean
 from harness.engines import registry
@@ -24,6 +26,16 @@ def test_alone_it_prints_help(capfd: pytest.CaptureFixture[str]) -> None:
     assert run(["--help"]) == 0
     assert alone == capfd.readouterr()
     assert "  diagnose " in alone.out
+
+
+def test_help_keeps_within_eighty_columns(monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]) -> None:
+    monkeypatch.setenv("COLUMNS", "80")
+    for name in cli.list_commands(click.Context(cli)):
+        assert run([name, "--help"]) == 0
+        lines = capfd.readouterr().out.splitlines()
+        assert [line for line in lines if len(line) > 80] == []
+        # an example that goes on in the next line says so to the shell
+        assert all(line.endswith("\\") for line, more in pairwise(lines) if more.startswith(" " * 15 + "--"))
 
 
 def test_the_package_is_a_program() -> None:

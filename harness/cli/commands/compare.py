@@ -54,7 +54,8 @@ def command(
 
     \b
     Example: harness compare simulated.csv measured.csv
-             harness compare run/trace.rrd decay.csv --sim-trace "mujoco tuned" --columns "t=t,x=pos[mm]"
+             harness compare run/trace.rrd decay.csv \\
+                 --sim-trace "mujoco tuned" --columns "t=t,x=pos[mm]"
     """
     for path in (sim, real):
         check_file(path)

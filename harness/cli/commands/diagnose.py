@@ -89,8 +89,10 @@ def command(
     \b
     Example: harness diagnose decay.csv
              harness diagnose rig/*.csv --jobs 4 --json results.json
-             harness diagnose swing.txt --columns "x=#1[deg]" --rate 1000 --restoring pendulum
-             harness diagnose decay.csv --model mine.json --engine mujoco --preset as-shipped
+             harness diagnose swing.txt --columns "x=#1[deg]" --rate 1000 \\
+                 --restoring pendulum
+             harness diagnose decay.csv --model mine.json \\
+                 --engine mujoco --preset as-shipped
     """
     _check_files(recordings, sim, chosen["model"], chosen["validate"], resume)
     check_json(json_to)

@@ -41,9 +41,12 @@ def command(
 
     \b
     Example: harness identify decay.csv
-             harness identify swing.txt --columns "x=#1[deg]" --skip-rows 2 --rate 1000 --from 0.4
-             harness identify pendulum.csv --columns "t=t,x=enc[deg]" --restoring pendulum
-             harness identify rig.mat --columns "t=time[ms],x=enc*0.004[mm],a=acc[g]" --json -
+             harness identify swing.txt --columns "x=#1[deg]" --skip-rows 2 \\
+                 --rate 1000 --from 0.4
+             harness identify pendulum.csv --columns "t=t,x=enc[deg]" \\
+                 --restoring pendulum
+             harness identify rig.mat \\
+                 --columns "t=time[ms],x=enc*0.004[mm],a=acc[g]" --json -
     """
     check_file(recording)
     check_json(json_to)

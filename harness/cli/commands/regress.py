@@ -45,7 +45,8 @@ def command(
     the stored one to the last bit.
 
     \b
-    Example: harness regress --baseline reports/fidelity/baseline.json --short --junit friction.xml
+    Example: harness regress --baseline reports/fidelity/baseline.json --short \\
+                 --junit friction.xml
              harness regress --baseline mine.json --update --engine mujoco
              harness regress --traces reports/fidelity/traces
     """
