@@ -12,8 +12,10 @@ from harness.core.visible import visible
 
 PATIENCE_S = 2.0
 """What takes less says nothing."""
+UNSEEN_S = 60.0
+"""The same where no terminal draws a bar: what is refused is one line on standard error, and nothing before it."""
 EVERY_S = 10.0
-"""Between two lines where no terminal draws a bar."""
+"""Between two lines there."""
 
 
 @contextmanager
@@ -50,7 +52,7 @@ def _lines(stream: TextIO) -> Iterator[Progress]:
                 stream.write(f"harness: {visible(line)}\n")
                 stream.flush()
 
-    with _after(PATIENCE_S, say, EVERY_S):
+    with _after(UNSEEN_S, say, EVERY_S):
         yield pace.tell
 
 

@@ -26,6 +26,7 @@ NO_HOME = "/proc/no-home"
 def patient(monkeypatch: pytest.MonkeyPatch) -> None:
     """How slow this machine is must not be seen in standard error."""
     monkeypatch.setattr(progress, "PATIENCE_S", 600.0)
+    monkeypatch.setattr(progress, "UNSEEN_S", 600.0)
 
 
 def environment(**changes: str) -> dict[str, str]:
@@ -203,7 +204,7 @@ def test_progress_is_shown_on_a_terminal(monkeypatch: pytest.MonkeyPatch) -> Non
 def test_progress_is_a_line_now_and_then_elsewhere(
     quiet: bool, capfd: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(progress, "PATIENCE_S", 0.0)
+    monkeypatch.setattr(progress, "UNSEEN_S", 0.0)
     monkeypatch.setattr(progress, "EVERY_S", 0.01)
     with progress.shown(quiet) as tell:
         tell("mujoco [tuned]\x1b", 2, 4)
@@ -217,6 +218,7 @@ def test_progress_is_a_line_now_and_then_elsewhere(
 
 def test_short_work_says_nothing(capfd: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(progress, "PATIENCE_S", 600.0)
+    monkeypatch.setattr(progress, "UNSEEN_S", 600.0)
     with progress.shown(quiet=False) as tell:
         tell("reading", 0, 3)
     assert capfd.readouterr() == ("", "")
