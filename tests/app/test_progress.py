@@ -31,11 +31,11 @@ def test_the_time_left_is_that_of_the_rest_at_the_same_pace() -> None:
         pace.tell("rows", done, 10)
         clock.now += 2.0
     clock.now -= 2.0
-    assert pace.line() == "rows: 4 of 10 done, about 12 s left"
+    assert pace.line() == "rows: 4 of 10 done, about 12 s left for these"
     clock.now += 5.0  # while the next one is in work
-    assert pace.line() == "rows: 4 of 10 done, about 7 s left"
+    assert pace.line() == "rows: 4 of 10 done, about 7 s left for these"
     clock.now += 60.0
-    assert pace.line() == "rows: 4 of 10 done, about 0 s left"
+    assert pace.line() == "rows: 4 of 10 done"
 
 
 def test_what_was_done_before_and_what_is_other_work_say_nothing_of_the_pace() -> None:
@@ -45,7 +45,7 @@ def test_what_was_done_before_and_what_is_other_work_say_nothing_of_the_pace() -
         pace.tell("rows", done, 100)
         clock.now += 1.0
     clock.now -= 1.0
-    assert pace.line() == "rows: 93 of 100 done, about 7 s left"
+    assert pace.line() == "rows: 93 of 100 done, about 7 s left for these"
     pace.tell("trying end-stop", 5, 24)
     assert pace.line() == "trying end-stop: 5 of 24 done"
     pace.tell("report", 0, 0)

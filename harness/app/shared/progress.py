@@ -9,6 +9,8 @@ Progress: TypeAlias = Callable[[str, int, int], None]
 
 _FEWEST = 3
 """Steps that must be done before they say anything of the rest: the first ones are not like the others."""
+_LEAST_S = 1.0
+"""Of time left that is worth a word."""
 
 
 def SILENT(step: str, done: int, total: int) -> None:  # noqa: N802  (a constant that is called)
@@ -45,11 +47,11 @@ class Pace:
         self._step, self._done, self._total, self._told = step, done, total, now
 
     def line(self) -> str:
-        """Such as "trying end-stop: 3 of 24 done, about 8 s left"; "" before anything was told."""
+        """Such as "trying end-stop: 3 of 24 done, about 8 s left for these"; "" before anything was told."""
         if self._total <= 0:
             return self._step
         left = self._left()
-        more = "" if left is None else f", about {duration(left)} left"
+        more = "" if left is None or left < _LEAST_S else f", about {duration(left)} left for these"
         return f"{self._step}: {self._done} of {self._total} done{more}"
 
     def _left(self) -> float | None:
