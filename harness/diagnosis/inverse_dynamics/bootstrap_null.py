@@ -31,12 +31,14 @@ def draws(
     # over each stretch without a gap from one start: no window's edge is in the motion
     course = Course.of(problem.t, problem.channels, problem.noise)
     whole = replace(problem, starts=course.anew(math.inf))
-    random, t, drive = np.random.default_rng(0), problem.t, problem.drive
-    noise = channel_noise(t, np.interp(t, drive.t, drive.u))
+    random, drive = np.random.default_rng(0), problem.drive
+    # where the force was measured: one that is held acts half an interval later, others have knots between samples too
+    at = problem.t + (drive.t[0] - problem.t[0])
+    noise = channel_noise(at, np.interp(at, drive.t, drive.u))
     shown = observe(current.model, whole, (), scales, COARSE).y
     for _ in range(count):
         channels = {c: problem.noise[c].over(shown[c], random) for c in problem.channels}
-        force = drive.u + np.interp(drive.t, t, noise.drawn(t.size, random)) if noise.found else drive.u
+        force = drive.u + np.interp(drive.t, at, noise.drawn(at.size, random)) if noise.found else drive.u
         measured = Measured.of(replace(problem, channels=channels, drive=Drive(drive.t, force)))
         yield fit_force(current.model, measured, current.free), measured
 

@@ -53,7 +53,8 @@ def left_over(found: ForceFit, problem: InverseDynamics, scales: Scales) -> Left
 
 def _by_length(residual: FloatArray) -> FloatArray:
     """Mean squares of a residual (m,) and of its means over 4, 16, ... neighbours."""
-    size, found = 1, []
+    size = 1
+    found: list[float] = []
     while not found or residual.size // size >= _FEWEST:
         used = residual.size // size * size
         found.append(float(np.mean(residual[:used].reshape(-1, size).mean(axis=1) ** 2)))
