@@ -37,7 +37,7 @@ def waves(t: FloatArray) -> FloatArray:
 def recorded(
     model: Model, n: int, sigma: float, of_force: float = 0.0, step: float = 0.0, unseen: float = 0.0
 ) -> Recording:
-    """A model under waves of force, and an unseen one correlated over 40 samples (0.16 s); noise of x (m) and of u (N)."""
+    """A model under waves of force, and an unseen one correlated over 0.16 s; noise of x (m) and of u (N)."""
     draw, t = np.random.default_rng(1), np.arange(n) / 250.0
     hidden = np.zeros(n)
     for i in range(1, n if unseen else 1):
