@@ -160,8 +160,8 @@ class Outcome:
     problem : with the noise that the verdict rests on. base : fit of viscous and Coulomb friction. refined : fit of the
     best model found (the base when nothing is missing or nothing helps). evidence : every catalogue name that was
     tried alone, best first. mechanisms : strongest first. stepping : of the engine whose trace it is.
-    rules : those that decided. remainder : where no model explains the recording to its noise. tested : whether what
-    the refined model leaves was tested for being noise. tables : of what has no name, part of the refined model.
+    rules : those that decided. remainder : where no model explains the recording to its noise. tables : of what has no
+    name, part of the refined model.
     """
 
     problem: Problem
@@ -179,5 +179,4 @@ class Outcome:
     stepping: Stepping | None = None
     rules: tuple[Rule, ...] = ()
     remainder: Remainder | None = None
-    tested: bool = True
     tables: tuple[Table, ...] = ()

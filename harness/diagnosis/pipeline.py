@@ -9,6 +9,7 @@ from typing import Any
 
 from harness.core.errors import SimulationError
 from harness.core.recording import Recording
+from harness.diagnosis.explain.by_force import cautions_of_force, mechanisms_of, remainder_of
 from harness.diagnosis.explain.cautions import cautions, cautions_of_misfit
 from harness.diagnosis.explain.graded import told
 from harness.diagnosis.explain.mechanism import mechanism
@@ -64,6 +65,8 @@ def search(based: Based[Any], other: Judge | None = None) -> Found:
 
 def judge(found: Found) -> Judged:
     """The verdict; where no model explains the recording, by how much of the misfit each name takes."""
+    if found.by_force is not None:
+        return Judged(found, verdict_of(found.search, found.by_force))
     graded = _graded(found.search, found.scales)
     later = None if graded is None else _after_first_turn(graded)
     if later is not None:
@@ -100,14 +103,17 @@ def _said(judged: Judged) -> Outcome:
     problem, judgement = found.problem, judged.judgement
     refined, verdict = judgement.refined, judgement.verdict
     acting = [(entry, place_of(entry, refined, problem, scales.omega)) for entry in refined.model.terms]
-    mechanisms = sorted(
-        (mechanism(found, i, entry, scales.omega, place) for i, (entry, place) in enumerate(acting)),
-        key=lambda m: -m.delta_bic,
-    )
+    by_force = judged.found.by_force
+    if by_force is None:
+        each = (mechanism(found, i, entry, scales.omega, place) for i, (entry, place) in enumerate(acting))
+        mechanisms = tuple(sorted(each, key=lambda m: -m.delta_bic))
+    else:
+        mechanisms = mechanisms_of(found, by_force, scales.omega)
+    shares = {} if by_force is None else {f.name: f.share for f in by_force.finalists}
     coarse = judged.found.coarse.problem
     prediction = kind_of(coarse).hold_out(coarse, judged, acting)
     unpredicted = (prediction.why,) if prediction.why else ()
-    tested = found.left is not Left.UNTESTED
+    warned = cautions(found, judgement, prediction) if by_force is None else cautions_of_force(by_force)
     said = () if stepping is None else (stepping.sentence,)
     return Outcome(
         problem=problem,
@@ -115,17 +121,20 @@ def _said(judged: Judged) -> Outcome:
         base=found.base,
         refined=refined,
         verdict=verdict,
-        mechanisms=tuple(mechanisms),
+        mechanisms=mechanisms,
         holdout=prediction,
-        evidence=tuple(Tried(key_of(f)[0], found.base.bic - f.bic) for f in found.singles if f.model.terms),
-        # errors of a fit that was not tested count all that it leaves
-        base_parameters=base_parameters(found.base, problem, scales.omega, verdict == "adequate" or not tested),
+        evidence=tuple(
+            Tried(key_of(f)[0], found.base.bic - f.bic, shares.get(key_of(f)[0]))
+            for f in found.singles
+            if f.model.terms
+        ),
+        base_parameters=base_parameters(found.base, problem, scales.omega, verdict == "adequate"),
         refined_parameters=base_parameters(refined, problem, scales.omega, verdict != "unexplained"),
-        next_experiment=next_experiment(tuple(mechanisms), problem),
-        warnings=(*said, *cautions(found, judgement, prediction), *unpredicted, *judged.found.notes),
+        next_experiment=next_experiment(mechanisms, problem),
+        warnings=(*said, *warned, *unpredicted, *judged.found.notes),
         stepping=stepping,
         rules=judgement.rules,
-        tested=tested,
+        remainder=None if by_force is None else remainder_of(by_force),
     )
 
 

@@ -85,6 +85,11 @@ class Problem(ABC):
         """Whether what is slow beside a sample can be the sensors' own noise, and nothing else's."""
         return True
 
+    @property
+    def errors_allow_for_misfit(self) -> bool:
+        """Whether the covariance of a fit counts all that it leaves, noise or not."""
+        return False
+
     def own_noise(self, left: Mapping[str, Noise]) -> dict[str, Noise]:
         """The sensors' own noise, where a model leaves ``left``."""
         return dict(left)

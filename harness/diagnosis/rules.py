@@ -193,6 +193,37 @@ NULL_DRAWS = Rule(
     "the next draw exceeds the most of n with chance 1/(n + 1): one in five, and the evidence asked for on top makes it"
     " rare",
 )
+OVER_SIMULATED = Rule(
+    "over-simulated",
+    1.5,
+    "ratio of rms",
+    "a fitted force leaves more than noise, the most of some simulated draws (null-draws), at some length of means",
+    "the draws share one motion, whose reversals the smoothing rounds off at other places than the recording's: of 24"
+    " sound recordings, six kinds of noise, none exceeded the most of four draws by more than 1.43 (a smaller set of"
+    " them: pytest tests/diagnosis/test_fitted_force_grades.py)",
+)
+STROKE_CUT = Rule(
+    "stroke-cut",
+    2.0,
+    "correlation times",
+    "a stroke of a driven motion is cut into pieces at least so long, each a word",
+    "integrated correlation time: values twice as far apart as the residual remembers are all but independent",
+)
+PERIODS_COUNTED = Rule(
+    "periods-counted",
+    3.0,
+    "periods",
+    "of a drive that repeats itself only so many periods count as words",
+    "the same path again says what was said; two repeats show that it is not chance",
+)
+DRIVE_REPEATS = Rule(
+    "drive-repeats",
+    0.02,
+    "share of squares",
+    "a force counts as periodic: it differs so little from itself one period earlier",
+    "a sixth of the swing in rms (sqrt(0.02) = 0.14): more than a loop's noise and start, less than waves of different"
+    " periods come to by chance",
+)
 CONFIRMED = Rule(
     "confirmed",
     2.0,

@@ -6,6 +6,7 @@ from typing import Generic
 from harness.diagnosis.fit.model_fit import Fit
 from harness.diagnosis.grading.grade import Graded
 from harness.diagnosis.integrator_maps.maps import Stepping
+from harness.diagnosis.inverse_dynamics.grade import ForceGraded
 from harness.diagnosis.problem import P
 from harness.diagnosis.search.search import Search
 from harness.diagnosis.verdict import Judgement
@@ -31,7 +32,8 @@ class Found:
     """What a search has come to, on all samples.
 
     coarse : the search as it was, where its samples were means: what was held out is predicted in it. stepping : of the
-    engine whose trace the recording is. notes : what a reader is to know of it, one sentence each.
+    engine whose trace the recording is. notes : what a reader is to know of it, one sentence
+    each. by_force : grades of a fitted force, where more than noise is left.
     """
 
     search: Search
@@ -39,6 +41,7 @@ class Found:
     coarse: Search
     stepping: Stepping | None = None
     notes: tuple[str, ...] = ()
+    by_force: ForceGraded | None = None
 
 
 @dataclass(frozen=True, slots=True)

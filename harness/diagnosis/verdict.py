@@ -4,10 +4,20 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from harness.diagnosis.fit.model_fit import Fit
-from harness.diagnosis.grading.grade import Graded
+from harness.diagnosis.grading.grade import Contest
 from harness.diagnosis.outcome import Grade, Verdict
 from harness.diagnosis.residual_tests.structure import Left
-from harness.diagnosis.rules import AMONG_NAMES, APART, FLEXIBLE, SECOND_TERM, STRUCTURE, STRUCTURE_NAMED, Rule
+from harness.diagnosis.rules import (
+    AMONG_NAMES,
+    APART,
+    FLEXIBLE,
+    NULL_DRAWS,
+    OVER_SIMULATED,
+    SECOND_TERM,
+    STRUCTURE,
+    STRUCTURE_NAMED,
+    Rule,
+)
 from harness.diagnosis.search.search import Search
 
 
@@ -28,22 +38,29 @@ class Judgement:
 _BY_GRADE: Mapping[Grade | None, Verdict] = {Grade.MAIN: "main_effect", Grade.ONE_OF: "one_of"}
 
 
-def judge(found: Search, graded: Graded | None = None) -> Judgement:
+def judge(found: Search, graded: Contest | None = None) -> Judgement:
     """Decide.
 
     graded : how much of the misfit each name takes, where structure is left.
     """
     named = bool(found.chosen.model.terms)
     gates = (AMONG_NAMES, SECOND_TERM) if len(found.chosen.model.terms) > 1 else (AMONG_NAMES,)
-    tested = () if found.left is Left.UNTESTED else (STRUCTURE_NAMED if named else STRUCTURE,)
+    tested = _tested(found, named)
     if found.left is Left.STRUCTURE and graded is not None:
-        return Judgement(_BY_GRADE.get(graded.grade, "unexplained"), found.base, (*tested, *graded.rules))
+        return Judgement(_BY_GRADE.get(graded.grade, "unexplained"), graded.refined, (*tested, *graded.rules))
     if found.left is Left.STRUCTURE:
         return Judgement("unexplained", found.base, (*gates, *tested))
-    rival = None if found.left is Left.UNTESTED else _near_pair(found)
+    rival = None if found.by_force else _near_pair(found)
     if rival is not None:
         return Judgement("unexplained", found.base, (*gates, *tested, FLEXIBLE, APART), rival)
     return Judgement("missing_physics" if named else "adequate", found.chosen, (*gates, *tested))
+
+
+def _tested(found: Search, named: bool) -> tuple[Rule, ...]:
+    """The rules of the test of what is left."""
+    if found.by_force:
+        return OVER_SIMULATED, NULL_DRAWS
+    return (STRUCTURE_NAMED if named else STRUCTURE,)
 
 
 def _families(found: Fit) -> frozenset[str]:

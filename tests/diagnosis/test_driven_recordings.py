@@ -103,7 +103,7 @@ def test_force_is_fitted_over_windows_within_errors_that_allow_for_colour() -> N
     assert np.all(np.abs(found.model.m - 2.0) < 4.0 * errors[0])
     assert np.all(np.abs(np.array([found.model.c, found.model.f_k]) - (3.0, 1.5)) < 4.0 * errors[1:])
     assert found.memory.independent < 0.5 * found.residual.size
-    search, _ = search_driven(problem)
+    search = search_driven(problem).search
     assert search.chosen.model.terms == ()
 
 
@@ -120,7 +120,8 @@ def test_a_fitted_force_has_a_law_more_only_where_chance_takes_off_less(terms: t
         assert isinstance(problem.starts, Windows)
         problem = InverseDynamics.of(problem, problem.starts)
     assert isinstance(problem, InverseDynamics)
-    found, scales = search_driven(problem)
+    done = search_driven(problem)
+    found, scales = done.search, done.scales
     assert [e.term.name for e in found.chosen.model.terms] == [e.term.name for e in terms]
     measured = Measured.of(problem)
     base = fit_force(problem.first, measured, free_of(problem.first, problem.base_names))

@@ -1,6 +1,7 @@
 """What the best model found leaves of a misfit: how much, and what it hangs on."""
 
 import math
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
@@ -31,26 +32,36 @@ def remainder(base: Fit, refined: Fit, problem: Problem, floor: float) -> Remain
     excess = max(base.chi2 - floor, 1e-300)
     share = min(max((refined.chi2 - floor) / excess, 0.0), 1.0)
     depends = depends_on(refined, problem)
+    return Remainder(share, math.sqrt(refined.chi2 / max(refined.points, 1)), looks_like(depends), depends)
+
+
+def looks_like(depends: Mapping[str, float]) -> str:
+    """What hangs on single quantities, by these shares of it, in a sentence."""
     first = max(depends, key=lambda name: depends[name])
     if depends[first] >= _CLEARLY:
-        said = f"what is left looks like {_SAID[first]} ({100.0 * depends[first]:.0f} % of it)"
-    else:
-        said = "what is left hangs on no single one of position, speed, time, direction and amplitude"
-    return Remainder(share, math.sqrt(refined.chi2 / max(refined.points, 1)), said, depends)
+        return f"what is left looks like {_SAID[first]} ({100.0 * depends[first]:.0f} % of it)"
+    return "what is left hangs on no single one of position, speed, time, direction and amplitude"
 
 
 def depends_on(found: Fit, problem: Problem) -> dict[str, float]:
-    """Share of a residual that is a function of one quantity alone, corrected for what parts take by chance.
+    """Share of a fit's residual that is a function of one quantity alone; see ``shares_of``."""
+    n = problem.t.size
+    rows = [found.residual[i * n : (i + 1) * n] for i in range(len(problem.channels))]
+    return shares_of(rows, problem.t, found.shown.x, found.shown.v)
+
+
+def shares_of(rows: Sequence[FloatArray], t: FloatArray, x: FloatArray, v: FloatArray) -> dict[str, float]:
+    """Share of residuals, each (n,), that is a function of one quantity alone, corrected for what parts take by chance.
+
+    t (s), x, v (n,) : of the motion.
 
     The correlation ratio of means over parts, with strokes counted as words (Kelley 1935, Proc. Natl. Acad. Sci. 21,
     554).
     """
-    shown, n = found.shown, problem.t.size
-    fastest, widest = float(np.max(np.abs(shown.v))), float(np.max(np.abs(shown.x)))
-    size = np.hypot(shown.x * fastest, shown.v * widest)
-    quantities = {"x": shown.x, "v": shown.v, "t": problem.t, "direction": np.sign(shown.v), "amplitude": size}
-    words = max(2.0 * Strokes.by(shown.v).count, 2.0 * _PARTS)
-    rows = [found.residual[i * n : (i + 1) * n] for i in range(len(problem.channels))]
+    fastest, widest = float(np.max(np.abs(v))), float(np.max(np.abs(x)))
+    size = np.hypot(x * fastest, v * widest)
+    quantities = {"x": x, "v": v, "t": t, "direction": np.sign(v), "amplitude": size}
+    words = max(2.0 * Strokes.by(v).count, 2.0 * _PARTS)
     return {name: _explained(rows, _parts_of(y), words) for name, y in quantities.items()}
 
 
@@ -62,7 +73,7 @@ def _parts_of(y: FloatArray) -> IntArray:
     return np.searchsorted(edges, y).astype(np.int64)
 
 
-def _explained(rows: list[FloatArray], part: IntArray, words: float) -> float:
+def _explained(rows: Sequence[FloatArray], part: IntArray, words: float) -> float:
     """Correlation ratio squared over all channels, less chance."""
     total = sum(float(np.sum(r**2)) for r in rows)
     if total <= 0.0:

@@ -3,10 +3,6 @@
 from harness.diagnosis.outcome import Grade, Outcome
 
 _NOTHING = "Viscous and Coulomb friction explain this recording to its noise: nothing is left out that it could show."
-_UNTESTED = (
-    "No law takes more off the force than chance does beside viscous and Coulomb friction; what they leave of it was"
-    " not tested for being noise."
-)
 _NOBODY = (
     "Viscous and Coulomb friction do not explain this recording, and no entry of the catalogue is the main part of what"
     " they leave."
@@ -15,9 +11,11 @@ _NOBODY = (
 
 def sentence_of(outcome: Outcome) -> str:
     """The verdict in a sentence or two, with numbers."""
-    words = [m.name.replace("-", " ") for m in outcome.mechanisms if m.grade is not Grade.TABULATED]
+    # beside the names that share a verdict a model may hold small parts
+    parts = (Grade.TABULATED, Grade.MINOR) if outcome.verdict == "one_of" else (Grade.TABULATED,)
+    words = [m.name.replace("-", " ") for m in outcome.mechanisms if m.grade not in parts]
     if outcome.verdict == "adequate":
-        return _NOTHING if outcome.tested else _UNTESTED
+        return _NOTHING
     if outcome.verdict == "missing_physics":
         said = " ".join(m.statement for m in outcome.mechanisms)
         return f"The simulation leaves out {' and '.join(words)}: {said}"

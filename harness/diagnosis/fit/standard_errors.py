@@ -47,7 +47,7 @@ def covariances(found: Fit, problem: Problem, omega: float, explained: bool) -> 
     explained : whether the fit leaves nothing that its own covariance does not count.
     """
     inflated = found.covariance() * inflation(found) ** 2
-    if explained:
+    if explained or problem.errors_allow_for_misfit:
         return (inflated,)
     return inflated, clustered_covariance(found, problem, omega)
 

@@ -6,7 +6,9 @@ term, and by prediction of what it was not fitted to.
 """
 
 import math
+from abc import ABC, abstractmethod
 from dataclasses import dataclass, replace
+from typing import TypeVar
 
 from harness.diagnosis.baseline.words import evidence
 from harness.diagnosis.fit.model_fit import Fit
@@ -62,20 +64,70 @@ class Finalist:
         return self.fit.model.terms[-1].term.name
 
 
-@dataclass(frozen=True, slots=True)
-class Graded:
-    """What a misfit comes to: grade and names, best first; the first one's fit is the best model found.
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Contest(ABC):
+    """Finalists, and what they come to: grade and names, best first.
 
     base_held, base_run : prediction by the base. rules : those that decided.
     """
 
+    finalists: tuple[Finalist, ...] = ()
+    grade: Grade | None = None
+    named: tuple[Finalist, ...] = ()
+    base_held: Predicted | None = None
+    base_run: Predicted | None = None
+    rules: tuple[Rule, ...] = (GAIN,)
+
+    @property
+    @abstractmethod
+    def words(self) -> float:
+        """Independent words of what the base leaves."""
+
+    @property
+    @abstractmethod
+    def cycles(self) -> float:
+        """Full swings that say something new."""
+
+    @property
+    @abstractmethod
+    def words_run(self) -> float:
+        """Words of the part that a free run predicts."""
+
+    @property
+    @abstractmethod
+    def refined(self) -> Fit:
+        """The best model found, the base where nothing helps."""
+
+
+C = TypeVar("C", bound=Contest)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Graded(Contest):
+    """What a misfit comes to; the first name's fit is the best model found."""
+
     misfit: Misfit
-    grade: Grade | None
-    named: tuple[Finalist, ...]
-    finalists: tuple[Finalist, ...]
-    base_held: Predicted | None
-    base_run: Predicted | None
-    rules: tuple[Rule, ...]
+
+    @property
+    def words(self) -> float:
+        """Of the misfit."""
+        return self.misfit.words
+
+    @property
+    def cycles(self) -> float:
+        """Of the motion."""
+        return self.misfit.strokes.cycles
+
+    @property
+    def words_run(self) -> float:
+        """Strokes of the last part."""
+        strokes = self.misfit.strokes
+        return max(float(strokes.of[-1] - strokes.of[trained(self.misfit.problem)]), 1.0)
+
+    @property
+    def refined(self) -> Fit:
+        """The first name's."""
+        return self.named[0].fit if self.named else self.misfit.base
 
 
 def grade(misfit: Misfit) -> Graded:
@@ -83,7 +135,7 @@ def grade(misfit: Misfit) -> Graded:
     problem, scales, strokes = misfit.problem, misfit.scales, misfit.strokes
     finalists = ranked(misfit)
     if not finalists:
-        return Graded(misfit, None, (), (), None, None, (GAIN,))
+        return Graded(misfit=misfit)
     base_held, base_run = held_out(misfit.base, problem, scales, strokes), free_run(misfit.base, problem, scales)
     seen = [
         replace(f, held=held_out(f.fit, problem, scales, strokes), run=free_run(f.fit, problem, scales))
@@ -91,10 +143,10 @@ def grade(misfit: Misfit) -> Graded:
         else f
         for i, f in enumerate(finalists)
     ]
-    return decided(Graded(misfit, None, (), tuple(seen), base_held, base_run, ()))
+    return decided(Graded(misfit=misfit, finalists=tuple(seen), base_held=base_held, base_run=base_run))
 
 
-def decided(found: Graded) -> Graded:
+def decided(found: C) -> C:
     """Grade finalists whose evidence and predictions are known."""
     return _by_share(found) or _by_run(found) or _by_clock(found) or _minor(found)
 
@@ -107,7 +159,8 @@ def ranked(misfit: Misfit) -> list[Finalist]:
         return []
     floor = misfit.floor(misfit.noise_left(min(fits, key=lambda f: f.chi2)))
     excess = base.chi2 - floor
-    cells = _cells(starting_evidence(base, problem, scales))
+    cells = cells_of(starting_evidence(base, problem, scales))
+    span = float(problem.t[-1] - problem.t[0])
     best: dict[str, Finalist] = {}
     for one in fits:
         entry, parameters = one.model.terms[-1], len(one.free) - len(base.free)
@@ -117,14 +170,14 @@ def ranked(misfit: Misfit) -> list[Finalist]:
             evidence(base.chi2, one.chi2, misfit.words, parameters, cells[entry.term.name]),
             min(taken / excess, 1.0) if excess > 0.0 else 0.0,
             taken / base.chi2,
-            _on_the_swing(entry, misfit),
+            on_the_swing(entry, scales.omega, span),
         )
         if entry.term.name not in best or found.gain > best[entry.term.name].gain:
             best[entry.term.name] = found
     return sorted(best.values(), key=lambda f: -f.gain)
 
 
-def _cells(seen: Evidence) -> dict[str, float]:
+def cells_of(seen: Evidence) -> dict[str, float]:
     """Places that each name's parameters are scanned over: its probes, a cosine and a sine counted as one."""
     cells: dict[str, float] = {}
     for term in NAMED:
@@ -133,25 +186,27 @@ def _cells(seen: Evidence) -> dict[str, float]:
     return cells
 
 
-def _on_the_swing(entry: ModelTerm, misfit: Misfit) -> bool:
-    """Whether a law with a clock of its own keeps time with the swing or a multiple of it: then it follows anything."""
+def on_the_swing(entry: ModelTerm, omega: float, span: float) -> bool:
+    """Whether a law with a clock of its own keeps time with a motion or a multiple of it: then it follows anything.
+
+    omega : of the motion, rad/s. span : of the recording, s.
+    """
     if "Omega" not in entry.term.names:
         return False
-    rate, omega = entry.value("Omega"), misfit.scales.omega
-    span = float(misfit.problem.t[-1] - misfit.problem.t[0])
+    rate = entry.value("Omega")
     width = SAME_CLOCK.value * 2.0 * math.pi / span
     return any(abs(rate - m * omega) < width for m in range(1, 5))
 
 
-def _alike(first: Finalist, found: Graded) -> list[Finalist]:
+def _alike(first: Finalist, found: Contest) -> list[Finalist]:
     """Those that are not told apart from the first; a clock on the swing follows anything, so that it must predict."""
     # at many words a margin is a hair in squares, which small effects that nobody models shift by themselves
-    margin = max(MARGIN.value, found.misfit.words * math.log(LEAST_RATIO.value))
+    margin = max(MARGIN.value, found.words * math.log(LEAST_RATIO.value))
     near = [f for f in found.finalists if f is not first and f.gain >= GAIN.value and f.gain > first.gain - margin]
     return [f for f in near if not f.clock] + [f for f in near if f.clock and worthy(f, found)]
 
 
-def worthy(f: Finalist, found: Graded) -> bool:
+def worthy(f: Finalist, found: Contest) -> bool:
     """Whether a term takes most of the misfit, and predicts."""
     return (
         f.gain >= GAIN.value
@@ -161,7 +216,7 @@ def worthy(f: Finalist, found: Graded) -> bool:
     )
 
 
-def _by_share(found: Graded) -> Graded | None:
+def _by_share(found: C) -> C | None:
     """A main effect by its share of the misfit, or the names that share that place; None where no term has it."""
     rules = (GAIN, SHARE_OF_EXCESS, SHARE_OF_MISFIT, HELD_OUT)
     # a clock on the swing follows anything: it is never the main effect
@@ -175,7 +230,7 @@ def _by_share(found: Graded) -> Graded | None:
     if len(listed) > 1:
         first_few = listed[: MOST_LISTED.count]
         return replace(found, grade=Grade.ONE_OF, named=first_few, rules=(*rules, MARGIN, LEAST_RATIO, MOST_LISTED))
-    if found.misfit.strokes.cycles < LEAST_CYCLES.value:
+    if found.cycles < LEAST_CYCLES.value:
         return replace(found, grade=Grade.ONE_OF, named=listed, rules=(*rules, LEAST_CYCLES))
     return replace(found, grade=Grade.MAIN, named=listed, rules=(*rules, MARGIN, LEAST_RATIO))
 
@@ -188,20 +243,18 @@ def _predicts_better(one: Finalist, first: Finalist) -> bool:
     return clearly_less(one.held, first.held, PREDICTS_BETTER.value) or forward <= RUN_BETTER.value
 
 
-def _by_run(found: Graded) -> Graded | None:
+def _by_run(found: C) -> C | None:
     """Names whose free run is far better than the base's though they take little off where they were fitted.
 
     What hardly shows in the large swings can rule the small ones. They are listed, never the main effect.
     """
-    misfit = found.misfit
     if found.base_run is None:
         return None
-    words = float(misfit.strokes.of[-1] - misfit.strokes.of[trained(misfit.problem)])
     good: list[tuple[float, Finalist]] = []
     for f in found.finalists:
         if f.run is None or f.clock or f.gain <= 0.0 or ratio(f.run, found.base_run) > RUN_BETTER.value:
             continue
-        if evidence(found.base_run.total, f.run.total, max(words, 1.0), 0, AMONG_ALIKE.value) >= GAIN.value:
+        if evidence(found.base_run.total, f.run.total, found.words_run, 0, AMONG_ALIKE.value) >= GAIN.value:
             good.append((f.run.total, f))
     good.sort(key=lambda one: one[0])
     listed = tuple(f for total, f in good if total < LEAST_RATIO.value * good[0][0])
@@ -210,7 +263,7 @@ def _by_run(found: Graded) -> Graded | None:
     return replace(found, grade=Grade.ONE_OF, named=listed, rules=(RUN_BETTER, GAIN))
 
 
-def _by_clock(found: Graded) -> Graded | None:
+def _by_clock(found: C) -> C | None:
     """A law with a clock on the swing, where it alone takes most of the misfit: it follows any other, and is listed."""
     clocks = [f for f in found.finalists if f.clock and worthy(f, found)]
     if not clocks:
@@ -219,7 +272,7 @@ def _by_clock(found: Graded) -> Graded | None:
     return replace(found, grade=Grade.ONE_OF, named=tuple(clocks[:1]), rules=rules)
 
 
-def _minor(found: Graded) -> Graded:
+def _minor(found: C) -> C:
     """The largest single part, no headline."""
     parts = [f for f in found.finalists if f.gain >= GAIN.value and not f.clock]
     return replace(found, grade=Grade.MINOR if parts else None, named=tuple(parts[:1]), rules=(GAIN, SHARE_OF_EXCESS))

@@ -1,13 +1,13 @@
-"""What a further law takes off a fitted force where there is nothing to take: the model's own motion, seen as measured.
+"""A fitted force where nothing is left out: the model's own motion, seen as it was measured.
 
 Smoothing rounds off what friction does at reversals, noise is amplified by two differences, and some law of a whole
-catalogue always fits what comes of both. How well is simulated: the fitted model moves under the recorded force, its
-motion gets the noise that was found and passes the same smoothing, the same fit and the same search (a parametric
-bootstrap of the search; Davison and Hinkley 1997, ch. 4).
+catalogue always fits what comes of both. How well, and how much stays, is simulated: the fitted model moves under the
+recorded force, its motion and the force get the noise that was found and pass the same smoothing, the same fit and the
+same search (a parametric bootstrap; Davison and Hinkley 1997, ch. 4).
 """
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from contextlib import suppress
 from dataclasses import replace
 
@@ -20,7 +20,27 @@ from harness.diagnosis.inverse_dynamics.measured import Measured
 from harness.diagnosis.problems.inverse_dynamics import InverseDynamics
 from harness.diagnosis.rules import NULL_DRAWS
 from harness.diagnosis.smoothed_state.state import Course
-from harness.kernels.solve import Scales
+from harness.estimate.noise import channel_noise
+from harness.kernels.solve import Drive, Scales
+
+
+def draws(
+    current: ForceFit, problem: InverseDynamics, scales: Scales, count: int
+) -> Iterator[tuple[ForceFit, Measured]]:
+    """A fitted model as the truth, recorded and fitted again, so many times. Raises SimulationError."""
+    # over each stretch without a gap from one start: no window's edge is in the motion
+    course = Course.of(problem.t, problem.channels, problem.noise)
+    whole = replace(problem, starts=course.anew(math.inf))
+    random, drive = np.random.default_rng(0), problem.drive
+    # where the force was measured: one that is held acts half an interval later, others have knots between samples too
+    at = problem.t + (drive.t[0] - problem.t[0])
+    noise = channel_noise(at, np.interp(at, drive.t, drive.u))
+    shown = observe(current.model, whole, (), scales, COARSE).y
+    for _ in range(count):
+        channels = {c: problem.noise[c].over(shown[c], random) for c in problem.channels}
+        force = drive.u + np.interp(drive.t, at, noise.drawn(at.size, random)) if noise.found else drive.u
+        measured = Measured.of(replace(problem, channels=channels, drive=Drive(drive.t, force)))
+        yield fit_force(current.model, measured, current.free), measured
 
 
 def taken_by_chance(
@@ -30,16 +50,9 @@ def taken_by_chance(
 
     0 where the model cannot be simulated: then it says nothing of what chance does.
     """
-    # over each stretch without a gap from one start: no window's edge is in the motion
-    course = Course.of(problem.t, problem.channels, problem.noise)
-    whole = replace(problem, starts=course.anew(math.inf))
-    random, most = np.random.default_rng(0), 0.0
+    most = 0.0
     with suppress(SimulationError):
-        shown = observe(current.model, whole, (), scales, COARSE).y
-        for _ in range(NULL_DRAWS.count):
-            channels = {c: problem.noise[c].over(shown[c], random) for c in problem.channels}
-            measured = Measured.of(replace(problem, channels=channels))
-            before = fit_force(current.model, measured, current.free)
+        for before, measured in draws(current, problem, scales, NULL_DRAWS.count):
             after = further(before, measured)
             if after:
                 squares = min(f.squares for f in after)

@@ -33,7 +33,7 @@ def sayable(term: Term) -> bool:
     return term.slot in _SLOTS and not term.hidden
 
 
-def _evidence(found: ForceFit, measured: Measured, problem: Problem, scales: Scales) -> Evidence:
+def seen_in(found: ForceFit, measured: Measured, problem: Problem, scales: Scales) -> Evidence:
     """What the laws choose their starts from: the recorded motion, and frequencies at which the residual stands out."""
     every = np.zeros(measured.moving.size)
     every[measured.moving] = found.residual
@@ -74,7 +74,7 @@ def whole_in(model: Model, measured: Measured) -> bool:
 
 def starts(found: ForceFit, measured: Measured, problem: Problem, scales: Scales) -> Iterator[Model]:
     """The model with one more law each, at its best probes."""
-    evidence = _evidence(found, measured, problem, scales)
+    evidence = seen_in(found, measured, problem, scales)
     q, _ = np.linalg.qr(found.jacobian / np.maximum(np.linalg.norm(found.jacobian, axis=0), 1e-300))
     for term in NAMED:
         if not sayable(term) or not applicable(term, found.model, problem):

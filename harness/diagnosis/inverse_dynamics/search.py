@@ -7,7 +7,7 @@ real drive is never white, so that evidence counts independent values only.
 
 import math
 from collections.abc import Iterator
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import partial
 
 import numpy as np
@@ -19,6 +19,8 @@ from harness.diagnosis.fit.parameters import base_of, free_of
 from harness.diagnosis.inverse_dynamics.bootstrap_null import taken_by_chance
 from harness.diagnosis.inverse_dynamics.force_fit import ForceFit, as_fit, fit_force, simulated
 from harness.diagnosis.inverse_dynamics.force_screen import starts, whole_in
+from harness.diagnosis.inverse_dynamics.grade import Fitted, ForceGraded, graded
+from harness.diagnosis.inverse_dynamics.left_over import LeftOver, left_over
 from harness.diagnosis.inverse_dynamics.measured import Measured
 from harness.diagnosis.inverse_dynamics.validate import Judge
 from harness.diagnosis.problem import Problem
@@ -44,8 +46,18 @@ def force_baseline(problem: InverseDynamics) -> tuple[Measured, ForceFit, Scales
     return measured, base, driven_scales(problem, problem.first)
 
 
-def search_driven(problem: InverseDynamics, judge: Judge | None = None) -> tuple[Search, Scales]:
-    """The smallest model that says the force of a recording as well as any, and what counts as ordinary in it.
+@dataclass(frozen=True, slots=True)
+class ForceSearch:
+    """Where the search ended, what counts as ordinary, what is left beside noise, and grades where that is more."""
+
+    search: Search
+    scales: Scales
+    over: LeftOver
+    graded: ForceGraded | None
+
+
+def search_driven(problem: InverseDynamics, judge: Judge | None = None) -> ForceSearch:
+    """The smallest model that says the force of a recording as well as any; graded where more than noise is left.
 
     Raises SimulationError when not even the base model can be fitted.
     """
@@ -70,6 +82,7 @@ def search_driven(problem: InverseDynamics, judge: Judge | None = None) -> tuple
             break
         chosen = kept
         path.append(kept)
+    over = left_over(chosen, problem, scales)
     level = (chosen.squares / chosen.residual.size) ** 0.5
     problem = replace(problem, noise={**problem.noise, "u": Noise(level, True, 0.0, 0.0)})
 
@@ -87,7 +100,12 @@ def search_driven(problem: InverseDynamics, judge: Judge | None = None) -> tuple
     alone, rest = seen(singles), seen([*rivals, *(f for f in path if all(f is not r for r in rivals))])
     fitted = [f if f is None else as_fit(f, problem, measured, chosen, shown) for f in _refitted(chosen, measured)]
     without = less_each(last, fitted, (*alone, *rest))
-    return Search(problem, first, last, alone, rest, Left.UNTESTED, without), scales
+    search = Search(problem, first, last, alone, rest, over.left, without, by_force=True)
+    if over.left is Left.NOISE:
+        return ForceSearch(search, scales, over, None)
+    fitted_to = Fitted(problem, measured, scales, base, chosen, shown)
+    laws = [f for f in singles if f is not base]
+    return ForceSearch(search, scales, over, graded(fitted_to, last, laws, over, judge is not None))
 
 
 def _refitted(found: ForceFit, measured: Measured) -> Iterator[ForceFit | None]:
@@ -119,12 +137,20 @@ def extended(current: ForceFit, measured: Measured, problem: InverseDynamics, sc
     return sorted(best.values(), key=lambda f: f.bic(independent))
 
 
-def left_said(problem: Problem, drive: Drive, independent: int) -> str:
-    """What a fitted force leaves, as so many independent values, said plainly: it was not tested for being noise."""
+def left_said(problem: Problem, drive: Drive, independent: int, over: LeftOver) -> str:
+    """What a fitted force leaves, as so many independent values, said plainly, beside what noise would leave."""
     level = problem.noise["u"].sigma
     share = 100.0 * level / math.sqrt(float(np.mean(drive.u**2)))
     few = f"; they count as {independent} independent values, too few for their errors to be trusted"
+    if over.noise is None:
+        beside = "the model's own motion cannot be simulated to tell whether that is noise"
+    elif over.left is Left.NOISE:
+        beside = "the model's own motion, simulated with the noise that was found, leaves as much"
+    else:
+        beside = (
+            f"the model's own motion, simulated with the noise that was found, leaves {math.sqrt(over.noise):.3g} N, so"
+            " that the rest is the drive's own"
+        )
     return (
-        f"{level:.3g} N rms of the force ({share:.2g} %) are left over; they count as the drive's own, coloured, and"
-        f" were not tested for being noise{few if independent < ENOUGH else ''}"
+        f"{level:.3g} N rms of the force ({share:.2g} %) are left over; {beside}{few if independent < ENOUGH else ''}"
     )

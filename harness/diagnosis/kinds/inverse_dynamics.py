@@ -21,7 +21,7 @@ from harness.model.place import Place
 
 _JUDGED = (
     "terms were kept because the force error on the other recording falls with them, so that its errors took part in"
-    " the choice; what stays was not tested for being noise"
+    " the choice"
 )
 
 
@@ -46,9 +46,10 @@ class FittedForces(Kind[InverseDynamics]):
 
     def search(self, based: Based[InverseDynamics], other: Judge | None) -> Found:
         """A law is kept if it takes more off than chance does, or if another recording confirms it."""
-        found, scales = search_driven(based.whole, other)
-        notes = (left_said(found.problem, based.whole.drive, found.base.points), *((_JUDGED,) if other else ()))
-        return Found(found, scales, found, None, notes)
+        done = search_driven(based.whole, other)
+        found = done.search
+        left = left_said(found.problem, based.whole.drive, found.base.points, done.over)
+        return Found(found, done.scales, found, None, (left, *((_JUDGED,) if other else ())), done.graded)
 
     def hold_out(self, problem: InverseDynamics, judged: Judged, acting: Sequence[tuple[ModelTerm, Place]]) -> Holdout:
         """Every second window."""

@@ -12,6 +12,11 @@ class InverseDynamics(Forced):
 
     starts: Windows = field()
 
+    @property
+    def errors_allow_for_misfit(self) -> bool:
+        """Always: they come from the residual's own covariance with the partials."""
+        return True
+
     @classmethod
     def of(cls, driven: Driven, windows: Windows) -> "InverseDynamics":
         """The same recording, with its force fitted."""

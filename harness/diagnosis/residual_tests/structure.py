@@ -30,7 +30,6 @@ class Left(Enum):
 
     NOISE = "noise"
     STRUCTURE = "structure"
-    UNTESTED = "untested"
 
 
 def left_by(found: Fit, problem: Problem, omega: float, base: Fit) -> Left:

@@ -36,7 +36,7 @@ class Search:
     problem : with the noise as the chosen model leaves it. base, chosen : fits under that noise. singles : each
     catalogue name alone, best first. rivals : fits of as many terms as the chosen one, best first. left : what the
     chosen model leaves. without : where the chosen model has several terms, it less each of them in turn, the best
-    fit known of the rest; None where none could be simulated.
+    fit known of the rest; None where none could be simulated. by_force : whether the force was fitted.
     """
 
     problem: Problem
@@ -46,10 +46,11 @@ class Search:
     rivals: tuple[Fit, ...]
     left: Left
     without: tuple[Fit | None, ...] = ()
+    by_force: bool = False
 
     @property
     def explained(self) -> bool:
-        """Whether no structure is left, as far as it was tested."""
+        """Whether no structure is left."""
         return self.left is not Left.STRUCTURE
 
 

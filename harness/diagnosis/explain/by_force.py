@@ -1,0 +1,67 @@
+"""A graded force, said: mechanisms with shares and predictions, and what is left beside noise."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+
+from harness.diagnosis.explain.graded import prediction
+from harness.diagnosis.explain.mechanism import mechanism
+from harness.diagnosis.explain.place import place_of
+from harness.diagnosis.explain.remainder import looks_like, shares_of
+from harness.diagnosis.grading.grade import Finalist
+from harness.diagnosis.inverse_dynamics.grade import ForceGraded
+from harness.diagnosis.outcome import Grade, Mechanism, Remainder
+from harness.diagnosis.rules import LEAST_CYCLES
+from harness.diagnosis.search.search import Search
+
+
+def mechanisms_of(found: Search, graded: ForceGraded, omega: float) -> tuple[Mechanism, ...]:
+    """What is named, the main one first; then what else the search kept beside it. omega : rad/s."""
+    if not graded.kept:
+        return tuple(_alone(found, graded, f, omega) for f in graded.named)
+    fit, finalists = graded.refined, {f.name: f for f in graded.finalists}
+    said = []
+    for i, entry in enumerate(fit.model.terms):
+        one = mechanism(found, i, entry, omega, place_of(entry, fit, found.problem, omega))
+        said.append(_graded(one, graded, finalists.get(one.name)))
+    also = [_alone(found, graded, f, omega) for f in graded.named if f.name not in {m.name for m in said}]
+    first = {f.name: i for i, f in enumerate(graded.named)}
+    return tuple(sorted([*said, *also], key=lambda m: (first.get(m.name, len(first)), -m.delta_bic)))
+
+
+def _alone(found: Search, graded: ForceGraded, one: Finalist, omega: float) -> Mechanism:
+    entry = one.fit.model.terms[-1]
+    alone = replace(found, chosen=one.fit, rivals=found.singles, without=())
+    place = place_of(entry, one.fit, found.problem, omega)
+    return _graded(mechanism(alone, len(one.fit.model.terms) - 1, entry, omega, place), graded, one)
+
+
+def _graded(said: Mechanism, graded: ForceGraded, one: Finalist | None) -> Mechanism:
+    named = any(f.name == said.name for f in graded.named)
+    grade = graded.grade if named and graded.grade is not None else Grade.MINOR
+    if one is None:
+        return replace(said, grade=grade)
+    return replace(said, grade=grade, share=one.share, held_out=prediction(graded.base_held, one.held))
+
+
+def remainder_of(graded: ForceGraded) -> Remainder:
+    """What the best model found leaves of the force."""
+    measured, left = graded.measured, graded.best
+    noise = (graded.over.noise or 0.0) * left.residual.size
+    share = (left.squares - noise) / max(graded.base.squares - noise, 1e-300)
+    t, x, v = (measured.blocks(y) for y in (measured.t, measured.x, measured.v))
+    depends = shares_of([left.residual], t, x, v)
+    over = math.sqrt(left.squares / noise) if noise > 0.0 else math.inf
+    return Remainder(float(np.clip(share, 0.0, 1.0)), over, looks_like(depends), depends)
+
+
+def cautions_of_force(graded: ForceGraded) -> tuple[str, ...]:
+    """What a reader of a graded force is warned of."""
+    said = ["no entry of the catalogue says the force to its noise; standard errors allow for what is left"]
+    if graded.grade is Grade.ONE_OF and graded.cycles < LEAST_CYCLES.value:
+        many = f"{2.0 * LEAST_CYCLES.value:g}"
+        said.append(
+            f"{graded.words:.3g} independent strokes, or parts of them, are too few for one name alone; {many} would do"
+        )
+    return tuple(said)

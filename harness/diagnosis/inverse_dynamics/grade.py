@@ -1,0 +1,166 @@
+"""Grades of a fitted force: which law is the main part of what the base model leaves of it."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from harness.core.errors import SimulationError
+from harness.diagnosis.baseline.words import evidence
+from harness.diagnosis.fit.model_fit import Fit
+from harness.diagnosis.fit.observe import Observation
+from harness.diagnosis.grading.grade import Contest, Finalist, cells_of, decided, on_the_swing
+from harness.diagnosis.grading.prediction import Predicted, blocks_of
+from harness.diagnosis.inverse_dynamics.force_fit import ForceFit, as_fit, fit_force, simulated
+from harness.diagnosis.inverse_dynamics.force_screen import seen_in
+from harness.diagnosis.inverse_dynamics.left_over import LeftOver
+from harness.diagnosis.inverse_dynamics.measured import Measured
+from harness.diagnosis.inverse_dynamics.strokes import ForceWords, force_words
+from harness.diagnosis.outcome import Grade
+from harness.diagnosis.problems.inverse_dynamics import InverseDynamics
+from harness.diagnosis.rules import CONFIRMED, GAIN, SHARE_OF_EXCESS
+from harness.kernels.solve import Scales
+
+_FOLDS = 4
+"""Refits, each without every fourth block of strokes."""
+_PREDICTED = 8
+"""Names whose predictions are computed."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ForceGraded(Contest):
+    """What a fitted force comes to where more than noise is left.
+
+    measured : motion and force. base, best : the base model and the best one found; refined : the latter as a fit.
+    kept : whether that is what the search kept, and not a finalist. over : what it leaves beside noise.
+    """
+
+    measured: Measured
+    base: ForceFit
+    best: ForceFit
+    fit: Fit
+    kept: bool
+    over: LeftOver
+    counted: ForceWords
+
+    @property
+    def words(self) -> float:
+        """Pieces of strokes."""
+        return self.counted.words
+
+    @property
+    def cycles(self) -> float:
+        """Two words each."""
+        return 0.5 * self.counted.words
+
+    @property
+    def words_run(self) -> float:
+        """None: a force is run nowhere."""
+        return 1.0
+
+    @property
+    def refined(self) -> Fit:
+        """The best model found."""
+        return self.fit
+
+
+@dataclass(frozen=True, slots=True)
+class Fitted:
+    """A recording with its force fitted. reference : whose level counts as noise; shown : the base's motion."""
+
+    problem: InverseDynamics
+    measured: Measured
+    scales: Scales
+    base: ForceFit
+    reference: ForceFit
+    shown: Observation
+
+    def counted(self, one: ForceFit) -> Fit:
+        """A force fit as a fit whose evidence counts alone: what it shows is the base's."""
+        return as_fit(one, self.problem, self.measured, self.reference, self.shown)
+
+    def seen(self, one: ForceFit) -> Fit:
+        """A force fit as a fit with its own motion. Raises SimulationError."""
+        shown = simulated(one, self.problem, self.scales)
+        return as_fit(one, self.problem, self.measured, self.reference, shown)
+
+
+def graded(fitted: Fitted, last: Fit, singles: Sequence[ForceFit], over: LeftOver, judged: bool) -> ForceGraded:
+    """Grade what a base model leaves of a force.
+
+    last : what the search came to, over : what that leaves. singles : one law more than the base each. judged : whether
+    another recording decided what was kept. Raises SimulationError.
+    """
+    base, chosen, measured = fitted.base, fitted.reference, fitted.measured
+    words = force_words(base, measured)
+    ranked = _ranked(fitted, singles, over, words)
+    first = [replace(f, held=_held_out(one, measured, words)) for f, one in ranked[:_PREDICTED]]
+    found = decided(
+        ForceGraded(
+            measured=measured, base=base, best=chosen, fit=last, kept=True, over=over, counted=words,
+            finalists=(*first, *(f for f, _ in ranked[_PREDICTED:])), base_held=_held_out(base, measured, words),
+        )
+    )  # fmt: skip
+    if judged:
+        found = _by_judge(found, chosen)
+    names = [entry.term.name for entry in chosen.model.terms]
+    if not found.named or found.named[0].name in names or (names and found.grade is Grade.MINOR):
+        return found
+    laws = {f.name: one for f, one in ranked}
+    named = tuple(replace(f, fit=fitted.seen(laws[f.name])) for f in found.named)
+    return replace(found, named=named, best=laws[named[0].name], fit=named[0].fit, kept=False)
+
+
+def _by_judge(found: ForceGraded, chosen: ForceFit) -> ForceGraded:
+    """What another recording confirms is named, whatever its share here; what it does not is no main effect."""
+    names = [entry.term.name for entry in chosen.model.terms]
+    named = tuple(f for f in found.finalists if f.name in names[:1])
+    if named:
+        return replace(found, grade=Grade.MAIN, named=named, rules=(CONFIRMED,))
+    if found.grade in (Grade.MAIN, Grade.ONE_OF):
+        return replace(found, grade=Grade.MINOR, named=found.named[:1], rules=(CONFIRMED, GAIN, SHARE_OF_EXCESS))
+    return found
+
+
+def _ranked(
+    fitted: Fitted, singles: Sequence[ForceFit], over: LeftOver, words: ForceWords
+) -> list[tuple[Finalist, ForceFit]]:
+    """Every catalogue name alone, the best law of each, most evidence first."""
+    problem, measured, scales, base = fitted.problem, fitted.measured, fitted.scales, fitted.base
+    noise = 0.0 if over.noise is None else over.noise * base.residual.size
+    excess, span = base.squares - noise, float(measured.t[-1] - measured.t[0])
+    cells = cells_of(seen_in(base, measured, problem, scales))
+    clocks = [scales.omega] if words.period is None else [scales.omega, 2.0 * np.pi / words.period]
+    best: dict[str, tuple[Finalist, ForceFit]] = {}
+    for one in singles:
+        entry, taken = one.model.terms[-1], base.squares - one.squares
+        more, name = len(one.free) - len(base.free), one.model.terms[-1].term.name
+        gain = evidence(base.squares, one.squares, words.words, more, cells[name])
+        if name in best and gain <= best[name][0].gain:
+            continue
+        clock = any(on_the_swing(entry, omega, span) for omega in clocks)
+        share = min(taken / excess, 1.0) if excess > 0.0 else 0.0
+        best[name] = Finalist(fitted.counted(one), gain, share, taken / base.squares, clock), one
+    return sorted(best.values(), key=lambda found: -found[0].gain)
+
+
+def _held_out(found: ForceFit, measured: Measured, words: ForceWords) -> Predicted | None:
+    """The force error over blocks of strokes left out of the fit; None where the others cannot be fitted."""
+    block = blocks_of(words.pieces)
+    count = int(block.max()) + 1
+    if count < 2:
+        return None
+    t, force, squares = measured.blocks(measured.t), measured.blocks(measured.u), np.zeros(count)
+    for fold in range(min(_FOLDS, count)):
+        out = (block >= 0) & (block % _FOLDS == fold)
+        train = measured.moving.copy()
+        train[train] = ~out
+        try:
+            again = fit_force(found.model, measured.part(train), found.free)
+        except SimulationError:
+            return None
+        left = (force - measured.asked(again.model)) ** 2
+        squares += np.bincount(block[out], left[out], count)
+    inside = [t[block == i] for i in range(count)]
+    spans = tuple((float(s[0]), float(s[-1])) for s in inside)
+    return Predicted({"u": squares}, np.array([float(s.size) for s in inside]), {"u": 1.0}, spans)

@@ -1,0 +1,151 @@
+"""What a fitted force leaves: noise where nothing is missing, graded where something is, each word counted once."""
+
+from collections.abc import Mapping
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from harness.core.arrays import FloatArray
+from harness.core.recording import Recording
+from harness.diagnosis.inverse_dynamics.force_fit import ForceFit
+from harness.diagnosis.inverse_dynamics.left_over import left_over
+from harness.diagnosis.inverse_dynamics.measured import BLOCK, Measured
+from harness.diagnosis.inverse_dynamics.search import force_baseline
+from harness.diagnosis.inverse_dynamics.strokes import force_words, period_of
+from harness.diagnosis.outcome import Grade, Outcome
+from harness.diagnosis.pipeline import diagnose, prepare
+from harness.diagnosis.problems.driven import Driven
+from harness.diagnosis.problems.inverse_dynamics import InverseDynamics
+from harness.diagnosis.problems.starts import Windows
+from harness.diagnosis.request import Asked
+from harness.diagnosis.residual_tests.structure import Left
+from harness.diagnosis.rules import PERIODS_COUNTED
+from harness.kernels.solve import Drive, solve
+from harness.model.model import Model, ModelTerm, Restoring
+
+AXIS = Model(2.0, 3.0, 0.0, 1.5, restoring=Restoring.NONE)
+SPRUNG = Model(2.0, 3.0, 80.0, 1.5)
+WAVES = ((6.0, 3.1, 0.3), (4.0, 7.3, 1.1), (3.0, 14.0, 2.0))
+TURNED = ModelTerm.named("asymmetric-viscous", c_diff=1.2)
+
+
+def waves(t: FloatArray) -> FloatArray:
+    return np.asarray(np.sum([a * np.sin(w * t + p) for a, w, p in WAVES], axis=0), dtype=np.float64)
+
+
+def recorded(
+    model: Model, n: int, sigma: float, of_force: float = 0.0, step: float = 0.0, unseen: float = 0.0
+) -> Recording:
+    """A model under waves of force, and an unseen one correlated over 0.16 s; noise of x (m) and of u (N)."""
+    draw, t = np.random.default_rng(1), np.arange(n) / 250.0
+    hidden = np.zeros(n)
+    for i in range(1, n if unseen else 1):
+        hidden[i] = 0.975 * hidden[i - 1] + 0.22 * unseen * draw.standard_normal()
+    x = solve(model, t, drive=Drive(t, waves(t) + hidden)).x + sigma * draw.standard_normal(n)
+    x = step * np.round(x / step) if step else x
+    return Recording(t, {"x": x, "u": waves(t) + of_force * draw.standard_normal(n)})
+
+
+def by_force(recording: Recording, restoring: Restoring = Restoring.NONE) -> InverseDynamics:
+    """Its force fitted, whether or not the motion could be followed."""
+    problem, _ = prepare(recording, Asked(restoring, horizon=1.0))
+    if isinstance(problem, Driven):
+        assert isinstance(problem.starts, Windows)
+        return InverseDynamics.of(problem, problem.starts)
+    assert isinstance(problem, InverseDynamics)
+    return problem
+
+
+SOUND: dict[str, tuple[Model, dict[str, float]]] = {
+    "fine": (AXIS, {"sigma": 2e-6}),
+    "coarse": (AXIS, {"sigma": 1e-4}),
+    "spring": (SPRUNG, {"sigma": 2e-5}),
+    "noisy force": (AXIS, {"sigma": 1e-5, "of_force": 0.02}),
+    "encoder": (AXIS, {"sigma": 1e-9, "step": 2e-5}),
+}
+
+
+@pytest.mark.parametrize(("truth", "noise"), SOUND.values(), ids=SOUND)
+def test_a_sound_model_leaves_no_more_than_noise(truth: Model, noise: Mapping[str, float]) -> None:
+    problem = by_force(recorded(truth, 3000, **noise), truth.restoring)
+    _, base, scales = force_baseline(problem)
+    over = left_over(base, problem, scales)
+    assert over.left is Left.NOISE
+    assert over.noise == pytest.approx(base.squares / base.residual.size, rel=0.5)
+
+
+def said(terms: tuple[ModelTerm, ...], unseen: float) -> Outcome:
+    return diagnose(by_force(recorded(replace(AXIS, terms=terms), 3000, 1e-6, unseen=unseen)))
+
+
+def test_adequate_only_where_nothing_but_noise_is_left() -> None:
+    outcome = said((), 0.0)
+    assert (outcome.verdict, outcome.mechanisms, outcome.remainder) == ("adequate", (), None)
+    assert "over-simulated" in {rule.name for rule in outcome.rules}
+
+
+def test_a_force_that_nobody_measured_is_no_law_and_not_adequate() -> None:
+    outcome = said((), 0.5)
+    assert outcome.verdict == "unexplained"
+    assert all(m.grade is Grade.MINOR for m in outcome.mechanisms)
+    assert outcome.remainder is not None
+    assert outcome.remainder.over_noise > 2.0
+
+
+@pytest.mark.full
+def test_one_law_that_leaves_noise_explains() -> None:
+    outcome = said((TURNED,), 0.0)
+    assert outcome.verdict == "missing_physics"
+    assert [(m.name, m.grade) for m in outcome.mechanisms] == [("asymmetric-viscous", Grade.EXPLAINS)]
+
+
+@pytest.mark.full
+def test_one_law_among_what_nobody_measured_comes_first() -> None:
+    outcome = said((TURNED,), 0.2)
+    # an unseen force that lasts leaves few independent strokes: with less than the rule asks for, a list of one
+    assert outcome.verdict in ("main_effect", "one_of")
+    first = outcome.mechanisms[0]
+    assert first.name == "asymmetric-viscous"
+    assert first.grade in (Grade.MAIN, Grade.ONE_OF)
+    assert first.share is not None
+    assert first.share > 0.6
+    assert first.held_out is not None
+    assert first.held_out.refined_rmse["u"] < 0.9 * first.held_out.baseline_rmse["u"]
+    assert outcome.refined.model.terms[0].values[0] == pytest.approx(1.2, rel=0.1)
+
+
+def forced(t: FloatArray, u: FloatArray, v: FloatArray) -> tuple[ForceFit, Measured]:
+    """A residual of white noise beside a force."""
+    blocks = t.size // BLOCK
+    measured = Measured(t, np.cumsum(v) * (t[1] - t[0]), v, np.gradient(v, t), u, np.ones(blocks, dtype=np.bool_))
+    residual = np.random.default_rng(1).standard_normal(blocks)
+    return ForceFit(AXIS, (), residual, np.zeros((blocks, 0))), measured
+
+
+@pytest.mark.parametrize("repeats", [4, 9])
+def test_periods_after_the_third_say_nothing_new(repeats: int) -> None:
+    t = np.arange(repeats * 2000) / 1000.0
+    u = np.sin(np.pi * t) + 0.4 * np.sin(2.0 * np.pi * t + 1.0)
+    fit, measured = forced(t, u, np.cos(np.pi * t))
+    assert period_of(measured) == pytest.approx(2.0, abs=0.011)
+    words = force_words(fit, measured)
+    whole, first = words.pieces.count, np.unique(words.pieces.of[measured.blocks(t) < PERIODS_COUNTED.value * 2.0])
+    assert whole > first.size
+    assert words.words == min(first.size, 60)
+
+
+def test_waves_of_different_periods_do_not_repeat() -> None:
+    t = np.arange(12_000) / 1000.0
+    assert period_of(forced(t, waves(t), np.cos(3.0 * t))[1]) is None
+
+
+def test_long_strokes_are_cut_and_no_piece_spans_a_reversal() -> None:
+    t = np.arange(12_000) / 1000.0
+    fit, measured = forced(t, waves(t), np.cos(3.0 * t))
+    pieces, direction = force_words(fit, measured).pieces, np.sign(measured.blocks(measured.v))
+    for piece in range(pieces.count):
+        inside = pieces.of == piece
+        assert np.unique(direction[inside]).size == 1
+        assert np.count_nonzero(inside) >= 2.0 * fit.memory.time or np.ptp(np.flatnonzero(inside)) > 0
+    assert pieces.count > np.count_nonzero(np.diff(direction))
