@@ -24,6 +24,7 @@ from harness.diagnosis.outcome import Outcome, Tried
 from harness.diagnosis.problem import Problem
 from harness.diagnosis.request import Asked
 from harness.diagnosis.residual_tests.structure import Left
+from harness.diagnosis.rules import COVARIATES
 from harness.diagnosis.search.extend import key_of
 from harness.diagnosis.search.search import Search
 from harness.diagnosis.stages import Based, Found, Judged
@@ -124,7 +125,7 @@ def _said(judged: Judged) -> Outcome:
         next_experiment=next_experiment(tuple(mechanisms), problem),
         warnings=(*said, *cautions(found, judgement, prediction), *unpredicted, *judged.found.notes),
         stepping=stepping,
-        rules=judgement.rules,
+        rules=(*judgement.rules, *(COVARIATES if problem.covariates else ())),
         tested=tested,
     )
 

@@ -451,6 +451,24 @@ TABLE_WORDS = Rule(
     "three words a parameter at least; a bound, within which inner blocks choose",
 )
 
+COVARIATE_VARIES = Rule(
+    "covariate-varies",
+    3.0,
+    "its own noise",
+    "a covariate is taken: its spread is so many times its noise",
+    "a regression on it then falls short by a ninth at most: the noise's share of its squares (Fuller 1987, 1.1)",
+)
+COVARIATE_APART = Rule(
+    "covariate-apart",
+    10.0,
+    "variance inflation",
+    "a covariate is refused: the base model and time say so much of what it does that its gain's variance is so many"
+    " times what it would be without them",
+    "Kutner, Nachtsheim and Neter 2004, Applied Linear Regression Models, section 10.5: a largest factor above 10",
+)
+COVARIATES = (DECISIVE, COVARIATE_VARIES, COVARIATE_APART)
+"""Those that decide whether and how a covariate enters."""
+
 RULES: tuple[Rule, ...] = tuple(value for value in list(globals().values()) if isinstance(value, Rule))
 
 

@@ -75,7 +75,7 @@ def result_of(
             baseline=fit_percent(outcome.base.shown.y, problem), refined=fit_percent(outcome.refined.shown.y, problem)
         ),
         rules=[RuleResult(name=r.name, value=r.value, unit=r.unit, origin=r.origin) for r in outcome.rules],
-        holdout=_held_out(outcome.holdout),
+        holdout=_held_out(outcome.holdout, list(problem.covariates)),
         engines=engines,
         attribution=shared.result,
         evidence=_evidence(outcome),
@@ -84,7 +84,7 @@ def result_of(
         residual_map=None,
         baseline_model=_document(outcome.base.model),
         refined_model=_document(outcome.refined.model),
-        model_left_out=[],
+        model_left_out=[f"{one.said}: no model file holds a covariate" for one in outcome.refined.model.covariates],
         warnings=[*prepared.warnings, *outcome.warnings, *shared.warnings],
         settings=options.settings(),
         command=command,
@@ -93,7 +93,7 @@ def result_of(
     )
 
 
-def _held_out(held: Holdout) -> HoldoutResult:
+def _held_out(held: Holdout, given: list[str]) -> HoldoutResult:
     forced = None
     if held.forced is not None:
         forced = ForcedResult(
@@ -106,6 +106,7 @@ def _held_out(held: Holdout) -> HoldoutResult:
         baseline_rmse=dict(held.baseline_rmse),
         refined_rmse=dict(held.refined_rmse),
         forced=forced,
+        given=given,
     )
 
 
@@ -181,6 +182,8 @@ def _evidence(outcome: Outcome) -> list[EvidenceResult]:
 def _in_engine(name: str, outcome: Outcome, options: DiagnoseOptions) -> EngineResult:
     """Both models in one engine, or the reason why not."""
     try:
+        if outcome.problem.covariates:
+            raise SimulationError("an engine is not given covariates")
         simulator, dt = simulator_of(name, options)
         found = engine_fit(simulator, outcome.base.model, outcome.refined.model, outcome.problem, outcome.scales, dt)
     except SimulationError as error:

@@ -14,7 +14,11 @@ _NOBODY = (
 
 
 def sentence_of(outcome: Outcome) -> str:
-    """The verdict in a sentence or two, with numbers."""
+    """The verdict in a sentence or two, with numbers, and what was chosen before it."""
+    return " ".join((_verdict(outcome), *outcome.problem.choices))
+
+
+def _verdict(outcome: Outcome) -> str:
     words = [m.name.replace("-", " ") for m in outcome.mechanisms if m.grade is not Grade.TABULATED]
     if outcome.verdict == "adequate":
         return _NOTHING if outcome.tested else _UNTESTED

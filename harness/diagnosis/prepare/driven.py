@@ -12,6 +12,7 @@ from harness.diagnosis.baseline.driven_base_fit import driven_scales
 from harness.diagnosis.fit.fitted_states import begun
 from harness.diagnosis.fit.observe import COARSE, observe
 from harness.diagnosis.input_noise.propagation import force_noise
+from harness.diagnosis.inverse_dynamics.covariates import entered
 from harness.diagnosis.prepare.intersample_curve import between_samples
 from harness.diagnosis.prepare.intersample_hold import acting
 from harness.diagnosis.problems.driven import Driven, Forced
@@ -42,7 +43,7 @@ def driven_problem(recording: Recording, asked: Asked) -> tuple[Forced, tuple[st
     """A driven recording as a problem, and what was done to it, one sentence each.
 
     It is followed from one start, over gaps from a new one. Where no force that is known says its motion well enough,
-    the force is fitted instead. Raises InputError, SimulationError.
+    or where covariates act, the force is fitted instead. Raises InputError, SimulationError.
     """
     restoring = asked.restoring or Restoring.SPRING
     where = f"{recording.file}: channels {', '.join(recording.channels)}"
@@ -85,11 +86,14 @@ def driven_problem(recording: Recording, asked: Asked) -> tuple[Forced, tuple[st
     problem = replace(problem, drive=force.drive)
     notes = ["the force acts as a sampled controller's, held from each sample to the next"] if force.held else []
     horizon = asked.horizon
-    if not force.follows:
+    if asked.covariates or not force.follows:
         horizon = HORIZON if horizon is None else horizon
         windows = course.anew(horizon)
         how = f"the force is fitted, and simulations run over {_said(windows)} of at most {horizon:g} s, each"
-        return InverseDynamics.of(problem, windows), (
+        fitted = InverseDynamics.of(problem, windows)
+        if asked.covariates:
+            fitted = entered(fitted, recording, asked.covariates)
+        return fitted, (
             f"driven: {how} restarted from the smoothed recorded state",
             *notes,
         )
