@@ -89,10 +89,10 @@ def resumed(model: Model, problem: Problem, begin: float, t: FloatArray, x: floa
         earlier = problem.starts.t < begin
         before, speeds = problem.starts.t[earlier], problem.starts.v[earlier]
     motion = History(np.concatenate((before, t)), np.concatenate((speeds, v)), t[-1:], v[-1:], model.f_k)
-    terms = (
-        e
-        if e.term.implied is None
-        else replace(e, internal0=tuple(e.term.implied(e.values, motion).values[0].tolist()))
-        for e in model.terms
-    )
-    return replace(model, x0=x, v0=float(v[-1]), t0=float(t[-1]), terms=tuple(terms))
+    return replace(model, x0=x, v0=float(v[-1]), t0=float(t[-1]), terms=tuple(_left_by(motion, e) for e in model.terms))
+
+
+def _left_by(motion: History, entry: ModelTerm) -> ModelTerm:
+    if entry.term.implied is None:
+        return entry
+    return replace(entry, internal0=tuple(entry.term.implied(entry.values, motion).values[0].tolist()))

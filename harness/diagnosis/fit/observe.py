@@ -48,7 +48,8 @@ def observe(
 ) -> Observation:
     """Channels of ``problem`` as ``model`` predicts them, with partials by the parameters ``by``.
 
-    Each stretch is simulated from its own start, with covariates as they were measured. Raises SimulationError when the motion cannot be followed.
+    Each stretch is simulated from its own start, with covariates as they were measured: a model that has some is fitted
+    by its force, and has no partials here. Raises SimulationError when the motion cannot be followed.
     """
     scales = scales or Scales.of(model, problem.drive)
     if model.covariates:

@@ -72,22 +72,24 @@ def entered(problem: InverseDynamics, recording: Recording, asked: tuple[AskedCo
     for one in asked:
         about, unit = float(np.mean(values[one.name])), recording.units.get(one.name, "")
         found: list[_Rival] = []
-        refused: list[Acts] = []
+        refused: dict[Acts, float] = {}
         for acts in Acts if one.acts is None else (one.acts,):
             column = _column(acts, measured, measured.covariates[one.name] - about)
-            if _follows(acts, column, columns, measured):
-                refused.append(acts)
+            share = _own_share(acts, column, columns, measured)
+            if share * COVARIATE_APART.value < 1.0:
+                refused[acts] = share
             else:
                 found += _rivals(Covariate(one.name, acts, 0.0, about, unit), column, columns, base)
         where = f"{recording.file}: covariate {one.name}"
         if not found and refused:
-            what = " and ".join(_NAMED[acts] for acts in refused)
-            why = f"as {what} it follows from the base model and time ({COVARIATE_APART.value:g} times its variance)"
-            raise InputError(where, why, "a covariate that varies by itself is accepted")
+            parts = ", ".join(f"as {_NAMED[acts]} {100.0 * (1.0 - share):.3g} %" for acts, share in refused.items())
+            most = 100.0 * (1.0 - 1.0 / COVARIATE_APART.value)
+            accepted = f"one of which they say at most {most:.3g} % is accepted"
+            raise InputError(where, f"the base model and time say what it does: {parts}", accepted)
         if not found:
             raise InputError(where, "the fit has no friction or damping for it to act on", "--covariate NAME:force is")
         found.sort(key=lambda rival: float(rival.left @ rival.left))
-        said.append(_said(found, _left(base.residual, columns), one.acts is not None, refused))
+        said.append(_said(found, _left(base.residual, columns), one.acts is not None, tuple(refused)))
         chosen.append(found[0].covariate)
         columns.append(found[0].column)
     return replace(problem, first=replace(problem.first, covariates=tuple(chosen)), enters=tuple(said))
@@ -115,12 +117,12 @@ def _left(y: FloatArray, columns: list[FloatArray]) -> FloatArray:
     return left
 
 
-def _follows(acts: Acts, column: FloatArray, columns: list[FloatArray], measured: Measured) -> bool:
-    """Whether a column follows from the others and from the same effect in proportion to time."""
+def _own_share(acts: Acts, column: FloatArray, columns: list[FloatArray], measured: Measured) -> float:
+    """Share of a column's squares that neither the others say nor the same effect in proportion to time."""
     basis, t = _basis(acts, measured), measured.t - measured.t.mean()
     alone = _left(column, [measured.blocks(basis)])
     rest = _left(column, [*columns, measured.blocks(basis), measured.blocks(basis * t)])
-    return float(rest @ rest) * COVARIATE_APART.value < float(alone @ alone) or not np.any(alone)
+    return float(rest @ rest) / max(float(alone @ alone), 1e-300)
 
 
 def _rivals(covariate: Covariate, column: FloatArray, columns: list[FloatArray], base: ForceFit) -> Iterator[_Rival]:
@@ -139,7 +141,7 @@ def _rivals(covariate: Covariate, column: FloatArray, columns: list[FloatArray],
         yield _Rival(replace(covariate, gain=float(found[-1]) / level), column, left)
 
 
-def _said(found: list[_Rival], without: FloatArray, asked: bool, refused: list[Acts]) -> str:
+def _said(found: list[_Rival], without: FloatArray, asked: bool, refused: tuple[Acts, ...]) -> str:
     """Which rival was chosen and by how much, in BIC."""
     best = found[0]
     name, independent = best.covariate.name, memory(best.left).independent

@@ -79,6 +79,9 @@ def driven_problem(recording: Recording, asked: Asked) -> tuple[Forced, tuple[st
         first=first,
         starts=course.anew(math.inf) if gaps else OneStart(),
     )
+    if asked.covariates:
+        # a model without what they do follows nothing, and how the force acts between samples cannot be told by it
+        return _with_covariates(problem, recording, asked, course)
     noise_u = channel_noise(t, u)
     if gaps:
         problem = _allowing(problem, first, noise_u)
@@ -86,14 +89,11 @@ def driven_problem(recording: Recording, asked: Asked) -> tuple[Forced, tuple[st
     problem = replace(problem, drive=force.drive)
     notes = ["the force acts as a sampled controller's, held from each sample to the next"] if force.held else []
     horizon = asked.horizon
-    if asked.covariates or not force.follows:
+    if not force.follows:
         horizon = HORIZON if horizon is None else horizon
         windows = course.anew(horizon)
         how = f"the force is fitted, and simulations run over {_said(windows)} of at most {horizon:g} s, each"
-        fitted = InverseDynamics.of(problem, windows)
-        if asked.covariates:
-            fitted = entered(fitted, recording, asked.covariates)
-        return fitted, (
+        return InverseDynamics.of(problem, windows), (
             f"driven: {how} restarted from the smoothed recorded state",
             *notes,
         )
@@ -109,6 +109,20 @@ def driven_problem(recording: Recording, asked: Asked) -> tuple[Forced, tuple[st
     where = "between gaps of the recording" if horizon is None else f"of at most {horizon:g} s"
     how = f"the recording is followed over {_said(problem.starts)} {where}, each from a start of its own"
     return problem, (f"driven: {how}", *notes)
+
+
+def _with_covariates(
+    problem: Driven, recording: Recording, asked: Asked, course: Course
+) -> tuple[InverseDynamics, tuple[str, ...]]:
+    """Fitted by its force, with covariates where they enter best. Raises InputError, SimulationError."""
+    horizon = asked.horizon or HORIZON
+    windows = course.anew(horizon)
+    names = ", ".join(one.name for one in asked.covariates)
+    how = (
+        f"the force is fitted, as {names} acts too, and simulations run over {_said(windows)} of at most {horizon:g} s"
+    )
+    note = f"driven: {how}, each restarted from the smoothed recorded state and given {names}"
+    return entered(InverseDynamics.of(problem, windows), recording, asked.covariates), (note,)
 
 
 def _said(windows: Windows) -> str:
