@@ -455,15 +455,15 @@ COVARIATE_VARIES = Rule(
     "covariate-varies",
     3.0,
     "its own noise",
-    "a covariate is taken: its spread is so many times its noise",
+    "a covariate is taken: its spread is so many times its noise, as a whole and beside the base model and time",
     "a regression on it then falls short by a ninth at most: the noise's share of its squares (Fuller 1987, 1.1)",
 )
 COVARIATE_APART = Rule(
     "covariate-apart",
     10.0,
     "variance inflation",
-    "a covariate is refused: the base model and time say so much of what it does that its gain's variance is so many"
-    " times what it would be without them",
+    "a covariate of no given kind is refused: the base model and time say so much of what it does that its gain's"
+    " variance is so many times what it would be without them; with its kind given, that is said beside it",
     "Kutner, Nachtsheim and Neter 2004, Applied Linear Regression Models, section 10.5: a largest factor above 10",
 )
 COVARIATES = (DECISIVE, COVARIATE_VARIES, COVARIATE_APART)

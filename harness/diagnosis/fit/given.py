@@ -69,8 +69,9 @@ def _scaled(entry: ModelTerm, dry: float) -> ModelTerm:
 
 def pieces(model: Model, values: Mapping[str, FloatArray], begin: int, end: int) -> Iterator[slice]:
     """Samples from ``begin`` to ``end`` in pieces over which friction and damping hardly change."""
-    both = (np.broadcast_to(factor(model, values, acts), (end,)) for acts in (Acts.FRICTION, Acts.DAMPING))
-    levels = np.column_stack(list(both))[begin:end].tolist()
+    part = {name: y[begin:end] for name, y in values.items()}
+    both = (np.broadcast_to(factor(model, part, acts), (end - begin,)) for acts in (Acts.FRICTION, Acts.DAMPING))
+    levels = np.column_stack(list(both)).tolist()
     first = 0
     for i, level in enumerate(levels):
         if any(abs(now - then) > _HELD for now, then in zip(level, levels[first], strict=True)):

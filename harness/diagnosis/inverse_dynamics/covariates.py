@@ -15,7 +15,7 @@ from harness.core.errors import InputError
 from harness.core.recording import Recording
 from harness.diagnosis.fit.parameters import free_of
 from harness.diagnosis.inverse_dynamics.force_fit import ForceFit, fit_force
-from harness.diagnosis.inverse_dynamics.measured import Measured
+from harness.diagnosis.inverse_dynamics.measured import BLOCK, Measured
 from harness.diagnosis.problems.inverse_dynamics import InverseDynamics
 from harness.diagnosis.request import AskedCovariate
 from harness.diagnosis.rules import COVARIATE_APART, COVARIATE_VARIES, DECISIVE
@@ -24,8 +24,10 @@ from harness.fit.autocorrelation import memory
 from harness.model.covariate import Acts, Covariate
 
 _NAMED = {Acts.FORCE: "a force", Acts.FRICTION: "friction", Acts.DAMPING: "damping"}
-_ALONE = 1e-12
-"""Share of a column's squares below which others say it whole."""
+_ALONE = 1e-9
+"""Share of a column's squares below which others say it whole, but for rounding."""
+_EPSILON = 1e-12
+"""Of a least squares: a direction so weak is none."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -73,23 +75,27 @@ def entered(problem: InverseDynamics, recording: Recording, asked: tuple[AskedCo
         about, unit = float(np.mean(values[one.name])), recording.units.get(one.name, "")
         found: list[_Rival] = []
         refused: dict[Acts, float] = {}
+        own = _Own(1.0, False)
         for acts in Acts if one.acts is None else (one.acts,):
             column = _column(acts, measured, measured.covariates[one.name] - about)
-            share = _own_share(acts, column, columns, measured)
-            if share * COVARIATE_APART.value < 1.0:
-                refused[acts] = share
+            own = _own(acts, column, columns, measured, _block_noise(recording, one.name))
+            if own.noisy or (one.acts is None and own.share * COVARIATE_APART.value < 1.0):
+                refused[acts] = own.share
             else:
                 found += _rivals(Covariate(one.name, acts, 0.0, about, unit), column, columns, base)
         where = f"{recording.file}: covariate {one.name}"
         if not found and refused:
             parts = ", ".join(f"as {_NAMED[acts]} {100.0 * (1.0 - share):.3g} %" for acts, share in refused.items())
-            most = 100.0 * (1.0 - 1.0 / COVARIATE_APART.value)
-            accepted = f"one of which they say at most {most:.3g} % is accepted"
+            accepted = "one that varies by itself beyond its noise is accepted"
+            if one.acts is None:
+                most = 100.0 * (1.0 - 1.0 / COVARIATE_APART.value)
+                accepted = f"at most {most:.3g} % is accepted, or its kind, as --covariate {one.name}:force"
             raise InputError(where, f"the base model and time say what it does: {parts}", accepted)
         if not found:
             raise InputError(where, "the fit has no friction or damping for it to act on", "--covariate NAME:force is")
         found.sort(key=lambda rival: float(rival.left @ rival.left))
-        said.append(_said(found, _left(base.residual, columns), one.acts is not None, tuple(refused)))
+        text = _said(found, _left(base.residual, columns), one.acts is not None, tuple(refused))
+        said.append(text if one.acts is None else f"{text}{_little(one.name, own.share)}")
         chosen.append(found[0].covariate)
         columns.append(found[0].column)
     return replace(problem, first=replace(problem.first, covariates=tuple(chosen)), enters=tuple(said))
@@ -113,23 +119,49 @@ def _left(y: FloatArray, columns: list[FloatArray]) -> FloatArray:
     """What columns (m,) leave of y (m,)."""
     table = np.column_stack(columns)
     table /= np.maximum(np.linalg.norm(table, axis=0), 1e-300)
-    left: FloatArray = y - table @ np.linalg.lstsq(table, y, rcond=_ALONE)[0]
+    left: FloatArray = y - table @ np.linalg.lstsq(table, y, rcond=_EPSILON)[0]
     return left
 
 
-def _own_share(acts: Acts, column: FloatArray, columns: list[FloatArray], measured: Measured) -> float:
-    """Share of a column's squares that neither the others say nor the same effect in proportion to time."""
+@dataclass(frozen=True, slots=True)
+class _Own:
+    """What of a column neither the others say nor the same effect in proportion to time.
+
+    share : of its squares. noisy : whether that is too little beside the covariate's noise for a regression on it.
+    """
+
+    share: float
+    noisy: bool
+
+
+def _block_noise(recording: Recording, name: str) -> float:
+    """Noise of a block's mean of a covariate, in its unit."""
+    return channel_noise(recording.t, recording.covariates[name]).of_means(BLOCK).sigma
+
+
+def _little(name: str, share: float) -> str:
+    """A caution where little of a covariate decides its gain."""
+    if share * COVARIATE_APART.value >= 1.0:
+        return ""
+    said = f"The base model and time say {100.0 * (1.0 - share):.3g} % of what {name} does"
+    return f" {said}: the rest decides the gain, and a law that is left out moves it easily."
+
+
+def _own(acts: Acts, column: FloatArray, columns: list[FloatArray], measured: Measured, noise: float) -> _Own:
+    """See _Own; noise : of the covariate in a block."""
     basis, t = _basis(acts, measured), measured.t - measured.t.mean()
     alone = _left(column, [measured.blocks(basis)])
     rest = _left(column, [*columns, measured.blocks(basis), measured.blocks(basis * t)])
-    return float(rest @ rest) / max(float(alone @ alone), 1e-300)
+    left, whole = float(rest @ rest), max(float(alone @ alone), 1e-300)
+    least = (COVARIATE_VARIES.value * noise) ** 2 * float(np.sum(measured.blocks(basis**2)))
+    return _Own(left / whole, left <= max(least, _ALONE * whole))
 
 
 def _rivals(covariate: Covariate, column: FloatArray, columns: list[FloatArray], base: ForceFit) -> Iterator[_Rival]:
     """The covariate with a first gain; none where there is nothing for it to act on."""
     table = np.column_stack((*columns, column))
     size = np.maximum(np.linalg.norm(table, axis=0), 1e-300)
-    found = np.linalg.lstsq(table / size, base.residual, rcond=_ALONE)[0] / size
+    found = np.linalg.lstsq(table / size, base.residual, rcond=_EPSILON)[0] / size
     left = base.residual - table @ found
     if covariate.acts is Acts.FORCE:
         yield _Rival(replace(covariate, gain=-float(found[-1])), column, left)

@@ -118,10 +118,8 @@ def _with_covariates(
     horizon = asked.horizon or HORIZON
     windows = course.anew(horizon)
     names = ", ".join(one.name for one in asked.covariates)
-    how = (
-        f"the force is fitted, as {names} acts too, and simulations run over {_said(windows)} of at most {horizon:g} s"
-    )
-    note = f"driven: {how}, each restarted from the smoothed recorded state and given {names}"
+    how = f"the force is fitted, as {names} acts too, and simulations run over {_said(windows)}"
+    note = f"driven: {how} of at most {horizon:g} s, each restarted from the smoothed recorded state and given {names}"
     return entered(InverseDynamics.of(problem, windows), recording, asked.covariates), (note,)
 
 
