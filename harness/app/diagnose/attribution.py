@@ -114,8 +114,6 @@ def attribution_of(outcome: Outcome, options: DiagnoseOptions, user: Configured)
     Raises InputError for a trace that does not belong to the recording.
     """
     refined, problem, scales = outcome.refined.model, outcome.problem, outcome.scales
-    if problem.covariates:
-        return Shared(None, ("whose mismatch it is, was not divided: an engine is not given covariates",))
     if user.trace is not None:
         given = None if user.model is None else user.released(outcome.base.model)
         try:

@@ -5,7 +5,7 @@ from dataclasses import asdict
 from typing import Any
 
 from harness.app.compare.compare import channel_pair
-from harness.app.diagnose.attribution import Configured, attribution_of, simulator_of
+from harness.app.diagnose.attribution import Configured, Shared, attribution_of, simulator_of
 from harness.app.diagnose.mismatch import places
 from harness.app.diagnose.options import DiagnoseOptions
 from harness.app.diagnose.problem import Prepared
@@ -44,6 +44,7 @@ from harness.results.diagnosis import (
 from harness.results.model import ModelDocument
 
 LOGGER = logging.getLogger(__name__)
+_NOT_GIVEN = "whose mismatch it is, was not divided: an engine is not given covariates"
 
 
 def result_of(
@@ -60,7 +61,7 @@ def result_of(
     """
     problem = outcome.problem
     engines = {name: _in_engine(name, outcome, options) for name in options.engines}
-    shared = attribution_of(outcome, options, user)
+    shared = Shared(None, (_NOT_GIVEN,)) if problem.covariates else attribution_of(outcome, options, user)
     return DiagnosisResult(
         recording=_info(recording, prepared, problem),
         verdict=outcome.verdict,
