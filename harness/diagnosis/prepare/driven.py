@@ -12,7 +12,6 @@ from harness.diagnosis.baseline.driven_base_fit import driven_scales
 from harness.diagnosis.fit.fitted_states import begun
 from harness.diagnosis.fit.observe import COARSE, observe
 from harness.diagnosis.input_noise.propagation import force_noise
-from harness.diagnosis.inverse_dynamics.covariates import entered
 from harness.diagnosis.prepare.intersample_curve import between_samples
 from harness.diagnosis.prepare.intersample_hold import acting
 from harness.diagnosis.problems.driven import Driven, Forced
@@ -81,7 +80,7 @@ def driven_problem(recording: Recording, asked: Asked) -> tuple[Forced, tuple[st
     )
     if asked.covariates:
         # a model without what they do follows nothing, and how the force acts between samples cannot be told by it
-        return _with_covariates(problem, recording, asked, course)
+        return _with_covariates(problem, asked, course)
     noise_u = channel_noise(t, u)
     if gaps:
         problem = _allowing(problem, first, noise_u)
@@ -111,16 +110,14 @@ def driven_problem(recording: Recording, asked: Asked) -> tuple[Forced, tuple[st
     return problem, (f"driven: {how}", *notes)
 
 
-def _with_covariates(
-    problem: Driven, recording: Recording, asked: Asked, course: Course
-) -> tuple[InverseDynamics, tuple[str, ...]]:
-    """Fitted by its force, with covariates where they enter best. Raises InputError, SimulationError."""
+def _with_covariates(problem: Driven, asked: Asked, course: Course) -> tuple[InverseDynamics, tuple[str, ...]]:
+    """Fitted by its force; how covariates enter shows there."""
     horizon = asked.horizon or HORIZON
     windows = course.anew(horizon)
     names = ", ".join(one.name for one in asked.covariates)
     how = f"the force is fitted, as {names} acts too, and simulations run over {_said(windows)}"
     note = f"driven: {how} of at most {horizon:g} s, each restarted from the smoothed recorded state and given {names}"
-    return entered(InverseDynamics.of(problem, windows), recording, asked.covariates), (note,)
+    return InverseDynamics.of(problem, windows), (note,)
 
 
 def _said(windows: Windows) -> str:
