@@ -107,6 +107,7 @@ def diagnose(
     engines: Sequence[str] | None = None,
     preset: str | None = None,
     dt: float | None = None,
+    covariates: Sequence[str] = (),
     out: File | None = None,
 ) -> DiagnosisResult:
     """Find which physics viscous and Coulomb friction leave out of a recording, and the model that has it.
@@ -114,8 +115,9 @@ def diagnose(
     model : the simulation as you have it. sim : a trace of it. validate : another recording, on which both models are
     tried. mass : kg. horizon : s, windows of a driven recording. restoring : "spring", "pendulum" or "none". zero :
     "spring" or "free"; both are chosen at the base fit where nobody says. engines : in which the fit is shown; () for
-    none, None for MuJoCo and PyBullet. preset : "as-shipped" or "tuned". dt : their step, s. out : folder for report,
-    trace and models, as the command leaves them.
+    none, None for MuJoCo and PyBullet. preset : "as-shipped" or "tuned". dt : their step, s. covariates : columns of a
+    driven recording that act too, "P" or "P:force", ":friction", ":damping". out : folder for report, trace and models,
+    as the command leaves them.
 
     Raises InputError for a recording or an option that cannot be used, SimulationError when no model could be
     simulated, StoreError when ``out`` cannot be written.
@@ -133,12 +135,13 @@ def diagnose(
         preset,
         model=Path(model) if isinstance(model, str | PathLike) else None if model is None else model_of(model),
         sim=None if sim is None else _recording(sim),
-        validate=None if validate is None else _recording(validate),
+        validate=None if validate is None else _recording(validate, tuple(c.partition(":")[0] for c in covariates)),
         mass=mass,
         horizon=horizon,
         dt=dt,
+        covariates=covariates,
     )
-    found = _recording(recording)
+    found = _recording(recording, options.reading.covariates)
     return answer(found, options) if out is None else deliver(found, options, Path(out))
 
 
@@ -191,5 +194,7 @@ def run(
     return computed(options)[0] if out is None else deliver(options, Path(out))
 
 
-def _recording(given: Recording | File) -> Recording:
-    return given if isinstance(given, Recording) else load(given)
+def _recording(given: Recording | File, covariates: tuple[str, ...] = ()) -> Recording:
+    from harness.app.shared.reading import ReadOptions, read
+
+    return given if isinstance(given, Recording) else read(Path(given), ReadOptions(covariates=covariates))

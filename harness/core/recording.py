@@ -25,6 +25,7 @@ class Recording:
     """Measured channels over time, validated and read-only; every array has shape (n,).
 
     t : s, increasing. channels : any of x (m or rad), v, a, u (N; per unit mass when the mass is unknown).
+    covariates : further columns (n,) by name, in the units they came in, which ``units`` has too where a header says.
     file : where it came from. sha256 : of that file. units : the unit each channel was given in.
     angular : whether x or a was given as an angle. notes : what the reader did, one sentence each.
 
@@ -40,6 +41,7 @@ class Recording:
     angular: bool = False
     notes: tuple[str, ...] = ()
     extra: Mapping[str, Any] = field(default_factory=dict)
+    covariates: Mapping[str, FloatArray] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         t = vector(f"{self.file}: column t", self.t)
@@ -69,6 +71,11 @@ class Recording:
                     raise InputError(where, f"a range of {spread:.3g}", f"one of {SMALLEST:g} or more is accepted")
                 kept[name] = values
         object.__setattr__(self, "channels", MappingProxyType(kept))
+        beside = {}
+        for name, column in self.covariates.items():
+            beside[name] = vector(f"{self.file}: column {name}", column, t.size)
+            _within(f"{self.file}: column {name}", beside[name], LARGEST)
+        object.__setattr__(self, "covariates", MappingProxyType(beside))
         object.__setattr__(self, "units", MappingProxyType(dict(self.units)))
         object.__setattr__(self, "extra", MappingProxyType(dict(self.extra)))
         object.__setattr__(self, "notes", tuple(self.notes))
@@ -108,6 +115,7 @@ class Recording:
             self.angular,
             self.notes,
             self.extra,
+            {name: values[keep] for name, values in self.covariates.items()},
         )
 
 

@@ -25,6 +25,7 @@ from harness.diagnosis.outcome import Outcome, Tried
 from harness.diagnosis.problem import Problem
 from harness.diagnosis.request import Asked
 from harness.diagnosis.residual_tests.structure import Left
+from harness.diagnosis.rules import COVARIATES
 from harness.diagnosis.search.extend import key_of
 from harness.diagnosis.search.search import Search
 from harness.diagnosis.stages import Based, Found, Judged
@@ -133,7 +134,7 @@ def _said(judged: Judged) -> Outcome:
         next_experiment=next_experiment(mechanisms, problem),
         warnings=(*said, *warned, *unpredicted, *judged.found.notes),
         stepping=stepping,
-        rules=judgement.rules,
+        rules=(*judgement.rules, *(COVARIATES if problem.covariates else ())),
         remainder=None if by_force is None else remainder_of(by_force),
     )
 

@@ -25,7 +25,8 @@ class Problem(ABC):
     t : s. channels : "x", "v", "a" as measured. noise : per channel. weight : 0 leaves a sample out of the fit, or 1.
     mass : kg, None when unknown (then m = 1 and forces are per unit mass, unless a measured force gives the mass).
     zero_free : x is measured from an unknown zero. angular : x or a was given as an angle. starts : from where it is
-    simulated. drive : the measured force as the solver takes it, None where none acts.
+    simulated. drive : the measured force as the solver takes it, None where none acts. covariates : by name, measured
+    columns that act too: given, not predicted.
     """
 
     t: FloatArray = field(kw_only=False)
@@ -38,6 +39,7 @@ class Problem(ABC):
     angular: bool = False
     starts: Starts = field(default_factory=OneStart)
     drive: Drive | None = None
+    covariates: Mapping[str, FloatArray] = field(default_factory=dict)
     provides: ClassVar[frozenset[str]] = frozenset()
     """What a term may need that every problem of this kind has; see ``given``."""
 
@@ -45,6 +47,7 @@ class Problem(ABC):
         ones = np.ones(self.t.size)
         object.__setattr__(self, "channels", MappingProxyType(dict(self.channels)))
         object.__setattr__(self, "noise", MappingProxyType(dict(self.noise)))
+        object.__setattr__(self, "covariates", MappingProxyType(dict(self.covariates)))
         object.__setattr__(self, "weight", MappingProxyType({c: self.weight.get(c, ones) for c in self.channels}))
 
     @property
@@ -79,6 +82,11 @@ class Problem(ABC):
     def spare(self) -> float:
         """Chi-square that may be left beyond what whitening allows for."""
         return 0.0
+
+    @property
+    def choices(self) -> tuple[str, ...]:
+        """What was chosen before the search and belongs beside the verdict, one sentence each."""
+        return ()
 
     @property
     def slow_is_sensors(self) -> bool:
@@ -133,6 +141,7 @@ class Problem(ABC):
             noise={c: replace(n, phi=n.phi**stride) for c, n in self.noise.items()},
             channels={c: y[keep] for c, y in self.channels.items()},
             weight={c: w[keep] for c, w in self.weight.items()},
+            covariates={name: values[keep] for name, values in self.covariates.items()},
         )
 
     def condensed(self, shown: Mapping[str, FloatArray], size: int) -> tuple[Self, float]:

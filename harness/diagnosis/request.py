@@ -2,7 +2,16 @@
 
 from dataclasses import dataclass
 
+from harness.model.covariate import Acts
 from harness.model.model import Restoring
+
+
+@dataclass(frozen=True, slots=True)
+class AskedCovariate:
+    """A column that acts on the slider; acts : how, None: chosen at the base fit."""
+
+    name: str
+    acts: Acts | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -16,3 +25,4 @@ class Asked:
     zero_free: bool | None = None
     mass: float | None = None
     horizon: float | None = None
+    covariates: tuple[AskedCovariate, ...] = ()

@@ -14,7 +14,7 @@ from harness.core.arrays import FloatArray, IntArray
 from harness.core.bounded import MOST_BYTES, check_file, check_size
 from harness.core.checks import finite, positive
 from harness.core.errors import InputError
-from harness.core.recording import LARGEST, LONGEST_TIME, MINIMUM_SAMPLES, Recording
+from harness.core.recording import CHANNELS, LARGEST, LONGEST_TIME, MINIMUM_SAMPLES, Recording
 from harness.io.choose import chosen, quoted_of, said, unit_of
 from harness.io.columns import Mapping
 from harness.io.registry import formats, reader_of
@@ -31,6 +31,7 @@ class ReadOptions:
 
     columns : the text of --columns. skip_rows : lines before the header. rate : Hz, where no column gives the time.
     start, stop : s, the part to keep (--from, --to). drop_nan : leave out rows in which a channel has no value.
+    covariates : further columns, by name (--covariate).
     """
 
     columns: str | None = None
@@ -39,6 +40,7 @@ class ReadOptions:
     start: float | None = None
     stop: float | None = None
     drop_nan: bool = False
+    covariates: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         if self.skip_rows < 0:
@@ -173,17 +175,21 @@ def read_recording(path: Path, options: ReadOptions | None = None, read_rrd: Rrd
     columns, about = read_apart(
         "harness.io.recording:columns_of", path, accepted, digest=digest, options=asdict(options)
     )
-    channels = {name: values for name, values in columns.items() if name != "t"}
-    return Recording(columns["t"], channels, str(path), digest, **about)
+    channels = {name: values for name, values in columns.items() if name in CHANNELS}
+    beside = {name: columns[_COVARIATE + name] for name in options.covariates}
+    return Recording(columns["t"], channels, str(path), digest, covariates=beside, **about)
 
 
 def columns_of(path: Path, digest: str, options: dict[str, Any]) -> Found:
     """What ``read_recording`` finds, as a process of its own hands it on."""
     found = _read(path, digest, ReadOptions(**options))
-    return {"t": found.t, **found.channels}, {name: _plain(getattr(found, name)) for name in _ABOUT}
+    beside = {_COVARIATE + name: values for name, values in found.covariates.items()}
+    return {"t": found.t, **found.channels, **beside}, {name: _plain(getattr(found, name)) for name in _ABOUT}
 
 
 _ABOUT = ("units", "angular", "notes")
+_COVARIATE = "covariate "
+"""Before the name of a covariate, which may be that of a channel."""
 
 
 def _plain(value: Any) -> Any:
@@ -199,13 +205,16 @@ def _read(path: Path, digest: str, options: ReadOptions) -> Recording:
         if len(read) > 2 and _still(read[channel][0]):
             del read[channel]
             notes.append(f"The column read as {channel} says nothing throughout: left out.")
+    beside = _beside(table, options.covariates)
     sizes = {channel: values.size for channel, (values, _) in read.items()}
+    sizes |= {name: values.size for name, values in beside.items()}
     if len(set(sizes.values())) > 1:
         found = ", ".join(f"{size} values of {channel}" for channel, size in sizes.items())
         raise InputError(str(path), found, "columns of one length are accepted")
     rows = np.arange(next(iter(sizes.values())))
     if options.drop_nan:
-        rows = rows[~np.any([np.isnan(values) for values, _ in read.values()], axis=0)]
+        every = (*(values for values, _ in read.values()), *beside.values())
+        rows = rows[~np.any([np.isnan(values) for values in every], axis=0)]
         dropped = next(iter(sizes.values())) - rows.size
         notes.append(f"{dropped} rows without a value are left out (--drop-nan)." if dropped else None)
     if options.rate is not None:
@@ -224,6 +233,9 @@ def _read(path: Path, digest: str, options: ReadOptions) -> Recording:
     channels = {channel: values[rows][keep] for channel, (values, _) in read.items() if channel != "t"}
     for channel, values in channels.items():
         _check_rows(table, channel, values, rows[keep])
+    covariates = {name: values[rows][keep] for name, values in beside.items()}
+    for name, values in covariates.items():
+        _check_rows(table, name, values, rows[keep])
     angular = _angular({channel: unit for channel, (_, unit) in read.items()})
     if angular and "x" in channels:
         channels["x"], wrapped = unwrapped(channels["x"])
@@ -233,10 +245,20 @@ def _read(path: Path, digest: str, options: ReadOptions) -> Recording:
         channels,
         file=str(path),
         sha256=digest,
-        units={channel: unit.text for channel, (_, unit) in read.items() if unit.text},
+        units={
+            **{name: text for name in beside if (text := table.units.get(table.position(name)))},
+            **{channel: unit.text for channel, (_, unit) in read.items() if unit.text},
+        },
         angular=angular,
         notes=(*(note for note in notes if note), *sampling_notes(t[keep])),
+        covariates=covariates,
     )
+
+
+def _beside(table: Table, names: tuple[str, ...]) -> dict[str, FloatArray]:
+    """Further columns by name, as they stand in the file; InputError lists what there is."""
+    positions = [table.position(name) for name in names]
+    return dict(zip(names, table.read(positions), strict=True)) if names else {}
 
 
 def _still(values: FloatArray) -> bool:
@@ -256,6 +278,7 @@ def _from_rrd(path: Path, digest: str, options: ReadOptions, read_rrd: RrdReader
         ("--columns", options.columns),
         ("--rate", options.rate),
         ("--skip-rows", options.skip_rows or None),
+        ("--covariate", options.covariates or None),
     ):
         if value is not None:
             raise InputError(option, f"given for {path}", "a .rrd of ours says this itself; leave the option out")

@@ -132,7 +132,20 @@ def from_document(data: object, where: str = "model") -> Model:
             raise InputError(f"{where}: base.{name}", "null", "a finite number is accepted")
     try:
         kind = Restoring(restoring)
-        model = Model(**values, f_s=f_s, restoring=kind, terms=terms, mass_known=mass_known, offset=offset, **start)
+        model = Model(
+            values["m"],
+            values["c"],
+            values["k"],
+            values["f_k"],
+            f_s=f_s,
+            restoring=kind,
+            terms=terms,
+            mass_known=mass_known,
+            offset=offset,
+            x0=start.get("x0", 0.0),
+            v0=start.get("v0", 0.0),
+            t0=start.get("t0", 0.0),
+        )
     except InputError as error:
         raise InputError(f"{where}: {error.where}", error.found, error.accepted) from None
     _check_break_away(where, model)

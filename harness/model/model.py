@@ -7,6 +7,7 @@ from typing import Literal
 from harness.core.checks import finite, not_negative, positive
 from harness.core.errors import InputError
 from harness.core.slider import Slider
+from harness.model.covariate import Covariate
 from harness.model.registry import term as find_term
 from harness.model.term import SINGLE, Slot, Term
 
@@ -69,7 +70,7 @@ class Model:
     """m x'' + c x' + k R(x) + sum of terms + f = u(t), released at time t0 from x0, v0.
 
     SI units; without a known mass m = 1 and forces are per unit mass. f_s : break-away force, None for f_k.
-    offset : what the sensor of x shows when the restoring force is nil, m.
+    offset : what the sensor of x shows when the restoring force is nil, m. covariates : measured columns that act too.
     Raises InputError for parameters out of range and for two laws in a slot that takes one.
     """
 
@@ -85,6 +86,7 @@ class Model:
     terms: tuple[ModelTerm, ...] = ()
     mass_known: bool = True
     offset: float = 0.0
+    covariates: tuple[Covariate, ...] = ()
 
     def __post_init__(self) -> None:
         positive("model: m", self.m, "kg")

@@ -75,6 +75,11 @@ class HoldoutResult(Result):
     spans_s: list[Span]
     baseline_rmse: Rmse
     refined_rmse: Rmse
+    given: list[str] = Field(
+        default_factory=list,
+        description="covariates that both predictions are given, not predicted",
+        exclude_if=lambda value: not value,
+    )
     forced: ForcedResult | None = Field(
         default=None,
         description="where nothing is missing: what one term too many does to the prediction",

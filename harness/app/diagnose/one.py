@@ -133,7 +133,11 @@ def _write(output: OutputFolder, found: Diagnosed) -> DiagnosisResult:
     write_map(output / FILES["residual_map"], force)
     write_history(output / FILES["residual_force"], force)
     files = {name: output.at(file) for name, file in named.items()}
-    more = {"files": files, "model_left_out": left_out, "residual_map": files["residual_map"]}
+    more = {
+        "files": files,
+        "model_left_out": [*found.result.model_left_out, *left_out],
+        "residual_map": files["residual_map"],
+    }
     result = found.result.model_copy(update=more)
     (output / FILES["result"]).write_text(to_json(result), encoding="utf-8")
     write_diagnosis_trace(output / FILES["rrd"], result, found.recording, found.simulated)

@@ -1,16 +1,18 @@
 """What somebody asks of a diagnosis, checked as one: options that contradict each other are refused."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, Literal, get_args
 
 from harness.core.checks import positive
 from harness.core.errors import InputError
 from harness.core.recording import Recording
+from harness.diagnosis.request import AskedCovariate
 from harness.engines import registry
 from harness.engines.base import PRESETS, Preset, choice
 from harness.io.recording import ReadOptions
+from harness.model.covariate import Acts
 from harness.model.model import Model, Restoring
 
 Zero = Literal["spring", "free"]
@@ -26,7 +28,8 @@ class DiagnoseOptions:
     recording. mass : kg, None when unknown. horizon : of a driven recording's windows, s. restoring : what pulls back.
     zero : whether x is measured from the unstretched spring. Both None: chosen at the base fit, and said. engines : in
     which the fit is shown, the first is what the mismatch is attributed to; there may be none. preset, dt : of the
-    engines; dt in s, None for one that suits the recording (as shipped: the engine's own).
+    engines; dt in s, None for one that suits the recording (as shipped: the engine's own). covariates : columns of the
+    recording that act on the slider.
 
     Raises InputError for a value that does not exist and for options that contradict each other.
     """
@@ -44,6 +47,7 @@ class DiagnoseOptions:
     engines: tuple[str, ...] = field(default_factory=registry.usual)
     preset: Preset = "tuned"
     dt: float | None = None
+    covariates: tuple[AskedCovariate, ...] = ()
 
     def __post_init__(self) -> None:
         if self.mass is not None:
@@ -63,6 +67,13 @@ class DiagnoseOptions:
             raise InputError(
                 "--sim", f"given with {option}", "one of the two is accepted: a trace has its own settings"
             )
+        if self.covariates and (self.sim is not None or self.model is not None):
+            other = "--sim" if self.sim is not None else "--model"
+            accepted = "one of the two is accepted: a simulation is not given covariates"
+            raise InputError("--covariate", f"given with {other}", accepted)
+        names = [one.name for one in self.covariates]
+        if twice := [name for name in names if names.count(name) > 1]:
+            raise InputError("--covariate", f"{twice[0]} given twice", "each column once is accepted")
         for name in self.engines:
             registry.check(name, "--engine")
 
@@ -74,9 +85,13 @@ class DiagnoseOptions:
         zero: str | None = None,
         engines: Sequence[str] | None = None,
         preset: str | None = None,
+        covariates: Sequence[str] = (),
         **rest: Any,
     ) -> "DiagnoseOptions":
-        """As somebody chose, by name; engines None: MuJoCo and PyBullet. Raises InputError listing what there is."""
+        """As somebody chose, by name; engines None: MuJoCo and PyBullet; covariates: NAME or NAME:KIND, read too.
+
+        Raises InputError listing what there is.
+        """
         if restoring is not None:
             choice("--restoring", restoring, tuple(kind.value for kind in Restoring))
         if zero is not None:
@@ -85,7 +100,17 @@ class DiagnoseOptions:
             choice("--preset", preset, PRESETS)
         named = registry.usual() if engines is None else tuple(dict.fromkeys(engines))
         held = None if restoring is None else Restoring(restoring)
-        return cls(reading, restoring=held, zero=zero, engines=named, preset=preset or "tuned", **rest)  # type: ignore[arg-type]
+        acting = tuple(map(_covariate, covariates))
+        reading = replace(reading, covariates=tuple(one.name for one in acting))
+        return cls(
+            reading,
+            restoring=held,
+            zero=zero,  # type: ignore[arg-type]
+            engines=named,
+            preset=preset or "tuned",  # type: ignore[arg-type]
+            covariates=acting,
+            **rest,
+        )
 
     @property
     def zero_free(self) -> bool | None:
@@ -118,7 +143,25 @@ class DiagnoseOptions:
             "engines": list(self.engines),
             "preset": self.preset,
             "dt_s": self.dt,
+            **({"covariates": [_written(one) for one in self.covariates]} if self.covariates else {}),
         }
+
+
+def _covariate(text: str) -> AskedCovariate:
+    """NAME or NAME:KIND."""
+    name, colon, kind = text.rpartition(":")
+    if not colon:
+        name = kind
+    if not name.strip():
+        raise InputError("--covariate", f"'{text}'", "NAME or NAME:force, :friction or :damping is accepted")
+    if not colon:
+        return AskedCovariate(name.strip())
+    choice("--covariate, after the colon", kind, tuple(acts.value for acts in Acts))
+    return AskedCovariate(name.strip(), Acts(kind))
+
+
+def _written(one: AskedCovariate) -> str:
+    return one.name if one.acts is None else f"{one.name}:{one.acts.value}"
 
 
 def _said(given: Path | Recording | Model | None) -> str | None:

@@ -5,7 +5,7 @@ from dataclasses import asdict
 from typing import Any
 
 from harness.app.compare.compare import channel_pair
-from harness.app.diagnose.attribution import Configured, attribution_of, simulator_of
+from harness.app.diagnose.attribution import Configured, Shared, attribution_of, simulator_of
 from harness.app.diagnose.mismatch import places
 from harness.app.diagnose.options import DiagnoseOptions
 from harness.app.diagnose.problem import Prepared
@@ -44,6 +44,7 @@ from harness.results.diagnosis import (
 from harness.results.model import ModelDocument
 
 LOGGER = logging.getLogger(__name__)
+_NOT_GIVEN = "whose mismatch it is, was not divided: an engine is not given covariates"
 
 
 def result_of(
@@ -60,7 +61,7 @@ def result_of(
     """
     problem = outcome.problem
     engines = {name: _in_engine(name, outcome, options) for name in options.engines}
-    shared = attribution_of(outcome, options, user)
+    shared = Shared(None, (_NOT_GIVEN,)) if problem.covariates else attribution_of(outcome, options, user)
     return DiagnosisResult(
         recording=_info(recording, prepared, problem),
         verdict=outcome.verdict,
@@ -75,7 +76,7 @@ def result_of(
             baseline=fit_percent(outcome.base.shown.y, problem), refined=fit_percent(outcome.refined.shown.y, problem)
         ),
         rules=[RuleResult(name=r.name, value=r.value, unit=r.unit, origin=r.origin) for r in outcome.rules],
-        holdout=_held_out(outcome.holdout),
+        holdout=_held_out(outcome.holdout, list(problem.covariates)),
         engines=engines,
         attribution=shared.result,
         evidence=_evidence(outcome),
@@ -84,7 +85,7 @@ def result_of(
         residual_map=None,
         baseline_model=_document(outcome.base.model),
         refined_model=_document(outcome.refined.model),
-        model_left_out=[],
+        model_left_out=[f"{one.said}: no model file holds a covariate" for one in outcome.refined.model.covariates],
         warnings=[*prepared.warnings, *outcome.warnings, *shared.warnings],
         settings=options.settings(),
         command=command,
@@ -93,7 +94,7 @@ def result_of(
     )
 
 
-def _held_out(held: Holdout) -> HoldoutResult:
+def _held_out(held: Holdout, given: list[str]) -> HoldoutResult:
     forced = None
     if held.forced is not None:
         forced = ForcedResult(
@@ -106,6 +107,7 @@ def _held_out(held: Holdout) -> HoldoutResult:
         baseline_rmse=dict(held.baseline_rmse),
         refined_rmse=dict(held.refined_rmse),
         forced=forced,
+        given=given,
     )
 
 
@@ -181,6 +183,8 @@ def _evidence(outcome: Outcome) -> list[EvidenceResult]:
 def _in_engine(name: str, outcome: Outcome, options: DiagnoseOptions) -> EngineResult:
     """Both models in one engine, or the reason why not."""
     try:
+        if outcome.problem.covariates:
+            raise SimulationError("an engine is not given covariates")
         simulator, dt = simulator_of(name, options)
         found = engine_fit(simulator, outcome.base.model, outcome.refined.model, outcome.problem, outcome.scales, dt)
     except SimulationError as error:

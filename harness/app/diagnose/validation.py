@@ -39,7 +39,9 @@ def validation(recording: Recording, options: DiagnoseOptions) -> Validation | N
         kinds = ("a free decay", "a driven recording")
         found = f"{kinds[is_driven(other)]}, {other.file}"
         raise InputError("--validate", found, f"{kinds[is_driven(recording)]} is accepted, as {recording.file} is")
-    return Validation(other, Judge.of(recording, other) if is_driven(other) else None)
+    # the published protocol knows no covariates
+    judged = is_driven(other) and not options.covariates
+    return Validation(other, Judge.of(recording, other) if judged else None)
 
 
 def held_alike(options: DiagnoseOptions, problem: Problem) -> DiagnoseOptions:

@@ -50,6 +50,13 @@ STANDARD_INPUT = "-"
 @click.option("--validate", type=click.Path(path_type=Path), metavar="RECORDING", help="Try both models on this one.")
 @click.option("--horizon", type=float, metavar="S", help="Driven: windows, each its own start.  [whole, or 1]")
 @click.option("--zero", metavar="spring|free", help="What x is measured from.  [chosen at the base fit]")
+@click.option(
+    "--covariate",
+    "covariates",
+    multiple=True,
+    metavar="NAME[:KIND]",
+    help="A column that acts: force, friction or damping; may repeat.  [KIND chosen at the base fit]",
+)
 @click.option("--mass", type=float, metavar="KG", help="Mass, where it is known: forces in N.")
 @click.option("--restoring", metavar="spring|pendulum|none", help="What pulls it back.  [chosen at the base fit]")
 @engines_option("mujoco, pybullet")
@@ -194,6 +201,8 @@ def _print(result: "DiagnosisResult") -> None:
         show(_grades(graded))
         say("of misfit: share of the mean square beyond noise that it takes off alone")
         say("held out: error after over before, blocks of cycles; free run: the last 40 %")
+    if result.holdout.given:
+        say(f"- held out: {_held_out(result)}; {', '.join(result.holdout.given)} given, not predicted")
     for mechanism in result.mechanisms:
         if mechanism.grade == "explains":
             say(f"- {mechanism.name}: BIC {mechanism.delta_bic:.0f} in favour")
@@ -205,6 +214,13 @@ def _print(result: "DiagnosisResult") -> None:
     for line in [*([result.next_experiment] if result.next_experiment else []), *result.warnings]:
         say(f"- {line}")
     say(f"report: {result.files['report']}")
+
+
+def _held_out(result: "DiagnosisResult") -> str:
+    """Errors on what took no part in the fits, before and after."""
+    held = result.holdout
+    both = (f"rmse {c} {y:.4g} to {held.refined_rmse[c]:.4g}" for c, y in held.baseline_rmse.items())
+    return ", ".join(both) or "no figure"
 
 
 def _print_shares(found: "AttributionResult") -> None:

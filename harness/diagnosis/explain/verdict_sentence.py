@@ -10,7 +10,11 @@ _NOBODY = (
 
 
 def sentence_of(outcome: Outcome) -> str:
-    """The verdict in a sentence or two, with numbers."""
+    """The verdict in a sentence or two, with numbers, and what was chosen before it."""
+    return " ".join((_verdict(outcome), *outcome.problem.choices))
+
+
+def _verdict(outcome: Outcome) -> str:
     # beside the names that share a verdict a model may hold small parts
     parts = (Grade.TABULATED, Grade.MINOR) if outcome.verdict == "one_of" else (Grade.TABULATED,)
     words = [m.name.replace("-", " ") for m in outcome.mechanisms if m.grade not in parts]

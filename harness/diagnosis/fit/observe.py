@@ -1,12 +1,13 @@
 """What the sensors would have shown of a model's motion, with partials: slot O, composed per channel."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, fields, replace
 
 import numpy as np
 
 from harness.core.arrays import FloatArray, IntArray, ModeArray
 from harness.core.events import Events
+from harness.diagnosis.fit.given import held, pieces, resumed, with_push
 from harness.diagnosis.problem import Problem
 from harness.diagnosis.problems.starts import Start
 from harness.diagnosis.sensors.resample import Kinematics
@@ -47,9 +48,15 @@ def observe(
 ) -> Observation:
     """Channels of ``problem`` as ``model`` predicts them, with partials by the parameters ``by``.
 
-    Each stretch is simulated from its own start. Raises SimulationError when the motion cannot be followed.
+    Each stretch is simulated from its own start, with covariates as they were measured: a model that has some is fitted
+    by its force, and has no partials here. Raises SimulationError when the motion cannot be followed.
     """
     scales = scales or Scales.of(model, problem.drive)
+    if model.covariates:
+        assert not by, "models with covariates are fitted by their force"
+        problem = with_push(model, problem)
+        starts = problem.starts.of(model)
+        return _joined([part for start in starts for part in _in_pieces(start, problem, scales, effort)])
     return _joined([_from(start, problem, by, scales, effort) for start in problem.starts.of(model)])
 
 
@@ -62,6 +69,37 @@ def _from(start: Start, problem: Problem, by: tuple[By, ...], scales: Scales, ef
             for partials in shown.dy.values():
                 partials[:, column] += slope * partials[:, asked.index(name)]
     return replace(shown, dy={c: partials[:, : len(by)] for c, partials in shown.dy.items()})
+
+
+def _in_pieces(start: Start, problem: Problem, scales: Scales, effort: Effort) -> Iterator[Observation]:
+    """One stretch with its covariates as they were measured, piece after piece; each ends where the next begins."""
+    model, t, given = start.model, problem.t, problem.covariates
+    begin, end, _ = start.samples.indices(t.size)
+    speeds: FloatArray = np.empty(0)
+    for piece in pieces(model, given, begin, end):
+        last = piece.stop == end
+        times = t[piece.start : piece.stop if last else piece.stop + 1]
+        shown = _stretch(held(model, given, piece), problem, times, (), scales, effort)
+        if last:
+            yield shown
+            return
+        speeds = np.concatenate((speeds[:-1], shown.v))
+        now = t[begin : piece.stop + 1]
+        model = resumed(model, problem, float(t[begin]), now, float(shown.x[-1]), speeds)
+        yield _less_last(shown)
+
+
+def _less_last(shown: Observation) -> Observation:
+    """Without the sample that the next piece begins with."""
+    return Observation(
+        {c: y[:-1] for c, y in shown.y.items()},
+        {c: y[:-1] for c, y in shown.dy.items()},
+        shown.x[:-1],
+        shown.v[:-1],
+        shown.a[:-1],
+        shown.mode[:-1],
+        shown.events,
+    )
 
 
 def _joined(parts: Sequence[Observation]) -> Observation:

@@ -52,9 +52,10 @@ class Free:
 
 
 def free_of(model: Model, base: tuple[str, ...]) -> tuple[Free, ...]:
-    """The fitted numbers of a model: these base names, then every parameter of every term."""
+    """The fitted numbers of a model: these base names, gains of covariates, then every parameter of every term."""
     free = []
-    for name in base:
+    gains = (covariate.parameter for covariate in model.covariates)
+    for name in dict.fromkeys((*base, *gains)):
         positive = name in _POSITIVE_BASE
         lower = 0.0 if name in ("c", "f_k") else (_LEAST if positive else -math.inf)
         free.append(Free(name, name, lower, math.inf, positive))
@@ -70,7 +71,7 @@ def values_of(model: Model, free: tuple[Free, ...]) -> FloatArray:
     """Values of the fitted numbers in a model, (q,)."""
     values = np.empty(len(free))
     for i, f in enumerate(free):
-        values[i] = model.terms[f.by[0]].values[f.by[1]] if isinstance(f.by, tuple) else getattr(model, f.by)
+        values[i] = model.terms[f.by[0]].values[f.by[1]] if isinstance(f.by, tuple) else _base_value(model, f.by)
     return values
 
 
@@ -78,15 +79,23 @@ def with_values(model: Model, free: tuple[Free, ...], values: FloatArray) -> Mod
     """The model with these values (q,) for its fitted numbers."""
     base: dict[str, Any] = {}
     terms = [list(entry.values) for entry in model.terms]
+    gains = {covariate.parameter: covariate for covariate in model.covariates}
     for f, value in zip(free, values, strict=True):
         if isinstance(f.by, tuple):
             terms[f.by[0]][f.by[1]] = float(value)
+        elif f.by in gains:
+            gains[f.by] = replace(gains[f.by], gain=float(value))
         else:
             base[f.by] = float(value)
     entries = tuple(
         ModelTerm(entry.term, tuple(new), entry.internal0) for entry, new in zip(model.terms, terms, strict=True)
     )
-    return replace(model, terms=entries, **base)
+    return replace(model, terms=entries, covariates=tuple(gains.values()), **base)
+
+
+def _base_value(model: Model, name: str) -> float:
+    gains = {covariate.parameter: covariate.gain for covariate in model.covariates}
+    return gains[name] if name in gains else float(getattr(model, name))
 
 
 def bounds_of(free: tuple[Free, ...]) -> Bounds:

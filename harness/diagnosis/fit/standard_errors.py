@@ -14,6 +14,7 @@ from harness.core.quantity import Quantity
 from harness.diagnosis.fit.cluster_covariance import clustered_covariance
 from harness.diagnosis.fit.model_fit import Fit
 from harness.diagnosis.problem import Problem
+from harness.model.covariate import Acts, Covariate
 from harness.model.model import Restoring
 
 _ON_BOUND = "the estimate lies on a bound of what is possible"
@@ -39,6 +40,11 @@ def _quantity(value: float, variance: float, unit: str, bound: str | None) -> Qu
     if not math.isfinite(variance) or variance <= 0.0:
         return Quantity(value, None, unit, _NOT_SEEN)
     return Quantity(value, math.sqrt(variance), unit)
+
+
+def _gain_unit(covariate: Covariate, problem: Problem) -> str:
+    """Of a gain: a force, or a share of f_k or c, per unit of its column."""
+    return f"{unit_of('N', problem) if covariate.acts is Acts.FORCE else '1'} per {covariate.unit or covariate.name}"
 
 
 def covariances(found: Fit, problem: Problem, omega: float, explained: bool) -> tuple[FloatArray, ...]:
@@ -90,12 +96,14 @@ def base_parameters(found: Fit, problem: Problem, omega: float, explained: bool)
         return _quantity(value, _variance(matrices, gradient), unit, _ON_BOUND if on_bound else None)
 
     m, c, k, f_k = model.m, model.c, model.k, model.f_k
+    gains = {p.parameter: combined(p.gain, {p.parameter: 1.0}, _gain_unit(p, problem)) for p in model.covariates}
     if model.restoring is Restoring.NONE:
         mass = about_an_axis("kg") if problem.angular else "kg"
         return {
             "mass": combined(m, {"m": 1.0}, mass) if "m" in at else Quantity(m, None, mass, "given, not fitted"),
             "c": combined(c, {"c": 1.0}, unit_of("N s/m", problem), c <= 0.0),
             "f_k": combined(f_k, {"f_k": 1.0}, unit_of("N", problem), f_k <= 0.0),
+            **gains,
         }
     omega, root = math.sqrt(k / m), math.sqrt(k * m)
     return {
@@ -104,4 +112,5 @@ def base_parameters(found: Fit, problem: Problem, omega: float, explained: bool)
             c / (2.0 * root), {"c": 0.5 / root, "k": -0.25 * c / (root * k), "m": -0.25 * c / (root * m)}, "1", c <= 0.0
         ),
         "x_k": combined(f_k / k, {"f_k": 1.0 / k, "k": -f_k / k**2}, "rad" if problem.angular else "m", f_k <= 0.0),
+        **gains,
     }

@@ -1,13 +1,17 @@
 """The force a model asks for to move as recorded: its inverse dynamics, by the kernel's own laws."""
 
+from collections.abc import Mapping
+
 import numpy as np
 
 from harness.core.arrays import FloatArray
 from harness.core.jit import compiled
+from harness.diagnosis.fit.given import factor, frictionless, pushed
 from harness.kernels.integrate import mode_moving
 from harness.kernels.layout import lay_out
 from harness.kernels.rhs import rhs
 from harness.kernels.work import SPARE, Work, workspace
+from harness.model.covariate import Acts
 from harness.model.history import History
 from harness.model.model import Model
 
@@ -27,8 +31,21 @@ def _forces(
 forces = compiled(_forces)
 
 
+def given_force(
+    model: Model, t: FloatArray, x: FloatArray, v: FloatArray, a: FloatArray, given: Mapping[str, FloatArray]
+) -> FloatArray:
+    """The same with the covariates of the model as they were measured; given : by name, (n,)."""
+    force = inverse_force(model, t, x, v, a)
+    if not model.covariates:
+        return force
+    dry, wet = (factor(model, given, acts) - 1.0 for acts in (Acts.FRICTION, Acts.DAMPING))
+    if dry.ndim:
+        force = force + dry * (force - inverse_force(frictionless(model), t, x, v, a))
+    return np.asarray(force + wet * model.c * v - pushed(model, given), dtype=np.float64)
+
+
 def inverse_force(model: Model, t: FloatArray, x: FloatArray, v: FloatArray, a: FloatArray) -> FloatArray:
-    """Force (n,), N, that moves the model through x (as its sensor shows it), v, a (n,) at t (s).
+    """Force (n,), N, that moves the model through x (as its sensor shows it), v, a (n,) at t (s), covariates apart.
 
     Internal states are as each term says that the motion leaves them; what it says nothing of moves with the slider.
     """

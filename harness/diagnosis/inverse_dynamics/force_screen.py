@@ -8,7 +8,6 @@ import numpy as np
 
 from harness.core.arrays import FloatArray
 from harness.diagnosis.baseline.spectral_peaks import peaks
-from harness.diagnosis.inverse_dynamics.force import inverse_force
 from harness.diagnosis.inverse_dynamics.force_fit import ForceFit
 from harness.diagnosis.inverse_dynamics.measured import Measured
 from harness.diagnosis.inverse_dynamics.ripple import periods
@@ -62,7 +61,7 @@ def seen_in(found: ForceFit, measured: Measured, problem: Problem, scales: Scale
 
 def _periods(found: ForceFit, measured: Measured) -> list[float]:
     """Periods over the travel at which the force left over stands out, at the full rate: a fast pass has its ripple."""
-    left = measured.u - inverse_force(found.model, measured.t, measured.x, measured.v, measured.a)
+    left = measured.u - measured.needed(found.model)
     moving = np.repeat(measured.moving, measured.t.size // measured.moving.size)
     return periods(measured.x[moving], left[moving])
 

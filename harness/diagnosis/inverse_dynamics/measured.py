@@ -1,13 +1,14 @@
 """The motion and the force of a driven recording, made ready for inverse dynamics."""
 
 import math
-from dataclasses import dataclass, replace
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
 from harness.core.arrays import BoolArray, FloatArray
 from harness.core.errors import SimulationError
-from harness.diagnosis.inverse_dynamics.force import inverse_force
+from harness.diagnosis.inverse_dynamics.force import given_force
 from harness.diagnosis.problem import Problem
 from harness.diagnosis.problems.driven import Forced
 from harness.diagnosis.smoothed_state.inverse_start import state_of
@@ -26,6 +27,8 @@ _AT_REST = 3.0
 class Measured:
     """Motion t (s), x, v, a and force u (N), each (n,), smoothed; n is a multiple of the block.
 
+    covariates : by name, (n,), through the filter that the force passed.
+
     moving : (n / block,), blocks in which the slider moves throughout, so that its friction is known, and which lie
     far enough from the ends of a stretch to be smoothed as the others are.
     """
@@ -36,6 +39,7 @@ class Measured:
     a: FloatArray
     u: FloatArray
     moving: BoolArray
+    covariates: Mapping[str, FloatArray] = field(default_factory=dict)
 
     @classmethod
     def of(cls, problem: Forced) -> "Measured":
@@ -65,7 +69,8 @@ class Measured:
         moving = whole & np.all(slides & central, axis=1)
         if np.count_nonzero(moving) < BLOCK:
             raise SimulationError("the slider hardly moves")
-        return cls(t[:kept], x[:kept], v[:kept], a[:kept], u[:kept], moving)
+        given = {name: smoothed_alike(t, y, longest, half)[:kept] for name, y in problem.covariates.items()}
+        return cls(t[:kept], x[:kept], v[:kept], a[:kept], u[:kept], moving, given)
 
     def blocks(self, y: FloatArray) -> FloatArray:
         """Means of y (n,) or (n, q) over the blocks that count."""
@@ -74,7 +79,11 @@ class Measured:
 
     def asked(self, model: Model) -> FloatArray:
         """Force (m,), N, that a model needs for this motion, mean over the blocks that count."""
-        return self.blocks(inverse_force(model, self.t, self.x, self.v, self.a))
+        return self.blocks(self.needed(model))
+
+    def needed(self, model: Model) -> FloatArray:
+        """Force (n,), N, that a model needs for this motion."""
+        return given_force(model, self.t, self.x, self.v, self.a, self.covariates)
 
     def part(self, keep: BoolArray) -> "Measured":
         """With only these blocks (n / block,) counting."""

@@ -9,11 +9,13 @@ from harness.diagnosis.explain.holdout import periods_held_out
 from harness.diagnosis.fit.another import as_started, only_started
 from harness.diagnosis.fit.model_fit import Fit
 from harness.diagnosis.input_noise.noisy_base_fit import along, in_turn
+from harness.diagnosis.inverse_dynamics.covariates import entered
 from harness.diagnosis.inverse_dynamics.validate import Judge
 from harness.diagnosis.kinds.kind import Kind
 from harness.diagnosis.outcome import Holdout
 from harness.diagnosis.prepare.driven import driven_problem, is_driven
 from harness.diagnosis.problems.driven import Driven, Forced
+from harness.diagnosis.problems.inverse_dynamics import InverseDynamics
 from harness.diagnosis.problems.starts import Windows
 from harness.diagnosis.request import Asked
 from harness.diagnosis.search.extend import settle
@@ -37,8 +39,14 @@ class DrivenRecordings(Kind[Driven]):
         return is_driven(recording)
 
     def prepare(self, recording: Recording, asked: Asked) -> tuple[Forced, tuple[str, ...]]:
-        """See harness.diagnosis.prepare.driven; one that cannot be followed is one of inverse dynamics."""
-        return driven_problem(recording, asked)
+        """See harness.diagnosis.prepare.driven; one that cannot be followed is one of inverse dynamics.
+
+        Covariates enter there, which are refused where they say nothing of their own.
+        """
+        problem, notes = driven_problem(recording, asked)
+        if asked.covariates and isinstance(problem, InverseDynamics):
+            problem = entered(problem, recording, asked.covariates)
+        return problem, notes
 
     def fit_base(self, problem: Driven) -> Based[Driven]:
         """Along the base model's own motion, which says what noise of the force does."""

@@ -42,7 +42,7 @@ def driven_problem(recording: Recording, asked: Asked) -> tuple[Forced, tuple[st
     """A driven recording as a problem, and what was done to it, one sentence each.
 
     It is followed from one start, over gaps from a new one. Where no force that is known says its motion well enough,
-    the force is fitted instead. Raises InputError, SimulationError.
+    or where covariates act, the force is fitted instead. Raises InputError, SimulationError.
     """
     restoring = asked.restoring or Restoring.SPRING
     where = f"{recording.file}: channels {', '.join(recording.channels)}"
@@ -78,6 +78,9 @@ def driven_problem(recording: Recording, asked: Asked) -> tuple[Forced, tuple[st
         first=first,
         starts=course.anew(math.inf) if gaps else OneStart(),
     )
+    if asked.covariates:
+        # a model without what they do follows nothing, and how the force acts between samples cannot be told by it
+        return _with_covariates(problem, asked, course)
     noise_u = channel_noise(t, u)
     if gaps:
         problem = _allowing(problem, first, noise_u)
@@ -105,6 +108,16 @@ def driven_problem(recording: Recording, asked: Asked) -> tuple[Forced, tuple[st
     where = "between gaps of the recording" if horizon is None else f"of at most {horizon:g} s"
     how = f"the recording is followed over {_said(problem.starts)} {where}, each from a start of its own"
     return problem, (f"driven: {how}", *notes)
+
+
+def _with_covariates(problem: Driven, asked: Asked, course: Course) -> tuple[InverseDynamics, tuple[str, ...]]:
+    """Fitted by its force; how covariates enter shows there."""
+    horizon = asked.horizon or HORIZON
+    windows = course.anew(horizon)
+    names = ", ".join(one.name for one in asked.covariates)
+    how = f"the force is fitted, as {names} acts too, and simulations run over {_said(windows)}"
+    note = f"driven: {how} of at most {horizon:g} s, each restarted from the smoothed recorded state and given {names}"
+    return InverseDynamics.of(problem, windows), (note,)
 
 
 def _said(windows: Windows) -> str:

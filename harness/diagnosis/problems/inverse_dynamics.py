@@ -8,9 +8,18 @@ from harness.diagnosis.problems.starts import Windows
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class InverseDynamics(Forced):
-    """The force is what is fitted; the motion over the windows is only shown."""
+    """The force is what is fitted; the motion over the windows is only shown.
+
+    enters : how each covariate was found to enter, one sentence each.
+    """
 
     starts: Windows = field()
+    enters: tuple[str, ...] = ()
+
+    @property
+    def choices(self) -> tuple[str, ...]:
+        """How covariates enter."""
+        return self.enters
 
     @property
     def errors_allow_for_misfit(self) -> bool:
@@ -32,4 +41,5 @@ class InverseDynamics(Forced):
             starts=windows,
             drive=driven.drive,
             first=driven.first,
+            covariates=driven.covariates,
         )

@@ -199,6 +199,8 @@ class Heldout(Section):
             f"{what} took no part in {'the fit that predicts it' if graded else 'these fits'} ({spans}{more}); the "
             "trajectory runs through. Which terms the model has was chosen on the whole recording."
         )
+        if held.get("given"):
+            caption += f" Given, not predicted: {', '.join(held['given'])}."
         return {"tables": [Table("channel", columns, rows, caption)]}
 
 
