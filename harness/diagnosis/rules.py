@@ -200,7 +200,7 @@ OVER_SIMULATED = Rule(
     "a fitted force leaves more than noise, the most of some simulated draws (null-draws), at some length of means",
     "the draws share one motion, whose reversals the smoothing rounds off at other places than the recording's: set"
     " after 23 sound recordings, six kinds of noise, the worst of which exceeded the most of four draws 1.42 times; a"
-    " noisy force (2 % of it) can exceed it (a smaller set of them: pytest tests/diagnosis/test_fitted_force_grades.py)",
+    " noisy force (2 % of it) can exceed it (pytest tests/diagnosis/test_fitted_force_grades.py)",
 )
 STROKE_CUT = Rule(
     "stroke-cut",
