@@ -29,9 +29,9 @@ is what decides what can be told.
 
 ## 2. Let it be read
 
-A header names columns and units: `t [s],x [mm],a [g]`. Names as people write them do too (`Time (s)`, `pos`, `theta_deg`,
-`/joint_states/position[0]`): what was guessed is printed with the `--columns` that says the same. Where yours says something
-else, say it on the command line:
+A header names columns and units: `t [s],x [mm],a [g]`. Names as people write them do too (`Time (s)`, `pos`,
+`theta_deg`, `/joint_states/position[0]`): what was guessed is printed with the `--columns` that says the same. Where
+yours says something else, say it on the command line:
 
 | your file | what to add |
 |---|---|
