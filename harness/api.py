@@ -107,7 +107,7 @@ def diagnose(
     engines: Sequence[str] | None = None,
     preset: str | None = None,
     dt: float | None = None,
-    covariates: Sequence[str] = (),
+    covariates: Sequence[str] | None = None,
     out: File | None = None,
 ) -> DiagnosisResult:
     """Find which physics viscous and Coulomb friction leave out of a recording, and the model that has it.
@@ -135,11 +135,13 @@ def diagnose(
         preset,
         model=Path(model) if isinstance(model, str | PathLike) else None if model is None else model_of(model),
         sim=None if sim is None else _recording(sim),
-        validate=None if validate is None else _recording(validate, tuple(c.partition(":")[0] for c in covariates)),
+        validate=None
+        if validate is None
+        else _recording(validate, tuple(c.partition(":")[0] for c in covariates or ())),
         mass=mass,
         horizon=horizon,
         dt=dt,
-        covariates=covariates,
+        covariates=covariates or (),
     )
     found = _recording(recording, options.reading.covariates)
     return answer(found, options) if out is None else deliver(found, options, Path(out))
@@ -171,6 +173,7 @@ def run(
     engines: Sequence[str] | None = None,
     preset: str | None = None,
     dt: float | None = None,
+    restoring: str | None = None,
     out: File | None = None,
 ) -> RunResult:
     """One scenario, or one model, in the exact reference and in engines, each as shipped and tuned, with estimators.
@@ -178,7 +181,8 @@ def run(
     scenario : of the fidelity suite, None for "free-decay"; m (kg), c (N s/m), k (N/m), f_k, f_s (N), x0 (m), v0 (m/s)
     and duration (s) take the place of its own. model : in place of a scenario, with ``duration`` alone. engines : ()
     for the reference alone, None for MuJoCo and PyBullet. preset : "as-shipped" or "tuned", None for both. dt : step of
-    the tuned preset, s. out : folder for result, report, trace and models, as the command leaves them.
+    the tuned preset, s. restoring : "spring" or "pendulum", of a free decay. out : folder for result, report, trace and
+    models, as the command leaves them.
 
     Raises InputError for values that are not accepted, StoreError when ``out`` cannot be written. An engine that cannot
     complete its run has the reason in its trace's ``error``.
@@ -187,7 +191,11 @@ def run(
     from harness.app.run.run import run as deliver
 
     given = {"m": m, "c": c, "k": k, "f_k": f_k, "f_s": f_s, "x0": x0, "v0": v0, "duration": duration}
-    if model is None:
+    if restoring is not None:
+        options = RunOptions.held(
+            restoring, None if model is None else Path("model"), scenario, given, engines, preset, dt
+        )
+    elif model is None:
         options = RunOptions.named(scenario, given, engines, preset, dt)
     else:
         options = RunOptions.of_model(model, scenario, given, engines, preset, dt)

@@ -20,7 +20,8 @@ def test_the_engines_of_the_house_are_registered() -> None:
 def test_an_unknown_name_lists_those_there_are() -> None:
     with pytest.raises(InputError) as caught:
         registry.load("bullet")
-    assert str(caught.value) == f"engine: 'bullet'; one of {', '.join(registry.names())} is accepted"
+    known = ", ".join(registry.names())
+    assert str(caught.value) == f"engine: 'bullet'; one of {known} is accepted; did you mean pybullet?"
 
 
 def point(name: str, value: str) -> EntryPoint:

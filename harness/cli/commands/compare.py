@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import click
 
 from harness.cli.options import output_options, reading_options
-from harness.cli.output import check_json, emit_json, say, shows_tables, this_line, with_error
+from harness.cli.output import check_json, emit_json, say, say_as_it_is, shows_tables, this_line, with_error
 from harness.cli.progress import shown
 from harness.cli.tables import show
 from harness.core.bounded import check_file
@@ -113,4 +113,4 @@ def _print(result: "CompareResult") -> None:
     read = {f"{Path(one.file).name}: {note}" for one in result.recordings for note in one.notes}
     for sentence in [*sorted(read), *result.sentences]:
         say(f"- {sentence}")
-    say(f"report: {result.outputs['report']}")
+    say_as_it_is(f"report: {result.outputs['report']}")

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 import click
 
 from harness.cli.options import output_options
-from harness.cli.output import check_json, emit_json, say, shows_tables, this_line
+from harness.cli.output import check_json, emit_json, say, say_as_it_is, shows_tables, this_line
 from harness.cli.progress import shown
 from harness.cli.tables import show
 from harness.core.errors import InputError
@@ -68,7 +68,7 @@ def _print(result: "DatasetResult") -> None:
     for sentence in result.found:
         say(f"- {sentence}")
     say(f"- {result.unexplained}")
-    say(f"report: {result.files['page']}")
+    say_as_it_is(f"report: {result.files['page']}")
 
 
 def _said(value: float | None) -> str:

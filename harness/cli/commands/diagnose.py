@@ -14,6 +14,7 @@ from harness.cli.output import (
     check_json,
     emit_json,
     say,
+    say_as_it_is,
     say_left_out,
     shows_tables,
     this_line,
@@ -213,7 +214,7 @@ def _print(result: "DiagnosisResult") -> None:
         _print_shares(result.attribution)
     for line in [*([result.next_experiment] if result.next_experiment else []), *result.warnings]:
         say(f"- {line}")
-    say(f"report: {result.files['report']}")
+    say_as_it_is(f"report: {result.files['report']}")
 
 
 def _held_out(result: "DiagnosisResult") -> str:
@@ -324,4 +325,4 @@ def _print_many(many: "Many") -> None:
         table.add_row(name, answer.verdict, left_out, _chi2(answer.baseline), _chi2(answer.refined))
     show(table)
     say(f"{len(many.answers)} recordings, {many.failed} failed")
-    say(f"report: {many.folder / 'index.html'}")
+    say_as_it_is(f"report: {many.folder / 'index.html'}")

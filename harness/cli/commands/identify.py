@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 import click
 
 from harness.cli.options import output_options, reading_options
-from harness.cli.output import check_json, emit_json, say, shows_tables, this_line, with_error
+from harness.cli.output import check_json, emit_json, say, say_as_it_is, shows_tables, this_line, with_error
 from harness.cli.progress import shown
 from harness.cli.tables import show
 from harness.core.bounded import check_file
@@ -81,4 +81,4 @@ def _print(result: "IdentifyResult") -> None:
         say(f"the accelerometer leads the displacement sensor by {with_error(result.sensor_phase_rad)}")
     for line in [*found.notes, *refused, *result.warnings]:
         say(f"- {line}")
-    say(f"report: {result.files['report']}")
+    say_as_it_is(f"report: {result.files['report']}")

@@ -5,7 +5,7 @@ from pathlib import Path
 import click
 
 from harness.cli.options import json_option, quiet_option
-from harness.cli.output import check_json, emit_json, say, shows_tables
+from harness.cli.output import check_json, emit_json, say_as_it_is, shows_tables
 
 
 @click.command(short_help="Make a page again, from its .rrd alone.")
@@ -31,5 +31,5 @@ def command(place: Path, out: Path | None, json_to: str | None, quiet: bool) -> 
     result, page = rebuild(place, out)
     emit_json(result, json_to)
     if shows_tables(json_to, quiet):
-        say(f"report: {page}")
+        say_as_it_is(f"report: {page}")
     return 0

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 import click
 
 from harness.cli.options import engine_options, output_options
-from harness.cli.output import check_json, emit_json, say, say_left_out, shows_tables, this_line
+from harness.cli.output import check_json, emit_json, say, say_as_it_is, say_left_out, shows_tables, this_line
 from harness.cli.progress import shown
 from harness.cli.tables import show
 from harness.core.bounded import check_file
@@ -96,4 +96,4 @@ def _print(result: "RunResult") -> None:
     show(table)
     for sentence in result.conclusions:
         say(f"- {sentence}")
-    say(f"report: {result.files['report']}")
+    say_as_it_is(f"report: {result.files['report']}")

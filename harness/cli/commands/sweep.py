@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import click
 
 from harness.cli.options import engines_option, jobs_option, output_options
-from harness.cli.output import STANDARD_OUTPUT, check_json, say, shows_tables, this_line
+from harness.cli.output import STANDARD_OUTPUT, check_json, say, say_as_it_is, shows_tables, this_line
 from harness.cli.progress import shown
 from harness.cli.tables import show
 
@@ -95,4 +95,4 @@ def _print(result: "Sweep") -> None:
         say(f"- {note}")
     rate = f"{60.0 * result.computed / result.wall_s:.0f} rows a minute"
     say(f"{result.total} rows, {result.computed} computed now ({rate}), {result.failed} could not be run")
-    say(f"report: {result.folder / 'report.html'}")
+    say_as_it_is(f"report: {result.folder / 'report.html'}")

@@ -30,6 +30,7 @@ TERM = Term(
     (*(Parameter(f"f_{i + 1}", "N") for i in range(KNOTS)), Parameter("low", "m"), Parameter("high", "m")),
     "A force that depends on position, as a table from {low} to {high}.",
     law,
+    corner=True,
     example=(9.0, 3.0, -2.0, -3.0, 0.0, 4.0, 3.0, -4.0, -8.0, -5.0, 2.0, 6.0, -1.2, 1.3),
     push=5,
     searched=False,
