@@ -202,6 +202,10 @@ def run(
     return computed(options)[0] if out is None else deliver(options, Path(out))
 
 
+def _names(covariates: Sequence[str] | None) -> tuple[str, ...]:
+    return tuple(one.partition(":")[0] for one in covariates or ())
+
+
 def _recording(given: Recording | File, covariates: tuple[str, ...] = ()) -> Recording:
     from harness.app.shared.reading import ReadOptions, read
 
