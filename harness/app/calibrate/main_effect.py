@@ -1,6 +1,5 @@
 """Machines with one large omission among small ones: what is named, listed, wrong, claimed at which values of rules."""
 
-import json
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
@@ -12,6 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from harness.app.calibrate.calibration import Calibration, stands
+from harness.app.calibrate.plant_folder import measured
 from harness.app.diagnose.options import DiagnoseOptions
 from harness.app.diagnose.problem import prepared
 from harness.app.shared.reading import read, spooled
@@ -29,7 +29,9 @@ from harness.diagnosis.rules import (
     MARGIN,
     MOST_WORDS,
     RUN_BETTER,
+    RUNS_ON_BETTER,
     SHARE_OF_EXCESS,
+    SHARE_OF_MISFIT,
     Rule,
 )
 from harness.diagnosis.search.extend import settle
@@ -50,6 +52,8 @@ TRIED: Mapping[str, tuple[Rule, tuple[float, ...]]] = {
     "HELD_OUT": (HELD_OUT, (0.8, 0.9, 1.0)),
     "LEAST_CYCLES": (LEAST_CYCLES, (6.0, 8.0)),
     "RUN_BETTER": (RUN_BETTER, (0.5, 0.7, 0.85)),
+    "RUNS_ON_BETTER": (RUNS_ON_BETTER, (0.0, 0.5, 0.7, 0.85)),
+    "SHARE_OF_MISFIT": (SHARE_OF_MISFIT, (0.4, 0.5)),
     "MOST_WORDS": (MOST_WORDS, (30.0, 60.0, 120.0)),
 }
 """Rules by their constant, and the values tried: of the first five every combination, of the others one at a time."""
@@ -159,15 +163,7 @@ _GROUPS = ((1, 0, 0), (0, 1, 0), (1, 0, 0), (1, 0, 0), (0, 1, 0), (1, 0, 0), (0,
 
 def of_plant(folder: Path) -> Calibration:
     """The same for recordings that ``python -m harness.proof.machines`` left; the seed is not used."""
-    return Calibration(partial(_of_file, folder), said, ABOUT)
-
-
-def _of_file(folder: Path, seed: int, index: int) -> Row | None:
-    truths = json.loads((folder / "truth.json").read_text(encoding="utf-8"))
-    names = sorted(truths)
-    if index >= len(names):
-        return None
-    return _row(read(folder / names[index], DiagnoseOptions().reading), truths[names[index]])
+    return Calibration(partial(measured, _row, folder), said, ABOUT)
 
 
 @dataclass(frozen=True, slots=True)

@@ -4,7 +4,6 @@ Of ten recordings six are machines whose static main effect no catalogue holds, 
 are controls whose misfit is random: it says one thing a stroke and hangs on nothing.
 """
 
-import json
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -16,6 +15,7 @@ from typing import Any
 import numpy as np
 
 from harness.app.calibrate.calibration import Calibration, stands
+from harness.app.calibrate.plant_folder import measured
 from harness.app.diagnose.options import DiagnoseOptions
 from harness.app.diagnose.problem import prepared
 from harness.app.shared.reading import read, spooled
@@ -82,15 +82,7 @@ def measure(seed: int, index: int) -> Row:
 
 def of_plant(folder: Path) -> Calibration:
     """The same for recordings that ``python -m harness.proof.machines`` left; the seed is not used."""
-    return Calibration(partial(_of_file, folder), said, ABOUT)
-
-
-def _of_file(folder: Path, seed: int, index: int) -> Row | None:
-    truths = json.loads((folder / "truth.json").read_text(encoding="utf-8"))
-    names = sorted(truths)
-    if index >= len(names):
-        return None
-    return _row(read(folder / names[index], DiagnoseOptions().reading), truths[names[index]])
+    return Calibration(partial(measured, _row, folder), said, ABOUT)
 
 
 def _row(recording: Recording, truth: Mapping[str, Any], rng: np.random.Generator | None = None) -> Row:

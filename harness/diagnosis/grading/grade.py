@@ -26,6 +26,7 @@ from harness.diagnosis.rules import (
     MOST_LISTED,
     PREDICTS_BETTER,
     RUN_BETTER,
+    RUNS_ON_BETTER,
     SAME_CLOCK,
     SHARE_OF_EXCESS,
     SHARE_OF_MISFIT,
@@ -240,7 +241,7 @@ def _predicts_better(one: Finalist, first: Finalist) -> bool:
     if one.held is None or first.held is None:
         return False
     forward = ratio(one.run, first.run) if one.run is not None else 1.0
-    return clearly_less(one.held, first.held, PREDICTS_BETTER.value) or forward <= RUN_BETTER.value
+    return clearly_less(one.held, first.held, PREDICTS_BETTER.value) or forward <= RUNS_ON_BETTER.value
 
 
 def _by_run(found: C) -> C | None:

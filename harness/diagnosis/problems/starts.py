@@ -95,7 +95,7 @@ class OneStart:
 
 
 @dataclass(frozen=True, slots=True)
-class InMotion:
+class InMotion(OneStart):
     """The whole from one start that lies within a motion: internal states are as the recorded motion has left them.
 
     t (k,), s, v (k,), m/s : speed up to the start, which is the last of them. before : speed of the last motion, m/s.
@@ -104,16 +104,6 @@ class InMotion:
     t: FloatArray
     v: FloatArray
     before: float
-
-    @property
-    def names(self) -> tuple[str, ...]:
-        """Position and speed."""
-        return ("x0", "v0")
-
-    @property
-    def taken(self) -> int:
-        """None: they are parameters."""
-        return 0
 
     def of(self, model: Model) -> list[Start]:
         """The model, its internal states as each term says that the motion before leaves them."""
@@ -126,13 +116,9 @@ class InMotion:
                 terms[i] = _left_by(model, i, states, 0, slopes)
         return [Start(slice(None), replace(model, terms=tuple(terms)), slopes)]
 
-    def part(self, keep: range) -> "OneStart | InMotion":
+    def part(self, keep: range) -> OneStart:
         """The same from the first sample on; of what begins later no motion is kept."""
         return self if keep.start == 0 else OneStart()
-
-    def moved(self, anew: Callable[[Window, Model], Window], model: Model) -> "InMotion":
-        """The same."""
-        return self
 
 
 def _left_by(model: Model, i: int, states: States, at: int, slopes: dict[By, dict[str, float]]) -> ModelTerm:
