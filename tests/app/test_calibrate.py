@@ -18,7 +18,17 @@ JUDGES = {
     "pairs-apart": {"pairs-apart"},
     "screen-share": {"screen-share"},
     "pair-promise": {"pair-promise"},
-    "main-effect": {"least-ratio", "margin", "share-of-excess", "held-out", "least-cycles", "run-better", "most-words"},
+    "main-effect": {
+        "least-ratio",
+        "margin",
+        "share-of-excess",
+        "held-out",
+        "least-cycles",
+        "run-better",
+        "runs-on-better",
+        "share-of-misfit",
+        "most-words",
+    },
     "few-cycles": {"least-cycles"},
     "tables": {"table-better", "table-errors", "table-words"},
 }
