@@ -1,0 +1,1 @@
+"""A robot's joints: its model, its log, and the torque that friction must have had."""
