@@ -31,6 +31,7 @@ from harness.diagnosis.search.search import Search
 from harness.diagnosis.stages import Based, Found, Judged
 from harness.diagnosis.tables.step import with_tables
 from harness.diagnosis.verdict import judge as verdict_of
+from harness.diagnosis.verdict import weighed
 from harness.kernels.solve import Scales
 
 
@@ -68,6 +69,7 @@ def judge(found: Found) -> Judged:
     """The verdict; where no model explains the recording, by how much of the misfit each name takes."""
     if found.by_force is not None:
         return Judged(found, verdict_of(found.search, found.by_force))
+    found = replace(found, search=weighed(found.search))
     graded = _graded(found.search, found.scales)
     later = None if graded is None else _after_first_turn(graded)
     if later is not None:

@@ -63,7 +63,9 @@ class Problem(ABC):
     @property
     def given(self) -> frozenset[str]:
         """What a term may need of a recording (see ``Term.needs``), "spring" apart, which is the model's."""
-        own = {"angle": self.angular, "zero": not self.zero_free}
+        # on a linear spring what pushes all the time moves the rest position, which no speed or acceleration shows
+        shown = "x" in self.channels or self.restoring is not Restoring.SPRING
+        own = {"angle": self.angular, "zero": shown and not self.zero_free}
         return self.provides | {need for need, met in own.items() if met}
 
     @property

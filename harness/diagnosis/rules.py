@@ -500,9 +500,16 @@ COVARIATE_APART = Rule(
     "covariate-apart",
     10.0,
     "variance inflation",
-    "a covariate of no given kind is refused: the base model and time say so much of what it does that its gain's"
-    " variance is so many times what it would be without them; with its kind given, that is said beside it",
+    "a caution stands beside a covariate: the base model and time say so much of what it does that its gain's variance"
+    " is so many times what it would be without them",
     "Kutner, Nachtsheim and Neter 2004, Applied Linear Regression Models, section 10.5: a largest factor above 10",
+)
+MASS_UNSEEN = Rule(
+    "mass-unseen",
+    0.1,
+    "rms of the force left over",
+    "a mass whose part of the force is less is not fitted to a force but taken as so large",
+    "derivation: what has a tenth of the rms and is independent of the rest adds a hundredth to its squares",
 )
 COVARIATES = (DECISIVE, COVARIATE_VARIES, COVARIATE_APART)
 """Those that decide whether and how a covariate enters."""

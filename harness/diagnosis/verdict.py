@@ -1,8 +1,9 @@
 """The verdict: the one place that decides what a search has come to."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
+from harness.diagnosis.baseline.words import Strokes, evidence, words_of
 from harness.diagnosis.fit.model_fit import Fit
 from harness.diagnosis.grading.grade import Contest
 from harness.diagnosis.outcome import Grade, Verdict
@@ -11,6 +12,7 @@ from harness.diagnosis.rules import (
     AMONG_NAMES,
     APART,
     FLEXIBLE,
+    GAIN,
     NULL_DRAWS,
     OVER_SIMULATED,
     SECOND_TERM,
@@ -54,6 +56,22 @@ def judge(found: Search, graded: Contest | None = None) -> Judgement:
     if rival is not None:
         return Judgement("unexplained", found.base, (*gates, *tested, FLEXIBLE, APART), rival)
     return Judgement("missing_physics" if named else "adequate", found.chosen, (*gates, *tested))
+
+
+def weighed(found: Search) -> Search:
+    """A search whose explaining pair has too little evidence in words of the motion, as one that explains nothing.
+
+    Samples of one swing say one thing; two laws that meet the noise together may do so by following it. A lone law has
+    no such freedom.
+    """
+    if len(found.chosen.model.terms) < 2 or found.by_force or found.left is Left.STRUCTURE:
+        return found
+    problem, base, chosen = found.problem, found.base, found.chosen
+    words = words_of(Strokes.between(problem.turns(chosen.shown.v), problem.t.size))
+    more = len(chosen.free) - len(base.free)
+    if evidence(base.chi2, chosen.chi2, words, more, 1.0) >= GAIN.value:
+        return found
+    return replace(found, chosen=base, left=Left.STRUCTURE, without=())
 
 
 def _tested(found: Search, named: bool) -> tuple[Rule, ...]:

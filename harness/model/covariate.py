@@ -1,6 +1,7 @@
 """A column that was measured beside the motion and acts on it: a pressure, a load, a temperature."""
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
 from enum import StrEnum
 
 from harness.core.arrays import FloatArray
@@ -18,8 +19,9 @@ class Acts(StrEnum):
 class Covariate:
     """A covariate P in a model; its values belong to a recording.
 
-    acts : as a force that pushes the slider, gain (P - about), or on f_k or c, times 1 + gain (P - about).
+    acts : as a force that pushes the slider, level + gain (P - about), or on f_k or c, times 1 + gain (P - about).
     about : mean of P in the recording that was fitted. unit : of P, its name where the recording gives none.
+    level : of a force, N: where P has its mean; what is proportional to a pressure is not nil there.
     """
 
     name: str
@@ -27,15 +29,29 @@ class Covariate:
     gain: float = 0.0
     about: float = 0.0
     unit: str = ""
+    level: float = 0.0
 
     @property
     def parameter(self) -> str:
         """Name of the gain among the base parameters."""
         return f"gain_{self.name}"
 
+    @property
+    def fitted(self) -> Mapping[str, float]:
+        """What is fitted, by its name among the base parameters: the gain, and the level of a force."""
+        return {self.parameter: self.gain, **({self._level: self.level} if self.acts is Acts.FORCE else {})}
+
+    def at(self, name: str, value: float) -> "Covariate":
+        """The same with another value of what ``fitted`` calls so."""
+        return replace(self, gain=value) if name == self.parameter else replace(self, level=value)
+
+    @property
+    def _level(self) -> str:
+        return f"level_{self.name}"
+
     def effect(self, values: FloatArray) -> FloatArray:
-        """gain (P - about) of values P (n,): N, or a share of f_k or c."""
-        return self.gain * (values - self.about)
+        """level + gain (P - about) of values P (n,): N, or a share of f_k or c."""
+        return self.level + self.gain * (values - self.about)
 
     @property
     def said(self) -> str:
@@ -43,7 +59,7 @@ class Covariate:
         change = f"{self.parameter} ({self.name} - {self.about:.4g})"
         match self.acts:
             case Acts.FORCE:
-                return f"a force {change} that pushes the slider"
+                return f"a force {self._level} + {change} that pushes the slider"
             case Acts.FRICTION:
                 return f"load-dependent friction, f_k (1 + {change})"
             case Acts.DAMPING:

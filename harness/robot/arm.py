@@ -8,7 +8,6 @@ import mujoco
 import numpy as np
 
 from harness.core.arrays import FloatArray
-from harness.core.errors import InputError
 
 GRAVITY = (0.0, 0.0, -9.81)
 

@@ -19,6 +19,7 @@ from harness.diagnosis.fit.parameters import free_of
 from harness.diagnosis.inverse_dynamics.force import given_force, inverse_force
 from harness.diagnosis.inverse_dynamics.force_fit import ForceFit, fit_force
 from harness.diagnosis.inverse_dynamics.measured import Measured
+from harness.diagnosis.inverse_dynamics.search import force_baseline
 from harness.diagnosis.pipeline import prepare
 from harness.diagnosis.problems.inverse_dynamics import InverseDynamics
 from harness.diagnosis.request import Asked, AskedCovariate
@@ -175,3 +176,35 @@ def test_columns_are_read_by_name_in_every_format(tmp_path: Path) -> None:
     assert read_recording(text, ReadOptions(covariates=("P",))).units["P"] == "bar"
     with pytest.raises(InputError, match="column Q: no such column; t, x, u, P are accepted"):
         read_recording(text, ReadOptions(covariates=("Q",)))
+
+
+def test_a_force_has_a_level_of_its_own_where_its_covariate_has_its_mean() -> None:
+    """What is proportional to a pressure is not nil at its mean; the level is a base parameter, not a missing term."""
+    plain = cylinder(Acts.FORCE, 6.0)
+    shifted = Recording(plain.t, {**plain.channels, "u": plain["u"] + 40.0}, "bench.csv", covariates=plain.covariates)
+    found = []
+    for recording in (plain, shifted):
+        problem = prepare(recording, Asked(Restoring.NONE, covariates=(AskedCovariate("P", Acts.FORCE),)))[0]
+        assert isinstance(problem, InverseDynamics)
+        found.append(force_baseline(problem)[1].model)
+    levels = [model.covariates[0].level for model in found]
+    assert levels[1] - levels[0] == pytest.approx(-40.0, abs=1e-6)
+    assert found[0].covariates[0].gain == pytest.approx(found[1].covariates[0].gain, rel=1e-6)
+
+
+def test_a_mass_that_the_force_does_not_show_is_taken_so_large_that_its_motion_can_be_simulated() -> None:
+    """A slow axis: m a is 1e-5 of the friction. The mass is said to be taken, and moves no number of the fit."""
+    t = np.arange(8 * RATE) / RATE
+    x = 0.02 * np.sin(0.8 * t) + 0.01 * np.sin(0.31 * t)
+    v = 0.016 * np.cos(0.8 * t) + 0.0031 * np.cos(0.31 * t)
+    rng = np.random.default_rng(3)
+    u = 20.0 * v + 2.0 * np.sign(v) + 0.05 * rng.standard_normal(t.size)
+    recording = Recording(t, {"x": x, "u": u}, "slow.csv", covariates={"P": pressure(t)})
+    problem, _ = prepare(recording, Asked(Restoring.NONE, covariates=(AskedCovariate("P", Acts.FORCE),)))
+    assert isinstance(problem, InverseDynamics)
+    assert problem.mass is not None
+    assert any("does not show the mass" in said for said in problem.choices)
+    measured, base, _ = force_baseline(problem)
+    rms = float(np.sqrt(np.mean(measured.blocks(measured.a) ** 2)))
+    assert problem.mass * rms <= 0.1001 * math.sqrt(base.squares / base.residual.size)
+    assert base.model.f_k == pytest.approx(2.0, rel=0.02)

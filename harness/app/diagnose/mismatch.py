@@ -1,16 +1,12 @@
 """Where the base model and a recording part, and the force it leaves over: both without a law for it."""
 
-import math
-
-import numpy as np
-
 from harness.app.shared.places import where_of_place
 from harness.core.events import Mode
-from harness.diagnosis.explain.force_map import ForceMap, force_map
+from harness.diagnosis.explain.force_map import ForceMap
 from harness.diagnosis.explain.locate import Place, locate
+from harness.diagnosis.kinds.known import kind_of
 from harness.diagnosis.motion import Motion
 from harness.diagnosis.outcome import Outcome
-from harness.model.model import Restoring
 from harness.results.common import Where
 
 _EVERYWHERE = "no part of the motion stands out"
@@ -35,11 +31,4 @@ def places(outcome: Outcome) -> list[Where]:
 
 def left_over(outcome: Outcome) -> ForceMap:
     """The force that the base model leaves over, per unit mass."""
-    problem, model, shown = outcome.problem, outcome.base.model, outcome.base.shown
-    interval, omega = float(np.median(np.diff(problem.t))), outcome.scales.omega
-    sigma = {c: noise.sigma * math.sqrt(noise.inflation(omega, interval)) for c, noise in problem.noise.items()}
-    stiffness = np.full(problem.t.size, 0.0 if model.restoring is Restoring.NONE else model.k / model.m)
-    if model.restoring is Restoring.PENDULUM:
-        stiffness *= np.cos(shown.x)
-    residual = {c: y - shown.y[c] for c, y in problem.channels.items()}
-    return force_map(problem.t, residual, sigma, base_motion(outcome), model.c / model.m, stiffness)
+    return kind_of(outcome.problem).left_over(outcome.problem, outcome.base, outcome.scales)

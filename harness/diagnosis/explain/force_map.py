@@ -168,6 +168,13 @@ def force_map(
     return ForceMap(t, motion.x, motion.v, force, stderr, *_cells(motion, force, stderr))
 
 
+def measured_map(t: FloatArray, force: FloatArray, sigma: float, motion: Motion) -> ForceMap:
+    """The map of a force (n,) that is left over by itself, per unit mass, with noise sigma; t (n,), s."""
+    force, stderr = force.copy(), np.full(t.size, sigma)
+    force[motion.stuck], stderr[motion.stuck] = np.nan, np.nan
+    return ForceMap(t, motion.x, motion.v, force, stderr, *_cells(motion, force, stderr))
+
+
 def _cells(
     motion: Motion, force: FloatArray, stderr: FloatArray
 ) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray, IntArray]:

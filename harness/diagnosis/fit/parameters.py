@@ -52,10 +52,10 @@ class Free:
 
 
 def free_of(model: Model, base: tuple[str, ...]) -> tuple[Free, ...]:
-    """The fitted numbers of a model: these base names, gains of covariates, then every parameter of every term."""
+    """The fitted numbers of a model: these base names, those of covariates, then every parameter of every term."""
     free = []
-    gains = (covariate.parameter for covariate in model.covariates)
-    for name in dict.fromkeys((*base, *gains)):
+    given = (name for covariate in model.covariates for name in covariate.fitted)
+    for name in dict.fromkeys((*base, *given)):
         positive = name in _POSITIVE_BASE
         lower = 0.0 if name in ("c", "f_k") else (_LEAST if positive else -math.inf)
         free.append(Free(name, name, lower, math.inf, positive))
@@ -79,23 +79,24 @@ def with_values(model: Model, free: tuple[Free, ...], values: FloatArray) -> Mod
     """The model with these values (q,) for its fitted numbers."""
     base: dict[str, Any] = {}
     terms = [list(entry.values) for entry in model.terms]
-    gains = {covariate.parameter: covariate for covariate in model.covariates}
+    covariates = list(model.covariates)
+    given = {name: i for i, one in enumerate(covariates) for name in one.fitted}
     for f, value in zip(free, values, strict=True):
         if isinstance(f.by, tuple):
             terms[f.by[0]][f.by[1]] = float(value)
-        elif f.by in gains:
-            gains[f.by] = replace(gains[f.by], gain=float(value))
+        elif f.by in given:
+            covariates[given[f.by]] = covariates[given[f.by]].at(f.by, float(value))
         else:
             base[f.by] = float(value)
     entries = tuple(
         ModelTerm(entry.term, tuple(new), entry.internal0) for entry, new in zip(model.terms, terms, strict=True)
     )
-    return replace(model, terms=entries, covariates=tuple(gains.values()), **base)
+    return replace(model, terms=entries, covariates=tuple(covariates), **base)
 
 
 def _base_value(model: Model, name: str) -> float:
-    gains = {covariate.parameter: covariate.gain for covariate in model.covariates}
-    return gains[name] if name in gains else float(getattr(model, name))
+    given = {at: value for one in model.covariates for at, value in one.fitted.items()}
+    return float(given[name] if name in given else getattr(model, name))
 
 
 def bounds_of(free: tuple[Free, ...]) -> Bounds:

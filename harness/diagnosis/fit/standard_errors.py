@@ -42,8 +42,10 @@ def _quantity(value: float, variance: float, unit: str, bound: str | None) -> Qu
     return Quantity(value, math.sqrt(variance), unit)
 
 
-def _gain_unit(covariate: Covariate, problem: Problem) -> str:
-    """Of a gain: a force, or a share of f_k or c, per unit of its column."""
+def _unit_given(covariate: Covariate, name: str, problem: Problem) -> str:
+    """Of a gain: a force, or a share of f_k or c, per unit of its column; of a level a force."""
+    if name != covariate.parameter:
+        return unit_of("N", problem)
     return f"{unit_of('N', problem) if covariate.acts is Acts.FORCE else '1'} per {covariate.unit or covariate.name}"
 
 
@@ -96,14 +98,18 @@ def base_parameters(found: Fit, problem: Problem, omega: float, explained: bool)
         return _quantity(value, _variance(matrices, gradient), unit, _ON_BOUND if on_bound else None)
 
     m, c, k, f_k = model.m, model.c, model.k, model.f_k
-    gains = {p.parameter: combined(p.gain, {p.parameter: 1.0}, _gain_unit(p, problem)) for p in model.covariates}
+    given = {
+        name: combined(value, {name: 1.0}, _unit_given(p, name, problem))
+        for p in model.covariates
+        for name, value in p.fitted.items()
+    }
     if model.restoring is Restoring.NONE:
         mass = about_an_axis("kg") if problem.angular else "kg"
         return {
             "mass": combined(m, {"m": 1.0}, mass) if "m" in at else Quantity(m, None, mass, "given, not fitted"),
             "c": combined(c, {"c": 1.0}, unit_of("N s/m", problem), c <= 0.0),
             "f_k": combined(f_k, {"f_k": 1.0}, unit_of("N", problem), f_k <= 0.0),
-            **gains,
+            **given,
         }
     omega, root = math.sqrt(k / m), math.sqrt(k * m)
     return {
@@ -112,5 +118,5 @@ def base_parameters(found: Fit, problem: Problem, omega: float, explained: bool)
             c / (2.0 * root), {"c": 0.5 / root, "k": -0.25 * c / (root * k), "m": -0.25 * c / (root * m)}, "1", c <= 0.0
         ),
         "x_k": combined(f_k / k, {"f_k": 1.0 / k, "k": -f_k / k**2}, "rad" if problem.angular else "m", f_k <= 0.0),
-        **gains,
+        **given,
     }

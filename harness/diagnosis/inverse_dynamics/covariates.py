@@ -74,12 +74,13 @@ def entered(problem: InverseDynamics, recording: Recording, asked: tuple[AskedCo
     for one in asked:
         about, unit = float(np.mean(values[one.name])), recording.units.get(one.name, "")
         found: list[_Rival] = []
+        shares: dict[Acts, float] = {}
         refused: dict[Acts, float] = {}
-        own = _Own(1.0, False)
         for acts in Acts if one.acts is None else (one.acts,):
             column = _column(acts, measured, measured.covariates[one.name] - about)
             own = _own(acts, column, columns, measured, _block_noise(recording, one.name))
-            if own.noisy or (one.acts is None and own.share * COVARIATE_APART.value < 1.0):
+            shares[acts] = own.share
+            if own.noisy:
                 refused[acts] = own.share
             else:
                 found += _rivals(Covariate(one.name, acts, 0.0, about, unit), column, columns, base)
@@ -87,15 +88,12 @@ def entered(problem: InverseDynamics, recording: Recording, asked: tuple[AskedCo
         if not found and refused:
             parts = ", ".join(f"as {_NAMED[acts]} {100.0 * (1.0 - share):.3g} %" for acts, share in refused.items())
             accepted = "one that varies by itself beyond its noise is accepted"
-            if one.acts is None:
-                most = 100.0 * (1.0 - 1.0 / COVARIATE_APART.value)
-                accepted = f"at most {most:.3g} % is accepted, or its kind, as --covariate {one.name}:force"
             raise InputError(where, f"the base model and time say what it does: {parts}", accepted)
         if not found:
             raise InputError(where, "the fit has no friction or damping for it to act on", "--covariate NAME:force is")
         found.sort(key=lambda rival: float(rival.left @ rival.left))
         text = _said(found, _left(base.residual, columns), one.acts is not None, tuple(refused))
-        said.append(text if one.acts is None else f"{text}{_little(one.name, own.share)}")
+        said.append(f"{text}{_little(one.name, shares[found[0].covariate.acts])}")
         chosen.append(found[0].covariate)
         columns.append(found[0].column)
     return replace(problem, first=replace(problem.first, covariates=tuple(chosen)), enters=tuple(said))
@@ -184,7 +182,7 @@ def _said(found: list[_Rival], without: FloatArray, asked: bool, refused: tuple[
     gained = behind(without) - math.log(independent)
     parts = [f"BIC {gained:.0f} better than without it"]
     parts += [f"{behind(r.left):.0f} better than as {_NAMED[r.covariate.acts]}" for r in found[1:]]
-    parts += [f"{_NAMED[acts]} was not tried, as it follows from the base model and time" for acts in refused]
+    parts += [f"{_NAMED[acts]} was not tried, as that follows from the base model and time" for acts in refused]
     text = f"{name} enters as {best.covariate.said}{', as asked' if asked else ''}: {', '.join(parts)}."
     near = [_NAMED[r.covariate.acts] for r in found[1:] if behind(r.left) < DECISIVE.value]
     if near:

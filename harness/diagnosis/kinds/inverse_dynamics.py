@@ -2,19 +2,26 @@
 
 from collections.abc import Mapping, Sequence
 
+import numpy as np
+
 from harness.core.recording import Recording
+from harness.diagnosis.explain.force_map import ForceMap, measured_map
 from harness.diagnosis.fit.another import as_started
+from harness.diagnosis.fit.model_fit import Fit
 from harness.diagnosis.inverse_dynamics.force_fit import as_fit, simulated
 from harness.diagnosis.inverse_dynamics.holdout import holdout_windows
+from harness.diagnosis.inverse_dynamics.measured import BLOCK, Measured
 from harness.diagnosis.inverse_dynamics.search import force_baseline, left_said, search_driven
 from harness.diagnosis.inverse_dynamics.validate import Judge
 from harness.diagnosis.kinds.kind import Kind
+from harness.diagnosis.motion import Motion
 from harness.diagnosis.outcome import Holdout
 from harness.diagnosis.prepare.driven import driven_problem
 from harness.diagnosis.problems.driven import Forced
 from harness.diagnosis.problems.inverse_dynamics import InverseDynamics
 from harness.diagnosis.request import Asked
 from harness.diagnosis.stages import Based, Found, Judged
+from harness.estimate.noise import channel_noise
 from harness.kernels.solve import Scales
 from harness.model.model import Model, ModelTerm
 from harness.model.place import Place
@@ -58,3 +65,10 @@ class FittedForces(Kind[InverseDynamics]):
     def tried(self, problem: InverseDynamics, models: Sequence[Model], scales: Scales) -> list[Mapping[str, float]]:
         """Over the same windows."""
         return [as_started(model, problem, scales) for model in models]
+
+    def left_over(self, problem: InverseDynamics, base: Fit, scales: Scales) -> ForceMap:
+        """What is left of the measured force itself, where the slider moves."""
+        measured = Measured.of(problem)
+        left = (measured.u - measured.needed(base.model)) / base.model.m
+        motion = Motion(measured.x, measured.v, ~np.repeat(measured.moving, BLOCK), scales.omega)
+        return measured_map(measured.t, left, channel_noise(measured.t, left).sigma, motion)

@@ -1,17 +1,24 @@
 """What a kind of problem has to say: the steps of a diagnosis in which kinds differ."""
 
+import math
 from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
 from typing import Generic
 
+import numpy as np
+
+from harness.core.events import Mode
 from harness.core.recording import Recording
+from harness.diagnosis.explain.force_map import ForceMap, force_map
+from harness.diagnosis.fit.model_fit import Fit
 from harness.diagnosis.inverse_dynamics.validate import Judge
+from harness.diagnosis.motion import Motion
 from harness.diagnosis.outcome import Holdout
 from harness.diagnosis.problem import P, Problem
 from harness.diagnosis.request import Asked
 from harness.diagnosis.stages import Based, Found, Judged
 from harness.kernels.solve import Scales
-from harness.model.model import Model, ModelTerm
+from harness.model.model import Model, ModelTerm, Restoring
 from harness.model.place import Place
 
 
@@ -58,3 +65,15 @@ class Kind(ABC, Generic[P]):
 
         Raises InputError, SimulationError.
         """
+
+    def left_over(self, problem: P, base: Fit, scales: Scales) -> ForceMap:
+        """The force that the base model leaves over, per unit mass: from what it leaves of the channels."""
+        model, shown = base.model, base.shown
+        interval, omega = float(np.median(np.diff(problem.t))), scales.omega
+        sigma = {c: noise.sigma * math.sqrt(noise.inflation(omega, interval)) for c, noise in problem.noise.items()}
+        stiffness = np.full(problem.t.size, 0.0 if model.restoring is Restoring.NONE else model.k / model.m)
+        if model.restoring is Restoring.PENDULUM:
+            stiffness *= np.cos(shown.x)
+        residual = {c: y - shown.y[c] for c, y in problem.channels.items()}
+        motion = Motion(shown.x, shown.v, shown.mode == Mode.STICK, omega)
+        return force_map(problem.t, residual, sigma, motion, model.c / model.m, stiffness)
