@@ -2,7 +2,6 @@
 
 import logging
 import time
-from importlib.metadata import version
 from typing import Any, ClassVar, final
 
 from pydrake.geometry import Box, ProximityProperties, RoleAssign
@@ -15,6 +14,7 @@ from pydrake.systems.framework import DiagramBuilder
 from harness.core.errors import SimulationError
 from harness.core.quiet import quiet
 from harness.core.trajectory import Trajectory
+from harness.core.versions import version
 from harness.engines.base import TUNED_DT, Engine, Preset, Route, Task, choice, resolve
 from harness.engines.models import GRAVITY, coefficient
 from harness.engines.samples import trajectory

@@ -5,7 +5,6 @@ Its packages ask for another MuJoCo than this program's: it runs as newton@PYTHO
 
 import logging
 import time
-from importlib.metadata import version
 from typing import Any, ClassVar, final
 
 import newton
@@ -14,6 +13,7 @@ import warp
 
 from harness.core.quiet import quiet
 from harness.core.trajectory import Trajectory
+from harness.core.versions import version
 from harness.engines.base import TUNED_DT, Engine, Preset, Route, Task, choice, resolve
 from harness.engines.momentum import Momentum
 from harness.engines.samples import trajectory

@@ -5,11 +5,11 @@ and exit handlers along, and ask for a packaging that others here are too new fo
 """
 
 from dataclasses import replace
-from importlib.metadata import version
 from importlib.util import find_spec
 from typing import Any, ClassVar, final
 
 from harness.core.trajectory import Trajectory
+from harness.core.versions import version
 from harness.engines.base import TUNED_DT, Engine, Preset, Route, Task, choice, resolve
 from harness.engines.elsewhere.remote import HERE, worker
 

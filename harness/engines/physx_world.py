@@ -4,7 +4,6 @@ import logging
 import tempfile
 import time
 import warnings
-from importlib.metadata import version
 from importlib.util import find_spec
 from pathlib import Path
 from typing import Any, ClassVar, final
@@ -16,6 +15,7 @@ from ovphysx.types import GlobalConfigKey, TensorType
 
 from harness.core.quiet import quiet
 from harness.core.trajectory import Trajectory
+from harness.core.versions import version
 from harness.engines import physx
 from harness.engines.base import Engine, Preset, Route, Task, resolve
 from harness.engines.momentum import Momentum

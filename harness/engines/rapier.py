@@ -1,7 +1,6 @@
 """Rapier (rapier3d): a multibody joint with MJCF's frictionloss, or a box that slides and lifts."""
 
 import time
-from importlib.metadata import version
 from typing import Any, ClassVar, final
 
 import rapier3d
@@ -9,6 +8,7 @@ from rapier3d.loaders import mjcf
 
 from harness.core.slider import Slider
 from harness.core.trajectory import Trajectory
+from harness.core.versions import version
 from harness.engines.base import TUNED_DT, Engine, Preset, Route, Task, choice, resolve
 from harness.engines.models import GRAVITY, coefficient
 from harness.engines.momentum import Momentum

@@ -57,6 +57,11 @@ def shaded_spans(result: Mapping[str, Any]) -> list[list[float]]:
     return []
 
 
+def begins(result: Mapping[str, Any]) -> float:
+    """When the models are let go, s: before that nothing of them is to be seen."""
+    return float(result["refined_model"]["release"].get("t0", 0.0))
+
+
 def lane(spans: Sequence[Sequence[float]], start: float, stop: float) -> tuple[FloatArray, list[str]]:
     """Times (s) and states of a lane that is on in these spans."""
     times, states = [start], [_PARTS if spans and spans[0][0] <= start else _ELSEWHERE]
@@ -94,9 +99,9 @@ def diagnosis_scene(
     for c in channels:
         parts = [recording[c], *(shown(model, c) for _, model in models)]
         at = keep(recording.t, parts, around, DRAWN)
-        t = recording.t[at]
-        items.append(s.Line(f"/channels/{c}/recording", "recording", t, recording[c][at], RECORDED, 3.0))
-        left = []
+        items.append(s.Line(f"/channels/{c}/recording", "recording", recording.t[at], recording[c][at], RECORDED, 3.0))
+        at = at[recording.t[at] >= begins(result)]
+        t, left = recording.t[at], []
         for ((key, label, color), model), rest in zip(models, leaves, strict=False):
             items.append(s.Line(f"/channels/{c}/{key}", label, t, shown(model, c)[at], color))
             left.append(recording[c][at] - shown(model, c)[at])

@@ -2,7 +2,6 @@
 
 import threading
 import time
-from importlib.metadata import version
 from typing import Any, ClassVar, final
 
 import mujoco
@@ -12,6 +11,7 @@ from mujoco.rollout import rollout
 from harness.core.arrays import FloatArray
 from harness.core.errors import SimulationError
 from harness.core.trajectory import Trajectory
+from harness.core.versions import version
 from harness.engines import models
 from harness.engines.base import Engine, Preset, Route, Task, resolve
 from harness.engines.joint_words import JOINT, Kinds

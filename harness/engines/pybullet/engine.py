@@ -1,11 +1,11 @@
 """PyBullet: spring and driving forces as a torque each step, dry friction as a velocity motor limited to f_k."""
 
 import time
-from importlib.metadata import version
 from typing import Any, ClassVar, final
 
 from harness.core.quiet import quiet
 from harness.core.trajectory import Trajectory
+from harness.core.versions import version
 from harness.engines.base import Engine, Preset, Route, Task, resolve
 from harness.engines.pybullet import loop
 from harness.engines.pybullet import presets as table

@@ -15,6 +15,7 @@ from harness.show.diagnosis_scene import (
     BEFORE,
     YOUR_SIMULATION,
     YOURS,
+    begins,
     model_names,
     shaded_spans,
     shown,
@@ -104,8 +105,7 @@ class _Curves(Section):
 
     def free(self, at: IntArray) -> IntArray:
         """Those samples in which the models move: before their release nothing of them is to be seen."""
-        release = float(self.result["refined_model"]["release"].get("t0", 0.0))
-        return at[self.recording.t[at] >= release]
+        return at[self.recording.t[at] >= begins(self.result)]
 
     @property
     def times(self) -> FloatArray:

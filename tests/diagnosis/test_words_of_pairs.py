@@ -1,0 +1,39 @@
+"""A pair that meets the noise needs evidence in words of the motion, as a graded term does."""
+
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from harness.diagnosis.residual_tests.structure import Left
+from harness.diagnosis.search.search import Search
+from harness.diagnosis.verdict import weighed
+
+
+def search(terms: int, base: float, turns: int, left: Left = Left.NOISE) -> Search:
+    """A search by hand: ``terms`` laws of two numbers each meet 1000 points, the base leaves chi-square ``base``."""
+    t = np.arange(1000) * 1e-3
+
+    def fit(chi2: float, count: int) -> Any:
+        model = SimpleNamespace(terms=(None,) * count)
+        return SimpleNamespace(model=model, chi2=chi2, free=range(6 + 2 * count), shown=SimpleNamespace(v=t))
+
+    problem: Any = SimpleNamespace(t=t, turns=lambda v: np.linspace(1, 998, turns).astype(np.int64))
+    return Search(problem, fit(base, 0), fit(1000.0, terms), (), (), left)
+
+
+def test_few_words_of_a_small_misfit_do_not_carry_a_pair() -> None:
+    """9 words, chi-square 1.57 a point: 9 ln 1.57 - 4 ln 9 = -4.7; at 60, the most that count, 10.7."""
+    assert weighed(search(2, 1570.0, 8)).left is Left.STRUCTURE
+    assert weighed(search(2, 1570.0, 99)).left is Left.NOISE
+
+
+@pytest.mark.parametrize("terms", [0, 1])
+def test_a_lone_law_and_none_are_judged_by_samples_alone(terms: int) -> None:
+    assert weighed(search(terms, 1100.0, 8)).left is Left.NOISE
+
+
+def test_a_large_misfit_carries_a_pair_in_few_cycles() -> None:
+    """12 words, chi-square 50 a point: 12 ln 50 - 4 ln 12 = 37."""
+    assert weighed(search(2, 50000.0, 11)).left is Left.NOISE
