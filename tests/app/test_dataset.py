@@ -4,17 +4,25 @@ import sys
 from pathlib import Path
 from types import SimpleNamespace
 
+import numpy as np
 import pytest
 from bad_input import refuses
 
 from harness.app.dataset.download import download_emps
+from harness.app.dataset.machines import dataset_machines, listed
 from harness.cli.main import run
+from harness.core.errors import InputError
 
 BAD = [
     ("dataset emps", "--from, --download: neither; one of the two is accepted"),
     ("dataset emps --from a --download b", "--from, --download: both; one of the two is accepted"),
     ("dataset emps --from nowhere", "nowhere/DATA_EMPS.mat: no such file; a folder with DATA_EMPS.mat and"),
     ("dataset emps --from .", "DATA_EMPS.mat: sha256 2c26b46b68ff...; the published file, 6cf6814ae146..., is"),
+    ("dataset emps --from . --jobs 2", "--jobs: given with emps, which is one recording; it is accepted with machines"),
+    ("dataset machines", "--from: not given; the folder with the recordings is accepted"),
+    ("dataset machines --download a", "--download: given with machines; --from DIR is accepted"),
+    ("dataset machines --from nowhere", "--from nowhere: no such folder; one with recordings of machines is accepted"),
+    ("dataset machines --from .", "--from .: none of the listed recordings; any of jlefebvre_q2.csv, "),
     ("dataset emps --download new", "--download: the package nonlinear_benchmarks is not installed; the extra is"),
 ]
 
@@ -50,3 +58,35 @@ def test_a_failed_download_is_one_line(
     into = tmp_path / "into"
     assert run(["dataset", "emps", "--download", str(into)]) == 1
     assert capfd.readouterr().err == f"harness: the download into {into} failed: no route to host\n"
+
+
+def test_machines_of_a_folder_are_diagnosed_as_its_own_list_says(tmp_path: Path) -> None:
+    """A damped swing with cubic stiffness, listed in a machines.toml; what is not there is said, a bad one is a row."""
+    t = np.arange(1200) / 200.0
+    x = 0.05 * np.exp(-0.3 * t) * np.cos(2.0 * np.pi * 2.0 * t)
+    np.savetxt(tmp_path / "swing.csv", np.column_stack((t, x)), delimiter=",", header="t,x", comments="")
+    (tmp_path / "bad.csv").write_text("t,x\n0,1\n")
+    entries = "".join(f'[[machine]]\nname = "{n}"\nfile = "{n}.csv"\nothers = "?"\n' for n in ("swing", "bad"))
+    (tmp_path / "machines.toml").write_text(f"{entries}options = {{ to = 5.0 }}\n")
+    found = dataset_machines(tmp_path, tmp_path / "out", jobs=1)
+    assert [row.verdict for row in found.rows] == ["adequate", "error"]
+    assert "jlefebvre_q2.csv" in found.absent
+    page = (tmp_path / "out" / "report.html").read_text(encoding="utf-8")
+    assert "Of 2 recordings of real machines" in page
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("[[machine]", "no TOML"),
+        ('[[machine]]\nname = "a"\n', "machine 1: unknown or missing words"),
+        ('[[machine]]\nname = "a"\nfile = "a.csv"\noptions = { colums = "x" }\n', "the option colums"),
+        ('[[machine]]\nname = "a"\nfile = "a.csv"\noptions = { restoring = "sprung" }\n', "--restoring"),
+    ],
+)
+def test_a_bad_list_is_one_line(text: str, message: str, tmp_path: Path) -> None:
+    (tmp_path / "machines.toml").write_text(text)
+    with pytest.raises(InputError) as error:
+        listed(tmp_path)
+    assert message in str(error.value)
+    assert "\n" not in str(error.value)

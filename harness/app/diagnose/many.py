@@ -106,7 +106,7 @@ def diagnose_all(
     progress("recordings", len(answers), len(works))
     left = {i: work for i, work in enumerate(works) if i not in answers}
     try:
-        for i, answer in _computed(left, min(jobs or cores(), max(len(left), 1)), function):
+        for i, answer in computed(left, min(jobs or cores(), max(len(left), 1)), function):
             answers[i] = answer
             progress("recordings", len(answers), len(works))
     except KeyboardInterrupt:
@@ -166,8 +166,8 @@ def _kept(work: Work) -> DiagnosisResult | None:
     return kept
 
 
-def _computed(left: dict[int, Work], jobs: int, function: Callable[[Work], Answer]) -> Iterator[tuple[int, Answer]]:
-    """Answers as they come."""
+def computed(left: dict[int, Work], jobs: int, function: Callable[[Work], Answer]) -> Iterator[tuple[int, Answer]]:
+    """Answers as they come, by the keys of ``left``."""
     if jobs == 1:
         yield from ((i, function(work)) for i, work in left.items())
         return

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from harness.cli.options import output_options
+from harness.cli.options import jobs_option, output_options
 from harness.cli.output import check_json, emit_json, say, say_as_it_is, shows_tables, this_line
 from harness.cli.progress import shown
 from harness.cli.tables import show
@@ -13,27 +13,43 @@ from harness.core.errors import InputError
 
 if TYPE_CHECKING:
     from harness.results.dataset import DatasetResult
+    from harness.results.machines import FoundResult, MachinesResult
 
 
-@click.command(short_help="A published case: its figures beside ours.")
-@click.argument("name", metavar="emps", type=click.Choice(["emps"]))
-@click.option("--from", "folder", type=click.Path(path_type=Path), metavar="DIR", help="Folder of the two files.")
+@click.command(short_help="Published recordings: what others found beside ours.")
+@click.argument("name", metavar="emps|machines", type=click.Choice(["emps", "machines"]))
+@click.option("--from", "folder", type=click.Path(path_type=Path), metavar="DIR", help="Folder of the files.")
 @click.option(
-    "--download", "into", type=click.Path(path_type=Path), metavar="DIR", help="Download them into this folder first."
+    "--download", "into", type=click.Path(path_type=Path), metavar="DIR", help="emps: download them here first."
 )
+@jobs_option
 @output_options
 def command(
-    name: str, folder: Path | None, into: Path | None, out: Path | None, json_to: str | None, quiet: bool
+    name: str,
+    folder: Path | None,
+    into: Path | None,
+    jobs: int | None,
+    out: Path | None,
+    json_to: str | None,
+    quiet: bool,
 ) -> int:
-    """The published drive-axis case (EMPS): the diagnosis of one file, validated on the other.
+    """Published recordings, diagnosed beside what others found.
 
-    DIR holds DATA_EMPS.mat and DATA_EMPS_PULSES.mat from nonlinearbenchmark.org; both are checked to be those.
-    --download needs the extra: pip install 'friction-harness[emps]'.
+    emps: the drive axis of the nonlinear benchmarks, one file diagnosed and validated on the other; DIR holds
+    DATA_EMPS.mat and DATA_EMPS_PULSES.mat from nonlinearbenchmark.org, and both are checked to be those. --download
+    needs the extra: pip install 'friction-harness[emps]'.
+
+    machines: recordings of pendulums, a wheel and cylinders, as many as DIR holds; a machines.toml in DIR lists more.
 
     \b
     Example: harness dataset emps --from downloads/EMPS
+             harness dataset machines --from recordings
     """
     check_json(json_to)
+    if name == "machines":
+        return _machines(folder, into, jobs, out, json_to, quiet)
+    if jobs is not None:
+        raise InputError("--jobs", "given with emps, which is one recording", "it is accepted with machines")
     from harness.app.dataset.download import download_emps
     from harness.app.dataset.emps import dataset_emps
 
@@ -48,6 +64,50 @@ def command(
     if shows_tables(json_to, quiet):
         _print(result)
     return 0
+
+
+def _machines(
+    folder: Path | None, into: Path | None, jobs: int | None, out: Path | None, json_to: str | None, quiet: bool
+) -> int:
+    from harness.app.dataset.machines import dataset_machines
+
+    if into is not None:
+        raise InputError("--download", "given with machines", "--from DIR is accepted: their files are fetched by hand")
+    if folder is None:
+        raise InputError("--from", "not given", "the folder with the recordings is accepted")
+    with shown(quiet) as progress:
+        result = dataset_machines(folder, out, progress, this_line(), jobs)
+    emit_json(result, json_to)
+    if shows_tables(json_to, quiet):
+        _print_machines(result)
+    return 1 if any(row.verdict == "error" for row in result.rows) else 0
+
+
+def _print_machines(result: "MachinesResult") -> None:
+    from rich.table import Table
+
+    table = Table()
+    for heading in ("machine", "verdict", "named or listed", "takes off", "held out"):
+        table.add_column(heading, justify="right" if heading in ("takes off", "held out") else "left")
+    for row in result.rows:
+        table.add_row(
+            row.name,
+            row.verdict,
+            "\n".join(f"{m.name} ({m.grade})" for m in row.found) or "-",
+            "\n".join(map(_share, row.found)) or "-",
+            "\n".join("-" if m.holdout is None else f"x {m.holdout:.2g}" for m in row.found) or "-",
+        )
+    show(table)
+    for row in result.rows:
+        if row.verdict == "error":
+            say(f"- {row.name}: {row.said}")
+    if result.absent:
+        say(f"- not in the folder: {', '.join(result.absent)}")
+    say_as_it_is(f"report: {result.files['page']}")
+
+
+def _share(found: "FoundResult") -> str:
+    return "-" if found.share is None else f"{100.0 * found.share:.0f} %"
 
 
 def _print(result: "DatasetResult") -> None:

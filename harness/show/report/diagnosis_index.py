@@ -10,7 +10,7 @@ from harness.show.numbers import number
 from harness.show.report.section import Section
 from harness.show.report.verdict import Verdict
 
-_VERDICTS = {
+VERDICTS = {
     "missing_physics": "physics left out",
     "main_effect": "main effect",
     "one_of": "one of several",
@@ -23,7 +23,7 @@ _VERDICTS = {
 def index_title(answers: Sequence[Mapping[str, Any]]) -> tuple[str, str]:
     """Title and subtitle of the page."""
     counts = Counter(answer["verdict"] for answer in answers)
-    said = ", ".join(f"{counts[verdict]} {words}" for verdict, words in _VERDICTS.items() if counts[verdict])
+    said = ", ".join(f"{counts[verdict]} {words}" for verdict, words in VERDICTS.items() if counts[verdict])
     return f"What simulations leave out of {len(answers)} recordings", said
 
 
@@ -57,7 +57,7 @@ class Recordings(Section):
             {
                 "name": PurePath(answer["recording"]["file"]).name,
                 "link": answer["link"],
-                "verdict": _VERDICTS[answer["verdict"]],
+                "verdict": VERDICTS[answer["verdict"]],
                 "names": ", ".join(m["name"] for m in answer["mechanisms"]),
                 "others": ", ".join(a["name"] for m in answer["mechanisms"] for a in m["alternatives"]),
                 "before": number((answer.get("baseline") or {}).get("chi2_per_point"), 4),

@@ -1,0 +1,152 @@
+"""Real machines: published recordings that lie in a folder, each diagnosed, beside what other fits of them said."""
+
+import tomllib
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from importlib import resources
+from pathlib import Path
+from typing import Any
+
+from harness.app.diagnose.many import Answer, Work, compute, computed
+from harness.app.diagnose.options import DiagnoseOptions
+from harness.app.shared.deliver import to_json
+from harness.app.shared.machine import cores, this_machine
+from harness.app.shared.progress import SILENT, Progress
+from harness.core.errors import InputError
+from harness.io.recording import ReadOptions
+from harness.io.store import growing_folder, write_text
+from harness.results.diagnosis import DiagnosisResult, MechanismResult
+from harness.results.machines import FoundResult, MachineRow, MachinesResult
+from harness.show.report.machines import write_machines_page
+
+LIST = "machines.toml"
+FILES = {"result": "result.json", "page": "report.html"}
+_READ = {"columns": "columns", "skip_rows": "skip_rows", "rate": "rate", "from": "start", "to": "stop"}
+_CHOSEN = {"restoring": "restoring", "zero": "zero", "mass": "mass", "covariate": "covariates", "horizon": "horizon"}
+_WORDS = ("name", "file", "source", "options", "others")
+
+
+@dataclass(frozen=True, slots=True)
+class Listed:
+    """A recording of a machine: what it is called, its file's name, where it comes from, how it is read.
+
+    options : as of ``harness diagnose``. others : what other fits said.
+    """
+
+    name: str
+    file: str
+    source: str
+    options: Mapping[str, Any] = field(default_factory=dict)
+    others: str = ""
+
+    def asked(self, where: str) -> DiagnoseOptions:
+        """Its options, without engines: what is compared is the physics. Raises InputError for one that is none."""
+        unknown = sorted(set(self.options) - _READ.keys() - _CHOSEN.keys())
+        if unknown:
+            accepted = ", ".join([*_READ, *_CHOSEN])
+            raise InputError(f"{where}: {self.name}", f"the option {unknown[0]}", f"{accepted} are accepted")
+        read = ReadOptions(**{_READ[name]: value for name, value in self.options.items() if name in _READ})
+        chosen = {_CHOSEN[name]: value for name, value in self.options.items() if name in _CHOSEN}
+        return DiagnoseOptions.chosen(read, engines=(), **chosen)
+
+
+def listed(folder: Path) -> list[tuple[Listed, DiagnoseOptions]]:
+    """The published machines, then those of a machines.toml in the folder itself. Raises InputError for a bad one."""
+    own = resources.files("harness.app.dataset").joinpath(LIST).read_text(encoding="utf-8")
+    found = _parsed(LIST, own)
+    given = folder / LIST
+    if given.is_file():
+        try:
+            found += _parsed(str(given), given.read_text(encoding="utf-8"))
+        except (OSError, UnicodeDecodeError) as error:
+            raise InputError(str(given), str(error), "a readable file in UTF-8 is accepted") from None
+    return found
+
+
+def _parsed(where: str, text: str) -> list[tuple[Listed, DiagnoseOptions]]:
+    try:
+        entries = tomllib.loads(text).get("machine", [])
+    except tomllib.TOMLDecodeError as error:
+        raise InputError(where, f"no TOML: {error}", "[[machine]] with name, file, source is accepted") from None
+    found = []
+    for i, entry in enumerate(entries if isinstance(entries, list) else [entries]):
+        known = isinstance(entry, dict) and set(entry) <= set(_WORDS) and {"name", "file"} <= set(entry)
+        if not known or not isinstance(entry.get("options", {}), dict):
+            raise InputError(
+                f"{where}: machine {i + 1}", "unknown or missing words", f"{', '.join(_WORDS)} are accepted"
+            )
+        one = Listed(**{"source": "", **entry})
+        found.append((one, one.asked(where)))
+    return found
+
+
+def dataset_machines(
+    folder: Path,
+    out: Path | None = None,
+    progress: Progress = SILENT,
+    command: str = "",
+    jobs: int | None = None,
+) -> MachinesResult:
+    """Diagnose every listed recording that lies in a folder, and leave a page, a result and each diagnosis.
+
+    Raises InputError when there is no such folder, none of the listed files is in it, or its list is bad; StoreError.
+    """
+    if not folder.is_dir():
+        raise InputError(f"--from {folder}", "no such folder", "one with recordings of machines is accepted")
+    there: dict[str, Path] = {}
+    for path in sorted(folder.rglob("*")):
+        there.setdefault(path.name, path)
+    every = listed(folder)
+    kept = [(one, options) for one, options in every if one.file in there]
+    if not kept:
+        names = ", ".join(one.file for one, _ in every)
+        raise InputError(f"--from {folder}", "none of the listed recordings", f"any of {names} is accepted")
+    home = growing_folder("dataset-machines", out)
+    works = {
+        i: Work(there[one.file], one.file, home / Path(one.file).stem, options, command)
+        for i, (one, options) in enumerate(kept)
+    }
+    answers: dict[int, Answer] = {}
+    progress("machines", 0, len(works))
+    for i, answer in computed(works, min(jobs or cores(), len(works)), compute):
+        answers[i] = answer
+        progress("machines", len(answers), len(works))
+    result = MachinesResult(
+        rows=[_row(one, answers[i]) for i, (one, _) in enumerate(kept)],
+        absent=[one.file for one, _ in every if one.file not in there],
+        machine=this_machine(),
+        command=command,
+        files={name: str((home / file).absolute()) for name, file in FILES.items()},
+    )
+    write_text(home / FILES["result"], to_json(result))
+    write_machines_page(home / FILES["page"], result.model_dump(by_alias=True))
+    return result
+
+
+def _row(one: Listed, answer: Answer) -> MachineRow:
+    head: dict[str, Any] = {"name": one.name, "file": one.file, "source": one.source, "others": one.others}
+    if not isinstance(answer, DiagnosisResult):
+        return MachineRow(**head, verdict="error", said=answer.error, found=[])
+    rest = answer.remainder
+    return MachineRow(
+        **head,
+        verdict=answer.verdict,
+        said=answer.statement,
+        found=[_found(m) for m in answer.mechanisms],
+        fit_percent_before=None if answer.fit_percent is None else answer.fit_percent.baseline,
+        fit_percent_after=None if answer.fit_percent is None else answer.fit_percent.refined,
+        over_noise=None if rest is None else rest.over_noise,
+        given=list(answer.holdout.given),
+    )
+
+
+def _found(m: MechanismResult) -> FoundResult:
+    return FoundResult(name=m.name, grade=m.grade, share=m.share, holdout=_ratio(m.holdout), forward=_ratio(m.forward))
+
+
+def _ratio(prediction: Any) -> float | None:
+    """Error after over before, of the channel where that is largest."""
+    if prediction is None:
+        return None
+    ratios = [prediction.refined_rmse[c] / b for c, b in prediction.baseline_rmse.items() if b > 0.0]
+    return max(ratios) if ratios else None
