@@ -15,7 +15,7 @@ from harness.core.bounded import MOST_BYTES, check_file, check_size
 from harness.core.checks import finite, positive
 from harness.core.errors import InputError
 from harness.core.recording import CHANNELS, LARGEST, LONGEST_TIME, MINIMUM_SAMPLES, Recording
-from harness.io.choose import chosen, quoted_of, said, unit_of
+from harness.io.choose import chosen, quoted_of, said
 from harness.io.product import products
 from harness.io.registry import formats, reader_of
 from harness.io.sampling import sampling_notes

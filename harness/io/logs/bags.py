@@ -32,7 +32,8 @@ def storages(path: Path) -> list[Path]:
     """The files of a bag, or none where ``path`` is no bag."""
     if path.is_file():
         return [path] if path.suffix.lower() in SUFFIXES else []
-    return sorted(file for file in path.glob("*") if file.suffix in (".db3", ".mcap", ".zstd"))
+    kinds = (".db3", ".mcap", ".zstd") if (path / "metadata.yaml").is_file() else (".db3", ".mcap")
+    return sorted(file for file in path.glob("*") if file.suffix in kinds)
 
 
 def topics_of(path: Path) -> Found:

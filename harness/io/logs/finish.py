@@ -48,11 +48,12 @@ def finished(raw: Raw, file: str, options: LogOptions, gain: Gain | None) -> Fin
         if signless:
             notes.append(
                 f"The effort of {called(signless, len(effort))} never is negative although the joints move both ways: "
-                "it has no sign, and is left out."
+                "it has no sign, says nothing of friction, and is left out."
             )
             effort = {joint: u for joint, u in effort.items() if joint not in signless}
         notes += [*coarse("velocity", velocity), *coarse("effort", effort), *sampling_notes(raw.t)]
-    left = tuple(kind for kind in ("current", "magnitude") if raw.fields.get(kind))
+    beside: tuple[Field, ...] = ("current", "magnitude")
+    left = tuple(kind for kind in beside if raw.fields.get(kind))
     return Finished(raw.t, position, velocity, effort, left, tuple(notes))
 
 
@@ -65,7 +66,9 @@ def _chosen(raw: Raw, file: str, joints: tuple[str, ...] | None) -> Raw:
         names = dict(zip(have, joints, strict=False))
         if len(joints) != len(have):
             few = min(len(joints), len(have))
-            said = f"The log has {len(have)} joints and the model {len(joints)}: the first {few} are taken, in its order."
+            said = (
+                f"The log has {len(have)} joints and the model {len(joints)}: the first {few} are taken, in its order."
+            )
         else:
             said = f"Joints have no names in the log: {', '.join(joints)} are taken for them, in the model's order."
     else:

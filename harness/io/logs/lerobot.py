@@ -75,8 +75,7 @@ def raw_of_episode(path: Path, options: LogOptions) -> Raw:
     file, episodes = where[asked]
     table = ArrowTable(file, names)
     table.keep = episodes == float(asked)
-    raw = raw_of(table, LogOptions(options.columns, rate=options.rate, angle_unit=options.angle_unit))
-    return Raw(raw.t, raw.fields, raw.told, raw.rows, raw.numbered, (f"Episode {asked} is read.", *raw.notes))
+    return raw_of(table, LogOptions(options.columns, rate=options.rate, angle_unit=options.angle_unit))
 
 
 def _listed(names: list[str]) -> str:

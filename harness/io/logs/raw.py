@@ -4,7 +4,6 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
-
 from harness.core.apart import Found
 from harness.core.arrays import FloatArray
 from harness.core.errors import InputError
@@ -62,7 +61,7 @@ def from_found(columns: Mapping[str, FloatArray], about: Mapping[str, Any]) -> R
     for key, values in columns.items():
         kind, _, joint = key.partition(" ")
         if kind in FIELDS:
-            fields.setdefault(kind, {})[joint] = values  # type: ignore[call-overload]
+            fields.setdefault(kind, {})[joint] = values
     told, notes = dict(about["told"]), tuple(about["notes"])
     return Raw(columns["t"], fields, told, about["rows"], about["numbered"], notes)
 

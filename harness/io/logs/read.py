@@ -138,7 +138,7 @@ def bag_topic(source: Source, topic: str, options: LogOptions) -> Raw:
     wanted = set(options.joints or ())
     chosen = max(sets, key=lambda number: (len(wanted & set(about[number]["joints"])), -number))
     mine = {k.partition(" ")[2]: v for k, v in columns.items() if k.partition(" ")[0] == str(chosen)}
-    notes = [f"Topic {topic} is read.", *about[chosen]["notes"]]
+    notes = list(about[chosen]["notes"])
     for number in sets:
         if number != chosen:
             names = ", ".join(about[number]["joints"][:4])

@@ -28,7 +28,8 @@ WORDS: dict[Field, tuple[str, ...]] = {
 SHORT = frozenset({"x", "v", "u"})
 """Words that say nothing behind the name of something (base.x)."""
 COMMANDED = frozenset(
-    "cmd xcmd command commanded target goal desired des ref reference setpoint error err action".split()
+    {"cmd", "xcmd", "command", "commanded", "target", "goal", "desired", "des", "ref", "reference", "setpoint"}
+    | {"error", "err", "action"}
 )
 """Words of a name by which it is not what was measured."""
 TOPICS = frozenset({"joint_states", "joint_state", "field", "observation", "robot", "state"})

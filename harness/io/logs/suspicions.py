@@ -26,6 +26,8 @@ NEAR = 0.05
 """Of a factor: nearer than this share it is taken for one of them, or for 1."""
 TOLD = 0.99
 """Correlation of the integrated velocity with the position from which their ratio is said."""
+RESOLVED = 2.0
+"""Steps that a velocity's standard deviation is of, at least, where its ratio is said."""
 TURNS = 4.0 * np.pi
 """rad; positions beyond two turns either way are looked at."""
 TOUCHES = 0.02
@@ -41,7 +43,9 @@ def called(joints: list[str], of: int) -> str:
     """Some of a log's joints as a message lists them."""
     if len(joints) == of:
         return "all joints" if of > 2 else " and ".join(joints)
-    return ", ".join(joints[:4]) + (f" and {len(joints) - 4} more" if len(joints) > 4 else "")
+    shown, more = (joints, "") if len(joints) < 5 else (joints[:4], f"{len(joints) - 4} more")
+    parts = [*shown, more] if more else list(shown)
+    return " and ".join([*([", ".join(parts[:-1])] if len(parts) > 1 else []), parts[-1]])
 
 
 def ratio(t: FloatArray, position: FloatArray, velocity: FloatArray) -> float | None:
@@ -65,13 +69,16 @@ def odd_velocity(t: FloatArray, position: Joints, velocity: Joints) -> list[str]
     """Joints whose velocity is a constant times the derivative of their position."""
     found: dict[str, list[str]] = {}
     for joint in (name for name in velocity if name in position):
+        step = step_of(velocity[joint])
+        if step is not None and velocity[joint].std() < RESOLVED * step:
+            continue
         factor = ratio(t, position[joint], velocity[joint])
         if factor is not None and abs(factor - 1.0) > NEAR:
             near = ((value, said) for value, said in FACTORS if abs(factor / value - 1.0) < NEAR)
             value, looks = next(near, (factor, ""))
             what = f"{value:.4g} times the derivative of the position{looks and f', as {looks}'}"
             found.setdefault(what, []).append(joint)
-    return [f"Velocity of {called(joints, len(velocity))} is {what}." for what, joints in found.items()]
+    return [f"The velocity of {called(joints, len(velocity))} is {what}." for what, joints in found.items()]
 
 
 def degrees(position: Joints, told: str) -> str | None:
@@ -93,10 +100,15 @@ def _both_ways(q: FloatArray) -> bool:
 
 
 def unsigned(position: Joints, effort: Joints) -> list[str]:
-    """Joints whose effort is a magnitude: it never is negative, although they move both ways and it comes to 0."""
+    """Joints whose effort is a magnitude: it never is negative, although they move both ways and it comes to 0.
+
+    A driver that gives magnitudes does so of every joint: one effort that changes its sign clears all.
+    """
+    if any(u.min() < 0.0 for u in effort.values()):
+        return []
     moving = [name for name, u in effort.items() if name in position and np.ptp(u) > 0.0 and _both_ways(position[name])]
-    never = [name for name in moving if effort[name].min() >= 0.0]
-    return [name for name in never if effort[name].min() <= TOUCHES * effort[name].max()]
+    touching = [name for name in moving if effort[name].min() <= TOUCHES * effort[name].max()]
+    return list(effort) if touching and touching == moving else []
 
 
 def step_of(values: FloatArray) -> float | None:
@@ -119,6 +131,6 @@ def coarse(kind: Field, channels: Joints) -> list[str]:
             steps.setdefault(f"{step:.3g}", []).append(joint)
     unit = SI_UNITS[kind]
     return [
-        f"{kind.capitalize()} of {called(joints, len(channels))} comes in steps of {step} {unit}."
+        f"The {kind} of {called(joints, len(channels))} comes in steps of {step} {unit}."
         for step, joints in steps.items()
     ]

@@ -107,14 +107,10 @@ def _said(targets: list[Target], told: dict[str, str]) -> str:
     for field in dict.fromkeys(target.field for target in targets):
         headers = [target.header for target in targets if target.field == field]
         span = headers[0] if len(headers) == 1 else f"{headers[0]} to {headers[-1]}"
-        parts.append(f"{span} as {_UNIT_OF[field]} in {told[field] or SI_UNITS[field]}")
+        parts.append(
+            f"{span} as {_CALLED.get(field, field)} in {told[field].replace('*', ' ') or SI_UNITS[field] + ' (no unit given)'}"
+        )
     return f"Read {', '.join(parts)}."
 
 
-_UNIT_OF: dict[Field, str] = {
-    "position": "position",
-    "velocity": "velocity",
-    "effort": "effort",
-    "current": "current",
-    "magnitude": "effort without its sign",
-}
+_CALLED: dict[Field, str] = {"magnitude": "effort without its sign"}

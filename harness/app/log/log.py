@@ -1,0 +1,25 @@
+"""What a log of a robot's joints holds, as a result."""
+
+from pathlib import Path
+
+from harness.io.logs.describe import TopicInfo, describe_log
+from harness.results.log import LogResult, Topic
+
+
+def log(path: Path) -> LogResult:
+    """Every topic of a log, with its joints, fields, rate and gaps. Raises InputError for a file that holds none."""
+    return LogResult(file=str(path.absolute()), topics=[_topic(found) for found in describe_log(path)])
+
+
+def _topic(found: TopicInfo) -> Topic:
+    return Topic(
+        name=found.name,
+        type=found.kind,
+        count=found.count,
+        rate_hz=found.rate_hz,
+        joints=list(found.joints),
+        fields=list(found.fields),
+        units_guessed=found.units,
+        gaps_s=[list(gap) for gap in found.gaps_s],
+        notes=list(found.notes),
+    )

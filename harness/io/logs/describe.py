@@ -1,0 +1,119 @@
+"""What a log holds, topic by topic."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import numpy as np
+
+from harness.core.apart import read_apart
+from harness.core.arrays import FloatArray
+from harness.core.errors import InputError
+from harness.io.logs import bags
+from harness.io.logs.finish import Finished, finished
+from harness.io.logs.raw import LogOptions, Raw
+from harness.io.logs.read import Source, bag_topic, bag_topics, raw_of_source, source_of
+from harness.io.logs.rules import SI_UNITS, Field
+from harness.io.sampling import GAP
+
+FIELDS: tuple[Field, ...] = ("position", "velocity", "effort", "current", "magnitude")
+
+
+@dataclass(frozen=True, slots=True)
+class TopicInfo:
+    """What one topic holds.
+
+    kind : its type in the bag, "table" or "episode". count : of messages or rows. rate_hz : by the median interval,
+    None where no times are read. joints, fields : that are logged. units : taken for each field. gaps_s : [from, to].
+    notes : what is odd about it, a sentence each.
+    """
+
+    name: str
+    kind: str
+    count: int
+    rate_hz: float | None = None
+    joints: tuple[str, ...] = ()
+    fields: tuple[str, ...] = ()
+    units: dict[str, str] = field(default_factory=dict)
+    gaps_s: tuple[tuple[float, float], ...] = ()
+    notes: tuple[str, ...] = ()
+
+
+def describe_log(path: Path) -> list[TopicInfo]:
+    """Every topic of a bag, every episode of a data set, or the one topic that a table is.
+
+    Raises InputError for a file that cannot be read, or a table without joints.
+    """
+    try:
+        source = source_of(path)
+        of = {"bag": _bag, "lerobot": _data_set}.get(source.kind, _table)
+        return list(of(source))
+    except OSError as error:
+        raise InputError(str(path), error.strerror or str(error), "a file that can be read is accepted") from None
+
+
+def _table(source: Source) -> Iterator[TopicInfo]:
+    raw = raw_of_source(source, LogOptions())
+    yield _looked(source.path.name, "table", raw, str(source.path))
+
+
+def _bag(source: Source) -> Iterator[TopicInfo]:
+    for name, kind, count in bag_topics(source):
+        if kind != bags.TYPE or not count:
+            yield TopicInfo(name, kind, count)
+            continue
+        try:
+            raw = bag_topic(source, name, LogOptions())
+        except InputError as error:
+            yield TopicInfo(name, kind, count, notes=(f"It cannot be read: {error}.",))
+            continue
+        yield _looked(name, kind, raw, str(source.path))
+
+
+def _data_set(source: Source) -> Iterator[TopicInfo]:
+    """Episodes by their stamps; what their rows are like, by the first."""
+    accepted = "a whole LeRobot data set is accepted"
+    read = "harness.io.logs.lerobot:episodes_apart"
+    stamps, _ = read_apart(read, source.path, accepted, seconds=source.seconds)
+    first = next(iter(stamps), None)
+    if first is None:
+        return
+    raw = raw_of_source(source, LogOptions(topic=first))
+    like = _looked(f"episode {first}", "episode", raw, str(source.path))
+    yield like
+    for name, t in stamps.items():
+        if name != first:
+            shape = like.joints, like.fields, like.units
+            yield TopicInfo(f"episode {name}", "episode", t.size, _rate(t), *shape, _gaps(t))
+
+
+def _looked(name: str, kind: str, raw: Raw, file: str) -> TopicInfo:
+    """What a log shows when it is read; a value that would end the reading is said, and its rows are left out."""
+    notes: tuple[str, ...] = ()
+    try:
+        found = finished(raw, file, LogOptions(), None)
+    except InputError as error:
+        notes = (f"{error}.",)
+        try:
+            found = finished(raw, file, LogOptions(drop_nan=True), None)
+        except InputError:
+            found = Finished(raw.t, {}, {}, {}, (), raw.notes)
+    fields = tuple(kind for kind in FIELDS if kind in found.left or getattr(found, kind, None))
+    units = {kind: (raw.told.get(kind) or SI_UNITS[kind]).replace("*", " ") for kind in fields}
+    joints = tuple(raw.fields.get("position", {}))
+    said = (*notes, *found.notes)
+    return TopicInfo(name, kind, raw.t.size, _rate(found.t), joints, fields, units, _gaps(found.t), said)
+
+
+def _rate(t: FloatArray) -> float | None:
+    """Hz, by the median interval; None where there is none."""
+    median = float(np.median(np.diff(t))) if t.size > 1 else 0.0
+    return 1.0 / median if np.isfinite(median) and median > 0.0 else None
+
+
+def _gaps(t: FloatArray) -> tuple[tuple[float, float], ...]:
+    """Where more time lies between samples than five medians."""
+    steps = np.diff(t)
+    if not steps.size:
+        return ()
+    return tuple((float(t[i]), float(t[i + 1])) for i in np.flatnonzero(steps > GAP * np.median(steps)))
