@@ -20,6 +20,9 @@ class Topic(Result):
     )
     units_guessed: dict[str, str] = Field(description="the unit each field is read in")
     gaps_s: list[Span] = Field(description="[from, to], where more than five intervals are missing")
+    ranges: dict[str, dict[str, list[float]]] = Field(
+        default_factory=dict, description="by joint and field, from the least to the largest value, in these units"
+    )
     notes: list[str] = Field(default_factory=list, description="what was done and what is odd, one sentence each")
 
 

@@ -19,7 +19,8 @@ def _topic(found: TopicInfo) -> Topic:
         rate_hz=found.rate_hz,
         joints=list(found.joints),
         fields=list(found.fields),
-        units_guessed=found.units,
+        units_guessed={str(kind): unit for kind, unit in found.units.items()},
         gaps_s=[list(gap) for gap in found.gaps_s],
+        ranges={joint: {kind: list(r) for kind, r in of.items()} for joint, of in found.ranges.items()},
         notes=list(found.notes),
     )

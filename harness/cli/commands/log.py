@@ -15,8 +15,8 @@ if TYPE_CHECKING:
 
 _MOST = 20
 """Topics that a table for people shows; --json has all of them."""
-_NAMED = 8
-"""Joints that are listed by name."""
+_ROWS = {"table": "rows", "episode": "rows"}
+_CALLED = {"magnitude": "|effort|"}
 
 
 @click.command(short_help="What a log of a robot's joints holds: topics, joints, rates, what is odd.")
@@ -46,28 +46,54 @@ def command(file: Path, json_to: str | None, quiet: bool) -> int:
 
 
 def _print(result: "LogResult") -> None:
+    (only,) = result.topics if len(result.topics) == 1 else (None,)
+    if only is None:
+        _topics(result.topics)
+    else:
+        rate = "" if only.rate_hz is None else f" at {only.rate_hz:.4g} Hz"
+        say(f"{only.name}: {only.count} {_ROWS.get(only.type, 'messages')}{rate}, {_gaps(only)}")
+    seen: set[str] = set()
+    for topic in (topic for topic in result.topics[:_MOST] if topic.joints or topic.notes):
+        if only is None and topic.ranges:
+            say(f"{topic.name}:")
+        if topic.ranges:
+            _joints(topic)
+        for note in topic.notes:
+            if note not in seen:
+                say(f"- {note}")
+            seen.add(note)
+
+
+def _topics(topics: "list[Topic]") -> None:
     from rich.table import Table
 
     table = Table()
-    for heading in ("topic", "type", "count", "Hz", "joints", "fields", "gaps"):
-        table.add_column(heading, justify="right" if heading in ("count", "Hz", "joints", "gaps") else "left")
-    for topic in result.topics[:_MOST]:
+    for heading in ("topic", "type", "count", "Hz", "joints", "gaps"):
+        table.add_column(heading, justify="left" if heading in ("topic", "type") else "right")
+    for topic in topics[:_MOST]:
         rate = "-" if topic.rate_hz is None else f"{topic.rate_hz:.4g}"
-        cells = (topic.type.rpartition("/")[2], str(topic.count), rate, str(len(topic.joints) or "-"))
-        table.add_row(topic.name, *cells, "\n".join(_fields(topic)) or "-", str(len(topic.gaps_s) or "-"))
+        joints, gaps = str(len(topic.joints) or "-"), str(len(topic.gaps_s) or "-")
+        table.add_row(topic.name, topic.type.rpartition("/")[2], str(topic.count), rate, joints, gaps)
     show(table)
-    if len(result.topics) > _MOST:
-        say(f"and {len(result.topics) - _MOST} more; --json has all of them")
-    for topic in result.topics[:_MOST]:
-        before = f"{topic.name}: " if len(result.topics) > 1 else ""
-        if topic.joints and topic == next(t for t in result.topics if t.joints == topic.joints):
-            more = f" and {len(topic.joints) - _NAMED} more" if len(topic.joints) > _NAMED else ""
-            say(f"{before}joints {', '.join(topic.joints[:_NAMED])}{more}")
-        for note in topic.notes:
-            say(f"- {before}{note}")
+    if len(topics) > _MOST:
+        say(f"and {len(topics) - _MOST} more; --json has all of them")
 
 
-def _fields(topic: "Topic") -> list[str]:
-    """Fields with the units they are read in."""
-    called = {"magnitude": "|effort|"}
-    return [f"{called.get(field, field)} {topic.units_guessed.get(field, '')}".strip() for field in topic.fields]
+def _joints(topic: "Topic") -> None:
+    """A row a joint: from where to where each of its fields goes."""
+    from rich.table import Table
+
+    table = Table()
+    table.add_column("joint")
+    fields = [field for field in topic.units_guessed if any(field in of for of in topic.ranges.values())]
+    for field in fields:
+        table.add_column(f"{_CALLED.get(field, field)}, {topic.units_guessed[field]}", justify="right")
+    for joint in topic.joints:
+        of = topic.ranges.get(joint, {})
+        table.add_row(joint, *(f"{of[f][0]:.3g} to {of[f][1]:.3g}" if f in of else "-" for f in fields))
+    show(table)
+
+
+def _gaps(topic: "Topic") -> str:
+    count = len(topic.gaps_s)
+    return "no gaps" if not count else f"{count} gap{'s' if count > 1 else ''}"

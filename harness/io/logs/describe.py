@@ -1,6 +1,6 @@
 """What a log holds, topic by topic."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -13,8 +13,9 @@ from harness.io.logs import bags
 from harness.io.logs.finish import Finished, finished
 from harness.io.logs.raw import LogOptions, Raw
 from harness.io.logs.read import Source, bag_topic, bag_topics, raw_of_source, source_of
-from harness.io.logs.rules import SI_UNITS, Field
+from harness.io.logs.rules import CHANNEL, SI_UNITS, Field
 from harness.io.sampling import GAP
+from harness.io.units import parse_unit
 
 FIELDS: tuple[Field, ...] = ("position", "velocity", "effort", "current", "magnitude")
 
@@ -25,6 +26,7 @@ class TopicInfo:
 
     kind : its type in the bag, "table" or "episode". count : of messages or rows. rate_hz : by the median interval,
     None where no times are read. joints, fields : that are logged. units : taken for each field. gaps_s : [from, to].
+    ranges : by joint and field, from the least to the largest, in these units.
     notes : what is odd about it, a sentence each.
     """
 
@@ -34,8 +36,9 @@ class TopicInfo:
     rate_hz: float | None = None
     joints: tuple[str, ...] = ()
     fields: tuple[str, ...] = ()
-    units: dict[str, str] = field(default_factory=dict)
+    units: Mapping[Field, str] = field(default_factory=dict)
     gaps_s: tuple[tuple[float, float], ...] = ()
+    ranges: Mapping[str, Mapping[Field, tuple[float, float]]] = field(default_factory=dict)
     notes: tuple[str, ...] = ()
 
 
@@ -102,7 +105,19 @@ def _looked(name: str, kind: str, raw: Raw, file: str) -> TopicInfo:
     units = {kind: (raw.told.get(kind) or SI_UNITS[kind]).replace("*", " ") for kind in fields}
     joints = tuple(raw.fields.get("position", {}))
     said = (*notes, *found.notes)
-    return TopicInfo(name, kind, raw.t.size, _rate(found.t), joints, fields, units, _gaps(found.t), said)
+    return TopicInfo(name, kind, raw.t.size, _rate(found.t), joints, fields, units, _gaps(found.t), _ranges(raw), said)
+
+
+def _ranges(raw: Raw) -> dict[str, dict[Field, tuple[float, float]]]:
+    """What each field of each joint covers, where it has a finite value."""
+    found: dict[str, dict[Field, tuple[float, float]]] = {}
+    for kind in (kind for kind in FIELDS if kind in raw.fields):
+        factor = parse_unit(kind, CHANNEL[kind], raw.told.get(kind)).factor
+        for joint, values in raw.fields[kind].items():
+            known = values[np.isfinite(values)]
+            if known.size:
+                found.setdefault(joint, {})[kind] = float(known.min()) / factor, float(known.max()) / factor
+    return found
 
 
 def _rate(t: FloatArray) -> float | None:

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from harness.core.errors import InputError
 from harness.io.columns import Mapping, parse_columns
 from harness.io.guess import meaning, quoted
-from harness.io.logs.rules import FIELDS, WORDS, Field, Named, named
+from harness.io.logs.rules import CHANNEL, WORDS, Field, Named, named
 from harness.io.table import Table
 
 ACCEPTED = (
@@ -41,7 +41,7 @@ def by_option(text: str) -> tuple[list[Target], Mapping | None]:
         joint, _, kind = name.rpartition(".")
         if joint:
             field = next(field for field in _FIELDS if field == kind)
-            product = Mapping(FIELDS[field], mapping.names, mapping.factor, mapping.unit)
+            product = Mapping(CHANNEL[field], mapping.names, mapping.factor, mapping.unit)
             targets.append(Target(field, joint, product, "*".join(mapping.names)))
     return targets, found.get("t")
 
@@ -68,7 +68,7 @@ def by_name(table: Table) -> tuple[list[Target], bool]:
         Target(
             field,
             joint,
-            Mapping(FIELDS[field], (f"#{i + 1}",), 1.0, None if i in table.units else found.unit),
+            Mapping(CHANNEL[field], (f"#{i + 1}",), 1.0, None if i in table.units else found.unit),
             table.headers[i],
         )
         for (field, joint), (i, found) in ordered

@@ -8,7 +8,7 @@ from harness.core.apart import Found
 from harness.core.arrays import FloatArray
 from harness.core.errors import InputError
 from harness.core.near import did_you_mean
-from harness.io.logs.rules import FIELDS, Field
+from harness.io.logs.rules import CHANNEL, Field
 
 Fields = dict[Field, dict[str, FloatArray]]
 
@@ -60,7 +60,7 @@ def from_found(columns: Mapping[str, FloatArray], about: Mapping[str, Any]) -> R
     fields: Fields = {}
     for key, values in columns.items():
         kind, _, joint = key.partition(" ")
-        if kind in FIELDS:
+        if kind in CHANNEL:
             fields.setdefault(kind, {})[joint] = values
     told, notes = dict(about["told"]), tuple(about["notes"])
     return Raw(columns["t"], fields, told, about["rows"], about["numbered"], notes)

@@ -7,7 +7,7 @@ from typing import Literal
 from harness.io.guess import ENDINGS
 
 Field = Literal["position", "velocity", "effort", "current", "magnitude"]
-FIELDS: dict[Field, str] = {"position": "x", "velocity": "v", "effort": "u", "current": "i", "magnitude": "u"}
+CHANNEL: dict[Field, str] = {"position": "x", "velocity": "v", "effort": "u", "current": "i", "magnitude": "u"}
 """What is logged of a joint, and the channel whose units it has; a magnitude is an effort without its sign."""
 SI_UNITS: dict[Field, str] = {
     "position": "rad",
@@ -88,7 +88,7 @@ def named(name: str) -> Named | None:
             continue
         parts = found.groupdict()
         word, ending = parts["word"].lower(), (parts["unit"] or "").lower()
-        units = _ENDINGS[FIELDS[FIELD_OF[word]]]
+        units = _ENDINGS[CHANNEL[FIELD_OF[word]]]
         joint = (parts.get("joint") or "").rstrip("/").rpartition("/")[2]
         if (ending and ending not in units) or (style == "named" and joint.lower() in {"", *TOPICS}):
             continue

@@ -18,6 +18,8 @@ from harness.io.stamps import since_first, whole_numbers
 from harness.io.table import Table
 from harness.io.units import Unit
 
+MIXED = "the units of their headers"
+"""Where columns of one field came in several units."""
 NEEDED = "columns t and NAME.position, NAME.velocity, NAME.effort (or position[0], x1_rad, actual_q_0, q1)"
 
 
@@ -74,11 +76,11 @@ def raw_of(table: Table, options: LogOptions) -> Raw:
     for i, target in enumerate(targets):
         values, unit = read[str(i)]
         fields.setdefault(target.field, {})[target.joint] = values
-        told[target.field] = unit.text
+        told[target.field] = unit.text if told.get(target.field, unit.text) == unit.text else MIXED
     notes = [*([] if note is None else [note]), *notes]
     if options.columns is None:
         notes.insert(0, _said(targets, told))
-    return Raw(t, fields, {k: v for k, v in told.items() if v}, "row", numbered, tuple(notes))
+    return Raw(t, fields, {k: v for k, v in told.items() if v not in ("", MIXED)}, "row", numbered, tuple(notes))
 
 
 def _with_unit(table: Table, target: Target, options: LogOptions) -> Mapping:
@@ -107,9 +109,8 @@ def _said(targets: list[Target], told: dict[str, str]) -> str:
     for field in dict.fromkeys(target.field for target in targets):
         headers = [target.header for target in targets if target.field == field]
         span = headers[0] if len(headers) == 1 else f"{headers[0]} to {headers[-1]}"
-        parts.append(
-            f"{span} as {_CALLED.get(field, field)} in {told[field].replace('*', ' ') or SI_UNITS[field] + ' (no unit given)'}"
-        )
+        unit = told[field].replace("*", " ") or f"{SI_UNITS[field]} (no unit given)"
+        parts.append(f"{span} as {_CALLED.get(field, field)} in {unit}")
     return f"Read {', '.join(parts)}."
 
 
