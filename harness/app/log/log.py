@@ -1,9 +1,12 @@
-"""What a log of a robot's joints holds, as a result."""
+"""Logs of a robot's joints: what one holds, as a result, and the log itself."""
 
 from pathlib import Path
 
 from harness.io.logs.describe import TopicInfo, describe_log
+from harness.io.logs.read import read_joint_log as read
 from harness.results.log import LogResult, Topic
+
+__all__ = ["log", "read"]
 
 
 def log(path: Path) -> LogResult:

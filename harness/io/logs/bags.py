@@ -59,7 +59,8 @@ def columns_of(path: Path, topic: str) -> Found:
         for reader in readers:
             connections = [c for c in reader.connections if c.topic == topic and c.msgtype == TYPE]
             for _, received, data in reader.messages(connections) if connections else ():
-                found.add(received, read(data, TYPE))
+                if not found.add_alike(received, data):
+                    found.add(received, read(data, TYPE), data, old)
     return found.found()
 
 

@@ -7,6 +7,7 @@ import numpy as np
 from harness.core.apart import Found
 from harness.core.arrays import FloatArray, IntArray
 from harness.core.errors import InputError
+from harness.io.logs.layout import Layout, layout_of
 from harness.io.logs.rules import Field
 
 FIELDS: tuple[Field, ...] = ("position", "velocity", "effort")
@@ -71,9 +72,23 @@ class Topic:
         self._where, self._count, self._unnamed = where, 0, False
         self._sets: dict[frozenset[str], Joints] = {}
         self._last: tuple[tuple[str, ...], Joints] | None = None
+        self._layout: Layout | None = None
 
-    def add(self, received: int, message: Any) -> None:
-        """One sensor_msgs/JointState, received at this time in ns. Raises InputError for one that makes no sense."""
+    def add_alike(self, received: int, data: bytes) -> bool:
+        """One message whose bytes are laid out as those of the one before; False where they are not."""
+        found = None if self._layout is None else self._layout.read(data)
+        if found is None or self._last is None:
+            return False
+        (seconds, rest), values = found
+        self._count += 1
+        self._last[1].add(self._last[0], (seconds * 10**9 + rest, received), values)
+        return True
+
+    def add(self, received: int, message: Any, data: bytes, old: bool) -> None:
+        """One sensor_msgs/JointState, received at this time in ns, from these bytes (``old``: of ROS 1).
+
+        Raises InputError for one that makes no sense.
+        """
         self._count += 1
         names, values = tuple(message.name), [getattr(message, kind) for kind in FIELDS]
         if not names and values[0].size:
@@ -89,6 +104,7 @@ class Topic:
                 raise InputError(where, f"the joint {twice} twice", "names that differ are accepted")
             self._last = names, self._sets.setdefault(frozenset(names), Joints(names))
         stamp = message.header.stamp
+        self._layout = layout_of(data, message.header.frame_id, message.name, values, old)
         self._last[1].add(names, (stamp.sec * 10**9 + stamp.nanosec, received), values)
 
     def found(self) -> Found:

@@ -57,7 +57,7 @@ RULES: tuple[tuple[str, re.Pattern[str]], ...] = tuple(
         # elbow.position, elbow/velocity, /joint_states/elbow/effort, elbow.pos
         ("named", rf"^(?P<joint>\S.*?)[./]{_LONG}{_UNIT}$"),
         # q, dq, tau, x_rad: a log of one joint
-        ("single", rf"^(?:.*[./])?{_ACTUAL}{_WORD}{_ACTUAL_AFTER}{_UNIT}$"),
+        ("single", rf"^(?:(?:.*[./])?(?:{_any(TOPICS)})[./])?{_ACTUAL}{_WORD}{_ACTUAL_AFTER}{_UNIT}$"),
         # elbow_pos, joint1_torque_Nm
         ("named", rf"^(?P<joint>\S.*?)[_ -]{_LONG}{_UNIT}$"),
     )
