@@ -17,7 +17,7 @@ from harness.core.errors import InputError
 from harness.core.recording import CHANNELS, LARGEST, LONGEST_TIME, MINIMUM_SAMPLES, Recording
 from harness.io.choose import chosen, quoted_of, said
 from harness.io.product import products
-from harness.io.registry import formats, reader_of
+from harness.io.registry import formats, kind_of, reader_of
 from harness.io.sampling import sampling_notes
 from harness.io.stamps import repeated, since_first, whole_numbers
 from harness.io.table import Table
@@ -64,16 +64,8 @@ def sha256(path: Path) -> str:
         return hashlib.file_digest(file, "sha256").hexdigest()
 
 
-def _kind(path: Path) -> str:
-    """The suffix that says the format."""
-    suffixes = [s.lower() for s in path.suffixes]
-    if suffixes and suffixes[-1] == ".gz":
-        suffixes.pop()
-    return suffixes[-1] if suffixes else ""
-
-
 def _open(path: Path, options: ReadOptions) -> Table:
-    kind = _kind(path)
+    kind = kind_of(path)
     reader = reader_of(kind)
     if reader is not None and reader.text:
         return reader.open(path, options.skip_rows)
@@ -133,7 +125,7 @@ def read_recording(path: Path, options: ReadOptions | None = None, read_rrd: Rrd
     """
     options = options or ReadOptions()
     check_file(path)
-    reader = reader_of(_kind(path))
+    reader = reader_of(kind_of(path))
     try:
         if reader is not None and reader.text:
             check_size(path, MOST_BYTES)
@@ -144,7 +136,7 @@ def read_recording(path: Path, options: ReadOptions | None = None, read_rrd: Rrd
         return _from_rrd(path, digest, options, read_rrd)
     if reader is None or reader.text:
         return _read(path, digest, options)
-    accepted = f"a whole {_kind(path)} file is accepted"
+    accepted = f"a whole {kind_of(path)} file is accepted"
     columns, about = read_apart(
         "harness.io.recording:columns_of", path, accepted, digest=digest, options=asdict(options)
     )

@@ -3,6 +3,7 @@
 import json
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -120,9 +121,8 @@ def messages(one: Motion, start: int = 1_700_000_000 * 10**9) -> list[Message]:
 def bag1(path: Path, topics: Mapping[str, Sequence[Message]]) -> Path:
     """A bag of ROS 1."""
     from rosbags.rosbag1 import Writer
-    from rosbags.typesys import Stores, get_typestore
 
-    store = get_typestore(Stores.ROS1_NOETIC)
+    store = _store(True)
     with Writer(path) as writer:
         for topic, sent in topics.items():
             connection = writer.add_connection(topic, "sensor_msgs/msg/JointState", typestore=store)
@@ -135,9 +135,8 @@ def bag1(path: Path, topics: Mapping[str, Sequence[Message]]) -> Path:
 def bag2(path: Path, topics: Mapping[str, Sequence[Message]], storage: str = "sqlite3", text: bool = False) -> Path:
     """A folder of a ROS 2 bag; ``text`` adds a topic of another type."""
     from rosbags.rosbag2 import StoragePlugin, Writer
-    from rosbags.typesys import Stores, get_typestore
 
-    store = get_typestore(Stores.ROS2_HUMBLE)
+    store = _store(False)
     plugin = StoragePlugin.MCAP if storage == "mcap" else StoragePlugin.SQLITE3
     with Writer(path, version=9, storage_plugin=plugin) as writer:
         for topic, sent in topics.items():
@@ -152,11 +151,26 @@ def bag2(path: Path, topics: Mapping[str, Sequence[Message]], storage: str = "sq
     return path
 
 
-def _message(store: Any, message: Message, **header: int) -> Any:
+def packed(message: Message, frame: str, old: bool) -> tuple[Any, bytes]:
+    """A message and its bytes, of ROS 1 where ``old``."""
+    store = _store(old)
+    made = _message(store, message, frame, **({"seq": 3} if old else {}))
+    pack = store.serialize_ros1 if old else store.serialize_cdr
+    return made, bytes(pack(made, "sensor_msgs/msg/JointState"))
+
+
+@cache
+def _store(old: bool) -> Any:
+    from rosbags.typesys import Stores, get_typestore
+
+    return get_typestore(Stores.ROS1_NOETIC if old else Stores.ROS2_HUMBLE)
+
+
+def _message(store: Any, message: Message, frame: str = "", **header: int) -> Any:
     types = store.types
     stamp = types["builtin_interfaces/msg/Time"](sec=message.stamp // 10**9, nanosec=message.stamp % 10**9)
     return types["sensor_msgs/msg/JointState"](
-        header=types["std_msgs/msg/Header"](stamp=stamp, frame_id="", **header),
+        header=types["std_msgs/msg/Header"](stamp=stamp, frame_id=frame, **header),
         name=list(message.names),
         **{k: np.array(getattr(message, k), dtype=np.float64) for k in ("position", "velocity", "effort")},
     )

@@ -52,16 +52,13 @@ def _print(result: "LogResult") -> None:
     else:
         rate = "" if only.rate_hz is None else f" at {only.rate_hz:.4g} Hz"
         say(f"{only.name}: {only.count} {_ROWS.get(only.type, 'messages')}{rate}, {_gaps(only)}")
-    seen: set[str] = set()
-    for topic in (topic for topic in result.topics[:_MOST] if topic.joints or topic.notes):
-        if only is None and topic.ranges:
+    for topic in (topic for topic in result.topics[:_MOST] if topic.notes or (topic is only and topic.ranges)):
+        if only is None:
             say(f"{topic.name}:")
         if topic.ranges:
             _joints(topic)
         for note in topic.notes:
-            if note not in seen:
-                say(f"- {note}")
-            seen.add(note)
+            say(f"- {note}")
 
 
 def _topics(topics: "list[Topic]") -> None:

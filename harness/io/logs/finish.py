@@ -98,8 +98,11 @@ def _logged(raw: Raw) -> Raw:
         if len(kept) < len(of) and kept:
             gone = [joint for joint in of if joint not in kept]
             notes.append(f"No {kind} is logged of {called(gone, len(of))}.")
-        if kept:
-            fields[kind] = kept
+        bare = [joint for joint in kept if joint not in raw.fields["position"]]
+        if bare:
+            notes.append(f"No position is logged of {called(bare, len(of) + 1)}: its {kind} is left out.")
+        if len(bare) < len(kept):
+            fields[kind] = {joint: y for joint, y in kept.items() if joint not in bare}
     if raw.fields.get("magnitude"):
         notes.append("An effort without its sign is logged: it says nothing of friction, and is left out.")
     return replace(raw, fields=fields, notes=tuple(notes))

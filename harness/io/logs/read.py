@@ -14,8 +14,8 @@ from harness.core.joint_log import JointLog
 from harness.io.logs import bags, lerobot
 from harness.io.logs.finish import Gain, finished
 from harness.io.logs.raw import LogOptions, Raw, from_found, one_of
-from harness.io.logs.tables import raw_of_file
-from harness.io.registry import reader_of
+from harness.io.logs.tables import PARQUET, raw_of_file
+from harness.io.registry import kind_of, reader_of
 from harness.io.units import parse_unit
 
 
@@ -49,8 +49,7 @@ def source_of(path: Path) -> Source:
     if path.is_dir() and lerobot.root_of(path) == path:
         return Source(path, "lerobot", tuple(lerobot.files_of(path)))
     check_file(path, accepted="a file, the folder of a ROS 2 bag, or that of a LeRobot data set is accepted")
-    parquet = path.suffix.lower() in (".parquet", ".pq")
-    return Source(path, "lerobot" if parquet and lerobot.root_of(path) else "table", (path,))
+    return Source(path, "lerobot" if kind_of(path) in PARQUET and lerobot.root_of(path) else "table", (path,))
 
 
 def read_joint_log(
@@ -107,7 +106,7 @@ def raw_of_source(source: Source, options: LogOptions) -> Raw:
     path = source.path
     if source.kind == "bag":
         return _of_bag(source, options)
-    reader = reader_of("".join(s for s in path.suffixes[-2:] if s.lower() != ".gz").lower()) if path.is_file() else None
+    reader = reader_of(kind_of(path))
     apart = "harness.io.logs.lerobot" if source.kind == "lerobot" else "harness.io.logs.tables"
     if source.kind == "table" and options.topic is not None:
         raise InputError("--topic", f"given for {path}", "it is accepted for bags and LeRobot data sets")

@@ -10,14 +10,17 @@ from harness.core.apart import Found
 from harness.core.arrays import FloatArray
 from harness.core.errors import InputError
 from harness.io.columns import Mapping
+from harness.io.logs.arrow import ArrowTable
 from harness.io.logs.match import Target, by_name, by_option, time_of
 from harness.io.logs.raw import Fields, LogOptions, Raw
 from harness.io.logs.rules import SI_UNITS, Field
 from harness.io.product import products
+from harness.io.registry import formats, kind_of, reader_of
 from harness.io.stamps import since_first, whole_numbers
 from harness.io.table import Table
 from harness.io.units import Unit
 
+PARQUET = (".parquet", ".pq")
 MIXED = "the units of their headers"
 """Where columns of one field came in several units."""
 NEEDED = "columns t and NAME.position, NAME.velocity, NAME.effort (or position[0], x1_rad, actual_q_0, q1)"
@@ -31,16 +34,13 @@ def columns_of(path: Path, options: dict[str, Any]) -> Found:
 
 def raw_of_file(path: Path, options: LogOptions) -> Raw:
     """The log in a file of any format of tables. Raises InputError for what cannot be read as one."""
-    from harness.io.logs.arrow import ArrowTable
-    from harness.io.registry import formats, reader_of
-
-    suffixes = [s.lower() for s in path.suffixes if s.lower() != ".gz"] or [""]
-    if suffixes[-1] in (".parquet", ".pq"):
+    kind = kind_of(path)
+    if kind in PARQUET:
         return raw_of(ArrowTable(path), options)
-    reader = reader_of(suffixes[-1])
+    reader = reader_of(kind)
     if reader is None:
         accepted = f"{formats()}, ROS bags (.bag, .db3, .mcap, a folder) and LeRobot data sets are accepted"
-        raise InputError(str(path), f"the format {suffixes[-1] or 'without a name'}", accepted)
+        raise InputError(str(path), f"the format {kind or 'without a name'}", accepted)
     return raw_of(reader.open(path, options.skip_rows) if reader.text else reader.open(path), options)
 
 
