@@ -208,14 +208,29 @@ def run(
     return computed(options)[0] if out is None else deliver(options, Path(out))
 
 
-def log(file: File) -> LogResult:
+def log(
+    file: File,
+    *,
+    columns: str | None = None,
+    topic: str | None = None,
+    gain: float | Mapping[str, float] | None = None,
+    angle_unit: str | None = None,
+    skip_rows: int = 0,
+    rate: float | None = None,
+    start: float | None = None,
+    stop: float | None = None,
+    drop_nan: bool = False,
+) -> LogResult:
     """What a log of a robot's joints holds: topics, joints, fields, units, rates, gaps, and what is odd about it.
 
-    file : a table, a LeRobot data set, a bag of ROS 1 or 2. Raises InputError for a file that holds no joints.
+    file : a table, a LeRobot data set, a bag of ROS 1 or 2. The options are those of ``load_log``. Raises InputError
+    for a file that holds no joints.
     """
+    from harness.app.log.log import LogOptions
     from harness.app.log.log import log as answer
 
-    return answer(Path(file))
+    options = LogOptions(columns, None, topic, angle_unit, skip_rows, rate, start, stop, drop_nan)
+    return answer(Path(file), options, gain)
 
 
 def load_log(

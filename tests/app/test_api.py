@@ -53,7 +53,9 @@ def test_every_option_of_a_command_is_an_argument_with_its_default(name: str) ->
         if isinstance(option, Option) and option.name in own:
             default = option.get_default(context)
             # click has a mark of its own for an option without one
-            assert own[option.name].default == (default if isinstance(default, str | float) else None), option.name
+            assert own[option.name].default == (default if isinstance(default, str | float | int) else None), (
+                option.name
+            )
 
 
 def test_the_page_is_made_of_the_docstrings() -> None:

@@ -244,7 +244,7 @@ def test_an_episode_of_a_data_set_is_read(tmp_path: Path) -> None:
             read_joint_log(folder)
         for number, one in enumerate(episodes):
             same(read_joint_log(folder, topic=str(number)), one)
-        with pytest.raises(InputError, match="no episode '7'; 0, 1, 2 is accepted"):
+        with pytest.raises(InputError, match="no episode '7'; one of 0, 1, 2 is accepted"):
             read_joint_log(folder, topic="7")
     same(read_joint_log(folder / "data" / "chunk-001" / "file-000.parquet"), episodes[1])
     unnamed = lerobot(tmp_path / "nested", episodes[:1], names={"motors": ["a", "b"]})
@@ -403,7 +403,7 @@ BAD: dict[str, tuple[Callable[[Path], tuple[Path, dict[str, object]]], str]] = {
     "few": (lambda p: (csv(p / "a.csv", {"t": ONE.t[:9], "e.position": ONE.t[:9]}), {}), "9 samples; at least 50"),
     "unknown joint": (
         lambda p: (short_of(p / "a.csv"), {"joints": ["elbwo"]}),
-        "no joint 'elbwo'; shoulder, elbow is accepted; did you mean elbow?",
+        "no joint 'elbwo'; one of shoulder, elbow is accepted; did you mean elbow?",
     ),
     "two of one": (
         lambda p: (csv(p / "a.csv", {"t": ONE.t, "l/q1": ONE.t, "r/q1": ONE.t}), {}),
@@ -427,10 +427,10 @@ BAD: dict[str, tuple[Callable[[Path], tuple[Path, dict[str, object]]], str]] = {
     ),
     "unknown topic": (
         lambda p: (two(p / "a"), {"topic": "/lft/joint_states"}),
-        "no topic of joint states '/lft/joint_states'; /left/joint_states, /right/joint_states is accepted; did you",
+        "no topic of joint states '/lft/joint_states'; one of /left/joint_states, /right/joint_states is accepted",
     ),
     "no joint states": (lambda p: (bag2(p / "a", {}, text=True), {}), "no joint states, but /rosout (std_msgs/msg/Str"),
-    "columns of a bag": (lambda p: (two(p / "a"), {"columns": "t=t"}), "--columns: given for the bag"),
+    "columns of a bag": (lambda p: (two(p / "a"), {"columns": "t=t"}), "--columns: given for"),
     "junk bag": (lambda p: (junk(p / "a.bag"), {}), "cannot be read as a ROS bag"),
     "junk db3": (lambda p: (junk(p / "a.db3"), {}), "cannot be read as a ROS bag"),
     "junk mcap": (lambda p: (junk(p / "a.mcap"), {}), "cannot be read as a ROS bag (File magic is invalid.)"),

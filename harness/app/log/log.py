@@ -3,15 +3,21 @@
 from pathlib import Path
 
 from harness.io.logs.describe import TopicInfo, describe_log
+from harness.io.logs.finish import Gain
+from harness.io.logs.raw import LogOptions
 from harness.io.logs.read import read_joint_log as read
 from harness.results.log import LogResult, Topic
 
-__all__ = ["log", "read"]
+__all__ = ["LogOptions", "log", "read"]
 
 
-def log(path: Path) -> LogResult:
-    """Every topic of a log, with its joints, fields, rate and gaps. Raises InputError for a file that holds none."""
-    return LogResult(file=str(path.absolute()), topics=[_topic(found) for found in describe_log(path)])
+def log(path: Path, options: LogOptions | None = None, gain: Gain | None = None) -> LogResult:
+    """Every topic of a log, with its joints, fields, rate and gaps. Raises InputError for a file that holds none.
+
+    options : how it is read. gain : N m per A, one or by joint.
+    """
+    found = describe_log(path, options or LogOptions(), gain)
+    return LogResult(file=str(path.absolute()), topics=[_topic(topic) for topic in found])
 
 
 def _topic(found: TopicInfo) -> Topic:

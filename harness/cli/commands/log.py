@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from harness.cli.options import json_option, quiet_option
+from harness.cli.options import json_option, log_options, quiet_option
 from harness.cli.output import check_json, emit_json, say, shows_tables
 from harness.cli.tables import show
 from harness.core.errors import InputError
@@ -21,9 +21,23 @@ _CALLED = {"magnitude": "|effort|"}
 
 @click.command(short_help="What a log of a robot's joints holds: topics, joints, rates, what is odd.")
 @click.argument("file", type=click.Path(path_type=Path))
+@log_options
 @json_option
 @quiet_option
-def command(file: Path, json_to: str | None, quiet: bool) -> int:
+def command(
+    file: Path,
+    columns: str | None,
+    skip_rows: int,
+    rate: float | None,
+    start: float | None,
+    stop: float | None,
+    drop_nan: bool,
+    topic: str | None,
+    gain: float | None,
+    angle_unit: str | None,
+    json_to: str | None,
+    quiet: bool,
+) -> int:
     """What FILE, a log of a robot's joints, holds: topics, joints, fields, units, rate, gaps, and what is odd about it.
 
     Formats: CSV (also .gz), Parquet, MATLAB .mat, .npz, plain text tables; a LeRobot data set (its folder or a file of
@@ -31,14 +45,17 @@ def command(file: Path, json_to: str | None, quiet: bool) -> int:
 
     \b
     Example: harness log trajectory.db3
-             harness log joints.csv --json -
+             harness log ur5e.csv --gain 12.5
+             harness log arm.csv --json - \\
+                 --columns "t=clock[ms],elbow.position=enc3[deg]"
     """
     check_json(json_to)
     if not file.exists():
         raise InputError(str(file), "no such file", "a file or folder that can be read is accepted")
-    from harness.app.log.log import log
+    from harness.app.log.log import LogOptions, log
 
-    result = log(file)
+    options = LogOptions(columns, None, topic, angle_unit, skip_rows, rate, start, stop, drop_nan)
+    result = log(file, options, gain)
     emit_json(result, json_to)
     if shows_tables(json_to, quiet):
         _print(result)

@@ -19,13 +19,14 @@ Gain = float | Mapping[str, float]
 
 @dataclass(frozen=True, slots=True)
 class Finished:
-    """What a ``JointLog`` is made of, of any length; arrays of shape (n,). left : fields there are beside it."""
+    """What a ``JointLog`` is made of, of any length; arrays of shape (n,). beside : currents, and
+    efforts without a sign."""
 
     t: FloatArray
     position: Mapping[str, FloatArray]
     velocity: Mapping[str, FloatArray]
     effort: Mapping[str, FloatArray]
-    left: tuple[Field, ...]
+    beside: Fields
     notes: tuple[str, ...]
 
     def log(self, file: str, sha256: str) -> JointLog:
@@ -50,11 +51,12 @@ def finished(raw: Raw, file: str, options: LogOptions, gain: Gain | None) -> Fin
                 f"The effort of {called(signless, len(effort))} never is negative although the joints move both ways: "
                 "it has no sign, says nothing of friction, and is left out."
             )
+            fields["magnitude"] = {joint: effort[joint] for joint in signless}
             effort = {joint: u for joint, u in effort.items() if joint not in signless}
         notes += [*coarse("velocity", velocity), *coarse("effort", effort), *sampling_notes(raw.t)]
-    beside: tuple[Field, ...] = ("current", "magnitude")
-    left = tuple(kind for kind in beside if raw.fields.get(kind))
-    return Finished(raw.t, position, velocity, effort, left, tuple(notes))
+    kinds: tuple[Field, ...] = ("current", "magnitude")
+    beside = {kind: fields[kind] for kind in kinds if fields.get(kind)}
+    return Finished(raw.t, position, velocity, effort, beside, tuple(notes))
 
 
 def _chosen(raw: Raw, file: str, joints: tuple[str, ...] | None) -> Raw:

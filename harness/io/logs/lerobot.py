@@ -65,17 +65,22 @@ def raw_of_episode(path: Path, options: LogOptions) -> Raw:
         table = ArrowTable(file, names)
         (episodes,) = table.read([table.position(EPISODE)])
         where |= {f"{episode:.0f}": (file, episodes) for episode in np.unique(episodes)}
-    asked = None if options.topic is None else options.topic.lower().removeprefix("episode").strip()
-    if asked is None and len(where) > 1:
+    number = asked(options.topic)
+    if number is None and len(where) > 1:
         found = f"{len(where)} episodes and no --topic"
         raise InputError(str(path), found, f"--topic with one of {_listed(list(where))} is accepted")
-    asked = next(iter(where), "0") if asked is None else asked
-    if asked not in where:
-        raise one_of(str(path), asked, list(where), "episode")
-    file, episodes = where[asked]
+    number = next(iter(where), "0") if number is None else number
+    if number not in where:
+        raise one_of(str(path), number, list(where), "episode")
+    file, episodes = where[number]
     table = ArrowTable(file, names)
-    table.keep = episodes == float(asked)
+    table.keep = episodes == float(number)
     return raw_of(table, LogOptions(options.columns, rate=options.rate, angle_unit=options.angle_unit))
+
+
+def asked(topic: str | None) -> str | None:
+    """The number of the episode that --topic names, "3" or "episode 3"; None where nothing is asked."""
+    return None if topic is None else topic.lower().removeprefix("episode").strip()
 
 
 def _listed(names: list[str]) -> str:

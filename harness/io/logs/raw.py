@@ -69,4 +69,5 @@ def from_found(columns: Mapping[str, FloatArray], about: Mapping[str, Any]) -> R
 def one_of(where: str, asked: str, known: list[str], what: str) -> InputError:
     """The error for a name that is not among those there are."""
     listed = ", ".join(known[:12]) + (", ..." if len(known) > 12 else "")
-    return InputError(where, f"no {what} '{asked}'", f"{listed or 'none'} is accepted{did_you_mean(asked, known)}")
+    listed = f"one of {listed}" if len(known) > 1 else listed or "none"
+    return InputError(where, f"no {what} '{asked}'", f"{listed} is accepted{did_you_mean(asked, known)}")

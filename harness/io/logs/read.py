@@ -79,17 +79,33 @@ def read_joint_log(
     options = LogOptions(
         columns, None if joints is None else tuple(joints), topic, angle_unit, skip_rows, rate, start, stop, drop_nan
     )
-    check_options(options, gain)
     try:
-        source = source_of(path)
+        source = checked_source(path, options, gain)
         raw = raw_of_source(source, options)
         return finished(raw, str(path), options, gain).log(str(path), source.sha256)
     except OSError as error:
         raise InputError(str(path), error.strerror or str(error), "a file that can be read is accepted") from None
 
 
-def check_options(options: LogOptions, gain: Gain | None) -> None:
-    """Raise InputError for an option that cannot be, before a file is opened."""
+def checked_source(path: Path, options: LogOptions, gain: Gain | None) -> Source:
+    """What a path is, and the options looked at. Raises InputError for one that cannot be, or not for such a source."""
+    _check(options, gain)
+    source = source_of(path)
+    reader = reader_of(kind_of(path)) if source.kind == "table" else None
+    unfit = {
+        "--topic": (options.topic and source.kind == "table", "bags and LeRobot data sets"),
+        "--columns": (options.columns and source.kind == "bag", "tables"),
+        "--rate": (options.rate and source.kind == "bag", "tables"),
+        "--skip-rows": (options.skip_rows and (reader is None or not reader.text), "text tables alone"),
+    }
+    for option, (given, accepted) in unfit.items():
+        if given:
+            raise InputError(option, f"given for {path}", f"it is accepted for {accepted}")
+    return source
+
+
+def _check(options: LogOptions, gain: Gain | None) -> None:
+    """Raise InputError for an option that no log could be read with."""
     if options.angle_unit is not None:
         parse_unit("--angle-unit", "x", options.angle_unit)
     if options.rate is not None:
@@ -108,13 +124,9 @@ def raw_of_source(source: Source, options: LogOptions) -> Raw:
         return _of_bag(source, options)
     reader = reader_of(kind_of(path))
     apart = "harness.io.logs.lerobot" if source.kind == "lerobot" else "harness.io.logs.tables"
-    if source.kind == "table" and options.topic is not None:
-        raise InputError("--topic", f"given for {path}", "it is accepted for bags and LeRobot data sets")
     if source.kind == "table" and (reader is None or reader.text):
         check_size(path, MOST_BYTES)
         return raw_of_file(path, options)
-    if options.skip_rows:
-        raise InputError("--skip-rows", f"given for {path}", "it is accepted for text tables alone")
     accepted = f"a whole {path.suffix or 'LeRobot'} file is accepted"
     found = read_apart(f"{apart}:columns_of", path, accepted, seconds=source.seconds, options=asdict(options))
     return from_found(*found)
@@ -149,23 +161,26 @@ def bag_topic(source: Source, topic: str, options: LogOptions) -> Raw:
 
 def _of_bag(source: Source, options: LogOptions) -> Raw:
     """The topic of a bag that --topic names, or the only one with joint states."""
-    for option, value in (("--columns", options.columns), ("--rate", options.rate), ("--skip-rows", options.skip_rows)):
-        if value:
-            raise InputError(option, f"given for the bag {source.path}", "a bag says this itself; leave the option out")
     topics = bag_topics(source)
+    if options.topic is not None:
+        return bag_topic(source, topic_of(source, topics, options.topic)[0], options)
     known = [name for name, kind, count in topics if kind == bags.TYPE and count]
-    if options.topic is not None and options.topic not in known:
-        slashed = f"/{options.topic.lstrip('/')}"
-        if slashed not in known:
-            raise one_of(str(source.path), options.topic, known, "topic of joint states")
-        return bag_topic(source, slashed, options)
     if not known:
         there = ", ".join(f"{name} ({kind})" for name, kind, _ in topics[:8]) or "no topic"
         raise InputError(str(source.path), f"no joint states, but {there}", f"a topic of {bags.TYPE} is accepted")
-    if options.topic is None and len(known) > 1:
+    if len(known) > 1:
         found = f"{len(known)} topics of joint states and no --topic"
         raise InputError(str(source.path), found, f"--topic with one of {', '.join(known)} is accepted")
-    return bag_topic(source, options.topic or known[0], options)
+    return bag_topic(source, known[0], options)
+
+
+def topic_of(source: Source, topics: list[tuple[str, str, int]], asked: str) -> tuple[str, str, int]:
+    """The topic of joint states of this name, the first slash given or not. Raises InputError that lists them."""
+    known = {topic[0]: topic for topic in topics if topic[1] == bags.TYPE and topic[2]}
+    found = known.get(asked) or known.get(f"/{asked.lstrip('/')}")
+    if found is None:
+        raise one_of(str(source.path), asked, list(known), "topic of joint states")
+    return found
 
 
 def _turned(raw: Raw, unit: str) -> Raw:
