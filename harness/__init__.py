@@ -8,7 +8,19 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from harness import stages
-    from harness.api import Model, Recording, compare, diagnose, identify, load, run, simulate
+    from harness.api import (
+        JointLog,
+        Model,
+        Recording,
+        compare,
+        diagnose,
+        identify,
+        load,
+        load_log,
+        log,
+        run,
+        simulate,
+    )
 else:
     # out of sight of type checkers, which would take any name for granted
     def __getattr__(name: str) -> Any:
@@ -20,7 +32,21 @@ else:
 
 
 __version__ = "0.1.0"
-__all__ = ["Model", "Recording", "__version__", "compare", "diagnose", "identify", "load", "run", "simulate", "stages"]
+__all__ = [
+    "JointLog",
+    "Model",
+    "Recording",
+    "__version__",
+    "compare",
+    "diagnose",
+    "identify",
+    "load",
+    "load_log",
+    "log",
+    "run",
+    "simulate",
+    "stages",
+]
 
 
 def __dir__() -> list[str]:

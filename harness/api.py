@@ -1,4 +1,4 @@
-"""What the command does, for programs: load, identify, compare, diagnose, simulate, run; with its results.
+"""What the command does, for programs: load, identify, compare, diagnose, simulate, run, log; with its results.
 
 ``import harness`` gives the same names. A recording is a ``Recording`` or the path of one, which is read as ``load``
 reads it without options; nothing is written unless ``out`` names a folder.
@@ -12,12 +12,14 @@ from typing import Any, Literal, TypeAlias
 import numpy as np
 from numpy.typing import ArrayLike
 
+from harness.core.joint_log import JointLog
 from harness.core.recording import Recording
 from harness.core.trajectory import Trajectory
 from harness.model.model import Model
 from harness.results.compare import CompareResult
 from harness.results.diagnosis import DiagnosisResult
 from harness.results.identify import IdentifyResult
+from harness.results.log import LogResult
 from harness.results.model import ModelDocument
 from harness.results.run import RunResult
 
@@ -25,6 +27,8 @@ __all__ = [
     "CompareResult",
     "DiagnosisResult",
     "IdentifyResult",
+    "JointLog",
+    "LogResult",
     "Model",
     "ModelDocument",
     "Recording",
@@ -34,6 +38,8 @@ __all__ = [
     "diagnose",
     "identify",
     "load",
+    "load_log",
+    "log",
     "run",
     "simulate",
 ]
@@ -200,6 +206,70 @@ def run(
     else:
         options = RunOptions.of_model(model, scenario, given, engines, preset, dt)
     return computed(options)[0] if out is None else deliver(options, Path(out))
+
+
+def log(
+    file: File,
+    *,
+    columns: str | None = None,
+    topic: str | None = None,
+    gain: float | Mapping[str, float] | None = None,
+    angle_unit: str | None = None,
+    skip_rows: int = 0,
+    rate: float | None = None,
+    start: float | None = None,
+    stop: float | None = None,
+    drop_nan: bool = False,
+) -> LogResult:
+    """What a log of a robot's joints holds: topics, joints, fields, units, rates, gaps, and what is odd about it.
+
+    file : a table, a LeRobot data set, a bag of ROS 1 or 2. The options are those of ``load_log``. Raises InputError
+    for a file that holds no joints.
+    """
+    from harness.app.log.log import LogOptions
+    from harness.app.log.log import log as answer
+
+    options = LogOptions(columns, None, topic, angle_unit, skip_rows, rate, start, stop, drop_nan)
+    return answer(Path(file), options, gain)
+
+
+def load_log(
+    path: File,
+    *,
+    columns: str | None = None,
+    joints: Sequence[str] | None = None,
+    topic: str | None = None,
+    gain: float | Mapping[str, float] | None = None,
+    angle_unit: str | None = None,
+    skip_rows: int = 0,
+    rate: float | None = None,
+    start: float | None = None,
+    stop: float | None = None,
+    drop_nan: bool = False,
+) -> JointLog:
+    """Read a log of a robot's joints, in SI units.
+
+    columns : "t=t,elbow.position=q3[deg],elbow.effort=7.1*cur3[N*m]" where names say nothing. joints : those of the
+    model, in its order: chosen by name, and the names where a log has none. topic : of a bag, or the episode of a data
+    set. gain : N m per A at the joint, one for all or by joint. angle_unit : of positions that say none. skip_rows :
+    lines before the header. rate : Hz, where no column gives the time. start, stop : s, the part to keep. drop_nan :
+    leave out rows in which a joint has no value. Raises InputError naming what is wrong, and where.
+    """
+    from harness.app.log.log import read
+
+    return read(
+        Path(path),
+        columns=columns,
+        joints=joints,
+        topic=topic,
+        gain=gain,
+        angle_unit=angle_unit,
+        skip_rows=skip_rows,
+        rate=rate,
+        start=start,
+        stop=stop,
+        drop_nan=drop_nan,
+    )
 
 
 def _names(covariates: Sequence[str] | None) -> tuple[str, ...]:

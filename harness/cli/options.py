@@ -65,14 +65,31 @@ def engine_options(function: F) -> F:
     )(function)
 
 
+_READING = (
+    click.option("--columns", metavar="MAP", help='Columns, constants and units: "t=t,x=qm[mm],u=vir*35.15[N]".'),
+    click.option("--skip-rows", type=int, default=0, metavar="N", help="Lines before the header or the numbers."),
+    click.option("--rate", type=float, metavar="HZ", help="Sampling rate, where no column gives the time."),
+    click.option("--from", "start", type=float, metavar="S", help="Leave out what comes before this time."),
+    click.option("--to", "stop", type=float, metavar="S", help="Leave out what comes after this time."),
+    click.option("--drop-nan", is_flag=True, help="Leave out rows in which a channel has no value."),
+)
+
+
 def reading_options(function: F) -> F:
     """--columns, --skip-rows, --rate, --from, --to, --drop-nan, --trace."""
+    trace = click.option("--trace", metavar="NAME", help='Which trace of a .rrd, such as "mujoco tuned".')
+    return _apply(*_READING, trace)(function)
+
+
+def log_options(function: F) -> F:
+    """--columns, --skip-rows, --rate, --from, --to, --drop-nan, --topic, --gain, --angle-unit: of a robot's log."""
+    columns = click.option("--columns", metavar="MAP", help='Columns and units: "t=t,elbow.position=q3[deg]".')
     return _apply(
-        click.option("--columns", metavar="MAP", help='Columns, constants and units: "t=t,x=qm[mm],u=vir*35.15[N]".'),
-        click.option("--skip-rows", type=int, default=0, metavar="N", help="Lines before the header or the numbers."),
-        click.option("--rate", type=float, metavar="HZ", help="Sampling rate, where no column gives the time."),
-        click.option("--from", "start", type=float, metavar="S", help="Leave out what comes before this time."),
-        click.option("--to", "stop", type=float, metavar="S", help="Leave out what comes after this time."),
-        click.option("--drop-nan", is_flag=True, help="Leave out rows in which a channel has no value."),
-        click.option("--trace", metavar="NAME", help='Which trace of a .rrd, such as "mujoco tuned".'),
+        columns,
+        *_READING[1:],
+        click.option("--topic", metavar="NAME", help="Which topic of a bag, or episode of a data set."),
+        click.option(
+            "--gain", type=float, metavar="NM_PER_A", help="Makes efforts of currents, N m per A at the joint."
+        ),
+        click.option("--angle-unit", metavar="UNIT", help="Of positions that say none, such as deg.  [rad]"),
     )(function)

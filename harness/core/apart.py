@@ -34,13 +34,14 @@ _STUCK = 10.0
 """Times that limit until a process that does not even compute is ended."""
 
 
-def read_apart(reader: str, path: Path, accepted: str, **arguments: Any) -> Found:
+def read_apart(reader: str, path: Path, accepted: str, *, seconds: int | None = None, **arguments: Any) -> Found:
     """What ``reader`` ("module:function") returns for a path and JSON arguments, from a process of its own.
 
-    The function gives columns (vectors of any lengths) and something that JSON can say. Raises InputError: the one the
-    reader raised, or one that says how reading ended otherwise, and what would be ``accepted``.
+    The function gives columns (vectors of any lengths) and something that JSON can say. seconds : s of a processor that
+    it may take, by the size of the file where it is None. Raises InputError: the one the reader raised, or one that
+    says how reading ended otherwise, and what would be ``accepted``.
     """
-    seconds = LEAST_S + path.stat().st_size // BYTES_A_SECOND
+    seconds = LEAST_S + path.stat().st_size // BYTES_A_SECOND if seconds is None else seconds
     request = {"reader": reader, "path": str(path), "arguments": arguments, "seconds": seconds, "accepted": accepted}
     with _started() as process:
         overdue = threading.Timer(_STUCK * seconds, process.kill)

@@ -2,6 +2,7 @@
 
 import math
 import re
+from collections.abc import Container
 from dataclasses import dataclass
 
 from harness.core.errors import InputError
@@ -89,10 +90,11 @@ def _product(entry: str, text: str, quoted: list[str]) -> tuple[tuple[str, ...],
     return tuple(names), factor
 
 
-def parse_columns(text: str) -> dict[str, Mapping]:
+def parse_columns(text: str, channels: Container[str] = CHANNELS, accepted: str = ACCEPTED) -> dict[str, Mapping]:
     """Parse ``--columns``; nothing is evaluated.
 
-    Raises InputError for anything but a list of CHANNEL=PRODUCT[UNIT].
+    channels : those there are. accepted : what a message says of them. Raises InputError for anything but a list of
+    CHANNEL=PRODUCT[UNIT].
     """
     if len(text) > _LONGEST:
         raise InputError("--columns", f"{len(text)} characters", f"at most {_LONGEST} are accepted")
@@ -101,10 +103,10 @@ def parse_columns(text: str) -> dict[str, Mapping]:
     for entry in (part.strip() for part in _split(aside)):
         split = _parts(entry)
         if split is None:
-            raise InputError("--columns", f"'{entry}'", ACCEPTED)
+            raise InputError("--columns", f"'{entry}'", accepted)
         channel, product, unit = split
-        if channel not in CHANNELS:
-            raise InputError("--columns", f"unknown channel '{channel}' in '{entry}'", ACCEPTED)
+        if channel not in channels:
+            raise InputError("--columns", f"unknown channel '{channel}' in '{entry}'", accepted)
         if channel in found:
             raise InputError("--columns", f"channel {channel} given twice", "each channel once is accepted")
         names, factor = _product(entry, product, quoted)

@@ -18,13 +18,14 @@ _NAMES: dict[str, str] = {
 _CHANNEL = {name: channel for channel, names in _NAMES.items() for name in names.split()}
 _CLOCKS = {"millis": "ms", "micros": "us", "msec": "ms", "usec": "us", "nsec": "ns"}
 """Names of a time that say its unit."""
-_ENDINGS: dict[str, dict[str, str]] = {
+ENDINGS: dict[str, dict[str, str]] = {
     "t": {"s": "s", "sec": "s", "ms": "ms", "us": "us", "ns": "ns"},
     "x": {"m": "m", "mm": "mm", "cm": "cm", "um": "um", "rad": "rad", "deg": "deg", "mrad": "mrad"},
     "v": {"m_s": "m/s", "mm_s": "mm/s", "cm_s": "cm/s", "rad_s": "rad/s", "deg_s": "deg/s", "rpm": "rpm", "mps": "m/s"},
     "a": {"m_s2": "m/s^2", "mm_s2": "mm/s^2", "rad_s2": "rad/s^2", "deg_s2": "deg/s^2", "g": "g", "mg": "mg"},
     "u": {"n": "N", "mn": "mN", "kn": "kN", "nm": "N*m", "n_m": "N*m", "mnm": "mN*m", "lbf": "lbf"},
 }
+"""Units that the ending of a name gives, by channel."""
 _INDEX = re.compile(r"(\[\d{1,4}\]|\.\d{1,4}|_\d{1,4})$")
 _PLAIN = re.compile(r"^[^\W\d][\w.]*(?: [\w.]+)*$")
 
@@ -50,8 +51,8 @@ def meaning(name: str) -> Meaning | None:
     for cut in (i for i, letter in enumerate(stem) if letter == "_"):
         front, ending = _INDEX.sub("", stem[:cut]), stem[cut + 1 :]
         channel = _CHANNEL.get(front)
-        if channel is not None and ending in _ENDINGS[channel]:
-            return Meaning(channel, _ENDINGS[channel][ending], front in ANGLES)
+        if channel is not None and ending in ENDINGS[channel]:
+            return Meaning(channel, ENDINGS[channel][ending], front in ANGLES)
     return None
 
 

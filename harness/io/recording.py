@@ -15,9 +15,9 @@ from harness.core.bounded import MOST_BYTES, check_file, check_size
 from harness.core.checks import finite, positive
 from harness.core.errors import InputError
 from harness.core.recording import CHANNELS, LARGEST, LONGEST_TIME, MINIMUM_SAMPLES, Recording
-from harness.io.choose import chosen, quoted_of, said, unit_of
-from harness.io.columns import Mapping
-from harness.io.registry import formats, reader_of
+from harness.io.choose import chosen, quoted_of, said
+from harness.io.product import products
+from harness.io.registry import formats, kind_of, reader_of
 from harness.io.sampling import sampling_notes
 from harness.io.stamps import repeated, since_first, whole_numbers
 from harness.io.table import Table
@@ -64,16 +64,8 @@ def sha256(path: Path) -> str:
         return hashlib.file_digest(file, "sha256").hexdigest()
 
 
-def _kind(path: Path) -> str:
-    """The suffix that says the format."""
-    suffixes = [s.lower() for s in path.suffixes]
-    if suffixes and suffixes[-1] == ".gz":
-        suffixes.pop()
-    return suffixes[-1] if suffixes else ""
-
-
 def _open(path: Path, options: ReadOptions) -> Table:
-    kind = _kind(path)
+    kind = kind_of(path)
     reader = reader_of(kind)
     if reader is not None and reader.text:
         return reader.open(path, options.skip_rows)
@@ -82,33 +74,6 @@ def _open(path: Path, options: ReadOptions) -> Table:
     if reader is None:
         raise InputError(str(path), f"the format {kind or 'without a name'}", f"{formats()} are accepted")
     return reader.open(path)
-
-
-def _channels(table: Table, mappings: dict[str, Mapping]) -> dict[str, tuple[FloatArray, Unit]]:
-    """The values of every channel in SI, those of t as they stand, and the unit they came in; the file is read once."""
-    at = {name: table.position(name) for mapping in mappings.values() for name in mapping.names}
-    positions = sorted(set(at.values()))
-    columns = dict(zip(positions, table.read(positions), strict=True))
-    return {channel: _channel(table, mapping, at, columns) for channel, mapping in mappings.items()}
-
-
-def _channel(
-    table: Table, mapping: Mapping, at: dict[str, int], read: dict[int, FloatArray]
-) -> tuple[FloatArray, Unit]:
-    positions = [at[name] for name in mapping.names]
-    columns = [read[i] for i in positions]
-    constants = [column.size == 1 for column in columns]
-    unit = unit_of(table, mapping, positions, constants)
-    factor = mapping.factor * (1.0 if mapping.channel == "t" else unit.factor)
-    values = columns[0]
-    with np.errstate(over="ignore", invalid="ignore"):  # what becomes of it is looked at when the rows are checked
-        for column in columns[1:]:
-            if column.size not in (1, values.size) and values.size != 1:
-                found = f"columns of {values.size} and {column.size} values"
-                where = f"{table.path}: channel {mapping.channel}"
-                raise InputError(where, found, "columns of one length are accepted")
-            values = values * column
-        return (values if factor == 1.0 else values * factor), unit
 
 
 def _check_rows(table: Table, channel: str, values: FloatArray, rows: IntArray) -> None:
@@ -160,7 +125,7 @@ def read_recording(path: Path, options: ReadOptions | None = None, read_rrd: Rrd
     """
     options = options or ReadOptions()
     check_file(path)
-    reader = reader_of(_kind(path))
+    reader = reader_of(kind_of(path))
     try:
         if reader is not None and reader.text:
             check_size(path, MOST_BYTES)
@@ -171,7 +136,7 @@ def read_recording(path: Path, options: ReadOptions | None = None, read_rrd: Rrd
         return _from_rrd(path, digest, options, read_rrd)
     if reader is None or reader.text:
         return _read(path, digest, options)
-    accepted = f"a whole {_kind(path)} file is accepted"
+    accepted = f"a whole {kind_of(path)} file is accepted"
     columns, about = read_apart(
         "harness.io.recording:columns_of", path, accepted, digest=digest, options=asdict(options)
     )
@@ -199,7 +164,7 @@ def _plain(value: Any) -> Any:
 def _read(path: Path, digest: str, options: ReadOptions) -> Recording:
     table = _open(path, options)
     mappings, guessed = chosen(table, options.columns, options.rate)
-    read = _channels(table, mappings)
+    read = products(table, mappings)
     notes: list[str | None] = [said(table, mappings, {c: unit for c, (_, unit) in read.items()}, guessed)]
     for channel in sorted(guessed & {"v", "a", "u"}):
         if len(read) > 2 and _still(read[channel][0]):

@@ -7,6 +7,7 @@ import pkgutil
 from collections.abc import Mapping
 from functools import cache
 from importlib import import_module
+from pathlib import Path
 
 from harness.core.errors import InputError
 from harness.core.registered import registered
@@ -32,6 +33,14 @@ def by_suffix() -> Mapping[str, Reader]:
                 raise InputError(f"reader {reader.name}", f"the suffix {suffix} is taken", "another is accepted")
             found[suffix] = reader
     return found
+
+
+def kind_of(path: Path) -> str:
+    """The suffix that says the format, in small letters, that of packing left out; "" where there is none."""
+    suffixes = [s.lower() for s in path.suffixes]
+    if suffixes and suffixes[-1] == ".gz":
+        suffixes.pop()
+    return suffixes[-1] if suffixes else ""
 
 
 def reader_of(suffix: str) -> Reader | None:

@@ -20,6 +20,7 @@ _ACCEPTED = {
     "v": "a unit of speed such as m/s, mm/s, rad/s or rpm",
     "a": "a unit of acceleration such as m/s^2, g, mm/s^2 or rad/s^2",
     "u": "a unit of force, torque or force per mass such as N, lbf, N*m or m/s^2",
+    "i": "a unit of current such as A or mA",
 }
 _BASE = {
     "t": ("second",),
@@ -32,6 +33,7 @@ _BASE = {
         "meter / second ** 2",
         "radian / second ** 2",
     ),
+    "i": ("ampere",),
 }
 
 
@@ -69,7 +71,7 @@ def _registry() -> Any:
 
 
 def parse_unit(where: str, channel: str, text: str | None) -> Unit:
-    """The unit ``text`` of a channel (t, x, v, a or u); SI when None.
+    """The unit ``text`` of a channel (t, x, v, a, u, or i, a motor's current); SI when None.
 
     Raises InputError naming ``where`` when it is not a unit, or one of another dimension.
     """

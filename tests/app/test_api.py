@@ -38,7 +38,7 @@ def test_a_name_that_is_not_there_is_said() -> None:
         harness.guess  # type: ignore[attr-defined]  # noqa: B018
 
 
-@pytest.mark.parametrize("name", ["identify", "compare", "diagnose", "run"])
+@pytest.mark.parametrize("name", ["identify", "compare", "diagnose", "log", "run"])
 def test_every_option_of_a_command_is_an_argument_with_its_default(name: str) -> None:
     context = Context(cli)
     command = cli.get_command(context, name)
@@ -53,7 +53,9 @@ def test_every_option_of_a_command_is_an_argument_with_its_default(name: str) ->
         if isinstance(option, Option) and option.name in own:
             default = option.get_default(context)
             # click has a mark of its own for an option without one
-            assert own[option.name].default == (default if isinstance(default, str | float) else None), option.name
+            assert own[option.name].default == (default if isinstance(default, str | float | int) else None), (
+                option.name
+            )
 
 
 def test_the_page_is_made_of_the_docstrings() -> None:

@@ -130,7 +130,7 @@ def _browser() -> Check:
 
 
 def _extras() -> list[Check]:
-    wanted = {"distributed": ("sweeps on a cluster", "cluster")}
+    wanted = {"distributed": ("sweeps on a cluster", "cluster"), "rosbags": ("robot logs in ROS bags", "bags")}
     checks = []
     for package, (purpose, extra) in wanted.items():
         found = package_version(package)

@@ -1,0 +1,1 @@
+"""harness log: what a log of a robot's joints holds."""

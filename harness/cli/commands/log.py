@@ -1,0 +1,113 @@
+"""harness log."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from harness.cli.options import json_option, log_options, quiet_option
+from harness.cli.output import check_json, emit_json, say, shows_tables
+from harness.cli.tables import show
+from harness.core.errors import InputError
+
+if TYPE_CHECKING:
+    from harness.results.log import LogResult, Topic
+
+_MOST = 20
+"""Topics that a table for people shows; --json has all of them."""
+_ROWS = {"table": "rows", "episode": "rows"}
+_CALLED = {"magnitude": "|effort|"}
+
+
+@click.command(short_help="What a log of a robot's joints holds: topics, joints, rates, what is odd.")
+@click.argument("file", type=click.Path(path_type=Path))
+@log_options
+@json_option
+@quiet_option
+def command(
+    file: Path,
+    columns: str | None,
+    skip_rows: int,
+    rate: float | None,
+    start: float | None,
+    stop: float | None,
+    drop_nan: bool,
+    topic: str | None,
+    gain: float | None,
+    angle_unit: str | None,
+    json_to: str | None,
+    quiet: bool,
+) -> int:
+    """What FILE, a log of a robot's joints, holds: topics, joints, fields, units, rate, gaps, and what is odd about it.
+
+    Formats: CSV (also .gz), Parquet, MATLAB .mat, .npz, plain text tables; a LeRobot data set (its folder or a file of
+    it); bags of ROS 1 (.bag) and ROS 2 (.db3, .mcap, a folder) with sensor_msgs/JointState, by the extra bags.
+
+    \b
+    Example: harness log trajectory.db3
+             harness log ur5e.csv --gain 12.5
+             harness log arm.csv --json - \\
+                 --columns "t=clock[ms],elbow.position=enc3[deg]"
+    """
+    check_json(json_to)
+    if not file.exists():
+        raise InputError(str(file), "no such file", "a file or folder that can be read is accepted")
+    from harness.app.log.log import LogOptions, log
+
+    options = LogOptions(columns, None, topic, angle_unit, skip_rows, rate, start, stop, drop_nan)
+    result = log(file, options, gain)
+    emit_json(result, json_to)
+    if shows_tables(json_to, quiet):
+        _print(result)
+    return 0
+
+
+def _print(result: "LogResult") -> None:
+    (only,) = result.topics if len(result.topics) == 1 else (None,)
+    if only is None:
+        _topics(result.topics)
+    else:
+        rate = "" if only.rate_hz is None else f" at {only.rate_hz:.4g} Hz"
+        say(f"{only.name}: {only.count} {_ROWS.get(only.type, 'messages')}{rate}, {_gaps(only)}")
+    for topic in (topic for topic in result.topics[:_MOST] if topic.notes or (topic is only and topic.ranges)):
+        if only is None:
+            say(f"{topic.name}:")
+        if topic.ranges:
+            _joints(topic)
+        for note in topic.notes:
+            say(f"- {note}")
+
+
+def _topics(topics: "list[Topic]") -> None:
+    from rich.table import Table
+
+    table = Table()
+    for heading in ("topic", "type", "count", "Hz", "joints", "gaps"):
+        table.add_column(heading, justify="left" if heading in ("topic", "type") else "right")
+    for topic in topics[:_MOST]:
+        rate = "-" if topic.rate_hz is None else f"{topic.rate_hz:.4g}"
+        joints, gaps = str(len(topic.joints) or "-"), str(len(topic.gaps_s) or "-")
+        table.add_row(topic.name, topic.type.rpartition("/")[2], str(topic.count), rate, joints, gaps)
+    show(table)
+    if len(topics) > _MOST:
+        say(f"and {len(topics) - _MOST} more; --json has all of them")
+
+
+def _joints(topic: "Topic") -> None:
+    """A row a joint: from where to where each of its fields goes."""
+    from rich.table import Table
+
+    table = Table()
+    table.add_column("joint")
+    fields = [field for field in topic.units_guessed if any(field in of for of in topic.ranges.values())]
+    for field in fields:
+        table.add_column(f"{_CALLED.get(field, field)}, {topic.units_guessed[field]}", justify="right")
+    for joint in topic.joints:
+        of = topic.ranges.get(joint, {})
+        table.add_row(joint, *(f"{of[f][0]:.3g} to {of[f][1]:.3g}" if f in of else "-" for f in fields))
+    show(table)
+
+
+def _gaps(topic: "Topic") -> str:
+    count = len(topic.gaps_s)
+    return "no gaps" if not count else f"{count} gap{'s' if count > 1 else ''}"

@@ -1,0 +1,199 @@
+"""A log as it was read becomes one to work with: joints chosen, repeats dropped, what is odd said."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from harness.core.arrays import BoolArray, FloatArray, IntArray
+from harness.core.errors import InputError
+from harness.core.joint_log import JointLog
+from harness.core.recording import LARGEST, LONGEST_TIME
+from harness.io.logs.raw import Fields, LogOptions, Raw, one_of
+from harness.io.logs.rules import Field
+from harness.io.logs.suspicions import called, coarse, degrees, odd_velocity, unsigned
+from harness.io.sampling import sampling_notes
+
+Gain = float | Mapping[str, float]
+
+
+@dataclass(frozen=True, slots=True)
+class Finished:
+    """What a ``JointLog`` is made of, of any length; arrays of shape (n,). beside : currents, and
+    efforts without a sign."""
+
+    t: FloatArray
+    position: Mapping[str, FloatArray]
+    velocity: Mapping[str, FloatArray]
+    effort: Mapping[str, FloatArray]
+    beside: Fields
+    notes: tuple[str, ...]
+
+    def log(self, file: str, sha256: str) -> JointLog:
+        """The log; InputError for one that holds too little."""
+        return JointLog(self.t, self.position, self.velocity, self.effort, file, sha256, self.notes)
+
+
+def finished(raw: Raw, file: str, options: LogOptions, gain: Gain | None) -> Finished:
+    """Choose, check and clean. Raises InputError naming the joint, row or option that is wrong."""
+    raw = _chosen(raw, file, options.joints)
+    raw = _multiplied(_logged(raw), file, gain)
+    raw = _in_order(_rows(raw, file, options.drop_nan), file)
+    raw = _cut(raw, file, options)
+    fields, notes = {kind: dict(of) for kind, of in raw.fields.items()}, list(raw.notes)
+    position, velocity, effort = (fields.get(kind, {}) for kind in ("position", "velocity", "effort"))
+    if raw.t.size > 2:
+        notes += filter(None, [degrees(position, raw.told.get("position", ""))])
+        notes += odd_velocity(raw.t, position, velocity)
+        signless = unsigned(position, effort)
+        if signless:
+            notes.append(
+                f"The effort of {called(signless, len(effort))} never is negative although the joints move both ways: "
+                "it has no sign, says nothing of friction, and is left out."
+            )
+            fields["magnitude"] = {joint: effort[joint] for joint in signless}
+            effort = {joint: u for joint, u in effort.items() if joint not in signless}
+        notes += [*coarse("velocity", velocity), *coarse("effort", effort), *sampling_notes(raw.t)]
+    kinds: tuple[Field, ...] = ("current", "magnitude")
+    beside = {kind: fields[kind] for kind in kinds if fields.get(kind)}
+    return Finished(raw.t, position, velocity, effort, beside, tuple(notes))
+
+
+def _chosen(raw: Raw, file: str, joints: tuple[str, ...] | None) -> Raw:
+    """The joints of the model: by name, or in its order where the log's have none."""
+    have = list(raw.fields.get("position", {}))
+    if joints is None:
+        return raw
+    if raw.numbered:
+        names = dict(zip(have, joints, strict=False))
+        if len(joints) != len(have):
+            few = min(len(joints), len(have))
+            said = (
+                f"The log has {len(have)} joints and the model {len(joints)}: the first {few} are taken, in its order."
+            )
+        else:
+            said = f"Joints have no names in the log: {', '.join(joints)} are taken for them, in the model's order."
+    else:
+        names = {joint: joint for joint in have if joint in joints}
+        if not names:
+            raise one_of(file, joints[0] if joints else "", have, "joint")
+        without = [joint for joint in joints if joint not in names]
+        said = f"The log has no {', '.join(without)}." if without else ""
+    fields: Fields = {
+        kind: {names[joint]: values for joint, values in of.items() if joint in names}
+        for kind, of in raw.fields.items()
+    }
+    return replace(raw, fields=fields, notes=(*raw.notes, *filter(None, [said])))
+
+
+def _logged(raw: Raw) -> Raw:
+    """Without what is nan or zero throughout, which is what drivers write for what they do not know."""
+    fields: Fields = {}
+    notes = list(raw.notes)
+    for kind, of in raw.fields.items():
+        kept = {joint: y for joint, y in of.items() if not np.all(np.isnan(y))}
+        if kind != "position":
+            still = [joint for joint, y in kept.items() if np.all(y == 0.0)]
+            if still and len(still) == len(kept):
+                notes.append(f"The {_SAID.get(kind, kind)} is 0 throughout: taken as not logged.")
+                kept = {}
+        if len(kept) < len(of) and kept:
+            gone = [joint for joint in of if joint not in kept]
+            notes.append(f"No {kind} is logged of {called(gone, len(of))}.")
+        bare = [joint for joint in kept if joint not in raw.fields["position"]]
+        if bare:
+            notes.append(f"No position is logged of {called(bare, len(of) + 1)}: its {kind} is left out.")
+        if len(bare) < len(kept):
+            fields[kind] = {joint: y for joint, y in kept.items() if joint not in bare}
+    if raw.fields.get("magnitude"):
+        notes.append("An effort without its sign is logged: it says nothing of friction, and is left out.")
+    return replace(raw, fields=fields, notes=tuple(notes))
+
+
+_SAID = {"magnitude": "effort without its sign"}
+
+
+def _multiplied(raw: Raw, file: str, gain: Gain | None) -> Raw:
+    """Efforts from currents, N m per A; where a gain is given and no current is named, the effort is one."""
+    current = raw.fields.get("current", {})
+    if gain is None:
+        if current and not raw.fields.get("effort"):
+            said = "Current is logged and no effort: --gain, in N m per A at the joint, makes one of it."
+            return replace(raw, notes=(*raw.notes, said))
+        return raw
+    source = current or raw.fields.get("effort", {})
+    if not source:
+        raise InputError(f"{file}: --gain", "given for a log without current or effort", "a log with one is accepted")
+    gains = dict(gain) if isinstance(gain, Mapping) else dict.fromkeys(source, gain)
+    for joint in gains:
+        if joint not in source:
+            raise one_of("--gain", joint, list(source), "joint")
+    fields = dict(raw.fields)
+    fields["effort"] = {joint: gains[joint] * y for joint, y in source.items() if joint in gains}
+    values = sorted({float(value) for value in gains.values()})
+    shown = f"{values[0]:g}" if len(values) == 1 else f"{values[0]:g} to {values[-1]:g}"
+    what = "Current" if current else "What is logged as effort is taken as current, in A, and"
+    said = f"{what} times {shown} N m per A is the effort (--gain)."
+    return replace(raw, fields=fields, notes=(*raw.notes, said))
+
+
+def _rows(raw: Raw, file: str, drop_nan: bool) -> Raw:
+    """Without rows that lack a value, where that was asked; InputError for the first value that is none, else."""
+    kept = {kind: of for kind, of in raw.fields.items() if kind in ("position", "velocity", "effort")}
+    channels = [("t", raw.t, LONGEST_TIME)]
+    channels += [(f"{joint}.{kind}", y, LARGEST) for kind, of in kept.items() for joint, y in of.items()]
+    notes = raw.notes
+    if drop_nan:
+        whole = ~np.any([np.isnan(y) for _, y, _ in channels], axis=0)
+        if not whole.all():
+            dropped = int(np.count_nonzero(~whole))
+            notes = (*notes, f"{dropped} {raw.rows}s without a value are left out (--drop-nan).")
+            raw, channels = _at(raw, whole), [(name, y[whole], most) for name, y, most in channels]
+    for name, y, most in channels:
+        bad = np.flatnonzero(~(np.abs(y) <= most))
+        if bad.size:
+            value = float(y[bad[0]])
+            found = "no value or nan" if np.isnan(value) else f"{value:g}"
+            accepted = f"at most {most:g} in size is accepted" if np.isfinite(value) else "a finite number is accepted"
+            accepted += "; --drop-nan leaves such rows out" if np.isnan(value) else ""
+            raise InputError(f"{file}: {raw.rows} {bad[0] + 1}, {name}", found, accepted)
+    return replace(raw, notes=notes)
+
+
+def _at(raw: Raw, rows: BoolArray | IntArray) -> Raw:
+    """These rows alone."""
+    fields: Fields = {kind: {joint: y[rows] for joint, y in of.items()} for kind, of in raw.fields.items()}
+    return replace(raw, t=raw.t[rows], fields=fields)
+
+
+def _in_order(raw: Raw, file: str) -> Raw:
+    """Times that increase: repeats are dropped and counted, one that goes back is refused."""
+    steps = np.diff(raw.t)
+    back = np.flatnonzero(steps < 0.0)
+    if back.size:
+        i = int(back[0])
+        found = f"time {raw.t[i + 1]:.9g} s goes back from {raw.t[i]:.9g} s"
+        raise InputError(f"{file}: {raw.rows} {i + 2}, t", found, "times that increase are accepted")
+    again = steps == 0.0
+    if not again.any():
+        return raw
+    every = [y for of in raw.fields.values() for y in of.values()]
+    same = again & np.all([(y[1:] == y[:-1]) | (np.isnan(y[1:]) & np.isnan(y[:-1])) for y in every], axis=0)
+    count, alike = int(again.sum()), int(same.sum())
+    others = "" if alike == count else f" ({count - alike} with other values, of which the first is kept)"
+    said = f"{count} of {raw.t.size} {raw.rows}s repeat the stamp of the one before{others}: dropped."
+    kept = _at(raw, np.concatenate([[True], ~again]))
+    return replace(kept, notes=(*raw.notes, said))
+
+
+def _cut(raw: Raw, file: str, options: LogOptions) -> Raw:
+    """What lies between --from and --to."""
+    if options.start is None and options.stop is None:
+        return raw
+    inside = np.ones(raw.t.size, dtype=np.bool_)
+    inside &= raw.t >= (-np.inf if options.start is None else options.start)
+    inside &= raw.t <= (np.inf if options.stop is None else options.stop)
+    if not inside.any():
+        runs = f"the log runs from {raw.t[0]:g} s to {raw.t[-1]:g} s" if raw.t.size else "the log is empty"
+        raise InputError(file, f"0 samples between --from and --to ({runs})", "a part that holds some is accepted")
+    return _at(raw, inside)

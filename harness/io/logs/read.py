@@ -1,0 +1,195 @@
+"""A log of any format as a validated core JointLog."""
+
+import hashlib
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, dataclass
+from pathlib import Path
+
+from harness.core.apart import read_apart
+from harness.core.arrays import FloatArray
+from harness.core.bounded import MOST_BYTES, check_file, check_size
+from harness.core.checks import finite, positive
+from harness.core.errors import InputError
+from harness.core.joint_log import JointLog
+from harness.io.logs import bags, lerobot
+from harness.io.logs.finish import Gain, finished
+from harness.io.logs.raw import LogOptions, Raw, from_found, one_of
+from harness.io.logs.tables import PARQUET, raw_of_file
+from harness.io.registry import kind_of, reader_of
+from harness.io.units import parse_unit
+
+
+@dataclass(frozen=True, slots=True)
+class Source:
+    """What a path is. kind : bag, lerobot or table. files : those that are read."""
+
+    path: Path
+    kind: str
+    files: tuple[Path, ...]
+
+    @property
+    def sha256(self) -> str:
+        """Of the file; of several, of their hashes one after the other."""
+        hashes = []
+        for file in self.files:
+            with file.open("rb") as stream:
+                hashes.append(hashlib.file_digest(stream, "sha256").hexdigest())
+        return hashes[0] if len(hashes) == 1 else hashlib.sha256("".join(hashes).encode()).hexdigest()
+
+    @property
+    def seconds(self) -> int:
+        """How long reading may take, s of a processor."""
+        return bags.seconds_of(sum(file.stat().st_size for file in self.files))
+
+
+def source_of(path: Path) -> Source:
+    """What a path is, without opening more than its folder. Raises InputError for what is no log."""
+    if found := bags.storages(path):
+        return Source(path, "bag", tuple(found))
+    if path.is_dir() and lerobot.root_of(path) == path:
+        return Source(path, "lerobot", tuple(lerobot.files_of(path)))
+    check_file(path, accepted="a file, the folder of a ROS 2 bag, or that of a LeRobot data set is accepted")
+    return Source(path, "lerobot" if kind_of(path) in PARQUET and lerobot.root_of(path) else "table", (path,))
+
+
+def read_joint_log(
+    path: Path,
+    *,
+    columns: str | None = None,
+    joints: Sequence[str] | None = None,
+    topic: str | None = None,
+    gain: Gain | None = None,
+    angle_unit: str | None = None,
+    skip_rows: int = 0,
+    rate: float | None = None,
+    start: float | None = None,
+    stop: float | None = None,
+    drop_nan: bool = False,
+) -> JointLog:
+    """Read a log of a robot's joints, in SI units: a table, a LeRobot data set, a ROS bag.
+
+    columns : "t=t,elbow.position=q3[deg],elbow.effort=7.1*cur3[N*m]" for names that say nothing. joints : those of the
+    model, in its order: they are chosen by name, and are the names where a log has none. topic : of a bag, or the
+    episode of a data set. gain : N m per A at the joint, one or by joint. angle_unit : of positions that say none.
+    skip_rows, rate (Hz), start, stop (s), drop_nan : as of a recording. Repeated rows are dropped, an effort without a
+    sign is left out; what was read and done is in the notes.
+
+    Raises InputError naming the file, row, column, joint or option that is wrong.
+    """
+    options = LogOptions(
+        columns, None if joints is None else tuple(joints), topic, angle_unit, skip_rows, rate, start, stop, drop_nan
+    )
+    try:
+        source = checked_source(path, options, gain)
+        raw = raw_of_source(source, options)
+        return finished(raw, str(path), options, gain).log(str(path), source.sha256)
+    except OSError as error:
+        raise InputError(str(path), error.strerror or str(error), "a file that can be read is accepted") from None
+
+
+def checked_source(path: Path, options: LogOptions, gain: Gain | None) -> Source:
+    """What a path is, and the options looked at. Raises InputError for one that cannot be, or not for such a source."""
+    _check(options, gain)
+    source = source_of(path)
+    reader = reader_of(kind_of(path)) if source.kind == "table" else None
+    unfit = {
+        "--topic": (options.topic and source.kind == "table", "bags and LeRobot data sets"),
+        "--columns": (options.columns and source.kind == "bag", "tables"),
+        "--rate": (options.rate and source.kind == "bag", "tables"),
+        "--skip-rows": (options.skip_rows and (reader is None or not reader.text), "text tables alone"),
+    }
+    for option, (given, accepted) in unfit.items():
+        if given:
+            raise InputError(option, f"given for {path}", f"it is accepted for {accepted}")
+    return source
+
+
+def _check(options: LogOptions, gain: Gain | None) -> None:
+    """Raise InputError for an option that no log could be read with."""
+    if options.angle_unit is not None:
+        parse_unit("--angle-unit", "x", options.angle_unit)
+    if options.rate is not None:
+        positive("--rate", options.rate, "Hz")
+    if options.skip_rows < 0:
+        raise InputError("--skip-rows", f"{options.skip_rows}", "0 or more is accepted")
+    for value in gain.values() if isinstance(gain, Mapping) else [] if gain is None else [gain]:
+        if finite("--gain", value) == 0.0:
+            raise InputError("--gain", "0", "N m per A, other than 0, are accepted")
+
+
+def raw_of_source(source: Source, options: LogOptions) -> Raw:
+    """What stands in a log, of what ``options`` choose."""
+    path = source.path
+    if source.kind == "bag":
+        return _of_bag(source, options)
+    reader = reader_of(kind_of(path))
+    apart = "harness.io.logs.lerobot" if source.kind == "lerobot" else "harness.io.logs.tables"
+    if source.kind == "table" and (reader is None or reader.text):
+        check_size(path, MOST_BYTES)
+        return raw_of_file(path, options)
+    accepted = f"a whole {path.suffix or 'LeRobot'} file is accepted"
+    found = read_apart(f"{apart}:columns_of", path, accepted, seconds=source.seconds, options=asdict(options))
+    return from_found(*found)
+
+
+def bag_topics(source: Source) -> list[tuple[str, str, int]]:
+    """Name, type and count of every topic of a bag."""
+    bags.need_rosbags(source.path)
+    _, found = read_apart("harness.io.logs.bags:topics_of", source.path, bags.ACCEPTED, seconds=source.seconds)
+    return [(str(name), str(kind), int(count)) for name, kind, count in found]
+
+
+def bag_topic(source: Source, topic: str, options: LogOptions) -> Raw:
+    """The joint states of one topic; where its messages speak of several sets of joints, the fitting one."""
+    read = "harness.io.logs.bags:columns_of"
+    columns, about = read_apart(read, source.path, bags.ACCEPTED, seconds=source.seconds, topic=topic)
+    sets = [number for number, found in enumerate(about) if found["joints"]]
+    if not sets:
+        raise InputError(f"{source.path}: {topic}", "no joint in any message", "a topic with joint states is accepted")
+    wanted = set(options.joints or ())
+    chosen = max(sets, key=lambda number: (len(wanted & set(about[number]["joints"])), -number))
+    mine = {k.partition(" ")[2]: v for k, v in columns.items() if k.partition(" ")[0] == str(chosen)}
+    notes = list(about[chosen]["notes"])
+    for number in sets:
+        if number != chosen:
+            names = ", ".join(about[number]["joints"][:4])
+            notes.append(f"{about[number]['count']} messages speak of other joints ({names}): left out.")
+    said = {"told": {}, "rows": "message", "numbered": about[chosen]["numbered"], "notes": notes}
+    raw = from_found(mine, said)
+    return raw if options.angle_unit is None else _turned(raw, options.angle_unit)
+
+
+def _of_bag(source: Source, options: LogOptions) -> Raw:
+    """The topic of a bag that --topic names, or the only one with joint states."""
+    topics = bag_topics(source)
+    if options.topic is not None:
+        return bag_topic(source, topic_of(source, topics, options.topic)[0], options)
+    known = [name for name, kind, count in topics if kind == bags.TYPE and count]
+    if not known:
+        there = ", ".join(f"{name} ({kind})" for name, kind, _ in topics[:8]) or "no topic"
+        raise InputError(str(source.path), f"no joint states, but {there}", f"a topic of {bags.TYPE} is accepted")
+    if len(known) > 1:
+        found = f"{len(known)} topics of joint states and no --topic"
+        raise InputError(str(source.path), found, f"--topic with one of {', '.join(known)} is accepted")
+    return bag_topic(source, known[0], options)
+
+
+def topic_of(source: Source, topics: list[tuple[str, str, int]], asked: str) -> tuple[str, str, int]:
+    """The topic of joint states of this name, the first slash given or not. Raises InputError that lists them."""
+    known = {topic[0]: topic for topic in topics if topic[1] == bags.TYPE and topic[2]}
+    found = known.get(asked) or known.get(f"/{asked.lstrip('/')}")
+    if found is None:
+        raise one_of(str(source.path), asked, list(known), "topic of joint states")
+    return found
+
+
+def _turned(raw: Raw, unit: str) -> Raw:
+    """Positions and velocities of a bag in another unit than its format says."""
+    factor = parse_unit("--angle-unit", "x", unit).factor
+    fields = dict(raw.fields)
+    for kind in ("position", "velocity"):
+        turned: dict[str, FloatArray] = {joint: factor * y for joint, y in raw.fields.get(kind, {}).items()}
+        if turned:
+            fields[kind] = turned
+    told = {"position": unit, "velocity": f"{unit}/s"}
+    return Raw(raw.t, fields, told, raw.rows, raw.numbered, (*raw.notes, f"Angles are read in {unit} (--angle-unit)."))

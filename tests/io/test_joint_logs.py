@@ -1,0 +1,583 @@
+"""A log of a robot's joints read back from every format is the motion that was written; what is odd is said."""
+
+import gzip
+import json
+import sys
+from collections.abc import Callable
+from contextlib import suppress
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import joint_logs
+import jsonschema
+import numpy as np
+import pytest
+import scipy.io
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+from joint_logs import Message, Motion, bag1, bag2, csv, lerobot, messages, motion, parquet
+
+from harness.cli.main import run
+from harness.core.errors import InputError
+from harness.core.joint_log import JointLog
+from harness.io.logs.layout import layout_of
+from harness.io.logs.needs import effort_of
+from harness.io.logs.read import read_joint_log
+from harness.io.logs.rules import named
+from harness.results import generate
+
+ONE = motion()
+KINDS = ("position", "velocity", "effort")
+
+
+def same(found: JointLog, wanted: Motion, exact: bool = True, names: list[str] | None = None) -> None:
+    """The log holds the motion: bit for bit, or to the nanosecond of a stamp and a rounding of a unit."""
+    assert list(found.joints) == (names or wanted.joints)
+    np.testing.assert_allclose(found.t, wanted.t, rtol=0.0, atol=0.0 if exact else 1e-9)
+    for kind in KINDS:
+        given = getattr(wanted, kind)
+        read = getattr(found, kind)
+        assert list(read) == [names[wanted.joints.index(j)] if names else j for j in given], kind
+        for values, joint in zip(read.values(), given, strict=True):
+            np.testing.assert_allclose(values, given[joint], rtol=0.0 if exact else 1e-12, atol=0.0 if exact else 1e-12)
+
+
+def stack(kind: str) -> np.ndarray:
+    return np.column_stack(list(getattr(ONE, kind).values()))
+
+
+def npz(path: Path) -> Path:
+    np.savez(path, t=ONE.t, q=stack("position"), dq=stack("velocity"), tau=stack("effort"))
+    return path
+
+
+def mat(path: Path) -> Path:
+    scipy.io.savemat(path, {"t": ONE.t, "q": stack("position"), "dq": stack("velocity"), "tau": stack("effort")})
+    return path
+
+
+def packed(path: Path) -> Path:
+    plain = csv(path.with_suffix(""), {"t": ONE.t, **ONE.columns()})
+    path.write_bytes(gzip.compress(plain.read_bytes()))
+    return path
+
+
+def units(path: Path) -> Path:
+    scaled = {f"{j}.position [deg]": np.degrees(q) for j, q in ONE.position.items()}
+    scaled |= {f"{j}.velocity [deg/s]": np.degrees(v) for j, v in ONE.velocity.items()}
+    scaled |= {f"{j}.effort [mN*m]": 1e3 * u for j, u in ONE.effort.items()}
+    return csv(path, {"time [ms]": 1e3 * ONE.t, **scaled})
+
+
+def short(path: Path, words: tuple[str, str, str], time: str = "t") -> Path:
+    """Columns by number: {k} of each word is the joint's."""
+    pairs = zip(words, KINDS, strict=True)
+    found = {w.format(k): y for w, kind in pairs for k, y in enumerate(getattr(ONE, kind).values(), 1)}
+    return csv(path, {time: ONE.t, **found})
+
+
+def lists(path: Path) -> Path:
+    return parquet(path, {"t": ONE.t, **{kind: list(stack(kind)) for kind in KINDS}})
+
+
+NUMBERED = ["joint1", "joint2"]
+TABLES: dict[str, tuple[str, Callable[[Path], Path], list[str] | None]] = {
+    "NAME.position": ("a.csv", lambda p: csv(p, {"t": ONE.t, **ONE.columns()}), None),
+    "NAME/position": ("a.csv", lambda p: csv(p, {"time_s": ONE.t, **ONE.columns("{joint}/{kind}")}), None),
+    "of PlotJuggler": (
+        "a.csv",
+        lambda p: csv(p, {"__time": ONE.t, **ONE.columns("/joint_states/{joint}/{kind}")}),
+        None,
+    ),
+    "NAME_position": ("a.csv", lambda p: csv(p, {"timestamp": ONE.t, **ONE.columns("{joint}_{kind}")}), None),
+    "position[i]": ("a.csv", lambda p: csv(p, {"t": ONE.t, **ONE.columns("{kind}[{i}]")}), NUMBERED),
+    "of rostopic": ("a.csv", lambda p: csv(p, {"%time": ONE.t, **ONE.columns("field.{kind}{i}")}), NUMBERED),
+    "x1_rad": ("a.csv", lambda p: short(p, ("x{}_rad", "v{}", "u{}_Nm"), "t_s"), NUMBERED),
+    "q1": ("a.csv", lambda p: short(p, ("q{}", "dq{}", "tau{}")), NUMBERED),
+    "pos_meas1": ("a.csv", lambda p: short(p, ("pos_meas{}", "vel_meas{}", "tau_meas{}"), "time"), NUMBERED),
+    "gzip": ("a.csv.gz", packed, None),
+    "units": ("a.csv", units, None),
+    "comment": ("a.csv", lambda p: csv(p, {"t": ONE.t, **ONE.columns()}, "# made here\n"), None),
+    "npz": ("a.npz", npz, NUMBERED),
+    "mat": ("a.mat", mat, NUMBERED),
+    "parquet": ("a.parquet", lambda p: parquet(p, {"t": ONE.t, **ONE.columns()}), None),
+    "parquet lists": ("a.parquet", lists, NUMBERED),
+    "bag 1": ("a.bag", lambda p: bag1(p, {"/joint_states": messages(ONE)}), None),
+    "bag 2": ("a", lambda p: bag2(p, {"/joint_states": messages(ONE)}), None),
+    "sqlite3 alone": ("a", lambda p: bag2(p, {"/joint_states": messages(ONE)}) / "a.db3", None),
+    "mcap": ("a", lambda p: bag2(p, {"/joint_states": messages(ONE)}, "mcap"), None),
+    "mcap alone": ("a", lambda p: bag2(p, {"/joint_states": messages(ONE)}, "mcap") / "a.mcap", None),
+}
+
+
+@pytest.mark.parametrize("kind", TABLES)
+def test_every_format_is_the_motion(tmp_path: Path, kind: str) -> None:
+    name, write, names = TABLES[kind]
+    path = write(tmp_path / name)
+    found = read_joint_log(path)
+    same(found, ONE, exact=name.startswith("a.") and kind not in ("units", "bag 1"), names=names)
+    assert found.file == str(path)
+    assert len(found.sha256) == 64
+    assert not any("derivative" in note or "gap" in note for note in found.notes)
+
+
+@pytest.mark.parametrize("kind", ["NAME.position", "q1", "parquet lists", "bag 1", "bag 2", "mcap alone"])
+def test_the_command_says_what_is_in_each(tmp_path: Path, kind: str, capfd: pytest.CaptureFixture[str]) -> None:
+    name, write, names = TABLES[kind]
+    path = write(tmp_path / name)
+    assert run(["log", str(path), "--json", "-"]) == 0
+    said = json.loads(capfd.readouterr().out)
+    assert said["schema"] == "harness.log/1"
+    jsonschema.validate(said, json.loads((generate.FOLDER / "harness.log-1.json").read_text()))
+    (topic,) = said["topics"]
+    assert topic["count"] == 400
+    assert topic["rate_hz"] == pytest.approx(100.0, rel=1e-6)
+    assert topic["joints"] == (names or ONE.joints)
+    assert topic["fields"] == list(KINDS)
+    assert topic["units_guessed"] == {"position": "rad", "velocity": "rad/s", "effort": "N m"}
+    assert topic["gaps_s"] == []
+    for joint, wanted in zip(topic["joints"], ONE.joints, strict=True):
+        q = ONE.position[wanted]
+        assert topic["ranges"][joint]["position"] == pytest.approx([q.min(), q.max()])
+    assert run(["log", str(path)]) == 0
+    assert "400" in capfd.readouterr().out
+
+
+NAMES: list[tuple[str, tuple[str, str, int] | None]] = [
+    ("elbow.position", ("position", "elbow", 0)),
+    ("/joint_states/elbow_joint/effort", ("effort", "elbow_joint", 0)),
+    ("shoulder_pan.pos", ("position", "shoulder_pan", 0)),
+    ("joint_1.velocity", ("velocity", "joint_1", 0)),
+    ("j1_torque_Nm", ("effort", "j1", 0)),
+    ("motor.current", ("current", "motor", 0)),
+    ("actual_q_0", ("position", "", 0)),
+    ("actual_qd_5", ("velocity", "", 5)),
+    ("actual_current_3", ("current", "", 3)),
+    ("/joint_states/position[11]", ("position", "", 11)),
+    ("tau_J[2]", ("effort", "", 2)),
+    ("x2_rad", ("position", "", 2)),
+    ("u1_Nm", ("effort", "", 1)),
+    ("absu3_Nm", ("magnitude", "", 3)),
+    ("q", ("position", "", 0)),
+    ("target_q_0", None),
+    ("xcmd1_rad", None),
+    ("elbow.target.position", None),
+    ("tau_des1", None),
+    ("base.x", None),
+    ("actual_TCP_pose_0", None),
+    ("x1_N", None),
+    ("temperature", None),
+    ("", None),
+]
+
+
+@pytest.mark.parametrize(("name", "wanted"), NAMES)
+def test_what_a_name_says(name: str, wanted: tuple[str, str, int] | None) -> None:
+    found = named(name)
+    assert (found and (found.field, found.joint, found.number)) == wanted
+
+
+@settings(max_examples=30, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@given(
+    st.integers(50, 90),
+    st.lists(st.text("abcxyz_12", min_size=1, max_size=8).filter(str.strip), min_size=1, max_size=4, unique=True),
+    st.integers(0, 10**6),
+    st.sampled_from(["csv", "parquet"]),
+)
+def test_a_random_log_read_back_is_equal(tmp_path: Path, n: int, joints: list[str], seed: int, suffix: str) -> None:
+    draw = np.random.default_rng(seed)
+    one = Motion(np.cumsum(draw.uniform(1e-3, 1e-1, n)), *({j: draw.normal(size=n) for j in joints} for _ in KINDS))
+    write = csv if suffix == "csv" else parquet
+    path = write(tmp_path / f"log.{suffix}", {"t": one.t, **one.columns()})
+    if suffix == "parquet":
+        from harness.io.logs.raw import LogOptions
+        from harness.io.logs.tables import raw_of_file
+
+        raw = raw_of_file(path, LogOptions())  # what runs in a process of its own elsewhere: here without one
+        assert {kind: list(of) for kind, of in raw.fields.items()} == dict.fromkeys(KINDS, joints)
+        for kind in KINDS:
+            assert all(np.array_equal(raw.fields[kind][j], getattr(one, kind)[j]) for j in joints)  # type: ignore[index]
+        return
+    same(read_joint_log(path), one)
+
+
+def test_joints_of_the_model_are_chosen_by_name_and_give_names_where_there_are_none(tmp_path: Path) -> None:
+    by_name = csv(tmp_path / "a.csv", {"t": ONE.t, **ONE.columns()})
+    found = read_joint_log(by_name, joints=["elbow", "finger"])
+    assert found.joints == ("elbow",)
+    assert "The log has no finger." in found.notes
+    numbered = csv(tmp_path / "b.csv", {"t": ONE.t, **ONE.columns("{kind}[{i}]")})
+    same(read_joint_log(numbered, joints=["shoulder", "elbow"]), ONE)
+    few = read_joint_log(numbered, joints=["shoulder"])
+    assert few.joints == ("shoulder",)
+    assert any("2 joints and the model 1: the first 1" in note for note in few.notes)
+
+
+def test_columns_and_gain_are_taken(tmp_path: Path) -> None:
+    path = csv(
+        tmp_path / "a.csv", {"clock": ONE.t, "foo": np.degrees(ONE.position["elbow"]), "bar": ONE.effort["elbow"]}
+    )
+    found = read_joint_log(path, columns="t=clock,elbow.position=foo[deg],elbow.effort=2*bar[N*m]")
+    np.testing.assert_allclose(found.position["elbow"], ONE.position["elbow"], rtol=1e-12)
+    np.testing.assert_allclose(found.effort["elbow"], 2.0 * ONE.effort["elbow"], rtol=1e-12)
+    ur = {f"actual_q_{i}": q for i, q in enumerate(ONE.position.values())}
+    ur |= {f"actual_current_{i}": u for i, u in enumerate(ONE.effort.values())}
+    path = csv(tmp_path / "ur.csv", {"timestamp": 17.0 + ONE.t, **ur, "target_q_0": ONE.t})
+    plain = read_joint_log(path)
+    assert not plain.effort
+    with pytest.raises(InputError, match=r"no effort of joint1; Current is logged and no effort: --gain, in N m per A"):
+        effort_of(plain, "joint1")
+    driven = read_joint_log(path, gain={"joint1": 12.5})
+    np.testing.assert_allclose(effort_of(driven, "joint1"), 12.5 * ONE.effort["shoulder"], rtol=1e-12)
+    assert list(driven.effort) == ["joint1"]
+    taken = read_joint_log(csv(tmp_path / "c.csv", {"t": ONE.t, **ONE.columns()}), gain=3.0)
+    np.testing.assert_allclose(taken.effort["elbow"], 3.0 * ONE.effort["elbow"], rtol=1e-12)
+    assert any("logged as effort is taken as current" in note for note in taken.notes)
+
+
+def test_an_episode_of_a_data_set_is_read(tmp_path: Path) -> None:
+    episodes = [replace(motion(n, seed=n), velocity={}, effort={}) for n in (60, 80, 70)]
+    for chunked in (False, True):
+        folder = lerobot(tmp_path / str(chunked), episodes, chunked=chunked)
+        with pytest.raises(InputError, match="3 episodes and no --topic; --topic with one of 0, 1, 2"):
+            read_joint_log(folder)
+        for number, one in enumerate(episodes):
+            same(read_joint_log(folder, topic=str(number)), one)
+        with pytest.raises(InputError, match="no episode '7'; one of 0, 1, 2 is accepted"):
+            read_joint_log(folder, topic="7")
+    same(read_joint_log(folder / "data" / "chunk-001" / "file-000.parquet"), episodes[1])
+    unnamed = lerobot(tmp_path / "nested", episodes[:1], names={"motors": ["a", "b"]})
+    same(read_joint_log(unnamed), episodes[0], names=["a", "b"])
+
+
+def test_joints_are_followed_by_name_and_empty_fields_are_not_logged(tmp_path: Path) -> None:
+    sent = messages(replace(ONE, velocity={}))
+    for message in sent[::3]:
+        for kind in ("names", "position", "effort"):
+            setattr(message, kind, list(getattr(message, kind))[::-1])
+    gripper = [Message(m.stamp + 1000, m.received + 1000, ["finger"], [0.01]) for m in sent[::10]]
+    both = sorted([*sent, *gripper], key=lambda m: m.received)
+    found = read_joint_log(bag2(tmp_path / "a", {"/joint_states": both}))
+    assert not found.velocity
+    for joint in ONE.joints:
+        first = "elbow" if joint == "elbow" else "shoulder"
+        np.testing.assert_array_equal(found.position[joint], ONE.position[first])
+        np.testing.assert_array_equal(found.effort[joint], ONE.effort[first])
+    assert any("change their order in" in note for note in found.notes)
+    assert any("40 messages speak of other joints (finger): left out" in note for note in found.notes)
+
+
+@pytest.mark.parametrize(
+    ("change", "said"), [(lambda s, k: 0, "do not change"), (lambda s, k: s - k * 10**8, "go back")]
+)
+def test_receive_times_stand_in_for_headers_that_say_nothing(
+    tmp_path: Path, change: Callable[[int, int], int], said: str
+) -> None:
+    sent = [replace(m, stamp=change(m.stamp, k)) for k, m in enumerate(messages(ONE))]
+    found = read_joint_log(bag2(tmp_path / "a", {"/joint_states": sent}))
+    np.testing.assert_allclose(found.t, ONE.t, atol=1e-9)
+    assert any("those of receiving" in note and said in note for note in found.notes)
+
+
+def noted(tmp_path: Path, one: Motion) -> str:
+    return " ".join(read_joint_log(csv(tmp_path / "odd.csv", {"t": one.t, **one.columns()})).notes)
+
+
+def test_repeated_rows_are_dropped_and_counted(tmp_path: Path) -> None:
+    rows = np.sort(np.concatenate([np.arange(400), np.arange(0, 400, 16)]))
+
+    def taken(columns: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
+        return {name: values[rows] for name, values in columns.items()}
+
+    path = csv(tmp_path / "a.csv", taken({"t": ONE.t, **ONE.columns()}))
+    found = read_joint_log(path)
+    same(found, ONE)
+    assert "25 of 425 rows repeat the stamp of the one before: dropped." in found.notes
+
+
+@pytest.mark.parametrize(
+    ("factor", "said"),
+    [
+        (180.0 / np.pi, "57.3 times the derivative of the position, as velocity in deg/s"),
+        (np.pi / 180.0, "0.01745 times the derivative of the position, as positions in degrees"),
+        (1000.0, "1000 times the derivative of the position, as times in ms"),
+        (-1.0, "-1 times the derivative of the position, as velocity with the sign turned"),
+        (1.37, "1.37 times the derivative of the position."),
+    ],
+)
+def test_a_velocity_in_another_unit_is_said(tmp_path: Path, factor: float, said: str) -> None:
+    odd = replace(ONE, velocity={joint: factor * v for joint, v in ONE.velocity.items()})
+    assert f"The velocity of shoulder and elbow is {said}" in noted(tmp_path, odd)
+
+
+@given(st.floats(0.02, 1.0), st.floats(0.0, 0.05), st.integers(0, 1000))
+@settings(max_examples=20)
+def test_the_ratio_is_found_under_noise_and_offset(scale: float, noise: float, seed: int) -> None:
+    from harness.io.logs.suspicions import ratio
+
+    draw = np.random.default_rng(seed)
+    q, v = ONE.position["elbow"], ONE.velocity["elbow"]
+    measured = scale * (v + 0.3) + draw.normal(0.0, noise * scale, v.size)
+    assert ratio(ONE.t, q + draw.normal(0.0, 0.01, q.size), measured) == pytest.approx(scale, rel=0.02)
+
+
+def test_degrees_are_said_and_read_when_told(tmp_path: Path) -> None:
+    odd = replace(ONE, position={joint: np.degrees(q) for joint, q in ONE.position.items()}, velocity={})
+    assert "degrees look so; --angle-unit deg reads them as such" in noted(tmp_path, odd)
+    path = csv(tmp_path / "deg.csv", {"t": odd.t, **odd.columns()})
+    same(read_joint_log(path, angle_unit="deg"), replace(ONE, velocity={}), exact=False)
+    bag = bag2(tmp_path / "bag", {"/joint_states": messages(odd)})
+    same(read_joint_log(bag, angle_unit="deg"), replace(ONE, velocity={}), exact=False)
+
+
+def test_torque_without_a_sign_is_left_out_and_torque_of_gravity_is_not(tmp_path: Path) -> None:
+    odd = replace(ONE, effort={joint: np.abs(u) for joint, u in ONE.effort.items()})
+    path = csv(tmp_path / "a.csv", {"t": odd.t, **odd.columns()})
+    found = read_joint_log(path)
+    assert not found.effort
+    with pytest.raises(InputError, match=r"no effort of elbow; The effort of shoulder and elbow never is negative"):
+        effort_of(found, "elbow")
+    holding = replace(ONE, effort={joint: 20.0 + u for joint, u in ONE.effort.items()})
+    assert set(read_joint_log(csv(tmp_path / "b.csv", {"t": ONE.t, **holding.columns()})).effort) == set(ONE.joints)
+
+
+def test_coarse_steps_and_gaps_are_said(tmp_path: Path) -> None:
+    step = 0.25
+    odd = replace(ONE, velocity={joint: step * np.round(v / step) for joint, v in ONE.velocity.items()})
+    gone = np.concatenate([np.arange(100), np.arange(150, 400)])
+    path = csv(tmp_path / "a.csv", {k: v[gone] for k, v in {"t": odd.t, **odd.columns()}.items()})
+    notes = " ".join(read_joint_log(path).notes)
+    assert "The velocity of shoulder and elbow comes in steps of 0.25 rad/s." in notes
+    assert "There is 1 gap in time, the longest of 0.51 s at t = 0.99 s." in notes
+
+
+def short_of(path: Path, **change: np.ndarray) -> Path:
+    columns = {"t": ONE.t, **ONE.columns(), **change}
+    return csv(path, {name: values for name, values in columns.items() if values.size})
+
+
+def cut(path: Path) -> Path:
+    path.write_bytes(path.read_bytes()[: path.stat().st_size // 2])
+    return path
+
+
+def with_text(path: Path) -> Path:
+    short_of(path)
+    lines = path.read_text().splitlines()
+    lines[20] = "0.19,fast" + ",0" * 5
+    path.write_text("\n".join(lines))
+    return path
+
+
+BACK = ONE.t.copy()
+BACK[100:] -= 0.5
+HOLED = ONE.position["elbow"].copy()
+HOLED[7] = np.nan
+
+
+def two(path: Path) -> Path:
+    sent = messages(ONE)
+    return bag2(path, {"/left/joint_states": sent, "/right/joint_states": sent}, text=True)
+
+
+def junk(path: Path) -> Path:
+    path.write_bytes(b"\x00\x01 no bag" * 100)
+    return path
+
+
+BAD: dict[str, tuple[Callable[[Path], tuple[Path, dict[str, object]]], str]] = {
+    "nothing there": (lambda p: (p / "none.csv", {}), "no such file; a file, the folder of a ROS 2 bag"),
+    "empty folder": (lambda p: (p, {}), "a folder; a file, the folder of a ROS 2 bag, or that of a LeRobot"),
+    "no joints": (
+        lambda p: (csv(p / "a.csv", {"t": ONE.t, "speed_limit": ONE.t}), {}),
+        "no joint's position among the columns t, speed_limit; columns t and NAME.position",
+    ),
+    "no time": (lambda p: (csv(p / "a.csv", ONE.columns()), {}), "no time among the columns"),
+    "text": (lambda p: (with_text(p / "a.csv"), {}), "row 20 (line 21), column shoulder.position: the text 'fast'"),
+    "time back": (lambda p: (short_of(p / "a.csv", t=BACK), {}), "row 101, t: time 0.5 s goes back from 0.99 s"),
+    "nan": (
+        lambda p: (short_of(p / "a.csv", **{"elbow.position": HOLED}), {}),
+        "row 8, elbow.position: no value or nan; a finite number is accepted; --drop-nan leaves such rows out",
+    ),
+    "few": (lambda p: (csv(p / "a.csv", {"t": ONE.t[:9], "e.position": ONE.t[:9]}), {}), "9 samples; at least 50"),
+    "unknown joint": (
+        lambda p: (short_of(p / "a.csv"), {"joints": ["elbwo"]}),
+        "no joint 'elbwo'; one of shoulder, elbow is accepted; did you mean elbow?",
+    ),
+    "two of one": (
+        lambda p: (csv(p / "a.csv", {"t": ONE.t, "l/q1": ONE.t, "r/q1": ONE.t}), {}),
+        "two columns that may be joint1.position: 'l/q1', 'r/q1'",
+    ),
+    "gain of nothing": (
+        lambda p: (csv(p / "a.csv", {"t": ONE.t, "e.position": ONE.t}), {"gain": 2.0}),
+        "--gain: given for a log without current or effort",
+    ),
+    "gain of another": (lambda p: (short_of(p / "a.csv"), {"gain": {"elbo": 2.0}}), "did you mean elbow?"),
+    "gain of 0": (lambda p: (short_of(p / "a.csv"), {"gain": 0.0}), "--gain: 0; N m per A, other than 0"),
+    "a unit that is none": (lambda p: (short_of(p / "a.csv"), {"angle_unit": "blub"}), "--angle-unit: 'blub' is not"),
+    "columns": (
+        lambda p: (short_of(p / "a.csv"), {"columns": "elbow=foo"}),
+        "--columns: unknown channel 'elbow' in 'elbow=foo'; t and NAME.position, NAME.velocity",
+    ),
+    "a topic of a table": (lambda p: (short_of(p / "a.csv"), {"topic": "/x"}), "--topic: given for"),
+    "two topics": (
+        lambda p: (two(p / "a"), {}),
+        "2 topics of joint states and no --topic; --topic with one of /left/joint_states, /right/joint_states",
+    ),
+    "unknown topic": (
+        lambda p: (two(p / "a"), {"topic": "/lft/joint_states"}),
+        "no topic of joint states '/lft/joint_states'; one of /left/joint_states, /right/joint_states is accepted",
+    ),
+    "no joint states": (lambda p: (bag2(p / "a", {}, text=True), {}), "no joint states, but /rosout (std_msgs/msg/Str"),
+    "columns of a bag": (lambda p: (two(p / "a"), {"columns": "t=t"}), "--columns: given for"),
+    "junk bag": (lambda p: (junk(p / "a.bag"), {}), "cannot be read as a ROS bag"),
+    "junk db3": (lambda p: (junk(p / "a.db3"), {}), "cannot be read as a ROS bag"),
+    "junk mcap": (lambda p: (junk(p / "a.mcap"), {}), "cannot be read as a ROS bag (File magic is invalid.)"),
+    "cut mcap": (
+        lambda p: (cut(bag2(p / "a", {"/j": messages(ONE)}, "mcap") / "a.mcap"), {}),
+        "cannot be read as a ROS bag",
+    ),
+    "cut bag": (lambda p: (cut(bag1(p / "a.bag", {"/j": messages(ONE)})), {}), "cannot be read as a ROS bag"),
+    "a joint twice": (
+        lambda p: (bag2(p / "a", {"/j": [Message(k, k, ["e", "e"], [0.0, 1.0]) for k in range(60)]}), {}),
+        "/j: message 1: the joint e twice",
+    ),
+    "values without joints": (
+        lambda p: (bag2(p / "a", {"/j": [Message(k, k, ["e"], [0.0, 1.0]) for k in range(60)]}), {}),
+        "/j: message 1: 2 values of position for 1 joints; a value for each joint is accepted",
+    ),
+    "no info": (lambda p: (_broken_info(p / "a"), {}), "unreadable (KeyError: 'features')"),
+}
+
+
+def _broken_info(folder: Path) -> Path:
+    lerobot(folder, [replace(ONE, velocity={}, effort={})])
+    (folder / "meta" / "info.json").write_text("{}")
+    return folder
+
+
+@pytest.mark.parametrize("case", BAD)
+def test_bad_input_is_one_line(tmp_path: Path, case: str, capfd: pytest.CaptureFixture[str]) -> None:
+    make, said = BAD[case]
+    path, options = make(tmp_path)
+    with pytest.raises(InputError) as caught:
+        read_joint_log(path, **options)  # type: ignore[arg-type]
+    assert said in str(caught.value)
+    assert "\n" not in str(caught.value)
+    code = run(["log", str(path)])
+    out, err = capfd.readouterr()
+    assert "Traceback" not in err
+    assert (code, err.count("\n")) in {(0, 0), (2, 1)}
+    assert bool(out) == (code == 0)
+
+
+def test_a_bag_without_the_package_says_what_to_install(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    path = bag1(tmp_path / "a.bag", {"/joint_states": messages(ONE)})
+    monkeypatch.setitem(sys.modules, "rosbags", None)
+    with pytest.raises(
+        InputError, match=r"rosbags that reads it is not installed; pip install 'friction-harness\[bags\]'"
+    ):
+        read_joint_log(path)
+    assert run(["log", str(path)]) == 2
+
+
+def test_a_folder_that_a_killed_recorder_left_is_read(tmp_path: Path) -> None:
+    folder = bag2(tmp_path / "a", {"/joint_states": messages(ONE)})
+    (folder / "metadata.yaml").unlink()
+    same(read_joint_log(folder), ONE, exact=False)
+
+
+def test_rows_without_a_value_are_left_out_when_asked(tmp_path: Path) -> None:
+    path = short_of(tmp_path / "a.csv", **{"elbow.position": HOLED})
+    found = read_joint_log(path, drop_nan=True, start=0.05, stop=2.0)
+    assert len(found.t) == 195
+    assert "1 rows without a value are left out (--drop-nan)." in found.notes
+
+
+def test_what_is_nan_or_nought_throughout_is_not_logged(tmp_path: Path) -> None:
+    nothing = np.zeros(400)
+    path = short_of(
+        tmp_path / "a.csv", **{"shoulder.effort": nothing, "elbow.effort": nothing, "elbow.velocity": nothing * np.nan}
+    )
+    found = read_joint_log(path)
+    assert (list(found.velocity), list(found.effort)) == (["shoulder"], [])
+    assert "The effort is 0 throughout: taken as not logged." in found.notes
+    assert "No velocity is logged of elbow." in found.notes
+
+
+TEXT = st.text(st.characters(codec="utf-8", exclude_characters="\0"), max_size=9)
+
+
+@settings(max_examples=100)
+@given(st.lists(TEXT, max_size=6), TEXT, st.tuples(*[st.booleans()] * 3), st.integers(0, 2**31 - 1), st.booleans())
+def test_the_layout_of_a_message_is_that_of_its_format(
+    names: list[str], frame: str, logged: tuple[bool, bool, bool], seed: int, old: bool
+) -> None:
+    draw = np.random.default_rng(seed)
+
+    def packed() -> tuple[Any, bytes]:
+        values = [draw.normal(size=len(names) if given else 0) for given in logged]
+        stamp = int(draw.integers(2**31)) * 10**9 + int(draw.integers(10**9))
+        return joint_logs.packed(Message(stamp, 0, names, *(list(v) for v in values)), frame, old)
+
+    first, data = packed()
+    layout = layout_of(data, frame, names, [first.position, first.velocity, first.effort], old)
+    assert layout is not None
+    second, other = packed()
+    read = layout.read(other)
+    assert read is not None
+    assert read[0] == (second.header.stamp.sec, second.header.stamp.nanosec)
+    for found, wanted in zip(read[1], (second.position, second.velocity, second.effort), strict=True):
+        np.testing.assert_array_equal(found, wanted)
+    assert layout.read(other + b"\0") is None
+    if names and names[0]:
+        renamed = [chr(ord(names[0][0]) ^ 1) + names[0][1:], *names[1:]]
+        sizes = [list(getattr(second, kind)) for kind in KINDS]
+        assert layout.read(joint_logs.packed(Message(0, 0, renamed, *sizes), frame, old)[1]) is None
+
+
+@pytest.mark.parametrize("kind", ["bag 1", "sqlite3 alone", "mcap alone"])
+def test_a_damaged_bag_is_a_log_or_one_line(tmp_path: Path, kind: str, capfd: pytest.CaptureFixture[str]) -> None:
+    path = TABLES[kind][1](tmp_path / ("a.bag" if kind == "bag 1" else "a"))
+    data = path.read_bytes()
+    draw = np.random.default_rng(7)
+    for _ in range(4):
+        changed = bytearray(data)
+        for place in draw.integers(0, len(data), 20):
+            changed[place] = draw.integers(256)
+        path.write_bytes(changed[: draw.integers(len(data) // 2, len(data) + 1)])
+        with suppress(InputError):
+            assert np.all(np.isfinite(read_joint_log(path).t))
+        assert run(["log", str(path), "--json", "-"]) in (0, 2)
+        assert capfd.readouterr().err.count("\n") <= 1
+
+
+def test_the_robot_recordings(recordings: Path) -> None:
+    folder = recordings / "machines"
+    if not (folder / "ur10").is_dir():
+        pytest.skip("no logs of robots among the recordings")
+    ur = read_joint_log(folder / "ur10" / "ur10_exciting_trajectory.db3")
+    assert (len(ur.t), len(ur.joints), len(ur.effort)) == (3441, 6, 6)
+    assert ur.joints[0] == "shoulder_pan_joint"
+    assert np.median(np.diff(ur.t)) == pytest.approx(0.008, rel=1e-6)
+    double = read_joint_log(folder / "dfki-double-pendulum" / "dfki_double_20220812-061157.csv", joints=["a", "b"])
+    assert double.joints == ("a", "b")
+    assert set(double.effort) == {"a", "b"}
+    arm = read_joint_log(folder / "so101" / "so101_chirp_sweep.csv")
+    assert len(arm.joints) == 6
+    assert not arm.effort
+    assert any("comes in steps of 0.0767 rad/s" in note for note in arm.notes)
+
+
+def test_the_table_for_people_is_within_its_width(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setenv("COLUMNS", "80")
+    monkeypatch.chdir(tmp_path)
+    two(tmp_path / "a")
+    assert run(["log", "a"]) == 0
+    out = capfd.readouterr().out
+    assert max(len(line) for line in out.splitlines()) <= 80
+    assert "/left/joint_states" in out
+    assert "/rosout" in out
