@@ -101,7 +101,6 @@ class Term:
     push : index of the size of a force that acts on a slider at rest at x = 0, or None.
     internal : number of internal states. speeds : those of them that are speeds, and start relative to the slider's.
     implied : internal states as a recorded motion leaves them, None where they are zero (speeds the slider's).
-    hidden : whether that is a guess, so that the law's force does not follow from the motion.
     channels : channels an observation needs. sensor : what it does to one of them.
     needs : "driven" (a recorded force), "angle", "spring", "zero" (a sensor of x whose zero is the spring's).
     several : whether a model may have more than one. place : where it acts. only_there : whether nothing outside of
@@ -131,7 +130,6 @@ class Term:
     corner: bool = False
     push: int | None = None
     implied: Implied | None = None
-    hidden: bool = False
     sensor: Sensor | None = None
     several: bool = False
     place: Placed = field(default=always())

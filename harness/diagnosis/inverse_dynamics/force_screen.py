@@ -28,8 +28,8 @@ _KEPT = 2
 
 
 def sayable(term: Term) -> bool:
-    """Whether a law's force follows from the recorded motion: no event, no sensor, no hidden start."""
-    return term.slot in _SLOTS and not term.hidden
+    """Whether a law's force follows from the recorded motion: no event, no sensor."""
+    return term.slot in _SLOTS
 
 
 def seen_in(found: ForceFit, measured: Measured, problem: Problem, scales: Scales) -> Evidence:

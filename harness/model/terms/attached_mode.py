@@ -1,9 +1,21 @@
 """A second mass on a spring riding on the slider."""
 
+import math
+from collections.abc import Callable
+from functools import cache
+
+import numpy as np
+
 from harness.core.arrays import FloatArray
 from harness.model.evidence import Evidence
+from harness.model.history import History, States
 from harness.model.law import D_INTERNAL, D_MASS, D_PARAMETER, D_V, MASS, VALUE
 from harness.model.term import Parameter, Probe, Slot, Term
+
+_CRITICAL = 1e-12
+"""1 - zeta^2 at least: the critical case is the limit of this one."""
+_STEP = 1e-6
+"""Of differences, relative for a frequency."""
 
 
 def law(x: float, v: float, w0: float, w1: float, theta: FloatArray, o: int, out: FloatArray) -> None:
@@ -41,6 +53,49 @@ def probes(e: Evidence) -> list[Probe]:
     return [(ratio * e.omega, 0.0, zeta) for ratio in ratios for zeta in (0.01, 0.05)]
 
 
+def _ride(t: FloatArray, v: FloatArray, at: FloatArray, omega: float, zeta: float, out: FloatArray) -> None:
+    """r and r' at the times ``at`` (m,), at rest on the slider at first; out (m, 2).
+
+    r'' = -omega^2 r - 2 zeta omega r' - x'', exact for an acceleration that is constant between samples.
+    """
+    r, slip, i = 0.0, 0.0, 0
+    damped = omega * math.sqrt(max(1.0 - zeta * zeta, _CRITICAL))
+    for j in range(at.size):
+        while i + 1 < t.size and t[i + 1] <= at[j]:
+            h = t[i + 1] - t[i]
+            rest = -(v[i + 1] - v[i]) / h / (omega * omega)
+            fade = math.exp(-zeta * omega * h)
+            turn, swing = math.cos(damped * h), math.sin(damped * h) / damped
+            d = r - rest
+            r = rest + fade * ((turn + zeta * omega * swing) * d + swing * slip)
+            slip = fade * ((turn - zeta * omega * swing) * slip - omega * omega * swing * d)
+            i += 1
+        out[j, 0], out[j, 1] = r, slip
+
+
+@cache
+def _compiled() -> Callable[..., None]:
+    """The ride compiled, when it is first asked for: the catalogue loads nothing heavy."""
+    from harness.core.jit import compiled
+
+    return compiled(_ride)
+
+
+def _ridden(motion: History, omega: float, zeta: float) -> FloatArray:
+    found = np.zeros((motion.at.size, 2))
+    _compiled()(motion.t, motion.v, motion.at, omega, zeta, found)
+    return found
+
+
+def ridden(values: Probe, motion: History) -> States:
+    """As the recorded motion has shaken it, at rest on the slider at first; partials by differences."""
+    omega, _, zeta = values
+    step = _STEP * omega
+    by_omega = (_ridden(motion, omega + step, zeta) - _ridden(motion, omega - step, zeta)) / (2.0 * step)
+    by_zeta = (_ridden(motion, omega, zeta + _STEP) - _ridden(motion, omega, zeta)) / _STEP
+    return States(_ridden(motion, omega, zeta), {0: by_omega, 2: by_zeta})
+
+
 TERM = Term(
     "attached-mode",
     "environment",
@@ -57,6 +112,6 @@ TERM = Term(
     internal=2,
     speeds=(1,),
     example=(21.0, 0.1, 0.03),
-    hidden=True,
+    implied=ridden,
     order=230,
 )
