@@ -13,6 +13,7 @@ from harness.show import scene as s
 from harness.show.axes import padded, plane_grid, roomy
 from harness.show.compare import position_error
 from harness.show.decimate import keep, reversal_times
+from harness.show.motion_units import SLIDES, TURNS, MotionUnits, units_of
 from harness.show.pack import pack_trajectories
 from harness.show.palette import colors
 
@@ -65,10 +66,11 @@ def run_scene(
             items.append(s.Line(f"/error/{slug}", label, t, error * 1e3, color))
         if trajectory.mode is not None:
             items.append(mode_lane(trajectory, f"/contact/{slug}"))
-    items += reversal_marks(reference)
-    items.append(_plane(trajectories))
+    units = units_of(scenario)
+    items += reversal_marks(reference, units)
+    items.append(_plane(trajectories, units))
     items += [s.Page("/notes", notes), s.Page("/parameters", _parameters(scenario, trajectories))]
-    turns = (scenario.get("model") or {}).get("restoring") == "pendulum"
+    turns = units is TURNS
     bodies, factor = _bodies(trajectories, slugs, palette, urdf, turns)
     items += bodies
     return s.Scene(
@@ -98,23 +100,23 @@ def mode_lane(trajectory: Trajectory, path: str) -> s.Lane:
     return s.Lane(path, trajectory.t[starts], [_MODES[int(mode[i])] for i in starts], MODE_LOOKS)
 
 
-def reversal_marks(reference: Trajectory) -> list[s.Item]:
+def reversal_marks(reference: Trajectory, units: MotionUnits = SLIDES) -> list[s.Item]:
     """Each reversal as a dotted pair on the acceleration, and as a sentence with the jump."""
     events = reference.events.of(EventKind.REVERSAL, EventKind.STICK)
     if not len(events):
         return []
     before = s.Marks("/acceleration/before", "before a reversal", events.t, events.a_before, "#f5f0e1", 3.0, "circle")
     after = s.Marks("/acceleration/after", "after it", events.t, events.a_after, "#ffd54a", 3.5, "diamond")
-    return [before, after, s.Log("/reversals", events.t, [_sentence(reference, i) for i in range(len(events))])]
+    return [before, after, s.Log("/reversals", events.t, [_sentence(reference, i, units) for i in range(len(events))])]
 
 
-def _sentence(reference: Trajectory, i: int) -> str:
+def _sentence(reference: Trajectory, i: int, u: MotionUnits) -> str:
     events = reference.events.of(EventKind.REVERSAL, EventKind.STICK)
     jump = events.a_after[i] - events.a_before[i]
     what = "sticks" if events.kind[i] == EventKind.STICK else f"reversal {i + 1}"
     return (
-        f"{events.t[i]:.6f} s: {what} at x = {events.x[i] * 1e3:.3f} mm, acceleration jumps by {jump:+.4g} m/s² "
-        f"(from {events.a_before[i]:.4g} to {events.a_after[i]:.4g})"
+        f"{events.t[i]:.6f} s: {what} at x = {events.x[i] * 1e3:.3f} {u.small}, acceleration jumps by {jump:+.4g}"
+        f" {u.a} (from {events.a_before[i]:.4g} to {events.a_after[i]:.4g})"
     )
 
 
@@ -136,9 +138,10 @@ def _phase_scale(trajectories: Sequence[Trajectory]) -> float:
     return 10.0 ** round(float(np.log10(v / x))) if x > 0.0 and v > 0.0 else 1.0
 
 
-def _plane(trajectories: Sequence[Trajectory]) -> s.Grid:
+def _plane(trajectories: Sequence[Trajectory], u: MotionUnits) -> s.Grid:
     x, y = _plane_bounds(trajectories)
-    return plane_grid("/phase/axes", x, y, ("x / mm", 1e3), ("v / (mm/s)", 1e3 * _phase_scale(trajectories)))
+    axes = (f"x / {u.small}", 1e3), (f"v / ({u.small}/s)", 1e3 * _phase_scale(trajectories))
+    return plane_grid("/phase/axes", x, y, *axes)
 
 
 def _plane_bounds(trajectories: Sequence[Trajectory]) -> tuple[tuple[float, float], tuple[float, float]]:

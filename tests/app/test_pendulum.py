@@ -1,5 +1,6 @@
 """A pendulum's free decay: the estimators under --restoring pendulum, and the run of one."""
 
+import re
 from pathlib import Path
 
 import numpy as np
@@ -78,6 +79,12 @@ def test_a_pendulum_is_run_with_exact_events_and_in_radians(tmp_path: Path) -> N
         assert figure.zeta.value == pytest.approx(0.05, rel=within)
     assert Path(result.files["mjcf"]).name == "pendulum.xml"
     assert Path(result.files["mjcf"]).is_file()
+    page = (tmp_path / "out" / "report.html").read_text(encoding="utf-8")
+    words = re.sub(r"<script.*?</script>", "", page, flags=re.DOTALL)
+    assert not re.search(r"[\d ]mm\b|>mm(/s)?<|N/m\b", words), "the page of an angle speaks of no length"
+    assert "mrad" in words
+    assert "N m/rad" in words
+    assert "closed form" not in words
 
 
 @pytest.mark.parametrize(

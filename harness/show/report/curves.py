@@ -82,12 +82,12 @@ def turning(events: Events) -> Events:
     return events.of(EventKind.REVERSAL, EventKind.STICK)
 
 
-def jumps(events: Events) -> dict[str, Any]:
-    """The acceleration on both sides of each reversal as marks that say the size of the jump."""
+def jumps(events: Events, unit: str) -> dict[str, Any]:
+    """The acceleration on both sides of each reversal as marks that say the size of the jump, in its unit."""
     found = turning(events)
     text = [
         f"{'sticks' if found.kind[i] == EventKind.STICK else f'reversal {i + 1}'} at {found.t[i]:.6f} s<br>"
-        f"jump {found.a_after[i] - found.a_before[i]:+.5g} m/s²"
+        f"jump {found.a_after[i] - found.a_before[i]:+.5g} {unit}"
         for i in range(len(found))
     ]
     return {
@@ -103,13 +103,13 @@ def jumps(events: Events) -> dict[str, Any]:
     }
 
 
-def exact_acceleration(curve: Drawn) -> dict[str, Any]:
-    """Acceleration of a source that knows its events: the value before and after each jump is put among the samples."""
+def exact_acceleration(curve: Drawn, unit: str) -> dict[str, Any]:
+    """Acceleration of a source that knows its events: the value on both sides of each jump is put among the samples."""
     found = turning(curve.trajectory.events)
     at = np.searchsorted(curve.t, found.t)
     t = np.insert(curve.t, np.repeat(at, 2), np.repeat(found.t, 2))
     sides = np.column_stack([found.a_before, found.a_after]).ravel()
-    return curve.curve(np.insert(curve.trajectory.a[curve.chosen], np.repeat(at, 2), sides), "m/s²") | {"x": t}
+    return curve.curve(np.insert(curve.trajectory.a[curve.chosen], np.repeat(at, 2), sides), unit) | {"x": t}
 
 
 def upright_lines(times: FloatArray) -> list[dict[str, Any]]:

@@ -8,6 +8,7 @@ import numpy as np
 
 from harness.core.trajectory import Trajectory
 from harness.show.decimate import reversal_times
+from harness.show.motion_units import SLIDES, MotionUnits
 from harness.show.report.curves import drawn, error_mm, exact_acceleration, jumps, left_out, turning, upright_lines
 from harness.show.report.figure import Figure
 from harness.show.report.section import Section
@@ -34,10 +35,11 @@ def zoom_buttons(times: Sequence[float], duration: float) -> list[dict[str, Any]
 
 @dataclass(frozen=True)
 class Motion(Section):
-    """trajectories : the first is the reference."""
+    """trajectories : the first is the reference. units : of their motion."""
 
     template: ClassVar[str] = "motion.html.j2"
     trajectories: Sequence[Trajectory]
+    units: MotionUnits = SLIDES
 
     @property
     def title(self) -> str:
@@ -46,15 +48,15 @@ class Motion(Section):
 
     def context(self) -> Mapping[str, Any]:
         """What the template shows."""
-        reference = self.trajectories[0]
+        reference, u = self.trajectories[0], self.units
         curves = drawn(self.trajectories)
         times = reversal_times(reference)
         layout = {"xaxis": {"title": {"text": "time / s"}}, "hovermode": "closest", "shapes": upright_lines(times)}
         figures = [
             Figure(
                 "position",
-                [curve.curve(curve.trajectory.x[curve.chosen] * 1e3, "mm") for curve in curves],
-                layout | {"yaxis": {"title": {"text": "position / mm"}}},
+                [curve.curve(curve.trajectory.x[curve.chosen] * u.factor, u.x) for curve in curves],
+                layout | {"yaxis": {"title": {"text": f"{u.name} / {u.x}"}}},
                 left_out(curves),
                 GROUP,
             )
@@ -63,21 +65,21 @@ class Motion(Section):
             figures.append(
                 Figure(
                     "error",
-                    [curve.curve(error_mm(curve, reference), "mm") for curve in curves[1:]],
-                    layout | {"yaxis": {"title": {"text": "engine minus reference / mm"}}, "showlegend": True},
-                    "Position of each engine minus the exact one at the engine's own time stamps.",
+                    [curve.curve(error_mm(curve, reference), u.small) for curve in curves[1:]],
+                    layout | {"yaxis": {"title": {"text": f"engine minus reference / {u.small}"}}, "showlegend": True},
+                    f"{u.name.capitalize()} of each engine minus the exact one at the engine's own time stamps.",
                     GROUP,
                 )
             )
-        acceleration = [curve.curve(curve.trajectory.a[curve.chosen], "m/s²") for curve in curves]
+        acceleration = [curve.curve(curve.trajectory.a[curve.chosen], u.a) for curve in curves]
         if len(turning(reference.events)):
-            acceleration[0] = exact_acceleration(curves[0])
-            acceleration.append(jumps(reference.events))
+            acceleration[0] = exact_acceleration(curves[0], u.a)
+            acceleration.append(jumps(reference.events, u.a))
         figures.append(
             Figure(
                 "acceleration",
                 acceleration,
-                layout | {"yaxis": {"title": {"text": "acceleration / (m/s²)"}}},
+                layout | {"yaxis": {"title": {"text": f"acceleration / ({u.a})"}}},
                 _JUMPS if len(turning(reference.events)) else "",
                 GROUP,
                 400,
@@ -88,11 +90,12 @@ class Motion(Section):
 
 @dataclass(frozen=True)
 class Phase(Section):
-    """trajectories : the first is the reference. decays : whether friction pulls the motion to rest."""
+    """trajectories : the first is the reference. decays : whether friction pulls the motion to rest. units : of it."""
 
     template: ClassVar[str] = "figures.html.j2"
     trajectories: Sequence[Trajectory]
     decays: bool = True
+    units: MotionUnits = SLIDES
 
     @property
     def title(self) -> str:
@@ -101,11 +104,12 @@ class Phase(Section):
 
     def context(self) -> Mapping[str, Any]:
         """What the template shows."""
+        u = self.units
         traces = [
-            curve.curve(curve.trajectory.v[curve.chosen], "m/s", curve.trajectory.x[curve.chosen] * 1e3)
+            curve.curve(curve.trajectory.v[curve.chosen], u.v, curve.trajectory.x[curve.chosen] * u.factor)
             for curve in drawn(self.trajectories)
         ]
-        layout = {"xaxis": {"title": {"text": "position / mm"}}, "yaxis": {"title": {"text": "speed / (m/s)"}}}
-        caption = "Speed over position"
+        layout = {"xaxis": {"title": {"text": f"{u.name} / {u.x}"}}, "yaxis": {"title": {"text": f"speed / ({u.v})"}}}
+        caption = f"Speed over {u.name}"
         caption += ": the spiral winds about +x_k while it slips one way and about \u2212x_k the other." * self.decays
         return {"figures": [Figure("phase", traces, layout, caption, "", 480)]}

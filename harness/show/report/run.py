@@ -4,6 +4,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from harness.core.trajectory import Trajectory
+from harness.show.motion_units import TURNS, units_of, without_step
 from harness.show.palette import colors
 from harness.show.report.estimates import Estimates
 from harness.show.report.motion import Motion, Phase
@@ -11,6 +12,9 @@ from harness.show.report.scorecard import Scorecard
 from harness.show.report.section import Section
 from harness.show.report.sources import MadeWith, Sources
 from harness.show.report.verdict import Verdict, headline
+
+_SLIDING = (("m", "m", "kg"), ("k", "k", "N/m"), ("c", "c", "N s/m"), ("f_k", "f_k", "N"))
+_TURNING = (("J", "m", "kg m²"), ("k", "k", "N m/rad"), ("c", "c", "N m s/rad"), ("f_k", "f_k", "N m"))
 
 
 def run_sections(trajectories: Sequence[Trajectory], result: Mapping[str, Any], command: str = "") -> list[Section]:
@@ -30,12 +34,12 @@ def run_sections(trajectories: Sequence[Trajectory], result: Mapping[str, Any], 
     palette = ["var(--ink)", *colors([trajectory.source for trajectory in trajectories])[1:]]
     decays = result["scenario"].get("action") is None
     return [
-        Verdict(headline(traces), [*failed, *result["conclusions"]], labels),
+        Verdict(headline(traces, units_of(result["scenario"])), [*failed, *result["conclusions"]], labels),
         Scorecard(traces, result["scenario"], palette),
         *([Estimates(traces, result["scenario"], palette)] if decays else []),
-        Motion(trajectories),
-        Phase(trajectories, decays),
-        Sources(traces, palette),
+        Motion(trajectories, units_of(result["scenario"])),
+        Phase(trajectories, decays, units_of(result["scenario"])),
+        Sources(traces, palette, without_step(result["scenario"])),
         MadeWith(result["machine"], result["files"], command),
     ]
 
@@ -52,10 +56,12 @@ def run_title(result: Mapping[str, Any]) -> tuple[str, str]:
     what_acts = _ACTING.get((scenario.get("action") or {}).get("kind", ""), "").format(**(scenario.get("action") or {}))
     values = ", ".join(
         f"{symbol} = {slider[key]:g} {unit}"
-        for symbol, key, unit in (("m", "m", "kg"), ("k", "k", "N/m"), ("c", "c", "N s/m"), ("f_k", "f_k", "N"))
+        for symbol, key, unit in (_TURNING if units_of(scenario) is TURNS else _SLIDING)
         if isinstance(slider.get(key), (int, float))
     )
-    about = f"{name}: a slider {what_acts}" if what_acts else f"{name} of a slider"
+    thing = "pendulum" if units_of(scenario) is TURNS else "slider"
+    of = "" if thing in name else f" of a {thing}"
+    about = f"{name}: a {thing} {what_acts}" if what_acts else f"{name}{of}"
     return what, f"{about}, {values}: {engines or 'reference only'}"
 
 

@@ -1,11 +1,13 @@
 """Sources against metrics, coloured by how far from exact."""
 
 import math
+import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
 from harness.show.headings import DECAY, heading
+from harness.show.motion_units import units_of, without_step
 from harness.show.numbers import number
 from harness.show.report.estimates import true_values
 from harness.show.report.section import Section
@@ -30,7 +32,8 @@ class Scorecard(Section):
         """What the template shows."""
         shown = measured(self.traces, self.scenario)
         headings = [heading(metric) for metric in shown]
-        columns = [Column(one.head, one.unit, one.hint) for one in headings]
+        small = units_of(self.scenario).small
+        columns = [Column(one.head, re.sub(r"^mm\b", small, one.unit), one.hint) for one in headings]
         columns.append(Column("run time", "ms", "wall clock time of the simulation"))
         rows = [self._row(trace, color, shown) for trace, color in zip(self.traces, self.palette, strict=True)]
         caption = (
@@ -42,7 +45,7 @@ class Scorecard(Section):
     def _row(self, trace: Mapping[str, Any], color: str, shown: Sequence[str]) -> Row:
         cells = [self._cell(trace, metric) for metric in shown]
         cells.append(Cell(number(None if trace["wall_s"] is None else trace["wall_s"] * 1e3, 3)))
-        step = "closed form" if trace["dt_s"] is None else f"step {trace['dt_s'] * 1e3:.4g} ms"
+        step = without_step(self.scenario) if trace["dt_s"] is None else f"step {trace['dt_s'] * 1e3:.4g} ms"
         return Row(
             f"{trace['source']} {trace['preset']}".strip(), cells, f"{trace['version']}, {step}".lstrip(", "), color
         )

@@ -11,11 +11,12 @@ from harness.show.report.section import Section
 
 @dataclass(frozen=True)
 class Sources(Section):
-    """traces : as in harness.run/1."""
+    """traces : as in harness.run/1. exact : how one without a step moves."""
 
     template: ClassVar[str] = "sources.html.j2"
     traces: Sequence[Mapping[str, Any]]
     palette: Sequence[str]
+    exact: str = "closed form"
 
     @property
     def title(self) -> str:
@@ -32,7 +33,7 @@ class Sources(Section):
                     part
                     for part in (
                         f"version {trace['version']}" if trace["version"] else "",
-                        "closed form, no step" if trace["dt_s"] is None else f"step {trace['dt_s'] * 1e3:.6g} ms",
+                        f"{self.exact}, no step" if trace["dt_s"] is None else f"step {trace['dt_s'] * 1e3:.6g} ms",
                     )
                     if part
                 ),

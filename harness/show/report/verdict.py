@@ -4,6 +4,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
+from harness.show.motion_units import SLIDES, MotionUnits
 from harness.show.numbers import number
 from harness.show.report.section import Section
 from harness.show.sentences.words import engine_name
@@ -40,25 +41,24 @@ class Verdict(Section):
         return {"headline": self.headline, "grouped": grouped, "sentences": rest}
 
 
-def headline(traces: Sequence[Mapping[str, Any]]) -> str:
+def headline(traces: Sequence[Mapping[str, Any]], units: MotionUnits = SLIDES) -> str:
     """One sentence for each preset: how far its engines are from exact, and whether they come to rest."""
     groups: dict[str, list[Mapping[str, Any]]] = {}
     for trace in traces:
         if trace["metrics"]["max_error_m"] is not None and trace["source"] != "reference":
             groups.setdefault(trace["preset"], []).append(trace)
-    return " ".join(_sentence(preset, members) for preset, members in sorted(groups.items(), reverse=True)) or (
-        "The exact reference alone was run; there is nothing to compare it with."
-    )
+    said = [_sentence(preset, members, units.small) for preset, members in sorted(groups.items(), reverse=True)]
+    return " ".join(said) or "The exact reference alone was run; there is nothing to compare it with."
 
 
-def _sentence(preset: str, traces: Sequence[Mapping[str, Any]]) -> str:
+def _sentence(preset: str, traces: Sequence[Mapping[str, Any]], unit: str) -> str:
     parts = []
     for trace in traces:
         metrics = trace["metrics"]
-        part = f"{engine_name(trace['source'])} is off by at most {number(metrics['max_error_m'] * 1e3, 3)} mm"
+        part = f"{engine_name(trace['source'])} is off by at most {number(metrics['max_error_m'] * 1e3, 3)} {unit}"
         creep = metrics["creep_m_s"]
         if creep is not None and abs(creep) > 1e-6:
-            part += f" and never rests (it creeps at {number(creep * 1e3, 3)} mm/s)"
+            part += f" and never rests (it creeps at {number(creep * 1e3, 3)} {unit}/s)"
         parts.append(part)
     start = {"as-shipped": "As shipped, ", "tuned": "Tuned, "}.get(preset, f"{preset}: " if preset else "")
     text = start + _joined(parts)
