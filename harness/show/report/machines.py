@@ -30,27 +30,20 @@ class Machines(Section):
         found = Table(
             "machine",
             [
-                Column("verdict"),
                 Column("named or listed"),
                 Column("takes off", "%", "of the misfit beyond the noise, alone"),
                 Column("held out", "", "error after over before, blocks left out of the fit"),
                 Column("free run", "", "the same of the last 40 %, from a fit of the rest"),
                 Column("left", "times noise"),
             ],
-            [Row(row["name"], self._cells(row)) for row in self.rows],
-        )
-        others = Table(
-            "machine",
-            [Column("other fits said"), Column("recording, licence")],
-            [Row(row["name"], [Cell(row["others"] or "-"), Cell(row["source"] or "-")]) for row in self.rows],
+            [Row(row["name"], self._cells(row), VERDICTS[row["verdict"]]) for row in self.rows],
             "Nobody knows the truth of these machines; what others said is what fits of a handful of laws came to.",
         )
-        return {"tables": [found, others]}
+        return {"tables": [found]}
 
     def _cells(self, row: Mapping[str, Any]) -> list[Cell]:
         lines = row["found"]
         return [
-            Cell(VERDICTS[row["verdict"]]),
             _lines([f"{m['name']} ({m['grade']})" for m in lines]),
             _lines(["-" if m["share"] is None else f"{100.0 * m['share']:.0f}" for m in lines]),
             _lines([_ratio(m["holdout"]) for m in lines]),
@@ -67,19 +60,32 @@ def _ratio(value: float | None) -> str:
     return "-" if value is None else f"x {value:.2g}"
 
 
+def _said(row: Mapping[str, Any]) -> list[str]:
+    """What is said of a recording, and by whom; each begins with its name."""
+    parts = [
+        row["said"],
+        f"Other fits said: {row['others']}" if row["others"] else "",
+        f"From {row['source']}." if row["source"] else "",
+    ]
+    return [f"{row['name']}: {part}" for part in parts if part]
+
+
 def write_machines_page(path: Path, result: Mapping[str, Any]) -> None:
     """Write the page. result : MachinesResult.model_dump(by_alias=True) (harness.machines/1)."""
     rows = result["rows"]
     named = sum(row["verdict"] in ("missing_physics", "main_effect") for row in rows)
     listed = sum(row["verdict"] == "one_of" for row in rows)
-    headline = f"Of {len(rows)} recordings of real machines, {named} have one main omission, {listed} one of a few."
-    sentences = [f"{row['name']}: {row['said']}" for row in rows]
+    headline = (
+        f"{len(rows)} recordings of real machines: in {named} one omission is the main one, in {listed} it is one of a few,"
+        f" in {len(rows) - named - listed} none has a name of its own."
+    )
+    sentences = [line for row in rows for line in _said(row)]
     if result["absent"]:
         sentences.append(f"Not in the folder: {', '.join(result['absent'])}.")
     sections: list[Section] = [
         Verdict(headline, [], heading="Real machines"),
         Machines(rows),
-        Verdict("In sentences", sentences, heading="What each diagnosis says"),
+        Verdict("", sentences, [row["name"] for row in rows], heading="In sentences"),
         MadeWith(result["machine"], result["files"], result["command"]),
     ]
     write_report(path, "Real machines", "Published recordings, diagnosed by one command", sections)
