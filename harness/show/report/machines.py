@@ -76,8 +76,8 @@ def write_machines_page(path: Path, result: Mapping[str, Any]) -> None:
     named = sum(row["verdict"] in ("missing_physics", "main_effect") for row in rows)
     listed = sum(row["verdict"] == "one_of" for row in rows)
     headline = (
-        f"{len(rows)} recordings of real machines: in {named} one omission is the main one, in {listed} it is one of a few,"
-        f" in {len(rows) - named - listed} none has a name of its own."
+        f"{len(rows)} recordings of real machines: in {named} one omission is the main one, in {listed} it is one of a"
+        f" few, in {len(rows) - named - listed} none has a name of its own."
     )
     sentences = [line for row in rows for line in _said(row)]
     if result["absent"]:
