@@ -40,7 +40,9 @@ def prepared(recording: Recording, options: DiagnoseOptions) -> Prepared:
         found = f"given, but {recording.file} has no measured force and is followed as a free decay"
         raise InputError("--covariate", found, "today it is accepted with a driven recording, whose force is fitted")
     refuse(recording)
-    asked = Asked(options.restoring, options.zero_free, options.mass, options.horizon, options.covariates)
+    asked = Asked(
+        options.restoring, options.zero_free, options.mass, options.horizon, options.covariates, options.guarded
+    )
     problem, notes = prepare(recording, asked)
     if not driven:
         refuse_few(recording.file, problem)

@@ -76,11 +76,20 @@ def driven_problem(recording: Recording, asked: Asked) -> tuple[Forced, tuple[st
         zero_free=bool(asked.zero_free) and restoring is not Restoring.NONE,
         angular=recording.angular,
         first=first,
+        guarded=asked.guarded,
         starts=course.anew(math.inf) if gaps else OneStart(),
     )
     if asked.covariates:
         # a model without what they do follows nothing, and how the force acts between samples cannot be told by it
         return _with_covariates(problem, asked, course)
+    if asked.guarded:
+        windows = course.anew(asked.horizon or HORIZON)
+        how = (
+            f"the force is fitted, and simulations run over {_said(windows)} of at most {asked.horizon or HORIZON:g} s"
+        )
+        return InverseDynamics.of(problem, windows), (
+            f"driven: {how}, each restarted from the smoothed recorded state",
+        )
     noise_u = channel_noise(t, u)
     if gaps:
         problem = _allowing(problem, first, noise_u)
