@@ -4,7 +4,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
-from harness.results.common import Result
+from harness.results.common import P, Result
 
 Pair = Annotated[list[str], Field(min_length=2, max_length=2)]
 
@@ -31,6 +31,45 @@ class PasteResult(Result):
     urdf: str
 
 
+class EntryResult(Result):
+    """Something that a log of a whole arm shows: of a joint's friction, or of the model."""
+
+    name: str
+    joint: str | None = Field(description="null for the whole arm")
+    partner: str = Field(default="", description="what no log of this kind can tell it from: the entry is of both")
+    grade: str
+    share: float = Field(description="of what the base leaves beyond the noise")
+    evidence: float = Field(description="square of estimate over standard error, of one number")
+    rivals: list[str] = Field(description="what would do nearly as well")
+    parameters: dict[str, P]
+    statement: str
+
+
+class JointResult(Result):
+    """Friction of one joint of an arm that moves as a whole, everything that is named beside it."""
+
+    joint: str
+    f_k: P
+    c: P
+    offset: P
+    held_out_before: float | None = Field(description="rms torque of what was not fitted, by the base")
+    held_out_after: float | None = Field(description="and by the model with everything named")
+    over_noise: float | None = Field(description="rms of what is left over that of the torque's noise")
+    guard_s: float | None = Field(description="left out on each side of a reversal")
+    samples: int = Field(description="that were fitted")
+    statement: str
+
+
+class ArmResult(Result):
+    """The whole arm: every joint, and what is wrong with its model."""
+
+    joints: list[JointResult]
+    found: list[EntryResult]
+    lowpass_hz: float
+    rate_hz: float
+    seconds: float
+
+
 class RobotResult(Result):
     """A joint of a robot."""
 
@@ -40,3 +79,4 @@ class RobotResult(Result):
     reduction: ReductionResult | None = Field(description="null where the whole arm moves")
     confounded: list[Pair] = Field(description="what this log cannot tell apart, whatever the fit says")
     paste: PasteResult
+    arm: ArmResult | None = Field(default=None, exclude_if=lambda value: value is None)

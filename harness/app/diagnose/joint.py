@@ -10,6 +10,7 @@ from harness.app.diagnose.joint_words import named
 from harness.app.diagnose.one import Diagnosed, deliver
 from harness.app.diagnose.options import DiagnoseOptions, Zero
 from harness.app.diagnose.robot_options import RobotOptions
+from harness.app.diagnose.whole_arm import diagnose_arm
 from harness.app.shared.progress import SILENT, Progress
 from harness.core.errors import InputError
 from harness.core.joint_log import JointLog
@@ -44,7 +45,7 @@ def diagnose_joint(
     joint = _joint(arm, log, asked.joint)
     found = coupling(arm, log, joint)
     if found.mode == "whole-arm":
-        return _whole_arm(arm, log, found)
+        return diagnose_arm(arm, log, joint, asked, options, out, progress, command)
     _check_locked(asked)
     one = one_joint(log, found.reduced)
     settings = {"robot": asked.settings() | {"joint": joint}}
@@ -57,15 +58,6 @@ def diagnose_joint(
         command,
         _finish(arm, asked, found, one, settings),
     )
-
-
-def _whole_arm(arm: Arm, log: JointLog, found: Coupling) -> DiagnosisResult:
-    """A log in which others move too, by the equations of the whole arm: the one place where they are called."""
-    several = len(found.moving) > 1
-    torque = f"{found.torque:.3g} {'N' if found.reduced.slides else 'N m'} rms"
-    said = f"{', '.join(found.moving)} move{'' if several else 's'} too and put{'' if several else 's'} {torque} on it"
-    accepted = f"a log in which the others of {arm.file} stand still is accepted"
-    raise InputError(f"{log.file}: {found.reduced.joint}", said, accepted)
 
 
 def _joint(arm: Arm, log: JointLog, asked: str | None) -> str:

@@ -7,6 +7,7 @@ from pathlib import Path
 from harness.core.recording import Recording
 from harness.core.trajectory import Trajectory
 from harness.results.diagnosis import DiagnosisResult, FailedDiagnosis
+from harness.show.arm_page import Left, arm_scene, arm_sections
 from harness.show.diagnosis_scene import diagnosis_scene
 from harness.show.report.diagnosis import diagnosis_sections, diagnosis_title, gained, said, to_change
 from harness.show.report.diagnosis_index import index_sections, index_title
@@ -52,3 +53,22 @@ def write_index(path: Path, answers: Sequence[DiagnosisResult | FailedDiagnosis]
         report = one.get("files", {}).get("report")
         data.append(one | {"link": os.path.relpath(report, path.parent) if report else ""})
     write_report(path, *index_title(data), index_sections(data, command))
+
+
+def write_arm_page(path: Path, result: DiagnosisResult, left: Left) -> None:
+    """Write the page of an arm that moves as a whole; raises StoreError."""
+    data = result.model_dump(mode="json", by_alias=True)
+    write_report(path, f"Friction of {data['robot']['joint']}", data["recording"]["file"], arm_sections(data, left))
+
+
+def write_arm_trace(path: Path, result: DiagnosisResult, left: Left) -> None:
+    """Write its trace.rrd; raises StoreError."""
+    data = result.model_dump(mode="json", by_alias=True)
+    lines = [
+        "# Verdict",
+        "",
+        result.statement,
+        "",
+        *(f"- {joint['statement']}" for joint in data["robot"]["arm"]["joints"]),
+    ]
+    write_trace(path, arm_scene(data, left, "\n".join(lines)))

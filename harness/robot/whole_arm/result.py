@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 from enum import Enum
 
+from harness.core.arrays import FloatArray
 from harness.core.quantity import Quantity
 from harness.robot.whole_arm.rules import Rule
 
@@ -60,13 +61,25 @@ class ModelError:
 
 
 @dataclass(frozen=True, slots=True)
+class Left:
+    """Torque that is left of a joint on guarded samples, each (m,), by its base and by the model; q, v : its motion."""
+
+    t: FloatArray
+    q: FloatArray
+    v: FloatArray
+    before: FloatArray
+    after: FloatArray
+
+
+@dataclass(frozen=True, slots=True)
 class JointFriction:
     """Friction of one joint. A joint that hardly moves has refused quantities.
 
     coulomb, viscous, offset : N m, N m s/rad, N m of a hinge, N, N s/m, N of a slide. effects : the surest first.
     held_out : rms of the torque left over in blocks of time that were not fitted, by the base and by the model, N m.
     remainder : rms of what the model leaves over that of the recorded torque's noise, None where that
-    shows none. guard : s. samples : guarded.
+    shows none. guard : s. samples : guarded. base : Coulomb, viscous and offset with nothing else in the model.
+    left : the torque itself. Both are None where the joint hardly moves.
     """
 
     joint: str
@@ -79,6 +92,8 @@ class JointFriction:
     guard: float | None
     samples: int
     statement: str
+    base: tuple[Quantity, Quantity, Quantity] | None = None
+    left: Left | None = None
 
 
 @dataclass(frozen=True, slots=True)

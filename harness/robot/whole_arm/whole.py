@@ -21,7 +21,7 @@ from harness.robot.whole_arm.held_out import rms
 from harness.robot.whole_arm.model_columns import MOTOR
 from harness.robot.whole_arm.perturb import with_load, without_armature
 from harness.robot.whole_arm.prepare import Known
-from harness.robot.whole_arm.result import Effect, Grade, JointFriction, ModelError, WholeArm
+from harness.robot.whole_arm.result import Effect, Grade, JointFriction, Left, ModelError, WholeArm
 from harness.robot.whole_arm.rules import EXPLAINED, MAIN, RULES
 from harness.robot.whole_arm.search import Chosen, left_over, of_joint
 from harness.robot.whole_arm.sentences import of_base, of_effect, of_error
@@ -71,18 +71,16 @@ def _result(solved: Solved, arm: Arm, known: Known) -> WholeArm:
     filtered, design = solved.problem.filtered, solved.model.design
     covariance = design.covariance()
     turned = list(at_reversals(solved))
-    before = rms(Design(solved.first.parts, ()), solved.first.filtered.t)
+    plain = Design(solved.first.parts, ())
+    before, spread = rms(plain, solved.first.filtered.t), plain.covariance()
     after = rms(design, filtered.t)
     found = {}
     for j, name in enumerate(filtered.joints):
         words = _Units(arm, filtered.dof[j])
         gain = _gain(solved, j)
         place = design.places[j]
-        errors = np.sqrt(np.diag(covariance)[place])
-        coulomb, viscous, offset = (
-            Quantity(float(x / gain), float(e / gain), words.of(unit))
-            for x, e, unit in zip(design.numbers[place], errors, ("N m", "N m s/rad", "N m"), strict=True)
-        )
+        coulomb, viscous, offset = _base(design.numbers[place], covariance, place, gain, words)
+        first = _base(plain.numbers[plain.places[j]], spread, plain.places[j], 1.0, words)
         left = left_over(design, j)[0][design.parts[j].stretches.kept]
         remainder = _over_noise(left, float(filtered.torque_noise[j]), filtered.torque[:, j])
         sharper = any(one.joint == j and one.of_stribeck for one in turned)
@@ -92,8 +90,9 @@ def _result(solved: Solved, arm: Arm, known: Known) -> WholeArm:
         samples = int(np.sum(design.parts[j].stretches.kept))
         guard = float(solved.problem.guard[j])
         found[name] = JointFriction(
-            name, coulomb, viscous, offset, effects, held_out, remainder, guard, samples, statement
-        )
+            name, coulomb, viscous, offset, effects, held_out, remainder, guard, samples, statement, first,
+            _left(solved, plain, j),
+        )  # fmt: skip
     for name in solved.still:
         words = _Units(arm, arm.joints.index(name))
         refused = [Quantity.refused(words.of(unit), _STILL) for unit in ("N m", "N m s/rad", "N m")]
@@ -110,6 +109,27 @@ def _result(solved: Solved, arm: Arm, known: Known) -> WholeArm:
         RULES,
         filtered.notes,
     )
+
+
+def _base(
+    numbers: FloatArray, covariance: FloatArray, place: slice, gain: float, words: "_Units"
+) -> tuple[Quantity, Quantity, Quantity]:
+    """Coulomb, viscous and offset of a joint, with their errors."""
+    errors, units = np.sqrt(np.diag(covariance)[place]), ("N m", "N m s/rad", "N m")
+    first, second, third = (
+        Quantity(float(x / gain), float(e / gain), words.of(unit))
+        for x, e, unit in zip(numbers, errors, units, strict=True)
+    )
+    return first, second, third
+
+
+def _left(solved: Solved, plain: Design, joint: int) -> Left:
+    """What is left of a joint's torque, by its base and by the model, where both are guarded."""
+    filtered, design = solved.problem.filtered, solved.model.design
+    kept = design.parts[joint].stretches.kept & plain.parts[joint].stretches.kept
+    dof = filtered.dof[joint]
+    before, after = (left_over(one, joint)[0][kept] for one in (plain, design))
+    return Left(filtered.t[kept], filtered.q[kept, dof], filtered.v[kept, dof], before, after)
 
 
 def _over_noise(left: FloatArray, noise: float, torque: FloatArray) -> float | None:

@@ -1,0 +1,284 @@
+"""A joint of an arm that moves as a whole: what its torque says of its friction, and of the model."""
+
+import logging
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from harness.app.diagnose.options import DiagnoseOptions
+from harness.app.diagnose.robot_options import RobotOptions
+from harness.app.diagnose.show import write_arm_page, write_arm_trace
+from harness.app.shared.deliver import to_json
+from harness.app.shared.journal import NAME as LOG
+from harness.app.shared.journal import journal
+from harness.app.shared.machine import this_machine
+from harness.app.shared.progress import Progress
+from harness.core.errors import InputError
+from harness.core.joint_log import JointLog
+from harness.core.quantity import Quantity
+from harness.io.store import output_folder
+from harness.model.document import to_document
+from harness.model.model import Model, Restoring
+from harness.results.common import P, RecordingInfo, Where
+from harness.results.diagnosis import DiagnosisResult, FitResult, HoldoutResult, MechanismResult, RuleResult
+from harness.results.model import ModelDocument
+from harness.results.robot import ArmResult, EntryResult, JointResult, PasteResult, RobotResult
+from harness.robot.arm import Arm
+from harness.robot.paste import JointPaste, copies
+from harness.robot.reduction import reduced
+from harness.robot.whole_arm.result import Effect, JointFriction, ModelError, WholeArm
+from harness.robot.whole_arm.whole import whole_arm
+
+LOGGER = logging.getLogger(__name__)
+FILES = {
+    "result": "result.json",
+    "report": "report.html",
+    "rrd": "trace.rrd",
+    "residual_torque": "residual_torque.csv",
+    "log": LOG,
+}
+_VERDICTS = {"explains": "missing_physics", "main": "main_effect", "one-of": "one_of"}
+_GIVEN = "the robot's model gives it, at the middle of the motion"
+_NO_MODEL = "no model file holds an arm's joint with more than viscous and Coulomb friction: {name} is in the sentences"
+
+
+@dataclass(frozen=True, slots=True)
+class Arms:
+    """What was asked and what came out. inertia : of the joint at the middle of its motion, kg m^2 or kg."""
+
+    arm: Arm
+    log: JointLog
+    asked: RobotOptions
+    options: DiagnoseOptions
+    found: WholeArm
+    joint: JointFriction
+    inertia: float
+
+
+def diagnose_arm(
+    arm: Arm,
+    log: JointLog,
+    joint: str,
+    asked: RobotOptions,
+    options: DiagnoseOptions,
+    out: Path | None,
+    progress: Progress,
+    command: str,
+) -> DiagnosisResult:
+    """Diagnose a joint of an arm that moves as a whole, and leave result, page, trace and a copy of the model.
+
+    Raises InputError, StoreError.
+    """
+    name = f"diagnose-{Path(log.file).name.split('.')[0]}-{joint}"
+    with output_folder(name, out) as output, journal(output / LOG):
+        progress("torque of the whole arm", 1, 4)
+        found = whole_arm(log, arm, payload=asked.payload, sensor=asked.sensor, gain_known=asked.gain is not None)
+        if joint not in [one.joint for one in found.joints]:
+            there = ", ".join(one.joint for one in found.joints)
+            raise InputError(f"{log.file}: {joint}", "no effort of it is logged", f"{there} are accepted")
+        middle = {n: float(np.mean(log.position[n])) for n in arm.joints if n in log.position}
+        arms = Arms(arm, log, asked, options, found, found.joint(joint), reduced(arm, joint, middle).moved)
+        progress("writing trace and report", 3, 4)
+        paste = _paste(arms)
+        files = dict(FILES)
+        (output.work / "model").mkdir(exist_ok=True)
+        for file, text in copies(asked.file, paste).items():
+            (output.work / "model" / file).write_text(text, encoding="utf-8")
+            files[f"robot_{'urdf' if file.endswith('.urdf') else 'mjcf'}"] = f"model/{file}"
+        result = _result(arms, paste, command, {kind: output.at(file) for kind, file in files.items()})
+        _write_left(output / FILES["residual_torque"], arms.joint)
+        (output / FILES["result"]).write_text(to_json(result), encoding="utf-8")
+        write_arm_trace(output / FILES["rrd"], result, _left(found))
+        write_arm_page(output / FILES["report"], result, _left(found))
+        output.commit()
+    return result
+
+
+def _left(found: WholeArm) -> dict[str, np.ndarray[tuple[int, int], np.dtype[np.float64]]]:
+    """By joint, columns t, q, v, torque left by the base and by the model (m, 5)."""
+    return {
+        one.joint: np.column_stack((one.left.t, one.left.q, one.left.v, one.left.before, one.left.after))
+        for one in found.joints
+        if one.left is not None
+    }
+
+
+def _write_left(path: Path, joint: JointFriction) -> None:
+    """Columns t, q, v, before, after of the guarded samples."""
+    left = joint.left
+    rows = np.empty((0, 5)) if left is None else np.column_stack((left.t, left.q, left.v, left.before, left.after))
+    np.savetxt(path, rows, "%.9g", ",", header="t,q,v,before,after", comments="")
+
+
+def _paste(arms: Arms) -> JointPaste:
+    """Friction that is below none is pasted as none."""
+    i = arms.arm.index(arms.joint.joint)
+    f_k, c = (max(q.value or 0.0, 0.0) for q in (arms.joint.coulomb, arms.joint.viscous))
+    return JointPaste(arms.joint.joint, f_k, c, float(arms.arm.armature[i]), float(arms.arm.model.opt.timestep))
+
+
+def _entries(found: WholeArm) -> Iterator[EntryResult]:
+    for joint in found.joints:
+        yield from (_entry(effect, joint.joint, "") for effect in joint.effects)
+    yield from (_entry(error, error.joint, error.partner) for error in found.model)
+
+
+def _entry(one: Effect | ModelError, joint: str | None, partner: str) -> EntryResult:
+    return EntryResult(
+        name=one.name,
+        joint=joint,
+        partner=partner or one.pair,
+        grade=one.grade.value,
+        share=one.share,
+        evidence=one.evidence,
+        rivals=list(one.rivals),
+        parameters={name: P.of(quantity) for name, quantity in one.parameters},
+        statement=one.statement,
+    )
+
+
+def _result(arms: Arms, paste: JointPaste, command: str, files: dict[str, str]) -> DiagnosisResult:
+    joint, found, log = arms.joint, arms.found, arms.log
+    every = list(_entries(found))
+    own = [one for one in every if one.joint in (joint.joint, None)]
+    mechanisms = [_mechanism(one, found.seconds) for one in sorted(own, key=lambda one: -one.share)]
+    verdict = _verdict(joint, own)
+    before, after = joint.held_out or (None, None)
+    base = joint.base or (joint.coulomb, joint.viscous, joint.offset)
+    plain, refined = (_fit(numbers, arms, rms) for numbers, rms in ((base, before), (_final(joint), after)))
+    document = ModelDocument.model_validate(to_document(_model(paste, arms.inertia)))
+    squares = {} if before is None else {"u": before}
+    return DiagnosisResult(
+        recording=_info(log, joint.joint),
+        verdict=verdict,  # type: ignore[arg-type]
+        statement=_statement(joint, own),
+        baseline=plain,
+        where=[],
+        mechanisms=mechanisms,
+        refined=refined,
+        rules=[RuleResult(name=r.name, value=r.value, unit=r.unit, origin=r.origin) for r in found.rules],
+        holdout=HoldoutResult(spans_s=[], baseline_rmse=squares, refined_rmse={} if after is None else {"u": after}),
+        engines={},
+        attribution=None,
+        robot=_robot(arms, paste, every),
+        evidence=[],
+        consistent_channels={},
+        next_experiment="",
+        residual_map=None,
+        baseline_model=document,
+        refined_model=document,
+        model_left_out=[_NO_MODEL.format(name=m.name) for m in mechanisms if m.family != "model"],
+        warnings=[*arms.arm.notes],
+        settings={**arms.options.settings(), "robot": arms.asked.settings() | {"joint": joint.joint}},
+        command=command,
+        machine=this_machine(),
+        files=files,
+    )
+
+
+def _final(joint: JointFriction) -> tuple[Quantity, Quantity, Quantity]:
+    return joint.coulomb, joint.viscous, joint.offset
+
+
+def _verdict(joint: JointFriction, own: Sequence[EntryResult]) -> str:
+    """By the best grade; where nothing is named, by whether more than the torque's noise is left."""
+    grades = {one.grade for one in own}
+    for grade, verdict in _VERDICTS.items():
+        if grade in grades:
+            return verdict
+    quiet = joint.remainder is not None and joint.remainder <= _limit()
+    return "adequate" if quiet and not own else "unexplained"
+
+
+def _limit() -> float:
+    from harness.robot.whole_arm.rules import EXPLAINED
+
+    return EXPLAINED.value
+
+
+def _mechanism(one: EntryResult, seconds: float) -> MechanismResult:
+    return MechanismResult(
+        name=one.name,
+        family="friction" if one.partner == "" and one.joint is not None else "model",
+        statement=one.statement,
+        parameters=one.parameters,
+        grade=one.grade,  # type: ignore[arg-type]
+        share=one.share,
+        delta_bic=one.evidence,
+        where=Where(time_s=[[0.0, seconds]], regime="throughout", condition="", share=None),
+        alternatives=[],
+    )
+
+
+def _fit(numbers: Sequence[Quantity], arms: Arms, rms: float | None) -> FitResult:
+    f_k, c, offset = numbers
+    unit = "kg" if "rad" not in c.unit else "kg m^2"
+    inertia = P(value=arms.inertia, stderr=None, unit=unit, why=_GIVEN)
+    return FitResult(
+        parameters={"inertia": inertia, "c": P.of(c), "f_k": P.of(f_k), "offset": P.of(offset)},
+        rmse={} if rms is None else {"u": rms},
+        chi2_per_point=None,
+    )
+
+
+def _model(paste: JointPaste, inertia: float) -> Model:
+    return Model(inertia, paste.c, 0.0, paste.f_k, restoring=Restoring.NONE)
+
+
+def _info(log: JointLog, joint: str) -> RecordingInfo:
+    span = float(log.t[-1] - log.t[0])
+    channels = [c for c, held in (("x", log.position), ("v", log.velocity), ("u", log.effort)) if joint in held]
+    return RecordingInfo(
+        file=log.file,
+        sha256=log.sha256,
+        samples=log.t.size,
+        channels=channels,
+        rate_hz=(log.t.size - 1) / span,
+        duration_s=span,
+        noise=dict.fromkeys(channels),
+        notes=list(log.notes),
+    )
+
+
+def _statement(joint: JointFriction, own: Sequence[EntryResult]) -> str:
+    """Friction, and what is found beside it, the largest share first."""
+    more = [one.statement for one in sorted(own, key=lambda one: -one.share)]
+    none = [] if more or joint.left is None else ["Nothing is named beside it."]
+    return " ".join((f"The whole arm moves. {joint.statement}", *more, *none))
+
+
+def _robot(arms: Arms, paste: JointPaste, every: list[EntryResult]) -> RobotResult:
+    found = arms.found
+    return RobotResult(
+        file=str(arms.asked.file.absolute()),
+        joint=arms.joint.joint,
+        mode="whole-arm",
+        reduction=None,
+        confounded=[list(pair) for pair in found.confounded],
+        paste=PasteResult(mjcf=paste.mjcf, urdf=paste.urdf),
+        arm=ArmResult(
+            joints=[_joint(one) for one in found.joints],
+            found=every,
+            lowpass_hz=found.lowpass,
+            rate_hz=found.rate,
+            seconds=found.seconds,
+        ),
+    )
+
+
+def _joint(one: JointFriction) -> JointResult:
+    before, after = one.held_out or (None, None)
+    return JointResult(
+        joint=one.joint,
+        f_k=P.of(one.coulomb),
+        c=P.of(one.viscous),
+        offset=P.of(one.offset),
+        held_out_before=before,
+        held_out_after=after,
+        over_noise=one.remainder,
+        guard_s=one.guard,
+        samples=one.samples,
+        statement=one.statement,
+    )
