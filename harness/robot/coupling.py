@@ -1,0 +1,82 @@
+"""Whether the other joints stand still in a log: the torque that their motion puts on one joint."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from harness.core.arrays import FloatArray
+from harness.core.joint_log import JointLog
+from harness.robot.arm import Arm
+from harness.robot.matching import check_joint, noise_of
+from harness.robot.reduction import Reduced, reduced
+from harness.robot.smooth import Even
+
+STILL = 3.0
+"""Times its noise within which a joint's position scatters where it stands still."""
+HALF = 0.5
+"""Of what the joint's own equation leaves: below this what the others do does not decide."""
+_MOST = 20_000
+"""Samples at which the whole arm's equations are evaluated."""
+_MOVING = 0.05
+"""Of the largest speed: slower samples do not count, where friction's sign is not known."""
+
+
+@dataclass(frozen=True, slots=True)
+class Coupling:
+    """What the other joints do to one. torque : rms, N m or N. residual : rms that the joint's own equation leaves,
+    with inertia, damping, dry friction and gravity fitted. moving : the others that move. reduced : with the others
+    at their means.
+    """
+
+    torque: float
+    residual: float
+    moving: tuple[str, ...]
+    reduced: Reduced
+
+    @property
+    def mode(self) -> Literal["locked", "whole-arm"]:
+        """Whether the joint's own equation will do."""
+        return "locked" if not self.moving or self.torque < HALF * self.residual else "whole-arm"
+
+
+def coupling(arm: Arm, log: JointLog, joint: str) -> Coupling:
+    """What the motion of the others puts on a joint.
+
+    Joints of the model that the log has not are held at the model's reference. Raises InputError where log and model
+    do not go together, and for a joint that does not move alone.
+    """
+    check_joint(arm, log, joint)
+    at, others = arm.index(joint), [name for name in arm.joints if name != joint and name in log.position]
+    own = reduced(arm, joint, {name: float(np.mean(log.position[name])) for name in others})
+    moving = tuple(name for name in others if _moves(log.position[name]))
+    even = Even.of(log.t)
+    inside = even.settled
+    thin = slice(inside.start, inside.stop, max(1, (inside.stop - inside.start) // _MOST))
+    q = np.tile([own.held.get(name, 0.0) for name in arm.joints], (even.t[thin].size, 1))
+    v, a = np.zeros_like(q), np.zeros_like(q)
+    for name in (*moving, joint):
+        i, low = arm.index(name), even.low(log.t, log.position[name])
+        speed = even.slope(low)
+        q[:, i], v[:, i], a[:, i] = low[thin], speed[thin], even.slope(speed)[thin]
+    alone = own.torque(q[:, at], a[:, at])
+    extra = arm.inverse(q, v, a)[:, at] - alone if moving else np.zeros(alone.size)
+    effort = even.low(log.t, log.effort[joint])[thin] if joint in log.effort else np.zeros(alone.size)
+    fast = np.abs(v[:, at]) > _MOVING * float(np.max(np.abs(v[:, at])))
+    left = _left(effort - alone, {"q": q[:, at], "v": v[:, at], "a": a[:, at]}, fast, joint in log.effort)
+    return Coupling(float(np.sqrt(np.mean(extra**2))), left, moving, own)
+
+
+def _moves(y: FloatArray) -> bool:
+    """Whether a position does more than scatter about its mean."""
+    return float(np.std(y)) > STILL * noise_of(y)
+
+
+def _left(torque: FloatArray, motion: Mapping[str, FloatArray], fast: FloatArray, driven: bool) -> float:
+    """Rms (N m or N) of what friction, damping, gravity and, if it is driven, inertia do not say of a torque (n,)."""
+    q, v = motion["q"], motion["v"]
+    columns = [v, np.sign(v), np.sin(q), np.cos(q), np.ones(q.size), *([motion["a"]] if driven else [])]
+    basis = np.column_stack(columns)[fast]
+    left = torque[fast] - basis @ np.linalg.lstsq(basis, torque[fast], rcond=None)[0]
+    return float(np.sqrt(np.mean(left**2))) if left.size else 0.0

@@ -1,0 +1,115 @@
+"""An MJCF as the rigid model needs it: shapes kept only where they make a mass, so that no mesh is missed."""
+
+from pathlib import Path
+from typing import Any
+
+from lxml import etree
+
+from harness.core.bounded import MEBIBYTE, read_bytes
+from harness.core.errors import InputError
+
+MOST_COPIES = 1000
+"""That replicates of a model may make."""
+_MOST_MESH_BYTES = 256 * MEBIBYTE
+_NOT_RIGID = ("composite", "flexcomp", "flex", "plugin")
+_NOT_NEEDED = ("sensor", "contact", "keyframe", "deformable", "visual", "statistic", "custom")
+_SEEN_ASSETS = ("texture", "material", "hfield", "skin", "mesh", "model")
+
+
+def bare(file: str, root: Any, folder: Path) -> tuple[bytes, dict[str, bytes]]:
+    """The text that MuJoCo's compiler is given, and the meshes that a mass depends on, by name.
+
+    Raises InputError for what is no rigid body, for more copies than are reasonable, and for a moving body whose mass
+    is that of a mesh that is not there.
+    """
+    _refuse(file, root)
+    for part in [child for child in root if child.tag in _NOT_NEEDED]:
+        root.remove(part)
+    from_shapes = any(one.get("inertiafromgeom") == "true" for one in root.findall("compiler"))
+    needed: set[str] = set()
+    for world in root.findall("worldbody"):
+        _without_shapes(world, moving=False, from_shapes=from_shapes, needed=needed)
+    meshes = _meshes(file, root, folder, needed)
+    for element in root.iter():
+        if isinstance(element.tag, str):
+            for name in ("material", "texture", "hfield"):
+                element.attrib.pop(name, None)
+    for compiler in root.findall("compiler"):
+        for name in ("meshdir", "texturedir", "assetdir"):
+            compiler.attrib.pop(name, None)
+    text: bytes = etree.tostring(root)
+    return text, meshes
+
+
+def _refuse(file: str, root: Any) -> None:
+    for tag in _NOT_RIGID:
+        if (found := next(root.iter(tag), None)) is not None:
+            name = found.get("name") or found.get("prefix") or ""
+            raise InputError(f"{file}: {tag} {name}".strip(), "it is no rigid body", "a chain of bodies is accepted")
+    for replicate in root.iter("replicate"):
+        copies = 1
+        for one in (replicate, *replicate.iterancestors("replicate")):
+            count = one.get("count") or "1"
+            copies *= int(count) if count.isascii() and count.isdigit() and len(count) < 10 else MOST_COPIES + 1
+        if copies > MOST_COPIES:
+            raise InputError(f"{file}: replicate", f"{copies} copies", f"at most {MOST_COPIES} are accepted")
+
+
+def _without_shapes(body: Any, moving: bool, from_shapes: bool, needed: set[str]) -> None:
+    """Take out shapes that make no mass, downwards; needed : gets the names of meshes that make one."""
+    own = _within(body)
+    moving = moving or any(child.tag in ("joint", "freejoint") for child in own)
+    explicit = any(child.tag == "inertial" for child in own) and not from_shapes
+    for child in own:
+        if child.tag == "geom" and (explicit or not moving or _weightless(child)):
+            child.getparent().remove(child)
+        elif child.tag == "geom" and child.get("mesh") is not None:
+            needed.add(child.get("mesh"))
+        elif child.tag == "body":
+            _without_shapes(child, moving, from_shapes, needed)
+
+
+def _within(body: Any) -> list[Any]:
+    """Elements of a body, those in frames among them."""
+    found = []
+    for child in body:
+        found.append(child)
+        if child.tag in ("frame", "replicate"):
+            found += _within(child)
+    return found
+
+
+def _weightless(geom: Any) -> bool:
+    return any(geom.get(name) is not None and _zero(geom.get(name)) for name in ("mass", "density"))
+
+
+def _zero(text: str) -> bool:
+    try:
+        return float(text) == 0.0
+    except ValueError:
+        return False
+
+
+def _meshes(file: str, root: Any, folder: Path, needed: set[str]) -> dict[str, bytes]:
+    """Content of the meshes that are needed; every other asset is taken out."""
+    found: dict[str, bytes] = {}
+    compilers = root.findall("compiler")
+    base = next((c.get(n) for n in ("meshdir", "assetdir") for c in compilers if c.get(n) is not None), "")
+    for asset in root.findall("asset"):
+        for one in [child for child in asset if child.tag in _SEEN_ASSETS]:
+            name = one.get("name") or Path(one.get("file") or "").stem
+            if one.tag != "mesh" or name not in needed:
+                asset.remove(one)
+            elif one.get("file") is not None:
+                path = (folder / base / one.get("file")).resolve()
+                if not path.is_file():
+                    raise InputError(
+                        f"{file}: mesh {name}",
+                        f"a moving body has the mass of {one.get('file')}, which is not there",
+                        "the mesh, or an <inertial> in that body, is accepted",
+                    )
+                key = f"{len(found)}{path.suffix}"
+                found[key] = read_bytes(path, _MOST_MESH_BYTES)
+                one.set("name", name)
+                one.set("file", key)
+    return found

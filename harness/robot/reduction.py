@@ -1,0 +1,148 @@
+"""One joint of an open chain while the others stand still: a pendulum, or a mass under a constant force.
+
+What hangs on the joint is then one rigid body about one axis, so that its inertia does not depend on its own angle
+and gravity's torque is a sine of it:
+
+    (inertia + armature) q'' + c q' + spring (q - q_ref) + friction + a sin q + b cos q = tau
+
+A slide has a constant force in place of the sine.
+"""
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from types import MappingProxyType
+
+import mujoco
+import numpy as np
+
+from harness.core.arrays import FloatArray
+from harness.core.errors import InputError
+from harness.core.near import did_you_mean
+from harness.robot.arm import Arm
+
+_ANGLES = 72
+"""Of a whole turn, at which gravity's torque is read."""
+_UPRIGHT = 1e-4
+"""Sine of the tilt of an axis below which it counts as along gravity; a right angle written 1.5708 is 4e-6 off."""
+
+
+@dataclass(frozen=True, slots=True)
+class Reduced:
+    """The equation of one joint with the others still; kg m^2, N m, rad for a hinge, kg, N, m for a slide.
+
+    inertia : of what the joint moves. armature : of its rotor, to be added. a, b : of gravity's torque, a hinge's.
+    spring, q_ref : the joint's own spring and where it is slack. constant : gravity's force on a slide. slides : no
+    hinge. upright : the axis is along gravity, or there is none. held : the other joints' positions.
+    """
+
+    joint: str
+    inertia: float
+    armature: float
+    a: float = 0.0
+    b: float = 0.0
+    spring: float = 0.0
+    q_ref: float = 0.0
+    constant: float = 0.0
+    slides: bool = False
+    upright: bool = False
+    held: Mapping[str, float] = field(default_factory=dict)
+
+    @property
+    def moved(self) -> float:
+        """Inertia with the rotor's, kg m^2 or kg."""
+        return self.inertia + self.armature
+
+    @property
+    def gravity(self) -> float:
+        """Largest torque of gravity G, N m; of a slide its force, N."""
+        return abs(self.constant) if self.slides else math.hypot(self.a, self.b)
+
+    @property
+    def q_eq(self) -> float:
+        """Angle in (-pi, pi], rad, where gravity leaves the joint at rest and brings it back: G sin(q - q_eq)."""
+        return math.atan2(-self.b, self.a)
+
+    def load(self, q: FloatArray) -> FloatArray:
+        """Torque or force (n,) of gravity and of the spring, on the left of the equation."""
+        own = np.full_like(q, self.constant) if self.slides else self.a * np.sin(q) + self.b * np.cos(q)
+        return np.asarray(own + self.spring * (q - self.q_ref))
+
+    def torque(self, q: FloatArray, a: FloatArray) -> FloatArray:
+        """Torque or force (n,) without friction and damping that a motion needs: positions q, accelerations a (n,)."""
+        return np.asarray(self.moved * a + self.load(q))
+
+    @property
+    def sentence(self) -> str:
+        """The equation with its numbers, in words."""
+        inertia, torque, angle = ("kg", "N", "m") if self.slides else ("kg m^2", "N m", "rad")
+        rotor = f" with {self.armature:.4g} {inertia} of its rotor" if self.armature else ""
+        said = f"with the others still, {self.joint} moves {self.moved:.4g} {inertia}{rotor}"
+        if self.slides:
+            said += f" against {self.constant:.4g} N of gravity" if self.constant else ""
+        elif self.upright:
+            said += "; its axis is along gravity, which does not pull it anywhere"
+        else:
+            said += f" as a pendulum of {self.gravity:.4g} N m that hangs at {self.q_eq:.4g} rad"
+        if self.spring:
+            said += f"; its own spring has {self.spring:.4g} {torque}/{angle}, slack at {self.q_ref:.4g} {angle}"
+        return f"{said}."
+
+
+def reduced(arm: Arm, joint: str, held: Mapping[str, float] | None = None) -> Reduced:
+    """The equation of a joint; held : positions of other joints, those of the model's reference where not given.
+
+    Raises InputError for a joint that there is not, and for one that does not move alone.
+    """
+    at = arm.index(joint)
+    if joint in arm.coupled:
+        raise InputError(f"{arm.file}: joint {joint}", arm.coupled[joint], "a joint that moves by itself is accepted")
+    model = arm.model
+    data, q = mujoco.MjData(model), positions(arm, held or {})
+    slides = arm.slides(joint)
+    mass = np.zeros((model.nv, model.nv))
+    data.qpos[:] = q
+    mujoco.mj_forward(model, data)
+    mujoco.mj_fullM(model, data, mass)
+    angles = q[at] + 2.0 * math.pi / _ANGLES * np.arange(1 if slides else _ANGLES)
+    pull = np.empty(angles.size)
+    for i, angle in enumerate(angles):
+        data.qpos[at] = angle
+        mujoco.mj_forward(model, data)
+        pull[i] = data.qfrc_bias[at]
+    moved = float(mass[at, at])
+    found = Reduced(
+        joint,
+        moved - float(arm.armature[at]),
+        float(arm.armature[at]),
+        spring=float(model.jnt_stiffness[at]),
+        q_ref=float(model.qpos_spring[at]),
+        slides=slides,
+        held=MappingProxyType({name: float(q[i]) for i, name in enumerate(arm.joints) if i != at}),
+    )
+    if slides:
+        return replace(found, constant=float(pull[0]))
+    a, b = (2.0 / _ANGLES * float(pull @ wave(angles)) for wave in (np.sin, np.cos))
+    strength = float(np.linalg.norm(model.opt.gravity)) * math.sqrt(max(moved, 0.0) * _hanging(arm, at))
+    return replace(found, a=a, b=b, upright=math.hypot(a, b) <= _UPRIGHT * strength)
+
+
+def _hanging(arm: Arm, at: int) -> float:
+    """Mass of what a joint moves, kg."""
+    return float(arm.model.body_subtreemass[arm.model.jnt_bodyid[at]])
+
+
+def positions(arm: Arm, held: Mapping[str, float]) -> FloatArray:
+    """Positions (nv,) with these joints so and the others as the model's reference has them.
+
+    Raises InputError for a joint that there is not, or a position that is no finite number.
+    """
+    q = np.array(arm.model.qpos0)
+    for name, value in held.items():
+        if name not in arm.joints:
+            accepted = f"joints of {arm.file} are accepted: {', '.join(arm.joints)}{did_you_mean(name, arm.joints)}"
+            raise InputError("held joint", f"{name!r}", accepted)
+        if not math.isfinite(value):
+            raise InputError(f"held joint {name}", f"{value}", "a finite position is accepted")
+        q[arm.joints.index(name)] = value
+    return q

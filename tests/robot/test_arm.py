@@ -1,0 +1,156 @@
+"""Models that are read, and those that are refused with one line that says why."""
+
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+from chains import urdf
+
+from harness.core.errors import InputError
+from harness.engines.models import folder
+from harness.robot.arm import load_arm
+from harness.robot.reduction import reduced
+
+ARM = folder() / "arm"
+LINK = '<inertial pos="0 0 -.2" mass="1" diaginertia=".1 .1 .1"/>'
+TWO = (
+    f'<body name="a"><joint name="one" axis="0 1 0"/>{LINK}'
+    f'<body name="b" pos="0 0 -1"><joint name="two" axis="0 1 0"/>{LINK}</body></body>'
+)
+
+
+def mjcf(world: str, more: str = "") -> str:
+    return f"<mujoco>{more}<worldbody>{world}</worldbody></mujoco>"
+
+
+BOMB = (
+    '<!DOCTYPE b [<!ENTITY a "aaaaaaaaaa"><!ENTITY b "&a;&a;&a;&a;&a;&a;&a;&a;">]>'
+    '<mujoco model="&b;"><worldbody/></mujoco>'
+)
+MASS_OF_MESH = '<body name="a"><joint name="j"/><geom type="mesh" mesh="m"/></body>'
+FLOATING = re.sub(r'type="(revolute|continuous|prismatic)"', 'type="floating"', urdf(1))
+REFUSED = [
+    ("a.xml", "<mujoco", "no XML"),
+    ("a.xml", BOMB, "a document type"),
+    ("a.xml", '<!DOCTYPE b SYSTEM "file:///etc/passwd"><mujoco/>', "a document type"),
+    ("a.xml", "<sdf/>", "XML that begins with <sdf>"),
+    ("a.xml", mjcf('<body><joint name="j" axis="0 0 0"/></body>'), "MuJoCo does not compile it"),
+    ("a.xml", mjcf(f'<body name="box"><freejoint/>{LINK}</body>'), "joint of body box: a free joint"),
+    ("a.xml", mjcf(f'<body><joint name="hip" type="ball"/>{LINK}</body>'), "joint hip: a ball joint"),
+    ("a.xml", mjcf('<geom size="1"/>'), "no joint"),
+    ("a.xml", mjcf('<replicate count="99999"><body/></replicate>'), "99999 copies"),
+    ("a.xml", mjcf('<body><composite prefix="rope" type="cable"/></body>'), "composite rope: it is no rigid body"),
+    ("a.xml", mjcf(TWO, '<include file="../secret.xml"/>'), "a file outside the model's folder"),
+    ("a.xml", mjcf(TWO, '<include file="a.xml"/>'), "a file included before"),
+    ("a.xml", mjcf(TWO, '<include file="none.xml"/>'), "no such file"),
+    (
+        "a.xml",
+        mjcf(TWO, '<equality><connect name="loop" body1="a" body2="b" anchor="0 0 1"/></equality>'),
+        "the connect equality loop: a closed chain",
+    ),
+    (
+        "a.xml",
+        mjcf(MASS_OF_MESH, '<asset><mesh name="m" file="gone.stl"/></asset>'),
+        "mesh m: a moving body has the mass of gone.stl, which is not there",
+    ),
+    ("a.urdf", FLOATING, "joint j1: type 'floating'"),
+    ("a.urdf", '<robot name="r"><link name="l"/></robot>', "no joint"),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("name", "text", "said"), REFUSED)
+def test_what_is_no_arm_is_refused_in_one_line(tmp_path: Path, name: str, text: str, said: str) -> None:
+    (tmp_path / name).write_text(text)
+    with pytest.raises(InputError) as refused:
+        load_arm(tmp_path / name)
+    assert said in str(refused.value)
+    assert str(tmp_path / name) in str(refused.value)
+    assert "\n" not in str(refused.value)
+
+
+def test_no_such_file_and_no_such_joint() -> None:
+    with pytest.raises(InputError, match=r"nowhere\.urdf: no such file"):
+        load_arm(Path("nowhere.urdf"))
+    with pytest.raises(InputError, match="base, shoulder, elbow; did you mean shoulder"):
+        load_arm(ARM / "arm.urdf").index("sholder")
+
+
+def test_missing_meshes_do_not_matter_where_the_inertia_is_given(tmp_path: Path) -> None:
+    seen = '<geom type="mesh" mesh="m" material="paint"/>'
+    asset = '<asset><mesh name="m" file="gone.stl"/><texture name="t" file="gone.png" type="2d"/>'
+    asset += '<material name="paint" texture="t"/></asset><compiler meshdir="nowhere"/>'
+    world = f'<geom type="mesh" mesh="m"/>{TWO.replace(LINK, LINK + seen)}'
+    (tmp_path / "a.xml").write_text(mjcf(world, asset))
+    (tmp_path / "b.xml").write_text(mjcf(TWO))
+    q, v, a = np.random.default_rng(1).normal(size=(3, 50, 2))
+    one, other = load_arm(tmp_path / "a.xml"), load_arm(tmp_path / "b.xml")
+    assert np.array_equal(one.inverse(q, v, a), other.inverse(q, v, a))
+    (tmp_path / "c.urdf").write_text(urdf(3))
+    assert load_arm(tmp_path / "c.urdf").joints[0] == "j1"
+
+
+def test_a_model_in_several_files_is_one(tmp_path: Path) -> None:
+    (tmp_path / "parts").mkdir()
+    (tmp_path / "parts" / "arm.xml").write_text(mjcf(TWO))
+    (tmp_path / "scene.xml").write_text(
+        '<mujoco><include file="parts/arm.xml"/><worldbody><light/></worldbody></mujoco>'
+    )
+    assert load_arm(tmp_path / "scene.xml").joints == ("one", "two")
+
+
+def test_friction_damping_stops_and_contacts_are_out_of_the_torque(tmp_path: Path) -> None:
+    """What the file says of them is kept beside; only inertia, gravity and the joint's spring ask for a torque."""
+    rough = TWO.replace('axis="0 1 0"', 'axis="0 1 0" frictionloss="3" damping="2" range="-5 5" limited="true"')
+    (tmp_path / "a.xml").write_text(
+        mjcf(rough.replace("</body></body>", '<geom size="3"/></body></body><geom size="9"/>'))
+    )
+    (tmp_path / "b.xml").write_text(mjcf(TWO))
+    q, v, a = np.random.default_rng(1).normal(size=(3, 50, 2))
+    one, other = load_arm(tmp_path / "a.xml"), load_arm(tmp_path / "b.xml")
+    assert np.array_equal(one.inverse(q, v, a), other.inverse(q, v, a))
+    assert one.frictionloss.tolist() == [3.0, 3.0]
+    assert one.damping.tolist() == [2.0, 2.0]
+
+
+def test_gravity_compensation_and_a_medium_are_taken_out_and_said(tmp_path: Path) -> None:
+    (tmp_path / "a.xml").write_text(mjcf(TWO.replace('name="a"', 'name="a" gravcomp="1"'), '<option density="2"/>'))
+    (tmp_path / "b.xml").write_text(mjcf(TWO))
+    one, other = load_arm(tmp_path / "a.xml"), load_arm(tmp_path / "b.xml")
+    q, v, a = np.random.default_rng(1).normal(size=(3, 50, 2))
+    assert np.array_equal(one.inverse(q, v, a), other.inverse(q, v, a))
+    assert [note.split(" is ")[0] for note in one.notes] == ["gravity compensation", "the drag of a medium"]
+
+
+COUPLED = [
+    ('<equality><joint name="gears" joint1="one" joint2="two"/></equality>', "the joint equality gears couples it"),
+    (
+        '<tendon><fixed name="belt" stiffness="5"><joint joint="one" coef="1"/></fixed></tendon>',
+        "the tendon belt pulls",
+    ),
+]
+
+
+@pytest.mark.parametrize(("more", "said"), COUPLED)
+def test_a_joint_that_does_not_move_alone_is_refused_by_its_reason(tmp_path: Path, more: str, said: str) -> None:
+    (tmp_path / "a.xml").write_text(mjcf(TWO, more))
+    with pytest.raises(InputError, match=said):
+        reduced(load_arm(tmp_path / "a.xml"), "one")
+
+
+def test_a_mimic_joint_and_its_leader_are_refused_and_others_are_not(tmp_path: Path) -> None:
+    text = urdf(2).replace(
+        '<dynamics damping="0.4" friction="0.6"/></joint></robot>', '<mimic joint="j2"/></joint></robot>'
+    )
+    (tmp_path / "a.urdf").write_text(text)
+    arm = load_arm(tmp_path / "a.urdf")
+    assert set(arm.coupled) == {"j2", arm.joints[-1]}
+    with pytest.raises(InputError, match=f"joint j2: {arm.joints[-1]} mimics it"):
+        reduced(arm, "j2")
+    assert reduced(arm, "j1").inertia > 0.0
+
+
+def test_gravity_may_be_given_for_a_base_that_stands_otherwise() -> None:
+    along = reduced(load_arm(ARM / "arm.urdf", gravity=(0.0, 9.81, 0.0)), "elbow")
+    assert along.upright
+    assert reduced(load_arm(ARM / "arm.urdf"), "elbow").gravity == pytest.approx(0.7 * 9.81 * 0.11)
