@@ -1,0 +1,129 @@
+"""Friction of a joint as text for the own model of a robot: elements to paste, and copies of the files that have them."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Literal
+from xml.sax.saxutils import quoteattr
+
+from harness.core.checks import not_negative, positive
+from harness.engines.mujoco.presets import presets
+from harness.robot.tags import Tag, tags, with_attributes, with_child
+from harness.robot.xml import Source, with_included
+
+Format = Literal["mjcf", "urdf"]
+
+
+@dataclass(frozen=True, slots=True)
+class JointPaste:
+    """What a joint is to be given.
+
+    f_k : dry friction, N m or N. c : viscous damping, N m s/rad or N s/m. armature : kg m^2 or kg. dt : the step that
+    the robot is simulated at, s, on which MuJoCo's words for stiff friction depend.
+
+    Raises InputError for anything negative.
+    """
+
+    joint: str
+    f_k: float
+    c: float
+    armature: float
+    dt: float
+
+    def __post_init__(self) -> None:
+        for name in ("f_k", "c", "armature"):
+            not_negative(f"paste: {name}", getattr(self, name))
+        positive("paste: dt", self.dt, "s")
+
+    @property
+    def mjcf_words(self) -> dict[str, str]:
+        """Attributes of the joint's element in MJCF; friction as stiff as the step allows."""
+        stiff = presets("joint", "tuned", self.dt)
+        return {
+            "frictionloss": _text(self.f_k),
+            "damping": _text(self.c),
+            "armature": _text(self.armature),
+            "solreffriction": " ".join(map(_text, stiff["solreffriction"])),
+            "solimpfriction": " ".join(map(_text, stiff["solimpfriction"])),
+        }
+
+    @property
+    def urdf_words(self) -> dict[str, str]:
+        """Attributes of the joint's <dynamics> in URDF."""
+        return {"damping": _text(self.c), "friction": _text(self.f_k)}
+
+    @property
+    def mjcf(self) -> str:
+        """The joint's element in MJCF, to be put into the one there is."""
+        return f"<joint name={quoteattr(self.joint)} {_written(self.mjcf_words)}/>"
+
+    @property
+    def urdf(self) -> str:
+        """The joint's <dynamics> in URDF, with the calls for what PyBullet does not read of it."""
+        return "\n".join((f"<dynamics {_written(self.urdf_words)}/>", *self.calls))
+
+    @property
+    def calls(self) -> tuple[str, ...]:
+        """For PyBullet: a joint's friction is read but without effect, and every link has a damping of its own."""
+        return (
+            f"joint = [p.getJointInfo(body, i)[1].decode() for i in range(p.getNumJoints(body))].index({self.joint!r})",
+            f"p.setJointMotorControl2(body, joint, p.VELOCITY_CONTROL, targetVelocity=0, force={_text(self.f_k)})",
+            f"p.changeDynamics(body, joint, jointDamping={_text(self.c)}, linearDamping=0, angularDamping=0)",
+        )
+
+    def cannot_say(self, form: Format, terms: Sequence[str] = ()) -> tuple[str, ...]:
+        """What a format leaves out, one sentence each; terms : names of what the joint has besides."""
+        missing = [f"{form}: no {name} of {self.joint}" for name in terms]
+        if form == "urdf":
+            if self.armature > 0.0:
+                missing.append(f"urdf: no armature ({self.armature:.4g} of {self.joint}'s rotor)")
+            if self.f_k > 0.0:
+                missing.append(
+                    f"urdf: PyBullet reads friction = {self.f_k:.4g} without effect; a velocity motor has it"
+                )
+        return tuple(missing)
+
+
+def copies(path: Path, paste: JointPaste) -> dict[str, str]:
+    """The file of a model that has the joint's element, by its name, with what is to be pasted and all else as it is.
+
+    Nothing where no element has the joint's name (a replicate makes it). Raises InputError as ``load_arm`` does.
+    """
+    sources = with_included(path)
+    form: Format = "urdf" if sources[0].root.tag == "robot" else "mjcf"
+    for source in sources:
+        text = _edited(source, paste, form)
+        if text is not None:
+            return {source.path.name: text}
+    return {}
+
+
+def _edited(source: Source, paste: JointPaste, form: Format) -> str | None:
+    every = list(tags(source.text))
+    own = next((i for i, tag in enumerate(every) if _is_joint(tag, paste.joint, form)), None)
+    if own is None:
+        return None
+    joint = every[own]
+    if form == "mjcf":
+        return with_attributes(source.text, joint, paste.mjcf_words)
+    inside = (*joint.way, "dynamics")
+    for tag in every[own + 1 :]:
+        if len(tag.way) <= len(joint.way):
+            break
+        if tag.way == inside:
+            return with_attributes(source.text, tag, paste.urdf_words)
+    return with_child(source.text, joint, f"<dynamics {_written(paste.urdf_words)}/>")
+
+
+def _is_joint(tag: Tag, name: str, form: Format) -> bool:
+    if tag.way[-1] != "joint" or tag.attributes.get("name") != name:
+        return False
+    return tag.way == ("robot", "joint") if form == "urdf" else "body" in tag.way and "default" not in tag.way
+
+
+def _written(words: dict[str, str]) -> str:
+    return " ".join(f'{name}="{value}"' for name, value in words.items())
+
+
+def _text(value: float) -> str:
+    return f"{value:.10g}"
