@@ -93,3 +93,12 @@ def log_options(function: F) -> F:
         ),
         click.option("--angle-unit", metavar="UNIT", help="Of positions that say none, such as deg.  [rad]"),
     )(function)
+
+
+def robot_options(function: F) -> F:
+    """--robot, --joint, --gravity."""
+    return _apply(
+        click.option("--robot", type=click.Path(path_type=Path), metavar="FILE", help="A robot's model, MJCF or URDF."),
+        click.option("--joint", metavar="NAME", help="Which joint of it.  [the only one that moves]"),
+        click.option("--gravity", type=float, nargs=3, metavar="X Y Z", help="m/s^2, at the base.  [the model's]"),
+    )(function)

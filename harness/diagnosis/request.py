@@ -18,7 +18,8 @@ class AskedCovariate:
 class Asked:
     """What was asked of a diagnosis: see the options of the same names, which are checked there; s, kg.
 
-    restoring, zero_free : None where nobody said; a free decay's are then chosen at the base fit.
+    restoring, zero_free : None where nobody said; a free decay's are then chosen at the base fit. guarded : a fitted
+    force does not count beside reversals, where a servo lets the slider stick.
     """
 
     restoring: Restoring | None = None
@@ -26,3 +27,4 @@ class Asked:
     mass: float | None = None
     horizon: float | None = None
     covariates: tuple[AskedCovariate, ...] = ()
+    guarded: bool = False

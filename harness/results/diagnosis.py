@@ -7,6 +7,7 @@ from pydantic import Field, RootModel
 from harness.results.common import Machine, P, RecordingInfo, Result, Span, Where
 from harness.results.compare import ChannelPair
 from harness.results.model import ModelDocument
+from harness.results.robot import RobotResult
 
 Verdict = Literal["adequate", "missing_physics", "main_effect", "one_of", "unexplained"]
 Grade = Literal["explains", "main", "one-of", "minor", "tabulated"]
@@ -17,7 +18,9 @@ Rmse = dict[str, float]
 class FitResult(Result):
     """A model fitted to the recording."""
 
-    parameters: dict[str, P] = Field(description="omega_n, zeta, x_k; on a free axis mass, c, f_k")
+    parameters: dict[str, P] = Field(
+        description="omega_n, zeta, x_k; on a free axis mass, c, f_k; of a robot's joint inertia, c, f_k besides"
+    )
     rmse: Rmse
     chi2_per_point: float | None = Field(description="in units of the noise; 1 when only noise is left")
 
@@ -238,6 +241,7 @@ class DiagnosisResult(Result):
     engines: dict[str, EngineResult]
     attribution: AttributionResult | None = Field(description="null when no engine could be run")
     validation: ValidationResult | None = Field(default=None, exclude_if=lambda value: value is None)
+    robot: RobotResult | None = Field(default=None, exclude_if=lambda value: value is None)
     evidence: list[EvidenceResult] = Field(description="every catalogue name tried alone, best first")
     consistent_channels: dict[str, ChannelPair] = Field(description='by pair ("x-a"), without a model')
     next_experiment: str

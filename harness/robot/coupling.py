@@ -50,22 +50,27 @@ def coupling(arm: Arm, log: JointLog, joint: str) -> Coupling:
     check_joint(arm, log, joint)
     at, others = arm.index(joint), [name for name in arm.joints if name != joint and name in log.position]
     own = reduced(arm, joint, {name: float(np.mean(log.position[name])) for name in others})
-    moving = tuple(name for name in others if _moves(log.position[name]))
+    those = tuple(name for name in others if _moves(log.position[name]))
     even = Even.of(log.t)
     inside = even.settled
     thin = slice(inside.start, inside.stop, max(1, (inside.stop - inside.start) // _MOST))
     q = np.tile([own.held.get(name, 0.0) for name in arm.joints], (even.t[thin].size, 1))
     v, a = np.zeros_like(q), np.zeros_like(q)
-    for name in (*moving, joint):
+    for name in (*those, joint):
         i, low = arm.index(name), even.low(log.t, log.position[name])
         speed = even.slope(low)
         q[:, i], v[:, i], a[:, i] = low[thin], speed[thin], even.slope(speed)[thin]
     alone = own.torque(q[:, at], a[:, at])
-    extra = arm.inverse(q, v, a)[:, at] - alone if moving else np.zeros(alone.size)
+    extra = arm.inverse(q, v, a)[:, at] - alone if those else np.zeros(alone.size)
     effort = even.low(log.t, log.effort[joint])[thin] if joint in log.effort else np.zeros(alone.size)
     fast = np.abs(v[:, at]) > _MOVING * float(np.max(np.abs(v[:, at])))
     left = _left(effort - alone, {"q": q[:, at], "v": v[:, at], "a": a[:, at]}, fast, joint in log.effort)
-    return Coupling(float(np.sqrt(np.mean(extra**2))), left, moving, own)
+    return Coupling(float(np.sqrt(np.mean(extra**2))), left, those, own)
+
+
+def moving(arm: Arm, log: JointLog) -> tuple[str, ...]:
+    """Joints of the model that move in a log."""
+    return tuple(name for name in arm.joints if name in log.position and _moves(log.position[name]))
 
 
 def _moves(y: FloatArray) -> bool:

@@ -1,15 +1,17 @@
 """A log of a robot's joints with known friction, to try things on: ``python -m harness.robot.example DIR``.
 
-Joints move as sums of sines, and the torque is what the rigid model and the friction then need, so that both are exact
-before noise is put on them.
+A servo follows sums of sines, its torque held from one sample to the next, as controllers do; MuJoCo carries the arm
+along in much shorter steps, with friction as stiff as those allow. What is logged is noisy, what moved is not.
 """
 
 import argparse
+import copy
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
+import mujoco
 import numpy as np
 
 from harness.core.arrays import FloatArray
@@ -17,7 +19,9 @@ from harness.core.errors import InputError
 from harness.core.joint_log import JointLog
 from harness.core.writing import replacing
 from harness.engines.models import folder
+from harness.engines.mujoco.presets import presets
 from harness.robot.arm import Arm, load_arm
+from harness.robot.reduction import reduced
 
 
 @dataclass(frozen=True, slots=True)
@@ -33,10 +37,18 @@ FRICTION = {"base": Friction(0.6, 0.2), "shoulder": Friction(1.1, 0.4), "elbow":
 """Of the arm of models/arm in the example: more than its model has."""
 _SINES = 5
 """Of each joint's motion."""
-_SLOWEST, _FASTEST = 0.1, 0.6
+_SLOWEST, _FASTEST = 0.1, 0.9
 """Their frequencies, Hz."""
-_ENCODER, _TORQUE = 2e-5, 0.01
-"""Noise of positions, rad, and of torques, share of their rms."""
+_ENCODER, _SPEED, _TORQUE = 2e-5, 2e-3, 0.005
+"""Noise of positions (rad), of speeds (rad/s), and of torques, share of their rms."""
+_STEP = 2e-4
+"""Of MuJoCo, s."""
+_LOCKED = 1e4
+"""Rotor inertia, kg m^2, with which a joint stands still between samples; at each it is put back."""
+_STIFF, _DAMPED = 40.0, 2.0
+"""A servo's gains over the joint's inertia times its bandwidth squared, and times that."""
+_BANDWIDTH = 5.0
+"""rad/s."""
 
 
 def excited(
@@ -48,33 +60,71 @@ def excited(
     amplitude: float = 0.9,
     seed: int = 0,
 ) -> JointLog:
-    """A log in which some joints move and the others are held; the same for the same seed.
+    """A log in which some joints move and the others are locked; the same for the same seed.
 
-    friction : by joint, none for those left out. duration : s. rate : Hz. amplitude : largest of a motion, rad.
+    friction : by joint, none for those left out. duration : s. rate : Hz. amplitude : largest of a wanted motion, rad.
     """
     random = np.random.default_rng(seed)
     t = np.arange(round(duration * rate) + 1) / rate
+    wanted = _wanted(arm, moving, t, amplitude, random)
+    q, v, torque = _followed(arm, friction, moving, wanted, rate)
+    torque = torque + _TORQUE * np.sqrt(np.mean(torque**2, axis=0)) * random.normal(size=torque.shape)
+    seen = q + _ENCODER * random.normal(size=q.shape), v + _SPEED * random.normal(size=q.shape)
+    position, velocity, effort = ({name: y[:, i] for i, name in enumerate(arm.joints)} for y in (*seen, torque))
+    return JointLog(t, position, velocity, effort, file="an example")
+
+
+def _wanted(
+    arm: Arm, moving: tuple[str, ...], t: FloatArray, amplitude: float, random: np.random.Generator
+) -> tuple[FloatArray, FloatArray]:
+    """Positions and speeds (n, nv) that the servos are to follow."""
     q = np.tile(arm.model.qpos0, (t.size, 1))
-    v, a = np.zeros_like(q), np.zeros_like(q)
-    for name in arm.joints:
+    v = np.zeros_like(q)
+    for i, name in enumerate(arm.joints):
         size, turn = random.uniform(0.2, 1.0, _SINES), random.uniform(0.0, 2.0 * math.pi, _SINES)
         omega = 2.0 * math.pi * random.uniform(_SLOWEST, _FASTEST, _SINES)
         if name in moving:
             at = omega[:, None] * t + turn[:, None]
             scale = amplitude / float(np.max(np.abs(size @ np.sin(at))))
-            i = arm.index(name)
             q[:, i] += scale * (size @ np.sin(at))
-            v[:, i], a[:, i] = scale * ((size * omega) @ np.cos(at)), -scale * ((size * omega**2) @ np.sin(at))
-    torque = arm.inverse(q, v, a)
+            v[:, i] = scale * ((size * omega) @ np.cos(at))
+    return q, v
+
+
+def _followed(
+    arm: Arm,
+    friction: Mapping[str, Friction],
+    moving: tuple[str, ...],
+    wanted: tuple[FloatArray, FloatArray],
+    rate: float,
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Positions, speeds and the servos' torques (n, nv)."""
+    model = copy.copy(arm.model)
+    model.opt.disableflags = mujoco.mjtDisableBit.mjDSBL_CONTACT.value | mujoco.mjtDisableBit.mjDSBL_LIMIT.value
+    substeps = max(1, math.ceil(1.0 / (rate * _STEP)))
+    model.opt.timestep = 1.0 / (rate * substeps)
+    model.opt.integrator = mujoco.mjtIntegrator.mjINT_RK4.value
+    stiff = presets("joint", "tuned", model.opt.timestep)
+    model.dof_solref[:], model.dof_solimp[:] = stiff["solreffriction"], stiff["solimpfriction"]
+    offset = np.zeros(model.nv)
     for name, one in friction.items():
         i = arm.index(name)
-        torque[:, i] += one.f_k * np.sign(v[:, i]) + one.c * v[:, i] + one.offset
-    torque += _TORQUE * np.sqrt(np.mean(torque**2, axis=0)) * random.normal(size=torque.shape)
-    seen = q + _ENCODER * random.normal(size=q.shape)
-    position = {name: seen[:, i] for i, name in enumerate(arm.joints)}
-    effort = {name: torque[:, i] for i, name in enumerate(arm.joints)}
-    velocity = {name: v[:, i] for i, name in enumerate(arm.joints)}
-    return JointLog(t, position, velocity, effort, file="an example")
+        model.dof_frictionloss[i], model.dof_damping[i], offset[i] = one.f_k, one.c, one.offset
+    still = [i for i, name in enumerate(arm.joints) if name not in moving]
+    model.dof_armature[still] = _LOCKED
+    inertia = np.array([reduced(arm, name).moved for name in arm.joints])
+    data = mujoco.MjData(model)
+    model.actuator_gainprm[:] = model.actuator_biasprm[:] = 0.0
+    data.qpos[:], data.qvel[:] = wanted[0][0], wanted[1][0]
+    found = np.zeros((3, *wanted[0].shape))
+    for k in range(wanted[0].shape[0]):
+        data.qpos[still], data.qvel[still] = wanted[0][k, still], 0.0
+        behind, slow = wanted[0][k] - data.qpos, wanted[1][k] - data.qvel
+        torque = inertia * _BANDWIDTH * (_STIFF * _BANDWIDTH * behind + _DAMPED * _BANDWIDTH * slow)
+        found[0, k], found[1, k], found[2, k] = data.qpos, data.qvel, torque
+        data.qfrc_applied[:] = torque - offset
+        mujoco.mj_step(model, data, substeps)
+    return found[0], found[1], found[2]
 
 
 def table(log: JointLog) -> str:

@@ -1,4 +1,4 @@
-"""Friction of a joint as text for the own model of a robot: elements to paste, and copies of the files that have them."""
+"""Friction of a joint as text for a robot's model: elements to paste, and copies of the files that have them."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass

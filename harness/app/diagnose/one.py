@@ -1,6 +1,7 @@
 """What a simulation with viscous and Coulomb friction leaves out of a recording, and the model that has it."""
 
 import tempfile
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -58,6 +59,15 @@ class Diagnosed:
     result: DiagnosisResult
 
 
+Finish = Callable[[Diagnosed, Path], tuple[Diagnosed, Mapping[str, str]]]
+"""What is said of a diagnosis besides, and the names of files that it writes into the folder beside the models."""
+
+
+def as_it_is(found: Diagnosed, folder: Path) -> tuple[Diagnosed, Mapping[str, str]]:
+    """Nothing besides."""
+    return found, {}
+
+
 def investigate(
     recording: Recording, options: DiagnoseOptions, progress: Progress = SILENT, command: str = ""
 ) -> Diagnosed:
@@ -93,6 +103,10 @@ def diagnose(
     out : new or empty folder, None for reports/NAME-TIME here. label : what to call the file, where it stands in for
     another ("-"). Raises InputError, SimulationError, StoreError.
     """
+    if options.robot is not None:
+        from harness.app.diagnose.joint import diagnose_joint
+
+        return diagnose_joint(path, options.robot, options, out, progress, command, label)
     label = str(path) if label is None else label
     progress("reading", 0, STEPS)
     recording = read_as(label, path, options.reading, options.trace)
@@ -107,12 +121,13 @@ def deliver(
     name: str = "recording",
     progress: Progress = SILENT,
     command: str = "",
+    finish: Finish = as_it_is,
 ) -> DiagnosisResult:
     """Diagnose a recording and leave everything in a folder, as ``diagnose`` does. name : of the default folder."""
     with output_folder(f"diagnose-{name}", out) as output, journal(output / LOG):
         found = investigate(recording, options, progress, command)
         progress("writing trace and report", 3, STEPS)
-        result = _write(output, found)
+        result = _write(output, found, finish)
         output.commit()
     return result
 
@@ -123,11 +138,12 @@ def answer(recording: Recording, options: DiagnoseOptions) -> DiagnosisResult:
         return investigate(recording, options).result
 
 
-def _write(output: OutputFolder, found: Diagnosed) -> DiagnosisResult:
+def _write(output: OutputFolder, found: Diagnosed, finish: Finish) -> DiagnosisResult:
     model, angular = found.outcome.refined.model, found.outcome.problem.angular
     left_out = write_model(output.work / "model", model, angular)
+    found, more_files = finish(found, output.work)
     name = model_files.file_name(model, angular)
-    named = {**FILES, "mjcf": f"model/{name}.xml", "urdf": f"model/{name}.urdf"}
+    named = {**FILES, "mjcf": f"model/{name}.xml", "urdf": f"model/{name}.urdf", **more_files}
     write_trace_csv(output / FILES["refined_trace"], found.simulated[1], found.outcome.refined.model.t0)
     force = left_over(found.outcome)
     write_map(output / FILES["residual_map"], force)

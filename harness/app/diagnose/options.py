@@ -5,6 +5,7 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, Literal, get_args
 
+from harness.app.diagnose.robot_options import RobotOptions
 from harness.core.checks import positive
 from harness.core.errors import InputError
 from harness.core.recording import Recording
@@ -29,7 +30,8 @@ class DiagnoseOptions:
     zero : whether x is measured from the unstretched spring. Both None: chosen at the base fit, and said. engines : in
     which the fit is shown, the first is what the mismatch is attributed to; there may be none. preset, dt : of the
     engines; dt in s, None for one that suits the recording (as shipped: the engine's own). covariates : columns of the
-    recording that act on the slider.
+    recording that act on the slider. robot : whose joint's log the
+    recording is. guarded : it is a robot's joint, whose fitted force does not count beside reversals.
 
     Raises InputError for a value that does not exist and for options that contradict each other.
     """
@@ -48,6 +50,8 @@ class DiagnoseOptions:
     preset: Preset = "tuned"
     dt: float | None = None
     covariates: tuple[AskedCovariate, ...] = ()
+    robot: RobotOptions | None = None
+    guarded: bool = False
 
     def __post_init__(self) -> None:
         if self.mass is not None:
@@ -76,6 +80,20 @@ class DiagnoseOptions:
             raise InputError("--covariate", f"{twice[0]} given twice", "each column once is accepted")
         for name in self.engines:
             registry.check(name, "--engine")
+        if self.robot is not None:
+            self._check_robot()
+
+    def _check_robot(self) -> None:
+        """Refuse what a robot's model says itself, and what is not done with a log of joints."""
+        for option, value in (("mass", self.mass), ("restoring", self.restoring), ("zero", self.zero)):
+            if value is not None:
+                raise InputError("--robot", f"given with --{option}", "the model of the robot says it; leave it out")
+        for option, other in (
+            ("model", self.model), ("sim", self.sim), ("validate", self.validate), ("trace", self.trace),
+            ("covariate", self.covariates or None),
+        ):  # fmt: skip
+            if other is not None:
+                raise InputError("--robot", f"given with --{option}", "one of the two is accepted")
 
     @classmethod
     def chosen(
@@ -143,6 +161,7 @@ class DiagnoseOptions:
             "engines": list(self.engines),
             "preset": self.preset,
             "dt_s": self.dt,
+            **({} if self.robot is None else {"robot": self.robot.settings()}),
             **({"covariates": [_written(one) for one in self.covariates]} if self.covariates else {}),
         }
 

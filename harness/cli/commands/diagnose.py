@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, Literal
 
 import click
 
-from harness.cli.options import engines_option, jobs_option, output_options, reading_options
+from harness.cli.options import engines_option, jobs_option, output_options, reading_options, robot_options
 from harness.cli.output import (
     STANDARD_OUTPUT,
     check_json,
@@ -37,6 +37,7 @@ if TYPE_CHECKING:
         MechanismResult,
         PredictionResult,
     )
+    from harness.results.robot import RobotResult
 
 STANDARD_INPUT = "-"
 
@@ -60,6 +61,10 @@ STANDARD_INPUT = "-"
 )
 @click.option("--mass", type=float, metavar="KG", help="Mass, where it is known: forces in N.")
 @click.option("--restoring", metavar="spring|pendulum|none", help="What pulls it back.  [chosen at the base fit]")
+@robot_options
+@click.option("--gain", type=float, metavar="NM_PER_A", help="Of efforts in amperes: N m per A at the joint.")
+@click.option("--payload", type=float, metavar="KG", help="What the arm carried, where all of it moves.")
+@click.option("--sensor", metavar="link|motor", help="Side of the gearbox on which torque is measured.  [motor]")
 @engines_option("mujoco, pybullet")
 @click.option("--preset", metavar="as-shipped|tuned", help="Settings of the engines.  [tuned]")
 @click.option("--dt", type=float, metavar="S", help="Step of the tuned preset, s.  [one that suits the recording]")
@@ -85,6 +90,12 @@ def command(
     sim_columns: str | None,
     sim_skip_rows: int,
     sim_rate: float | None,
+    robot: Path | None,
+    joint: str | None,
+    gravity: tuple[float, float, float] | None,
+    gain: float | None,
+    payload: float | None,
+    sensor: str | None,
     **chosen: Any,
 ) -> int:
     """Where a simulation and a RECORDING differ, which physics was left out, and the model that has it.
@@ -101,10 +112,12 @@ def command(
                  --restoring pendulum
              harness diagnose decay.csv --model mine.json \\
                  --engine mujoco --preset as-shipped
+             harness diagnose log.csv --robot arm.urdf --joint elbow
     """
-    _check_files(recordings, sim, chosen["model"], chosen["validate"], resume)
+    _check_files(recordings, (sim, chosen["model"], chosen["validate"], robot), resume)
     check_json(json_to)
     from harness.app.diagnose.options import DiagnoseOptions
+    from harness.app.diagnose.robot_options import RobotOptions
     from harness.app.shared.reading import ReadOptions
 
     for option, value in (("columns", sim_columns), ("skip-rows", sim_skip_rows or None), ("rate", sim_rate)):
@@ -115,6 +128,7 @@ def command(
         sim_reading=ReadOptions(sim_columns, sim_skip_rows, sim_rate, drop_nan=drop_nan),
         engines=engines or None,
         sim=sim,
+        robot=RobotOptions.chosen(robot, joint=joint, gain=gain, gravity=gravity, payload=payload, sensor=sensor),
         **chosen,
     )
     with _named(recordings) as named:
@@ -129,12 +143,10 @@ def command(
     return code
 
 
-def _check_files(
-    recordings: tuple[Path, ...], sim: Path | None, model: Path | None, validate: Path | None, resume: bool
-) -> None:
+def _check_files(recordings: tuple[Path, ...], others: tuple[Path | None, ...], resume: bool) -> None:
     """Refuse files that are not there; of several recordings one that is not is an entry among the answers."""
     alone = recordings if len(recordings) == 1 and not resume else ()
-    for path in (*alone, sim, model, validate):
+    for path in (*alone, *others):
         if path is not None and str(path) != STANDARD_INPUT:
             check_file(path)
 
@@ -210,11 +222,24 @@ def _print(result: "DiagnosisResult") -> None:
         if mechanism.alternatives:
             others = ", ".join(f"{a.name} (by {a.delta_bic:.1f})" for a in mechanism.alternatives)
             say(f"- not ruled out in place of {mechanism.name}: {others}")
+    if result.robot is not None:
+        _print_robot(result.robot)
     if result.attribution is not None and (result.settings.get("sim") or result.settings.get("model")):
         _print_shares(result.attribution)
     for line in [*([result.next_experiment] if result.next_experiment else []), *result.warnings]:
         say(f"- {line}")
     say_as_it_is(f"report: {result.files['report']}")
+
+
+def _print_robot(found: "RobotResult") -> None:
+    """The joint's own equation, and what to paste."""
+    if found.reduction is not None:
+        say(f"- {found.reduction.said}")
+    if found.confounded:
+        say(f"- this log cannot tell apart: {'; '.join(' and '.join(pair) for pair in found.confounded)}")
+    say("to paste into your model (MJCF; URDF with PyBullet's calls):")
+    for line in (found.paste.mjcf, *found.paste.urdf.splitlines()):
+        say_as_it_is(f"  {line}")
 
 
 def _held_out(result: "DiagnosisResult") -> str:

@@ -120,3 +120,26 @@ def base_parameters(found: Fit, problem: Problem, omega: float, explained: bool)
         "x_k": combined(f_k / k, {"f_k": 1.0 / k, "k": -f_k / k**2}, "rad" if problem.angular else "m", f_k <= 0.0),
         **given,
     }
+
+
+def plain_parameters(found: Fit, problem: Problem, omega: float, explained: bool) -> dict[str, Quantity]:
+    """m, c, k, f_k and offset of a fit as they are, with standard errors; see ``base_parameters``.
+
+    k is left out on a free axis, and offset (of x, m) where x is not measured from an unknown zero.
+    """
+    variances = [np.diag(matrix) for matrix in covariances(found, problem, omega, explained)]
+    at = {f.name: i for i, f in enumerate(found.free) if isinstance(f.by, str)}
+    out = {}
+    for name, unit in _PLAIN.items():
+        value = float(getattr(found.model, name))
+        own = ("rad" if problem.angular else "m") if name == "offset" else unit_of(unit, problem)
+        own = about_an_axis(unit) if name == "m" and problem.angular else own
+        if name in at:
+            bound = _ON_BOUND if name in ("c", "f_k") and value <= 0.0 else None
+            out[name] = _quantity(value, max(float(v[at[name]]) for v in variances), own, bound)
+        elif name == "m":
+            out[name] = Quantity(value, None, own, "given, not fitted")
+    return out
+
+
+_PLAIN = {"m": "kg", "c": "N s/m", "k": "N/m", "f_k": "N", "offset": "m"}

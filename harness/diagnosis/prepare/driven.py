@@ -13,6 +13,7 @@ from harness.diagnosis.fit.fitted_states import begun
 from harness.diagnosis.fit.observe import COARSE, observe
 from harness.diagnosis.input_noise.propagation import force_noise
 from harness.diagnosis.prepare.intersample_curve import between_samples
+from harness.diagnosis.prepare.intersample_force import acting_by_force
 from harness.diagnosis.prepare.intersample_hold import acting
 from harness.diagnosis.problems.driven import Driven, Forced
 from harness.diagnosis.problems.inverse_dynamics import InverseDynamics
@@ -76,6 +77,7 @@ def driven_problem(recording: Recording, asked: Asked) -> tuple[Forced, tuple[st
         zero_free=bool(asked.zero_free) and restoring is not Restoring.NONE,
         angular=recording.angular,
         first=first,
+        guarded=asked.guarded,
         starts=course.anew(math.inf) if gaps else OneStart(),
     )
     if asked.covariates:
@@ -85,6 +87,8 @@ def driven_problem(recording: Recording, asked: Asked) -> tuple[Forced, tuple[st
     if gaps:
         problem = _allowing(problem, first, noise_u)
     force = acting(problem, u)
+    if problem.guarded and not force.follows:
+        force = acting_by_force(problem, u, force)
     problem = replace(problem, drive=force.drive)
     notes = ["the force acts as a sampled controller's, held from each sample to the next"] if force.held else []
     horizon = asked.horizon

@@ -20,11 +20,12 @@ class Forced(Problem):
     """A recording with a measured force: what following its motion and fitting its force have in common.
 
     first : a rough base model with its start. The force gives the mass, and no hand lets go, so that a misfit tells of
-    the model from the first sample on.
+    the model from the first sample on. guarded : where the force is fitted, what lies beside a reversal does not count.
     """
 
     drive: Drive = field()
     first: Model
+    guarded: bool = False
     provides: ClassVar[frozenset[str]] = frozenset({"driven"})
 
     @property

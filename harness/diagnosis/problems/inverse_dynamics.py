@@ -42,4 +42,5 @@ class InverseDynamics(Forced):
             drive=driven.drive,
             first=driven.first,
             covariates=driven.covariates,
+            guarded=driven.guarded,
         )

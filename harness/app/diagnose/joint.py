@@ -1,0 +1,112 @@
+"""One joint of a robot, diagnosed from a log of its joints: the others stand still, and its own equation is known."""
+
+import logging
+from collections.abc import Callable, Mapping
+from dataclasses import replace
+from pathlib import Path
+
+from harness.app.diagnose.joint_log import read_log
+from harness.app.diagnose.joint_words import named
+from harness.app.diagnose.one import Diagnosed, deliver
+from harness.app.diagnose.options import DiagnoseOptions, Zero
+from harness.app.diagnose.robot_options import RobotOptions
+from harness.app.shared.progress import SILENT, Progress
+from harness.core.errors import InputError
+from harness.core.joint_log import JointLog
+from harness.model.model import Restoring
+from harness.results.diagnosis import DiagnosisResult
+from harness.robot.arm import Arm, load_arm
+from harness.robot.coupling import Coupling, coupling, moving
+from harness.robot.paste import copies
+from harness.robot.recording import OneJoint, one_joint
+
+LOGGER = logging.getLogger(__name__)
+STEPS = 4
+
+
+def diagnose_joint(
+    path: Path,
+    asked: RobotOptions,
+    options: DiagnoseOptions,
+    out: Path | None = None,
+    progress: Progress = SILENT,
+    command: str = "",
+    label: str | None = None,
+) -> DiagnosisResult:
+    """Diagnose a joint of a log, and leave what ``diagnose`` leaves, with a copy of the robot's model.
+
+    Raises InputError, SimulationError, StoreError.
+    """
+    progress("reading", 0, STEPS)
+    arm = load_arm(asked.file, asked.gravity)
+    log = read_log(path, arm.joints, asked.gain, options.reading)
+    log = log if label is None else replace(log, file=label)
+    joint = _joint(arm, log, asked.joint)
+    found = coupling(arm, log, joint)
+    if found.mode == "whole-arm":
+        return _whole_arm(arm, log, found)
+    _check_locked(asked)
+    one = one_joint(log, found.reduced)
+    settings = {"robot": asked.settings() | {"joint": joint}}
+    return deliver(
+        one.recording,
+        options_of(one, options),
+        out,
+        f"{path.name.split('.')[0]}-{joint}",
+        progress,
+        command,
+        _finish(arm, asked, found, one, settings),
+    )
+
+
+def _whole_arm(arm: Arm, log: JointLog, found: Coupling) -> DiagnosisResult:
+    """A log in which others move too, by the equations of the whole arm: the one place where they are called."""
+    said = f"{found.reduced.joint}: {', '.join(found.moving)} move{'s' if len(found.moving) == 1 else ''} too"
+    amount = f"and put {found.torque:.3g} {'N' if found.reduced.slides else 'N m'} rms on it"
+    raise InputError(f"{log.file}: {said}", amount, f"a log in which the others of {arm.file} stand still is accepted")
+
+
+def _joint(arm: Arm, log: JointLog, asked: str | None) -> str:
+    """The joint that was asked for, or the only one that moves."""
+    if asked is not None:
+        return asked
+    those = moving(arm, log)
+    if len(those) != 1:
+        found = f"not given, and {', '.join(those) or 'none of the joints'} move{'s' if not those else ''}"
+        raise InputError("--joint", found, f"a joint of {arm.file} is accepted: {', '.join(arm.joints)}")
+    return those[0]
+
+
+def _check_locked(asked: RobotOptions) -> None:
+    for name, value in (("--payload", asked.payload), ("--sensor", asked.sensor)):
+        if value is not None:
+            raise InputError(name, "given, but one joint alone moves", "it is accepted where the whole arm moves")
+
+
+def options_of(one: OneJoint, options: DiagnoseOptions | None = None) -> DiagnoseOptions:
+    """What the model says of the joint, in the terms of any recording."""
+    restoring = Restoring(one.restoring)
+    zero: Zero | None = None if restoring is Restoring.NONE else "free"
+    return replace(
+        options or DiagnoseOptions(), robot=None, mass=one.inertia, restoring=restoring, zero=zero, guarded=True
+    )
+
+
+def _finish(
+    arm: Arm, asked: RobotOptions, found: Coupling, one: OneJoint, settings: Mapping[str, object]
+) -> Callable[[Diagnosed, Path], tuple[Diagnosed, dict[str, str]]]:
+    """What is said of the joint besides, and the copy of the model, once it is diagnosed."""
+
+    def finish(done: Diagnosed, folder: Path) -> tuple[Diagnosed, dict[str, str]]:
+        result, paste = named(done, arm, found, one, asked.file)
+        result = result.model_copy(update={"settings": {**result.settings, **settings}})
+        files = {}
+        for name, text in copies(asked.file, paste).items():
+            kept = f"robot_{name}" if (folder / "model" / name).exists() else name
+            (folder / "model" / kept).write_text(text, encoding="utf-8")
+            files[f"robot_{'urdf' if name.endswith('.urdf') else 'mjcf'}"] = f"model/{kept}"
+        if not files:
+            LOGGER.warning("%s: no element of its own has the joint %s", asked.file, paste.joint)
+        return replace(done, result=result), files
+
+    return finish

@@ -1,0 +1,130 @@
+"""A diagnosis of a robot's joint in the words of the robot: its name, its torques, what to paste into its model."""
+
+from collections.abc import Mapping
+from dataclasses import replace
+from pathlib import Path
+
+from harness.app.diagnose.one import Diagnosed
+from harness.core.quantity import Quantity
+from harness.diagnosis.fit.model_fit import Fit
+from harness.diagnosis.fit.standard_errors import plain_parameters
+from harness.diagnosis.outcome import Outcome
+from harness.model.model import Model
+from harness.results.common import P
+from harness.results.diagnosis import DiagnosisResult, FitResult
+from harness.results.robot import PasteResult, ReductionResult, RobotResult
+from harness.robot.arm import Arm
+from harness.robot.coupling import Coupling
+from harness.robot.paste import JointPaste
+from harness.robot.recording import OneJoint
+
+_CLEARLY = 2.0
+"""Standard errors by which an inertia must be above the model's for a rotor to be pasted."""
+_NO_OFFSET = "not fitted beside where it hangs: a constant torque shifts that, and this log tells no more"
+_FREE = "not fitted: a constant force is tried as a mechanism of its own"
+
+
+def named(done: Diagnosed, arm: Arm, found: Coupling, one: OneJoint, file: Path) -> tuple[DiagnosisResult, JointPaste]:
+    """The result with the joint's parameters, sentences and text to paste, and that text's numbers."""
+    result, outcome, joint = done.result, done.outcome, found.reduced.joint
+    base = _parameters(outcome.base, outcome, one, outcome.verdict == "adequate")
+    refined = _parameters(outcome.refined, outcome, one, outcome.verdict != "unexplained")
+    paste = _paste(refined, outcome.refined.model, arm, found)
+    terms = [entry.term.name for entry in outcome.refined.model.terms]
+    left_out = [*paste.cannot_say("mjcf", terms), *paste.cannot_say("urdf", terms)]
+    update = {
+        "statement": _statement(result.statement, refined, arm, found, one),
+        "baseline": _with(result.baseline, base),
+        "refined": _with(result.refined, refined),
+        "mechanisms": [m.model_copy(update={"statement": f"{joint}: {m.statement}"}) for m in result.mechanisms],
+        "robot": RobotResult(
+            file=str(file.absolute()),
+            joint=joint,
+            mode="locked",
+            reduction=_reduction(arm, found),
+            confounded=_confounded(found, one),
+            paste=PasteResult(mjcf=paste.mjcf, urdf=paste.urdf),
+        ),
+        "model_left_out": [*result.model_left_out, *left_out],
+        "warnings": [*one.warnings, *arm.notes, *result.warnings],
+    }
+    return result.model_copy(update=update), paste
+
+
+def _parameters(fitted: Fit, outcome: Outcome, one: OneJoint, explained: bool) -> dict[str, Quantity]:
+    """inertia, c, f_k, offset; of a pendulum gravity and rest_angle, of a spring stiffness."""
+    plain = plain_parameters(fitted, outcome.problem, outcome.scales.omega, explained)
+    torque = plain["f_k"].unit
+    named = {"inertia": plain["m"], "c": plain["c"], "f_k": plain["f_k"]}
+    if not one.driven:
+        named["inertia"] = replace(plain["m"], why="the robot's model gives it: no torque was measured")
+    pendulum = one.restoring == "pendulum"
+    named["offset"] = Quantity.refused(torque, _NO_OFFSET if one.restoring != "none" else _FREE)
+    if "k" in plain:
+        named["gravity" if pendulum else "stiffness"] = replace(plain["k"], unit=torque) if pendulum else plain["k"]
+    if pendulum and "offset" in plain:
+        zero = plain["offset"]
+        named["rest_angle"] = replace(zero, value=None if zero.value is None else one.rest + zero.value)
+    return named
+
+
+def _with(fitted: FitResult, more: Mapping[str, Quantity]) -> FitResult:
+    """The fit with these parameters first; the mass of a free axis has the joint's name for it."""
+    own = {name: P.of(quantity) for name, quantity in more.items()}
+    kept = {name: p for name, p in fitted.parameters.items() if name not in ("mass", *own)}
+    return fitted.model_copy(update={"parameters": {**own, **kept}})
+
+
+def _paste(fitted: Mapping[str, Quantity], model: Model, arm: Arm, found: Coupling) -> JointPaste:
+    """The refined model's friction; a rotor where the inertia is clearly more than the model's, else the file's own."""
+    own, inertia = found.reduced, fitted["inertia"]
+    armature = own.armature
+    if inertia.value is not None and inertia.stderr and inertia.value - own.moved > _CLEARLY * inertia.stderr:
+        armature = inertia.value - own.inertia
+    return JointPaste(own.joint, model.f_k, model.c, armature, float(arm.model.opt.timestep))
+
+
+def _statement(statement: str, fitted: Mapping[str, Quantity], arm: Arm, found: Coupling, one: OneJoint) -> str:
+    own = found.reduced
+    i = arm.index(own.joint)
+    force = "N" if own.slides else "N m"
+    said = [
+        f"{own.joint}, the others still: {statement}",
+        f"Its dry friction is {fitted['f_k']}, its damping {fitted['c']}; the model has frictionloss"
+        f" {arm.frictionloss[i]:.4g} and damping {arm.damping[i]:.4g}.",
+    ]
+    if one.driven:
+        said.append(f"Its inertia is {fitted['inertia']}, in the model {own.moved:.4g} with its rotor.")
+    if "gravity" in fitted:
+        rest = fitted.get("rest_angle")
+        hangs = "" if rest is None or rest.value is None else f", and it hangs at {rest}, in the model {one.rest:.4g}"
+        said.append(f"Gravity's torque is {fitted['gravity']}, in the model {own.gravity:.4g} {force}{hangs}.")
+    return " ".join(said)
+
+
+def _reduction(arm: Arm, found: Coupling) -> ReductionResult:
+    own = found.reduced
+    i = arm.index(own.joint)
+    return ReductionResult(
+        inertia=own.inertia,
+        armature=own.armature,
+        gravity=own.gravity,
+        rest_angle=None if own.slides or own.upright else own.q_eq,
+        spring=own.spring,
+        spring_rest=own.q_ref,
+        frictionloss=float(arm.frictionloss[i]),
+        damping=float(arm.damping[i]),
+        held=dict(own.held),
+        said=own.sentence,
+    )
+
+
+def _confounded(found: Coupling, one: OneJoint) -> list[list[str]]:
+    """What one joint's log cannot tell apart by theory."""
+    if not one.driven:
+        # a free swing shows accelerations alone: every torque is as large as the inertia is taken to be
+        return [[name, "inertia"] for name in ("f_k", "c", "gravity" if one.restoring == "pendulum" else "stiffness")]
+    pairs = [["f_k", "motor-constant"], ["inertia", "armature"]]
+    if one.restoring == "pendulum":
+        pairs += [["c", "torque-delay"], ["offset", "rest_angle"]]
+    return pairs
