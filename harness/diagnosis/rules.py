@@ -178,13 +178,6 @@ FORCE_HELD = Rule(
     "a measured force counts as held between its samples",
     "chance alone moves the ratio by 1/sqrt(N): 2 % are two of these at the least of 2,500 values",
 )
-GUARD = Rule(
-    "guard",
-    0.04,
-    "s",
-    "of a robot's joint, a fitted force does not count so near a sample at which the speed has no sure sign",
-    "TODO (python -m harness.app.calibrate guard --draws 10)",
-)
 INPUT_NOISE_DRAWS = Rule(
     "input-noise-draws",
     11.0,

@@ -50,7 +50,7 @@ def diagnose_joint(
     settings = {"robot": asked.settings() | {"joint": joint}}
     return deliver(
         one.recording,
-        options_of(one, options),
+        _options(options, one),
         out,
         f"{path.name.split('.')[0]}-{joint}",
         progress,
@@ -83,7 +83,7 @@ def _check_locked(asked: RobotOptions) -> None:
             raise InputError(name, "given, but one joint alone moves", "it is accepted where the whole arm moves")
 
 
-def options_of(one: OneJoint, options: DiagnoseOptions | None = None) -> DiagnoseOptions:
+def _options(options: DiagnoseOptions, one: OneJoint) -> DiagnoseOptions:
     """What the model says of the joint, in the terms of any recording."""
     restoring = Restoring(one.restoring)
     zero: Zero | None = None if restoring is Restoring.NONE else "free"

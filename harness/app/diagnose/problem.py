@@ -40,7 +40,9 @@ def prepared(recording: Recording, options: DiagnoseOptions) -> Prepared:
         found = f"given, but {recording.file} has no measured force and is followed as a free decay"
         raise InputError("--covariate", found, "today it is accepted with a driven recording, whose force is fitted")
     refuse(recording)
-    asked = asked_of(options)
+    asked = Asked(
+        options.restoring, options.zero_free, options.mass, options.horizon, options.covariates, options.guarded
+    )
     problem, notes = prepare(recording, asked)
     if not driven:
         refuse_few(recording.file, problem)
@@ -49,10 +51,3 @@ def prepared(recording: Recording, options: DiagnoseOptions) -> Prepared:
         consistency(problem.t, problem.channels, problem.noise, omega, problem.angular) if 0.0 < omega < 1e300 else ()
     )
     return Prepared(problem, notes, refuse_unrelated(recording.file, channels), channels)
-
-
-def asked_of(options: DiagnoseOptions) -> Asked:
-    """What options ask of a diagnosis itself."""
-    return Asked(
-        options.restoring, options.zero_free, options.mass, options.horizon, options.covariates, options.guarded
-    )

@@ -11,7 +11,6 @@ from harness.core.errors import SimulationError
 from harness.diagnosis.inverse_dynamics.force import given_force
 from harness.diagnosis.problem import Problem
 from harness.diagnosis.problems.driven import Forced
-from harness.diagnosis.rules import GUARD
 from harness.diagnosis.smoothed_state.inverse_start import state_of
 from harness.diagnosis.smoothed_state.local_cubics import Smooth, inner, longest_interval, smoothed, smoothed_alike
 from harness.model.model import Model
@@ -43,11 +42,8 @@ class Measured:
     covariates: Mapping[str, FloatArray] = field(default_factory=dict)
 
     @classmethod
-    def of(cls, problem: Forced, guard: float = GUARD.value) -> "Measured":
-        """From position or speed; a force that is held counts as it acts. Raises SimulationError when little moves.
-
-        guard : s beside a reversal in which nothing counts, where the problem is guarded.
-        """
+    def of(cls, problem: Forced) -> "Measured":
+        """From position or speed; a force that is held counts as it acts. Raises SimulationError when little moves."""
         t = problem.t
         longest = longest_interval(t)
         smooth: dict[str, Smooth] = {
@@ -69,10 +65,9 @@ class Measured:
         v_sd = smooth["v"].value_sd if "v" in smooth else smooth["x"].slope_sd
         at_rest = np.abs(v) <= _AT_REST * v_sd
         if problem.guarded:
-            # friction turns round within the cubics' reach, and a servo that sticks lets it have any value
-            reach = max(half, math.ceil(guard / float(np.median(np.diff(t)))))
+            # within the cubics' reach friction turns round, and where a servo sticks it has any value
             at_rest[1:] |= np.sign(v[1:]) != np.sign(v[:-1])
-            at_rest = np.convolve(at_rest, np.ones(2 * reach + 1), "same") > 0.5
+            at_rest = np.convolve(at_rest, np.ones(2 * half + 1), "same") >= 1.0
         slides = ~at_rest[:kept].reshape(-1, BLOCK)
         whole = np.max(np.diff(t[:kept].reshape(-1, BLOCK), axis=1), axis=1) <= longest
         central = inner(t, longest, half)[:kept].reshape(-1, BLOCK)
