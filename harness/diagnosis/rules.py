@@ -178,6 +178,13 @@ FORCE_HELD = Rule(
     "a measured force counts as held between its samples",
     "chance alone moves the ratio by 1/sqrt(N): 2 % are two of these at the least of 2,500 values",
 )
+GUARD_SPEED = Rule(
+    "guard-speed",
+    0.05,
+    "of the rms speed",
+    "of a robot's joint, a fitted force does not count within the smoothing's reach of a slower sample",
+    "TODO",
+)
 INPUT_NOISE_DRAWS = Rule(
     "input-noise-draws",
     11.0,

@@ -11,6 +11,7 @@ from harness.core.errors import SimulationError
 from harness.diagnosis.inverse_dynamics.force import given_force
 from harness.diagnosis.problem import Problem
 from harness.diagnosis.problems.driven import Forced
+from harness.diagnosis.rules import GUARD_SPEED
 from harness.diagnosis.smoothed_state.inverse_start import state_of
 from harness.diagnosis.smoothed_state.local_cubics import Smooth, inner, longest_interval, smoothed, smoothed_alike
 from harness.model.model import Model
@@ -42,8 +43,11 @@ class Measured:
     covariates: Mapping[str, FloatArray] = field(default_factory=dict)
 
     @classmethod
-    def of(cls, problem: Forced) -> "Measured":
-        """From position or speed; a force that is held counts as it acts. Raises SimulationError when little moves."""
+    def of(cls, problem: Forced, slow: float = GUARD_SPEED.value) -> "Measured":
+        """From position or speed; a force that is held counts as it acts. Raises SimulationError when little moves.
+
+        slow : share of the rms speed, beside which nothing counts where the problem is guarded.
+        """
         t = problem.t
         longest = longest_interval(t)
         smooth: dict[str, Smooth] = {
@@ -65,9 +69,10 @@ class Measured:
         v_sd = smooth["v"].value_sd if "v" in smooth else smooth["x"].slope_sd
         at_rest = np.abs(v) <= _AT_REST * v_sd
         if problem.guarded:
-            # within the cubics' reach friction turns round, and where a servo sticks it has any value
+            # within the reach of a cubic and a difference friction turns round; where a servo sticks it has any value
+            at_rest |= np.abs(v) <= slow * math.sqrt(float(np.mean(v**2)))
             at_rest[1:] |= np.sign(v[1:]) != np.sign(v[:-1])
-            at_rest = np.convolve(at_rest, np.ones(2 * half + 1), "same") >= 1.0
+            at_rest = np.convolve(at_rest, np.ones(2 * half + 3), "same") >= 1.0
         slides = ~at_rest[:kept].reshape(-1, BLOCK)
         whole = np.max(np.diff(t[:kept].reshape(-1, BLOCK), axis=1), axis=1) <= longest
         central = inner(t, longest, half)[:kept].reshape(-1, BLOCK)

@@ -86,9 +86,7 @@ def driven_problem(recording: Recording, asked: Asked) -> tuple[Forced, tuple[st
     noise_u = channel_noise(t, u)
     if gaps:
         problem = _allowing(problem, first, noise_u)
-    force = acting(problem, u)
-    if problem.guarded and not force.follows:
-        force = acting_by_force(problem, u, force)
+    force = acting_by_force(problem, u) if problem.guarded else acting(problem, u)
     problem = replace(problem, drive=force.drive)
     notes = ["the force acts as a sampled controller's, held from each sample to the next"] if force.held else []
     horizon = asked.horizon

@@ -1,9 +1,11 @@
-"""Whether a fitted force is held between samples: told by the force, where no simulation follows the motion."""
+"""Whether a fitted force is held between samples: told by the force, where a servo makes the slider stick often.
+
+A simulation from one start then hangs on every stick, and a torque that is right to its noise lets it stray.
+"""
 
 from dataclasses import replace
 
 from harness.core.arrays import FloatArray
-from harness.core.errors import SimulationError
 from harness.diagnosis.fit.parameters import free_of
 from harness.diagnosis.inverse_dynamics.force_fit import fit_force
 from harness.diagnosis.inverse_dynamics.measured import Measured
@@ -13,18 +15,15 @@ from harness.diagnosis.rules import FORCE_HELD
 from harness.kernels.solve import Drive
 
 
-def acting_by_force(problem: Driven, u: FloatArray, found: Acting) -> Acting:
+def acting_by_force(problem: Driven, u: FloatArray) -> Acting:
     """How the force u (n,) acts: held where the base model, fitted to the force, leaves less of it so.
 
-    found : what simulations said, kept where little moves.
+    Raises SimulationError where little moves.
     """
     stepped = held(problem.t, u)
-    try:
-        straight, in_steps = (_left(problem, drive) for drive in (problem.drive, stepped))
-    except SimulationError:
-        return found
+    straight, in_steps = (_left(problem, drive) for drive in (problem.drive, stepped))
     is_held = in_steps < FORCE_HELD.value * straight
-    return replace(found, held=is_held, drive=stepped if is_held else problem.drive)
+    return Acting(stepped if is_held else problem.drive, is_held, False, problem.first)
 
 
 def _left(problem: Driven, drive: Drive) -> float:

@@ -1,0 +1,201 @@
+"""A joint of a robot from its log to friction that can be pasted: the numbers that were put in come out."""
+
+import json
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+
+from harness.app.diagnose.one import diagnose
+from harness.app.diagnose.options import DiagnoseOptions
+from harness.app.diagnose.robot_options import RobotOptions
+from harness.cli.main import cli
+from harness.core.errors import InputError
+from harness.core.joint_log import JointLog
+from harness.core.recording import Recording
+from harness.engines.models import folder
+from harness.kernels.solve import simulate
+from harness.model.model import Model, Restoring
+from harness.results.diagnosis import DiagnosisResult
+from harness.robot.arm import load_arm
+from harness.robot.example import FRICTION, Friction, excited, write
+from harness.robot.recording import one_joint
+from harness.robot.reduction import reduced
+
+FILE = folder() / "arm" / "arm.xml"
+ARM = load_arm(FILE)
+
+
+def _diagnosed(log: JointLog, into: Path, file: Path = FILE, joint: str | None = None) -> DiagnosisResult:
+    write(log, into / "log.csv")
+    options = DiagnoseOptions(robot=RobotOptions(file, joint), engines=())
+    return diagnose(into / "log.csv", options, into / "out")
+
+
+def _near(result: DiagnosisResult, side: str, name: str, truth: float, share: float) -> None:
+    found = getattr(result, side).parameters[name]
+    assert found.value == pytest.approx(truth, rel=share), name
+    assert found.stderr is None or abs(found.value - truth) < 6.0 * found.stderr + 0.003 * abs(truth), name
+
+
+@pytest.mark.parametrize(("joint", "file"), [("shoulder", "arm.xml"), ("base", "arm.urdf"), ("elbow", "arm.xml")])
+def test_known_friction_comes_out_of_a_servos_log(tmp_path: Path, joint: str, file: str) -> None:
+    log = excited(ARM, FRICTION, (joint,), duration=10.0)
+    result = _diagnosed(log, tmp_path, FILE.with_name(file))
+    assert result.verdict == "adequate"
+    own, truth = reduced(ARM, joint), FRICTION[joint]
+    for name, value in (("f_k", truth.f_k), ("c", truth.c), ("inertia", own.moved)):
+        _near(result, "baseline", name, value, 0.02)
+    assert result.robot is not None
+    assert (result.robot.joint, result.robot.mode) == (joint, "locked")
+    assert ["f_k", "motor-constant"] in result.robot.confounded
+    assert result.statement.startswith(f"{joint}, the others still: ")
+    copy = load_arm(Path(result.files["robot_mjcf" if file == "arm.xml" else "robot_urdf"]))
+    i = ARM.index(joint)
+    assert copy.frictionloss[i] == pytest.approx(truth.f_k, rel=0.02)
+    assert copy.damping[i] == pytest.approx(truth.c, rel=0.02)
+    assert np.array_equal(np.delete(copy.frictionloss, i), np.delete(ARM.frictionloss, i))
+    if joint != "base":
+        _near(result, "baseline", "gravity", own.gravity, 0.01)
+        _near(result, "baseline", "rest_angle", own.q_eq, 0.01)
+    else:
+        assert "gravity" not in result.baseline.parameters
+
+
+def _swing(f_k: float = 0.03, c: float = 0.05, seed: int = 0) -> JointLog:
+    """The shoulder let go 1.2 rad from where it hangs, exactly, with noise of an encoder."""
+    own = reduced(ARM, "shoulder", {"elbow": 0.5})
+    t = np.arange(0.0, 8.0, 0.005)
+    moved = simulate(Model(own.moved, c, own.gravity, f_k, x0=1.2, restoring=Restoring.PENDULUM), t)
+    seen = own.q_eq + moved.x + 1e-4 * np.random.default_rng(seed).normal(size=t.size)
+    still = {"base": np.zeros_like(t), "elbow": np.full_like(t, 0.5)}
+    return JointLog(t, {**still, "shoulder": seen}, file="swing")
+
+
+def test_a_free_swing_without_torques_takes_its_inertia_from_the_model(tmp_path: Path) -> None:
+    result = _diagnosed(_swing(), tmp_path)
+    own = reduced(ARM, "shoulder", {"elbow": 0.5})
+    assert result.verdict == "adequate"
+    found = result.baseline.parameters
+    assert found["inertia"].value == pytest.approx(own.moved)
+    assert found["inertia"].why == "the robot's model gives it: no torque was measured"
+    for name, value in (("f_k", 0.03), ("c", 0.05), ("gravity", own.gravity), ("rest_angle", own.q_eq)):
+        _near(result, "baseline", name, value, 0.02)
+    assert found["f_k"].unit == "N m"
+    assert result.robot is not None
+    assert ["f_k", "inertia"] in result.robot.confounded
+    assert result.robot.reduction is not None
+    assert result.robot.reduction.held["elbow"] == pytest.approx(0.5)
+
+
+def test_a_log_in_turns_of_its_own_is_counted_from_the_nearest_rest() -> None:
+    log = _swing()
+    turned = replace(log, position={**log.position, "shoulder": log.position["shoulder"] + 4.0 * np.pi})
+    own = reduced(ARM, "shoulder", {"elbow": 0.5})
+    x, y = (one_joint(one, own).recording["x"] for one in (log, turned))
+    assert np.allclose(x, y)
+
+
+def _sprung(tmp_path: Path) -> Path:
+    (tmp_path / "sprung.xml").write_text(
+        FILE.read_text().replace('name="shoulder" ', 'name="shoulder" stiffness="3" springref="0.5" ')
+    )
+    return tmp_path / "sprung.xml"
+
+
+def test_a_spring_of_the_joint_beside_gravity_is_taken_off_the_effort(tmp_path: Path) -> None:
+    arm = load_arm(_sprung(tmp_path))
+    own = reduced(arm, "shoulder")
+    log = excited(ARM, {}, ("shoulder",), duration=2.0)
+    one = one_joint(log, own)
+    taken = log.effort["shoulder"] - one.recording["u"]
+    assert np.allclose(taken, 3.0 * (log.position["shoulder"] - 0.5))
+    swing = replace(log, effort={})
+    with pytest.raises(InputError, match="both gravity and a spring pull it back"):
+        one_joint(swing, own)
+
+
+def test_a_slide_has_gravitys_force_taken_off(tmp_path: Path) -> None:
+    file = tmp_path / "lift.xml"
+    body = '<joint name="lift" type="slide" axis="0 0 1"/><inertial pos="0 0 0" mass="3" diaginertia="1 1 1"/>'
+    file.write_text(f"<mujoco><worldbody><body>{body}</body></worldbody></mujoco>")
+    own = reduced(load_arm(file), "lift")
+    t = np.linspace(0.0, 3.0, 300)
+    log = JointLog(t, {"lift": np.sin(t)}, effort={"lift": np.cos(3.0 * t)})
+    one = one_joint(log, own)
+    assert (one.restoring, one.recording.angular, one.inertia) == ("none", False, None)
+    assert np.allclose(one.recording["u"], np.cos(3.0 * t) - 3 * 9.81)
+    with pytest.raises(InputError, match="nothing pulls a slide back"):
+        one_joint(replace(log, effort={}), own)
+
+
+def test_an_effort_that_is_hardly_in_newton_metres_is_said() -> None:
+    log = excited(ARM, {}, ("shoulder",), duration=2.0)
+    large = replace(log, effort={name: 1e4 * y for name, y in log.effort.items()})
+    assert one_joint(log, reduced(ARM, "shoulder")).warnings == ()
+    assert "it is hardly in N m" in one_joint(large, reduced(ARM, "shoulder")).warnings[0]
+
+
+ROBOT = ["--robot", str(FILE)]
+REFUSED = [
+    (["--joint", "elbow"], "--joint: given without --robot"),
+    (["--gravity", "0", "0", "-9.81"], "--gravity: given without --robot"),
+    ([*ROBOT, "--joint", "elbo"], "did you mean elbow?"),
+    ([*ROBOT, "--mass", "3"], "--robot: given with --mass"),
+    ([*ROBOT, "--restoring", "none"], "--robot: given with --restoring"),
+    ([*ROBOT, "--covariate", "T"], "--robot: given with --covariate"),
+    ([*ROBOT, "--gain", "0"], "--gain: 0;"),
+    ([*ROBOT, "--payload", "-1"], "--payload: -1;"),
+    ([*ROBOT, "--payload", "1"], "--payload: given, but one joint alone moves"),
+    ([*ROBOT, "--sensor", "gear"], "--sensor: 'gear'; one of link, motor"),
+    ([*ROBOT, "--gravity", "0", "0", "-981"], "--gravity: -981 m/s^2"),
+    (["--robot", "nowhere.urdf"], "nowhere.urdf: no such file"),
+    ([*ROBOT, "--joint", "elbow"], "shoulder moves too"),
+]
+
+
+@pytest.mark.parametrize(("given", "said"), REFUSED)
+def test_options_that_do_not_go_together_are_refused_in_one_line(tmp_path: Path, given: list[str], said: str) -> None:
+    log = excited(ARM, {}, ("shoulder",), duration=1.0)
+    exact = replace(log, position={**log.position, "elbow": np.zeros(log.t.size), "base": np.zeros(log.t.size)})
+    write(exact, tmp_path / "log.csv")
+    done = CliRunner().invoke(cli, ["diagnose", str(tmp_path / "log.csv"), *given, "--out", str(tmp_path / "out")])
+    text = done.output + (str(done.exception) if done.exception else "")
+    assert said in text
+
+
+def test_a_log_in_which_all_move_says_so_until_the_whole_arm_is_solved(tmp_path: Path) -> None:
+    log = excited(ARM, FRICTION, ARM.joints, duration=3.0)
+    with pytest.raises(InputError, match="base, elbow move too"):
+        _diagnosed(log, tmp_path, joint="shoulder")
+    with pytest.raises(InputError, match="base, shoulder, elbow move"):
+        _diagnosed(log, tmp_path)
+
+
+def test_the_result_is_valid_json_by_its_schema(tmp_path: Path) -> None:
+    jsonschema = pytest.importorskip("jsonschema")
+    from harness.results.generate import models, schema_text
+
+    result = _diagnosed(_swing(f_k=0.05), tmp_path)
+    data = json.loads((tmp_path / "out" / "result.json").read_text())
+    assert data["robot"]["joint"] == "shoulder"
+    assert data["settings"]["robot"]["joint"] == "shoulder"
+    jsonschema.validate(data, json.loads(schema_text("harness.diagnosis/2", models()["harness.diagnosis/2"])))
+    assert DiagnosisResult.model_validate(data) == result
+
+
+def test_the_friction_of_an_example_is_what_was_asked_for() -> None:
+    """The log's torque less the rigid model's, at the middle of the samples, is Coulomb's and viscous friction."""
+    log = excited(ARM, {"elbow": Friction(0.4, 0.1, 0.05)}, ("elbow",), duration=3.0, seed=4)
+    own = reduced(ARM, "elbow")
+    again = excited(ARM, {"elbow": Friction(0.4, 0.1, 0.05)}, ("elbow",), duration=3.0, seed=4)
+    assert np.array_equal(log.effort["elbow"], again.effort["elbow"])
+    recording = Recording(log.t, {"x": log.position["elbow"], "v": log.velocity["elbow"]})
+    t, v = recording.t, log.velocity["elbow"]
+    smooth = np.convolve(v, np.ones(9) / 9, "same")
+    a = np.gradient(smooth, t)
+    left = log.effort["elbow"] - own.torque(log.position["elbow"], a) - 0.1 * smooth - 0.05
+    fast = (np.abs(smooth) > 0.5) & (np.abs(a) < 3.0)
+    assert np.median((left * np.sign(smooth))[fast]) == pytest.approx(0.4, abs=0.02)
