@@ -59,3 +59,11 @@ def sap_creep(m: float, load: float, h: float) -> float:
 def least_tolerance(m: float, limit: float, h: float) -> float:
     """The stiction tolerance in m/s below which a smaller one changes nothing (Drake, lagged and similar)."""
     return sap_creep(m, limit, h)
+
+
+def half_implicit(m: float, c: float, c_end: float, h: float) -> float:
+    """Damping that acts, N s/m, where c is taken at the start of a step, as any spring, and c_end at its end.
+
+    The step's determinant is (1 - h c/m)/(1 + h c_end/m): a spring held over one step is none of it.
+    """
+    return -m / h * (math.log1p(-h / m * c) - math.log1p(h / m * c_end))

@@ -5,6 +5,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from harness.app.diagnose.one import Diagnosed
+from harness.app.run.joint_words import reduction_of
 from harness.core.quantity import Quantity
 from harness.diagnosis.fit.model_fit import Fit
 from harness.diagnosis.fit.standard_errors import plain_parameters
@@ -12,7 +13,7 @@ from harness.diagnosis.outcome import Outcome
 from harness.model.model import Model
 from harness.results.common import P
 from harness.results.diagnosis import DiagnosisResult, FitResult
-from harness.results.robot import PasteResult, ReductionResult, RobotResult
+from harness.results.robot import PasteResult, RobotResult
 from harness.robot.arm import Arm
 from harness.robot.coupling import Coupling
 from harness.robot.paste import JointPaste
@@ -41,7 +42,7 @@ def named(done: Diagnosed, arm: Arm, found: Coupling, one: OneJoint, file: Path)
             file=str(file.absolute()),
             joint=joint,
             mode="locked",
-            reduction=_reduction(arm, found),
+            reduction=reduction_of(arm, found.reduced),
             confounded=_confounded(found, one),
             paste=PasteResult(mjcf=paste.mjcf, urdf=paste.urdf),
         ),
@@ -100,23 +101,6 @@ def _statement(statement: str, fitted: Mapping[str, Quantity], arm: Arm, found: 
         hangs = "" if rest is None or rest.value is None else f", and it hangs at {rest}, in the model {one.rest:.4g}"
         said.append(f"Gravity's torque is {fitted['gravity']}, in the model {own.gravity:.4g} {force}{hangs}.")
     return " ".join(said)
-
-
-def _reduction(arm: Arm, found: Coupling) -> ReductionResult:
-    own = found.reduced
-    i = arm.index(own.joint)
-    return ReductionResult(
-        inertia=own.inertia,
-        armature=own.armature,
-        gravity=own.gravity,
-        rest_angle=None if own.slides or own.upright else own.q_eq,
-        spring=own.spring,
-        spring_rest=own.q_ref,
-        frictionloss=float(arm.frictionloss[i]),
-        damping=float(arm.damping[i]),
-        held=dict(own.held),
-        said=own.sentence,
-    )
 
 
 def _confounded(found: Coupling, one: OneJoint) -> list[list[str]]:

@@ -7,9 +7,11 @@ from typing import Any
 from harness.core.recording import Recording
 from harness.core.trajectory import Trajectory
 from harness.results.identify import IdentifyResult
+from harness.results.joint import JointRunResult
 from harness.results.run import RunResult
 from harness.show.recording_scene import recording_scene
 from harness.show.report.identify import identify_headline, identify_sections, identify_title
+from harness.show.report.joint import joint_sections
 from harness.show.report.page import write_report
 from harness.show.report.run import run_sections, run_title
 from harness.show.run_scene import run_scene
@@ -61,3 +63,9 @@ def write_recording_page(path: Path, result: IdentifyResult, recording: Recordin
     """Write the page of a recording; raises StoreError."""
     data = result.model_dump(mode="json", by_alias=True)
     write_report(path, *identify_title(data), identify_sections(recording, data, result.command))
+
+
+def write_joint_page(path: Path, result: JointRunResult) -> None:
+    """Write the page of a robot's joint in the engines; raises StoreError."""
+    data = result.model_dump(mode="json", by_alias=True)
+    write_report(path, f"What engines make of {result.joint}", result.file, joint_sections(data))

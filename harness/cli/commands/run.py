@@ -5,13 +5,16 @@ from typing import TYPE_CHECKING
 
 import click
 
-from harness.cli.options import engine_options, output_options
+from harness.cli.options import engine_options, output_options, robot_options
 from harness.cli.output import check_json, emit_json, say, say_as_it_is, say_left_out, shows_tables, this_line
 from harness.cli.progress import shown
 from harness.cli.tables import show
 from harness.core.bounded import check_file
+from harness.core.errors import InputError
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping
+
     from harness.results.run import RunResult
 
 
@@ -32,11 +35,15 @@ if TYPE_CHECKING:
     metavar="FILE",
     help="Run this model (harness.model/1), as harness diagnose writes it, in place of a scenario.",
 )
+@robot_options
 @engine_options
 @output_options
 def command(
     scenario: str | None,
     model: Path | None,
+    robot: Path | None,
+    joint: str | None,
+    gravity: tuple[float, float, float] | None,
     restoring: str | None,
     engines: tuple[str, ...],
     preset: str | None,
@@ -58,11 +65,19 @@ def command(
              harness run --engine mujoco --preset tuned --dt 5e-4
              harness run --model model.json
              harness run --restoring pendulum --x0 1.2 --f-k 2
+             harness run --robot arm.xml --joint elbow
              harness run --m 2.42 --k 2310 --c 4.79 --f-k 0.351 --x0 0.01 --json -
     """
-    if model is not None:
-        check_file(model)
+    for path in (model, robot):
+        if path is not None:
+            check_file(path)
     check_json(json_to)
+    if robot is not None:
+        beside = {"SCENARIO": scenario, "--model": model, "--restoring": restoring, **given}
+        return _joint(robot, joint, gravity, beside, engines, preset, dt, out, json_to, quiet)
+    for option, value in (("--joint", joint), ("--gravity", gravity)):
+        if value is not None:
+            raise InputError(option, "given without --robot", "it is accepted with --robot FILE")
     from harness.app.run.run import RunOptions, run
 
     if restoring is not None:
@@ -79,6 +94,39 @@ def command(
         if not engines:
             say_left_out()
     return 1 if any(trace.error for trace in result.traces) else 0
+
+
+def _joint(
+    robot: Path,
+    joint: str | None,
+    gravity: tuple[float, float, float] | None,
+    beside: "Mapping[str, object]",
+    engines: tuple[str, ...],
+    preset: str | None,
+    dt: float | None,
+    out: Path | None,
+    json_to: str | None,
+    quiet: bool,
+) -> int:
+    """A joint of a robot in place of a scenario."""
+    for option, value in beside.items():
+        if value is not None:
+            named = option if option.isupper() or option.startswith("--") else f"--{option.replace('_', '-')}"
+            raise InputError("--robot", f"given with {named}", "one of the two is accepted")
+    from harness.app.run.joint import JointRun, run_joint
+
+    asked = JointRun.chosen(robot, joint, gravity, engines, preset, dt)
+    with shown(quiet) as progress:
+        result = run_joint(asked, out, progress, this_line())
+    emit_json(result, json_to)
+    if shows_tables(json_to, quiet):
+        for sentence in result.conclusions:
+            say(f"- {sentence}")
+        say("to paste into your model (MJCF; URDF with PyBullet's calls):")
+        for line in (result.paste.mjcf, *result.paste.urdf.splitlines()):
+            say_as_it_is(f"  {line}")
+        say_as_it_is(f"report: {result.files['report']}")
+    return 1 if any(score.error for score in result.scores) else 0
 
 
 def _print(result: "RunResult") -> None:

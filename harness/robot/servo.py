@@ -1,0 +1,60 @@
+"""The position servo that a model has on a joint, and the simulator's words that its friction depends on."""
+
+from dataclasses import dataclass
+from typing import Any
+
+import mujoco
+
+from harness.engines.mujoco.presets import INTEGRATORS, SOLVERS
+from harness.robot.arm import Arm
+
+
+@dataclass(frozen=True, slots=True)
+class Servo:
+    """stiffness, damping : at the joint, N m/rad and N m s/rad, or N/m and N s/m."""
+
+    stiffness: float
+    damping: float
+
+
+def servo_of(arm: Arm, joint: str) -> Servo | None:
+    """The servos of a joint together; None where the model has none."""
+    model, at = arm.model, arm.index(joint)
+    stiffness = damping = 0.0
+    for i in range(model.nu):
+        if model.actuator_trntype[i] != mujoco.mjtTrn.mjTRN_JOINT.value or model.actuator_trnid[i, 0] != at:
+            continue
+        if model.actuator_biastype[i] == mujoco.mjtBias.mjBIAS_AFFINE.value:
+            gear = float(model.actuator_gear[i, 0]) ** 2
+            stiffness -= gear * float(model.actuator_biasprm[i, 1])
+            damping -= gear * float(model.actuator_biasprm[i, 2])
+    return Servo(stiffness, damping) if stiffness > 0.0 else None
+
+
+def words(arm: Arm, joint: str) -> dict[str, Any]:
+    """Settings of MuJoCo as the model's file has them, in the names of harness.engines.mujoco."""
+    option, at = arm.model.opt, arm.index(joint)
+    return {
+        "integrator": _named(mujoco.mjtIntegrator(int(option.integrator)).name, INTEGRATORS),
+        "solver": _named(mujoco.mjtSolver(int(option.solver)).name, SOLVERS),
+        "iterations": int(option.iterations),
+        "tolerance": float(option.tolerance),
+        "ls_iterations": int(option.ls_iterations),
+        "noslip_iterations": int(option.noslip_iterations),
+        "noslip_tolerance": float(option.noslip_tolerance),
+        "solreffriction": tuple(map(float, arm.model.dof_solref[at])),
+        "solimpfriction": tuple(map(float, arm.model.dof_solimp[at])),
+    }
+
+
+def looseness(arm: Arm, joint: str, moved: float) -> float:
+    """By how much the file's friction is softer in the whole arm than in a model of the joint alone with this inertia.
+
+    MuJoCo takes a joint's inertia for that with every other joint free, at the reference.
+    """
+    return float(arm.model.dof_invweight0[arm.index(joint)]) * moved
+
+
+def _named(name: str, known: tuple[str, ...]) -> str:
+    """The word of the settings for a member of an enumeration of MuJoCo's, such as mjINT_EULER."""
+    return next(one for one in known if one.upper() == name.rpartition("_")[2])
