@@ -145,4 +145,4 @@ def test_the_result_is_valid_by_its_schema(elbow: JointRunResult) -> None:
 def test_a_bad_preset_or_step_is_refused() -> None:
     for given in ({"presets": ("best",)}, {"dt": 0.0}):
         with pytest.raises(InputError):
-            JointRun(FILE, "elbow", **given)  # type: ignore[arg-type]
+            JointRun(FILE, "elbow", **given)
