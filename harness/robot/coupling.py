@@ -15,8 +15,9 @@ from harness.robot.smooth import Even
 
 STILL = 3.0
 """Times its noise within which a joint's position scatters where it stands still."""
-HALF = 0.5
-"""Of what the joint's own equation leaves: below this what the others do does not decide."""
+QUARTER = 0.25
+"""Of the mean square that the joint's own equation leaves: as long as the others take less of it off, half of its rms,
+what they do does not decide."""
 _MOST = 20_000
 """Samples at which the whole arm's equations are evaluated."""
 _MOVING = 0.05
@@ -25,20 +26,23 @@ _MOVING = 0.05
 
 @dataclass(frozen=True, slots=True)
 class Coupling:
-    """What the other joints do to one. torque : rms, N m or N. residual : rms that the joint's own equation leaves,
-    with inertia, damping, dry friction and gravity fitted. moving : the others that move. reduced : with the others
-    at their means.
+    """What the other joints do to one.
+
+    torque : rms, N m or N. residual : rms that the joint's own equation leaves, with inertia, damping, dry friction and
+    gravity fitted. share : of its square that the others' torque takes off, whatever its factor: the log's unit may be
+    wrong. moving : the others that move. reduced : with the others at their means.
     """
 
     torque: float
     residual: float
+    share: float
     moving: tuple[str, ...]
     reduced: Reduced
 
     @property
     def mode(self) -> Literal["locked", "whole-arm"]:
         """Whether the joint's own equation will do."""
-        return "locked" if not self.moving or self.torque < HALF * self.residual else "whole-arm"
+        return "locked" if not self.moving or self.share < QUARTER else "whole-arm"
 
 
 def coupling(arm: Arm, log: JointLog, joint: str) -> Coupling:
@@ -64,8 +68,11 @@ def coupling(arm: Arm, log: JointLog, joint: str) -> Coupling:
     extra = arm.inverse(q, v, a)[:, at] - alone if those else np.zeros(alone.size)
     effort = even.low(log.t, log.effort[joint])[thin] if joint in log.effort else np.zeros(alone.size)
     fast = np.abs(v[:, at]) > _MOVING * float(np.max(np.abs(v[:, at])))
-    left = _left(effort - alone, {"q": q[:, at], "v": v[:, at], "a": a[:, at]}, fast, joint in log.effort)
-    return Coupling(float(np.sqrt(np.mean(extra**2))), left, those, own)
+    columns = _columns({"q": q[:, at], "v": v[:, at], "a": a[:, at]}, joint in log.effort)
+    left = _left((effort - alone)[fast], columns[fast])
+    less = _left((effort - alone)[fast], np.column_stack((columns, extra))[fast]) if those else left
+    share = 1.0 - (less / left) ** 2 if left > 0.0 else 1.0
+    return Coupling(float(np.sqrt(np.mean(extra**2))), left, share, those, own)
 
 
 def moving(arm: Arm, log: JointLog) -> tuple[str, ...]:
@@ -78,10 +85,14 @@ def _moves(y: FloatArray) -> bool:
     return float(np.std(y)) > STILL * noise_of(y)
 
 
-def _left(torque: FloatArray, motion: Mapping[str, FloatArray], fast: FloatArray, driven: bool) -> float:
-    """Rms (N m or N) of what friction, damping, gravity and, if it is driven, inertia do not say of a torque (n,)."""
+def _columns(motion: Mapping[str, FloatArray], driven: bool) -> FloatArray:
+    """What friction, damping, gravity and, if it is driven, inertia make of a motion, (n, q)."""
     q, v = motion["q"], motion["v"]
     columns = [v, np.sign(v), np.sin(q), np.cos(q), np.ones(q.size), *([motion["a"]] if driven else [])]
-    basis = np.column_stack(columns)[fast]
-    left = torque[fast] - basis @ np.linalg.lstsq(basis, torque[fast], rcond=None)[0]
+    return np.column_stack(columns)
+
+
+def _left(torque: FloatArray, columns: FloatArray) -> float:
+    """Rms (N m or N) of what columns (n, q) do not say of a torque (n,)."""
+    left = torque - columns @ np.linalg.lstsq(columns, torque, rcond=None)[0]
     return float(np.sqrt(np.mean(left**2))) if left.size else 0.0

@@ -24,6 +24,16 @@ def test_one_moving_joint_is_locked_and_three_are_a_whole_arm() -> None:
     assert moving.mode == "whole-arm"
     assert set(moving.moving) == {"base", "elbow"}
     assert moving.torque > moving.residual * 0.5
+    assert moving.share > 0.9
+
+
+def test_others_that_move_are_seen_in_a_wrong_unit_too() -> None:
+    """An effort in another unit leaves much more than the others' torque, and hangs on it all the same."""
+    log = excited(ARM, FRICTION, ARM.joints, duration=10.0)
+    large = replace(log, effort={name: 30.0 * y for name, y in log.effort.items()})
+    found = coupling(ARM, large, "shoulder")
+    assert found.torque < 0.1 * found.residual
+    assert found.mode == "whole-arm"
 
 
 def test_a_slow_drift_of_another_does_not_matter() -> None:

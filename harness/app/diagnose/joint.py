@@ -61,9 +61,11 @@ def diagnose_joint(
 
 def _whole_arm(arm: Arm, log: JointLog, found: Coupling) -> DiagnosisResult:
     """A log in which others move too, by the equations of the whole arm: the one place where they are called."""
-    said = f"{found.reduced.joint}: {', '.join(found.moving)} move{'s' if len(found.moving) == 1 else ''} too"
-    amount = f"and put {found.torque:.3g} {'N' if found.reduced.slides else 'N m'} rms on it"
-    raise InputError(f"{log.file}: {said}", amount, f"a log in which the others of {arm.file} stand still is accepted")
+    several = len(found.moving) > 1
+    torque = f"{found.torque:.3g} {'N' if found.reduced.slides else 'N m'} rms"
+    said = f"{', '.join(found.moving)} move{'' if several else 's'} too and put{'' if several else 's'} {torque} on it"
+    accepted = f"a log in which the others of {arm.file} stand still is accepted"
+    raise InputError(f"{log.file}: {found.reduced.joint}", said, accepted)
 
 
 def _joint(arm: Arm, log: JointLog, asked: str | None) -> str:

@@ -21,6 +21,8 @@ from harness.robot.recording import OneJoint
 
 _CLEARLY = 2.0
 """Standard errors by which an inertia must be above the model's for a rotor to be pasted."""
+_MULTIPLE = 2.0
+"""Of the model's gravity or inertia, from which on a unit is in doubt."""
 _NO_OFFSET = "not fitted beside where it hangs: a constant torque shifts that, and this log tells no more"
 _FREE = "not fitted: a constant force is tried as a mechanism of its own"
 
@@ -47,7 +49,7 @@ def named(done: Diagnosed, arm: Arm, found: Coupling, one: OneJoint, file: Path)
             paste=PasteResult(mjcf=paste.mjcf, urdf=paste.urdf),
         ),
         "model_left_out": [*result.model_left_out, *left_out],
-        "warnings": [*one.warnings, *arm.notes, *result.warnings],
+        "warnings": [*one.warnings, *_scale(refined, found), *arm.notes, *result.warnings],
     }
     return result.model_copy(update=update), paste
 
@@ -101,6 +103,21 @@ def _statement(statement: str, fitted: Mapping[str, Quantity], arm: Arm, found: 
         hangs = "" if rest is None or rest.value is None else f", and it hangs at {rest}, in the model {one.rest:.4g}"
         said.append(f"Gravity's torque is {fitted['gravity']}, in the model {own.gravity:.4g} {force}{hangs}.")
     return " ".join(said)
+
+
+def _scale(fitted: Mapping[str, Quantity], found: Coupling) -> list[str]:
+    """A torque that is a multiple of the model's: the unit of the effort, or the model."""
+    own = found.reduced
+    known = {"gravity": own.gravity, "inertia": own.moved}
+    name = "gravity" if "gravity" in fitted else "inertia"
+    value = fitted[name].value
+    if value is None or known[name] <= 0.0 or 1.0 / _MULTIPLE < value / known[name] < _MULTIPLE:
+        return []
+    times = value / known[name]
+    return [
+        f"{name} is {times:.3g} times the model's: the effort is in another unit (--gain is N m per A), or the model is"
+        f" not that of this {own.joint}"
+    ]
 
 
 def _confounded(found: Coupling, one: OneJoint) -> list[list[str]]:

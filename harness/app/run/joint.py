@@ -121,14 +121,14 @@ def _paste(arm: Arm, own: Reduced) -> JointPaste:
 def _computed(arm: Arm, own: Reduced, asked: JointRun, progress: Progress, command: str) -> JointRunResult:
     step = float(arm.model.opt.timestep)
     paste = _paste(arm, own)
-    load = None if paste.f_k == 0.0 else min(own.gravity or paste.f_k, _MOST_LOAD * paste.f_k)
-    plan: list[tuple[str, Preset]] = [
-        (n, p) for n in dict.fromkeys(asked.engines) for p in PRESETS if p in asked.presets
-    ]
-    scores = []
-    for done, (name, preset) in enumerate(plan):
-        progress(f"{name} {preset}", done, len(plan))
-        scores.append(_score(arm, own, paste, load, name, preset, asked.dt or step))
+    load, scores = _load(own, paste.f_k), []
+    if load is not None:
+        plan: list[tuple[str, Preset]] = [
+            (name, preset) for name in dict.fromkeys(asked.engines) for preset in PRESETS if preset in asked.presets
+        ]
+        for done, (name, preset) in enumerate(plan):
+            progress(f"{name} {preset}", done, len(plan))
+            scores.append(_score(arm, own, paste, load, name, preset, asked.dt or step))
     result = JointRunResult(
         file=str(asked.file.absolute()),
         joint=own.joint,
@@ -147,9 +147,15 @@ def _computed(arm: Arm, own: Reduced, asked: JointRun, progress: Progress, comma
     return result.model_copy(update={"conclusions": [*conclusions(result), *arm.notes]})
 
 
-def _score(
-    arm: Arm, own: Reduced, paste: JointPaste, load: float | None, name: str, preset: Preset, dt: float
-) -> JointScore:
+def _load(own: Reduced, f_k: float) -> float | None:
+    """What creep is measured under, N m or N; None without dry friction, where nothing is held."""
+    if f_k == 0.0:
+        return None
+    pulled = own.gravity > 0.0 and not own.upright
+    return min(own.gravity, _MOST_LOAD * f_k) if pulled else _MOST_LOAD * f_k
+
+
+def _score(arm: Arm, own: Reduced, paste: JointPaste, load: float, name: str, preset: Preset, dt: float) -> JointScore:
     """Creep and lead in one engine; MuJoCo as shipped has the words of the model's file at its own step."""
     as_written = name == MUJOCO and preset == "as-shipped"
     settings: Settings = words(arm, own.joint) if as_written else {}
@@ -157,17 +163,16 @@ def _score(
     soft = looseness(arm, own.joint, own.moved) if name == MUJOCO else 1.0
     creep = lead = None
     used: Source | None = None
-    why = None if load is not None else "the model gives the joint no dry friction"
+    why = None
     try:
-        if load is not None:
-            engine = registry.load(name)
-            loose = Slider(own.moved, 0.0, _SPRING * paste.f_k, paste.f_k)
-            hold = Scenario("hold", loose, 0.0, 0.0, _HELD_FOR, Hold(load))
-            held = engine.simulate(Task(hold, "joint", preset, step, settings, restoring="none"))
-            creep, used = soft * creep_m_s(held), held.source
-            sprung = replace(loose, k=max(own.gravity, loose.k))
-            swing = Scenario("free-decay", sprung, 1.0, 0.0, _SWINGS * 2.0 * math.pi / sprung.omega_n)
-            lead = reversal_lead_s(engine.simulate(Task(swing, "joint", preset, step, settings)), sprung)
+        engine = registry.load(name)
+        loose = Slider(own.moved, 0.0, _SPRING * paste.f_k, paste.f_k)
+        hold = Scenario("hold", loose, 0.0, 0.0, _HELD_FOR, Hold(load))
+        held = engine.simulate(Task(hold, "joint", preset, step, settings, restoring="none"))
+        creep, used = soft * creep_m_s(held), held.source
+        sprung = replace(loose, k=max(own.gravity, loose.k))
+        swing = Scenario("free-decay", sprung, 1.0, 0.0, _SWINGS * 2.0 * math.pi / sprung.omega_n)
+        lead = reversal_lead_s(engine.simulate(Task(swing, "joint", preset, step, settings)), sprung)
     except SimulationError as error:
         LOGGER.warning("%s %s: %s", name, preset, error)
         why = str(error)

@@ -16,6 +16,7 @@ from harness.core.errors import SimulationError
 from harness.diagnosis.baseline.driven_base_fit import driven_scales
 from harness.diagnosis.fit.model_fit import Fit
 from harness.diagnosis.fit.parameters import base_of, free_of
+from harness.diagnosis.fit.standard_errors import unit_of
 from harness.diagnosis.inverse_dynamics.bootstrap_null import taken_by_chance
 from harness.diagnosis.inverse_dynamics.force_fit import ForceFit, as_fit, fit_force, simulated
 from harness.diagnosis.inverse_dynamics.force_screen import starts, whole_in
@@ -140,6 +141,7 @@ def extended(current: ForceFit, measured: Measured, problem: InverseDynamics, sc
 def left_said(problem: Problem, drive: Drive, independent: int, over: LeftOver) -> str:
     """What a fitted force leaves, as so many independent values, said plainly, beside what noise would leave."""
     level = problem.noise["u"].sigma
+    unit = unit_of("N", problem)
     share = 100.0 * level / math.sqrt(float(np.mean(drive.u**2)))
     few = f"; they count as {independent} independent values, too few for their errors to be trusted"
     if over.noise is None:
@@ -147,10 +149,10 @@ def left_said(problem: Problem, drive: Drive, independent: int, over: LeftOver) 
     elif over.left is Left.NOISE:
         beside = "the model's own motion, simulated with the noise that was found, leaves as much"
     else:
+        noise = f"{math.sqrt(over.noise):.3g} {unit}"
         beside = (
-            f"the model's own motion, simulated with the noise that was found, leaves {math.sqrt(over.noise):.3g} N, so"
-            " that the rest is the drive's own"
+            f"the model's own motion, simulated with the noise that was found, leaves {noise}, so that the rest is the"
+            " drive's own"
         )
-    return (
-        f"{level:.3g} N rms of the force ({share:.2g} %) are left over; {beside}{few if independent < ENOUGH else ''}"
-    )
+    rest = few if independent < ENOUGH else ""
+    return f"{level:.3g} {unit} rms of the force ({share:.2g} %) are left over; {beside}{rest}"
