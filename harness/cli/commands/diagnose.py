@@ -114,7 +114,8 @@ def command(
                  --engine mujoco --preset as-shipped
              harness diagnose log.csv --robot arm.urdf --joint elbow
     """
-    _check_files(recordings, (sim, chosen["model"], chosen["validate"], robot), resume)
+    # a log of joints may be a folder
+    _check_files(recordings, (sim, chosen["model"], chosen["validate"], robot), resume or robot is not None)
     check_json(json_to)
     from harness.app.diagnose.options import DiagnoseOptions
     from harness.app.diagnose.robot_options import RobotOptions
@@ -143,9 +144,12 @@ def command(
     return code
 
 
-def _check_files(recordings: tuple[Path, ...], others: tuple[Path | None, ...], resume: bool) -> None:
-    """Refuse files that are not there; of several recordings one that is not is an entry among the answers."""
-    alone = recordings if len(recordings) == 1 and not resume else ()
+def _check_files(recordings: tuple[Path, ...], others: tuple[Path | None, ...], later: bool) -> None:
+    """Refuse files that are not there; of several recordings one that is not is an entry among the answers.
+
+    later : recordings are looked at where they are read.
+    """
+    alone = recordings if len(recordings) == 1 and not later else ()
     for path in (*alone, *others):
         if path is not None and str(path) != STANDARD_INPUT:
             check_file(path)
