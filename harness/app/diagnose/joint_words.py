@@ -5,7 +5,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from harness.app.diagnose.one import Diagnosed
-from harness.app.run.joint_words import reduction_of
+from harness.app.shared.reduction import reduction_of
 from harness.core.quantity import Quantity
 from harness.diagnosis.fit.model_fit import Fit
 from harness.diagnosis.fit.standard_errors import plain_parameters
@@ -24,6 +24,8 @@ _CLEARLY = 2.0
 _MULTIPLE = 2.0
 """Of the model's gravity or inertia, from which on a unit is in doubt."""
 _NO_OFFSET = "not fitted beside where it hangs: a constant torque shifts that, and this log tells no more"
+_GIVEN = "the robot's model gives it: no torque was measured"
+_UNSEEN = "the torque does not show it: taken as large as it could be unseen"
 _FREE = "not fitted: a constant force is tried as a mechanism of its own"
 
 
@@ -59,8 +61,8 @@ def _parameters(fitted: Fit, outcome: Outcome, one: OneJoint, explained: bool) -
     plain = plain_parameters(fitted, outcome.problem, outcome.scales.omega, explained)
     torque = plain["f_k"].unit
     named = {"inertia": plain["m"], "c": plain["c"], "f_k": plain["f_k"]}
-    if not one.driven:
-        named["inertia"] = replace(plain["m"], why="the robot's model gives it: no torque was measured")
+    if plain["m"].stderr is None:
+        named["inertia"] = replace(plain["m"], why=_UNSEEN if one.driven else _GIVEN)
     pendulum = one.restoring == "pendulum"
     named["offset"] = Quantity.refused(torque, _NO_OFFSET if one.restoring != "none" else _FREE)
     if "k" in plain:
@@ -96,7 +98,7 @@ def _statement(statement: str, fitted: Mapping[str, Quantity], arm: Arm, found: 
         f"Its dry friction is {fitted['f_k']}, its damping {fitted['c']}; the model has frictionloss"
         f" {arm.frictionloss[i]:.4g} and damping {arm.damping[i]:.4g}.",
     ]
-    if one.driven:
+    if fitted["inertia"].stderr:
         said.append(f"Its inertia is {fitted['inertia']}, in the model {own.moved:.4g} with its rotor.")
     if "gravity" in fitted:
         rest = fitted.get("rest_angle")
@@ -111,12 +113,18 @@ def _scale(fitted: Mapping[str, Quantity], found: Coupling) -> list[str]:
     known = {"gravity": own.gravity, "inertia": own.moved}
     name = "gravity" if "gravity" in fitted else "inertia"
     value = fitted[name].value
-    if value is None or known[name] <= 0.0 or 1.0 / _MULTIPLE < value / known[name] < _MULTIPLE:
+    if (
+        value is None
+        or not fitted[name].stderr
+        or known[name] <= 0.0
+        or 1.0 / _MULTIPLE < value / known[name] < _MULTIPLE
+    ):
         return []
     times = value / known[name]
+    rotor = "the model lacks a rotor's inertia (armature), " if name == "inertia" and times > 1.0 else ""
     return [
-        f"{name} is {times:.3g} times the model's: the effort is in another unit (--gain is N m per A), or the model is"
-        f" not that of this {own.joint}"
+        f"{name} is {times:.3g} times the model's: {rotor}the effort is in another unit (--gain is N m per A), or the"
+        f" model is not that of this {own.joint}"
     ]
 
 

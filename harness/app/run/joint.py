@@ -6,12 +6,13 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
-from harness.app.run.joint_words import conclusions, reduction_of
+from harness.app.run.joint_words import conclusions
 from harness.app.shared.deliver import to_json
 from harness.app.shared.journal import NAME as LOG
 from harness.app.shared.journal import journal
 from harness.app.shared.machine import this_machine
 from harness.app.shared.progress import SILENT, Progress
+from harness.app.shared.reduction import reduction_of
 from harness.app.shared.showing import write_joint_page
 from harness.core.checks import positive
 from harness.core.errors import InputError, SimulationError

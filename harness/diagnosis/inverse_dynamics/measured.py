@@ -72,7 +72,8 @@ class Measured:
             # within the reach of a cubic and a difference friction turns round; where a servo sticks it has any value
             at_rest |= np.abs(v) <= slow * math.sqrt(float(np.mean(v**2)))
             at_rest[1:] |= np.sign(v[1:]) != np.sign(v[:-1])
-            at_rest = np.convolve(at_rest, np.ones(2 * half + 3), "same") >= 1.0
+            # a sum of whole numbers, as exact as they are
+            at_rest = np.rint(np.convolve(at_rest, np.ones(2 * half + 3), "same")) != 0.0
         slides = ~at_rest[:kept].reshape(-1, BLOCK)
         whole = np.max(np.diff(t[:kept].reshape(-1, BLOCK), axis=1), axis=1) <= longest
         central = inner(t, longest, half)[:kept].reshape(-1, BLOCK)
