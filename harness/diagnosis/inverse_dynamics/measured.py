@@ -72,8 +72,7 @@ class Measured:
             # within the reach of a cubic and a difference friction turns round; where a servo sticks it has any value
             at_rest |= np.abs(v) <= slow * math.sqrt(float(np.mean(v**2)))
             at_rest[1:] |= np.sign(v[1:]) != np.sign(v[:-1])
-            # a sum of whole numbers, as exact as they are
-            at_rest = np.rint(np.convolve(at_rest, np.ones(2 * half + 3), "same")) != 0.0
+            at_rest = widened(at_rest, half + 1)
         slides = ~at_rest[:kept].reshape(-1, BLOCK)
         whole = np.max(np.diff(t[:kept].reshape(-1, BLOCK), axis=1), axis=1) <= longest
         central = inner(t, longest, half)[:kept].reshape(-1, BLOCK)
@@ -105,3 +104,10 @@ def _least(problem: Problem, channel: str) -> float:
     """Noise below which smoothing need not look: what was found; a floor by convention would round off the motion."""
     noise = problem.noise[channel]
     return noise.sigma if noise.found else noise.step / math.sqrt(12.0)
+
+
+def widened(mask: BoolArray, reach: int) -> BoolArray:
+    """A mask (n,) with so many samples more on either side of what it holds."""
+    total = np.concatenate(([0], np.cumsum(mask)))
+    at = np.arange(mask.size)
+    return np.asarray(total[np.minimum(at + reach + 1, mask.size)] > total[np.maximum(at - reach, 0)])

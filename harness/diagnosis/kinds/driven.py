@@ -10,6 +10,7 @@ from harness.diagnosis.fit.another import as_started, only_started
 from harness.diagnosis.fit.model_fit import Fit
 from harness.diagnosis.input_noise.noisy_base_fit import along, in_turn
 from harness.diagnosis.inverse_dynamics.covariates import entered
+from harness.diagnosis.inverse_dynamics.held import as_it_acts
 from harness.diagnosis.inverse_dynamics.unseen_mass import with_unseen_mass
 from harness.diagnosis.inverse_dynamics.validate import Judge
 from harness.diagnosis.kinds.kind import Kind
@@ -47,6 +48,9 @@ class DrivenRecordings(Kind[Driven]):
         problem, notes = driven_problem(recording, asked)
         if asked.covariates and isinstance(problem, InverseDynamics):
             problem = entered(problem, recording, asked.covariates)
+        if problem.guarded and isinstance(problem, InverseDynamics):
+            problem, said = as_it_acts(problem, recording["u"])
+            notes = (*notes, *said)
         return with_unseen_mass(problem) if isinstance(problem, InverseDynamics) else problem, notes
 
     def fit_base(self, problem: Driven) -> Based[Driven]:

@@ -13,7 +13,6 @@ from harness.diagnosis.fit.fitted_states import begun
 from harness.diagnosis.fit.observe import COARSE, observe
 from harness.diagnosis.input_noise.propagation import force_noise
 from harness.diagnosis.prepare.intersample_curve import between_samples
-from harness.diagnosis.prepare.intersample_force import acting_by_force
 from harness.diagnosis.prepare.intersample_hold import acting
 from harness.diagnosis.problems.driven import Driven, Forced
 from harness.diagnosis.problems.inverse_dynamics import InverseDynamics
@@ -83,10 +82,18 @@ def driven_problem(recording: Recording, asked: Asked) -> tuple[Forced, tuple[st
     if asked.covariates:
         # a model without what they do follows nothing, and how the force acts between samples cannot be told by it
         return _with_covariates(problem, asked, course)
+    if asked.guarded:
+        windows = course.anew(asked.horizon or HORIZON)
+        how = (
+            f"the force is fitted, and simulations run over {_said(windows)} of at most {asked.horizon or HORIZON:g} s"
+        )
+        return InverseDynamics.of(problem, windows), (
+            f"driven: {how}, each restarted from the smoothed recorded state",
+        )
     noise_u = channel_noise(t, u)
     if gaps:
         problem = _allowing(problem, first, noise_u)
-    force = acting_by_force(problem, u) if problem.guarded else acting(problem, u)
+    force = acting(problem, u)
     problem = replace(problem, drive=force.drive)
     notes = ["the force acts as a sampled controller's, held from each sample to the next"] if force.held else []
     horizon = asked.horizon
