@@ -112,3 +112,23 @@ def test_tags_of_any_well_formed_text_are_those_that_a_parser_finds(parts: list[
         return
     found = [(tag.way[-1], dict(tag.attributes)) for tag in tags(text)]
     assert found == [(e.tag, dict(e.attrib)) for e in root.iter() if isinstance(e.tag, str)]
+
+
+def test_the_calls_for_pybullet_hold_the_joint_where_its_file_alone_does_not() -> None:
+    """Friction of 4 N m bears the arm's 3.4; PyBullet's reading of the file lets it fall."""
+    pybullet = pytest.importorskip("pybullet")
+    fell = []
+    for lines in ((), JointPaste("shoulder", 4.0, 0.25, 0.0, 0.002).calls):
+        client = pybullet.connect(pybullet.DIRECT)
+        body = pybullet.loadURDF(str(ARM / "arm.urdf"), useFixedBase=True)
+        pybullet.setGravity(0, 0, -9.81)
+        for joint in range(pybullet.getNumJoints(body)):
+            pybullet.setJointMotorControl2(body, joint, pybullet.VELOCITY_CONTROL, force=100.0 if joint != 1 else 0.0)
+        pybullet.resetJointState(body, 1, 0.8)
+        exec("\n".join(lines), {"p": pybullet, "body": body})
+        for _ in range(120):
+            pybullet.stepSimulation()
+        fell.append(abs(pybullet.getJointState(body, 1)[0] - 0.8))
+        pybullet.disconnect(client)
+    assert fell[0] > 0.1
+    assert fell[1] < 1e-3
