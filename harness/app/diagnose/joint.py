@@ -44,6 +44,10 @@ def diagnose_joint(
     log = log if label is None else replace(log, file=label)
     joint = _joint(arm, log, asked.joint)
     found = coupling(arm, log, joint)
+    if found.moving and joint not in log.effort:
+        said = f"no effort of it is logged, and {', '.join(found.moving)} move{'s' * (len(found.moving) == 1)} too"
+        accepted = "a log with its effort, or one in which the others stand still, is accepted"
+        raise InputError(f"{log.file}: {joint}", said, accepted)
     if found.mode == "whole-arm":
         return diagnose_arm(arm, log, joint, asked, options, out, progress, command)
     _check_locked(asked)

@@ -22,13 +22,21 @@ from harness.io.store import output_folder
 from harness.model.document import to_document
 from harness.model.model import Model, Restoring
 from harness.results.common import P, RecordingInfo, Where
-from harness.results.diagnosis import DiagnosisResult, FitResult, HoldoutResult, MechanismResult, RuleResult
+from harness.results.diagnosis import (
+    AlternativeResult,
+    DiagnosisResult,
+    FitResult,
+    HoldoutResult,
+    MechanismResult,
+    RuleResult,
+)
 from harness.results.model import ModelDocument
 from harness.results.robot import ArmResult, EntryResult, JointResult, PasteResult, RobotResult
 from harness.robot.arm import Arm
 from harness.robot.paste import JointPaste, copies
 from harness.robot.reduction import reduced
 from harness.robot.whole_arm.result import Effect, JointFriction, ModelError, WholeArm
+from harness.robot.whole_arm.rules import EXPLAINED
 from harness.robot.whole_arm.whole import whole_arm
 
 LOGGER = logging.getLogger(__name__)
@@ -183,19 +191,10 @@ def _final(joint: JointFriction) -> tuple[Quantity, Quantity, Quantity]:
 
 
 def _verdict(joint: JointFriction, own: Sequence[EntryResult]) -> str:
-    """By the best grade; where nothing is named, by whether more than the torque's noise is left."""
-    grades = {one.grade for one in own}
-    for grade, verdict in _VERDICTS.items():
-        if grade in grades:
-            return verdict
-    quiet = joint.remainder is not None and joint.remainder <= _limit()
-    return "adequate" if quiet and not own else "unexplained"
-
-
-def _limit() -> float:
-    from harness.robot.whole_arm.rules import EXPLAINED
-
-    return EXPLAINED.value
+    """By the grade of what takes most off; where nothing is named, by whether more than the torque's noise is left."""
+    if own:
+        return _VERDICTS.get(max(own, key=lambda one: one.share).grade, "unexplained")
+    return "adequate" if joint.remainder is not None and joint.remainder <= EXPLAINED.value else "unexplained"
 
 
 def _mechanism(one: EntryResult, seconds: float) -> MechanismResult:
@@ -208,7 +207,8 @@ def _mechanism(one: EntryResult, seconds: float) -> MechanismResult:
         share=one.share,
         delta_bic=one.evidence,
         where=Where(time_s=[[0.0, seconds]], regime="throughout", condition="", share=None),
-        alternatives=[],
+        # what no log can part is as good
+        alternatives=[AlternativeResult(name=one.partner, delta_bic=0.0)] if one.partner else [],
     )
 
 

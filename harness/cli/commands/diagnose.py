@@ -298,7 +298,7 @@ def _fits(result: "DiagnosisResult") -> "Table":
     if result.mechanisms:
         # several that explain are in one model together; of several that are graded the best alone, or a table
         added = dict.fromkeys(term.name for term in result.refined_model.terms)
-        table.add_row("term", "-", "\n".join(added))
+        table.add_row("term", "-", "\n".join(added) or "-")
     table.add_row("chi2 a point", *(_chi2(fit) for fit in fits))
     if result.fit_percent is not None:
         sides = [result.fit_percent.baseline, result.fit_percent.refined]
