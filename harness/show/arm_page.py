@@ -29,7 +29,7 @@ def arm_sections(result: Mapping[str, Any], left: Left) -> list[Section]:
     pairs = [" and ".join(pair) for pair in robot["confounded"]]
     sections: list[Section] = [
         Verdict(result["statement"], result["warnings"]),
-        Torque(robot["joint"], left),
+        Torque(robot["joint"], left, result["baseline"]["parameters"]["f_k"]["unit"]),
         Joints(robot["arm"]["joints"], robot["joint"]),
         Found(robot["arm"]["found"]),
     ]
@@ -44,11 +44,12 @@ def arm_sections(result: Mapping[str, Any], left: Left) -> list[Section]:
 
 @dataclass(frozen=True)
 class Torque(Section):
-    """joint : whose torque is drawn."""
+    """joint : whose torque is drawn. unit : of it, of a hinge N m."""
 
     template: ClassVar[str] = "figures.html.j2"
     joint: str
     left: Left
+    unit: str
 
     @property
     def title(self) -> str:
@@ -60,8 +61,8 @@ class Torque(Section):
         if self.joint not in self.left:
             return {"figures": []}
         rows = _thinned(self.left[self.joint])
-        figures = []
-        for name, at, unit in (("speed", 2, "rad/s"), ("position", 1, "rad")):
+        figures, place = [], "rad" if "m" in self.unit else "m"
+        for name, at, unit in (("speed", 2, f"{place}/s"), ("position", 1, place)):
             traces = [
                 {
                     "type": "scatter",
@@ -77,7 +78,7 @@ class Torque(Section):
             ]
             layout = {
                 "xaxis": {"title": {"text": f"{name} / ({unit})" if "/" in unit else f"{name} / {unit}"}},
-                "yaxis": {"title": {"text": "torque left"}},
+                "yaxis": {"title": {"text": f"torque left / ({self.unit})"}},
                 "showlegend": True,
             }
             caption = "Guarded samples: the torque minus the rigid model, Coulomb and viscous friction and an offset."
