@@ -1,0 +1,176 @@
+"""One least-squares problem of the whole arm: every joint's guarded, whitened torque under what is in the model so far."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from harness.core.arrays import FloatArray
+from harness.fit.autocorrelation import memory
+from harness.robot.whole_arm.candidate import Candidate
+from harness.robot.whole_arm.evidence import evidence, looks
+from harness.robot.whole_arm.noise import Noise, Stretches
+
+_FLAT = 1e-9
+"""Share of a column, beyond those of the model, below which it says nothing of its own."""
+
+
+@dataclass(frozen=True, slots=True)
+class Part:
+    """A joint's guarded samples: torque (m,) beyond the rigid model, its base columns (m, 3), and its noise."""
+
+    torque: FloatArray
+    base: FloatArray
+    stretches: Stretches
+    noise: Noise
+
+    def white(self, columns: FloatArray) -> FloatArray:
+        """Guarded samples of columns (m, ...), whitened."""
+        return self.noise.whitened(columns, self.stretches)
+
+
+@dataclass(frozen=True, slots=True)
+class Whitened:
+    """A candidate's columns on guarded samples, whitened: by joint (n_j, settings, c)."""
+
+    candidate: Candidate
+    by_joint: dict[int, FloatArray]
+    looks: float
+
+    @classmethod
+    def of(cls, candidate: Candidate, parts: Sequence[Part]) -> "Whitened":
+        """Whitened as the parts' noise asks."""
+        joints = candidate.settings[0].columns
+        stacked = {j: np.stack([one.columns[j] for one in candidate.settings], axis=1) for j in joints}
+        white = {j: parts[j].white(columns) for j, columns in stacked.items()}
+        tried = next(iter(white.values()))[:, :, 0]
+        return cls(candidate, white, looks(tried) if tried.shape[1] > 1 else 1.0)
+
+
+@dataclass(frozen=True, slots=True)
+class Named:
+    """A candidate in the model, at one of its settings."""
+
+    whitened: Whitened
+    setting: int
+
+    @property
+    def candidate(self) -> Candidate:
+        """Which one."""
+        return self.whitened.candidate
+
+    @property
+    def columns(self) -> dict[int, FloatArray]:
+        """By joint, (n_j, c), whitened."""
+        return {j: columns[:, self.setting] for j, columns in self.whitened.by_joint.items()}
+
+    def again(self, parts: Sequence[Part]) -> "Named":
+        """The same under other noise."""
+        return Named(Whitened.of(self.candidate, parts), self.setting)
+
+
+@dataclass(frozen=True, slots=True)
+class Score:
+    """What a candidate would add: its best setting, the gain there, and the evidence on the scale of one column."""
+
+    named: Named
+    gain: float
+    evidence: float
+
+
+class Design:
+    """Stacked and solved: ``at[j]`` are the rows of joint j, those of expectations stand last."""
+
+    def __init__(self, parts: Sequence[Part], named: Sequence[Named]) -> None:
+        self.parts, self.named = parts, tuple(named)
+        sizes = [int(np.sum(part.stretches.kept)) for part in parts]
+        ends = np.concatenate(([0], np.cumsum(sizes)))
+        self.at = [slice(int(ends[j]), int(ends[j + 1])) for j in range(len(parts))]
+        blocks: list[tuple[dict[int, FloatArray], FloatArray]] = [
+            ({j: part.white(part.base)}, np.full(part.base.shape[1], np.inf)) for j, part in enumerate(parts)
+        ]
+        blocks += [
+            (one.columns, one.candidate.spread) for one in self.named
+        ]
+        self.places, columns = [], 0
+        for _, spread in blocks:
+            self.places.append(slice(columns, columns + spread.size))
+            columns += spread.size
+        matrix = np.zeros((int(ends[-1]) + columns, columns))
+        for (by_joint, spread), place in zip(blocks, self.places, strict=True):
+            for j, c in by_joint.items():
+                matrix[self.at[j], place] = c
+            rows = np.arange(place.start, place.stop)
+            matrix[int(ends[-1]) + rows, rows] = 1.0 / spread
+        self.rows = int(ends[-1])
+        self.matrix = matrix
+        self.y = np.zeros(matrix.shape[0])
+        for j, part in enumerate(parts):
+            self.y[self.at[j]] = part.white(part.torque)
+        scale = np.sqrt(np.sum(matrix**2, axis=0))
+        scale[scale == 0.0] = 1.0
+        self._u, singular, turn = np.linalg.svd(matrix / scale, full_matrices=False)
+        seen = singular > 1e-8 * singular[0]
+        self._u = self._u[:, seen]
+        self._back = (turn[seen].T / singular[seen]) / scale[:, None]
+        self.numbers = self._back @ (self._u.T @ self.y)
+        self.residual = self.y - self._u @ (self._u.T @ self.y)
+
+    def covariance(self) -> FloatArray:
+        """Of the numbers (p, p): noise of size one where it is white, more where its scores remember or swing."""
+        plain = self._back @ self._back.T
+        influence = self._back @ self._u.T
+        factor = np.ones(plain.shape[0])
+        for i in range(factor.size):
+            factor[i] = max(1.0, self._forgotten(influence[i], self.residual))
+        return np.asarray(plain * np.sqrt(np.outer(factor, factor)))
+
+    def _forgotten(self, weight: FloatArray, residual: FloatArray) -> float:
+        """Variance of sum(weight residual) over what it is for white noise of size one."""
+        nominal = float(weight @ weight)
+        if nominal <= 0.0:
+            return 1.0
+        total = 0.0
+        for rows in self.at:
+            scores = weight[rows] * residual[rows]
+            if scores.size > 4:
+                total += float(scores @ scores) * memory(scores, min(scores.size // 4, 60)).time
+        return total / nominal
+
+    def score(self, whitened: Whitened) -> Score:
+        """What a candidate would add to the model, by its best setting."""
+        spread = whitened.candidate.spread
+        settings = next(iter(whitened.by_joint.values())).shape[1]
+        normal = np.zeros((settings, spread.size, spread.size)) + np.diag(1.0 / spread**2)
+        pull = np.zeros((settings, spread.size))
+        inside = np.zeros((settings, self._u.shape[1], spread.size))
+        for j, columns in whitened.by_joint.items():
+            normal += np.einsum("nsc,nsd->scd", columns, columns)
+            pull += np.einsum("nsc,n->sc", columns, self.residual[self.at[j]])
+            inside += np.einsum("nu,nsc->suc", self._u[self.at[j]], columns, optimize=True)
+        before = np.einsum("scc->sc", normal).copy()
+        normal -= np.einsum("suc,sud->scd", inside, inside)
+        after = np.einsum("scc->sc", normal)
+        gains = np.zeros(settings)
+        for i in range(settings):
+            if np.all(after[i] > _FLAT * before[i]):
+                gains[i] = float(pull[i] @ np.linalg.pinv(normal[i], rcond=_FLAT, hermitian=True) @ pull[i])
+        best = Named(whitened, int(np.argmax(gains)))
+        gain = float(gains[best.setting])
+        if gain <= 0.0:
+            return Score(best, 0.0, 0.0)
+        added, count, left = self._beyond(best)
+        gain /= max(1.0, self._forgotten(added, left))
+        return Score(best, gain, evidence(gain, count, whitened.looks))
+
+    def _beyond(self, named: Named) -> tuple[FloatArray, float, FloatArray]:
+        """Torque (rows,) that it would add beyond the model, as how many free numbers it counts, and what is left."""
+        spread = named.candidate.spread
+        own = np.zeros((self.y.size, spread.size))
+        for j, columns in named.columns.items():
+            own[self.at[j]] = columns
+        own -= self._u @ (self._u.T @ own)
+        gram = own.T @ own
+        inverse = np.linalg.pinv(gram + np.diag(1.0 / spread**2), rcond=_FLAT, hermitian=True)
+        added = own @ (inverse @ (own.T @ self.residual))
+        return added, max(float(np.trace(inverse @ gram)), 1.0), self.residual - added

@@ -1,0 +1,177 @@
+"""From a log to filtered positions, velocities, accelerations and torques at few samples, all through one filter."""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from harness.core.arrays import BoolArray, FloatArray
+from harness.core.errors import InputError
+from harness.core.joint_log import JointLog
+from harness.robot.arm import Arm
+from harness.robot.whole_arm.band import Band
+from harness.robot.whole_arm.noise import white_level
+
+LEAST_SECONDS = 3.0
+"""Shorter logs leave nothing between the ends of the filter and the reversals."""
+_JITTER = 0.01
+"""Share of the step by which stamps may swing before the log is put on even steps."""
+_GAP = 5.0
+"""Steps without a sample from which nothing is said about the time between."""
+_HELD, _ABOVE, _LOWEST, _HIGHEST = 0.99, 5.0, 5.0, 20.0
+"""The filter passes five times the frequency below which 99 % of the velocities' power lies, within 5 to 20 Hz."""
+_COLUMNS, _FIT = 9.0, 3.0
+"""Samples a second at which columns are formed and at which torque is fitted, in f_lowpass."""
+
+
+@dataclass(frozen=True, slots=True)
+class Filtered:
+    """A log after the filter. k joints were logged with effort, the arm has nv.
+
+    joints : names (k,). dof : their places in the arm (k,). t (m,) : s. q, v, a (m, nv) : rad or m, per s, per s^2.
+    torque (m, k) : N m or N. good (m,) : away from gaps. band : of the recording. fine : band of t_fine, q_fine, v_fine
+    (M, nv), from which columns are formed. out : band of the m samples before the ends were cut. velocity_noise (k,) :
+    standard deviation of v. torque_noise (k,) : that white noise of the recorded torque leaves after the filter, N m.
+    seconds : of the log. notes : what was done, one sentence each.
+    """
+
+    joints: tuple[str, ...]
+    dof: tuple[int, ...]
+    t: FloatArray
+    q: FloatArray
+    v: FloatArray
+    a: FloatArray
+    torque: FloatArray
+    good: BoolArray
+    band: Band
+    fine: Band
+    out: Band
+    t_fine: FloatArray
+    q_fine: FloatArray
+    v_fine: FloatArray
+    velocity_noise: FloatArray
+    torque_noise: FloatArray
+    seconds: float
+    notes: tuple[str, ...]
+
+    def column(self, fine: FloatArray, jumps: bool = False) -> FloatArray:
+        """What the filter leaves (m, ...) of a torque (M, ...) formed at the fine samples.
+
+        jumps : it does, and its values are means over each sample's step.
+        """
+        return self.fine.filtered(fine, self.out, means=jumps)[0][self.out.trimmed]
+
+    def at(self, fine: BoolArray) -> BoolArray:
+        """A mask (M,) of the fine samples at the m samples of the fit."""
+        step = round(self.fine.rate / self.out.rate)
+        return fine[::step][: self.out.size][self.out.trimmed]
+
+
+def differentiate(
+    log: JointLog, arm: Arm, joints: Sequence[str] | None = None, lowpass: float | None = None, late: float = 0.0
+) -> Filtered:
+    """Positions and torques of a log, filtered; ``late`` : s by which the torque's record is moved ahead.
+
+    joints : those whose torque is looked at, by default every one logged with effort.
+
+    Raises InputError where the log has no effort, a joint that the arm has not, is too short, or lacks a joint that
+    the arm needs; or where ``lowpass``, Hz, is not below a quarter of the log's rate.
+    """
+    names = _effort_joints(log, arm, joints)
+    seconds = float(log.t[-1] - log.t[0])
+    if seconds < LEAST_SECONDS:
+        raise InputError(log.file, f"{seconds:.3g} s", f"a log of at least {LEAST_SECONDS:g} s is accepted")
+    step = np.diff(log.t)
+    rate = (log.t.size - 1) / seconds if np.ptp(step) < _JITTER * np.median(step) else 1.0 / float(np.median(step))
+    even = log.t[0] + np.arange(int(seconds * rate * (1 + 1e-12)) + 1) / rate
+    notes = [] if np.ptp(step) < _JITTER * np.median(step) else [f"Uneven time stamps were put on {rate:.4g} Hz."]
+    jittered = bool(notes)
+
+    def regular(y: FloatArray) -> FloatArray:
+        return np.interp(even, log.t, y) if jittered else np.asarray(y[: even.size])
+
+    q = np.zeros((even.size, len(arm.joints)))
+    q[:] = arm.model.qpos0
+    for i, name in enumerate(arm.joints):
+        if name in log.position:
+            q[:, i] = regular(log.position[name])
+        else:
+            notes.append(f"{name} was not logged and is taken to rest at {q[0, i]:.4g}.")
+    torque = np.stack([regular(log.effort[name]) for name in names], axis=1)
+    dof = tuple(arm.joints.index(name) for name in names)
+    cut = _lowpass(log.file, q[:, dof], rate, lowpass)
+    band = Band(cut, even.size, rate)
+    fine = band.taken(_COLUMNS * cut)
+    out = fine.taken(_FIT * cut)
+    q_fine, v_fine = band.filtered(q, fine, 1)
+    smooth = band.filtered(q, out, 2)
+    kept = out.trimmed
+    t = even[0] + np.arange(out.size) / out.rate
+    return Filtered(
+        names,
+        dof,
+        t[kept],
+        *(y[kept] for y in smooth),
+        band.filtered(torque, out, late=late)[0][kept],
+        _good(log.t, t, 1.5 / cut)[kept],
+        band,
+        fine,
+        out,
+        even[0] + np.arange(fine.size) / fine.rate,
+        q_fine,
+        v_fine,
+        np.array([_velocity_noise(q[:, i], rate, cut) for i in dof]),
+        np.array([math.sqrt(white_level(y, rate) * cut) for y in torque.T]),
+        seconds,
+        tuple(notes),
+    )
+
+
+def _effort_joints(log: JointLog, arm: Arm, joints: Sequence[str] | None) -> tuple[str, ...]:
+    """Joints with position and effort, in the arm's order; unknown ones are refused."""
+    accepted = f"joints of {arm.file} are accepted: {', '.join(arm.joints)}"
+    if not log.effort:
+        raise InputError(log.file, "no joint's effort", "a log with torques of joints is accepted")
+    asked = tuple(log.effort) if joints is None else tuple(joints)
+    for name in asked:
+        if name not in arm.joints:
+            raise InputError(log.file, f"joint {name}", accepted)
+        if name not in log.effort or name not in log.position:
+            raise InputError(log.file, f"joint {name} without position or effort", "a joint with both is accepted")
+    if not asked:
+        raise InputError(log.file, "no joint asked for", accepted)
+    return tuple(name for name in arm.joints if name in asked)
+
+
+def _lowpass(file: str, q: FloatArray, rate: float, given: float | None) -> float:
+    """Hz: as asked for, or so that the motion passes."""
+    most = rate / 4.0
+    if given is not None:
+        if not 0.0 < given <= most:
+            raise InputError(f"{file}: lowpass", f"{given:g} Hz", f"above 0 and up to {most:.4g} Hz is accepted")
+        return given
+    f = np.fft.rfftfreq(q.shape[0], 1.0 / rate)
+    flat = q - np.linspace(q[0], q[-1], q.shape[0])
+    power = np.sum((np.abs(np.fft.rfft(flat, axis=0)) * (2 * math.pi * f)[:, None]) ** 2, axis=1) * (f < 25.0)
+    share = np.cumsum(power) / max(float(np.sum(power)), 1e-300)
+    held = float(f[np.searchsorted(share, _HELD)])
+    return min(max(_ABOVE * held, _LOWEST), _HIGHEST, most)
+
+
+def _velocity_noise(q: FloatArray, rate: float, cut: float) -> float:
+    """Standard deviation of the filtered velocity from the recorded position's noise, at least its steps'."""
+    steps = np.abs(np.diff(q))
+    steps = steps[steps > 0.0]
+    quantum = float(np.min(steps)) if steps.size else 0.0
+    level = max(white_level(q, rate), 0.0 if quantum < 1e-9 else quantum**2 / 12.0 * 2.0 / rate)
+    return math.sqrt(level * (2 * math.pi) ** 2 * cut**3 / 3.0)
+
+
+def _good(stamps: FloatArray, t: FloatArray, reach: float) -> BoolArray:
+    """Which times (m,) lie farther than ``reach``, s, from a gap between stamps."""
+    steps = np.diff(stamps)
+    good = np.ones(t.size, dtype=np.bool_)
+    for i in np.flatnonzero(steps > _GAP * np.median(steps)):
+        good &= (t < stamps[i] - reach) | (t > stamps[i + 1] + reach)
+    return good

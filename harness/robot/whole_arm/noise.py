@@ -1,0 +1,90 @@
+"""Noise of a filtered series with gaps: an autoregression learnt on stretches, and the series freed of its memory."""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from harness.core.arrays import BoolArray, FloatArray, IntArray
+
+ORDER = 8
+"""Of the autoregression: follows the fall of a filter's gain within a band of one and a half times its own."""
+
+
+@dataclass(frozen=True, slots=True)
+class Stretches:
+    """kept (m,) : samples that count. depth (m,) : how many kept ones lie before each without a gap; -1 if not kept."""
+
+    kept: BoolArray
+    depth: IntArray
+
+    @classmethod
+    def of(cls, kept: BoolArray) -> "Stretches":
+        """The stretches of a mask (m,)."""
+        rows = np.arange(kept.size)
+        last_gap = np.maximum.accumulate(np.where(kept, -1, rows))
+        return cls(kept, np.where(kept, rows - last_gap - 1, -1))
+
+
+@dataclass(frozen=True, slots=True)
+class Noise:
+    """predictors : of orders 0 to p, the coefficients (k+1,) that leave the error of prediction, 1 first.
+
+    sigma (p+1,) : standard deviation of that error by order, the unit of the series.
+    """
+
+    predictors: tuple[FloatArray, ...]
+    sigma: FloatArray
+
+    @classmethod
+    def learnt(cls, series: FloatArray, stretches: Stretches, fitted: int, order: int = ORDER) -> "Noise":
+        """By Burg's method from a residual (m,) of a fit with so many numbers; always stable."""
+        depth = stretches.depth
+        size = int(np.sum(stretches.kept))
+        forward = np.where(stretches.kept, series, 0.0)
+        backward = forward.copy()
+        power = float(forward @ forward) / max(size - fitted, 1)
+        predictors, powers = [np.ones(1)], [power]
+        for k in range(1, order + 1):
+            valid = np.flatnonzero(depth >= k)
+            f, b = forward[valid], backward[valid - 1]
+            reflection = 0.0
+            if valid.size > order and (below := float(f @ f + b @ b)) > 0.0:
+                reflection = -2.0 * float(f @ b) / below
+            forward[valid], after = f + reflection * b, b + reflection * f
+            backward[valid] = after
+            last = np.append(predictors[-1], 0.0)
+            predictors.append(last + reflection * last[::-1])
+            powers.append(powers[-1] * (1.0 - reflection**2))
+        return cls(tuple(predictors), np.sqrt(np.maximum(powers, 1e-300)))
+
+    def scaled(self, factor: float) -> "Noise":
+        """The same memory at so many times the size."""
+        return Noise(self.predictors, self.sigma * factor)
+
+    def whitened(self, series: FloatArray, stretches: Stretches) -> FloatArray:
+        """Kept samples (k, ...) of a series (m, ...) as errors of prediction in units of theirs."""
+        order = len(self.predictors) - 1
+        found = np.zeros_like(series, dtype=np.float64)
+        for k, predictor in enumerate(self.predictors):
+            rows = np.flatnonzero(stretches.depth >= order if k == order else stretches.depth == k)
+            for lag in range(k + 1):
+                found[rows] += predictor[lag] * series[rows - lag]
+            found[rows] /= self.sigma[k]
+        return found[stretches.kept]
+
+    @property
+    def rms(self) -> float:
+        """Standard deviation of the series itself."""
+        return float(self.sigma[0])
+
+
+def white_level(series: FloatArray, rate: float) -> float:
+    """Density of a recorded series' noise, unit^2/Hz, from the upper half of its frequencies: white noise assumed."""
+    flat = np.diff(series, n=2)
+    power = np.abs(np.fft.rfft(flat * np.hanning(flat.size))) ** 2
+    f = np.fft.rfftfreq(flat.size)
+    upper = f > 0.25
+    # second differences raise white noise by (2 sin(pi f))^4; a Hann window holds 3/8 of the power
+    level = power[upper] / ((2.0 * np.sin(math.pi * f[upper])) ** 4 * 0.375 * flat.size)
+    return float(np.median(level) / math.log(2.0) * 2.0 / rate)

@@ -1,0 +1,88 @@
+"""The same arm with another mass, a load at its end, another armature or a tilted base."""
+
+import copy
+import math
+from dataclasses import replace
+from typing import Any
+
+import mujoco
+import numpy as np
+
+from harness.core.arrays import FloatArray
+from harness.robot.arm import Arm
+
+
+def moving_bodies(arm: Arm) -> tuple[int, ...]:
+    """Bodies with mass that a joint of the arm moves, from the base outwards."""
+    model = arm.model
+    return tuple(b for b in range(1, model.nbody) if model.body_weldid[b] != 0 and model.body_mass[b] > 0.0)
+
+
+def last_body(arm: Arm) -> int:
+    """The body with mass that most joints carry: where a payload is fastened."""
+    model = arm.model
+    return max(moving_bodies(arm), key=lambda b: (_joints_below(model, b), b))
+
+
+def _joints_below(model: Any, body: int) -> int:
+    """Degrees of freedom between a body and the world."""
+    count = 0
+    while body != 0:
+        count += int(model.body_dofnum[body])
+        body = int(model.body_parentid[body])
+    return count
+
+
+def with_mass(arm: Arm, body: int, factor: float) -> Arm:
+    """The arm with mass and inertia of one body times ``factor``."""
+    model = copy.copy(arm.model)
+    model.body_mass[body] *= factor
+    model.body_inertia[body] *= factor
+    return _settled(arm, model)
+
+
+def with_load(arm: Arm, kg: float, beside: FloatArray | None = None) -> Arm:
+    """The arm with a point mass on its last body, at the body's centre of mass or ``beside`` it (3,), m."""
+    model, body = copy.copy(arm.model), last_body(arm)
+    mass, centre = float(model.body_mass[body]), np.array(model.body_ipos[body])
+    at = centre if beside is None else centre + beside
+    turn = np.empty(9)
+    mujoco.mju_quat2Mat(turn, model.body_iquat[body])
+    axes = turn.reshape(3, 3)
+    inertia = axes @ np.diag(model.body_inertia[body]) @ axes.T
+    both = (mass * centre + kg * at) / (mass + kg)
+    inertia = inertia + _of_point(mass, centre - both) + _of_point(kg, at - both)
+    principal, axes = np.linalg.eigh(inertia)
+    axes[:, 2] *= np.sign(np.linalg.det(axes))
+    mujoco.mju_mat2Quat(model.body_iquat[body], np.ascontiguousarray(axes).ravel())
+    model.body_mass[body], model.body_ipos[body], model.body_inertia[body] = mass + kg, both, principal
+    return _settled(arm, model)
+
+
+def _of_point(kg: float, at: FloatArray) -> FloatArray:
+    """Inertia (3, 3) of a point mass at (3,)."""
+    return np.asarray(kg * (float(at @ at) * np.eye(3) - np.outer(at, at)), dtype=np.float64)
+
+
+def without_armature(arm: Arm) -> Arm:
+    """The arm as a sensor behind the gearbox sees it: no rotor."""
+    model = copy.copy(arm.model)
+    model.dof_armature[:] = 0.0
+    return replace(_settled(arm, model), armature=np.zeros_like(arm.armature))
+
+
+def tilted(arm: Arm, angle: float, about: int) -> Arm:
+    """The arm with gravity turned by ``angle``, rad, about an axis of the base (0 x, 1 y)."""
+    model = copy.copy(arm.model)
+    c, s, other = math.cos(angle), math.sin(angle), 1 - about
+    g = np.array(model.opt.gravity)
+    sign = -1.0 if about == 0 else 1.0
+    model.opt.gravity[other] = c * g[other] + sign * s * g[2]
+    model.opt.gravity[2] = c * g[2] - sign * s * g[other]
+    return _settled(arm, model)
+
+
+def _settled(arm: Arm, model: Any) -> Arm:
+    """The arm with this model, what MuJoCo derives from masses made anew."""
+    mujoco.mj_setConst(model, mujoco.MjData(model))
+    return replace(arm, model=model)

@@ -1,0 +1,98 @@
+"""Every joint's guarded samples and base, and everything that may be missing, from a filtered log."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from harness.core.arrays import BoolArray, FloatArray
+from harness.robot.arm import Arm
+from harness.robot.whole_arm.candidate import Candidate
+from harness.robot.whole_arm.design import Part
+from harness.robot.whole_arm.differentiate import Filtered
+from harness.robot.whole_arm.friction_columns import base_columns, friction_candidates
+from harness.robot.whole_arm.guard import WIDTH, away
+from harness.robot.whole_arm.model_columns import model_candidates
+from harness.robot.whole_arm.noise import Noise, Stretches
+from harness.robot.whole_arm.rules import LEAST_SAMPLES
+from harness.robot.whole_arm.search import beside_everything
+
+_WIDER = 1.5
+"""Times that a guard grows in one step."""
+_WIDEST = 8
+"""Steps of growth, by then fifteen times the least width."""
+
+
+@dataclass(frozen=True, slots=True)
+class Known:
+    """What the user vouches for: the load at the end, the side of the sensor, the scale of the torque."""
+
+    payload: bool = False
+    sensor: bool = False
+    gain: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class Problem:
+    """filtered : the log, of the joints that move enough. parts : one a joint. guard (k,) : s. rigid (m, k) : N m.
+    candidates : everything that may be missing.
+    """
+
+    filtered: Filtered
+    parts: tuple[Part, ...]
+    guard: FloatArray
+    rigid: FloatArray
+    candidates: tuple[Candidate, ...]
+
+
+def moving(filtered: Filtered) -> tuple[int, ...]:
+    """Joints with enough guarded samples in both directions."""
+    found = []
+    for j, dof in enumerate(filtered.dof):
+        kept = away(filtered, j, WIDTH / filtered.band.lowpass)
+        v = filtered.v[kept, dof]
+        most = int(np.sum(kept))
+        if most >= LEAST_SAMPLES.value and min(np.sum(v > 0), np.sum(v < 0)) >= LEAST_SAMPLES.value / 10.0:
+            found.append(j)
+    return tuple(found)
+
+
+def prepare(filtered: Filtered, arm: Arm, known: Known) -> Problem:
+    """The problem of a filtered log whose joints all move."""
+    rigid = arm.inverse(filtered.q, filtered.v, filtered.a)[:, filtered.dof]
+    still = np.zeros_like(filtered.q_fine)
+    gravity = arm.inverse(filtered.q_fine, still, still)[:, filtered.dof]
+    parts, guards, candidates = [], [], []
+    for j in range(len(filtered.joints)):
+        torque, base = filtered.torque[:, j] - rigid[:, j], base_columns(filtered, j)
+        width, kept = _guarded(filtered, j, torque, base)
+        guards.append(width)
+        candidates += list(friction_candidates(filtered, j, gravity[:, j], kept))
+        parts.append(Part(torque, base, Stretches.of(kept), _plain(torque, base, kept)[1]))
+    candidates += list(model_candidates(filtered, arm, known.payload, known.sensor, known.gain))
+    learnt = tuple(beside_everything(part, j, candidates) for j, part in enumerate(parts))
+    return Problem(filtered, learnt, np.array(guards), rigid, tuple(candidates))
+
+
+def _guarded(filtered: Filtered, joint: int, torque: FloatArray, base: FloatArray) -> tuple[float, BoolArray]:
+    """Width, s, and samples of the guard that stands when Coulomb friction moves by less than its error."""
+    width = WIDTH / filtered.band.lowpass
+    kept = away(filtered, joint, width)
+    coulomb, noise = _plain(torque, base, kept)
+    for _ in range(_WIDEST):
+        wider = away(filtered, joint, width * _WIDER)
+        if np.sum(wider) < max(LEAST_SAMPLES.value, 0.5 * np.sum(kept)):
+            break
+        next_coulomb, next_noise = _plain(torque, base, wider)
+        part = Part(torque, base, Stretches.of(wider), next_noise)
+        white = part.white(base)
+        error = float(np.sqrt(np.linalg.pinv(white.T @ white)[0, 0]))
+        if abs(next_coulomb - coulomb) < error:
+            break
+        width, kept, coulomb = width * _WIDER, wider, next_coulomb
+    return width, kept
+
+
+def _plain(torque: FloatArray, base: FloatArray, kept: BoolArray) -> tuple[float, Noise]:
+    """Coulomb friction by plain least squares, and the noise of what is left."""
+    numbers = np.linalg.lstsq(base[kept], torque[kept], rcond=None)[0]
+    return float(numbers[0]), Noise.learnt(torque - base @ numbers, Stretches.of(kept), base.shape[1])

@@ -1,0 +1,176 @@
+"""Which candidates belong to the model of the whole arm: the surest first, until none is sure enough."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from harness.core.arrays import FloatArray
+from harness.robot.whole_arm.candidate import FRICTION, Candidate
+from harness.robot.whole_arm.design import Design, Named, Part, Score, Whitened
+from harness.robot.whole_arm.held_out import errors
+from harness.robot.whole_arm.model_columns import DELAY, PAYLOAD, TILT
+from harness.robot.whole_arm.noise import Noise
+from harness.robot.whole_arm.rules import MOST, NAMED, RIVAL
+
+CORRECTED = (PAYLOAD, DELAY, TILT)
+"""Errors of the model whose effect is not linear in their size."""
+_POLISHINGS = 5
+_SETTINGS = 3
+"""Of each candidate that the noise is learnt beside."""
+
+
+@dataclass(frozen=True, slots=True)
+class Chosen:
+    """A candidate in the model: where it stood when it was chosen, and which others would have done nearly as well."""
+
+    named: Named
+    evidence: float
+    rivals: tuple[str, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Model:
+    """What was chosen, and the problem solved with it, its noise learnt from what it leaves."""
+
+    chosen: tuple[Chosen, ...]
+    design: Design
+    strongest: float
+    """Evidence of the best candidate that was looked at before any was chosen."""
+    again: bool = False
+    """Whether the last one chosen has to be corrected, and the search begun anew."""
+
+
+def beside_everything(part: Part, joint: int, candidates: Sequence[Candidate]) -> Part:
+    """A part whose noise is learnt from what all candidates together leave of its torque."""
+    kept = part.stretches.kept
+    columns = [part.base]
+    for candidate in candidates:
+        settings = [one.columns[joint] for one in candidate.settings if joint in one.columns]
+        places = np.unique(np.linspace(0, len(settings) - 1, min(len(settings), _SETTINGS)).round().astype(int))
+        columns += [settings[i] for i in places] if settings else []
+    everything = np.hstack(columns)
+    size = np.sqrt(np.mean(everything[kept] ** 2, axis=0))
+    everything = everything[:, size > 0.0] / size[size > 0.0]
+    u, singular, _ = np.linalg.svd(everything[kept], full_matrices=False)
+    u = u[:, singular > 1e-4 * singular[0]]
+    left = np.zeros(kept.size)
+    left[kept] = part.torque[kept] - u @ (u.T @ part.torque[kept])
+    return replace(part, noise=Noise.learnt(left, part.stretches, u.shape[1]))
+
+
+def search(parts: Sequence[Part], candidates: Sequence[Candidate], t: FloatArray, forced: Sequence[Chosen]) -> Model:
+    """The model of the whole arm; parts hold the noise learnt beside everything, t (m,) : s.
+
+    forced : errors of the model that were found and corrected, whose rest is fitted along. The search ends early where
+    it names another that has to be corrected first.
+    """
+    whitened = [Whitened.of(candidate, parts) for candidate in candidates]
+    by_key = {w.candidate.key: w for w in whitened}
+    chosen = [replace(one, named=Named(by_key[one.named.candidate.key], 0)) for one in forced]
+    design = Design(parts, [one.named for one in chosen])
+    before = errors(design, t)
+    refused: set[tuple[str, int | None]] = set()
+    strongest: float | None = None
+    while True:
+        taken = {one.named.candidate.key for one in chosen} | refused
+        scores = [design.score(w) for w in whitened if w.candidate.key not in taken and not _full(chosen, w.candidate)]
+        if not scores:
+            break
+        best = max(scores, key=lambda s: s.evidence)
+        strongest = best.evidence if strongest is None else strongest
+        if best.evidence < NAMED.value:
+            break
+        named, trial = _polished(parts, [one.named for one in chosen], best.named)
+        after = errors(trial, t)
+        if float(after @ after) >= float(before @ before):
+            refused.add(best.named.candidate.key)
+            continue
+        design, before = trial, after
+        chosen.append(Chosen(named, best.evidence, _rivals(best, scores, design)))
+        if named.candidate.name in CORRECTED:
+            return Model(tuple(chosen), design, strongest, again=True)
+    return _pruned(parts, chosen, len(forced), strongest or 0.0)
+
+
+def _full(chosen: Sequence[Chosen], candidate: Candidate) -> bool:
+    """Whether there are as many names as a joint, or the model, may have."""
+    if candidate.family == FRICTION:
+        return len(of_joint(chosen, candidate.joint)) >= MOST.value
+    names = {one.named.candidate.name for one in chosen if one.named.candidate.family != FRICTION}
+    return len(names) >= MOST.value and candidate.name not in names
+
+
+def _polished(parts: Sequence[Part], others: Sequence[Named], named: Named) -> tuple[Named, Design]:
+    """A candidate with what is not linear in it brought to its best value, and the model that has it."""
+    design = Design(parts, [*others, named])
+    candidate = named.candidate
+    if candidate.shape is None:
+        return named, design
+    value = candidate.settings[named.setting].values[0][2]
+    grid = [one.values[0][2] for one in candidate.settings]
+    lower, upper = grid[max(named.setting - 1, 0)], grid[min(named.setting + 1, len(grid) - 1)]
+    count = candidate.spread.size
+    numbers = design.numbers[design.places[-1]][:count]
+    for _ in range(_POLISHINGS):
+        around = candidate.around(named.setting, value, numbers)
+        at = Named(Whitened.of(around, parts), 0)
+        design = Design(parts, [*others, at])
+        found = design.numbers[design.places[-1]]
+        numbers, value = found[:count], float(np.clip(value + found[count], lower, upper))
+    return at, design
+
+
+def _rivals(best: Score, scores: Sequence[Score], after: Design) -> tuple[str, ...]:
+    """Others that were nearly as sure and are not any more once the best is in."""
+    near = [s for s in scores if s is not best and s.evidence > best.evidence - RIVAL.value]
+    one = best.named.candidate
+    near = [s for s in near if s.named.candidate.joint in (one.joint, None) or one.joint is None]
+    found = [s for s in near if after.score(s.named.whitened).evidence < NAMED.value]
+    return tuple(dict.fromkeys(s.named.candidate.name for s in sorted(found, key=lambda s: -s.evidence)))
+
+
+def relearnt(design: Design) -> list[Part]:
+    """The parts with their noise learnt from what the model leaves."""
+    found = []
+    for j, part in enumerate(design.parts):
+        left = np.array(part.torque)
+        place = design.places[j]
+        left -= part.base @ design.numbers[place]
+        count = part.base.shape[1]
+        for one, where in zip(design.named, design.places[len(design.parts) :], strict=True):
+            columns = one.candidate.settings[one.setting].columns
+            if j in columns:
+                left -= columns[j] @ design.numbers[where]
+                count += columns[j].shape[1]
+        found.append(replace(part, noise=Noise.learnt(left, part.stretches, count)))
+    return found
+
+
+def _pruned(parts: Sequence[Part], chosen: Sequence[Chosen], forced: int, strongest: float) -> Model:
+    """Without what is not sure any more beside what was chosen after it; the noise learnt anew."""
+    kept = list(chosen)
+    design = Design(parts, [one.named for one in kept])
+    while True:
+        # the second time the weights are those of the noise itself
+        for _ in range(2):
+            parts = relearnt(design)
+            kept = [replace(one, named=one.named.again(parts)) for one in kept]
+            design = Design(parts, [one.named for one in kept])
+        sure = []
+        for i, one in enumerate(kept):
+            without = Design(parts, [other.named for k, other in enumerate(kept) if k != i])
+            sure.append(without.score(one.named.whitened).evidence)
+        kept = [
+            one if i < forced else replace(one, evidence=value)
+            for i, (one, value) in enumerate(zip(kept, sure, strict=True))
+        ]
+        if not sure[forced:] or min(sure[forced:]) >= NAMED.value:
+            return Model(tuple(kept), design, strongest)
+        del kept[forced + int(np.argmin(sure[forced:]))]
+        design = Design(parts, [one.named for one in kept])
+
+
+def of_joint(chosen: Sequence[Chosen], joint: int | None) -> tuple[Chosen, ...]:
+    """Effects of one joint's friction."""
+    return tuple(c for c in chosen if c.named.candidate.joint == joint and c.named.candidate.family == FRICTION)
