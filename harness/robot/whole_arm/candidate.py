@@ -51,12 +51,13 @@ class Candidate:
 
         numbers (c,) : of the columns at that value; the further number is the step.
         """
-        assert self.shape is not None and self.joint is not None
+        assert self.shape is not None
+        (joint,) = self.settings[setting].columns
         ((what, unit, _),) = self.settings[setting].values
         step = _STEP * value
         slope = (self.shape(value + step) - self.shape(value - step)) @ numbers / (2.0 * step)
         columns = np.column_stack((self.shape(value), slope))
-        at = Setting(((what, unit, value),), {self.joint: columns})
+        at = Setting(((what, unit, value),), {joint: columns})
         return replace(
             self, settings=(at,), numbers=(*self.numbers, (what, unit)), spread=np.append(self.spread, np.inf)
         )

@@ -46,6 +46,10 @@ class Whitened:
         tried = next(iter(white.values()))[:, :, 0]
         return cls(candidate, white, looks(tried) if tried.shape[1] > 1 else 1.0)
 
+    def at(self, setting: int) -> "Named":
+        """At one of its settings."""
+        return Named(self, setting)
+
 
 @dataclass(frozen=True, slots=True)
 class Named:
@@ -136,6 +140,11 @@ class Design:
             if scores.size > 4:
                 total += float(scores @ scores) * memory(scores, min(scores.size // 4, 60)).time
         return total / nominal
+
+    def inside(self, columns: FloatArray) -> FloatArray:
+        """What columns (rows, c) have in common with those of the model."""
+        basis = self._u[: columns.shape[0]]
+        return np.asarray(basis @ (basis.T @ columns))
 
     def score(self, whitened: Whitened) -> Score:
         """What a candidate would add to the model, by its best setting."""

@@ -32,7 +32,7 @@ class Filtered:
     joints : names (k,). dof : their places in the arm (k,). t (m,) : s. q, v, a (m, nv) : rad or m, per s, per s^2.
     torque (m, k) : N m or N. good (m,) : away from gaps. band : of the recording. fine : band of t_fine, q_fine, v_fine
     (M, nv), from which columns are formed. out : band of the m samples before the ends were cut. velocity_noise (k,) :
-    standard deviation of v. torque_noise (k,) : that white noise of the recorded torque leaves after the filter, N m.
+    standard deviation of v. position_step (k,) : rad, the encoder's. torque_noise (k,) : that white noise of the recorded torque leaves after the filter, N m.
     seconds : of the log. notes : what was done, one sentence each.
     """
 
@@ -51,6 +51,7 @@ class Filtered:
     q_fine: FloatArray
     v_fine: FloatArray
     velocity_noise: FloatArray
+    position_step: FloatArray
     torque_noise: FloatArray
     seconds: float
     notes: tuple[str, ...]
@@ -122,6 +123,7 @@ def differentiate(
         q_fine,
         v_fine,
         np.array([_velocity_noise(q[:, i], rate, cut) for i in dof]),
+        np.array([_quantum(q[:, i]) for i in dof]),
         np.array([math.sqrt(white_level(y, rate) * cut) for y in torque.T]),
         seconds,
         tuple(notes),
@@ -161,11 +163,19 @@ def _lowpass(file: str, q: FloatArray, rate: float, given: float | None) -> floa
 
 def _velocity_noise(q: FloatArray, rate: float, cut: float) -> float:
     """Standard deviation of the filtered velocity from the recorded position's noise, at least its steps'."""
-    steps = np.abs(np.diff(q))
-    steps = steps[steps > 0.0]
-    quantum = float(np.min(steps)) if steps.size else 0.0
-    level = max(white_level(q, rate), 0.0 if quantum < 1e-9 else quantum**2 / 12.0 * 2.0 / rate)
+    level = max(white_level(q, rate), _quantum(q) ** 2 / 12.0 * 2.0 / rate)
     return math.sqrt(level * (2 * math.pi) ** 2 * cut**3 / 3.0)
+
+
+def _quantum(q: FloatArray) -> float:
+    """The least step of a position, which is an encoder's where most steps are whole multiples of it; else 0."""
+    steps = np.abs(np.diff(q))
+    steps = steps[steps > 1e-12]
+    if not steps.size:
+        return 0.0
+    least = float(np.quantile(steps, 0.01))
+    whole = np.abs(steps / least - np.round(steps / least)) < 0.1
+    return least if float(np.mean(whole)) > 0.9 else 0.0
 
 
 def _good(stamps: FloatArray, t: FloatArray, reach: float) -> BoolArray:

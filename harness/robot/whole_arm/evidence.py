@@ -16,7 +16,12 @@ def evidence(gain: float, columns: float, looks: float = 1.0) -> float:
     """
     if gain <= 0.0:
         return 0.0
-    chance = _log_tail(gain, columns) + math.log(max(looks, 1.0))
+    return evidence_of_chance(_log_tail(gain, columns), looks)
+
+
+def evidence_of_chance(log_chance: float, looks: float = 1.0) -> float:
+    """The same from the logarithm of a chance of one setting."""
+    chance = log_chance + math.log(max(looks, 1.0))
     return float(ndtri_exp(chance - math.log(2.0)) ** 2) if chance < 0.0 else 0.0
 
 

@@ -33,14 +33,15 @@ class Known:
 
 @dataclass(frozen=True, slots=True)
 class Problem:
-    """filtered : the log, of the joints that move enough. parts : one a joint. guard (k,) : s. rigid (m, k) : N m.
-    candidates : everything that may be missing.
+    """filtered : the log, of the joints that move enough. parts : one a joint. guard (k,) : s. rigid, gravity (m, k) :
+    torque of the model and of gravity alone, N m. candidates : everything that may be missing.
     """
 
     filtered: Filtered
     parts: tuple[Part, ...]
     guard: FloatArray
     rigid: FloatArray
+    gravity: FloatArray
     candidates: tuple[Candidate, ...]
 
 
@@ -61,6 +62,7 @@ def prepare(filtered: Filtered, arm: Arm, known: Known) -> Problem:
     rigid = arm.inverse(filtered.q, filtered.v, filtered.a)[:, filtered.dof]
     still = np.zeros_like(filtered.q_fine)
     gravity = arm.inverse(filtered.q_fine, still, still)[:, filtered.dof]
+    weight = arm.inverse(filtered.q, np.zeros_like(filtered.q), np.zeros_like(filtered.q))[:, filtered.dof]
     parts, guards, candidates = [], [], []
     for j in range(len(filtered.joints)):
         torque, base = filtered.torque[:, j] - rigid[:, j], base_columns(filtered, j)
@@ -70,7 +72,7 @@ def prepare(filtered: Filtered, arm: Arm, known: Known) -> Problem:
         parts.append(Part(torque, base, Stretches.of(kept), _plain(torque, base, kept)[1]))
     candidates += list(model_candidates(filtered, arm, known.payload, known.sensor, known.gain))
     learnt = tuple(beside_everything(part, j, candidates) for j, part in enumerate(parts))
-    return Problem(filtered, learnt, np.array(guards), rigid, tuple(candidates))
+    return Problem(filtered, learnt, np.array(guards), rigid, weight, tuple(candidates))
 
 
 def _guarded(filtered: Filtered, joint: int, torque: FloatArray, base: FloatArray) -> tuple[float, BoolArray]:

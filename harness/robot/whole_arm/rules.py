@@ -39,12 +39,12 @@ MAIN = Rule(
     "an effect that takes more than this of what the base leaves beyond the noise is the main one",
     "most of the misfit, as the word says",
 )
-STRUCTURE = Rule(
-    "structure-left",
-    1e-3,
-    "chance",
-    "what a model leaves is said to have structure, so that it does not explain the joint",
-    "level of the test: one sound joint in a thousand",
+EXPLAINED = Rule(
+    "explained",
+    1.5,
+    "rms",
+    "what a model leaves is no more than so many times the noise of the recorded torque, so that it explains the joint",
+    "a judgement: noise that remembers is up to so much larger than white noise of the same recording above the filter",
 )
 MOST = Rule(
     "most-named",

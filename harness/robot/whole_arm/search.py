@@ -81,7 +81,7 @@ def search(parts: Sequence[Part], candidates: Sequence[Candidate], t: FloatArray
         strongest = best.evidence if strongest is None else strongest
         if best.evidence < NAMED.value:
             break
-        named, trial = _polished(parts, [one.named for one in chosen], best.named)
+        named, trial = polished(parts, [one.named for one in chosen], best.named)
         after = errors(trial, t)
         if float(after @ after) >= float(before @ before):
             refused.add(best.named.candidate.key)
@@ -101,7 +101,7 @@ def _full(chosen: Sequence[Chosen], candidate: Candidate) -> bool:
     return len(names) >= MOST.value and candidate.name not in names
 
 
-def _polished(parts: Sequence[Part], others: Sequence[Named], named: Named) -> tuple[Named, Design]:
+def polished(parts: Sequence[Part], others: Sequence[Named], named: Named) -> tuple[Named, Design]:
     """A candidate with what is not linear in it brought to its best value, and the model that has it."""
     design = Design(parts, [*others, named])
     candidate = named.candidate
@@ -130,21 +130,26 @@ def _rivals(best: Score, scores: Sequence[Score], after: Design) -> tuple[str, .
     return tuple(dict.fromkeys(s.named.candidate.name for s in sorted(found, key=lambda s: -s.evidence)))
 
 
+def left_over(design: Design, joint: int) -> tuple[FloatArray, int]:
+    """Torque (m,) that the model leaves of a joint, guarded or not, and how many numbers were fitted to it."""
+    part = design.parts[joint]
+    left = part.torque - part.base @ design.numbers[design.places[joint]]
+    count = part.base.shape[1]
+    for one, where in zip(design.named, design.places[len(design.parts) :], strict=True):
+        columns = one.candidate.settings[one.setting].columns
+        if joint in columns:
+            left = left - columns[joint] @ design.numbers[where]
+            count += columns[joint].shape[1]
+    return left, count
+
+
 def relearnt(design: Design) -> list[Part]:
     """The parts with their noise learnt from what the model leaves."""
-    found = []
-    for j, part in enumerate(design.parts):
-        left = np.array(part.torque)
-        place = design.places[j]
-        left -= part.base @ design.numbers[place]
-        count = part.base.shape[1]
-        for one, where in zip(design.named, design.places[len(design.parts) :], strict=True):
-            columns = one.candidate.settings[one.setting].columns
-            if j in columns:
-                left -= columns[j] @ design.numbers[where]
-                count += columns[j].shape[1]
-        found.append(replace(part, noise=Noise.learnt(left, part.stretches, count)))
-    return found
+    left = [left_over(design, j) for j in range(len(design.parts))]
+    return [
+        replace(part, noise=Noise.learnt(rest, part.stretches, count))
+        for part, (rest, count) in zip(design.parts, left, strict=True)
+    ]
 
 
 def _pruned(parts: Sequence[Part], chosen: Sequence[Chosen], forced: int, strongest: float) -> Model:

@@ -1,0 +1,80 @@
+"""python -m harness.robot.whole_arm.calibrate --draws N --seed S: the figures of friction from a whole arm's log."""
+
+import argparse
+import sys
+import time
+from collections.abc import Iterator, Sequence
+
+import numpy as np
+
+from harness.robot.whole_arm.calibrate.draws import Draw, Found, draw
+
+_COULOMB, _VISCOUS = 0.01, 0.05
+"""Shares of the true value within which friction is asked for."""
+_BINS = ((20.0, 50.0), (50.0, 200.0), (200.0, np.inf))
+
+
+def main(argv: Sequence[str] | None = None) -> int:
+    """Draw, and print; exit code."""
+    parser = argparse.ArgumentParser(prog="python -m harness.robot.whole_arm.calibrate")
+    parser.add_argument("--draws", type=int, default=40)
+    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--first", type=int, default=0, help="number of the first draw")
+    parser.add_argument("--each", action="store_true", help="a line for every draw as it is done")
+    told = parser.parse_args(argv)
+    draws, began = [], time.perf_counter()
+    for number in range(told.first, told.first + told.draws):
+        draws.append(draw(told.seed, number))
+        if told.each:
+            print(f"{number}: {_line(draws[-1])}", flush=True)
+    spent = time.perf_counter() - began
+    print(f"{told.draws} draws from {told.first}, seed {told.seed}: {spent:.0f} s, three logs of 20 s a draw")
+    print("\n".join(_said(draws)))
+    return 0
+
+
+def _line(one: Draw) -> str:
+    largest = np.max(np.abs(one.clean.errors / one.clean.claimed))
+    parts = [f"clean {list(one.clean.named)} z {largest:.1f}"]
+    for found in (one.effect, one.error):
+        word = "named" if found.named else "listed" if found.listed else "MISSED"
+        parts.append(f"{found.put_in} {found.limit:.0f} {word} {list(found.besides)}")
+    return "; ".join(parts)
+
+
+def _said(draws: Sequence[Draw]) -> Iterator[str]:
+    for i, (what, asked) in enumerate((("Coulomb", _COULOMB), ("viscous", _VISCOUS))):
+        errors = np.array([one.clean.errors[:, i] for one in draws])
+        claimed = np.array([one.clean.claimed[:, i] for one in draws])
+        sharp = np.array([one.clean.bounds[:, i] for one in draws]) < asked / 2.0
+        within = np.abs(errors) < asked
+        covered = np.abs(errors) < 2.0 * claimed
+        yield (
+            f"{what}: within {asked:.0%} in {_of(within[sharp])} of joints whose bound is below half of it; two standard"
+            f" errors cover {_of(covered)}, {_of(covered[~sharp])} where it is not;"
+            f" error over bound {np.median(np.abs(errors) / np.array([o.clean.bounds[:, i] for o in draws])):.2f} in the"
+            " median"
+        )
+    yield f"clean arms in which nothing is named: {_of(np.array([not one.clean.named for one in draws]))}"
+    above = [one.effect for one in draws if one.effect.limit > _BINS[0][0]]
+    yield f"an effect whose limit is above 20: {_counted(above)}"
+    for lower, upper in _BINS:
+        yield f"  {lower:g} to {upper:g}: {_counted([e for e in above if lower < e.limit <= upper])}"
+    for name in sorted({e.put_in for e in above}):
+        yield f"  {name}: {_counted([e for e in above if e.put_in == name])}"
+    for name in sorted({one.error.put_in for one in draws}):
+        yield f"error of the model, {name}: {_counted([o.error for o in draws if o.error.put_in == name])}"
+
+
+def _counted(found: Sequence[Found]) -> str:
+    named, listed = np.array([f.named for f in found]), np.array([f.named or f.listed for f in found])
+    besides = np.array([bool(f.besides) for f in found])
+    return f"named {_of(named)}, named or listed {_of(listed)}, something else besides {_of(besides)}"
+
+
+def _of(true: np.ndarray) -> str:  # type: ignore[type-arg]
+    return f"{np.mean(true):.1%} of {true.size}" if true.size else "none"
+
+
+if __name__ == "__main__":
+    sys.exit(main())

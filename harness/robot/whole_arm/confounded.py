@@ -1,0 +1,37 @@
+"""What a log cannot part: pairs that none can, and pairs that this one's motion does not."""
+
+import numpy as np
+
+from harness.core.arrays import FloatArray
+from harness.robot.whole_arm.design import Part
+from harness.robot.whole_arm.model_columns import DELAY, INERTIA, MOTOR, SENSOR
+from harness.robot.whole_arm.prepare import Known, Problem
+from harness.robot.whole_arm.rules import RIVAL
+
+_SHARE, _LATE = 0.1, 0.01
+"""Of gravity, and s: errors that the motion must show at the level of a rival to be told from a base parameter."""
+
+
+def confounded(problem: Problem, known: Known) -> tuple[tuple[str, str], ...]:
+    """Pairs of names, with the joint where it is one joint's."""
+    found: list[tuple[str, str]] = []
+    if not known.gain:
+        found.append((MOTOR, INERTIA))
+    if not known.sensor:
+        found.append(("Coulomb friction of the gearbox", SENSOR))
+    filtered = problem.filtered
+    for j, (name, part) in enumerate(zip(filtered.joints, problem.parts, strict=True)):
+        gravity = problem.gravity[:, j]
+        if np.max(np.abs(gravity)) > 1e-9 and _shown(part, _SHARE * gravity) < RIVAL.value:
+            found.append((f"offset of {name}", "gravity"))
+        change = np.gradient(problem.rigid[:, j], 1.0 / filtered.out.rate)
+        if _shown(part, _LATE * change) < RIVAL.value:
+            found.append((f"viscous friction of {name}", DELAY))
+    return tuple(found)
+
+
+def _shown(part: Part, torque: FloatArray) -> float:
+    """Gain that this torque (m,) would bring beyond Coulomb, viscous and offset."""
+    base, added = part.white(part.base), part.white(torque)
+    left = added - base @ np.linalg.lstsq(base, added, rcond=None)[0]
+    return float(left @ left)

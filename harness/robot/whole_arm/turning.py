@@ -1,0 +1,199 @@
+"""What happens at reversals, which the guard leaves out: presliding, static friction, backlash, a late torque.
+
+Each is a torque along the motion, sent through the filter of the torque and compared with all samples. How sure it is
+comes from how the reversals agree with each other: what is common to a reversal's neighbourhood is one observation.
+"""
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+
+import numpy as np
+from scipy.special import betainc
+
+from harness.core.arrays import FloatArray, IntArray
+from harness.model.terms import backlash, presliding, static_friction
+from harness.robot.whole_arm.candidate import FRICTION, MODEL, Candidate, Setting, free
+from harness.robot.whole_arm.correct import Solved
+from harness.robot.whole_arm.design import Design, Named, Part, Whitened
+from harness.robot.whole_arm.differentiate import Filtered
+from harness.robot.whole_arm.evidence import evidence_of_chance
+from harness.robot.whole_arm.friction_columns import signs
+from harness.robot.whole_arm.guard import SURE, reversals
+from harness.robot.whole_arm.model_columns import DELAY, WHICH_IS_LATE
+from harness.robot.whole_arm.noise import Stretches
+from harness.robot.whole_arm.rules import ENOUGH_TURNS, NAMED, RIVAL
+from harness.robot.whole_arm.search import Chosen, polished
+
+PRESLIDING, STATIC, BACKLASH = presliding.TERM.name, static_friction.TERM.name, backlash.TERM.name
+_LENGTHS = 12
+_PLAUSIBLE = (0.3, 1.7)
+"""Share of Coulomb friction, or of the load, that presliding, or backlash, must hold to be what it is called."""
+_LARGEST = 0.1
+"""Share of a joint's span up to which presliding and backlash are looked for."""
+
+
+@dataclass(frozen=True, slots=True)
+class Turned:
+    """joint : which. chosen : what was named at its reversals. reversals : how many there are.
+
+    numbers, errors : what was found, in the candidate's order. share : of what the base leaves beyond the noise.
+    """
+
+    joint: int
+    chosen: Chosen
+    reversals: int
+    numbers: FloatArray
+    errors: FloatArray
+    share: float
+
+
+def at_reversals(solved: Solved) -> Iterator[Turned]:
+    """What is named at the reversals of each joint, at most one thing a joint."""
+    filtered, design = solved.problem.filtered, solved.model.design
+    for j, part in enumerate(design.parts):
+        dof = filtered.dof[j]
+        v = filtered.v_fine[:, dof]
+        turns = reversals(v, SURE * float(filtered.velocity_noise[j]))
+        if turns.size < ENOUGH_TURNS.value:
+            continue
+        whole = replace(part, torque=_own(design, j), stretches=Stretches.of(filtered.good))
+        local = [n for n in design.named if n.candidate.joint == j]
+        held = tuple(Named(Whitened.of(_alone(n.candidate), (whole,)), n.setting) for n in local)
+        nearest = _nearest(filtered, turns)[whole.stretches.kept]
+        base = Design((whole,), held)
+        coulomb, viscous = abs(float(design.numbers[design.places[j]][0])), float(design.numbers[design.places[j]][1])
+        rigid = solved.problem.rigid[:, j]
+        tried = [_try(base, c, nearest) for c in _candidates(filtered, j, turns, (coulomb, viscous), rigid)]
+        found = [t for t in tried if t is not None and _plausible(t.named, t.number, coulomb)]
+        found.sort(key=lambda one: -one.gain)
+        sure = [one for one in found if one.evidence >= NAMED.value]
+        if sure and sure[0] is found[0]:
+            rivals = tuple(one.named.candidate.name for one in found[1:] if one.gain > found[0].gain - RIVAL.value)
+            named, fitted = polished((whole,), held, found[0].named)
+            count = named.candidate.spread.size
+            errors = np.sqrt(np.diag(fitted.covariance()))[-count:]
+            errors[0] = max(errors[0], found[0].error)
+            squares = float(base.residual @ base.residual)
+            share = (squares - float(fitted.residual @ fitted.residual)) / max(squares - base.rows, 1e-300)
+            chosen = Chosen(named, found[0].evidence, rivals)
+            yield Turned(j, chosen, turns.size, fitted.numbers[-count:], errors, min(share, 1.0))
+
+
+def _alone(candidate: Candidate) -> Candidate:
+    """A candidate of one joint, in a problem of that joint alone."""
+    return replace(candidate, joint=0, settings=tuple(Setting(s.values, dict(enumerate(s.columns.values()))) for s in candidate.settings))
+
+
+def _own(design: Design, joint: int) -> FloatArray:
+    """Torque (m,) of a joint without what errors of the model that several joints share take of it."""
+    torque = np.array(design.parts[joint].torque)
+    for one, place in zip(design.named, design.places[len(design.parts) :], strict=True):
+        columns = one.candidate.settings[one.setting].columns
+        if one.candidate.joint is None and joint in columns:
+            torque -= columns[joint] @ design.numbers[place]
+    return torque
+
+
+def _nearest(filtered: Filtered, turns: FloatArray) -> IntArray:
+    """The reversal that each sample (m,) of the fit is nearest to."""
+    times = filtered.t_fine[0] + turns / filtered.fine.rate
+    return np.asarray(np.searchsorted((times[1:] + times[:-1]) / 2.0, filtered.t), dtype=np.int64)
+
+
+def _candidates(
+    filtered: Filtered, joint: int, turns: FloatArray, friction: tuple[float, float], rigid: FloatArray
+) -> Iterator[Candidate]:
+    """What may happen at reversals; columns stand under joint 0, the only one of the problem."""
+    dof = filtered.dof[joint]
+    q, v = filtered.q_fine[:, dof], filtered.v_fine[:, dof]
+    sign = signs(v)
+    sliding = filtered.column(sign, jumps=True)
+    quantum = float(filtered.position_step[joint])
+    lengths = np.geomspace(max(4.0 * quantum, 1e-4 * np.ptp(q)), _LARGEST * np.ptp(q), _LENGTHS)
+
+    def settings(what: str, unit: str, values: FloatArray, columns: list[FloatArray]) -> tuple[Setting, ...]:
+        return tuple(Setting(((what, unit, float(x)),), {0: c[:, None]}) for x, c in zip(values, columns, strict=True))
+
+    def held(length: float) -> FloatArray:
+        return (filtered.column(bristles(q, length)) - sliding)[:, None]
+
+    tried = settings("length", "rad", lengths, [held(float(length))[:, 0] for length in lengths])
+    yield Candidate(PRESLIDING, FRICTION, joint, tried, (("held", "N m"),), free(1), shape=held)
+    # within one step of the encoder a reversal has no speed of its own, and within one sample no shape
+    turning = float(np.median(np.abs(filtered.a[:, dof])))
+    least = max(2.0 * math.sqrt(2.0 * turning * quantum), 3.0 * turning / filtered.fine.rate)
+    speeds = np.geomspace(least, max(float(np.quantile(np.abs(v), 0.15)), 2.0 * least), _LENGTHS)
+    more = [filtered.column(sign * np.exp(-((v / v_s) ** 2)), jumps=True) for v_s in speeds]
+    yield Candidate(
+        STATIC, FRICTION, joint, settings("v_s", "rad/s", speeds, more), (("f_s - f_c", "N m"),), free(1)
+    )
+    load = np.interp(filtered.t_fine, filtered.t, rigid)
+    since = np.abs(q - q[_last(turns, q.size)])
+    loose = [filtered.column(-load * (since < gap), jumps=True) for gap in lengths]
+    yield Candidate(BACKLASH, FRICTION, joint, settings("gap", "rad", lengths, loose), (("share", "1"),), free(1))
+    jump = filtered.fine.filtered(sign, filtered.out, 1, means=True)[1][filtered.out.trimmed]
+    coulomb, viscous = friction
+    change = coulomb * jump + viscous * filtered.a[:, dof] + np.gradient(rigid, 1.0 / filtered.out.rate)
+    late = (Setting((), {0: -change[:, None]}),)
+    yield Candidate(DELAY, MODEL, joint, late, (("delay", "s"),), free(1), "early position", WHICH_IS_LATE)
+
+
+def bristles(q: FloatArray, length: float) -> FloatArray:
+    """Share (M,) of Coulomb friction along a path q (M,) by Dahl's law, exact on each straight step."""
+    step = np.diff(q)
+    sign, kept = np.sign(step), np.exp(-np.abs(step) / length)
+    found = np.empty(q.size)
+    state = float(sign[0])
+    found[0] = state
+    for i in range(step.size):
+        state = sign[i] + (state - sign[i]) * kept[i]
+        found[i + 1] = state
+    return found
+
+
+def _last(turns: FloatArray, size: int) -> IntArray:
+    """The sample at which the last reversal before each was; the first sample before any."""
+    marks = np.zeros(size, dtype=np.int64)
+    places = np.round(turns).astype(np.int64)
+    marks[places] = places
+    return np.asarray(np.maximum.accumulate(marks))
+
+
+@dataclass(frozen=True, slots=True)
+class _Tried:
+    named: Named
+    gain: float
+    evidence: float
+    number: float
+    error: float
+
+
+def _try(base: Design, candidate: Candidate, nearest: IntArray) -> _Tried | None:
+    """A candidate at its best setting, as sure as the reversals agree on it."""
+    whitened = Whitened.of(candidate, base.parts)
+    score = base.score(whitened)
+    if score.gain <= 0.0:
+        return None
+    with_it = Design(base.parts, [*base.named, score.named])
+    columns = score.named.columns[0]
+    own = columns[:, 0] - base.inside(columns)[:, 0]
+    size = float(own @ own)
+    scores = np.bincount(nearest, own * with_it.residual[: own.size])
+    turns = int(np.sum(np.bincount(nearest) > 0))
+    number = float(with_it.numbers[with_it.places[-1]][0])
+    error = math.sqrt(float(scores @ scores) * turns / (turns - 1)) / size
+    t = (number / error) ** 2 if error > 0.0 else 1e12
+    chance = float(betainc((turns - 1) / 2.0, 0.5, (turns - 1) / (turns - 1 + t)))
+    agreed = evidence_of_chance(math.log(max(chance, 1e-300)), whitened.looks)
+    return _Tried(score.named, score.gain, min(agreed, score.evidence), number, error)
+
+
+def _plausible(named: Named, number: float, coulomb: float) -> bool:
+    """Whether the size fits the name."""
+    least, most = _PLAUSIBLE
+    if named.candidate.name == PRESLIDING:
+        return least * coulomb < number < most * coulomb
+    if named.candidate.name == BACKLASH:
+        return least < number < most
+    return number > 0.0 or named.candidate.name == DELAY

@@ -1,0 +1,230 @@
+"""The entry: friction of the joints of an arm that moves as a whole."""
+
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+
+import mujoco
+import numpy as np
+
+from harness.core.arrays import FloatArray
+from harness.core.checks import not_negative
+from harness.core.errors import InputError
+from harness.core.joint_log import JointLog
+from harness.core.quantity import Quantity
+from harness.robot.arm import Arm
+from harness.robot.whole_arm.candidate import FRICTION
+from harness.robot.whole_arm.confounded import confounded
+from harness.robot.whole_arm.correct import Solved, solve, total
+from harness.robot.whole_arm.design import Design, Whitened
+from harness.robot.whole_arm.friction_columns import LOAD, LOAD_OR_POSITION, POSITION
+from harness.robot.whole_arm.held_out import rms
+from harness.robot.whole_arm.model_columns import MOTOR
+from harness.robot.whole_arm.perturb import with_load, without_armature
+from harness.robot.whole_arm.prepare import Known
+from harness.robot.whole_arm.result import Effect, Grade, JointFriction, ModelError, WholeArm
+from harness.robot.whole_arm.rules import EXPLAINED, MAIN, RULES
+from harness.robot.whole_arm.search import Chosen, left_over
+from harness.robot.whole_arm.sentences import of_base, of_effect, of_error
+from harness.robot.whole_arm.turning import Turned, at_reversals
+
+LINK, MOTOR_SIDE = "link", "motor"
+_STILL = "the joint does not move to and fro enough"
+
+
+def whole_arm(
+    log: JointLog,
+    arm: Arm,
+    *,
+    joints: Sequence[str] | None = None,
+    payload: float | None = None,
+    sensor: str | None = None,
+    lowpass: float | None = None,
+    gain_known: bool = False,
+) -> WholeArm:
+    """Friction of every joint from a log in which the whole arm moves.
+
+    Parameters
+    ----------
+    joints : those to look at, by default every one logged with effort.
+    payload : kg at the centre of mass of the last body, where it is known; 0 for none.
+    sensor : "link" behind the gearbox, which does not see rotors, "motor" before it, None where that is not known.
+    lowpass : Hz of the filter, by default chosen from the motion.
+    gain_known : the scale of the torque is to be trusted (a motor constant and gear ratio that were measured).
+
+    Raises InputError for a log without effort, of less than three seconds, in which nothing moves, or with a joint that
+    the arm has not; and for a payload, sensor or lowpass that cannot be.
+    """
+    if sensor not in (None, LINK, MOTOR_SIDE):
+        raise InputError("sensor", repr(sensor), f"{LINK} or {MOTOR_SIDE} is accepted")
+    if payload is not None and not_negative("payload", payload, "kg") > 0.0:
+        arm = with_load(arm, payload)
+    if sensor == LINK:
+        arm = without_armature(arm)
+    known = Known(payload is not None, sensor is not None, gain_known)
+    solved = solve(log, arm, joints, lowpass, known)
+    return _result(solved, arm, known)
+
+
+def _result(solved: Solved, arm: Arm, known: Known) -> WholeArm:
+    filtered, design = solved.problem.filtered, solved.model.design
+    covariance = design.covariance()
+    turned = list(at_reversals(solved))
+    before = rms(Design(solved.first.parts, ()), solved.first.filtered.t)
+    after = rms(design, filtered.t)
+    found = {}
+    for j, name in enumerate(filtered.joints):
+        words = _Units(arm, filtered.dof[j])
+        gain = _gain(solved, j)
+        place = design.places[j]
+        errors = np.sqrt(np.diag(covariance)[place])
+        base = [
+            Quantity(float(x / gain), float(e / gain), words.of(unit))
+            for x, e, unit in zip(design.numbers[place], errors, ("N m", "N m s/rad", "N m"), strict=True)
+        ]
+        left = left_over(design, j)[0][design.parts[j].stretches.kept]
+        remainder = math.sqrt(float(np.mean(left**2))) / max(float(filtered.torque_noise[j]), 1e-300)
+        effects = (*_effects(solved, j, covariance, remainder, words), *_turned(turned, j, remainder, words))
+        held_out = (float(before[j]), float(after[j]))
+        statement = of_base(name, base[0], base[1], held_out, words.of("N m"))
+        samples = int(np.sum(design.parts[j].stretches.kept))
+        guard = float(solved.problem.guard[j])
+        found[name] = JointFriction(name, *base, effects, held_out, remainder, guard, samples, statement)
+    for name in solved.still:
+        words = _Units(arm, arm.joints.index(name))
+        refused = [Quantity.refused(words.of(unit), _STILL) for unit in ("N m", "N m s/rad", "N m")]
+        said = f"{name}: {_STILL} to tell its friction."
+        found[name] = JointFriction(name, *refused, (), None, None, None, 0, said)
+    return WholeArm(
+        tuple(found[name] for name in arm.joints if name in found),
+        tuple(_errors(solved, covariance)),
+        confounded(solved.problem, known),
+        filtered.band.lowpass,
+        filtered.out.rate,
+        filtered.seconds,
+        RULES,
+        filtered.notes,
+    )
+
+
+class _Units:
+    """Units of a hinge, or of a slide."""
+
+    def __init__(self, arm: Arm, dof: int) -> None:
+        joint = int(arm.model.dof_jntid[dof])
+        self._slide = int(arm.model.jnt_type[joint]) == int(mujoco.mjtJoint.mjJNT_SLIDE)
+
+    def of(self, unit: str) -> str:
+        return unit.replace("N m", "N").replace("rad", "m") if self._slide else unit
+
+
+def _gain(solved: Solved, joint: int) -> float:
+    """Measured over true torque of a joint, as the model has it."""
+    design, gain = solved.model.design, 1.0
+    for one, place in zip(design.named, design.places[len(design.parts) :], strict=True):
+        if one.candidate.name == MOTOR and one.candidate.joint in (joint, None):
+            gain += float(design.numbers[place][0])
+    return gain
+
+
+def _place(design: Design, chosen: Chosen) -> slice:
+    """Where the numbers of what was chosen stand."""
+    i = [one.candidate.key for one in design.named].index(chosen.named.candidate.key)
+    return design.places[len(design.parts) + i]
+
+
+def _effects(solved: Solved, joint: int, covariance: FloatArray, remainder: float, words: _Units) -> Iterator[Effect]:
+    """What was named on guarded samples of a joint, the surest first."""
+    design = solved.model.design
+    mine = [c for c in solved.model.chosen if c.named.candidate.joint == joint]
+    mine = [c for c in mine if c.named.candidate.family == FRICTION]
+    for chosen in sorted(mine, key=lambda c: -c.evidence):
+        candidate, place = chosen.named.candidate, _place(design, chosen)
+        errors = np.sqrt(np.diag(covariance)[place])
+        parameters = _parameters(chosen, design.numbers[place], errors, words)
+        others = [one for one in design.named if one.candidate.joint is None]
+        share = _share(Design(design.parts, others), Design(design.parts, [*others, chosen.named]), (joint,), solved)
+        pair = LOAD_OR_POSITION if {candidate.name, *chosen.rivals} >= {LOAD, POSITION} else ""
+        said = of_effect(candidate.name, parameters, chosen.rivals)
+        grade = _graded(chosen.rivals, share, remainder, len(mine) == 1)
+        yield Effect(candidate.name, said, parameters, grade, share, chosen.evidence, chosen.rivals, pair)
+
+
+def _turned(turned: Sequence[Turned], joint: int, remainder: float, words: _Units) -> Iterator[Effect]:
+    """What was named at the reversals of a joint."""
+    for one in turned:
+        if one.joint == joint:
+            candidate, rivals = one.chosen.named.candidate, one.chosen.rivals
+            parameters = _parameters(one.chosen, one.numbers, one.errors, words)
+            said = of_effect(candidate.name, parameters, rivals)
+            grade = _graded(rivals, one.share, remainder, False)
+            evidence = one.chosen.evidence
+            yield Effect(candidate.name, said, parameters, grade, one.share, evidence, rivals, candidate.pair)
+
+
+def _parameters(
+    chosen: Chosen, numbers: FloatArray, errors: FloatArray, words: _Units
+) -> tuple[tuple[str, Quantity], ...]:
+    """Numbers and settings with their errors."""
+    candidate = chosen.named.candidate
+    settings = {what: value for what, _, value in candidate.settings[chosen.named.setting].values}
+    found = {
+        what: Quantity(float(settings.pop(what) if what in settings else x), float(e), words.of(unit))
+        for (what, unit), x, e in zip(candidate.numbers, numbers, errors, strict=True)
+    }
+    for what, unit, value in candidate.settings[chosen.named.setting].values:
+        if what not in found:
+            found[what] = Quantity(value, None, words.of(unit), "the nearest of the values that were tried")
+    return tuple(found.items())
+
+
+def _share(base: Design, refined: Design, joints: Sequence[int], solved: Solved) -> float:
+    """Share of what the base leaves beyond the noise that a refined model takes, of guarded squares."""
+    above = gained = 0.0
+    for j in joints:
+        kept = base.parts[j].stretches.kept
+        squares = [float(np.sum(left_over(one, j)[0][kept] ** 2)) for one in (base, refined)]
+        floor = float(np.sum(kept)) * float(solved.problem.filtered.torque_noise[j]) ** 2
+        weight = 1.0 / max(float(np.var(solved.problem.filtered.torque[:, j])), 1e-300)
+        above += weight * max(squares[0] - floor, 0.0)
+        gained += weight * (squares[0] - squares[1])
+    return float(np.clip(gained / above, 0.0, 1.0)) if above > 0.0 else 0.0
+
+
+def _graded(rivals: Sequence[str], share: float, remainder: float, alone: bool) -> Grade:
+    """The word for an entry."""
+    if rivals:
+        return Grade.ONE_OF
+    if alone and remainder < EXPLAINED.value:
+        return Grade.EXPLAINS
+    return Grade.MAIN if share > MAIN.value else Grade.MINOR
+
+
+def _errors(solved: Solved, covariance: FloatArray) -> Iterator[ModelError]:
+    """What was named beside friction, the surest first."""
+    design, first = solved.model.design, solved.first
+    joints, words = range(len(first.parts)), _Hinge()
+    for chosen in sorted(solved.model.chosen, key=lambda c: -c.evidence):
+        candidate = chosen.named.candidate
+        if candidate.family == FRICTION:
+            continue
+        place = _place(design, chosen)
+        numbers = total(solved, candidate.name, design.numbers[place])
+        parameters = _parameters(chosen, numbers, np.sqrt(np.diag(covariance)[place]), words)
+        (as_found,) = (c for c in first.candidates if c.key == candidate.key)
+        alone = Design(first.parts, [Whitened.of(as_found, first.parts).at(0)])
+        share = _share(Design(first.parts, ()), alone, joints, solved)
+        joint = None if candidate.joint is None else solved.problem.filtered.joints[candidate.joint]
+        said = of_error(candidate.name, joint, parameters, candidate.partner, chosen.rivals)
+        grade = _graded(chosen.rivals, share, math.inf, False)
+        yield ModelError(
+            candidate.name, joint, candidate.partner, said, parameters, grade, share, chosen.evidence, chosen.rivals,
+            candidate.pair,
+        )  # fmt: skip
+
+
+class _Hinge(_Units):
+    """Units of the whole arm stand as they are."""
+
+    def __init__(self) -> None:
+        self._slide = False
