@@ -19,8 +19,8 @@ _JITTER = 0.01
 """Share of the step by which stamps may swing before the log is put on even steps."""
 _GAP = 5.0
 """Steps without a sample from which nothing is said about the time between."""
-_HELD, _ABOVE, _LOWEST, _HIGHEST = 0.99, 5.0, 5.0, 20.0
-"""The filter passes five times the frequency below which 99 % of the velocities' power lies, within 5 to 20 Hz."""
+_HELD, _ABOVE, _LOWEST, _HIGHEST = 0.99, 5.0, 10.0, 20.0
+"""The filter passes five times the frequency below which 99 % of the velocities' power lies, within 10 to 20 Hz."""
 _COLUMNS, _FIT = 9.0, 3.0
 """Samples a second at which columns are formed and at which torque is fitted, in f_lowpass."""
 
@@ -107,6 +107,7 @@ def differentiate(
     out = fine.taken(_FIT * cut)
     q_fine, v_fine = band.filtered(q, fine, 1)
     smooth = band.filtered(q, out, 2)
+    steps = np.array([_quantum(log.position[name]) for name in names])
     kept = out.trimmed
     t = even[0] + np.arange(out.size) / out.rate
     return Filtered(
@@ -122,8 +123,8 @@ def differentiate(
         even[0] + np.arange(fine.size) / fine.rate,
         q_fine,
         v_fine,
-        np.array([_velocity_noise(q[:, i], rate, cut) for i in dof]),
-        np.array([_quantum(q[:, i]) for i in dof]),
+        np.array([_velocity_noise(q[:, i], x, rate, cut) for i, x in zip(dof, steps, strict=True)]),
+        steps,
         np.array([math.sqrt(white_level(y, rate) * cut) for y in torque.T]),
         seconds,
         tuple(notes),
@@ -161,9 +162,9 @@ def _lowpass(file: str, q: FloatArray, rate: float, given: float | None) -> floa
     return min(max(_ABOVE * held, _LOWEST), _HIGHEST, most)
 
 
-def _velocity_noise(q: FloatArray, rate: float, cut: float) -> float:
+def _velocity_noise(q: FloatArray, quantum: float, rate: float, cut: float) -> float:
     """Standard deviation of the filtered velocity from the recorded position's noise, at least its steps'."""
-    level = max(white_level(q, rate), _quantum(q) ** 2 / 12.0 * 2.0 / rate)
+    level = max(white_level(q, rate), quantum**2 / 12.0 * 2.0 / rate)
     return math.sqrt(level * (2 * math.pi) ** 2 * cut**3 / 3.0)
 
 

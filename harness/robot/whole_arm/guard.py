@@ -9,12 +9,20 @@ WIDTH = 0.6
 """Least distance to a reversal, in 1/f_lowpass: 40 ms at 15 Hz."""
 SURE = 4.0
 """Speeds below so many standard deviations of their noise have no sure sign."""
+_RESTING = 0.02
+"""Share of the speed that a joint exceeds for a twentieth of the log, below which it may rest."""
+
+
+def sure_speed(filtered: Filtered, joint: int) -> float:
+    """Speed from which its sign is sure, rad/s."""
+    fast = float(np.quantile(np.abs(filtered.v_fine[:, filtered.dof[joint]]), 0.95))
+    return max(SURE * float(filtered.velocity_noise[joint]), _RESTING * fast)
 
 
 def away(filtered: Filtered, joint: int, width: float) -> BoolArray:
     """Samples (m,) over whose whole +-``width``, s, a joint moves one way at a sure speed."""
     v = filtered.v_fine[:, filtered.dof[joint]]
-    slow = np.abs(v) <= SURE * filtered.velocity_noise[joint]
+    slow = np.abs(v) <= sure_speed(filtered, joint)
     slow[1:] |= np.sign(v[1:]) != np.sign(v[:-1])
     return filtered.good & filtered.at(~widened(slow, round(width * filtered.fine.rate)))
 

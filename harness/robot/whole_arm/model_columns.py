@@ -23,6 +23,8 @@ MASS_SPREAD = 0.1
 """Masses and inertias of a model are expected to be right to a tenth."""
 MOMENT_SPREAD = 0.05
 """kg m: by how much a load of a kilogram or less may sit beside the last body's centre of mass."""
+GAIN_SPREAD, TILT_SPREAD, DELAY_SPREAD, LOAD_SPREAD = 0.2, 0.1, 0.02, 3.0
+"""1, rad, s, kg: expected sizes of what may be wrong; what comes out beyond three times as large is something else."""
 _STEP, _TURN, _BESIDE = 0.1, 0.01, 0.05
 
 
@@ -45,22 +47,22 @@ def model_candidates(
         beside = [changed(with_load(arm, _STEP, _BESIDE * axis), _STEP) - middle for axis in np.eye(3)]
         columns = np.stack((middle, *(c / _BESIDE for c in beside)), axis=2)
         numbers = (("mass", "kg"), *((f"moment {axis}", "kg m") for axis in "xyz"))
-        spread = np.array([np.inf, *[MOMENT_SPREAD] * 3])
+        spread = np.array([LOAD_SPREAD, *[MOMENT_SPREAD] * 3])
         partner = "mass of the last link"
         settings = (Setting((), by_joint(columns)),)
         yield Candidate(PAYLOAD, MODEL, None, settings, numbers, spread, partner, MASS_AT_END)
     turned = np.stack([changed(tilted(arm, _TURN, axis), _TURN) for axis in (0, 1)], axis=2)
     if np.max(np.abs(turned)) > 1e-9:
         numbers = (("about x", "rad"), ("about y", "rad"))
-        yield Candidate(TILT, MODEL, None, (Setting((), by_joint(turned)),), numbers, free(2))
+        yield Candidate(TILT, MODEL, None, (Setting((), by_joint(turned)),), numbers, np.full(2, TILT_SPREAD))
     late = -np.gradient(rigid[:, dofs], 1.0 / filtered.out.rate, axis=0)[:, :, None]
     settings = (Setting((), by_joint(late)),)
-    yield Candidate(DELAY, MODEL, None, settings, (("delay", "s"),), free(1), "early position", WHICH_IS_LATE)
+    yield Candidate(DELAY, MODEL, None, settings, (("delay", "s"),), np.full(1, DELAY_SPREAD), "early position", WHICH_IS_LATE)
     if not sensor_known and np.any(arm.armature[dofs] > 0.0):
         unseen = -(arm.armature * filtered.a)[:, dofs][:, :, None]
         settings = (Setting((), by_joint(unseen)),)
         share = (("share of rotors unseen", "1"),)
-        yield Candidate(SENSOR, MODEL, None, settings, share, free(1), ARMATURE, ROTOR_OR_SENSOR)
+        yield Candidate(SENSOR, MODEL, None, settings, share, np.ones(1), ARMATURE, ROTOR_OR_SENSOR)
     for j, dof in enumerate(filtered.dof):
         about = {j: filtered.a[:, dof : dof + 1]}
         numbers = (("inertia", "kg m^2"),)
@@ -68,10 +70,10 @@ def model_candidates(
         yield Candidate(ARMATURE, MODEL, j, (Setting((), about),), numbers, free(1), partner, ROTOR_OR_AXIS)
         if not gain_known:
             more = (Setting((), {j: rigid[:, dof : dof + 1]}),)
-            yield Candidate(MOTOR, MODEL, j, more, (("gain - 1", "1"),), free(1), INERTIA, SCALE_OR_MASS)
+            yield Candidate(MOTOR, MODEL, j, more, (("gain - 1", "1"),), np.full(1, GAIN_SPREAD), INERTIA, SCALE_OR_MASS)
     if not gain_known:
         more = (Setting((), by_joint(rigid[:, dofs, None])),)
-        yield Candidate(MOTOR, MODEL, None, more, (("gain - 1", "1"),), free(1), INERTIA, SCALE_OR_MASS)
+        yield Candidate(MOTOR, MODEL, None, more, (("gain - 1", "1"),), np.full(1, GAIN_SPREAD), INERTIA, SCALE_OR_MASS)
 
 
 def _masses(

@@ -10,6 +10,8 @@ from harness.core.arrays import BoolArray, FloatArray, IntArray
 ORDER = 8
 """Of the autoregression: follows the fall of a filter's gain within a band of one and a half times its own."""
 
+_FREQUENCIES, _DIP = 513, 2.0
+
 
 @dataclass(frozen=True, slots=True)
 class Stretches:
@@ -56,11 +58,20 @@ class Noise:
             last = np.append(predictors[-1], 0.0)
             predictors.append(last + reflection * last[::-1])
             powers.append(powers[-1] * (1.0 - reflection**2))
-        return cls(tuple(predictors), np.sqrt(np.maximum(powers, 1e-300)))
+        return cls(tuple(predictors), np.sqrt(np.maximum(powers, 1e-300))).rising()
 
-    def scaled(self, factor: float) -> "Noise":
-        """The same memory at so many times the size."""
-        return Noise(self.predictors, self.sigma * factor)
+    def rising(self) -> "Noise":
+        """Noise of no less than half the density anywhere that it has at some lower frequency.
+
+        What is left at low frequencies is often not noise but what the model lacks. A likelihood that took it for noise
+        would trust the highest frequencies alone, where torque has least to say; this one weights all alike, and counts
+        the errors by the low ones.
+        """
+        turn = np.exp(-1j * math.pi * np.linspace(0.0, 1.0, _FREQUENCIES))
+        density = (self.sigma[-1] / np.abs(np.polyval(self.predictors[-1][::-1], turn))) ** 2
+        density = np.maximum(density, np.maximum.accumulate(density) / _DIP)
+        covariance = np.fft.irfft(density)[: len(self.predictors)]
+        return Noise(*_levinson(covariance))
 
     def whitened(self, series: FloatArray, stretches: Stretches) -> FloatArray:
         """Kept samples (k, ...) of a series (m, ...) as errors of prediction in units of theirs."""
@@ -77,6 +88,18 @@ class Noise:
     def rms(self) -> float:
         """Standard deviation of the series itself."""
         return float(self.sigma[0])
+
+
+def _levinson(covariance: FloatArray) -> tuple[tuple[FloatArray, ...], FloatArray]:
+    """Predictors of orders 0 to p, and the standard deviations of their errors (p+1,), from covariances (p+1,)."""
+    predictors, powers = [np.ones(1)], [float(covariance[0])]
+    for k in range(1, covariance.size):
+        last = predictors[-1]
+        reflection = -float(last @ covariance[k:0:-1]) / max(powers[-1], 1e-300)
+        longer = np.append(last, 0.0)
+        predictors.append(longer + reflection * longer[::-1])
+        powers.append(powers[-1] * (1.0 - reflection**2))
+    return tuple(predictors), np.sqrt(np.maximum(powers, 1e-300))
 
 
 def white_level(series: FloatArray, rate: float) -> float:

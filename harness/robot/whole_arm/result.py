@@ -65,7 +65,7 @@ class JointFriction:
 
     coulomb, viscous, offset : N m, N m s/rad, N m of a hinge, N, N s/m, N of a slide. effects : the surest first.
     held_out : rms of the torque left over in blocks of time that were not fitted, by the base and by the model, N m.
-    remainder : rms of what the model leaves over that of the recorded torque's noise. guard : s. samples : guarded.
+    remainder : rms of what the model leaves over that of the recorded torque's noise, None where that shows none. guard : s. samples : guarded.
     """
 
     joint: str
@@ -84,7 +84,8 @@ class JointFriction:
 class WholeArm:
     """Friction of every joint, and what is wrong with the model.
 
-    confounded : pairs that this log, or any, cannot part. lowpass : Hz, of the filter everything went through.
+    confounded : pairs that this log, or any, cannot part. left_out : evidence of the best candidate that is not named.
+    lowpass : Hz, of the filter everything went through.
     rate : samples a second that torque was fitted at. seconds : of the log. rules : those that decided. notes : what
     was done to the log.
     """
@@ -92,6 +93,7 @@ class WholeArm:
     joints: tuple[JointFriction, ...]
     model: tuple[ModelError, ...]
     confounded: tuple[tuple[str, str], ...]
+    left_out: float
     lowpass: float
     rate: float
     seconds: float

@@ -16,6 +16,8 @@ from harness.robot.whole_arm.rules import MOST, NAMED, RIVAL
 CORRECTED = (PAYLOAD, DELAY, TILT)
 """Errors of the model whose effect is not linear in their size."""
 _POLISHINGS = 5
+_LARGEST = 3.0
+"""Times the spread that a number may have."""
 _SETTINGS = 3
 """Of each candidate that the noise is learnt beside."""
 
@@ -35,8 +37,8 @@ class Model:
 
     chosen: tuple[Chosen, ...]
     design: Design
-    strongest: float
-    """Evidence of the best candidate that was looked at before any was chosen."""
+    left_out: float
+    """Evidence of the best candidate that was not chosen."""
     again: bool = False
     """Whether the last one chosen has to be corrected, and the search begun anew."""
 
@@ -71,26 +73,27 @@ def search(parts: Sequence[Part], candidates: Sequence[Candidate], t: FloatArray
     design = Design(parts, [one.named for one in chosen])
     before = errors(design, t)
     refused: set[tuple[str, int | None]] = set()
-    strongest: float | None = None
+    left_out = 0.0
     while True:
         taken = {one.named.candidate.key for one in chosen} | refused
         scores = [design.score(w) for w in whitened if w.candidate.key not in taken and not _full(chosen, w.candidate)]
         if not scores:
             break
         best = max(scores, key=lambda s: s.evidence)
-        strongest = best.evidence if strongest is None else strongest
+        left_out = best.evidence
         if best.evidence < NAMED.value:
             break
         named, trial = polished(parts, [one.named for one in chosen], best.named)
         after = errors(trial, t)
-        if float(after @ after) >= float(before @ before):
+        worse = float(after @ after) >= float(before @ before)
+        if worse or not _sized(trial) or _driving(trial) > _driving(design):
             refused.add(best.named.candidate.key)
             continue
         design, before = trial, after
         chosen.append(Chosen(named, best.evidence, _rivals(best, scores, design)))
         if named.candidate.name in CORRECTED:
-            return Model(tuple(chosen), design, strongest, again=True)
-    return _pruned(parts, chosen, len(forced), strongest or 0.0)
+            return Model(tuple(chosen), design, left_out, again=True)
+    return _pruned(parts, chosen, len(forced), left_out)
 
 
 def _full(chosen: Sequence[Chosen], candidate: Candidate) -> bool:
@@ -99,6 +102,20 @@ def _full(chosen: Sequence[Chosen], candidate: Candidate) -> bool:
         return len(of_joint(chosen, candidate.joint)) >= MOST.value
     names = {one.named.candidate.name for one in chosen if one.named.candidate.family != FRICTION}
     return len(names) >= MOST.value and candidate.name not in names
+
+
+def _sized(design: Design) -> bool:
+    """Whether the numbers of the last candidate are of a size that its name can have."""
+    spread = design.named[-1].candidate.spread
+    return bool(np.all(np.abs(design.numbers[design.places[-1]]) <= _LARGEST * spread))
+
+
+def _driving(design: Design) -> int:
+    """How many joints have Coulomb or viscous friction that is surely negative, and would drive."""
+    errors = np.sqrt(np.diag(design.covariance()))
+    return sum(
+        int(np.any(design.numbers[place][:2] < -2.0 * errors[place][:2])) for place in design.places[: len(design.parts)]
+    )
 
 
 def polished(parts: Sequence[Part], others: Sequence[Named], named: Named) -> tuple[Named, Design]:
@@ -152,7 +169,7 @@ def relearnt(design: Design) -> list[Part]:
     ]
 
 
-def _pruned(parts: Sequence[Part], chosen: Sequence[Chosen], forced: int, strongest: float) -> Model:
+def _pruned(parts: Sequence[Part], chosen: Sequence[Chosen], forced: int, left_out: float) -> Model:
     """Without what is not sure any more beside what was chosen after it; the noise learnt anew."""
     kept = list(chosen)
     design = Design(parts, [one.named for one in kept])
@@ -171,7 +188,7 @@ def _pruned(parts: Sequence[Part], chosen: Sequence[Chosen], forced: int, strong
             for i, (one, value) in enumerate(zip(kept, sure, strict=True))
         ]
         if not sure[forced:] or min(sure[forced:]) >= NAMED.value:
-            return Model(tuple(kept), design, strongest)
+            return Model(tuple(kept), design, left_out)
         del kept[forced + int(np.argmin(sure[forced:]))]
         design = Design(parts, [one.named for one in kept])
 

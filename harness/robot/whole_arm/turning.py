@@ -19,11 +19,11 @@ from harness.robot.whole_arm.design import Design, Named, Part, Whitened
 from harness.robot.whole_arm.differentiate import Filtered
 from harness.robot.whole_arm.evidence import evidence_of_chance
 from harness.robot.whole_arm.friction_columns import signs
-from harness.robot.whole_arm.guard import SURE, reversals
+from harness.robot.whole_arm.guard import reversals, sure_speed
 from harness.robot.whole_arm.model_columns import DELAY, WHICH_IS_LATE
 from harness.robot.whole_arm.noise import Stretches
 from harness.robot.whole_arm.rules import ENOUGH_TURNS, NAMED, RIVAL
-from harness.robot.whole_arm.search import Chosen, polished
+from harness.robot.whole_arm.search import Chosen, left_over, polished
 
 PRESLIDING, STATIC, BACKLASH = presliding.TERM.name, static_friction.TERM.name, backlash.TERM.name
 _LENGTHS = 12
@@ -54,7 +54,7 @@ def at_reversals(solved: Solved) -> Iterator[Turned]:
     for j, part in enumerate(design.parts):
         dof = filtered.dof[j]
         v = filtered.v_fine[:, dof]
-        turns = reversals(v, SURE * float(filtered.velocity_noise[j]))
+        turns = reversals(v, sure_speed(filtered, j))
         if turns.size < ENOUGH_TURNS.value:
             continue
         whole = replace(part, torque=_own(design, j), stretches=Stretches.of(filtered.good))
@@ -74,10 +74,12 @@ def at_reversals(solved: Solved) -> Iterator[Turned]:
             count = named.candidate.spread.size
             errors = np.sqrt(np.diag(fitted.covariance()))[-count:]
             errors[0] = max(errors[0], found[0].error)
-            squares = float(base.residual @ base.residual)
-            share = (squares - float(fitted.residual @ fitted.residual)) / max(squares - base.rows, 1e-300)
+            turning = filtered.good & ~part.stretches.kept
+            squares = [float(np.sum(left_over(one, 0)[0][turning] ** 2)) for one in (base, fitted)]
+            floor = float(np.sum(turning)) * float(filtered.torque_noise[j]) ** 2
+            share = float(np.clip((squares[0] - squares[1]) / max(squares[0] - floor, 1e-300), 0.0, 1.0))
             chosen = Chosen(named, found[0].evidence, rivals)
-            yield Turned(j, chosen, turns.size, fitted.numbers[-count:], errors, min(share, 1.0))
+            yield Turned(j, chosen, turns.size, fitted.numbers[-count:], errors, share)
 
 
 def _alone(candidate: Candidate) -> Candidate:

@@ -29,6 +29,8 @@ from harness.robot.whole_arm.sentences import of_base, of_effect, of_error
 from harness.robot.whole_arm.turning import Turned, at_reversals
 
 LINK, MOTOR_SIDE = "link", "motor"
+_SMOOTHED = 1e-6
+"""Noise below this share of the torque is the arithmetic's."""
 _STILL = "the joint does not move to and fro enough"
 
 
@@ -83,7 +85,7 @@ def _result(solved: Solved, arm: Arm, known: Known) -> WholeArm:
             for x, e, unit in zip(design.numbers[place], errors, ("N m", "N m s/rad", "N m"), strict=True)
         ]
         left = left_over(design, j)[0][design.parts[j].stretches.kept]
-        remainder = math.sqrt(float(np.mean(left**2))) / max(float(filtered.torque_noise[j]), 1e-300)
+        remainder = _over_noise(left, float(filtered.torque_noise[j]), filtered.torque[:, j])
         effects = (*_effects(solved, j, covariance, remainder, words), *_turned(turned, j, remainder, words))
         held_out = (float(before[j]), float(after[j]))
         statement = of_base(name, base[0], base[1], held_out, words.of("N m"))
@@ -99,12 +101,20 @@ def _result(solved: Solved, arm: Arm, known: Known) -> WholeArm:
         tuple(found[name] for name in arm.joints if name in found),
         tuple(_errors(solved, covariance)),
         confounded(solved.problem, known),
+        solved.model.left_out,
         filtered.band.lowpass,
         filtered.out.rate,
         filtered.seconds,
         RULES,
         filtered.notes,
     )
+
+
+def _over_noise(left: FloatArray, noise: float, torque: FloatArray) -> float | None:
+    """Rms of what is left over that of the noise; None where the record was smoothed and shows no noise."""
+    if noise < _SMOOTHED * math.sqrt(float(np.mean(torque**2))):
+        return None
+    return math.sqrt(float(np.mean(left**2))) / noise
 
 
 class _Units:
@@ -133,7 +143,7 @@ def _place(design: Design, chosen: Chosen) -> slice:
     return design.places[len(design.parts) + i]
 
 
-def _effects(solved: Solved, joint: int, covariance: FloatArray, remainder: float, words: _Units) -> Iterator[Effect]:
+def _effects(solved: Solved, joint: int, covariance: FloatArray, remainder: float | None, words: _Units) -> Iterator[Effect]:
     """What was named on guarded samples of a joint, the surest first."""
     design = solved.model.design
     mine = [c for c in solved.model.chosen if c.named.candidate.joint == joint]
@@ -150,7 +160,7 @@ def _effects(solved: Solved, joint: int, covariance: FloatArray, remainder: floa
         yield Effect(candidate.name, said, parameters, grade, share, chosen.evidence, chosen.rivals, pair)
 
 
-def _turned(turned: Sequence[Turned], joint: int, remainder: float, words: _Units) -> Iterator[Effect]:
+def _turned(turned: Sequence[Turned], joint: int, remainder: float | None, words: _Units) -> Iterator[Effect]:
     """What was named at the reversals of a joint."""
     for one in turned:
         if one.joint == joint:
@@ -191,11 +201,11 @@ def _share(base: Design, refined: Design, joints: Sequence[int], solved: Solved)
     return float(np.clip(gained / above, 0.0, 1.0)) if above > 0.0 else 0.0
 
 
-def _graded(rivals: Sequence[str], share: float, remainder: float, alone: bool) -> Grade:
+def _graded(rivals: Sequence[str], share: float, remainder: float | None, alone: bool) -> Grade:
     """The word for an entry."""
     if rivals:
         return Grade.ONE_OF
-    if alone and remainder < EXPLAINED.value:
+    if alone and remainder is not None and remainder < EXPLAINED.value:
         return Grade.EXPLAINS
     return Grade.MAIN if share > MAIN.value else Grade.MINOR
 
@@ -216,7 +226,7 @@ def _errors(solved: Solved, covariance: FloatArray) -> Iterator[ModelError]:
         share = _share(Design(first.parts, ()), alone, joints, solved)
         joint = None if candidate.joint is None else solved.problem.filtered.joints[candidate.joint]
         said = of_error(candidate.name, joint, parameters, candidate.partner, chosen.rivals)
-        grade = _graded(chosen.rivals, share, math.inf, False)
+        grade = _graded(chosen.rivals, share, None, False)
         yield ModelError(
             candidate.name, joint, candidate.partner, said, parameters, grade, share, chosen.evidence, chosen.rivals,
             candidate.pair,

@@ -7,7 +7,7 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
-from harness.robot.whole_arm.calibrate.draws import Draw, Found, draw
+from harness.robot.whole_arm.calibrate.draws import KINDS, Draw, Found, draw
 
 _COULOMB, _VISCOUS = 0.01, 0.05
 """Shares of the true value within which friction is asked for."""
@@ -20,50 +20,68 @@ def main(argv: Sequence[str] | None = None) -> int:
     parser.add_argument("--draws", type=int, default=40)
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--first", type=int, default=0, help="number of the first draw")
+    parser.add_argument("--only", choices=KINDS, action="append", help="arms of this kind; may repeat")
     parser.add_argument("--each", action="store_true", help="a line for every draw as it is done")
     told = parser.parse_args(argv)
+    kinds = tuple(told.only or KINDS)
     draws, began = [], time.perf_counter()
     for number in range(told.first, told.first + told.draws):
-        draws.append(draw(told.seed, number))
+        draws.append(draw(told.seed, number, kinds))
         if told.each:
             print(f"{number}: {_line(draws[-1])}", flush=True)
-    spent = time.perf_counter() - began
-    print(f"{told.draws} draws from {told.first}, seed {told.seed}: {spent:.0f} s, three logs of 20 s a draw")
-    print("\n".join(_said(draws)))
+    spent = (time.perf_counter() - began) / max(told.draws * len(kinds), 1)
+    print(f"{told.draws} draws from {told.first}, seed {told.seed}: {spent:.1f} s a log of 20 s, simulating it included")
+    print("\n".join((*_clean_said(draws), *_effects_said(draws), *_errors_said(draws))))
     return 0
 
 
 def _line(one: Draw) -> str:
-    largest = np.max(np.abs(one.clean.errors / one.clean.claimed))
-    parts = [f"clean {list(one.clean.named)} z {largest:.1f}"]
+    parts = []
+    if one.clean:
+        largest = np.max(np.abs(one.clean.errors / one.clean.claimed))
+        parts.append(f"clean {list(one.clean.named)} z {largest:.1f} left out {one.clean.left_out:.1f}")
     for found in (one.effect, one.error):
-        word = "named" if found.named else "listed" if found.listed else "MISSED"
-        parts.append(f"{found.put_in} {found.limit:.0f} {word} {list(found.besides)}")
+        if found:
+            word = "named" if found.named else "listed" if found.listed else "MISSED"
+            parts.append(f"{found.put_in} {found.limit:.0f} {word} {list(found.besides)}")
     return "; ".join(parts)
 
 
-def _said(draws: Sequence[Draw]) -> Iterator[str]:
+def _clean_said(draws: Sequence[Draw]) -> Iterator[str]:
+    clean = [one.clean for one in draws if one.clean]
+    if not clean:
+        return
     for i, (what, asked) in enumerate((("Coulomb", _COULOMB), ("viscous", _VISCOUS))):
-        errors = np.array([one.clean.errors[:, i] for one in draws])
-        claimed = np.array([one.clean.claimed[:, i] for one in draws])
-        sharp = np.array([one.clean.bounds[:, i] for one in draws]) < asked / 2.0
-        within = np.abs(errors) < asked
-        covered = np.abs(errors) < 2.0 * claimed
+        errors, claimed, bounds = (
+            np.array([getattr(one, field)[:, i] for one in clean]) for field in ("errors", "claimed", "bounds")
+        )
+        sharp, within, covered = bounds < asked / 2.0, np.abs(errors) < asked, np.abs(errors) < 2.0 * claimed
         yield (
             f"{what}: within {asked:.0%} in {_of(within[sharp])} of joints whose bound is below half of it; two standard"
-            f" errors cover {_of(covered)}, {_of(covered[~sharp])} where it is not;"
-            f" error over bound {np.median(np.abs(errors) / np.array([o.clean.bounds[:, i] for o in draws])):.2f} in the"
-            " median"
+            f" errors cover {_of(covered)}, {_of(covered[~sharp])} where it is not; standard error"
+            f" {np.median(claimed / bounds):.2f} of the bound in the median"
         )
-    yield f"clean arms in which nothing is named: {_of(np.array([not one.clean.named for one in draws]))}"
-    above = [one.effect for one in draws if one.effect.limit > _BINS[0][0]]
+    yield f"clean arms in which nothing is named: {_of(np.array([not one.named for one in clean]))}"
+    left_out = np.quantile([one.left_out for one in clean], (0.5, 0.9, 0.98, 1.0))
+    yield f"  evidence of the best that is not named, 50, 90, 98, 100 %: {', '.join(f'{x:.1f}' for x in left_out)}"
+
+
+def _effects_said(draws: Sequence[Draw]) -> Iterator[str]:
+    above = [one.effect for one in draws if one.effect and one.effect.limit > _BINS[0][0]]
+    if not above:
+        return
     yield f"an effect whose limit is above 20: {_counted(above)}"
     for lower, upper in _BINS:
-        yield f"  {lower:g} to {upper:g}: {_counted([e for e in above if lower < e.limit <= upper])}"
+        if inside := [e for e in above if lower < e.limit <= upper]:
+            yield f"  {lower:g} to {upper:g}: {_counted(inside)}"
     for name in sorted({e.put_in for e in above}):
         yield f"  {name}: {_counted([e for e in above if e.put_in == name])}"
-    for name in sorted({one.error.put_in for one in draws}):
-        yield f"error of the model, {name}: {_counted([o.error for o in draws if o.error.put_in == name])}"
+
+
+def _errors_said(draws: Sequence[Draw]) -> Iterator[str]:
+    found = [one.error for one in draws if one.error]
+    for name in sorted({one.put_in for one in found}):
+        yield f"error of the model, {name}: {_counted([o for o in found if o.put_in == name])}"
 
 
 def _counted(found: Sequence[Found]) -> str:

@@ -1,7 +1,7 @@
 """One arm clean, with one effect in one joint, and with one error of the model: what was put in, what was found."""
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -25,9 +25,12 @@ MEMORY = 0.01
 
 @dataclass(frozen=True, slots=True)
 class Clean:
-    """errors, claimed, bounds (7, 2) : of Coulomb and viscous friction, shares of the true value. named : what was."""
+    """errors, claimed, bounds (7, 2) : of Coulomb and viscous friction, shares of the true value. left_out : evidence of
+    the best candidate not named. named : what was.
+    """
 
     errors: FloatArray
+    left_out: float
     claimed: FloatArray
     bounds: FloatArray
     named: tuple[tuple[str, str | None], ...]
@@ -48,20 +51,26 @@ class Found:
 
 @dataclass(frozen=True, slots=True)
 class Draw:
-    """The three arms of one draw."""
+    """The three arms of one draw; None for those that were not asked for."""
 
-    clean: Clean
-    effect: Found
-    error: Found
+    clean: Clean | None
+    effect: Found | None
+    error: Found | None
 
 
-def draw(seed: int, number: int) -> Draw:
+KINDS = ("clean", "effect", "error")
+
+
+def draw(seed: int, number: int, kinds: Sequence[str] = KINDS) -> Draw:
     """The draw of this number."""
     rng = np.random.default_rng((seed, number))
     arm = seven_joints()
     plant = replace(Plant.drawn(rng, arm), memory=MEMORY if number % 2 else 0.0)
     motion = Motion.drawn(rng)
-    return Draw(_clean(plant, motion, arm, rng), _effect(plant, motion, arm, rng), _error(plant, motion, arm, rng))
+    makers = dict(zip(KINDS, (_clean, _effect, _error), strict=True))
+    seeds = dict(zip(KINDS, rng.integers(2**63, size=len(KINDS)), strict=True))
+    made = {kind: makers[kind](plant, motion, arm, np.random.default_rng(int(seeds[kind]))) for kind in kinds}
+    return Draw(*(made.get(kind) for kind in KINDS))
 
 
 def _seen(plant: Plant, motion: Motion, arm: Arm, rng: np.random.Generator) -> WholeArm:
@@ -74,7 +83,7 @@ def _clean(plant: Plant, motion: Motion, arm: Arm, rng: np.random.Generator) -> 
     values = np.array([[j.coulomb.value, j.viscous.value] for j in found.joints], dtype=np.float64)
     claimed = np.array([[j.coulomb.stderr, j.viscous.stderr] for j in found.joints], dtype=np.float64)
     bounds = [Limit(plant, motion, SECONDS, LOWPASS, j, RATE).bounds[:2] for j in range(JOINTS)]
-    return Clean((values - truth) / truth, claimed / truth, np.array(bounds) / truth, found.named)
+    return Clean((values - truth) / truth, found.left_out, claimed / truth, np.array(bounds) / truth, found.named)
 
 
 def _effect(plant: Plant, motion: Motion, arm: Arm, rng: np.random.Generator) -> Found:
