@@ -1,8 +1,7 @@
 """The search, begun anew with each error of the model corrected whose effect is not linear in its size."""
 
-import math
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -10,7 +9,7 @@ from harness.core.arrays import FloatArray
 from harness.core.errors import InputError
 from harness.core.joint_log import JointLog
 from harness.robot.arm import Arm
-from harness.robot.whole_arm.differentiate import Filtered, differentiate
+from harness.robot.whole_arm.differentiate import differentiate
 from harness.robot.whole_arm.model_columns import DELAY, PAYLOAD, TILT
 from harness.robot.whole_arm.perturb import tilted, with_load
 from harness.robot.whole_arm.prepare import Known, Problem, moving, prepare
@@ -45,14 +44,11 @@ def solve(log: JointLog, arm: Arm, joints: Sequence[str] | None, lowpass: float 
     if not going:
         raise InputError(log.file, "no joint that moves to and fro", "a log in which joints move both ways is accepted")
     still = tuple(name for j, name in enumerate(everything.joints) if j not in going)
-    first: Problem | None = None
+    names = [everything.joints[j] for j in going]
+    first = problem = prepare(differentiate(log, arm, names, everything.band.lowpass), arm, known)
+    model = search(problem.parts, problem.candidates, problem.filtered.t, forced)
     steady = 0
     for _ in range(_ROUNDS):
-        now, late = _corrected(arm, applied)
-        names = [everything.joints[j] for j in going]
-        problem = prepare(differentiate(log, now, names, everything.band.lowpass, late), now, known)
-        first = first or problem
-        model = search(problem.parts, problem.candidates, problem.filtered.t, forced)
         rest = _rest(model)
         if not model.again and (steady or not rest):
             break
@@ -61,6 +57,9 @@ def solve(log: JointLog, arm: Arm, joints: Sequence[str] | None, lowpass: float 
         for name, numbers in rest.items():
             applied[name] = applied.get(name, np.zeros(numbers.size)) + numbers
         forced = [one for one in model.chosen if one.named.candidate.name in CORRECTED]
+        now, late = _corrected(arm, applied)
+        problem = prepare(differentiate(log, now, names, everything.band.lowpass, late), now, known)
+        model = search(problem.parts, problem.candidates, problem.filtered.t, forced)
     return Solved(model, problem, first, applied, still)
 
 

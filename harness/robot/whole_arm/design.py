@@ -1,9 +1,10 @@
-"""One least-squares problem of the whole arm: every joint's guarded, whitened torque under what is in the model so far."""
+"""One least-squares problem of the whole arm: every joint's guarded, whitened torque under what is in the model."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.fft import next_fast_len
 
 from harness.core.arrays import FloatArray
 from harness.fit.autocorrelation import memory
@@ -11,18 +12,26 @@ from harness.robot.whole_arm.candidate import Candidate
 from harness.robot.whole_arm.evidence import evidence, looks
 from harness.robot.whole_arm.noise import Noise, Stretches
 
+_SEEN = 1e-12
+"""Share of the largest eigenvalue, columns scaled to one, below which a direction is rounding."""
+_LAGS = 60
+"""Samples over which scores may remember: more than a second."""
 _FLAT = 1e-9
 """Share of a column, beyond those of the model, below which it says nothing of its own."""
 
 
 @dataclass(frozen=True, slots=True)
 class Part:
-    """A joint's guarded samples: torque (m,) beyond the rigid model, its base columns (m, 3), and its noise."""
+    """A joint's guarded samples: torque (m,) beyond the rigid model, its base columns (m, 3), and its noise.
+
+    floor : standard deviation below which no noise is believed.
+    """
 
     torque: FloatArray
     base: FloatArray
     stretches: Stretches
     noise: Noise
+    floor: float
 
     def white(self, columns: FloatArray) -> FloatArray:
         """Guarded samples of columns (m, ...), whitened."""
@@ -93,9 +102,7 @@ class Design:
         blocks: list[tuple[dict[int, FloatArray], FloatArray]] = [
             ({j: part.white(part.base)}, np.full(part.base.shape[1], np.inf)) for j, part in enumerate(parts)
         ]
-        blocks += [
-            (one.columns, one.candidate.spread) for one in self.named
-        ]
+        blocks += [(one.columns, one.candidate.spread) for one in self.named]
         self.places, columns = [], 0
         for _, spread in blocks:
             self.places.append(slice(columns, columns + spread.size))
@@ -113,10 +120,12 @@ class Design:
             self.y[self.at[j]] = part.white(part.torque)
         scale = np.sqrt(np.sum(matrix**2, axis=0))
         scale[scale == 0.0] = 1.0
-        self._u, singular, turn = np.linalg.svd(matrix / scale, full_matrices=False)
-        seen = singular > 1e-8 * singular[0]
-        self._u = self._u[:, seen]
-        self._back = (turn[seen].T / singular[seen]) / scale[:, None]
+        scaled = matrix / scale
+        power, turn = np.linalg.eigh(scaled.T @ scaled)
+        seen = power > _SEEN * power[-1]
+        root = turn[:, seen] / np.sqrt(power[seen])
+        self._u = scaled @ root
+        self._back = root / scale[:, None]
         self.numbers = self._back @ (self._u.T @ self.y)
         self.residual = self.y - self._u @ (self._u.T @ self.y)
 
@@ -138,7 +147,10 @@ class Design:
         for rows in self.at:
             scores = weight[rows] * residual[rows]
             if scores.size > 4:
-                total += float(scores @ scores) * memory(scores, min(scores.size // 4, 60)).time
+                # zeros to a length that Fourier is quick at change nothing of what it remembers
+                padded = np.zeros(next_fast_len(scores.size, real=True))
+                padded[: scores.size] = scores
+                total += float(scores @ scores) * memory(padded, min(scores.size // 4, _LAGS)).time
         return total / nominal
 
     def inside(self, columns: FloatArray) -> FloatArray:
@@ -160,10 +172,8 @@ class Design:
         before = np.einsum("scc->sc", normal).copy()
         normal -= np.einsum("suc,sud->scd", inside, inside)
         after = np.einsum("scc->sc", normal)
-        gains = np.zeros(settings)
-        for i in range(settings):
-            if np.all(after[i] > _FLAT * before[i]):
-                gains[i] = float(pull[i] @ np.linalg.pinv(normal[i], rcond=_FLAT, hermitian=True) @ pull[i])
+        inverse = np.linalg.pinv(normal, rcond=_FLAT, hermitian=True)
+        gains = np.einsum("sc,scd,sd->s", pull, inverse, pull) * np.all(after > _FLAT * before, axis=1)
         best = Named(whitened, int(np.argmax(gains)))
         gain = float(gains[best.setting])
         if gain <= 0.0:

@@ -32,7 +32,8 @@ class Filtered:
     joints : names (k,). dof : their places in the arm (k,). t (m,) : s. q, v, a (m, nv) : rad or m, per s, per s^2.
     torque (m, k) : N m or N. good (m,) : away from gaps. band : of the recording. fine : band of t_fine, q_fine, v_fine
     (M, nv), from which columns are formed. out : band of the m samples before the ends were cut. velocity_noise (k,) :
-    standard deviation of v. position_step (k,) : rad, the encoder's. torque_noise (k,) : that white noise of the recorded torque leaves after the filter, N m.
+    standard deviation of v. position_step (k,) : rad, the encoder's. torque_noise (k,) : what white noise of the
+    recorded torque leaves after the filter, N m.
     seconds : of the log. notes : what was done, one sentence each.
     """
 
@@ -114,7 +115,9 @@ def differentiate(
         names,
         dof,
         t[kept],
-        *(y[kept] for y in smooth),
+        smooth[0][kept],
+        smooth[1][kept],
+        smooth[2][kept],
         band.filtered(torque, out, late=late)[0][kept],
         _good(log.t, t, 1.5 / cut)[kept],
         band,

@@ -35,7 +35,7 @@ def _log_tail(gain: float, columns: float) -> float:
 
 
 def looks(columns: FloatArray) -> float:
-    """Independent settings among neighbouring ones: the length of the way of their unit columns (n, s), in right angles.
+    """Independent settings among neighbours: the length of the way of their unit columns (n, s), in right angles.
 
     Neighbours that look alike count little more than one (Davies 1987: chance grows with that length).
     """

@@ -1,4 +1,4 @@
-"""Columns of what sliding friction may have beside Coulomb, viscous and offset, each through the filter of the torque."""
+"""Columns of what sliding friction may have beside Coulomb, viscous and offset, through the filter of the torque."""
 
 import math
 from collections.abc import Iterator
@@ -68,7 +68,9 @@ def friction_candidates(filtered: Filtered, joint: int, gravity: FloatArray, kep
     if np.ptp(gravity) > 1e-9:
         load = one(sign * np.abs(gravity))
         yield Candidate(LOAD, FRICTION, joint, load, (("share of load", "1"),), free(1))
-    yield Candidate(ASYMMETRIC, FRICTION, joint, one(np.abs(v), jumps=False), (("half difference", "N m s/rad"),), free(1))
+    yield Candidate(
+        ASYMMETRIC, FRICTION, joint, one(np.abs(v), jumps=False), (("half difference", "N m s/rad"),), free(1)
+    )
     yield Candidate(QUADRATIC, FRICTION, joint, one(v * np.abs(v), jumps=False), (("c_2", "N m s^2/rad^2"),), free(1))
     numbers = (("rise of Coulomb", "N m"), ("rise of viscous", "N m s/rad"))
     yield Candidate(DRIFT, FRICTION, joint, one(sign * time, v * time), numbers, free(2))

@@ -57,7 +57,9 @@ def model_candidates(
         yield Candidate(TILT, MODEL, None, (Setting((), by_joint(turned)),), numbers, np.full(2, TILT_SPREAD))
     late = -np.gradient(rigid[:, dofs], 1.0 / filtered.out.rate, axis=0)[:, :, None]
     settings = (Setting((), by_joint(late)),)
-    yield Candidate(DELAY, MODEL, None, settings, (("delay", "s"),), np.full(1, DELAY_SPREAD), "early position", WHICH_IS_LATE)
+    yield Candidate(
+        DELAY, MODEL, None, settings, (("delay", "s"),), np.full(1, DELAY_SPREAD), "early position", WHICH_IS_LATE
+    )
     if not sensor_known and np.any(arm.armature[dofs] > 0.0):
         unseen = -(arm.armature * filtered.a)[:, dofs][:, :, None]
         settings = (Setting((), by_joint(unseen)),)
@@ -70,7 +72,9 @@ def model_candidates(
         yield Candidate(ARMATURE, MODEL, j, (Setting((), about),), numbers, free(1), partner, ROTOR_OR_AXIS)
         if not gain_known:
             more = (Setting((), {j: rigid[:, dof : dof + 1]}),)
-            yield Candidate(MOTOR, MODEL, j, more, (("gain - 1", "1"),), np.full(1, GAIN_SPREAD), INERTIA, SCALE_OR_MASS)
+            yield Candidate(
+                MOTOR, MODEL, j, more, (("gain - 1", "1"),), np.full(1, GAIN_SPREAD), INERTIA, SCALE_OR_MASS
+            )
     if not gain_known:
         more = (Setting((), by_joint(rigid[:, dofs, None])),)
         yield Candidate(MOTOR, MODEL, None, more, (("gain - 1", "1"),), np.full(1, GAIN_SPREAD), INERTIA, SCALE_OR_MASS)

@@ -39,8 +39,13 @@ class Noise:
     sigma: FloatArray
 
     @classmethod
-    def learnt(cls, series: FloatArray, stretches: Stretches, fitted: int, order: int = ORDER) -> "Noise":
-        """By Burg's method from a residual (m,) of a fit with so many numbers; always stable."""
+    def learnt(
+        cls, series: FloatArray, stretches: Stretches, fitted: int, floor: float = 0.0, order: int = ORDER
+    ) -> "Noise":
+        """By Burg's method from a residual (m,) of a fit with so many numbers; always stable.
+
+        floor : standard deviation of white noise that is there whatever the residual shows.
+        """
         depth = stretches.depth
         size = int(np.sum(stretches.kept))
         forward = np.where(stretches.kept, series, 0.0)
@@ -58,9 +63,9 @@ class Noise:
             last = np.append(predictors[-1], 0.0)
             predictors.append(last + reflection * last[::-1])
             powers.append(powers[-1] * (1.0 - reflection**2))
-        return cls(tuple(predictors), np.sqrt(np.maximum(powers, 1e-300))).rising()
+        return cls(tuple(predictors), np.sqrt(np.maximum(powers, 1e-300))).rising(floor)
 
-    def rising(self) -> "Noise":
+    def rising(self, floor: float) -> "Noise":
         """Noise of no less than half the density anywhere that it has at some lower frequency.
 
         What is left at low frequencies is often not noise but what the model lacks. A likelihood that took it for noise
@@ -69,7 +74,7 @@ class Noise:
         """
         turn = np.exp(-1j * math.pi * np.linspace(0.0, 1.0, _FREQUENCIES))
         density = (self.sigma[-1] / np.abs(np.polyval(self.predictors[-1][::-1], turn))) ** 2
-        density = np.maximum(density, np.maximum.accumulate(density) / _DIP)
+        density = np.maximum(density, np.maximum.accumulate(density) / _DIP) + floor**2
         covariance = np.fft.irfft(density)[: len(self.predictors)]
         return Noise(*_levinson(covariance))
 

@@ -16,6 +16,8 @@ from harness.robot.whole_arm.noise import Noise, Stretches
 from harness.robot.whole_arm.rules import LEAST_SAMPLES
 from harness.robot.whole_arm.search import beside_everything
 
+_EXACT = 3e-4
+"""Share of a joint's rms torque to which filter and columns are exact: less is no noise of a sensor."""
 _WIDER = 1.5
 """Times that a guard grows in one step."""
 _WIDEST = 8
@@ -66,26 +68,29 @@ def prepare(filtered: Filtered, arm: Arm, known: Known) -> Problem:
     parts, guards, candidates = [], [], []
     for j in range(len(filtered.joints)):
         torque, base = filtered.torque[:, j] - rigid[:, j], base_columns(filtered, j)
-        width, kept = _guarded(filtered, j, torque, base)
+        floor = _EXACT * float(np.sqrt(np.mean(filtered.torque[:, j] ** 2)))
+        width, kept = _guarded(filtered, j, torque, base, floor)
         guards.append(width)
         candidates += list(friction_candidates(filtered, j, gravity[:, j], kept))
-        parts.append(Part(torque, base, Stretches.of(kept), _plain(torque, base, kept)[1]))
+        parts.append(Part(torque, base, Stretches.of(kept), _plain(torque, base, kept, floor)[1], floor))
     candidates += list(model_candidates(filtered, arm, known.payload, known.sensor, known.gain))
     learnt = tuple(beside_everything(part, j, candidates) for j, part in enumerate(parts))
     return Problem(filtered, learnt, np.array(guards), rigid, weight, tuple(candidates))
 
 
-def _guarded(filtered: Filtered, joint: int, torque: FloatArray, base: FloatArray) -> tuple[float, BoolArray]:
+def _guarded(
+    filtered: Filtered, joint: int, torque: FloatArray, base: FloatArray, floor: float
+) -> tuple[float, BoolArray]:
     """Width, s, and samples of the guard that stands when Coulomb friction moves by less than its error."""
     width = WIDTH / filtered.band.lowpass
     kept = away(filtered, joint, width)
-    coulomb, noise = _plain(torque, base, kept)
+    coulomb, _ = _plain(torque, base, kept, floor)
     for _ in range(_WIDEST):
         wider = away(filtered, joint, width * _WIDER)
         if np.sum(wider) < max(LEAST_SAMPLES.value, 0.5 * np.sum(kept)):
             break
-        next_coulomb, next_noise = _plain(torque, base, wider)
-        part = Part(torque, base, Stretches.of(wider), next_noise)
+        next_coulomb, next_noise = _plain(torque, base, wider, floor)
+        part = Part(torque, base, Stretches.of(wider), next_noise, floor)
         white = part.white(base)
         error = float(np.sqrt(np.linalg.pinv(white.T @ white)[0, 0]))
         if abs(next_coulomb - coulomb) < error:
@@ -94,7 +99,7 @@ def _guarded(filtered: Filtered, joint: int, torque: FloatArray, base: FloatArra
     return width, kept
 
 
-def _plain(torque: FloatArray, base: FloatArray, kept: BoolArray) -> tuple[float, Noise]:
+def _plain(torque: FloatArray, base: FloatArray, kept: BoolArray, floor: float) -> tuple[float, Noise]:
     """Coulomb friction by plain least squares, and the noise of what is left."""
     numbers = np.linalg.lstsq(base[kept], torque[kept], rcond=None)[0]
-    return float(numbers[0]), Noise.learnt(torque - base @ numbers, Stretches.of(kept), base.shape[1])
+    return float(numbers[0]), Noise.learnt(torque - base @ numbers, Stretches.of(kept), base.shape[1], floor)

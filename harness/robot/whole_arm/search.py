@@ -58,7 +58,7 @@ def beside_everything(part: Part, joint: int, candidates: Sequence[Candidate]) -
     u = u[:, singular > 1e-4 * singular[0]]
     left = np.zeros(kept.size)
     left[kept] = part.torque[kept] - u @ (u.T @ part.torque[kept])
-    return replace(part, noise=Noise.learnt(left, part.stretches, u.shape[1]))
+    return replace(part, noise=Noise.learnt(left, part.stretches, u.shape[1], part.floor))
 
 
 def search(parts: Sequence[Part], candidates: Sequence[Candidate], t: FloatArray, forced: Sequence[Chosen]) -> Model:
@@ -114,7 +114,8 @@ def _driving(design: Design) -> int:
     """How many joints have Coulomb or viscous friction that is surely negative, and would drive."""
     errors = np.sqrt(np.diag(design.covariance()))
     return sum(
-        int(np.any(design.numbers[place][:2] < -2.0 * errors[place][:2])) for place in design.places[: len(design.parts)]
+        int(np.any(design.numbers[place][:2] < -2.0 * errors[place][:2]))
+        for place in design.places[: len(design.parts)]
     )
 
 
@@ -164,7 +165,7 @@ def relearnt(design: Design) -> list[Part]:
     """The parts with their noise learnt from what the model leaves."""
     left = [left_over(design, j) for j in range(len(design.parts))]
     return [
-        replace(part, noise=Noise.learnt(rest, part.stretches, count))
+        replace(part, noise=Noise.learnt(rest, part.stretches, count, part.floor))
         for part, (rest, count) in zip(design.parts, left, strict=True)
     ]
 

@@ -15,7 +15,7 @@ from harness.core.arrays import FloatArray, IntArray
 from harness.model.terms import backlash, presliding, static_friction
 from harness.robot.whole_arm.candidate import FRICTION, MODEL, Candidate, Setting, free
 from harness.robot.whole_arm.correct import Solved
-from harness.robot.whole_arm.design import Design, Named, Part, Whitened
+from harness.robot.whole_arm.design import Design, Named, Whitened
 from harness.robot.whole_arm.differentiate import Filtered
 from harness.robot.whole_arm.evidence import evidence_of_chance
 from harness.robot.whole_arm.friction_columns import signs
@@ -84,7 +84,11 @@ def at_reversals(solved: Solved) -> Iterator[Turned]:
 
 def _alone(candidate: Candidate) -> Candidate:
     """A candidate of one joint, in a problem of that joint alone."""
-    return replace(candidate, joint=0, settings=tuple(Setting(s.values, dict(enumerate(s.columns.values()))) for s in candidate.settings))
+    return replace(
+        candidate,
+        joint=0,
+        settings=tuple(Setting(s.values, dict(enumerate(s.columns.values()))) for s in candidate.settings),
+    )
 
 
 def _own(design: Design, joint: int) -> FloatArray:
@@ -127,9 +131,7 @@ def _candidates(
     least = max(2.0 * math.sqrt(2.0 * turning * quantum), 3.0 * turning / filtered.fine.rate)
     speeds = np.geomspace(least, max(float(np.quantile(np.abs(v), 0.15)), 2.0 * least), _LENGTHS)
     more = [filtered.column(sign * np.exp(-((v / v_s) ** 2)), jumps=True) for v_s in speeds]
-    yield Candidate(
-        STATIC, FRICTION, joint, settings("v_s", "rad/s", speeds, more), (("f_s - f_c", "N m"),), free(1)
-    )
+    yield Candidate(STATIC, FRICTION, joint, settings("v_s", "rad/s", speeds, more), (("f_s - f_c", "N m"),), free(1))
     load = np.interp(filtered.t_fine, filtered.t, rigid)
     since = np.abs(q - q[_last(turns, q.size)])
     loose = [filtered.column(-load * (since < gap), jumps=True) for gap in lengths]

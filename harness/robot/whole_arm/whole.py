@@ -2,7 +2,6 @@
 
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import replace
 
 import mujoco
 import numpy as np
@@ -80,23 +79,25 @@ def _result(solved: Solved, arm: Arm, known: Known) -> WholeArm:
         gain = _gain(solved, j)
         place = design.places[j]
         errors = np.sqrt(np.diag(covariance)[place])
-        base = [
+        coulomb, viscous, offset = (
             Quantity(float(x / gain), float(e / gain), words.of(unit))
             for x, e, unit in zip(design.numbers[place], errors, ("N m", "N m s/rad", "N m"), strict=True)
-        ]
+        )
         left = left_over(design, j)[0][design.parts[j].stretches.kept]
         remainder = _over_noise(left, float(filtered.torque_noise[j]), filtered.torque[:, j])
         effects = (*_effects(solved, j, covariance, remainder, words), *_turned(turned, j, remainder, words))
         held_out = (float(before[j]), float(after[j]))
-        statement = of_base(name, base[0], base[1], held_out, words.of("N m"))
+        statement = of_base(name, coulomb, viscous, held_out, words.of("N m"))
         samples = int(np.sum(design.parts[j].stretches.kept))
         guard = float(solved.problem.guard[j])
-        found[name] = JointFriction(name, *base, effects, held_out, remainder, guard, samples, statement)
+        found[name] = JointFriction(
+            name, coulomb, viscous, offset, effects, held_out, remainder, guard, samples, statement
+        )
     for name in solved.still:
         words = _Units(arm, arm.joints.index(name))
         refused = [Quantity.refused(words.of(unit), _STILL) for unit in ("N m", "N m s/rad", "N m")]
         said = f"{name}: {_STILL} to tell its friction."
-        found[name] = JointFriction(name, *refused, (), None, None, None, 0, said)
+        found[name] = JointFriction(name, refused[0], refused[1], refused[2], (), None, None, None, 0, said)
     return WholeArm(
         tuple(found[name] for name in arm.joints if name in found),
         tuple(_errors(solved, covariance)),
@@ -143,7 +144,9 @@ def _place(design: Design, chosen: Chosen) -> slice:
     return design.places[len(design.parts) + i]
 
 
-def _effects(solved: Solved, joint: int, covariance: FloatArray, remainder: float | None, words: _Units) -> Iterator[Effect]:
+def _effects(
+    solved: Solved, joint: int, covariance: FloatArray, remainder: float | None, words: _Units
+) -> Iterator[Effect]:
     """What was named on guarded samples of a joint, the surest first."""
     design = solved.model.design
     mine = [c for c in solved.model.chosen if c.named.candidate.joint == joint]

@@ -7,6 +7,7 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
+from harness.core.arrays import BoolArray
 from harness.robot.whole_arm.calibrate.draws import KINDS, Draw, Found, draw
 
 _COULOMB, _VISCOUS = 0.01, 0.05
@@ -30,7 +31,7 @@ def main(argv: Sequence[str] | None = None) -> int:
         if told.each:
             print(f"{number}: {_line(draws[-1])}", flush=True)
     spent = (time.perf_counter() - began) / max(told.draws * len(kinds), 1)
-    print(f"{told.draws} draws from {told.first}, seed {told.seed}: {spent:.1f} s a log of 20 s, simulating it included")
+    print(f"{told.draws} draws from {told.first}, seed {told.seed}: {spent:.1f} s a log of 20 s, with its simulation")
     print("\n".join((*_clean_said(draws), *_effects_said(draws), *_errors_said(draws))))
     return 0
 
@@ -57,8 +58,8 @@ def _clean_said(draws: Sequence[Draw]) -> Iterator[str]:
         )
         sharp, within, covered = bounds < asked / 2.0, np.abs(errors) < asked, np.abs(errors) < 2.0 * claimed
         yield (
-            f"{what}: within {asked:.0%} in {_of(within[sharp])} of joints whose bound is below half of it; two standard"
-            f" errors cover {_of(covered)}, {_of(covered[~sharp])} where it is not; standard error"
+            f"{what}: within {asked:.0%} in {_of(within[sharp])} of joints whose bound is below half of it; two"
+            f" standard errors cover {_of(covered)}, {_of(covered[~sharp])} where it is not; standard error"
             f" {np.median(claimed / bounds):.2f} of the bound in the median"
         )
     yield f"clean arms in which nothing is named: {_of(np.array([not one.named for one in clean]))}"
@@ -90,7 +91,7 @@ def _counted(found: Sequence[Found]) -> str:
     return f"named {_of(named)}, named or listed {_of(listed)}, something else besides {_of(besides)}"
 
 
-def _of(true: np.ndarray) -> str:  # type: ignore[type-arg]
+def _of(true: BoolArray) -> str:
     return f"{np.mean(true):.1%} of {true.size}" if true.size else "none"
 
 

@@ -8,7 +8,7 @@ import numpy as np
 
 from harness.core.arrays import FloatArray
 from harness.robot.arm import Arm
-from harness.robot.whole_arm.calibrate.limit import Limit
+from harness.robot.whole_arm.calibrate.limit import Limit, Path
 from harness.robot.whole_arm.calibrate.plant import JOINTS, Friction, Motion, Plant, seven_joints
 from harness.robot.whole_arm.friction_columns import ASYMMETRIC, DRIFT, LOAD, POSITION, QUADRATIC, RIPPLE, STRIBECK
 from harness.robot.whole_arm.model_columns import DELAY, INERTIA, MOTOR, PAYLOAD
@@ -25,8 +25,9 @@ MEMORY = 0.01
 
 @dataclass(frozen=True, slots=True)
 class Clean:
-    """errors, claimed, bounds (7, 2) : of Coulomb and viscous friction, shares of the true value. left_out : evidence of
-    the best candidate not named. named : what was.
+    """errors, claimed, bounds (7, 2) : of Coulomb and viscous friction, shares of the true value.
+
+    left_out : evidence of the best candidate not named. named : what was.
     """
 
     errors: FloatArray
@@ -67,10 +68,13 @@ def draw(seed: int, number: int, kinds: Sequence[str] = KINDS) -> Draw:
     arm = seven_joints()
     plant = replace(Plant.drawn(rng, arm), memory=MEMORY if number % 2 else 0.0)
     motion = Motion.drawn(rng)
-    makers = dict(zip(KINDS, (_clean, _effect, _error), strict=True))
-    seeds = dict(zip(KINDS, rng.integers(2**63, size=len(KINDS)), strict=True))
-    made = {kind: makers[kind](plant, motion, arm, np.random.default_rng(int(seeds[kind]))) for kind in kinds}
-    return Draw(*(made.get(kind) for kind in KINDS))
+    own = dict(zip(KINDS, rng.integers(2**63, size=len(KINDS)), strict=True))
+    clean, effect, error = (np.random.default_rng(int(own[kind])) for kind in KINDS)
+    return Draw(
+        _clean(plant, motion, arm, clean) if "clean" in kinds else None,
+        _effect(plant, motion, arm, effect) if "effect" in kinds else None,
+        _error(plant, motion, arm, error) if "error" in kinds else None,
+    )
 
 
 def _seen(plant: Plant, motion: Motion, arm: Arm, rng: np.random.Generator) -> WholeArm:
@@ -82,7 +86,8 @@ def _clean(plant: Plant, motion: Motion, arm: Arm, rng: np.random.Generator) -> 
     truth = np.stack((plant.coulomb, plant.viscous), axis=1)
     values = np.array([[j.coulomb.value, j.viscous.value] for j in found.joints], dtype=np.float64)
     claimed = np.array([[j.coulomb.stderr, j.viscous.stderr] for j in found.joints], dtype=np.float64)
-    bounds = [Limit(plant, motion, SECONDS, LOWPASS, j, RATE).bounds[:2] for j in range(JOINTS)]
+    path = Path.of(plant, motion, SECONDS, RATE)
+    bounds = [Limit(path, LOWPASS, j).bounds[:2] for j in range(JOINTS)]
     return Clean((values - truth) / truth, found.left_out, claimed / truth, np.array(bounds) / truth, found.named)
 
 
@@ -90,7 +95,7 @@ def _effect(plant: Plant, motion: Motion, arm: Arm, rng: np.random.Generator) ->
     name = str(rng.choice(list(EFFECTS)))
     joint = int(rng.choice(GRAVITY_JOINTS if name in (LOAD, BACKLASH) else range(JOINTS)))
     effect = EFFECTS[name](rng, float(plant.coulomb[joint]))
-    limit = Limit(plant, motion, SECONDS, LOWPASS, joint, RATE)
+    limit = Limit(Path.of(plant, motion, SECONDS, RATE), LOWPASS, joint)
     gain = limit.gain(effect(limit.t, limit.q, limit.v, limit.gravity))
     found = _seen(replace(plant, effects={joint: effect}), motion, arm, rng)
     own = (name, f"joint{joint + 1}")

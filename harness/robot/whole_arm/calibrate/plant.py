@@ -43,7 +43,8 @@ def seven_joints(armature: float = ARMATURE) -> Arm:
         )
         tail += "</body>"
     model = mujoco.MjModel.from_xml_string(
-        f"<mujoco><compiler balanceinertia='true'/><option gravity='0 0 -9.81'/><worldbody>{text}{tail}</worldbody></mujoco>"
+        "<mujoco><compiler balanceinertia='true'/><option gravity='0 0 -9.81'/>"
+        f"<worldbody>{text}{tail}</worldbody></mujoco>"
     )
     none = np.zeros(JOINTS)
     return Arm("seven.xml", model, tuple(f"joint{i + 1}" for i in range(JOINTS)), np.full(JOINTS, armature), none, none)
