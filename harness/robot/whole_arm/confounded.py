@@ -30,6 +30,18 @@ def confounded(problem: Problem, known: Known) -> tuple[tuple[str, str], ...]:
     return tuple(found)
 
 
+def load_is_position(problem: Problem, joint: int, share: float) -> bool:
+    """Whether a joint's load is a function of its own position, as far as friction of this share of it shows.
+
+    Alone in its plane a joint carries a sine of its angle, and nothing tells what friction follows.
+    """
+    gravity, angle = problem.gravity[:, joint], problem.filtered.q[:, problem.filtered.dof[joint]]
+    own = np.stack((np.ones_like(angle), np.sin(angle), np.cos(angle)), axis=1)
+    fitted = own @ np.linalg.lstsq(own, gravity, rcond=None)[0]
+    part = problem.parts[joint]
+    return _shown(part, share * part.base[:, 0] * (np.abs(gravity) - np.abs(fitted))) < RIVAL.value
+
+
 def _shown(part: Part, torque: FloatArray) -> float:
     """Gain that this torque (m,) would bring beyond Coulomb, viscous and offset."""
     base, added = part.white(part.base), part.white(torque)

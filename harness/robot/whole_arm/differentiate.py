@@ -161,7 +161,7 @@ def _lowpass(file: str, q: FloatArray, rate: float, given: float | None) -> floa
     flat = q - np.linspace(q[0], q[-1], q.shape[0])
     power = np.sum((np.abs(np.fft.rfft(flat, axis=0)) * (2 * math.pi * f)[:, None]) ** 2, axis=1) * (f < 25.0)
     share = np.cumsum(power) / max(float(np.sum(power)), 1e-300)
-    held = float(f[np.searchsorted(share, _HELD)])
+    held = float(f[min(int(np.searchsorted(share, _HELD)), f.size - 1)])
     return min(max(_ABOVE * held, _LOWEST), _HIGHEST, most)
 
 

@@ -23,7 +23,7 @@ POSITION, ASYMMETRIC = position_dependent_friction_cosine.TERM.name, asymmetric_
 QUADRATIC, DRIFT = quadratic_drag.TERM.name, friction_drift.TERM.name
 
 LOAD_OR_POSITION = "load- or position-dependent friction of a gravity joint"
-_COVERED = 0.04
+COVERED = 0.04
 """Share of the samples that must be slower than a Stribeck speed for it to be looked for among them."""
 _SPEEDS = 10
 _SHORTEST_RIPPLE = 60.0
@@ -56,7 +56,7 @@ def friction_candidates(filtered: Filtered, joint: int, gravity: FloatArray, kep
 
     slow = np.abs(filtered.v[kept, dof])
     if slow.size:
-        least, most = np.quantile(slow, _COVERED), np.quantile(slow, 0.7)
+        least, most = np.quantile(slow, COVERED), np.quantile(slow, 0.7)
         speeds = np.geomspace(least, most, _SPEEDS) if least > 0.0 else np.empty(0)
 
         def fallen(v_s: float) -> FloatArray:

@@ -73,14 +73,14 @@ def search(parts: Sequence[Part], candidates: Sequence[Candidate], t: FloatArray
     design = Design(parts, [one.named for one in chosen])
     before = errors(design, t)
     refused: set[tuple[str, int | None]] = set()
-    left_out = 0.0
+    left_out: Named | None = None
     while True:
         taken = {one.named.candidate.key for one in chosen} | refused
         scores = [design.score(w) for w in whitened if w.candidate.key not in taken and not _full(chosen, w.candidate)]
         if not scores:
             break
         best = max(scores, key=lambda s: s.evidence)
-        left_out = best.evidence
+        left_out = best.named
         if best.evidence < NAMED.value:
             break
         named, trial = polished(parts, [one.named for one in chosen], best.named)
@@ -92,7 +92,7 @@ def search(parts: Sequence[Part], candidates: Sequence[Candidate], t: FloatArray
         design, before = trial, after
         chosen.append(Chosen(named, best.evidence, _rivals(best, scores, design)))
         if named.candidate.name in CORRECTED:
-            return Model(tuple(chosen), design, left_out, again=True)
+            return Model(tuple(chosen), design, 0.0, again=True)
     return _pruned(parts, chosen, len(forced), left_out)
 
 
@@ -170,7 +170,7 @@ def relearnt(design: Design) -> list[Part]:
     ]
 
 
-def _pruned(parts: Sequence[Part], chosen: Sequence[Chosen], forced: int, left_out: float) -> Model:
+def _pruned(parts: Sequence[Part], chosen: Sequence[Chosen], forced: int, left_out: Named | None) -> Model:
     """Without what is not sure any more beside what was chosen after it; the noise learnt anew."""
     kept = list(chosen)
     design = Design(parts, [one.named for one in kept])
@@ -189,9 +189,16 @@ def _pruned(parts: Sequence[Part], chosen: Sequence[Chosen], forced: int, left_o
             for i, (one, value) in enumerate(zip(kept, sure, strict=True))
         ]
         if not sure[forced:] or min(sure[forced:]) >= NAMED.value:
-            return Model(tuple(kept), design, left_out)
+            return Model(tuple(kept), design, _evidence(design, left_out))
         del kept[forced + int(np.argmin(sure[forced:]))]
         design = Design(parts, [one.named for one in kept])
+
+
+def _evidence(design: Design, named: Named | None) -> float:
+    """Of a candidate beside a model, under the model's own noise."""
+    if named is None or named.candidate.key in {one.candidate.key for one in design.named}:
+        return 0.0
+    return design.score(Whitened.of(named.candidate, design.parts)).evidence
 
 
 def of_joint(chosen: Sequence[Chosen], joint: int | None) -> tuple[Chosen, ...]:

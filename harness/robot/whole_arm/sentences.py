@@ -16,7 +16,7 @@ _EFFECTS = {
     RIPPLE: "The torque ripples with the position: {0} and {1} (sine and cosine), {2}.",
     POSITION: "Coulomb friction depends on the position: {0} and {1} (sine and cosine), {2}.",
     PRESLIDING: "After a reversal friction builds up over a distance: {0} over {1}.",
-    STATIC: "Friction is higher at the moment of reversal: by {0}.",
+    STATIC: "Friction is higher at the moment of reversal: by {0}, below {1}.",
     BACKLASH: "After a reversal the load is missing: {0} of it.",
 }
 _ERRORS = {
@@ -30,10 +30,10 @@ _ERRORS = {
 }
 
 
-def of_effect(name: str, parameters: Sequence[tuple[str, Quantity]], rivals: Sequence[str]) -> str:
-    """One sentence about an effect, a second one where others do nearly as well."""
-    said = _EFFECTS.get(name, "{all}")
-    return _with_rivals(_filled(said, parameters), rivals)
+def of_effect(name: str, parameters: Sequence[tuple[str, Quantity]], rivals: Sequence[str], pair: str = "") -> str:
+    """One sentence about an effect, a second one where others do nearly as well, or can never be told from it."""
+    said = _with_rivals(_filled(_EFFECTS.get(name, "{all}"), parameters), rivals)
+    return f"{said} It stands for the pair: {pair}; this log cannot tell which." if pair else said
 
 
 def of_error(

@@ -15,10 +15,10 @@ from harness.core.arrays import FloatArray, IntArray
 from harness.model.terms import backlash, presliding, static_friction
 from harness.robot.whole_arm.candidate import FRICTION, MODEL, Candidate, Setting, free
 from harness.robot.whole_arm.correct import Solved
-from harness.robot.whole_arm.design import Design, Named, Whitened
+from harness.robot.whole_arm.design import Design, Named, Part, Whitened
 from harness.robot.whole_arm.differentiate import Filtered
 from harness.robot.whole_arm.evidence import evidence_of_chance
-from harness.robot.whole_arm.friction_columns import signs
+from harness.robot.whole_arm.friction_columns import COVERED, STRIBECK, signs
 from harness.robot.whole_arm.guard import reversals, sure_speed
 from harness.robot.whole_arm.model_columns import DELAY, WHICH_IS_LATE
 from harness.robot.whole_arm.noise import Stretches
@@ -29,6 +29,8 @@ PRESLIDING, STATIC, BACKLASH = presliding.TERM.name, static_friction.TERM.name, 
 _LENGTHS = 12
 _PLAUSIBLE = (0.3, 1.7)
 """Share of Coulomb friction, or of the load, that presliding, or backlash, must hold to be what it is called."""
+_EDGE = 1.2
+"""Times the least covered speed up to which a Stribeck speed of guarded samples may truly be lower."""
 _LARGEST = 0.1
 """Share of a joint's span up to which presliding and backlash are looked for."""
 
@@ -38,6 +40,7 @@ class Turned:
     """joint : which. chosen : what was named at its reversals. reversals : how many there are.
 
     numbers, errors : what was found, in the candidate's order. share : of what the base leaves beyond the noise.
+    of_stribeck : it is the foot of a fall with speed that the guarded samples saw the top of, and replaces it.
     """
 
     joint: int
@@ -46,6 +49,7 @@ class Turned:
     numbers: FloatArray
     errors: FloatArray
     share: float
+    of_stribeck: bool = False
 
 
 def at_reversals(solved: Solved) -> Iterator[Turned]:
@@ -70,6 +74,13 @@ def at_reversals(solved: Solved) -> Iterator[Turned]:
         sure = [one for one in found if one.evidence >= NAMED.value]
         if sure and sure[0] is found[0]:
             rivals = tuple(one.named.candidate.name for one in found[1:] if one.gain > found[0].gain - RIVAL.value)
+            falling = [n for n in local if n.candidate.name == STRIBECK]
+            sharper = bool(falling) and found[0].named.candidate.name == STATIC
+            if sharper:
+                if falling[0].candidate.settings[0].values[0][2] > _EDGE * _covered(filtered, j, part):
+                    continue
+                held = tuple(n for n in held if n.candidate.name != STRIBECK)
+                base = Design((whole,), held)
             named, fitted = polished((whole,), held, found[0].named)
             count = named.candidate.spread.size
             errors = np.sqrt(np.diag(fitted.covariance()))[-count:]
@@ -79,7 +90,12 @@ def at_reversals(solved: Solved) -> Iterator[Turned]:
             floor = float(np.sum(turning)) * float(filtered.torque_noise[j]) ** 2
             share = float(np.clip((squares[0] - squares[1]) / max(squares[0] - floor, 1e-300), 0.0, 1.0))
             chosen = Chosen(named, found[0].evidence, rivals)
-            yield Turned(j, chosen, turns.size, fitted.numbers[-count:], errors, share)
+            yield Turned(j, chosen, turns.size, fitted.numbers[-count:], errors, share, sharper)
+
+
+def _covered(filtered: Filtered, joint: int, part: Part) -> float:
+    """The least Stribeck speed that guarded samples cover, rad/s."""
+    return float(np.quantile(np.abs(filtered.v[part.stretches.kept, filtered.dof[joint]]), COVERED))
 
 
 def _alone(candidate: Candidate) -> Candidate:
@@ -130,8 +146,12 @@ def _candidates(
     turning = float(np.median(np.abs(filtered.a[:, dof])))
     least = max(2.0 * math.sqrt(2.0 * turning * quantum), 3.0 * turning / filtered.fine.rate)
     speeds = np.geomspace(least, max(float(np.quantile(np.abs(v), 0.15)), 2.0 * least), _LENGTHS)
-    more = [filtered.column(sign * np.exp(-((v / v_s) ** 2)), jumps=True) for v_s in speeds]
-    yield Candidate(STATIC, FRICTION, joint, settings("v_s", "rad/s", speeds, more), (("f_s - f_c", "N m"),), free(1))
+
+    def fallen(v_s: float) -> FloatArray:
+        return filtered.column((sign * np.exp(-((v / v_s) ** 2)))[:, None], jumps=True)
+
+    more = settings("v_s", "rad/s", speeds, [fallen(float(v_s))[:, 0] for v_s in speeds])
+    yield Candidate(STATIC, FRICTION, joint, more, (("f_s - f_c", "N m"),), free(1), shape=fallen)
     load = np.interp(filtered.t_fine, filtered.t, rigid)
     since = np.abs(q - q[_last(turns, q.size)])
     loose = [filtered.column(-load * (since < gap), jumps=True) for gap in lengths]

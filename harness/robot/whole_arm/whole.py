@@ -13,17 +13,17 @@ from harness.core.joint_log import JointLog
 from harness.core.quantity import Quantity
 from harness.robot.arm import Arm
 from harness.robot.whole_arm.candidate import FRICTION
-from harness.robot.whole_arm.confounded import confounded
+from harness.robot.whole_arm.confounded import confounded, load_is_position
 from harness.robot.whole_arm.correct import Solved, solve, total
 from harness.robot.whole_arm.design import Design, Whitened
-from harness.robot.whole_arm.friction_columns import LOAD, LOAD_OR_POSITION, POSITION
+from harness.robot.whole_arm.friction_columns import LOAD, LOAD_OR_POSITION, POSITION, STRIBECK
 from harness.robot.whole_arm.held_out import rms
 from harness.robot.whole_arm.model_columns import MOTOR
 from harness.robot.whole_arm.perturb import with_load, without_armature
 from harness.robot.whole_arm.prepare import Known
 from harness.robot.whole_arm.result import Effect, Grade, JointFriction, ModelError, WholeArm
 from harness.robot.whole_arm.rules import EXPLAINED, MAIN, RULES
-from harness.robot.whole_arm.search import Chosen, left_over
+from harness.robot.whole_arm.search import Chosen, left_over, of_joint
 from harness.robot.whole_arm.sentences import of_base, of_effect, of_error
 from harness.robot.whole_arm.turning import Turned, at_reversals
 
@@ -85,7 +85,8 @@ def _result(solved: Solved, arm: Arm, known: Known) -> WholeArm:
         )
         left = left_over(design, j)[0][design.parts[j].stretches.kept]
         remainder = _over_noise(left, float(filtered.torque_noise[j]), filtered.torque[:, j])
-        effects = (*_effects(solved, j, covariance, remainder, words), *_turned(turned, j, remainder, words))
+        sharper = any(one.joint == j and one.of_stribeck for one in turned)
+        effects = (*_effects(solved, j, covariance, remainder, words, sharper), *_turned(turned, j, remainder, words))
         held_out = (float(before[j]), float(after[j]))
         statement = of_base(name, coulomb, viscous, held_out, words.of("N m"))
         samples = int(np.sum(design.parts[j].stretches.kept))
@@ -145,12 +146,14 @@ def _place(design: Design, chosen: Chosen) -> slice:
 
 
 def _effects(
-    solved: Solved, joint: int, covariance: FloatArray, remainder: float | None, words: _Units
+    solved: Solved, joint: int, covariance: FloatArray, remainder: float | None, words: _Units, replaced: bool
 ) -> Iterator[Effect]:
-    """What was named on guarded samples of a joint, the surest first."""
+    """What was named on guarded samples of a joint, the surest first.
+
+    replaced : but for a fall with speed that the reversals tell better.
+    """
     design = solved.model.design
-    mine = [c for c in solved.model.chosen if c.named.candidate.joint == joint]
-    mine = [c for c in mine if c.named.candidate.family == FRICTION]
+    mine = [c for c in of_joint(solved.model.chosen, joint) if not (replaced and c.named.candidate.name == STRIBECK)]
     for chosen in sorted(mine, key=lambda c: -c.evidence):
         candidate, place = chosen.named.candidate, _place(design, chosen)
         errors = np.sqrt(np.diag(covariance)[place])
@@ -158,7 +161,9 @@ def _effects(
         others = [one for one in design.named if one.candidate.joint is None]
         share = _share(Design(design.parts, others), Design(design.parts, [*others, chosen.named]), (joint,), solved)
         pair = LOAD_OR_POSITION if {candidate.name, *chosen.rivals} >= {LOAD, POSITION} else ""
-        said = of_effect(candidate.name, parameters, chosen.rivals)
+        if candidate.name == LOAD and load_is_position(solved.problem, joint, float(design.numbers[place][0])):
+            pair = LOAD_OR_POSITION
+        said = of_effect(candidate.name, parameters, chosen.rivals, pair)
         grade = _graded(chosen.rivals, share, remainder, len(mine) == 1)
         yield Effect(candidate.name, said, parameters, grade, share, chosen.evidence, chosen.rivals, pair)
 

@@ -155,16 +155,20 @@ def _static(rng: np.random.Generator, coulomb: float) -> Friction:
 
 
 def _backlash(rng: np.random.Generator, coulomb: float) -> Friction:
-    gap = float(np.exp(rng.uniform(math.log(0.002), math.log(0.02))))
+    return loose(float(np.exp(rng.uniform(math.log(0.002), math.log(0.02)))))
 
-    def loose(t: FloatArray, q: FloatArray, v: FloatArray, g: FloatArray) -> FloatArray:
+
+def loose(gap: float) -> Friction:
+    """No load after a reversal until the gap, rad, is crossed."""
+
+    def missing(t: FloatArray, q: FloatArray, v: FloatArray, g: FloatArray) -> FloatArray:
         turn = np.flatnonzero(np.sign(v[1:]) != np.sign(v[:-1])) + 1
         marks = np.zeros(q.size, dtype=np.int64)
         marks[turn] = turn
         last = np.maximum.accumulate(marks)
         return np.asarray(-g * ((np.abs(q - q[last]) < gap) & (last > 0)))
 
-    return loose
+    return missing
 
 
 EFFECTS: dict[str, Callable[[np.random.Generator, float], Friction]] = {

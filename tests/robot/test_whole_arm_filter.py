@@ -1,0 +1,122 @@
+"""The filter against closed forms, noise that is learnt against noise that was made, and the scale of evidence."""
+
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from scipy.signal import lfilter
+from scipy.stats import chi2
+
+from harness.core.arrays import FloatArray
+from harness.robot.whole_arm.band import Band
+from harness.robot.whole_arm.evidence import evidence, looks
+from harness.robot.whole_arm.guard import reversals, widened
+from harness.robot.whole_arm.noise import Noise, Stretches, white_level
+
+BAND = Band(15.0, 10_001, 1000.0)
+T = np.arange(BAND.size) / BAND.rate
+
+
+@pytest.mark.parametrize("hertz", [0.1, 0.7, 2.3])
+def test_a_slow_sine_on_a_drift_and_its_derivatives_pass_unchanged(hertz: float) -> None:
+    out = BAND.taken(45.0)
+    turn, t = 2 * math.pi * hertz, np.arange(out.size) / out.rate
+    found = BAND.filtered(np.sin(turn * T) + 0.4 * T, out, 2)
+    exact = (np.sin(turn * t) + 0.4 * t, turn * np.cos(turn * t) + 0.4, -(turn**2) * np.sin(turn * t))
+    for order in range(3):
+        assert np.max(np.abs(found[order] - exact[order])[out.trimmed]) < 2e-3 * turn**order
+
+
+def test_the_gain_is_a_half_at_the_lowpass_and_that_of_two_butterworths_elsewhere() -> None:
+    found = BAND.filtered(np.sin(2 * math.pi * 15.0 * T + 0.3), BAND)[0]
+    assert found[BAND.trimmed] == pytest.approx(0.5 * np.sin(2 * math.pi * 15.0 * T + 0.3)[BAND.trimmed], abs=2e-3)
+    assert BAND.gain(np.array([30.0]))[0] == pytest.approx(1.0 / 257.0)
+
+
+def test_a_series_moved_ahead_is_what_it_was_later() -> None:
+    late = 0.0123
+    moved = BAND.filtered(np.sin(2 * math.pi * 1.3 * (T - late)) + 0.2 * (T - late), BAND, late=late)[0]
+    exact = np.sin(2 * math.pi * 1.3 * T) + 0.2 * T
+    assert moved[BAND.trimmed] == pytest.approx(exact[BAND.trimmed], abs=1e-3)
+
+
+def test_fewer_samples_are_those_of_the_full_rate() -> None:
+    y = np.random.default_rng(1).standard_normal(BAND.size)
+    out = BAND.taken(45.0)
+    step = round(BAND.rate / out.rate)
+    full, few = BAND.filtered(y, BAND)[0], BAND.filtered(y, out)[0]
+    # what lies above the new half rate has a gain below 2 %
+    assert np.std((full[::step][: out.size] - few)[out.trimmed]) < 0.05 * np.std(full)
+
+
+def test_means_over_samples_of_a_jump_are_filtered_as_the_jump() -> None:
+    coarse = BAND.taken(140.0)
+    out = coarse.taken(45.0)
+    jump = 5.0123
+    sharp = BAND.filtered(np.clip((T - jump) * BAND.rate * 2.0, -1.0, 1.0), out)[0]
+    t = np.arange(coarse.size) / coarse.rate
+    values = np.clip((t - jump) * coarse.rate * 2.0, -1.0, 1.0)
+    means, plain = (coarse.filtered(values, out, means=which)[0] for which in (True, False))
+    # what folds back from beyond half the rate is (f / rate)^2 of a jump of two
+    error = np.max(np.abs(sharp - means)[out.trimmed])
+    assert error < 2.0 * (15.0 / coarse.rate) ** 2
+    assert error < 0.5 * np.max(np.abs(sharp - plain)[out.trimmed])
+
+
+def coloured(size: int, seed: int) -> FloatArray:
+    fresh = np.random.default_rng(seed).standard_normal(size)
+    return np.asarray(lfilter([1.0], [1.0, -1.2, 0.5], fresh), dtype=np.float64)
+
+
+def test_noise_with_gaps_is_whitened_to_unit_size() -> None:
+    kept = np.ones(6000, dtype=np.bool_)
+    kept[np.arange(6000) % 300 < 40] = False
+    stretches, series = Stretches.of(kept), coloured(6000, 2)
+    white = Noise.learnt(series, stretches, 0).whitened(series, stretches)
+    assert white.size == np.sum(kept)
+    assert np.std(white) == pytest.approx(1.0, abs=0.05) or np.std(white) < 1.0
+
+
+@given(st.integers(0, 50))
+def test_noise_is_never_taken_for_less_than_half_of_what_it_is_at_lower_frequencies(seed: int) -> None:
+    series = coloured(800, seed)
+    noise = Noise.learnt(series, Stretches.of(np.ones(800, dtype=np.bool_)), 0)
+    turn = np.exp(-1j * np.linspace(0.0, math.pi, 200))
+    density = (noise.sigma[-1] / np.abs(np.polyval(noise.predictors[-1][::-1], turn))) ** 2
+    assert np.all(density > 0.3 * np.maximum.accumulate(density))
+
+
+def test_depth_counts_from_each_gap() -> None:
+    kept = np.array([True, True, False, True, True, True])
+    assert Stretches.of(kept).depth.tolist() == [0, 1, -1, 0, 1, 2]
+
+
+def test_white_noise_of_a_record_is_found_beside_its_motion() -> None:
+    rng = np.random.default_rng(4)
+    level = white_level(3.0 * np.sin(2.0 * T) + 0.02 * rng.standard_normal(T.size), 1000.0)
+    assert level == pytest.approx(2.0 * 0.02**2 / 1000.0, rel=0.1)
+
+
+@given(st.floats(1.0, 900.0), st.integers(1, 8))
+def test_evidence_is_the_gain_of_one_column_that_is_as_unlikely(gain: float, columns: int) -> None:
+    assert evidence(gain, 1) == pytest.approx(gain, rel=1e-4)
+    assert evidence(gain, columns) <= gain * (1 + 1e-4)
+    if gain < 500.0:
+        assert chi2.logsf(evidence(gain, columns), 1) == pytest.approx(chi2.logsf(gain, columns), rel=1e-3, abs=1e-6)
+    assert evidence(gain, columns, 30.0) <= evidence(gain, columns)
+
+
+def test_alike_settings_are_one_look_and_unlike_ones_several() -> None:
+    one = np.random.default_rng(0).standard_normal(500)
+    assert looks(np.stack((one, one, one), axis=1)) == pytest.approx(1.0, abs=1e-6)
+    assert looks(np.eye(4)) == pytest.approx(4.0)
+
+
+def test_a_guard_reaches_both_ways_and_reversals_are_counted_once() -> None:
+    mask = np.zeros(9, dtype=np.bool_)
+    mask[4] = True
+    assert np.flatnonzero(widened(mask, 2)).tolist() == [2, 3, 4, 5, 6]
+    trembling = np.array([1.0, 0.5, 0.01, -0.01, 0.01, -0.6, -1.0, 0.02, -1.0, 1.0])
+    assert reversals(trembling, 0.1).size == 2
