@@ -17,19 +17,16 @@ from harness.model.terms import (
 )
 from harness.robot.whole_arm.candidate import FRICTION, Candidate, Setting, free
 from harness.robot.whole_arm.differentiate import Filtered
+from harness.robot.whole_arm.rules import COVERED, SLOWEST_RIPPLE
 
 STRIBECK, LOAD, RIPPLE = stribeck.TERM.name, load_dependent_friction.TERM.name, force_ripple.TERM.name
 POSITION, ASYMMETRIC = position_dependent_friction_cosine.TERM.name, asymmetric_viscous.TERM.name
 QUADRATIC, DRIFT = quadratic_drag.TERM.name, friction_drift.TERM.name
 
 LOAD_OR_POSITION = "load- or position-dependent friction of a gravity joint"
-COVERED = 0.04
-"""Share of the samples that must be slower than a Stribeck speed for it to be looked for among them."""
 _SPEEDS = 10
 _SHORTEST_RIPPLE = 60.0
 """1/rad: the fastest ripple looked for."""
-_SLOWEST_RIPPLE = 2.0
-"""1/rad: slower ones are gravity's, which model errors have as theirs."""
 
 
 def signs(v: FloatArray) -> FloatArray:
@@ -56,7 +53,7 @@ def friction_candidates(filtered: Filtered, joint: int, gravity: FloatArray, kep
 
     slow = np.abs(filtered.v[kept, dof])
     if slow.size:
-        least, most = np.quantile(slow, COVERED), np.quantile(slow, 0.7)
+        least, most = np.quantile(slow, COVERED.value), np.quantile(slow, 0.7)
         speeds = np.geomspace(least, most, _SPEEDS) if least > 0.0 else np.empty(0)
 
         def fallen(v_s: float) -> FloatArray:
@@ -79,7 +76,7 @@ def friction_candidates(filtered: Filtered, joint: int, gravity: FloatArray, kep
         typical = float(np.median(np.abs(filtered.v[:, dof])))
         fastest = min(_SHORTEST_RIPPLE, math.pi * filtered.band.lowpass / max(typical, 1e-9))
         step = math.pi / (2.0 * span)
-        waves = np.arange(max(_SLOWEST_RIPPLE, 2.0 * math.pi / span), fastest, step)
+        waves = np.arange(max(SLOWEST_RIPPLE.value, 2.0 * math.pi / span), fastest, step)
         yield from _of_waves(RIPPLE, filtered, joint, np.ones_like(sign), q, waves)
         yield from _of_waves(POSITION, filtered, joint, sign, q, np.arange(step, fastest, step))
 

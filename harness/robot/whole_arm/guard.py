@@ -4,19 +4,13 @@ import numpy as np
 
 from harness.core.arrays import BoolArray, FloatArray
 from harness.robot.whole_arm.differentiate import Filtered
-
-WIDTH = 0.6
-"""Least distance to a reversal, in 1/f_lowpass: 40 ms at 15 Hz."""
-SURE = 4.0
-"""Speeds below so many standard deviations of their noise have no sure sign."""
-_RESTING = 0.02
-"""Share of the speed that a joint exceeds for a twentieth of the log, below which it may rest."""
+from harness.robot.whole_arm.rules import RESTING, SURE
 
 
 def sure_speed(filtered: Filtered, joint: int) -> float:
     """Speed from which its sign is sure, rad/s."""
     fast = float(np.quantile(np.abs(filtered.v_fine[:, filtered.dof[joint]]), 0.95))
-    return max(SURE * float(filtered.velocity_noise[joint]), _RESTING * fast)
+    return max(SURE.value * float(filtered.velocity_noise[joint]), RESTING.value * fast)
 
 
 def away(filtered: Filtered, joint: int, width: float) -> BoolArray:

@@ -9,6 +9,14 @@ from harness.robot.arm import Arm
 from harness.robot.whole_arm.candidate import MODEL, Candidate, Setting, free
 from harness.robot.whole_arm.differentiate import Filtered
 from harness.robot.whole_arm.perturb import moving_bodies, tilted, with_load, with_mass
+from harness.robot.whole_arm.rules import (
+    DELAY_SPREAD,
+    GAIN_SPREAD,
+    LOAD_SPREAD,
+    MASS_SPREAD,
+    MOMENT_SPREAD,
+    TILT_SPREAD,
+)
 
 INERTIA, PAYLOAD, MOTOR, DELAY = "inertia-error", "payload", "motor-constant", "torque-delay"
 SENSOR, TILT, ARMATURE = "sensor-side", "tilt", "armature-error"
@@ -19,12 +27,6 @@ ROTOR_OR_AXIS = "armature or inertia about the axis"
 WHICH_IS_LATE = "which of position and torque is late"
 ROTOR_OR_SENSOR = "side of the sensor or a rotor's inertia"
 
-MASS_SPREAD = 0.1
-"""Masses and inertias of a model are expected to be right to a tenth."""
-MOMENT_SPREAD = 0.05
-"""kg m: by how much a load of a kilogram or less may sit beside the last body's centre of mass."""
-GAIN_SPREAD, TILT_SPREAD, DELAY_SPREAD, LOAD_SPREAD = 0.2, 0.1, 0.02, 3.0
-"""1, rad, s, kg: expected sizes of what may be wrong; what comes out beyond three times as large is something else."""
 _STEP, _TURN, _BESIDE = 0.1, 0.01, 0.05
 
 
@@ -47,18 +49,18 @@ def model_candidates(
         beside = [changed(with_load(arm, _STEP, _BESIDE * axis), _STEP) - middle for axis in np.eye(3)]
         columns = np.stack((middle, *(c / _BESIDE for c in beside)), axis=2)
         numbers = (("mass", "kg"), *((f"moment {axis}", "kg m") for axis in "xyz"))
-        spread = np.array([LOAD_SPREAD, *[MOMENT_SPREAD] * 3])
+        spread = np.array([LOAD_SPREAD.value, *[MOMENT_SPREAD.value] * 3])
         partner = "mass of the last link"
         settings = (Setting((), by_joint(columns)),)
         yield Candidate(PAYLOAD, MODEL, None, settings, numbers, spread, partner, MASS_AT_END)
     turned = np.stack([changed(tilted(arm, _TURN, axis), _TURN) for axis in (0, 1)], axis=2)
     if np.max(np.abs(turned)) > 1e-9:
         numbers = (("about x", "rad"), ("about y", "rad"))
-        yield Candidate(TILT, MODEL, None, (Setting((), by_joint(turned)),), numbers, np.full(2, TILT_SPREAD))
+        yield Candidate(TILT, MODEL, None, (Setting((), by_joint(turned)),), numbers, np.full(2, TILT_SPREAD.value))
     late = -np.gradient(rigid[:, dofs], 1.0 / filtered.out.rate, axis=0)[:, :, None]
     settings = (Setting((), by_joint(late)),)
     yield Candidate(
-        DELAY, MODEL, None, settings, (("delay", "s"),), np.full(1, DELAY_SPREAD), "early position", WHICH_IS_LATE
+        DELAY, MODEL, None, settings, (("delay", "s"),), np.full(1, DELAY_SPREAD.value), "early position", WHICH_IS_LATE
     )
     if not sensor_known and np.any(arm.armature[dofs] > 0.0):
         unseen = -(arm.armature * filtered.a)[:, dofs][:, :, None]
@@ -73,11 +75,13 @@ def model_candidates(
         if not gain_known:
             more = (Setting((), {j: rigid[:, dof : dof + 1]}),)
             yield Candidate(
-                MOTOR, MODEL, j, more, (("gain - 1", "1"),), np.full(1, GAIN_SPREAD), INERTIA, SCALE_OR_MASS
+                MOTOR, MODEL, j, more, (("gain - 1", "1"),), np.full(1, GAIN_SPREAD.value), INERTIA, SCALE_OR_MASS
             )
     if not gain_known:
         more = (Setting((), by_joint(rigid[:, dofs, None])),)
-        yield Candidate(MOTOR, MODEL, None, more, (("gain - 1", "1"),), np.full(1, GAIN_SPREAD), INERTIA, SCALE_OR_MASS)
+        yield Candidate(
+            MOTOR, MODEL, None, more, (("gain - 1", "1"),), np.full(1, GAIN_SPREAD.value), INERTIA, SCALE_OR_MASS
+        )
 
 
 def _masses(
@@ -87,6 +91,6 @@ def _masses(
     bodies = moving_bodies(arm)
     columns = np.stack([changed(with_mass(arm, body, 1.0 + _STEP), _STEP) for body in bodies], axis=2)
     numbers = tuple((f"{arm.model.body(body).name or f'body {body}'}", "1") for body in bodies)
-    spread = np.full(len(bodies), MASS_SPREAD)
+    spread = np.full(len(bodies), MASS_SPREAD.value)
     settings = (Setting((), by_joint(columns)),)
     yield Candidate(INERTIA, MODEL, None, settings, numbers, spread, MOTOR, SCALE_OR_MASS)

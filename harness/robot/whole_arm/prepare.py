@@ -10,10 +10,10 @@ from harness.robot.whole_arm.candidate import Candidate
 from harness.robot.whole_arm.design import Part
 from harness.robot.whole_arm.differentiate import Filtered
 from harness.robot.whole_arm.friction_columns import base_columns, friction_candidates
-from harness.robot.whole_arm.guard import WIDTH, away
+from harness.robot.whole_arm.guard import away
 from harness.robot.whole_arm.model_columns import model_candidates
 from harness.robot.whole_arm.noise import Noise, Stretches
-from harness.robot.whole_arm.rules import LEAST_SAMPLES
+from harness.robot.whole_arm.rules import GUARD, LEAST_SAMPLES
 from harness.robot.whole_arm.search import beside_everything
 
 _EXACT = 3e-4
@@ -51,7 +51,7 @@ def moving(filtered: Filtered) -> tuple[int, ...]:
     """Joints with enough guarded samples in both directions."""
     found = []
     for j, dof in enumerate(filtered.dof):
-        kept = away(filtered, j, WIDTH / filtered.band.lowpass)
+        kept = away(filtered, j, GUARD.value / filtered.band.lowpass)
         v = filtered.v[kept, dof]
         most = int(np.sum(kept))
         if most >= LEAST_SAMPLES.value and min(np.sum(v > 0), np.sum(v < 0)) >= LEAST_SAMPLES.value / 10.0:
@@ -82,7 +82,7 @@ def _guarded(
     filtered: Filtered, joint: int, torque: FloatArray, base: FloatArray, floor: float
 ) -> tuple[float, BoolArray]:
     """Width, s, and samples of the guard that stands when Coulomb friction moves by less than its error."""
-    width = WIDTH / filtered.band.lowpass
+    width = GUARD.value / filtered.band.lowpass
     kept = away(filtered, joint, width)
     coulomb, _ = _plain(torque, base, kept, floor)
     for _ in range(_WIDEST):

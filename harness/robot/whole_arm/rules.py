@@ -68,5 +68,75 @@ ENOUGH_TURNS = Rule(
     "a variance between reversals from fewer has t quantiles above 10 at the level of a name",
 )
 
+GUARD = Rule(
+    "guard",
+    0.6,
+    "1/f_lowpass",
+    "samples nearer to a reversal do not count for the base and for sliding friction; the guard grows by half until"
+    " Coulomb friction moves by less than its error",
+    "40 ms at 15 Hz: with it Coulomb friction of a log without noise is right to 0.2 %, without it 3 to 10 % too small",
+)
+SURE = Rule(
+    "sure-speed",
+    4.0,
+    "deviations",
+    "slower samples, in deviations of the speed's noise, have no sure sign and do not count",
+    "a wrong sign in one sample of 30 000",
+)
+RESTING = Rule(
+    "resting",
+    0.02,
+    "share of the 95 % speed",
+    "slower samples do not count: the joint may rest",
+    "a judgement: a rest is no speed at all, and a record that was smoothed shows no noise to tell it by",
+)
+COVERED = Rule(
+    "covered",
+    0.04,
+    "share of samples",
+    "so many guarded samples must be slower than a Stribeck speed for it to be looked for among them; lower ones are"
+    " static friction, judged at reversals",
+    "three dozen samples of a log of 20 s: fewer hold no shape beside their noise",
+)
+SLOWEST_RIPPLE = Rule(
+    "slowest-ripple",
+    2.0,
+    "1/rad",
+    "ripples of the torque are looked for from this wave number, and from one wave in the joint's span",
+    "gravity and its errors go with the sine of the angle, 1/rad",
+)
+SIZE = Rule(
+    "size",
+    3.0,
+    "spreads",
+    "an error of the model is named where it comes out no larger than so many of the spreads expected of it",
+    "what comes out larger is not what its name says: on real logs with wrong inertias scales of 0.01 and tilts of 70"
+    " rad came out otherwise",
+)
+HELD_LEAST = Rule(
+    "held-least",
+    0.3,
+    "share",
+    "presliding holds at least so much of Coulomb friction, backlash of the load",
+    "by their laws all of it; the rest is for what stands beside them",
+)
+HELD_MOST = Rule("held-most", 1.7, "share", HELD_LEAST.moves.replace("least", "most"), HELD_LEAST.origin)
+AT_EDGE = Rule(
+    "at-edge",
+    1.2,
+    "share",
+    "a Stribeck speed of guarded samples up to so many times the least covered one gives way to static friction",
+    "two neighbours of the speeds that are tried lie about so far apart",
+)
+MASS_SPREAD = Rule("mass-spread", 0.1, "1", "masses of the model are expected to be right to this share",
+                   "masses of published models differ from weighed ones by so much")  # fmt: skip
+MOMENT_SPREAD = Rule("moment-spread", 0.05, "kg m", "a load is expected so near to the last body's centre of mass",
+                     "half a kilogram at ten centimetres")  # fmt: skip
+LOAD_SPREAD = Rule("load-spread", 3.0, "kg", "loads of this size are expected", "what arms of 20 kg carry")
+GAIN_SPREAD = Rule("gain-spread", 0.2, "1", "scales of torque are expected to be right to this share",
+                   "motor constants fall by so much when hot")  # fmt: skip
+TILT_SPREAD = Rule("tilt-spread", 0.1, "rad", "tilts of this size are expected", "six degrees: more is seen by eye")
+DELAY_SPREAD = Rule("delay-spread", 0.02, "s", "delays of this size are expected", "two samples of a slow bus, 100 Hz")
+
 
 RULES = tuple(value for value in list(vars().values()) if isinstance(value, Rule))

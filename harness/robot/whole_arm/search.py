@@ -11,13 +11,11 @@ from harness.robot.whole_arm.design import Design, Named, Part, Score, Whitened
 from harness.robot.whole_arm.held_out import errors
 from harness.robot.whole_arm.model_columns import DELAY, PAYLOAD, TILT
 from harness.robot.whole_arm.noise import Noise
-from harness.robot.whole_arm.rules import MOST, NAMED, RIVAL
+from harness.robot.whole_arm.rules import MOST, NAMED, RIVAL, SIZE
 
 CORRECTED = (PAYLOAD, DELAY, TILT)
 """Errors of the model whose effect is not linear in their size."""
 _POLISHINGS = 5
-_LARGEST = 3.0
-"""Times the spread that a number may have."""
 _SETTINGS = 3
 """Of each candidate that the noise is learnt beside."""
 
@@ -107,7 +105,7 @@ def _full(chosen: Sequence[Chosen], candidate: Candidate) -> bool:
 def _sized(design: Design) -> bool:
     """Whether the numbers of the last candidate are of a size that its name can have."""
     spread = design.named[-1].candidate.spread
-    return bool(np.all(np.abs(design.numbers[design.places[-1]]) <= _LARGEST * spread))
+    return bool(np.all(np.abs(design.numbers[design.places[-1]]) <= SIZE.value * spread))
 
 
 def _driving(design: Design) -> int:

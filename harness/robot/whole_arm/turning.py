@@ -18,19 +18,15 @@ from harness.robot.whole_arm.correct import Solved
 from harness.robot.whole_arm.design import Design, Named, Part, Whitened
 from harness.robot.whole_arm.differentiate import Filtered
 from harness.robot.whole_arm.evidence import evidence_of_chance
-from harness.robot.whole_arm.friction_columns import COVERED, STRIBECK, signs
+from harness.robot.whole_arm.friction_columns import STRIBECK, signs
 from harness.robot.whole_arm.guard import reversals, sure_speed
 from harness.robot.whole_arm.model_columns import DELAY, WHICH_IS_LATE
 from harness.robot.whole_arm.noise import Stretches
-from harness.robot.whole_arm.rules import ENOUGH_TURNS, NAMED, RIVAL
+from harness.robot.whole_arm.rules import AT_EDGE, COVERED, ENOUGH_TURNS, HELD_LEAST, HELD_MOST, NAMED, RIVAL
 from harness.robot.whole_arm.search import Chosen, left_over, polished
 
 PRESLIDING, STATIC, BACKLASH = presliding.TERM.name, static_friction.TERM.name, backlash.TERM.name
 _LENGTHS = 12
-_PLAUSIBLE = (0.3, 1.7)
-"""Share of Coulomb friction, or of the load, that presliding, or backlash, must hold to be what it is called."""
-_EDGE = 1.2
-"""Times the least covered speed up to which a Stribeck speed of guarded samples may truly be lower."""
 _LARGEST = 0.1
 """Share of a joint's span up to which presliding and backlash are looked for."""
 
@@ -77,7 +73,7 @@ def at_reversals(solved: Solved) -> Iterator[Turned]:
             falling = [n for n in local if n.candidate.name == STRIBECK]
             sharper = bool(falling) and found[0].named.candidate.name == STATIC
             if sharper:
-                if falling[0].candidate.settings[0].values[0][2] > _EDGE * _covered(filtered, j, part):
+                if falling[0].candidate.settings[0].values[0][2] > AT_EDGE.value * _covered(filtered, j, part):
                     continue
                 held = tuple(n for n in held if n.candidate.name != STRIBECK)
                 base = Design((whole,), held)
@@ -95,7 +91,7 @@ def at_reversals(solved: Solved) -> Iterator[Turned]:
 
 def _covered(filtered: Filtered, joint: int, part: Part) -> float:
     """The least Stribeck speed that guarded samples cover, rad/s."""
-    return float(np.quantile(np.abs(filtered.v[part.stretches.kept, filtered.dof[joint]]), COVERED))
+    return float(np.quantile(np.abs(filtered.v[part.stretches.kept, filtered.dof[joint]]), COVERED.value))
 
 
 def _alone(candidate: Candidate) -> Candidate:
@@ -215,7 +211,7 @@ def _try(base: Design, candidate: Candidate, nearest: IntArray) -> _Tried | None
 
 def _plausible(named: Named, number: float, coulomb: float) -> bool:
     """Whether the size fits the name."""
-    least, most = _PLAUSIBLE
+    least, most = HELD_LEAST.value, HELD_MOST.value
     if named.candidate.name == PRESLIDING:
         return least * coulomb < number < most * coulomb
     if named.candidate.name == BACKLASH:

@@ -1,0 +1,161 @@
+"""Errors of the model beside friction: named with their size and with what they can never be told from."""
+
+from dataclasses import replace
+from functools import reduce
+
+import mujoco
+import numpy as np
+import pytest
+from whole_arm_logs import LOWPASS, arm, log_of, machine
+
+from harness.robot.whole_arm.model_columns import (
+    ARMATURE,
+    DELAY,
+    INERTIA,
+    MASS_AT_END,
+    MOTOR,
+    PAYLOAD,
+    ROTOR_OR_AXIS,
+    ROTOR_OR_SENSOR,
+    SCALE_OR_MASS,
+    SENSOR,
+    TILT,
+    WHICH_IS_LATE,
+)
+from harness.robot.whole_arm.perturb import moving_bodies, tilted, with_load, with_mass, without_armature
+from harness.robot.whole_arm.result import ModelError, WholeArm
+from harness.robot.whole_arm.whole import whole_arm
+
+FACTORS = (0.9, 1.1, 1.1, 0.9, 1.1, 0.9, 1.1)
+
+
+def only(found: WholeArm, name: str, joint: str | None = None) -> ModelError:
+    assert found.named == ((name, joint),)
+    return found.model[0]
+
+
+def friction_is_right(found: WholeArm, share: float = 0.01) -> None:
+    plant = machine()[0]
+    for joint, coulomb, viscous in zip(found.joints, plant.coulomb, plant.viscous, strict=True):
+        assert joint.coulomb.value == pytest.approx(coulomb, rel=share)
+        assert joint.viscous.value == pytest.approx(viscous, rel=share)
+
+
+def test_a_load_at_the_end_is_a_pair_with_the_last_link_and_its_place_is_found() -> None:
+    plant, motion = machine()
+    wrong = replace(plant, arm=with_load(arm(), 0.5, np.array([0.01, -0.02, 0.05])))
+    found = whole_arm(log_of(wrong, motion), arm(), lowpass=LOWPASS)
+    told = only(found, PAYLOAD)
+    assert (told.pair, told.members) == (MASS_AT_END, (PAYLOAD, "mass of the last link"))
+    values = {what: value.value for what, value in told.parameters}
+    assert values["mass"] == pytest.approx(0.5, abs=0.003)
+    assert values["moment z"] == pytest.approx(0.025, abs=0.002)
+    assert "last link" in told.statement
+    friction_is_right(found)
+
+
+def test_a_load_that_is_known_is_not_looked_for() -> None:
+    plant, motion = machine()
+    log = log_of(replace(plant, arm=with_load(arm(), 0.5)), motion)
+    found = whole_arm(log, arm(), payload=0.5, lowpass=LOWPASS)
+    assert found.named == ()
+    friction_is_right(found)
+    without = whole_arm(log, arm(), payload=0.0, lowpass=LOWPASS)
+    assert PAYLOAD not in {name for name, _ in without.named}
+    assert without.named
+
+
+def test_masses_that_are_each_off_are_a_pair_with_the_scale_of_torque() -> None:
+    plant, motion = machine()
+    bodies = moving_bodies(arm())
+    wrong = reduce(lambda a, i: with_mass(a, bodies[i], FACTORS[i]), range(7), arm())
+    found = whole_arm(log_of(replace(plant, arm=wrong), motion), arm(), lowpass=LOWPASS)
+    told = only(found, INERTIA)
+    assert (told.pair, told.partner) == (SCALE_OR_MASS, MOTOR)
+    seen = [value.value for _, value in told.parameters]
+    # the first two turn about the upright axis alone, or hardly weigh: their masses do not show
+    assert seen[2:] == pytest.approx([f - 1.0 for f in FACTORS][2:], abs=0.02)
+    friction_is_right(found)
+
+
+def test_a_motor_constant_is_a_pair_with_masses_and_friction_is_in_true_torque() -> None:
+    plant, motion = machine()
+    gain = np.where(np.arange(7) == 3, 1.1, 1.0)
+    log = log_of(replace(plant, gain=gain), motion)
+    found = whole_arm(log, arm(), lowpass=LOWPASS)
+    told = only(found, MOTOR, "joint4")
+    assert (told.pair, told.partner) == (SCALE_OR_MASS, INERTIA)
+    assert told.parameters[0][1].value == pytest.approx(0.1, abs=0.005)
+    friction_is_right(found)
+    known = whole_arm(log, arm(), lowpass=LOWPASS, gain_known=True)
+    assert MOTOR not in {name for name, _ in known.named}
+
+
+@pytest.mark.parametrize("late", [0.005, 0.015])
+def test_late_torque_is_a_pair_with_early_position(late: float) -> None:
+    plant, motion = machine()
+    found = whole_arm(log_of(replace(plant, late=late), motion), arm(), lowpass=LOWPASS)
+    told = only(found, DELAY)
+    assert (told.pair, told.partner) == (WHICH_IS_LATE, "early position")
+    assert told.parameters[0][1].value == pytest.approx(late, abs=3e-4)
+    friction_is_right(found)
+
+
+def test_a_tilted_base_is_named_with_its_angles() -> None:
+    plant, motion = machine()
+    found = whole_arm(log_of(replace(plant, arm=tilted(arm(), 0.05, 1)), motion), arm(), lowpass=LOWPASS)
+    told = only(found, TILT)
+    assert [value.value for _, value in told.parameters] == pytest.approx([0.0, 0.05], abs=1e-3)
+    friction_is_right(found)
+
+
+def test_a_rotor_of_one_joint_is_a_pair_with_its_link() -> None:
+    plant, motion = machine()
+    heavy = with_mass(arm(), 1, 1.0)
+    heavy.model.dof_armature[4] += 0.05
+    found = whole_arm(log_of(replace(plant, arm=heavy), motion), arm(), lowpass=LOWPASS)
+    told = only(found, ARMATURE, "joint5")
+    assert told.pair == ROTOR_OR_AXIS
+    assert told.parameters[0][1].value == pytest.approx(0.05, abs=2e-3)
+
+
+def test_a_sensor_behind_the_gearbox_is_a_pair_until_its_side_is_known() -> None:
+    plant, motion = machine()
+    log = log_of(replace(plant, arm=without_armature(arm())), motion)
+    told = only(whole_arm(log, arm(), lowpass=LOWPASS), SENSOR)
+    assert (told.pair, told.partner) == (ROTOR_OR_SENSOR, ARMATURE)
+    known = whole_arm(log, arm(), sensor="link", lowpass=LOWPASS)
+    assert known.named == ()
+    assert all(SENSOR not in pair for pair in known.confounded)
+
+
+def test_a_load_adds_its_own_torque_and_no_more() -> None:
+    rng = np.random.default_rng(1)
+    q, v, a = rng.normal(size=(3, 5, 7))
+    plain = arm().inverse(q, v, a)
+    at = np.array([0.02, -0.03, 0.06])
+    added = with_load(arm(), 0.4, at).inverse(q, v, a) - plain
+    body = 7
+    for i in range(5):
+        data = mujoco.MjData(arm().model)
+        data.qpos[:] = q[i]
+        mujoco.mj_forward(arm().model, data)
+        place = data.xpos[body] + data.xmat[body].reshape(3, 3) @ (arm().model.body_ipos[body] + at)
+        jacobian = np.zeros((3, 7))
+        mujoco.mj_jac(arm().model, data, jacobian, None, place, body)
+        weight = with_load(arm(), 0.4, at).inverse(q[i : i + 1], 0 * v[i : i + 1], 0 * a[i : i + 1])
+        still = arm().inverse(q[i : i + 1], 0 * v[i : i + 1], 0 * a[i : i + 1])
+        assert (weight - still)[0] == pytest.approx(jacobian.T @ np.array([0.0, 0.0, 0.4 * 9.81]), abs=1e-9)
+    assert np.all(np.isfinite(added))
+
+
+@pytest.mark.parametrize(("span", "pair"), [(0.02, True), (0.5, False)])
+def test_offset_and_gravity_are_a_pair_where_a_joint_moves_little(span: float, pair: bool) -> None:
+    plant, motion = machine(quiet=False)
+    small = motion.amplitude.copy()
+    small[3] *= span
+    small[[0, 1, 2, 4, 5, 6]] = 0.0
+    middle = motion.middle.copy()
+    moved = type(motion)(middle, small, motion.frequency, motion.phase)
+    found = whole_arm(log_of(plant, moved), arm(), joints=("joint4",), lowpass=LOWPASS)
+    assert (("offset of joint4", "gravity") in found.confounded) == pair
