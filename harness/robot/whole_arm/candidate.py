@@ -14,11 +14,16 @@ FRICTION, MODEL = "friction", "model"
 class Setting:
     """values : what is not linear in the columns, by name and unit (("v_s", "rad/s", .1), ...); may be empty.
 
-    columns : by joint, (m, c) torque for one unit of each of c numbers; joints it does not touch are left out.
+    given : its columns, or what makes them where there are too many settings to keep.
     """
 
     values: tuple[tuple[str, str, float], ...]
-    columns: dict[int, FloatArray]
+    given: dict[int, FloatArray] | Callable[[], dict[int, FloatArray]]
+
+    @property
+    def columns(self) -> dict[int, FloatArray]:
+        """By joint, (m, c) torque for one unit of each of c numbers; joints it does not touch are left out."""
+        return self.given if isinstance(self.given, dict) else self.given()
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,6 +1,6 @@
 """One least-squares problem of the whole arm: every joint's guarded, whitened torque under what is in the model."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -14,6 +14,8 @@ from harness.robot.whole_arm.noise import Noise, Stretches
 
 _SEEN = 1e-12
 """Share of the largest eigenvalue, columns scaled to one, below which a direction is rounding."""
+_BYTES = 16_000_000
+"""Of one candidate's columns that are kept at once."""
 _LAGS = 60
 """Samples over which scores may remember: more than a second."""
 _FLAT = 1e-9
@@ -40,24 +42,52 @@ class Part:
 
 @dataclass(frozen=True, slots=True)
 class Whitened:
-    """A candidate's columns on guarded samples, whitened: by joint (n_j, settings, c)."""
+    """A candidate's columns on guarded samples, whitened, some settings at a time so that memory stays small.
+
+    kept : the one block there is, or None where there are several, which are made anew each time they are asked for.
+    looks : independent settings.
+    """
 
     candidate: Candidate
-    by_joint: dict[int, FloatArray]
+    parts: Sequence[Part]
+    kept: dict[int, FloatArray] | None
     looks: float
 
     @classmethod
     def of(cls, candidate: Candidate, parts: Sequence[Part]) -> "Whitened":
         """Whitened as the parts' noise asks."""
-        joints = candidate.settings[0].columns
-        stacked = {j: np.stack([one.columns[j] for one in candidate.settings], axis=1) for j in joints}
-        white = {j: parts[j].white(columns) for j, columns in stacked.items()}
-        tried = next(iter(white.values()))[:, :, 0]
-        return cls(candidate, white, looks(tried) if tried.shape[1] > 1 else 1.0)
+        kept: dict[int, FloatArray] | None = None
+        tries, last = 1.0, None
+        for first, block in _blocks(candidate, parts):
+            kept = block if first == 0 else None
+            if len(candidate.settings) > 1:
+                (columns,) = block.values()
+                tried = columns[:, :, 0] if last is None else np.column_stack((last, columns[:, :, 0]))
+                tries, last = tries + looks(tried) - 1.0, columns[:, -1, 0]
+        return cls(candidate, parts, kept, tries)
+
+    def blocks(self) -> Iterator[tuple[int, dict[int, FloatArray]]]:
+        """The first setting of each block, and by joint (n_j, settings, c)."""
+        yield from ((0, self.kept),) if self.kept is not None else _blocks(self.candidate, self.parts)
+
+    def columns(self, setting: int) -> dict[int, FloatArray]:
+        """By joint, (n_j, c) at one setting."""
+        return {j: self.parts[j].white(c) for j, c in self.candidate.settings[setting].columns.items()}
 
     def at(self, setting: int) -> "Named":
         """At one of its settings."""
         return Named(self, setting)
+
+
+def _blocks(candidate: Candidate, parts: Sequence[Part]) -> Iterator[tuple[int, dict[int, FloatArray]]]:
+    """So many settings at a time as fit."""
+    settings = candidate.settings
+    size = sum(8 * columns.size for columns in settings[0].columns.values())
+    at_once = max(_BYTES // size, 2)
+    for first in range(0, len(settings), at_once):
+        some = [one.columns for one in settings[first : first + at_once]]
+        stacked = {j: np.stack([columns[j] for columns in some], axis=1) for j in some[0]}
+        yield first, {j: parts[j].white(columns) for j, columns in stacked.items()}
 
 
 @dataclass(frozen=True, slots=True)
@@ -75,7 +105,7 @@ class Named:
     @property
     def columns(self) -> dict[int, FloatArray]:
         """By joint, (n_j, c), whitened."""
-        return {j: columns[:, self.setting] for j, columns in self.whitened.by_joint.items()}
+        return self.whitened.columns(self.setting)
 
     def again(self, parts: Sequence[Part]) -> "Named":
         """The same under other noise."""
@@ -160,12 +190,25 @@ class Design:
 
     def score(self, whitened: Whitened) -> Score:
         """What a candidate would add to the model, by its best setting."""
-        spread = whitened.candidate.spread
-        settings = next(iter(whitened.by_joint.values())).shape[1]
+        gain, best = 0.0, whitened.at(0)
+        for first, block in whitened.blocks():
+            gains = self._gains(block, whitened.candidate.spread)
+            most = int(np.argmax(gains))
+            if gains[most] > gain:
+                gain, best = float(gains[most]), whitened.at(first + most)
+        if gain <= 0.0:
+            return Score(best, 0.0, 0.0)
+        added, count, left = self._beyond(best)
+        gain /= max(1.0, self._forgotten(added, left))
+        return Score(best, gain, evidence(gain, count, whitened.looks))
+
+    def _gains(self, block: dict[int, FloatArray], spread: FloatArray) -> FloatArray:
+        """What each of a block's settings (s,) would gain."""
+        settings = next(iter(block.values())).shape[1]
         normal = np.zeros((settings, spread.size, spread.size)) + np.diag(1.0 / spread**2)
         pull = np.zeros((settings, spread.size))
         inside = np.zeros((settings, self._u.shape[1], spread.size))
-        for j, columns in whitened.by_joint.items():
+        for j, columns in block.items():
             normal += np.einsum("nsc,nsd->scd", columns, columns)
             pull += np.einsum("nsc,n->sc", columns, self.residual[self.at[j]])
             inside += np.einsum("nu,nsc->suc", self._u[self.at[j]], columns, optimize=True)
@@ -173,14 +216,8 @@ class Design:
         normal -= np.einsum("suc,sud->scd", inside, inside)
         after = np.einsum("scc->sc", normal)
         inverse = np.linalg.pinv(normal, rcond=_FLAT, hermitian=True)
-        gains = np.einsum("sc,scd,sd->s", pull, inverse, pull) * np.all(after > _FLAT * before, axis=1)
-        best = Named(whitened, int(np.argmax(gains)))
-        gain = float(gains[best.setting])
-        if gain <= 0.0:
-            return Score(best, 0.0, 0.0)
-        added, count, left = self._beyond(best)
-        gain /= max(1.0, self._forgotten(added, left))
-        return Score(best, gain, evidence(gain, count, whitened.looks))
+        gains = np.einsum("sc,scd,sd->s", pull, inverse, pull)
+        return np.asarray(gains * np.all(after > _FLAT * before, axis=1))
 
     def _beyond(self, named: Named) -> tuple[FloatArray, float, FloatArray]:
         """Torque (rows,) that it would add beyond the model, as how many free numbers it counts, and what is left."""

@@ -93,5 +93,8 @@ def _of_waves(
         angle = wave * (q - middle)
         return filtered.column(np.stack((by * np.sin(angle), by * np.cos(angle)), axis=1), jumps=name == POSITION)
 
-    settings = tuple(Setting((("wave", "1/rad", float(wave)),), {joint: waved(float(wave))}) for wave in waves)
+    def at(wave: float) -> Setting:
+        return Setting((("wave", "1/rad", wave),), lambda: {joint: waved(wave)})
+
+    settings = tuple(at(float(wave)) for wave in waves)
     yield Candidate(name, FRICTION, joint, settings, (("sine", "N m"), ("cosine", "N m")), free(2), shape=waved)

@@ -16,6 +16,8 @@ from harness.robot.whole_arm.rules import MOST, NAMED, RIVAL, SIZE
 CORRECTED = (PAYLOAD, DELAY, TILT)
 """Errors of the model whose effect is not linear in their size."""
 _POLISHINGS = 5
+_SEEN = 1e-8
+"""Share of the largest eigenvalue below which columns are taken for alike."""
 _SETTINGS = 3
 """Of each candidate that the noise is learnt beside."""
 
@@ -45,15 +47,16 @@ def beside_everything(part: Part, joint: int, candidates: Sequence[Candidate]) -
     """A part whose noise is learnt from what all candidates together leave of its torque."""
     kept = part.stretches.kept
     columns = [part.base]
-    for candidate in candidates:
-        settings = [one.columns[joint] for one in candidate.settings if joint in one.columns]
-        places = np.unique(np.linspace(0, len(settings) - 1, min(len(settings), _SETTINGS)).round().astype(int))
-        columns += [settings[i] for i in places] if settings else []
+    for candidate in (one for one in candidates if one.joint in (joint, None)):
+        count = len(candidate.settings)
+        places = np.unique(np.linspace(0, count - 1, min(count, _SETTINGS)).round().astype(int))
+        columns += [candidate.settings[i].columns[joint] for i in places]
     everything = np.hstack(columns)
     size = np.sqrt(np.mean(everything[kept] ** 2, axis=0))
     everything = everything[:, size > 0.0] / size[size > 0.0]
-    u, singular, _ = np.linalg.svd(everything[kept], full_matrices=False)
-    u = u[:, singular > 1e-4 * singular[0]]
+    power, turn = np.linalg.eigh(everything[kept].T @ everything[kept])
+    seen = power > _SEEN * power[-1]
+    u = everything[kept] @ (turn[:, seen] / np.sqrt(power[seen]))
     left = np.zeros(kept.size)
     left[kept] = part.torque[kept] - u @ (u.T @ part.torque[kept])
     return replace(part, noise=Noise.learnt(left, part.stretches, u.shape[1], part.floor))
