@@ -45,16 +45,18 @@ class Candidate:
     partner: str = ""
     pair: str = ""
     shape: Callable[[float], FloatArray] | None = None
+    looks: float = 1.0
+    """Independent settings that this one is the best of, where it was chosen among them and polished."""
 
     @property
     def key(self) -> tuple[str, int | None]:
         """What tells it from the others."""
         return self.name, self.joint
 
-    def around(self, setting: int, value: float, numbers: FloatArray) -> "Candidate":
+    def around(self, setting: int, value: float, numbers: FloatArray, looks: float) -> "Candidate":
         """The candidate at one value near a setting of its own, with a further column: what a step of value changes.
 
-        numbers (c,) : of the columns at that value; the further number is the step.
+        numbers (c,) : of the columns at that value; the further number is the step. looks : settings it was among.
         """
         assert self.shape is not None
         (joint,) = self.settings[setting].columns
@@ -63,9 +65,8 @@ class Candidate:
         slope = (self.shape(value + step) - self.shape(value - step)) @ numbers / (2.0 * step)
         columns = np.column_stack((self.shape(value), slope))
         at = Setting(((what, unit, value),), {joint: columns})
-        return replace(
-            self, settings=(at,), numbers=(*self.numbers, (what, unit)), spread=np.append(self.spread, np.inf)
-        )
+        more, spread = (*self.numbers, (what, unit)), np.append(self.spread, np.inf)
+        return replace(self, settings=(at,), numbers=more, spread=spread, looks=looks)
 
 
 _STEP = 1e-3

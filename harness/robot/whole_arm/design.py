@@ -64,7 +64,7 @@ class Whitened:
                 (columns,) = block.values()
                 tried = columns[:, :, 0] if last is None else np.column_stack((last, columns[:, :, 0]))
                 tries, last = tries + looks(tried) - 1.0, columns[:, -1, 0]
-        return cls(candidate, parts, kept, tries)
+        return cls(candidate, parts, kept, max(tries, candidate.looks))
 
     def blocks(self) -> Iterator[tuple[int, dict[int, FloatArray]]]:
         """The first setting of each block, and by joint (n_j, settings, c)."""
@@ -199,6 +199,8 @@ class Design:
         if gain <= 0.0:
             return Score(best, 0.0, 0.0)
         added, count, left = self._beyond(best)
+        # the place of a polished one is counted by its looks
+        count -= whitened.candidate.looks > 1.0
         gain /= max(1.0, self._forgotten(added, left))
         return Score(best, gain, evidence(gain, count, whitened.looks))
 

@@ -20,7 +20,7 @@ class Rule:
 
 NAMED = Rule(
     "named",
-    15.0,
+    16.0,
     "evidence",
     "an effect or an error of the model is named",
     "TBD",

@@ -132,7 +132,7 @@ def polished(parts: Sequence[Part], others: Sequence[Named], named: Named) -> tu
     count = candidate.spread.size
     numbers = design.numbers[design.places[-1]][:count]
     for _ in range(_POLISHINGS):
-        around = candidate.around(named.setting, value, numbers)
+        around = candidate.around(named.setting, value, numbers, named.whitened.looks)
         at = Named(Whitened.of(around, parts), 0)
         design = Design(parts, [*others, at])
         found = design.numbers[design.places[-1]]

@@ -205,7 +205,7 @@ def _try(base: Design, candidate: Candidate, nearest: IntArray) -> _Tried | None
     error = math.sqrt(float(scores @ scores) * turns / (turns - 1)) / size
     t = (number / error) ** 2 if error > 0.0 else 1e12
     chance = float(betainc((turns - 1) / 2.0, 0.5, (turns - 1) / (turns - 1 + t)))
-    agreed = evidence_of_chance(math.log(max(chance, 1e-300)), whitened.looks)
+    agreed = evidence_of_chance(math.log(max(chance, 1e-300)), whitened.looks, t)
     return _Tried(score.named, score.gain, min(agreed, score.evidence), number, error)
 
 
