@@ -26,6 +26,7 @@ MAY: dict[str, frozenset[str]] = {
     "engines": frozenset({"core", "model", "kernels"}),
     "fidelity": frozenset({"core", "exact", "estimate", "engines.base"}),
     "diagnosis": frozenset({"core", "model", "kernels", "fit", "estimate"}),
+    "robot": frozenset({"core", "model", "fit"}),
     "proof": frozenset({"core"}),
     "io": frozenset({"core"}),
     "show": frozenset({"core", "results"}),
@@ -197,9 +198,9 @@ def test_one_file_alone_imports_rerun() -> None:
     assert importers("rerun") <= {"harness/show/trace.py"}
 
 
-def test_engines_and_the_proof_alone_import_engines() -> None:
+def test_engines_the_robot_and_the_proof_alone_import_engines() -> None:
     found = importers("mujoco", "pybullet", "dartpy")
-    assert {file.split("/")[1] for file in found} <= {"engines", "proof"}
+    assert {file.split("/")[1] for file in found} <= {"engines", "proof", "robot"}
 
 
 def test_kernels_are_compiled_in_one_place() -> None:
