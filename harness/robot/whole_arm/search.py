@@ -145,6 +145,7 @@ def _rivals(best: Score, scores: Sequence[Score], after: Design) -> tuple[str, .
     near = [s for s in scores if s is not best and s.evidence > best.evidence - RIVAL.value]
     one = best.named.candidate
     near = [s for s in near if s.named.candidate.joint in (one.joint, None) or one.joint is None]
+    near = [s for s in near if s.named.candidate.name != one.name]
     found = [s for s in near if after.score(s.named.whitened).evidence < NAMED.value]
     return tuple(dict.fromkeys(s.named.candidate.name for s in sorted(found, key=lambda s: -s.evidence)))
 
