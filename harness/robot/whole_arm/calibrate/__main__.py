@@ -8,7 +8,7 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from harness.core.arrays import BoolArray
-from harness.robot.whole_arm.calibrate.draws import KINDS, Draw, Found, draw
+from harness.robot.whole_arm.calibrate.draws import KINDS, NOISE, Draw, Found, draw
 
 _COULOMB, _VISCOUS = 0.01, 0.05
 """Shares of the true value within which friction is asked for."""
@@ -22,12 +22,13 @@ def main(argv: Sequence[str] | None = None) -> int:
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--first", type=int, default=0, help="number of the first draw")
     parser.add_argument("--only", choices=KINDS, action="append", help="arms of this kind; may repeat")
+    parser.add_argument("--noise", type=float, default=NOISE, help="of the torque, a share of its rms")
     parser.add_argument("--each", action="store_true", help="a line for every draw as it is done")
     told = parser.parse_args(argv)
     kinds = tuple(told.only or KINDS)
     draws, began = [], time.perf_counter()
     for number in range(told.first, told.first + told.draws):
-        draws.append(draw(told.seed, number, kinds))
+        draws.append(draw(told.seed, number, kinds, told.noise))
         if told.each:
             print(f"{number}: {_line(draws[-1])}", flush=True)
     spent = (time.perf_counter() - began) / max(told.draws * len(kinds), 1)

@@ -18,6 +18,7 @@ from harness.robot.whole_arm.turning import BACKLASH, PRESLIDING, STATIC, bristl
 from harness.robot.whole_arm.whole import whole_arm
 
 LOWPASS, SECONDS, RATE = 15.0, 20.0, 1000.0
+NOISE = 0.01
 GRAVITY_JOINTS = (1, 3, 5)
 MEMORY = 0.01
 """s: of the torque's noise in every second draw; the others' is white at the log's rate."""
@@ -62,11 +63,11 @@ class Draw:
 KINDS = ("clean", "effect", "error")
 
 
-def draw(seed: int, number: int, kinds: Sequence[str] = KINDS) -> Draw:
-    """The draw of this number."""
+def draw(seed: int, number: int, kinds: Sequence[str] = KINDS, noise: float = NOISE) -> Draw:
+    """The draw of this number; noise : of the torque, a share of its rms."""
     rng = np.random.default_rng((seed, number))
     arm = seven_joints()
-    plant = replace(Plant.drawn(rng, arm), memory=MEMORY if number % 2 else 0.0)
+    plant = replace(Plant.drawn(rng, arm), memory=MEMORY if number % 2 else 0.0, noise=noise)
     motion = Motion.drawn(rng)
     own = dict(zip(KINDS, rng.integers(2**63, size=len(KINDS)), strict=True))
     clean, effect, error = (np.random.default_rng(int(own[kind])) for kind in KINDS)
