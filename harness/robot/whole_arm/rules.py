@@ -23,7 +23,9 @@ NAMED = Rule(
     16.0,
     "evidence",
     "an effect or an error of the model is named",
-    "TBD",
+    "some 85 candidates an arm: by chance alone one in a hundred clean arms has one this sure; of 60 simulated ones one"
+    " had, the best of the others was at 10.9"
+    " (python -m harness.robot.whole_arm.calibrate --draws 60 --seed 4 --only clean)",
 )
 RIVAL = Rule(
     "rival",
