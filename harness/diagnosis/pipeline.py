@@ -3,6 +3,7 @@
 Where kinds of problem differ, their own files say how (harness.diagnosis.kinds); what is said here is the same for all.
 """
 
+from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import replace
 from typing import Any
@@ -22,6 +23,7 @@ from harness.diagnosis.grading.misfit import misfit
 from harness.diagnosis.inverse_dynamics.validate import Judge
 from harness.diagnosis.kinds.known import kind_for, kind_of
 from harness.diagnosis.outcome import Outcome, Tried
+from harness.diagnosis.prepare.together import together
 from harness.diagnosis.problem import Problem
 from harness.diagnosis.request import Asked
 from harness.diagnosis.residual_tests.structure import Left
@@ -51,6 +53,11 @@ def prepare(recording: Recording, asked: Asked) -> tuple[Problem, tuple[str, ...
     """
     prepared: tuple[Problem, tuple[str, ...]] = kind_for(recording).prepare(recording, asked)
     return prepared
+
+
+def prepare_together(recordings: Sequence[Recording], asked: Asked) -> tuple[Problem, tuple[str, ...]]:
+    """Several recordings of one machine as one problem; see ``prepare``."""
+    return together(recordings, asked)
 
 
 def fit_base(problem: Problem) -> Based[Any]:
@@ -138,6 +145,7 @@ def _said(judged: Judged) -> Outcome:
         stepping=stepping,
         rules=(*judgement.rules, *(COVARIATES if problem.covariates else ())),
         remainder=None if by_force is None else remainder_of(by_force),
+        pooled=judged.found.pooled,
     )
 
 
@@ -159,5 +167,6 @@ def _misfit_said(judged: Judged, graded: Graded) -> Outcome:
         warnings=(*cautions_of_misfit(graded), *judged.found.notes),
         rules=judged.judgement.rules,
         remainder=said.remainder,
+        pooled=judged.found.pooled,
     )
     return with_tables(outcome, graded)

@@ -514,6 +514,28 @@ MASS_UNSEEN = Rule(
 COVARIATES = (DECISIVE, COVARIATE_VARIES, COVARIATE_APART)
 """Those that decide whether and how a covariate enters."""
 
+POOLED = Rule(
+    "pooled",
+    0.001,
+    "chance",
+    "recordings of one machine are said to differ in their base parameters, so that what differs is looked for",
+    "level of a joint test by the errors that each recording gives its own",
+)
+OWN = Rule(
+    "own",
+    6.0,
+    "evidence in words",
+    "a base parameter becomes each recording's own",
+    'Kass and Raftery 1995, section 3.2: "strong" evidence',
+)
+AMPLITUDES_APART = Rule(
+    "amplitudes-apart",
+    1.5,
+    "ratio of swings",
+    "several recordings part a law of the amplitude from one of the time",
+    "a guess",
+)
+
 RULES: tuple[Rule, ...] = tuple(value for value in list(globals().values()) if isinstance(value, Rule))
 
 
