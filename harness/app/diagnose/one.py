@@ -1,13 +1,14 @@
 """What a simulation with viscous and Coulomb friction leaves out of a recording, and the model that has it."""
 
 import tempfile
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
 from harness.app.diagnose.attribution import Configured
-from harness.app.diagnose.files import simulated, write_model, write_trace_csv
+from harness.app.diagnose.files import of_first_alone, runs_of, simulated, write_model, write_trace_csv
 from harness.app.diagnose.mismatch import left_over
 from harness.app.diagnose.options import DiagnoseOptions
 from harness.app.diagnose.problem import prepared
@@ -109,18 +110,28 @@ def deliver(
     command: str = "",
 ) -> DiagnosisResult:
     """Diagnose a recording and leave everything in a folder, as ``diagnose`` does. name : of the default folder."""
-    with output_folder(f"diagnose-{name}", out) as output, journal(output / LOG):
-        found = investigate(recording, options, progress, command)
+    return left(f"diagnose-{name}", out, lambda: investigate(recording, options, progress, command), progress)
+
+
+def answer(recording: Recording, options: DiagnoseOptions) -> DiagnosisResult:
+    """Diagnose a recording and leave nothing; raises InputError, SimulationError."""
+    return kept(lambda: investigate(recording, options))
+
+
+def left(name: str, out: Path | None, diagnosed: Callable[[], Diagnosed], progress: Progress) -> DiagnosisResult:
+    """Leave a diagnosis in a folder with its log; name : of the default folder."""
+    with output_folder(name, out) as output, journal(output / LOG):
+        found = diagnosed()
         progress("writing trace and report", 3, STEPS)
         result = _write(output, found)
         output.commit()
     return result
 
 
-def answer(recording: Recording, options: DiagnoseOptions) -> DiagnosisResult:
-    """Diagnose a recording and leave nothing; raises InputError, SimulationError."""
+def kept(diagnosed: Callable[[], Diagnosed]) -> DiagnosisResult:
+    """A diagnosis of which nothing is left but its result."""
     with tempfile.TemporaryDirectory(prefix="friction-harness-") as folder, journal(Path(folder) / LOG):
-        return investigate(recording, options).result
+        return diagnosed().result
 
 
 def _write(output: OutputFolder, found: Diagnosed) -> DiagnosisResult:
@@ -128,14 +139,14 @@ def _write(output: OutputFolder, found: Diagnosed) -> DiagnosisResult:
     left_out = write_model(output.work / "model", model, angular)
     name = model_files.file_name(model, angular)
     named = {**FILES, "mjcf": f"model/{name}.xml", "urdf": f"model/{name}.urdf"}
-    write_trace_csv(output / FILES["refined_trace"], found.simulated[1], found.outcome.refined.model.t0)
+    write_trace_csv(output / FILES["refined_trace"], found.simulated[1], runs_of(found.recording, found.outcome))
     force = left_over(found.outcome)
     write_map(output / FILES["residual_map"], force)
     write_history(output / FILES["residual_force"], force)
     files = {name: output.at(file) for name, file in named.items()}
     more = {
         "files": files,
-        "model_left_out": [*found.result.model_left_out, *left_out],
+        "model_left_out": [*found.result.model_left_out, *left_out, *of_first_alone(found.outcome)],
         "residual_map": files["residual_map"],
     }
     result = found.result.model_copy(update=more)

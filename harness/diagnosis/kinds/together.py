@@ -6,6 +6,7 @@ from dataclasses import replace
 from harness.core.recording import Recording
 from harness.diagnosis.explain.holdout import periods_held_out
 from harness.diagnosis.fit.another import as_started
+from harness.diagnosis.fit.model_fit import Fit
 from harness.diagnosis.inverse_dynamics.validate import Judge
 from harness.diagnosis.kinds.free_decay import based
 from harness.diagnosis.kinds.kind import Kind
@@ -17,8 +18,9 @@ from harness.diagnosis.prepare.together import together
 from harness.diagnosis.problem import Problem
 from harness.diagnosis.problems.together import Together
 from harness.diagnosis.request import Asked
+from harness.diagnosis.search.extend import settle
 from harness.diagnosis.search.long_recordings import lifted
-from harness.diagnosis.search.search import Search, search
+from harness.diagnosis.search.search import Search, noise_of, search, under
 from harness.diagnosis.stages import Based, Found, Judged
 from harness.kernels.solve import Scales
 from harness.model.model import Model, ModelTerm
@@ -46,7 +48,9 @@ class DecaysTogether(Kind[Together]):
         """First what the recordings share; a difference may also show only beside what is missing in all of them."""
         scales = based.scales
         seen = compared([alone(one) for one in based.problem.alone])
-        shared = pooled(based.problem, based.fit, scales, seen)
+        levels = [one.problem.noise for one in seen.alone]
+        problem = _anew(based.fit, based.problem.under_levels(levels), scales)
+        shared = pooled(problem, settle(under(based.fit, problem), problem, scales), scales, seen)
         found = search(shared.problem, shared.base, scales)
         more = unmasked(found, shared)
         while more is not None:
@@ -54,7 +58,7 @@ class DecaysTogether(Kind[Together]):
             more = unmasked(found, shared)
         found = _said(found, shared)
         if based.problem.t.size < based.whole.t.size:
-            whole = replace(based.whole.with_own(shared.own), said=found.problem.choices)
+            whole = replace(based.whole.with_own(shared.own).under_levels(levels), said=found.problem.choices)
             return Found(lifted(found, whole, scales), scales, found, pooled=shared)
         return Found(found, scales, found, pooled=shared)
 
@@ -65,6 +69,11 @@ class DecaysTogether(Kind[Together]):
     def tried(self, problem: Together, models: Sequence[Model], scales: Scales) -> list[Mapping[str, float]]:
         """From their own starts."""
         return [as_started(model, problem, scales) for model in models]
+
+
+def _anew(base: Fit, problem: Together, scales: Scales) -> Together:
+    """Under the noise that a base fit leaves."""
+    return replace(problem, noise=noise_of(base, problem, scales.omega))
 
 
 def _said(found: Search, shared: Pooled) -> Search:

@@ -20,10 +20,9 @@ def sentences(found: Fit, problem: Together, before: Pooled, explained: bool) ->
         return (f"The recordings differ in {names}: {'; '.join(values)}. All else is shared.",)
     if chance >= POOLED.value:
         return (f"The {count} recordings are pooled: alone they agree in their base parameters (chance {chance:.2g}).",)
-    read = "; ".join(_apart(before))
     return (
-        f"The {count} recordings are pooled: alone they read {read}, but no base parameter of their own says that better"
-        " than what is missing in all of them.",
+        f"The {count} recordings are pooled: read alone they differ ({'; '.join(_apart(before))}), and what is missing in"
+        " all of them says that as well as a parameter of their own would.",
     )
 
 

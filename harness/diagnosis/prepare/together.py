@@ -45,12 +45,12 @@ def together(recordings: Sequence[Recording], asked: Asked) -> tuple[Together, t
     notes, each = [], []
     for i, one in enumerate(recordings):
         problem, done = (first, said) if i == widest else _alone(one, alike, common)
-        notes += [f"{one.file}: {note}" for note in done]
+        notes += [f"in {one.file}: {note}" for note in done]
         left_out = [c for c in ("x", "v", "a") if c in one and c not in common]
-        notes += [f"{one.file}: {c} is left out, which not every recording has" for c in left_out]
+        notes += [f"in {one.file}: {c} is left out, which not every recording has" for c in left_out]
         # its clock begins where it is let go
         each.append(replace(problem, t=problem.t - problem.t[0]))
-    return Together.of(each), tuple(notes)
+    return Together.laid(each), tuple(notes)
 
 
 def _alone(recording: Recording, asked: Asked, common: Sequence[str]) -> tuple[FreeDecay, tuple[str, ...]]:

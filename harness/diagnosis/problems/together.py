@@ -33,22 +33,30 @@ class Together(Problem):
     said: tuple[str, ...] = ()
 
     @classmethod
-    def of(cls, alone: Sequence[FreeDecay], own: tuple[str, ...] = (), said: tuple[str, ...] = ()) -> "Together":
-        """Recordings of the same channels, held alike; each on its own clock. own : see Several."""
+    def laid(cls, alone: Sequence[FreeDecay]) -> "Together":
+        """Recordings of the same channels, held alike, one behind the other: the next begins a sample later."""
+        clocks, now = [], 0.0
+        for one in alone:
+            clocks.append(now - float(one.t[0]))
+            now = float(one.t[-1]) + clocks[-1] + float(np.median(np.diff(one.t)))
+        return cls.of(alone, clocks)
+
+    @classmethod
+    def of(
+        cls, alone: Sequence[FreeDecay], clocks: Sequence[float], own: tuple[str, ...] = (), said: tuple[str, ...] = ()
+    ) -> "Together":
+        """Recordings each on its own clock; clocks : where it is zero on the common axis, s. own : see Several."""
         first = alone[0]
         sizes = [one.t.size for one in alone]
         ends = np.cumsum([0, *sizes]).tolist()
-        t, stretches, now = [], [], 0.0
-        for one, begin, end in zip(alone, ends, ends[1:], strict=False):
-            clock = now - float(one.t[0])
+        stretches = []
+        for one, clock, begin, end in zip(alone, clocks, ends, ends[1:], strict=False):
             starts = one.starts if isinstance(one.starts, OneStart) else OneStart()
             stretches.append(Stretch(begin, end, clock, float(one.t[0]), starts))
-            t.append(one.t + clock)
-            now = float(t[-1][-1]) + float(np.median(np.diff(one.t)))
         noise = {c: _typical([one.noise[c] for one in alone], sizes) for c in first.channels}
         level = {c: np.repeat([one.noise[c].sigma / n.sigma for one in alone], sizes) for c, n in noise.items()}
         return cls(
-            np.concatenate(t),
+            np.concatenate([one.t + clock for one, clock in zip(alone, clocks, strict=True)]),
             {c: np.concatenate([one.channels[c] for one in alone]) for c in first.channels},
             noise,
             weight={c: np.concatenate([one.weight[c] for one in alone]) for c in first.channels},
@@ -88,6 +96,13 @@ class Together(Problem):
     def with_own(self, own: tuple[str, ...]) -> Self:
         """The same with these base parameters each recording's own."""
         return replace(self, starts=replace(self.starts, own=own))
+
+    def under_levels(self, each: Sequence[Mapping[str, Noise]]) -> Self:
+        """The same with the noise of the recordings in this proportion to each other."""
+        sizes = [s.stop - s.start for s in self.starts.stretches]
+        noise = {c: _typical([one[c] for one in each], sizes) for c in self.channels}
+        level = {c: np.repeat([one[c].sigma / n.sigma for one in each], sizes) for c, n in noise.items()}
+        return replace(self, level=level)
 
     @property
     def own_names(self) -> tuple[str, ...]:
@@ -166,15 +181,22 @@ class Together(Problem):
         """See Problem; recordings keep their clocks."""
         return replace(Problem.part(self, keep), level={c: y[keep] for c, y in self.level.items()})
 
-    def at_every_sample(self, t: FloatArray, channels: Mapping[str, FloatArray]) -> Problem:
-        """Of one recording by itself that is asked."""
-        raise NotImplementedError("ask each of .alone")
+    def at_every_sample(self, t: FloatArray, channels: Mapping[str, FloatArray]) -> "Together":
+        """The same question at every sample t (m,), s, of the common axis, on which recordings keep their places."""
+        gap = 0.5 * float(np.median(np.diff(t)))
+        begins = np.searchsorted(t, [s.clock - gap for s in self.starts.stretches]).tolist()
+        ends = [*begins[1:], t.size]
+        moved = zip(self.starts.stretches, begins, ends, strict=True)
+        stretches = tuple(replace(s, start=begin, stop=end) for s, begin, end in moved)
+        level = {c: np.repeat([y[s.start] for s in self.starts.stretches], np.subtract(ends, begins)) for c, y in self.level.items()}
+        own = {c: channels[c] for c in self.channels}
+        return replace(self, t=t, channels=own, weight={}, level=level, starts=replace(self.starts, stretches=stretches))
 
     def _each(self, change: Callable[[FreeDecay, int], FreeDecay]) -> "Together":
         return self._anew([change(one, i) for i, one in enumerate(self.alone)])
 
     def _anew(self, alone: Sequence[FreeDecay]) -> "Together":
-        return Together.of(alone, self.starts.own, self.said)
+        return Together.of(alone, [s.clock for s in self.starts.stretches], self.starts.own, self.said)
 
 
 def _typical(each: Sequence[Noise], sizes: Sequence[int]) -> Noise:
