@@ -5,7 +5,7 @@ import sys
 from collections.abc import Sequence
 from pathlib import Path
 
-from harness.app.calibrate import few_cycles, main_effect, pair_promise, pairs_apart, screen_share, second_term, tables
+from harness.app.calibrate import few_cycles, main_effect, pair_promise, pairs_apart, screen_share, second_term, tables, together
 from harness.app.calibrate.calibration import Calibration, measured
 from harness.core.errors import HarnessError, InputError
 
@@ -17,6 +17,7 @@ CALIBRATIONS: dict[str, Calibration] = {
     "main-effect": main_effect.CALIBRATION,
     "few-cycles": few_cycles.CALIBRATION,
     "tables": tables.CALIBRATION,
+    "together": together.CALIBRATION,
 }
 _OF_PLANT = {"main-effect": main_effect.of_plant, "tables": tables.of_plant}
 """Those that can be measured on recordings that are there."""

@@ -6,21 +6,18 @@ from dataclasses import replace
 from harness.core.recording import Recording
 from harness.diagnosis.explain.holdout import periods_held_out
 from harness.diagnosis.fit.another import as_started
-from harness.diagnosis.fit.model_fit import Fit
 from harness.diagnosis.inverse_dynamics.validate import Judge
 from harness.diagnosis.kinds.free_decay import based
 from harness.diagnosis.kinds.kind import Kind
 from harness.diagnosis.outcome import Holdout
-from harness.diagnosis.pooling.compared import alone, compared
-from harness.diagnosis.pooling.pooled import Pooled, pooled, unmasked
+from harness.diagnosis.pooling.pooled import Pooled, shared_by, unmasked
 from harness.diagnosis.pooling.said import sentences
 from harness.diagnosis.prepare.together import together
 from harness.diagnosis.problem import Problem
 from harness.diagnosis.problems.together import Together
 from harness.diagnosis.request import Asked
-from harness.diagnosis.search.extend import settle
 from harness.diagnosis.search.long_recordings import lifted
-from harness.diagnosis.search.search import Search, noise_of, search, under
+from harness.diagnosis.search.search import Search, search
 from harness.diagnosis.stages import Based, Found, Judged
 from harness.kernels.solve import Scales
 from harness.model.model import Model, ModelTerm
@@ -46,11 +43,8 @@ class DecaysTogether(Kind[Together]):
 
     def search(self, based: Based[Together], other: Judge | None) -> Found:
         """First what the recordings share; a difference may also show only beside what is missing in all of them."""
-        scales = based.scales
-        seen = compared([alone(one) for one in based.problem.alone])
-        levels = [one.problem.noise for one in seen.alone]
-        problem = _anew(based.fit, based.problem.under_levels(levels), scales)
-        shared = pooled(problem, settle(under(based.fit, problem), problem, scales), scales, seen)
+        shared = shared_by(based.problem, based.fit, based.scales)
+        scales = shared.scales
         found = search(shared.problem, shared.base, scales)
         more = unmasked(found, shared)
         while more is not None:
@@ -58,6 +52,7 @@ class DecaysTogether(Kind[Together]):
             more = unmasked(found, shared)
         found = _said(found, shared)
         if based.problem.t.size < based.whole.t.size:
+            levels = [one.problem.noise for one in shared.compared.alone]
             whole = replace(based.whole.with_own(shared.own).under_levels(levels), said=found.problem.choices)
             return Found(lifted(found, whole, scales), scales, found, pooled=shared)
         return Found(found, scales, found, pooled=shared)
@@ -69,11 +64,6 @@ class DecaysTogether(Kind[Together]):
     def tried(self, problem: Together, models: Sequence[Model], scales: Scales) -> list[Mapping[str, float]]:
         """From their own starts."""
         return [as_started(model, problem, scales) for model in models]
-
-
-def _anew(base: Fit, problem: Together, scales: Scales) -> Together:
-    """Under the noise that a base fit leaves."""
-    return replace(problem, noise=noise_of(base, problem, scales.omega))
 
 
 def _said(found: Search, shared: Pooled) -> Search:

@@ -7,9 +7,11 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from harness.core.quantity import Quantity
+from harness.core.recording import MINIMUM_SAMPLES
+from harness.diagnosis.baseline.base_fit import baseline
 from harness.diagnosis.fit.model_fit import Fit
 from harness.diagnosis.fit.standard_errors import covariances
-from harness.diagnosis.pooling.compared import Compared
+from harness.diagnosis.pooling.compared import Compared, alone, compared
 from harness.diagnosis.pooling.own import SAID, Freed, freed
 from harness.diagnosis.problems.together import Together
 from harness.diagnosis.residual_tests.structure import Left, left_by
@@ -51,12 +53,37 @@ def ratios_of(seen: Compared) -> list[float]:
     return [k / each[0] for k in each[1:]]
 
 
-def pooled(problem: Together, base: Fit, scales: Scales, seen: Compared) -> Pooled:
+def shared_by(problem: Together, base: Fit, scales: Scales) -> Pooled:
     """Recordings whose base parameters differ have one or two of their own, if that says more than the catalogue does.
 
-    Where they do not differ by more than their errors, nothing is tried. Raises SimulationError.
+    Where they do not differ by more than their errors, nothing is tried. What lets go of a slider is no part of it: where
+    more than noise is left, only what follows the first turning points is looked at. Raises SimulationError.
     """
-    found = Pooled(problem, base, scales, seen)
+    seen = compared([alone(one) for one in problem.alone])
+    problem = problem.under_levels([one.problem.noise for one in seen.alone])
+    found = _seen(problem, base, scales, seen)
+    if all(one.explained for one in seen.alone) or seen.chance >= POOLED.value:
+        return _parted(found)
+    later, left_out = problem.of_hand_free(MINIMUM_SAMPLES)
+    if left_out == 0.0:
+        return _parted(found)
+    again = compared([alone(one) for one in later.alone])
+    own = _parted(_seen(later, *baseline(later), again)).own
+    found = replace(found, compared=again)
+    for stem in own:
+        ratios = ratios_of(again)
+        found = found.less(next(one for one in freed(found.base, found.problem, scales, ratios) if one.stem == stem))
+    return found
+
+
+def _seen(problem: Together, base: Fit, scales: Scales, seen: Compared) -> Pooled:
+    """Under the noise that the base leaves."""
+    problem = replace(problem, noise=noise_of(base, problem, scales.omega))
+    return Pooled(problem, settle(under(base, problem), problem, scales), scales, seen)
+
+
+def _parted(found: Pooled) -> Pooled:
+    scales, seen = found.scales, found.compared
     if seen.chance >= POOLED.value:
         return found
     while len(found.own) < _MOST and left_by(found.base, found.problem, scales.omega, found.base) is Left.STRUCTURE:
