@@ -14,7 +14,7 @@ from harness.diagnosis.explain.by_force import cautions_of_force, mechanisms_of,
 from harness.diagnosis.explain.cautions import cautions, cautions_of_misfit
 from harness.diagnosis.explain.graded import told
 from harness.diagnosis.explain.mechanism import mechanism
-from harness.diagnosis.explain.next_experiment import next_experiment
+from harness.diagnosis.explain.next_experiment import left_open, left_open_by_grade, next_experiment
 from harness.diagnosis.explain.place import place_of
 from harness.diagnosis.fit.standard_errors import base_parameters
 from harness.diagnosis.grading.first_turn import after_first_turn
@@ -140,7 +140,7 @@ def _said(judged: Judged) -> Outcome:
         ),
         base_parameters=base_parameters(found.base, problem, scales.omega, verdict == "adequate"),
         refined_parameters=base_parameters(refined, problem, scales.omega, verdict != "unexplained"),
-        next_experiment=next_experiment(mechanisms, problem),
+        next_experiment=next_experiment(left_open(mechanisms, found), problem, scales),
         warnings=(*said, *warned, *unpredicted, *judged.found.notes),
         stepping=stepping,
         rules=(*judgement.rules, *(COVARIATES if problem.covariates else ())),
@@ -163,7 +163,9 @@ def _misfit_said(judged: Judged, graded: Graded) -> Outcome:
         evidence=said.evidence,
         base_parameters=base_parameters(said.base, said.problem, omega, explained=False),
         refined_parameters=base_parameters(said.refined, said.problem, omega, explained=False),
-        next_experiment=next_experiment(said.mechanisms, said.problem),
+        next_experiment=next_experiment(
+            left_open_by_grade(said.mechanisms, graded), said.problem, graded.misfit.scales
+        ),
         warnings=(*cautions_of_misfit(graded), *judged.found.notes),
         rules=judged.judgement.rules,
         remainder=said.remainder,
