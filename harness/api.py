@@ -118,8 +118,9 @@ def diagnose(
 ) -> DiagnosisResult:
     """Find which physics viscous and Coulomb friction leave out of a recording, and the model that has it.
 
-    recording : several recordings of one machine are diagnosed together, as --together does: one set of physics, a
-    start, a zero and a noise of each (``result.own``). model : the simulation as you have it. sim : a trace of it. validate : another recording, on which both models are
+    recording : several of one machine are diagnosed together, as --together does: one set of physics, and of each a
+    start, a zero and a noise (``result.own``). model : the simulation as you have it. sim : a trace of it. validate :
+    another recording, on which both models are
     tried. mass : kg. horizon : s, windows of a driven recording. restoring : "spring", "pendulum" or "none". zero :
     "spring" or "free"; both are chosen at the base fit where nobody says. engines : in which the fit is shown; () for
     none, None for MuJoCo and PyBullet. preset : "as-shipped" or "tuned". dt : their step, s. covariates : columns of a

@@ -1,4 +1,4 @@
-"""The same slider in another recording: what it has of its own there, named "x0#2" of the second, "k#3" of the third."""
+"""The same slider in another recording: what it has of its own there; "x0#2" of the second, "k#3" of the third."""
 
 from dataclasses import dataclass
 

@@ -5,7 +5,17 @@ import sys
 from collections.abc import Sequence
 from pathlib import Path
 
-from harness.app.calibrate import few_cycles, main_effect, pair_promise, pairs_apart, screen_share, second_term, tables, together
+from harness.app.calibrate import (
+    amplitudes,
+    few_cycles,
+    main_effect,
+    pair_promise,
+    pairs_apart,
+    screen_share,
+    second_term,
+    tables,
+    together,
+)
 from harness.app.calibrate.calibration import Calibration, measured
 from harness.core.errors import HarnessError, InputError
 
@@ -18,6 +28,7 @@ CALIBRATIONS: dict[str, Calibration] = {
     "few-cycles": few_cycles.CALIBRATION,
     "tables": tables.CALIBRATION,
     "together": together.CALIBRATION,
+    "amplitudes": amplitudes.CALIBRATION,
 }
 _OF_PLANT = {"main-effect": main_effect.of_plant, "tables": tables.of_plant}
 """Those that can be measured on recordings that are there."""

@@ -4,7 +4,6 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from harness.core.errors import SimulationError
 from harness.core.recording import Recording
 from harness.diagnosis.request import Asked
 from harness.model.model import Restoring

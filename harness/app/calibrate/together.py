@@ -1,8 +1,7 @@
 """Two recordings of one machine at two amplitudes: how often are they said to differ though they do not?
 
 Beside it how often a heavier slider is told from the first. A machine holds one effect among small ones, or small ones
-alone, so that what is missing acts differently at the two amplitudes; a quarter of the draws are sliders of the plant in
-which nothing is hidden, whose noise is all that differs.
+alone, so that what is missing acts differently at the two amplitudes.
 """
 
 from collections.abc import Iterator, Sequence

@@ -19,7 +19,8 @@ from harness.results.diagnosis import OwnResult
 def own_results(recordings: Sequence[Recording], outcome: Outcome) -> list[OwnResult]:
     """Start, zero, noise and errors of each recording, and in what it differs from the first."""
     problem, refined, pooled = outcome.problem, outcome.refined, outcome.pooled
-    assert isinstance(problem, Together) and pooled is not None
+    assert isinstance(problem, Together)
+    assert pooled is not None
     explained = outcome.verdict in ("adequate", "missing_physics")
     length = "rad" if problem.angular else "m"
     numbers = numbers_of(refined, problem, outcome.scales.omega, explained)

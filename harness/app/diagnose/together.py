@@ -20,8 +20,9 @@ from harness.app.shared.reading import read_as, recording_info
 from harness.core.errors import InputError
 from harness.core.recording import Recording
 from harness.core.telling import listening
-from harness.diagnosis.alignment.consistency import consistency
+from harness.diagnosis.alignment.consistency import Consistency, consistency
 from harness.diagnosis.baseline.base_fit import dominant_frequency
+from harness.diagnosis.outcome import Outcome
 from harness.diagnosis.pipeline import diagnose as conclude
 from harness.diagnosis.pipeline import prepare_together
 from harness.diagnosis.problems.together import Together
@@ -77,12 +78,10 @@ def investigate_together(
     with np.errstate(over="ignore", invalid="ignore"), listening(progress):
         outcome = conclude(problem)
     progress("engines", 2, STEPS)
-    laid = _laid(recordings, problem)
+    laid = _laid(recordings, problem, outcome)
     result = result_of(laid, ready, outcome, options, Configured(), command)
     own = own_results(recordings, outcome)
-    each = [
-        recording_info(one, alone.noise) for one, alone in zip(recordings, problem.alone, strict=True)
-    ]
+    each = [recording_info(one, alone.noise) for one, alone in zip(recordings, problem.alone, strict=True)]
     result = result.model_copy(update={"recordings": each, "own": own})
     other = validation(recordings[0], options)
     if other is not None:
@@ -105,7 +104,8 @@ def _prepared(recordings: Sequence[Recording], options: DiagnoseOptions) -> Prep
     for one in recordings:
         refuse(one)
     problem, notes = prepare_together(recordings, Asked(options.restoring, options.zero_free, options.mass))
-    warnings, channels = [], ()
+    warnings: list[str] = []
+    channels: tuple[Consistency, ...] = ()
     for one, alone in zip(recordings, problem.alone, strict=True):
         refuse_few(one.file, alone)
         omega = dominant_frequency(alone.t, next(iter(alone.channels.values())))
@@ -116,11 +116,21 @@ def _prepared(recordings: Sequence[Recording], options: DiagnoseOptions) -> Prep
     return Prepared(problem, notes, tuple(warnings), channels)
 
 
-def _laid(recordings: Sequence[Recording], problem: Together) -> Recording:
-    """What was fitted, on the common axis of time, as one recording; each begins where it is let go."""
+def _laid(recordings: Sequence[Recording], problem: Together, outcome: Outcome) -> Recording:
+    """What was fitted, on the common axis of time, as one recording; each from where the models start."""
     names = ", ".join(one.file for one in recordings)
     notes = tuple(f"{one.file}: {note}" for one in recordings for note in one.notes)
-    first = recordings[0]
+    fitted = np.zeros(problem.t.size, dtype=bool)
+    for at, one in zip(problem.places, outcome.problem.starts.of(outcome.refined.model), strict=True):
+        fitted[at] = problem.t[at] - one.clock >= one.model.t0
+    channels = {c: y[fitted] for c, y in problem.channels.items()}
     return replace(
-        first, t=problem.t, channels=dict(problem.channels), file=names, sha256="", notes=notes, extra={}, covariates={}
+        recordings[0],
+        t=problem.t[fitted],
+        channels=channels,
+        file=names,
+        sha256="",
+        notes=notes,
+        extra={},
+        covariates={},
     )

@@ -195,7 +195,7 @@ def _of_several(problem: Problem, alone: Sequence[tuple[Fit, Scales]]) -> tuple[
     why = ""
     for physics in tries:
         begun = {**dict(zip(_PHYSICS, physics, strict=True)), **starts, "t0": models[0].t0}
-        model = replace(models[0], **begun, elsewhere=elsewhere)  # type: ignore[arg-type]
+        model = replace(models[0], **begun, elsewhere=elsewhere)
         try:
             found = _whole(model, problem, scales)
         except SimulationError as error:

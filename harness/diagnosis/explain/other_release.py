@@ -1,8 +1,8 @@
 """From how far to let go, so that two laws which follow this recording alike no longer do.
 
-Both fitted models are run from other amplitudes. What one shows of a release is given to the other to follow: its start
-is free, and its parameters too as far as the recordings at hand leave them free. What it cannot follow, over what either
-leaves now, says how far the two are apart there.
+Both fitted models are run from other amplitudes. What one shows of a release is given to the other to follow: its
+start is free, and its parameters too as far as the recordings at hand leave them free. What it cannot follow, over what
+the first leaves now, says how far the two are apart there.
 """
 
 import math

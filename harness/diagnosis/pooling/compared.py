@@ -1,9 +1,9 @@
 """What each of several recordings says alone of the base parameters, and whether they say the same.
 
-Viscous friction, spring and Coulomb friction are fitted to each by itself. Their differences are held against the errors
-of both, joint over the three: a recording's c and f_k are told apart poorly, and what one has more of the other has
-less. Errors are those of a single recording (harness.diagnosis.fit.standard_errors): by curvature, by curvature times
-what is left, and by what half-swings say; the one that lets most through decides.
+Viscous friction, spring and Coulomb friction are fitted to each by itself. Their differences are held against the
+errors of both, joint over the three: a recording's c and f_k are told apart poorly, and what one has more of the other
+has less. Errors are those of a single recording (harness.diagnosis.fit.standard_errors): by curvature, by curvature
+times what is left, and by what half-swings say; the one that lets most through decides.
 """
 
 from collections.abc import Mapping, Sequence

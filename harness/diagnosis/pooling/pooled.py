@@ -15,7 +15,7 @@ from harness.diagnosis.pooling.compared import Compared, alone, compared
 from harness.diagnosis.pooling.own import SAID, Freed, freed
 from harness.diagnosis.problems.together import Together
 from harness.diagnosis.residual_tests.structure import Left, left_by
-from harness.diagnosis.rules import DECISIVE, LEAST_RATIO, OWN, POOLED
+from harness.diagnosis.rules import DECISIVE, OWN, POOLED
 from harness.diagnosis.search.extend import extend, settle
 from harness.diagnosis.search.search import Search, noise_of, under
 from harness.kernels.solve import Scales
@@ -56,8 +56,8 @@ def ratios_of(seen: Compared) -> list[float]:
 def shared_by(problem: Together, base: Fit, scales: Scales) -> Pooled:
     """Recordings whose base parameters differ have one or two of their own, if that says more than the catalogue does.
 
-    Where they do not differ by more than their errors, nothing is tried. What lets go of a slider is no part of it: where
-    more than noise is left, only what follows the first turning points is looked at. Raises SimulationError.
+    Where they do not differ by more than their errors, nothing is tried. What lets go of a slider is no part of it:
+    where more than noise is left, only what follows the first turning points is looked at. Raises SimulationError.
     """
     seen = compared([alone(one) for one in problem.alone])
     problem = problem.under_levels([one.problem.noise for one in seen.alone])
@@ -99,7 +99,7 @@ def _parted(found: Pooled) -> Pooled:
 
 
 def unmasked(found: Search, before: Pooled) -> Pooled | None:
-    """Recordings with one more parameter of their own, which shows beside the best model found; None where none does."""
+    """Recordings with one more parameter of their own, where one shows beside the best model found."""
     if len(before.own) >= _MOST:
         return None
     problem, scales = found.problem, before.scales

@@ -21,8 +21,8 @@ def sentences(found: Fit, problem: Together, before: Pooled, explained: bool) ->
     if chance >= POOLED.value:
         return (f"The {count} recordings are pooled: alone they agree in their base parameters (chance {chance:.2g}).",)
     return (
-        f"The {count} recordings are pooled: read alone they differ ({'; '.join(_apart(before))}), and what is missing in"
-        " all of them says that as well as a parameter of their own would.",
+        f"The {count} recordings are pooled: read alone they differ ({'; '.join(_apart(before))}), and what is missing"
+        " in all of them says that as well as a parameter of their own would.",
     )
 
 
@@ -41,7 +41,9 @@ def _apart(before: Pooled) -> list[str]:
         errors = [q.stderr for q in read if q.stderr is not None]
         if len(values) == len(read) and errors:
             scale = (sum(e**2 for e in errors) / len(errors)) ** 0.5
-            far.append(((max(values) - min(values)) / scale, f"{name} {' and '.join(f'{v:.4g}' for v in _ends(values))}"))
+            far.append(
+                ((max(values) - min(values)) / scale, f"{name} {' and '.join(f'{v:.4g}' for v in _ends(values))}")
+            )
     far.sort(reverse=True)
     return [said for _, said in far[:1]]
 

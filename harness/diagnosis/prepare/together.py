@@ -32,8 +32,8 @@ def together(recordings: Sequence[Recording], asked: Asked) -> tuple[Together, t
         raise InputError("--together", found, "free decays are accepted")
     common = [c for c in ("x", "v", "a") if all(c in one for one in recordings)]
     if not common:
-        each = ", ".join(f"{one.file} has {' and '.join(c for c in ('x', 'v', 'a') if c in one)}" for one in recordings)
-        raise InputError("--together", each, "recordings with a channel in common are accepted")
+        has = ", ".join(f"{one.file} has {' and '.join(c for c in ('x', 'v', 'a') if c in one)}" for one in recordings)
+        raise InputError("--together", has, "recordings with a channel in common are accepted")
     kinds = {one.angular for one in recordings}
     if len(kinds) > 1:
         turning = next(one.file for one in recordings if one.angular)
@@ -42,7 +42,8 @@ def together(recordings: Sequence[Recording], asked: Asked) -> tuple[Together, t
     widest = max(range(len(recordings)), key=lambda i: float(np.ptp(recordings[i][common[0]])))
     first, said = _alone(recordings[widest], asked, common)
     alike = replace(asked, restoring=first.restoring, zero_free=first.zero_free)
-    notes, each = [], []
+    notes: list[str] = []
+    each: list[FreeDecay] = []
     for i, one in enumerate(recordings):
         problem, done = (first, said) if i == widest else _alone(one, alike, common)
         notes += [f"in {one.file}: {note}" for note in done]

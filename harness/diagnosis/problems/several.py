@@ -60,7 +60,9 @@ class Several:
         def place(sample: int) -> int:
             return min(max(-((keep.start - sample) // keep.step), 0), len(keep))
 
-        return replace(self, stretches=tuple(replace(s, start=place(s.start), stop=place(s.stop)) for s in self.stretches))
+        return replace(
+            self, stretches=tuple(replace(s, start=place(s.start), stop=place(s.stop)) for s in self.stretches)
+        )
 
     def moved(self, anew: Callable[[Window, Model], Window], model: Model) -> "Several":
         """The same: starts are parameters."""

@@ -39,8 +39,8 @@ class Start:
     """A stretch of a recording and the model at its start.
 
     samples : of the stretch. slopes : for each parameter, the partials by it of starts that hang on it, by their names.
-    clock : s, where the model's time is zero. own : what fitted numbers are called in this stretch's model where that is
-    another name; None for those that are nothing to it.
+    clock : s, where the model's time is zero. own : what fitted numbers are called in this stretch's model where that
+    is another name; None for those that are nothing to it.
     """
 
     samples: slice

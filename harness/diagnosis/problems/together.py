@@ -156,11 +156,11 @@ class Together(Problem):
             inside[s.start : s.start + int(share * (s.stop - s.start))] = True
         return inside
 
-    def first_part(self, share: float) -> "Together":  # type: ignore[override]
+    def first_part(self, share: float) -> "Together":
         """Of every recording."""
         return self._each(lambda one, _: one.first_part(share))
 
-    def of_hand_free(self, fewest: int) -> "tuple[Together, float]":  # type: ignore[override]
+    def of_hand_free(self, fewest: int) -> "tuple[Together, float]":
         """Each recording from its own first turning point; the longest time that is left out."""
         found = [one.of_hand_free(fewest) for one in self.alone]
         left_out = max(time for _, time in found)
@@ -168,10 +168,13 @@ class Together(Problem):
 
     def turns(self, v: FloatArray) -> IntArray:
         """Those of each recording, and where the next one begins."""
-        found = [np.concatenate(([s.start], s.start + one.turns(v))) for s, one in zip(self.starts.stretches, self.alone, strict=True)]
+        found = [
+            np.concatenate(([s.start], s.start + one.turns(v)))
+            for s, one in zip(self.starts.stretches, self.alone, strict=True)
+        ]
         return np.concatenate(found)[1:].astype(np.int64)
 
-    def condensed(self, shown: Mapping[str, FloatArray], size: int) -> "tuple[Together, float]":  # type: ignore[override]
+    def condensed(self, shown: Mapping[str, FloatArray], size: int) -> "tuple[Together, float]":
         """Every recording by itself."""
         at = self.places
         small = self._each(lambda one, i: one.condensed({c: shown[c][at[i]] for c in one.channels}, size)[0])
@@ -183,14 +186,15 @@ class Together(Problem):
 
     def at_every_sample(self, t: FloatArray, channels: Mapping[str, FloatArray]) -> "Together":
         """The same question at every sample t (m,), s, of the common axis, on which recordings keep their places."""
-        gap = 0.5 * float(np.median(np.diff(t)))
-        begins = np.searchsorted(t, [s.clock - gap for s in self.starts.stretches]).tolist()
+        gap, old = 0.5 * float(np.median(np.diff(t))), self.starts.stretches
+        begins = np.searchsorted(t, [s.clock - gap for s in old]).tolist()
         ends = [*begins[1:], t.size]
-        moved = zip(self.starts.stretches, begins, ends, strict=True)
-        stretches = tuple(replace(s, start=begin, stop=end) for s, begin, end in moved)
-        level = {c: np.repeat([y[s.start] for s in self.starts.stretches], np.subtract(ends, begins)) for c, y in self.level.items()}
+        moved = zip(old, begins, ends, strict=True)
+        starts = replace(self.starts, stretches=tuple(replace(s, start=low, stop=high) for s, low, high in moved))
+        sizes = np.subtract(ends, begins)
+        level = {c: np.repeat([y[s.start] for s in old], sizes) for c, y in self.level.items()}
         own = {c: channels[c] for c in self.channels}
-        return replace(self, t=t, channels=own, weight={}, level=level, starts=replace(self.starts, stretches=stretches))
+        return replace(self, t=t, channels=own, weight={}, level=level, starts=starts)
 
     def _each(self, change: Callable[[FreeDecay, int], FreeDecay]) -> "Together":
         return self._anew([change(one, i) for i, one in enumerate(self.alone)])
