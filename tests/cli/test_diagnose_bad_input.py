@@ -55,7 +55,10 @@ def desk(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
         ("good.csv --model none.json", "none.json: no such file; "),
         ("good.csv --model model.json", "model.json: no field 'schema'; "),
         ("good.csv --together", "--together: good.csv alone; two recordings of one machine or more are accepted"),
-        ("good.csv good.csv --together --sim good.csv", "--together: given with --sim; it is accepted with one recording"),
+        (
+            "good.csv good.csv --together --sim good.csv",
+            "--together: given with --sim; it is accepted with one recording",
+        ),
         ("good.csv good.csv --together --model model.json", "--together: given with --model; "),
         ("good.csv good.csv --together --horizon 1", "--together: given with --horizon; "),
         ("good.csv good.csv --together --jobs 2", "--jobs: given with --together; "),

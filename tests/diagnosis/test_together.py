@@ -99,9 +99,7 @@ def test_no_sample_knows_of_another_recording(alike: Together) -> None:
     noise = {"x": Noise(1e-3, True, phi=0.6)}
     coloured = replace(alike, noise=noise)
     values = np.random.default_rng(0).standard_normal(alike.t.size)
-    by_hand = [
-        one.noise["x"].whitened(values[at]) for one, at in zip(coloured.alone, coloured.places, strict=True)
-    ]
+    by_hand = [one.noise["x"].whitened(values[at]) for one, at in zip(coloured.alone, coloured.places, strict=True)]
     assert coloured.whitened({"x": values})["x"] == pytest.approx(np.concatenate(by_hand))
 
 

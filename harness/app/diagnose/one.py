@@ -1,7 +1,8 @@
 """What a simulation with viscous and Coulomb friction leaves out of a recording, and the model that has it."""
 
 import tempfile
-from collections.abc import Callable
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -110,28 +111,30 @@ def deliver(
     command: str = "",
 ) -> DiagnosisResult:
     """Diagnose a recording and leave everything in a folder, as ``diagnose`` does. name : of the default folder."""
-    return left(f"diagnose-{name}", out, lambda: investigate(recording, options, progress, command), progress)
+    with output_folder(f"diagnose-{name}", out) as output, journal(output / LOG):
+        found = investigate(recording, options, progress, command)
+        return leave(output, found, progress)
 
 
 def answer(recording: Recording, options: DiagnoseOptions) -> DiagnosisResult:
     """Diagnose a recording and leave nothing; raises InputError, SimulationError."""
-    return kept(lambda: investigate(recording, options))
+    with unkept():
+        return investigate(recording, options).result
 
 
-def left(name: str, out: Path | None, diagnosed: Callable[[], Diagnosed], progress: Progress) -> DiagnosisResult:
-    """Leave a diagnosis in a folder with its log; name : of the default folder."""
-    with output_folder(name, out) as output, journal(output / LOG):
-        found = diagnosed()
-        progress("writing trace and report", 3, STEPS)
-        result = _write(output, found)
-        output.commit()
-    return result
-
-
-def kept(diagnosed: Callable[[], Diagnosed]) -> DiagnosisResult:
-    """A diagnosis of which nothing is left but its result."""
+@contextmanager
+def unkept() -> Iterator[None]:
+    """A log of which nothing is left."""
     with tempfile.TemporaryDirectory(prefix="friction-harness-") as folder, journal(Path(folder) / LOG):
-        return diagnosed().result
+        yield
+
+
+def leave(output: OutputFolder, found: Diagnosed, progress: Progress) -> DiagnosisResult:
+    """Leave a diagnosis in its folder, whole."""
+    progress("writing trace and report", 3, STEPS)
+    result = _write(output, found)
+    output.commit()
+    return result
 
 
 def _write(output: OutputFolder, found: Diagnosed) -> DiagnosisResult:

@@ -9,12 +9,13 @@ import numpy as np
 from harness.app.diagnose.attribution import Configured
 from harness.app.diagnose.checks import refuse, refuse_few, refuse_unrelated
 from harness.app.diagnose.files import simulated
-from harness.app.diagnose.one import STEPS, Diagnosed, kept, left
+from harness.app.diagnose.one import LOG, STEPS, Diagnosed, leave, unkept
 from harness.app.diagnose.options import DiagnoseOptions
 from harness.app.diagnose.own import own_results
 from harness.app.diagnose.problem import Prepared
 from harness.app.diagnose.result import result_of
 from harness.app.diagnose.validation import validated, validation
+from harness.app.shared.journal import journal
 from harness.app.shared.progress import SILENT, Progress
 from harness.app.shared.reading import read_as, recording_info
 from harness.core.errors import InputError
@@ -27,6 +28,7 @@ from harness.diagnosis.pipeline import diagnose as conclude
 from harness.diagnosis.pipeline import prepare_together
 from harness.diagnosis.problems.together import Together
 from harness.diagnosis.request import Asked
+from harness.io.store import output_folder
 from harness.results.diagnosis import DiagnosisResult
 
 
@@ -55,12 +57,14 @@ def deliver_together(
     command: str = "",
 ) -> DiagnosisResult:
     """Diagnose recordings of one machine and leave everything in a folder, as ``diagnose_together`` does."""
-    return left("together", out, lambda: investigate_together(recordings, options, progress, command), progress)
+    with output_folder("diagnose-together", out) as output, journal(output / LOG):
+        return leave(output, investigate_together(recordings, options, progress, command), progress)
 
 
 def answer_together(recordings: Sequence[Recording], options: DiagnoseOptions) -> DiagnosisResult:
     """Diagnose recordings of one machine and leave nothing; raises InputError, SimulationError."""
-    return kept(lambda: investigate_together(recordings, options))
+    with unkept():
+        return investigate_together(recordings, options).result
 
 
 def investigate_together(

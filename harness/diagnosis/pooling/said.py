@@ -8,6 +8,9 @@ from harness.diagnosis.pooling.pooled import Differs, Pooled, differences
 from harness.diagnosis.problems.together import Together
 from harness.diagnosis.rules import POOLED
 
+_EACH = 3
+"""Recordings whose values are said one by one; of more the least and the most."""
+
 
 def sentences(found: Fit, problem: Together, before: Pooled, explained: bool) -> tuple[str, ...]:
     """What is shared and what differs; found : the best model, in which recordings have what is their own."""
@@ -49,4 +52,4 @@ def _apart(before: Pooled) -> list[str]:
 
 
 def _ends(values: Sequence[float]) -> Sequence[float]:
-    return values if len(values) <= 3 else (min(values), max(values))
+    return values if len(values) <= _EACH else (min(values), max(values))

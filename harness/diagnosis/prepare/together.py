@@ -14,6 +14,7 @@ from harness.diagnosis.problems.together import Together
 from harness.diagnosis.request import Asked
 
 _FEWEST = 2
+"""Recordings that there is something to pool of."""
 
 
 def together(recordings: Sequence[Recording], asked: Asked) -> tuple[Together, tuple[str, ...]]:

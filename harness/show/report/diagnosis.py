@@ -10,7 +10,7 @@ from harness.show.numbers import number
 from harness.show.report.diagnosis_bars import Evidence, Left, Shares
 from harness.show.report.diagnosis_figures import Before, Mismatch, PhasePlane
 from harness.show.report.diagnosis_force import Tables
-from harness.show.report.diagnosis_own import Own
+from harness.show.report.diagnosis_index import Own
 from harness.show.report.diagnosis_tables import Engines, Heldout, Mechanisms, Models, Rules
 from harness.show.report.section import Section
 from harness.show.report.sources import MadeWith
