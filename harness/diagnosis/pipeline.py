@@ -27,7 +27,7 @@ from harness.diagnosis.prepare.together import together
 from harness.diagnosis.problem import Problem
 from harness.diagnosis.request import Asked
 from harness.diagnosis.residual_tests.structure import Left
-from harness.diagnosis.rules import COVARIATES
+from harness.diagnosis.rules import COVARIATES, POOLING
 from harness.diagnosis.search.extend import key_of
 from harness.diagnosis.search.search import Search
 from harness.diagnosis.stages import Based, Found, Judged
@@ -143,7 +143,7 @@ def _said(judged: Judged) -> Outcome:
         next_experiment=next_experiment(left_open(mechanisms, found), problem, scales),
         warnings=(*said, *warned, *unpredicted, *judged.found.notes),
         stepping=stepping,
-        rules=(*judgement.rules, *(COVARIATES if problem.covariates else ())),
+        rules=(*judgement.rules, *(COVARIATES if problem.covariates else ()), *(POOLING if problem.alone else ())),
         remainder=None if by_force is None else remainder_of(by_force),
         pooled=judged.found.pooled,
     )
@@ -167,7 +167,7 @@ def _misfit_said(judged: Judged, graded: Graded) -> Outcome:
             left_open_by_grade(said.mechanisms, graded), said.problem, graded.misfit.scales
         ),
         warnings=(*cautions_of_misfit(graded), *judged.found.notes),
-        rules=judged.judgement.rules,
+        rules=(*judged.judgement.rules, *(POOLING if said.problem.alone else ())),
         remainder=said.remainder,
         pooled=judged.found.pooled,
     )

@@ -535,6 +535,8 @@ AMPLITUDES_APART = Rule(
     "several recordings part a law of the amplitude from one of the time",
     "a guess",
 )
+POOLING = (POOLED, OWN, AMPLITUDES_APART)
+"""Those that decide what several recordings share."""
 
 RULES: tuple[Rule, ...] = tuple(value for value in list(globals().values()) if isinstance(value, Rule))
 

@@ -8,6 +8,7 @@ import pytest
 from harness.core.arrays import FloatArray
 from harness.core.errors import InputError
 from harness.core.recording import Recording
+from harness.diagnosis.explain.other_release import releases
 from harness.diagnosis.fit.observe import observe
 from harness.diagnosis.fit.parameters import free_of, values_of, with_values
 from harness.diagnosis.fit.standard_errors import base_parameters
@@ -176,6 +177,18 @@ def test_a_second_amplitude_parts_what_one_decay_cannot(drifting: list[Recording
     # it was said, with the amplitude to release from
     assert "let it go from 0.2 m" in alone.next_experiment
     assert "--together" in alone.next_experiment
+
+
+def test_a_model_is_nowhere_apart_from_itself(alike: Together) -> None:
+    """Whatever it is let go from; from another stiffness the further release tells more."""
+    based = fit_base(alike)
+    own = releases(based.fit, based.fit, based.problem, based.scales)
+    assert {one.factor for one in own} == {0.25, 0.35, 0.5, 0.7, 1.4, 2.0}
+    # as near as coarse steps with and without partials come
+    assert max(one.apart for one in own) < 1e-4
+    bent = replace(based.fit, model=based.fit.model.with_terms(ModelTerm.named("cubic-stiffness", k3=300.0)))
+    by_factor = {one.factor: one.apart for one in releases(bent, based.fit, based.problem, based.scales)}
+    assert by_factor[2.0] > by_factor[1.4] > by_factor[0.5]
 
 
 def test_from_one_amplitude_no_law_of_it_is_told_from_one_of_time() -> None:

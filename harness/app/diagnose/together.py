@@ -9,12 +9,13 @@ import numpy as np
 from harness.app.diagnose.attribution import Configured
 from harness.app.diagnose.checks import refuse, refuse_few, refuse_unrelated
 from harness.app.diagnose.files import simulated
-from harness.app.diagnose.one import LOG, STEPS, Diagnosed, leave, unkept
+from harness.app.diagnose.one import STEPS, Diagnosed, leave, unkept
 from harness.app.diagnose.options import DiagnoseOptions
 from harness.app.diagnose.own import own_results
 from harness.app.diagnose.problem import Prepared
 from harness.app.diagnose.result import result_of
 from harness.app.diagnose.validation import validated, validation
+from harness.app.shared.journal import NAME as LOG
 from harness.app.shared.journal import journal
 from harness.app.shared.progress import SILENT, Progress
 from harness.app.shared.reading import read_as, recording_info

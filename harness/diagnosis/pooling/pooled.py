@@ -99,12 +99,11 @@ def _parted(found: Pooled) -> Pooled:
 
 
 def unmasked(found: Search, before: Pooled) -> Pooled | None:
-    """Recordings with one more parameter of their own, where one shows beside the best model found."""
-    if len(before.own) >= _MOST:
+    """Recordings with one more parameter of their own, where one shows beside the law that explains the rest."""
+    if len(before.own) >= _MOST or not found.explained:
         return None
-    problem, scales = found.problem, before.scales
+    problem, scales, best = found.problem, before.scales, found.chosen
     assert isinstance(problem, Together)
-    best = found.chosen if found.explained or not found.singles else found.singles[0]
     one = _first(freed(best, problem, scales, [1.0] * len(problem.starts.stretches[1:])))
     if one is None or one.fit.bic > best.bic - DECISIVE.value:
         return None
