@@ -519,9 +519,9 @@ POOLED = Rule(
     0.001,
     "chance",
     "several recordings differ in their base parameters, so that what differs is looked for",
-    "one in a thousand where noise is all that differs: of 44 sliders let go twice with nothing hidden 2 are below .05, 1"
-    " below .01, none below .001; of 21 machines in which something is missing 13, so that the parameter must say more"
-    " than the catalogue besides (own) (python -m harness.app.calibrate together --draws 41)",
+    "one in a thousand where noise is all that differs: of 41 sliders let go twice with nothing hidden 2 are below .05,"
+    " 1 below .01, none below .001; of 21 machines in which something is missing 13 are, so that the parameter must"
+    " also say more than the catalogue does (own) (python -m harness.app.calibrate together --draws 41)",
 )
 OWN = Rule(
     "own",
