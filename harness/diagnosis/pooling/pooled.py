@@ -134,10 +134,9 @@ class Differs:
 
     def said(self, first: str) -> str:
         """As a sentence has it."""
-        value = self.ratio.value or 1.0
-        error = "" if self.ratio.stderr is None else f" +- {100.0 * self.ratio.stderr:.2g}"
-        way = "above" if value > 1.0 else "below"
-        return f"{SAID[self.stem]} {100.0 * abs(value - 1.0):.3g}{error} % {way} that of {first}"
+        value, error = self.ratio.value or 1.0, self.ratio.stderr
+        size = Quantity(100.0 * abs(value - 1.0), None if error is None else 100.0 * error, "%", self.ratio.why)
+        return f"{SAID[self.stem]} {size} {'above' if value > 1.0 else 'below'} that of {first}"
 
 
 def differences(found: Fit, problem: Together, omega: float, explained: bool) -> list[list[Differs]]:
