@@ -101,7 +101,7 @@ def compare(
 
 
 def diagnose(
-    recording: Recording | File,
+    recording: Recording | File | Sequence[Recording | File],
     *,
     model: GivenModel | None = None,
     sim: Recording | File | None = None,
@@ -118,7 +118,9 @@ def diagnose(
 ) -> DiagnosisResult:
     """Find which physics viscous and Coulomb friction leave out of a recording, and the model that has it.
 
-    model : the simulation as you have it. sim : a trace of it. validate : another recording, on which both models are
+    recording : several of one machine are diagnosed together, as --together does: one set of physics, and of each a
+    start, a zero and a noise (``result.own``). model : the simulation as you have it. sim : a trace of it. validate :
+    another recording, on which both models are
     tried. mass : kg. horizon : s, windows of a driven recording. restoring : "spring", "pendulum" or "none". zero :
     "spring" or "free"; both are chosen at the base fit where nobody says. engines : in which the fit is shown; () for
     none, None for MuJoCo and PyBullet. preset : "as-shipped" or "tuned". dt : their step, s. covariates : columns of a
@@ -130,6 +132,7 @@ def diagnose(
     """
     from harness.app.diagnose.one import answer, deliver
     from harness.app.diagnose.options import DiagnoseOptions
+    from harness.app.diagnose.together import answer_together, deliver_together
     from harness.app.run.simulate import model_of
     from harness.app.shared.reading import ReadOptions
 
@@ -149,6 +152,9 @@ def diagnose(
         dt=dt,
         covariates=covariates or (),
     )
+    if not isinstance(recording, Recording | str | PathLike):
+        several = [_recording(one) for one in recording]
+        return answer_together(several, options) if out is None else deliver_together(several, options, Path(out))
     found = _recording(recording, options.reading.covariates)
     return answer(found, options) if out is None else deliver(found, options, Path(out))
 

@@ -9,6 +9,7 @@ from harness.core.arrays import FloatArray
 from harness.core.quantity import Quantity
 from harness.diagnosis.fit.model_fit import Fit
 from harness.diagnosis.integrator_maps.maps import Stepping
+from harness.diagnosis.pooling.pooled import Pooled
 from harness.diagnosis.problem import Problem
 from harness.diagnosis.rules import Rule
 from harness.kernels.solve import Scales
@@ -161,7 +162,7 @@ class Outcome:
     best model found (the base when nothing is missing or nothing helps). evidence : every catalogue name that was
     tried alone, best first. mechanisms : strongest first. stepping : of the engine whose trace it is.
     rules : those that decided. remainder : where no model explains the recording to its noise. tables : of what has no
-    name, part of the refined model.
+    name, part of the refined model. pooled : what several recordings share, where there are several.
     """
 
     problem: Problem
@@ -180,3 +181,4 @@ class Outcome:
     rules: tuple[Rule, ...] = ()
     remainder: Remainder | None = None
     tables: tuple[Table, ...] = ()
+    pooled: Pooled | None = None

@@ -3,6 +3,7 @@
 Where kinds of problem differ, their own files say how (harness.diagnosis.kinds); what is said here is the same for all.
 """
 
+from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import replace
 from typing import Any
@@ -13,7 +14,7 @@ from harness.diagnosis.explain.by_force import cautions_of_force, mechanisms_of,
 from harness.diagnosis.explain.cautions import cautions, cautions_of_misfit
 from harness.diagnosis.explain.graded import told
 from harness.diagnosis.explain.mechanism import mechanism
-from harness.diagnosis.explain.next_experiment import next_experiment
+from harness.diagnosis.explain.next_experiment import left_open, left_open_by_grade, next_experiment
 from harness.diagnosis.explain.place import place_of
 from harness.diagnosis.fit.standard_errors import base_parameters
 from harness.diagnosis.grading.first_turn import after_first_turn
@@ -22,10 +23,11 @@ from harness.diagnosis.grading.misfit import misfit
 from harness.diagnosis.inverse_dynamics.validate import Judge
 from harness.diagnosis.kinds.known import kind_for, kind_of
 from harness.diagnosis.outcome import Outcome, Tried
+from harness.diagnosis.prepare.together import together
 from harness.diagnosis.problem import Problem
 from harness.diagnosis.request import Asked
 from harness.diagnosis.residual_tests.structure import Left
-from harness.diagnosis.rules import COVARIATES
+from harness.diagnosis.rules import COVARIATES, POOLING
 from harness.diagnosis.search.extend import key_of
 from harness.diagnosis.search.search import Search
 from harness.diagnosis.stages import Based, Found, Judged
@@ -51,6 +53,11 @@ def prepare(recording: Recording, asked: Asked) -> tuple[Problem, tuple[str, ...
     """
     prepared: tuple[Problem, tuple[str, ...]] = kind_for(recording).prepare(recording, asked)
     return prepared
+
+
+def prepare_together(recordings: Sequence[Recording], asked: Asked) -> tuple[Problem, tuple[str, ...]]:
+    """Several recordings of one machine as one problem; see ``prepare``."""
+    return together(recordings, asked)
 
 
 def fit_base(problem: Problem) -> Based[Any]:
@@ -133,11 +140,12 @@ def _said(judged: Judged) -> Outcome:
         ),
         base_parameters=base_parameters(found.base, problem, scales.omega, verdict == "adequate"),
         refined_parameters=base_parameters(refined, problem, scales.omega, verdict != "unexplained"),
-        next_experiment=next_experiment(mechanisms, problem),
+        next_experiment=next_experiment(left_open(mechanisms, found), problem, scales),
         warnings=(*said, *warned, *unpredicted, *judged.found.notes),
         stepping=stepping,
-        rules=(*judgement.rules, *(COVARIATES if problem.covariates else ())),
+        rules=(*judgement.rules, *(COVARIATES if problem.covariates else ()), *(POOLING if problem.alone else ())),
         remainder=None if by_force is None else remainder_of(by_force),
+        pooled=judged.found.pooled,
     )
 
 
@@ -155,9 +163,12 @@ def _misfit_said(judged: Judged, graded: Graded) -> Outcome:
         evidence=said.evidence,
         base_parameters=base_parameters(said.base, said.problem, omega, explained=False),
         refined_parameters=base_parameters(said.refined, said.problem, omega, explained=False),
-        next_experiment=next_experiment(said.mechanisms, said.problem),
+        next_experiment=next_experiment(
+            left_open_by_grade(said.mechanisms, graded), said.problem, graded.misfit.scales
+        ),
         warnings=(*cautions_of_misfit(graded), *judged.found.notes),
-        rules=judged.judgement.rules,
+        rules=(*judged.judgement.rules, *(POOLING if said.problem.alone else ())),
         remainder=said.remainder,
+        pooled=judged.found.pooled,
     )
     return with_tables(outcome, graded)

@@ -108,13 +108,44 @@ class Problem(ABC):
         """Residuals (n,) or partials (n, q) of every channel in units of the noise, neighbours independent."""
         return apart(self, values)
 
-    @abstractmethod
-    def misfit_begins(self) -> int:
-        """First sample at which a misfit tells of the model."""
+    @property
+    def alone(self) -> tuple["Problem", ...]:
+        """Each recording by itself, where there are several."""
+        return ()
 
-    def begun_at(self, sample: int) -> Self:
-        """What follows this sample."""
-        return self.part(slice(sample, None))
+    @property
+    def own_names(self) -> tuple[str, ...]:
+        """Base parameters that each of several recordings has of its own."""
+        return ()
+
+    @property
+    def duration(self) -> float:
+        """How long the motion is followed from one start, s."""
+        return float(self.t[-1] - self.t[0])
+
+    @property
+    def parts_amplitude_from_time(self) -> bool:
+        """Whether one amplitude is seen at several times since the release: else a law of either follows the other."""
+        return False
+
+    def even(self, channel: str, values: FloatArray) -> FloatArray:
+        """Residuals (n,) of a channel as if its noise were the same throughout."""
+        return values
+
+    def opening(self, share: float) -> BoolArray:
+        """The samples (n,) of the first part, this share of all."""
+        return np.arange(self.t.size) < int(share * self.t.size)
+
+    def first_part(self, share: float) -> Self:
+        """The first part by itself."""
+        return self.part(slice(0, int(share * self.t.size)))
+
+    @abstractmethod
+    def of_hand_free(self, fewest: int) -> tuple[Self, float]:
+        """What follows the first turning point, and the time left out, s: from there on a misfit tells of the model.
+
+        Itself where no hand lets go, and where fewer than so many samples stay.
+        """
 
     @abstractmethod
     def turns(self, v: FloatArray) -> IntArray:

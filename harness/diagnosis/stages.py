@@ -7,6 +7,7 @@ from harness.diagnosis.fit.model_fit import Fit
 from harness.diagnosis.grading.grade import Graded
 from harness.diagnosis.integrator_maps.maps import Stepping
 from harness.diagnosis.inverse_dynamics.grade import ForceGraded
+from harness.diagnosis.pooling.pooled import Pooled
 from harness.diagnosis.problem import P
 from harness.diagnosis.search.search import Search
 from harness.diagnosis.verdict import Judgement
@@ -33,7 +34,7 @@ class Found:
 
     coarse : the search as it was, where its samples were means: what was held out is predicted in it. stepping : of the
     engine whose trace the recording is. notes : what a reader is to know of it, one sentence
-    each. by_force : grades of a fitted force, where more than noise is left.
+    each. by_force : grades of a fitted force, where more than noise is left. pooled : what several recordings share.
     """
 
     search: Search
@@ -42,6 +43,7 @@ class Found:
     stepping: Stepping | None = None
     notes: tuple[str, ...] = ()
     by_force: ForceGraded | None = None
+    pooled: Pooled | None = None
 
 
 @dataclass(frozen=True, slots=True)

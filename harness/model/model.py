@@ -8,6 +8,7 @@ from harness.core.checks import finite, not_negative, positive
 from harness.core.errors import InputError
 from harness.core.slider import Slider
 from harness.model.covariate import Covariate
+from harness.model.elsewhere import Elsewhere
 from harness.model.registry import term as find_term
 from harness.model.term import SINGLE, Slot, Term
 
@@ -71,6 +72,7 @@ class Model:
 
     SI units; without a known mass m = 1 and forces are per unit mass. f_s : break-away force, None for f_k.
     offset : what the sensor of x shows when the restoring force is nil, m. covariates : measured columns that act too.
+    elsewhere : what the slider has of its own in each further recording.
     Raises InputError for parameters out of range and for two laws in a slot that takes one.
     """
 
@@ -87,6 +89,7 @@ class Model:
     mass_known: bool = True
     offset: float = 0.0
     covariates: tuple[Covariate, ...] = ()
+    elsewhere: tuple[Elsewhere, ...] = ()
 
     def __post_init__(self) -> None:
         positive("model: m", self.m, "kg")
@@ -117,6 +120,11 @@ class Model:
     def with_terms(self, *terms: ModelTerm) -> "Model":
         """The same model with these terms in place of its own."""
         return replace(self, terms=terms)
+
+    def of_recording(self, number: int) -> "Model":
+        """The model of one recording by itself, 0 being the first."""
+        own = dict(self.elsewhere[number - 1].values) if number else {}
+        return replace(self, elsewhere=(), **own)  # type: ignore[arg-type]
 
     @property
     def labels(self) -> tuple[str, ...]:

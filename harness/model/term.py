@@ -102,7 +102,8 @@ class Term:
     internal : number of internal states. speeds : those of them that are speeds, and start relative to the slider's.
     implied : internal states as a recorded motion leaves them, None where they are zero (speeds the slider's).
     channels : channels an observation needs. sensor : what it does to one of them.
-    needs : "driven" (a recorded force), "angle", "spring", "zero" (a sensor of x whose zero is the spring's).
+    needs : "driven" (a recorded force), "angle", "spring", "zero" (a sensor of x whose zero is the spring's),
+    "one-clock" (a phase or a moment in time of its own, which several recordings do not share).
     several : whether a model may have more than one. place : where it acts. only_there : whether nothing outside of
     those times shows it. words : more words of the sentence, from values and k. elements : see harness.model.elements.
     searched : whether it is looked for as a name; a table is none. known : where a table is known, None for a law that

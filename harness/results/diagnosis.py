@@ -220,11 +220,33 @@ class RuleResult(Result):
     origin: str
 
 
+class OwnResult(Result):
+    """What one of several recordings has of its own beside the physics that all share."""
+
+    file: str
+    begins_s: float = Field(description="where its release lies on the common axis of time of the places and spans")
+    start: dict[str, P] = Field(description="x0, v0 where it is let go, in its own zero")
+    zero: P | None = Field(description="what its sensor of x shows at rest without friction; null where it is known")
+    noise: dict[str, float | str] = Field(description="standard deviation by channel")
+    baseline_rmse: Rmse
+    rmse: Rmse = Field(description="of the refined model")
+    alone: dict[str, P] = Field(description="the baseline's parameters, fitted to this recording by itself")
+    differs: list[str] = Field(description="in what it is not as the first, one sentence each")
+
+
 class DiagnosisResult(Result):
-    """harness diagnose, for one recording."""
+    """harness diagnose, for one recording, or for several of one machine together."""
 
     schema_: Literal["harness.diagnosis/2"] = Field(default="harness.diagnosis/2", alias="schema")
-    recording: RecordingInfo
+    recording: RecordingInfo = Field(description="with --together all of them, laid one behind the other")
+    recordings: list[RecordingInfo] = Field(
+        default_factory=list, description="with --together: each", exclude_if=lambda value: not value
+    )
+    own: list[OwnResult] = Field(
+        default_factory=list,
+        description="with --together: what each has of its own",
+        exclude_if=lambda value: not value,
+    )
     verdict: Verdict
     statement: str = Field(description="the verdict in a sentence")
     baseline: FitResult

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from harness.app.calibrate import (
+    amplitudes,
     few_cycles,
     guard_speed,
     main_effect,
@@ -14,6 +15,7 @@ from harness.app.calibrate import (
     screen_share,
     second_term,
     tables,
+    together,
 )
 from harness.app.calibrate.calibration import Calibration, measured
 from harness.core.errors import HarnessError, InputError
@@ -27,6 +29,8 @@ CALIBRATIONS: dict[str, Calibration] = {
     "few-cycles": few_cycles.CALIBRATION,
     "tables": tables.CALIBRATION,
     "guard-speed": guard_speed.CALIBRATION,
+    "together": together.CALIBRATION,
+    "amplitudes": amplitudes.CALIBRATION,
 }
 _OF_PLANT = {"main-effect": main_effect.of_plant, "tables": tables.of_plant}
 """Those that can be measured on recordings that are there."""

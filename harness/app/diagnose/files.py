@@ -1,6 +1,8 @@
 """Files that a diagnosis leaves beside its result: the refined model, and its trace at the recording's own times."""
 
 import json
+from collections.abc import Sequence
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -9,6 +11,7 @@ from harness.core.recording import Recording
 from harness.core.trajectory import Source, Trajectory
 from harness.diagnosis.fit.observe import observe
 from harness.diagnosis.outcome import Outcome
+from harness.diagnosis.pooling.own import SAID
 from harness.diagnosis.problem import Problem
 from harness.engines import model_files
 from harness.io.store import write_text
@@ -32,19 +35,47 @@ def _motion(name: str, model: Model, whole: Problem, outcome: Outcome) -> Trajec
     )
 
 
-def write_trace_csv(path: Path, motion: Trajectory, release: float) -> None:
+@dataclass(frozen=True, slots=True)
+class Run:
+    """A recording within what was simulated. samples : of it. clock : s, where its time is zero. release : in it, s."""
+
+    samples: slice
+    clock: float
+    release: float
+
+
+def runs_of(recording: Recording, outcome: Outcome) -> list[Run]:
+    """The recordings that an outcome is of."""
+    if not outcome.problem.alone:
+        return [Run(slice(None), 0.0, outcome.refined.model.t0)]
+    whole = outcome.problem.at_every_sample(recording.t, recording.channels)
+    return [Run(one.samples, one.clock, one.model.t0) for one in whole.starts.of(outcome.refined.model)]
+
+
+def of_first_alone(outcome: Outcome) -> list[str]:
+    """What the model files of several recordings hold of the first alone."""
+    own = [SAID[stem] for stem in outcome.pooled.own] if outcome.pooled is not None else []
+    said = " and ".join(["release", "zero", *own])
+    return [f"{said} of the recordings after the first: the files are of the first"] if outcome.problem.alone else []
+
+
+def write_trace_csv(path: Path, motion: Trajectory, runs: Sequence[Run]) -> None:
     """Columns t and what the sensors show, in SI units; t reads back as the very numbers of the recording.
 
-    release : s; what the recording shows before it, a hand or a hold, the model says nothing of, and no row stands for.
+    runs : of several, each has its number (from 1) in a first column and its own time. What a recording shows before
+    its release, a hand or a hold, the model says nothing of, and no row stands for.
     """
-    moves = motion.t >= release
-    t = motion.t[moves]
-    channels = {name.removeprefix("shown "): values[moves] for name, values in motion.extra.items()}
-    columns = [t, *channels.values()]
-    lines = [",".join(["t", *channels])]
-    lines += [
-        ",".join([repr(row[0]), *(f"{value:.9g}" for value in row[1:])]) for row in np.column_stack(columns).tolist()
-    ]
+    names = [name.removeprefix("shown ") for name in motion.extra]
+    lines = [",".join([*(["recording"] if len(runs) > 1 else []), "t", *names])]
+    for number, run in enumerate(runs, 1):
+        t = motion.t[run.samples] - run.clock
+        moves = t >= run.release
+        columns = [t[moves], *(values[run.samples][moves] for values in motion.extra.values())]
+        mark = [str(number)] if len(runs) > 1 else []
+        lines += [
+            ",".join([*mark, repr(row[0]), *(f"{value:.9g}" for value in row[1:])])
+            for row in np.column_stack(columns).tolist()
+        ]
     write_text(path, "\n".join(lines) + "\n")
 
 

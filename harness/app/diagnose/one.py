@@ -1,14 +1,15 @@
 """What a simulation with viscous and Coulomb friction leaves out of a recording, and the model that has it."""
 
 import tempfile
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
 from harness.app.diagnose.attribution import Configured
-from harness.app.diagnose.files import simulated, write_model, write_trace_csv
+from harness.app.diagnose.files import of_first_alone, runs_of, simulated, write_model, write_trace_csv
 from harness.app.diagnose.mismatch import left_over
 from harness.app.diagnose.options import DiagnoseOptions
 from harness.app.diagnose.problem import prepared
@@ -126,16 +127,28 @@ def deliver(
     """Diagnose a recording and leave everything in a folder, as ``diagnose`` does. name : of the default folder."""
     with output_folder(f"diagnose-{name}", out) as output, journal(output / LOG):
         found = investigate(recording, options, progress, command)
-        progress("writing trace and report", 3, STEPS)
-        result = _write(output, found, finish)
-        output.commit()
-    return result
+        return leave(output, found, progress, finish)
 
 
 def answer(recording: Recording, options: DiagnoseOptions) -> DiagnosisResult:
     """Diagnose a recording and leave nothing; raises InputError, SimulationError."""
-    with tempfile.TemporaryDirectory(prefix="friction-harness-") as folder, journal(Path(folder) / LOG):
+    with unkept():
         return investigate(recording, options).result
+
+
+@contextmanager
+def unkept() -> Iterator[None]:
+    """A log of which nothing is left."""
+    with tempfile.TemporaryDirectory(prefix="friction-harness-") as folder, journal(Path(folder) / LOG):
+        yield
+
+
+def leave(output: OutputFolder, found: Diagnosed, progress: Progress, finish: Finish = as_it_is) -> DiagnosisResult:
+    """Leave a diagnosis in its folder, whole; ``finish`` as in ``deliver``."""
+    progress("writing trace and report", 3, STEPS)
+    result = _write(output, found, finish)
+    output.commit()
+    return result
 
 
 def _write(output: OutputFolder, found: Diagnosed, finish: Finish) -> DiagnosisResult:
@@ -144,14 +157,14 @@ def _write(output: OutputFolder, found: Diagnosed, finish: Finish) -> DiagnosisR
     found, more_files = finish(found, output.work)
     name = model_files.file_name(model, angular)
     named = {**FILES, "mjcf": f"model/{name}.xml", "urdf": f"model/{name}.urdf", **more_files}
-    write_trace_csv(output / FILES["refined_trace"], found.simulated[1], found.outcome.refined.model.t0)
+    write_trace_csv(output / FILES["refined_trace"], found.simulated[1], runs_of(found.recording, found.outcome))
     force = left_over(found.outcome)
     write_map(output / FILES["residual_map"], force)
     write_history(output / FILES["residual_force"], force)
     files = {name: output.at(file) for name, file in named.items()}
     more = {
         "files": files,
-        "model_left_out": [*found.result.model_left_out, *left_out],
+        "model_left_out": [*found.result.model_left_out, *left_out, *of_first_alone(found.outcome)],
         "residual_map": files["residual_map"],
     }
     result = found.result.model_copy(update=more)

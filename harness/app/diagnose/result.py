@@ -45,6 +45,7 @@ from harness.results.model import ModelDocument
 
 LOGGER = logging.getLogger(__name__)
 _NOT_GIVEN = "whose mismatch it is, was not divided: an engine is not given covariates"
+_NOT_TOGETHER = "whose mismatch it is, is divided for one recording at a time: diagnose each without --together"
 
 
 def result_of(
@@ -61,7 +62,7 @@ def result_of(
     """
     problem = outcome.problem
     engines = {name: _in_engine(name, outcome, options) for name in options.engines}
-    shared = Shared(None, (_NOT_GIVEN,)) if problem.covariates else attribution_of(outcome, options, user)
+    shared = _shared(outcome, options, user)
     return DiagnosisResult(
         recording=_info(recording, prepared, problem),
         verdict=outcome.verdict,
@@ -92,6 +93,12 @@ def result_of(
         machine=this_machine(),
         files={},
     )
+
+
+def _shared(outcome: Outcome, options: DiagnoseOptions, user: Configured) -> Shared:
+    if outcome.problem.covariates:
+        return Shared(None, (_NOT_GIVEN,))
+    return Shared(None, (_NOT_TOGETHER,)) if outcome.problem.alone else attribution_of(outcome, options, user)
 
 
 def _held_out(held: Holdout, given: list[str]) -> HoldoutResult:

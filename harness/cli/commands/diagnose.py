@@ -69,6 +69,7 @@ STANDARD_INPUT = "-"
 @click.option("--preset", metavar="as-shipped|tuned", help="Settings of the engines.  [tuned]")
 @click.option("--dt", type=float, metavar="S", help="Step of the tuned preset, s.  [one that suits the recording]")
 @reading_options
+@click.option("--together", is_flag=True, help="The recordings are of one machine: one set of physics.")
 @click.option("--resume", is_flag=True, help="Go on with the files that --out does not hold yet.")
 @jobs_option
 @output_options
@@ -80,6 +81,7 @@ def command(
     start: float | None,
     stop: float | None,
     drop_nan: bool,
+    together: bool,
     resume: bool,
     jobs: int | None,
     out: Path | None,
@@ -110,6 +112,7 @@ def command(
              harness diagnose rig/*.csv --jobs 4 --json results.json
              harness diagnose swing.txt --columns "x=#1[deg]" --rate 1000 \\
                  --restoring pendulum
+             harness diagnose from-20-mm.csv from-60-mm.csv --together
              harness diagnose decay.csv --model mine.json \\
                  --engine mujoco --preset as-shipped
              harness diagnose log.csv --robot arm.urdf --joint elbow
@@ -133,7 +136,10 @@ def command(
         **chosen,
     )
     with _named(recordings) as named:
-        if len(named) > 1 or resume:
+        if together:
+            _refuse_beside_together(resume, jobs)
+            code = _together(named, options, out, json_to, quiet)
+        elif len(named) > 1 or resume:
             code = _many(named, options, out, jobs, resume, json_to, quiet)
         elif jobs is not None:
             raise InputError("--jobs", "given with one recording", "it is accepted with several")
@@ -184,6 +190,25 @@ def _one(
     return 0
 
 
+def _refuse_beside_together(resume: bool, jobs: int | None) -> None:
+    for option, given in (("--resume", resume), ("--jobs", jobs is not None)):
+        if given:
+            raise InputError(option, "given with --together", "it is accepted with several that are diagnosed each")
+
+
+def _together(
+    named: list[tuple[Path, str]], options: "DiagnoseOptions", out: Path | None, json_to: str | None, quiet: bool
+) -> int:
+    from harness.app.diagnose.together import diagnose_together
+
+    with shown(quiet) as progress:
+        result = diagnose_together(named, options, out, progress, this_line())
+    emit_json(result, json_to)
+    if shows_tables(json_to, quiet):
+        _print(result)
+    return 0
+
+
 def _many(
     named: list[tuple[Path, str]],
     options: "DiagnoseOptions",
@@ -213,6 +238,11 @@ def _print(result: "DiagnosisResult") -> None:
         say(f"- {line}")
     say(result.statement)
     show(_fits(result))
+    if result.own:
+        show(_own(result))
+        for one in result.own:
+            for line in one.differs:
+                say(f"- {Path(one.file).name}: {line}")
     graded = [m for m in result.mechanisms if m.grade != "explains"]
     if graded:
         show(_grades(graded))
@@ -308,6 +338,24 @@ def _fits(result: "DiagnosisResult") -> "Table":
         table.add_row(f"rmse {c}", *(f"{fit.rmse[c]:.4g}" for fit in fits))
     for name in dict.fromkeys(name for fit in fits for name in fit.parameters):
         table.add_row(name, *(with_error(f.parameters[name]) if name in f.parameters else "-" for f in fits))
+    return table
+
+
+def _own(result: "DiagnosisResult") -> "Table":
+    """A line a recording: where it starts, its zero, and what both models leave of it."""
+    from rich.table import Table
+
+    table = Table()
+    channel = next(iter(result.baseline.rmse))
+    columns = ["recording", "x0", *(["zero"] if result.own[0].zero else []), f"noise {channel}"]
+    for heading in (*columns, f"rmse {channel}", *(["refined"] if result.mechanisms else [])):
+        table.add_column(heading, justify="left" if heading == "recording" else "right", no_wrap=heading != "recording")
+    for one in result.own:
+        noise = one.noise[channel]
+        cells = [Path(one.file).name, f"{one.start['x0'].value:.4g} {one.start['x0'].unit}"]
+        cells += [f"{one.zero.value:.4g}"] if one.zero else []
+        cells += [noise if isinstance(noise, str) else f"{noise:.3g}", f"{one.baseline_rmse[channel]:.3g}"]
+        table.add_row(*cells, *([f"{one.rmse[channel]:.3g}"] if result.mechanisms else []))
     return table
 
 

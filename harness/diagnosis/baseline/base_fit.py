@@ -6,6 +6,7 @@ more of the recording, from several shares of viscous and dry friction; the best
 """
 
 import math
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -15,9 +16,10 @@ from harness.core.errors import InputError, SimulationError
 from harness.diagnosis.baseline.spectral_peaks import peaks
 from harness.diagnosis.fit.model_fit import Fit, fit
 from harness.diagnosis.fit.observe import COARSE
-from harness.diagnosis.fit.parameters import base_of, free_of
+from harness.diagnosis.fit.parameters import base_of, free_of, with_values
 from harness.diagnosis.problem import Problem
 from harness.kernels.solve import Scales
+from harness.model.elsewhere import Elsewhere, parted
 from harness.model.model import Model
 
 _SHARES = (0.5, 0.15, 0.85)
@@ -34,6 +36,10 @@ _FEWEST = 24
 """Samples of such a stretch: four to each of six numbers."""
 _FEWEST_AMPLITUDES = 8
 """Samples from which two amplitudes and a mean are read."""
+_PHYSICS = ("c", "k", "f_k")
+"""Base parameters that recordings of one machine share."""
+_TRIED = 3
+"""Recordings whose own fits are starts of a common one, beside the mean of all."""
 _ABOVE_NOISE = 0.15
 """Of the first peak: smaller ones may be noise or rest, and do not count for the decay that a fit starts from."""
 
@@ -150,6 +156,8 @@ def baseline(problem: Problem) -> tuple[Fit, Scales]:
 
     Raises InputError when the recording does not swing, SimulationError when no start could be simulated.
     """
+    if problem.alone:
+        return _of_several(problem, [baseline(one) for one in problem.alone])
     models = starts(problem)
     scales = scales_of(problem, math.sqrt(models[0].k / models[0].m))
     best: Fit | None = None
@@ -170,16 +178,52 @@ def baseline(problem: Problem) -> tuple[Fit, Scales]:
     return at_rest(best, problem, scales), scales
 
 
+def _of_several(problem: Problem, alone: Sequence[tuple[Fit, Scales]]) -> tuple[Fit, Scales]:
+    """One base model of several recordings, from what each says alone; their starts and zeros stay their own."""
+    models = [one.model for one, _ in alone]
+    own = problem.own_names
+    elsewhere = tuple(Elsewhere(tuple((name, float(getattr(m, name))) for name in own)) for m in models[1:])
+    if "m" in own:
+        # alone each is per unit of its own mass
+        heavier = [m.m * models[0].k / m.k for m in models[1:]]
+        elsewhere = tuple(one.having(m=mass) for one, mass in zip(elsewhere, heavier, strict=True))
+    starts = {name: float(getattr(models[0], name)) for name in own}
+    of_all = tuple(sum(getattr(m, name) for m in models) / len(models) for name in _PHYSICS)
+    tries = dict.fromkeys([of_all, *(tuple(float(getattr(m, name)) for name in _PHYSICS) for m in models[:_TRIED])])
+    scales = scales_of(problem, float(np.median([s.omega for _, s in alone])))
+    best: Fit | None = None
+    why = ""
+    for physics in tries:
+        begun = {**dict(zip(_PHYSICS, physics, strict=True)), **starts, "t0": models[0].t0}
+        model = replace(models[0], **begun, elsewhere=elsewhere)
+        try:
+            found = _whole(model, problem, scales)
+        except SimulationError as error:
+            why = str(error)
+            continue
+        if best is None or found.chi2 < best.chi2:
+            best = found
+    if best is None:
+        raise SimulationError(f"no base fit could be simulated: {why}")
+    return at_rest(fit(best.model, problem, best.free, scales), problem, scales), scales
+
+
 def at_rest(found: Fit, problem: Problem, scales: Scales) -> Fit:
     """The same fit released from rest, where the recording does not ask for a speed at its start."""
-    if "v0" not in base_of(found.free):
-        return found
-    base = tuple(name for name in base_of(found.free) if name != "v0")
-    at = next(i for i, f in enumerate(found.free) if f.name == "v0")
+    for name in base_of(found.free):
+        if parted(name)[0] == "v0":
+            found = _still(found, name, problem, scales)
+    return found
+
+
+def _still(found: Fit, name: str, problem: Problem, scales: Scales) -> Fit:
+    """The same fit without this speed at a start, where it does as well."""
+    base = tuple(other for other in base_of(found.free) if other != name)
+    at = next(i for i, f in enumerate(found.free) if f.name == name)
     error = math.sqrt(max(float(found.covariance()[at, at]), 0.0)) * math.sqrt(max(1.0, found.chi2 / found.points))
     if abs(found.values[at]) > _CLEARLY_MOVING * error:
         return found
-    model = replace(found.model, v0=0.0)
+    model = with_values(found.model, (found.free[at],), np.zeros(1))
     try:
         still = fit(model, problem, free_of(model, base), scales)
     except SimulationError:

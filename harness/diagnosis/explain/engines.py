@@ -100,7 +100,8 @@ def shown_by(
     A driven recording is simulated window by window, each from its own start, as the fit does it.
     """
     parts = [
-        _stretch(simulate, start.model, problem, problem.t[start.samples], dt) for start in problem.starts.of(model)
+        _stretch(simulate, start.model, problem, problem.t[start.samples] - start.clock, dt)
+        for start in problem.starts.of(model)
     ]
     return {c: np.concatenate([shown[c] for shown, _ in parts]) for c in problem.channels}, parts[-1][1]
 

@@ -76,7 +76,8 @@ def _alternatives(first: Finalist, graded: Graded) -> tuple[Alternative, ...]:
     """
     others = [f for f in graded.finalists if f is not first and not f.clock]
     found = [Alternative(f.name, first.gain - f.gain) for f in others]
-    twins = {f.name for f in others if worthy(f, graded) and not_parted(first.name, f.name)}
+    parted = graded.misfit.problem.parts_amplitude_from_time
+    twins = {f.name for f in others if not parted and worthy(f, graded) and not_parted(first.name, f.name)}
     listed = [a for a in found if a.delta_bic < DECISIVE.value or a.name in twins]
     return tuple(sorted(listed, key=lambda a: a.name not in twins))[:_MOST_ALTERNATIVES]
 

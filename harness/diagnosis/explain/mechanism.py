@@ -52,7 +52,7 @@ def _alternatives(found: Search, entry: ModelTerm) -> tuple[Alternative, ...]:
     Evidence that two laws differ is evidence of their shape; a law of the amplitude and one of the time differ in
     little else, and by less than what small effects that nobody models change.
     """
-    decay = "driven" not in found.problem.given
+    decay = "driven" not in found.problem.given and not found.problem.parts_amplitude_from_time
     rest = sorted(e.term.name for e in found.chosen.model.terms if e is not entry)
     near = []
     for rival in found.rivals:

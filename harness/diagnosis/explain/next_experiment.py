@@ -1,7 +1,16 @@
 """The recording that would decide between names that this one leaves open."""
 
-from harness.diagnosis.outcome import Mechanism
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from harness.diagnosis.explain.other_release import Release, releases
+from harness.diagnosis.fit.model_fit import Fit
+from harness.diagnosis.grading.grade import Graded
+from harness.diagnosis.outcome import Grade, Mechanism
 from harness.diagnosis.problem import Problem
+from harness.diagnosis.search.extend import key_of
+from harness.diagnosis.search.search import Search, under
+from harness.kernels.solve import Scales
 from harness.model.experiments import LARGER
 from harness.model.registry import TERMS
 
@@ -12,6 +21,18 @@ _BY_FAMILY = {
     "environment": "the same release repeated: what hangs on the clock and what hangs on the motion then part",
     "sensor": "position and acceleration recorded together",
 }
+_APART = 0.5
+"""Of what a model leaves now, from which a difference is worth a recording; it moves no verdict."""
+
+
+@dataclass(frozen=True, slots=True)
+class Open:
+    """Two models that a recording does not tell apart, and their names."""
+
+    names: tuple[str, str]
+    family: str
+    first: Fit
+    rival: Fit | None
 
 
 def _told(name: str, other: str) -> str | None:
@@ -19,14 +40,62 @@ def _told(name: str, other: str) -> str | None:
     return next((t.told_from[other] for t in TERMS if t.name == name and other in t.told_from), None)
 
 
-def next_experiment(mechanisms: tuple[Mechanism, ...], problem: Problem) -> str:
+def left_open(mechanisms: Sequence[Mechanism], found: Search) -> Open | None:
+    """A term of the chosen model and the first that could stand in its place; None where nothing is open."""
+    for m in mechanisms:
+        if m.alternatives:
+            other = m.alternatives[0].name
+            kept = sorted([*(n for n in key_of(found.chosen) if n != m.name), other])
+            rival = next((f for f in found.rivals if sorted(key_of(f)) == kept), None)
+            return Open((m.name, other), m.entry.term.family, found.chosen, rival)
+    return None
+
+
+def left_open_by_grade(mechanisms: Sequence[Mechanism], graded: Graded) -> Open | None:
+    """The first two names of a list, or a main effect and the first that could stand in its place."""
+    if not mechanisms:
+        return None
+    first = mechanisms[0]
+    others = [a.name for a in first.alternatives]
+    if first.grade is Grade.ONE_OF:
+        others = [m.name for m in mechanisms[1:] if m.grade is Grade.ONE_OF]
+    if not others:
+        return None
+    fits = {f.name: f.fit for f in graded.finalists}
+    return Open((first.name, others[0]), first.entry.term.family, fits[first.name], fits.get(others[0]))
+
+
+def next_experiment(found: Open | None, problem: Problem, scales: Scales) -> str:
     """A sentence, empty when nothing is open."""
-    open_ones = [m for m in mechanisms if m.alternatives]
-    if not open_ones:
+    if found is None:
         return ""
-    m = open_ones[0]
-    other = m.alternatives[0].name
-    advice = _told(m.name, other) or _told(other, m.name) or _BY_FAMILY[m.entry.term.family]
-    if m.entry.term.family == "sensor" and {"x", "a"} <= set(problem.channels):
-        advice = LARGER
-    return f"To tell {m.name} from {other}: {advice}."
+    name, other = found.names
+    advice = _told(name, other) or _told(other, name) or _BY_FAMILY[found.family]
+    if found.family == "sensor":
+        return f"To tell {name} from {other}: {LARGER if {'x', 'a'} <= set(problem.channels) else advice}."
+    far = _by_release(found, problem, scales)
+    return f"To tell {name} from {other}: {far or advice}."
+
+
+def _by_release(found: Open, problem: Problem, scales: Scales) -> str:
+    """From how far to let go for the two to part; "" where no other amplitude parts them, or nothing lets go."""
+    one_clock = any("one-clock" in e.term.needs for f in (found.first, found.rival) if f for e in f.model.terms)
+    if found.rival is None or one_clock or "driven" in problem.given or problem.covariates:
+        return ""
+    each = releases(under(found.first, problem), under(found.rival, problem), problem, scales)
+    unit = "rad" if problem.angular else "m"
+    told = [one for one in (_best(each, larger=True), _best(each, larger=False)) if one is not None]
+    told.sort(key=lambda one: -one.apart)
+    if not told:
+        return ""
+    said = " or ".join(f"from {one.amplitude:.2g} {unit} ({_apart(one)})" for one in told)
+    return f"let it go {said}, and diagnose both recordings with --together"
+
+
+def _best(each: Sequence[Release], larger: bool) -> Release | None:
+    side = [one for one in each if (one.factor > 1.0) is larger and one.apart >= _APART]
+    return side[0] if side else None
+
+
+def _apart(one: Release) -> str:
+    return f"{one.factor:.2g} times as far, where the two differ by {one.apart:.2g} times what is left now"

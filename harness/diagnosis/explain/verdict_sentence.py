@@ -2,11 +2,12 @@
 
 from harness.diagnosis.outcome import Grade, Outcome
 
-_NOTHING = "Viscous and Coulomb friction explain this recording to its noise: nothing is left out that it could show."
+_NOTHING = "Viscous and Coulomb friction explain {} to {} noise: nothing is left out that {} could show."
 _NOBODY = (
-    "Viscous and Coulomb friction do not explain this recording, and no entry of the catalogue is the main part of what"
-    " they leave."
+    "Viscous and Coulomb friction do not explain {}, and no entry of the catalogue is the main part of what they leave."
 )
+_ONE = ("this recording", "its", "it", "this recording alone does", "this recording")
+_SEVERAL = ("these recordings", "their", "they", "these recordings do", "these recordings together")
 
 
 def sentence_of(outcome: Outcome) -> str:
@@ -17,9 +18,10 @@ def sentence_of(outcome: Outcome) -> str:
 def _verdict(outcome: Outcome) -> str:
     # beside the names that share a verdict a model may hold small parts
     parts = (Grade.TABULATED, Grade.MINOR) if outcome.verdict == "one_of" else (Grade.TABULATED,)
+    it, its, they, does, these = _SEVERAL if outcome.problem.alone else _ONE
     words = [m.name.replace("-", " ") for m in outcome.mechanisms if m.grade not in parts]
     if outcome.verdict == "adequate":
-        return _NOTHING
+        return _NOTHING.format(it, its, they)
     if outcome.verdict == "missing_physics":
         said = " ".join(m.statement for m in outcome.mechanisms)
         return f"The simulation leaves out {' and '.join(words)}: {said}"
@@ -34,16 +36,16 @@ def _verdict(outcome: Outcome) -> str:
         )
     if outcome.verdict == "one_of" and len(words) == 1:
         return (
-            f"What the simulation leaves out looks like {words[0]}, which takes {share} of the misfit off; this"
-            f" recording alone does not decide it.{left}"
+            f"What the simulation leaves out looks like {words[0]}, which takes {share} of the misfit off; {does}"
+            f" not decide it.{left}"
         )
     if outcome.verdict == "one_of":
         return (
-            f"The main thing that the simulation leaves out is one of {', '.join(words[:-1])} or {words[-1]}; this"
-            f" recording cannot tell which. The first takes {share} of the misfit off.{left}"
+            f"The main thing that the simulation leaves out is one of {', '.join(words[:-1])} or {words[-1]};"
+            f" {these} cannot tell which. The first takes {share} of the misfit off.{left}"
         )
     minor = f" The largest single part of it is {words[0]} ({share})." if words else ""
-    return f"{_NOBODY}{minor}{left}"
+    return f"{_NOBODY.format(it)}{minor}{left}"
 
 
 def _tabulated(outcome: Outcome) -> str:

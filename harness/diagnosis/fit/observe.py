@@ -61,14 +61,21 @@ def observe(
 
 
 def _from(start: Start, problem: Problem, by: tuple[By, ...], scales: Scales, effort: Effort) -> Observation:
-    """One stretch, its starts (the internal ones too) moving with the parameters that decide them."""
-    asked = tuple(dict.fromkeys((*by, *(name for b in by for name in start.slopes.get(b, {})))))
-    shown = _stretch(start.model, problem, problem.t[start.samples], asked, scales, effort)
-    for column, b in enumerate(by):
-        for name, slope in start.slopes.get(b, {}).items():
-            for partials in shown.dy.values():
-                partials[:, column] += slope * partials[:, asked.index(name)]
-    return replace(shown, dy={c: partials[:, : len(by)] for c, partials in shown.dy.items()})
+    """One stretch on its own clock, its starts (the internal ones too) moving with the parameters that decide them."""
+    here: list[By | None] = [start.own.get(b, b) for b in by]
+    moving = [name for b in here if b is not None for name in start.slopes.get(b, {})]
+    asked = tuple(dict.fromkeys((*(b for b in here if b is not None), *moving)))
+    t = problem.t[start.samples] - start.clock
+    shown = _stretch(start.model, problem, t, asked, scales, effort)
+    dy = {}
+    for c, partials in shown.dy.items():
+        dy[c] = np.zeros((t.size, len(by)))
+        for column, b in enumerate(here):
+            if b is not None:
+                dy[c][:, column] = partials[:, asked.index(b)]
+                for name, slope in start.slopes.get(b, {}).items():
+                    dy[c][:, column] += slope * partials[:, asked.index(name)]
+    return replace(shown, dy=dy, events=replace(shown.events, t=shown.events.t + start.clock))
 
 
 def _in_pieces(start: Start, problem: Problem, scales: Scales, effort: Effort) -> Iterator[Observation]:

@@ -9,6 +9,7 @@ import numpy as np
 from harness.core.arrays import FloatArray
 from harness.fit.least_squares import Bounds
 from harness.kernels.solve import By
+from harness.model.elsewhere import parted
 from harness.model.model import Model, ModelTerm
 
 BASE = ("m", "c", "k", "f_k", "offset", "x0", "v0")
@@ -56,8 +57,9 @@ def free_of(model: Model, base: tuple[str, ...]) -> tuple[Free, ...]:
     free = []
     given = (name for covariate in model.covariates for name in covariate.fitted)
     for name in dict.fromkeys((*base, *given)):
-        positive = name in _POSITIVE_BASE
-        lower = 0.0 if name in ("c", "f_k") else (_LEAST if positive else -math.inf)
+        stem, _ = parted(name)
+        positive = stem in _POSITIVE_BASE
+        lower = 0.0 if stem in ("c", "f_k") else (_LEAST if positive else -math.inf)
         free.append(Free(name, name, lower, math.inf, positive))
     for i, entry in enumerate(model.terms):
         for j, p in enumerate(entry.term.parameters):
@@ -81,22 +83,30 @@ def with_values(model: Model, free: tuple[Free, ...], values: FloatArray) -> Mod
     terms = [list(entry.values) for entry in model.terms]
     covariates = list(model.covariates)
     given = {name: i for i, one in enumerate(covariates) for name in one.fitted}
+    elsewhere = list(model.elsewhere)
     for f, value in zip(free, values, strict=True):
         if isinstance(f.by, tuple):
             terms[f.by[0]][f.by[1]] = float(value)
         elif f.by in given:
             covariates[given[f.by]] = covariates[given[f.by]].at(f.by, float(value))
         else:
-            base[f.by] = float(value)
+            stem, recording = parted(f.by)
+            if recording:
+                elsewhere[recording - 1] = elsewhere[recording - 1].having(**{stem: float(value)})
+            else:
+                base[stem] = float(value)
     entries = tuple(
         ModelTerm(entry.term, tuple(new), entry.internal0) for entry, new in zip(model.terms, terms, strict=True)
     )
-    return replace(model, terms=entries, covariates=tuple(covariates), **base)
+    return replace(model, terms=entries, covariates=tuple(covariates), elsewhere=tuple(elsewhere), **base)
 
 
 def _base_value(model: Model, name: str) -> float:
     given = {at: value for one in model.covariates for at, value in one.fitted.items()}
-    return float(given[name] if name in given else getattr(model, name))
+    if name in given:
+        return float(given[name])
+    stem, recording = parted(name)
+    return model.elsewhere[recording - 1].value(stem) if recording else float(getattr(model, stem))
 
 
 def bounds_of(free: tuple[Free, ...]) -> Bounds:

@@ -66,6 +66,16 @@ def _variance(matrices: tuple[FloatArray, ...], gradient: FloatArray) -> float:
         return float(np.max([gradient[used] @ m[np.ix_(used, used)] @ gradient[used] for m in matrices]))
 
 
+def numbers_of(found: Fit, problem: Problem, omega: float, explained: bool) -> dict[str, float]:
+    """Standard errors of the base numbers that are fitted, by name; none of one that the recording does not tell."""
+    variances = np.max([np.diag(m) for m in covariances(found, problem, omega, explained)], axis=0).tolist()
+    return {
+        f.name: math.sqrt(variance)
+        for f, variance in zip(found.free, variances, strict=True)
+        if isinstance(f.by, str) and math.isfinite(variance) and variance > 0.0
+    }
+
+
 def term_parameters(
     found: Fit, problem: Problem, index: int, omega: float, explained: bool = True
 ) -> dict[str, Quantity]:

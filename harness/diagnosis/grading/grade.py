@@ -10,6 +10,8 @@ from abc import ABC, abstractmethod
 from dataclasses import dataclass, replace
 from typing import TypeVar
 
+import numpy as np
+
 from harness.diagnosis.baseline.words import evidence
 from harness.diagnosis.fit.model_fit import Fit
 from harness.diagnosis.grading.friction_split import resplit
@@ -122,8 +124,8 @@ class Graded(Contest):
     @property
     def words_run(self) -> float:
         """Strokes of the last part."""
-        strokes = self.misfit.strokes
-        return max(float(strokes.of[-1] - strokes.of[trained(self.misfit.problem)]), 1.0)
+        later = self.misfit.strokes.of[~trained(self.misfit.problem)]
+        return max(float(np.unique(later).size - 1), 1.0)
 
     @property
     def refined(self) -> Fit:
@@ -161,7 +163,7 @@ def ranked(misfit: Misfit) -> list[Finalist]:
     floor = misfit.floor(misfit.noise_left(min(fits, key=lambda f: f.chi2)))
     excess = base.chi2 - floor
     cells = cells_of(starting_evidence(base, problem, scales))
-    span = float(problem.t[-1] - problem.t[0])
+    span = problem.duration
     best: dict[str, Finalist] = {}
     for one in fits:
         entry, parameters = one.model.terms[-1], len(one.free) - len(base.free)

@@ -44,7 +44,7 @@ class Misfit:
         It is no more than was seen before, nor than all that the fit leaves.
         """
         t, period = self.problem.t, 2.0 * math.pi / self.scales.omega
-        left = {c: y - shown.shown.y[c] for c, y in self.problem.channels.items()}
+        left = {c: self.problem.even(c, y - shown.shown.y[c]) for c, y in self.problem.channels.items()}
         found = {c: residual_noise(t, r, self.problem.channels[c], period) for c, r in left.items()}
         least = {c: n if n.sigma < self.noise[c].sigma else self.noise[c] for c, n in found.items()}
         return {c: replace(n, sigma=min(n.sigma, _rms(left[c]) or n.sigma)) for c, n in least.items()}
@@ -67,15 +67,13 @@ def misfit(problem: Problem, base: Fit, scales: Scales) -> Misfit:
     A free decay is looked at from its first turning point, a driven recording whole: no hand lets it go. What noise of
     its force does is part of the misfit.
     """
-    at, left_out = problem.misfit_begins(), 0.0
-    if at and problem.t.size - at >= _FEWEST:
-        left_out = float(problem.t[at] - problem.t[0])
-        problem = problem.begun_at(at)
+    problem, left_out = problem.of_hand_free(_FEWEST)
+    if left_out > 0.0:
         base, scales = baseline(problem)
     strokes = Strokes.between(problem.turns(base.shown.v), problem.t.size)
     words = words_of(strokes)
     points = sum(float(np.sum(w)) for w in problem.weight.values())
-    left = {c: _rms(y - base.shown.y[c]) for c, y in problem.channels.items()}
+    left = {c: _rms(problem.even(c, y - base.shown.y[c])) for c, y in problem.channels.items()}
     floor = {c: problem.noise[c].sigma for c in left}
     level = math.sqrt(points / (_CHI2_A_WORD * words))
     weighed = problem.under_noise({c: Noise(level * max(s, floor[c]), True) for c, s in left.items()})

@@ -107,14 +107,14 @@ def by_blocks(
     return Predicted(squares, np.array([float(t.size) for t in inside]), _sigma(problem), spans)
 
 
-def trained(problem: Problem) -> int:
-    """Samples that a free run is fitted to."""
-    return int(_TRAINED * problem.t.size)
+def trained(problem: Problem) -> BoolArray:
+    """The samples (n,) that a free run is fitted to."""
+    return problem.opening(_TRAINED)
 
 
 def free_run(found: Fit, problem: Problem, scales: Scales) -> Predicted | None:
     """What a model fitted to the first 60 % misses of the rest, which it runs through freely."""
-    train = np.arange(problem.t.size) < trained(problem)
+    train = trained(problem)
     shown = _refitted(found, problem, scales, train)
     if shown is None:
         return None

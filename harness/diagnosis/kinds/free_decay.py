@@ -12,6 +12,7 @@ from harness.diagnosis.inverse_dynamics.validate import Judge
 from harness.diagnosis.kinds.kind import Kind
 from harness.diagnosis.outcome import Holdout
 from harness.diagnosis.prepare.free_decay import free_decay_problem
+from harness.diagnosis.problem import P
 from harness.diagnosis.problems.free_decay import FreeDecay
 from harness.diagnosis.request import Asked
 from harness.diagnosis.search.extend import settle
@@ -39,9 +40,7 @@ class FreeDecays(Kind[FreeDecay]):
 
     def fit_base(self, problem: FreeDecay) -> Based[FreeDecay]:
         """In means of neighbours where it is very long."""
-        short, base, scales = shortened(problem)
-        short = replace(short, noise=noise_of(base, short, scales.omega))
-        return Based(problem, short, settle(under(base, short), short, scales), scales)
+        return based(problem)
 
     def search(self, based: Based[FreeDecay], other: Judge | None) -> Found:
         """Where it is doubtful, also without its beginning; then on all samples, and as the trace of an engine."""
@@ -68,3 +67,10 @@ class FreeDecays(Kind[FreeDecay]):
         """Released as its own base fit is."""
         own, scales = baseline(problem)
         return [only_started(model, problem, own.model, scales) for model in models]
+
+
+def based(problem: P) -> Based[P]:
+    """A free decay, or several, with the base model and the noise that it leaves; in means where very long."""
+    short, base, scales = shortened(problem)
+    short = replace(short, noise=noise_of(base, short, scales.omega))
+    return Based(problem, short, settle(under(base, short), short, scales), scales)

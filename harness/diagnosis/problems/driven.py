@@ -26,7 +26,7 @@ class Forced(Problem):
     drive: Drive = field()
     first: Model
     guarded: bool = False
-    provides: ClassVar[frozenset[str]] = frozenset({"driven"})
+    provides: ClassVar[frozenset[str]] = frozenset({"driven", "one-clock"})
 
     @property
     def in_newtons(self) -> bool:
@@ -38,9 +38,9 @@ class Forced(Problem):
         """The mass, unless it is known."""
         return ("m",) if self.mass is None else ()
 
-    def misfit_begins(self) -> int:
-        """At the beginning."""
-        return 0
+    def of_hand_free(self, fewest: int) -> tuple[Self, float]:
+        """Itself: no hand lets it go."""
+        return self, 0.0
 
     def turns(self, v: FloatArray) -> IntArray:
         """Those of the model, which follows it."""

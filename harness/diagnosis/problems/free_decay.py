@@ -2,7 +2,7 @@
 
 import math
 from dataclasses import dataclass, replace
-from typing import Self
+from typing import ClassVar, Self
 
 import numpy as np
 
@@ -20,13 +20,18 @@ _FEWEST_TURNS = 3
 class FreeDecay(Problem):
     """See Problem."""
 
-    def misfit_begins(self) -> int:
-        """After the first turning point: a hand at the release acts before it."""
-        return first_turn(self.t, self.channels, turning_points(self.t, self.channels))
+    provides: ClassVar[frozenset[str]] = frozenset({"one-clock"})
 
-    def begun_at(self, sample: int) -> Self:
-        """See Problem: a start within the motion, which has left its mark on what relaxes or bends."""
+    def of_hand_free(self, fewest: int) -> tuple[Self, float]:
+        """See Problem: a hand at the release acts before the first turning point."""
         turns = turning_points(self.t, self.channels)
+        at = first_turn(self.t, self.channels, turns)
+        if not at or self.t.size - at < fewest:
+            return self, 0.0
+        return self._begun_at(at, turns), float(self.t[at] - self.t[0])
+
+    def _begun_at(self, sample: int, turns: IntArray) -> Self:
+        """What follows a sample: a start within the motion, which has left its mark on what relaxes or bends."""
         if turns.size < _FEWEST_TURNS:
             return self.part(slice(sample, None))
         half = float(np.median(np.diff(self.t[turns])))

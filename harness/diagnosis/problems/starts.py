@@ -4,7 +4,7 @@ A window starts with position and speed as recorded, and internal states as the 
 """
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Protocol
 
 import numpy as np
@@ -39,11 +39,15 @@ class Start:
     """A stretch of a recording and the model at its start.
 
     samples : of the stretch. slopes : for each parameter, the partials by it of starts that hang on it, by their names.
+    clock : s, where the model's time is zero. own : what fitted numbers are called in this stretch's model where that
+    is another name; None for those that are nothing to it.
     """
 
     samples: slice
     model: Model
     slopes: Mapping[By, Mapping[str, float]]
+    clock: float = 0.0
+    own: Mapping[By, str | None] = field(default_factory=dict)
 
 
 class Starts(Protocol):

@@ -112,10 +112,10 @@ def _lines(channels: Mapping[str, Channel]) -> list[tuple[str, float, float]]:
     out = []
     for name, one in channels.items():
         n = one.r.size
-        if n < 2 * _SURROUNDINGS:
-            continue
         power = np.abs(np.fft.rfft(one.r))[1 : (n + 1) // 2] ** 2 / n
         count = power.size // _SURROUNDINGS
+        if count == 0:
+            continue
         rows = power[: count * _SURROUNDINGS].reshape(count, -1)
         level = np.maximum(np.median(rows, axis=1) / math.log(2.0), _LEAST_LEVEL)
         peaks = np.max(rows, axis=1) / level

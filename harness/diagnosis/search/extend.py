@@ -81,7 +81,7 @@ def _start(candidate: Candidate, problem: Problem, early: Problem, base: tuple[s
 
 def _rough(candidates: Sequence[Candidate], problem: Problem, base: tuple[str, ...], scales: Scales) -> list[Fit]:
     """A rough fit of every entry, best first: a few steps of every start, then the nearest of each entry go on."""
-    early = problem.part(slice(0, int(_EARLY * problem.t.size)))
+    early = problem.first_part(_EARLY)
     begun: dict[str, list[Fit]] = {}
     for candidate in told(candidates, lambda c: f"trying {_said(c.model)}"):
         found = _start(candidate, problem, early, base, scales)
@@ -101,7 +101,7 @@ def _candidates(current: Fit, problem: Problem, scales: Scales, terms: Sequence[
     In the first part a misfit has not grown yet, so that the first-order answer is a good one.
     """
     base = base_of(current.free)
-    early = problem.part(slice(0, int(_EARLY * problem.t.size)))
+    early = problem.first_part(_EARLY)
     before = _try(current.model, early, base, scales, _COARSE_ITERATIONS)
     worthy: list[Candidate] = []
     for fitted, part in ((current, problem), (before, early), (_with_friction(current, problem, scales), problem)):
@@ -147,8 +147,7 @@ def with_friction(model: Model, base: tuple[str, ...], scales: Scales) -> Model 
 def extend(current: Fit, problem: Problem, scales: Scales, terms: Sequence[Term] = NAMED) -> Step:
     """Fit every term that is worth it on top of a model."""
     base = base_of(current.free)
-    if "v0" in problem.starts.names and "v0" not in base:
-        base = (*base, "v0")
+    base = tuple(dict.fromkeys((*base, *problem.starts.names)))
     small, _ = condensed(problem, current.shown, _COARSE_SAMPLES, scales.omega)
     best = _rough(_candidates(current, problem, scales, terms), small, base, scales)
     finalists = _finalists(best, chi2_of(current.model, small, scales, COARSE) + current.bic - current.chi2)
@@ -177,7 +176,7 @@ def promising_start(current: Fit, problem: Problem, scales: Scales) -> bool:
 
 def _repeats(found: Fit, problem: Problem) -> bool:
     """Whether what was recorded holds a period over the travel, half a one in time, of each law that repeats."""
-    travel, span = float(np.ptp(found.shown.x)), float(problem.t[-1] - problem.t[0])
+    travel, span = float(np.ptp(found.shown.x)), problem.duration
     return all(repeats(entry, travel, span, PERIOD_SEEN.value) for entry in found.model.terms)
 
 

@@ -61,7 +61,7 @@ def noise_of(found: Fit, problem: Problem, omega: float) -> dict[str, Noise]:
     whole residual is nothing but noise of first-order colour, it is that.
     """
     period = 2.0 * math.pi / omega
-    left = {c: y - found.shown.y[c] for c, y in problem.channels.items()}
+    left = {c: problem.even(c, y - found.shown.y[c]) for c, y in problem.channels.items()}
     said = {c: residual_noise(problem.t, left[c], y, period) for c, y in problem.channels.items()}
     if not problem.slow_is_sensors:
         return problem.own_noise(said)

@@ -40,9 +40,9 @@ def frequencies(fit: Fit, problem: Problem, omega: float) -> FloatArray:
 def evidence(fit: Fit, problem: Problem, scales: Scales) -> Evidence:
     """What the terms may look at."""
     t, model = problem.t, fit.model
-    span = float(t[-1] - t[0])
+    span = problem.duration
     count = int(min(_KNOCKS_PER_CYCLE * span * scales.omega / (2.0 * math.pi), _MOST_KNOCKS))
-    knocks = np.linspace(t[0], t[-1], count + 2)[1:-1]
+    knocks = np.linspace(t[0], t[0] + span, count + 2)[1:-1]
     peak = float(np.max(np.abs(problem.channels.get("a", fit.shown.a))))
     return Evidence(
         x_scale=float(np.max(np.abs(fit.shown.x))),

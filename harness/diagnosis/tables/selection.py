@@ -92,7 +92,7 @@ def tabulated(misfit: Misfit, model: Model, names: tuple[str, ...], before: Pred
     """
     if before.by_span.size < _FEWEST_BLOCKS:
         return ()
-    base = (*names, "v0") if "v0" in misfit.problem.starts.names and "v0" not in names else names
+    base = tuple(dict.fromkeys((*names, *misfit.problem.starts.names)))
     kept: dict[str, Tabulated] = {}
     for rung in RUNGS:
         found = fitted(rung, misfit, model, base)

@@ -42,5 +42,6 @@ TERM = Term(
     example=(6.0, 13.0, 0.4),
     push=0,
     several=True,
+    needs=("one-clock",),
     order=210,
 )

@@ -38,5 +38,6 @@ TERM = Term(
     place=place,
     only_there=True,
     formula="At the given time v jumps by impulse/m.",
+    needs=("one-clock",),
     order=220,
 )

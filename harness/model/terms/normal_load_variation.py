@@ -40,5 +40,6 @@ TERM = Term(
     amplitude=0,
     phase=2,
     example=(0.3, 7.0, 0.2),
+    needs=("one-clock",),
     order=80,
 )

@@ -68,3 +68,7 @@ def compatible(first: str, second: str) -> bool:
 def families(name: str) -> tuple[str, ...]:
     """Families of an effect that would not be wrong, its own first."""
     return ALIENS[name] if name in ALIENS else (FAMILY[name],)
+
+
+PARTED_BY_AMPLITUDE = (("quadratic-drag", "load-dependent-friction"), ("stiffness-drift", "cubic-stiffness"))
+"""Effects that a single decay does not tell apart once small ones are beside them."""

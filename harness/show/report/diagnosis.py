@@ -10,6 +10,7 @@ from harness.show.numbers import number
 from harness.show.report.diagnosis_bars import Evidence, Left, Shares
 from harness.show.report.diagnosis_figures import Before, Mismatch, PhasePlane
 from harness.show.report.diagnosis_force import Tables
+from harness.show.report.diagnosis_index import Own
 from harness.show.report.diagnosis_tables import Engines, Heldout, Mechanisms, Models, Rules
 from harness.show.report.section import Section
 from harness.show.report.sources import MadeWith
@@ -30,6 +31,8 @@ def diagnosis_sections(
         Verdict(answer, gained(result), heading="Verdict"),
         Before(recording, simulated, result),
     ]
+    if result.get("own"):
+        sections.append(Own(result))
     if result["mechanisms"]:
         sections.append(Mechanisms(result))
     if result["remainder"] is not None:
@@ -65,6 +68,8 @@ def diagnosis_title(result: Mapping[str, Any]) -> tuple[str, str]:
     about = result["recording"]
     channels = ", ".join(about["channels"])
     name = "the recording on standard input" if about["file"] == "-" else PurePath(about["file"]).name
+    if several := result.get("recordings"):
+        name = f"{len(several)} recordings of one machine"
     line = f"{about['samples']} samples of {channels} at {about['rate_hz']:.6g} Hz, {about['duration_s']:.4g} s"
     return f"What a simulation leaves out of {name}", line
 

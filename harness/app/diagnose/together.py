@@ -1,0 +1,141 @@
+"""Several recordings of one machine as one: what they share, what each has of its own, and the physics left out."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+
+from harness.app.diagnose.attribution import Configured
+from harness.app.diagnose.checks import refuse, refuse_few, refuse_unrelated
+from harness.app.diagnose.files import simulated
+from harness.app.diagnose.one import STEPS, Diagnosed, leave, unkept
+from harness.app.diagnose.options import DiagnoseOptions
+from harness.app.diagnose.own import own_results
+from harness.app.diagnose.problem import Prepared
+from harness.app.diagnose.result import result_of
+from harness.app.diagnose.validation import validated, validation
+from harness.app.shared.journal import NAME as LOG
+from harness.app.shared.journal import journal
+from harness.app.shared.progress import SILENT, Progress
+from harness.app.shared.reading import read_as, recording_info
+from harness.core.errors import InputError
+from harness.core.recording import Recording
+from harness.core.telling import listening
+from harness.diagnosis.alignment.consistency import Consistency, consistency
+from harness.diagnosis.baseline.base_fit import dominant_frequency
+from harness.diagnosis.outcome import Outcome
+from harness.diagnosis.pipeline import diagnose as conclude
+from harness.diagnosis.pipeline import prepare_together
+from harness.diagnosis.problems.together import Together
+from harness.diagnosis.request import Asked
+from harness.io.store import output_folder
+from harness.results.diagnosis import DiagnosisResult
+
+
+def diagnose_together(
+    named: Sequence[tuple[Path, str]],
+    options: DiagnoseOptions,
+    out: Path | None = None,
+    progress: Progress = SILENT,
+    command: str = "",
+) -> DiagnosisResult:
+    """Diagnose files as recordings of one machine, and leave in a folder what one recording leaves.
+
+    named : path and label of each. Raises InputError, SimulationError, StoreError.
+    """
+    progress("reading", 0, STEPS)
+    _refuse_options(options)
+    recordings = [read_as(label, path, options.reading, options.trace) for path, label in named]
+    return deliver_together(recordings, options, out, progress, command)
+
+
+def deliver_together(
+    recordings: Sequence[Recording],
+    options: DiagnoseOptions,
+    out: Path | None = None,
+    progress: Progress = SILENT,
+    command: str = "",
+) -> DiagnosisResult:
+    """Diagnose recordings of one machine and leave everything in a folder, as ``diagnose_together`` does."""
+    with output_folder("diagnose-together", out) as output, journal(output / LOG):
+        return leave(output, investigate_together(recordings, options, progress, command), progress)
+
+
+def answer_together(recordings: Sequence[Recording], options: DiagnoseOptions) -> DiagnosisResult:
+    """Diagnose recordings of one machine and leave nothing; raises InputError, SimulationError."""
+    with unkept():
+        return investigate_together(recordings, options).result
+
+
+def investigate_together(
+    recordings: Sequence[Recording], options: DiagnoseOptions, progress: Progress = SILENT, command: str = ""
+) -> Diagnosed:
+    """Diagnose recordings of one machine, laid one behind the other.
+
+    Raises InputError when they cannot be diagnosed together, with the reason; SimulationError.
+    """
+    _refuse_options(options)
+    progress("base fit and search", 1, STEPS)
+    ready = _prepared(recordings, options)
+    problem = ready.problem
+    assert isinstance(problem, Together)
+    with np.errstate(over="ignore", invalid="ignore"), listening(progress):
+        outcome = conclude(problem)
+    progress("engines", 2, STEPS)
+    laid = _laid(recordings, problem, outcome)
+    result = result_of(laid, ready, outcome, options, Configured(), command)
+    own = own_results(recordings, outcome)
+    each = [recording_info(one, alone.noise) for one, alone in zip(recordings, problem.alone, strict=True)]
+    result = result.model_copy(update={"recordings": each, "own": own})
+    other = validation(recordings[0], options)
+    if other is not None:
+        result = result.model_copy(update={"validation": validated(other, outcome, options)})
+    return Diagnosed(laid, outcome, simulated(laid, outcome), result)
+
+
+def _refuse_options(options: DiagnoseOptions) -> None:
+    """Raise InputError for what belongs to one recording."""
+    for option, value in (("--model", options.model), ("--sim", options.sim)):
+        if value is not None:
+            accepted = "it is accepted with one recording, whose mismatch is divided"
+            raise InputError("--together", f"given with {option}", accepted)
+    for option, given in (("--horizon", options.horizon is not None), ("--covariate", bool(options.covariates))):
+        if given:
+            raise InputError("--together", f"given with {option}", "it is accepted with one driven recording")
+
+
+def _prepared(recordings: Sequence[Recording], options: DiagnoseOptions) -> Prepared:
+    for one in recordings:
+        refuse(one)
+    problem, notes = prepare_together(recordings, Asked(options.restoring, options.zero_free, options.mass))
+    warnings: list[str] = []
+    channels: tuple[Consistency, ...] = ()
+    for one, alone in zip(recordings, problem.alone, strict=True):
+        refuse_few(one.file, alone)
+        omega = dominant_frequency(alone.t, next(iter(alone.channels.values())))
+        if 0.0 < omega < 1e300:
+            found = consistency(alone.t, alone.channels, alone.noise, omega, alone.angular)
+            warnings += [f"{one.file}: {said}" for said in refuse_unrelated(one.file, found)]
+            channels = channels or found
+    return Prepared(problem, notes, tuple(warnings), channels)
+
+
+def _laid(recordings: Sequence[Recording], problem: Together, outcome: Outcome) -> Recording:
+    """What was fitted, on the common axis of time, as one recording; each from where the models start."""
+    names = ", ".join(one.file for one in recordings)
+    notes = tuple(f"{one.file}: {note}" for one in recordings for note in one.notes)
+    fitted = np.zeros(problem.t.size, dtype=bool)
+    for at, one in zip(problem.places, outcome.problem.starts.of(outcome.refined.model), strict=True):
+        fitted[at] = problem.t[at] - one.clock >= one.model.t0
+    channels = {c: y[fitted] for c, y in problem.channels.items()}
+    return replace(
+        recordings[0],
+        t=problem.t[fitted],
+        channels=channels,
+        file=names,
+        sha256="",
+        notes=notes,
+        extra={},
+        covariates={},
+    )

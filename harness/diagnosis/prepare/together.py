@@ -1,0 +1,63 @@
+"""Several recordings of one machine made ready as one problem: held alike, measured in the channels that all have."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from harness.core.errors import InputError
+from harness.core.recording import Recording
+from harness.diagnosis.prepare.driven import is_driven
+from harness.diagnosis.prepare.free_decay import free_decay_problem
+from harness.diagnosis.problems.free_decay import FreeDecay
+from harness.diagnosis.problems.together import Together
+from harness.diagnosis.request import Asked
+
+_FEWEST = 2
+"""Recordings that there is something to pool of."""
+
+
+def together(recordings: Sequence[Recording], asked: Asked) -> tuple[Together, tuple[str, ...]]:
+    """Free decays as one problem, and what was done to each, one sentence each.
+
+    How the slider is held, and whether its zero is known, is chosen at the one that swings furthest, where nobody says.
+    Raises InputError for fewer than two, for driven ones, and for those that have no channel in common.
+    """
+    if len(recordings) < _FEWEST:
+        found = recordings[0].file if recordings else "no recording"
+        raise InputError("--together", f"{found} alone", "two recordings of one machine or more are accepted")
+    driven = [one.file for one in recordings if is_driven(one)]
+    if driven:
+        free = [one.file for one in recordings if not is_driven(one)]
+        found = f"{driven[0]} is driven" + (f" and {free[0]} a free decay" if free else "")
+        raise InputError("--together", found, "free decays are accepted")
+    common = [c for c in ("x", "v", "a") if all(c in one for one in recordings)]
+    if not common:
+        has = ", ".join(f"{one.file} has {' and '.join(c for c in ('x', 'v', 'a') if c in one)}" for one in recordings)
+        raise InputError("--together", has, "recordings with a channel in common are accepted")
+    kinds = {one.angular for one in recordings}
+    if len(kinds) > 1:
+        turning = next(one.file for one in recordings if one.angular)
+        other = next(one.file for one in recordings if not one.angular)
+        raise InputError("--together", f"{turning} turns, {other} slides", "recordings of one machine are accepted")
+    widest = max(range(len(recordings)), key=lambda i: float(np.ptp(recordings[i][common[0]])))
+    first, said = _alone(recordings[widest], asked, common)
+    alike = replace(asked, restoring=first.restoring, zero_free=first.zero_free)
+    notes: list[str] = []
+    each: list[FreeDecay] = []
+    for i, one in enumerate(recordings):
+        problem, done = (first, said) if i == widest else _alone(one, alike, common)
+        notes += [f"in {one.file}: {note}" for note in done]
+        left_out = [c for c in ("x", "v", "a") if c in one and c not in common]
+        notes += [f"in {one.file}: {c} is left out, which not every recording has" for c in left_out]
+        # its clock begins where it is let go
+        each.append(replace(problem, t=problem.t - problem.t[0]))
+    return Together.laid(each), tuple(notes)
+
+
+def _alone(recording: Recording, asked: Asked, common: Sequence[str]) -> tuple[FreeDecay, tuple[str, ...]]:
+    problem, notes = free_decay_problem(recording, asked)
+    channels = {c: problem.channels[c] for c in common}
+    noise = {c: problem.noise[c] for c in common}
+    weight = {c: problem.weight[c] for c in common}
+    return replace(problem, channels=channels, noise=noise, weight=weight), notes

@@ -1,0 +1,211 @@
+"""Several free decays of one slider: one set of physics, a start, a zero and a noise for each recording.
+
+They lie one behind the other on a common axis of time, so that all that looks at samples sees one recording. Each is
+simulated on its own clock, which begins at its own release.
+"""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from typing import Self
+
+import numpy as np
+
+from harness.core.arrays import BoolArray, FloatArray, IntArray
+from harness.diagnosis.problem import Problem
+from harness.diagnosis.problems.free_decay import FreeDecay
+from harness.diagnosis.problems.several import Several, Stretch
+from harness.diagnosis.problems.starts import OneStart
+from harness.diagnosis.rules import AMPLITUDES_APART
+from harness.estimate.noise import Noise
+from harness.model.elsewhere import named
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Together(Problem):
+    """See Problem.
+
+    level : by channel, each sample's noise over the channel's, (n,). said : what was found of the recordings before the
+    search, one sentence each.
+    """
+
+    starts: Several = field()
+    level: Mapping[str, FloatArray]
+    said: tuple[str, ...] = ()
+
+    @classmethod
+    def laid(cls, alone: Sequence[FreeDecay]) -> "Together":
+        """Recordings of the same channels, held alike, one behind the other: the next begins a sample later."""
+        clocks, now = [], 0.0
+        for one in alone:
+            clocks.append(now - float(one.t[0]))
+            now = float(one.t[-1]) + clocks[-1] + float(np.median(np.diff(one.t)))
+        return cls.of(alone, clocks)
+
+    @classmethod
+    def of(
+        cls, alone: Sequence[FreeDecay], clocks: Sequence[float], own: tuple[str, ...] = (), said: tuple[str, ...] = ()
+    ) -> "Together":
+        """Recordings each on its own clock; clocks : where it is zero on the common axis, s. own : see Several."""
+        first = alone[0]
+        sizes = [one.t.size for one in alone]
+        ends = np.cumsum([0, *sizes]).tolist()
+        stretches = []
+        for one, clock, begin, end in zip(alone, clocks, ends, ends[1:], strict=False):
+            starts = one.starts if isinstance(one.starts, OneStart) else OneStart()
+            stretches.append(Stretch(begin, end, clock, float(one.t[0]), starts))
+        noise = {c: _typical([one.noise[c] for one in alone], sizes) for c in first.channels}
+        level = {c: np.repeat([one.noise[c].sigma / n.sigma for one in alone], sizes) for c, n in noise.items()}
+        return cls(
+            np.concatenate([one.t + clock for one, clock in zip(alone, clocks, strict=True)]),
+            {c: np.concatenate([one.channels[c] for one in alone]) for c in first.channels},
+            noise,
+            weight={c: np.concatenate([one.weight[c] for one in alone]) for c in first.channels},
+            mass=first.mass,
+            restoring=first.restoring,
+            zero_free=first.zero_free,
+            angular=first.angular,
+            starts=Several(tuple(stretches), own),
+            level=level,
+            said=said,
+        )
+
+    @property
+    def places(self) -> tuple[slice, ...]:
+        """The samples of each recording."""
+        return tuple(slice(s.start, s.stop) for s in self.starts.stretches)
+
+    @property
+    def alone(self) -> tuple[FreeDecay, ...]:
+        """Each recording by itself, on its own clock."""
+        return tuple(self._one(s) for s in self.starts.stretches)
+
+    def _one(self, s: Stretch) -> FreeDecay:
+        at = slice(s.start, s.stop)
+        return FreeDecay(
+            self.t[at] - s.clock,
+            {c: y[at] for c, y in self.channels.items()},
+            {c: replace(n, sigma=n.sigma * float(self.level[c][s.start])) for c, n in self.noise.items()},
+            weight={c: w[at] for c, w in self.weight.items()},
+            mass=self.mass,
+            restoring=self.restoring,
+            zero_free=self.zero_free,
+            angular=self.angular,
+            starts=s.starts,
+        )
+
+    def with_own(self, own: tuple[str, ...]) -> Self:
+        """The same with these base parameters each recording's own."""
+        return replace(self, starts=replace(self.starts, own=own))
+
+    def under_levels(self, each: Sequence[Mapping[str, Noise]]) -> Self:
+        """The same with the noise of the recordings in this proportion to each other."""
+        sizes = [s.stop - s.start for s in self.starts.stretches]
+        noise = {c: _typical([one[c] for one in each], sizes) for c in self.channels}
+        level = {c: np.repeat([one[c].sigma / n.sigma for one in each], sizes) for c, n in noise.items()}
+        return replace(self, level=level)
+
+    @property
+    def own_names(self) -> tuple[str, ...]:
+        """Start and zero, and what else was found to differ."""
+        zero = ("offset",) if self.zero_free and "x" in self.channels else ()
+        return (*self.starts.own, *zero, "x0", "v0")
+
+    @property
+    def base_names(self) -> tuple[str, ...]:
+        """Those shared, then every recording's own."""
+        shared = [name for name in ("c", "k", "f_k") if name not in self.starts.own]
+        count = len(self.starts.stretches)
+        own = [named(stem, r) for r in range(count) for stem in self.own_names if (stem, r) != ("m", 0)]
+        return (*shared, *own)
+
+    @property
+    def choices(self) -> tuple[str, ...]:
+        """Whether they are pooled."""
+        return self.said
+
+    @property
+    def duration(self) -> float:
+        """Of the longest recording."""
+        return max(float(self.t[s.stop - 1] - self.t[s.start]) for s in self.starts.stretches)
+
+    @property
+    def parts_amplitude_from_time(self) -> bool:
+        """Where they begin at amplitudes that differ: each passes through those of a smaller one, but later."""
+        name = next(iter(self.channels))
+        swings = [float(np.ptp(self.channels[name][at])) for at in self.places]
+        return max(swings) >= AMPLITUDES_APART.value * min(swings)
+
+    def even(self, channel: str, values: FloatArray) -> FloatArray:
+        """Over the level of each sample's noise."""
+        return values / self.level[channel]
+
+    def whitened(self, values: Mapping[str, FloatArray]) -> dict[str, FloatArray]:
+        """Each recording by itself: no sample knows of the one before it in another."""
+        found = {}
+        for c, noise in self.noise.items():
+            wide = (slice(None),) + (None,) * (values[c].ndim - 1)
+            even = values[c] / self.level[c][wide]
+            parts = [noise.whitened(even[at]) for at in self.places]
+            found[c] = np.concatenate(parts) * self.weight[c][wide]
+        return found
+
+    def opening(self, share: float) -> BoolArray:
+        """The first part of every recording."""
+        inside = np.zeros(self.t.size, dtype=bool)
+        for s in self.starts.stretches:
+            inside[s.start : s.start + int(share * (s.stop - s.start))] = True
+        return inside
+
+    def first_part(self, share: float) -> "Together":
+        """Of every recording."""
+        return self._each(lambda one, _: one.first_part(share))
+
+    def of_hand_free(self, fewest: int) -> "tuple[Together, float]":
+        """Each recording from its own first turning point; the longest time that is left out."""
+        found = [one.of_hand_free(fewest) for one in self.alone]
+        left_out = max(time for _, time in found)
+        return (self if left_out == 0.0 else self._anew([one for one, _ in found])), left_out
+
+    def turns(self, v: FloatArray) -> IntArray:
+        """Those of each recording, and where the next one begins."""
+        found = [
+            np.concatenate(([s.start], s.start + one.turns(v)))
+            for s, one in zip(self.starts.stretches, self.alone, strict=True)
+        ]
+        return np.concatenate(found)[1:].astype(np.int64)
+
+    def condensed(self, shown: Mapping[str, FloatArray], size: int) -> "tuple[Together, float]":
+        """Every recording by itself."""
+        at = self.places
+        small = self._each(lambda one, i: one.condensed({c: shown[c][at[i]] for c in one.channels}, size)[0])
+        return small, 1.0
+
+    def part(self, keep: slice) -> Self:
+        """See Problem; recordings keep their clocks."""
+        return replace(Problem.part(self, keep), level={c: y[keep] for c, y in self.level.items()})
+
+    def at_every_sample(self, t: FloatArray, channels: Mapping[str, FloatArray]) -> "Together":
+        """The same question at every sample t (m,), s, of the common axis, on which recordings keep their places."""
+        gap, old = 0.5 * float(np.median(np.diff(t))), self.starts.stretches
+        begins = np.searchsorted(t, [s.clock - gap for s in old]).tolist()
+        ends = [*begins[1:], t.size]
+        moved = zip(old, begins, ends, strict=True)
+        starts = replace(self.starts, stretches=tuple(replace(s, start=low, stop=high) for s, low, high in moved))
+        sizes = np.subtract(ends, begins)
+        level = {c: np.repeat([y[s.start] for s in old], sizes) for c, y in self.level.items()}
+        own = {c: channels[c] for c in self.channels}
+        return replace(self, t=t, channels=own, weight={}, level=level, starts=starts)
+
+    def _each(self, change: Callable[[FreeDecay, int], FreeDecay]) -> "Together":
+        return self._anew([change(one, i) for i, one in enumerate(self.alone)])
+
+    def _anew(self, alone: Sequence[FreeDecay]) -> "Together":
+        return Together.of(alone, [s.clock for s in self.starts.stretches], self.starts.own, self.said)
+
+
+def _typical(each: Sequence[Noise], sizes: Sequence[int]) -> Noise:
+    """The noise of a channel over recordings, of so many samples each."""
+    share = np.asarray(sizes) / sum(sizes)
+    sigma = float(np.sqrt(np.sum(share * [n.sigma**2 for n in each])))
+    phi = float(np.sum(share * [n.phi for n in each]))
+    return Noise(sigma, any(n.found for n in each), phi, max(n.step for n in each))

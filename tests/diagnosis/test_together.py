@@ -1,0 +1,255 @@
+"""Several recordings of one machine: one set of physics, a start, a zero, a clock and a noise for each."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from harness.core.arrays import FloatArray
+from harness.core.errors import InputError
+from harness.core.recording import Recording
+from harness.diagnosis.explain.other_release import releases
+from harness.diagnosis.fit.observe import observe
+from harness.diagnosis.fit.parameters import free_of, values_of, with_values
+from harness.diagnosis.fit.standard_errors import base_parameters
+from harness.diagnosis.outcome import Outcome
+from harness.diagnosis.pipeline import diagnose, fit_base, prepare, prepare_together
+from harness.diagnosis.pooling.pooled import differences
+from harness.diagnosis.problems.free_decay import FreeDecay
+from harness.diagnosis.problems.together import Together
+from harness.diagnosis.request import Asked
+from harness.diagnosis.residual_tests.lack_of_fit import lack_of_fit
+from harness.diagnosis.rules import AMPLITUDES_APART, POOLED
+from harness.estimate.noise import Noise
+from harness.kernels.solve import solve
+from harness.model.elsewhere import Elsewhere, named, parted
+from harness.model.model import Model, ModelTerm
+
+BASE = Model(1.0, 0.25, 100.0, 0.35)
+"""omega_n 10 rad/s, zeta 0.0125, x_k 3.5 mm."""
+TRUTH = {"omega_n": 10.0, "zeta": 0.0125, "x_k": 0.0035}
+ASKED = Asked(zero_free=True)
+
+
+def seen(model: Model, x0: float, zero: float, sigma: float, seed: int, until: float = 7.0) -> Recording:
+    """A release from x0 (m), read with an offset and white noise (m)."""
+    t = np.linspace(0.0, until, int(130 * until))
+    noise = sigma * np.random.default_rng(seed).standard_normal(t.size)
+    return Recording(t, {"x": solve(replace(model, x0=x0), t).x + zero + noise}, f"from-{1e3 * x0:.0f}-mm.csv")
+
+
+def pair(model: Model, other: Model | None = None) -> list[Recording]:
+    """From 100 mm and from 40 mm, each with a zero and a noise of its own."""
+    return [seen(model, 0.1, 0.01, 2e-4, 1), seen(other or model, 0.04, -0.02, 1e-4, 2, until=4.0)]
+
+
+def together(recordings: list[Recording]) -> Together:
+    problem = prepare_together(recordings, ASKED)[0]
+    assert isinstance(problem, Together)
+    return problem
+
+
+def names(outcome: Outcome) -> dict[str, list[str]]:
+    """What is named, and what could stand in its place."""
+    return {m.name: [a.name for a in m.alternatives] for m in outcome.mechanisms}
+
+
+@pytest.fixture(scope="module")
+def alike() -> Together:
+    return together(pair(BASE))
+
+
+def test_a_name_says_which_recording_it_is_of() -> None:
+    for stem in ("x0", "k"):
+        for recording in (0, 1, 11):
+            assert parted(named(stem, recording)) == (stem, recording)
+    assert (named("x0", 0), named("x0", 1)) == ("x0", "x0#2")
+
+
+def test_each_is_simulated_from_its_own_start_on_its_own_clock(alike: Together) -> None:
+    """A stiffness that drifts with time begins anew with each recording."""
+    drifting = BASE.with_terms(ModelTerm.named("stiffness-drift", rate=-0.01))
+    elsewhere = (Elsewhere((("offset", -0.02), ("x0", 0.04), ("v0", 0.1), ("k", 90.0))),)
+    model = replace(drifting, x0=0.1, offset=0.01, elsewhere=elsewhere)
+    shown = observe(model, alike).y["x"]
+    first, second = alike.alone
+    one = solve(replace(drifting, x0=0.1), first.t).x + 0.01
+    other = solve(replace(drifting, x0=0.04, v0=0.1, k=90.0), second.t).x - 0.02
+    assert shown == pytest.approx(np.concatenate((one, other)), abs=1e-8)
+
+
+def test_partials_are_those_of_differences(alike: Together) -> None:
+    model = replace(BASE, x0=0.1, elsewhere=(Elsewhere((("offset", 0.0), ("x0", 0.04), ("v0", 0.0), ("m", 1.1))),))
+    free = free_of(model, ("c", "k", "x0", "offset", "x0#2", "v0#2", "offset#2", "m#2"))
+    shown = observe(model, alike, tuple(f.by for f in free)).dy["x"]
+    for i, f in enumerate(free):
+        step = 1e-6 * max(1.0, abs(values_of(model, (f,))[0]))
+        ends = [
+            observe(with_values(model, (f,), values_of(model, (f,)) + sign * step), alike).y["x"] for sign in (1, -1)
+        ]
+        # beside a reversal a difference straddles the jump of the acceleration
+        assert np.median(np.abs(shown[:, i] - (ends[0] - ends[1]) / (2.0 * step))) < 1e-5
+        if f.name in ("x0", "offset"):
+            assert not np.any(shown[alike.places[1], i])
+        if parted(f.name)[1] == 1:
+            assert not np.any(shown[alike.places[0], i])
+
+
+def test_no_sample_knows_of_another_recording(alike: Together) -> None:
+    """Whitening takes each recording by itself, at its own level."""
+    noise = {"x": Noise(1e-3, True, phi=0.6)}
+    coloured = replace(alike, noise=noise)
+    values = np.random.default_rng(0).standard_normal(alike.t.size)
+    by_hand = [one.noise["x"].whitened(values[at]) for one, at in zip(coloured.alone, coloured.places, strict=True)]
+    assert coloured.whitened({"x": values})["x"] == pytest.approx(np.concatenate(by_hand))
+
+
+def test_shares_of_a_recording_are_shares_of_each(alike: Together) -> None:
+    inside = alike.opening(0.5)
+    part = alike.first_part(0.5)
+    assert part.t == pytest.approx(alike.t[inside])
+    assert [one.t.size for one in part.alone] == [one.t.size // 2 for one in alike.alone]
+    again = alike.at_every_sample(alike.t, alike.channels)
+    assert again.places == alike.places
+
+
+def test_the_physics_is_that_of_both_and_the_rest_each_ones_own(alike: Together) -> None:
+    based = fit_base(alike)
+    found = base_parameters(based.fit, based.problem, based.scales.omega, explained=True)
+    for name, true in TRUTH.items():
+        value, error = found[name].value, found[name].stderr
+        assert value is not None
+        assert error is not None
+        assert abs(value - true) < 4.0 * error
+    first, second = based.fit.model.of_recording(0), based.fit.model.of_recording(1)
+    assert (first.x0, second.x0) == pytest.approx((0.1, 0.04), abs=2e-4)
+    assert (first.offset, second.offset) == pytest.approx((0.01, -0.02), abs=5e-5)
+
+
+def test_evidence_adds_up() -> None:
+    """Two releases alike know everything to 1/sqrt(2) of the error of one."""
+    each = [seen(BASE, 0.1, 0.01 * i, 2e-4, i) for i in (1, 2)]
+    both = fit_base(together(each))
+    one = fit_base(prepare(each[0], ASKED)[0])
+    read = [base_parameters(b.fit, b.problem, b.scales.omega, explained=True) for b in (one, both)]
+    for name in TRUTH:
+        alone, shared = (r[name].stderr for r in read)
+        assert alone is not None
+        assert shared is not None
+        assert shared / alone == pytest.approx(1.0 / np.sqrt(2.0), rel=0.1)
+
+
+def test_one_machine_is_pooled(alike: Together) -> None:
+    outcome = diagnose(alike)
+    assert outcome.verdict == "adequate"
+    assert outcome.pooled is not None
+    assert outcome.pooled.compared.chance > POOLED.value
+    assert outcome.pooled.own == ()
+    assert "pooled" in outcome.problem.choices[0]
+
+
+def test_an_inertia_that_differs_is_named() -> None:
+    """4 % more, by a load say, on the same spring, damper and friction."""
+    outcome = diagnose(together(pair(BASE, replace(BASE, m=1.04))))
+    assert outcome.verdict == "adequate"
+    assert outcome.pooled is not None
+    assert outcome.pooled.own == ("m",)
+    assert isinstance(outcome.problem, Together)
+    first, second = differences(outcome.refined, outcome.problem, outcome.scales.omega, explained=True)
+    assert first == []
+    (ratio,) = (d.ratio for d in second)
+    assert ratio.value is not None
+    assert ratio.stderr is not None
+    assert abs(ratio.value - 1.04) < 4.0 * ratio.stderr < 0.004
+    assert "inertia" in outcome.problem.choices[0]
+
+
+@pytest.fixture(scope="module")
+def drifting() -> list[Recording]:
+    """The stiffness falls by 0.2 % a second, which one decay does not tell from a softening spring."""
+    return pair(BASE.with_terms(ModelTerm.named("stiffness-drift", rate=-0.002)))
+
+
+def test_a_second_amplitude_parts_what_one_decay_cannot(drifting: list[Recording]) -> None:
+    alone = diagnose(prepare(drifting[0], ASKED)[0])
+    assert "cubic-stiffness" in names(alone)["stiffness-drift"]
+    assert names(diagnose(together(drifting))) == {"stiffness-drift": []}
+    # it was said, with the amplitude to release from
+    assert "let it go from 0.2 m" in alone.next_experiment
+    assert "--together" in alone.next_experiment
+
+
+def test_a_model_is_nowhere_apart_from_itself(alike: Together) -> None:
+    """Whatever it is let go from; from another stiffness the further release tells more."""
+    based = fit_base(alike)
+    own = releases(based.fit, based.fit, based.problem, based.scales)
+    assert {one.factor for one in own} == {0.25, 0.35, 0.5, 0.7, 1.4, 2.0}
+    # as near as coarse steps with and without partials come
+    assert max(one.apart for one in own) < 1e-4
+    bent = replace(based.fit, model=based.fit.model.with_terms(ModelTerm.named("cubic-stiffness", k3=300.0)))
+    by_factor = {one.factor: one.apart for one in releases(bent, based.fit, based.problem, based.scales)}
+    assert by_factor[2.0] > by_factor[1.4] > by_factor[0.5]
+
+
+def test_from_one_amplitude_no_law_of_it_is_told_from_one_of_time() -> None:
+    same = together([seen(BASE, 0.1, 0.0, 1e-4, i, until=4.0) for i in (1, 2)])
+    other = together(pair(BASE))
+    assert not same.parts_amplitude_from_time
+    assert other.parts_amplitude_from_time
+    assert not other.alone[0].parts_amplitude_from_time
+    assert 1.0 < AMPLITUDES_APART.value < 2.5
+
+
+@pytest.mark.full
+@pytest.mark.parametrize(
+    "law", [ModelTerm.named("quadratic-drag", c2=0.6), ModelTerm.named("load-dependent-friction", gain=25.0)]
+)
+def test_drag_and_friction_under_load_are_told_apart(law: ModelTerm) -> None:
+    assert names(diagnose(together(pair(BASE.with_terms(law))))) == {law.term.name: []}
+
+
+def test_channels_that_not_all_have_are_left_out_and_said() -> None:
+    first, second = pair(BASE)
+    with_speed = replace(first, channels={**first.channels, "v": np.gradient(first["x"], first.t)})
+    problem, notes = prepare_together([with_speed, second], ASKED)
+    assert list(problem.channels) == ["x"]
+    assert any("v is left out" in note for note in notes)
+
+
+def driven() -> Recording:
+    one = seen(BASE, 0.1, 0.0, 1e-4, 1)
+    return replace(one, channels={**one.channels, "u": np.sin(one.t)}, file="driven.csv")
+
+
+def speed_alone() -> Recording:
+    one = seen(BASE, 0.1, 0.0, 1e-4, 1)
+    return replace(one, channels={"v": np.gradient(one["x"], one.t)}, file="speed.csv")
+
+
+REFUSED: list[tuple[list[Recording], str]] = [
+    ([seen(BASE, 0.1, 0.0, 1e-4, 1)], "from-100-mm.csv alone; two recordings of one machine or more"),
+    ([driven(), driven()], "driven.csv is driven; free decays"),
+    ([seen(BASE, 0.1, 0.0, 1e-4, 1), driven()], "driven.csv is driven and from-100-mm.csv a free decay; free decays"),
+    ([seen(BASE, 0.1, 0.0, 1e-4, 1), speed_alone()], "with a channel in common"),
+    ([seen(BASE, 0.1, 0.0, 1e-4, 1), replace(seen(BASE, 0.1, 0.0, 1e-4, 1), angular=True)], "turns"),
+]
+
+
+@pytest.mark.parametrize(("recordings", "why"), REFUSED)
+def test_what_cannot_be_together_is_refused(recordings: list[Recording], why: str) -> None:
+    with pytest.raises(InputError, match=why):
+        prepare_together(recordings, ASKED)
+
+
+def test_a_residual_of_any_length_is_tested() -> None:
+    """The least at which a line in the spectrum is looked for is one whole row of its surroundings."""
+    for n in (127, 128, 129, 130):
+        white: FloatArray = np.random.default_rng(n).standard_normal(n)
+        assert 0.0 < lack_of_fit({"x": white}, np.linspace(0.0, 4.0, n), 10.0).p_value <= 1.0
+
+
+def test_a_problem_of_one_stays_as_it_is() -> None:
+    t = np.linspace(0.0, 4.0, 401)
+    one = FreeDecay(t, {"x": np.cos(10.0 * t)}, {"x": Noise(1e-3, True)})
+    assert (one.alone, one.own_names, one.duration) == ((), (), 4.0)
+    assert np.count_nonzero(one.opening(0.5)) == one.first_part(0.5).t.size == 200
