@@ -14,11 +14,13 @@ if TYPE_CHECKING:
         Recording,
         compare,
         diagnose,
+        diagnose_joint,
         identify,
         load,
         load_log,
         log,
         run,
+        run_joint,
         simulate,
     )
 else:
@@ -39,11 +41,13 @@ __all__ = [
     "__version__",
     "compare",
     "diagnose",
+    "diagnose_joint",
     "identify",
     "load",
     "load_log",
     "log",
     "run",
+    "run_joint",
     "simulate",
     "stages",
 ]

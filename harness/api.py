@@ -7,6 +7,7 @@ reads it without options; nothing is written unless ``out`` names a folder.
 from collections.abc import Mapping, Sequence
 from os import PathLike
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Any, Literal, TypeAlias
 
 import numpy as np
@@ -19,6 +20,7 @@ from harness.model.model import Model
 from harness.results.compare import CompareResult
 from harness.results.diagnosis import DiagnosisResult
 from harness.results.identify import IdentifyResult
+from harness.results.joint import JointRunResult
 from harness.results.log import LogResult
 from harness.results.model import ModelDocument
 from harness.results.run import RunResult
@@ -28,6 +30,7 @@ __all__ = [
     "DiagnosisResult",
     "IdentifyResult",
     "JointLog",
+    "JointRunResult",
     "LogResult",
     "Model",
     "ModelDocument",
@@ -36,11 +39,13 @@ __all__ = [
     "Trajectory",
     "compare",
     "diagnose",
+    "diagnose_joint",
     "identify",
     "load",
     "load_log",
     "log",
     "run",
+    "run_joint",
     "simulate",
 ]
 
@@ -212,6 +217,66 @@ def run(
     else:
         options = RunOptions.of_model(model, scenario, given, engines, preset, dt)
     return computed(options)[0] if out is None else deliver(options, Path(out))
+
+
+def diagnose_joint(
+    log: File,
+    robot: File,
+    joint: str | None = None,
+    *,
+    gain: float | None = None,
+    gravity: tuple[float, float, float] | None = None,
+    payload: float | None = None,
+    sensor: str | None = None,
+    engines: Sequence[str] | None = None,
+    out: File | None = None,
+) -> DiagnosisResult:
+    """Friction of one joint of a robot, from its log and its model, as ``harness diagnose LOG --robot FILE`` does.
+
+    log : a table, a LeRobot data set or a bag, as ``load_log`` reads it. robot : MJCF or URDF. joint : of both, None
+    for the only one that moves. gain : of a log in amperes, N m per A at the joint. gravity : m/s^2 in the frame of the
+    base, None for the model's own. payload : kg, and sensor, "link" or "motor" : what is known where the whole arm
+    moves. engines : as in ``diagnose``. out : folder for report, trace and models, as the command leaves them.
+
+    Raises InputError, SimulationError, StoreError.
+    """
+    from harness.app.diagnose.joint import diagnose_joint as computed
+    from harness.app.diagnose.options import DiagnoseOptions
+    from harness.app.diagnose.robot_options import RobotOptions
+    from harness.app.shared.reading import ReadOptions
+
+    asked = RobotOptions.chosen(Path(robot), joint=joint, gain=gain, gravity=gravity, payload=payload, sensor=sensor)
+    assert asked is not None
+    options = DiagnoseOptions.chosen(ReadOptions(), engines=engines, robot=asked)
+    if out is not None:
+        return computed(Path(log), asked, options, Path(out))
+    with TemporaryDirectory(prefix="friction-harness-") as folder:
+        return computed(Path(log), asked, options, Path(folder) / "joint").model_copy(update={"files": {}})
+
+
+def run_joint(
+    robot: File,
+    joint: str | None = None,
+    *,
+    gravity: tuple[float, float, float] | None = None,
+    engines: Sequence[str] | None = None,
+    preset: str | None = None,
+    dt: float | None = None,
+    out: File | None = None,
+) -> JointRunResult:
+    """What engines make of a joint of a robot's model as it is: creep, lead, the false damping of its servo.
+
+    robot, joint, gravity, out : as in ``diagnose_joint``. engines, preset, dt : as in ``run``. Raises InputError,
+    StoreError.
+    """
+    from harness.app.run.joint import JointRun
+    from harness.app.run.joint import run_joint as computed
+
+    asked = JointRun.chosen(Path(robot), joint, gravity, tuple(engines or ()), preset, dt)
+    if out is not None:
+        return computed(asked, Path(out))
+    with TemporaryDirectory(prefix="friction-harness-") as folder:
+        return computed(asked, Path(folder) / "joint").model_copy(update={"files": {}})
 
 
 def log(

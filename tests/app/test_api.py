@@ -48,6 +48,8 @@ def test_every_option_of_a_command_is_an_argument_with_its_default(name: str) ->
     # of several recordings, or of a file that is read by load; --no-shift is shift=0, --together several recordings
     elsewhere = {"no_shift", "json_to", "quiet", "recordings", "jobs", "resume", "together", "sim_trace"}
     elsewhere |= {"sim_columns", "sim_skip_rows", "sim_rate"}
+    # of a robot's joint: diagnose_joint and run_joint
+    elsewhere |= {"robot", "joint", "gravity", "gain", "payload", "sensor"}
     for option in command.params:
         assert option.name in own or option.name in reading or option.name in elsewhere, option.name
         if isinstance(option, Option) and option.name in own:

@@ -7,6 +7,7 @@ import mujoco
 import numpy as np
 import pytest
 
+import harness
 from harness.cli.main import run
 
 F_K, C = (0.8, 0.3), (0.4, 0.1)
@@ -86,3 +87,12 @@ def test_a_joint_without_effort_is_refused_in_one_line(case: Path, capfd: pytest
     assert said.count("\n") == 1
     assert "elbow" in said
     assert not (case / "half").exists()
+
+
+def test_the_library_says_what_the_command_says(case: Path) -> None:
+    found = harness.diagnose_joint(case / "log.csv", case / "arm.xml", "shoulder")
+    assert found.robot is not None
+    assert found.robot.joint == "shoulder"
+    assert found.files == {}
+    f_k = found.refined.parameters["f_k"].value
+    assert f_k == pytest.approx(F_K[0], rel=0.02)
