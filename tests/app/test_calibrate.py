@@ -31,7 +31,12 @@ JUDGES = {
     },
     "few-cycles": {"least-cycles"},
     "tables": {"table-better", "table-errors", "table-words"},
+    "guard-speed": {"guard-speed"},
+    "together": {"pooled", "own"},
+    "amplitudes": {"amplitudes-apart"},
 }
+LONG = {"amplitudes", "pairs-apart"}
+"""More than half a minute for two draws."""
 
 
 def _asked() -> set[str]:
@@ -45,7 +50,9 @@ def test_every_calibration_that_a_rule_comes_from_is_there() -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", CALIBRATIONS)
+@pytest.mark.parametrize(
+    "name", [pytest.param(name, marks=pytest.mark.full if name in LONG else ()) for name in CALIBRATIONS]
+)
 def test_a_calibration_says_whether_its_rule_stands(name: str, capsys: pytest.CaptureFixture[str]) -> None:
     assert main([name, "--draws", "2", "--seed", "3"]) == 0
     lines = capsys.readouterr().out.splitlines()

@@ -106,9 +106,12 @@ def _full(chosen: Sequence[Chosen], candidate: Candidate) -> bool:
 
 
 def _sized(design: Design) -> bool:
-    """Whether the numbers of the last candidate are of a size that its name can have."""
-    spread = design.named[-1].candidate.spread
-    return bool(np.all(np.abs(design.numbers[design.places[-1]]) <= SIZE.value * spread))
+    """Whether the numbers of every candidate are of a size that its name can have; a later one may make one grow."""
+    places = design.places[len(design.parts) :]
+    return all(
+        bool(np.all(np.abs(design.numbers[place]) <= SIZE.value * one.candidate.spread))
+        for one, place in zip(design.named, places, strict=True)
+    )
 
 
 def _driving(design: Design) -> int:
