@@ -2,6 +2,8 @@
 
 import json
 from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
 
 import mujoco
 import numpy as np
@@ -9,6 +11,8 @@ import pytest
 
 import harness
 from harness.cli.main import run
+from harness.core.quantity import Quantity
+from harness.robot.whole_arm.whole import is_hold
 
 F_K, C = (0.8, 0.3), (0.4, 0.1)
 ARM = """
@@ -96,3 +100,28 @@ def test_the_library_says_what_the_command_says(case: Path) -> None:
     assert found.files == {}
     f_k = found.refined.parameters["f_k"].value
     assert f_k == pytest.approx(F_K[0], rel=0.02)
+
+
+@pytest.mark.parametrize(
+    ("delay", "stderr", "held"),
+    [(-0.002, 4e-5, True), (-0.0017, 4e-5, True), (-0.004, 4e-5, False), (0.002, 4e-5, False), (0.0, 1e-5, False)],
+)
+def test_half_an_interval_early_is_a_torque_that_is_held(delay: float, stderr: float, held: bool) -> None:
+    """At 250 Hz a hold acts 2 ms after its sample in the mean; a whole interval, or the other way, is an error."""
+    solved: Any = SimpleNamespace(first=SimpleNamespace(filtered=SimpleNamespace(band=SimpleNamespace(rate=250.0))))
+    assert is_hold(solved, Quantity(delay, stderr, "s")) is held
+
+
+def test_a_joint_that_stands_still_is_refused_with_those_that_move(
+    case: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
+    rows = np.loadtxt(case / "log.csv", delimiter=",", skiprows=1)
+    names = "t,shoulder.position,shoulder.effort,elbow.position,elbow.effort"
+    rows[:, 3] = 0.1
+    rows[:, 4] = 0.5
+    np.savetxt(case / "still.csv", rows, delimiter=",", header=names, comments="")
+    line = ["diagnose", str(case / "still.csv"), "--robot", str(case / "arm.xml"), "--joint", "elbow"]
+    assert run([*line, "--out", str(case / "still"), "--quiet"]) == 2
+    said = capfd.readouterr().err
+    assert said.count("\n") == 1
+    assert "elbow" in said

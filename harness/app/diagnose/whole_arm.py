@@ -86,6 +86,11 @@ def diagnose_arm(
         if joint not in [one.joint for one in found.joints]:
             there = ", ".join(one.joint for one in found.joints)
             raise InputError(f"{log.file}: {joint}", "no effort of it is logged", f"{there} are accepted")
+        if found.joint(joint).coulomb.value is None:
+            those = ", ".join(one.joint for one in found.joints if one.coulomb.value is not None)
+            raise InputError(
+                f"{log.file}: {joint}", "it does not move to and fro enough", f"a joint that does: {those}"
+            )
         middle = {n: float(np.mean(log.position[n])) for n in arm.joints if n in log.position}
         arms = Arms(arm, log, asked, options, found, found.joint(joint), reduced(arm, joint, middle).moved)
         progress("writing trace and report", 3, 4)
@@ -178,7 +183,7 @@ def _result(arms: Arms, paste: JointPaste, command: str, files: dict[str, str]) 
         baseline_model=document,
         refined_model=document,
         model_left_out=[_NO_MODEL.format(name=m.name) for m in mechanisms if m.family != "model"],
-        warnings=[*arms.arm.notes],
+        warnings=[*arms.arm.notes, *found.notes],
         settings={**arms.options.settings(), "robot": arms.asked.settings() | {"joint": joint.joint}},
         command=command,
         machine=this_machine(),

@@ -115,6 +115,14 @@ SIZE = Rule(
     "what comes out larger is not what its name says: on real logs with wrong inertias scales of 0.01 and tilts of 70"
     " rad came out otherwise",
 )
+HELD_NEAR = Rule(
+    "held-near",
+    0.25,
+    "half intervals",
+    "a torque that seems early by half an interval of the log, to so much of it, is one that is held between samples",
+    "derivation: a hold acts half an interval after its sample in the mean; a quarter of that, an eighth of an"
+    " interval, is what a controller's own lag within its cycle may add, and whole intervals stay errors of the log",
+)
 HELD_LEAST = Rule(
     "held-least",
     0.3,

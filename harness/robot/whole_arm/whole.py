@@ -18,11 +18,11 @@ from harness.robot.whole_arm.correct import Solved, solve, total
 from harness.robot.whole_arm.design import Design, Whitened
 from harness.robot.whole_arm.friction_columns import LOAD, LOAD_OR_POSITION, POSITION, STRIBECK
 from harness.robot.whole_arm.held_out import rms
-from harness.robot.whole_arm.model_columns import MOTOR
+from harness.robot.whole_arm.model_columns import DELAY, MOTOR
 from harness.robot.whole_arm.perturb import with_load, without_armature
 from harness.robot.whole_arm.prepare import Known
 from harness.robot.whole_arm.result import Effect, Grade, JointFriction, Left, ModelError, WholeArm
-from harness.robot.whole_arm.rules import EXPLAINED, MAIN, RULES
+from harness.robot.whole_arm.rules import EXPLAINED, HELD_NEAR, MAIN, RULES
 from harness.robot.whole_arm.search import Chosen, left_over, of_joint
 from harness.robot.whole_arm.sentences import of_base, of_effect, of_error
 from harness.robot.whole_arm.turning import Turned, at_reversals
@@ -107,7 +107,7 @@ def _result(solved: Solved, arm: Arm, known: Known) -> WholeArm:
         filtered.out.rate,
         filtered.seconds,
         RULES,
-        filtered.notes,
+        (*filtered.notes, *_holds(solved, covariance)),
     )
 
 
@@ -253,12 +253,38 @@ def _errors(solved: Solved, covariance: FloatArray) -> Iterator[ModelError]:
         alone = Design(first.parts, [Whitened.of(as_found, first.parts).at(0)])
         share = _share(Design(first.parts, ()), alone, joints, solved)
         joint = None if candidate.joint is None else solved.problem.filtered.joints[candidate.joint]
+        if candidate.name == DELAY and joint is None and is_hold(solved, parameters[0][1]):
+            continue
         said = of_error(candidate.name, joint, parameters, candidate.partner, chosen.rivals)
         grade = _graded(chosen.rivals, share, None, False)
         yield ModelError(
             candidate.name, joint, candidate.partner, said, parameters, grade, share, chosen.evidence, chosen.rivals,
             candidate.pair,
         )  # fmt: skip
+
+
+def is_hold(solved: Solved, delay: Quantity) -> bool:
+    """Whether a delay is that of a torque that acts from each sample to the next: half an interval ahead of its mean.
+
+    That is how a sampled controller drives, and no error of the log (zero-order hold; Franklin, Powell and Workman
+    1998, Digital Control of Dynamic Systems, section 6.4).
+    """
+    if delay.value is None or delay.stderr is None:
+        return False
+    half = 0.5 / solved.first.filtered.band.rate
+    return abs(delay.value + half) < max(HELD_NEAR.value * half, 2.0 * delay.stderr)
+
+
+def _holds(solved: Solved, covariance: FloatArray) -> Iterator[str]:
+    """A sentence where the torque is held, and that was allowed for."""
+    for chosen in solved.model.chosen:
+        candidate = chosen.named.candidate
+        if candidate.name == DELAY and candidate.joint is None:
+            place = _place(solved.model.design, chosen)
+            numbers = total(solved, DELAY, solved.model.design.numbers[place])
+            delay = Quantity(float(numbers[0]), float(np.sqrt(np.diag(covariance)[place])[0]), "s")
+            if is_hold(solved, delay):
+                yield f"The torque acts from each sample to the next, as a sampled controller's does: {delay}."
 
 
 class _Hinge(_Units):
