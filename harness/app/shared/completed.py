@@ -1,5 +1,6 @@
 """Rows as they are completed, from whatever computes them: none lost, none double, whoever dies."""
 
+import math
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import FIRST_COMPLETED, CancelledError, Future, wait
@@ -29,17 +30,27 @@ Row = TypeVar("Row")
 
 
 def completed(
-    specs: Iterable[Spec], workers: Workers, compute: Callable[[Spec], Row], failed: Callable[[Spec, str], Row]
+    specs: Iterable[Spec],
+    workers: Workers,
+    compute: Callable[[Spec], Row],
+    failed: Callable[[Spec, str], Row],
+    idle: tuple[float, Callable[[], None]] | None = None,
 ) -> Iterator[Row]:
     """Rows of ``specs`` in the order in which they are done; ``failed`` makes the row of one that took workers down.
 
+    idle : seconds in which no row came, and what is called then, again and again.
     When a worker dies, every row that was in work is tried again by itself, so that the one that killed it is found and
     becomes a row with that reason, and the others lose nothing.
     """
     queue = _Queue(iter(specs), workers, compute, failed)
     while queue.busy():
         alone = len(queue.running) == 1
-        wait(queue.running, return_when=FIRST_COMPLETED)
+        # an endless wait is spelt without a number
+        patience = None if idle is None or math.isinf(idle[0]) else idle[0]
+        done, _ = wait(queue.running, patience, FIRST_COMPLETED)
+        if not done and idle is not None:
+            idle[1]()
+            continue
         rows, lost = queue.collect()
         yield from rows
         if lost:

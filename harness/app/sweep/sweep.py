@@ -229,17 +229,23 @@ def _compute(job: _Job, specs: Iterator[Spec], progress: Progress, function: Com
     buffer: list[dict[str, Any]] = []
     done = kept = 0
     flushed = time.monotonic()
+
+    def keep() -> None:
+        nonlocal buffer, kept, flushed
+        if buffer:
+            job.parts.write(buffer)
+            buffer, kept = [], done
+        flushed = time.monotonic()
+
     try:
         try:
-            for row in completed(_chain(first, specs), workers, function, failed_row):
+            for row in completed(_chain(first, specs), workers, function, failed_row, (PART_S, keep)):
                 buffer.append(row)
                 done += 1
                 progress("rows", job.had + done, job.total)
                 if len(buffer) >= PART_ROWS or time.monotonic() - flushed > PART_S:
-                    job.parts.write(buffer)
-                    kept, flushed = done, time.monotonic()
-                    buffer = []
-            job.parts.write(buffer)
+                    keep()
+            keep()
         except (KeyboardInterrupt, HarnessError) as error:
             if not isinstance(error, StoreError):
                 job.parts.write(buffer)
