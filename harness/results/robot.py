@@ -35,6 +35,7 @@ class EntryResult(Result):
     """Something that a log of a whole arm shows: of a joint's friction, or of the model."""
 
     name: str
+    family: str = Field(description="friction, or model for what is wrong with it")
     joint: str | None = Field(description="null for the whole arm")
     partner: str = Field(default="", description="what no log of this kind can tell it from: the entry is of both")
     grade: str

@@ -1,6 +1,7 @@
 """A joint of an arm that moves as a whole: what its torque says of its friction, and of the model."""
 
 import logging
+import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -101,10 +102,12 @@ def diagnose_arm(
             (output.work / "model" / file).write_text(text, encoding="utf-8")
             files[f"robot_{'urdf' if file.endswith('.urdf') else 'mjcf'}"] = f"model/{file}"
         result = _result(arms, paste, command, {kind: output.at(file) for kind, file in files.items()})
-        _write_left(output / FILES["residual_torque"], arms.joint)
+        left = _left(found)
+        header = "t,q,v,before,after"
+        np.savetxt(output / FILES["residual_torque"], left[joint], "%.9g", ",", header=header, comments="")
         (output / FILES["result"]).write_text(to_json(result), encoding="utf-8")
-        write_arm_trace(output / FILES["rrd"], result, _left(found))
-        write_arm_page(output / FILES["report"], result, _left(found))
+        write_arm_trace(output / FILES["rrd"], result, left)
+        write_arm_page(output / FILES["report"], result, left)
         output.commit()
     return result
 
@@ -118,13 +121,6 @@ def _left(found: WholeArm) -> dict[str, np.ndarray[tuple[int, int], np.dtype[np.
     }
 
 
-def _write_left(path: Path, joint: JointFriction) -> None:
-    """Columns t, q, v, before, after of the guarded samples."""
-    left = joint.left
-    rows = np.empty((0, 5)) if left is None else np.column_stack((left.t, left.q, left.v, left.before, left.after))
-    np.savetxt(path, rows, "%.9g", ",", header="t,q,v,before,after", comments="")
-
-
 def _paste(arms: Arms) -> JointPaste:
     """Friction that is below none is pasted as none."""
     i = arms.arm.index(arms.joint.joint)
@@ -134,13 +130,14 @@ def _paste(arms: Arms) -> JointPaste:
 
 def _entries(found: WholeArm) -> Iterator[EntryResult]:
     for joint in found.joints:
-        yield from (_entry(effect, joint.joint, "") for effect in joint.effects)
-    yield from (_entry(error, error.joint, error.partner) for error in found.model)
+        yield from (_entry(effect, "friction", joint.joint, "") for effect in joint.effects)
+    yield from (_entry(error, "model", error.joint, error.partner) for error in found.model)
 
 
-def _entry(one: Effect | ModelError, joint: str | None, partner: str) -> EntryResult:
+def _entry(one: Effect | ModelError, family: str, joint: str | None, partner: str) -> EntryResult:
     return EntryResult(
         name=one.name,
+        family=family,
         joint=joint,
         partner=partner or one.pair,
         grade=one.grade.value,
@@ -156,11 +153,12 @@ def _result(arms: Arms, paste: JointPaste, command: str, files: dict[str, str]) 
     joint, found, log = arms.joint, arms.found, arms.log
     every = list(_entries(found))
     own = [one for one in every if one.joint in (joint.joint, None)]
-    mechanisms = [_mechanism(one, found.seconds) for one in sorted(own, key=lambda one: -one.share)]
+    mechanisms = [_mechanism(one, found.seconds, joint.samples) for one in sorted(own, key=lambda one: -one.share)]
     verdict = _verdict(joint, own)
     before, after = joint.held_out or (None, None)
     base = joint.base or (joint.coulomb, joint.viscous, joint.offset)
-    plain, refined = (_fit(numbers, arms, rms) for numbers, rms in ((base, before), (_final(joint), after)))
+    plain = _fit(base, arms, before)
+    refined = _fit((joint.coulomb, joint.viscous, joint.offset), arms, after)
     document = ModelDocument.model_validate(to_document(_model(paste, arms.inertia)))
     squares = {} if before is None else {"u": before}
     return DiagnosisResult(
@@ -191,10 +189,6 @@ def _result(arms: Arms, paste: JointPaste, command: str, files: dict[str, str]) 
     )
 
 
-def _final(joint: JointFriction) -> tuple[Quantity, Quantity, Quantity]:
-    return joint.coulomb, joint.viscous, joint.offset
-
-
 def _verdict(joint: JointFriction, own: Sequence[EntryResult]) -> str:
     """By the grade of what takes most off; where nothing is named, by whether more than the torque's noise is left."""
     if own:
@@ -202,15 +196,15 @@ def _verdict(joint: JointFriction, own: Sequence[EntryResult]) -> str:
     return "adequate" if joint.remainder is not None and joint.remainder <= EXPLAINED.value else "unexplained"
 
 
-def _mechanism(one: EntryResult, seconds: float) -> MechanismResult:
+def _mechanism(one: EntryResult, seconds: float, samples: int) -> MechanismResult:
     return MechanismResult(
         name=one.name,
-        family="friction" if one.partner == "" and one.joint is not None else "model",
+        family=one.family,
         statement=one.statement,
         parameters=one.parameters,
         grade=one.grade,  # type: ignore[arg-type]
         share=one.share,
-        delta_bic=one.evidence,
+        delta_bic=one.evidence - math.log(samples),
         where=Where(time_s=[[0.0, seconds]], regime="throughout", condition="", share=None),
         # what no log can part is as good
         alternatives=[AlternativeResult(name=one.partner, delta_bic=0.0)] if one.partner else [],

@@ -2,8 +2,9 @@
 
 import os
 import platform
-from importlib.metadata import PackageNotFoundError, version
+from importlib.metadata import PackageNotFoundError
 
+from harness.core.versions import version
 from harness.results.common import Machine
 
 PACKAGES = (

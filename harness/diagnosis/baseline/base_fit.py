@@ -6,8 +6,9 @@ more of the recording, from several shares of viscous and dry friction; the best
 """
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 
@@ -160,22 +161,26 @@ def baseline(problem: Problem) -> tuple[Fit, Scales]:
         return _of_several(problem, [baseline(one) for one in problem.alone])
     models = starts(problem)
     scales = scales_of(problem, math.sqrt(models[0].k / models[0].m))
+    # a knock ends the growing fit in a minimum of its own; the whole at once has others
+    attempts = (partial(attempt, model, problem, scales) for model in models for attempt in (_grow, _whole))
+    return _best(attempts, problem, scales), scales
+
+
+def _best(attempts: Iterable[Callable[[], Fit]], problem: Problem, scales: Scales) -> Fit:
+    """The best of several rough fits, fitted with care. Raises SimulationError when none could be simulated."""
     best: Fit | None = None
     why = ""
-    for model in models:
-        # a knock ends the growing fit in a minimum of its own; the whole at once has others
-        for attempt in (_grow, _whole):
-            try:
-                found = attempt(model, problem, scales)
-            except SimulationError as error:
-                why = str(error)
-                continue
-            if best is None or found.chi2 < best.chi2:
-                best = found
+    for attempt in attempts:
+        try:
+            found = attempt()
+        except SimulationError as error:
+            why = str(error)
+            continue
+        if best is None or found.chi2 < best.chi2:
+            best = found
     if best is None:
         raise SimulationError(f"no base fit could be simulated: {why}")
-    best = fit(best.model, problem, best.free, scales)
-    return at_rest(best, problem, scales), scales
+    return at_rest(fit(best.model, problem, best.free, scales), problem, scales)
 
 
 def _of_several(problem: Problem, alone: Sequence[tuple[Fit, Scales]]) -> tuple[Fit, Scales]:
@@ -191,21 +196,9 @@ def _of_several(problem: Problem, alone: Sequence[tuple[Fit, Scales]]) -> tuple[
     of_all = tuple(sum(getattr(m, name) for m in models) / len(models) for name in _PHYSICS)
     tries = dict.fromkeys([of_all, *(tuple(float(getattr(m, name)) for name in _PHYSICS) for m in models[:_TRIED])])
     scales = scales_of(problem, float(np.median([s.omega for _, s in alone])))
-    best: Fit | None = None
-    why = ""
-    for physics in tries:
-        begun = {**dict(zip(_PHYSICS, physics, strict=True)), **starts, "t0": models[0].t0}
-        model = replace(models[0], **begun, elsewhere=elsewhere)
-        try:
-            found = _whole(model, problem, scales)
-        except SimulationError as error:
-            why = str(error)
-            continue
-        if best is None or found.chi2 < best.chi2:
-            best = found
-    if best is None:
-        raise SimulationError(f"no base fit could be simulated: {why}")
-    return at_rest(fit(best.model, problem, best.free, scales), problem, scales), scales
+    begun = ({**dict(zip(_PHYSICS, physics, strict=True)), **starts, "t0": models[0].t0} for physics in tries)
+    attempts = (partial(_whole, replace(models[0], **one, elsewhere=elsewhere), problem, scales) for one in begun)
+    return _best(attempts, problem, scales), scales
 
 
 def at_rest(found: Fit, problem: Problem, scales: Scales) -> Fit:

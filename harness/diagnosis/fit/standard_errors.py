@@ -19,6 +19,7 @@ from harness.model.model import Restoring
 
 _ON_BOUND = "the estimate lies on a bound of what is possible"
 AT_LEAST = "at least this: what is larger the recording cannot show"
+_NOT_FITTED = "not fitted: given, or too small for the force to show it"
 _NOT_SEEN = "the recording does not determine it"
 
 
@@ -116,7 +117,7 @@ def base_parameters(found: Fit, problem: Problem, omega: float, explained: bool)
     if model.restoring is Restoring.NONE:
         mass = about_an_axis("kg") if problem.angular else "kg"
         return {
-            "mass": combined(m, {"m": 1.0}, mass) if "m" in at else Quantity(m, None, mass, "given, not fitted"),
+            "mass": combined(m, {"m": 1.0}, mass) if "m" in at else Quantity(m, None, mass, _NOT_FITTED),
             "c": combined(c, {"c": 1.0}, unit_of("N s/m", problem), c <= 0.0),
             "f_k": combined(f_k, {"f_k": 1.0}, unit_of("N", problem), f_k <= 0.0),
             **given,

@@ -10,7 +10,7 @@ from harness.diagnosis.problems.starts import Windows
 class InverseDynamics(Forced):
     """The force is what is fitted; the motion over the windows is only shown.
 
-    enters : how each covariate was found to enter, one sentence each.
+    enters : how each covariate was found to enter, and that a mass was not seen, one sentence each.
     """
 
     starts: Windows = field()
@@ -18,7 +18,7 @@ class InverseDynamics(Forced):
 
     @property
     def choices(self) -> tuple[str, ...]:
-        """How covariates enter."""
+        """How covariates enter, and what mass was taken."""
         return self.enters
 
     @property
