@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from diagnose_examples import STOP, example
 
-from harness.cli.commands.diagnose import _print as print_diagnosis
+from harness.cli.diagnosis_tables import say_diagnosis as print_diagnosis
 from harness.core.recording import Recording
 from harness.core.trajectory import Source, Trajectory
 from harness.kernels.solve import simulate

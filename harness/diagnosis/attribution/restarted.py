@@ -23,7 +23,7 @@ _FEWEST = 4
 """Samples of a window."""
 _IN_STEP = 0.5
 """Correlation over a period below which a motion is out of step: that of cos(s) and cos(1.33 s)."""
-_MOST = 40
+_MOST = 120
 """Windows that are looked at; of more, as many evenly spread."""
 _SEEN, _MOVES = 3.0, 0.1
 """Standard deviations of noise above which a window shows motion, and the share of it that the other must show."""
