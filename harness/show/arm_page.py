@@ -19,7 +19,7 @@ from harness.show.report.verdict import Verdict
 Left = Mapping[str, NDArray[np.float64]]
 """By joint: t, q, v, torque left by the base and by the model, (m, 5)."""
 BEFORE, AFTER = "#e4632d", "#2b7fd6"
-_POINTS = 6000
+_POINTS, _MEANS = 6000, 48
 
 
 def arm_sections(result: Mapping[str, Any], left: Left) -> list[Section]:
@@ -61,7 +61,7 @@ class Torque(Section):
         if self.joint not in self.left:
             return {"figures": []}
         rows = _thinned(self.left[self.joint])
-        figures, place = [], "rad" if "m" in self.unit else "m"
+        figures, place = [], _place(self.unit)
         for name, at, unit in (("speed", 2, f"{place}/s"), ("position", 1, place)):
             traces = [
                 {
@@ -172,21 +172,37 @@ def arm_scene(result: Mapping[str, Any], left: Left, notes: str) -> s.Scene:
         items.append(s.Marks(f"/left/{slug}/model", "with what is named", t, after, AFTER, 2.0))
         plots.append(s.Plot(f"torque left of {joint}", [f"/left/{slug}"], roomy([before, after])))
     side: list[s.Layout] = [s.Words("verdict", "/notes")]
+    unit = result["baseline"]["parameters"]["f_k"]["unit"]
     if result["robot"]["joint"] in left:
         rows = left[result["robot"]["joint"]]
-        order = np.argsort(rows[:, 2])
-        v, torque = rows[order, 2], rows[order, 3]
+        means = _means(rows)
+        v, torque = means[:, 2], means[:, 3:]
         scale = float(np.ptp(v)) / max(float(np.ptp(torque)), 1e-300)
         for name, column, color in (("base", 3, BEFORE), ("with what is named", 4, AFTER)):
-            points = np.column_stack((v, rows[order, column] * scale))
-            moving = np.column_stack((rows[:, 2], rows[:, column] * scale))
-            items.append(s.Orbit(f"/speed/{column}", name, points, color, (rows[:, 0], moving), 0.5))
-        x, y = padded([v], 0.06), padded([rows[:, 3] * scale, rows[:, 4] * scale], 0.06)
-        items.append(plane_grid("/speed/axes", x, y, ("speed", 1.0), ("torque left", 1.0 / scale)))
-        side.append(s.Plane("torque left over speed", ["/speed"], x, y))
+            points = np.column_stack((v, means[:, column] * scale))
+            moving = np.column_stack((rows[:, 2], np.interp(rows[:, 2], v, points[:, 1])))
+            items.append(s.Orbit(f"/speed/{column}", name, points, color, (rows[:, 0], moving)))
+        x, y = padded([v], 0.06), padded([torque[:, 0] * scale, torque[:, 1] * scale], 0.06)
+        items.append(
+            plane_grid(
+                "/speed/axes", x, y, (f"speed / ({_place(unit)}/s)", 1.0), (f"torque left / ({unit})", 1.0 / scale)
+            )
+        )
+        side.append(s.Plane("torque left over speed, means", ["/speed"], x, y))
     layout = s.Columns([s.Rows(plots, [1.0] * len(plots)), s.Rows(side)], [3.0, 2.0]) if plots else s.Rows(side)
     title = f"joints of {result['robot']['file'].rpartition('/')[2]}"
     return s.Scene(title, items, layout, {}, {"result": dict(result), "notes": {"text": notes}})
+
+
+def _place(unit: str) -> str:
+    """Unit of the position of a joint whose torque has this one: N m of a hinge, N of a slide."""
+    return "rad" if "m" in unit else "m"
+
+
+def _means(rows: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Means of the rows over stretches of speed that hold equally many, by speed."""
+    ordered = rows[np.argsort(rows[:, 2])]
+    return np.array([part.mean(axis=0) for part in np.array_split(ordered, min(_MEANS, len(rows)))])
 
 
 def _thinned(rows: NDArray[np.float64]) -> NDArray[np.float64]:
