@@ -136,6 +136,15 @@ HAND_SHOWN = Rule(
     "a hand is looked for so long after a release that the recording shows",
     "a hand that gives way over 10 to 50 ms is off within a quarter of a period of anything slower than 5 Hz",
 )
+HAND_KNOCKS = Rule(
+    "hand-knocks",
+    1.0,
+    "half-cycles",
+    "two knocks within which are looked at as a hand that still held the slider",
+    "a slider that is let go at rest turns a half-cycle later at the earliest: two knocks before that are what holds it at"
+    " its place and then does not, as a held pendulum with 11 samples a swing shows"
+    " (tests/diagnosis/test_release.py)",
+)
 HAND_UNSEEN = Rule(
     "hand-unseen",
     2.5,

@@ -104,6 +104,18 @@ def test_a_recording_that_begins_while_the_hand_lets_go_needs_no_physics_for_it(
     assert outcome.verdict == "adequate"
 
 
+@pytest.mark.parametrize(("a_swing", "samples"), [(16.0, 200.0), (11.0, 140.0)])
+def test_a_hold_of_a_few_samples_is_neither_friction_nor_knocks(a_swing: float, samples: float) -> None:
+    # held for a quarter of a swing: shown by three samples of the one, of the other left to what follows
+    t = 2.0 * math.pi / 6.24 / a_swing * np.arange(samples)
+    held = Model(1.0, 0.0476, 6.24**2, 0.0063, x0=0.76, t0=0.27, restoring=Restoring.PENDULUM)
+    x = simulate(held, t).x + 0.0024 * np.random.default_rng(8).standard_normal(t.size)
+    problem, notes = prepare(Recording(t, {"x": x}, "held"), Asked(Restoring.PENDULUM))
+    outcome = diagnose(problem)
+    assert outcome.verdict == "adequate"
+    assert len((*notes, *outcome.warnings)) == 1
+
+
 def test_physics_left_out_is_named_with_a_hand_too() -> None:
     cubic = ModelTerm.named("cubic-stiffness", k3=20.0)
     motion = simulate(Model(1.0, 0.4, 100.0, 2.0, x0=1.0, terms=(cubic,)), np.arange(0.0, 3.0, STEP))

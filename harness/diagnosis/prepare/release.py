@@ -19,8 +19,10 @@ from harness.estimate.reversals import HalfCycles
 
 _HOLD = (0.6, 0.15)
 """Stretch before the first turning point, in half-cycles, in which a hold must show."""
+_FEWEST_HELD = 3
+"""Samples that show a hold: of a free motion they lie apart by half of its swing."""
 _FEWEST = 5
-"""Samples that show a hold."""
+"""Samples that show a hand."""
 _LEAVES = 5.0
 """Standard deviations of noise, and the share of the swing, beyond which a channel has left its hold."""
 _SHARE_OF_SWING = 0.003
@@ -57,7 +59,7 @@ def _left_hold(
 ) -> int:
     """First sample after a hold that ends ``around`` (s), 0 where there is none."""
     low, high = np.searchsorted(t, (around - _HOLD[0] * half, around - _HOLD[1] * half))
-    if high - low < _FEWEST:
+    if high - low < _FEWEST_HELD:
         return 0
     level = float(np.median(y[low:high]))
     tolerance = max(_LEAVES * noise.sigma, _SHARE_OF_SWING * float(np.ptp(y)))

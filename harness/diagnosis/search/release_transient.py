@@ -10,7 +10,7 @@ from harness.diagnosis.fit.model_fit import Fit
 from harness.diagnosis.prepare.release import without_hand
 from harness.diagnosis.problem import Problem
 from harness.diagnosis.residual_tests.structure import Left, left_by
-from harness.diagnosis.rules import AMONG_NAMES, HAND_SHOWN, HAND_TURNS, HAND_UNSEEN
+from harness.diagnosis.rules import AMONG_NAMES, HAND_KNOCKS, HAND_SHOWN, HAND_TURNS, HAND_UNSEEN
 from harness.diagnosis.search.extend import extend, settle
 from harness.diagnosis.search.search import Search, noise_of, under
 from harness.kernels.solve import Scales
@@ -18,11 +18,13 @@ from harness.model.term import Slot
 
 
 def knocked_at_release(found: Fit, scales: Scales) -> bool:
-    """Whether all that was named is a knock in the first quarter of a period: what a hand does that lets go."""
-    if [entry.term.slot for entry in found.model.terms] != [Slot.EVENT]:
+    """Whether all that was named are knocks such as a hand gives that lets go: one at once, or several before a turn."""
+    terms = found.model.terms
+    if not terms or any(entry.term.slot is not Slot.EVENT for entry in terms):
         return False
-    since = found.model.terms[0].values[0] - found.model.t0
-    return since < HAND_SHOWN.value * math.pi / scales.omega
+    within = HAND_SHOWN if len(terms) == 1 else HAND_KNOCKS
+    last = max(entry.values[0] for entry in terms) - found.model.t0
+    return last < within.value * math.pi / scales.omega
 
 
 def after_hand(problem: Problem, scales: Scales) -> tuple[Search, Scales, float] | None:
