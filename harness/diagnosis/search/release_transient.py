@@ -18,7 +18,7 @@ from harness.model.term import Slot
 
 
 def knocked_at_release(found: Fit, scales: Scales) -> bool:
-    """Whether all that was named are knocks such as a hand gives that lets go: one at once, or several before a turn."""
+    """Whether all that was named are knocks of a hand that lets go: one at once, or several before a turn."""
     terms = found.model.terms
     if not terms or any(entry.term.slot is not Slot.EVENT for entry in terms):
         return False
