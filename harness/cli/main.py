@@ -22,6 +22,7 @@ from harness.cli import commands
 from harness.core.errors import HarnessError, InputError
 from harness.core.near import did_you_mean
 from harness.core.registered import names, registered
+from harness.core.threads import one_thread
 from harness.core.visible import visible
 
 INTERRUPTED = 130
@@ -84,6 +85,7 @@ def main(args: Sequence[str] | None = None) -> NoReturn:
     0 done; 1 a check failed; 2 bad input or usage, with one line on standard error; 130 interrupted.
     """
     _fill_standard_descriptors()
+    one_thread()
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, io.TextIOWrapper):  # a locale without the letter in question shows its number
             stream.reconfigure(errors="backslashreplace")

@@ -142,7 +142,7 @@ HAND_KNOCKS = Rule(
     "half-cycles",
     "two knocks within which are looked at as a hand that still held the slider",
     "a slider that is let go at rest turns a half-cycle later at the earliest: two knocks before that are what holds it"
-    " at its place and then does not, as a held pendulum with 11 samples a swing shows (tests/diagnosis/test_release.py)",
+    " at its place, then lets go: a held pendulum with 11 samples a swing shows it (tests/diagnosis/test_release.py)",
 )
 HAND_UNSEEN = Rule(
     "hand-unseen",

@@ -1,7 +1,6 @@
 """Where rows are computed: a local pool of processes, or a dask.distributed cluster, behind concurrent.futures."""
 
 import multiprocessing
-import os
 import signal
 from abc import ABC, abstractmethod
 from concurrent.futures import CancelledError, Executor, ProcessPoolExecutor
@@ -11,8 +10,7 @@ from importlib import import_module
 from typing import Any, final
 
 from harness.core.errors import HarnessError, InputError
-
-_THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS")
+from harness.core.threads import one_thread
 
 
 class Workers(ABC):
@@ -86,8 +84,7 @@ class LocalPool(Workers):
 
 def _settle() -> None:
     """In a new worker: one thread, an interruption is the parent's business, no life after the parent's."""
-    for name in _THREADS:
-        os.environ[name] = "1"
+    one_thread(whatever_was_asked=True)
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     signal.signal(signal.SIGTERM, signal.SIG_DFL)
     with suppress(OSError, AttributeError):
