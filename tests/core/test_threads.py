@@ -4,7 +4,15 @@ import os
 import subprocess
 import sys
 
-ASK = "import sys, harness.cli.main as m; sys.argv = ['harness', '--version']\ntry:\n m.main()\nexcept SystemExit:\n pass\n"
+ASK = """
+import sys
+import harness.cli.main as m
+sys.argv = ["harness", "--version"]
+try:
+    m.main()
+except SystemExit:
+    pass
+"""
 
 
 def _told(**asked: str) -> str:
