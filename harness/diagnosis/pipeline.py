@@ -17,6 +17,7 @@ from harness.diagnosis.explain.mechanism import mechanism
 from harness.diagnosis.explain.next_experiment import left_open, left_open_by_grade, next_experiment
 from harness.diagnosis.explain.place import place_of
 from harness.diagnosis.fit.standard_errors import base_parameters
+from harness.diagnosis.grading.begun import from_within
 from harness.diagnosis.grading.first_turn import after_first_turn
 from harness.diagnosis.grading.grade import Graded, grade
 from harness.diagnosis.grading.misfit import misfit
@@ -97,7 +98,8 @@ def _graded(found: Search, scales: Scales) -> Graded | None:
     if found.left is not Left.STRUCTURE:
         return None
     with suppress(SimulationError):
-        return grade(misfit(found.problem, found.base, scales))
+        seen = misfit(found.problem, found.base, scales)
+        return grade(seen, from_within(found.begun, found.problem, seen.base.model.t0, scales))
     return None
 
 

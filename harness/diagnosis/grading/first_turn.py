@@ -25,7 +25,7 @@ def after_first_turn(graded: Graded) -> tuple[Search, Scales, float] | None:
         return None
     problem = misfit.problem.under_noise(noise_of(misfit.base, misfit.problem, misfit.scales.omega))
     base = settle(under(misfit.base, problem), problem, misfit.scales)
-    found = search(problem, base, misfit.scales)
+    found = search(problem, base, misfit.scales, begun=[f.fit.model for f in graded.finalists])
     return (found, misfit.scales, misfit.left_out) if found.explained else None
 
 

@@ -7,6 +7,7 @@ term, and by prediction of what it was not fitted to.
 
 import math
 from abc import ABC, abstractmethod
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import TypeVar
 
@@ -37,7 +38,7 @@ from harness.diagnosis.rules import (
 from harness.diagnosis.search.extend import extend
 from harness.diagnosis.search.start_evidence import evidence as starting_evidence
 from harness.model.evidence import Evidence
-from harness.model.model import ModelTerm
+from harness.model.model import Model, ModelTerm
 from harness.model.registry import NAMED
 
 _FINALISTS = 4
@@ -133,10 +134,10 @@ class Graded(Contest):
         return self.named[0].fit if self.named else self.misfit.base
 
 
-def grade(misfit: Misfit) -> Graded:
-    """Grade the catalogue against a misfit. Raises SimulationError."""
+def grade(misfit: Misfit, begun: Sequence[Model] = ()) -> Graded:
+    """Grade the catalogue against a misfit; begun : models with one law each, to go on with. Raises SimulationError."""
     problem, scales, strokes = misfit.problem, misfit.scales, misfit.strokes
-    finalists = ranked(misfit)
+    finalists = ranked(misfit, begun)
     if not finalists:
         return Graded(misfit=misfit)
     base_held, base_run = held_out(misfit.base, problem, scales, strokes), free_run(misfit.base, problem, scales)
@@ -154,10 +155,10 @@ def decided(found: C) -> C:
     return _by_share(found) or _by_run(found) or _by_clock(found) or _minor(found)
 
 
-def ranked(misfit: Misfit) -> list[Finalist]:
+def ranked(misfit: Misfit, begun: Sequence[Model] = ()) -> list[Finalist]:
     """Every catalogue name alone, the best law of each, most evidence first."""
     problem, base, scales = misfit.problem, misfit.base, misfit.scales
-    fits = resplit(extend(base, problem, scales).fits, problem, scales)
+    fits = resplit(extend(base, problem, scales, begun=begun).fits, problem, scales)
     if not fits:
         return []
     floor = misfit.floor(misfit.noise_left(min(fits, key=lambda f: f.chi2)))

@@ -34,8 +34,8 @@ from harness.model.term import Term
 _COARSE_SAMPLES = 1200
 _COARSE_ITERATIONS = 6
 _FIRST_ITERATIONS = 3
-_KEPT_STARTS = 2
-"""Samples and iterations of first looks, and starts of a law that are gone on with: they bound the work."""
+_KEPT_STARTS, _GONE_ON_WITH = 2, 12
+"""Samples and iterations of first looks, starts of a law and laws that are gone on with: they bound the work."""
 _EARLY = 0.5
 """Share of a recording in which phases have not yet parted, so that a law promises what it would."""
 _BEYOND = 3.0
@@ -48,10 +48,14 @@ _MISPLACED, _MISPLACED_SHARE = 150.0, 0.02
 
 @dataclass(frozen=True, slots=True)
 class Step:
-    """Fits of one more term each on a model, best first by BIC, one per catalogue key."""
+    """Fits of one more term each on a model, best first by BIC, one per catalogue key.
+
+    begun : where first looks left each law, best first; from there it is gone on with elsewhere.
+    """
 
     before: Fit
     fits: tuple[Fit, ...]
+    begun: tuple[Model, ...] = ()
 
 
 def key_of(found: Fit) -> tuple[str, ...]:
@@ -88,10 +92,31 @@ def _rough(candidates: Sequence[Candidate], problem: Problem, base: tuple[str, .
         if found is not None:
             begun.setdefault(candidate.term.key, []).append(found)
     best = []
-    for group in begun.values():
+    for place, group in enumerate(sorted(begun.values(), key=lambda g: min(f.chi2 for f in g))):
         group.sort(key=lambda f: f.chi2)
-        further = [_try(f.model, problem, base, scales, _COARSE_ITERATIONS) for f in group[:_KEPT_STARTS]]
+        nearest = group[:_KEPT_STARTS] if place < _GONE_ON_WITH else []
+        further = [_try(f.model, problem, base, scales, _COARSE_ITERATIONS) for f in nearest]
         best.append(min((*group, *(f for f in further if f is not None)), key=lambda f: f.bic))
+    return sorted(best, key=lambda f: f.bic)
+
+
+def _further(
+    begun: Sequence[Model], current: Fit, problem: Problem, small: Problem, scales: Scales, terms: Sequence[Term]
+) -> list[Fit]:
+    """A rough fit of every entry, best first, from where each was begun and from one look at this recording."""
+    base = _base(current, problem)
+    starts: dict[str, list[Model]] = {}
+    for model in begun:
+        starts.setdefault(model.terms[-1].term.key, []).append(model)
+    looked: dict[str, Model] = {}
+    for candidate in _worthy(current, problem, scales, terms):
+        looked.setdefault(candidate.term.key, candidate.model)
+    for key, model in looked.items():
+        starts.setdefault(key, []).append(model)
+    best = []
+    for group in told(tuple(starts.values()), lambda g: f"trying {_said(g[0])}"):
+        fits = [f for f in (_try(m, small, base, scales, _COARSE_ITERATIONS) for m in group) if f is not None]
+        best += [min(fits, key=lambda f: f.bic)] if fits else []
     return sorted(best, key=lambda f: f.bic)
 
 
@@ -103,21 +128,29 @@ def _candidates(current: Fit, problem: Problem, scales: Scales, terms: Sequence[
     base = base_of(current.free)
     early = problem.first_part(_EARLY)
     before = _try(current.model, early, base, scales, _COARSE_ITERATIONS)
-    worthy: list[Candidate] = []
-    for fitted, part in ((current, problem), (before, early), (_with_friction(current, problem, scales), problem)):
-        if fitted is None:
-            continue
-        seen = evidence(fitted, part, scales)
-        try:
-            found = screen(fitted, part, seen, scales, terms)
-        except SimulationError:
-            continue  # a law too stiff for a first look is nothing to build on
-        best = found[0].gain if found else 0.0
-        least = max(SCREEN_GAIN.value, SCREEN_SHARE.value * best)
-        worthy += [c for c in found if c.gain >= (least if len(c.term.parameters) > 1 else SCREEN_GAIN_OF_ONE.value)]
-        excess = fitted.chi2 - fitted.points
-        if excess > _BEYOND * math.sqrt(2.0 * fitted.points) or best > 2.0 * math.log(fitted.points):
-            worthy += direct(fitted, part, seen, terms)
+    with_friction = _with_friction(current, problem, scales)
+    worthy = _worthy(current, problem, scales, terms)
+    if before is not None:
+        # laws that no first look can tell of begin where the whole recording leaves its numbers, here as well
+        worthy += [c for c in _worthy(before, early, scales, terms) if c.term.amplitude is not None]
+    if with_friction is not None:
+        worthy += _worthy(with_friction, problem, scales, terms)
+    return worthy
+
+
+def _worthy(fitted: Fit, part: Problem, scales: Scales, terms: Sequence[Term]) -> list[Candidate]:
+    """What one look lets through, and the laws that no first look can tell of where something is left for them."""
+    seen = evidence(fitted, part, scales)
+    try:
+        found = screen(fitted, part, seen, scales, terms)
+    except SimulationError:
+        return []  # a law too stiff for a first look is nothing to build on
+    best = found[0].gain if found else 0.0
+    least = max(SCREEN_GAIN.value, SCREEN_SHARE.value * best)
+    worthy = [c for c in found if c.gain >= (least if len(c.term.parameters) > 1 else SCREEN_GAIN_OF_ONE.value)]
+    excess = fitted.chi2 - fitted.points
+    if excess > _BEYOND * math.sqrt(2.0 * fitted.points) or best > 2.0 * math.log(fitted.points):
+        worthy += direct(fitted, part, seen, terms)
     return worthy
 
 
@@ -144,12 +177,24 @@ def with_friction(model: Model, base: tuple[str, ...], scales: Scales) -> Model 
     return replace(model, c=0.5 * model.c, f_k=0.5 * as_friction)
 
 
-def extend(current: Fit, problem: Problem, scales: Scales, terms: Sequence[Term] = NAMED) -> Step:
-    """Fit every term that is worth it on top of a model."""
-    base = base_of(current.free)
-    base = tuple(dict.fromkeys((*base, *problem.starts.names)))
+def _base(current: Fit, problem: Problem) -> tuple[str, ...]:
+    """What is fitted beside the laws."""
+    return tuple(dict.fromkeys((*base_of(current.free), *problem.starts.names)))
+
+
+def extend(
+    current: Fit, problem: Problem, scales: Scales, terms: Sequence[Term] = NAMED, begun: Sequence[Model] = ()
+) -> Step:
+    """Fit every term that is worth it on top of a model.
+
+    begun : models with one term more, from another search of the same motion; they stand for most of the first looks.
+    """
+    base = _base(current, problem)
     small, _ = condensed(problem, current.shown, _COARSE_SAMPLES, scales.omega)
-    best = _rough(_candidates(current, problem, scales, terms), small, base, scales)
+    if begun:
+        best = _further(begun, current, problem, small, scales, terms)
+    else:
+        best = _rough(_candidates(current, problem, scales, terms), small, base, scales)
     finalists = _finalists(best, chi2_of(current.model, small, scales, COARSE) + current.bic - current.chi2)
     fitted = told(finalists, lambda f: f"fitting {_said(f.model)}")
     quick = [q for q in (_quick(start.model, problem, base, scales) for start in fitted) if q is not None]
@@ -162,7 +207,7 @@ def extend(current: Fit, problem: Problem, scales: Scales, terms: Sequence[Term]
         key = key_of(found)
         if _repeats(found, problem) and (key not in fits or found.bic < fits[key].bic):
             fits[key] = found
-    return Step(current, tuple(sorted(fits.values(), key=lambda f: f.bic)))
+    return Step(current, tuple(sorted(fits.values(), key=lambda f: f.bic)), tuple(f.model for f in best))
 
 
 def promising_start(current: Fit, problem: Problem, scales: Scales) -> bool:

@@ -20,6 +20,7 @@ from harness.diagnosis.rules import AMONG_NAMES, COLOUR_ALONE, DECISIVE, MOST_TE
 from harness.diagnosis.search.extend import Step, extend, key_of, promising_start, prune, settle
 from harness.estimate.noise import Noise
 from harness.kernels.solve import Scales
+from harness.model.model import Model
 
 _BEAM = 4
 """First terms that are extended by a second."""
@@ -36,7 +37,8 @@ class Search:
     problem : with the noise as the chosen model leaves it. base, chosen : fits under that noise. singles : each
     catalogue name alone, best first. rivals : fits of as many terms as the chosen one, best first. left : what the
     chosen model leaves. without : where the chosen model has several terms, it less each of them in turn, the best
-    fit known of the rest; None where none could be simulated. by_force : whether the force was fitted.
+    fit known of the rest; None where none could be simulated. by_force : whether the force was fitted. begun : where
+    first looks left each law alone.
     """
 
     problem: Problem
@@ -47,6 +49,7 @@ class Search:
     left: Left
     without: tuple[Fit | None, ...] = ()
     by_force: bool = False
+    begun: tuple[Model, ...] = ()
 
     @property
     def explained(self) -> bool:
@@ -118,9 +121,12 @@ def _renewed(
     return new, found, tuple(sorted((under(f, new) for f in others), key=lambda f: f.bic))
 
 
-def search(problem: P, base: Fit, scales: Scales, renew: Renew[P] = once) -> Search:
-    """Find the smallest model that explains a recording. renew : what else follows a model once it is found."""
-    found = _levelled(_search(problem, base, scales, renew))
+def search(problem: P, base: Fit, scales: Scales, renew: Renew[P] = once, begun: Sequence[Model] = ()) -> Search:
+    """Find the smallest model that explains a recording. renew : what else follows a model once it is found.
+
+    begun : models with one law each that are gone on with instead of first looks.
+    """
+    found = _levelled(_search(problem, base, scales, renew, begun))
     if not found.chosen.model.terms or found.base.bic > found.chosen.bic + AMONG_NAMES.value + problem.spare:
         return found
     # what counts as noise has grown since the term was decided for
@@ -129,13 +135,15 @@ def search(problem: P, base: Fit, scales: Scales, renew: Renew[P] = once) -> Sea
     )
 
 
-def _search(problem: P, base: Fit, scales: Scales, renew: Renew[P]) -> Search:
+def _search(problem: P, base: Fit, scales: Scales, renew: Renew[P], begun: Sequence[Model]) -> Search:
     # what a term must take off besides: as much as may be left beyond what whitening allows for
     beyond = problem.spare
     first, second = AMONG_NAMES.value + beyond, SECOND_TERM.value + beyond
-    singles = extend(base, problem, scales).fits
+    alone = extend(base, problem, scales, begun=begun)
+    singles = alone.fits
     if not singles or singles[0].bic > base.bic - first:
-        return Search(problem, base, base, singles, singles, left_by(base, problem, scales.omega, base))
+        left = left_by(base, problem, scales.omega, base)
+        return Search(problem, base, base, singles, singles, left, begun=alone.begun)
     problem, best, singles = _renewed(problem, scales, singles[0], singles, renew)
     base = under(base, problem)
     singles = tuple(sorted((*(f for f in singles if key_of(f) != key_of(best)), best), key=lambda f: f.bic))
@@ -165,7 +173,8 @@ def _search(problem: P, base: Fit, scales: Scales, renew: Renew[P]) -> Search:
         chosen = settle(pruned, problem, scales)
         rivals = singles if len(chosen.model.terms) <= 1 else rivals
         left = left_by(chosen, problem, scales.omega, base)
-    return Search(problem, base, chosen, singles, rivals, left, less_each(chosen, without, (*singles, *rivals)))
+    without = less_each(chosen, without, (*singles, *rivals))
+    return Search(problem, base, chosen, singles, rivals, left, without, begun=alone.begun)
 
 
 def less_each(chosen: Fit, fitted: Sequence[Fit | None], searched: Sequence[Fit]) -> tuple[Fit | None, ...]:
@@ -206,7 +215,15 @@ def _levelled(found: Search) -> Search:
         return tuple(sorted(again, key=lambda f: f.bic))
 
     without = tuple(f if f is None else under(f, problem) for f in found.without)
-    return Search(problem, base, chosen, seen(found.singles), seen(found.rivals), found.left, without)
+    return replace(
+        found,
+        problem=problem,
+        base=base,
+        chosen=chosen,
+        singles=seen(found.singles),
+        rivals=seen(found.rivals),
+        without=without,
+    )
 
 
 def _beam(singles: tuple[Fit, ...]) -> list[Fit]:
