@@ -71,6 +71,20 @@ class ArmResult(Result):
     seconds: float
 
 
+class SimulatedResult(Result):
+    """The joint in one engine against its log, driven by its torque, in windows that begin at the smoothed log."""
+
+    engine: str
+    version: str = ""
+    dt_s: float | None = Field(description="the model's own")
+    window_s: float | None
+    windows: int
+    before: dict[str, float] = Field(description="rms of x (rad or m) and v by the model's file as it is")
+    after: dict[str, float] = Field(description="and by the copy that has what is to be pasted")
+    left_out: list[str] = Field(default_factory=list, description="what the engine has no word for")
+    error: str | None = None
+
+
 class RobotResult(Result):
     """A joint of a robot."""
 
@@ -80,4 +94,5 @@ class RobotResult(Result):
     reduction: ReductionResult | None = Field(description="null where the whole arm moves")
     confounded: list[Pair] = Field(description="what this log cannot tell apart, whatever the fit says")
     paste: PasteResult
+    simulated: list[SimulatedResult] = Field(default_factory=list, description="the copy of the model in engines")
     arm: ArmResult | None = Field(default=None, exclude_if=lambda value: value is None)

@@ -63,13 +63,19 @@ class Arm:
         return bool(self.model.jnt_type[self.index(joint)] == mujoco.mjtJoint.mjJNT_SLIDE.value)
 
 
-def load_arm(path: Path, gravity: tuple[float, float, float] | None = None) -> Arm:
+def load_arm(
+    path: Path,
+    gravity: tuple[float, float, float] | None = None,
+    edited: Mapping[Path, str] = MappingProxyType({}),
+) -> Arm:
     """An arm from .xml (MJCF or URDF) or .urdf; gravity : m/s^2 in the frame of the base, None for the file's own.
+
+    edited : by resolved path, texts that take the place of what a file of the model holds.
 
     Raises InputError when there is no such file, MuJoCo cannot compile it (its message in one line), or a joint is
     neither hinge nor slide (named).
     """
-    file, sources = str(path), with_included(path)
+    file, sources = str(path), with_included(path, edited)
     root = sources[0].root
     if root.tag == "robot":
         alone = urdf.mimicking(root)

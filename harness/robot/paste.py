@@ -84,18 +84,24 @@ class JointPaste:
         return tuple(missing)
 
 
-def copies(path: Path, paste: JointPaste) -> dict[str, str]:
-    """The file of a model that has the joint's element, by its name, with what is to be pasted and all else as it is.
+def written(path: Path, paste: JointPaste) -> tuple[Path, str] | None:
+    """The file of a model that has the joint's element, and its text with what is to be pasted and all else as it is.
 
-    Nothing where no element has the joint's name (a replicate makes it). Raises InputError as ``load_arm`` does.
+    None where no element has the joint's name (a replicate makes it). Raises InputError as ``load_arm`` does.
     """
     sources = with_included(path)
     form: Format = "urdf" if sources[0].root.tag == "robot" else "mjcf"
     for source in sources:
         text = _edited(source, paste, form)
         if text is not None:
-            return {source.path.name: text}
-    return {}
+            return source.path, text
+    return None
+
+
+def copies(path: Path, paste: JointPaste) -> dict[str, str]:
+    """The same by the file's name."""
+    found = written(path, paste)
+    return {} if found is None else {found[0].name: found[1]}
 
 
 def _edited(source: Source, paste: JointPaste, form: Format) -> str | None:

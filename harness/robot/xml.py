@@ -1,7 +1,9 @@
 """XML of a robot's model, read within bounds: no document type, no entities, files of its own folder alone."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
+from types import MappingProxyType
 from typing import Any
 
 from lxml import etree
@@ -24,18 +26,19 @@ class Source:
     root: Any
 
 
-def read_xml(path: Path) -> Source:
-    """One file.
+def read_xml(path: Path, edited: Mapping[Path, str] = MappingProxyType({})) -> Source:
+    """One file; edited : by resolved path, texts that take the place of what a file holds.
 
     Raises InputError when there is none, it is too large, is no XML, or has a document type, which a model does not
     need and entities would come in by.
     """
     check_file(path, accepted="a robot's model, MJCF or URDF, is accepted")
-    data = read_bytes(path, MOST_BYTES)
+    other = edited.get(path.resolve())
+    data = read_bytes(path, MOST_BYTES) if other is None else other.encode()
     parser = etree.XMLParser(resolve_entities=False, no_network=True, load_dtd=False, huge_tree=False)
     try:
         tree = etree.fromstring(data, parser).getroottree()
-        text = data.decode(tree.docinfo.encoding or "utf-8")
+        text = data.decode(tree.docinfo.encoding or "utf-8") if other is None else other
     except (etree.XMLSyntaxError, UnicodeDecodeError, LookupError) as error:
         raise InputError(str(path), f"no XML ({error})", "a robot's model, MJCF or URDF, is accepted") from None
     if tree.docinfo.doctype or tree.docinfo.internalDTD is not None:
@@ -43,13 +46,13 @@ def read_xml(path: Path) -> Source:
     return Source(path, text, tree.getroot())
 
 
-def with_included(path: Path) -> tuple[Source, ...]:
-    """A model's file and those that it includes (MJCF), which are put into the first one's tree.
+def with_included(path: Path, edited: Mapping[Path, str] = MappingProxyType({})) -> tuple[Source, ...]:
+    """A model's file and those that it includes (MJCF), which are put into the first one's tree; edited : as there.
 
     Raises InputError as ``read_xml`` does, for an included file outside the folder of the first, and for one that is
     included twice.
     """
-    first = read_xml(path)
+    first = read_xml(path, edited)
     found = [first]
     folder = path.resolve().parent
     seen = {path.resolve()}
@@ -62,10 +65,10 @@ def with_included(path: Path) -> tuple[Source, ...]:
         if file in seen or len(found) > MOST_FILES:
             raise InputError(where, "a file included before", f"each once, and at most {MOST_FILES}, is accepted")
         check_file(file, where)
-        source = read_xml(file)
+        source = read_xml(file, edited)
         seen.add(file)
         found.append(source)
-        _put(element, read_xml(file).root)
+        _put(element, read_xml(file, edited).root)
     return tuple(found)
 
 

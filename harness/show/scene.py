@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any, Literal, TypeAlias
 
 from harness.core.arrays import FloatArray
+from harness.core.bodies import Bodies
 
 
 @dataclass(frozen=True, slots=True)
@@ -107,7 +108,15 @@ class Body:
     color: str
 
 
-Item: TypeAlias = Line | Marks | Lane | Orbit | Grid | Log | Page | Body
+@dataclass(frozen=True, slots=True)
+class Robot:
+    """Bodies of a robot, each with its own motion."""
+
+    path: str
+    bodies: Bodies
+
+
+Item: TypeAlias = Line | Marks | Lane | Orbit | Grid | Log | Page | Body | Robot
 
 
 @dataclass(frozen=True, slots=True)

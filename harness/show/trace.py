@@ -18,6 +18,7 @@ from rerun.urdf import UrdfTree
 
 from harness.core.apart import Found
 from harness.core.arrays import FloatArray
+from harness.core.bodies import Shape
 from harness.core.errors import InputError, StoreError
 from harness.core.writing import replacing
 from harness.show import scene as s
@@ -244,6 +245,57 @@ def _(item: s.Body, recording: rr.RecordingStream) -> None:
         child_frame=[frame + "coil"] * stretch.size,
     )
     recording.send_columns(f"{item.path}-coil", now, columns, strict=True)
+
+
+@send.register
+def _(item: s.Robot, recording: rr.RecordingStream) -> None:
+    bodies = item.bodies
+    for number, name in enumerate(bodies.names):
+        path = f"{item.path}/{number:02d}-{''.join(c if c.isalnum() else '-' for c in name)}"
+        own = [shape for shape in bodies.shapes if shape.body == number]
+        for i, shape in enumerate(own):
+            recording.log(f"{path}/{i}", _shape(shape), static=True, strict=True)
+        if own and number:
+            columns = rr.Transform3D.columns(
+                translation=bodies.places[:, number], quaternion=bodies.turns[:, number][:, [1, 2, 3, 0]]
+            )
+            recording.send_columns(path, [_time(bodies.t)], columns, strict=True)
+
+
+def _shape(shape: Shape) -> Any:
+    """A shape of a body, filled (the viewer's default is its edges)."""
+    w, x, y, z = shape.turn.tolist()
+    place: dict[str, Any] = {"quaternions": [(x, y, z, w)], "colors": [shape.color]}
+    solid: dict[str, Any] = {"fill_mode": rr.components.FillMode.Solid}
+    radius, half = float(shape.size[0]), float(shape.size[1])
+    at = shape.place
+    match shape.kind:
+        case "box":
+            return rr.Boxes3D(half_sizes=[shape.size], centers=[at], **place, **solid)
+        case "cylinder":
+            return rr.Cylinders3D(lengths=[2.0 * half], radii=[radius], centers=[at], **place, **solid)
+        case "capsule":
+            # the viewer's begin at the origin
+            foot = at - half * _matrix(w, x, y, z)[:, 2]
+            return rr.Capsules3D(lengths=[2.0 * half], radii=[radius], translations=[foot], **place, **solid)
+        case "mesh":
+            assert shape.corners is not None
+            turned = at + shape.corners @ _matrix(w, x, y, z).T
+            return rr.Mesh3D(vertex_positions=turned, triangle_indices=shape.faces, albedo_factor=shape.color)
+        case _:
+            sizes = np.full(3, radius) if shape.kind == "sphere" else shape.size
+            return rr.Ellipsoids3D(half_sizes=[sizes], centers=[at], **place, **solid)
+
+
+def _matrix(w: float, x: float, y: float, z: float) -> FloatArray:
+    """The rotation of a quaternion, (3, 3)."""
+    return np.array(
+        [
+            [1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y - w * z), 2.0 * (x * z + w * y)],
+            [2.0 * (x * y + w * z), 1.0 - 2.0 * (x * x + z * z), 2.0 * (y * z - w * x)],
+            [2.0 * (x * z - w * y), 2.0 * (y * z + w * x), 1.0 - 2.0 * (x * x + y * y)],
+        ]
+    )
 
 
 def _dress(recording: rr.RecordingStream, tree: UrdfTree, body: str, color: tuple[int, int, int]) -> None:

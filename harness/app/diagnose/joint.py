@@ -5,15 +5,20 @@ from collections.abc import Callable, Mapping
 from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
+
 from harness.app.diagnose.joint_log import read_log
 from harness.app.diagnose.joint_words import named
 from harness.app.diagnose.one import Diagnosed, deliver
 from harness.app.diagnose.options import DiagnoseOptions, Zero
 from harness.app.diagnose.robot_options import RobotOptions
+from harness.app.diagnose.robot_shown import tried
 from harness.app.diagnose.whole_arm import diagnose_arm
 from harness.app.shared.progress import SILENT, Progress
+from harness.core.arrays import FloatArray
 from harness.core.errors import InputError
 from harness.core.joint_log import JointLog
+from harness.diagnosis.kinds.known import kind_of
 from harness.model.model import Restoring
 from harness.results.diagnosis import DiagnosisResult
 from harness.robot.arm import Arm, load_arm
@@ -60,7 +65,7 @@ def diagnose_joint(
         f"{path.name.split('.')[0]}-{joint}",
         progress,
         command,
-        _finish(arm, asked, found, one, settings),
+        _finish(arm, log, asked, options, found, one, settings),
     )
 
 
@@ -91,13 +96,22 @@ def _options(options: DiagnoseOptions, one: OneJoint) -> DiagnoseOptions:
 
 
 def _finish(
-    arm: Arm, asked: RobotOptions, found: Coupling, one: OneJoint, settings: Mapping[str, object]
+    arm: Arm,
+    log: JointLog,
+    asked: RobotOptions,
+    options: DiagnoseOptions,
+    found: Coupling,
+    one: OneJoint,
+    settings: Mapping[str, object],
 ) -> Callable[[Diagnosed, Path], tuple[Diagnosed, dict[str, str]]]:
     """What is said of the joint besides, and the copy of the model, once it is diagnosed."""
 
     def finish(done: Diagnosed, folder: Path) -> tuple[Diagnosed, dict[str, str]]:
         result, paste = named(done, arm, found, one, asked.file)
-        result = result.model_copy(update={"settings": {**result.settings, **settings}})
+        shown = tried(arm, log, paste, asked, {paste.joint: _left(done, one)}, 0.0, options.engines)
+        assert result.robot is not None
+        robot = result.robot.model_copy(update={"simulated": list(shown.results)})
+        result = result.model_copy(update={"settings": {**result.settings, **settings}, "robot": robot})
         files = {}
         for name, text in copies(asked.file, paste).items():
             kept = f"robot_{name}" if (folder / "model" / name).exists() else name
@@ -105,6 +119,17 @@ def _finish(
             files[f"robot_{'urdf' if name.endswith('.urdf') else 'mjcf'}"] = f"model/{kept}"
         if not files:
             LOGGER.warning("%s: no element of its own has the joint %s", asked.file, paste.joint)
-        return replace(done, result=result), files
+        return replace(done, result=result, shown=shown.shown), files
 
     return finish
+
+
+def _left(done: Diagnosed, one: OneJoint) -> FloatArray:
+    """Columns t, q, v, torque left by the base and by the refined model (m, 5); by nothing at rest."""
+    outcome = done.outcome
+    kind = kind_of(outcome.problem)
+    before = kind.left_over(outcome.problem, outcome.base, outcome.scales)
+    after = kind.left_over(outcome.problem, outcome.refined, outcome.scales)
+    torque = np.interp(before.t, after.t, after.force) * outcome.refined.model.m
+    rows = np.column_stack((before.t, before.at_x + one.rest, before.at_v, before.force * outcome.base.model.m, torque))
+    return np.asarray(rows[np.all(np.isfinite(rows), axis=1)])

@@ -30,6 +30,7 @@ from harness.diagnosis.pipeline import diagnose as conclude
 from harness.engines import model_files
 from harness.io.store import OutputFolder, output_folder
 from harness.results.diagnosis import DiagnosisResult
+from harness.show.robot.shown import Shown
 
 STEPS = 4
 FILES = {
@@ -51,13 +52,14 @@ class Diagnosed:
     """A diagnosis with what it rests on.
 
     simulated : base model and refined model at every time of the recording, behind them the user's own simulation
-    where there is one. result : without files.
+    where there is one. result : without files. shown : of a robot.
     """
 
     recording: Recording
     outcome: Outcome
     simulated: tuple[Trajectory, ...]
     result: DiagnosisResult
+    shown: Shown | None = None
 
 
 Finish = Callable[[Diagnosed, Path], tuple[Diagnosed, Mapping[str, str]]]
@@ -169,6 +171,6 @@ def _write(output: OutputFolder, found: Diagnosed, finish: Finish) -> DiagnosisR
     }
     result = found.result.model_copy(update=more)
     (output / FILES["result"]).write_text(to_json(result), encoding="utf-8")
-    write_diagnosis_trace(output / FILES["rrd"], result, found.recording, found.simulated)
-    write_diagnosis_page(output / FILES["report"], result, found.recording, found.simulated)
+    write_diagnosis_trace(output / FILES["rrd"], result, found.recording, found.simulated, found.shown)
+    write_diagnosis_page(output / FILES["report"], result, found.recording, found.simulated, found.shown)
     return result

@@ -7,18 +7,24 @@ from pathlib import Path
 from harness.core.recording import Recording
 from harness.core.trajectory import Trajectory
 from harness.results.diagnosis import DiagnosisResult, FailedDiagnosis
-from harness.show.arm_page import Left, arm_scene, arm_sections
 from harness.show.diagnosis_scene import diagnosis_scene
 from harness.show.report.diagnosis import diagnosis_sections, diagnosis_title, gained, said, to_change
 from harness.show.report.diagnosis_index import index_sections, index_title
 from harness.show.report.page import write_report
+from harness.show.robot.page import arm_sections, robot_sections
+from harness.show.robot.scene import arm_scene, with_robot
+from harness.show.robot.shown import Shown
 from harness.show.trace import write_trace
 
 
 def write_diagnosis_trace(
-    path: Path, result: DiagnosisResult, recording: Recording, simulated: Sequence[Trajectory]
+    path: Path,
+    result: DiagnosisResult,
+    recording: Recording,
+    simulated: Sequence[Trajectory],
+    shown: Shown | None = None,
 ) -> None:
-    """Write trace.rrd with everything in it that the page needs; raises StoreError."""
+    """Write trace.rrd, shown : of a robot, with everything in it that the page needs; raises StoreError."""
     data = result.model_dump(mode="json", by_alias=True)
     lines = ["# Verdict", "", result.statement, "", *(f"- {sentence}" for sentence in gained(data) + said(data))]
     if data["attribution"] is not None and (change := to_change(data["attribution"])):
@@ -34,15 +40,23 @@ def write_diagnosis_trace(
         shares = ["-" if one.share is None else f"{100.0 * one.share:.0f} %" for one in result.evidence]
         rows = zip(result.evidence, shares, strict=True)
         lines += [f"| {one.name} | {one.delta_bic:.1f} | {share} |" for one, share in rows]
-    write_trace(path, diagnosis_scene(recording, simulated, data, "\n".join(lines)))
+    scene = diagnosis_scene(recording, simulated, data, "\n".join(lines))
+    write_trace(path, scene if shown is None else with_robot(scene, data, shown))
 
 
 def write_diagnosis_page(
-    path: Path, result: DiagnosisResult, recording: Recording, simulated: Sequence[Trajectory]
+    path: Path,
+    result: DiagnosisResult,
+    recording: Recording,
+    simulated: Sequence[Trajectory],
+    shown: Shown | None = None,
 ) -> None:
-    """Write the page of a diagnosis; raises StoreError."""
+    """Write the page of a diagnosis; shown : of a robot. Raises StoreError."""
     data = result.model_dump(mode="json", by_alias=True)
-    write_report(path, *diagnosis_title(data), diagnosis_sections(recording, simulated, data))
+    sections = diagnosis_sections(recording, simulated, data)
+    if shown is not None:
+        sections[1:1] = robot_sections(data, shown)
+    write_report(path, *diagnosis_title(data), sections)
 
 
 def write_index(path: Path, answers: Sequence[DiagnosisResult | FailedDiagnosis], command: str) -> None:
@@ -55,13 +69,13 @@ def write_index(path: Path, answers: Sequence[DiagnosisResult | FailedDiagnosis]
     write_report(path, *index_title(data), index_sections(data, command))
 
 
-def write_arm_page(path: Path, result: DiagnosisResult, left: Left) -> None:
+def write_arm_page(path: Path, result: DiagnosisResult, shown: Shown) -> None:
     """Write the page of an arm that moves as a whole; raises StoreError."""
     data = result.model_dump(mode="json", by_alias=True)
-    write_report(path, f"Friction of {data['robot']['joint']}", data["recording"]["file"], arm_sections(data, left))
+    write_report(path, f"Friction of {data['robot']['joint']}", data["recording"]["file"], arm_sections(data, shown))
 
 
-def write_arm_trace(path: Path, result: DiagnosisResult, left: Left) -> None:
+def write_arm_trace(path: Path, result: DiagnosisResult, shown: Shown) -> None:
     """Write its trace.rrd; raises StoreError."""
     data = result.model_dump(mode="json", by_alias=True)
     lines = [
@@ -71,4 +85,4 @@ def write_arm_trace(path: Path, result: DiagnosisResult, left: Left) -> None:
         "",
         *(f"- {joint['statement']}" for joint in data["robot"]["arm"]["joints"]),
     ]
-    write_trace(path, arm_scene(data, left, "\n".join(lines)))
+    write_trace(path, arm_scene(data, shown, "\n".join(lines)))

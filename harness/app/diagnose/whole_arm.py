@@ -10,6 +10,7 @@ import numpy as np
 
 from harness.app.diagnose.options import DiagnoseOptions
 from harness.app.diagnose.robot_options import RobotOptions
+from harness.app.diagnose.robot_shown import tried
 from harness.app.diagnose.show import write_arm_page, write_arm_trace
 from harness.app.shared.deliver import to_json
 from harness.app.shared.journal import NAME as LOG
@@ -103,11 +104,15 @@ def diagnose_arm(
             files[f"robot_{'urdf' if file.endswith('.urdf') else 'mjcf'}"] = f"model/{file}"
         result = _result(arms, paste, command, {kind: output.at(file) for kind, file in files.items()})
         left = _left(found)
+        own = tried(arm, log, paste, asked, left, arms.joint.offset.value or 0.0, options.engines)
+        assert result.robot is not None
+        robot = result.robot.model_copy(update={"simulated": list(own.results)})
+        result = result.model_copy(update={"robot": robot})
         header = "t,q,v,before,after"
         np.savetxt(output / FILES["residual_torque"], left[joint], "%.9g", ",", header=header, comments="")
         (output / FILES["result"]).write_text(to_json(result), encoding="utf-8")
-        write_arm_trace(output / FILES["rrd"], result, left)
-        write_arm_page(output / FILES["report"], result, left)
+        write_arm_trace(output / FILES["rrd"], result, own.shown)
+        write_arm_page(output / FILES["report"], result, own.shown)
         output.commit()
     return result
 

@@ -7,7 +7,7 @@ from typing import Any, TypeAlias
 from pydantic import ValidationError
 
 from harness.app.compare.compare import again as compare_again
-from harness.app.diagnose.show import write_diagnosis_page
+from harness.app.diagnose.show import write_arm_page, write_diagnosis_page
 from harness.app.identify.identify import result_of
 from harness.app.report.place import find_trace
 from harness.app.run.model import case_of_json
@@ -18,6 +18,7 @@ from harness.results.compare import CompareResult
 from harness.results.diagnosis import DiagnosisResult, read_diagnosis
 from harness.results.identify import IdentifyResult
 from harness.results.run import RunResult
+from harness.show.robot.shown import unpacked
 from harness.show.stored import StoredTrace, read_trace
 
 PAGE = "report.html"
@@ -71,7 +72,11 @@ def _identify_again(stored: StoredTrace, data: Any, page: Path) -> IdentifyResul
 def _diagnose_again(stored: StoredTrace, data: Any, page: Path) -> DiagnosisResult:
     """A diagnosis is kept as it was found: fits are not made again."""
     result = read_diagnosis(data)
-    write_diagnosis_page(page, result, stored.recordings[0], stored.trajectories)
+    shown = unpacked(stored.left, stored.motions) if result.robot is not None else None
+    if shown is not None and result.robot is not None and result.robot.mode == "whole-arm":
+        write_arm_page(page, result, shown)
+    else:
+        write_diagnosis_page(page, result, stored.recordings[0], stored.trajectories, shown)
     return result
 
 

@@ -1,45 +1,47 @@
-"""The page and the trace of an arm that moves as a whole: friction of its joints, and the torque that is left."""
+"""The page of an arm that moves as a whole: friction of its joints, and the torque that is left."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
-import numpy as np
-from numpy.typing import NDArray
-
-from harness.show import scene as s
-from harness.show.axes import padded, plane_grid, roomy
 from harness.show.numbers import number
 from harness.show.report.figure import Figure
 from harness.show.report.section import Section
 from harness.show.report.sources import MadeWith
 from harness.show.report.table import Cell, Column, Row, Table
 from harness.show.report.verdict import Verdict
+from harness.show.robot.in_engines import InEngines
+from harness.show.robot.shown import AFTER, AFTER_NAME, BEFORE, BEFORE_NAME, Left, Shown, moved_in
+from harness.show.robot.to_paste import ToPaste
 
-Left = Mapping[str, NDArray[np.float64]]
-"""By joint: t, q, v, torque left by the base and by the model, (m, 5)."""
-BEFORE, AFTER = "#e4632d", "#2b7fd6"
-_POINTS, _MEANS = 6000, 48
+_POINTS = 6000
 
 
-def arm_sections(result: Mapping[str, Any], left: Left) -> list[Section]:
+def arm_sections(result: Mapping[str, Any], shown: Shown) -> list[Section]:
     """Sections. result : DiagnosisResult.model_dump(mode="json", by_alias=True) of a whole arm."""
     robot = result["robot"]
-    paste = [robot["paste"]["mjcf"], *robot["paste"]["urdf"].splitlines()]
-    pairs = [" and ".join(pair) for pair in robot["confounded"]]
-    sections: list[Section] = [
-        Verdict(result["statement"], result["warnings"]),
-        Torque(robot["joint"], left, result["baseline"]["parameters"]["f_k"]["unit"]),
+    torque, *more = robot_sections(result, shown)
+    return [
+        Verdict(result["statement"].replace("+-", "\u00b1"), result["warnings"]),
+        torque,
         Joints(robot["arm"]["joints"], robot["joint"]),
         Found(robot["arm"]["found"]),
-    ]
-    if pairs:
-        sections.append(Verdict("", pairs, heading="What this log cannot tell apart"))
-    return [
-        *sections,
-        Verdict("", paste, heading="What to paste into the model (MJCF; URDF with PyBullet's calls)"),
+        *more,
         MadeWith(result["machine"], result["files"], result["command"]),
     ]
+
+
+def robot_sections(result: Mapping[str, Any], shown: Shown) -> list[Section]:
+    """What is said of any robot's joint: torque that is left, engines against the log, pairs, what to paste."""
+    robot = result["robot"]
+    unit = result["baseline"]["parameters"]["f_k"]["unit"]
+    pairs = [" and ".join(pair) for pair in robot["confounded"]]
+    sections: list[Section] = [Torque(robot["joint"], shown.left, unit)]
+    if robot["simulated"]:
+        sections.append(InEngines(robot["joint"], robot["simulated"], shown.motions, moved_in(unit)))
+    if pairs:
+        sections.append(Verdict("", pairs, heading="What this log cannot tell apart"))
+    return [*sections, ToPaste(robot["paste"], result["model_left_out"])]
 
 
 @dataclass(frozen=True)
@@ -60,8 +62,9 @@ class Torque(Section):
         """What the template shows."""
         if self.joint not in self.left:
             return {"figures": []}
-        rows = _thinned(self.left[self.joint])
-        figures, place = [], _place(self.unit)
+        rows = self.left[self.joint]
+        rows = rows[:: max(1, -(-rows.shape[0] // _POINTS))]
+        figures, place = [], moved_in(self.unit)
         for name, at, unit in (("speed", 2, f"{place}/s"), ("position", 1, place)):
             traces = [
                 {
@@ -74,7 +77,7 @@ class Torque(Section):
                     "hovertemplate": "%{y:.4g}<br>%{x:.4g}",
                     "meta": {"curve": False},
                 }
-                for said, column, color in (("base", 3, BEFORE), ("with what is named", 4, AFTER))
+                for said, column, color in ((BEFORE_NAME, 3, BEFORE), (AFTER_NAME, 4, AFTER))
             ]
             layout = {
                 "xaxis": {"title": {"text": f"{name} / ({unit})" if "/" in unit else f"{name} / {unit}"}},
@@ -159,51 +162,3 @@ class Found(Section):
             for one in self.found
         ]
         return {"tables": [Table("name", columns, rows)] if rows else []}
-
-
-def arm_scene(result: Mapping[str, Any], left: Left, notes: str) -> s.Scene:
-    """The trace: torque that is left of each joint over time, and of the one asked for over its speed."""
-    items: list[s.Item] = [s.Page("/notes", notes)]
-    plots: list[s.Layout] = []
-    for joint, rows in left.items():
-        slug = "".join(c if c.isalnum() else "-" for c in joint)
-        t, before, after = rows[:, 0], rows[:, 3], rows[:, 4]
-        items.append(s.Marks(f"/left/{slug}/base", "base", t, before, BEFORE, 2.0))
-        items.append(s.Marks(f"/left/{slug}/model", "with what is named", t, after, AFTER, 2.0))
-        plots.append(s.Plot(f"torque left of {joint}", [f"/left/{slug}"], roomy([before, after])))
-    side: list[s.Layout] = [s.Words("verdict", "/notes")]
-    unit = result["baseline"]["parameters"]["f_k"]["unit"]
-    if result["robot"]["joint"] in left:
-        rows = left[result["robot"]["joint"]]
-        means = _means(rows)
-        v, torque = means[:, 2], means[:, 3:]
-        scale = float(np.ptp(v)) / max(float(np.ptp(torque)), 1e-300)
-        for name, column, color in (("base", 3, BEFORE), ("with what is named", 4, AFTER)):
-            points = np.column_stack((v, means[:, column] * scale))
-            moving = np.column_stack((rows[:, 2], np.interp(rows[:, 2], v, points[:, 1])))
-            items.append(s.Orbit(f"/speed/{column}", name, points, color, (rows[:, 0], moving)))
-        x, y = padded([v], 0.06), padded([torque[:, 0] * scale, torque[:, 1] * scale], 0.06)
-        items.append(
-            plane_grid(
-                "/speed/axes", x, y, (f"speed / ({_place(unit)}/s)", 1.0), (f"torque left / ({unit})", 1.0 / scale)
-            )
-        )
-        side.append(s.Plane("torque left over speed, means", ["/speed"], x, y))
-    layout = s.Columns([s.Rows(plots, [1.0] * len(plots)), s.Rows(side)], [3.0, 2.0]) if plots else s.Rows(side)
-    title = f"joints of {result['robot']['file'].rpartition('/')[2]}"
-    return s.Scene(title, items, layout, {}, {"result": dict(result), "notes": {"text": notes}})
-
-
-def _place(unit: str) -> str:
-    """Unit of the position of a joint whose torque has this one: N m of a hinge, N of a slide."""
-    return "rad" if "m" in unit else "m"
-
-
-def _means(rows: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Means of the rows over stretches of speed that hold equally many, by speed."""
-    ordered = rows[np.argsort(rows[:, 2])]
-    return np.array([part.mean(axis=0) for part in np.array_split(ordered, min(_MEANS, len(rows)))])
-
-
-def _thinned(rows: NDArray[np.float64]) -> NDArray[np.float64]:
-    return rows[:: max(1, -(-rows.shape[0] // _POINTS))]

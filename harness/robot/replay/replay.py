@@ -1,0 +1,127 @@
+"""The answer tried out: a joint of the user's model, as it was and as it is to be, against the log in both engines.
+
+In short windows that begin at the smoothed log, so that no error of long ago is what is seen. The joint is driven by
+the torque that was logged; the others go where the log has them, whatever it takes.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from harness.core.arrays import FloatArray
+from harness.core.errors import SimulationError
+from harness.core.joint_log import JointLog
+from harness.robot.arm import Arm, load_arm
+from harness.robot.paste import JointPaste, written
+from harness.robot.replay import in_mujoco
+from harness.robot.replay.as_urdf import ForBullet, of_file, of_model
+from harness.robot.replay.drive import WINDOW, Drive, drive_of
+from harness.robot.whole_arm.perturb import with_load
+from harness.robot.xml import with_included
+
+MUJOCO, PYBULLET = "mujoco", "pybullet"
+_PER_SECOND = 200.0
+"""Samples that are kept."""
+Motion = tuple[FloatArray, FloatArray]
+
+
+@dataclass(frozen=True, slots=True)
+class Replayed:
+    """A joint in one engine against its log.
+
+    dt, window : s. windows : how many. before, after : rms of position (x, rad or m) and speed (v) by the model as it is
+    and with what is pasted. t, logged, q_before, q_after (m,) : s, rad or m; nan between windows. left_out : what the
+    engine has no word for.
+    """
+
+    engine: str
+    version: str
+    dt: float
+    window: float
+    windows: int
+    before: Mapping[str, float]
+    after: Mapping[str, float]
+    t: FloatArray
+    logged: FloatArray
+    q_before: FloatArray
+    q_after: FloatArray
+    left_out: tuple[str, ...] = ()
+
+
+def replayed(
+    path: Path,
+    arm: Arm,
+    log: JointLog,
+    paste: JointPaste,
+    held: Mapping[str, float],
+    gravity: tuple[float, float, float] | None = None,
+    offset: float = 0.0,
+    payload: float = 0.0,
+    engine: str = MUJOCO,
+) -> Replayed | None:
+    """What an engine makes of a joint with the friction of its model's file and with what is pasted into it.
+
+    path, gravity : what ``arm`` was read from and with. held : where joints stand that are not logged. offset : of the
+    logged torque, N m or N, which no model has. payload : kg at the last body. engine : mujoco or pybullet. None where
+    no element of the file has the joint's name. Raises InputError as ``load_arm`` does, SimulationError when the engine
+    is not there or does not load the model.
+    """
+    found = written(path, paste)
+    if found is None:
+        return None
+    edited = {found[0].resolve(): found[1]}
+    pasted = load_arm(path, gravity, edited)
+    both = (arm, pasted) if payload == 0.0 else (with_load(arm, payload), with_load(pasted, payload))
+    drive = drive_of(arm, log, paste.joint, held, offset)
+    if engine == MUJOCO:
+        return _replayed(engine, in_mujoco.version(), drive, [in_mujoco.replay(one, drive) for one in both])
+    try:
+        from harness.robot.replay import in_pybullet
+    except ImportError as error:
+        raise SimulationError(f"engine {PYBULLET}: not installed ({error})") from error
+    motions = []
+    for one, texts in zip(both, ({}, edited), strict=True):
+        text, zero = _for_bullet(path, texts, one, paste.joint, payload == 0.0)
+        motions.append(in_pybullet.replay(one, drive, text, zero))
+    return _replayed(engine, in_pybullet.version(), drive, motions, _unsaid(arm, drive))
+
+
+def _replayed(
+    name: str, version: str, drive: Drive, motions: Sequence[Motion], left_out: tuple[str, ...] = ()
+) -> Replayed:
+    (q_before, v_before), (q_after, v_after) = motions
+    kept = slice(None, None, max(1, round(1.0 / (_PER_SECOND * drive.dt))))
+    return Replayed(
+        name,
+        version,
+        drive.dt,
+        WINDOW,
+        len(drive.windows),
+        drive.errors(q_before, v_before),
+        drive.errors(q_after, v_after),
+        drive.t[kept],
+        drive.q[kept, drive.at],
+        q_before[kept],
+        q_after[kept],
+        left_out,
+    )
+
+
+def _for_bullet(
+    path: Path, edited: Mapping[Path, str], arm: Arm, joint: str, as_it_is: bool
+) -> tuple[ForBullet, FloatArray]:
+    """The file itself where it is a URDF (``as_it_is``: nothing hangs on it), else one made of the compiled model."""
+    rotor = 0.0 if arm.slides(joint) else float(arm.armature[arm.index(joint)])
+    root = with_included(path, edited)[0].root
+    if root.tag == "robot" and as_it_is:
+        return of_file(str(path), root, joint, rotor), np.zeros(arm.model.nv)
+    return of_model(arm, joint, rotor), np.array(arm.model.qpos0)
+
+
+def _unsaid(arm: Arm, drive: Drive) -> tuple[str, ...]:
+    joint = arm.joints[drive.at]
+    if arm.slides(joint) and arm.armature[drive.at] > 0.0:
+        return (f"the rotor of {joint}, a slide, is left out: PyBullet has no word for it",)
+    return ()

@@ -1,0 +1,1 @@
+"""Pages and traces of a robot and its joints."""
