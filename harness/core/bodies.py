@@ -12,9 +12,9 @@ Kind = Literal["box", "sphere", "capsule", "cylinder", "ellipsoid", "mesh"]
 class Shape:
     """One shape, in the frame of its body.
 
-    body : number of it. size (3,) : half lengths of a box or an ellipsoid, m; of a sphere its radius first, of a capsule
-    or a cylinder, whose axis is z, radius and half length. place (3,) : m. turn (4,) : quaternion w, x, y, z. color :
-    red, green, blue, 0 to 255. corners (k, 3), faces (m, 3) : of a mesh.
+    body : number of it. size (3,) : half lengths of a box or an ellipsoid, m; of a sphere its radius first, of a
+    capsule or a cylinder, whose axis is z, radius and half length. place (3,) : m. turn (4,) : quaternion w, x, y, z.
+    color : red, green, blue, 0 to 255. corners (k, 3), faces (m, 3) : of a mesh.
     """
 
     body: int

@@ -1,7 +1,7 @@
 """A robot as it looks: the shapes of its own model where it has them, else links drawn from joint to joint."""
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -12,6 +12,7 @@ from harness.core.arrays import FloatArray
 from harness.core.bodies import Bodies, Kind, Shape
 from harness.core.errors import InputError
 from harness.core.joint_log import JointLog
+from harness.core.trajectory import Trajectory
 from harness.robot.arm import Arm
 from harness.robot.shapes import with_shapes
 
@@ -39,13 +40,24 @@ _LINK, _AXLE, _ASKED = (201, 205, 212), (74, 82, 94), (43, 127, 214)
 
 def pictured(path: Path, arm: Arm, log: JointLog, joint: str) -> Bodies:
     """The robot of a model's file, moving as a log has it; joint : is marked at its axle."""
+    return _moving(path, arm, log.t, log.position, joint)
+
+
+def moved(path: Path, arm: Arm, joint: str, motion: Trajectory | None) -> Bodies:
+    """The robot in the reference of its model, one joint moving from there; None: still."""
+    if motion is None:
+        return _moving(path, arm, np.zeros(1), {}, joint)
+    return _moving(path, arm, motion.t, {joint: arm.model.qpos0[arm.index(joint)] + motion.x}, joint)
+
+
+def _moving(path: Path, arm: Arm, times: FloatArray, position: Mapping[str, FloatArray], joint: str) -> Bodies:
     model = _model(path, arm)
     scale = _reach(model)
     found = [*_shapes(model), *_links(model, scale, at=_at(model, arm, joint))]
-    step = max(1, math.ceil(log.t.size / min(_FRAMES, _PER_SECOND * float(log.t[-1] - log.t[0]) + 2.0)))
-    t = log.t[::step]
+    step = max(1, math.ceil(times.size / min(_FRAMES, _PER_SECOND * float(times[-1] - times[0]) + 2.0)))
+    t = times[::step]
     q = np.tile(model.qpos0, (t.size, 1))
-    for name, y in log.position.items():
+    for name, y in position.items():
         if name in arm.joints:
             q[:, _at(model, arm, name)] = y[::step]
     data = mujoco.MjData(model)
@@ -59,7 +71,7 @@ def pictured(path: Path, arm: Arm, log: JointLog, joint: str) -> Bodies:
 
 
 def _model(path: Path, arm: Arm) -> Any:
-    """With shapes where they can be read, the rigid model where not; nothing that is only looked at stops a diagnosis."""
+    """With shapes where they can be read, else the rigid model: nothing that is only looked at stops a diagnosis."""
     for meshes in (True, False):
         try:
             found = mujoco.MjModel.from_xml_string(*with_shapes(path, meshes))
@@ -113,7 +125,10 @@ def _color(model: Any, geom: int) -> tuple[int, int, int] | None:
 
 
 def _links(model: Any, scale: float, at: int) -> Iterator[Shape]:
-    """A capsule from joint to joint for each body that has no shape, and an axle at each such joint and that asked for."""
+    """A capsule from joint to joint for each body that has no shape, and an axle at each of their joints.
+
+    at : number of the joint that is marked.
+    """
     bare = _bare(model)
     radius = _SLENDER * scale
     for body in sorted(bare):

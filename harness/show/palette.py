@@ -22,3 +22,8 @@ def colors(sources: Sequence[Source]) -> list[str]:
         strong, pale = _PAIRS[names.index(source.name) % len(_PAIRS)]
         found.append(pale if source.preset == "as-shipped" else strong)
     return found[: len(sources)]
+
+
+def of_engines(sources: Sequence[Source]) -> list[str]:
+    """The same where there is no reference."""
+    return colors([Source("reference"), *sources])[1:]

@@ -177,10 +177,11 @@ View: TypeAlias = Plot | Plane | Lanes | Space | Words | Events
 
 @dataclass(frozen=True, slots=True)
 class Rows:
-    """Views one above the other."""
+    """Views one above the other. name : of a tab that holds them."""
 
     parts: Sequence["Layout"]
     shares: Sequence[float] | None = None
+    name: str | None = None
 
 
 @dataclass(frozen=True, slots=True)

@@ -10,7 +10,7 @@ from harness.core.errors import InputError
 from harness.core.recording import Recording
 from harness.core.trajectory import Trajectory
 from harness.show.pack import recording_of, trajectory_of
-from harness.show.robot.shown import LEFT, MOTION
+from harness.show.robot.shown import HELD, LEFT, MOTION, SWING
 
 ACCEPTED = "a whole .rrd written by this program is accepted"
 
@@ -18,14 +18,13 @@ ACCEPTED = "a whole .rrd written by this program is accepted"
 class StoredTrace(NamedTuple):
     """What a .rrd of ours holds: trajectories (the first is the reference), named properties, recordings.
 
-    left, motions : of a robot, as harness.show.robot.shown packs them.
+    robot : of a robot's joints, by the names of harness.show.robot.shown.
     """
 
     trajectories: list[Trajectory]
     properties: dict[str, Any]
     recordings: list[Recording]
-    left: list[Trajectory]
-    motions: list[Trajectory]
+    robot: dict[str, list[Trajectory]]
 
 
 def read_trace(path: Path) -> StoredTrace:
@@ -41,7 +40,7 @@ def read_trace(path: Path) -> StoredTrace:
 def stored_of(columns: Mapping[str, FloatArray], about: Mapping[str, Any]) -> StoredTrace:
     """The trace whose parts these are: columns as "NUMBER/NAME", and what is said of each part."""
     trajectories, recordings = [], []
-    robot: dict[str, list[Trajectory]] = {LEFT: [], MOTION: []}
+    robot: dict[str, list[Trajectory]] = {kind: [] for kind in (LEFT, MOTION, HELD, SWING)}
     for number, part in enumerate(about["blobs"]):
         own = {name: columns[f"{number}/{name}"] for name in part["columns"]}
         if part["name"].startswith("trajectory"):
@@ -50,4 +49,4 @@ def stored_of(columns: Mapping[str, FloatArray], about: Mapping[str, Any]) -> St
             recordings.append(recording_of(own, part["about"]))
         elif (kind := part["name"].partition("-")[0]) in robot:
             robot[kind].append(trajectory_of(own, part["about"]))
-    return StoredTrace(trajectories, about["properties"], recordings, robot[LEFT], robot[MOTION])
+    return StoredTrace(trajectories, about["properties"], recordings, robot)

@@ -336,8 +336,8 @@ def _contents(paths: object) -> list[str]:
 
 def _part(layout: s.Layout) -> Any:  # noqa: PLR0911  (one return a kind of view)
     match layout:
-        case s.Rows(parts, shares):
-            return rrb.Vertical(*map(_part, parts), row_shares=shares)
+        case s.Rows(parts, shares, name):
+            return rrb.Vertical(*map(_part, parts), row_shares=shares, name=name)
         case s.Columns(parts, shares):
             return rrb.Horizontal(*map(_part, parts), column_shares=shares)
         case s.Tabs(parts):

@@ -12,17 +12,18 @@ from harness.app.identify.identify import result_of
 from harness.app.report.place import find_trace
 from harness.app.run.model import case_of_json
 from harness.app.run.run import measured
-from harness.app.shared.showing import write_recording_page, write_run_page
+from harness.app.shared.showing import write_joint_page, write_recording_page, write_run_page
 from harness.core.errors import InputError, StoreError
 from harness.results.compare import CompareResult
 from harness.results.diagnosis import DiagnosisResult, read_diagnosis
 from harness.results.identify import IdentifyResult
+from harness.results.joint import JointRunResult
 from harness.results.run import RunResult
-from harness.show.robot.shown import unpacked
+from harness.show.robot.shown import HELD, LEFT, MOTION, SWING, unpacked
 from harness.show.stored import StoredTrace, read_trace
 
 PAGE = "report.html"
-Shown: TypeAlias = RunResult | IdentifyResult | DiagnosisResult | CompareResult
+Shown: TypeAlias = RunResult | IdentifyResult | DiagnosisResult | CompareResult | JointRunResult
 
 
 def rebuild(place: Path, out: Path | None = None) -> tuple[Shown, Path]:
@@ -72,11 +73,17 @@ def _identify_again(stored: StoredTrace, data: Any, page: Path) -> IdentifyResul
 def _diagnose_again(stored: StoredTrace, data: Any, page: Path) -> DiagnosisResult:
     """A diagnosis is kept as it was found: fits are not made again."""
     result = read_diagnosis(data)
-    shown = unpacked(stored.left, stored.motions) if result.robot is not None else None
+    shown = unpacked(stored.robot[LEFT], stored.robot[MOTION]) if result.robot is not None else None
     if shown is not None and result.robot is not None and result.robot.mode == "whole-arm":
         write_arm_page(page, result, shown)
     else:
         write_diagnosis_page(page, result, stored.recordings[0], stored.trajectories, shown)
+    return result
+
+
+def _joint_again(stored: StoredTrace, data: Any, page: Path) -> JointRunResult:
+    result = JointRunResult.model_validate(data)
+    write_joint_page(page, result, stored.robot[HELD], stored.robot[SWING])
     return result
 
 
@@ -85,6 +92,7 @@ _AGAIN: dict[str, Callable[[StoredTrace, Any, Path], Shown]] = {
     "harness.diagnosis/2": _diagnose_again,
     "harness.run/1": _run_again,
     "harness.identify/1": _identify_again,
+    "harness.joint/1": _joint_again,
     "harness.compare/1": compare_again,
     "harness.compare/2": compare_again,
 }

@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
+from harness.core.bodies import Bodies
 from harness.core.recording import Recording
 from harness.core.trajectory import Trajectory
 from harness.results.identify import IdentifyResult
@@ -14,6 +15,7 @@ from harness.show.report.identify import identify_headline, identify_sections, i
 from harness.show.report.page import write_report
 from harness.show.report.run import run_sections, run_title
 from harness.show.robot.joint_page import joint_sections
+from harness.show.robot.joint_scene import joint_scene
 from harness.show.run_scene import run_scene
 from harness.show.trace import write_trace
 
@@ -65,7 +67,19 @@ def write_recording_page(path: Path, result: IdentifyResult, recording: Recordin
     write_report(path, *identify_title(data), identify_sections(recording, data, result.command))
 
 
-def write_joint_page(path: Path, result: JointRunResult) -> None:
+def write_joint_page(
+    path: Path, result: JointRunResult, held: Sequence[Trajectory], swings: Sequence[Trajectory]
+) -> None:
     """Write the page of a robot's joint in the engines; raises StoreError."""
     data = result.model_dump(mode="json", by_alias=True)
-    write_report(path, f"What engines make of {result.joint}", result.file, joint_sections(data))
+    sections = joint_sections(data, held, swings)
+    write_report(path, f"What engines make of {result.joint}", result.file, sections)
+
+
+def write_joint_trace(
+    path: Path, result: JointRunResult, held: Sequence[Trajectory], swings: Sequence[Trajectory], robot: Bodies
+) -> None:
+    """Write its trace.rrd with everything in it that the page needs; raises StoreError."""
+    data = result.model_dump(mode="json", by_alias=True)
+    notes = _notes(f"What engines make of {result.joint}", result.conclusions)
+    write_trace(path, joint_scene(data, held, swings, robot, notes))

@@ -31,9 +31,9 @@ Motion = tuple[FloatArray, FloatArray]
 class Replayed:
     """A joint in one engine against its log.
 
-    dt, window : s. windows : how many. before, after : rms of position (x, rad or m) and speed (v) by the model as it is
-    and with what is pasted. t, logged, q_before, q_after (m,) : s, rad or m; nan between windows. left_out : what the
-    engine has no word for.
+    dt, window : s. windows : how many. before, after : rms of position (x, rad or m) and speed (v) by the model as it
+    is and with what is pasted. t, logged, q_before, q_after (m,) : s, rad or m; nan between windows. left_out :
+    what the engine has no word for.
     """
 
     engine: str

@@ -1,19 +1,122 @@
 """The page of a robot's joint in the engines."""
 
-from collections.abc import Mapping
-from typing import Any
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, ClassVar
 
+import numpy as np
+
+from harness.core.trajectory import Trajectory
+from harness.show.numbers import number
+from harness.show.palette import of_engines
+from harness.show.report.figure import Figure
 from harness.show.report.section import Section
 from harness.show.report.sources import MadeWith
+from harness.show.report.table import Cell, Column, Row, Table
 from harness.show.report.verdict import Verdict
+from harness.show.robot.to_paste import ToPaste
+
+_POINTS = 2000
 
 
-def joint_sections(result: Mapping[str, Any]) -> list[Section]:
-    """Sections. result : JointRunResult.model_dump(by_alias=True) (harness.joint/1)."""
+def joint_sections(
+    result: Mapping[str, Any], held: Sequence[Trajectory], swings: Sequence[Trajectory]
+) -> list[Section]:
+    """Sections. result : JointRunResult.model_dump(by_alias=True) (harness.joint/1). held, swings : its motions."""
     first, *rest = result["conclusions"]
-    paste = [result["paste"]["mjcf"], *result["paste"]["urdf"].splitlines()]
-    return [
-        Verdict(first, rest),
-        Verdict("", paste, heading="What to paste into the model (MJCF; URDF with PyBullet's calls)"),
-        MadeWith(result["machine"], result["files"], result["command"]),
-    ]
+    sections: list[Section] = [Verdict(first, rest)]
+    if result["scores"]:
+        sections.append(Scores(result, held, swings))
+    if result["servo"] is not None:
+        sections.append(Servo(result))
+    return [*sections, ToPaste(result["paste"]), MadeWith(result["machine"], result["files"], result["command"])]
+
+
+@dataclass(frozen=True)
+class Scores(Section):
+    """Creep and lead, in numbers and as motions."""
+
+    template: ClassVar[str] = "in_engines.html.j2"
+    result: Mapping[str, Any]
+    held: Sequence[Trajectory]
+    swings: Sequence[Trajectory]
+
+    @property
+    def title(self) -> str:
+        """The heading."""
+        return "Creep and lead"
+
+    def context(self) -> Mapping[str, Any]:
+        """What the template shows."""
+        slides = self.result["slides"]
+        unit, scale = ("mm", 1e3) if slides else ("deg", float(np.degrees(1.0)))
+        columns = [
+            Column("creep", f"{unit}/s", "under the load; a real joint does not move"),
+            Column("lead", "ms", "by which friction turns round before the speed"),
+        ]
+        rows, notes = [], []
+        for one in self.result["scores"]:
+            if one["error"]:
+                notes.append(f"{one['engine']} {one['preset']}: {one['error']}")
+                continue
+            values = ((one["creep"], scale), (one["reversal_lead_s"], 1e3))
+            cells = [Cell("-" if value is None else number(value * times, 3)) for value, times in values]
+            rows.append(Row(f"{one['engine']} {one['preset']}", cells, f"step {1e3 * (one['dt_s'] or 0.0):.3g} ms"))
+        figures = [
+            _figure("creep", f"creep / {unit}", [(m, (m.x - m.x[0]) * scale) for m in self.held]),
+            _figure("swing", f"swing / {unit}", [(m, m.x * scale) for m in self.swings]),
+        ]
+        return {
+            "tables": [Table("engine", columns, rows, footnotes=notes)],
+            "figures": [f for f in figures if f.traces],
+        }
+
+
+@dataclass(frozen=True)
+class Servo(Section):
+    """What a step does to the servo of the joint."""
+
+    template: ClassVar[str] = "table.html.j2"
+    result: Mapping[str, Any]
+
+    @property
+    def title(self) -> str:
+        """The heading."""
+        return "What the step does to its servo"
+
+    def context(self) -> Mapping[str, Any]:
+        """What the template shows."""
+        servo = self.result["servo"]
+        unit = "N s/m" if self.result["slides"] else "N m s/rad"
+        columns = [Column("false damping", unit, "beyond what was asked for"), Column("zeta")]
+        rows = [
+            Row(one["who"], [Cell(_or_diverges(one[name])) for name in ("false_damping", "zeta")])
+            for one in servo["scores"]
+        ]
+        caption = f"It has zeta {number(servo['zeta'], 3)}; the step is {1e3 * servo['step_s']:.3g} ms."
+        return {"tables": [Table("who computes it", columns, rows, caption)]}
+
+
+def _or_diverges(value: float | None) -> str:
+    return "it diverges" if value is None else number(value, 3)
+
+
+def _figure(name: str, axis: str, curves: Sequence[tuple[Trajectory, Any]]) -> Figure:
+    colors = of_engines([motion.source for motion, _ in curves])
+    traces = []
+    for (motion, y), color in zip(curves, colors, strict=True):
+        thin = slice(None, None, max(1, -(-motion.t.size // _POINTS)))
+        traces.append(
+            {
+                "type": "scatter",
+                "mode": "lines",
+                "name": motion.source.label,
+                "x": motion.t[thin],
+                "y": np.asarray(y[thin]),
+                "line": {"color": color, "width": 1.8},
+                "hovertemplate": "%{y:.4g}<br>%{x:.4g} s",
+                "meta": {"curve": False},
+            }
+        )
+    layout = {"xaxis": {"title": {"text": "time / s"}}, "yaxis": {"title": {"text": axis}}, "showlegend": True}
+    return Figure(name, traces, layout, "", "", 300)

@@ -14,12 +14,12 @@ from harness.show.robot.shown import AFTER, AFTER_NAME, BEFORE, BEFORE_NAME, Lef
 
 _CORNER = np.array([0.75, -0.95, 0.45])
 """From where a robot is looked at, in its own sizes."""
-_AWAY = 1.25
+_AWAY = 0.6
 _FRAMES = 1500
 """Places of a moving point."""
 
 
-def robot_view(bodies: Bodies) -> tuple[list[s.Item], s.Space]:
+def robot_view(bodies: Bodies, name: str = "the robot, as logged") -> tuple[list[s.Item], s.Space]:
     """The robot and how it is looked at: so that all it reaches is in sight."""
     seen = sorted({shape.body for shape in bodies.shapes if shape.body})
     every = bodies.places[:, seen].reshape(-1, 3) if seen else np.zeros((1, 3))
@@ -27,7 +27,7 @@ def robot_view(bodies: Bodies) -> tuple[list[s.Item], s.Space]:
     middle = 0.5 * (low + high)
     size = max(float(np.linalg.norm(high - low)), 1e-3) + _thick(bodies)
     eye = middle + _AWAY * size * _CORNER
-    view = s.Space("the robot, as logged", ["/robot"], tuple(eye), tuple(middle))
+    view = s.Space(name, ["/robot"], tuple(eye), tuple(middle))
     return [s.Robot("/robot", bodies)], view
 
 
@@ -53,7 +53,7 @@ def torque_views(left: Left, joint: str, units: Mapping[str, str]) -> tuple[list
             items += drawn
             planes.append(view)
         time = s.Plot(f"{name}: torque left / ({unit})", [f"{own}/time"], roomy([before, after]))
-        tabs.append(s.Rows([time, *planes], [1.0, 1.3, 1.3]))
+        tabs.append(s.Rows([time, *planes], [1.0, 1.3, 1.3], name))
     return items, tabs
 
 
@@ -135,4 +135,4 @@ def _engines(result: Mapping[str, Any], shown: Shown) -> tuple[list[s.Item], lis
             sides.append(y - motion.logged)
             items.append(s.Line(f"{path}/{key}", name, motion.t, sides[-1], color))
         plots.append(s.Plot(f"{motion.engine} minus log / {place}", [path], roomy(sides)))
-    return items, [s.Rows(plots)] if plots else []
+    return items, [s.Rows(plots, name="in engines")] if plots else []

@@ -1,6 +1,6 @@
 """What is shown of a robot besides a diagnosis, and how a trace keeps it."""
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -15,7 +15,7 @@ Left = Mapping[str, NDArray[np.float64]]
 """By joint: t, q, v, torque left by the base and by the model, (m, 5)."""
 BEFORE, AFTER = "#e4632d", "#2b7fd6"
 BEFORE_NAME, AFTER_NAME = "viscous and Coulomb", "with what is named"
-LEFT, MOTION = "left", "motion"
+LEFT, MOTION, HELD, SWING = "left", "motion", "held", "swing"
 """Of what a trace keeps under these names."""
 _MEANS = 48
 _BEFORE, _AFTER, _INSIDE = "before", "after", "inside"
@@ -79,13 +79,18 @@ def packed(shown: Shown) -> dict[str, bytes]:
     return found
 
 
+def kept(kind: str, motions: Sequence[Trajectory]) -> dict[str, bytes]:
+    """Motions of one kind, HELD or SWING, as a trace keeps them."""
+    return {f"{kind}-{i:03d}": pack_trajectory(motion) for i, motion in enumerate(motions)}
+
+
 def unpacked(left: Iterable[Trajectory], motions: Iterable[Trajectory]) -> Shown:
     """What ``packed`` was given. Raises LookupError for what is something else."""
     rows = {
         one.source.name: np.column_stack((one.t, one.x, one.v, one.extra[_BEFORE], one.extra[_AFTER])) for one in left
     }
-    kept = []
+    found = []
     for one in motions:
         before, after = (np.where(one.extra[_INSIDE] > 0.0, one.extra[n], np.nan) for n in (_BEFORE, _AFTER))
-        kept.append(Motion(one.source.name, one.t, one.x, before, after))
-    return Shown(rows, tuple(kept))
+        found.append(Motion(one.source.name, one.t, one.x, before, after))
+    return Shown(rows, tuple(found))
