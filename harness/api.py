@@ -13,8 +13,8 @@ from typing import Any, Literal, TypeAlias
 import numpy as np
 from numpy.typing import ArrayLike
 
-from harness.core.joint_log import JointLog
 from harness.core.recording import Recording
+from harness.core.robot.joint_log import JointLog
 from harness.core.trajectory import Trajectory
 from harness.model.model import Model
 from harness.results.compare import CompareResult

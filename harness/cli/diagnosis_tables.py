@@ -17,7 +17,7 @@ if TYPE_CHECKING:
         MechanismResult,
         PredictionResult,
     )
-    from harness.results.robot import RobotResult
+    from harness.results.robot import RobotResult, SimulatedResult
 
 
 def say_diagnosis(result: "DiagnosisResult") -> None:
@@ -59,9 +59,28 @@ def _print_robot(found: "RobotResult") -> None:
         say(f"- {found.reduction.said}")
     if found.confounded:
         say(f"- this log cannot tell apart: {'; '.join(' and '.join(pair) for pair in found.confounded)}")
+    if found.simulated:
+        _print_simulated(found.simulated)
     say("to paste into your model (MJCF; URDF with PyBullet's calls):")
     for line in (found.paste.mjcf, *found.paste.urdf.splitlines()):
         say_as_it_is(f"  {line}")
+
+
+def _print_simulated(simulated: list["SimulatedResult"]) -> None:
+    """The model in engines against the log, as it is and with what is pasted."""
+    from rich.table import Table
+
+    windows = next((f", windows of {one.window_s:g} s" for one in simulated if one.window_s), "")
+    say(f"your model driven by the torque of the log, rms of simulation minus log{windows}:")
+    table = Table()
+    for heading in ("engine", "x as it is", "x pasted", "v as it is", "v pasted"):
+        table.add_column(heading, justify="left" if heading == "engine" else "right", no_wrap=True)
+    for one in simulated:
+        if one.error is not None:
+            say(f"- {one.engine}: {one.error}")
+            continue
+        table.add_row(one.engine, *(f"{side[c]:.3g}" for c in ("x", "v") for side in (one.before, one.after)))
+    show(table)
 
 
 def _held_out(result: "DiagnosisResult") -> str:

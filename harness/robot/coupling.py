@@ -7,7 +7,7 @@ from typing import Literal
 import numpy as np
 
 from harness.core.arrays import FloatArray
-from harness.core.joint_log import JointLog
+from harness.core.robot.joint_log import JointLog
 from harness.robot.arm import Arm
 from harness.robot.matching import check_joint, noise_of
 from harness.robot.reduction import Reduced, reduced

@@ -6,8 +6,8 @@ import numpy as np
 
 from harness.core.arrays import FloatArray
 from harness.core.errors import InputError
-from harness.core.joint_log import JointLog
 from harness.core.near import did_you_mean
+from harness.core.robot.joint_log import JointLog
 from harness.robot.arm import Arm
 
 _MANY_TURNS = 20.0

@@ -9,9 +9,9 @@ import mujoco
 import numpy as np
 
 from harness.core.arrays import FloatArray
-from harness.core.bodies import Bodies, Kind, Shape
 from harness.core.errors import InputError
-from harness.core.joint_log import JointLog
+from harness.core.robot.bodies import Bodies, Kind, Shape
+from harness.core.robot.joint_log import JointLog
 from harness.core.trajectory import Trajectory
 from harness.robot.arm import Arm
 from harness.robot.shapes import with_shapes

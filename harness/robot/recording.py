@@ -8,8 +8,8 @@ import numpy as np
 
 from harness.core.arrays import FloatArray
 from harness.core.errors import InputError
-from harness.core.joint_log import JointLog
 from harness.core.recording import Recording
+from harness.core.robot.joint_log import JointLog
 from harness.robot.reduction import Reduced
 
 Pull = Literal["spring", "pendulum", "none"]

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any, Literal, TypeAlias
 
 from harness.core.arrays import FloatArray
-from harness.core.bodies import Bodies
+from harness.core.robot.bodies import Bodies
 
 
 @dataclass(frozen=True, slots=True)

@@ -18,8 +18,8 @@ from rerun.urdf import UrdfTree
 
 from harness.core.apart import Found
 from harness.core.arrays import FloatArray
-from harness.core.bodies import Shape
 from harness.core.errors import InputError, StoreError
+from harness.core.robot.bodies import Shape
 from harness.core.writing import replacing
 from harness.show import scene as s
 from harness.show.coil import Coil

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from harness.core.errors import InputError
-from harness.core.joint_log import JointLog
+from harness.core.robot.joint_log import JointLog
 from harness.engines.models import folder
 from harness.robot.arm import load_arm
 from harness.robot.coupling import coupling

@@ -13,8 +13,8 @@ from harness.app.diagnose.options import DiagnoseOptions
 from harness.app.diagnose.robot_options import RobotOptions
 from harness.cli.main import cli
 from harness.core.errors import InputError
-from harness.core.joint_log import JointLog
 from harness.core.recording import Recording
+from harness.core.robot.joint_log import JointLog
 from harness.engines.models import folder
 from harness.kernels.solve import simulate
 from harness.model.model import Model, Restoring

@@ -9,7 +9,7 @@ import pytest
 from whole_arm_logs import LOWPASS, NAMES, arm, log_of, machine, of_joints
 
 from harness.core.errors import InputError
-from harness.core.joint_log import JointLog
+from harness.core.robot.joint_log import JointLog
 from harness.robot.arm import Arm
 from harness.robot.whole_arm.result import WholeArm
 from harness.robot.whole_arm.whole import whole_arm

@@ -6,7 +6,7 @@ import mujoco
 import numpy as np
 import pytest
 
-from harness.core.joint_log import JointLog
+from harness.core.robot.joint_log import JointLog
 from harness.robot.arm import Arm
 from harness.robot.whole_arm.model_columns import PAYLOAD, TILT
 from harness.robot.whole_arm.whole import whole_arm

@@ -6,7 +6,7 @@ from functools import cache
 import numpy as np
 
 from harness.core.arrays import FloatArray
-from harness.core.joint_log import JointLog
+from harness.core.robot.joint_log import JointLog
 from harness.robot.arm import Arm
 from harness.robot.whole_arm.calibrate.plant import JOINTS, Friction, Motion, Plant, seven_joints
 

@@ -17,7 +17,7 @@ from harness.app.diagnose.whole_arm import diagnose_arm
 from harness.app.shared.progress import SILENT, Progress
 from harness.core.arrays import FloatArray
 from harness.core.errors import InputError
-from harness.core.joint_log import JointLog
+from harness.core.robot.joint_log import JointLog
 from harness.diagnosis.kinds.known import kind_of
 from harness.model.model import Restoring
 from harness.results.diagnosis import DiagnosisResult

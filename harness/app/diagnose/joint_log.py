@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from pathlib import Path
 
-from harness.core.joint_log import JointLog
+from harness.core.robot.joint_log import JointLog
 from harness.io.logs.read import read_joint_log
 from harness.io.recording import ReadOptions
 

@@ -7,7 +7,7 @@ import numpy as np
 
 from harness.app.diagnose.robot_options import RobotOptions
 from harness.core.errors import SimulationError
-from harness.core.joint_log import JointLog
+from harness.core.robot.joint_log import JointLog
 from harness.results.robot import SimulatedResult
 from harness.robot.arm import Arm
 from harness.robot.paste import JointPaste

@@ -18,8 +18,8 @@ from harness.app.shared.journal import journal
 from harness.app.shared.machine import this_machine
 from harness.app.shared.progress import Progress
 from harness.core.errors import InputError
-from harness.core.joint_log import JointLog
 from harness.core.quantity import Quantity
+from harness.core.robot.joint_log import JointLog
 from harness.io.store import output_folder
 from harness.model.document import to_document
 from harness.model.model import Model, Restoring

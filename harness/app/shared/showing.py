@@ -4,8 +4,8 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from harness.core.bodies import Bodies
 from harness.core.recording import Recording
+from harness.core.robot.bodies import Bodies
 from harness.core.trajectory import Trajectory
 from harness.results.identify import IdentifyResult
 from harness.results.joint import JointRunResult

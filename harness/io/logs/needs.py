@@ -2,8 +2,8 @@
 
 from harness.core.arrays import FloatArray
 from harness.core.errors import InputError
-from harness.core.joint_log import JointLog
 from harness.core.near import did_you_mean
+from harness.core.robot.joint_log import JointLog
 
 
 def effort_of(log: JointLog, joint: str) -> FloatArray:

@@ -10,7 +10,7 @@ from harness.core.arrays import FloatArray
 from harness.core.bounded import MOST_BYTES, check_file, check_size
 from harness.core.checks import finite, positive
 from harness.core.errors import InputError
-from harness.core.joint_log import JointLog
+from harness.core.robot.joint_log import JointLog
 from harness.io.logs import bags, lerobot
 from harness.io.logs.finish import Gain, finished
 from harness.io.logs.raw import LogOptions, Raw, from_found, one_of

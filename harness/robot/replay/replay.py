@@ -12,7 +12,7 @@ import numpy as np
 
 from harness.core.arrays import FloatArray
 from harness.core.errors import SimulationError
-from harness.core.joint_log import JointLog
+from harness.core.robot.joint_log import JointLog
 from harness.robot.arm import Arm, load_arm
 from harness.robot.paste import JointPaste, written
 from harness.robot.replay import in_mujoco

@@ -7,7 +7,7 @@ import numpy as np
 
 from harness.core.arrays import FloatArray
 from harness.core.errors import InputError
-from harness.core.joint_log import JointLog
+from harness.core.robot.joint_log import JointLog
 from harness.robot.arm import Arm
 from harness.robot.whole_arm.differentiate import differentiate
 from harness.robot.whole_arm.model_columns import DELAY, PAYLOAD, TILT

@@ -8,7 +8,7 @@ import numpy as np
 
 from harness.core.arrays import BoolArray, FloatArray
 from harness.core.errors import InputError
-from harness.core.joint_log import JointLog
+from harness.core.robot.joint_log import JointLog
 from harness.robot.arm import Arm
 from harness.robot.whole_arm.band import Band
 from harness.robot.whole_arm.noise import white_level

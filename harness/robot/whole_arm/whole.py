@@ -9,8 +9,8 @@ import numpy as np
 from harness.core.arrays import FloatArray
 from harness.core.checks import not_negative
 from harness.core.errors import InputError
-from harness.core.joint_log import JointLog
 from harness.core.quantity import Quantity
+from harness.core.robot.joint_log import JointLog
 from harness.robot.arm import Arm
 from harness.robot.whole_arm.candidate import FRICTION
 from harness.robot.whole_arm.confounded import confounded, load_is_position

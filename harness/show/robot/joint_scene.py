@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from harness.core.bodies import Bodies
+from harness.core.robot.bodies import Bodies
 from harness.core.trajectory import Trajectory
 from harness.show import scene as s
 from harness.show.axes import roomy

@@ -7,33 +7,41 @@ from typing import Any
 import numpy as np
 
 from harness.core.arrays import FloatArray
-from harness.core.bodies import Bodies
+from harness.core.robot.bodies import Bodies
 from harness.show import scene as s
 from harness.show.axes import padded, plane_grid, roomy
 from harness.show.robot.shown import AFTER, AFTER_NAME, BEFORE, BEFORE_NAME, Left, Shown, binned, moved_in, packed, slug
 
-_CORNER = np.array([0.75, -0.95, 0.45])
-"""From where a robot is looked at, in its own sizes."""
-_AWAY = 0.6
+_CORNER = np.array([0.62, -0.7, 0.36])
+"""The direction from which a robot is looked at."""
+_AWAY = 1.6
+"""Distance over the radius of the ball that holds all of it."""
 _FRAMES = 1500
 """Places of a moving point."""
 
 
 def robot_view(bodies: Bodies, name: str = "the robot, as logged") -> tuple[list[s.Item], s.Space]:
     """The robot and how it is looked at: so that all it reaches is in sight."""
-    seen = sorted({shape.body for shape in bodies.shapes if shape.body})
-    every = bodies.places[:, seen].reshape(-1, 3) if seen else np.zeros((1, 3))
-    low, high = every.min(axis=0), every.max(axis=0)
+    low, high = _box(bodies)
     middle = 0.5 * (low + high)
-    size = max(float(np.linalg.norm(high - low)), 1e-3) + _thick(bodies)
-    eye = middle + _AWAY * size * _CORNER
-    view = s.Space(name, ["/robot"], tuple(eye), tuple(middle))
-    return [s.Robot("/robot", bodies)], view
+    eye = middle + _AWAY * 0.5 * max(float(np.linalg.norm(high - low)), 1e-3) * _CORNER
+    to, at = ((float(x), float(y), float(z)) for x, y, z in (eye, middle))
+    return [s.Robot("/robot", bodies)], s.Space(name, ["/robot"], to, at)
 
 
-def _thick(bodies: Bodies) -> float:
-    """Size of the largest shape, m, which reaches beyond the frames of the bodies."""
-    return max((2.0 * float(np.max(shape.size)) for shape in bodies.shapes), default=0.0)
+def _box(bodies: Bodies) -> tuple[FloatArray, FloatArray]:
+    """Lowest and highest corner of all that is ever drawn, m."""
+    low, high = np.full(3, np.inf), np.full(3, -np.inf)
+    for shape in bodies.shapes:
+        if shape.corners is not None:
+            reach = float(np.max(np.linalg.norm(shape.corners, axis=1), initial=0.0))
+        else:
+            reach = float(np.max(shape.size))
+        w, turn = bodies.turns[:, shape.body, :1], bodies.turns[:, shape.body, 1:]
+        twice = 2.0 * np.cross(turn, shape.place)
+        at = bodies.places[:, shape.body] + shape.place + w * twice + np.cross(turn, twice)
+        low, high = np.minimum(low, at.min(axis=0) - reach), np.maximum(high, at.max(axis=0) + reach)
+    return (low, high) if bodies.shapes else (np.zeros(3), np.ones(3))
 
 
 def torque_views(left: Left, joint: str, units: Mapping[str, str]) -> tuple[list[s.Item], list[s.Layout]]:

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harness.core.arrays import FloatArray
-from harness.core.bodies import Bodies
+from harness.core.robot.bodies import Bodies
 from harness.core.trajectory import Source, Trajectory
 from harness.show.pack import pack_trajectory
 
