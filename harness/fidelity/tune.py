@@ -1,7 +1,7 @@
 """Search of settings: coordinate by coordinate from what ships, on some sliders, to be scored on others."""
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -13,7 +13,7 @@ from harness.engines.base import Engine, Preset, Route
 from harness.fidelity.pareto import Point
 from harness.fidelity.registry import suite
 from harness.fidelity.row import Row, Spec, run_row, task
-from harness.fidelity.sliders import drawn
+from harness.fidelity.sliders import Sliders, drawn
 from harness.fidelity.spaces import Choice, Space
 
 SEARCH, HELD_OUT = (101, 102), (201, 202, 203)
@@ -28,6 +28,20 @@ REPEATS = 7
 Progress = Callable[[int], None]
 
 
+@dataclass(frozen=True, slots=True)
+class Subject:
+    """What settings are tried on, by default random sliders.
+
+    sliders : of a number of SEARCH or HELD_OUT. scenarios : names. own : settings in force where none is changed.
+    given : settings as the engine is given them.
+    """
+
+    sliders: Callable[[int], Sliders] = drawn
+    scenarios: tuple[str, ...] = SCENARIOS
+    own: Mapping[str, Any] = field(default_factory=dict)
+    given: Callable[[dict[str, Any]], dict[str, Any]] = dict
+
+
 @dataclass(slots=True)
 class Trial:
     """One engine, route and step (s): scores settings and remembers them."""
@@ -35,6 +49,7 @@ class Trial:
     engine: Engine
     route: Route
     dt: float
+    subject: Subject = field(default_factory=Subject)
     count: int = 0
     _scores: dict[str, float] = field(default_factory=dict)
     _costs: dict[str, float] = field(default_factory=dict)
@@ -45,8 +60,8 @@ class Trial:
         found = []
         for draw in draws:
             if draw not in self._suites:
-                scenarios = suite(self.route, drawn(draw))
-                self._suites[draw] = [scenarios[name] for name in SCENARIOS]
+                scenarios = suite(self.route, self.subject.sliders(draw))
+                self._suites[draw] = [scenarios[name] for name in self.subject.scenarios]
             for scenario in self._suites[draw]:
                 found.append(run_row(self.engine, self._spec(changed, scenario, draw, base)))
         return found
@@ -66,7 +81,7 @@ class Trial:
         """
         key = repr(sorted(changed.items()))
         if key not in self._costs:
-            scenario = suite(self.route, drawn(SEARCH[0]))["free-decay"]
+            scenario = suite(self.route, self.subject.sliders(SEARCH[0]))["free-decay"]
             mine, shipped = (self._spec(one, scenario, SEARCH[0], "as-shipped") for one in (changed, {}))
             turns = [(self._seconds(mine), self._seconds(shipped)) for _ in range(REPEATS)]
             self._costs[key] = min(first for first, _ in turns) / min(second for _, second in turns) if changed else 1.0
@@ -80,11 +95,15 @@ class Trial:
 
     def changed(self, space: Space, choice: Choice) -> dict[str, Any]:
         """The settings a choice changes, without those that stay what ships."""
-        shipped = self.engine.presets(self.route, "as-shipped", self.dt)
+        shipped = self.engine.presets(self.route, "as-shipped", self.dt) | dict(self.subject.own)
         return {name: value for name, value in space.settings(choice, self.dt).items() if shipped[name] != value}
 
     def _spec(self, changed: dict[str, Any], scenario: Scenario, draw: int, base: Preset) -> Spec:
-        settings = tuple(sorted(changed.items()))
+        own = self.subject.own
+        if base != "as-shipped":
+            preset = self.engine.presets(self.route, base, self.dt)
+            own = {name: preset[name] for name in own}
+        settings = tuple(sorted(self.subject.given({**own, **changed}).items()))
         return Spec(self.engine.name, self.engine.version(), self.route, base, base, settings, self.dt, scenario, draw)
 
 

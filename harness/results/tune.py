@@ -15,6 +15,15 @@ class TunedFigure(Result):
     after: float | None
 
 
+class TunedJoint(Result):
+    """A robot's joint that settings were searched for."""
+
+    file: str = Field(description="of the model, absolute")
+    joint: str
+    inertia: list[float] = Field(description="kg m^2 or kg that it moves, a pose of the others each: searched, scored")
+    gravity: list[float] = Field(description="largest torque of gravity in each, N m; of a slide its force, N")
+
+
 class TuneResult(Result):
     """harness tune."""
 
@@ -33,5 +42,8 @@ class TuneResult(Result):
     cost: float = Field(description="measured wall time over that of what ships at the same step")
     figures: list[TunedFigure]
     searched: int = Field(description="sets of settings that were scored")
-    sliders: dict[str, list[int]] = Field(description="numbers of the random suites: searched on, scored on")
+    sliders: dict[str, list[int]] = Field(
+        description="numbers of the random suites, or of a robot's poses: searched on, scored on"
+    )
+    robot: TunedJoint | None = Field(default=None, exclude_if=lambda value: value is None)
     machine: Machine

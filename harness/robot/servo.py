@@ -1,11 +1,12 @@
 """The position servo that a model has on a joint, and the simulator's words that its friction depends on."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
 import mujoco
 
-from harness.engines.mujoco.presets import INTEGRATORS, SOLVERS
+from harness.engines.mujoco.presets import INTEGRATORS, SOLVERS, STIFF
 from harness.robot.arm import Arm
 
 
@@ -53,6 +54,18 @@ def looseness(arm: Arm, joint: str, moved: float) -> float:
     MuJoCo takes a joint's inertia for that with every other joint free, at the reference.
     """
     return float(arm.model.dof_invweight0[arm.index(joint)]) * moved
+
+
+def loosened(settings: Mapping[str, Any], by: float) -> dict[str, Any]:
+    """MuJoCo's settings with which a joint alone is as soft as these make it in the whole arm; by : its looseness.
+
+    The regularisation is (1 - d)/d of the inverse inertia that MuJoCo takes for the joint's, d the impedance at rest.
+    """
+    found = dict(settings)
+    if "solimpfriction" in found:
+        d, *others = found["solimpfriction"]
+        found["solimpfriction"] = (min(d / (d + by * (1.0 - d)), STIFF), *others)
+    return found
 
 
 def _named(name: str, known: tuple[str, ...]) -> str:

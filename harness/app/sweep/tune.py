@@ -12,7 +12,7 @@ from harness.fidelity.paste import paste
 from harness.fidelity.row import Row
 from harness.fidelity.scores import COLUMNS, distance
 from harness.fidelity.spaces import space, tunable
-from harness.fidelity.tune import HELD_OUT, SEARCH, Trial, score_of, search
+from harness.fidelity.tune import HELD_OUT, SEARCH, Subject, Trial, score_of, search
 from harness.results.tune import TunedFigure, TuneResult
 
 EXPECTED = 150
@@ -20,12 +20,17 @@ EXPECTED = 150
 
 
 def tune(
-    name: str, route: Route = "joint", dt: float = TUNED_DT, most: float | None = None, progress: Progress = SILENT
+    name: str,
+    route: Route = "joint",
+    dt: float = TUNED_DT,
+    most: float | None = None,
+    progress: Progress = SILENT,
+    subject: Subject | None = None,
 ) -> TuneResult:
     """Search on some random sliders, score on others.
 
-    dt : s. most : allowed cost, as wall time over that of what ships at the same step; None for any. Raises InputError
-    for an engine, route or number that is not accepted.
+    subject : what to search on in their place. dt : s. most : allowed cost, as wall time over that of what ships at
+    the same step; None for any. Raises InputError for an engine, route or number that is not accepted.
     """
     registry.check(name)
     choice("--route", route, ROUTES)
@@ -41,7 +46,7 @@ def tune(
         engine = registry.load(name)
     except SimulationError as error:
         raise InputError(f"engine {name}", str(error), "an installed engine is accepted") from None
-    trial = Trial(engine, route, dt)
+    trial = Trial(engine, route, dt, subject or Subject())
     shipped = trial.rows({}, HELD_OUT)
     if math.isinf(score_of(shipped)):
         why = next(row.error for row in shipped if row.error is not None)
@@ -49,7 +54,7 @@ def tune(
     chosen = search(trial, found, most, tell=lambda done: progress("settings scored", done, max(done, EXPECTED)))
     changed = trial.changed(found, chosen)
     tuned = trial.rows(changed, HELD_OUT)
-    settings = engine.presets(route, "as-shipped", dt) | changed
+    settings = engine.presets(route, "as-shipped", dt) | dict(trial.subject.own) | changed
     return TuneResult(
         engine=name,
         version=engine.version(),
