@@ -17,6 +17,7 @@ if TYPE_CHECKING:
         MechanismResult,
         PredictionResult,
     )
+    from harness.results.fleet import FleetResult
     from harness.results.robot import RobotResult, SimulatedResult
 
 
@@ -210,4 +211,22 @@ def say_many(many: "Many") -> None:
         table.add_row(name, answer.verdict, left_out, _chi2(answer.baseline), _chi2(answer.refined))
     show(table)
     say(f"{len(many.answers)} recordings, {many.failed} failed")
+    if many.fleet is not None:
+        _print_fleet(many.fleet)
     say_as_it_is(f"report: {many.folder / 'index.html'}")
+
+
+def _print_fleet(fleet: "FleetResult") -> None:
+    """Friction of joints over logs of one robot."""
+    from rich.table import Table
+
+    table = Table()
+    heads = ("joint", *(Path(log.file).name for log in fleet.logs), "the same?")
+    for heading in heads:
+        table.add_column(heading, justify="left" if heading == "joint" else "right")
+    for row in fleet.rows:
+        cells = ["-" if value is None else with_error(value) for value in row.values]
+        table.add_row(f"{row.joint} {row.parameter}", *cells, "differs" if row.differs else f"{row.chance:.2g}")
+    show(table)
+    for said in fleet.statements:
+        say(f"- {said}")

@@ -27,3 +27,9 @@ def colors(sources: Sequence[Source]) -> list[str]:
 def of_engines(sources: Sequence[Source]) -> list[str]:
     """The same where there is no reference."""
     return colors([Source("reference"), *sources])[1:]
+
+
+def of_names(count: int) -> list[str]:
+    """So many hues, strong ones first; they begin anew where there are too few."""
+    hues = [strong for strong, _ in _PAIRS] + [pale for _, pale in _PAIRS]
+    return [hues[i % len(hues)] for i in range(count)]

@@ -47,7 +47,7 @@ def diagnose_joint(
     arm = load_arm(asked.file, asked.gravity)
     log = read_log(path, arm.joints, asked.gain, options.reading)
     log = log if label is None else replace(log, file=label)
-    joint = _joint(arm, log, asked.joint)
+    joint = _joint(arm, log, asked)
     found = coupling(arm, log, joint)
     if found.moving and joint not in log.effort:
         said = f"no effort of it is logged, and {', '.join(found.moving)} move{'s' * (len(found.moving) == 1)} too"
@@ -57,7 +57,7 @@ def diagnose_joint(
         return diagnose_arm(arm, log, joint, asked, options, out, progress, command)
     _check_locked(asked)
     one = one_joint(log, found.reduced)
-    settings = {"robot": asked.settings() | {"joint": joint}}
+    settings = {"robot": asked.settings()}
     return deliver(
         one.recording,
         _options(options, one),
@@ -69,11 +69,13 @@ def diagnose_joint(
     )
 
 
-def _joint(arm: Arm, log: JointLog, asked: str | None) -> str:
+def _joint(arm: Arm, log: JointLog, asked: RobotOptions) -> str:
     """The joint that was asked for, or the only one that moves."""
-    if asked is not None:
-        return asked
+    if asked.joint is not None:
+        return asked.joint
     those = moving(arm, log)
+    if asked.any_joint:
+        those = tuple(name for name in those if name in log.effort)[:1] or those
     if len(those) != 1:
         found = f"not given, and {', '.join(those) or 'none of the joints'} move{'s' if not those else ''}"
         raise InputError("--joint", found, f"a joint of {arm.file} is accepted: {', '.join(arm.joints)}")

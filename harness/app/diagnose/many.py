@@ -4,28 +4,32 @@ import logging
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, wait
 from contextlib import suppress
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from pydantic import ValidationError
 
+from harness.app.diagnose.fleet import Conditions, fleet_of
 from harness.app.diagnose.one import FILES, diagnose
 from harness.app.diagnose.options import DiagnoseOptions
 from harness.app.diagnose.show import write_index
+from harness.app.shared.completed import completed
 from harness.app.shared.deliver import to_json
 from harness.app.shared.machine import cores, package_version
-from harness.app.shared.pool import LocalPool
+from harness.app.shared.pool import Cluster, LocalPool
 from harness.app.shared.progress import SILENT, Progress
 from harness.app.sweep.sweep import InterruptionError
 from harness.core.errors import HarnessError, InputError
 from harness.core.writing import sweep
+from harness.io.logs.read import source_of
 from harness.io.recording import sha256
 from harness.io.store import growing_folder, write_text
 from harness.results.diagnosis import DiagnosisResult, FailedDiagnosis, UnreadRecording
+from harness.results.fleet import FleetResult
 
 LOGGER = logging.getLogger(__name__)
 Answer = DiagnosisResult | FailedDiagnosis
-RESULT, PAGE = "result.json", "index.html"
+RESULT, PAGE, FLEET = "result.json", "index.html", "fleet.json"
 
 
 @dataclass(frozen=True, slots=True)
@@ -38,13 +42,19 @@ class Work:
     options: DiagnoseOptions = field(default_factory=DiagnoseOptions)
     command: str = ""
 
+    @property
+    def key(self) -> str:
+        """Its own among all files of a call."""
+        return self.folder.name
+
 
 @dataclass(frozen=True, slots=True)
 class Many:
-    """Answers in the order of the files. folder : where everything is."""
+    """Answers in the order of the files. folder : where everything is. fleet : of logs of one robot, compared."""
 
     answers: tuple[Answer, ...]
     folder: Path
+    fleet: FleetResult | None = None
 
     @property
     def failed(self) -> int:
@@ -77,6 +87,11 @@ def compute(work: Work) -> Answer:
         return failed(work.label, f"internal error, {type(error).__name__}: {' '.join(str(error).split())}")
 
 
+def compute_keyed(work: Work) -> tuple[str, Answer]:
+    """The same with the work's key."""
+    return work.key, compute(work)
+
+
 def diagnose_all(
     named: Sequence[tuple[Path, str]],
     options: DiagnoseOptions,
@@ -86,11 +101,15 @@ def diagnose_all(
     progress: Progress = SILENT,
     command: str = "",
     function: Callable[[Work], Answer] = compute,
+    cluster: str | None = None,
+    conditions: Conditions | None = None,
 ) -> Many:
     """Diagnose files, each into DIR/NAME, and leave result.json with all of them and index.html.
 
     named : path and label of each. jobs : processes, None for one a core. resume : keep what ``out`` holds of the same
-    files under the same options. Raises InputError, StoreError; InterruptionError keeps what was done.
+    files under the same options. cluster : address of a dask scheduler whose workers see the same files, in place of
+    processes here. conditions : of logs of one robot. Of those fleet.json is left too. Raises InputError, StoreError;
+    InterruptionError keeps what was done.
     """
     folder = _folder(out, resume)
     works = [
@@ -106,7 +125,8 @@ def diagnose_all(
     progress("recordings", len(answers), len(works))
     left = {i: work for i, work in enumerate(works) if i not in answers}
     try:
-        for i, answer in computed(left, min(jobs or cores(), max(len(left), 1)), function):
+        done_here = computed(left, min(jobs or cores(), max(len(left), 1)), function)
+        for i, answer in done_here if cluster is None else on_cluster(left, cluster):
             answers[i] = answer
             progress("recordings", len(answers), len(works))
     except KeyboardInterrupt:
@@ -114,7 +134,12 @@ def diagnose_all(
         raise InterruptionError(f"interrupted; {done}, the same command with --resume --out {folder} goes on") from None
     many = Many(tuple(answers[i] for i in range(len(works))), folder)
     write_text(folder / RESULT, many.json())
-    write_index(folder / PAGE, many.answers, command)
+    good = [answer for answer in many.answers if isinstance(answer, DiagnosisResult)]
+    if options.robot is not None and len(good) > 1:
+        fleet = fleet_of(good, options.robot.file, conditions, command)
+        many = replace(many, fleet=fleet)
+        write_text(folder / FLEET, to_json(fleet))
+    write_index(folder / PAGE, many.answers, command, many.fleet)
     return many
 
 
@@ -156,8 +181,9 @@ def _kept(work: Work) -> DiagnosisResult | None:
         changed = [name for name, value in work.options.settings().items() if kept.settings.get(name) != value]
         raise InputError("--resume", f"{work.folder.name} was made with another {', '.join(changed)}", accepted)
     try:
-        same = kept.recording.sha256 == sha256(work.path)
-    except OSError:
+        own = sha256(work.path) if work.options.robot is None else source_of(work.path).sha256
+        same = kept.recording.sha256 == own
+    except (OSError, InputError):
         same = False
     if not same:
         raise InputError("--resume", f"{work.folder.name} was made of another file than {work.label}", accepted)
@@ -204,6 +230,22 @@ def computed(left: dict[int, Work], jobs: int, function: Callable[[Work], Answer
                 pool.renew()
     finally:
         pool.close()
+
+
+def on_cluster(left: dict[int, Work], address: str) -> Iterator[tuple[int, Answer]]:
+    """The same from a cluster's workers, which write into the same folders."""
+    numbers = {work.key: i for i, work in left.items()}
+    workers = Cluster(address)
+    try:
+        for key, answer in completed(left.values(), workers, compute_keyed, _lost):
+            yield numbers[key], answer
+    finally:
+        workers.close()
+
+
+def _lost(work: Work, reason: str) -> tuple[str, Answer]:
+    _clear(work)
+    return work.key, failed(work.label, reason)
 
 
 def _clear(work: Work) -> None:

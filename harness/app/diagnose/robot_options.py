@@ -20,7 +20,8 @@ class RobotOptions:
 
     file : MJCF or URDF. joint : of both, None for the only one that moves. gain : of a log in amperes, N m per A (N per
     A) at the joint. gravity : m/s^2 in the frame of the base, None for the model's own. payload : at the last body, kg.
-    sensor : the side of the gearbox on which the torque is measured.
+    sensor : the side of the gearbox on which the torque is measured. any_joint : where several move and none is named,
+    the first of them is what a result is of.
 
     Raises InputError for a number that is none, or not above 0, and for a side that does not exist.
     """
@@ -31,6 +32,7 @@ class RobotOptions:
     gravity: tuple[float, float, float] | None = None
     payload: float | None = None
     sensor: Sensor | None = None
+    any_joint: bool = False
 
     def __post_init__(self) -> None:
         if self.gain is not None and finite("--gain", self.gain) == 0.0:

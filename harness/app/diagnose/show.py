@@ -7,10 +7,12 @@ from pathlib import Path
 from harness.core.recording import Recording
 from harness.core.trajectory import Trajectory
 from harness.results.diagnosis import DiagnosisResult, FailedDiagnosis
+from harness.results.fleet import FleetResult
 from harness.show.diagnosis_scene import diagnosis_scene
 from harness.show.report.diagnosis import diagnosis_sections, diagnosis_title, gained, said, to_change
 from harness.show.report.diagnosis_index import index_sections, index_title
 from harness.show.report.page import write_report
+from harness.show.robot.fleet_page import fleet_sections
 from harness.show.robot.page import arm_sections, robot_sections
 from harness.show.robot.scene import arm_scene, with_robot
 from harness.show.robot.shown import Shown
@@ -59,14 +61,22 @@ def write_diagnosis_page(
     write_report(path, *diagnosis_title(data), sections)
 
 
-def write_index(path: Path, answers: Sequence[DiagnosisResult | FailedDiagnosis], command: str) -> None:
-    """Write the page of several diagnoses, one row each with a link; raises StoreError."""
+def write_index(
+    path: Path,
+    answers: Sequence[DiagnosisResult | FailedDiagnosis],
+    command: str,
+    fleet: FleetResult | None = None,
+) -> None:
+    """Write the page of several diagnoses, one row each with a link; fleet : of one robot. Raises StoreError."""
     data = []
     for answer in answers:
         one = answer.model_dump(mode="json", by_alias=True)
         report = one.get("files", {}).get("report")
         data.append(one | {"link": os.path.relpath(report, path.parent) if report else ""})
-    write_report(path, *index_title(data), index_sections(data, command))
+    sections = index_sections(data, command)
+    if fleet is not None:
+        sections = [*fleet_sections(fleet.model_dump(mode="json", by_alias=True)), *sections[1:]]
+    write_report(path, *index_title(data), sections)
 
 
 def write_arm_page(path: Path, result: DiagnosisResult, shown: Shown) -> None:

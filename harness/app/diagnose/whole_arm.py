@@ -187,7 +187,7 @@ def _result(arms: Arms, paste: JointPaste, command: str, files: dict[str, str]) 
         refined_model=document,
         model_left_out=[_NO_MODEL.format(name=m.name) for m in mechanisms if m.family != "model"],
         warnings=[*arms.arm.notes, *found.notes],
-        settings={**arms.options.settings(), "robot": arms.asked.settings() | {"joint": joint.joint}},
+        settings={**arms.options.settings(), "robot": arms.asked.settings()},
         command=command,
         machine=this_machine(),
         files=files,

@@ -3,6 +3,7 @@
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -58,6 +59,15 @@ STANDARD_INPUT = "-"
 @click.option("--together", is_flag=True, help="The recordings are of one machine: one set of physics.")
 @click.option("--resume", is_flag=True, help="Go on with the files that --out does not hold yet.")
 @jobs_option
+@click.option(
+    "--cluster", metavar="ADDRESS", help="A dask scheduler that sees the files, such as tcp://127.0.0.1:8786."
+)
+@click.option(
+    "--conditions",
+    type=click.Path(path_type=Path),
+    metavar="FILE",
+    help="Of logs of one robot: a CSV with a column file and numbers, such as temperature.",
+)
 @output_options
 def command(
     recordings: tuple[Path, ...],
@@ -70,6 +80,8 @@ def command(
     together: bool,
     resume: bool,
     jobs: int | None,
+    cluster: str | None,
+    conditions: Path | None,
     out: Path | None,
     json_to: str | None,
     quiet: bool,
@@ -102,9 +114,11 @@ def command(
              harness diagnose decay.csv --model mine.json \\
                  --engine mujoco --preset as-shipped
              harness diagnose log.csv --robot arm.urdf --joint elbow
+             harness diagnose day-*.mcap --robot arm.urdf \\
+                 --conditions days.csv
     """
     # a log of joints may be a folder
-    _check_files(recordings, (sim, chosen["model"], chosen["validate"], robot), resume or robot is not None)
+    _check_files(recordings, (sim, chosen["model"], chosen["validate"], robot, conditions), resume or robot is not None)
     check_json(json_to)
     from harness.app.diagnose.options import DiagnoseOptions
     from harness.app.diagnose.robot_options import RobotOptions
@@ -121,12 +135,19 @@ def command(
         robot=RobotOptions.chosen(robot, joint=joint, gain=gain, gravity=gravity, payload=payload, sensor=sensor),
         **chosen,
     )
+    several = (len(recordings) > 1 or resume) and not together
+    if conditions is not None and (robot is None or not several):
+        raise InputError("--conditions", "given", "it is accepted with several logs and --robot FILE")
+    if options.robot is not None and several:
+        options = replace(options, robot=replace(options.robot, any_joint=joint is None))
+    if cluster is not None:
+        _check_cluster(cluster, several, jobs)
     with _named(recordings) as named:
         if together:
             _refuse_beside_together(resume, jobs)
             code = _together(named, options, out, json_to, quiet)
         elif len(named) > 1 or resume:
-            code = _many(named, options, out, jobs, resume, json_to, quiet)
+            code = _many(named, options, out, jobs, resume, json_to, quiet, cluster, conditions)
         elif jobs is not None:
             raise InputError("--jobs", "given with one recording", "it is accepted with several")
         else:
@@ -182,6 +203,13 @@ def _refuse_beside_together(resume: bool, jobs: int | None) -> None:
             raise InputError(option, "given with --together", "it is accepted with several that are diagnosed each")
 
 
+def _check_cluster(cluster: str, several: bool, jobs: int | None) -> None:
+    if not several:
+        raise InputError(f"--cluster {cluster}", "given with one diagnosis", "it is accepted with several recordings")
+    if jobs is not None:
+        raise InputError("--jobs", "given with --cluster", "one of the two is accepted")
+
+
 def _together(
     named: list[tuple[Path, str]], options: "DiagnoseOptions", out: Path | None, json_to: str | None, quiet: bool
 ) -> int:
@@ -203,12 +231,16 @@ def _many(
     resume: bool,
     json_to: str | None,
     quiet: bool,
+    cluster: str | None,
+    conditions: Path | None,
 ) -> int:
+    from harness.app.diagnose.fleet import read_conditions
     from harness.app.diagnose.many import diagnose_all
     from harness.app.shared.deliver import write_json_text
 
+    known = None if conditions is None else read_conditions(conditions)
     with shown(quiet) as progress:
-        many = diagnose_all(named, options, out, jobs, resume, progress, this_line())
+        many = diagnose_all(named, options, out, jobs, resume, progress, this_line(), cluster=cluster, conditions=known)
     if json_to == STANDARD_OUTPUT:
         sys.stdout.write(many.json())
         sys.stdout.flush()

@@ -23,12 +23,13 @@ def main(argv: Sequence[str] | None = None) -> int:
     parser.add_argument("--first", type=int, default=0, help="number of the first draw")
     parser.add_argument("--only", choices=KINDS, action="append", help="arms of this kind; may repeat")
     parser.add_argument("--noise", type=float, default=NOISE, help="of the torque, a share of its rms")
+    parser.add_argument("--aim", type=float, nargs=2, metavar=("LOW", "HIGH"), help="limits that effects are made for")
     parser.add_argument("--each", action="store_true", help="a line for every draw as it is done")
     told = parser.parse_args(argv)
     kinds = tuple(told.only or KINDS)
     draws, began = [], time.perf_counter()
     for number in range(told.first, told.first + told.draws):
-        draws.append(draw(told.seed, number, kinds, told.noise))
+        draws.append(draw(told.seed, number, kinds, told.noise, told.aim and tuple(told.aim)))
         if told.each:
             print(f"{number}: {_line(draws[-1])}", flush=True)
     spent = (time.perf_counter() - began) / max(told.draws * len(kinds), 1)

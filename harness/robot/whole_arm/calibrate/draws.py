@@ -63,8 +63,12 @@ class Draw:
 KINDS = ("clean", "effect", "error")
 
 
-def draw(seed: int, number: int, kinds: Sequence[str] = KINDS, noise: float = NOISE) -> Draw:
-    """The draw of this number; noise : of the torque, a share of its rms."""
+Aim = tuple[float, float]
+"""Of an effect's limit, from and to: its size is chosen so that it lies there, evenly in its logarithm."""
+
+
+def draw(seed: int, number: int, kinds: Sequence[str] = KINDS, noise: float = NOISE, aim: Aim | None = None) -> Draw:
+    """The draw of this number; noise : of the torque, a share of its rms. aim : for effects whose size is their own."""
     rng = np.random.default_rng((seed, number))
     arm = seven_joints()
     plant = replace(Plant.drawn(rng, arm), memory=MEMORY if number % 2 else 0.0, noise=noise)
@@ -73,7 +77,7 @@ def draw(seed: int, number: int, kinds: Sequence[str] = KINDS, noise: float = NO
     clean, effect, error = (np.random.default_rng(int(own[kind])) for kind in KINDS)
     return Draw(
         _clean(plant, motion, arm, clean) if "clean" in kinds else None,
-        _effect(plant, motion, arm, effect) if "effect" in kinds else None,
+        _effect(plant, motion, arm, effect, aim) if "effect" in kinds else None,
         _error(plant, motion, arm, error) if "error" in kinds else None,
     )
 
@@ -92,17 +96,25 @@ def _clean(plant: Plant, motion: Motion, arm: Arm, rng: np.random.Generator) -> 
     return Clean((values - truth) / truth, found.left_out, claimed / truth, np.array(bounds) / truth, found.named)
 
 
-def _effect(plant: Plant, motion: Motion, arm: Arm, rng: np.random.Generator) -> Found:
-    name = str(rng.choice(list(EFFECTS)))
+def _effect(plant: Plant, motion: Motion, arm: Arm, rng: np.random.Generator, aim: Aim | None) -> Found:
+    name = str(rng.choice([one for one in EFFECTS if aim is None or one not in _AS_LARGE_AS_FRICTION]))
     joint = int(rng.choice(GRAVITY_JOINTS if name in (LOAD, BACKLASH) else range(JOINTS)))
     effect = EFFECTS[name](rng, float(plant.coulomb[joint]))
     limit = Limit(Path.of(plant, motion, SECONDS, RATE), LOWPASS, joint)
     gain = limit.gain(effect(limit.t, limit.q, limit.v, limit.gravity))
+    if aim is not None:
+        wanted = float(np.exp(rng.uniform(*np.log(aim))))
+        effect, gain = _scaled(effect, math.sqrt(wanted / gain)), wanted
     found = _seen(replace(plant, effects={joint: effect}), motion, arm, rng)
     own = (name, f"joint{joint + 1}")
     listed = any(name in e.rivals for e in found.joints[joint].effects)
     listed |= any(name in e.rivals for e in found.model if e.joint in (None, own[1]))
     return Found(name, gain, own in found.named, listed, tuple(n for n in found.named if n != own))
+
+
+def _scaled(effect: Friction, by: float) -> Friction:
+    """The same shape at another size: what a likelihood could gain goes with the square."""
+    return lambda t, q, v, g: by * effect(t, q, v, g)
 
 
 def _share(rng: np.random.Generator, coulomb: float, least: float = 0.01, most: float = 0.5) -> float:
@@ -184,6 +196,8 @@ EFFECTS: dict[str, Callable[[np.random.Generator, float], Friction]] = {
     STATIC: _static,
     BACKLASH: _backlash,
 }
+_AS_LARGE_AS_FRICTION = (PRESLIDING, BACKLASH)
+"""How much torque is missing is no number of theirs: only over what distance."""
 
 
 def _error(plant: Plant, motion: Motion, arm: Arm, rng: np.random.Generator) -> Found:

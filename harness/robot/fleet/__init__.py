@@ -1,0 +1,1 @@
+"""Several logs of one robot: in which joints friction is not the same."""

@@ -1,0 +1,144 @@
+"""Parameters of joints over several logs: whether they differ by more than their errors, and with what they change.
+
+A parameter that is the same in n logs scatters about its weighted mean so that the sum of squares over its errors is
+chi-square of n - 1 (Birge 1932). All parameters of all joints are asked at once, so that each may be off by its share
+of the chance alone (Bonferroni).
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from harness.core.arrays import FloatArray
+from harness.core.quantity import Quantity
+from harness.robot.whole_arm.rules import Rule
+
+CHANCE = Rule(
+    "fleet-chance",
+    0.01,
+    "probability",
+    "a parameter of a joint is said to differ between logs, or to change with a condition",
+    "by chance alone one fleet in a hundred has one; the sum over all parameters of all joints is meant (Bonferroni)",
+)
+
+
+@dataclass(frozen=True, slots=True)
+class Trend:
+    """With what a parameter changes. name : of the condition. slope : of the parameter over it. differs : from none."""
+
+    name: str
+    slope: Quantity
+    differs: bool
+
+
+@dataclass(frozen=True, slots=True)
+class Compared:
+    """One parameter of one joint over the logs.
+
+    values : one a log, None where that says nothing. mean : weighted. chi2, freedom, chance : of being the same in all;
+    chance is the probability of such a scatter. apart : the number of the log farthest from the others' mean, in its
+    and their errors. differs : by more than errors allow, all that is asked counted.
+    """
+
+    joint: str
+    parameter: str
+    values: tuple[Quantity | None, ...]
+    mean: Quantity
+    chi2: float
+    freedom: int
+    chance: float
+    apart: int
+    differs: bool
+    trends: tuple[Trend, ...] = ()
+
+
+Values = Mapping[str, Mapping[str, Quantity]]
+"""Of one log, by joint and by parameter."""
+
+
+def compared(logs: Sequence[Values], conditions: Mapping[str, Sequence[float | None]] = {}) -> tuple[Compared, ...]:
+    """Every parameter that at least two logs have; conditions : by name, one number a log, None where not known."""
+    asked = [
+        (joint, name)
+        for joint in dict.fromkeys(joint for log in logs for joint in log)
+        for name in dict.fromkeys(name for log in logs for name in log.get(joint, {}))
+    ]
+    kept = [(joint, name, _values(logs, joint, name)) for joint, name in asked]
+    kept = [(joint, name, values) for joint, name, values in kept if sum(v is not None for v in values) > 1]
+    level = CHANCE.value / max(len(kept) * (1 + len(conditions)), 1)
+    return tuple(_compared(joint, name, values, conditions, level) for joint, name, values in kept)
+
+
+def _values(logs: Sequence[Values], joint: str, name: str) -> tuple[Quantity | None, ...]:
+    """Those with an error: what has none cannot be compared."""
+    found = [log.get(joint, {}).get(name) for log in logs]
+    return tuple(q if q is not None and q.value is not None and q.stderr else None for q in found)
+
+
+def _compared(
+    joint: str,
+    name: str,
+    values: tuple[Quantity | None, ...],
+    conditions: Mapping[str, Sequence[float | None]],
+    level: float,
+) -> Compared:
+    from scipy.stats import chi2 as chi_square
+
+    at = [i for i, q in enumerate(values) if q is not None]
+    x, s = _numbers([q for q in values if q is not None])
+    mean, error = _mean(x, s)
+    chi2, freedom = float(np.sum(((x - mean) / s) ** 2)), len(at) - 1
+    chance = float(chi_square.sf(chi2, freedom))
+    far = []
+    for i in range(len(at)):
+        others, spread = _mean(np.delete(x, i), np.delete(s, i))
+        far.append(abs(x[i] - others) / float(np.hypot(s[i], spread)))
+    unit = next(q.unit for q in values if q is not None)
+    trends = [_trend(what, [given[i] for i in at], x, s, unit, level) for what, given in conditions.items()]
+    return Compared(
+        joint,
+        name,
+        values,
+        Quantity(mean, error, unit),
+        chi2,
+        freedom,
+        chance,
+        at[int(np.argmax(far))],
+        chance < level,
+        tuple(one for one in trends if one is not None),
+    )
+
+
+def _numbers(values: Sequence[Quantity]) -> tuple[FloatArray, FloatArray]:
+    return np.array([q.value for q in values], dtype=np.float64), np.array([q.stderr for q in values], dtype=np.float64)
+
+
+def _mean(x: FloatArray, s: FloatArray) -> tuple[float, float]:
+    """Weighted mean and its error."""
+    weights = 1.0 / s**2
+    return float(weights @ x / weights.sum()), float(weights.sum() ** -0.5)
+
+
+def _trend(
+    name: str, given: Sequence[float | None], x: FloatArray, s: FloatArray, unit: str, level: float
+) -> Trend | None:
+    """A straight line through the values; its error is that of the scatter about it where that is larger.
+
+    None for fewer than three logs with different conditions: two points always lie on a line.
+    """
+    from scipy.stats import t as student
+
+    known = [i for i, value in enumerate(given) if value is not None]
+    at = np.array([given[i] for i in known], dtype=np.float64)
+    if np.unique(at).size < 3:
+        return None
+    x, s = x[known], s[known]
+    columns = np.column_stack((np.ones_like(at), at - at.mean())) / s[:, None]
+    inverse = np.linalg.inv(columns.T @ columns)
+    line = inverse @ columns.T @ (x / s)
+    freedom = at.size - 2
+    scatter = float(np.sum((x / s - columns @ line) ** 2)) / freedom
+    slope, error = float(line[1]), float(np.sqrt(inverse[1, 1] * max(scatter, 1.0)))
+    differs = 2.0 * float(student.sf(abs(slope) / error, freedom)) < level
+    return Trend(name, Quantity(slope, error, f"{unit} per {name}"), differs)
