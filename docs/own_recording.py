@@ -11,7 +11,9 @@ from pathlib import Path
 
 DOCS = Path(__file__).resolve().parent
 TARGET = DOCS / "own-recording.md"
-_COMMAND = re.compile(r"^\$ (harness .+)$", re.MULTILINE)
+_COMMAND = re.compile(r"^\$ ((?:harness|python -m) .+)$", re.MULTILINE)
+_ELSEWHERE = re.compile(r"^report: |\bit costs ")
+"""Lines of paths, and of times that are another machine's."""
 _WIDTH = 110
 
 TEXT = """\
@@ -92,22 +94,27 @@ def text() -> str:
     """The page with what its commands print."""
     with tempfile.TemporaryDirectory() as folder:
         shutil.copy(DOCS / "example" / "rig.csv", folder)
-        parts, end = [], 0
-        for match in _COMMAND.finditer(TEXT):
-            parts += [TEXT[end : match.end()], "\n", _run(match[1], Path(folder))]
-            end = match.end()
-        return "".join((*parts, TEXT[end:]))
+        return filled(TEXT, Path(folder))
+
+
+def filled(page: str, folder: Path) -> str:
+    """A page, behind each command what it prints in a folder."""
+    parts, end = [], 0
+    for match in _COMMAND.finditer(page):
+        parts += [page[end : match.end()], "\n", _run(match[1], folder)]
+        end = match.end()
+    return "".join((*parts, page[end:]))
 
 
 def _run(command: str, folder: Path) -> str:
-    """What a command prints, its folder left out."""
-    _, *words = shlex.split(command)
+    """What a command prints, its folder left out, and what it took, which is another machine's."""
+    first, *words = shlex.split(command)
     environment = {**os.environ, "COLUMNS": str(_WIDTH), "NO_COLOR": "1", "PYTHONIOENCODING": "utf-8"}
-    call = [sys.executable, "-m", "harness.cli", *words]
+    call = [sys.executable, "-m", "harness.cli", *words] if first == "harness" else [sys.executable, *words]
     ended = subprocess.run(call, cwd=folder, env=environment, capture_output=True, text=True, check=False)
     if ended.returncode != 0:
         raise SystemExit(f"{command}: {ended.stderr}")
-    lines = [line.rstrip() for line in ended.stdout.splitlines() if not line.startswith("report: ")]
+    lines = [line.rstrip() for line in ended.stdout.splitlines() if not _ELSEWHERE.search(line)]
     return "\n".join(lines)
 
 

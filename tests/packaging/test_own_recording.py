@@ -26,6 +26,17 @@ def test_the_page_shows_what_its_commands_print() -> None:
     assert new == pytest.approx(old, rel=0.02, abs=LOOSE)
 
 
+@pytest.mark.slow
+def test_the_page_of_the_robot_shows_what_its_commands_print() -> None:
+    pytest.importorskip("rosbags")
+    pytest.importorskip("pybullet")
+    made = runpy.run_path(str(DOCS / "robot_example.py"))["text"]()
+    shown = (DOCS / "robot-example.md").read_text(encoding="utf-8")
+    assert words(made) == words(shown), "run python docs/robot_example.py"
+    new, old = ([float(n) for n in NUMBER.findall(text)] for text in (made, shown))
+    assert new == pytest.approx(old, rel=0.02, abs=LOOSE)
+
+
 def test_the_example_is_what_its_maker_writes() -> None:
     table = runpy.run_path(str(DOCS / "example" / "make.py"))["table"]()
     assert (DOCS / "example" / "rig.csv").read_text(encoding="utf-8") == table
