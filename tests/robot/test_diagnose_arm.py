@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 import harness
+from harness.app.report.rebuild import rebuild
 from harness.cli.main import run
 from harness.core.quantity import Quantity
 from harness.robot.whole_arm.whole import is_hold
@@ -78,6 +79,11 @@ def test_friction_comes_back_and_goes_into_the_model(case: Path) -> None:
     assert Path(result["files"]["rrd"]).stat().st_size > 1000
     page = Path(result["files"]["report"]).read_text(encoding="utf-8")
     assert "Friction of every joint" in page
+    assert result["robot"]["simulated"][0]["engine"] == "mujoco"
+    for one in result["robot"]["simulated"]:
+        assert one["after"]["x"] < 0.2 * one["before"]["x"]
+    _, again = rebuild(Path(result["files"]["rrd"]), case / "again.html")
+    assert again.read_text(encoding="utf-8") == page
 
 
 def test_a_joint_without_effort_is_refused_in_one_line(case: Path, capfd: pytest.CaptureFixture[str]) -> None:
