@@ -22,19 +22,19 @@ EXPECTED = 150
 def tune(
     name: str,
     route: Route = "joint",
-    dt: float = TUNED_DT,
+    dt: float | None = None,
     most: float | None = None,
     progress: Progress = SILENT,
     subject: Subject | None = None,
 ) -> TuneResult:
     """Search on some random sliders, score on others.
 
-    subject : what to search on in their place. dt : s. most : allowed cost, as wall time over that of what ships at
-    the same step; None for any. Raises InputError for an engine, route or number that is not accepted.
+    subject : what to search on in their place. dt : s, None for 1 ms. most : allowed cost, as wall time over that of
+    what ships at the same step; None for any. Raises InputError for an engine, route or number that is not accepted.
     """
     registry.check(name)
     choice("--route", route, ROUTES)
-    positive("--dt", dt, "s")
+    dt = TUNED_DT if dt is None else positive("--dt", dt, "s")
     if most is not None:
         positive("--max-cost", most)
     found = space(name.partition("@")[0], route)

@@ -62,7 +62,7 @@ def tune_joint(name: str, asked: TuneJoint, most: float | None = None, progress:
         soft = looseness(arm, joint, reduced(arm, joint).moved)
         own = {key: value for key, value in words(arm, joint).items() if key != "dt"}
         subject = replace(subject, own=own, given=lambda settings: loosened(settings, soft))
-    dt = asked.dt or float(arm.model.opt.timestep)
+    dt = float(arm.model.opt.timestep) if asked.dt is None else asked.dt
     result = tune(name, "joint", dt, most, progress, subject)
     paste = JointPaste(joint, f_k, c, float(arm.armature[at]), dt)
     robot = TunedJoint(

@@ -53,9 +53,8 @@ def command(
                 if value is not None:
                     raise InputError(option, "given without --robot", "it is accepted with --robot FILE")
             from harness.app.sweep.tune import tune
-            from harness.engines.base import TUNED_DT
 
-            result = tune(engine, route or "joint", TUNED_DT if dt is None else dt, max_cost, progress)  # type: ignore[arg-type]
+            result = tune(engine, route or "joint", dt, max_cost, progress)  # type: ignore[arg-type]
         else:
             if route not in (None, "joint"):
                 raise InputError("--route", f"{route}, given with --robot", "joint is accepted with it")
