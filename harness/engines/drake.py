@@ -16,9 +16,9 @@ from harness.core.quiet import quiet
 from harness.core.trajectory import Trajectory
 from harness.core.versions import version
 from harness.engines.base import TUNED_DT, Engine, Preset, Route, Task, choice, resolve
-from harness.engines.models import GRAVITY, coefficient
 from harness.engines.samples import trajectory
 from harness.engines.stepping import Native, Plan, Stepped, moved
+from harness.engines.weight import GRAVITY, coefficient
 
 SHIPPED_DT = 1e-3
 """Step of Drake's MultibodyPlantConfig, s."""

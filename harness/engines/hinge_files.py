@@ -10,6 +10,7 @@ from lxml import etree
 
 from harness.engines import models
 from harness.engines.joint_words import JOINT, JointWords, elements, words_of
+from harness.engines.weight import GRAVITY
 from harness.model.model import Model, Restoring
 
 NAME = "pendulum"
@@ -24,7 +25,7 @@ def _hung(model: Model) -> tuple[float, float]:
     inertia = model.m * (1.0 - _OWN)
     if model.restoring is not Restoring.PENDULUM:
         return inertia / _SEEN**2, _SEEN
-    distance = inertia * models.GRAVITY / model.k
+    distance = inertia * GRAVITY / model.k
     return inertia / distance**2, distance
 
 
@@ -96,5 +97,5 @@ def cannot_say(model: Model, suffix: str) -> list[str]:
         if model.restoring is Restoring.SPRING:
             missing.append(f"urdf: no torsion spring (k = {model.k:g} N m/rad), and gravity is to be none")
         if model.restoring is Restoring.PENDULUM:
-            missing.append(f"urdf: gravity is the reader's to set, {models.GRAVITY:g} m/s^2 along -z")
+            missing.append(f"urdf: gravity is the reader's to set, {GRAVITY:g} m/s^2 along -z")
     return missing

@@ -14,6 +14,7 @@ from harness.core.slider import Slider
 from harness.engines import hinge_files, models
 from harness.engines.base import choice
 from harness.engines.joint_words import JOINT, JointWords, Kinds, elements, words_of
+from harness.engines.weight import GRAVITY
 from harness.model.elements import Push
 from harness.model.model import Model, Restoring
 from harness.model.term import Slot
@@ -39,7 +40,7 @@ def _put_gravity(tree: Any, acceleration: float) -> None:
     option = tree.find("option")
     if option is None:
         option = etree.SubElement(tree, "option")
-    option.set("gravity", f"{acceleration!r} 0 {-models.GRAVITY!r}")
+    option.set("gravity", f"{acceleration!r} 0 {-GRAVITY!r}")
 
 
 def mjcf(model: Model) -> bytes:

@@ -9,12 +9,10 @@ from harness.core.errors import StoreError
 from harness.core.slider import Slider
 from harness.core.writing import replacing
 from harness.engines.base import Restoring, choice
+from harness.engines.weight import coefficient
 
 if TYPE_CHECKING:
     import mujoco
-
-GRAVITY = 9.81
-"""Gravity of the contact models, m/s^2."""
 
 NAMES = ("slider", "slider_on_floor")
 """Joint friction, and a box on a floor with contact friction."""
@@ -39,11 +37,6 @@ def path(name: str, suffix: str) -> Path:
     choice("model", name, FILES)
     choice("model format", suffix, ("xml", "urdf"))
     return folder() / f"{name}.{suffix}"
-
-
-def coefficient(slider: Slider, force: float | None = None) -> float:
-    """Coefficient of friction that turns weight into ``force`` (N), f_k when not given: f / (m g)."""
-    return (slider.f_k if force is None else force) / (slider.m * GRAVITY)
 
 
 def mjcf(slider: Slider, name: str = "slider", restoring: Restoring = "spring") -> "mujoco.MjSpec":

@@ -10,11 +10,11 @@ from harness.core.slider import Slider
 from harness.core.trajectory import Trajectory
 from harness.core.versions import version
 from harness.engines.base import TUNED_DT, Engine, Preset, Route, Task, choice, resolve
-from harness.engines.models import GRAVITY, coefficient
 from harness.engines.momentum import Momentum
 from harness.engines.own_spring import own_or_pushed
 from harness.engines.samples import trajectory
 from harness.engines.stepping import Plan, Stepped, moved
+from harness.engines.weight import GRAVITY, coefficient
 
 SHIPPED_DT = 1.0 / 60.0
 """Rapier's own step, s."""

@@ -2,6 +2,7 @@
 
 import os
 import signal
+import subprocess
 import sys
 from collections.abc import Iterator
 from pathlib import Path
@@ -107,3 +108,14 @@ def test_a_version_is_held_against_itself_or_the_newest(
     of: tuple[str, str, str], against: tuple[str, str, str] | None
 ) -> None:
     assert counterpart(of, KNOWN) == against
+
+
+_WITHOUT_LXML = """
+import sys
+sys.modules["lxml"] = None
+import harness.engines.elsewhere.worker, harness.engines.own_spring, harness.engines.samples, harness.engines.stepping
+"""
+
+
+def test_what_an_engine_needs_in_an_environment_of_its_own_is_there_without_a_parser_of_models() -> None:
+    subprocess.run([sys.executable, "-c", _WITHOUT_LXML], check=True)

@@ -10,6 +10,7 @@ from lxml import etree
 from harness.core.errors import InputError, StoreError
 from harness.core.slider import PAPER, Slider
 from harness.engines import models
+from harness.engines.weight import coefficient
 
 ODD = Slider(2.4213579246, 4.7912345678, 2310.9876543, 0.35123456789, 0.5)
 
@@ -87,7 +88,7 @@ def test_exported_files_are_read_again_with_the_same_numbers(tmp_path: Path) -> 
     mujoco.mj_forward(model, data)
     assert data.qacc[0] == pytest.approx(-(ODD.k - ODD.f_k) / ODD.m, rel=1e-6)
     floor = mujoco.MjModel.from_xml_path(str(written["slider_on_floor.xml"]))
-    assert floor.geom("floor").friction[0] == pytest.approx(models.coefficient(ODD), rel=1e-15)
+    assert floor.geom("floor").friction[0] == pytest.approx(coefficient(ODD), rel=1e-15)
 
 
 def test_a_format_says_what_it_leaves_out() -> None:

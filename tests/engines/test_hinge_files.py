@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 
 from harness.core.arrays import FloatArray
-from harness.engines import model_files, models
+from harness.engines import model_files
+from harness.engines.weight import GRAVITY
 from harness.kernels.solve import simulate
 from harness.model.model import Model, ModelTerm, Restoring
 
@@ -36,7 +37,7 @@ def in_pybullet(file: Path, x0: float) -> FloatArray:
     """As a user of PyBullet loads it: gravity set, friction held by the motor, no damping of the world's."""
     client = pybullet.connect(pybullet.DIRECT)
     try:
-        pybullet.setGravity(0, 0, -models.GRAVITY, physicsClientId=client)
+        pybullet.setGravity(0, 0, -GRAVITY, physicsClientId=client)
         pybullet.setTimeStep(STEP, physicsClientId=client)
         body = pybullet.loadURDF(str(file), useFixedBase=True, physicsClientId=client)
         for link in (-1, 0):

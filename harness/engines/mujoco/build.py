@@ -10,6 +10,7 @@ from harness.engines.actions import belt_speed
 from harness.engines.base import Task
 from harness.engines.joint_words import JointWords
 from harness.engines.mujoco.callback import SLOTS
+from harness.engines.weight import GRAVITY, coefficient
 
 _INTEGRATOR = {
     "Euler": mujoco.mjtIntegrator.mjINT_EULER,
@@ -42,7 +43,7 @@ def compile_model(task: Task, settings: dict[str, Any], limit: float) -> Any:
     option.cone = _CONE[settings["cone"]]
     for name in ("iterations", "tolerance", "ls_iterations", "noslip_iterations", "noslip_tolerance", "impratio"):
         setattr(option, name, settings[name])
-    option.gravity = [0.0, 0.0, -models.GRAVITY]
+    option.gravity = [0.0, 0.0, -GRAVITY]
     # a diverged run must be reported, not silently restarted
     option.disableflags |= mujoco.mjtDisableBit.mjDSBL_AUTORESET
     slide = spec.joint("slide")
@@ -51,7 +52,7 @@ def compile_model(task: Task, settings: dict[str, Any], limit: float) -> Any:
     if contact:
         # a pair takes the place of what the two geoms say and can tell friction's softness from the floor's
         pair = spec.add_pair(geomname1="floor", geomname2="box", condim=3)
-        mu = models.coefficient(slider, limit)
+        mu = coefficient(slider, limit)
         pair.friction = [mu, mu, 0.0, 0.0, 0.0]
         pair.solref, pair.solimp = settings["solref"], settings["solimp"]
         pair.solreffriction = settings["solreffriction"]

@@ -12,7 +12,6 @@ from harness.core.arrays import FloatArray
 from harness.core.errors import SimulationError
 from harness.core.trajectory import Trajectory
 from harness.core.versions import version
-from harness.engines import models
 from harness.engines.base import Engine, Preset, Route, Task, resolve
 from harness.engines.joint_words import JOINT, Kinds
 from harness.engines.mujoco import presets as table
@@ -20,6 +19,7 @@ from harness.engines.mujoco.build import compile_model
 from harness.engines.mujoco.depth import rest_height
 from harness.engines.mujoco.forces import Forces
 from harness.engines.samples import UNSATURATED, Motion, newton_friction, trajectory
+from harness.engines.weight import GRAVITY, coefficient
 
 _STATE = mujoco.mjtState.mjSTATE_FULLPHYSICS
 # callbacks of MuJoCo belong to the process, not to a model
@@ -114,7 +114,7 @@ def _switching(model: Any, data: Any, steps: int, task: Task, forces: Forces) ->
     Sticking is told from the friction force of the step before, which Newton's second law gives, not from a speed.
     """
     slider = task.scenario.slider
-    mu_k, mu_s = models.coefficient(slider), models.coefficient(slider, slider.break_away)
+    mu_k, mu_s = coefficient(slider), coefficient(slider, slider.break_away)
     friction = model.pair_friction
     states = np.empty((steps, mujoco.mj_stateSize(model, _STATE)))
     sensors = np.empty((steps, model.nsensordata))
@@ -128,7 +128,7 @@ def _switching(model: Any, data: Any, steps: int, task: Task, forces: Forces) ->
         normal = slider.m * sensors[step, 2]
         q, qd, a = states[step, 1], states[step, 3], sensors[step, 0]
         tangential = forces.applied[step] - slider.m * a - slider.c * qd - slider.k * q
-        forces.limits[step] = mu * slider.m * models.GRAVITY
+        forces.limits[step] = mu * slider.m * GRAVITY
         stuck = abs(tangential) < UNSATURATED * mu * normal
     return states, sensors
 
@@ -149,5 +149,5 @@ def _motion(task: Task, settings: dict[str, Any], forces: Forces, states: FloatA
     if task.route != "contact":
         return Motion(x, v, a, forces.applied, friction, forces.limits)
     normal = slider.m * sensors[:, 2]
-    limit = forces.limits / (slider.m * models.GRAVITY) * normal
+    limit = forces.limits / (slider.m * GRAVITY) * normal
     return Motion(x, v, a, forces.applied, friction, limit, states[:, 2].copy(), normal)

@@ -13,6 +13,7 @@ from harness.core.slider import Slider
 from harness.engines import models
 from harness.engines.base import Route
 from harness.engines.pybullet.client import pybullet
+from harness.engines.weight import GRAVITY, coefficient
 
 SLIDE, LIFT = 0, 1
 """Joint (and link) numbers in both models."""
@@ -42,7 +43,7 @@ class World:
             )
         elif route == "contact":
             # the floor's coefficient is 1: PyBullet multiplies the two
-            mu = models.coefficient(slider, force)
+            mu = coefficient(slider, force)
             pybullet.changeDynamics(self.body, self.box, lateralFriction=mu, physicsClientId=self.client)
 
     def contact(self) -> tuple[float, float]:
@@ -109,7 +110,7 @@ def _load(slider: Slider, name: str, route: Route, client: int) -> int:
 
 
 def _prepare_contact(world: World, settings: dict[str, Any]) -> None:
-    pybullet.setGravity(0.0, 0.0, -models.GRAVITY, physicsClientId=world.client)
+    pybullet.setGravity(0.0, 0.0, -GRAVITY, physicsClientId=world.client)
     pybullet.setPhysicsEngineParameter(
         contactERP=settings["contactERP"],
         frictionERP=settings["frictionERP"],
