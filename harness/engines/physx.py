@@ -24,11 +24,17 @@ for _needed in ("ovphysx", "physx_usd_schemas", "newton_usd_schemas"):
 
 
 def presets(route: Route, preset: Preset, dt: float | None = None) -> dict[str, Any]:
-    """Settings of a preset; see Engine.presets. own_spring, leapfrog : see own_or_pushed; the others are PhysX's."""
+    """Settings of a preset; see Engine.presets. own_..., leapfrog : see own_or_pushed; the others are PhysX's.
+
+    own_viscous : damping is viscousFrictionCoefficient in place of the drive's. own_break_away : staticFrictionEffort
+    is f_s.
+    """
     shipped = preset == "as-shipped"
     return {
         "dt": dt or (SHIPPED_DT if shipped else TUNED_DT),
         "own_spring": shipped,
+        "own_viscous": False,
+        "own_break_away": True,
         "leapfrog": not shipped,
         "solverType": "TGS" if shipped else "PGS",
         "solverPositionIterationCount": 4,

@@ -109,6 +109,10 @@ class PhysxBody(Stepped):
         slider, native = plan.task.scenario.slider, plan.native
         k = slider.k if native.spring and plan.task.restoring == "spring" else 0.0
         c = slider.c if native.damping else 0.0
+        self._viscous = c if settings["own_viscous"] else 0.0
+        slides, away = slider.f_k > 0.0, native.break_away
+        self._ratio = slider.break_away / slider.f_k if away and slides else 1.0
+        self._excess = plan.scale * slider.break_away if away and not slides else 0.0
         tgs = settings["solverType"] == "TGS"
         parts = max(1, settings["solverPositionIterationCount"]) if tgs else 1
         self._momentum = Momentum(slider.m, c, k, plan.dt, parts)
@@ -117,7 +121,7 @@ class PhysxBody(Stepped):
         self._stage = ovstage.Stage("slider")
         with tempfile.TemporaryDirectory(prefix="friction-harness-") as folder:
             file = Path(folder) / "slider.usda"
-            file.write_text(_STAGE.format(m=slider.m, k=k, c=c, **settings), encoding="utf-8")
+            file.write_text(_STAGE.format(m=slider.m, k=k, c=c - self._viscous, **settings), encoding="utf-8")
             ovstage.population.open_usd(self._stage, str(file), ordinal=1, domains=ovstage.PopulationDomain.ALL)
         self._stage.advance_write_floor(ordinal=1).wait()
         self._physics.wait_task(self._physics.attach_ovstage(self._stage, read_ordinal=1))
@@ -138,7 +142,9 @@ class PhysxBody(Stepped):
 
     def limit(self, force: float) -> None:
         """See Stepped.limit; static, dynamic and viscous friction of the joint."""
-        self._friction.write(np.array([[[force, force, 0.0]]], dtype=np.float32))
+        # refused when it is below the other by a rounding
+        static = max(force, force * self._ratio + self._excess)
+        self._friction.write(np.array([[[static, force, self._viscous]]], dtype=np.float32))
         self._limit = force
 
     def step(self, push: float) -> tuple[float, float, float]:

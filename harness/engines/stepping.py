@@ -19,12 +19,14 @@ class Native:
 
     implicit : the engine takes damping (and its spring) at the end of the step. moving_surface : its joint friction can
     be given the speed of a belt; without it the joint lives in the frame of the belt and the spring's end moves.
+    break_away : its friction has a static level besides, f_s for a limit of f_k; it is not switched from outside.
     """
 
     spring: bool
     damping: bool
     implicit: bool = False
     moving_surface: bool = False
+    break_away: bool = False
 
 
 class Stepped(ABC):
@@ -76,11 +78,22 @@ class Plan:
         back = 0.5 * self.dt * acceleration_at_start(task, self.dt) if self.leapfrog else 0.0
         self.first_speed = task.scenario.v0 - self.frame - back
 
+    def limits(self, friction: FloatArray, speeds: FloatArray, level: float, static: float) -> FloatArray:
+        """What |friction| (N) could have reached in steps that end with these speeds (m/s).
+
+        A joint that breaks away by itself slides at ``level`` (N), and no slower than half a step under what break-away
+        leaves over; what crosses the level at rest is still held, up to ``static`` (N).
+        """
+        if not self.native.break_away:
+            return np.full(friction.shape, level)
+        slow = 0.5 * self.dt * (static - level) / self.task.scenario.slider.m
+        return np.where((np.abs(friction) >= UNSATURATED * level) & (np.abs(speeds) > slow), level, static)
+
     def simple(self) -> bool:
-        """Whether friction is the engine's, of one constant level, and nothing but the spring depends on the state."""
+        """Whether friction is the engine's, of constant levels, and nothing but the spring depends on the state."""
         slider, task = self.task.scenario.slider, self.task
         plain = task.law is None and task.route != "law" and task.restoring != "pendulum"
-        return plain and slider.break_away == slider.f_k
+        return plain and (slider.break_away == slider.f_k or self.native.break_away)
 
     def push(self, q: float, speed: float, t: float, force: float) -> tuple[float, float]:
         """Force to push the joint with (N), and the sum of all forces but friction, both scaled."""
@@ -141,12 +154,13 @@ def _lean(plan: Plan, body: Stepped) -> Motion:
         friction.append(rubbing)
         if floor is not None:
             floors.append(floor())
-    limits = np.full(plan.steps, slider.f_k * (body.sticks_below / UNSATURATED))
+    rubs = np.array(friction) / scale
+    limits = plan.limits(rubs, np.array(speeds[1:]), slider.f_k, slider.break_away) * (body.sticks_below / UNSATURATED)
     if floor is None:
-        return plan.samples(positions, speeds, plan.driving, limits, np.array(friction) / scale)
+        return plan.samples(positions, speeds, plan.driving, limits, rubs)
     height, normal = np.array(floors)[:-1, 0], np.array(floors)[1:, 1]
     limits *= normal / (slider.m * GRAVITY)
-    motion = plan.samples(positions, speeds, plan.driving, limits, np.array(friction) / scale)
+    motion = plan.samples(positions, speeds, plan.driving, limits, rubs)
     return replace(motion, lift=height, normal=normal)
 
 
@@ -157,6 +171,7 @@ def stepped_through(plan: Plan, body: Stepped) -> Motion:
     state = np.zeros(0) if law is None else law.state.copy()
     ratio = slider.break_away / slider.f_k if slider.f_k > 0.0 else 1.0
     excess = slider.break_away if slider.f_k == 0.0 else 0.0
+    switched = not plan.native.break_away
     metric = slider.m / dt + (slider.c if plan.native.implicit and plan.native.damping else 0.0)
     stuck = held_at_start(task, dt)
     applied, limits, friction = np.empty(plan.steps), np.empty(plan.steps), np.empty(plan.steps)
@@ -177,7 +192,7 @@ def stepped_through(plan: Plan, body: Stepped) -> Motion:
                 force += law.force(t, x, v, state, law.params)
             if law.level is not None:
                 level = law.level(t, x, v, state, law.params)
-        limit = level * ratio + excess if stuck else level
+        limit = level * ratio + excess if stuck and switched else level
         push, others = plan.push(q, speed, t, force)
         if route == "law":
             wanted = metric * (speed - plan.surface) + others
@@ -193,6 +208,8 @@ def stepped_through(plan: Plan, body: Stepped) -> Motion:
             height, normal[i] = body.floor()
             lift[min(i + 1, plan.steps - 1)] = height
             limit *= body.sticks_below / UNSATURATED * normal[i] / (slider.m * GRAVITY)
+        if not switched:
+            limit = float(plan.limits(friction[i], np.asarray(speed), level, level * ratio + excess))
         stuck = bool(abs(friction[i]) < UNSATURATED * limit)
         applied[i], limits[i] = force, limit
         positions.append(q)

@@ -1,16 +1,21 @@
 """Every documented word of friction moves the motion, or stands on the list of warnings in docs/fidelity.md."""
 
+import json
 import os
+import subprocess
+import sys
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 from engine_cases import GENTLE, TABLE, decay, engine
 
+from harness.core.events import Mode
 from harness.core.scenario import Hold, Scenario
 from harness.core.slider import Slider
 from harness.engines import registry
-from harness.engines.base import Task
+from harness.engines.base import Engine, Task
 from harness.exact.decay import free_decay
 
 HAVE = {name for name, _ in TABLE}
@@ -50,6 +55,8 @@ WORDS: list[tuple[str, str, dict[str, Any], dict[str, Any]]] = [
     ("physx", "joint", {}, {"solverType": "PGS"}),
     ("physx", "joint", {}, {"solverPositionIterationCount": 16}),
     ("physx", "joint", {}, {"solverVelocityIterationCount": 0}),
+    ("physx", "joint", {}, {"own_spring": False}),
+    ("physx", "joint", {"own_spring": False}, {"own_viscous": True}),
     ("physx", "joint", {"own_spring": False}, {"enableExternalForcesEveryIteration": False}),
     ("drake", "contact", {}, {"contact_approximation": "kTamsi"}),
     ("drake", "contact", {}, {"contact_approximation": "kSimilar"}),
@@ -58,17 +65,22 @@ WORDS: list[tuple[str, str, dict[str, Any], dict[str, Any]]] = [
 ]
 
 
+def moved_by(engine: Engine, route: str, base: dict[str, Any], word: dict[str, Any]) -> float:
+    """How far a word takes a decay or a hold from what it is without the word, m."""
+    moved = 0.0
+    for scenario in (decay(GENTLE, 0.1, 0.5), Scenario("hold", GENTLE, 0.0, 0.0, 0.2, Hold(0.15))):
+        first, second = (Task(scenario, route, "as-shipped", settings=one) for one in (base, base | word))  # type: ignore[arg-type]
+        plain, other = engine.simulate(first), engine.simulate(second)
+        assert not any(line.startswith(tuple(word)) for line in other.source.ignored)
+        moved = max(moved, float(np.abs(other.x - plain.x).max()))
+    return moved
+
+
 @pytest.mark.parametrize(
     ("name", "route", "base", "word"), [pytest.param(*row, marks=only(row[0])) for row in WORDS], ids=str
 )
 def test_a_word_of_friction_moves_the_motion(name: str, route: str, base: dict[str, Any], word: dict[str, Any]) -> None:
-    moved = 0.0
-    for scenario in (decay(GENTLE, 0.1, 0.5), Scenario("hold", GENTLE, 0.0, 0.0, 0.2, Hold(0.15))):
-        first, second = (Task(scenario, route, "as-shipped", settings=one) for one in (base, base | word))  # type: ignore[arg-type]
-        plain, other = engine(name).simulate(first), engine(name).simulate(second)
-        assert not any(line.startswith(tuple(word)) for line in other.source.ignored)
-        moved = max(moved, float(np.abs(other.x - plain.x).max()))
-    assert moved > 1e-9
+    assert moved_by(engine(name), route, base, word) > 1e-9
 
 
 def rapier_box(locks: str) -> tuple[Any, Any, list[Any]]:
@@ -124,6 +136,54 @@ def test_warning_list_drakes_joints_have_no_word_of_friction() -> None:
     assert not [name for name in dir(PrismaticJoint) if "friction" in name.lower()]
 
 
+@only("physx")
+@pytest.mark.parametrize("solver", ["TGS", "PGS"])
+def test_physx_breaks_away_at_its_static_effort_and_slides_at_its_dynamic_one(solver: str) -> None:
+    physx, slider = engine("physx"), Slider(1.0, 0.0, 1e-9, 3.0, 4.0)
+    settings = {"own_spring": False, "solverType": solver}
+    for load, acceleration in ((3.96, 0.0), (4.04, 4.04 - 3.0)):
+        scenario = Scenario("hold", slider, 0.0, 0.0, 0.2, Hold(load))
+        trace = physx.simulate(Task(scenario, "joint", "as-shipped", 1e-3, settings))
+        assert trace.v[-1] == pytest.approx(acceleration * 0.2, abs=0.01)
+        stuck = acceleration == 0.0
+        assert trace.mode is not None
+        assert np.all(trace.mode[2:] == (Mode.STICK if stuck else Mode.SLIP_POSITIVE))
+
+
+def said_by(python: str, program: str) -> tuple[dict[str, Any], str]:
+    """The JSON that a program of tests/support prints last in an interpreter."""
+    file = Path(__file__).parents[1] / "support" / program
+    root = os.pathsep.join([str(Path(__file__).parents[2]), *filter(None, [os.environ.get("PYTHONPATH")])])
+    environment = os.environ | {"PYTHONPATH": root, "PYTHONWARNINGS": "ignore"}
+    done = subprocess.run([python, str(file)], capture_output=True, text=True, check=True, env=environment)
+    return json.loads(done.stdout.splitlines()[-1]), done.stdout + done.stderr
+
+
+@only("physx")
+def test_warning_list_physx_drops_friction_outside_an_articulation_and_a_static_effort_below_the_dynamic_one() -> None:
+    found, log = said_by(sys.executable, "physx_words.py")
+    assert found["inside"] == pytest.approx(0.0, abs=1e-6)
+    assert found["outside"] == pytest.approx(2.0 * 0.1, rel=1e-3)
+    assert found["kept"] == [3.0, 3.0, 0.0]
+    assert "Properties from PhysxJointAxisAPI will be ignored" in log
+    assert "Static friction effort must be greater than or equal to dynamic" in log
+
+
+SAPIEN = os.environ.get("HARNESS_SAPIEN_PYTHON", "")
+
+
+@pytest.mark.skipif(not SAPIEN, reason="HARNESS_SAPIEN_PYTHON names no interpreter that has sapien")
+def test_warning_list_sapiens_joints_rub_when_nobody_says_so() -> None:
+    found, _ = said_by(SAPIEN, "sapien_words.py")
+    assert found["version"] == "3.0.3"
+    assert found["default"] == pytest.approx(0.05)
+    plain, none = np.array(found["plain"]), np.array(found["none"])
+    # what is lost without friction is a link's linear damping of 0.05 1/s
+    assert none[1:] / none[:-1] == pytest.approx(np.exp(-0.5 * 0.05 * np.pi / 10.0), abs=1e-3)
+    # no friction force: the same share of every half-cycle, however large
+    assert plain[1:] / plain[:-1] == pytest.approx(0.94, abs=0.005)
+
+
 NEWTON = os.environ.get("HARNESS_NEWTON_PYTHON", "")
 
 
@@ -135,6 +195,27 @@ with_newton = pytest.mark.skipif(not NEWTON, reason="HARNESS_NEWTON_PYTHON names
 def test_newton_tuned_follows_the_exact_decay(route: str) -> None:
     trace = registry.load(f"newton@{NEWTON}").simulate(Task(decay(), route, "tuned", 1e-3))  # type: ignore[arg-type]
     assert np.abs(trace.x - free_decay(decay(), trace.t).x).max() < 2e-3
+
+
+@with_newton
+def test_newtons_two_mujocos_give_the_same_motion() -> None:
+    scenario = decay(duration=0.5)
+    both = [
+        registry.load(f"newton@{NEWTON}").simulate(
+            Task(scenario, "joint", "as-shipped", 1 / 60, {"use_mujoco_cpu": on})
+        )
+        for on in (True, False)
+    ]
+    assert both[1].x == pytest.approx(both[0].x, abs=2e-6)
+    assert not np.array_equal(both[1].x, both[0].x)
+
+
+@with_newton
+@pytest.mark.parametrize(
+    "word", [{"solreffriction": (0.05, 1.0)}, {"solimpfriction": (0.5, 0.6, 0.001, 0.5, 2.0)}, {"integrator": "rk4"}]
+)
+def test_newtons_words_move_the_motion(word: dict[str, Any]) -> None:
+    assert moved_by(registry.load(f"newton@{NEWTON}"), "joint", {}, word) > 1e-9
 
 
 @with_newton
