@@ -1,4 +1,7 @@
-"""``python -m benchmarks [--only NAME ...] [--json FILE]``: exit 1 when a target is missed, 2 on bad usage."""
+"""``python -m benchmarks [--only NAME ...] [--json FILE]``: exit 1 when a target is missed, 2 on bad usage.
+
+A row of an engine that is not here is left out, and said so on standard error.
+"""
 
 import argparse
 import dataclasses
@@ -11,6 +14,7 @@ from rich.console import Console
 from rich.table import Table
 
 from benchmarks.registry import Row, all_benchmarks, run
+from harness.core.errors import SimulationError
 
 
 def _seconds(value: float) -> str:
@@ -60,7 +64,10 @@ def main(arguments: list[str] | None = None) -> int:
     for item in chosen:
         if progress.is_terminal:
             progress.print(f"[dim]{item.name} ...[/dim]")
-        rows.append(run(item))
+        try:
+            rows.append(run(item))
+        except (ModuleNotFoundError, SimulationError) as why:
+            sys.stderr.write(f"{item.name}: not run ({why})\n")
     if options.json != "-":
         _show(rows, Console())
     if options.json:

@@ -46,6 +46,7 @@ class DrakeBody(Stepped):
     def __init__(self, plan: Plan, settings: dict[str, Any]) -> None:
         slider, self._rubs = plan.task.scenario.slider, plan.task.route == "contact"
         self._slider, self._dt, self._steps, self._normal = slider, plan.dt, 0, 0.0
+        self._sign = 0.0
         builder = DiagramBuilder()
         plant, scene = AddMultibodyPlantSceneGraph(builder, plan.dt)
         carriage = plant.AddRigidBody("carriage", SpatialInertia.Zero())
@@ -118,11 +119,12 @@ class DrakeBody(Stepped):
             self._normal = 0.0
             return 0.0
         pair = found.point_pair_contact_info(0)
-        # the force is that on B; on the floor it is friction on the left-hand side
-        sign = -1.0 if pair.bodyB_index() == self._box else 1.0
-        force = pair.contact_force()
-        self._normal = abs(float(force[2]))
-        return sign * float(force[0])
+        if not self._sign:
+            # the force is that on B, which stays B; on the floor it is friction on the left-hand side
+            self._sign = -1.0 if pair.bodyB_index() == self._box else 1.0
+        x, _, z = pair.contact_force().tolist()
+        self._normal = abs(z)
+        return float(self._sign * x)
 
     def floor(self) -> tuple[float, float]:
         """See Stepped.floor."""

@@ -26,7 +26,8 @@ def turns(friction: float | None) -> tuple[float, list[float]]:
     if friction is not None:
         joint.set_friction(friction)
     made.set_qpos([0.5])
-    found, before = [], 0.0
+    found: list[float] = []
+    before = 0.0
     while len(found) < 6:
         q, v = float(made.get_qpos()[0]), float(made.get_qvel()[0])
         if before * v < 0.0:
