@@ -7,7 +7,7 @@ from harness.engines.base import PRESETS, ROUTES, Engine, Preset, Route
 from harness.fidelity import sliders
 from harness.fidelity.registry import suite
 from harness.fidelity.row import Spec
-from harness.fidelity.variants import COARSE, FINE, FINEST, HUNDRED, OWN, Variant, variants
+from harness.fidelity.variants import COARSE, FINE, FINEST, HUNDRED, OWN, WARP, Variant, variants
 
 SHORT_SCENARIOS = ("free-decay", "free-decay-no-friction", "hold-97", "belt", "harmonic")
 
@@ -68,6 +68,8 @@ class Matrix:
     def _wanted(self, variant: Variant, dt: float | None, changed: bool, scenario: str) -> bool:
         if self.short:
             return not changed and scenario in SHORT_SCENARIOS
+        if variant.name == WARP:
+            return scenario == "free-decay"
         if not self.steps and dt == HUNDRED:
             # ten times the cost: the figures that are known at this step
             return scenario in ("free-decay", "free-decay-no-friction", "belt")

@@ -133,6 +133,8 @@ _RAPIER_CONTACT = (
 _PHYSX_JOINT = (
     Variant("as-shipped", "as-shipped", (OWN, FINE)),
     _PUSHED,
+    Variant("viscous", "as-shipped", (FINE,), _fixed(own_spring=False, own_viscous=True, solverType="PGS")),
+    Variant("switched", "as-shipped", (FINE,), _fixed(own_break_away=False)),
     Variant("once a step", "as-shipped", (FINE,), _fixed(own_spring=False, enableExternalForcesEveryIteration=False)),
     Variant("pushed", "as-shipped", (FINE,), _fixed(own_spring=False, solverType="PGS")),
     Variant("tuned", "tuned", LADDER),
@@ -146,7 +148,13 @@ _DRAKE_CONTACT = (
     Variant("lagged", "as-shipped", (FINE,), _fixed(stiction_tolerance=1e-6)),
     Variant("tuned", "tuned", (MIDDLE, FINE)),
 )
-_NEWTON = (Variant("as-shipped", "as-shipped", (OWN, FINE)), Variant("tuned", "tuned", (FINE,)))
+WARP = "warp"
+"""Newton as it ships to the letter: many times the cost without a GPU, and the same motion to six digits."""
+_NEWTON = (
+    Variant("as-shipped", "as-shipped", (OWN, FINE)),
+    Variant(WARP, "as-shipped", (OWN,), _fixed(use_mujoco_cpu=False)),
+    Variant("tuned", "tuned", (FINE,)),
+)
 
 _TABLE: dict[tuple[str, Route], tuple[Variant, ...]] = {
     ("rapier", "joint"): _RAPIER_JOINT,

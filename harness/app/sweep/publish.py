@@ -23,15 +23,17 @@ def publish(into: Path, elsewhere: Sequence[str] = ()) -> int:
     """Sweep the whole matrix; report.html, traces/ and baseline.json replace those in ``into``. Returns their bytes.
 
     elsewhere : engines of other interpreters besides those that are installed here, NAME@PYTHON. Rows of the baseline
-    of engines and versions that were not run stay. Raises HarnessError when a row could not be run or the result is too
-    large; then ``into`` stays as it is.
+    of engines and versions that were not run stay. Raises HarnessError when a row could not be run here (an older
+    version elsewhere may lack what a row asks for, and says so) or the result is too large; then ``into`` stays as it
+    is.
     """
     here = [name for name, why in registry.available().items() if why is None]
     options = SweepOptions(engines=(*here, *elsewhere), keep=WORST)
     with tempfile.TemporaryDirectory(prefix="friction-harness-") as temporary:
         result = sweep(options, Path(temporary) / "sweep", command=COMMAND)
-        if result.failed:
-            raise HarnessError(f"{result.failed} rows could not be run; nothing was published")
+        broken = [row["name"] for row in result.rows() if row["error"] is not None and not row["environment"]]
+        if broken:
+            raise HarnessError(f"{len(broken)} rows could not be run, {broken[0]} first; nothing was published")
         finish(result, options)
         if (into / "baseline.json").is_file():
             shutil.copyfile(into / "baseline.json", result.folder / "baseline.json")

@@ -197,10 +197,18 @@ def _worst(
 def summary(result: Sweep) -> tuple[tuple[str, ...], list[list[str]]]:
     """Heads and lines of the table: what ships and what is tuned, by engine and route, distances from exact."""
     lines = []
-    for card in cards(result.rows()):
+    found = cards(result.rows())
+    kinds = {(card.engine, card.version, card.environment) for card in found}
+    for card in found:
         values = [_share(card.values.get(label)) for label in BRIEF]
-        lines.append([card.engine, card.route, card.preset, *values])
+        alone = sum(card.engine == engine for engine, _, _ in kinds) == 1
+        lines.append([card.engine if alone else _named(card), card.route, card.preset, *values])
     return ("engine", "route", "settings", *BRIEF), lines
+
+
+def _named(card: Card) -> str:
+    """An engine of which there are two, told apart."""
+    return f"{card.engine} {card.version}" + (f" ({card.environment})" if card.environment else "")
 
 
 def _share(value: float | None) -> str:
