@@ -30,7 +30,8 @@ def publish(into: Path, elsewhere: Sequence[str] = ()) -> int:
     here = [name for name, why in registry.available().items() if why is None]
     options = SweepOptions(engines=(*here, *elsewhere), keep=WORST)
     with tempfile.TemporaryDirectory(prefix="friction-harness-") as temporary:
-        result = sweep(options, Path(temporary) / "sweep", command=COMMAND)
+        said = " ".join([COMMAND, *map(_by_folder, elsewhere)])
+        result = sweep(options, Path(temporary) / "sweep", command=said)
         broken = [row["name"] for row in result.rows() if row["error"] is not None and not row["environment"]]
         if broken:
             raise HarnessError(f"{len(broken)} rows could not be run, {broken[0]} first; nothing was published")
@@ -47,6 +48,12 @@ def publish(into: Path, elsewhere: Sequence[str] = ()) -> int:
         for file in files:
             shutil.copyfile(file, into / file.relative_to(result.folder))
     return size
+
+
+def _by_folder(engine: str) -> str:
+    """NAME@PYTHON with no more of the path than the environment's own folder."""
+    name, _, python = engine.partition("@")
+    return f"{name}@{'/'.join(Path(python).parts[-3:])}"
 
 
 if __name__ == "__main__":
