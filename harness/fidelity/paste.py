@@ -4,6 +4,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from harness.engines.base import Route
+from harness.fidelity.paste_stepped import WRITERS
 
 Settings = Mapping[str, Any]
 
@@ -29,6 +30,8 @@ def paste(engine: str, route: Route, settings: Settings, changed: Settings) -> s
         return _mujoco(route, settings, changed)
     if engine == "pybullet":
         return _pybullet(settings, changed)
+    if engine in WRITERS:
+        return "\n".join([*WRITERS[engine](settings["dt"], changed), *_leapfrog(changed)])
     lines = [f"{name} = {value!r}" for name, value in changed.items() if name != "leapfrog"]
     return "\n".join([f"# time step {settings['dt']:.10g} s", *lines, *_leapfrog(changed)])
 

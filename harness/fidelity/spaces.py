@@ -91,11 +91,17 @@ _DRAKE_CONTACT = (
     Axis("stiction_tolerance", (1e-4, 1e-5, 1e-6, 1e-8)),
 )
 
+_NEWTON = (
+    _LEAPFROG,
+    Axis("integrator", ("euler", "implicitfast", "rk4")),
+)
+
+_RATE = Axis("rate", (SHIPPED, 0.05, 0.1, 0.2, 0.5, 1.0, 1.4, 1.7, 1.9, 1.98))
 _SPACES: dict[tuple[str, Route], Space] = {
     ("mujoco", "joint"): Space(
         (
             _INTEGRATORS,
-            Axis("rate", (SHIPPED, 0.05, 0.1, 0.2, 0.5, 1.0, 1.4, 1.7, 1.9, 1.98)),
+            _RATE,
             Axis("impedance", _IMPEDANCE),
             _NOSLIP,
         ),
@@ -126,6 +132,8 @@ _SPACES: dict[tuple[str, Route], Space] = {
     ("physx", "law"): Space(_PHYSX, _plain),
     ("drake", "contact"): Space(_DRAKE_CONTACT, _plain),
     ("drake", "law"): Space((_LEAPFROG,), _plain),
+    ("newton", "joint"): Space((*_NEWTON, _RATE, Axis("impedance", _IMPEDANCE)), _mujoco_joint),
+    ("newton", "law"): Space(_NEWTON, _plain),
 }
 
 

@@ -1,6 +1,8 @@
 """Search of settings: from scratch at least as good as what is known, on sliders it was not searched on."""
 
 import json
+import subprocess
+import sys
 from typing import Any
 
 import mujoco
@@ -128,6 +130,66 @@ def test_pasted_calls_are_python() -> None:
     assert "p.changeDynamics(body, link, linearDamping=0, frictionAnchor=1)" in text
     assert "leapfrog" in text
     compile(paste("dart", "joint", {"dt": 1e-3}, {"leapfrog": True}), "pasted", "exec")
+
+
+def installed(name: str) -> pytest.MarkDecorator:
+    return pytest.mark.skipif(registry.available().get(name) is not None, reason=f"{name} is not installed")
+
+
+@installed("rapier")
+def test_pasted_attributes_are_rapiers() -> None:
+    import rapier3d
+
+    changed = {"num_solver_iterations": 1, "friction_model": "COULOMB", "own_spring": False, "leapfrog": True}
+    text = paste("rapier", "contact", {"dt": 2e-3}, changed)
+    world = rapier3d.PhysicsWorld()
+    exec(compile(text, "pasted", "exec"), {"world": world, "rapier3d": rapier3d})
+    given = world.integration_parameters
+    assert (given.dt, given.num_solver_iterations) == (pytest.approx(2e-3), 1)
+    assert given.friction_model == rapier3d.FrictionModel.COULOMB
+    assert "push with -k*x - c*v" in text
+    assert "leapfrog" in text
+
+
+@installed("drake")
+def test_pasted_calls_are_drakes() -> None:
+    from pydrake.multibody.plant import AddMultibodyPlantSceneGraph, DiscreteContactApproximation
+    from pydrake.systems.framework import DiagramBuilder
+
+    text = paste("drake", "contact", {"dt": 2e-3}, {"contact_approximation": "kTamsi", "stiction_tolerance": 1e-6})
+    known: dict[str, Any] = {
+        "AddMultibodyPlantSceneGraph": AddMultibodyPlantSceneGraph,
+        "DiscreteContactApproximation": DiscreteContactApproximation,
+        "builder": DiagramBuilder(),
+    }
+    exec(compile(text, "pasted", "exec"), known)
+    assert known["plant"].time_step() == 2e-3
+    assert known["plant"].get_discrete_contact_approximation() == DiscreteContactApproximation.kTamsi
+
+
+@installed("physx")
+def test_pasted_attributes_are_those_of_the_stage_that_the_adapter_makes() -> None:
+    code = "from harness.engines.physx_world import _STAGE; print(_STAGE)"
+    stage = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout
+    attributes = {line.split(" = ")[0].strip() for line in stage.splitlines() if " = " in line}
+    changed = {
+        "solverType": "PGS",
+        "enableExternalForcesEveryIteration": False,
+        "solverPositionIterationCount": 1,
+        "solverVelocityIterationCount": 0,
+    }
+    lines = [line for line in paste("physx", "joint", {"dt": 1e-3}, changed).splitlines() if not line.startswith("#")]
+    assert len(lines) == len(changed)
+    assert {line.split(" = ")[0] for line in lines} <= attributes
+    assert 'uniform token physxScene:solverType = "PGS"' in lines
+
+
+def test_pasted_words_are_newtons() -> None:
+    changed = {"integrator": "rk4", "solreffriction": (-1.0, -1900.0), "solimpfriction": (0.9, 0.9, 0.001, 0.5, 2.0)}
+    text = paste("newton", "joint", {"dt": 1e-3}, changed)
+    compile(text, "pasted", "exec")
+    assert "SolverMuJoCo(model, integrator='rk4')" in text
+    assert "'mujoco:solreffriction': [(-1.0, -1900.0)]" in text
 
 
 @pytest.mark.parametrize("entry", tunable())
