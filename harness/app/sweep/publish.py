@@ -4,16 +4,18 @@ import shutil
 import sys
 import tempfile
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 
 from harness.app.sweep.regress import update
 from harness.app.sweep.report import finish
-from harness.app.sweep.sweep import PAGE, TRACES, SweepOptions, sweep
+from harness.app.sweep.sweep import PAGE, TRACES, Sweep, SweepOptions, sweep
 from harness.core.errors import HarnessError
 from harness.engines import registry
 from harness.fidelity.compare import kept
 
 WORST = 5
+"""Traces of the worst rows; fewer where more would be too large."""
 LARGEST = 5_000_000
 """Bytes of everything that is published."""
 COMMAND = "python -m harness.app.sweep.publish"
@@ -28,26 +30,35 @@ def publish(into: Path, elsewhere: Sequence[str] = ()) -> int:
     is.
     """
     here = [name for name, why in registry.available().items() if why is None]
-    options = SweepOptions(engines=(*here, *elsewhere), keep=WORST)
+    options = SweepOptions(engines=(*here, *elsewhere))
     with tempfile.TemporaryDirectory(prefix="friction-harness-") as temporary:
         said = " ".join([COMMAND, *map(_by_folder, elsewhere)])
         result = sweep(options, Path(temporary) / "sweep", command=said)
         broken = [row["name"] for row in result.rows() if row["error"] is not None and not row["environment"]]
         if broken:
             raise HarnessError(f"{len(broken)} rows could not be run, {broken[0]} first; nothing was published")
-        finish(result, options)
         if (into / "baseline.json").is_file():
             shutil.copyfile(into / "baseline.json", result.folder / "baseline.json")
         update(result.folder / "baseline.json", {row["name"]: kept(row) for row in result.rows()})
-        files = [result.folder / PAGE, result.folder / "baseline.json", *sorted((result.folder / TRACES).glob("*.rrd"))]
-        size = sum(file.stat().st_size for file in files)
-        if size > LARGEST:
+        for keep in range(WORST, -1, -1):
+            files, size = _finished(result, replace(options, keep=keep))
+            if size <= LARGEST:
+                break
+        else:
             raise HarnessError(f"the report would take {size} bytes, more than {LARGEST}; nothing was published")
         shutil.rmtree(into / TRACES, ignore_errors=True)
         (into / TRACES).mkdir(parents=True)
         for file in files:
             shutil.copyfile(file, into / file.relative_to(result.folder))
     return size
+
+
+def _finished(result: Sweep, options: SweepOptions) -> tuple[list[Path], int]:
+    """The files of the report with so many traces, and their bytes."""
+    shutil.rmtree(result.folder / TRACES, ignore_errors=True)
+    finish(result, options)
+    files = [result.folder / PAGE, result.folder / "baseline.json", *sorted((result.folder / TRACES).glob("*.rrd"))]
+    return files, sum(file.stat().st_size for file in files)
 
 
 def _by_folder(engine: str) -> str:
