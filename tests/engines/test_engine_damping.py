@@ -82,6 +82,13 @@ def test_a_force_taken_once_a_step_leaves_the_damping_alone(
     assert acting(trace, slider.m) == pytest.approx(laws.held(slider.m, slider.c, slider.k, h, 1), rel=1e-3)
 
 
+@only("physx")
+@pytest.mark.parametrize(("slider", "h", "n"), [*CASES[:3], SERVO])
+def test_the_viscous_part_of_physx_is_taken_at_the_end_of_a_step(slider: Slider, h: float, n: int) -> None:
+    trace = free("physx", slider, h, own_spring=False, own_viscous=True, solverType="PGS")
+    assert acting(trace, slider.m) == pytest.approx(laws.half_implicit(slider.m, 0.0, slider.c, h), rel=1e-3)
+
+
 def creeping(name: str, route: str, m: float, load: float, limit: float, h: float, **settings: Any) -> float:
     """Mean speed over the later half of a hold of 400 steps, m/s."""
     scenario = Scenario("hold", Slider(m, 0.0, 1e-9, limit), 0.0, 0.0, 400.0 * h, Hold(load))
