@@ -16,21 +16,25 @@ class Momentum:
     """Friction over a step of n equal sub-steps v+ = (v + (h/n) (u - f - k x+)/m) / (1 + h c/(n m)), x+ = x + (h/n) v+.
 
     m in kg; c in N s/m and k in N/m are what the engine takes at the end of every sub-step, zero for what is pushed
-    with; h in s. The speed after the step is linear, v+ = A x + B v + C (u - f), so that f follows from it.
+    with; h in s. The speed after the step is linear, v+ = A x + B v + C u - D f, so that f follows from it. last : the
+    impulse of friction comes after the spring and damper of a sub-step have been solved for, so that they do not weigh
+    it: v+ = (v + (h/n) (u - k x+)/m) / (1 + h c/(n m)) - (h/n) f/m, x+ on the right that of a step without f.
     """
 
-    def __init__(self, m: float, c: float, k: float, h: float, n: int) -> None:
+    def __init__(self, m: float, c: float, k: float, h: float, n: int, last: bool = False) -> None:
         part = h / n
         weight = 1.0 / (1.0 + part * (c + part * k) / m)
         once: FloatArray = np.array([[1.0 - part**2 * k * weight / m, part * weight], [-part * k * weight / m, weight]])
         given: FloatArray = part * weight / m * np.array([part, 1.0])
+        rubbed: FloatArray = part / m * np.array([part, 1.0]) if last else given
         state: FloatArray = np.eye(2)
-        gained: FloatArray = np.zeros(2)
+        gained, lost = np.zeros(2), np.zeros(2)
         for _ in range(n):
             gained = once @ gained + given
+            lost = once @ lost + rubbed
             state = once @ state
         self._of_x, self._of_v = float(state[1, 0]), float(state[1, 1])
-        self._gain = float(gained[1])
+        self._gain, self._loss = float(gained[1]), float(lost[1])
 
     def friction(self, x: float, v: float, after: float, push: float, limit: float) -> float:
         """Friction force on the left-hand side, N, held constant over the step.
@@ -39,6 +43,6 @@ class Momentum:
         within the rounding of single precision is the limit.
         """
         kept = self._of_x * x + self._of_v * v
-        force = push - (after - kept) / self._gain
-        slack = ROUNDINGS * SINGLE * ((abs(kept) + abs(after)) / self._gain + abs(push))
+        force = (self._gain * push + kept - after) / self._loss
+        slack = ROUNDINGS * SINGLE * ((abs(kept) + abs(after)) / self._loss + abs(push))
         return math.copysign(limit, force) if abs(abs(force) - limit) < slack else force

@@ -21,7 +21,7 @@ from harness.engines.stepping import Native, Plan, Stepped, moved
 
 SHIPPED_DT = 1.0 / 60.0
 """Step of Newton's examples, s."""
-SOLVERS = ("SolverMuJoCo", "SolverFeatherstone", "SolverSemiImplicit", "SolverXPBD")
+SOLVERS = ("SolverMuJoCo", "SolverFeatherstone", "SolverSemiImplicit", "SolverXPBD", "SolverVBD")
 """Solvers; the first is the one whose joints have dry friction."""
 
 _log = logging.getLogger("harness.engines.newton")
@@ -52,6 +52,8 @@ class NewtonBody(Stepped):
         rubs = slider.f_k if plan.task.route == "joint" else 0.0
         joint = builder.add_joint_prismatic(-1, link, axis=(1.0, 0.0, 0.0), friction=rubs, **words)
         builder.add_articulation([joint])
+        if settings["solver"] == "SolverVBD":
+            builder.color()
         builder.joint_q[-1], builder.joint_qd[-1] = self._q, self._speed
         self._model = model = builder.finalize(device="cpu")
         own = {"use_mujoco_cpu": settings["use_mujoco_cpu"], "integrator": settings["integrator"]} if of_mujoco else {}

@@ -48,6 +48,8 @@ def unused(settings: dict[str, Any]) -> tuple[str, ...]:
     lines = ["precision: positions, speeds and forces are single, about seven digits"]
     if settings["solverType"] == "PGS" and not settings["enableExternalForcesEveryIteration"]:
         lines.append("enableExternalForcesEveryIteration: PGS takes a force once a step anyway")
+    if settings["solverType"] == "TGS" and settings["own_viscous"]:
+        lines.append("friction_force: what is told holds a part of the viscous force, which TGS takes by itself")
     return tuple(lines)
 
 

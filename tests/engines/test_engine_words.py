@@ -219,7 +219,7 @@ def test_newtons_words_move_the_motion(word: dict[str, Any]) -> None:
 
 
 @with_newton
-@pytest.mark.parametrize("solver", ["SolverFeatherstone", "SolverSemiImplicit", "SolverXPBD"])
+@pytest.mark.parametrize("solver", ["SolverFeatherstone", "SolverSemiImplicit", "SolverXPBD", "SolverVBD"])
 def test_warning_list_newtons_other_solvers_drop_joint_friction(solver: str) -> None:
     newton = registry.load(f"newton@{NEWTON}")
     scenario = Scenario("hold", Slider(1.0, 0.0, 1e-9, 3.0), 0.0, 0.0, 0.1, Hold(1.5))

@@ -10,6 +10,7 @@ from harness.app.sweep.report import finish, one_step_each, summary
 from harness.app.sweep.sweep import Sweep, SweepOptions, settings_of, sweep
 from harness.app.sweep.traces import worst_rows
 from harness.fidelity.convergence import Ladder, slope
+from harness.fidelity.known import SERVOS, WITHOUT_EFFECT
 from harness.fidelity.pareto import FLOOR, front, points
 from harness.fidelity.scores import LABELS, badness, cards, distance, figures_of
 from harness.show.sentences.sweep import headline, percent, sentences
@@ -154,6 +155,17 @@ def test_orders_are_the_slope_of_a_power(rows: list[dict[str, Any]]) -> None:
         ladder.add(row)
     # two steps are not enough, and a row of random sliders does not count
     assert {order.preset for order in ladder.orders()} <= {"as-shipped"}
+
+
+def test_the_page_has_the_servos_and_the_silent_words_of_the_document() -> None:
+    text = (Path(__file__).resolve().parents[2] / "docs" / "fidelity.md").read_text(encoding="utf-8")
+    for one in WITHOUT_EFFECT:
+        assert any(line.startswith(f"| {one.engine} |") and one.what in line for line in text.splitlines()), one
+    for servo in SERVOS:
+        false, zeta = f"{servo.false_damping:+.3g}" if servo.false_damping else "0", f"{servo.zeta:.3f}"
+        assert any(line.startswith(f"| {servo.who} | {servo.n} | {false} | {zeta}") for line in text.splitlines()), (
+            servo
+        )
 
 
 def test_the_published_report_is_small_and_whole() -> None:

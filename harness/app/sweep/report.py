@@ -1,6 +1,7 @@
 """What is made of a finished sweep: result.json, traces of the worst rows, the page, a table for people."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
@@ -9,6 +10,7 @@ import numpy as np
 from harness.app.shared.progress import SILENT, Progress
 from harness.app.sweep.sweep import PAGE, TRACES, Sweep, SweepOptions, settings_of, write_result
 from harness.app.sweep.traces import keep_worst, overlay
+from harness.fidelity.known import DAMPING, MASS, SERVOS, STEP, STIFFNESS, WITHOUT_EFFECT
 from harness.fidelity.pareto import front, points
 from harness.fidelity.scores import COLUMNS, FIGURES, Card, badness, cards
 from harness.show.report.page import write_report
@@ -19,6 +21,8 @@ BRIEF = ("position", "x_k wide", "x_k narrow", "zeta", "creep 97 %", "belt perio
 """Figures of the table in the terminal."""
 DRAWN = 1500
 """Samples of a curve on the page."""
+Names = dict[tuple[str, str], str]
+"""Something of every engine and version."""
 _UNITS = {"m": ("mm", 1e3), "m_s": ("mm/s", 1e3), "s": ("ms", 1e3)}
 
 
@@ -34,18 +38,24 @@ def write_page(result: Sweep, kept: dict[str, str]) -> None:
     """The page; kept : names of trace files by the name of their row."""
     rows = [row for row in result.rows() if not row["draw"]]
     scored = cards(rows)
-    names = sorted({row["engine"] for row in rows})
-    colors = {name: engine_color(name, names) for name in names}
+    shown = _shown(rows)
+    names = sorted(set(shown.values()))
+    colors = {key: engine_color(name, names) for key, name in shown.items()}
     data = {
         "headline": headline(scored),
         "sentences": [*sentences(scored), *result.notes],
         "about": [about(card) for card in scored],
-        "cards": [_card(card, colors) for card in scored],
+        "cards": [_card(card, shown, colors) for card in scored],
         "figures": [{"label": figure.label, "good": figure.good, "group": _group(name)} for name, figure in COLUMNS],
-        "points": _points(rows, colors),
-        "orders": [one.model_dump() | {"color": colors[one.engine]} for one in result.convergence()],
-        "creep": _creep(one_step_each(rows), colors),
-        "lift": _lift(one_step_each(rows), colors),
+        "points": _points(rows, shown, colors),
+        "orders": [
+            one.model_dump() | {"engine": shown[one.engine, one.version], "color": colors[one.engine, one.version]}
+            for one in result.convergence()
+        ],
+        "creep": _creep(one_step_each(rows), shown, colors),
+        "lift": _lift(one_step_each(rows), shown, colors),
+        "servo": _servo(),
+        "silent": [asdict(one) for one in WITHOUT_EFFECT],
         "worst": _worst(result.folder, rows, kept, colors),
         "machine": result.machine.model_dump(mode="json"),
         "files": {"rows": "rows", "result": "result.json"},
@@ -57,11 +67,34 @@ def write_page(result: Sweep, kept: dict[str, str]) -> None:
     write_report(result.folder / PAGE, "What engine settings do to Coulomb friction", subtitle, sweep_sections(data))
 
 
-def _card(card: Card, colors: dict[str, str]) -> dict[str, Any]:
+def _of(row: Mapping[str, Any]) -> tuple[str, str]:
+    return row["engine"], row["version"]
+
+
+def _shown(rows: Sequence[dict[str, Any]]) -> Names:
+    """The name of every engine and version: with its environment where there are two of the engine."""
+    places = {_of(row): row["environment"] for row in rows}
+    several = {name for name, _ in places if sum(name == other for other, _ in places) > 1}
+    return {
+        (name, version): f"{name} ({place})" if place and name in several else name
+        for (name, version), place in places.items()
+    }
+
+
+def _servo() -> dict[str, Any]:
+    about = (
+        f"What the way a servo is computed does to its damping, from the laws of docs/fidelity.md: stiffness "
+        f"{STIFFNESS:g} N/m, step {STEP * 1e3:g} ms, {MASS:g} kg, {DAMPING:g} N s/m."
+    )
+    rows = [asdict(one) | {"false_damping": one.false_damping, "zeta": one.zeta} for one in SERVOS]
+    return {"about": about, "rows": rows, "exact": SERVOS[0].zeta}
+
+
+def _card(card: Card, shown: Names, colors: Names) -> dict[str, Any]:
     physical = {label: _physical(row, label) for label, row in card.rows.items()}
     first = next(iter(card.rows.values()), None)
     return {
-        "engine": card.engine,
+        "engine": shown[card.engine, card.version],
         "version": card.version,
         "route": card.route,
         "preset": card.preset,
@@ -70,7 +103,7 @@ def _card(card: Card, colors: dict[str, str]) -> dict[str, Any]:
         "values": card.values,
         "physical": physical,
         "errors": card.errors,
-        "color": colors[card.engine],
+        "color": colors[card.engine, card.version],
     }
 
 
@@ -95,14 +128,14 @@ def _all_settings(row: dict[str, Any] | Any) -> str:
     return ", ".join(f"{name} {value}" for name, value in row["settings"].items() if name not in ("route", "restoring"))
 
 
-def _points(rows: Sequence[dict[str, Any]], colors: dict[str, str]) -> list[dict[str, Any]]:
+def _points(rows: Sequence[dict[str, Any]], shown: Names, colors: Names) -> list[dict[str, Any]]:
     found = points(rows)
     best = set()
     for route in {point.row["route"] for point in found}:
         best |= {id(point) for point in front([point for point in found if point.row["route"] == route])}
     return [
         {
-            "engine": point.row["engine"],
+            "engine": shown[_of(point.row)],
             "version": point.row["version"],
             "route": point.row["route"],
             "preset": point.row["preset"],
@@ -110,7 +143,7 @@ def _points(rows: Sequence[dict[str, Any]], colors: dict[str, str]) -> list[dict
             "cost": point.cost,
             "error": point.score,
             "best": id(point) in best,
-            "color": colors[point.row["engine"]],
+            "color": colors[_of(point.row)],
         }
         for point in found
     ]
@@ -122,7 +155,7 @@ def one_step_each(rows: Sequence[dict[str, Any]]) -> list[dict[str, Any]]:
     def settings(row: dict[str, Any]) -> tuple[str, ...]:
         # settings that follow the step are the same settings
         changed = {name: value for name, value in row["changed"].items() if not name.startswith(("solref", "solimp"))}
-        return row["engine"], row["route"], row["preset"], repr(changed), row["integrator"]
+        return *_of(row), row["route"], row["preset"], repr(changed), row["integrator"]
 
     steps: dict[tuple[str, ...], set[float]] = {}
     for row in rows:
@@ -132,19 +165,19 @@ def one_step_each(rows: Sequence[dict[str, Any]]) -> list[dict[str, Any]]:
     return [row for row in rows if row["dt_s"] is not None and row["dt_s"] == nearest[settings(row)]]
 
 
-def _creep(rows: Sequence[dict[str, Any]], colors: dict[str, str]) -> list[dict[str, Any]]:
+def _creep(rows: Sequence[dict[str, Any]], shown: Names, colors: Names) -> list[dict[str, Any]]:
     found: dict[tuple[str, ...], dict[str, Any]] = {}
     for row in rows:
         if row["scenario"] in ("hold-50", "hold-97") and row["route"] != "law" and row["error"] is None:
-            key = (row["engine"], row["route"], settings_of(row))
+            key = (*_of(row), row["route"], settings_of(row))
             line = found.setdefault(key, {"half": None, "most": None})
-            line |= {name: row[name] for name in ("engine", "version", "route")}
-            line |= {"settings": settings_of(row), "color": colors[row["engine"]]}
+            line |= {"engine": shown[_of(row)], "version": row["version"], "route": row["route"]}
+            line |= {"settings": settings_of(row), "color": colors[_of(row)]}
             line["half" if row["scenario"] == "hold-50" else "most"] = row["metrics"]["creep_m_s"]
     return list(found.values())
 
 
-def _lift(rows: Sequence[dict[str, Any]], colors: dict[str, str]) -> list[dict[str, Any]]:
+def _lift(rows: Sequence[dict[str, Any]], shown: Names, colors: Names) -> list[dict[str, Any]]:
     found = []
     for row in rows:
         metrics = row["metrics"]
@@ -156,7 +189,7 @@ def _lift(rows: Sequence[dict[str, Any]], colors: dict[str, str]) -> list[dict[s
             release = abs(row["setup"]["release"]["x0"])
             found.append(
                 {
-                    "engine": row["engine"],
+                    "engine": shown[_of(row)],
                     "version": row["version"],
                     "settings": settings_of(row),
                     "release": release,
@@ -164,15 +197,13 @@ def _lift(rows: Sequence[dict[str, Any]], colors: dict[str, str]) -> list[dict[s
                     "lift": max(0.0, metrics["lift_m"]),
                     "normal": metrics["normal_error"],
                     "error": metrics["max_error_m"] / release,
-                    "color": colors[row["engine"]],
+                    "color": colors[_of(row)],
                 }
             )
     return found
 
 
-def _worst(
-    folder: Path, rows: Sequence[dict[str, Any]], kept: dict[str, str], colors: dict[str, str]
-) -> list[dict[str, Any]]:
+def _worst(folder: Path, rows: Sequence[dict[str, Any]], kept: dict[str, str], colors: Names) -> list[dict[str, Any]]:
     found = []
     by_name = {row["name"]: row for row in rows}
     for name, file in sorted(kept.items(), key=lambda item: item[1]):
@@ -188,7 +219,7 @@ def _worst(
                 "t": t[chosen],
                 "x": x[chosen],
                 "exact": exact[chosen],
-                "color": colors[row["engine"]],
+                "color": colors[_of(row)],
             }
         )
     return found

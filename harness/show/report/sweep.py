@@ -8,6 +8,7 @@ import numpy as np
 
 from harness.core.arrays import FloatArray
 from harness.show.numbers import number
+from harness.show.report.fidelity.known import Servos, Silents
 from harness.show.report.figure import Figure
 from harness.show.report.section import Section
 from harness.show.report.sources import MadeWith
@@ -21,7 +22,7 @@ ROUTES = {
     "contact": "Contact friction: a box on a floor",
     "law": "The neutral clipped force law",
 }
-_COLORS = ("#e4632d", "#2b7fd6", "#1f9e77", "#a45bc2", "#b58900")
+_COLORS = ("#e4632d", "#2b7fd6", "#1f9e77", "#a45bc2", "#b58900", "#d6457f", "#4bb3c4", "#7a8c2e", "#8c6d5a", "#777777")
 _MARKS = {"as-shipped": "circle-open", "tuned": "diamond"}
 STEPS = (1e-4, 2e-3, 1e-2, 5e-2)
 """Relative distances from exact at which the colour changes."""
@@ -340,4 +341,5 @@ def sweep_sections(data: Data) -> list[Section]:
         sections.append(lift_section(data["lift"]))
     if data["worst"]:
         sections.append(Worst(data["worst"]))
+    sections += [Servos(**data["servo"]), Silents(data["silent"])]
     return [*sections, MadeWith(data["machine"], data["files"], data["command"])]

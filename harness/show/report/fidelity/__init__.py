@@ -1,0 +1,1 @@
+"""Sections of the page of a sweep that hold without any row."""
