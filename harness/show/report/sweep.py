@@ -8,7 +8,7 @@ import numpy as np
 
 from harness.core.arrays import FloatArray
 from harness.show.numbers import number
-from harness.show.report.fidelity.known import Servos, Silents
+from harness.show.report.fidelity.known import Servos, silent_words
 from harness.show.report.figure import Figure
 from harness.show.report.section import Section
 from harness.show.report.sources import MadeWith
@@ -341,5 +341,5 @@ def sweep_sections(data: Data) -> list[Section]:
         sections.append(lift_section(data["lift"]))
     if data["worst"]:
         sections.append(Worst(data["worst"]))
-    sections += [Servos(**data["servo"]), Silents(data["silent"])]
+    sections += [Servos(**data["servo"]), silent_words(data["silent"])]
     return [*sections, MadeWith(data["machine"], data["files"], data["command"])]

@@ -7,13 +7,14 @@ from typing import Any, ClassVar
 from harness.show.numbers import number
 from harness.show.report.section import Section
 from harness.show.report.table import Cell, Column, Row, Table, grade
+from harness.show.report.verdict import Verdict
 
 Data = Mapping[str, Any]
 
 
 @dataclass(frozen=True)
 class Servos(Section):
-    """about : the servo in words. rows : ("who", "n", "false_damping" in N s/m, "zeta") each. exact : zeta of it."""
+    """about : the servo in words. rows : ("who", "n", "own", "false_damping" in N s/m, "zeta") each. exact : zeta of it."""
 
     template: ClassVar[str] = "table.html.j2"
     about: str
@@ -27,38 +28,26 @@ class Servos(Section):
 
     def context(self) -> Mapping[str, Any]:
         """What the template shows."""
-        columns = [Column("sub-steps"), Column("false damping", "N s/m"), Column("ζ becomes")]
+        columns = [Column("false damping", "N s/m"), Column("ζ becomes")]
         rows = [
             Row(
-                one["who"],
+                f"{'own drive' if one['own'] else 'held torque'}, n = {one['n']}",
                 [
-                    Cell(str(one["n"])),
                     Cell(f"{one['false_damping']:+.3g}" if one["false_damping"] else "0"),
                     Cell(number(one["zeta"], 3), grade=grade(one["zeta"] / self.exact - 1.0)),
                 ],
             )
             for one in self.rows
         ]
-        return {"tables": [Table("who computes it", columns, rows, self.about)]}
+        notes = [f"{row.head}: {one['who']}." for row, one in zip(rows, self.rows, strict=True)]
+        return {"tables": [Table("n sub-steps", columns, rows, self.about, footnotes=notes)]}
 
 
-@dataclass(frozen=True)
-class Silents(Section):
-    """rows : ("engine" with its version, "what") each."""
-
-    template: ClassVar[str] = "table.html.j2"
-    rows: Sequence[Data]
-
-    @property
-    def title(self) -> str:
-        """The heading."""
-        return "Words that do nothing"
-
-    def context(self) -> Mapping[str, Any]:
-        """What the template shows."""
-        caption = (
-            "Words and settings of friction that an engine takes and does not act on, or acts on unasked; the versions "
-            "are those it was found in, and docs/fidelity.md names the test of each."
-        )
-        rows = [Row(one["engine"], [Cell(one["what"])]) for one in self.rows]
-        return {"tables": [Table("engine", [Column("what")], rows, caption)]}
+def silent_words(rows: Sequence[Data]) -> Verdict:
+    """Words that do nothing; rows : ("engine" with its version, "what") each."""
+    note = (
+        "These are words and settings of friction that an engine takes and does not act on, or acts on unasked. The "
+        "versions are those it was found in, and docs/fidelity.md names the test of each."
+    )
+    said = [f"{one['engine']}: {one['what']}." for one in rows]
+    return Verdict("", [*said, note], [one["engine"] for one in rows], "Words that do nothing")
