@@ -23,7 +23,7 @@ WITHOUT_EFFECT = (
     Silent("PhysX (ovphysx 0.7.0)", "a static effort below the dynamic one"),
     Silent("PyBullet 3.2.7", "joint friction of a URDF"),
     Silent("MuJoCo 4.0.0", "noslip_iterations on an elliptic cone without a y freedom"),
-    Silent("MuJoCo 4.0.0", "solreffriction on a pyramidal cone"),
+    Silent("MuJoCo 4.0.0", "a contact's solreffriction on a pyramidal cone"),
     Silent(
         "SAPIEN 3.0.3",
         "joint.set_friction is a unitless coefficient times a joint force, and 0.05 when nothing is said",

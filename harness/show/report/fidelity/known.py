@@ -14,7 +14,10 @@ Data = Mapping[str, Any]
 
 @dataclass(frozen=True)
 class Servos(Section):
-    """about : the servo in words. rows : ("who", "n", "own", "false_damping" in N s/m, "zeta") each. exact : zeta of it."""
+    """about : the servo in words. exact : its zeta.
+
+    rows : ("who", "n", "own", "false_damping" in N s/m, "zeta") each.
+    """
 
     template: ClassVar[str] = "table.html.j2"
     about: str
