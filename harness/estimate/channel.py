@@ -209,10 +209,12 @@ def _later(cycles: HalfCycles) -> HalfCycles:
 
 def _fit(t: FloatArray, y: FloatArray, kind: Kind, noise: Noise, cycles: HalfCycles, dropped: bool) -> ChannelFit:
     centre = float(y.mean()) if kind is Kind.DISPLACEMENT else 0.0
-    y = y - centre
+    # one layout, writable and dense: a kernel is compiled once for each
+    t, y = np.array(t), y - centre
     # explored on fewer samples, finished on all of them
     stride = int(cycles.half_time / float(np.median(np.diff(t))) / _EXPLORED)
-    seed = _fit_once(t[::stride], y[::stride], kind, noise, cycles, dropped, None) if stride > 1 else None
+    few = np.array((t, y))[:, :: max(stride, 1)].copy()
+    seed = _fit_once(*few, kind, noise, cycles, dropped, None) if stride > 1 else None
     fit = _fit_once(t, y, kind, noise, cycles, dropped, seed)
     return fit if centre == 0.0 else _shifted(fit, centre)
 

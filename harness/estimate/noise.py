@@ -170,7 +170,8 @@ def channel_noise(t: FloatArray, y: FloatArray, period: float | None = None) -> 
         width = min(int(_PERIOD_SHARE * period / interval), _LONGEST)
         width, degree = (width, 5) if width >= 12 else (8, 6)
     residuals = np.zeros(y.size // width * width)
-    _compiled_residuals(t, y, width, degree, residuals)
+    # copies are writable and dense, whoever's the arrays are: the kernel is compiled once
+    _compiled_residuals(np.array(t), np.array(y), width, degree, residuals)
     windows = residuals.reshape(-1, width)[_moving(y, width)]
     power = np.mean(windows**2, axis=1)
     freedom = width - degree - 1

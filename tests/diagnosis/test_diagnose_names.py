@@ -28,13 +28,18 @@ def _case(kind: str, seed: int) -> Case:
     return draw(kind, np.random.default_rng(seed))
 
 
+@functools.cache
+def _outcome(kind: str, seed: int) -> Outcome:
+    return diagnose(_problem(_case(kind, seed)))
+
+
 def _named(outcome: Outcome) -> set[str]:
     return {m.name for m in outcome.mechanisms}
 
 
 @pytest.mark.parametrize("seed", [0, 1, *(pytest.param(s, marks=pytest.mark.full) for s in range(2, 40))])
 def test_nothing_is_named_where_nothing_is_hidden(seed: int) -> None:
-    outcome = diagnose(_problem(_case("control", seed)))
+    outcome = _outcome("control", seed)
     assert outcome.verdict == "adequate"
     assert not outcome.mechanisms
     # chi-square per point of the base fit within four sampling errors of one
@@ -43,8 +48,7 @@ def test_nothing_is_named_where_nothing_is_hidden(seed: int) -> None:
 
 @pytest.mark.parametrize("kind", [*SHORT, *(pytest.param(kind, marks=pytest.mark.full) for kind in LONG)])
 def test_the_hidden_effect_is_named(kind: str) -> None:
-    case = _case(kind, 11)
-    outcome = diagnose(_problem(case))
+    outcome = _outcome(kind, 11)
     assert outcome.verdict == "missing_physics"
     near = _named(outcome) | {a.name for m in outcome.mechanisms for a in m.alternatives}
     assert kind in near
@@ -54,8 +58,7 @@ def test_the_hidden_effect_is_named(kind: str) -> None:
 
 
 def test_the_same_recording_gives_the_same_answer() -> None:
-    problem = _problem(_case("control", 0))
-    first, second = diagnose(problem), diagnose(problem)
+    first, second = _outcome("control", 0), diagnose(_problem(_case("control", 0)))
     assert first.refined.values.tobytes() == second.refined.values.tobytes()
 
 
@@ -67,4 +70,4 @@ def test_units_do_not_matter() -> None:
         channels={c: 1000.0 * y for c, y in problem.channels.items()},
         noise={c: replace(n, sigma=1000.0 * n.sigma) for c, n in problem.noise.items()},
     )
-    assert _named(diagnose(scaled)) == _named(diagnose(problem))
+    assert _named(diagnose(scaled)) == _named(_outcome("quadratic-drag", 11))

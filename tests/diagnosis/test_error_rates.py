@@ -28,9 +28,11 @@ from harness.proof.statistics import is_noise
 _CHANCE = 1e-3
 """Probability with which a sound diagnosis may fail one of these tests."""
 _NOISES = ("white", "coloured", "quantised")
-DRAWS, LONG = 5, 100
+DRAWS, LONG = 4, 100
 """Draws of the base fit alone, and of whole diagnoses with -m full."""
-SIZES = (12, pytest.param(500, marks=pytest.mark.full))
+THIN = 2
+"""Of those draws one sample in so many is kept: what is stated holds at any rate."""
+SIZES = (8, pytest.param(500, marks=pytest.mark.full))
 
 
 @functools.cache
@@ -96,7 +98,8 @@ def _with_noisy_force(i: int) -> tuple[Problem, tuple[str, ...]]:
     share = 10.0 ** random.uniform(-3.5, -2.0)
     values["u"] = values["u"] + share * np.std(values["u"]) * random.standard_normal(values["u"].size)
     restoring = Restoring.NONE if setting == "axis" else Restoring.SPRING
-    return prepare(Recording(case.recorded["t"], values), Asked(restoring))
+    thin = {c: y[::THIN] for c, y in values.items()}
+    return prepare(Recording(case.recorded["t"][::THIN], thin), Asked(restoring))
 
 
 def structure_left(problem: Problem) -> float:
@@ -136,7 +139,8 @@ def _with_gaps(i: int) -> Problem:
         keep[begin : min(begin + int(random.integers(8, max(9, t.size // 30))), t.size - 1)] = False
     values = {c: y[keep] for c, y in case.recorded.items() if c != "t"}
     restoring = Restoring.NONE if setting == "axis" else Restoring.SPRING
-    return prepare(Recording(t[keep], values), Asked(restoring))[0]
+    thin = {c: y[::THIN] for c, y in values.items()}
+    return prepare(Recording(t[keep][::THIN], thin), Asked(restoring))[0]
 
 
 @pytest.mark.slow

@@ -1,6 +1,7 @@
 """Numbers that move a verdict stand in one file, with their origin; none is hidden in the code that uses them."""
 
 import ast
+import functools
 from pathlib import Path
 
 import pytest
@@ -58,6 +59,7 @@ def _is_number(value: ast.expr) -> bool:
     return all(isinstance(n, simple) for n in ast.walk(value)) and bool(_numbers(value))
 
 
+@functools.cache
 def _tree(path: Path) -> ast.Module:
     return ast.parse(path.read_text(encoding="utf-8"))
 
@@ -95,11 +97,16 @@ def test_every_rule_says_what_it_moves_and_where_it_comes_from() -> None:
         assert all((rule.moves, rule.origin, rule.unit)), rule.name
 
 
+@functools.cache
+def _used() -> frozenset[str]:
+    nodes = (n for p in FILES if p.name != "rules.py" for n in ast.walk(_tree(p)))
+    return frozenset(n.id for n in nodes if isinstance(n, ast.Name))
+
+
 @pytest.mark.parametrize("rule", rules.RULES, ids=lambda rule: rule.name)
 def test_every_rule_is_used(rule: rules.Rule) -> None:
     constant = next(name for name, value in vars(rules).items() if value is rule)
-    used = (n for p in FILES if p.name != "rules.py" for n in ast.walk(ast.parse(p.read_text(encoding="utf-8"))))
-    assert any(isinstance(node, ast.Name) and node.id == constant for node in used)
+    assert constant in _used()
 
 
 def test_the_page_of_rules_is_made_from_them() -> None:
