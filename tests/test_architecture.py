@@ -1,6 +1,7 @@
 """Rooms import each other in the directions docs/architecture.md states; heavy libraries stay where they belong."""
 
 import ast
+import functools
 import runpy
 import subprocess
 import sys
@@ -53,10 +54,19 @@ HEAVY = ("numba", "scipy", "mujoco", "pybullet", "rerun", "pydantic", "rich", "p
 FILES = sorted(PACKAGE.rglob("*.py"))
 
 
-def imports(path: Path, deep: bool = True) -> Iterator[str]:
+@functools.cache
+def parsed(path: Path) -> ast.Module:
+    return ast.parse(path.read_text(encoding="utf-8"))
+
+
+@functools.cache
+def imports(path: Path, deep: bool = True) -> tuple[str, ...]:
     """Every module ``path`` imports, under TYPE_CHECKING too; only those at import time unless ``deep``."""
-    tree = ast.parse(path.read_text(encoding="utf-8"))
-    nodes = ast.walk(tree) if deep else _at_import(tree)
+    return tuple(_imports(path, deep))
+
+
+def _imports(path: Path, deep: bool) -> Iterator[str]:
+    nodes = ast.walk(parsed(path)) if deep else _at_import(parsed(path))
     for node in nodes:
         if isinstance(node, ast.Import):
             yield from (alias.name for alias in node.names)
@@ -188,8 +198,7 @@ def test_a_term_is_named_in_its_own_file_alone() -> None:
     found = []
     for path in FILES:
         if not name(path).startswith(NAMED_BY_DESIGN):
-            tree = ast.parse(path.read_text(encoding="utf-8"))
-            words = {n.value for n in ast.walk(tree) if isinstance(n, ast.Constant) and isinstance(n.value, str)}
+            words = {n.value for n in ast.walk(parsed(path)) if isinstance(n, ast.Constant) and isinstance(n.value, str)}
             found += [f"{name(path)}: {word}" for word in sorted(words & own)]
     assert found == []
 
