@@ -198,7 +198,8 @@ def test_a_term_is_named_in_its_own_file_alone() -> None:
     found = []
     for path in FILES:
         if not name(path).startswith(NAMED_BY_DESIGN):
-            words = {n.value for n in ast.walk(parsed(path)) if isinstance(n, ast.Constant) and isinstance(n.value, str)}
+            constants = (n.value for n in ast.walk(parsed(path)) if isinstance(n, ast.Constant))
+            words = {value for value in constants if isinstance(value, str)}
             found += [f"{name(path)}: {word}" for word in sorted(words & own)]
     assert found == []
 

@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, fields, replace
+from typing import TypeAlias
 
 import numpy as np
 
@@ -20,6 +21,9 @@ FINE = Effort(1e-8, 1500)
 """Far below any noise."""
 COARSE = Effort(1e-6, 600)
 """For a first look; a law too stiff for it is not worth one."""
+
+Samples: TypeAlias = IntArray | slice
+"""Which of a motion's samples a channel shows; all of them without a copy."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -67,6 +71,10 @@ def _from(start: Start, problem: Problem, by: tuple[By, ...], scales: Scales, ef
     asked = tuple(dict.fromkeys((*(b for b in here if b is not None), *moving)))
     t = problem.t[start.samples] - start.clock
     shown = _stretch(start.model, problem, t, asked, scales, effort)
+    if start.clock != 0.0:
+        shown = replace(shown, events=replace(shown.events, t=shown.events.t + start.clock))
+    if list(asked) == here:
+        return shown
     dy = {}
     for c, partials in shown.dy.items():
         dy[c] = np.zeros((t.size, len(by)))
@@ -75,7 +83,7 @@ def _from(start: Start, problem: Problem, by: tuple[By, ...], scales: Scales, ef
                 dy[c][:, column] = partials[:, asked.index(b)]
                 for name, slope in start.slopes.get(b, {}).items():
                     dy[c][:, column] += slope * partials[:, asked.index(name)]
-    return replace(shown, dy=dy, events=replace(shown.events, t=shown.events.t + start.clock))
+    return replace(shown, dy=dy)
 
 
 def _in_pieces(start: Start, problem: Problem, scales: Scales, effort: Effort) -> Iterator[Observation]:
@@ -134,6 +142,8 @@ def _stretch(
     column = {b: i for i, b in enumerate(dynamic)}
     want_a = "a" in problem.channels
     lag = lag_of(model)
+    at: Samples
+    late: Samples
     if lag != 0.0 and "x" in problem.channels:
         times = np.concatenate((t, t - lag))
         order = np.argsort(times, kind="stable")
@@ -143,15 +153,18 @@ def _stretch(
         at, late = place[: t.size], place[t.size :]
         motion = solve(model, sorted_times, dynamic, problem.drive, scales, effort, want_a)
     else:
-        at = late = np.arange(t.size)
+        at = late = slice(None)
         motion = solve(model, t, dynamic, problem.drive, scales, effort, want_a)
     source = np.array([column.get(b, -1) for b in by], dtype=np.int64)
     moved = source >= 0
 
-    def through(reading: Reading, partials: FloatArray, rows: IntArray) -> FloatArray:
+    def through(reading: Reading, partials: FloatArray, rows: Samples) -> FloatArray:
         """Partials (n, q) of a channel: the motion's through the sensors, the sensors' own beside them."""
+        own: FloatArray = partials[rows] * reading.by_motion[:, None]
+        if moved.all() and len(column) == len(by):
+            return own
         out = np.zeros((t.size, len(by)))
-        out[:, moved] = partials[np.ix_(rows, source[moved])] * reading.by_motion[:, None]
+        out[:, moved] = own[:, source[moved]]
         for i, b in enumerate(by):
             if b in reading.by:
                 out[:, i] = reading.by[b]
