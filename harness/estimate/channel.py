@@ -214,7 +214,7 @@ def _fit(t: FloatArray, y: FloatArray, kind: Kind, noise: Noise, cycles: HalfCyc
     # explored on fewer samples, finished on all of them
     stride = int(cycles.half_time / float(np.median(np.diff(t))) / _EXPLORED)
     few = np.array((t, y))[:, :: max(stride, 1)].copy()
-    seed = _fit_once(*few, kind, noise, cycles, dropped, None) if stride > 1 else None
+    seed = _fit_once(few[0], few[1], kind, noise, cycles, dropped, None) if stride > 1 else None
     fit = _fit_once(t, y, kind, noise, cycles, dropped, seed)
     return fit if centre == 0.0 else _shifted(fit, centre)
 

@@ -46,6 +46,15 @@ def _solve(gram: FloatArray, size: int, inverse: FloatArray) -> None:
 compiled_inverse = compiled(_solve)
 
 
+def _times(matrix: FloatArray, column: FloatArray, out: FloatArray) -> None:
+    """out (3,) = matrix (3, 3) times column (3,), written out: a library's sums are compiled much longer."""
+    for i in range(_LINEAR):
+        out[i] = matrix[i, 0] * column[0] + matrix[i, 1] * column[1] + matrix[i, 2] * column[2]
+
+
+_compiled_times = compiled(_times)
+
+
 def _normal_equations(
     t: FloatArray,
     y: FloatArray,
@@ -153,21 +162,30 @@ def _project(
     """
     gram, right = np.empty((3, 3)), np.empty(3)
     cross, rates, pull = np.empty((3, 2)), np.empty((2, 2)), np.empty(2)
+    step = np.empty(3)
     information[:] = 0.0
     gradient[:] = 0.0
     squares = 0.0
     for k in range(start.size):
         _compiled_equations(t, y, start[k], lo[k], hi[k], sigma, omega, gram, right)
         compiled_inverse(gram, size, inverse[k])
-        c[k] = np.sum(inverse[k] * right, axis=1)
+        _compiled_times(inverse[k], right, c[k])
         squares += _compiled_products(t, y, start[k], lo[k], hi[k], sigma, omega, c[k], right, cross, rates, pull)
-        c[k] += np.sum(inverse[k] * right, axis=1)  # what rounding left of it
+        _compiled_times(inverse[k], right, step)  # what rounding left of it
+        for i in range(_LINEAR):
+            c[k, i] += step[i]
         for m in range(2):
-            slope[k, :, m] = -np.sum(inverse[k] * cross[:, m], axis=1)
-            gradient[m] += pull[m] + np.sum(right * slope[k, :, m])
+            gradient[m] += pull[m]
+            for i in range(_LINEAR):
+                slope[k, i, m] = 0.0
+                for j in range(_LINEAR):
+                    slope[k, i, m] -= inverse[k, i, j] * cross[j, m]
+                gradient[m] += right[i] * slope[k, i, m]
         for m in range(2):
             for j in range(2):
-                information[m, j] += rates[m, j] + np.sum(cross[:, m] * slope[k, :, j])
+                information[m, j] += rates[m, j]
+                for i in range(_LINEAR):
+                    information[m, j] += cross[i, m] * slope[k, i, j]
     return squares
 
 

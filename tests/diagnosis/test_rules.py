@@ -3,13 +3,17 @@
 import ast
 import functools
 from pathlib import Path
+from types import ModuleType
 
 import pytest
 
 from harness.diagnosis import rules
+from harness.robot.whole_arm import rules as arm_rules
 
 ROOT = Path(__file__).resolve().parents[2]
 FILES = sorted((ROOT / "harness" / "diagnosis").rglob("*.py"))
+ARM = sorted((ROOT / "harness" / "robot" / "whole_arm").rglob("*.py"))
+LOGS = [ROOT / "harness" / "io" / "logs" / "suspicions.py"]
 GATES = ("verdict.py", "search/search.py", "search/release_transient.py", "residual_tests/structure.py")
 """Files that decide and nothing else: they hold no constant of their own."""
 PLAIN = frozenset({0.0, 1.0, 2.0})
@@ -71,12 +75,12 @@ def test_a_bare_number_is_seen() -> None:
     assert _wordless(ast.parse(constants)) == [(4, "D = 0.1")]
 
 
-@pytest.mark.parametrize("path", FILES, ids=lambda path: path.relative_to(ROOT).as_posix())
-def test_nothing_in_the_diagnosis_compares_with_a_number_without_a_name(path: Path) -> None:
+@pytest.mark.parametrize("path", [*FILES, *ARM, *LOGS], ids=lambda path: path.relative_to(ROOT).as_posix())
+def test_nothing_that_decides_compares_with_a_number_without_a_name(path: Path) -> None:
     assert _thresholds(_tree(path)) == []
 
 
-@pytest.mark.parametrize("path", FILES, ids=lambda path: path.relative_to(ROOT).as_posix())
+@pytest.mark.parametrize("path", [*FILES, *ARM, *LOGS], ids=lambda path: path.relative_to(ROOT).as_posix())
 def test_every_number_with_a_name_has_a_sentence_too(path: Path) -> None:
     assert _wordless(_tree(path)) == []
 
@@ -97,16 +101,16 @@ def test_every_rule_says_what_it_moves_and_where_it_comes_from() -> None:
         assert all((rule.moves, rule.origin, rule.unit)), rule.name
 
 
-@functools.cache
-def _used() -> frozenset[str]:
-    nodes = (n for p in FILES if p.name != "rules.py" for n in ast.walk(_tree(p)))
+def _used(files: list[Path]) -> frozenset[str]:
+    nodes = (n for p in files if p.name != "rules.py" for n in ast.walk(_tree(p)))
     return frozenset(n.id for n in nodes if isinstance(n, ast.Name))
 
 
-@pytest.mark.parametrize("rule", rules.RULES, ids=lambda rule: rule.name)
-def test_every_rule_is_used(rule: rules.Rule) -> None:
-    constant = next(name for name, value in vars(rules).items() if value is rule)
-    assert constant in _used()
+@pytest.mark.parametrize(("room", "files"), [(rules, FILES), (arm_rules, ARM)], ids=["diagnosis", "whole arm"])
+def test_every_rule_is_used(room: ModuleType, files: list[Path]) -> None:
+    named = {name for name, value in vars(room).items() if value in room.RULES}
+    assert len(named) == len(room.RULES) > 0
+    assert named - _used(files) == set()
 
 
 def test_the_page_of_rules_is_made_from_them() -> None:

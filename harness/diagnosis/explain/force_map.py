@@ -15,6 +15,7 @@ import numpy as np
 
 from harness.core.arrays import BoolArray, FloatArray, IntArray
 from harness.core.jit import compiled
+from harness.diagnosis.explain.three import at, over, times, times_turned
 from harness.diagnosis.motion import Motion
 
 _CHANNELS = ("x", "v", "a")
@@ -69,8 +70,8 @@ def _smooth(  # noqa: PLR0912, PLR0915  (one loop is one loop)
     for i in range(3):
         p[i, i] = start[i]
     cost = 0.0
-    a = np.zeros((3, 3))
-    h = np.zeros(3)
+    a, part, whole, ahead = np.zeros((3, 3)), np.zeros((3, 3)), np.zeros((3, 3)), np.zeros((3, 3))
+    h, ph, moved = np.zeros(3), np.zeros(3), np.zeros(3)
     for k in range(n):
         if k > 0:
             dt = t[k] - t[k - 1]
@@ -81,8 +82,10 @@ def _smooth(  # noqa: PLR0912, PLR0915  (one loop is one loop)
             a[1, 1] = 1.0 - damping * dt + 0.5 * (damping * damping - w2) * dt * dt
             a[1, 2] = -dt + 0.5 * damping * dt * dt
             a[2, 0], a[2, 1], a[2, 2] = 0.0, 0.0, 1.0
-            m = a @ m
-            p = a @ p @ a.T
+            at(a, m, moved)
+            m[:] = moved
+            times(a, p, part)
+            times_turned(part, a, p)
             p[2, 2] += wander * dt
             if stuck[k]:
                 # held: whatever offset there is stays, the force says nothing
@@ -93,7 +96,7 @@ def _smooth(  # noqa: PLR0912, PLR0915  (one loop is one loop)
                     p[i, 2], p[2, i] = 0.0, 0.0
                 p[2, 2] = start[2]
         if keep:
-            before[k], before_p[k], moves[k] = m, p, a
+            before[k, :], before_p[k, :, :], moves[k, :, :] = m, p, a
         for c in range(3):
             if math.isinf(variance[c]) or stuck[k]:
                 continue
@@ -102,27 +105,40 @@ def _smooth(  # noqa: PLR0912, PLR0915  (one loop is one loop)
                 h[c] = 1.0
             else:
                 h[0], h[1], h[2] = -stiffness[k], -damping, -1.0
-            ph = p @ h
-            s = h @ ph + variance[c]
-            e = r[k, c] - h @ m
+            at(p, h, ph)
+            s, e = variance[c], r[k, c]
+            for i in range(3):
+                s += h[i] * ph[i]
+                e -= h[i] * m[i]
             cost += e * e / s + math.log(s)
-            gain = ph / s
-            m = m + gain * e
-            p = p - np.outer(gain, ph)
+            for i in range(3):
+                m[i] += ph[i] / s * e
+                for j in range(3):
+                    p[i, j] -= ph[i] / s * ph[j]
         if keep:
-            means[k], covs[k] = m, p
+            means[k, :], covs[k, :, :] = m, p
     if keep:
         force[n - 1], spread[n - 1] = m[2], p[2, 2]
         for k in range(n - 2, -1, -1):
             if stuck[k + 1]:
-                m, p = means[k], covs[k]
+                m[:], p[:, :] = means[k], covs[k]
             else:
-                ahead = before_p[k + 1].copy()
+                ahead[:, :] = before_p[k + 1]
                 for i in range(3):
                     ahead[i, i] *= 1.0 + 1e-12
-                g = covs[k] @ moves[k + 1].T @ np.linalg.inv(ahead)
-                m = means[k] + g @ (m - before[k + 1])
-                p = covs[k] + g @ (p - before_p[k + 1]) @ g.T
+                times_turned(covs[k], moves[k + 1], part)
+                over(part, ahead, whole)
+                for i in range(3):
+                    h[i] = m[i] - before[k + 1, i]
+                    for j in range(3):
+                        part[i, j] = p[i, j] - before_p[k + 1, i, j]
+                at(whole, h, moved)
+                times(whole, part, ahead)
+                times_turned(ahead, whole, p)
+                for i in range(3):
+                    m[i] = means[k, i] + moved[i]
+                    for j in range(3):
+                        p[i, j] += covs[k, i, j]
             force[k], spread[k] = m[2], p[2, 2]
     return cost
 

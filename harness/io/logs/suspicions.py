@@ -37,13 +37,25 @@ MOVES = 0.05
 COARSE, FEW = 0.05, 0.1
 """A step is said when it is more than the first share of a channel's standard deviation, and samples have fewer values
 than the second share of their number."""
+FEWEST_LEVELS = 3
+"""Values from which a channel can be said to come in steps."""
+ROUNDING = 1e-9
+"""Of a channel's range: values nearer than this are one."""
+ONE_STEP = 1.5
+"""Gaps up to so many times the least are one step, of which the typical one is taken."""
+OFF, ON_STEPS = 0.05, 0.95
+"""Of a step: nearer to a whole multiple, more than this share of gaps make a channel one of steps."""
+MOST_SHOWN = 4
+"""Joints that a message names before it counts."""
 
 
 def called(joints: list[str], of: int) -> str:
     """Some of a log's joints as a message lists them."""
     if len(joints) == of:
         return "all joints" if of > 2 else " and ".join(joints)
-    shown, more = (joints, "") if len(joints) < 5 else (joints[:4], f"{len(joints) - 4} more")
+    shown, more = (
+        (joints, "") if len(joints) <= MOST_SHOWN else (joints[:MOST_SHOWN], f"{len(joints) - MOST_SHOWN} more")
+    )
     parts = [*shown, more] if more else list(shown)
     return " and ".join([*([", ".join(parts[:-1])] if len(parts) > 1 else []), parts[-1]])
 
@@ -114,12 +126,13 @@ def unsigned(position: Joints, effort: Joints) -> list[str]:
 def step_of(values: FloatArray) -> float | None:
     """The step of a channel (n,) that is coarse against what it does; None where it has none, or a fine one."""
     levels = np.unique(values)
-    if levels.size < 3 or levels.size > FEW * values.size:
+    if levels.size < FEWEST_LEVELS or levels.size > FEW * values.size:
         return None
     gaps = np.diff(levels)
-    step = float(np.median(gaps[gaps < 1.5 * gaps[gaps > 1e-9 * np.ptp(levels)].min()]))
+    least = gaps[gaps > ROUNDING * np.ptp(levels)].min()
+    step = float(np.median(gaps[gaps < ONE_STEP * least]))
     whole = np.abs(gaps / step - np.round(gaps / step))
-    return step if step > COARSE * float(values.std()) and np.mean(whole < 0.05) > 0.95 else None
+    return step if step > COARSE * float(values.std()) and np.mean(whole < OFF) > ON_STEPS else None
 
 
 def coarse(kind: Field, channels: Joints) -> list[str]:

@@ -58,7 +58,7 @@ class Band:
         line = y[0] + slope * late * self.rate + slope * step * np.arange(out.size).reshape((-1,) + (1,) * (y.ndim - 1))
         added = (line, slope * self.rate, 0.0)
         return [
-            np.fft.irfft(part * turn**order, kept, axis=0)[: out.size] + (added[order] if order < 3 else 0.0)
+            np.fft.irfft(part * turn**order, kept, axis=0)[: out.size] + (added[order] if order < len(added) else 0.0)
             for order in range(derivatives + 1)
         ]
 

@@ -6,10 +6,10 @@ from harness.core.arrays import FloatArray
 from harness.robot.whole_arm.design import Part
 from harness.robot.whole_arm.model_columns import DELAY, INERTIA, MOTOR, SENSOR
 from harness.robot.whole_arm.prepare import Known, Problem
-from harness.robot.whole_arm.rules import RIVAL
+from harness.robot.whole_arm.rules import RIVAL, TOLD_DELAY, TOLD_GRAVITY
 
-_SHARE, _LATE = 0.1, 0.01
-"""Of gravity, and s: errors that the motion must show at the level of a rival to be told from a base parameter."""
+_NOTHING = 1e-9
+"""N m or N: gravity below it is rounding."""
 
 
 def confounded(problem: Problem, known: Known) -> tuple[tuple[str, str], ...]:
@@ -22,10 +22,10 @@ def confounded(problem: Problem, known: Known) -> tuple[tuple[str, str], ...]:
     filtered = problem.filtered
     for j, (name, part) in enumerate(zip(filtered.joints, problem.parts, strict=True)):
         gravity = problem.gravity[:, j]
-        if np.max(np.abs(gravity)) > 1e-9 and _shown(part, _SHARE * gravity) < RIVAL.value:
+        if np.max(np.abs(gravity)) > _NOTHING and _shown(part, TOLD_GRAVITY.value * gravity) < RIVAL.value:
             found.append((f"offset of {name}", "gravity"))
         change = np.gradient(problem.rigid[:, j], 1.0 / filtered.out.rate)
-        if _shown(part, _LATE * change) < RIVAL.value:
+        if _shown(part, TOLD_DELAY.value * change) < RIVAL.value:
             found.append((f"viscous friction of {name}", DELAY))
     return tuple(found)
 

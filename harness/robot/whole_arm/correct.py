@@ -16,6 +16,7 @@ from harness.robot.whole_arm.prepare import Known, Problem, moving, prepare
 from harness.robot.whole_arm.search import CORRECTED, Chosen, Model, search
 
 _ROUNDS = 8
+"""Of searching and correcting, at most."""
 
 
 @dataclass(frozen=True, slots=True)

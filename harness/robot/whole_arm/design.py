@@ -18,6 +18,8 @@ _BYTES = 16_000_000
 """Of one candidate's columns that are kept at once."""
 _LAGS = 60
 """Samples over which scores may remember: more than a second."""
+_FEWEST = 4
+"""Scores a lag: memory is looked for over a quarter of a stretch at most."""
 _FLAT = 1e-9
 """Share of a column, beyond those of the model, below which it says nothing of its own."""
 
@@ -176,11 +178,11 @@ class Design:
         total = 0.0
         for rows in self.at:
             scores = weight[rows] * residual[rows]
-            if scores.size > 4:
+            if scores.size > _FEWEST:
                 # zeros to a length that Fourier is quick at change nothing of what it remembers
                 padded = np.zeros(next_fast_len(scores.size, real=True))
                 padded[: scores.size] = scores
-                total += float(scores @ scores) * memory(padded, min(scores.size // 4, _LAGS)).time
+                total += float(scores @ scores) * memory(padded, min(scores.size // _FEWEST, _LAGS)).time
         return total / nominal
 
     def inside(self, columns: FloatArray) -> FloatArray:

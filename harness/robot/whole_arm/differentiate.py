@@ -21,6 +21,10 @@ _GAP = 5.0
 """Steps without a sample from which nothing is said about the time between."""
 _HELD, _ABOVE, _LOWEST, _HIGHEST = 0.99, 5.0, 10.0, 20.0
 """The filter passes five times the frequency below which 99 % of the velocities' power lies, within 10 to 20 Hz."""
+_MOTION = 25.0
+"""Hz: what is faster is no motion of an arm."""
+_OFF, _STEPPED = 0.1, 0.9
+"""Of a step: nearer to a whole multiple, more than this share of changes are an encoder's."""
 _COLUMNS, _FIT = 9.0, 3.0
 """Samples a second at which columns are formed and at which torque is fitted, in f_lowpass."""
 
@@ -159,7 +163,7 @@ def _lowpass(file: str, q: FloatArray, rate: float, given: float | None) -> floa
         return given
     f = np.fft.rfftfreq(q.shape[0], 1.0 / rate)
     flat = q - np.linspace(q[0], q[-1], q.shape[0])
-    power = np.sum((np.abs(np.fft.rfft(flat, axis=0)) * (2 * math.pi * f)[:, None]) ** 2, axis=1) * (f < 25.0)
+    power = np.sum((np.abs(np.fft.rfft(flat, axis=0)) * (2 * math.pi * f)[:, None]) ** 2, axis=1) * (f < _MOTION)
     share = np.cumsum(power) / max(float(np.sum(power)), 1e-300)
     held = float(f[min(int(np.searchsorted(share, _HELD)), f.size - 1)])
     return min(max(_ABOVE * held, _LOWEST), _HIGHEST, most)
@@ -178,8 +182,8 @@ def _quantum(q: FloatArray) -> float:
     if not steps.size:
         return 0.0
     least = float(np.quantile(steps, 0.01))
-    whole = np.abs(steps / least - np.round(steps / least)) < 0.1
-    return least if float(np.mean(whole)) > 0.9 else 0.0
+    whole = np.abs(steps / least - np.round(steps / least)) < _OFF
+    return least if float(np.mean(whole)) > _STEPPED else 0.0
 
 
 def _good(stamps: FloatArray, t: FloatArray, reach: float) -> BoolArray:

@@ -7,6 +7,9 @@ from scipy.special import gammaincc, gammaln, ndtri_exp
 
 from harness.core.arrays import FloatArray
 
+_FAR = 300.0
+"""Half a chi-square beyond which its chance is too small for a float."""
+
 
 def evidence(gain: float, columns: float, looks: float = 1.0) -> float:
     """Gain of one column that is as unlikely by chance as this one, (its estimate over its standard error) squared.
@@ -33,7 +36,7 @@ def evidence_of_chance(log_chance: float, looks: float = 1.0, gain: float = 0.0)
 def _log_tail(gain: float, columns: float) -> float:
     """Logarithm of the chance that chi-square of so many degrees exceeds ``gain``."""
     half, x = columns / 2.0, gain / 2.0
-    if x < 300.0:
+    if x < _FAR:
         return math.log(max(float(gammaincc(half, x)), 1e-300))
     # leading terms for large x
     return -x + (half - 1.0) * math.log(x) - float(gammaln(half)) + math.log1p((half - 1.0) / x)

@@ -17,7 +17,7 @@ from harness.model.terms import (
 )
 from harness.robot.whole_arm.candidate import FRICTION, Candidate, Setting, free
 from harness.robot.whole_arm.differentiate import Filtered
-from harness.robot.whole_arm.rules import COVERED, SLOWEST_RIPPLE
+from harness.robot.whole_arm.rules import COVERED, FASTEST_RIPPLE, SLOWEST_RIPPLE
 
 STRIBECK, LOAD, RIPPLE = stribeck.TERM.name, load_dependent_friction.TERM.name, force_ripple.TERM.name
 POSITION, ASYMMETRIC = position_dependent_friction_cosine.TERM.name, asymmetric_viscous.TERM.name
@@ -25,8 +25,9 @@ QUADRATIC, DRIFT = quadratic_drag.TERM.name, friction_drift.TERM.name
 
 LOAD_OR_POSITION = "load- or position-dependent friction of a gravity joint"
 _SPEEDS = 10
-_SHORTEST_RIPPLE = 60.0
-"""1/rad: the fastest ripple looked for."""
+"""Stribeck speeds that are tried."""
+_NOTHING = 1e-9
+"""N m or N: a range of gravity below it is rounding."""
 
 
 def signs(v: FloatArray) -> FloatArray:
@@ -62,7 +63,7 @@ def friction_candidates(filtered: Filtered, joint: int, gravity: FloatArray, kep
         settings = tuple(Setting((("v_s", "rad/s", float(v_s)),), {joint: fallen(float(v_s))}) for v_s in speeds)
         if settings:
             yield Candidate(STRIBECK, FRICTION, joint, settings, (("f_s - f_c", "N m"),), free(1), shape=fallen)
-    if np.ptp(gravity) > 1e-9:
+    if np.ptp(gravity) > _NOTHING:
         load = one(sign * np.abs(gravity))
         yield Candidate(LOAD, FRICTION, joint, load, (("share of load", "1"),), free(1))
     yield Candidate(
@@ -74,7 +75,7 @@ def friction_candidates(filtered: Filtered, joint: int, gravity: FloatArray, kep
     span = float(np.ptp(filtered.q[:, dof]))
     if span > 0.0:
         typical = float(np.median(np.abs(filtered.v[:, dof])))
-        fastest = min(_SHORTEST_RIPPLE, math.pi * filtered.band.lowpass / max(typical, 1e-9))
+        fastest = min(FASTEST_RIPPLE.value, math.pi * filtered.band.lowpass / max(typical, 1e-9))
         step = math.pi / (2.0 * span)
         waves = np.arange(max(SLOWEST_RIPPLE.value, 2.0 * math.pi / span), fastest, step)
         yield from _of_waves(RIPPLE, filtered, joint, np.ones_like(sign), q, waves)

@@ -10,6 +10,7 @@ from harness.robot.whole_arm.design import Design
 BLOCK = 1.0
 """s: longer than the memory of the noise, shorter than a period of the motion."""
 FOLDS = 5
+"""Every fifth block is left out at a time."""
 
 
 def folds(t: FloatArray) -> IntArray:

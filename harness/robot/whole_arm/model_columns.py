@@ -28,6 +28,9 @@ WHICH_IS_LATE = "which of position and torque is late"
 ROTOR_OR_SENSOR = "side of the sensor or a rotor's inertia"
 
 _STEP, _TURN, _BESIDE = 0.1, 0.01, 0.05
+"""kg, rad and m: how far the model is moved to see what a load, a tilt and a place change; all but linear in them."""
+_NOTHING = 1e-9
+"""N m or N: a change below it is rounding."""
 
 
 def model_candidates(
@@ -54,7 +57,7 @@ def model_candidates(
         settings = (Setting((), by_joint(columns)),)
         yield Candidate(PAYLOAD, MODEL, None, settings, numbers, spread, partner, MASS_AT_END)
     turned = np.stack([changed(tilted(arm, _TURN, axis), _TURN) for axis in (0, 1)], axis=2)
-    if np.max(np.abs(turned)) > 1e-9:
+    if np.max(np.abs(turned)) > _NOTHING:
         numbers = (("about x", "rad"), ("about y", "rad"))
         yield Candidate(TILT, MODEL, None, (Setting((), by_joint(turned)),), numbers, np.full(2, TILT_SPREAD.value))
     late = -np.gradient(rigid[:, dofs], 1.0 / filtered.out.rate, axis=0)[:, :, None]

@@ -11,6 +11,7 @@ ORDER = 8
 """Of the autoregression: follows the fall of a filter's gain within a band of one and a half times its own."""
 
 _FREQUENCIES, _DIP = 513, 2.0
+"""Frequencies at which a spectrum is looked at, and how far it may fall below what it was at lower ones."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -13,7 +13,7 @@ from harness.robot.whole_arm.friction_columns import base_columns, friction_cand
 from harness.robot.whole_arm.guard import away
 from harness.robot.whole_arm.model_columns import model_candidates
 from harness.robot.whole_arm.noise import Noise, Stretches
-from harness.robot.whole_arm.rules import GUARD, LEAST_SAMPLES
+from harness.robot.whole_arm.rules import EITHER_WAY, GUARD, LEAST_SAMPLES
 from harness.robot.whole_arm.search import beside_everything
 
 _EXACT = 3e-4
@@ -53,8 +53,8 @@ def moving(filtered: Filtered) -> tuple[int, ...]:
     for j, dof in enumerate(filtered.dof):
         kept = away(filtered, j, GUARD.value / filtered.band.lowpass)
         v = filtered.v[kept, dof]
-        most = int(np.sum(kept))
-        if most >= LEAST_SAMPLES.value and min(np.sum(v > 0), np.sum(v < 0)) >= LEAST_SAMPLES.value / 10.0:
+        most, fewer = int(np.sum(kept)), min(np.sum(v > 0), np.sum(v < 0))
+        if most >= LEAST_SAMPLES.value and fewer >= EITHER_WAY.value * LEAST_SAMPLES.value:
             found.append(j)
     return tuple(found)
 

@@ -59,8 +59,60 @@ LEAST_SAMPLES = Rule(
     "least-samples",
     60.0,
     "samples",
-    "a joint with fewer guarded samples, or a tenth of it in either direction, does not move enough to be judged",
+    "a joint with fewer guarded samples does not move enough to be judged",
     "three numbers and an autoregression of order 8 need several samples each: a judgement",
+)
+EITHER_WAY = Rule(
+    "either-way",
+    0.1,
+    "share of least-samples",
+    "a joint with fewer guarded samples in either direction does not move enough to be judged",
+    "a judgement: Coulomb friction is half the difference of both directions, and its error that of the shorter one",
+)
+TOLD_GRAVITY = Rule(
+    "told-gravity",
+    0.1,
+    "share of gravity",
+    "an offset and gravity are listed as confounded where the motion does not show so large an error of gravity at the"
+    " level of a rival",
+    "as mass-spread: errors that are expected must be told from the offset, or the offset may be theirs",
+)
+TOLD_DELAY = Rule(
+    "told-delay",
+    0.01,
+    "s",
+    "viscous friction and a delay are listed as confounded where the motion does not show so long a delay at the level"
+    " of a rival",
+    "half of delay-spread: one sample of a slow bus, 100 Hz",
+)
+UNSMOOTHED = Rule(
+    "unsmoothed",
+    1e-6,
+    "rms of the torque",
+    "with less noise a record counts as smoothed: whether a model explains it to its noise is not said",
+    "a judgement: single precision leaves 3e-8 of a number (2^-24 / sqrt(3)), and no sensor of torque resolves a"
+    " millionth of what it measures",
+)
+SAID_BETTER = Rule(
+    "said-better",
+    0.995,
+    "ratio of rms",
+    "what is named is said to predict torque that was not fitted better",
+    "three digits are printed: less of a difference shows in none of them",
+)
+LONGEST_SLIP = Rule(
+    "longest-slip",
+    0.1,
+    "of a joint's span",
+    "presliding and backlash are looked for up to this length",
+    "a judgement: what takes longer is passed in full at few reversals, and is friction that depends on position",
+)
+FASTEST_RIPPLE = Rule(
+    "fastest-ripple",
+    60.0,
+    "1/rad",
+    "ripples of the torque are looked for up to this wave number",
+    "waves of six degrees: at 1 rad/s 9.5 Hz, and the filter passes what is below 10 to 20 Hz",
 )
 ENOUGH_TURNS = Rule(
     "enough-reversals",

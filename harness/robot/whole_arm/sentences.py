@@ -5,6 +5,7 @@ from collections.abc import Sequence
 from harness.core.quantity import Quantity
 from harness.robot.whole_arm.friction_columns import ASYMMETRIC, DRIFT, LOAD, POSITION, QUADRATIC, RIPPLE, STRIBECK
 from harness.robot.whole_arm.model_columns import ARMATURE, DELAY, INERTIA, MOTOR, PAYLOAD, SENSOR, TILT
+from harness.robot.whole_arm.rules import SAID_BETTER
 from harness.robot.whole_arm.turning import BACKLASH, PRESLIDING, STATIC
 
 _EFFECTS = {
@@ -49,7 +50,7 @@ def of_error(
 def of_base(joint: str, coulomb: Quantity, viscous: Quantity, held_out: tuple[float, float], unit: str) -> str:
     """What a joint's friction is, and how well it predicts."""
     before, after = held_out
-    better = f", {after:.3g} {unit} with what is named" if after < 0.995 * before else ""
+    better = f", {after:.3g} {unit} with what is named" if after < SAID_BETTER.value * before else ""
     return (
         f"{joint}: Coulomb friction {coulomb}, viscous friction {viscous}; it leaves {before:.3g} {unit} of torque that"
         f" was not fitted{better}."

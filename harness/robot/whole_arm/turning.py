@@ -22,13 +22,21 @@ from harness.robot.whole_arm.friction_columns import STRIBECK, signs
 from harness.robot.whole_arm.guard import reversals, sure_speed
 from harness.robot.whole_arm.model_columns import DELAY, WHICH_IS_LATE
 from harness.robot.whole_arm.noise import Stretches
-from harness.robot.whole_arm.rules import AT_EDGE, COVERED, ENOUGH_TURNS, HELD_LEAST, HELD_MOST, NAMED, RIVAL
+from harness.robot.whole_arm.rules import (
+    AT_EDGE,
+    COVERED,
+    ENOUGH_TURNS,
+    HELD_LEAST,
+    HELD_MOST,
+    LONGEST_SLIP,
+    NAMED,
+    RIVAL,
+)
 from harness.robot.whole_arm.search import Chosen, left_over, polished
 
 PRESLIDING, STATIC, BACKLASH = presliding.TERM.name, static_friction.TERM.name, backlash.TERM.name
 _LENGTHS = 12
-_LARGEST = 0.1
-"""Share of a joint's span up to which presliding and backlash are looked for."""
+"""Lengths, and speeds, that are tried."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -128,7 +136,7 @@ def _candidates(
     sign = signs(v)
     sliding = filtered.column(sign, jumps=True)
     quantum = float(filtered.position_step[joint])
-    lengths = np.geomspace(max(4.0 * quantum, 1e-4 * np.ptp(q)), _LARGEST * np.ptp(q), _LENGTHS)
+    lengths = np.geomspace(max(4.0 * quantum, 1e-4 * np.ptp(q)), LONGEST_SLIP.value * np.ptp(q), _LENGTHS)
 
     def settings(what: str, unit: str, values: FloatArray, columns: list[FloatArray]) -> tuple[Setting, ...]:
         return tuple(Setting(((what, unit, float(x)),), {0: c[:, None]}) for x, c in zip(values, columns, strict=True))

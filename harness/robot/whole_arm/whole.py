@@ -22,14 +22,12 @@ from harness.robot.whole_arm.model_columns import DELAY, MOTOR
 from harness.robot.whole_arm.perturb import with_load, without_armature
 from harness.robot.whole_arm.prepare import Known
 from harness.robot.whole_arm.result import Effect, Grade, JointFriction, Left, ModelError, WholeArm
-from harness.robot.whole_arm.rules import EXPLAINED, HELD_NEAR, MAIN, RULES
+from harness.robot.whole_arm.rules import EXPLAINED, HELD_NEAR, MAIN, RULES, UNSMOOTHED
 from harness.robot.whole_arm.search import Chosen, left_over, of_joint
 from harness.robot.whole_arm.sentences import of_base, of_effect, of_error
 from harness.robot.whole_arm.turning import Turned, at_reversals
 
 LINK, MOTOR_SIDE = "link", "motor"
-_SMOOTHED = 1e-6
-"""Noise below this share of the torque is the arithmetic's."""
 _STILL = "the joint does not move to and fro enough"
 
 
@@ -134,7 +132,7 @@ def _left(solved: Solved, plain: Design, joint: int) -> Left:
 
 def _over_noise(left: FloatArray, noise: float, torque: FloatArray) -> float | None:
     """Rms of what is left over that of the noise; None where the record was smoothed and shows no noise."""
-    if noise < _SMOOTHED * math.sqrt(float(np.mean(torque**2))):
+    if noise < UNSMOOTHED.value * math.sqrt(float(np.mean(torque**2))):
         return None
     return math.sqrt(float(np.mean(left**2))) / noise
 
