@@ -15,8 +15,8 @@ import numpy as np
 
 from harness.core.arrays import BoolArray, FloatArray, IntArray
 from harness.core.jit import compiled
-from harness.diagnosis.explain.three import at, over, times, times_turned
 from harness.diagnosis.motion import Motion
+from harness.diagnosis.smoothed_state.three import at, over, times, times_turned
 
 _CHANNELS = ("x", "v", "a")
 _CELLS = 15
