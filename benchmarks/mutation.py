@@ -1,0 +1,233 @@
+"""Mutation testing of what decides: ``python -m benchmarks.mutation --sample 500``.
+
+Each mutant changes one operator, comparison, condition or number of one file and runs the tests of that file in a
+process of its own; it is killed when one fails, and survives when none does. The file itself is left alone: the change
+is made while it is imported. Functions of the room that is changed are not compiled, so that what is tested is what is
+written; those of other rooms are. Exit 1 when more than a tenth of the sample survive.
+"""
+
+import argparse
+import ast
+import importlib
+import os
+import random
+import signal
+import sys
+import time
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from importlib.machinery import ModuleSpec, PathFinder, SourceFileLoader
+from pathlib import Path
+from typing import Any
+
+ROOT = Path(__file__).resolve().parents[1]
+ESTIMATE = ("tests/estimate",)
+DECIDE = ("tests/diagnosis/test_rules.py", "tests/diagnosis/test_verdict.py", "tests/diagnosis/test_grading.py")
+TARGETS = {
+    **{f"harness/estimate/{file.name}": ESTIMATE for file in sorted((ROOT / "harness" / "estimate").glob("*.py"))},
+    **dict.fromkeys(("harness/diagnosis/rules.py", "harness/diagnosis/verdict.py"), DECIDE),
+    **{f"harness/diagnosis/grading/{name}.py": DECIDE for name in ("grade", "misfit", "first_turn", "friction_split")},
+}
+"""What is changed, and the tests that must notice."""
+LOADED_BEFORE = ("scipy.optimize", "scipy.linalg", "scipy.signal", "harness.exact", "harness.kernels.solve")
+"""Imported once, before the processes part; none of it imports what is changed."""
+MOST_SURVIVORS = 0.1
+PATIENCE = 4.0
+"""Times what the tests take without a change, after which a mutant counts as killed: it does not end."""
+
+SWAPS: dict[type[ast.AST], type[ast.AST]] = {
+    ast.Add: ast.Sub,
+    ast.Sub: ast.Add,
+    ast.Mult: ast.Div,
+    ast.Div: ast.Mult,
+    ast.Lt: ast.LtE,
+    ast.LtE: ast.Lt,
+    ast.Gt: ast.GtE,
+    ast.GtE: ast.Gt,
+    ast.Eq: ast.NotEq,
+    ast.NotEq: ast.Eq,
+    ast.And: ast.Or,
+    ast.Or: ast.And,
+}
+
+
+@dataclass(frozen=True, slots=True)
+class Mutant:
+    """The change at one place of a file, counted from its beginning."""
+
+    file: str
+    place: int
+    line: int
+    what: str
+
+
+class Changer(ast.NodeVisitor):
+    """Goes through a file and changes the place of that number; -1 only lists them."""
+
+    def __init__(self, file: str, place: int = -1) -> None:
+        self.file, self.place, self.found = file, place, list[Mutant]()
+
+    def visit(self, node: ast.AST) -> None:
+        """Types and texts are no behaviour: annotations are left out, and strings are no place."""
+        if isinstance(node, ast.AnnAssign):
+            self._fields(node, {"annotation"})
+        elif isinstance(node, ast.FunctionDef):
+            self._fields(node, {"returns", "decorator_list"})
+        elif not isinstance(node, ast.arg | ast.JoinedStr):
+            self._fields(node, set())
+
+    def _fields(self, node: ast.AST, left_out: set[str]) -> None:
+        for name, value in ast.iter_fields(node):
+            if name in left_out:
+                continue
+            for i, inner in enumerate(value if isinstance(value, list) else [value]):
+                if isinstance(inner, ast.AST):
+                    self._at(node, name, i if isinstance(value, list) else None, inner)
+                    self.visit(inner)
+
+    def _at(self, node: ast.AST, name: str, index: int | None, inner: ast.AST) -> None:
+        changed = _changed(node, name, inner)
+        if changed is None:
+            return
+        line = getattr(inner, "lineno", getattr(node, "lineno", 0))
+        before = ast.unparse(node if isinstance(inner, ast.operator | ast.cmpop | ast.boolop) else inner)
+        here = len(self.found) == self.place
+        if here and index is None:
+            setattr(node, name, changed)
+        elif here:
+            getattr(node, name)[index] = changed
+        after = type(changed).__name__ if changed.__class__ in SWAPS else ast.unparse(changed)
+        self.found.append(Mutant(self.file, len(self.found), line, f"{before}  ->  {after}"))
+
+
+def _changed(node: ast.AST, name: str, inner: ast.AST) -> ast.AST | None:
+    """What stands in the place of ``inner``; None where nothing does."""
+    if type(inner) in SWAPS and not (isinstance(node, ast.BinOp) and _typed(node)):
+        return SWAPS[type(inner)]()
+    if isinstance(node, ast.If | ast.IfExp | ast.While) and name == "test" and not isinstance(inner, ast.Compare):
+        return ast.UnaryOp(ast.Not(), inner)
+    if isinstance(inner, ast.UnaryOp) and isinstance(inner.op, ast.USub):
+        return inner.operand
+    if isinstance(inner, ast.Constant) and type(inner.value) is bool:
+        return ast.Constant(not inner.value)
+    if isinstance(inner, ast.Constant) and isinstance(inner.value, int | float):
+        return ast.Constant(inner.value + 1 if isinstance(inner.value, int) else 2.0 * inner.value or 1.0)
+    return None
+
+
+def _typed(node: ast.BinOp) -> bool:
+    """Whether it joins texts."""
+    return any(isinstance(side, ast.JoinedStr) or (isinstance(side, ast.Constant) and isinstance(side.value, str))
+               for side in (node.left, node.right))
+
+
+def places(file: str) -> list[Mutant]:
+    """Every mutant of a file."""
+    changer = Changer(file)
+    changer.visit(ast.parse((ROOT / file).read_text(encoding="utf-8")))
+    return changer.found
+
+
+class Changed(SourceFileLoader):
+    """Loads a module with one change."""
+
+    mutant: Mutant
+
+    def get_code(self, fullname: str) -> Any:
+        """Compiled from the changed source; never from a file of bytecode."""
+        tree = ast.parse(Path(self.path).read_text(encoding="utf-8"))
+        Changer(self.mutant.file, self.mutant.place).visit(tree)
+        return compile(ast.fix_missing_locations(tree), self.path, "exec")
+
+
+class Finder(PathFinder):
+    """Finds the one module that is changed."""
+
+    mutant: Mutant | None = None
+
+    @classmethod
+    def find_spec(cls, fullname: str, path: Sequence[str] | None = None, target: Any = None) -> ModuleSpec | None:
+        """See importlib."""
+        if cls.mutant is None or fullname != cls.mutant.file.removesuffix(".py").replace("/", "."):
+            return None
+        spec = super().find_spec(fullname, path, target)
+        assert spec is not None and spec.origin is not None
+        spec.loader = Changed(fullname, spec.origin)
+        spec.loader.mutant = cls.mutant
+        return spec
+
+
+def _plain(room: str) -> None:
+    """Functions of a room stay as they are written."""
+    from harness.core import jit
+
+    compiled = jit.compiled
+
+    def chosen(function: Callable[..., Any], **options: Any) -> Callable[..., Any]:
+        return function if function.__module__.startswith(room) else compiled(function, **options)
+
+    jit.compiled = chosen  # type: ignore[assignment]
+
+
+def tested(file: str, mutant: Mutant | None, tests: Sequence[str], limit: float | None, loud: bool = False) -> str:
+    """"killed", "killed: no end" or "survived", by the tests in a process of its own."""
+    child = os.fork()
+    if child == 0:
+        import pytest
+
+        if not loud:
+            nothing = os.open(os.devnull, os.O_WRONLY)
+            os.dup2(nothing, 1)
+            os.dup2(nothing, 2)
+        signal.alarm(0 if limit is None else int(limit) + 1)
+        Finder.mutant = mutant
+        sys.meta_path.insert(0, Finder)
+        _plain(".".join(Path(file).parent.parts))
+        options = ["-q", "-x", "-n", "0", "-p", "no:cacheprovider", *(["--durations=12"] if loud else [])]
+        os._exit(int(pytest.main([*options, *tests])))
+    status = os.waitpid(child, 0)[1]
+    if os.WIFSIGNALED(status):
+        return "killed: no end"
+    return "survived" if os.WEXITSTATUS(status) == 0 else "killed"
+
+
+def sample(count: int, seed: int, only: str) -> list[Mutant]:
+    """So many of all places, the same ones for the same seed."""
+    every = [mutant for file in TARGETS if only in file for mutant in places(file)]
+    return random.Random(seed).sample(every, min(count, len(every)))
+
+
+def limits(chosen: Sequence[Mutant], loud: bool) -> Iterator[tuple[tuple[str, ...], float]]:
+    """How long each group of tests may take; they must pass without a change."""
+    for tests in {TARGETS[m.file]: None for m in chosen}:
+        began = time.monotonic()
+        file = next(m.file for m in chosen if TARGETS[m.file] == tests)
+        if tested(file, None, tests, None, loud) != "survived":
+            raise SystemExit(f"{' '.join(tests)}: they fail without a change")
+        yield tests, PATIENCE * (time.monotonic() - began) + 10.0
+
+
+def main() -> int:
+    """See the module."""
+    parser = argparse.ArgumentParser(prog="python -m benchmarks.mutation", description=__doc__)
+    parser.add_argument("--sample", type=int, default=500, help="how many mutants; 500")
+    parser.add_argument("--seed", type=int, default=1, help="which ones; 1")
+    parser.add_argument("--only", default="", help="part of the name of the files that are changed")
+    parser.add_argument("--loud", action="store_true", help="show what the tests take without a change")
+    given = parser.parse_args()
+    os.chdir(ROOT)
+    for name in LOADED_BEFORE:
+        importlib.import_module(name)
+    chosen = sample(given.sample, given.seed, given.only)
+    allowed = dict(limits(chosen, given.loud))
+    survivors = 0
+    for i, mutant in enumerate(chosen, start=1):
+        found = tested(mutant.file, mutant, TARGETS[mutant.file], allowed[TARGETS[mutant.file]])
+        survivors += found == "survived"
+        print(f"{i}/{len(chosen)} {found}: {mutant.file}:{mutant.line}: {mutant.what}", flush=True)
+    print(f"{survivors} of {len(chosen)} mutants survived")
+    return int(survivors > MOST_SURVIVORS * len(chosen))
+
+
+if __name__ == "__main__":
+    raise SystemExit(main())

@@ -1,0 +1,53 @@
+"""The site made of these pages, which look up nothing in any network: sphinx-build -q -W --keep-going docs SITE."""
+
+import re
+from typing import Any
+
+from docutils.nodes import SkipNode
+from docutils.utils.math.latex2mathml import tex2mathml
+from sphinx.application import Sphinx
+
+import harness
+
+project = "friction-harness"
+author = "friction-harness contributors"
+version = release = harness.__version__
+extensions = ["myst_parser"]
+exclude_patterns = ["example"]
+myst_enable_extensions = ["dollarmath"]
+myst_heading_anchors = 4
+suppress_warnings = ["misc.highlighting_failure"]
+html_theme = "furo"
+html_title = f"friction-harness {release}"
+html_static_path = ["site.css"]
+html_css_files = ["site.css"]
+html_copy_source = False
+html_show_sphinx = False
+html_math_renderer = "mathml"
+html_theme_options = {"source_repository": "", "navigation_with_keys": True}
+pygments_style, pygments_dark_style = "default", "github-dark"
+
+
+def contents(app: Sphinx, page: str, source: list[str]) -> None:
+    """The sections of index.md and the links below each are the navigation; a page that lists others has them below it."""
+    if page in ("index", "terms"):
+        source[0] = re.sub(r"^## ([^\n]+)\n(.*?)(?=^## |\Z)", _section, source[0], flags=re.MULTILINE | re.DOTALL)
+
+
+def _section(found: re.Match[str]) -> str:
+    pages = dict.fromkeys(re.findall(r"\]\((?!\.\.|https?:)([\w/-]+)\.md\)", found[2]))
+    if not pages:
+        return found[0]
+    return "\n".join([found[0], "```{toctree}", ":hidden:", f":caption: {found[1]}", "", *pages, "```", ""])
+
+
+def _mathml(self: Any, node: Any) -> None:
+    block = node.tagname == "math_block"
+    self.body.append(f"<div class='math'>{tex2mathml(node.astext(), as_block=True)}</div>" if block else tex2mathml(node.astext()))
+    raise SkipNode
+
+
+def setup(app: Sphinx) -> None:
+    """What sphinx calls first."""
+    app.connect("source-read", contents)
+    app.add_html_math_renderer("mathml", inline_renderers=(_mathml, None), block_renderers=(_mathml, None))

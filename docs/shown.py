@@ -1,0 +1,53 @@
+"""Writes what commands print into the pages that show them: python docs/shown.py [PAGE.md ...].
+
+A page shows a command as a block of ``console`` that begins with "$ harness"; what follows it up to the next command or
+the end of the block is what it prints. Files that a page shows under their name (`` `mine.py`: ``) are there when its
+commands run, and so is the recording of the example. A command in a block of ``sh`` is not run.
+"""
+
+import os
+import re
+import shlex
+import shutil
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+
+DOCS = Path(__file__).resolve().parent
+PAGES = ("start.md", "own-recording.md", "own-simulation.md", "reading.md")
+_BLOCK = re.compile(r"(?<=^```console\n)\$ .*?(?=^```$)", re.MULTILINE | re.DOTALL)
+_FILE = re.compile(r"^`(\S+\.\w+)`:\n\n```\w+\n(.*?)^```$", re.MULTILINE | re.DOTALL)
+_WIDTH = 110
+
+
+def text(page: str) -> str:
+    """A page of docs with what its commands print now. SystemExit for a command that fails."""
+    shown = (DOCS / page).read_text(encoding="utf-8")
+    with tempfile.TemporaryDirectory() as folder:
+        shutil.copy(DOCS / "example" / "rig.csv", folder)
+        for name, content in _FILE.findall(shown):
+            (Path(folder) / name).write_text(content, encoding="utf-8")
+        return _BLOCK.sub(lambda block: _again(block[0], Path(folder)), shown)
+
+
+def _again(block: str, folder: Path) -> str:
+    """The commands of a block, each with what it prints."""
+    commands = [line[2:] for line in block.splitlines() if line.startswith("$ ")]
+    return "".join(f"$ {command}\n{_run(command, folder)}" for command in commands)
+
+
+def _run(command: str, folder: Path) -> str:
+    """What a command prints, its folder left out."""
+    program, *words = shlex.split(command)
+    environment = {**os.environ, "COLUMNS": str(_WIDTH), "NO_COLOR": "1", "PYTHONIOENCODING": "utf-8"}
+    call = [sys.executable, *(["-m", "harness.cli"] if program == "harness" else []), *words]
+    ended = subprocess.run(call, cwd=folder, env=environment, capture_output=True, text=True, check=False)
+    if ended.returncode != 0:
+        raise SystemExit(f"{command}: {ended.stderr}")
+    return "".join(f"{line.rstrip()}\n" for line in ended.stdout.splitlines() if not line.startswith("report: "))
+
+
+if __name__ == "__main__":
+    for name in sys.argv[1:] or PAGES:
+        (DOCS / name).write_text(text(name), encoding="utf-8")
