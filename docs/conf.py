@@ -29,7 +29,7 @@ pygments_style, pygments_dark_style = "default", "github-dark"
 
 
 def contents(app: Sphinx, page: str, source: list[str]) -> None:
-    """The sections of index.md and the links below each are the navigation; a page that lists others has them below it."""
+    """The sections of index.md and the pages linked in each are the navigation; terms.md has those of terms."""
     if page in ("index", "terms"):
         source[0] = re.sub(r"^## ([^\n]+)\n(.*?)(?=^## |\Z)", _section, source[0], flags=re.MULTILINE | re.DOTALL)
 
@@ -42,8 +42,10 @@ def _section(found: re.Match[str]) -> str:
 
 
 def _mathml(self: Any, node: Any) -> None:
+    """An equation as the browser sets it, without a script."""
     block = node.tagname == "math_block"
-    self.body.append(f"<div class='math'>{tex2mathml(node.astext(), as_block=True)}</div>" if block else tex2mathml(node.astext()))
+    made = tex2mathml(node.astext(), as_block=block)
+    self.body.append(f"<div class='math'>{made}</div>" if block else made)
     raise SkipNode
 
 

@@ -1,10 +1,9 @@
 """Writes docs/terms.md from the registry: ``python -m harness.model.catalogue``; a test regenerates and compares."""
 
-import math
 from pathlib import Path
 
 from harness.model.registry import TERMS
-from harness.model.term import Parameter, Slot, Term
+from harness.model.term import Slot, Term
 
 TARGET = Path(__file__).resolve().parents[2] / "docs" / "terms.md"
 
@@ -33,9 +32,9 @@ All that is known of a term stands in its file, and nothing else knows its name.
    More only where it applies: where it acts, elements that an engine's joint may have words for, internal states that a
    recorded motion implies, what recording tells it from another.
 3. `python -m harness.kernels.generate` examines every term (partials against differences, what its slot expects) and
-   writes the dispatch; `python -m harness.model.catalogue` writes this page, and
-   `python -m harness.diagnosis.rules > docs/rules.md` another on which the number of names stands. The tests of the
-   kernel, of the engines and of the files take the term from the catalogue.
+   writes the dispatch. `python -m harness.model.catalogue` writes this page; `python docs/signatures.py NAME`, then
+   `python docs/term_pages.py`, that of the term; `python -m harness.diagnosis.rules > docs/rules.md` the one on which
+   the number of names stands. The tests of the kernel, of the engines and of the files take the term from the catalogue.
 
 A package of your own does the same: an entry point of group `harness.terms` whose value is the `Term`
 (`magnet = "my_package.magnet:TERM"`), and `python -m harness.kernels.generate` once after it is installed or taken
@@ -43,20 +42,9 @@ away; until then the reference is refused with a message that says so. [extendin
 """
 
 
-def _range(p: Parameter) -> str:
-    if math.isinf(p.lower) and math.isinf(p.upper):
-        return ""
-    upper = "" if math.isinf(p.upper) else f" to {p.upper:g}"
-    return f", {p.lower:g}{upper}" if upper else f", {'above' if p.positive else 'at least'} {p.lower:g}"
-
-
-def _section(term: Term) -> list[str]:
-    lines = [f"### {term.key}", "", f"Family {term.family}, slot {term.slot}. {term.sentence}", ""]
-    lines += ["```text", *term.said.splitlines(), "```", ""]
-    for p in term.parameters:
-        none = "" if p.none is None else f"; no effect at {p.none:g}"
-        lines.append(f"- `{p.name}` [{p.unit}]{_range(p)}{none}")
-    return [*lines, ""] if term.parameters else lines
+def page_of(term: Term) -> str:
+    """The page of a term in docs/terms, without its ending: one for all laws that share a name."""
+    return f"terms/{term.name}"
 
 
 def text() -> str:
@@ -64,15 +52,24 @@ def text() -> str:
     lines = [
         "# The catalogue of terms",
         "",
-        "Generated from the registry by `python -m harness.model.catalogue`. Units are those with a known mass;",
-        "without one, forces and their parameters are per unit mass.",
+        "Generated from the registry by `python -m harness.model.catalogue`. The page of a term has its law, what",
+        "viscous and Coulomb friction leave when they are fitted to a motion that has it, and what it is confused with.",
         "",
     ]
     for slot, what in _SLOTS.items():
-        lines += [f"## Slot {slot}: {what}", ""]
+        lines += [
+            f"## Slot {slot}",
+            "",
+            what[0].upper() + what[1:] + ".",
+            "",
+            "| term | family | law |",
+            "|---|---|---|",
+        ]
         for term in TERMS:
             if term.slot is slot:
-                lines += _section(term)
+                law = term.said.splitlines()[0].replace("|", "\\|")
+                lines.append(f"| [{term.key}]({page_of(term)}.md) | {term.family} | {law} |")
+        lines.append("")
     return "\n".join([*lines, _ADD])
 
 
