@@ -206,12 +206,6 @@ def _in_a_process(file: str, mutant: Mutant | None, tests: Sequence[str], limit:
     return SURVIVED if os.WEXITSTATUS(status) in (0, NO_TEST) else "killed"
 
 
-def sample(count: int, seed: int, only: str) -> list[Mutant]:
-    """So many of all places, the same ones for the same seed."""
-    every = [mutant for file in TARGETS if only in file for mutant in places(file)]
-    return random.Random(seed).sample(every, min(count, len(every)))
-
-
 @cache
 def limit_of(tests: Sequence[str], plain: str) -> float:
     """How long tests may take, s, with the functions of one file not compiled; they must pass without a change."""
@@ -225,14 +219,6 @@ def sample(count: int, seed: int, only: str) -> list[Mutant]:
     """So many of all places, the same ones for the same seed."""
     every = [mutant for file in TARGETS if only in file for mutant in places(file)]
     return random.Random(seed).sample(every, min(count, len(every)))
-
-
-def limit_of(file: str) -> float:
-    """How long the tests of a file may take, s; they must pass without a change."""
-    began = time.monotonic()
-    if tested(file, None, TARGETS[file], PATIENCE * 3600.0) != SURVIVED:
-        raise SystemExit(f"{' '.join(TARGETS[file])}: they fail without a change to {file}")
-    return PATIENCE * (time.monotonic() - began) + 10.0
 
 
 def main() -> int:

@@ -51,9 +51,9 @@ def _signature(term: Term, known: dict[str, Any]) -> Iterator[str]:
     yield f"![what viscous and Coulomb friction leave of a decay with {term.key}]({file_name(term)})"
     yield ""
     unit = "rad" if "angle" in term.needs else "m"
-    yield f"A slider of {_MASS}, let go at {BASE['x0']:g} {unit}{f', with {values}' if values else ''}. The base model is"
-    yield f"fitted to position and acceleration; the bands are two standard deviations of noise ({NOISE['x']:g} {unit} and"
-    yield f"{NOISE['a']:g} {unit}/s^2). Chi-square per point of the base model: {known['chi2_per_point']:g}."
+    yield f"A slider of {_MASS}, let go at {BASE['x0']:g} {unit}{f', with {values}' if values else ''}."
+    yield "The base model is fitted to position and acceleration; the bands are two standard deviations of noise"
+    yield f"({NOISE['x']:g} {unit}, {NOISE['a']:g} {unit}/s^2). Chi-square per point of the base model: {known['chi2_per_point']:g}."
     yield ""
 
 

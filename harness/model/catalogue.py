@@ -34,7 +34,7 @@ All that is known of a term stands in its file, and nothing else knows its name.
 3. `python -m harness.kernels.generate` examines every term (partials against differences, what its slot expects) and
    writes the dispatch. `python -m harness.model.catalogue` writes this page; `python docs/signatures.py NAME`, then
    `python docs/term_pages.py`, that of the term; `python -m harness.diagnosis.rules > docs/rules.md` the one on which
-   the number of names stands. The tests of the kernel, of the engines and of the files take the term from the catalogue.
+   the number of names stands. Tests of the kernel, of the engines and of the files take the term from the catalogue.
 
 A package of your own does the same: an entry point of group `harness.terms` whose value is the `Term`
 (`magnet = "my_package.magnet:TERM"`), and `python -m harness.kernels.generate` once after it is installed or taken
@@ -52,8 +52,8 @@ def text() -> str:
     lines = [
         "# The catalogue of terms",
         "",
-        "Generated from the registry by `python -m harness.model.catalogue`. The page of a term has its law, what",
-        "viscous and Coulomb friction leave when they are fitted to a motion that has it, and what it is confused with.",
+        "Generated from the registry by `python -m harness.model.catalogue`. The page of a term has its law,",
+        "what viscous and Coulomb friction leave of a motion that has it, and what it is confused with.",
         "",
     ]
     for slot, what in _SLOTS.items():
