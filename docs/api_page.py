@@ -17,7 +17,7 @@ INTRODUCTION = """\
 
 Written by `python docs/api_page.py` from the docstrings. `import harness` gives the names below; it loads nothing until
 one of them is used. `harness.api` has them too, with the types of the results, which are those of the command
-([schemas](../harness/results/schemas)).
+([results](results.md)).
 
 Arrays you have already go into `Recording(t, {"x": x, "a": a})` (seconds, metres, metres per second squared). Bad input
 raises `harness.core.errors.InputError`, whose text is one line that says what would be accepted. Below, `File` is a

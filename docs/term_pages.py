@@ -53,7 +53,8 @@ def _signature(term: Term, known: dict[str, Any]) -> Iterator[str]:
     unit = "rad" if "angle" in term.needs else "m"
     yield f"A slider of {_MASS}, let go at {BASE['x0']:g} {unit}{f', with {values}' if values else ''}."
     yield "The base model is fitted to position and acceleration; the bands are two standard deviations of noise"
-    yield f"({NOISE['x']:g} {unit}, {NOISE['a']:g} {unit}/s^2). Chi-square per point of the base model: {known['chi2_per_point']:g}."
+    yield f"({NOISE['x']:g} {unit}, {NOISE['a']:g} {unit}/s^2). Chi-square per point that it leaves:"
+    yield f"{known['chi2_per_point']:g}."
     yield ""
 
 
