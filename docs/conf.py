@@ -16,13 +16,12 @@ extensions = ["myst_parser"]
 exclude_patterns = ["example"]
 myst_enable_extensions = ["dollarmath"]
 myst_heading_anchors = 4
-suppress_warnings = ["misc.highlighting_failure"]
 html_theme = "furo"
 html_title = f"friction-harness {release}"
 html_static_path = ["site.css"]
 html_css_files = ["site.css"]
 html_copy_source = False
-html_show_sphinx = False
+html_show_sphinx = html_show_copyright = False
 html_math_renderer = "mathml"
 html_theme_options = {"source_repository": "", "navigation_with_keys": True}
 pygments_style, pygments_dark_style = "default", "github-dark"

@@ -7,7 +7,7 @@ from html import escape
 import numpy as np
 
 GREY, PALE, FIRST, SECOND = "#7c7c7c", "#9a9a9a", "#2b7fd6", "#e4632d"
-_FONT = "font-family='system-ui,sans-serif' font-size='13'"
+_FONT = "font-family='system-ui,sans-serif' font-size='17'"
 
 
 @dataclass(slots=True)
@@ -64,11 +64,11 @@ class Panel:
         for value in (self.up[0], 0.0, self.up[1]):
             y = self.place(self.across[0], value)[1]
             self.parts.append(
-                f"<text x='{left - 6}' y='{y + 4:.1f}' fill='{GREY}' text-anchor='end' {_FONT}>{value:g}</text>"
+                f"<text x='{left - 6}' y='{y + 5:.1f}' fill='{GREY}' text-anchor='end' {_FONT}>{value:g}</text>"
             )
         for value in ticks:
             said = f"{value:g} {unit}" if value == ticks[-1] else f"{value:g}"
-            self.text(value, self.up[0], said, anchor="middle", dy=17.0)
+            self.text(value, self.up[0], said, anchor="middle", dy=20.0)
 
 
 def drawing(width: int, height: int, title: str, panels: Sequence[Panel]) -> str:

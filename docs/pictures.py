@@ -40,7 +40,7 @@ def text() -> str:
     below.text(
         t[at] + 0.07,
         85.0,
-        f"friction reverses at a turning point: a jump of 2 f_k / m = {before - after:.0f} m/s^2",
+        f"friction reverses: a jump of 2 f_k / m = {before - after:.0f} m/s^2",
         SECOND,
     )
     stop = float(t[np.flatnonzero(np.abs(trace.v) > 0.0)[-1]])

@@ -2,7 +2,7 @@
 
 A page shows a command as a block of ``console`` that begins with "$ harness"; what follows it up to the next command or
 the end of the block is what it prints. Files that a page shows under their name (`` `mine.py`: ``) are there when its
-commands run, and so is the recording of the example. A command in a block of ``sh`` is not run.
+commands run, and so are the recording of the example and the model of the arm. A command in a block of ``sh`` is not run.
 """
 
 import os
@@ -15,9 +15,12 @@ import tempfile
 from pathlib import Path
 
 DOCS = Path(__file__).resolve().parent
-PAGES = ("start.md", "own-recording.md", "own-simulation.md", "reading.md")
+PAGES = ("start.md", "own-recording.md", "own-simulation.md", "robot-example.md")
+GIVEN = (DOCS / "example" / "rig.csv", DOCS.parent / "models" / "arm" / "arm.xml")
 _BLOCK = re.compile(r"(?<=^```console\n)\$ .*?(?=^```$)", re.MULTILINE | re.DOTALL)
 _FILE = re.compile(r"^`(\S+\.\w+)`:\n\n```\w+\n(.*?)^```$", re.MULTILINE | re.DOTALL)
+_ELSEWHERE = re.compile(r"^report: |\bit costs ")
+"""Lines of paths, and of times that are another machine's."""
 _WIDTH = 110
 
 
@@ -25,7 +28,8 @@ def text(page: str) -> str:
     """A page of docs with what its commands print now. SystemExit for a command that fails."""
     shown = (DOCS / page).read_text(encoding="utf-8")
     with tempfile.TemporaryDirectory() as folder:
-        shutil.copy(DOCS / "example" / "rig.csv", folder)
+        for file in GIVEN:
+            shutil.copy(file, folder)
         for name, content in _FILE.findall(shown):
             (Path(folder) / name).write_text(content, encoding="utf-8")
         return _BLOCK.sub(lambda block: _again(block[0], Path(folder)), shown)
@@ -38,14 +42,14 @@ def _again(block: str, folder: Path) -> str:
 
 
 def _run(command: str, folder: Path) -> str:
-    """What a command prints, its folder left out."""
+    """What a command prints, without what is another machine's."""
     program, *words = shlex.split(command)
     environment = {**os.environ, "COLUMNS": str(_WIDTH), "NO_COLOR": "1", "PYTHONIOENCODING": "utf-8"}
     call = [sys.executable, *(["-m", "harness.cli"] if program == "harness" else []), *words]
     ended = subprocess.run(call, cwd=folder, env=environment, capture_output=True, text=True, check=False)
     if ended.returncode != 0:
         raise SystemExit(f"{command}: {ended.stderr}")
-    return "".join(f"{line.rstrip()}\n" for line in ended.stdout.splitlines() if not line.startswith("report: "))
+    return "".join(f"{line.rstrip()}\n" for line in ended.stdout.splitlines() if not _ELSEWHERE.search(line))
 
 
 if __name__ == "__main__":

@@ -83,7 +83,7 @@ def picture(found: Signature) -> str:
         if i == 0:
             panel.line(t, recorded.tolist(), FIRST, 2.2)
             panel.line(t, fitted.tolist(), SECOND, 1.4, "5 4")
-            panel.frame(f"{title}: with the term, and the base model fitted to it (dashed)")
+            panel.frame(f"{title}: with the term, and the base model (dashed)")
         else:
             panel.band(-2.0 * factor * NOISE[channel], 2.0 * factor * NOISE[channel], GREY)
             panel.line(t, (factor * drawn).tolist(), FIRST, 1.1)
@@ -111,8 +111,9 @@ def file_name(term: Term) -> str:
     return term.key.replace(":", "-") + ".svg"
 
 
-def main(keys: list[str]) -> None:
-    """Draw and measure terms, all of them where none is named."""
+def main(arguments: list[str]) -> None:
+    """Draw and measure terms, all of them where none is named; with --draw only draw."""
+    keys = [key for key in arguments if key != "--draw"]
     FOLDER.mkdir(exist_ok=True)
     kept = FOLDER / "signatures.json"
     known = json.loads(kept.read_text(encoding="utf-8")) if kept.is_file() else {}
@@ -120,6 +121,8 @@ def main(keys: list[str]) -> None:
         if draws(term) and (not keys or term.key in keys):
             found = signature(term)
             (FOLDER / file_name(term)).write_text(picture(found), encoding="utf-8")
+            if "--draw" in arguments:
+                continue
             known[term.key] = {"chi2_per_point": float(f"{found.over_noise:.3g}"), "followed_by": followed(term)}
             print(term.key, known[term.key], flush=True)
             ordered = {t.key: known[t.key] for t in TERMS if t.key in known}

@@ -1,4 +1,4 @@
-"""Writes the picture of docs/architecture.md, the way of a recording and of a slider: python docs/ways.py.
+"""Writes a part of docs/architecture.md, the way of a recording and of a slider: python docs/ways.py.
 
 A way is followed from a function of app: what it calls, in the order of the source, as far as app and the pipeline of
 the diagnosis go; calls into other packages are its stations.
@@ -127,28 +127,27 @@ def package(place: str) -> str:
     return folder.removeprefix("harness.")
 
 
-def picture() -> str:
-    """Both ways as a mermaid diagram: a box for each package, where the way first comes to it."""
-    lines = ["```mermaid", "flowchart TB"]
-    for index, (what, begins) in enumerate(WAYS.items()):
+def lists() -> str:
+    """Both ways as lists: a station for each package, where the way first comes to it."""
+    lines: list[str] = []
+    for what, begins in WAYS.items():
         passed: dict[str, list[str]] = {}
         seen: set[str] = set()
         for begin in begins:
             for where, name in stations(begin, seen):
                 passed.setdefault(where, []).append(name)
-        lines.append(f'  subgraph way{index}["the way of {what}"]')
-        for i, (where, names) in enumerate(passed.items()):
-            said = [*dict.fromkeys(names[:MOST]), *(["..."] if len(names) > MOST else [])]
-            lines.append(f'    s{index}_{i}["<b>{where}</b><br/>{"<br/>".join(said)}"]')
-        lines.append("    " + " --> ".join(f"s{index}_{i}" for i in range(len(passed))))
-        lines.append("  end")
-    return "\n".join([*lines, "```", ""])
+        lines += [f"### The way of {what}", ""]
+        for place, (where, names) in enumerate(passed.items(), start=1):
+            said = [f"`{name}`" for name in dict.fromkeys(names[:MOST])] + ["..."] * (len(names) > MOST)
+            lines.append(f"{place}. **{where}**: {', '.join(said)}")
+        lines.append("")
+    return "\n".join(lines)
 
 
 def text() -> str:
-    """docs/architecture.md with the picture as the code has it now."""
+    """docs/architecture.md with the ways as the code has it now."""
     page = TARGET.read_text(encoding="utf-8")
-    return re.sub(re.escape(BEGIN) + ".*?" + re.escape(END), lambda _: BEGIN + picture() + END, page, flags=re.DOTALL)
+    return re.sub(re.escape(BEGIN) + ".*?" + re.escape(END), lambda _: BEGIN + lists() + END, page, flags=re.DOTALL)
 
 
 if __name__ == "__main__":
