@@ -2,7 +2,7 @@
 
 A page shows a command as a block of ``console`` that begins with "$ harness"; what follows it up to the next command or
 the end of the block is what it prints. Files that a page shows under their name (`` `mine.py`: ``) are there when its
-commands run, and so are the recording of the example and the model of the arm. A command in a block of ``sh`` is not run.
+commands run, and so are the recording of the example and the model of the arm. One in a block of ``sh`` is not run.
 """
 
 import os
