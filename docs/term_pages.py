@@ -74,7 +74,7 @@ def _confused(terms: list[Term], known: dict[str, Any]) -> Iterator[str]:
     told = {other: words for t in terms for other, words in t.told_from.items()}
     told |= {t.name: t.told_from[name] for t in TERMS if name in t.told_from}
     for other, words in told.items():
-        yield f"- From {linked[other]} tells it {words}."
+        yield f"- {words[0].upper()}{words[1:]} tells it from {linked[other]}."
     yield ""
 
 

@@ -10,7 +10,7 @@ TARGET = Path(__file__).resolve().parents[2] / "docs" / "terms.md"
 _SLOTS = {
     Slot.SMOOTH: "a sum of forces on the left side of m x'' + c x' + k x + f = u",
     Slot.FRICTION_LAW: "how dry friction acts; one law (Coulomb when there is none)",
-    Slot.FRICTION_LEVEL: "f_k as a function of speed; one curve",
+    Slot.FRICTION_LEVEL: "the level f_k as a function of speed; one curve",
     Slot.FRICTION_MODULATION: "factors on the level of friction, a product never below 0",
     Slot.BREAK_AWAY: "the force at which it breaks away, never below the friction that then sets in; one",
     Slot.INTERNAL: "internal states that couple in; a sum",

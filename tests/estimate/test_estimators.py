@@ -7,6 +7,7 @@ from harness.core.arrays import FloatArray
 from harness.core.errors import InputError
 from harness.estimate.every import METHODS, estimate_all
 from harness.estimate.result import Estimation
+from harness.estimate.reversals import _crossings
 from harness.exact.decay import Decay, free_decay
 
 PAPER = Decay(10.0, 0.05, 0.03, 1.0)
@@ -101,6 +102,27 @@ def test_quantised_displacement() -> None:
     found = estimate_all(T, x=np.round(CLEAN.x / step) * step)
     _close(found, "displacement", 0.03, 0.05)
     assert found.noise["x"].step == pytest.approx(step, rel=1e-6)
+
+
+def test_turning_points_are_the_same_from_the_acceleration() -> None:
+    viscous = free_decay(Decay(10.0, 0.03, 0.0, 1.0), T)
+    by_x, by_a = (estimate_all(T, **{c: getattr(viscous, c)})["log-decrement"].per_reversal for c in ("x", "a"))
+    at = {round(row.t, 6): row.x for row in by_x}
+    assert len(by_a) > 5
+    assert [row.x for row in by_a] == pytest.approx([at[round(row.t, 6)] for row in by_a], abs=1e-9)
+
+
+def test_an_offset_leaves_the_figures_of_each_reversal() -> None:
+    rows = estimate_all(T, x=CLEAN.x + 0.2)["displacement"].per_reversal
+    assert [row.x_k for row in rows[:4]] == pytest.approx([0.03] * 4, abs=1e-9)
+
+
+def test_a_zero_crossing_is_where_the_line_crosses_however_small() -> None:
+    """A ramp through 0.37 s that is beyond the level early and late, of mm and of km."""
+    t = np.arange(0.0, 1.0, 0.01)
+    for size in (1e-3, 1.0, 1e3):
+        found = _crossings(t, size * np.where(t < 0.9, t - 0.37, 0.53), 0.2 * size)
+        assert found == pytest.approx([0.37], abs=1e-9)
 
 
 def test_offset_and_bias_are_found() -> None:
