@@ -3,6 +3,7 @@
 import os
 import subprocess
 import sys
+import tarfile
 import tomllib
 import zipfile
 from importlib.metadata import version
@@ -66,6 +67,25 @@ def test_the_command_and_its_files_are_there(installed: Path) -> None:
 
 def test_nothing_but_the_package_is_in_the_wheel(installed: Path) -> None:
     assert {entry.name.split("-")[0] for entry in installed.iterdir()} == {"harness", "friction_harness"}
+
+
+def test_the_wheel_needs_no_compiler(installed: Path) -> None:
+    (wheel,) = installed.parent.glob("*.whl")
+    assert wheel.name.endswith("-py3-none-any.whl")
+
+
+def test_the_sdist_makes_the_same_wheel_and_holds_tests_and_pages(installed: Path, tmp_path: Path) -> None:
+    build = [sys.executable, "-m", "hatchling", "build", "-d", str(tmp_path), "-t"]
+    subprocess.run([*build, "sdist"], check=True, capture_output=True, cwd=CHECKOUT)
+    (packed,) = tmp_path.glob("*.tar.gz")
+    with tarfile.open(packed) as archive:
+        archive.extractall(tmp_path, filter="data")
+    unpacked = tmp_path / packed.name.removesuffix(".tar.gz")
+    for name in ("docs/conf.py", "docs/terms/stribeck.svg", "tests/conftest.py", "constraints.txt", ".ci/run"):
+        assert (unpacked / name).is_file(), name
+    subprocess.run([*build, "wheel"], check=True, capture_output=True, cwd=unpacked)
+    (again,), (first,) = tmp_path.glob("*.whl"), installed.parent.glob("*.whl")
+    assert sorted(zipfile.ZipFile(again).namelist()) == sorted(zipfile.ZipFile(first).namelist())
 
 
 def requirements() -> list[Requirement]:

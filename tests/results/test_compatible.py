@@ -1,4 +1,4 @@
-"""A schema's number rises when a field goes or changes its type: programs that read results rely on it.
+"""A schema's number rises when a field goes or changes its type, for programs that read results; choices may grow.
 
 fields.json has the fields of every schema as they were published. What is added there is added by
 ``python tests/results/test_compatible.py``; what is taken out, by hand, with a new number.
