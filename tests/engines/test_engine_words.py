@@ -228,3 +228,55 @@ def test_warning_list_newtons_other_solvers_drop_joint_friction(solver: str) -> 
     assert abs(with_friction.v[-1]) < 2e-3
     assert without.v[-1] == pytest.approx(0.15, rel=0.02)
     assert any(line.startswith("friction: ") for line in without.source.ignored)
+
+
+SLIDE_URDF = """<robot name="slide"><link name="rail"/><link name="box"><inertial><mass value="1"/>
+<inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial></link>
+<joint name="x" type="prismatic"><parent link="rail"/><child link="box"/><axis xyz="1 0 0"/>
+<limit lower="-9" upper="9" effort="99" velocity="99"/><dynamics {words}/></joint></robot>"""
+SLIDE_MJCF = """<mujoco><worldbody><body><joint type="slide" axis="1 0 0" {words}/>
+<geom type="box" size="0.1 0.1 0.1" mass="1"/></body></worldbody></mujoco>"""
+
+
+def left_of_a_push(path: Path) -> float:
+    """Speed of PyBullet's slide of 1 kg a hundred of its steps after 1 m/s, its motor off, m/s."""
+    pybullet = pytest.importorskip("pybullet")
+    world = pybullet.connect(pybullet.DIRECT)
+    try:
+        if path.suffix == ".urdf":
+            body = pybullet.loadURDF(str(path), useFixedBase=True, physicsClientId=world)
+        else:
+            body = pybullet.loadMJCF(str(path), physicsClientId=world)[-1]
+        joints = range(pybullet.getNumJoints(body, physicsClientId=world))
+        kinds = [pybullet.getJointInfo(body, i, physicsClientId=world)[2] for i in joints]
+        slide = kinds.index(pybullet.JOINT_PRISMATIC)
+        pybullet.setJointMotorControl2(body, slide, pybullet.VELOCITY_CONTROL, force=0, physicsClientId=world)
+        pybullet.resetJointState(body, slide, 0.1, 1.0, physicsClientId=world)
+        for _ in range(100):
+            pybullet.stepSimulation(physicsClientId=world)
+        return float(pybullet.getJointState(body, slide, physicsClientId=world)[1])
+    finally:
+        pybullet.disconnect(world)
+
+
+@pytest.mark.parametrize(
+    ("file", "words", "acts"),
+    [
+        ("a.urdf", 'friction="5"', False),
+        ("a.urdf", 'damping="5"', True),
+        ("a.xml", 'frictionloss="5"', False),
+        ("a.xml", 'damping="5"', False),
+        ("a.xml", 'stiffness="100"', False),
+    ],
+)
+def test_warning_list_pybullet_takes_of_a_files_joint_its_damping_in_urdf_alone(
+    tmp_path: Path, file: str, words: str, acts: bool
+) -> None:
+    text = SLIDE_URDF if file.endswith(".urdf") else SLIDE_MJCF
+    speeds = []
+    for said in ('friction="0"' if file.endswith(".urdf") else "", words):
+        (tmp_path / file).write_text(text.format(words=said))
+        speeds.append(left_of_a_push(tmp_path / file))
+    # as it ships PyBullet damps linearly by 0.04 a second itself
+    assert speeds[0] == pytest.approx(0.9675, abs=1e-3)
+    assert (speeds[1] < 0.5) if acts else (speeds[1] == speeds[0])
