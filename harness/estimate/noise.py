@@ -8,7 +8,6 @@ import math
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.signal import lfilter
 
 from harness.core.arrays import BoolArray, FloatArray
 from harness.core.jit import compiled
@@ -60,6 +59,9 @@ class Noise:
 
     def drawn(self, count: int, random: np.random.Generator) -> FloatArray:
         """A draw (count,) of noise of this level and first-order colour; it is not quantised."""
+        # imported when it is needed: it brings half of its library along
+        from scipy.signal import lfilter
+
         fresh = self.sigma * random.standard_normal(count)
         fresh[1:] *= math.sqrt(1.0 - self.phi**2)
         return np.asarray(lfilter([1.0], [1.0, -self.phi], fresh), dtype=np.float64)

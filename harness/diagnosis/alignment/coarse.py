@@ -4,7 +4,6 @@ import math
 from collections.abc import Mapping
 
 import numpy as np
-from scipy.signal import correlate
 
 from harness.core.arrays import FloatArray
 from harness.core.errors import InputError
@@ -37,6 +36,9 @@ def candidates(first: Signals, second: Signals, noise: Mapping[str, Noise], peri
         found = f"{total / BINS:.3g} periods that the shift may be anywhere in"
         accepted = f"traces of at most {_MOST_BINS / BINS:.0e} periods together are accepted"
         raise InputError("time alignment", found, accepted)
+    # imported when it is needed: it brings half of its library along
+    from scipy.signal import correlate
+
     sizes = [max(int((one.t[-1] - one.t[0]) / width), 1) for one in (first, second)]
     lags = np.arange(1 - sizes[0], sizes[1])
     low, high = np.maximum(0, -lags), np.minimum(sizes[0], sizes[1] - lags)

@@ -6,7 +6,6 @@ from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
-from scipy.interpolate import Akima1DInterpolator
 
 from harness.core.arrays import BoolArray, FloatArray
 from harness.diagnosis.residual_tests.cleaned import isolated
@@ -60,6 +59,8 @@ class Pair:
         thin = slice(None, None, 1 if most is None else max(1, coarse.t.size // most))
         self.interval *= thin.step
         self.t, self.coarse = coarse.t[thin], {c: coarse.channels[c][thin] for c in noise}
+        from scipy.interpolate import Akima1DInterpolator
+
         # Akima's curve keeps a jump where it is, and is of third order elsewhere
         self.curves = {c: Akima1DInterpolator(self.fine.t, self.fine.channels[c]) for c in noise}
         self.slopes = {c: curve.derivative() for c, curve in self.curves.items()}

@@ -4,7 +4,7 @@ import math
 from dataclasses import replace
 
 import numpy as np
-from scipy.stats import chi2
+from scipy.special import chdtrc
 
 from harness.core.arrays import FloatArray
 from harness.diagnosis.rules import STEADY
@@ -79,7 +79,7 @@ def _steady(white: FloatArray) -> bool:
     stretches = white[: _STRETCHES * width].reshape(_STRETCHES, width)
     strongest = float(np.max(np.sum(stretches**2, axis=1)))
     # one of so many: Bonferroni
-    return bool(_STRETCHES * chi2.sf(strongest, width) > STEADY.value)
+    return bool(_STRETCHES * chdtrc(width, strongest) > STEADY.value)
 
 
 def residual_noise(t: FloatArray, residual: FloatArray, channel: FloatArray, period: float) -> Noise:

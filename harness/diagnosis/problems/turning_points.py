@@ -3,8 +3,6 @@
 from collections.abc import Mapping
 
 import numpy as np
-from scipy.integrate import cumulative_trapezoid
-from scipy.signal import find_peaks
 
 from harness.core.arrays import FloatArray, IntArray
 from harness.diagnosis.rules import HAS_BEGUN
@@ -28,6 +26,9 @@ def turning_points(t: FloatArray, channels: Mapping[str, FloatArray]) -> IntArra
         least = max(least, _SEEN * channel_noise(t, y).sigma)
     if least <= 0.0:
         return np.empty(0, dtype=np.int64)
+    # imported when it is needed: it brings half of its library along
+    from scipy.signal import find_peaks
+
     tops, _ = find_peaks(y, prominence=least)
     bottoms, _ = find_peaks(-y, prominence=least)
     return np.sort(np.concatenate((tops, bottoms)).astype(np.int64))
@@ -37,7 +38,8 @@ def _displacement(t: FloatArray, channels: Mapping[str, FloatArray]) -> tuple[st
     if "x" in channels:
         return "x", channels["x"]
     if "v" in channels:
-        return "v", np.asarray(cumulative_trapezoid(channels["v"], t, initial=0.0), dtype=np.float64)
+        v = channels["v"]
+        return "v", np.concatenate(([0.0], np.cumsum(np.diff(t) * (v[1:] + v[:-1]) / 2.0)))
     return "a", channels["a"]
 
 
