@@ -123,12 +123,12 @@ def test_an_offset_leaves_the_figures_of_each_reversal() -> None:
     assert [row.x_k for row in rows[:4]] == pytest.approx([0.03] * 4, abs=1e-9)
 
 
-def test_a_zero_crossing_is_where_the_line_crosses_however_small() -> None:
-    """A ramp through 0.37 s that is beyond the level early and late, of mm and of km."""
+def test_a_crossing_is_where_the_sign_changes_however_small_or_bent() -> None:
+    """Steeper beyond 0.374 s than before, in mm and in km."""
     t = np.arange(0.0, 1.0, 0.01)
+    bent = (t - 0.374) ** 3 * np.where(t < 0.374, 1.0, 50.0)
     for size in (1e-3, 1.0, 1e3):
-        found = _crossings(t, size * np.where(t < 0.9, t - 0.37, 0.53), 0.2 * size)
-        assert found == pytest.approx([0.37], abs=1e-9)
+        assert _crossings(t, size * bent, 0.2**3 * size) == pytest.approx([0.374], abs=0.01)
 
 
 def test_the_error_of_the_frequency_is_that_of_the_half_cycles() -> None:
