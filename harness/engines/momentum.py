@@ -18,21 +18,24 @@ class Momentum:
     m in kg; c in N s/m and k in N/m are what the engine takes at the end of every sub-step, zero for what is pushed
     with; h in s. The speed after the step is linear, v+ = A x + B v + C u - D f, so that f follows from it. last : the
     impulse of friction comes after the spring and damper of a sub-step have been solved for, so that they do not weigh
-    it: v+ = (v + (h/n) (u - k x+)/m) / (1 + h c/(n m)) - (h/n) f/m, x+ on the right that of a step without f.
+    it: v+ = (v + (h/n) (u - k x+)/m) / (1 + h c/(n m)) - (h/n) f/m, x+ on the right that of a step without f. first :
+    impulses of the whole step, h u and h f, come in the first sub-step.
     """
 
-    def __init__(self, m: float, c: float, k: float, h: float, n: int, last: bool = False) -> None:
+    def __init__(
+        self, m: float, c: float, k: float, h: float, n: int, *, last: bool = False, first: bool = False
+    ) -> None:
         part = h / n
         weight = 1.0 / (1.0 + part * (c + part * k) / m)
         once: FloatArray = np.array([[1.0 - part**2 * k * weight / m, part * weight], [-part * k * weight / m, weight]])
         given: FloatArray = part * weight / m * np.array([part, 1.0])
         rubbed: FloatArray = part / m * np.array([part, 1.0]) if last else given
-        state: FloatArray = np.eye(2)
-        gained, lost = np.zeros(2), np.zeros(2)
+        powers: list[FloatArray] = [np.eye(2)]
         for _ in range(n):
-            gained = once @ gained + given
-            lost = once @ lost + rubbed
-            state = once @ state
+            powers.append(once @ powers[-1])
+        state = powers[n]
+        sums: FloatArray = n * powers[n - 1] if first else np.sum(powers[:n], axis=0)
+        gained, lost = sums @ given, sums @ rubbed
         self._of_x, self._of_v = float(state[1, 0]), float(state[1, 1])
         self._gain, self._loss = float(gained[1]), float(lost[1])
 

@@ -115,7 +115,9 @@ class PhysxBody(Stepped):
         self._excess = plan.scale * slider.break_away if away and not slides else 0.0
         tgs = settings["solverType"] == "TGS"
         parts = max(1, settings["solverPositionIterationCount"]) if tgs else 1
-        self._momentum = Momentum(slider.m, c, k, plan.dt, parts, last=tgs)
+        # then TGS takes forces, and what a joint rubs, once: in the first of its sub-steps
+        first = tgs and not settings["enableExternalForcesEveryIteration"]
+        self._momentum = Momentum(slider.m, c, k, plan.dt, parts, last=tgs, first=first)
         self._dt, self._limit = plan.dt, 0.0
         self._physics = ovphysx.PhysX()
         self._stage = ovstage.Stage("slider")

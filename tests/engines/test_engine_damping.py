@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from engine_cases import TABLE, engine
 
-from harness.core.scenario import Hold, Scenario
+from harness.core.scenario import Harmonic, Hold, Scenario
 from harness.core.slider import Slider
 from harness.core.trajectory import Trajectory
 from harness.engines.base import Task
@@ -139,3 +139,35 @@ def test_drakes_creep_follows_its_stiction_tolerance(m: float, load: float, limi
         for name, creep in expected.items():
             settings = {"contact_approximation": name, "stiction_tolerance": tolerance}
             assert creeping("drake", "contact", m, load, limit, h, **settings) == pytest.approx(creep, rel=1e-3), name
+
+
+TOLD = [
+    *(("rapier", {"num_solver_iterations": n, "own_spring": own}) for n in (1, 4) for own in (True, False)),
+    *(
+        (
+            "physx",
+            {
+                "solverType": solver,
+                "solverPositionIterationCount": n,
+                "own_spring": own,
+                "enableExternalForcesEveryIteration": every,
+            },
+        )
+        for solver in ("TGS", "PGS")
+        for n in (1, 4)
+        for own in (True, False)
+        for every in (True, False)
+    ),
+]
+
+
+@pytest.mark.parametrize(("name", "settings"), [pytest.param(*one, marks=only(one[0])) for one in TOLD])
+def test_the_friction_that_is_told_of_what_slides_is_its_limit(name: str, settings: dict[str, Any]) -> None:
+    slider = Slider(1.3, 1.5, 90.0, 2.0)
+    scenario = Scenario("pushed", slider, 0.2, 0.0, 2.0, Harmonic(15.0, 6.0))
+    trace = engine(name).simulate(Task(scenario, "joint", "as-shipped", 1.0 / 60.0, settings))
+    # a whole step on one side of rest
+    slides = np.concatenate([[False], np.minimum(np.abs(trace.v[1:]), np.abs(trace.v[:-1])) > 0.3])
+    assert np.count_nonzero(slides) > 50
+    told = trace.extra["friction_force"][slides] * np.sign(trace.v[slides])
+    assert np.abs(told - slider.f_k).max() < 1e-5 * slider.f_k
