@@ -331,8 +331,9 @@ def _line(name: str, t: FloatArray, x: FloatArray, line: Data) -> dict[str, Any]
 def sweep_sections(data: Data) -> list[Section]:
     """Sections of the page; data : as harness.app.sweep.report makes it."""
     sections: list[Section] = [
-        Verdict(data["headline"], data["sentences"], data["about"], "Conclusions"),
+        Verdict(data["headline"], (), (), "Conclusions"),
         SweepScorecard(data["cards"], data["figures"]),
+        Verdict("", data["sentences"], data["about"], "What to change, and what stays wrong"),
         Pareto(data["points"]),
         Orders(data["orders"]),
         creep_section(data["creep"]),
