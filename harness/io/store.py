@@ -1,6 +1,7 @@
 """Writing results: beside first, then renamed, so that nothing half-written is ever seen under its own name."""
 
 import errno
+import fcntl
 import os
 import shutil
 import stat
@@ -14,6 +15,10 @@ from harness.core.errors import StoreError
 from harness.core.writing import explained, partial_folder, reason, replacing, sweep
 
 DEFAULT_PARENT = "reports"
+BEGUN = frozenset({"log.txt"})
+"""What a growing folder may hold in which nothing was done yet: the process was killed before it got to it."""
+PATIENCE_S = 5.0
+"""Time in which what belonged to a process that was killed ends too."""
 
 
 class OutputFolder:
@@ -64,13 +69,13 @@ def _make(final: Path) -> tuple[Path, ...]:
     return tuple(missing)
 
 
-def _reserve(name: str, out: Path | None) -> tuple[Path, tuple[Path, ...]]:
+def _reserve(name: str, out: Path | None, begun: frozenset[str] = frozenset()) -> tuple[Path, tuple[Path, ...]]:
     if out is not None:
         final = Path(os.path.abspath(out))
         made = _make(final)
         sweep(final.parent, final.name)
         with explained(final):
-            taken = any(final.iterdir())
+            taken = any(entry.name not in begun for entry in final.iterdir())
         if taken:
             raise StoreError(f"--out {out}: the folder holds files already; a new or empty one is accepted")
         return final, made
@@ -97,7 +102,36 @@ def growing_folder(name: str, out: Path | None = None) -> Path:
 
     Raises StoreError when it cannot be made or holds files already.
     """
-    return _reserve(name, out)[0]
+    return _reserve(name, out, BEGUN)[0]
+
+
+@contextmanager
+def held(folder: Path, patience_s: float = PATIENCE_S) -> Iterator[int]:
+    """Have a growing folder for this call alone while the block runs; yields the descriptor that marks it.
+
+    A process that inherits the descriptor holds the folder as well, until it ends. patience_s : how long to wait for
+    another that holds it, s. Raises StoreError when that one goes on.
+    """
+    limit = time.monotonic() + patience_s
+    with explained(folder):
+        handle = os.open(folder, os.O_RDONLY | os.O_DIRECTORY)
+    try:
+        while True:
+            try:
+                fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            except BlockingIOError:
+                if time.monotonic() > limit:
+                    raise StoreError(
+                        f"{folder}: another process works in it; a folder of its own is accepted"
+                    ) from None
+                time.sleep(0.05)
+                continue
+            except OSError:  # a file system without locks
+                pass
+            break
+        yield handle
+    finally:
+        os.close(handle)
 
 
 @contextmanager

@@ -23,7 +23,7 @@ from harness.core.errors import HarnessError, InputError
 from harness.core.writing import sweep
 from harness.io.logs.read import source_of
 from harness.io.recording import sha256
-from harness.io.store import growing_folder, write_text
+from harness.io.store import growing_folder, held, write_text
 from harness.results.diagnosis import DiagnosisResult, FailedDiagnosis, UnreadRecording
 from harness.results.fleet import FleetResult
 
@@ -112,35 +112,38 @@ def diagnose_all(
     InterruptionError keeps what was done.
     """
     folder = _folder(out, resume)
-    works = [
-        Work(path, label, folder / name, options, command)
-        for (path, label), name in zip(named, folder_names([label for _, label in named]), strict=True)
-    ]
-    answers: dict[int, Answer] = {}
-    if resume:
-        for i, work in enumerate(works):
-            kept = _kept(work)
-            if kept is not None:
-                answers[i] = kept
-    progress("recordings", len(answers), len(works))
-    left = {i: work for i, work in enumerate(works) if i not in answers}
-    try:
-        done_here = computed(left, min(jobs or cores(), max(len(left), 1)), function)
-        for i, answer in done_here if cluster is None else on_cluster(left, cluster):
-            answers[i] = answer
-            progress("recordings", len(answers), len(works))
-    except KeyboardInterrupt:
-        done = f"{len(answers)} of {len(works)} recordings are kept"
-        raise InterruptionError(f"interrupted; {done}, the same command with --resume --out {folder} goes on") from None
-    many = Many(tuple(answers[i] for i in range(len(works))), folder)
-    write_text(folder / RESULT, many.json())
-    good = [answer for answer in many.answers if isinstance(answer, DiagnosisResult)]
-    if options.robot is not None and len(good) > 1:
-        fleet = fleet_of(good, options.robot.file, conditions, command)
-        many = replace(many, fleet=fleet)
-        write_text(folder / FLEET, to_json(fleet))
-    write_index(folder / PAGE, many.answers, command, many.fleet)
-    return many
+    with held(folder):
+        works = [
+            Work(path, label, folder / name, options, command)
+            for (path, label), name in zip(named, folder_names([label for _, label in named]), strict=True)
+        ]
+        answers: dict[int, Answer] = {}
+        if resume:
+            for i, work in enumerate(works):
+                kept = _kept(work)
+                if kept is not None:
+                    answers[i] = kept
+        progress("recordings", len(answers), len(works))
+        left = {i: work for i, work in enumerate(works) if i not in answers}
+        try:
+            done_here = computed(left, min(jobs or cores(), max(len(left), 1)), function)
+            for i, answer in done_here if cluster is None else on_cluster(left, cluster):
+                answers[i] = answer
+                progress("recordings", len(answers), len(works))
+        except KeyboardInterrupt:
+            done = f"{len(answers)} of {len(works)} recordings are kept"
+            raise InterruptionError(
+                f"interrupted; {done}, the same command with --resume --out {folder} goes on"
+            ) from None
+        many = Many(tuple(answers[i] for i in range(len(works))), folder)
+        write_text(folder / RESULT, many.json())
+        good = [answer for answer in many.answers if isinstance(answer, DiagnosisResult)]
+        if options.robot is not None and len(good) > 1:
+            fleet = fleet_of(good, options.robot.file, conditions, command)
+            many = replace(many, fleet=fleet)
+            write_text(folder / FLEET, to_json(fleet))
+        write_index(folder / PAGE, many.answers, command, many.fleet)
+        return many
 
 
 def _folder(out: Path | None, resume: bool) -> Path:

@@ -57,8 +57,11 @@ class Keeper:
 
 
 @contextmanager
-def keeping(path: Path, secrets: Mapping[str, Any]) -> Iterator[Keeper]:
-    """Keep ``secrets`` in another process; they are written to ``path`` unless released before the block ends."""
+def keeping(path: Path, secrets: Mapping[str, Any], mark: int | None = None) -> Iterator[Keeper]:
+    """Keep ``secrets`` in another process; they are written to ``path`` unless released before the block ends.
+
+    mark : a descriptor that the process holds until it has ended.
+    """
     code = str(Path(__file__).resolve().parents[2])
     process = subprocess.Popen(
         [sys.executable, "-P", "-m", __name__],
@@ -67,6 +70,7 @@ def keeping(path: Path, secrets: Mapping[str, Any]) -> Iterator[Keeper]:
         stderr=subprocess.DEVNULL,
         env={**os.environ, "PYTHONPATH": code},
         start_new_session=True,
+        pass_fds=() if mark is None else (mark,),
     )
     assert process.stdin is not None
     assert process.stdout is not None

@@ -33,7 +33,7 @@ from harness.app.shared.pool import Cluster, LocalPool, Workers
 from harness.app.shared.progress import SILENT, Progress
 from harness.app.sweep.sweep import InterruptionError
 from harness.core.errors import HarnessError, InputError
-from harness.io.store import growing_folder
+from harness.io.store import growing_folder, held
 from harness.proof.beside import BASELINES
 from harness.proof.drawing import probes_of, sealed_answers
 from harness.proof.plan import FULL, MACHINES, SHORT, SHORT_MACHINES, Sizes, plan
@@ -87,11 +87,11 @@ def prove(
     """Run a proof, or go on with one, into a folder.
 
     out : folder, None for reports/proof-TIME here. Raises InputError for what cannot be resumed, StoreError for a
-    folder that cannot be written or is taken, InterruptionError after an interruption; what was done is kept.
+    folder that cannot be written, is taken or in use, InterruptionError after an interruption; what was done is kept.
     """
     folder = _resumed(out) if options.resume else growing_folder("proof", out)
-    with journal(folder / LOG):
-        return _Proof(options, folder, progress, command).run()
+    with held(folder) as mark, journal(folder / LOG):
+        return _Proof(options, folder, progress, command, mark).run()
 
 
 def _resumed(out: Path | None) -> Path:
@@ -105,8 +105,9 @@ def _resumed(out: Path | None) -> Path:
 class _Proof:
     """One call: each phase is left out when the transcript says that it is done."""
 
-    def __init__(self, options: ProveOptions, folder: Path, progress: Progress, command: str) -> None:
+    def __init__(self, options: ProveOptions, folder: Path, progress: Progress, command: str, mark: int) -> None:
         self._options, self._folder, self._progress, self._command = options, folder, progress, command
+        self._mark = mark
         self._store = Store(folder)
         self._ledger = Ledger.load(folder) if options.resume else Ledger()
         self._sizes = options.sizes
@@ -185,16 +186,17 @@ class _Proof:
     def _diagnose(self) -> None:
         """Every diagnoser on every recording, blind; then the verdicts are sealed and the answers opened."""
         secret = self._secret()
-        with keeping(self._store.secret, secret) as keeper:
+        with keeping(self._store.secret, secret, self._mark) as keeper:
             if self._options.resume:
                 self._store.mend()
                 about = {"at": now(), "kept": sum(map(len, self._store.answers().values())), "secrets": SECRETS}
                 self._ledger.add(RESUMED, about)
                 self._ledger.save(self._folder)
             self._store.forget()
-            said = self._answers(secret["answers"])
-            seal_verdicts(self._ledger, said[OURS], {who: one for who, one in said.items() if who != OURS})
-            self._ledger.save(self._folder)
+            if not self._done(STEPS[2]):
+                said = self._answers(secret["answers"])
+                seal_verdicts(self._ledger, said[OURS], {who: one for who, one in said.items() if who != OURS})
+                self._ledger.save(self._folder)
             seed = Sealed(**secret["seed"])
             open_all(self._ledger, seed, sealed_answers(int(seed.value), secret["answers"]), secret["given_up"])
             self._ledger.save(self._folder)

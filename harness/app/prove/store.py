@@ -86,9 +86,8 @@ class Store:
 
     def mend(self) -> None:
         """Take off a line that was cut in two when an earlier call ended."""
-        lines = [json.dumps(line) + "\n" for line in self._lines()]
-        if lines:
-            self.write(f"{WORKING}/{ANSWERS}", "".join(lines))
+        if (self.folder / WORKING / ANSWERS).exists():
+            self.write(f"{WORKING}/{ANSWERS}", "".join(json.dumps(line) + "\n" for line in self._lines()))
 
     def answers(self) -> dict[str, dict[str, str]]:
         """Answers so far: diagnoser -> recording -> what it said. A line that was cut off is left out."""

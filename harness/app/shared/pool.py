@@ -1,6 +1,7 @@
 """Where rows are computed: a local pool of processes, or a dask.distributed cluster, behind concurrent.futures."""
 
 import multiprocessing
+import os
 import signal
 from abc import ABC, abstractmethod
 from concurrent.futures import CancelledError, Executor, ProcessPoolExecutor
@@ -49,7 +50,8 @@ class LocalPool(Workers):
 
     def _start(self) -> ProcessPoolExecutor:
         # a fresh interpreter: engines and compiled code do not survive a fork
-        return ProcessPoolExecutor(self._jobs, multiprocessing.get_context("spawn"), initializer=_settle)
+        context = multiprocessing.get_context("spawn")
+        return ProcessPoolExecutor(self._jobs, context, initializer=_settle, initargs=(os.getpid(),))
 
     @property
     def count(self) -> int:
@@ -82,8 +84,8 @@ class LocalPool(Workers):
                 process.join(5.0)
 
 
-def _settle() -> None:
-    """In a new worker: one thread, an interruption is the parent's business, no life after the parent's."""
+def _settle(parent: int) -> None:
+    """In a new worker of the process ``parent``: one thread, an interruption is its business, no life after it."""
     one_thread(whatever_was_asked=True)
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     signal.signal(signal.SIGTERM, signal.SIG_DFL)
@@ -92,6 +94,8 @@ def _settle() -> None:
 
         set_parent_death_signal = 1
         ctypes.CDLL(None).prctl(set_parent_death_signal, signal.SIGTERM)
+        if os.getppid() != parent:  # it ended before this was asked for
+            os._exit(1)
 
 
 @final

@@ -24,7 +24,7 @@ from harness.engines.base import ROUTES, Engine, choice
 from harness.fidelity.convergence import Ladder
 from harness.fidelity.matrix import Matrix, preset_names
 from harness.fidelity.row import Spec
-from harness.io.store import growing_folder
+from harness.io.store import growing_folder, held
 from harness.results.common import Machine
 from harness.results.sweep import Convergence, SweepRow
 
@@ -159,13 +159,13 @@ def sweep(
     """Compute the matrix into a folder; rows are on disk as they come.
 
     out : folder, None for reports/sweep-TIME here. function : what a worker runs. Raises StoreError for a folder that
-    cannot be written or is taken, InterruptionError after an interruption, HarnessError when a cluster is lost; in each
-    case the rows that were done are kept and the message says how to go on.
+    cannot be written, is taken or in use, InterruptionError after an interruption, HarnessError when a cluster is lost;
+    in each case the rows that were done are kept and the message says how to go on.
     """
     started = time.perf_counter()
     engines = engines_for(options)
     folder = _folder(options, out)
-    with journal(folder / LOG):
+    with held(folder), journal(folder / LOG):
         parts = Parts(folder)
         have = parts.keys() if options.resume else set()
         notes = [_damaged(name) for name in parts.damaged]

@@ -1,0 +1,74 @@
+"""Commands that are killed: as processes of a session of their own, of which nothing may stay."""
+
+import os
+import subprocess
+import sys
+import time
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+
+import psutil
+
+from harness.core.jit import cache_folder
+
+ROOT = Path(__file__).resolve().parents[2]
+COMMAND = (sys.executable, "-m", "harness.cli")
+
+
+def environment(**changes: str) -> dict[str, str]:
+    """Where the program and its compiled kernels are, whoever starts it."""
+    kept = {name: value for name, value in os.environ.items() if not name.startswith(("XDG_", "HARNESS_"))}
+    return {**kept, "PYTHONPATH": str(ROOT), "NUMBA_CACHE_DIR": str(cache_folder()), **changes}
+
+
+def started(line: Sequence[str], place: Path, **changes: str) -> "subprocess.Popen[str]":
+    """A command in the folder ``place``, in a session of its own."""
+    return subprocess.Popen(
+        [*COMMAND, *line],
+        stdin=subprocess.DEVNULL,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        cwd=place,
+        env=environment(**changes),
+        start_new_session=True,
+    )
+
+
+def ended(line: Sequence[str], place: Path, **changes: str) -> tuple[int, str, str]:
+    """Exit code, standard output and standard error of a command that nobody disturbs."""
+    with started(line, place, **changes) as process:
+        out, err = process.communicate(timeout=600)
+    return process.returncode, out, err
+
+
+def killed(line: Sequence[str], place: Path, after_s: float) -> bool:
+    """Kill a command after a time; whether it was still at work.
+
+    Its worker processes are left to themselves: that none of them goes on is asserted.
+    """
+    process = started(line, place)
+    try:
+        process.wait(after_s)
+    except subprocess.TimeoutExpired:
+        process.kill()
+        # not until standard output ends, which workers hold open
+        process.wait()
+    limit = time.monotonic() + 10.0
+    while left := session(process.pid):
+        assert time.monotonic() < limit, f"these go on: {left}"
+        time.sleep(0.05)
+    process.communicate()
+    return process.returncode < 0
+
+
+def session(leader: int) -> Mapping[int, str]:
+    """Processes of a session that are alive, with their commands."""
+    found = {}
+    for process in psutil.process_iter():
+        try:
+            if os.getsid(process.pid) == leader and process.status() != psutil.STATUS_ZOMBIE:
+                found[process.pid] = " ".join(process.cmdline())
+        except (OSError, psutil.Error):
+            continue
+    return found
