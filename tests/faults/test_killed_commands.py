@@ -1,4 +1,4 @@
-"""Commands that are killed at moments drawn at random: nothing half-written reads as done, and resuming ends as ever."""
+"""Commands killed at moments drawn at random: nothing half-written reads as done, and resuming ends as ever."""
 
 import json
 import random
@@ -21,7 +21,6 @@ from harness.exact.decay import free_decay
 from harness.results.diagnosis import DiagnosisResult
 from harness.results.run import RunResult
 
-ROOM = ("index.html", "log.txt", "result.json")
 
 
 def of_run(folder: Path) -> Any:
