@@ -22,7 +22,6 @@ from harness.results.diagnosis import DiagnosisResult
 from harness.results.run import RunResult
 
 
-
 def of_run(folder: Path) -> Any:
     """What a run found; its folder is there as a whole or not at all."""
     result = RunResult.model_validate_json((folder / "result.json").read_text())
