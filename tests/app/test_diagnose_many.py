@@ -12,7 +12,7 @@ from harness.app.diagnose.many import Answer, Work, compute, diagnose_all, faile
 from harness.app.diagnose.one import FILES
 from harness.app.diagnose.options import DiagnoseOptions
 from harness.app.shared.reading import ReadOptions
-from harness.core.errors import InputError
+from harness.core.errors import InputError, StoreError
 from harness.io.recording import sha256
 from harness.results import generate
 from harness.results.diagnosis import DiagnosisResult, FailedDiagnosis
@@ -25,9 +25,11 @@ def stand_in(work: Work) -> Answer:
     text = work.path.read_text()
     if "die" in text:
         os._exit(3)
+    if "full" in text:
+        raise StoreError("a.csv: no space left on the device")
     if "bad" in text:
         return failed(work.label, "bad.csv: 0 rows; at least 50 are accepted")
-    work.folder.mkdir()
+    work.folder.mkdir(exist_ok=True)
     report = work.folder / FILES["report"]
     report.write_text("")
     result = example(
@@ -93,6 +95,17 @@ def test_resumption_computes_what_is_not_there_and_refuses_what_is_of_other_opti
         diagnose_all(named, DiagnoseOptions(), tmp_path / "out", 1, True, function=counting)
     with pytest.raises(InputError, match="--resume: given without --out; "):
         diagnose_all(named, DiagnoseOptions(), None, 1, True)
+
+
+@pytest.mark.parametrize("jobs", [1, 2])
+def test_a_full_disk_ends_the_call_and_not_one_file_after_the_other(jobs: int, tmp_path: Path) -> None:
+    named = write(tmp_path, c="full")
+    with pytest.raises(StoreError, match=r"no space left on the device; [23] of 5 recordings are kept, the same comm"):
+        diagnose_all(named, DiagnoseOptions(), tmp_path / "out", jobs, function=stand_in)
+    named = write(tmp_path)
+    assert len(diagnose_all(named, DiagnoseOptions(), tmp_path / "out", 1, True, function=stand_in).answers) == len(
+        NAMES
+    )
 
 
 def test_files_of_one_name_get_folders_of_their_own() -> None:

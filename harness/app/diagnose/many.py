@@ -19,7 +19,7 @@ from harness.app.shared.machine import cores, package_version
 from harness.app.shared.pool import Cluster, LocalPool
 from harness.app.shared.progress import SILENT, Progress
 from harness.app.sweep.sweep import InterruptionError
-from harness.core.errors import HarnessError, InputError
+from harness.core.errors import HarnessError, InputError, StoreError
 from harness.core.writing import sweep
 from harness.io.logs.read import source_of
 from harness.io.recording import sha256
@@ -77,9 +77,14 @@ def failed(label: str, reason: str) -> FailedDiagnosis:
 
 
 def compute(work: Work) -> Answer:
-    """Diagnose one file; what goes wrong becomes its entry. Runs in a worker process."""
+    """Diagnose one file; what goes wrong with it becomes its entry. Runs in a worker process.
+
+    Raises StoreError: where this one cannot be written, neither can the next.
+    """
     try:
         return diagnose(work.path, work.options, work.folder, command=work.command, label=work.label)
+    except StoreError:
+        raise
     except HarnessError as error:
         return failed(work.label, str(error))
     except Exception as error:
@@ -88,8 +93,11 @@ def compute(work: Work) -> Answer:
 
 
 def compute_keyed(work: Work) -> tuple[str, Answer]:
-    """The same with the work's key."""
-    return work.key, compute(work)
+    """The same with the work's key; what cannot be written by a machine of a cluster is an entry."""
+    try:
+        return work.key, compute(work)
+    except StoreError as error:
+        return work.key, failed(work.label, str(error))
 
 
 def diagnose_all(
@@ -130,11 +138,12 @@ def diagnose_all(
             for i, answer in done_here if cluster is None else on_cluster(left, cluster):
                 answers[i] = answer
                 progress("recordings", len(answers), len(works))
-        except KeyboardInterrupt:
+        except (KeyboardInterrupt, StoreError) as error:
+            kind, what = (
+                (StoreError, str(error)) if isinstance(error, StoreError) else (InterruptionError, "interrupted")
+            )
             done = f"{len(answers)} of {len(works)} recordings are kept"
-            raise InterruptionError(
-                f"interrupted; {done}, the same command with --resume --out {folder} goes on"
-            ) from None
+            raise kind(f"{what}; {done}, the same command with --resume --out {folder} goes on") from None
         many = Many(tuple(answers[i] for i in range(len(works))), folder)
         write_text(folder / RESULT, many.json())
         good = [answer for answer in many.answers if isinstance(answer, DiagnosisResult)]
@@ -265,6 +274,6 @@ def _died(pool: LocalPool, future: "Future[Answer]") -> bool:
 
 def _answer(work: Work, future: "Future[Answer]") -> Answer:
     error = future.exception()
-    if error is None:
+    if error is None or isinstance(error, StoreError):
         return future.result()
     return failed(work.label, f"the process that worked on it ended early ({type(error).__name__})")
