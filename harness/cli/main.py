@@ -159,6 +159,8 @@ def _stream(error: OSError) -> int:
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.__stdout__.fileno() if sys.__stdout__ else 1)
     if isinstance(error, BrokenPipeError):
         return 1
+    if isinstance(error, FileNotFoundError) and error.filename is None:
+        return _say("the working folder: it was removed; a folder that is there is accepted", 2)
     where = f"{error.filename}: " if error.filename else "output: "
     return _say(f"{where}{error.strerror or error}; another place is accepted", 2)
 
