@@ -21,6 +21,12 @@ FIT_ROUNDING = 1e-2
 """The same for numbers that come out of a fit."""
 
 
+def is_unfinished(ledger: Ledger) -> bool:
+    """Whether a transcript that nobody changed ends before the last step, as one does whose proof was stopped."""
+    steps = [entry.get("step") for entry in ledger.entries if entry.get("step") != RESUMED]
+    return ledger.broken_at() is None and len(steps) <= len(STEPS) and steps == list(STEPS[: len(steps)])
+
+
 def check_transcript(ledger: Ledger) -> list[str]:
     """Chain, order, seed, answers and names; one sentence for each that does not hold."""
     broken = ledger.broken_at()

@@ -93,3 +93,10 @@ def test_a_proof_in_which_nothing_was_begun_is_begun_and_not_resumed(tmp_path: P
     prove(options(), tmp_path)
     assert (tmp_path / "log.txt").read_text().startswith("what the killed one had said\n")
     assert verify_proof(tmp_path, jobs=1).accepted
+
+
+@pytest.mark.parametrize("count", range(5))
+def test_a_proof_that_was_stopped_is_not_called_changed(count: int, proof: Path) -> None:
+    Ledger(Ledger.load(proof).entries[:count]).save(proof)
+    with pytest.raises(InputError, match="a proof that was not finished"):
+        verify_proof(proof, jobs=1)

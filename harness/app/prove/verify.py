@@ -24,6 +24,7 @@ from harness.proof.verify import (
     check_recording,
     check_transcript,
     check_verdicts,
+    is_unfinished,
     planned_jobs,
 )
 from harness.results.prove import ProofCheck, ProofResult
@@ -39,11 +40,11 @@ def verify_proof(folder: Path, short: bool = False, jobs: int | None = None, pro
     transcript or the proof was not finished.
     """
     ledger = Ledger.load(folder)
+    if is_unfinished(ledger):
+        raise InputError(str(folder), "a proof that was not finished", "a finished one is accepted")
     wrong = check_transcript(ledger)
     if wrong:
         return _said(folder, ledger, wrong)
-    if not any(entry["step"] == PUBLISHED for entry in ledger.entries):
-        raise InputError(str(folder), "a proof that was not finished", "a finished one is accepted")
     wrong = check_plan(ledger) + _files(folder, ledger) + _verdicts(folder, ledger)
     if wrong:
         return _said(folder, ledger, wrong)
