@@ -84,7 +84,7 @@ CASES = {
 
 
 def recordings(place: Path) -> None:
-    t = np.arange(150) * 0.02
+    t = np.arange(150, dtype=np.float64) * 0.02
     x = free_decay(FREE_DECAY, t).x
     for i in range(2):
         noise = 1e-3 * np.random.default_rng(i).normal(size=t.size)
