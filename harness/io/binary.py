@@ -26,11 +26,11 @@ class ParquetTable(Table):
 
         try:
             self._file = pq.ParquetFile(path)
-        except (pa.ArrowException, OSError) as error:
+            headers = list(self._file.schema_arrow.names)
+        except (pa.ArrowException, OSError, UnicodeDecodeError) as error:
             raise InputError(
                 str(path), f"not a Parquet file ({error})", "a readable Parquet file is accepted"
             ) from None
-        headers = list(self._file.schema_arrow.names)
         split = [split_header(header) for header in headers]
         units = {i: u for i, (_, u) in enumerate(split) if u is not None}
         super().__init__(path, [name for name, _ in split], units, headers)

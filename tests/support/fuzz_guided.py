@@ -67,13 +67,23 @@ def reached(target: Target, path: Path) -> tuple[set[Branch], str]:
         text = str(error)
         good = text.isprintable() and len(text) < 2000 and text.count("; ") >= 1
         return found, "" if good or target.apart else f"no line for people: {text!r}"
-    except MemoryError:
-        return found, "" if target.apart else "out of memory"
     except BaseException as error:
-        return found, f"{type(error).__name__}: {error}"
+        sys.settrace(None)
+        return found, answered(target, path) if target.apart else f"{type(error).__name__}: {error}"
     finally:
         sys.settrace(None)
     return found, ""
+
+
+def answered(target: Target, path: Path) -> str:
+    """What is wrong with what the program makes of a file that its reader fell over; "" for nothing."""
+    try:
+        target.whole(path)
+    except HarnessError as error:
+        return "" if str(error).isprintable() else "no line for people"
+    except Exception as error:
+        return f"{type(error).__name__}: {error}"
+    return ""
 
 
 def changed(chance: random.Random, data: bytes, target: Target, others: Sequence[bytes]) -> bytes:
@@ -157,13 +167,8 @@ class Search:
         if not target.apart:
             self.wrong[path.read_bytes()] = f"ended the process ({code})"
             return
-        try:
-            target.whole(path)
-        except HarnessError as error:
-            if not str(error).isprintable():
-                self.wrong[path.read_bytes()] = "no line for people"
-        except Exception as error:
-            self.wrong[path.read_bytes()] = f"{type(error).__name__}: {error}"
+        if wrong := answered(target, path):
+            self.wrong[path.read_bytes()] = wrong
 
     def _child(
         self, target: Target, path: Path, batch: list[bytes] | None, until: float, chance: random.Random, out: int

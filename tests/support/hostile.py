@@ -136,6 +136,12 @@ def parquet_of_escapes(path: Path) -> None:
     pq.write_table(pa.table({"t\x1b[31m\nq": T, "x": X}), path)
 
 
+def parquet_of_bytes(path: Path) -> None:
+    """The name of a column is no text."""
+    pq.write_table(pa.table({"t": T, "xcol": X}), path, store_schema=False)
+    path.write_bytes(path.read_bytes().replace(b"xcol", b"\xffcol"))
+
+
 def cut(make: Make, share: float) -> Make:
     """The first part of another file."""
 
@@ -206,6 +212,7 @@ HOSTILE: dict[str, tuple[Make, str]] = {
     "cut73.mat": (cut(mat73, 0.7), "not a MATLAB file ("),
     "cut.parquet": (cut(parquet, 0.7), "not a Parquet file ("),
     "escape.parquet": (parquet_of_escapes, r"no time among the columns t\x1b[31m q, x; "),
+    "bytes.parquet": (parquet_of_bytes, "not a Parquet file ('utf-8' codec can't decode"),
     "no.rrd": (text("RRF2 and nothing more"), "a whole .rrd written by this program is accepted"),
 }
 """Recordings, each with a part of the line that refuses it."""
