@@ -27,9 +27,11 @@ Found: TypeAlias = tuple[Mapping[str, FloatArray], Any]
 """Columns by name, and what is said of them as JSON."""
 
 MOST_MEMORY = 2 << 30
-"""Bytes that the reading process may ask for."""
+"""Bytes that the reading process may ask for, besides those that its libraries take when they are loaded."""
 LEAST_S, BYTES_A_SECOND = 5, 10_000_000
 """A file may take the first, and one second more for so many of its bytes, s of a processor."""
+_QUIET = {"HDF5_PLUGIN_PRESET": "::", "OPENBLAS_NUM_THREADS": "1", "ARROW_DEFAULT_MEMORY_POOL": "system"}
+"""No library that an HDF5 file names is loaded, no thread of linear algebra started, no memory asked for in advance."""
 _STUCK = 10.0
 """Times that limit until a process that does not even compute is ended."""
 
@@ -73,8 +75,7 @@ def _started() -> "subprocess.Popen[bytes]":
         stdin=subprocess.PIPE,
         stdout=subprocess.PIPE,
         stderr=subprocess.DEVNULL,
-        # no library that an HDF5 file names is loaded, and no thread of linear algebra is started
-        env={**os.environ, "PYTHONPATH": known, "HDF5_PLUGIN_PRESET": "::", "OPENBLAS_NUM_THREADS": "1"},
+        env={**os.environ, "PYTHONPATH": known, **_QUIET},
     )
 
 
@@ -117,12 +118,21 @@ def main() -> None:
     with os.fdopen(os.dup(1), "wb") as answers, open(os.devnull, "wb") as nowhere:
         os.dup2(nowhere.fileno(), 1)
         _limit(resource.RLIMIT_CORE, 0)
-        _limit(resource.RLIMIT_DATA, MOST_MEMORY)
         _limit(resource.RLIMIT_CPU, request["seconds"])
+        with suppress(Exception):  # one that cannot be loaded is said by _answer
+            import_module(request["reader"].partition(":")[0])
+        _limit(resource.RLIMIT_DATA, _taken() + MOST_MEMORY)
         head, columns = _answer(request)
         answers.write(json.dumps(head).encode() + b"\n")
         for column in columns:
             answers.write(column)
+
+
+def _taken() -> int:
+    """Bytes of data that this process has asked for, used or not; 0 where the system does not say."""
+    with suppress(OSError, ValueError, IndexError):
+        return int(Path("/proc/self/statm").read_text().split()[5]) * resource.getpagesize()
+    return 0
 
 
 def _limit(kind: int, most: int) -> None:

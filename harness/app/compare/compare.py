@@ -14,6 +14,7 @@ from harness.app.shared.machine import this_machine
 from harness.app.shared.places import where_of_place
 from harness.app.shared.progress import SILENT, Progress
 from harness.app.shared.reading import read, recording_info
+from harness.app.shared.thinned import thinned
 from harness.core.recording import Recording
 from harness.diagnosis.alignment.align import GIVEN
 from harness.diagnosis.alignment.consistency import Consistency
@@ -66,6 +67,7 @@ def deliver(
     with output_folder(f"compare-{name}", out) as output, journal(output / LOG):
         progress("comparing", 1, 3)
         outputs = {name: output.at(file) for name, file in FILES.items()}
+        simulated, recorded = thinned(simulated), thinned(recorded)
         result, found = result_of(simulated, recorded, command, outputs, shift)
         progress("writing trace and report", 2, 3)
         (output / FILES["result"]).write_text(to_json(result), encoding="utf-8")

@@ -21,6 +21,7 @@ from harness.app.shared.journal import NAME as LOG
 from harness.app.shared.journal import journal
 from harness.app.shared.progress import SILENT, Progress
 from harness.app.shared.reading import read_as
+from harness.app.shared.thinned import thinned
 from harness.core.recording import Recording
 from harness.core.telling import listening
 from harness.core.trajectory import Trajectory
@@ -79,6 +80,7 @@ def investigate(
     Raises InputError when it cannot be diagnosed, with the reason; SimulationError when no model could be simulated.
     """
     progress("base fit and search", 1, STEPS)
+    recording = thinned(recording)
     ready = prepared(recording, options)
     other, user = validation(recording, options), Configured.of(options)
     # a fit tries values far out, sees that they overflow, and turns back: nothing to tell anybody

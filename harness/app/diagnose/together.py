@@ -19,6 +19,7 @@ from harness.app.shared.journal import NAME as LOG
 from harness.app.shared.journal import journal
 from harness.app.shared.progress import SILENT, Progress
 from harness.app.shared.reading import read_as, recording_info
+from harness.app.shared.thinned import thinned
 from harness.core.errors import InputError
 from harness.core.recording import Recording
 from harness.core.telling import listening
@@ -46,7 +47,7 @@ def diagnose_together(
     """
     progress("reading", 0, STEPS)
     _refuse_options(options)
-    recordings = [read_as(label, path, options.reading, options.trace) for path, label in named]
+    recordings = [thinned(read_as(label, path, options.reading, options.trace)) for path, label in named]
     return deliver_together(recordings, options, out, progress, command)
 
 
