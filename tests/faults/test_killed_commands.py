@@ -142,7 +142,7 @@ def killed_at_random(name: str, place: Path, times: int) -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", ["run", "sweep"])
+@pytest.mark.parametrize("name", ["sweep", pytest.param("run", marks=pytest.mark.full)])
 def test_a_command_that_is_killed_leaves_nothing_that_looks_done(name: str, tmp_path: Path) -> None:
     killed_at_random(name, tmp_path, 1)
 

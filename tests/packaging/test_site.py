@@ -50,7 +50,11 @@ def alike(new: str, old: str, rel: float, within: float, command: str) -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("page", ["start.md", "own-recording.md", "own-simulation.md", "robot-example.md"])
+@pytest.mark.parametrize(
+    "page",
+    # the longest by far, whose commands have tests of their own
+    ["start.md", "own-recording.md", "own-simulation.md", pytest.param("robot-example.md", marks=pytest.mark.full)],
+)
 def test_a_page_shows_what_its_commands_print(page: str) -> None:
     pytest.importorskip("pybullet")
     pytest.importorskip("rosbags")
