@@ -18,6 +18,8 @@ from harness.io.units import split_header
 _HEAD = 1 << 16
 MOST_ROWS = 20_000_000
 """Of a text table: with the bound on its bytes, what keeps the memory it takes below 2 GiB."""
+_BLOCK = 1 << 22
+"""Bytes that are read at a time."""
 _LONGEST_LINE = 1 << 20
 _COMMENT = ("#", "%")
 _MISSING = ("na", "n/a", "null", "none")
@@ -168,7 +170,8 @@ class TextTable(Table):
         try:
             table = pacsv.read_csv(
                 pa.BufferReader(pa.py_buffer(data)),
-                read_options=pacsv.ReadOptions(column_names=names, block_size=1 << 22),
+                # a pool of threads that a process leaves as soon as it is made may abort it
+                read_options=pacsv.ReadOptions(column_names=names, block_size=_BLOCK, use_threads=len(data) > _BLOCK),
                 parse_options=pacsv.ParseOptions(delimiter=layout.separator or " "),
                 convert_options=pacsv.ConvertOptions(
                     include_columns=wanted,
