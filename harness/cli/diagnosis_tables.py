@@ -97,16 +97,17 @@ def _print_shares(found: "AttributionResult") -> None:
 
     say("whose mismatch it is, % of the mean square:")
     table = Table()
+    errors = found.stderr or {}
     shares = {
-        "parameters and engine" if found.why else "parameters": found.parameters,
-        **({} if found.why else {"engine": found.engine}),
-        "missing physics": found.missing_physics,
-        "unexplained": found.unexplained,
-        "noise": found.noise,
+        "parameters and engine" if found.why else "parameters": (found.parameters, errors.get("parameters")),
+        **({} if found.why else {"engine": (found.engine, errors.get("engine"))}),
+        "missing physics": (found.missing_physics, errors.get("missing_physics")),
+        "unexplained": (found.unexplained, None),
+        "noise": (found.noise, None),
     }
     for heading in shares:
         table.add_column(heading, justify="right")
-    table.add_row(*(f"{100.0 * share:.1f}" for share in shares.values()))
+    table.add_row(*(_percent(share, error) for share, error in shares.values()))
     show(table)
     if found.reads is not None:
         table = Table()
@@ -122,6 +123,12 @@ def _print_shares(found: "AttributionResult") -> None:
         say("to change in your simulation:")
         for change in found.changes:
             say(f"- {change.said}")
+
+
+def _percent(share: float, error: float | None) -> str:
+    """A share in per cent, none below zero by its rounding, with its standard error."""
+    shown = f"{round(100.0 * share, 1) + 0.0:.1f}"
+    return shown if error is None else f"{shown} +- {100.0 * error:.1f}"
 
 
 def _fits(result: "DiagnosisResult") -> "Table":

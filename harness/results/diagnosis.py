@@ -127,6 +127,11 @@ class AttributionResult(Result):
     missing_physics: float
     unexplained: float
     noise: float
+    stderr: dict[str, float] | None = Field(
+        default=None,
+        description="of engine, parameters and missing_physics, from what the recording leaves open of the refined "
+        "model; null where an engine was simulated",
+    )
     configuration: str = Field(default="", description="what was compared with the recording")
     mean_square: float | None = Field(default=None, description="S0, the whole, in units of the noise")
     shift_s: float | None = Field(default=None, description="by which a trace was moved in time")

@@ -20,8 +20,10 @@ from harness.diagnosis.attribution.attribute import (
     attribute_model,
     attribute_trace,
 )
+from harness.diagnosis.attribution.nearby import Nearby, nearby_of
 from harness.diagnosis.attribution.reading import aligned, trace_channels
 from harness.diagnosis.fit.observe import observe
+from harness.diagnosis.fit.standard_errors import covariances
 from harness.diagnosis.outcome import Outcome
 from harness.diagnosis.problem import Problem
 from harness.engines.simulator import EngineSimulator
@@ -32,6 +34,8 @@ from harness.results.diagnosis import AttributionResult
 
 LOGGER = logging.getLogger(__name__)
 JOINED = "a trace alone does not tell what its engine does from what its parameters do; --model FILE parts them"
+_UNSURE = 0.05
+"""Standard error of a share from which it is said: five points."""
 _TOLD = 0.02
 """Share of an engine below which its settings are let be."""
 
@@ -94,10 +98,13 @@ def _motion(t: FloatArray, shown: dict[str, FloatArray]) -> Trajectory | None:
 
 @dataclass(frozen=True, slots=True)
 class Shared:
-    """Shares of the mismatch, None where there are none; warnings say why."""
+    """Shares of the mismatch, None where there are none; warnings say why. has : names of the terms that the user's
+    simulation has.
+    """
 
     result: AttributionResult | None = None
     warnings: tuple[str, ...] = field(default=())
+    has: tuple[str, ...] = ()
 
 
 def simulator_of(name: str, options: DiagnoseOptions) -> tuple[EngineSimulator, float | None]:
@@ -117,22 +124,25 @@ def attribution_of(outcome: Outcome, options: DiagnoseOptions, user: Configured)
     if user.trace is not None:
         given = None if user.model is None else user.released(outcome.base.model)
         try:
-            found = attribute_trace(user.trace, given, refined, problem, scales)
+            found = attribute_trace(user.trace, given, refined, problem, scales, _nearby(outcome))
         except (NoSharesError, SimulationError) as error:
-            return Shared(None, (f"whose mismatch it is, was not divided: {error}",))
+            has = () if given is None else _has(given)
+            return Shared(None, (f"whose mismatch it is, was not divided: {error}",), has)
         moved = "" if not found.shift else f", moved by {found.shift:.4g} s"
+        has = _has(found.configured if given is None else given)
         against = "" if given is None else f", made with {_name(options.model)}"
-        return Shared(_shares(found, outcome, f"the trace {_name(options.sim)}{against}{moved}", []))
+        return Shared(_shares(found, outcome, f"the trace {_name(options.sim)}{against}{moved}", []), has=has)
     parameters = (
         "the baseline fit's parameters" if options.model is None else f"the parameters in {_name(options.model)}"
     )
     model = user.released(outcome.base.model)
+    has = () if user.model is None else _has(user.model)
     if user.model is not None and not options.engines:
         try:
-            exact = attribute_model(model, refined, problem, scales)
+            exact = attribute_model(model, refined, problem, scales, _nearby(outcome))
         except (NoSharesError, SimulationError) as error:
-            return Shared(None, (f"whose mismatch it is, was not divided: {error}",))
-        return Shared(_shares(exact, outcome, f"the exact motion at {parameters}", []))
+            return Shared(None, (f"whose mismatch it is, was not divided: {error}",), has)
+        return Shared(_shares(exact, outcome, f"the exact motion at {parameters}", []), has=has)
     why: list[str] = []
     for name in options.engines:
         try:
@@ -146,8 +156,19 @@ def attribution_of(outcome: Outcome, options: DiagnoseOptions, user: Configured)
             LOGGER.warning("attribution, %s: %s", name, error)
             continue
         configuration = f"{name}, {options.preset}, step {step * 1e3:.4g} ms, at {parameters}"
-        return Shared(_shares(found, outcome, configuration, _settings(simulator, found, step)))
-    return Shared(None, tuple(why))
+        return Shared(_shares(found, outcome, configuration, _settings(simulator, found, step)), has=has)
+    return Shared(None, tuple(why), has)
+
+
+def _has(model: Model) -> tuple[str, ...]:
+    return tuple(entry.term.name for entry in model.terms)
+
+
+def _nearby(outcome: Outcome) -> Nearby:
+    """The refined models that the recording leaves open."""
+    explained = outcome.verdict in ("adequate", "missing_physics")
+    refined = outcome.refined
+    return nearby_of(refined, covariances(refined, outcome.problem, outcome.scales.omega, explained))
 
 
 def _name(given: Path | Recording | Model | None) -> str:
@@ -179,6 +200,7 @@ def _shares(
         missing_physics=found.missing_physics,
         unexplained=found.unexplained,
         noise=found.noise,
+        stderr=None if found.errors is None else dict(found.errors),
         why=JOINED if found.joined else None,
         configuration=configuration,
         mean_square=found.whole,
@@ -207,4 +229,10 @@ def _sentences(found: Attribution, outcome: Outcome) -> list[str]:
             )
     if sentence := hidden(found, outcome):
         said.append(sentence)
+    error = 0.0 if found.errors is None else max(found.errors.values())
+    if error > _UNSURE:
+        said.append(
+            f"The shares are known to \u00b1 {100.0 * error:.2g} points: so much do they move with what the recording "
+            "leaves open of its own parameters."
+        )
     return said

@@ -66,7 +66,7 @@ def result_of(
     return DiagnosisResult(
         recording=_info(recording, prepared, problem),
         verdict=outcome.verdict,
-        statement=sentence_of(outcome),
+        statement=sentence_of(outcome, shared.has),
         baseline=_fit_result(outcome.base, problem, {n: P.of(q) for n, q in outcome.base_parameters.items()}),
         where=places(outcome),
         mechanisms=[_mechanism(m, outcome) for m in outcome.mechanisms],

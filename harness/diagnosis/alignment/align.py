@@ -38,6 +38,8 @@ LEAST_SHARED = 0.5
 """Share of a trace of which more than half should be shown to speak of it as a whole."""
 _ELSEWHERE = 0.3
 """Periods from which another shift is another one: candidates are looked for as far apart (coarse)."""
+_NUDGES = (-2.0, -1.5, -1.0, -0.5, 0.5, 1.0, 1.5, 2.0)
+"""Sampling intervals by which a shift is pushed, to see whether it falls deeper."""
 _SAME_CLOCK = 0.6
 """Periods by which traces of one clock may be apart, where neither shows its release."""
 
@@ -85,7 +87,7 @@ def align(
         return Alignment(
             Quantity(given, None, "s", why), Quantity(1.0, None, "1", why), clock, _covered(first, second, clock)
         )
-    pair = Pair(first, second, noise, _THIN)
+    pair = Pair(first, second, noise, period, _THIN)
     looked = candidates(first, second, noise, period)
     # a motion that differs would pull the clock off the force that is the same
     sets = (None, ("u",)) if "u" in noise else (None,)
@@ -96,11 +98,12 @@ def align(
         raise InputError("time alignment", "traces that overlap nowhere", "two traces of one motion are accepted")
     taken = _taken(found, preferred, period)
     by_release = preferred is taken
+    taken = _deepest(pair, taken, period)
     scale, taken = rated(pair, taken, period)
     beside = [replace(taken.clock, shift=taken.clock.shift + k * period) for k in (-1, 1)]
     around = [refined(pair, clock, period) for clock in beside]
     others = _distinct([one for one in (*around, *found) if one is not None], taken, period)
-    final = taken.on(Pair(first, second, noise), period)
+    final = taken.on(Pair(first, second, noise, period), period)
     shift = final.clock.shift
     local = final.error(period)
     clock = final.clock if abs(shift) >= _SHOWS * local else replace(final.clock, shift=0.0)
@@ -141,6 +144,15 @@ def _taken(found: list[Candidate], preferred: Candidate | None, period: float) -
     if near.same and abs(near.clock.shift - preferred.clock.shift) < preferred.reach:
         return near
     return preferred
+
+
+def _deepest(pair: Pair, taken: Candidate, period: float) -> Candidate:
+    """The lowest of the dips within some samples of a candidate: what two traces have of noise in common, and what a
+    curve between noisy samples has less of it, makes small ones beside the true one.
+    """
+    starts = (replace(taken.clock, shift=taken.clock.shift + k * pair.interval) for k in _NUDGES)
+    around = [refined(pair, clock, period, taken.within, names=taken.names) for clock in starts]
+    return min((taken, *(one for one in around if one is not None)), key=lambda one: one.saved)
 
 
 def _share(one: Candidate, other: Candidate) -> float:

@@ -103,7 +103,7 @@ def match(sim: Recording, real: Recording, given: float | None = None) -> Match:
         t, left, right = _shared(sim, real, common, same)
     else:
         same, clock = None, aligned.clock
-        t, left, right = Pair(sim, real, noise).at(clock)
+        t, left, right = Pair(sim, real, noise, period).at(clock)
     if t.size < MINIMUM_SAMPLES:
         raise InputError(
             f"{sim.file} and {real.file}",

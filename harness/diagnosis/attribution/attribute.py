@@ -12,6 +12,7 @@ from harness.core.errors import InputError
 from harness.core.recording import Recording
 from harness.diagnosis.attribution.game import saved
 from harness.diagnosis.attribution.mixed import BASE, in_masses_of, mixed, moved
+from harness.diagnosis.attribution.nearby import Nearby, errors_of
 from harness.diagnosis.attribution.reading import Reading, aligned, read_trace
 from harness.diagnosis.attribution.restarted import Restarted, restarted
 from harness.diagnosis.explain.engines import Simulator, shown_by
@@ -37,7 +38,8 @@ class Attribution:
     whole : mean square of the mismatch, in units of the noise. configured : the model of the simulation, as it was
     given or read. reading : of a trace. alone : what is left beyond the refined model when these alone are put right.
     by_parameter : distance from the refined model that each parameter of the simulation would bring by itself.
-    shift : s by which a trace was moved in time.
+    shift : s by which a trace was moved in time. errors : standard errors of engine, parameters and missing_physics,
+    from what the recording leaves open of the refined model; None where they were not looked for.
     """
 
     engine: float
@@ -52,6 +54,7 @@ class Attribution:
     reading: Reading | None = None
     shift: float | None = None
     joined: bool = False
+    errors: Mapping[str, float] | None = None
 
     def with_steps(self, left: float, refined: float) -> "Attribution":
         """The same where the recording is itself the trace of an engine, whose steps leave the mean square ``left``.
@@ -94,48 +97,77 @@ def attribute_engine(
     return _played((ENGINE, PARAMETERS, TERMS), distance, configured, refined, problem, scales)
 
 
-def attribute_model(configured: Model, refined: Model, problem: Problem, scales: Scales) -> Attribution:
-    """Attribution for a model simulated exactly: no engine plays. Raises SimulationError, NoSharesError."""
+def attribute_model(
+    configured: Model, refined: Model, problem: Problem, scales: Scales, nearby: Nearby = ()
+) -> Attribution:
+    """Attribution for a model simulated exactly: no engine plays. nearby : models as likely as the refined one.
+
+    Raises SimulationError, NoSharesError.
+    """
+
+    def played(refined: Model) -> Attribution:
+        seen = restarted(refined, problem, scales)
+
+        def distance(model: Model, engine: bool) -> float:
+            return seen.distance(observe(model, seen.problem, scales=scales).y)
+
+        return _played((PARAMETERS, TERMS), distance, configured, refined, problem, scales)
+
     seen = restarted(refined, problem, scales)
-
-    def distance(model: Model, engine: bool) -> float:
-        return seen.distance(observe(model, seen.problem, scales=scales).y)
-
     _refuse_slips(seen, observe(_user(configured, refined), seen.problem, scales=scales).y, "the model")
-    return _played((PARAMETERS, TERMS), distance, configured, refined, problem, scales)
+    return _with_errors(played(refined), played, nearby)
 
 
 def attribute_trace(
-    trace: Recording, configured: Model | None, refined: Model, problem: Problem, scales: Scales
+    trace: Recording,
+    configured: Model | None,
+    refined: Model,
+    problem: Problem,
+    scales: Scales,
+    nearby: Nearby = (),
 ) -> Attribution:
     """Attribution for a trace of the user's own simulation.
 
     configured : the model it was made with, None when it is not known; then what the trace reads stands for it, and
-    engine and parameters are one share, in ``parameters``. Raises InputError for a trace that does not belong to the
-    recording, NoSharesError for one that cannot be read or of which a third of the windows slip; SimulationError.
+    engine and parameters are one share, in ``parameters``. nearby : models as likely as the refined one. Raises
+    InputError for a trace that does not belong to the recording, NoSharesError for one that cannot be read or of which
+    a third of the windows slip; SimulationError.
     """
     on = aligned(trace, problem, scales)
     try:
         reading = read_trace(trace, problem, refined, on, configured)
     except InputError as error:
         raise NoSharesError(f"{trace.file} could not be read as the recording was: {error}") from None
-    seen = restarted(refined, problem, scales)
-    read = in_masses_of(reading.model, refined)
-
-    def distance(model: Model, engine: bool) -> float:
-        shown = model
-        if engine and configured is not None:
-            shown = moved(model, read, in_masses_of(configured, refined))
-        left = reading.left if engine else 0.0
-        return seen.distance(observe(shown, seen.problem, scales=scales).y) + left
-
-    model = read if configured is None else configured
-    start = _user(read, refined)
-    _refuse_slips(seen, observe(start, seen.problem, scales=scales).y, trace.file)
     joined = configured is None
     players = (PARAMETERS, TERMS) if joined else (ENGINE, PARAMETERS, TERMS)
-    found = _played(players, distance, model, refined, problem, scales, joined)
+
+    def played(refined: Model) -> Attribution:
+        seen = restarted(refined, problem, scales)
+        read = in_masses_of(reading.model, refined)
+
+        def distance(model: Model, engine: bool) -> float:
+            shown = model
+            if engine and configured is not None:
+                shown = moved(model, read, in_masses_of(configured, refined))
+            left = reading.left if engine else 0.0
+            return seen.distance(observe(shown, seen.problem, scales=scales).y) + left
+
+        model = read if configured is None else configured
+        return _played(players, distance, model, refined, problem, scales, joined)
+
+    seen = restarted(refined, problem, scales)
+    start = _user(reading.model, refined)
+    _refuse_slips(seen, observe(start, seen.problem, scales=scales).y, trace.file)
+    found = _with_errors(played(refined), played, nearby)
     return replace(found, reading=reading, shift=on.clock.shift, joined=joined)
+
+
+def _with_errors(found: Attribution, played: Callable[[Model], Attribution], nearby: Nearby) -> Attribution:
+    return replace(found, errors=errors_of(lambda model: _shares(played(model)), _shares(found), nearby))
+
+
+def _shares(found: Attribution) -> Mapping[str, float]:
+    return {ENGINE: found.engine, PARAMETERS: found.parameters, TERMS: found.missing_physics}
 
 
 def _user(configured: Model, refined: Model) -> Model:

@@ -1,5 +1,7 @@
 """The verdict in a sentence."""
 
+from collections.abc import Sequence
+
 from harness.diagnosis.outcome import Grade, Outcome
 
 _NOTHING = "Viscous and Coulomb friction explain {} to {} noise: nothing is left out that {} could show."
@@ -10,12 +12,15 @@ _ONE = ("this recording", "its", "it", "this recording alone does", "this record
 _SEVERAL = ("these recordings", "their", "they", "these recordings do", "these recordings together")
 
 
-def sentence_of(outcome: Outcome) -> str:
-    """The verdict in a sentence or two, with numbers, and what was chosen before it."""
-    return " ".join((_verdict(outcome), *outcome.problem.choices))
+def sentence_of(outcome: Outcome, has: Sequence[str] = ()) -> str:
+    """The verdict in a sentence or two, with numbers, and what was chosen before it.
+
+    has : names of the terms that the user's own simulation has, which then does not leave them out.
+    """
+    return " ".join((_verdict(outcome, has), *outcome.problem.choices))
 
 
-def _verdict(outcome: Outcome) -> str:
+def _verdict(outcome: Outcome, has: Sequence[str]) -> str:
     # beside the names that share a verdict a model may hold small parts
     parts = (Grade.TABULATED, Grade.MINOR) if outcome.verdict == "one_of" else (Grade.TABULATED,)
     it, its, they, does, these = _SEVERAL if outcome.problem.alone else _ONE
@@ -24,28 +29,45 @@ def _verdict(outcome: Outcome) -> str:
         return _NOTHING.format(it, its, they)
     if outcome.verdict == "missing_physics":
         said = " ".join(m.statement for m in outcome.mechanisms)
-        return f"The simulation leaves out {' and '.join(words)}: {said}"
+        return f"{_left_out([m.name for m in outcome.mechanisms], has)}: {said}"
     share = _percent(outcome.mechanisms[0].share) if words else ""
     left = "" if outcome.remainder is None else f" {_capital(outcome.remainder.looks_like)}."
     left = f"{_tabulated(outcome)}{left}"
     over = 1.0 if outcome.remainder is None else outcome.remainder.over_noise
+    simulation, leaves = ("viscous and Coulomb friction", "leave") if has else ("the simulation", "leaves")
     if outcome.verdict == "main_effect":
         return (
-            f"The main thing that the simulation leaves out is {words[0]}: {outcome.mechanisms[0].statement} It takes"
-            f" {share} of the misfit off; what is left is {over:.2g} times the sensors' noise.{left}"
+            f"The main thing that {simulation} {leaves} out is {words[0]}{_had(outcome, has)}:"
+            f" {outcome.mechanisms[0].statement} It takes {share} of the misfit off; what is left is"
+            f" {over:.2g} times the sensors' noise.{left}"
         )
     if outcome.verdict == "one_of" and len(words) == 1:
         return (
-            f"What the simulation leaves out looks like {words[0]}, which takes {share} of the misfit off; {does}"
-            f" not decide it.{left}"
+            f"What {simulation} {leaves} out looks like {words[0]}{_had(outcome, has)}, which takes"
+            f" {share} of the misfit off; {does} not decide it.{left}"
         )
     if outcome.verdict == "one_of":
         return (
-            f"The main thing that the simulation leaves out is one of {', '.join(words[:-1])} or {words[-1]};"
+            f"The main thing that {simulation} {leaves} out is one of {', '.join(words[:-1])} or {words[-1]};"
             f" {these} cannot tell which. The first takes {share} of the misfit off.{left}"
         )
     minor = f" The largest single part of it is {words[0]} ({share})." if words else ""
     return f"{_NOBODY.format(it)}{minor}{left}"
+
+
+def _left_out(names: Sequence[str], has: Sequence[str]) -> str:
+    """What explains the recording, and how much of it the simulation has."""
+    own, missing = ([n.replace("-", " ") for n in names if (n in has) is inside] for inside in (True, False))
+    if not own:
+        return f"The simulation leaves out {' and '.join(missing)}"
+    if not missing:
+        return f"Viscous and Coulomb friction leave out {' and '.join(own)}, which your simulation has"
+    return f"The simulation has {' and '.join(own)} and leaves out {' and '.join(missing)}"
+
+
+def _had(outcome: Outcome, has: Sequence[str]) -> str:
+    """Of the first name: that the user's simulation has it."""
+    return ", which your simulation has" if outcome.mechanisms[0].name in has else ""
 
 
 def _tabulated(outcome: Outcome) -> str:

@@ -16,9 +16,16 @@ _ROOM = 0.12
 
 
 def _percents(
-    name: str, labels: Sequence[str], percent: Sequence[float], colors: Sequence[str], title: str, caption: str
+    name: str,
+    labels: Sequence[str],
+    percent: Sequence[float],
+    colors: Sequence[str],
+    title: str,
+    caption: str,
+    errors: Sequence[float | None] = (),
 ) -> Figure:
-    """Bars in per cent, the first on top."""
+    """Bars in per cent, the first on top. errors : standard errors of those that have one."""
+    known = [*errors, *[None] * (len(percent) - len(errors))]
     low, high = min(0.0, *percent), max(1.0, *percent)
     beside = _ROOM * (high - low)
     trace = {
@@ -27,7 +34,10 @@ def _percents(
         "x": list(percent)[::-1],
         "y": list(labels)[::-1],
         "marker": {"color": list(colors)[::-1]},
-        "text": [f"{value:.3g} %" for value in reversed(percent)],
+        "text": [
+            f"{value:.3g} %" if error is None else f"{value:.3g} \u00b1 {error:.2g} %"
+            for value, error in reversed(list(zip(percent, known, strict=True)))
+        ],
         "textposition": ["outside" if abs(value) < beside else "auto" for value in reversed(percent)],
         "hovertemplate": "%{y}: %{x:.4g} %<extra></extra>",
     }
@@ -172,7 +182,7 @@ class Shares(Section):
         names = ["engine", "parameters", "missing_physics", "unexplained", "noise"]
         labels = ["the engine's own error", "wrong parameters", "missing physics", "unexplained", "noise"]
         colors = [BEFORE, "#b58900", AFTER, "#a45bc2", _GREY]
-        joined = self.attribution.get("why")
+        joined, stderr = self.attribution.get("why"), self.attribution.get("stderr") or {}
         if joined:
             names, labels, colors = names[1:], ["parameters and engine", *labels[2:]], colors[1:]
         percent = [100.0 * float(self.attribution[name]) for name in names]
@@ -182,4 +192,5 @@ class Shares(Section):
             f"that of another.{f' One bar for two: {joined}.' if joined else ''}"
         )
         title = "share of the mean square mismatch / %"
-        return {"figures": [_percents("attribution", labels, percent, colors, title, caption)]}
+        errors = [None if name not in stderr else 100.0 * float(stderr[name]) for name in names]
+        return {"figures": [_percents("attribution", labels, percent, colors, title, caption, errors)]}
