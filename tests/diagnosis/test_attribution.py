@@ -11,6 +11,7 @@ from harness.diagnosis.attribution.attribute import Attribution, NoSharesError, 
 from harness.diagnosis.attribution.game import saved
 from harness.diagnosis.attribution.mixed import in_masses_of
 from harness.diagnosis.attribution.nearby import errors_of, nearby_of
+from harness.diagnosis.attribution.reading import aligned
 from harness.diagnosis.fit.model_fit import fit
 from harness.diagnosis.fit.parameters import free_of, values_of
 from harness.diagnosis.pipeline import diagnose
@@ -90,6 +91,16 @@ def test_a_model_beside_the_trace_parts_engine_and_parameters() -> None:
     both = attribute_trace(shown, replace(DRAG, c=0.7), DRAG, recording(), SC)
     assert abs(both.engine) < 1e-3
     assert both.parameters == pytest.approx(alone.parameters, abs=5e-3)
+
+
+def test_a_trace_is_laid_release_on_release_where_the_fit_begins_after_it() -> None:
+    """A recording that waits 0.5 s and is fitted from 0.6 s on: a trace that decays faster slips no period (0.63 s)."""
+    t = np.arange(0.0, 5.5, 5e-3)
+    x = simulate(replace(DRAG, t0=0.5), t).x + 1e-3 * np.random.default_rng(2).standard_normal(t.size)
+    whole = FreeDecay(t, {"x": x}, {"x": Noise(1e-3, True)})
+    begun = whole.part(slice(int(np.searchsorted(t, 0.6)), None))
+    on = aligned(trace(replace(DRAG, c=1.5, terms=()), 0.0), begun, SC, whole)
+    assert on.clock.shift == pytest.approx(0.5 - 1.3, abs=0.02)
 
 
 def test_a_simulation_out_of_step_is_not_divided() -> None:

@@ -67,7 +67,7 @@ class Configured:
         extra "shown x" and the like: its channels. whole : the question at every sample of the recording.
         """
         if self.trace is not None:
-            on = aligned(self.trace, outcome.problem, outcome.scales)
+            on = aligned(self.trace, outcome.problem, outcome.scales, whole)
             covers = replace(on, covered=_covered(self.trace, on.clock.back(whole.t)))
             shown = trace_channels(self.trace, whole, covers)
             at = np.flatnonzero(covers.covered)
@@ -115,16 +115,16 @@ def simulator_of(name: str, options: DiagnoseOptions) -> tuple[EngineSimulator, 
     return simulator, options.dt
 
 
-def attribution_of(outcome: Outcome, options: DiagnoseOptions, user: Configured) -> Shared:
+def attribution_of(outcome: Outcome, whole: Problem, options: DiagnoseOptions, user: Configured) -> Shared:
     """Shares of the mismatch of the user's trace, else of the first engine that runs.
 
-    Raises InputError for a trace that does not belong to the recording.
+    whole : the question at every sample of the recording. Raises InputError for a trace that does not belong to it.
     """
     refined, problem, scales = outcome.refined.model, outcome.problem, outcome.scales
     if user.trace is not None:
         given = None if user.model is None else user.released(outcome.base.model)
         try:
-            found = attribute_trace(user.trace, given, refined, problem, scales, _nearby(outcome))
+            found = attribute_trace(user.trace, given, refined, problem, scales, _nearby(outcome), whole)
         except (NoSharesError, SimulationError) as error:
             has = () if given is None else _has(given)
             return Shared(None, (f"whose mismatch it is, was not divided: {error}",), has)

@@ -62,7 +62,7 @@ def result_of(
     """
     problem = outcome.problem
     engines = {name: _in_engine(name, outcome, options) for name in options.engines}
-    shared = _shared(outcome, options, user)
+    shared = _shared(recording, outcome, options, user)
     return DiagnosisResult(
         recording=_info(recording, prepared, problem),
         verdict=outcome.verdict,
@@ -95,10 +95,13 @@ def result_of(
     )
 
 
-def _shared(outcome: Outcome, options: DiagnoseOptions, user: Configured) -> Shared:
+def _shared(recording: Recording, outcome: Outcome, options: DiagnoseOptions, user: Configured) -> Shared:
     if outcome.problem.covariates:
         return Shared(None, (_NOT_GIVEN,))
-    return Shared(None, (_NOT_TOGETHER,)) if outcome.problem.alone else attribution_of(outcome, options, user)
+    if outcome.problem.alone:
+        return Shared(None, (_NOT_TOGETHER,))
+    whole = outcome.problem.at_every_sample(recording.t, recording.channels)
+    return attribution_of(outcome, whole, options, user)
 
 
 def _held_out(held: Holdout, given: list[str]) -> HoldoutResult:

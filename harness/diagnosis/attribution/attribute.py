@@ -125,15 +125,17 @@ def attribute_trace(
     problem: Problem,
     scales: Scales,
     nearby: Nearby = (),
+    whole: Problem | None = None,
 ) -> Attribution:
     """Attribution for a trace of the user's own simulation.
 
     configured : the model it was made with, None when it is not known; then what the trace reads stands for it, and
-    engine and parameters are one share, in ``parameters``. nearby : models as likely as the refined one. Raises
-    InputError for a trace that does not belong to the recording, NoSharesError for one that cannot be read or of which
-    a third of the windows slip; SimulationError.
+    engine and parameters are one share, in ``parameters``. nearby : models as likely as the refined one. whole :
+    the question at every sample of the recording, which the trace is laid over. Raises InputError for a trace that does
+    not belong to the recording, NoSharesError for one that cannot be read or of which a third of the windows slip;
+    SimulationError.
     """
-    on = aligned(trace, problem, scales)
+    on = aligned(trace, problem, scales, whole)
     try:
         reading = read_trace(trace, problem, refined, on, configured)
     except InputError as error:

@@ -54,8 +54,12 @@ class Reading:
         return self.found.model
 
 
-def aligned(trace: Recording, problem: Problem, scales: Scales) -> Alignment:
-    """The trace laid over the recording; raises InputError for one that has nothing in common with it."""
+def aligned(trace: Recording, problem: Problem, scales: Scales, whole: Problem | None = None) -> Alignment:
+    """The trace laid over the recording; raises InputError for one that has nothing in common with it.
+
+    whole : the question at every sample of the recording: what is left out of a fit, such as the wait before the
+    release, tells where the two begin. covered : of the whole's samples, where it is given.
+    """
     common = [c for c in problem.channels if c in trace]
     if not common:
         found = f"channels {', '.join(trace.channels)}"
@@ -64,8 +68,9 @@ def aligned(trace: Recording, problem: Problem, scales: Scales) -> Alignment:
     if trace.duration < LEAST_SHARED * span:
         found = f"{trace.duration:.4g} s long"
         raise InputError(trace.file, found, f"a trace of at least half of the recording's {span:.4g} s is accepted")
-    names = {c: problem.channels[c] for c in common}
-    seen = replace(problem, channels=names, weight={c: problem.weight[c] for c in common})
+    over = problem if whole is None else whole
+    names = {c: over.channels[c] for c in common}
+    seen = replace(over, channels=names, weight={c: over.weight[c] for c in common})
     return align(trace, seen, {c: problem.noise[c] for c in common}, 2.0 * math.pi / scales.omega)
 
 

@@ -182,7 +182,7 @@ class Mismatch(_Curves):
             at = self.free(self.chosen(*residuals))
             t = self.recording.t[at]
             traces = [
-                _curve(f"{said}, recording minus simulation", t, r[at], color, unit, 1.2)
+                _curve(f"{said}", t, r[at], color, unit, 1.2)
                 for (said, color, _), r in zip(self.models, residuals, strict=True)
             ]
             shapes = self.shapes
