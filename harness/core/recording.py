@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from harness.core.arrays import FloatArray
+from harness.core.arrays import BoolArray, FloatArray
 from harness.core.checks import increasing, vector
 from harness.core.errors import InputError
 
@@ -104,8 +104,8 @@ class Recording:
         """Median sampling rate, Hz."""
         return 1.0 / self.interval
 
-    def cut(self, keep: slice) -> "Recording":
-        """The same recording restricted to a slice of its samples."""
+    def cut(self, keep: slice | BoolArray) -> "Recording":
+        """The same recording restricted to a slice or a choice (n,) of its samples."""
         return Recording(
             self.t[keep],
             {name: values[keep] for name, values in self.channels.items()},

@@ -1,6 +1,7 @@
 """The estimators on a recording of a free decay."""
 
 from collections.abc import Mapping
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -18,6 +19,7 @@ from harness.core.errors import InputError
 from harness.core.recording import Recording
 from harness.estimate.every import estimate_all
 from harness.estimate.result import Estimation
+from harness.estimate.saturation import within_range
 from harness.io.recording import ReadOptions
 from harness.io.store import output_folder
 from harness.results.common import P
@@ -30,9 +32,12 @@ FREE = "a free decay of at least three half-cycles is accepted"
 def estimate(recording: Recording, restoring: Swing = "spring") -> Estimation:
     """The estimates from a recording; a pendulum is read as the spring that it would be.
 
+    Samples at which a sensor stood at the end of its range are left out, and a warning says so.
+
     Raises InputError with the reason when it is driven, or shows no free decay.
     """
     refuse_driven(recording)
+    recording, beyond = within_range(recording, ("x", "v"))
     if restoring == "pendulum":
         recording = as_spring(recording)
     x, v, a = (recording.channels.get(name) for name in ("x", "v", "a"))
@@ -40,7 +45,7 @@ def estimate(recording: Recording, restoring: Swing = "spring") -> Estimation:
     why = why_no_decay(estimation.methods, recording.channels)
     if why is not None:
         raise InputError(recording.file, f"no estimate is possible: {why}", FREE)
-    return estimation
+    return replace(estimation, warnings=(*beyond, *estimation.warnings)) if beyond else estimation
 
 
 def refuse_driven(recording: Recording) -> None:

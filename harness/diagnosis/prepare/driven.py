@@ -21,6 +21,7 @@ from harness.diagnosis.request import Asked
 from harness.diagnosis.smoothed_state.inverse_start import inverse_start
 from harness.diagnosis.smoothed_state.state import Course
 from harness.estimate.noise import Noise, channel_noise
+from harness.estimate.saturation import within_range
 from harness.model.model import Model, Restoring
 
 HORIZON = 1.0
@@ -44,6 +45,13 @@ def driven_problem(recording: Recording, asked: Asked) -> tuple[Forced, tuple[st
     It is followed from one start, over gaps from a new one. Where no force that is known says its motion well enough,
     or where covariates act, the force is fitted instead. Raises InputError, SimulationError.
     """
+    # a speed that is commanded to stay at its limit is no sensor's
+    seen, beyond = within_range(recording, ("x",))
+    problem, notes = _followed(seen, asked)
+    return problem, (*notes, *beyond)
+
+
+def _followed(recording: Recording, asked: Asked) -> tuple[Forced, tuple[str, ...]]:
     restoring = asked.restoring or Restoring.SPRING
     where = f"{recording.file}: channels {', '.join(recording.channels)}"
     if "x" not in recording and ("v" not in recording or restoring is not Restoring.NONE):
