@@ -35,8 +35,8 @@ JUDGES = {
     "together": {"pooled", "own"},
     "amplitudes": {"amplitudes-apart"},
 }
-LONG = {"amplitudes", "pairs-apart"}
-"""More than half a minute for two draws."""
+LONG = {"amplitudes", "pairs-apart", "pair-promise", "main-effect", "guard-speed"}
+"""More than four seconds for one draw; the others take the same way."""
 SEED = 3
 """Its first draw says something in every calibration."""
 

@@ -111,7 +111,7 @@ def test_force_is_fitted_over_windows_within_errors_that_allow_for_colour() -> N
 def test_a_fitted_force_has_a_law_more_only_where_chance_takes_off_less(terms: tuple[ModelTerm, ...]) -> None:
     """Coarse and noisy, so that smoothing rounds off each reversal: laws of friction take that for their own."""
     truth = replace(TRUTH, terms=terms)
-    fine = driven(truth, sigma=1e-4, n=16_000)
+    fine = driven(truth, sigma=1e-4, n=12_000)
     problem, _ = prepare(
         Recording(fine.t[::8], {c: fine[c][::8] for c in ("x", "u")}), Asked(Restoring.NONE, horizon=1.0)
     )

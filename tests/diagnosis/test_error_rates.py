@@ -22,13 +22,14 @@ from harness.diagnosis.residual_tests.structure import structure
 from harness.diagnosis.rules import STRUCTURE
 from harness.estimate.noise import channel_noise
 from harness.model.model import Restoring
-from harness.proof.plant import Case, draw
+from harness.proof.plant import Case
+from harness.proof.plant.cases import control
 from harness.proof.statistics import is_noise
 
 _CHANCE = 1e-3
 """Probability with which a sound diagnosis may fail one of these tests."""
 _NOISES = ("white", "coloured", "quantised")
-DRAWS, LONG = 4, 100
+DRAWS, LONG = 8, 100
 """Draws of the base fit alone, and of whole diagnoses with -m full."""
 THIN = 2
 """Of those draws one sample in so many is kept: what is stated holds at any rate."""
@@ -37,7 +38,7 @@ SIZES = (8, pytest.param(500, marks=pytest.mark.full))
 
 @functools.cache
 def _controls(count: int) -> tuple[tuple[Case, Outcome], ...]:
-    cases = [draw("control", np.random.default_rng([77, i]), noise=_NOISES[i % 3]) for i in range(count)]
+    cases = [control(np.random.default_rng([77, i]), noise=_NOISES[i % 3]) for i in range(count)]
     return tuple((case, diagnose(_problem(case))) for case in cases)
 
 
@@ -93,7 +94,7 @@ def _with_noisy_force(i: int) -> tuple[Problem, tuple[str, ...]]:
     """A control driven by a force that is recorded with white noise of 0.03 to 1 % of its scatter."""
     random = np.random.default_rng([78, i])
     setting = ("driven", "axis")[i % 2]
-    case = draw("control", random, setting=setting)
+    case = control(random, setting=setting)
     values = {c: y for c, y in case.recorded.items() if c != "t"}
     share = 10.0 ** random.uniform(-3.5, -2.0)
     values["u"] = values["u"] + share * np.std(values["u"]) * random.standard_normal(values["u"].size)
@@ -131,7 +132,7 @@ def _with_gaps(i: int) -> Problem:
     """A driven control of which three stretches of up to a thirtieth are missing."""
     random = np.random.default_rng([79, i])
     setting = ("axis", "driven")[i % 2]
-    case = draw("control", random, setting=setting)
+    case = control(random, setting=setting)
     t = case.recorded["t"]
     keep = np.ones(t.size, dtype=bool)
     for _ in range(3):

@@ -110,7 +110,7 @@ def test_where_a_window_starts_counts_for_nothing() -> None:
 def test_an_effect_is_named_over_gaps() -> None:
     truth = replace(AXIS, terms=(ModelTerm.named("asymmetric-viscous", c_diff=0.4),))
     dense = recorded(truth)
-    thin = Recording(dense.t[::2], {c: dense[c][::2] for c in ("x", "u")})
+    thin = Recording(dense.t[::4], {c: dense[c][::4] for c in ("x", "u")})
     outcome = diagnose(prepare(thin, Asked(Restoring.NONE))[0])
     assert outcome.verdict == "missing_physics"
     (named,) = outcome.mechanisms

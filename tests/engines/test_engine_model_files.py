@@ -15,7 +15,9 @@ from harness.model.registry import TERMS
 
 BASE = Model(2.0, 1.5, 100.0, 3.0, x0=0.8)
 
-IN_MJCF = [ModelTerm(term, term.example) for term in TERMS if term.elements is not None]
+IN_MJCF = [
+    ModelTerm(term, term.example) for term in TERMS if term.elements is not None and term.elements(term.example, BASE.k)
+]
 
 
 def compiled(model: Model) -> mujoco.MjModel:

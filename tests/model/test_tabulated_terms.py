@@ -1,10 +1,13 @@
 """Tables as terms: the spline they are made of, what they say at rest, where they are known; no search names one."""
 
+from collections.abc import Callable
+
 import numpy as np
 import pytest
 from scipy.interpolate import CubicSpline
 
 from harness.model.beyond import beyond
+from harness.model.elements import Polynomial
 from harness.model.law import D_PARAMETER, INTERNAL_COLUMNS, VALUE
 from harness.model.model import Model, ModelTerm
 from harness.model.registry import NAMED, TERMS
@@ -74,3 +77,36 @@ def test_what_is_not_known_is_said() -> None:
     assert "known from x = -1.2 to 1.3 m, and the motion reaches 1.4 m" in said
     (said,) = beyond(model, np.array([-1.3, 1.0]), still)
     assert "reaches -1.3 m" in said
+
+
+def table(values: np.ndarray, low: float = -0.2, high: float = 0.3) -> ModelTerm:
+    named = {f"f_{i + 1}": float(value) for i, value in enumerate(values)}
+    return ModelTerm.named("tabulated-stiffness", **named, low=low, high=high)
+
+
+def test_a_table_that_is_a_cubic_has_the_words_of_a_joint() -> None:
+    """3 x - 40 x^2 + 500 x^3 at the knots; the spline between them bends a little less at its ends."""
+    x = np.linspace(-0.2, 0.3, KNOTS)
+    entry = table(3.0 * x - 40.0 * x**2 + 500.0 * x**3)
+    assert entry.term.elements is not None
+    (said,) = entry.term.elements(entry.values, 100.0)
+    assert isinstance(said, Polynomial)
+    a, b, c = said.stiffness
+    force = 3.0 * x - 40.0 * x**2 + 500.0 * x**3
+    assert a * x + b * x**2 + c * x**3 == pytest.approx(force, abs=0.01 * float(np.abs(force).max()))
+    assert said.damping == (0.0, 0.0, 0.0)
+
+
+@pytest.mark.parametrize(
+    "force",
+    [
+        pytest.param(lambda x: np.where(x > 0.1, 80.0 * (x - 0.1), 0.0), id="a stop"),
+        pytest.param(lambda x: 2.0 + 30.0 * x, id="not 0 at x = 0"),
+        pytest.param(lambda x: np.sin(60.0 * x), id="a ripple"),
+        pytest.param(np.zeros_like, id="nothing"),
+    ],
+)
+def test_what_a_cubic_would_only_come_near_has_none(force: Callable[[np.ndarray], np.ndarray]) -> None:
+    entry = table(force(np.linspace(-0.2, 0.3, KNOTS)))
+    assert entry.term.elements is not None
+    assert not any(any(e.stiffness) for e in entry.term.elements(entry.values, 100.0) if isinstance(e, Polynomial))

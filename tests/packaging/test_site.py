@@ -52,8 +52,12 @@ def alike(new: str, old: str, rel: float, within: float, command: str) -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize(
     "page",
-    # the longest by far, whose commands have tests of their own
-    ["start.md", "own-recording.md", "own-simulation.md", pytest.param("robot-example.md", marks=pytest.mark.full)],
+    # one has what the first has and a model more, the other is the longest by far: their commands have tests of their own
+    [
+        "start.md",
+        "own-simulation.md",
+        *(pytest.param(f"{n}.md", marks=pytest.mark.full) for n in ("own-recording", "robot-example")),
+    ],
 )
 def test_a_page_shows_what_its_commands_print(page: str) -> None:
     pytest.importorskip("pybullet")

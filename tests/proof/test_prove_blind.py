@@ -28,7 +28,11 @@ def cheater(tmp_path: Path, out: Path) -> tuple[str, ...]:
     return sys.executable, str(program)
 
 
-def test_a_cheater_that_looks_everywhere_finds_no_answer(tmp_path: Path) -> None:
+def test_a_cheater_that_looks_everywhere_finds_no_answer(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    # temporary files of this proof alone: those of everybody else take longer to read than to write
+    (tmp_path / "temporary").mkdir()
+    monkeypatch.setattr(tempfile, "tempdir", str(tmp_path / "temporary"))
+    monkeypatch.setenv("TMPDIR", str(tmp_path / "temporary"))
     out = tmp_path / "out"
     blind = cheater(tmp_path, out)
     prove(ProveOptions(Sizes(1, 0, 0, 0), jobs=1, baselines=(), blind=blind), out)

@@ -1,12 +1,20 @@
 """A force that depends on position, as a table: what no law of the catalogue says."""
 
+import numpy as np
+
 from harness.core.arrays import FloatArray
-from harness.model.law import D_PARAMETER, D_X, VALUE
+from harness.model.elements import Element, Polynomial
+from harness.model.law import COLUMNS, D_PARAMETER, D_X, VALUE
 from harness.model.place import always
 from harness.model.spline import KNOTS, curve
-from harness.model.term import Known, Parameter, Slot, Term
+from harness.model.term import Known, Parameter, Probe, Slot, Term
 
 _LOW, _HIGH = KNOTS, KNOTS + 1
+_POINTS = 8 * KNOTS
+"""Places that a polynomial is laid through."""
+_AS_GOOD = 0.01
+"""Of the table's largest force, what a polynomial may be off anywhere and still be the table in other words: a tenth of
+what tables are known to, see the band that they are drawn with."""
 
 
 def law(x: float, v: float, theta: FloatArray, o: int, out: FloatArray) -> None:
@@ -23,6 +31,25 @@ def law(x: float, v: float, theta: FloatArray, o: int, out: FloatArray) -> None:
     out[D_PARAMETER + _HIGH] = -slope * step * (x - low) / width
 
 
+def made_of(values: Probe, k: float) -> tuple[Element, ...]:
+    """A spring's first three coefficients, where these say the whole table to a hundredth; else nothing."""
+    low, high = values[_LOW], values[_HIGH]
+    reach = max(abs(low), abs(high))
+    if not high > low:
+        return ()
+    x = np.linspace(low, high, _POINTS)
+    theta, row, force = np.array(values), np.zeros(COLUMNS), np.empty(_POINTS)
+    for i, place in enumerate(x):
+        law(float(place), 0.0, theta, 0, row)
+        force[i] = row[VALUE]
+    powers = np.vander(x / reach, 4)[:, 2::-1]
+    found, *_ = np.linalg.lstsq(powers, force, rcond=None)
+    if np.max(np.abs(powers @ found - force)) > _AS_GOOD * np.max(np.abs(force)):
+        return ()
+    a, b, c = (float(one) / reach ** (i + 1) for i, one in enumerate(found))
+    return (Polynomial(stiffness=(a, b, c)),)
+
+
 TERM = Term(
     "tabulated-stiffness",
     "stiffness",
@@ -35,6 +62,7 @@ TERM = Term(
     push=5,
     searched=False,
     known=Known("x", _LOW, _HIGH),
+    elements=made_of,
     place=always("throughout", "by position"),
     order=900,
 )

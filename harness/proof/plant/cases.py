@@ -143,12 +143,37 @@ def record(
 
     motion : what makes the motion, with the name ``source``. Raises SimulationError when it fails.
     """
+    case = measured(base, effects, setting, channels, noise, rng, motion, source)
+    at_truth = _chi2_truth(case)
+    fit = _fit_base(case, at_truth)
+    excess = fit.chi2 - at_truth
+    parts = dict.fromkeys(effects, excess)
+    return replace(case, base_chi2_excess=excess, base_r2=tuple(fit.r2.values()), part_chi2_excess=parts)
+
+
+def control(rng: np.random.Generator, *, setting: str = "decay", noise: str = "white") -> Case:
+    """What ``draw`` gives of a control, without its base fit, which on a driven one takes ten times as long."""
+    base = _base(rng, setting, ())
+    return measured(base, {}, setting, _channels(rng, setting, ()), _noise(rng, base, noise), rng)
+
+
+def measured(
+    base: Base,
+    effects: Mapping[str, Mapping[str, Any]],
+    setting: str,
+    channels: str,
+    noise: Noise,
+    rng: np.random.Generator,
+    motion: Motion = simulate,
+    source: str = "plant",
+) -> Case:
+    """Simulate and spoil; see ``record``."""
     t = base.times
     model, sensors = build(base, effects)
     run, clean = sensors.read(model, t, motion)
     recorded = {c: noise.spoil(c, clean[c], rng) for c in channels}
     u = run.u if base.drive is not None else None
-    case = Case(
+    return Case(
         mechanisms=tuple(effects),
         effects=effects,
         channels=channels,
@@ -163,11 +188,6 @@ def record(
         part_chi2_excess={},
         source=source,
     )
-    at_truth = _chi2_truth(case)
-    fit = _fit_base(case, at_truth)
-    excess = fit.chi2 - at_truth
-    parts = dict.fromkeys(effects, excess)
-    return replace(case, base_chi2_excess=excess, base_r2=tuple(fit.r2.values()), part_chi2_excess=parts)
 
 
 def accepted(case: Case) -> Case | None:
