@@ -1,4 +1,4 @@
-"""A sensor at the end of its range: what it shows there is left out, and a motion that turns, rests or is held is not."""
+"""A sensor at the end of its range: what it cut off is left out, and a motion that turns, rests or is held is not."""
 
 from dataclasses import replace
 

@@ -52,7 +52,7 @@ def alike(new: str, old: str, rel: float, within: float, command: str) -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize(
     "page",
-    # one has what the first has and a model more, the other is the longest by far: their commands have tests of their own
+    # one has what the first has and a model more, the other is the longest by far; tests of their own have the commands
     [
         "start.md",
         "own-simulation.md",
