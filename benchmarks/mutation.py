@@ -28,6 +28,7 @@ ESTIMATE = tuple(
 DECIDE = ("tests/diagnosis/test_rules.py", "tests/diagnosis/test_grading.py")
 TARGETS = {
     **{f"harness/estimate/{file.name}": ESTIMATE for file in sorted((ROOT / "harness" / "estimate").glob("*.py"))},
+    "harness/estimate/saturation.py": ("tests/estimate/test_saturation.py",),
     **dict.fromkeys(("harness/diagnosis/rules.py", "harness/diagnosis/verdict.py"), DECIDE),
     **{f"harness/diagnosis/grading/{name}.py": DECIDE for name in ("grade", "misfit", "first_turn", "friction_split")},
 }
