@@ -140,6 +140,7 @@ def test_a_rest_that_agrees_with_anything_is_no_free_decay(gearbox: Problem) -> 
     assert after_hand(gearbox, scales) is None
 
 
+@pytest.mark.full
 def test_nothing_is_left_out_for_a_hand_where_nothing_explains_the_rest(gearbox: Problem) -> None:
     outcome = diagnose(gearbox)
     assert outcome.verdict == "one_of"

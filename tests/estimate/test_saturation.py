@@ -11,7 +11,7 @@ from harness.app.identify.identify import estimate
 from harness.core.arrays import FloatArray
 from harness.core.errors import InputError
 from harness.core.recording import Recording
-from harness.diagnosis.pipeline import diagnose, prepare
+from harness.diagnosis.pipeline import diagnose, fit_base, prepare
 from harness.diagnosis.request import Asked
 from harness.estimate.noise import Noise, channel_noise
 from harness.estimate.saturation import saturated, within_range
@@ -63,7 +63,9 @@ def test_a_driven_slider_is_followed_over_what_its_sensor_does_not_see() -> None
     problem, notes = prepare(Recording(t, {"x": np.minimum(x, limit), "u": u[::16]}), Asked())
     assert notes[-1].startswith(f"x stops at {limit:.4g} m at full speed")
     assert float(problem.channels["x"].max()) < limit
-    assert diagnose(problem).verdict == "adequate"
+    based = fit_base(problem)
+    assert based.fit.chi2 / based.fit.points == pytest.approx(1.0, abs=0.1)
+    assert (based.fit.model.c, based.fit.model.f_k) == pytest.approx((3.0, 1.5), rel=2e-3)
 
 
 @pytest.mark.parametrize(

@@ -151,16 +151,16 @@ def test_update_of_one_engine_keeps_the_others(rows: room.Rows, baseline: Path) 
 
 @pytest.fixture(scope="module")
 def traces(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    options = replace(ONE, routes=("joint", "contact"), keep=8)
+    options = replace(ONE, routes=("joint", "contact"), keep=4)
     result = sweep(options, tmp_path_factory.mktemp("regress") / "out")
     written = keep_worst(result, options)
-    assert len(written) == 8
+    assert len(written) == 4
     return result.folder / "traces"
 
 
 def test_stored_traces_give_every_metric_bitwise_again(traces: Path) -> None:
     result = room.compared_traces(traces, None)
-    assert (result.rows, result.moved) == (8, [])
+    assert (result.rows, result.moved) == (4, [])
     row, before = recomputed(sorted(traces.glob("*.rrd"))[0])
     assert row["metrics"] == before
     assert any(value is not None for value in before.values())
@@ -171,7 +171,7 @@ def test_stored_traces_gate_against_the_baseline_without_an_engine(
 ) -> None:
     monkeypatch.setattr(registry, "load", None)
     result = room.compared_traces(traces, PUBLISHED)
-    assert (result.rows, result.moved) == (8, [])
+    assert (result.rows, result.moved) == (4, [])
 
 
 def test_a_change_of_a_metric_is_seen_in_stored_traces(traces: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -51,6 +51,7 @@ def test_an_honest_proof_is_accepted(published: Path) -> None:
     jsonschema.validate(data, json.loads((FOLDER / "harness.proof-check-1.json").read_text()))
 
 
+@pytest.mark.full
 def test_a_cluster_makes_a_proof_like_the_local_pool(tmp_path: Path) -> None:
     with two_workers() as (address, _):
         result = prove(ProveOptions(SIZES, cluster=address, blind=STUB), tmp_path / "out")

@@ -134,7 +134,7 @@ def test_options_of_several_are_refused_for_one(
     assert len(capfd.readouterr().err.splitlines()) == 1
 
 
-@pytest.mark.slow
+@pytest.mark.full
 def test_a_cluster_gives_what_processes_here_give(tmp_path: Path) -> None:
     """Files that are none: the way of an answer is what is looked at."""
     for name in ("a.csv", "b.csv"):

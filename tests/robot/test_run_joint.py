@@ -157,7 +157,7 @@ def test_the_page_is_made_again_from_the_trace_alone(elbow: JointRunResult, tmp_
     assert page.read_bytes() == Path(elbow.files["report"]).read_bytes()
 
 
-@pytest.mark.slow
+@pytest.mark.full
 @pytest.mark.skipif(screenshot.driver() is not None, reason=screenshot.driver() or "")
 def test_no_view_of_its_trace_reports_anything(elbow: JointRunResult) -> None:
     reports = screenshot.take(Path(elbow.files["rrd"]), 0.2).reports
