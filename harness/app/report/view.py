@@ -1,28 +1,62 @@
-"""A trace opened in the viewer."""
+"""Traces opened in the viewer."""
 
 import os
 import shutil
 import subprocess
 import sys
+import tempfile
+from collections.abc import Sequence
 from pathlib import Path
 
-from harness.app.report.place import find_trace
+from harness.app.report.place import TRACE, find_trace
 from harness.core.errors import InputError
+from harness.show.overlay_scene import named, overlay_scene
+from harness.show.stored import read_trace
+
+MOST = 10
+"""Traces laid over each other: there are as many colours."""
 
 
-def view(place: Path, web: bool = False) -> int:
-    """Open a trace in the rerun viewer and return the viewer's exit code.
+def view(places: Sequence[Path], web: bool = False) -> int:
+    """Open a trace, or several laid over each other, in the rerun viewer and return the viewer's exit code.
 
-    web : in the browser instead of a window. Raises InputError without a trace, a viewer, or a screen.
+    web : in the browser instead of a window. Raises InputError without a trace, a viewer, or a screen, and for traces
+    that cannot be laid over each other.
     """
-    trace = find_trace(place)
+    traces = [find_trace(place) for place in places]
     beside = str(Path(sys.executable).parent)
     program = shutil.which("rerun", path=beside) or shutil.which("rerun")
     if program is None:
         raise InputError("rerun", "not found", "an installed rerun-sdk, whose viewer this is, is accepted")
     if not web and not (os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY")):
         raise InputError("screen", "neither DISPLAY nor WAYLAND_DISPLAY is set", "a screen, or --web, is accepted")
-    return subprocess.run(viewer_command(program, trace, web), check=False).returncode
+    if len(traces) == 1:
+        return subprocess.run(viewer_command(program, traces[0], web), check=False).returncode
+    with tempfile.TemporaryDirectory() as folder:
+        together = Path(folder) / TRACE
+        overlay(places, together)
+        return subprocess.run(viewer_command(program, together, web), check=False).returncode
+
+
+def overlay(places: Sequence[Path], target: Path) -> None:
+    """Write one .rrd that shows the motions of several traces in the same plots.
+
+    Raises InputError for a place without a trace, for fewer than two and more than ten, for the same one twice, and
+    where some slide and others turn; StoreError when it cannot be written.
+    """
+    traces = [find_trace(place) for place in places]
+    if not 2 <= len(traces) <= MOST:
+        raise InputError("view", f"{len(traces)} traces", f"2 to {MOST} are accepted to be laid over each other")
+    whole = [trace.resolve() for trace in traces]
+    twice = next((trace for trace in traces if whole.count(trace.resolve()) > 1), None)
+    if twice is not None:
+        raise InputError(str(twice), "given twice", "traces that are not the same are accepted")
+    # imported when it is needed: it brings the viewer's library along
+    from harness.show.trace import write_trace
+
+    names = named([str(place) for place in places])
+    found = {name: read_trace(trace) for name, trace in zip(names, traces, strict=True)}
+    write_trace(target, overlay_scene(found))
 
 
 def viewer_command(program: str, trace: Path, web: bool) -> list[str]:

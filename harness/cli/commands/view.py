@@ -5,16 +5,32 @@ from pathlib import Path
 import click
 
 
-@click.command(short_help="Open a run in the rerun viewer.")
-@click.argument("place", metavar="DIR|FILE.rrd", type=click.Path(path_type=Path))
+@click.command(short_help="Open runs in the rerun viewer.")
+@click.argument("places", metavar="DIR|FILE.rrd...", nargs=-1, required=True, type=click.Path(path_type=Path))
 @click.option("--web", is_flag=True, help="In the browser instead of a window.")
-def command(place: Path, web: bool) -> int:
-    """Open the .rrd in DIR, or FILE.rrd, in the rerun viewer.
+@click.option(
+    "--save",
+    metavar="FILE.rrd",
+    type=click.Path(path_type=Path, dir_okay=False),
+    help="Write several laid over each other to a file, and open nothing.",
+)
+def command(places: tuple[Path, ...], web: bool, save: Path | None) -> int:
+    """Open the .rrd in DIR, or FILE.rrd, in the rerun viewer; several are laid over each other in the same plots.
 
     \b
     Example: harness view reports/free-decay-20260101-120000
              harness view trace.rrd --web
+             harness view shipped tuned --save both.rrd
     """
-    from harness.app.report.view import view
+    from harness.app.report.view import overlay, view
+    from harness.core.errors import InputError
 
-    return view(place, web)
+    if save is None:
+        return view(places, web)
+    if save.suffix.lower() != ".rrd":
+        raise InputError("--save", str(save), "a name that ends in .rrd is accepted")
+    if save.exists():
+        raise InputError("--save", f"{save} exists already", "the name of a new file is accepted")
+    overlay(places, save)
+    click.echo(f"trace: {save.absolute()}")
+    return 0
