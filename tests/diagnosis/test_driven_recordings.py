@@ -107,7 +107,13 @@ def test_force_is_fitted_over_windows_within_errors_that_allow_for_colour() -> N
     assert search.chosen.model.terms == ()
 
 
-@pytest.mark.parametrize("terms", [(), (ModelTerm.named("asymmetric-viscous", c_diff=1.2),)], ids=["none", "one"])
+@pytest.mark.parametrize(
+    "terms",
+    [
+        pytest.param((), id="none"),
+        pytest.param((ModelTerm.named("asymmetric-viscous", c_diff=1.2),), id="one", marks=pytest.mark.full),
+    ],
+)
 def test_a_fitted_force_has_a_law_more_only_where_chance_takes_off_less(terms: tuple[ModelTerm, ...]) -> None:
     """Coarse and noisy, so that smoothing rounds off each reversal: laws of friction take that for their own."""
     truth = replace(TRUTH, terms=terms)

@@ -33,7 +33,9 @@ def told(problem: Problem, monkeypatch: pytest.MonkeyPatch, samples: int) -> Out
     return diagnose(problem)
 
 
-@pytest.mark.parametrize("terms", [(), (CUBIC,)], ids=["nothing", "cubic-stiffness"])
+@pytest.mark.parametrize(
+    "terms", [pytest.param((), id="nothing", marks=pytest.mark.full), pytest.param((CUBIC,), id="cubic-stiffness")]
+)
 def test_means_of_samples_tell_what_all_of_them_tell(
     terms: tuple[ModelTerm, ...], monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -38,7 +38,9 @@ KNOWN: dict[str, list[dict[str, Any]]] = {
 """Settings that were found by hand, at a step of 4 ms."""
 
 
-@pytest.mark.parametrize("name", sorted(KNOWN))
+@pytest.mark.parametrize(
+    "name", [pytest.param(name, marks=pytest.mark.full if name == "mujoco" else ()) for name in sorted(KNOWN)]
+)
 def test_it_finds_settings_at_least_as_good_as_those_found_by_hand(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
     # the short form: one start
     monkeypatch.setattr(room, "STARTS", 1)

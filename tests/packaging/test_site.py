@@ -52,11 +52,13 @@ def alike(new: str, old: str, rel: float, within: float, command: str) -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize(
     "page",
-    # one has what the first has and a model more, the other is the longest by far; tests of their own have the commands
+    # commands of the others have tests of their own
     [
         "start.md",
-        "own-simulation.md",
-        *(pytest.param(f"{n}.md", marks=pytest.mark.full) for n in ("own-recording", "robot-example")),
+        *(
+            pytest.param(f"{n}.md", marks=pytest.mark.full)
+            for n in ("own-recording", "own-simulation", "robot-example")
+        ),
     ],
 )
 def test_a_page_shows_what_its_commands_print(page: str) -> None:

@@ -18,6 +18,7 @@ from harness.robot.servo import loosened
 FILE = folder() / "arm" / "arm.xml"
 
 
+@pytest.mark.full
 def test_it_beats_the_file_in_poses_that_were_not_searched_in(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(room, "STARTS", 1)
     result = tune_joint("mujoco", TuneJoint(FILE, "elbow"))

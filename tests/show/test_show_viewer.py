@@ -39,7 +39,7 @@ def test_no_view_of_a_run_reports_anything(trace_file: Path) -> None:
 
 
 @needs_driver
-@pytest.mark.slow
+@pytest.mark.full
 def test_no_view_of_a_recording_reports_anything(
     tmp_path: Path, recording: Recording, identify_result: dict[str, Any]
 ) -> None:
