@@ -33,7 +33,7 @@ DRAWS, LONG = 8, 100
 """Draws of the base fit alone, and of whole diagnoses with -m full."""
 THIN = 2
 """Of those draws one sample in so many is kept: what is stated holds at any rate."""
-SIZES = (8, pytest.param(500, marks=pytest.mark.full))
+SIZES = (6, pytest.param(500, marks=pytest.mark.full))
 
 
 @functools.cache

@@ -10,8 +10,6 @@ from pathlib import Path
 
 from harness.app.report.place import TRACE, find_trace
 from harness.core.errors import InputError
-from harness.show.overlay_scene import named, overlay_scene
-from harness.show.stored import read_trace
 
 MOST = 10
 """Traces laid over each other: there are as many colours."""
@@ -51,7 +49,9 @@ def overlay(places: Sequence[Path], target: Path) -> None:
     twice = next((trace for trace in traces if whole.count(trace.resolve()) > 1), None)
     if twice is not None:
         raise InputError(str(twice), "given twice", "traces that are not the same are accepted")
-    # imported when it is needed: it brings the viewer's library along
+    # imported when it is needed: numpy and the viewer's library come along
+    from harness.show.overlay_scene import named, overlay_scene
+    from harness.show.stored import read_trace
     from harness.show.trace import write_trace
 
     names = named([str(place) for place in places])
