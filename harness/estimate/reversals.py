@@ -55,6 +55,10 @@ class NoDecay(Exception):  # noqa: N818  (an answer, caught in this room, and ne
     """The channel shows no free decay; the text is the reason."""
 
 
+class Grows(NoDecay):
+    """The swing is larger at the end than at the beginning."""
+
+
 def _even(t: FloatArray, y: FloatArray) -> tuple[FloatArray, FloatArray]:
     """The channel on an even grid at the median interval (at most four million points)."""
     gaps = np.diff(t)
@@ -162,7 +166,7 @@ def find_half_cycles(t: FloatArray, y: FloatArray, kind: Kind, noise: Noise) -> 
     # swing of the smoothed channel about each crossing: it must not grow
     swing = np.array([np.abs(g[(grid > z - 0.55 * half) & (grid < z + 0.55 * half)]).max() for z in times])
     if swing[-1] > 1.15 * swing[0] + 4.0 * sigma:
-        raise NoDecay("the swing grows: no free decay")
+        raise Grows("the swing grows: no free decay")
 
     middle = kind is Kind.ACCELERATION  # the acceleration crosses zero in the middle of a half-cycle
     inner = 0.5 * (times[1:] + times[:-1]) if middle else times
