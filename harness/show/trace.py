@@ -11,6 +11,7 @@ from typing import Any, cast
 import numpy as np
 import rerun as rr
 import rerun.blueprint as rrb
+import rerun_bindings
 from rerun.chunk import RrdReader
 from rerun.error_utils import RerunWarning
 from rerun.experimental import ViewerClient
@@ -43,12 +44,18 @@ def write_trace(path: Path, scene: s.Scene) -> None:
     """
     with replacing(path) as part:
         with poured(part) as pipe:
-            recording = rr.RecordingStream(APPLICATION, send_properties=False)
-            try:
-                _fill(recording, pipe, scene)
-            finally:
-                recording.disconnect()
+            _stream(pipe, scene)
+        # the threads and the memory of a stream that is closed stay, and a call with many recordings has many
+        rerun_bindings.flush_and_cleanup_orphaned_recordings()
         _check_whole(part, path)
+
+
+def _stream(pipe: Pipe, scene: s.Scene) -> None:
+    recording = rr.RecordingStream(APPLICATION, send_properties=False)
+    try:
+        _fill(recording, pipe, scene)
+    finally:
+        recording.disconnect()
 
 
 def _fill(recording: rr.RecordingStream, pipe: Pipe, scene: s.Scene) -> None:

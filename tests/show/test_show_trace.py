@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import psutil
 import pytest
 from show_examples import SCENARIO, make_sources
 
@@ -185,3 +186,14 @@ def test_the_page_and_the_scene_do_not_load_the_viewer() -> None:
         "sys.exit('rerun' in sys.modules)"
     )
     assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
+
+
+def test_a_trace_that_is_written_leaves_little_behind(tmp_path: Path) -> None:
+    """A stream of the viewer's library keeps two threads when it is closed, and so does each blueprint."""
+    line = scene.Line("/x", "x", np.arange(3.0), np.ones(3), "#ffffff")
+    one = scene.Scene("one", [line], scene.Plot("x", ["/x"]), {"x": b"1"})
+    write_trace(tmp_path / "first.rrd", one)
+    before = psutil.Process().num_threads()
+    for i in range(8):
+        write_trace(tmp_path / f"{i}.rrd", one)
+    assert psutil.Process().num_threads() - before <= 2 * 8
