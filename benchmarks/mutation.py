@@ -23,9 +23,10 @@ from typing import Any
 
 ROOT = Path(__file__).resolve().parents[1]
 ESTIMATE = tuple(
-    f"tests/estimate/test_{name}.py" for name in ("estimators", "noise", "acceleration_estimator", "paper")
+    f"tests/estimate/test_{name}.py"
+    for name in ("parts", "estimators", "noise", "acceleration_estimator", "smeared_jumps", "paper")
 )
-DECIDE = ("tests/diagnosis/test_rules.py", "tests/diagnosis/test_grading.py")
+DECIDE = tuple(f"tests/diagnosis/test_{name}.py" for name in ("rules", "grading"))
 TARGETS = {
     **{f"harness/estimate/{file.name}": ESTIMATE for file in sorted((ROOT / "harness" / "estimate").glob("*.py"))},
     "harness/estimate/saturation.py": ("tests/estimate/test_saturation.py",),

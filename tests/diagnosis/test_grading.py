@@ -11,12 +11,24 @@ from harness.diagnosis.explain.graded import told
 from harness.diagnosis.fit.model_fit import fit
 from harness.diagnosis.fit.parameters import free_of
 from harness.diagnosis.grading.first_turn import after_first_turn
-from harness.diagnosis.grading.friction_split import resplit
+from harness.diagnosis.grading.friction_split import _others, resplit
 from harness.diagnosis.grading.grade import Finalist, Graded, decided, grade
 from harness.diagnosis.grading.misfit import misfit
+from harness.diagnosis.grading.prediction import Predicted
 from harness.diagnosis.outcome import Grade
 from harness.diagnosis.problems.free_decay import FreeDecay
-from harness.diagnosis.rules import GAIN, LEAST_CYCLES, LEAST_RATIO, MARGIN, MOST_LISTED
+from harness.diagnosis.rules import (
+    AMONG_ALIKE,
+    GAIN,
+    HELD_OUT,
+    LEAST_CYCLES,
+    LEAST_RATIO,
+    MARGIN,
+    MOST_LISTED,
+    RUN_BETTER,
+    SHARE_OF_EXCESS,
+    SHARE_OF_MISFIT,
+)
 from harness.estimate.noise import Noise
 from harness.kernels.solve import Scales, simulate
 from harness.model.model import Model, ModelTerm
@@ -147,3 +159,106 @@ def test_what_follows_a_hand_is_explained() -> None:
 
 def test_structure_after_the_first_turning_point_is_no_hand(graded: Graded) -> None:
     assert after_first_turn(graded) is None
+
+
+def by_share(graded: Graded, **changed: object) -> Graded:
+    """The grade of drag alone, changed so."""
+    first = next(f for f in graded.finalists if f.name == "quadratic-drag")
+    return decided(replace(graded, finalists=(replace(first, **changed),)))  # type: ignore[arg-type]
+
+
+def scaled(one: Predicted | None, rms: float) -> Predicted:
+    """A prediction that misses so many times as much."""
+    assert one is not None
+    return replace(one, squares={c: rms**2 * s for c, s in one.squares.items()})
+
+
+@pytest.mark.parametrize(
+    ("field", "enough", "too_little"),
+    [
+        ("gain", GAIN.value, GAIN.value - 1e-6),
+        ("share", SHARE_OF_EXCESS.value, SHARE_OF_EXCESS.value - 1e-6),
+        ("of_all", SHARE_OF_MISFIT.value, SHARE_OF_MISFIT.value - 1e-6),
+    ],
+)
+def test_a_main_effect_has_at_least_what_each_rule_asks(
+    field: str, enough: float, too_little: float, graded: Graded
+) -> None:
+    alone = replace(graded, base_run=None)
+    assert by_share(alone, **{field: enough}).grade is Grade.MAIN
+    assert by_share(alone, **{field: too_little}).grade is not Grade.MAIN
+
+
+def test_a_main_effect_predicts_blocks_that_were_left_out(graded: Graded) -> None:
+    alone = replace(graded, base_run=None)
+    assert by_share(alone, held=scaled(graded.base_held, HELD_OUT.value - 1e-6)).grade is Grade.MAIN
+    assert by_share(alone, held=scaled(graded.base_held, HELD_OUT.value + 1e-6)).grade is not Grade.MAIN
+    assert by_share(alone, held=None).grade is not Grade.MAIN
+
+
+def by_run(graded: Graded, *runs: float, **changed: object) -> Graded:
+    """The grade of names that take little off, and whose free runs miss so many times what the base's does."""
+    first = next(f for f in graded.finalists if f.name == "quadratic-drag")
+    small = replace(first, share=0.1, **changed)  # type: ignore[arg-type]
+    return decided(replace(graded, finalists=tuple(replace(small, run=scaled(graded.base_run, r)) for r in runs)))
+
+
+def test_a_free_run_far_better_than_the_bases_is_listed_and_never_the_main_effect(graded: Graded) -> None:
+    # enough words in the last part for any better run to be sure
+    strokes = graded.misfit.strokes
+    assert graded.words_run > 1.0
+    far = by_run(graded, 0.01)
+    assert (far.grade, len(far.named)) == (Grade.ONE_OF, 1)
+    assert far.rules == (RUN_BETTER, GAIN)
+    assert by_run(graded, RUN_BETTER.value + 1e-3).grade is not Grade.ONE_OF
+    assert by_run(graded, 0.01, clock=True).grade is not Grade.ONE_OF
+    assert by_run(graded, 0.01, gain=0.0).grade is not Grade.ONE_OF
+    # the nearest first, and those that miss a quarter more in squares are not told apart from it
+    listed = by_run(graded, 0.0111, 0.01, 0.0113)
+    assert [scaled(f.run, 1.0).total for f in listed.named] == [
+        pytest.approx(r**2 * scaled(graded.base_run, 1.0).total) for r in (0.01, 0.0111)
+    ]
+    assert by_run(graded, *[0.01] * (MOST_LISTED.count + 1)).grade is not Grade.ONE_OF
+    assert strokes.cycles > LEAST_CYCLES.value
+
+
+def test_a_run_is_better_only_with_evidence_for_it(graded: Graded) -> None:
+    words = graded.words_run
+    # words ln(ratio of squares) - ln(names) = what a name needs
+    just = float(np.exp(-(GAIN.value + np.log(AMONG_ALIKE.value)) / words / 2.0))
+    assert just < RUN_BETTER.value
+    assert by_run(graded, just * (1.0 - 1e-9)).grade is Grade.ONE_OF
+    assert by_run(graded, just * (1.0 + 1e-6)).grade is not Grade.ONE_OF
+
+
+def test_what_is_not_headline_is_the_largest_part_that_is_sure(graded: Graded) -> None:
+    alone = replace(graded, base_run=None)
+    sure = by_share(alone, share=0.1)
+    assert (sure.grade, len(sure.named)) == (Grade.MINOR, 1)
+    unsure = by_share(alone, share=0.1, gain=GAIN.value - 1e-6)
+    assert (unsure.grade, unsure.named) == (None, ())
+
+
+def test_noise_is_what_is_left_within_short_windows(graded: Graded) -> None:
+    loud = replace(graded.misfit, noise={"x": Noise(10.0 * SIGMA, True)})
+    assert loud.noise_left(graded.named[0].fit)["x"].sigma == pytest.approx(SIGMA, rel=0.1)
+    # and never more than was seen before
+    quiet = replace(graded.misfit, noise={"x": Noise(0.5 * SIGMA, True)})
+    assert quiet.noise_left(graded.named[0].fit)["x"].sigma == pytest.approx(0.5 * SIGMA)
+    floor = graded.misfit.floor({"x": Noise(SIGMA, True)})
+    own = graded.misfit.problem.noise["x"].sigma
+    assert floor == pytest.approx(float(graded.misfit.problem.weight["x"].sum()) * (SIGMA / own) ** 2)
+
+
+@pytest.mark.parametrize(("c", "f_k"), [(0.4, 0.0), (0.4, 0.3), (0.0, 0.3)])
+def test_friction_is_split_at_equal_loss(c: float, f_k: float) -> None:
+    """Over a cycle of half the amplitude: 4 f_k X + pi c omega X^2."""
+    scales, model = Scales(2.0, 18.0, 9.0), Model(1.0, c, 81.0, f_k)
+
+    def lost(one: Model) -> float:
+        return 4.0 * one.f_k * 1.0 + np.pi * one.c * 9.0 * 1.0**2
+
+    others = list(_others(model, scales))
+    assert others
+    assert [lost(one) for one in others] == pytest.approx([lost(model)] * len(others))
+    assert all(one.c >= 0.0 and one.f_k >= 0.0 and one.f_k != f_k for one in others)
