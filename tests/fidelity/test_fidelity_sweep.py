@@ -125,6 +125,7 @@ def test_a_row_that_kills_its_worker_is_found_and_the_others_lose_nothing() -> N
         assert reasons[spec.key] == ("its worker process died, 2 times out of 2" if died else "light")
 
 
+@pytest.mark.full
 def test_a_killed_worker_of_the_pool_costs_no_row(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     pids = tmp_path / "pids"
     pids.mkdir()

@@ -59,7 +59,8 @@ def waited(condition: Callable[[], bool], seconds: float = 60.0) -> None:
         time.sleep(0.05)
 
 
-@pytest.mark.parametrize("how", [pytest.param(signal.SIGINT, marks=pytest.mark.full), signal.SIGKILL])
+@pytest.mark.full
+@pytest.mark.parametrize("how", [signal.SIGINT, signal.SIGKILL])
 def test_an_interrupted_proof_is_resumed(tmp_path: Path, how: signal.Signals) -> None:
     out, program = tmp_path / "out", tmp_path / "program.py"
     program.write_text(PROGRAM.format(blind=(*STUB, "slow"), out=str(out)))

@@ -40,7 +40,10 @@ def _near(result: DiagnosisResult, side: str, name: str, truth: float, share: fl
     assert found.stderr is None or abs(found.value - truth) < 6.0 * found.stderr + 0.003 * abs(truth), name
 
 
-@pytest.mark.parametrize(("joint", "file"), [("shoulder", "arm.xml"), ("base", "arm.urdf"), ("elbow", "arm.xml")])
+@pytest.mark.parametrize(
+    ("joint", "file"),
+    [pytest.param("shoulder", "arm.xml", marks=pytest.mark.full), ("base", "arm.urdf"), ("elbow", "arm.xml")],
+)
 def test_known_friction_comes_out_of_a_servos_log(tmp_path: Path, joint: str, file: str) -> None:
     log = excited(ARM, FRICTION, (joint,), duration=10.0)
     result = _diagnosed(log, tmp_path, FILE.with_name(file))

@@ -20,7 +20,7 @@ def folder(recordings: Path) -> Path:
     return found
 
 
-@pytest.mark.slow
+@pytest.mark.full
 def test_a_double_pendulum_has_the_friction_its_makers_found_and_a_lag(folder: Path) -> None:
     model = mujoco.MjModel.from_xml_path(str(folder / "double_pendulum.urdf"))
     shipped, damping = model.dof_frictionloss.copy(), model.dof_damping.copy()
