@@ -250,7 +250,7 @@ def test_a_page_of_an_older_result_lacks_what_that_did_not_say(case: Case) -> No
     data = read_diagnosis(older).model_dump(mode="json", by_alias=True)
     titles = [section.title for section in diagnosis_sections(recording, simulated, data)]
     assert not {"What is left", "Rules that decided"} & set(titles)
-    assert "BIC better than the base" in render(*diagnosis_title(data), diagnosis_sections(recording, simulated, data))
+    assert "BIC gained" in render(*diagnosis_title(data), diagnosis_sections(recording, simulated, data))
 
 
 def test_eighty_columns_hold_every_digit(case: Case, capsys: pytest.CaptureFixture[str]) -> None:

@@ -90,7 +90,7 @@ class Evidence(Section):
         }
         layout = {
             "xaxis": {
-                "title": {"text": "BIC better than the base"},
+                "title": {"text": "BIC gained"},
                 "type": "log",
                 "range": [0.0, math.log10(1.3 * float(better[-1]["delta_bic"]))],
                 "dtick": 1,
