@@ -18,7 +18,10 @@ from harness.estimate.saturation import within_range
 from harness.model.model import Restoring
 
 _KINDS = {"x": Kind.DISPLACEMENT, "v": Kind.VELOCITY, "a": Kind.ACCELERATION}
-_GROWS = "the swing grows, which friction never does: something pushes, and its force would tell, recorded as u"
+_GROWS = (
+    "the swing grows, which friction never makes it do: a second mass swings along, or something pushes, and its force,"
+    " recorded as u, would tell"
+)
 _REST = 1.0
 """How long a rest is kept after the last half-cycle, in times of the decay: it says where the slider stays."""
 
