@@ -9,6 +9,7 @@ written; all others are. Exit 1 when more than a tenth of the sample survive.
 import argparse
 import ast
 import importlib
+import multiprocessing
 import os
 import random
 import signal
@@ -24,12 +25,12 @@ from typing import Any
 ROOT = Path(__file__).resolve().parents[1]
 ESTIMATE = tuple(
     f"tests/estimate/test_{name}.py"
-    for name in ("parts", "estimators", "noise", "acceleration_estimator", "smeared_jumps", "paper")
+    for name in ("figures", "parts", "estimators", "noise", "acceleration_estimator", "smeared_jumps", "paper")
 )
 DECIDE = tuple(f"tests/diagnosis/test_{name}.py" for name in ("rules", "grading"))
 TARGETS = {
     **{f"harness/estimate/{file.name}": ESTIMATE for file in sorted((ROOT / "harness" / "estimate").glob("*.py"))},
-    "harness/estimate/saturation.py": ("tests/estimate/test_saturation.py",),
+    "harness/estimate/saturation.py": ("tests/estimate/test_figures.py", "tests/estimate/test_saturation.py"),
     **dict.fromkeys(("harness/diagnosis/rules.py", "harness/diagnosis/verdict.py"), DECIDE),
     **{f"harness/diagnosis/grading/{name}.py": DECIDE for name in ("grade", "misfit", "first_turn", "friction_split")},
 }
@@ -40,8 +41,8 @@ LAST = "refused_with_the_reason or anything_gets or table_1 or cramer_rao or col
 """Tests that take long: only what survives the others is run through them."""
 MOST_SURVIVORS = 0.1
 SURVIVED, NO_TEST = "SURVIVED", 5
-PATIENCE = 4.0
-"""Times what the tests take without a change, after which a mutant counts as killed: it does not end."""
+PATIENCE, SETTLED = 4.0, 5.0
+"""Times what the tests take without a change, and s besides, after which a mutant counts as killed: it does not end."""
 
 SWAPS: dict[type[ast.AST], type[ast.AST]] = {
     ast.Add: ast.Sub,
@@ -180,10 +181,14 @@ def _plain(module: str) -> None:
     jit.compiled = chosen  # type: ignore[assignment]
 
 
-def tested(file: str, mutant: Mutant | None, tests: Sequence[str], limit: float) -> str:
-    """What becomes of a mutant: killed, without an end, or survived."""
-    for wanted in (f"not ({LAST})", LAST):
-        found = _in_a_process(file, mutant, [*tests, "-k", wanted], limit)
+def tested(mutant: Mutant, plain: str) -> str:
+    """What becomes of a mutant: killed, without an end, or survived; plain : see ``limit_of``.
+
+    The first file of tests sees nearly all, and quickly.
+    """
+    first, *others = TARGETS[mutant.file]
+    for tests in ((first,), (*others, "-k", f"not ({LAST})"), (*others, "-k", LAST)):
+        found = _in_a_process(mutant.file, mutant, tests, limit_of(tests, plain))
         if found != SURVIVED:
             return found
     return SURVIVED
@@ -212,9 +217,9 @@ def _in_a_process(file: str, mutant: Mutant | None, tests: Sequence[str], limit:
 def limit_of(tests: Sequence[str], plain: str) -> float:
     """How long tests may take, s, with the functions of one file not compiled; they must pass without a change."""
     began = time.monotonic()
-    if _in_a_process(plain, None, [*tests, "-k", f"not ({LAST})"], PATIENCE * 3600.0) != SURVIVED:
+    if _in_a_process(plain, None, tests, PATIENCE * 3600.0) != SURVIVED:
         raise SystemExit(f"{' '.join(tests)}: they fail without a change to {plain}")
-    return PATIENCE * (time.monotonic() - began) + 60.0
+    return PATIENCE * (time.monotonic() - began) + SETTLED
 
 
 def sample(count: int, seed: int, only: str) -> list[Mutant]:
@@ -223,23 +228,29 @@ def sample(count: int, seed: int, only: str) -> list[Mutant]:
     return random.Random(seed).sample(every, min(count, len(every)))
 
 
+def outcome(mutant: Mutant) -> str:
+    """What becomes of a mutant by the tests of its file."""
+    has_compiled = "compiled(" in (ROOT / mutant.file).read_text(encoding="utf-8")
+    return tested(mutant, mutant.file if has_compiled else "none.py")
+
+
 def main() -> int:
     """See the module."""
     parser = argparse.ArgumentParser(prog="python -m benchmarks.mutation", description=__doc__)
     parser.add_argument("--sample", type=int, default=500, help="how many mutants; 500")
     parser.add_argument("--seed", type=int, default=1, help="which ones; 1")
     parser.add_argument("--only", default="", help="part of the name of the files that are changed")
+    parser.add_argument("--jobs", type=int, default=2, help="processes at a time; 2")
     given = parser.parse_args()
     os.chdir(ROOT)
     for name in LOADED_BEFORE:
         importlib.import_module(name)
     chosen = sample(given.sample, given.seed, given.only)
     survivors = 0
-    for i, mutant in enumerate(chosen, start=1):
-        tests, has_compiled = TARGETS[mutant.file], "compiled(" in (ROOT / mutant.file).read_text(encoding="utf-8")
-        found = tested(mutant.file, mutant, tests, limit_of(tests, mutant.file if has_compiled else "none.py"))
-        survivors += found == SURVIVED
-        print(f"{i}/{len(chosen)} {found}: {mutant.file}:{mutant.line}: {mutant.what}", flush=True)
+    with multiprocessing.get_context("fork").Pool(given.jobs) as workers:
+        for i, (mutant, found) in enumerate(zip(chosen, workers.imap(outcome, chosen), strict=True), start=1):
+            survivors += found == SURVIVED
+            print(f"{i}/{len(chosen)} {found}: {mutant.file}:{mutant.line}: {mutant.what}", flush=True)
     print(f"{survivors} of {len(chosen)} mutants survived")
     return int(survivors > MOST_SURVIVORS * len(chosen))
 
