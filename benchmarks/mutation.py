@@ -27,7 +27,7 @@ ESTIMATE = tuple(
     f"tests/estimate/test_{name}.py"
     for name in ("figures", "parts", "estimators", "noise", "acceleration_estimator", "smeared_jumps", "paper")
 )
-DECIDE = tuple(f"tests/diagnosis/test_{name}.py" for name in ("rules", "grading"))
+DECIDE = tuple(f"tests/diagnosis/test_{name}.py" for name in ("decisions", "rules", "grading"))
 TARGETS = {
     **{f"harness/estimate/{file.name}": ESTIMATE for file in sorted((ROOT / "harness" / "estimate").glob("*.py"))},
     "harness/estimate/saturation.py": ("tests/estimate/test_figures.py", "tests/estimate/test_saturation.py"),

@@ -145,8 +145,14 @@ def _noises() -> Any:
 
 def _refused() -> Any:
     said, t = [], np.linspace(0.0, 1.0, 40)
-    given: dict[str, Any]
-    for given in ({"x": t[:30]}, {"x": t * np.nan}, {}, {"x": t[:12], "t": t[:12]}, {"x": t, "t": t[::-1]}):
+    cases: tuple[dict[str, Any], ...] = (
+        {"x": t[:30]},
+        {"x": t * np.nan},
+        {},
+        {"x": t[:12], "t": t[:12]},
+        {"x": t, "t": t[::-1]},
+    )
+    for given in cases:
         with pytest.raises(InputError) as error:
             estimate_all(given.pop("t", t), **given)
         said.append(str(error.value))

@@ -53,21 +53,21 @@ def _flat(place: str, said: Any) -> Iterator[tuple[str, float | str]]:
         yield place, str(said)
 
 
-def differences(now: Figures, before: Figures) -> list[str]:
-    """What is not the same, a line each."""
+def differences(now: Figures, before: Figures, same: float = SAME) -> list[str]:
+    """What is not the same, a line each; same : relative difference of numbers that are."""
     lines = [f"{place}: not there before" for place in now.keys() - before.keys()]
     for place, value in before.items():
         if place not in now:
             lines.append(f"{place}: not there any more")
-        elif not _same(now[place], value):
+        elif not _same(now[place], value, same):
             lines.append(f"{place}: {now[place]!r}, before {value!r}")
     return lines
 
 
-def _same(now: float | str, before: float | str) -> bool:
+def _same(now: float | str, before: float | str, same: float) -> bool:
     if isinstance(now, str) or isinstance(before, str):
         return now == before
-    return math.isclose(now, before, rel_tol=SAME, abs_tol=1e-12)
+    return math.isclose(now, before, rel_tol=same, abs_tol=1e-12)
 
 
 def write(file: Path, cases: dict[str, Callable[[], Any]]) -> None:
