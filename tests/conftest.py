@@ -1,6 +1,7 @@
 """Shared fixtures: the long forms stay out of the default run, recordings are found where they are."""
 
 import os
+from functools import cache
 from pathlib import Path
 
 # a worker has one core: threads of its linear algebra would only wait for each other
@@ -8,6 +9,8 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 import pytest
 from hypothesis import settings
+from xdist.remote import Producer
+from xdist.scheduler import LoadScopeScheduling
 
 settings.register_profile("stable", derandomize=True, deadline=None, max_examples=60, print_blob=False)
 settings.load_profile("stable")
@@ -21,6 +24,25 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
         return
     config.hook.pytest_deselected(items=[item for item in items if item.get_closest_marker("full")])
     items[:] = [item for item in items if not item.get_closest_marker("full")]
+
+
+class BesideShared(LoadScopeScheduling):  # type: ignore[misc, unused-ignore]
+    """Tests go to processes one by one, but those of a file in which something is made once for all go together."""
+
+    def _split_scope(self, nodeid: str) -> str:
+        file = nodeid.split("::", maxsplit=1)[0]
+        return file if _shares(CHECKOUT / file) else nodeid
+
+
+@cache
+def _shares(file: Path) -> bool:
+    return 'scope="module"' in file.read_text(encoding="utf-8")
+
+
+@pytest.hookimpl(optionalhook=True)
+def pytest_xdist_make_scheduler(config: pytest.Config, log: Producer) -> BesideShared:
+    """See the class."""
+    return BesideShared(config, log)
 
 
 @pytest.fixture(scope="session")

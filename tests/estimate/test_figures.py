@@ -7,12 +7,13 @@ Physics is stated by the tests beside this one; here any change of a figure has 
 import sys
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
-from unchanged import differences, flat, known, noisy, write
+from unchanged import by_place, differences, flat, known, noisy, write
 
 from harness.core.arrays import FloatArray
 from harness.core.errors import InputError
@@ -159,7 +160,51 @@ def _refused() -> Any:
     return said
 
 
+def _at_random(seed: int) -> Any:
+    """Of many recordings of any kind, as one number and one text each."""
+    rng = np.random.default_rng(seed)
+    said: dict[str, Any] = {}
+    for i in range(RANDOM):
+        zeta, x_k = 10.0 ** rng.uniform(-3.5, -0.7), 10.0 ** rng.uniform(-3.0, -0.5)
+        decay = Decay(
+            10.0 ** rng.uniform(0.3, 1.6),
+            zeta * (rng.random() < 0.85),
+            x_k * (rng.random() < 0.85),
+            rng.choice([-1, 1]),
+        )
+        period = 2.0 * np.pi / decay.omega_n
+        end, count = period * rng.uniform(1.0, 9.0), int(rng.integers(60, 360))
+        t = np.linspace(period * rng.choice([0.0, 0.0, rng.uniform(0.0, 1.0)]), end + period, count)
+        if rng.random() < 0.3:
+            t = np.sort(t + rng.uniform(0.0, 0.6) * (t[1] - t[0]) * rng.random(count))
+        if rng.random() < 0.2:
+            t = np.delete(t, slice(count // 3, count // 3 + int(rng.integers(2, 12))))
+        shown = str(rng.choice(["x", "v", "a", "xa", "xv", "va"]))
+        found = made(decay, noise=10.0 ** rng.uniform(-5.0, -1.2), seed=i, t=np.unique(t))
+        x, a = found.x, found.a + rng.choice([0.0, 0.0, 0.7]) * decay.omega_n**2
+        if rng.random() < 0.25:
+            step = 10.0 ** rng.uniform(-3.5, -1.5)
+            x = np.round(x / step) * step
+        if rng.random() < 0.25:
+            x = x + rng.normal() + 10.0 ** rng.uniform(-3.0, -1.0) * x**3
+        if rng.random() < 0.2:
+            x = np.clip(x, -rng.uniform(0.3, 0.9), 9.0)
+        if rng.random() < 0.15:
+            width = int(rng.integers(2, 9))
+            a = np.convolve(a, np.full(width, 1.0 / width), "same")
+        unit = str(rng.choice(["m", "rad"]))
+        figures = flat(replace(found, x=x, a=a).said(shown, unit, drop_first=bool(rng.random() < 0.15)))
+        clipped = within_range(Recording(found.t, {"x": x}), ("x",)) if x.size >= 50 and np.ptp(x) > 0.0 else None
+        numbers = [y for y in figures.values() if isinstance(y, float)]
+        size = np.array([np.sign(y) * np.log1p(abs(y)) for y in numbers])
+        texts = sorted({y for y in figures.values() if isinstance(y, str)})
+        said[str(i)] = [size.size, float(np.sum(np.abs(size))), by_place(size), *texts]
+        said[f"{i} clipped"] = None if clipped is None else [len(clipped[0]), clipped[1]]
+    return said
+
+
 T = np.linspace(0.0, 4.2, 420)
+RANDOM = 40
 CASES: dict[str, Callable[[], Any]] = {
     "x": lambda: made().said("x"),
     "v": lambda: made().said("v"),
@@ -197,6 +242,7 @@ CASES: dict[str, Callable[[], Any]] = {
     "as in the paper": _paper,
     "noise": _noises,
     "refused": _refused,
+    **{f"at random {seed}": partial(_at_random, seed) for seed in range(4)},
 }
 
 

@@ -36,8 +36,8 @@ def _flat(place: str, said: Any) -> Iterator[tuple[str, float | str]]:
     elif isinstance(said, np.ndarray) and said.size > LONGEST:
         yield f"{place}.size", float(said.size)
         known = np.nan_to_num(said.astype(float).ravel(), posinf=1.0, neginf=-1.0)
-        yield f"{place}.sum", float(np.sum(known))
-        yield f"{place}.by place", float(known @ np.linspace(0.5, 1.5, said.size) ** 2)
+        yield f"{place}.size of all", float(np.sum(np.abs(known)))
+        yield f"{place}.by place", by_place(known)
     elif isinstance(said, tuple) and len(said) > LONGEST and is_dataclass(said[0]):
         for field in fields(said[0]):
             column = [getattr(row, field.name) for row in said]
@@ -51,6 +51,12 @@ def _flat(place: str, said: Any) -> Iterator[tuple[str, float | str]]:
         yield place, float(said) if math.isfinite(said) else str(float(said))
     else:
         yield place, str(said)
+
+
+def by_place(values: FloatArray) -> float:
+    """One number that says of many (n,) which stands where, and does not cancel."""
+    weight: FloatArray = np.linspace(0.5, 1.5, values.size) ** 2
+    return float((np.abs(values) + 0.5 * values) @ weight)
 
 
 def differences(now: Figures, before: Figures, same: float = SAME) -> list[str]:
