@@ -43,7 +43,7 @@ LAST = "refused_with_the_reason or table_1 or cramer_rao or coloured_noise"
 """Tests that take long: only what survives the others is run through them."""
 MOST_SURVIVORS = 0.1
 SURVIVED, NO_TEST = "SURVIVED", 5
-PATIENCE, SETTLED = 4.0, 5.0
+PATIENCE, SETTLED = 2.0, 5.0
 """Times what the tests take without a change, and s besides, after which a mutant counts as killed: it does not end."""
 
 SWAPS: dict[type[ast.AST], type[ast.AST]] = {

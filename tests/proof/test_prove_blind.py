@@ -29,8 +29,10 @@ def cheater(tmp_path: Path, out: Path) -> tuple[str, ...]:
 
 
 def test_a_cheater_that_looks_everywhere_finds_no_answer(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    # temporary files of this proof alone: those of everybody else take longer to read than to write
+    # temporary files and a home of this proof alone: those of everybody else take longer to read than to write
     (tmp_path / "temporary").mkdir()
+    (tmp_path / "home").mkdir()
+    monkeypatch.setenv("HOME", str(tmp_path / "home"))
     monkeypatch.setattr(tempfile, "tempdir", str(tmp_path / "temporary"))
     monkeypatch.setenv("TMPDIR", str(tmp_path / "temporary"))
     out = tmp_path / "out"

@@ -27,8 +27,25 @@ _SOLVER = {
 _CONE = {"pyramidal": mujoco.mjtCone.mjCONE_PYRAMIDAL, "elliptic": mujoco.mjtCone.mjCONE_ELLIPTIC}
 
 
+_kept: dict[str, Any] = {}
+"""The last model of a joint by what it was made of: windows of a recording differ in their starts alone."""
+
+
 def compile_model(task: Task, settings: dict[str, Any], limit: float) -> Any:
-    """The model of a task; ``limit`` is the friction limit the model starts with, N."""
+    """The model of a task; ``limit`` is the friction limit the model starts with, N.
+
+    A joint's model may be that of the task before, and is not to be changed; a contact's is the caller's own.
+    """
+    if task.route == "contact":
+        return _compiled(task, settings, limit)
+    made_of = repr((task.scenario.slider, task.route, task.restoring, task.words, sorted(settings.items()), limit))
+    if made_of not in _kept:
+        _kept.clear()
+        _kept[made_of] = _compiled(task, settings, limit)
+    return _kept[made_of]
+
+
+def _compiled(task: Task, settings: dict[str, Any], limit: float) -> Any:
     contact = task.route == "contact"
     slider = task.scenario.slider
     spec = models.mjcf(slider, "slider_on_floor" if contact else "slider", task.restoring)
