@@ -69,8 +69,8 @@ class Case:
 
 
 DIAGNOSE = ("diagnose", "d0.csv", "d1.csv", "--engine", "mujoco", "--jobs", "2", "--quiet", "--out", "out")
-SWEEP = ("sweep", "--engine", "mujoco", "--route", "joint", "--preset", "tuned", "--dt", "0.004")
-SWEEP = (*SWEEP, "--jobs", "2", "--quiet", "--out", "out")
+ONE_STEP = ("--engine", "mujoco", "--route", "joint", "--preset", "tuned", "--dt", "0.004")
+SWEEP = ("sweep", *ONE_STEP, "--jobs", "2", "--quiet", "--out", "out")
 PROVE = ("prove", "--singles", "1", "--controls", "1", "--pairs", "0", "--outside", "0", "--quiet", "--out", "out")
 CASES = {
     "run": Case(
