@@ -107,11 +107,12 @@ def test_force_is_fitted_over_windows_within_errors_that_allow_for_colour() -> N
     assert search.chosen.model.terms == ()
 
 
+@pytest.mark.full
 @pytest.mark.parametrize(
     "terms",
     [
         pytest.param((), id="none"),
-        pytest.param((ModelTerm.named("asymmetric-viscous", c_diff=1.2),), id="one", marks=pytest.mark.full),
+        pytest.param((ModelTerm.named("asymmetric-viscous", c_diff=1.2),), id="one"),
     ],
 )
 def test_a_fitted_force_has_a_law_more_only_where_chance_takes_off_less(terms: tuple[ModelTerm, ...]) -> None:
