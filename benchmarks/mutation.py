@@ -23,18 +23,27 @@ from pathlib import Path
 from typing import Any
 
 ROOT = Path(__file__).resolve().parents[1]
-ESTIMATE = tuple(
-    f"tests/estimate/test_{name}.py"
-    for name in ("figures", "parts", "estimators", "noise", "acceleration_estimator", "smeared_jumps", "paper")
-)
-DECIDE = tuple(f"tests/diagnosis/test_{name}.py" for name in ("decisions", "rules", "grading"))
+
+
+def _tests(of: str, *names: str) -> tuple[str, ...]:
+    return tuple(f"tests/{of}/test_{name}.py" for name in names)
+
+
+HELD = _tests("estimate", "part_figures", "figures")
+ESTIMATE = _tests("estimate", "parts", "estimators", "noise", "acceleration_estimator", "smeared_jumps", "paper")
+RULES = _tests("diagnosis", "rules", "grading")
+DECIDED = _tests("diagnosis", "decisions")
+DECIDE = ("verdict", "grading/grade", "grading/misfit", "grading/first_turn", "grading/friction_split")
 TARGETS = {
-    **{f"harness/estimate/{file.name}": ESTIMATE for file in sorted((ROOT / "harness" / "estimate").glob("*.py"))},
-    "harness/estimate/saturation.py": ("tests/estimate/test_figures.py", "tests/estimate/test_saturation.py"),
-    **dict.fromkeys(("harness/diagnosis/rules.py", "harness/diagnosis/verdict.py"), DECIDE),
-    **{f"harness/diagnosis/grading/{name}.py": DECIDE for name in ("grade", "misfit", "first_turn", "friction_split")},
+    **{
+        f"harness/estimate/{file.name}": (HELD, ESTIMATE)
+        for file in sorted((ROOT / "harness" / "estimate").glob("*.py"))
+    },
+    "harness/estimate/saturation.py": (HELD, _tests("estimate", "saturation")),
+    "harness/diagnosis/rules.py": (_tests("diagnosis", "rules"), (*DECIDED, *_tests("diagnosis", "grading"))),
+    **{f"harness/diagnosis/{name}.py": (DECIDED, RULES) for name in DECIDE},
 }
-"""What is changed, and the tests that must notice."""
+"""What is changed, and the tests that must notice: those that see nearly all, and quickly, and all others."""
 LOADED_BEFORE = ("scipy.optimize", "scipy.linalg", "scipy.signal", "harness.exact", "harness.kernels.solve")
 """Imported once, before the processes part; none of it imports what is changed."""
 TOO_LONG = "anything_gets"
@@ -184,13 +193,10 @@ def _plain(module: str) -> None:
 
 
 def tested(mutant: Mutant, plain: str, quick: bool) -> str:
-    """What becomes of a mutant: killed, without an end, or survived; plain : see ``limit_of``.
-
-    The first file of tests sees nearly all, and quickly.
-    """
-    first, *others = TARGETS[mutant.file]
+    """What becomes of a mutant: killed, without an end, or survived; plain : see ``limit_of``."""
+    first, others = TARGETS[mutant.file]
     later: list[Sequence[str]] = [(*others, "-k", f"not ({LAST} or {TOO_LONG})"), (*others, "-k", LAST)]
-    for tests in ((first,), *([] if quick else later)):
+    for tests in (first, *([] if quick else later)):
         found = _in_a_process(mutant.file, mutant, tests, limit_of(tests, plain))
         if found != SURVIVED:
             return found
@@ -243,7 +249,7 @@ def main() -> int:
     parser.add_argument("--sample", type=int, default=500, help="how many mutants; 500")
     parser.add_argument("--seed", type=int, default=1, help="which ones; 1")
     parser.add_argument("--only", default="", help="part of the name of the files that are changed")
-    parser.add_argument("--quick", action="store_true", help="the first file of tests alone: more survive")
+    parser.add_argument("--quick", action="store_true", help="the quick tests alone: more survive")
     parser.add_argument("--jobs", type=int, default=2, help="processes at a time; 2")
     given = parser.parse_args()
     os.chdir(ROOT)
