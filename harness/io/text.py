@@ -21,6 +21,8 @@ MOST_ROWS = 20_000_000
 _BLOCK = 1 << 22
 """Bytes that are read at a time."""
 _LONGEST_LINE = 1 << 20
+_UTF_16 = (b"\xff\xfe", b"\xfe\xff")
+"""Its mark, in either order of bytes."""
 _COMMENT = ("#", "%")
 _MISSING = ("na", "n/a", "null", "none")
 """What loggers write for no value, besides nothing and nan."""
@@ -129,14 +131,24 @@ def _bytes(path: Path) -> bytes | bytearray:
             data = unpacked(path, file) if packed else read_bytes(path)
     except OSError as error:
         raise InputError(str(path), error.strerror or "unreadable", "a file that can be read is accepted") from None
+    if data[:2] in _UTF_16:
+        data = _from_utf_16(path, data)
     if b"\x00" in data[:_HEAD]:
-        raise InputError(str(path), "binary content", "a text table in UTF-8 is accepted")
+        raise InputError(str(path), "binary content", "a text table in UTF-8, or in UTF-16 with its mark, is accepted")
     if b"\r" in data:
         data = data.replace(b"\r\n", b"\n").replace(b"\r", b"\n")
     rows = data.count(b"\n")
     if rows > MOST_ROWS:
         raise InputError(str(path), f"{rows} lines", f"at most {MOST_ROWS} are accepted")
     return data
+
+
+def _from_utf_16(path: Path, data: bytes | bytearray) -> bytes:
+    """The same text in UTF-8: spreadsheets save "Unicode text" so."""
+    try:
+        return data.decode("utf-16").encode("utf-8")
+    except UnicodeError:
+        raise InputError(str(path), "UTF-16 that is damaged", "a text table in UTF-8 or UTF-16 is accepted") from None
 
 
 def _single_blanks(data: bytes | bytearray) -> bytes:

@@ -227,7 +227,7 @@ def _isolated() -> Any:
         sides: FloatArray = np.where(np.arange(count) % 2 == 0, 1.0, -1.0)
         turning: FloatArray = sides * size + 3e-3 * rng.standard_normal(count)
         variance: FloatArray = np.full(count, float(10.0 ** rng.uniform(-6.0, -2.0)))
-        times: FloatArray = np.arange(count) * 0.3
+        times: FloatArray = np.linspace(0.0, 0.3 * count, count)
         said.append([m(times, turning, variance, (9.0, 0.01), "m") for m in (log_decrement, constant_decrement)])
     return said
 

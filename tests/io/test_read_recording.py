@@ -286,6 +286,8 @@ BROKEN: list[tuple[str, bytes, str]] = [
     ("a.npz", b"nothing", "not an .npz archive"),
     ("a.csv.gz", b"\x1f\x8bnothing", "unreadable"),
     ("a.csv", b"\x00\x01\x02\x03", "binary content"),
+    ("b.csv", "t,x\n0,1\n".encode("utf-16-le"), "binary content"),
+    ("c.csv", "t,x\n0,1\n".encode("utf-16")[:-1], "UTF-16 that is damaged"),
 ]
 
 
@@ -295,6 +297,15 @@ def test_broken_files_are_named(tmp_path: Path, name: str, content: bytes, messa
     with pytest.raises(InputError, match="accepted") as caught:
         read_recording(tmp_path / name)
     assert message in str(caught.value)
+
+
+@pytest.mark.parametrize("coding", ["utf-8-sig", "utf-16", "utf-16-be"])
+def test_texts_as_spreadsheets_save_them(tmp_path: Path, coding: str) -> None:
+    text = "t [s],Weg \u00b5 [mm]\r\n" + "".join(f"{t},{1e3 * x}\r\n" for t, x in zip(T, X, strict=True))
+    mark = b"\xfe\xff" if coding == "utf-16-be" else b""
+    (tmp_path / "a.csv").write_bytes(mark + text.encode(coding))
+    found = read_recording(tmp_path / "a.csv", ReadOptions(columns="x='Weg \u00b5'"))
+    assert found["x"] == pytest.approx(X)
 
 
 def test_missing_files_and_folders_are_named(tmp_path: Path) -> None:
