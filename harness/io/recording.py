@@ -16,6 +16,7 @@ from harness.core.checks import finite, positive
 from harness.core.errors import InputError
 from harness.core.recording import CHANNELS, LARGEST, LONGEST_TIME, MINIMUM_SAMPLES, Recording
 from harness.io.choose import chosen, quoted_of, said
+from harness.io.dates import counted_from
 from harness.io.product import products
 from harness.io.registry import formats, kind_of, reader_of
 from harness.io.sampling import sampling_notes
@@ -165,6 +166,7 @@ def _read(path: Path, digest: str, options: ReadOptions) -> Recording:
     table = _open(path, options)
     mappings, guessed = chosen(table, options.columns, options.rate)
     read = products(table, mappings)
+    dated = counted_from(table, mappings)
     notes: list[str | None] = [said(table, mappings, {c: unit for c, (_, unit) in read.items()}, guessed)]
     for channel in sorted(guessed & {"v", "a", "u"}):
         if len(read) > 2 and _still(read[channel][0]):
@@ -188,8 +190,12 @@ def _read(path: Path, digest: str, options: ReadOptions) -> Recording:
         _check_rows(table, "t", t, rows)
     else:
         stamps, unit = read["t"]
-        with np.errstate(over="ignore", invalid="ignore"):
-            t, counted = since_first(stamps[rows], unit)
+        counted: str | None = f"Times are dates or times of day: t is counted from the first, {dated}."
+        if dated is None:
+            with np.errstate(over="ignore", invalid="ignore"):
+                t, counted = since_first(stamps[rows], unit)
+        else:
+            t = stamps[rows]
         _check_rows(table, "t", t, rows)
         paste = ",".join(f"{c}={quoted_of(table, m)}" for c, m in mappings.items() if c != "t" and c in read)
         _times(table, t, rows, paste)

@@ -17,6 +17,7 @@ class Table(ABC):
 
     path : the file. names : of the columns in order, units split off, "" where a column has no name.
     units : unit text of columns whose header carries one, by position. headers : as they stand in the file.
+    dated : of columns read that are dates or times of day, by position: the first, from which they are counted in s.
     """
 
     def __init__(
@@ -24,6 +25,7 @@ class Table(ABC):
     ) -> None:
         self.path, self.names, self.units = path, tuple(names), dict(units)
         self.headers = tuple(names if headers is None else headers)
+        self.dated: dict[int, str] = {}
 
     @abstractmethod
     def read(self, positions: Sequence[int]) -> list[FloatArray]:

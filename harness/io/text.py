@@ -1,6 +1,7 @@
 """Tables in text: CSV with any usual separator, plain whitespace tables, both also gzipped."""
 
 import csv
+import math
 import re
 from array import array
 from collections.abc import Iterator, Sequence
@@ -12,6 +13,7 @@ import numpy as np
 from harness.core.arrays import FloatArray
 from harness.core.bounded import read_bytes, unpacked
 from harness.core.errors import InputError
+from harness.io.dates import Clock
 from harness.io.table import Table
 from harness.io.units import split_header
 
@@ -213,18 +215,23 @@ class TextTable(Table):
 
     def _read_slowly(self, positions: Sequence[int]) -> list[FloatArray]:
         """Cell by cell: to say where the fast reader stumbled, or to read what only it could not."""
-        columns = [array("d") for _ in positions]
+        columns, clocks = [array("d") for _ in positions], [Clock() for _ in positions]
         width = len(self.names)
         for row, (line, cells) in enumerate(self._rows(), 1):
             if len(cells) != width:
                 where = f"{self.path}: row {row} (line {line})"
                 raise InputError(where, f"{len(cells)} cells", f"{width}, as in the first row, are accepted")
-            for column, i in zip(columns, positions, strict=True):
+            for column, clock, i in zip(columns, clocks, positions, strict=True):
                 value = _number(cells[i], self._layout.decimal)
+                if value is None and (clock.first or not column):
+                    value = clock.seconds(cells[i])
+                elif clock.first and value is not None and not math.isnan(value):
+                    value = None
                 if value is None:
                     where = f"{self.path}: row {row} (line {line}), column {self.names[i] or f'#{i + 1}'}"
                     raise InputError(where, f"the text '{cells[i][:40]}'", "a number is accepted")
                 column.append(value)
+        self.dated |= {i: clock.first for i, clock in zip(positions, clocks, strict=True) if clock.first}
         return [np.asarray(column, dtype=np.float64) for column in columns]
 
     def row(self, index: int) -> str:

@@ -13,6 +13,7 @@ import scipy.io
 
 from harness.core.errors import InputError
 from harness.core.recording import Recording
+from harness.io.dates import Clock
 from harness.io.recording import ReadOptions, read_recording, sha256
 
 N = 400
@@ -306,6 +307,55 @@ def test_texts_as_spreadsheets_save_them(tmp_path: Path, coding: str) -> None:
     (tmp_path / "a.csv").write_bytes(mark + text.encode(coding))
     found = read_recording(tmp_path / "a.csv", ReadOptions(columns="x='Weg \u00b5'"))
     assert found["x"] == pytest.approx(X)
+
+
+@pytest.mark.parametrize(
+    ("first", "second", "apart"),
+    [
+        ("2026-03-01T00:00:00.000+01:00", "2026-02-28 23:30:00+00:00", 1800.0),
+        ("2024-02-28T23:59:59Z", "2024-03-01T00:00:00.000000001Z", 86_401.000000001),
+        ("9:59:59", "10:00:00.5", 1.5),
+        ("10:00:00,25", "10:00:00,75", 0.5),
+        ("2026-12-31 23:59:59.75", "2027-01-01 00:00:00.25", 0.5),
+    ],
+)
+def test_times_of_day_are_counted_from_the_first(first: str, second: str, apart: float) -> None:
+    clock = Clock()
+    assert clock.seconds(first) == 0.0
+    assert clock.seconds(second) == pytest.approx(apart, abs=1e-10)
+    assert clock.first == first
+
+
+@pytest.mark.parametrize("text", ["2026-02-30T10:00:00", "today", "10:00", "2026-11-23", "1.5", "10:00:00 PM", ""])
+def test_what_is_no_time_of_day_is_none(text: str) -> None:
+    assert Clock().seconds(text) is None
+
+
+def _dated(tmp_path: Path, row: str) -> Path:
+    rows = "".join(f"2026-11-23T23:59:{58 + 0.01 * i:06.3f}Z,{x}\n" for i, x in enumerate(X[:199]))
+    (tmp_path / "a.csv").write_text(f"time,x [mm]\n{rows}{row}")
+    return tmp_path / "a.csv"
+
+
+def test_a_recording_with_dates(tmp_path: Path) -> None:
+    found = read_recording(_dated(tmp_path, "2026-11-24T00:00:00Z,0.5\n"))
+    assert found.t == pytest.approx(0.01 * np.r_[np.arange(199), 200], abs=1e-9)
+    assert "Times are dates or times of day: t is counted from the first, 2026-11-23T23:59:58.000Z." in found.notes
+
+
+@pytest.mark.parametrize(
+    ("row", "columns", "message"),
+    [
+        ("12.5,0.5\n", None, "row 200 (line 201), column time: the text '12.5'"),
+        ("later,0.5\n", None, "row 200 (line 201), column time: the text 'later'"),
+        ("2026-11-23T23:00:00Z,0.5\n", None, "does not come after"),
+        ("2026-11-24T00:00:00Z,0.5\n", "t=time,x=time", "channel x: the time '2026-11-23T23:59:58.000Z'"),
+    ],
+)
+def test_dates_that_are_none_are_named(tmp_path: Path, row: str, columns: str | None, message: str) -> None:
+    with pytest.raises(InputError, match="accepted") as caught:
+        read_recording(_dated(tmp_path, row), ReadOptions(columns=columns))
+    assert message in str(caught.value)
 
 
 def test_missing_files_and_folders_are_named(tmp_path: Path) -> None:
