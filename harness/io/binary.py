@@ -16,6 +16,8 @@ from harness.core.errors import InputError
 from harness.io.table import ArrayTable, Held, Table, held, table_of_arrays
 from harness.io.units import split_header
 
+_SECOND = np.timedelta64(1, "s")
+
 
 class ParquetTable(Table):
     """A Parquet file."""
@@ -44,14 +46,26 @@ class ParquetTable(Table):
         for i in positions:
             where = f"{self.path}: row 1, column {self.names[i]}"
             kind = self._file.schema_arrow.field(i).type
-            if not (pa.types.is_integer(kind) or pa.types.is_floating(kind) or pa.types.is_decimal(kind)):
+            stamps = pa.types.is_timestamp(kind)
+            if not (pa.types.is_integer(kind) or pa.types.is_floating(kind) or pa.types.is_decimal(kind) or stamps):
                 raise InputError(where, f"a column of type {kind}", "a column of numbers is accepted")
             try:
-                column = self._file.read(columns=[self._headers[i]]).column(0).cast(pa.float64(), safe=False)
+                column = self._file.read(columns=[self._headers[i]]).column(0)
+                column = self._from_first(i, column) if stamps else column.cast(pa.float64(), safe=False)
             except (pa.ArrowException, OSError) as error:
                 raise InputError(where, f"unreadable ({error})", "a readable Parquet file is accepted") from None
             columns.append(np.asarray(column.to_numpy(), dtype=np.float64))
         return columns
+
+    def _from_first(self, position: int, column: Any) -> Any:
+        """Time stamps as seconds from the first; whole numbers are subtracted, so that none of their digits is lost."""
+        import pyarrow as pa
+        import pyarrow.compute as pc
+
+        unit, counts = column.type.unit, column.cast(pa.int64())
+        first = next((one.as_py() for one in counts if one.is_valid), 0)
+        self.dated[position] = str(np.datetime64(first, unit))
+        return pc.multiply(pc.subtract(counts, first).cast(pa.float64()), float(np.timedelta64(1, unit) / _SECOND))
 
 
 def _flatten(prefix: str, value: Any) -> Iterator[tuple[str, Any]]:

@@ -343,6 +343,15 @@ def test_a_recording_with_dates(tmp_path: Path) -> None:
     assert "Times are dates or times of day: t is counted from the first, 2026-11-23T23:59:58.000Z." in found.notes
 
 
+@pytest.mark.parametrize("unit", ["ns", "us", "ms"])
+def test_time_stamps_of_parquet_keep_all_their_digits(tmp_path: Path, unit: str) -> None:
+    counts = (1_700_000_000 * 1000 + 3 * np.arange(N)) * int(1e-3 / {"ns": 1e-9, "us": 1e-6, "ms": 1e-3}[unit] + 0.5)
+    pq.write_table(pa.table({"time": pa.array(counts, pa.timestamp(unit)), "x [mm]": 1e3 * X}), tmp_path / "a.parquet")
+    found = read_recording(tmp_path / "a.parquet")
+    assert np.max(np.abs(found.t - 3e-3 * np.arange(N))) < 1e-14 * N
+    assert any("counted from the first, 2023-11-14T22:13:20" in note for note in found.notes)
+
+
 @pytest.mark.parametrize(
     ("row", "columns", "message"),
     [
