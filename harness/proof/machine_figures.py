@@ -6,7 +6,8 @@ from harness.proof.statistics import Median, Rate
 
 _LEAST = {"listed": 0.8, "better": 0.6}
 _MOST = {"wrong": 0.04, "claimed": 0.03}
-_SHOWN = ("listed", "named", "wrong", "silent", "claimed", "small", "misled", "better", "holdout", "share_error")
+_CONTROLS = ("claimed", "unfounded", "small")
+_SHOWN = ("listed", "named", "wrong", "silent", *_CONTROLS, "misled", "better", "holdout", "share_error")
 
 
 def machine_figures(scores: MachineScores) -> list[Figure]:

@@ -5,6 +5,7 @@ import json
 import math
 import subprocess
 import sys
+from dataclasses import replace
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -15,7 +16,7 @@ from scipy.optimize import least_squares
 
 import harness.proof.machines as package
 from harness.core.arrays import FloatArray
-from harness.core.errors import InputError
+from harness.core.errors import InputError, SimulationError
 from harness.proof.machines import score as scorer
 from harness.proof.machines.__main__ import main
 from harness.proof.machines.cases import SHARES, SMALL, TABLE_SHARES, Messy, draw
@@ -26,8 +27,9 @@ from harness.proof.machines.made import Made, made
 from harness.proof.machines.pendulum import swing
 from harness.proof.machines.plan import CONTROL, MAIN, TABLE, UNNAMED, Job, chosen_kinds, plan, possible
 from harness.proof.machines.records import csv_text
-from harness.proof.machines.shares import read
+from harness.proof.machines.shares import fitted_share, read
 from harness.proof.machines.strengths import draw_strength, scaled
+from harness.proof.machines.summed import summed_up
 from harness.proof.machines.truth import truth
 from harness.proof.plant.base_fit import decay_motion
 from harness.proof.plant.integrate import simulate
@@ -142,6 +144,35 @@ def test_a_control_has_no_main_effect_and_none_above_half() -> None:
         assert answer["share"] is None
         assert all(part <= SMALL for part in answer["minor"].values())
         assert set(answer["may_name"]) <= set(answer["minor"])
+
+
+def test_the_law_of_what_is_left_sums_it_up_and_one_of_another_kind_does_not() -> None:
+    rig = case_of("arm").rig
+    whole = read(rig, {"quadratic-drag": draw_strength("quadratic-drag", rig.base, np.random.default_rng(1))})
+    shares = summed_up(rig, whole, {"x": 1.0}, frozenset(), np.random.default_rng(2))
+    # a form-fixed law differs from itself at another strength by second order alone
+    assert shares["quadratic-drag"] > 0.95
+    assert shares["quadratic-drag"] == max(shares.values())
+    assert max(shares[name] for name in ("quadratic-stiffness", "harmonic-force", "impulse")) < 0.6
+    assert not {"sensor-bias", "sensor-lag"} & set(shares)
+    assert "quadratic-drag" not in summed_up(
+        rig, whole, {"x": 1.0}, frozenset({"quadratic-drag"}), np.random.default_rng(2)
+    )
+
+
+def test_what_the_base_would_still_take_off_is_nobodys_share() -> None:
+    case = case_of("arm")
+    part = read(case.rig, {"cubic-stiffness": {"k3": 1e-3 * case.rig.base.k / case.rig.base.length**2}}, quick=True)
+    slopes = case.whole.fit.slopes["x"]
+    moved = slopes @ (0.5 * np.linalg.norm(case.whole.fit.left["x"]) / np.linalg.norm(slopes, axis=0))
+    fit = replace(case.whole.fit, left={"x": case.whole.fit.left["x"] + moved})
+    share = fitted_share(part, case.whole, {"x": 2.0})
+    assert fitted_share(part, replace(case.whole, fit=fit), {"x": 2.0}) == pytest.approx(share, rel=1e-6)
+
+
+def test_a_pendulum_of_no_end_of_steps_is_refused() -> None:
+    with pytest.raises(SimulationError, match="1e\\+12 rad/s"):
+        swing(np.linspace(0.0, 10.0, 11), 1e12, 0.01, 0.0, 1.0, 0.0)
 
 
 @pytest.mark.parametrize("name", sorted(DRAWN))
@@ -297,6 +328,7 @@ def test_figures_count_what_they_say() -> None:
     assert counted["wrong"] == (0, 3)
     assert counted["silent"] == (0, 3)
     assert counted["claimed"] == (1, 2)
+    assert counted["unfounded"] == (1, 2)
     assert counted["misled"] == (1, 2)
     assert counted["better"] == (1, 2)
     assert counted["table_better"] == (1, 1)
@@ -308,6 +340,10 @@ def test_figures_count_what_they_say() -> None:
         "c: backlash (80 %) on a cart called backlash, end-stop, impulse, presliding, stribeck",
         "e: control () called impulse",
     ]
+    truths["e"] = {**truths["e"], "sums_up": {"impulse": 0.71}}
+    founded = scorer.score(truths, said)
+    assert (founded.claimed.hits, founded.unfounded.hits) == (1, 0)
+    assert list(scorer.misses(truths, said))[-1] == "e: control () called impulse (summed up by impulse 71 %)"
 
 
 def vars_of(scores: scorer.MachineScores) -> dict[str, Any]:

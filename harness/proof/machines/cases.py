@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -17,6 +17,7 @@ from harness.proof.machines.rigs import Effects, Rig
 from harness.proof.machines.shares import Reading, fitted_share, ratio, read, refitted, relative, weights
 from harness.proof.machines.small import draw_small
 from harness.proof.machines.strengths import draw_strength, scaled, three_digits
+from harness.proof.machines.summed import summed_up
 from harness.proof.plant.base import log_uniform
 
 SHARES = (0.6, 0.99)
@@ -48,7 +49,8 @@ class Messy:
     main : name of the main effect, "" in a control. effects : every effect with its parameters, SI.
     whole : what is read without noise. weight : of the channels, by what the base leaves in each.
     share : of the misfit beyond noise that goes with the main effect. small : share of each other effect alone.
-    fitted : of a control, share that each effect takes off when it is fitted.
+    fitted : of a control, share that each effect takes off when it is fitted. summed : the same of laws of the
+    catalogue that are not in it.
     recorded : t, the channels with their zero, u; SI, shape (n,) each.
     """
 
@@ -62,6 +64,7 @@ class Messy:
     small: Mapping[str, float]
     fitted: Mapping[str, float]
     recorded: Mapping[str, FloatArray]
+    summed: Mapping[str, float] = field(default_factory=dict)
 
 
 def draw(kind: Kind, main: str, rng: np.random.Generator) -> Messy:
@@ -155,7 +158,9 @@ def _control(rig: Rig, bare: bool, rng: np.random.Generator) -> Messy | None:
             return None
     fitted = {} if rig.kind.driven else {name: fitted_share(one, whole, weight) for name, one in alone.items()}
     recorded = _recorded(rig, whole, noise, rng)
-    return Messy(rig, "", small.effects, whole, weight, noise, None, shares, fitted, recorded)
+    # after everything that the recording follows from
+    summed = {} if rig.kind.driven else summed_up(rig, whole, weight, frozenset(small.effects), rng)
+    return Messy(rig, "", small.effects, whole, weight, noise, None, shares, fitted, recorded, summed)
 
 
 def _turns(reading: Reading) -> int:

@@ -9,10 +9,13 @@ import math
 import numpy as np
 
 from harness.core.arrays import FloatArray
+from harness.core.errors import SimulationError
 from harness.core.jit import compiled
 
 STEPS = 64
 """A period of small swings."""
+MOST_STEPS = 2_000_000
+"""Beyond which a fit has gone astray."""
 _HALVINGS = 45
 
 
@@ -21,12 +24,15 @@ def swing(
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
     """x (rad), v (rad/s), a (rad/s^2), shape (n,), of x'' + 2 zeta omega_n x' + omega_n^2 (sin x + x_k sgn x') = 0.
 
-    t : s, shape (n,), increasing; x0, v0 at t = 0.
+    t : s, shape (n,), increasing; x0, v0 at t = 0. Raises SimulationError beyond ``MOST_STEPS``.
     """
     c, w2 = 2.0 * abs(zeta) * omega_n, omega_n**2
     longest, end = 2.0 * math.pi / (abs(omega_n) * STEPS), float(t[-1])
     # no swing has more reversals than twice the periods of the smallest ones
-    room = np.empty((4, int((1.0 + 4.0 / STEPS) * end / longest) + 8))
+    steps = (1.0 + 4.0 / STEPS) * end / longest
+    if not steps < MOST_STEPS:
+        raise SimulationError(f"machines: a pendulum of {abs(omega_n):.3g} rad/s over {end:.3g} s")
+    room = np.empty((4, int(steps) + 8))
     count = _knots(end, c, w2, w2 * abs(x_k), x0, v0, longest, room)
     at, x, v, f = room[:, :count]
     i = np.clip(np.searchsorted(at, t, side="right") - 1, 0, count - 2)

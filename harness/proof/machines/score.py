@@ -65,9 +65,10 @@ class MachineScores:
     """Figures over recordings of machines; a rate without cases holds None.
 
     named, listed, wrong, silent, family : main effects of the catalogue. claimed, small : controls that got a main
-    effect, a small one. misled : effects of no catalogue called one of another family. better, holdout : held-out error
-    over the base's where the main effect was named or listed, below ``BETTER``, median. table_better, table_holdout :
-    where a static effect of no catalogue was the main one. share_error : share said against the true one.
+    effect, a small one; unfounded : claimed, though the law that was named does not sum the small effects up when it is
+    fitted to the machine itself. misled : effects of no catalogue called one of another family. better, holdout :
+    held-out error over the base's where the main effect was named or listed, below ``BETTER``, median. table_better,
+    table_holdout : where a static effect of no catalogue was the main one. share_error : share said against the truth.
     """
 
     named: Rate
@@ -77,6 +78,7 @@ class MachineScores:
     family: Rate
     claimed: Rate
     small: Rate
+    unfounded: Rate
     misled: Rate
     better: Rate
     holdout: Median
@@ -117,7 +119,7 @@ def holdout_ratio(block: Mapping[str, Any] | None) -> float:
 
 def score(truths: Mapping[str, Truth], results: Mapping[str, Result]) -> MachineScores:
     """Score results by the recording they belong to; one without a result is silent, of a control too."""
-    kept = ("named", "listed", "wrong", "silent", "family", "claimed", "small", "misled")
+    kept = ("named", "listed", "wrong", "silent", "family", "claimed", "small", "unfounded", "misled")
     outcomes: dict[str, list[bool]] = {name: [] for name in kept}
     ratios: list[float] = []
     tabled: list[float] = []
@@ -128,6 +130,7 @@ def score(truths: Mapping[str, Truth], results: Mapping[str, Result]) -> Machine
         if group == CONTROL:
             outcomes["claimed"].append(not right(truth, result))
             outcomes["small"].append(bool(claim.minor))
+            outcomes["unfounded"].append(not right(truth, result) and claim.main not in truth.get("sums_up", {}))
         elif group == MAIN:
             listed = claim.lists(want)
             outcomes["named"].append(claim.main == want)
@@ -167,6 +170,7 @@ LABELS = {
     "family": "right family",
     "claimed": "controls: main effect claimed",
     "small": "controls: something graded minor",
+    "unfounded": "controls: claimed, and that law does not sum the small effects up",
     "misled": "no catalogue: another family",
     "better": f"named or listed: held-out error below {BETTER}",
     "holdout": "named or listed: held-out error over the base's, median",
@@ -195,7 +199,9 @@ def misses(truths: Mapping[str, Truth], results: Mapping[str, Result]) -> Iterat
         claim, group, want = Claim.of(results.get(name)), group_of(truth), truth["dominant"]
         said = claim.main or ", ".join(sorted(claim.near)) or (results.get(name) or {}).get("verdict", "no result")
         if group == CONTROL and not right(truth, results.get(name)):
-            yield f"{name}: control ({', '.join(truth['minor'])}) called {said}"
+            sums = ", ".join(f"{law} {100.0 * part:.0f} %" for law, part in truth.get("sums_up", {}).items())
+            told = f" (summed up by {sums})" if sums else ""
+            yield f"{name}: control ({', '.join(truth['minor'])}) called {said}{told}"
         elif group == MAIN and claim.main != want:
             listed = " (listed)" if claim.lists(want) else ""
             yield f"{name}: {want} ({100.0 * truth['share']:.0f} %) on a {truth['kind']} called {said}{listed}"

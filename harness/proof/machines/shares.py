@@ -1,5 +1,6 @@
 """What part of the misfit an effect makes: base fits of the recording with all effects, without one, with one alone."""
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
@@ -61,15 +62,22 @@ def ratio(part: Reading, whole: Reading, weight: Mapping[str, float]) -> float:
 def fitted_share(part: Reading, whole: Reading, weight: Mapping[str, float]) -> float:
     """Share of the misfit that an effect takes off when its strength is fitted beside the base, to first order.
 
-    part : the effect alone, whose misfit is the one more column of the linear problem.
+    part : the effect alone, whose misfit is the one more column of the linear problem. What the base's own parameters
+    would still take off, where its fit ended before its minimum, is nobody's share.
     """
-    rows, left = [], []
+    slopes, column, left = [], [], []
     for c, w in weight.items():
-        column = np.column_stack([whole.fit.slopes[c], part.fit.left[c]])
-        rows.append(np.sqrt(w) * column)
-        left.append(np.sqrt(w) * whole.fit.left[c])
-    design, target = np.vstack(rows), np.concatenate(left)
+        slopes.append(math.sqrt(w) * whole.fit.slopes[c])
+        column.append(math.sqrt(w) * part.fit.left[c])
+        left.append(math.sqrt(w) * whole.fit.left[c])
+    design, target = np.vstack(slopes), np.concatenate(left)
+    base = _rest(design, target)
+    return 1.0 - _rest(np.column_stack([design, np.concatenate(column)]), target) / base
+
+
+def _rest(design: FloatArray, target: FloatArray) -> float:
+    """Sum of squares that the columns of ``design`` (N, p) leave of ``target`` (N,)."""
     length = np.sqrt(np.sum(design**2, axis=0))
     length[length == 0.0] = 1.0
     rest = target - design @ (np.linalg.lstsq(design / length, target, rcond=1e-10)[0] / length)
-    return 1.0 - float(rest @ rest) / float(target @ target)
+    return float(rest @ rest)

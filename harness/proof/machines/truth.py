@@ -18,7 +18,8 @@ def truth(case: Messy) -> dict[str, Any]:
     """Main effect and what it makes of the misfit, the small ones, what the user would say, nuisances, the machine.
 
     share : of the misfit beyond noise, measured by the base fit of the recording with and without the main effect.
-    minor : what each other effect alone leaves over what the base leaves of all. plant : parameters, SI.
+    minor : what each other effect alone leaves over what the base leaves of all. may_name, sums_up : laws in a control,
+    and others, that take more than ``MAY_NAME`` off when they are fitted. plant : parameters, SI.
     table : the true curve of a static law of no catalogue, over the swept range.
     """
     rig, base = case.rig, case.rig.base
@@ -35,6 +36,7 @@ def truth(case: Messy) -> dict[str, Any]:
         "share": case.share,
         "minor": dict(case.small),
         "may_name": sorted(n for n, part in case.fitted.items() if n in FAMILY and part > MAY_NAME),
+        "sums_up": {n: part for n, part in case.summed.items() if part > MAY_NAME},
         "plant": {name: dict(values) for name, values in case.effects.items()},
         "base_rel_rmse": relative(rig, case.whole),
         "base_rmse": {c: math.sqrt(m) for c, m in case.whole.misfit.items()},
