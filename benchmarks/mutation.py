@@ -80,6 +80,11 @@ class Mutant:
     line: int
     what: str
 
+    @property
+    def told(self) -> str:
+        """File, line and change."""
+        return f"{self.file}:{self.line}: {self.what}"
+
 
 class Changer(ast.NodeVisitor):
     """Goes through a file and changes the place of that number; -1 only lists them."""
@@ -237,6 +242,12 @@ def sample(count: int, seed: int, only: str) -> list[Mutant]:
     return random.Random(seed).sample(every, min(count, len(every)))
 
 
+def survivors_of(log: Path, chosen: Sequence[Mutant]) -> list[Mutant]:
+    """Those of a sample that survived in an earlier run, by the lines it printed."""
+    lines = {line.partition(f" {SURVIVED}: ")[2] for line in log.read_text(encoding="utf-8").splitlines()}
+    return [mutant for mutant in chosen if mutant.told in lines]
+
+
 def outcome(mutant: Mutant, quick: bool) -> str:
     """What becomes of a mutant by the tests of its file."""
     has_compiled = "compiled(" in (ROOT / mutant.file).read_text(encoding="utf-8")
@@ -250,20 +261,23 @@ def main() -> int:
     parser.add_argument("--seed", type=int, default=1, help="which ones; 1")
     parser.add_argument("--only", default="", help="part of the name of the files that are changed")
     parser.add_argument("--quick", action="store_true", help="the quick tests alone: more survive")
+    parser.add_argument("--survivors", type=Path, metavar="LOG", help="of an earlier run's output: those alone")
     parser.add_argument("--jobs", type=int, default=2, help="processes at a time; 2")
     given = parser.parse_args()
     os.chdir(ROOT)
     for name in LOADED_BEFORE:
         importlib.import_module(name)
     chosen = sample(given.sample, given.seed, given.only)
+    every = len(chosen)
+    chosen = survivors_of(given.survivors, chosen) if given.survivors else chosen
     survivors, of = 0, len(chosen)
     with multiprocessing.get_context("fork").Pool(given.jobs) as workers:
         ends = workers.imap(partial(outcome, quick=given.quick), chosen)
         for i, (mutant, found) in enumerate(zip(chosen, ends, strict=True), start=1):
             survivors += found == SURVIVED
-            print(f"{i}/{of} {found}: {mutant.file}:{mutant.line}: {mutant.what}", flush=True)
-    print(f"{survivors} of {len(chosen)} mutants survived")
-    return int(survivors > MOST_SURVIVORS * len(chosen))
+            print(f"{i}/{of} {found}: {mutant.told}", flush=True)
+    print(f"{survivors} of {every} mutants survived")
+    return int(survivors > MOST_SURVIVORS * every)
 
 
 if __name__ == "__main__":
