@@ -29,10 +29,10 @@ def _tests(of: str, *names: str) -> tuple[str, ...]:
     return tuple(f"tests/{of}/test_{name}.py" for name in names)
 
 
-HELD = _tests("estimate", "part_figures", "figures")
+HELD = _tests("estimate", "part_limits", "part_figures", "figures")
 ESTIMATE = _tests("estimate", "parts", "estimators", "noise", "acceleration_estimator", "smeared_jumps", "paper")
 RULES = _tests("diagnosis", "rules", "grading")
-DECIDED = _tests("diagnosis", "decisions")
+DECIDED = _tests("diagnosis", "friction_split", "decisions")
 DECIDE = ("verdict", "grading/grade", "grading/misfit", "grading/first_turn", "grading/friction_split")
 TARGETS = {
     **{
