@@ -18,6 +18,7 @@ from harness.estimate.halfcycles import Windows
 from harness.estimate.noise import Noise
 from harness.estimate.paper import _ratios
 from harness.estimate.reversals import Kind, NoDecay, _train
+from harness.estimate.saturation import saturated
 from harness.estimate.table1 import Setup
 from harness.estimate.turning import TurningPoints, _locally, _near
 from harness.exact.decay import Decay, free_decay
@@ -65,7 +66,10 @@ def test_a_motion_that_lasts_is_driven_where_its_half_cycles_are_no_sines() -> N
     left: Any = SimpleNamespace(windows=windows, variance=1.5e-4 * usual)
     with pytest.raises(NoDecay, match="driven"):
         _refuse_driven(left, y, 0.0)
-    for quiet, floor in ((0.7e-4, 0.0), (1.5e-4, 1e-5 * usual)):
+    # the last window counts: its larger swing is part of the motion that the misfit is held against
+    y[windows.lo[-1] : windows.hi[-1]] *= 3.0
+    usual = float(np.var(y[windows.lo[0] : windows.hi[-1]]))
+    for quiet, floor in ((0.99e-4, 0.0), (1.5e-4, 1e-5 * usual)):
         _refuse_driven(SimpleNamespace(windows=windows, variance=quiet * usual), y, floor)  # type: ignore[arg-type]
 
 
@@ -82,10 +86,24 @@ def test_no_noise_and_noise_without_steps_are_added_as_they_are() -> None:
     assert np.array_equal(Noise(0.1, False).over(y, rng(1)), y)
     stepped = replace(noise, step=0.25).over(y, rng(1))
     assert np.array_equal(stepped, 0.25 * np.round(stepped / 0.25))
+    # a step of .25 scatters by .072 itself: where that is all the noise there is, nothing is drawn
+    bare = Noise(0.05, True, step=0.25).over(y, rng(1))
+    assert np.array_equal(bare, 0.25 * np.round(y / 0.25))
+
+
+def test_a_gap_farther_off_than_a_run_is_long_does_not_hide_that_it_was_cut_off() -> None:
+    t = np.arange(1000.0)
+    y = np.minimum(1.0 - np.abs(t - 500.0) / 500.0, 0.969)  # it runs into the limit at full speed
+    assert np.count_nonzero(y == 0.969) == 31
+    for off, told in ((35, True), (5, False)):
+        kept = np.abs(np.abs(t - 500.0) - (16.0 + off)) > 4.0
+        assert saturated(t[kept], y[kept], Noise(1e-6, True)).any() == told
 
 
 def fit_of_displacement() -> ChannelFit:
-    return fit_channel(T, measured(Kind.DISPLACEMENT, 5, 1e-3), Kind.DISPLACEMENT)
+    # it comes to rest within the recording, so that the last turning point has samples on both sides
+    run = free_decay(Decay(9.0, 0.01, 0.08), T)
+    return fit_channel(T, run.x + 1e-3 * np.random.default_rng(5).standard_normal(T.size), Kind.DISPLACEMENT)
 
 
 def test_turning_points_one_by_one_err_with_the_colour_of_the_noise() -> None:
@@ -97,6 +115,7 @@ def test_turning_points_one_by_one_err_with_the_colour_of_the_noise() -> None:
     quiet = replace(fit, noise=replace(fit.noise, sigma=0.1 * fit.noise.sigma))
     # the first and the last are of the half-cycle's own form where the recording begins and ends there
     assert np.allclose(_locally(quiet).covariance[1:, 0, 0], 0.01 * white[1:, 0, 0], rtol=1e-12)
+    assert _locally(quiet).covariance[-1, 1, 1] == pytest.approx(0.01 * white[-1, 1, 1], rel=1e-12)
 
 
 def test_a_turning_point_is_looked_for_within_half_the_reach() -> None:
