@@ -26,19 +26,22 @@ _LONGEST_LINE = 1 << 20
 _UTF_16 = (b"\xff\xfe", b"\xfe\xff")
 """Its mark, in either order of bytes."""
 _COMMENT = ("#", "%")
+_BRACKETS = re.compile(r"^[\[(]\s*([^\[\]()]*?)\s*[\])]$")
+_FORTRAN = re.compile(r"^([+-]?\d*\.?\d+|[+-]?\d+\.)[dD]([+-]?\d{1,3})$")
 _MISSING = ("na", "n/a", "null", "none")
 """What loggers write for no value, besides nothing and nan."""
 
 
 @dataclass(frozen=True, slots=True)
 class _Layout:
-    """How a text table is laid out: its separator and decimal mark, header fields, where its numbers begin."""
+    """How a text table is laid out: separator and decimal mark, header fields, units of their own line, its numbers."""
 
     separator: str  # "" for runs of blanks
     decimal: str
     fields: tuple[str, ...]
     offset: int  # of the first data row, in bytes
     line: int  # number of that line, from 1
+    units: tuple[str, ...] = ()  # "" where that line says none
 
 
 def _number(cell: str, decimal: str = ".") -> float | None:
@@ -51,7 +54,13 @@ def _number(cell: str, decimal: str = ".") -> float | None:
     try:
         return float(text.replace(",", ".") if decimal == "," else text)
     except ValueError:
-        return None
+        plain = _plain(text)
+        return None if plain == text else _number(plain, decimal)
+
+
+def _plain(text: str) -> str:
+    """A number as typesetters (a true minus) and Fortran (5.0D-02) write it, as everybody else does."""
+    return _FORTRAN.sub(r"\1e\2", text.replace("\N{MINUS SIGN}", "-"))
 
 
 def _cells(where: str, line: str, separator: str) -> list[str]:
@@ -106,7 +115,25 @@ def _layout(path: Path, data: bytes | bytearray, skip_rows: int) -> _Layout:
     cells = _header(where, first, separator)
     if len(body) == 1:
         raise InputError(str(path), "0 rows under the header", "at least 50 are accepted")
-    return _Layout(separator, decimal, tuple(cells), body[1][1], body[1][0])
+    units = _units(cells, [_cells(f"{path}: line {n}", text, separator) for n, _, text in body[1:3]], decimal)
+    number, start, _ = body[2] if units else body[1]
+    return _Layout(separator, decimal, tuple(cells), start, number, units)
+
+
+def _units(fields: Sequence[str], below: Sequence[Sequence[str]], decimal: str) -> tuple[str, ...]:
+    """Units that stand in a line of their own between names and numbers; () where the line below is none of units.
+
+    fields : the names, of which none says a unit itself. below : cells of the next two lines.
+    """
+    if len(below) < 2 or any(split_header(field)[1] is not None for field in fields):
+        return ()
+    said, numbers = below
+    of_text = any(said) and all(_number(cell, decimal) is None or not cell for cell in said)
+    if len(said) != len(fields) or not of_text or any(Clock().seconds(cell) is not None for cell in said):
+        return ()
+    if not all(_number(cell, decimal) is not None or Clock().seconds(cell) is not None for cell in numbers):
+        return ()
+    return tuple(_BRACKETS.sub(r"\1", cell.strip()) for cell in said)
 
 
 def _header(where: str, line: str, separator: str) -> list[str]:
@@ -169,6 +196,7 @@ class TextTable(Table):
         self._layout = _layout(path, self._data, skip_rows)
         split = [split_header(field) for field in self._layout.fields]
         units = {i: u for i, (_, u) in enumerate(split) if u is not None}
+        units |= {i: unit for i, unit in enumerate(self._layout.units) if unit}
         super().__init__(path, [name for name, _ in split], units, self._layout.fields)
 
     def read(self, positions: Sequence[int]) -> list[FloatArray]:

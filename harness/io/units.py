@@ -11,6 +11,8 @@ STANDARD_GRAVITY = 9.80665
 """m/s^2; what ``[g]`` means on an acceleration (elsewhere ``g`` is the gram)."""
 
 _GRAVITY = re.compile(r"^(?P<prefix>[mµμu]?)(?:g|G|gn|g_0|g0)$")
+_ONE_OF = {"mil": "thou (0.001 inch) or mrad", "rd": "rad, or rod (5.03 m)"}
+_TWOFOLD = re.compile(rf"\b({'|'.join(_ONE_OF)})s?\b", re.IGNORECASE)
 _PLAIN = re.compile(r"^[\w\s*/^().%°²³⁻¹·-]{1,60}$")
 _LARGE_EXPONENT = re.compile(r"(?:\*\*|\^)[\s(+-]*(?:\d{2,}|[^\d\s])|\*\*[^*]*\*\*|\^[^^]*\^")
 
@@ -67,7 +69,9 @@ def split_header(header: str) -> tuple[str, str | None]:
 def _registry() -> Any:
     import pint
 
-    return pint.UnitRegistry(cache_folder=None)
+    registry: Any = pint.UnitRegistry(cache_folder=None)
+    registry.define("@alias revolution = rev")
+    return registry
 
 
 def parse_unit(where: str, channel: str, text: str | None) -> Unit:
@@ -82,6 +86,10 @@ def parse_unit(where: str, channel: str, text: str | None) -> Unit:
     if channel == "a" and gravity:
         prefix = {"": 1.0, "m": 1e-3}.get(gravity["prefix"], 1e-6)
         return Unit(text, prefix * STANDARD_GRAVITY, False)
+    two = _TWOFOLD.search(text)
+    if two:
+        accepted = f"{_ONE_OF[two[1].lower()]} is accepted"
+        raise InputError(where, f"'{text}' is a length to some and an angle to others", accepted)
     if not text.strip() or not _PLAIN.match(text) or _LARGE_EXPONENT.search(text):
         raise InputError(where, f"'{text}' is not a unit", accepted)
     registry = _registry()

@@ -75,6 +75,8 @@ UNITS: list[tuple[str, str, float, bool]] = [
     ("x", "°", 0.017453292519943295, True),
     ("x", "rad", 1.0, True),
     ("v", "rpm", 0.10471975511965977, True),
+    ("v", "rev/s", 6.283185307179586, True),
+    ("x", "thou", 2.54e-5, False),
     ("v", "km/h", 1.0 / 3.6, False),
     ("a", "g", 9.80665, False),
     ("a", "mg", 9.80665e-3, False),

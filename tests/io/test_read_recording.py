@@ -252,6 +252,8 @@ REFUSED: list[tuple[str, str, str, ReadOptions]] = [
         ReadOptions(),
     ),
     ("percent", edited(nothing, "t,x [%]"), "is a unit of another kind (a pure number)", ReadOptions()),
+    ("mil", edited(nothing, "t,x [mil]"), "'mil' is a length to some and an angle to others; thou", ReadOptions()),
+    ("rd", edited(nothing, "t,v [Rd/s]"), "'Rd/s' is a length to some and an angle to others; rad", ReadOptions()),
     ("gram", edited(nothing, "t,x [g]"), "'g' is a unit of another kind (kilogram)", ReadOptions()),
     ("temperature", edited(nothing, "t,x [degC]"), "'degC' is a unit of another kind (kelvin)", ReadOptions()),
     ("empty unit", edited(nothing, "t,x []"), "'' is not a unit", ReadOptions()),
@@ -350,6 +352,56 @@ def test_time_stamps_of_parquet_keep_all_their_digits(tmp_path: Path, unit: str)
     found = read_recording(tmp_path / "a.parquet")
     assert np.max(np.abs(found.t - 3e-3 * np.arange(N))) < 1e-14 * N
     assert any("counted from the first, 2023-11-14T22:13:20" in note for note in found.notes)
+
+
+UNITS_BELOW = [
+    ("Time,Position", "s,mm"),
+    ("Time,Position", "(s),(mm)"),
+    ("Time;Position", "[s];[mm]\n"),
+    ("Time Position", "s mm"),
+    ('"Time","Position"', '"s","mm"'),
+]
+
+
+@pytest.mark.parametrize(("head", "units"), UNITS_BELOW)
+def test_units_in_a_line_of_their_own(tmp_path: Path, head: str, units: str) -> None:
+    mark = next(mark for mark in ";, " if mark in head)
+    rows = "".join(f"{t:.6f}{mark}{1e3 * x:.9f}\n" for t, x in zip(T, X, strict=True))
+    (tmp_path / "a.csv").write_text(f"{head}\n{units}\n{rows}")
+    found = read_recording(tmp_path / "a.csv")
+    assert np.allclose(found["x"], X, atol=1e-11)
+    assert found.units["x"] == "mm"
+    assert len(found) == N
+
+
+def test_a_line_of_text_is_units_only_between_bare_names_and_numbers(tmp_path: Path) -> None:
+    rows = "".join(f"{t:.6f},{x:.9f}\n" for t, x in zip(T, X, strict=True))
+    for head, line, message in (
+        ("t,x", "s,furlongish", "column x: 'furlongish' is not a unit"),
+        ("t [s],x [mm]", "s,mm", "row 1 (line 2), column t: the text 's'"),
+        ("t,x", "a,b\nc,d", "row 1 (line 2), column t: the text 'a'"),
+    ):
+        (tmp_path / "a.csv").write_text(f"{head}\n{line}\n{rows}")
+        with pytest.raises(InputError) as caught:
+            read_recording(tmp_path / "a.csv")
+        assert message in str(caught.value)
+
+
+def test_numbers_as_fortran_and_typesetters_write_them(tmp_path: Path) -> None:
+    fortran = "".join(f"  {t:.9E}  {x:.9E}\n" for t, x in zip(T, X, strict=True)).replace("E", "D")
+    (tmp_path / "a.dat").write_text(f"t x\n{fortran}")
+    minus = "".join(f"{t:.9f},{x:.12f}\n" for t, x in zip(T, X, strict=True)).replace("-", "\N{MINUS SIGN}")
+    (tmp_path / "b.csv").write_text(f"t,x\n{minus}", encoding="utf-8")
+    for name in ("a.dat", "b.csv"):
+        assert np.allclose(read_recording(tmp_path / name)["x"], X, atol=1e-9)
+
+
+@pytest.mark.parametrize("text", ["--5", "5D", "D5", "1D2D3", "1e5D2", "\N{MINUS SIGN}", "5 D2"])
+def test_what_is_nearly_a_number_is_none(tmp_path: Path, text: str) -> None:
+    rows = "".join(f"{t:.6f},{x:.9f}\n" for t, x in zip(T, X, strict=True))
+    (tmp_path / "a.csv").write_text(f"t,x\n{rows}9.0,{text}\n")
+    with pytest.raises(InputError, match="a number is accepted"):
+        read_recording(tmp_path / "a.csv")
 
 
 @pytest.mark.parametrize(

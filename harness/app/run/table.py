@@ -16,7 +16,7 @@ def summary(result: RunResult) -> tuple[str, tuple[str, ...], Lines]:
         turns = (result.scenario.get("model") or {}).get("restoring") == "pendulum"
         unit = "mrad" if turns else "mm"
         heads: tuple[str, ...] = (
-            f"x_k {unit}", "x_k at reversal", "zeta", f"error {unit}", f"creep {unit}/s", "stick s", "lead ms"
+            f"x_k {unit}", f"x_k at reversal {unit}", "zeta", f"error {unit}", f"creep {unit}/s", "stick s", "lead ms"
         )  # fmt: skip
         about = "x_k and zeta as the estimators read them; error, creep, rest and lead against the exact motion"
         return about, ("source", "step ms", *heads), [_line(trace, _decay) for trace in result.traces]
