@@ -1,8 +1,7 @@
-"""Branch coverage of the heart, by its own tests: ``python -m benchmarks.branches [--room exact ...]``.
+"""Branch coverage of the heart: ``python -m benchmarks.branches [--room exact ...]``.
 
-Each room's tests run twice, compiled as they ship, and, for the functions that are compiled, without compilation; a
-branch counts when either takes it. Exit 1 when a room is below 95 %. What takes long without compilation is left out of
-the second run.
+Tests of each room run as it ships, and, for the functions that are compiled, once more without compilation of that room
+(some of them: what takes long so is left out); a branch counts when either takes it. Exit 1 when a room is below 95 %.
 """
 
 import argparse
@@ -13,14 +12,26 @@ import tempfile
 from collections.abc import Mapping
 from pathlib import Path
 
-from benchmarks.mutation import LAST
+from benchmarks.mutation import LAST, TOO_LONG
 
 ROOT = Path(__file__).resolve().parents[1]
 LEAST = 95
+PLAIN_PARTS = ("parts", "part_limits", "part_figures", "noise", "saturation", "estimators")
+QUICK_PLAIN = (
+    *("samples_that_do_not_count", "doubted_as_far", "white_and_of_unit", "right_to_first_order"),
+    *("implicit_steps_own", "smoothing_of_a_cubic", "inverse_force_is", "test_locate_force"),
+)
 TESTS: Mapping[str, tuple[tuple[str, ...], tuple[str, ...]]] = {
     "exact": (("tests/exact",), ("tests/exact",)),
-    "estimate": (("tests/estimate",), ("tests/estimate", "-k", f"not ({LAST})")),
-    "diagnosis": (("tests/diagnosis",), ()),
+    "estimate": (
+        ("tests/estimate",),
+        (*(f"tests/estimate/test_{name}.py" for name in PLAIN_PARTS), "-k", f"not ({LAST} or {TOO_LONG})"),
+    ),
+    # what is said of a diagnosis, and of a robot's joint, is tested where it is said
+    "diagnosis": (
+        ("tests/diagnosis", "tests/app", "tests/robot", "tests/show"),
+        ("tests/diagnosis", "-k", " or ".join(QUICK_PLAIN)),
+    ),
     "engines": (("tests/engines",), ()),
 }
 """By room, what is run compiled and what is run plain."""
@@ -37,7 +48,8 @@ def measured(room: str, folder: Path) -> bool:
     for name, tests in zip(("compiled", "plain"), TESTS[room], strict=True):
         parts.append(folder / f"{room}-{name}")
         run = ("run", "--branch", f"--source=harness/{room}", "-m", "pytest", "-q", "-n", "0", "-p", "no:cacheprovider")
-        if tests and _coverage(parts[-1], *run, *tests, NUMBA_DISABLE_JIT="1" if name == "plain" else "0"):
+        plain = ("-p", "benchmarks.plain") if name == "plain" else ()
+        if tests and _coverage(parts[-1], *run, *plain, *tests, HARNESS_PLAIN=f"harness.{room}"):
             raise SystemExit(f"{' '.join(tests)}: tests fail, {name}")
     there = [str(part) for part in parts if part.exists()]
     _coverage(folder / room, "combine", "-q", *there)

@@ -15,12 +15,14 @@ import random
 import signal
 import sys
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cache, partial
 from importlib.machinery import ModuleSpec, PathFinder, SourceFileLoader
 from pathlib import Path
 from typing import Any
+
+from benchmarks.plain import plain
 
 ROOT = Path(__file__).resolve().parents[1]
 
@@ -185,18 +187,6 @@ class Finder(PathFinder):
         return spec
 
 
-def _plain(module: str) -> None:
-    """Functions of a module stay as they are written."""
-    from harness.core import jit
-
-    compiled = jit.compiled
-
-    def chosen(function: Callable[..., Any], **options: Any) -> Callable[..., Any]:
-        return function if function.__module__ == module else compiled(function, **options)
-
-    jit.compiled = chosen  # type: ignore[assignment]
-
-
 def tested(mutant: Mutant, plain: str, quick: bool) -> str:
     """What becomes of a mutant: killed, without an end, or survived; plain : see ``limit_of``."""
     first, others = TARGETS[mutant.file]
@@ -219,7 +209,7 @@ def _in_a_process(file: str, mutant: Mutant | None, tests: Sequence[str], limit:
         signal.alarm(int(limit) + 1)
         Finder.mutant = mutant
         sys.meta_path.insert(0, Finder)
-        _plain(file.removesuffix(".py").replace("/", "."))
+        plain(file.removesuffix(".py").replace("/", "."))
         os._exit(int(pytest.main(["-q", "-x", "-n", "0", "-p", "no:cacheprovider", *tests])))
     status = os.waitpid(child, 0)[1]
     if os.WIFSIGNALED(status):
