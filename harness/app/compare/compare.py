@@ -19,6 +19,7 @@ from harness.core.recording import Recording
 from harness.diagnosis.alignment.align import GIVEN
 from harness.diagnosis.alignment.consistency import Consistency
 from harness.diagnosis.alignment.match import Match
+from harness.diagnosis.alignment.one_kind import of_one_kind
 from harness.diagnosis.alignment.pair import Clock
 from harness.diagnosis.comparison import Comparison, compared
 from harness.diagnosis.fit.rmse import percent_followed
@@ -67,7 +68,7 @@ def deliver(
     with output_folder(f"compare-{name}", out) as output, journal(output / LOG):
         progress("comparing", 1, 3)
         outputs = {name: output.at(file) for name, file in FILES.items()}
-        simulated, recorded = thinned(simulated), thinned(recorded)
+        simulated, recorded = of_one_kind(thinned(simulated), thinned(recorded))
         result, found = result_of(simulated, recorded, command, outputs, shift)
         progress("writing trace and report", 2, 3)
         (output / FILES["result"]).write_text(to_json(result), encoding="utf-8")
@@ -85,6 +86,7 @@ def result_of(
     shift: float | None = None,
 ) -> tuple[CompareResult, Match]:
     """Compare two traces; shift : of the first, s, None to find it. Raises InputError when nothing is in common."""
+    sim, real = of_one_kind(sim, real)
     comparison = compared(sim, real, shift)
     found, names = comparison.match, names_of(sim.file, real.file)
     readings = (

@@ -13,6 +13,7 @@ from harness.core.arrays import BoolArray, FloatArray
 from harness.core.errors import SimulationError
 from harness.core.recording import Recording
 from harness.core.trajectory import Source, Trajectory
+from harness.diagnosis.alignment.one_kind import as_kind_of
 from harness.diagnosis.attribution.attribute import (
     Attribution,
     NoSharesError,
@@ -48,10 +49,11 @@ class Configured:
     trace: Recording | None = None
 
     @classmethod
-    def of(cls, options: DiagnoseOptions) -> "Configured":
-        """Read the files; raises InputError for one that cannot be used."""
+    def of(cls, options: DiagnoseOptions, recording: Recording) -> "Configured":
+        """Read the files; raises InputError for one that cannot be used, or is of another kind than the recording."""
         model = load_model(options.model) if isinstance(options.model, Path) else options.model
-        return cls(model, read(options.sim, options.sim_reading) if isinstance(options.sim, Path) else options.sim)
+        trace = read(options.sim, options.sim_reading) if isinstance(options.sim, Path) else options.sim
+        return cls(model, trace and as_kind_of(trace, recording, "--sim"))
 
     def released(self, base: Model) -> Model:
         """The user's model, released as the recording was where the file does not say; ``base`` when there is none."""

@@ -82,7 +82,7 @@ def investigate(
     progress("base fit and search", 1, STEPS)
     recording = thinned(recording)
     ready = prepared(recording, options)
-    other, user = validation(recording, options), Configured.of(options)
+    other, user = validation(recording, options), Configured.of(options, recording)
     # a fit tries values far out, sees that they overflow, and turns back: nothing to tell anybody
     with np.errstate(over="ignore", invalid="ignore"), listening(progress):
         outcome = conclude(ready.problem, None if other is None else other.judge)

@@ -8,6 +8,7 @@ from harness.app.diagnose.problem import prepared
 from harness.app.shared.reading import read
 from harness.core.errors import InputError
 from harness.core.recording import Recording
+from harness.diagnosis.alignment.one_kind import as_kind_of
 from harness.diagnosis.inverse_dynamics.validate import Judge
 from harness.diagnosis.kinds.known import kind_of
 from harness.diagnosis.outcome import Outcome
@@ -39,6 +40,7 @@ def validation(recording: Recording, options: DiagnoseOptions) -> Validation | N
         kinds = ("a free decay", "a driven recording")
         found = f"{kinds[is_driven(other)]}, {other.file}"
         raise InputError("--validate", found, f"{kinds[is_driven(recording)]} is accepted, as {recording.file} is")
+    other = as_kind_of(other, recording, "--validate")
     # the published protocol knows no covariates
     judged = is_driven(other) and not options.covariates
     return Validation(other, Judge.of(recording, other) if judged else None)
