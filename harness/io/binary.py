@@ -16,7 +16,7 @@ from harness.core.errors import InputError
 from harness.io.table import ArrayTable, Held, Table, held, table_of_arrays
 from harness.io.units import split_header
 
-_SECOND = np.timedelta64(1, "s")
+_A_SECOND = {"s": 1, "ms": 1_000, "us": 1_000_000, "ns": 1_000_000_000}
 
 
 class ParquetTable(Table):
@@ -46,7 +46,7 @@ class ParquetTable(Table):
         for i in positions:
             where = f"{self.path}: row 1, column {self.names[i]}"
             kind = self._file.schema_arrow.field(i).type
-            stamps = pa.types.is_timestamp(kind)
+            stamps = pa.types.is_timestamp(kind) or pa.types.is_duration(kind) or pa.types.is_time(kind)
             if not (pa.types.is_integer(kind) or pa.types.is_floating(kind) or pa.types.is_decimal(kind) or stamps):
                 raise InputError(where, f"a column of type {kind}", "a column of numbers is accepted")
             try:
@@ -58,14 +58,18 @@ class ParquetTable(Table):
         return columns
 
     def _from_first(self, position: int, column: Any) -> Any:
-        """Time stamps as seconds from the first; whole numbers are subtracted, so that none of their digits is lost."""
+        """Time stamps, times of day and spans as seconds from the first; whole numbers are subtracted, so that none of
+        their digits is lost.
+        """
         import pyarrow as pa
         import pyarrow.compute as pc
 
-        unit, counts = column.type.unit, column.cast(pa.int64())
+        unit = column.type.unit
+        counts = column.cast(pa.int32() if pa.types.is_time32(column.type) else pa.int64()).cast(pa.int64())
         first = next((one.as_py() for one in counts if one.is_valid), 0)
-        self.dated[position] = str(np.datetime64(first, unit))
-        return pc.multiply(pc.subtract(counts, first).cast(pa.float64()), float(np.timedelta64(1, unit) / _SECOND))
+        dated = pa.types.is_timestamp(column.type)
+        self.dated[position] = str(np.datetime64(first, unit)) if dated else f"{first / _A_SECOND[unit]:.9g} s"
+        return pc.multiply(pc.subtract(counts, first).cast(pa.float64()), 1.0 / _A_SECOND[unit])
 
 
 def _flatten(prefix: str, value: Any) -> Iterator[tuple[str, Any]]:

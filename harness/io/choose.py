@@ -27,9 +27,8 @@ def chosen(table: Table, columns: str | None, rate: float | None) -> tuple[dict[
         hint = f"t and one or more of x, v, a, or columns named as in {paste}"
         raise InputError(str(table.path), f"the columns {table.listed()}", hint)
     if "t" not in mappings and rate is None:
-        raise InputError(
-            str(table.path), f"no time among the columns {table.listed()}", f"--rate HZ, or a column t, {paste}"
-        )
+        column = f", or a column t, {paste}" if len(table.names) > 1 else " is accepted"
+        raise InputError(str(table.path), f"no time among the columns {table.listed()}", f"--rate HZ{column}")
     if "t" in mappings and rate is not None:
         accepted = "one of the two is accepted (--columns without t leaves the column out)"
         raise InputError("--rate", f"given although a column of {table.path} gives the time", accepted)

@@ -354,6 +354,29 @@ def test_time_stamps_of_parquet_keep_all_their_digits(tmp_path: Path, unit: str)
     assert any("counted from the first, 2023-11-14T22:13:20" in note for note in found.notes)
 
 
+@pytest.mark.parametrize(
+    ("kind", "first"),
+    [(pa.duration("ns"), "36000 s"), (pa.duration("ms"), "36000 s"), (pa.time32("ms"), "36000 s"),
+     (pa.time64("us"), "36000 s")],
+)  # fmt: skip
+def test_spans_and_times_of_day_of_parquet_are_counted_from_the_first(
+    tmp_path: Path, kind: pa.DataType, first: str
+) -> None:
+    counts = (36_000 * 1000 + 3 * np.arange(N)) * {"ns": 1_000_000, "us": 1000, "ms": 1}[kind.unit]
+    whole = pa.array(counts, pa.int64()).cast(pa.int32() if pa.types.is_time32(kind) else pa.int64())
+    pq.write_table(pa.table({"time": whole.cast(kind), "x [mm]": 1e3 * X}), tmp_path / "a.parquet")
+    found = read_recording(tmp_path / "a.parquet")
+    assert np.max(np.abs(found.t - 3e-3 * np.arange(N))) < 1e-14 * N
+    assert any(f"counted from the first, {first}." in note for note in found.notes)
+
+
+def test_positions_alone_ask_for_a_rate(tmp_path: Path) -> None:
+    np.savez(tmp_path / "a.npz", x=X)
+    with pytest.raises(InputError) as caught:
+        read_recording(tmp_path / "a.npz")
+    assert str(caught.value).endswith("no time among the columns x; --rate HZ is accepted")
+
+
 UNITS_BELOW = [
     ("Time,Position", "s,mm"),
     ("Time,Position", "(s),(mm)"),
