@@ -10,6 +10,7 @@ import subprocess
 import sys
 import tempfile
 from collections.abc import Mapping
+from importlib.util import find_spec
 from pathlib import Path
 
 from benchmarks.mutation import LAST, TOO_LONG
@@ -32,9 +33,18 @@ TESTS: Mapping[str, tuple[tuple[str, ...], tuple[str, ...]]] = {
         ("tests/diagnosis", "tests/app", "tests/robot", "tests/show"),
         ("tests/diagnosis", "-k", " or ".join(QUICK_PLAIN)),
     ),
-    "engines": (("tests/engines",), ()),
+    "engines": (("tests/engines",), ("tests/engines/test_engine_realise.py", "-k", "pybullet")),
 }
 """By room, what is run compiled and what is run plain."""
+OPTIONAL = {"drake.py": "pydrake", "newton.py": "newton", "physx.py": "physx", "physx_world.py": "physx"}
+UNSEEN = ("engines/mujoco/callback.py", "engines/mujoco/native.py", "engines/elsewhere/worker.py")
+"""What no tracer sees: machine code that MuJoCo calls, built of addresses; and what another interpreter runs."""
+
+
+def left_out() -> list[str]:
+    """Files that are not measured: those above, and engines that are not installed."""
+    missing = (f"engines/{name}" for name, package in OPTIONAL.items() if find_spec(package) is None)
+    return [f"harness/{name}" for name in (*UNSEEN, *missing)]
 
 
 def _coverage(data: Path, *words: str, **environment: str) -> int:
@@ -53,7 +63,19 @@ def measured(room: str, folder: Path) -> bool:
             raise SystemExit(f"{' '.join(tests)}: tests fail, {name}")
     there = [str(part) for part in parts if part.exists()]
     _coverage(folder / room, "combine", "-q", *there)
-    return _coverage(folder / room, "report", "--skip-covered", "--show-missing", f"--fail-under={LEAST}") == 0
+    out = left_out()
+    print(f"{room}; not measured: {', '.join(out)}" if room == "engines" else room, flush=True)
+    return (
+        _coverage(
+            folder / room,
+            "report",
+            f"--omit={','.join(out)}",
+            "--skip-covered",
+            "--show-missing",
+            f"--fail-under={LEAST}",
+        )
+        == 0
+    )
 
 
 def main() -> int:

@@ -9,11 +9,16 @@ import pytest
 from harness.app.calibrate.tables import Row, measure, said
 from harness.core.arrays import FloatArray
 from harness.diagnosis.baseline.base_fit import baseline
+from harness.diagnosis.explain.verdict_sentence import sentence_of
 from harness.diagnosis.fit.parameters import base_of, free_of
 from harness.diagnosis.grading.misfit import Misfit, misfit
 from harness.diagnosis.grading.prediction import blocks_of, held_out, ratio
-from harness.diagnosis.outcome import Table
+from harness.diagnosis.outcome import Grade, Table
+from harness.diagnosis.pipeline import explain, judge
 from harness.diagnosis.problems.free_decay import FreeDecay
+from harness.diagnosis.residual_tests.structure import Left
+from harness.diagnosis.search.search import Search
+from harness.diagnosis.stages import Found
 from harness.diagnosis.tables.basis import Basis, basis_of, partials
 from harness.diagnosis.tables.curve import table_of
 from harness.diagnosis.tables.describe import described, gauge_of
@@ -207,3 +212,30 @@ def test_a_drawn_machine_is_measured() -> None:
     row = measure(5, 0)
     assert row.group == "table"
     assert row.ratio <= 1.05
+
+
+def test_what_has_no_name_is_modelled_beside_the_verdict() -> None:
+    """A force with a shape that no entry has: knots at random, so that every name leaves much of it."""
+    knots = np.random.default_rng(1).uniform(-2.0, 2.0, KNOTS)
+    truth = BASE.with_terms(ModelTerm(BY_PLACE, (*knots.tolist(), -1.1, 1.1)))
+    problem = problem_of(truth)
+    base, scales = baseline(problem)
+    # as if the search had found nothing that explains it: what is judged is what the base leaves
+    nothing = Search(problem, base, base, (), (), Left.STRUCTURE)
+    outcome = explain(judge(Found(nothing, scales, nothing)))
+    (table,) = outcome.tables
+    said = next(m for m in outcome.mechanisms if m.grade is Grade.TABULATED)
+    assert outcome.verdict in ("main_effect", "one_of", "unexplained")
+    assert outcome.refined.chi2 < 0.5 * outcome.base.chi2
+    assert table.form == "f(x)"
+    assert said.share is not None
+    assert 0.0 < said.share <= 1.0
+    assert said.held_out is not None
+    assert outcome.holdout is not None
+    assert outcome.holdout.refined_rmse["x"] < outcome.holdout.baseline_rmse["x"]
+    assert "one decay cannot tell" in said.statement
+    assert outcome.remainder is not None
+    assert 1.0 < outcome.remainder.over_noise < np.sqrt(base.chi2 / base.points)
+    assert {name for name, _ in table.nearest} <= {t.name for t in TERMS}
+    assert [share for _, share in table.nearest] == sorted((share for _, share in table.nearest), reverse=True)
+    assert "as a table that takes" in sentence_of(outcome)
