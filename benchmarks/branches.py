@@ -36,6 +36,13 @@ TESTS: Mapping[str, tuple[tuple[str, ...], tuple[str, ...]]] = {
     "engines": (("tests/engines",), ("tests/engines/test_engine_realise.py", "-k", "pybullet")),
 }
 """By room, what is run compiled and what is run plain."""
+LONG = {
+    "diagnosis": (
+        *("-m", "full", "tests/diagnosis/test_fitted_force_grades.py", "tests/diagnosis/test_release.py"),
+        *("tests/diagnosis/test_together.py", "tests/diagnosis/test_driven_recordings.py"),
+    )
+}
+"""And what is left out of every day's tests because it takes long."""
 OPTIONAL = {"drake.py": "pydrake", "newton.py": "newton", "physx.py": "physx", "physx_world.py": "physx"}
 UNSEEN = ("engines/mujoco/callback.py", "engines/mujoco/native.py", "engines/elsewhere/worker.py")
 """What no tracer sees: machine code that MuJoCo calls, built of addresses; and what another interpreter runs."""
@@ -55,7 +62,7 @@ def _coverage(data: Path, *words: str, **environment: str) -> int:
 def measured(room: str, folder: Path) -> bool:
     """Run, print the report of a room, and say whether it reaches what is asked. SystemExit where tests fail."""
     parts = []
-    for name, tests in zip(("compiled", "plain"), TESTS[room], strict=True):
+    for name, tests in zip(("compiled", "plain", "long"), (*TESTS[room], LONG.get(room, ())), strict=True):
         parts.append(folder / f"{room}-{name}")
         run = ("run", "--branch", f"--source=harness/{room}", "-m", "pytest", "-q", "-n", "0", "-p", "no:cacheprovider")
         plain = ("-p", "benchmarks.plain") if name == "plain" else ()
