@@ -1,7 +1,9 @@
 """Shared fixtures: the long forms stay out of the default run, recordings are found where they are."""
 
 import os
+import sys
 from functools import cache
+from importlib.util import find_spec
 from pathlib import Path
 
 # a worker has one core: threads of its linear algebra would only wait for each other
@@ -12,14 +14,33 @@ from hypothesis import settings
 from xdist.remote import Producer
 from xdist.scheduler import LoadScopeScheduling
 
+from harness.engines.registry import NO_PYBULLET
+
 settings.register_profile("stable", derandomize=True, deadline=None, max_examples=60, print_blob=False)
 settings.load_profile("stable")
 
 CHECKOUT = Path(__file__).resolve().parents[1]
 
 
+@cache
+def _no_pybullet() -> bool:
+    """Whether there is no wheel of PyBullet for this Python: where there is one, its absence is a failure."""
+    return sys.version_info >= NO_PYBULLET and find_spec("pybullet") is None
+
+
+@pytest.fixture(scope="session")
+def pybullet() -> None:
+    """What asks for it needs PyBullet."""
+    if _no_pybullet():
+        pytest.skip("PyBullet has no wheel for this Python")
+
+
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
-    """Leave out the long forms unless -m asks for them."""
+    """Leave out the long forms unless -m asks for them, and cases of PyBullet where it cannot be had."""
+    if _no_pybullet():
+        for item in items:
+            if "pybullet" in item.name:
+                item.add_marker(pytest.mark.skip(reason="PyBullet has no wheel for this Python"))
     if "full" in str(config.getoption("-m")):
         return
     config.hook.pytest_deselected(items=[item for item in items if item.get_closest_marker("full")])

@@ -54,6 +54,7 @@ def test_the_stop_is_found_with_its_place_and_stiffness(done: Done) -> None:
     assert found.name in result.statement.replace(" ", "-")
 
 
+@pytest.mark.usefixtures("pybullet")
 def test_the_fit_improves_where_it_was_not_fitted_and_in_both_engines(done: Done) -> None:
     result = done[0]
     assert set(result.engines) == {"mujoco", "pybullet"}

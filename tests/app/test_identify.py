@@ -61,6 +61,7 @@ def test_what_is_left_is_whole_valid_and_made_again_from_the_trace(tmp_path: Pat
     assert where.read_bytes() == page
 
 
+@pytest.mark.usefixtures("pybullet")
 def test_a_trace_of_a_run_is_a_recording(done: tuple[RunResult, Path], tmp_path: Path) -> None:
     result, folder = done
     found = identify(folder / "trace.rrd", ReadOptions(), "mujoco tuned", tmp_path / "out")

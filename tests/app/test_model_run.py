@@ -46,6 +46,7 @@ def done(tmp_path_factory: pytest.TempPathFactory) -> tuple[RunResult, Path]:
     return run(RunOptions(scenario, presets=("tuned",)), folder / "out"), folder / "out"
 
 
+@pytest.mark.usefixtures("pybullet")
 def test_engines_move_as_the_reference(done: tuple[RunResult, Path]) -> None:
     reference, *engines = done[0].traces
     assert (reference.source, reference.metrics.max_error_m) == ("reference", 0.0)

@@ -35,6 +35,7 @@ def x_k(found: TraceResult, method: str) -> float:
     return value
 
 
+@pytest.mark.usefixtures("pybullet")
 def test_every_source_is_there_in_order(done: Done) -> None:
     assert [f"{t.source} {t.preset}" for t in done[0].traces] == SOURCES
     assert not [t.error for t in done[0].traces if t.error]
@@ -124,6 +125,7 @@ def test_an_engine_that_fails_leaves_its_reason_and_the_others_go_on(
     assert again == result
 
 
+@pytest.mark.usefixtures("pybullet")
 def test_options_choose_what_is_run() -> None:
     assert RunOptions.chosen(RunOptions().scenario, None, None, None).plan == [
         ("mujoco", "as-shipped"),

@@ -34,6 +34,7 @@ def environment(**changes: str) -> dict[str, str]:
     return {**kept, "PYTHONPATH": str(CHECKOUT), "NUMBA_CACHE_DIR": str(cache_folder()), **changes}
 
 
+@pytest.mark.usefixtures("pybullet")
 def test_run_works_without_a_home_and_standard_output_is_json_alone(tmp_path: Path) -> None:
     # one engine, the one whose library writes to the streams; all of them are run beside the use case
     line = ["run", "--engine", "pybullet", "--preset", "tuned", "--json", "-", "--quiet"]

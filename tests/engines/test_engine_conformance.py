@@ -33,6 +33,7 @@ def digest(trace: Trajectory) -> str:
     return hashlib.sha256(b"".join(array.tobytes() for array in arrays)).hexdigest()
 
 
+@pytest.mark.usefixtures("pybullet")
 def test_both_engines_of_the_house_are_installed() -> None:
     assert {"mujoco", "pybullet"} <= set(INSTALLED)
 

@@ -219,6 +219,7 @@ def test_noslip_stops_creep_in_the_joint() -> None:
     assert abs(held("mujoco", "joint", "as-shipped", 1.5, {"noslip_iterations": 50})) < 1e-9
 
 
+@pytest.mark.usefixtures("pybullet")
 def test_harmonic_forcing_without_stops_reaches_den_hartogs_amplitude() -> None:
     scenario = Scenario("forced", Slider(1.0, 0.0, 100.0, 3.0), 0.0, 0.0, 60.0, Harmonic(10.0, 8.0))
     for name in ("mujoco", "pybullet"):

@@ -66,6 +66,7 @@ def test_a_friction_that_looks_ahead_sees_every_force() -> None:
     assert np.abs(trace.x - simulate(model, trace.t).x).max() < 1e-4
 
 
+@pytest.mark.usefixtures("pybullet")
 def test_an_engine_without_words_refuses_them() -> None:
     model = BASE.with_terms(ModelTerm.named("cubic-stiffness", k3=40.0))
     with pytest.raises(SimulationError, match="pybullet: its joint has no words"):

@@ -11,6 +11,7 @@ from harness.engines import registry
 from harness.engines.base import Task
 
 
+@pytest.mark.usefixtures("pybullet")
 def test_the_engines_of_the_house_are_registered() -> None:
     assert {"mujoco", "pybullet"} <= set(registry.names())
     assert registry.load("mujoco").name == "mujoco"

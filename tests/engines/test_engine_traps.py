@@ -121,6 +121,7 @@ def test_noslip_acts_on_joint_friction() -> None:
     assert abs(held.v[-1]) < 1e-8
 
 
+@pytest.mark.usefixtures("pybullet")
 def test_a_box_on_a_floor_starts_at_rest_and_keeps_its_weight() -> None:
     for name in ("mujoco", "pybullet"):
         scenario = Scenario("hold", GENTLE, 0.0, 0.0, 0.3, Hold(0.1))

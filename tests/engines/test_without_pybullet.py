@@ -50,6 +50,7 @@ def test_the_usual_engines_are_those_that_can_be_had() -> None:
     assert DiagnoseOptions().engines == DiagnoseOptions.chosen(ReadOptions()).engines == ("mujoco",)
 
 
+@pytest.mark.usefixtures("pybullet")
 @pytest.mark.usefixtures("hidden")
 def test_a_broken_installation_is_no_reason_to_leave_it_out() -> None:
     assert registry.usual() == ("mujoco", "pybullet")

@@ -20,7 +20,7 @@ OPTIONS = SweepOptions(("mujoco", "pybullet"), ("joint",), ("as-shipped", "tuned
 
 
 @pytest.fixture(scope="module")
-def swept(tmp_path_factory: pytest.TempPathFactory) -> Sweep:
+def swept(pybullet: None, tmp_path_factory: pytest.TempPathFactory) -> Sweep:
     result = sweep(OPTIONS, tmp_path_factory.mktemp("report") / "out")
     finish(result, OPTIONS)
     return result

@@ -46,7 +46,7 @@ def physics(rows: list[dict[str, Any]]) -> dict[str, Any]:
 
 
 @pytest.fixture(scope="module")
-def swept(tmp_path_factory: pytest.TempPathFactory) -> room.Sweep:
+def swept(pybullet: None, tmp_path_factory: pytest.TempPathFactory) -> room.Sweep:
     return sweep(SMALL, tmp_path_factory.mktemp("sweep") / "out")
 
 
@@ -253,6 +253,7 @@ def cluster() -> Iterator[tuple[str, list["subprocess.Popen[str]"]]]:
         yield address, processes
 
 
+@pytest.mark.usefixtures("pybullet")
 def test_a_cluster_gives_the_same_rows_though_a_worker_is_killed(
     cluster: tuple[str, list["subprocess.Popen[str]"]], tmp_path: Path, swept: room.Sweep
 ) -> None:
@@ -273,6 +274,7 @@ def test_a_cluster_gives_the_same_rows_though_a_worker_is_killed(
     assert physics(rows_of(result.folder)) == {key: alone[key] for key in keys}
 
 
+@pytest.mark.usefixtures("pybullet")
 def test_a_lost_scheduler_leaves_a_folder_to_resume(
     cluster: tuple[str, list["subprocess.Popen[str]"]], tmp_path: Path
 ) -> None:

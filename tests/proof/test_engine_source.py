@@ -116,6 +116,7 @@ def test_the_engine_source_imports_nothing_of_the_fitting_side() -> None:
                 assert known, f"{file.name} imports {name}"
 
 
+@pytest.mark.usefixtures("pybullet")
 def test_drawing_from_engines_loads_nothing_of_the_fitting_side() -> None:
     code = (
         "import sys, numpy as np;"

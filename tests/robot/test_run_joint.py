@@ -30,6 +30,7 @@ def elbow(tmp_path_factory: pytest.TempPathFactory) -> JointRunResult:
     return run_joint(JointRun(FILE, "elbow"), tmp_path_factory.mktemp("run") / "out")
 
 
+@pytest.mark.usefixtures("pybullet")
 def test_every_engine_as_shipped_and_tuned_is_scored(elbow: JointRunResult) -> None:
     found = {(score.engine, score.preset): score for score in elbow.scores}
     assert set(found) == {(name, preset) for name, presets in SCORES.items() for preset in presets}
