@@ -21,7 +21,6 @@ def plain(package: str) -> None:
     jit.compiled = chosen  # type: ignore[assignment]
 
 
-def pytest_configure(config: object) -> None:
-    """See pytest."""
-    if "HARNESS_PLAIN" in os.environ:
-        plain(os.environ["HARNESS_PLAIN"])
+# before any conftest imports what is not to be compiled
+if "HARNESS_PLAIN" in os.environ:
+    plain(os.environ["HARNESS_PLAIN"])
