@@ -5,7 +5,7 @@ from enum import IntEnum
 
 import numpy as np
 
-from harness.core.arrays import FloatArray, IntArray
+from harness.core.arrays import BoolArray, FloatArray, IntArray
 from harness.core.checks import vector
 from harness.core.errors import InputError
 
@@ -60,5 +60,11 @@ class Events:
 
     def of(self, *kinds: EventKind) -> "Events":
         """Only the events of these kinds."""
-        keep = np.isin(self.kind, [int(k) for k in kinds])
+        return self._kept(np.isin(self.kind, [int(k) for k in kinds]))
+
+    def between(self, low: float, high: float) -> "Events":
+        """Only the events from ``low`` to ``high``, s."""
+        return self._kept((self.t >= low) & (self.t <= high))
+
+    def _kept(self, keep: BoolArray) -> "Events":
         return Events(self.t[keep], self.kind[keep], self.x[keep], self.a_before[keep], self.a_after[keep])

@@ -79,7 +79,7 @@ def drawn(page: "Page") -> dict[str, int]:
 def test_the_page_of_a_run_is_drawn_without_a_word(browser: "Browser", run_page: Path, scheme: str) -> None:
     page, said = open_page(browser, run_page, scheme)
     counts = drawn(page)
-    assert set(counts) == {"position", "error", "acceleration", "phase"}
+    assert set(counts) == {"reversal", "position", "error", "acceleration", "phase"}
     assert counts["position"] >= 3
     assert counts["error"] >= 2
     assert counts["acceleration"] >= 4

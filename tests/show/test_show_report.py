@@ -1,19 +1,24 @@
 """The page as text: numbers, tables, sentences, and nothing from elsewhere."""
 
 import re
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 from show_examples import SCENARIO, make_run_result, make_sources
 
 from harness.core.errors import StoreError
+from harness.core.events import Events
 from harness.core.recording import Recording
 from harness.core.trajectory import Trajectory
 from harness.show.numbers import number, quantity, sentence_quantity, with_error
+from harness.show.report.curves import turning
 from harness.show.report.estimates import percent, true_values
 from harness.show.report.figure import script_json
 from harness.show.report.identify import identify_headline, identify_sections, identify_title
+from harness.show.report.motion import Reversal
 from harness.show.report.page import render, symbols, write_report
 from harness.show.report.run import run_sections, run_title
 from harness.show.report.table import grade
@@ -86,6 +91,44 @@ def test_the_verdict_comes_first_and_says_how_far_each_is_off(page: str) -> None
     text = re.sub(r"<[^>]+>", "", page[page.index("<main>") : page.index("</main>")])
     assert text.index("PyBullet is off by at most 10.0 mm") < text.index("Scorecard")
     assert "As shipped, MuJoCo is off by at most 5.00 mm and never rests (it creeps at −1.15 mm/s)." in text
+
+
+def test_the_answer_and_its_plots_come_before_tables(page: str) -> None:
+    heads = re.findall(r"<h2[^>]*>(.*?)</h2>", page)
+    assert heads[:4] == [
+        "What came out",
+        "Acceleration at one reversal",
+        "Motion, error, acceleration",
+        "Engine by engine",
+    ]
+    assert heads.index("Engine by engine") < heads.index("Scorecard")
+    folded = page[page.index("tables: every method on every source") - 40 :]
+    assert "<details><summary>" in folded[:60]
+    assert "<details open><summary>Each source by each figure" in page
+
+
+def test_one_reversal_is_shown_with_both_sides_of_the_exact_jump(sources: list[Trajectory]) -> None:
+    context = Reversal(sources).context()
+    (figure,) = context["figures"]
+    (low, high), (bottom, top) = figure.layout["xaxis"]["range"], figure.layout["yaxis"]["range"]
+    event = turning(sources[0].events)
+    assert low < event.t[0] < high
+    marks = figure.traces[-1]
+    assert marks["x"].tolist() == [event.t[0]] * 2
+    assert marks["y"].tolist() == [event.a_before[0], event.a_after[0]]
+    assert bottom < min(marks["y"]) < max(marks["y"]) < top
+    for line, source in zip(figure.traces[:-1], sources, strict=True):
+        assert line["name"] == source.source.label
+        assert np.all((line["x"] >= low) & (line["x"] <= high))
+        inside = (source.t >= low) & (source.t <= high)
+        # the exact one has both sides of the jump besides
+        assert line["x"].size == np.count_nonzero(inside) + 2 * (source is sources[0])
+
+
+def test_what_never_turns_has_no_reversal_to_show(sources: list[Trajectory]) -> None:
+    still = [replace(one, events=Events()) for one in sources]
+    result = make_run_result(sources)
+    assert not [one for one in run_sections(still, result) if isinstance(one, Reversal)]
 
 
 def test_the_page_has_what_a_reader_needs(page: str) -> None:

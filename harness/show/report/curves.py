@@ -103,9 +103,12 @@ def jumps(events: Events, unit: str) -> dict[str, Any]:
     }
 
 
-def exact_acceleration(curve: Drawn, unit: str) -> dict[str, Any]:
-    """Acceleration of a source that knows its events: the value on both sides of each jump is put among the samples."""
-    found = turning(curve.trajectory.events)
+def exact_acceleration(curve: Drawn, unit: str, events: Events | None = None) -> dict[str, Any]:
+    """Acceleration of a source that knows its events: the value on both sides of each jump is put among the samples.
+
+    events : those among the chosen samples, its own when left out.
+    """
+    found = turning(curve.trajectory.events if events is None else events)
     at = np.searchsorted(curve.t, found.t)
     t = np.insert(curve.t, np.repeat(at, 2), np.repeat(found.t, 2))
     sides = np.column_stack([found.a_before, found.a_after]).ravel()

@@ -1,7 +1,7 @@
 """The motion of all sources: position, error, acceleration with its jumps, phase portrait."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, ClassVar
 
 import numpy as np
@@ -19,6 +19,12 @@ _JUMPS = (
     "At a reversal dry friction changes sign and the acceleration jumps by 2 f_k/m: the diamonds "
     "are its two sides in the exact solution. Zoom to one to see how each engine spreads it over time."
 )
+_ONE_JUMP = (
+    "Dry friction changes sign where the speed is zero, and the acceleration jumps by 2 f_k/m: the diamonds are both "
+    "sides of the exact jump. An engine with soft friction goes from one side to the other over a time, and elsewhere."
+)
+MOST_DOTS = 200
+"""Samples of a curve that are drawn as dots too."""
 AROUND = 0.12
 """Half the width of a zoom to a jump, as a share of the time between reversals."""
 
@@ -86,6 +92,50 @@ class Motion(Section):
             )
         )
         return {"figures": figures, "buttons": zoom_buttons(times.tolist(), reference.duration), "group": GROUP}
+
+
+@dataclass(frozen=True)
+class Reversal(Section):
+    """The acceleration at the first reversal: what dry friction is, and what each engine makes of it.
+
+    trajectories : the first is the reference, which has a reversal. units : of their motion.
+    """
+
+    template: ClassVar[str] = "figures.html.j2"
+    trajectories: Sequence[Trajectory]
+    units: MotionUnits = SLIDES
+
+    @property
+    def title(self) -> str:
+        """The heading."""
+        return "Acceleration at one reversal"
+
+    def context(self) -> Mapping[str, Any]:
+        """What the template shows: every sample of the window, as dots where single ones can be told apart."""
+        reference, u = self.trajectories[0], self.units
+        times = reversal_times(reference)
+        low, high = zoom_buttons(times.tolist(), reference.duration)[0]["range"]
+        curves = [
+            replace(one, chosen=np.flatnonzero((one.trajectory.t >= low) & (one.trajectory.t <= high)))
+            for one in drawn(self.trajectories)
+        ]
+        there = turning(reference.events).between(low, high)
+        shown = [one.curve(one.trajectory.a[one.chosen], u.a) for one in curves]
+        shown[0] = exact_acceleration(curves[0], u.a, there)
+        for one, line in zip(curves[1:], shown[1:], strict=True):
+            line["mode"] = "lines+markers" if one.chosen.size <= MOST_DOTS else "lines"
+        seen = np.concatenate([np.asarray(line["y"], dtype=np.float64) for line in shown])
+        margin = 0.08 * float(np.ptp(seen))
+        layout = {
+            "xaxis": {"title": {"text": "time / s"}, "range": [low, high]},
+            "yaxis": {
+                "title": {"text": f"acceleration / ({u.a})"},
+                "range": [float(seen.min()) - margin, float(seen.max()) + margin],
+            },
+            "hovermode": "closest",
+            "shapes": upright_lines(times[:1]),
+        }
+        return {"figures": [Figure("reversal", [*shown, jumps(there, u.a)], layout, _ONE_JUMP, "", 400)]}
 
 
 @dataclass(frozen=True)

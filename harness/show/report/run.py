@@ -4,10 +4,12 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from harness.core.trajectory import Trajectory
+from harness.show.decimate import reversal_times
 from harness.show.motion_units import TURNS, units_of, without_step
 from harness.show.palette import colors
+from harness.show.report.curves import turning
 from harness.show.report.estimates import Estimates
-from harness.show.report.motion import Motion, Phase
+from harness.show.report.motion import Motion, Phase, Reversal
 from harness.show.report.scorecard import Scorecard
 from harness.show.report.section import Section
 from harness.show.report.sources import MadeWith, Sources
@@ -18,7 +20,7 @@ _TURNING = (("J", "m", "kg m²"), ("k", "k", "N m/rad"), ("c", "c", "N m s/rad")
 
 
 def run_sections(trajectories: Sequence[Trajectory], result: Mapping[str, Any], command: str = "") -> list[Section]:
-    """Sections of a run.
+    """Sections of a run: the answer and its plots, then what differs and why, then tables.
 
     trajectories : the first is the reference, in the order of those of result["traces"] that have no error.
     result : RunResult.model_dump(mode="json", by_alias=True) (harness.run/1). command : the line that makes it again,
@@ -33,12 +35,17 @@ def run_sections(trajectories: Sequence[Trajectory], result: Mapping[str, Any], 
     ]
     palette = ["var(--ink)", *colors([trajectory.source for trajectory in trajectories])[1:]]
     decays = result["scenario"].get("action") is None
+    units = units_of(result["scenario"])
+    turns = len(turning(trajectories[0].events)) > 0 and reversal_times(trajectories[0]).size > 0
+    conclusions = result["conclusions"]
     return [
-        Verdict(headline(traces, units_of(result["scenario"])), [*failed, *result["conclusions"]], labels),
+        Verdict(headline(traces, units), failed),
+        *([Reversal(trajectories, units)] if turns else []),
+        Motion(trajectories, units),
+        *([Verdict("", conclusions, labels, "Engine by engine")] if conclusions else []),
         Scorecard(traces, result["scenario"], palette),
         *([Estimates(traces, result["scenario"], palette)] if decays else []),
-        Motion(trajectories, units_of(result["scenario"])),
-        Phase(trajectories, decays, units_of(result["scenario"])),
+        Phase(trajectories, decays, units),
         Sources(traces, palette, without_step(result["scenario"])),
         MadeWith(result["machine"], result["files"], command),
     ]

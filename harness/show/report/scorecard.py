@@ -18,7 +18,7 @@ from harness.show.report.table import Cell, Column, Row, Table, grade
 class Scorecard(Section):
     """traces : as in harness.run/1, the exact reference first. palette : a CSS colour each."""
 
-    template: ClassVar[str] = "table.html.j2"
+    template: ClassVar[str] = "folded.html.j2"
     traces: Sequence[Mapping[str, Any]]
     scenario: Mapping[str, Any]
     palette: Sequence[str]
@@ -40,7 +40,11 @@ class Scorecard(Section):
             "Colours run from green (as good as exact) to red (off by more than 5 % of the start, the friction "
             "displacement x_k or the period, whichever the figure belongs to). A dash: there is no such figure."
         )
-        return {"tables": [Table("source", columns, rows, caption)]}
+        return {
+            "tables": [Table("source", columns, rows, caption)],
+            "summary": "Each source by each figure",
+            "open": True,
+        }
 
     def _row(self, trace: Mapping[str, Any], color: str, shown: Sequence[str]) -> Row:
         cells = [self._cell(trace, metric) for metric in shown]

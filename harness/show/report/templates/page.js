@@ -55,6 +55,9 @@
     return [first(low), first(high)];
   }
 
+  // what is folded on the screen is printed
+  window.addEventListener("beforeprint", () => document.querySelectorAll("details").forEach((one) => { one.open = true; }));
+
   // y range of what is visible between low and high, and whether single samples can be told apart
   function look(plot, low, high) {
     let bottom = Infinity, top = -Infinity;
