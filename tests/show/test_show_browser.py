@@ -90,6 +90,18 @@ def test_the_page_of_a_run_is_drawn_without_a_word(browser: "Browser", run_page:
     page.close()
 
 
+def test_no_button_of_a_plot_shares_anything(browser: "Browser", run_page: Path) -> None:
+    page, _ = open_page(browser, run_page, "light")
+    titles = page.evaluate(
+        "[...document.querySelectorAll('.modebar-btn')].map((one) => one.getAttribute('data-title').toLowerCase())"
+    )
+    assert "zoom in" in titles
+    assert not [
+        title for title in titles if any(word in title for word in ("share", "cloud", "send", "edit", "upload"))
+    ]
+    page.close()
+
+
 def test_a_zoom_to_a_jump_shows_single_samples(browser: "Browser", run_page: Path, sources: list[Trajectory]) -> None:
     page, said = open_page(browser, run_page, "light")
     page.click(".zoom button:nth-of-type(2)")

@@ -45,7 +45,11 @@
     return styled;
   }
 
-  const config = { displaylogo: false, responsive: true, modeBarButtonsToRemove: ["select2d", "lasso2d", "autoScale2d"] };
+  // nothing of a page leaves it
+  const config = {
+    displaylogo: false, responsive: true, showSendToCloud: false, plotlyServerURL: "",
+    modeBarButtonsToRemove: ["select2d", "lasso2d", "autoScale2d"],
+  };
   const element = (spec) => document.getElementById("plot-" + spec.name);
   const FEW = 400;
 
