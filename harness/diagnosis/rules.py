@@ -290,16 +290,18 @@ SCREEN_SHARE = Rule(
     "screen-share",
     0.04,
     "share of the best",
-    "a law of two or more parameters is fitted at all",
+    "a law of two or more parameters is fitted at all; any law beside one that leaves structure",
     "a third of the least share of the best promise that a true effect had in the screen: 0.117 (attached-mode), of"
-    " 45 free decays (python -m harness.app.calibrate screen-share --draws 45)",
+    " 45 free decays (python -m harness.app.calibrate screen-share --draws 45), and a true second one beside the first:"
+    " 0.123 (python -m harness.app.calibrate pair-promise --draws 67)",
 )
 
 PAIR_PROMISE = Rule(
     "pair-promise",
     12.0,
     "chi-square per point",
-    "a model that explains nothing is extended by a second term only if one promises to come so near the noise",
+    "a model that explains nothing is extended by a second term only if one promises to come so near the noise, and"
+    " only by those that do",
     "above all that a true second term promises to first order: of 51 half promise 1.05 at most, one in ten more than"
     " 2.4, one in twenty more than 5.7, the worst 11.2 (python -m harness.app.calibrate pair-promise --draws 67); what"
     " promises more is not searched, and its pair not named",

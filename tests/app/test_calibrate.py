@@ -17,7 +17,7 @@ JUDGES = {
     "second-term": {"second-term"},
     "pairs-apart": {"pairs-apart"},
     "screen-share": {"screen-share"},
-    "pair-promise": {"pair-promise"},
+    "pair-promise": {"pair-promise", "screen-share"},
     "main-effect": {
         "least-ratio",
         "margin",

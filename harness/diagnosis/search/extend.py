@@ -13,19 +13,11 @@ from harness.diagnosis.fit.model_fit import Fit, chi2_of, fit
 from harness.diagnosis.fit.observe import COARSE
 from harness.diagnosis.fit.parameters import base_of, free_of
 from harness.diagnosis.problem import Problem
-from harness.diagnosis.rules import (
-    DECISIVE,
-    FRICTION_GONE,
-    PAIR_PROMISE,
-    PERIOD_SEEN,
-    SCREEN_GAIN,
-    SCREEN_GAIN_OF_ONE,
-    SCREEN_SHARE,
-)
+from harness.diagnosis.rules import DECISIVE, FRICTION_GONE, PERIOD_SEEN
 from harness.diagnosis.search.decimation import condensed
+from harness.diagnosis.search.look import Look
 from harness.diagnosis.search.repeats import repeats
-from harness.diagnosis.search.screen import Candidate, direct, screen
-from harness.diagnosis.search.start_evidence import evidence
+from harness.diagnosis.search.screen import Candidate
 from harness.kernels.solve import Scales
 from harness.model.model import Model
 from harness.model.registry import NAMED
@@ -38,8 +30,6 @@ _KEPT_STARTS, _GONE_ON_WITH = 2, 12
 """Samples and iterations of first looks, starts of a law and laws that are gone on with: they bound the work."""
 _EARLY = 0.5
 """Share of a recording in which phases have not yet parted, so that a law promises what it would."""
-_BEYOND = 3.0
-"""Standard deviations of chi-square from which a fit leaves something, so that knocks are looked for."""
 _FINALISTS, _SURE_FINALISTS, _NEAR_BEST = 8, 3, 0.1
 """Laws fitted to all samples: at most, in any case, and while they gain this share of the best."""
 _MISPLACED, _MISPLACED_SHARE = 150.0, 0.02
@@ -109,7 +99,7 @@ def _further(
     for model in begun:
         starts.setdefault(model.terms[-1].term.key, []).append(model)
     looked: dict[str, Model] = {}
-    for candidate in _worthy(current, problem, scales, terms):
+    for candidate in Look.at(current, problem, scales, terms).worthy():
         looked.setdefault(candidate.term.key, candidate.model)
     for key, model in looked.items():
         starts.setdefault(key, []).append(model)
@@ -121,37 +111,38 @@ def _further(
 
 
 def _candidates(current: Fit, problem: Problem, scales: Scales, terms: Sequence[Term]) -> list[Candidate]:
-    """What the screen lets through, of the whole recording and of its first part alone.
+    """What a first look lets through, of the whole recording and of its first part alone.
 
     In the first part a misfit has not grown yet, so that the first-order answer is a good one.
     """
-    base = base_of(current.free)
-    early = problem.first_part(_EARLY)
-    before = _try(current.model, early, base, scales, _COARSE_ITERATIONS)
-    with_friction = _with_friction(current, problem, scales)
-    worthy = _worthy(current, problem, scales, terms)
-    if before is not None:
+    worthy = Look.at(current, problem, scales, terms).worthy()
+    first = opening(current, problem, scales, terms)
+    if first is not None:
         # laws that no first look can tell of begin where the whole recording leaves its numbers, here as well
-        worthy += [c for c in _worthy(before, early, scales, terms) if c.term.amplitude is not None]
+        worthy += [c for c in first.worthy() if c.term.amplitude is not None]
+    with_friction = _with_friction(current, problem, scales)
     if with_friction is not None:
-        worthy += _worthy(with_friction, problem, scales, terms)
+        worthy += Look.at(with_friction, problem, scales, terms).worthy()
     return worthy
 
 
-def _worthy(fitted: Fit, part: Problem, scales: Scales, terms: Sequence[Term]) -> list[Candidate]:
-    """What one look lets through, and the laws that no first look can tell of where something is left for them."""
-    seen = evidence(fitted, part, scales)
-    try:
-        found = screen(fitted, part, seen, scales, terms)
-    except SimulationError:
-        return []  # a law too stiff for a first look is nothing to build on
-    best = found[0].gain if found else 0.0
-    least = max(SCREEN_GAIN.value, SCREEN_SHARE.value * best)
-    worthy = [c for c in found if c.gain >= (least if len(c.term.parameters) > 1 else SCREEN_GAIN_OF_ONE.value)]
-    excess = fitted.chi2 - fitted.points
-    if excess > _BEYOND * math.sqrt(2.0 * fitted.points) or best > 2.0 * math.log(fitted.points):
-        worthy += direct(fitted, part, seen, terms)
-    return worthy
+def _ending(look: Look, scales: Scales) -> list[Candidate]:
+    """What may bring a model near the noise, by the whole recording or by its first part."""
+    ending = look.ending()
+    first = opening(look.fitted, look.part, scales, look.terms)
+    if first is not None:
+        ending += [c for c in first.ending() if c.term.amplitude is not None]
+    with_friction = _with_friction(look.fitted, look.part, scales)
+    if with_friction is not None:
+        ending += Look.at(with_friction, look.part, scales, look.terms).ending()
+    return ending
+
+
+def opening(current: Fit, problem: Problem, scales: Scales, terms: Sequence[Term]) -> Look | None:
+    """A look at the first part alone, with the model fitted to it; None where it cannot be."""
+    early = problem.first_part(_EARLY)
+    before = _try(current.model, early, base_of(current.free), scales, _COARSE_ITERATIONS)
+    return None if before is None else Look.at(before, early, scales, terms)
 
 
 def _with_friction(current: Fit, problem: Problem, scales: Scales) -> Fit | None:
@@ -183,18 +174,25 @@ def _base(current: Fit, problem: Problem) -> tuple[str, ...]:
 
 
 def extend(
-    current: Fit, problem: Problem, scales: Scales, terms: Sequence[Term] = NAMED, begun: Sequence[Model] = ()
+    current: Fit,
+    problem: Problem,
+    scales: Scales,
+    terms: Sequence[Term] = NAMED,
+    begun: Sequence[Model] = (),
+    look: Look | None = None,
 ) -> Step:
     """Fit every term that is worth it on top of a model.
 
     begun : models with one term more, from another search of the same motion; they stand for most of the first looks.
+    look : at the model; a term is worth a fit only if it may bring it near the noise then.
     """
     base = _base(current, problem)
     small, _ = condensed(problem, current.shown, _COARSE_SAMPLES, scales.omega)
     if begun:
         best = _further(begun, current, problem, small, scales, terms)
     else:
-        best = _rough(_candidates(current, problem, scales, terms), small, base, scales)
+        worthy = _candidates(current, problem, scales, terms) if look is None else _ending(look, scales)
+        best = _rough(worthy, small, base, scales)
     finalists = _finalists(best, chi2_of(current.model, small, scales, COARSE) + current.bic - current.chi2)
     fitted = told(finalists, lambda f: f"fitting {_said(f.model)}")
     quick = [q for q in (_quick(start.model, problem, base, scales) for start in fitted) if q is not None]
@@ -208,15 +206,6 @@ def extend(
         if _repeats(found, problem) and (key not in fits or found.bic < fits[key].bic):
             fits[key] = found
     return Step(current, tuple(sorted(fits.values(), key=lambda f: f.bic)), tuple(f.model for f in best))
-
-
-def promising_start(current: Fit, problem: Problem, scales: Scales) -> bool:
-    """Whether some further term may bring a model near the noise, to first order: else no pair with it explains."""
-    try:
-        found = screen(current, problem, evidence(current, problem, scales), scales, NAMED)
-    except SimulationError:
-        return False
-    return bool(found) and current.chi2 - found[0].gain <= PAIR_PROMISE.value * current.points
 
 
 def _repeats(found: Fit, problem: Problem) -> bool:

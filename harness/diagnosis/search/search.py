@@ -17,10 +17,12 @@ from harness.diagnosis.fit.model_fit import Fit, whitened
 from harness.diagnosis.problem import P, Problem
 from harness.diagnosis.residual_tests.structure import Left, left_by, structure
 from harness.diagnosis.rules import AMONG_NAMES, COLOUR_ALONE, DECISIVE, MOST_TERMS, SECOND_TERM
-from harness.diagnosis.search.extend import Step, extend, key_of, promising_start, prune, settle
+from harness.diagnosis.search.extend import Step, extend, key_of, prune, settle
+from harness.diagnosis.search.look import Look
 from harness.estimate.noise import Noise
 from harness.kernels.solve import Scales
 from harness.model.model import Model
+from harness.model.registry import NAMED
 
 _BEAM = 4
 """First terms that are extended by a second."""
@@ -151,8 +153,7 @@ def _search(problem: P, base: Fit, scales: Scales, renew: Renew[P], begun: Seque
     left = left_by(chosen, problem, scales.omega, base)
     beam = _beam(singles)
     while len(chosen.model.terms) < MOST_TERMS.count:
-        worth = left is Left.NOISE or promising_start(chosen, problem, scales)
-        step = extend(chosen, problem, scales) if worth else Step(chosen, ())
+        step = extend(chosen, problem, scales) if left is Left.NOISE else _to_an_end(chosen, problem, scales)
         promising = bool(step.fits) and step.fits[0].bic < chosen.bic - second
         if left is Left.NOISE and not promising:
             break
@@ -246,10 +247,15 @@ def _wider(first: Step, chosen: Fit, beam: list[Fit], problem: Problem, scales: 
         if enough and best and left_by(best[0], problem, scales.omega, base) is Left.NOISE:
             break
         following, tried = (parts[0] if parts else waiting[0]), tried + 1
-        if promising_start(following, problem, scales):
-            steps.append(extend(following, problem, scales))
+        steps.append(_to_an_end(following, problem, scales))
         waiting = [f for f in waiting if f is not following]
     return _merged(steps)
+
+
+def _to_an_end(current: Fit, problem: Problem, scales: Scales) -> Step:
+    """Extensions that may explain, of a model that does not; none where no law promises that."""
+    look = Look.at(current, problem, scales, NAMED)
+    return extend(current, problem, scales, look=look) if look.promises_an_end else Step(current, ())
 
 
 def _merged(steps: list[Step]) -> tuple[Fit, ...]:
