@@ -67,8 +67,11 @@ def _try(model: Model, problem: Problem, base: tuple[str, ...], scales: Scales, 
 
 def _start(candidate: Candidate, problem: Problem, early: Problem, base: tuple[str, ...], scales: Scales) -> Fit | None:
     """A first few steps from the candidate itself or by way of the first part of the recording, whichever is nearer."""
-    first = _try(candidate.model, early, base, scales, _FIRST_ITERATIONS)
-    starts = [candidate.model] if first is None else [candidate.model, first.model]
+    starts = [candidate.model]
+    if candidate.short is not None:
+        starts = [min((candidate.model, candidate.short), key=lambda m: chi2_of(m, problem, scales, COARSE))]
+    first = _try(starts[0], early, base, scales, _FIRST_ITERATIONS)
+    starts += [] if first is None else [first.model]
     nearest = min(starts, key=lambda m: chi2_of(m, problem, scales, COARSE))
     return _try(nearest, problem, base, scales, _FIRST_ITERATIONS)
 
@@ -100,7 +103,9 @@ def _further(
         starts.setdefault(model.terms[-1].term.key, []).append(model)
     looked: dict[str, Model] = {}
     for candidate in Look.at(current, problem, scales, terms).worthy():
-        looked.setdefault(candidate.term.key, candidate.model)
+        starts_of = (candidate.model, candidate.short or candidate.model)
+        nearest = min(starts_of, key=lambda m: chi2_of(m, small, scales, COARSE))
+        looked.setdefault(candidate.term.key, nearest)
     for key, model in looked.items():
         starts.setdefault(key, []).append(model)
     best = []

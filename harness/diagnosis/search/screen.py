@@ -35,11 +35,15 @@ _SEEN, _OWN = 1e-10, 1e-9
 
 @dataclass(frozen=True, slots=True)
 class Candidate:
-    """A term with starting values, the rest of the model moved to meet it, and what it promises to take off chi2."""
+    """A term with starting values, the rest of the model moved to meet it, and what it promises to take off chi2.
+
+    short : where the model was to move further than one look can tell of: as far along the same way as it may.
+    """
 
     term: Term
     model: Model
     gain: float
+    short: Model | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -173,21 +177,37 @@ def screen(
                 shift = np.zeros(len(current.free))
                 if np.all(usable):
                     shift = -np.linalg.solve(r, along[:, column : column + width] @ amplitudes) / norm
-                moved = _moved(current, shift)
-                entry = ModelTerm(probe.term, values)
-                candidate = Candidate(probe.term, replace(moved, terms=(*moved.terms, entry)), gain)
+                share = _share_of(current, shift)
+                part_way = _combined(probe, share * amplitudes) if share < 1.0 else None
+                short = None if part_way is None else _with(_moved(current, share * shift), probe.term, part_way)
+                candidate = Candidate(probe.term, _with(_moved(current, shift), probe.term, values), gain, short)
                 found.setdefault(probe.term.key, []).append(candidate)
             column += width
     best = [c for group in found.values() for c in sorted(group, key=lambda c: -c.gain)[:_KEPT]]
     return sorted(best, key=lambda c: -c.gain)
 
 
+def _with(model: Model, term: Term, values: tuple[float, ...]) -> Model:
+    """The model with one term more."""
+    return replace(model, terms=(*model.terms, ModelTerm(term, values)))
+
+
+def _limit(current: Fit) -> FloatArray:
+    """How far each number of a model may be moved, (q,): one that is never negative by no more than half."""
+    of = zip(current.free, current.values, strict=True)
+    return np.array([0.5 * abs(v) if f.log or f.lower == 0.0 else np.inf for f, v in of])
+
+
+def _share_of(current: Fit, shift: FloatArray) -> float:
+    """Share of a shift (q,) that moves no number too far."""
+    with np.errstate(divide="ignore", invalid="ignore"):
+        shares = np.where(shift != 0.0, _limit(current) / np.abs(shift), np.inf)
+    return min(1.0, float(np.min(shares, initial=1.0)))
+
+
 def _moved(current: Fit, shift: FloatArray) -> Model:
     """The current model with its numbers moved as the new term asks, within their bounds and by no more than half."""
-    values = current.values
-    limit = np.array(
-        [0.5 * abs(v) if f.log or f.lower == 0.0 else np.inf for f, v in zip(current.free, values, strict=True)]
-    )
+    values, limit = current.values, _limit(current)
     moved = values + np.clip(shift, -limit, limit)
     moved = np.array([min(max(v, f.lower), f.upper) for f, v in zip(current.free, moved, strict=True)])
     return with_values(current.model, current.free, moved)
