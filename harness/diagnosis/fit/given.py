@@ -12,7 +12,7 @@ import numpy as np
 from harness.core.arrays import FloatArray
 from harness.diagnosis.problem import Problem
 from harness.diagnosis.problems.starts import Windows
-from harness.kernels.solve import Drive
+from harness.kernels.solve import By, Drive
 from harness.model.covariate import Acts
 from harness.model.history import History
 from harness.model.model import Model, ModelTerm
@@ -20,6 +20,8 @@ from harness.model.term import Slot
 
 _HELD = 0.02
 """Share of f_k or c that may change within a piece."""
+_HELD_PUSH = 0.05
+"""Share of the largest push that may: the motion follows it as it is, and its partials by steps."""
 _LEVELS = frozenset({Slot.FRICTION_LEVEL, Slot.BREAK_AWAY})
 _FRICTION = _LEVELS | {Slot.FRICTION_LAW, Slot.FRICTION_MODULATION}
 
@@ -45,15 +47,29 @@ def frictionless(model: Model) -> Model:
 def with_push(model: Model, problem: Problem) -> Problem:
     """The problem with the push of covariates in its drive."""
     push, drive = pushed(model, problem.covariates), problem.drive
-    if push.ndim == 0 or drive is None:
+    if push.ndim == 0:
         return problem
+    if drive is None:
+        return replace(problem, drive=Drive(problem.t, push))
     return replace(problem, drive=Drive(drive.t, drive.u + np.interp(drive.t, problem.t, push)))
+
+
+def changes(model: Model, values: Mapping[str, FloatArray], piece: slice) -> tuple[float, float]:
+    """What f_k and c are times in the mean of a piece."""
+    mean = {name: np.asarray(np.mean(y[piece])) for name, y in values.items()}
+    return float(factor(model, mean, Acts.FRICTION)), float(factor(model, mean, Acts.DAMPING))
+
+
+def scaled(model: Model) -> dict[By, float]:
+    """The numbers that friction's factor multiplies, and their values."""
+    laws = ((i, entry) for i, entry in enumerate(model.terms) if entry.term.slot in _LEVELS)
+    sized = ((i, j, entry) for i, entry in laws for j, p in enumerate(entry.term.parameters) if p.unit == "N")
+    return {"f_k": model.f_k, **{(i, j): entry.values[j] for i, j, entry in sized}}
 
 
 def held(model: Model, values: Mapping[str, FloatArray], piece: slice) -> Model:
     """The model with friction and damping as they are in the mean of a piece; its push is in the drive."""
-    mean = {name: np.asarray(np.mean(y[piece])) for name, y in values.items()}
-    dry, wet = float(factor(model, mean, Acts.FRICTION)), float(factor(model, mean, Acts.DAMPING))
+    dry, wet = changes(model, values, piece)
     f_s = None if model.f_s is None else dry * model.f_s
     terms = tuple(_scaled(entry, dry) for entry in model.terms)
     return replace(model, f_k=dry * model.f_k, f_s=f_s, c=wet * model.c, terms=terms, covariates=())
@@ -68,10 +84,12 @@ def _scaled(entry: ModelTerm, dry: float) -> ModelTerm:
 
 
 def pieces(model: Model, values: Mapping[str, FloatArray], begin: int, end: int) -> Iterator[slice]:
-    """Samples from ``begin`` to ``end`` in pieces over which friction and damping hardly change."""
+    """Samples from ``begin`` to ``end`` in pieces over which friction and damping hardly change, nor a push does."""
     part = {name: y[begin:end] for name, y in values.items()}
+    push = np.broadcast_to(pushed(model, part), (end - begin,))
+    most = float(np.max(np.abs(push), initial=0.0)) * _HELD_PUSH / _HELD or 1.0
     both = (np.broadcast_to(factor(model, part, acts), (end - begin,)) for acts in (Acts.FRICTION, Acts.DAMPING))
-    levels = np.column_stack(list(both)).tolist()
+    levels = np.column_stack((*both, push / most)).tolist()
     first = 0
     for i, level in enumerate(levels):
         if any(abs(now - then) > _HELD for now, then in zip(level, levels[first], strict=True)):
@@ -80,14 +98,14 @@ def pieces(model: Model, values: Mapping[str, FloatArray], begin: int, end: int)
     yield slice(begin + first, end)
 
 
-def resumed(model: Model, problem: Problem, begin: float, t: FloatArray, x: float, v: FloatArray) -> Model:
-    """The model as its motion, of speeds v (n,) at t (n,), s, since ``begin``, leaves it; x : where it is, m.
+def resumed(model: Model, problem: Problem, t: FloatArray, x: float, v: FloatArray) -> Model:
+    """The model as its motion, of speeds v (n,) at t (n,), s, leaves it; x : where it is, m.
 
     Internal states are those that this motion implies, after the recorded one before it.
     """
     before, speeds = t[:0], v[:0]
     if isinstance(problem.starts, Windows):
-        earlier = problem.starts.t < begin
+        earlier = problem.starts.t < t[0]
         before, speeds = problem.starts.t[earlier], problem.starts.v[earlier]
     motion = History(np.concatenate((before, t)), np.concatenate((speeds, v)), t[-1:], v[-1:], model.f_k)
     return replace(model, x0=x, v0=float(v[-1]), t0=float(t[-1]), terms=tuple(_left_by(motion, e) for e in model.terms))

@@ -1,6 +1,6 @@
 """What the sensors would have shown of a model's motion, with partials: slot O, composed per channel."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, fields, replace
 from typing import TypeAlias
 
@@ -8,12 +8,13 @@ import numpy as np
 
 from harness.core.arrays import FloatArray, IntArray, ModeArray
 from harness.core.events import Events
-from harness.diagnosis.fit.given import held, pieces, resumed, with_push
+from harness.diagnosis.fit.given import with_push
+from harness.diagnosis.fit.given_motion import motion_given
 from harness.diagnosis.problem import Problem
 from harness.diagnosis.problems.starts import Start
 from harness.diagnosis.sensors.resample import Kinematics
 from harness.diagnosis.sensors.sensor_model import Reading, lag_of, read
-from harness.kernels.solve import By, Effort, Scales, solve
+from harness.kernels.solve import By, Effort, Scales
 from harness.model.model import Model
 from harness.model.term import Slot
 
@@ -52,15 +53,12 @@ def observe(
 ) -> Observation:
     """Channels of ``problem`` as ``model`` predicts them, with partials by the parameters ``by``.
 
-    Each stretch is simulated from its own start, with covariates as they were measured: a model that has some is fitted
-    by its force, and has no partials here. Raises SimulationError when the motion cannot be followed.
+    Each stretch is simulated from its own start, with covariates as they were measured. Raises SimulationError when the
+    motion cannot be followed.
     """
     scales = scales or Scales.of(model, problem.drive)
     if model.covariates:
-        assert not by, "models with covariates are fitted by their force"
         problem = with_push(model, problem)
-        starts = problem.starts.of(model)
-        return _joined([part for start in starts for part in _in_pieces(start, problem, scales, effort)])
     return _joined([_from(start, problem, by, scales, effort) for start in problem.starts.of(model)])
 
 
@@ -70,7 +68,7 @@ def _from(start: Start, problem: Problem, by: tuple[By, ...], scales: Scales, ef
     moving = [name for b in here if b is not None for name in start.slopes.get(b, {})]
     asked = tuple(dict.fromkeys((*(b for b in here if b is not None), *moving)))
     t = problem.t[start.samples] - start.clock
-    shown = _stretch(start.model, problem, t, asked, scales, effort)
+    shown = _stretch(start, problem, t, asked, scales, effort)
     if start.clock != 0.0:
         shown = replace(shown, events=replace(shown.events, t=shown.events.t + start.clock))
     if list(asked) == here:
@@ -84,37 +82,6 @@ def _from(start: Start, problem: Problem, by: tuple[By, ...], scales: Scales, ef
                 for name, slope in start.slopes.get(b, {}).items():
                     dy[c][:, column] += slope * partials[:, asked.index(name)]
     return replace(shown, dy=dy)
-
-
-def _in_pieces(start: Start, problem: Problem, scales: Scales, effort: Effort) -> Iterator[Observation]:
-    """One stretch with its covariates as they were measured, piece after piece; each ends where the next begins."""
-    model, t, given = start.model, problem.t, problem.covariates
-    begin, end, _ = start.samples.indices(t.size)
-    speeds: FloatArray = np.empty(0)
-    for piece in pieces(model, given, begin, end):
-        last = piece.stop == end
-        times = t[piece.start : piece.stop if last else piece.stop + 1]
-        shown = _stretch(held(model, given, piece), problem, times, (), scales, effort)
-        if last:
-            yield shown
-            return
-        speeds = np.concatenate((speeds[:-1], shown.v))
-        now = t[begin : piece.stop + 1]
-        model = resumed(model, problem, float(t[begin]), now, float(shown.x[-1]), speeds)
-        yield _less_last(shown)
-
-
-def _less_last(shown: Observation) -> Observation:
-    """Without the sample that the next piece begins with."""
-    return Observation(
-        {c: y[:-1] for c, y in shown.y.items()},
-        {c: y[:-1] for c, y in shown.dy.items()},
-        shown.x[:-1],
-        shown.v[:-1],
-        shown.a[:-1],
-        shown.mode[:-1],
-        shown.events,
-    )
 
 
 def _joined(parts: Sequence[Observation]) -> Observation:
@@ -135,9 +102,10 @@ def _joined(parts: Sequence[Observation]) -> Observation:
 
 
 def _stretch(
-    model: Model, problem: Problem, t: FloatArray, by: tuple[By, ...], scales: Scales | None, effort: Effort
+    start: Start, problem: Problem, t: FloatArray, by: tuple[By, ...], scales: Scales | None, effort: Effort
 ) -> Observation:
-    """A stretch simulated from the model's own start."""
+    """A stretch simulated from its start."""
+    model = start.model
     dynamic = tuple(b for b in by if not _is_sensor(model, b))
     column = {b: i for i, b in enumerate(dynamic)}
     want_a = "a" in problem.channels
@@ -151,10 +119,10 @@ def _stretch(
         place = np.empty(times.size, dtype=np.int64)
         place[order] = back
         at, late = place[: t.size], place[t.size :]
-        motion = solve(model, sorted_times, dynamic, problem.drive, scales, effort, want_a)
+        motion = motion_given(model, sorted_times, dynamic, problem, start.samples, scales, effort, want_a)
     else:
         at = late = slice(None)
-        motion = solve(model, t, dynamic, problem.drive, scales, effort, want_a)
+        motion = motion_given(model, t, dynamic, problem, start.samples, scales, effort, want_a)
     source = np.array([column.get(b, -1) for b in by], dtype=np.int64)
     moved = source >= 0
 
