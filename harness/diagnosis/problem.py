@@ -12,6 +12,7 @@ from typing import ClassVar, Self, TypeVar
 import numpy as np
 
 from harness.core.arrays import BoolArray, FloatArray, IntArray
+from harness.diagnosis.covariates.values import Acting
 from harness.diagnosis.problems.starts import OneStart, Starts
 from harness.estimate.noise import Noise
 from harness.kernels.solve import Drive
@@ -26,7 +27,7 @@ class Problem(ABC):
     mass : kg, None when unknown (then m = 1 and forces are per unit mass, unless a measured force gives the mass).
     zero_free : x is measured from an unknown zero. angular : x or a was given as an angle. starts : from where it is
     simulated. drive : the measured force as the solver takes it, None where none acts. covariates : by name, measured
-    columns that act too: given, not predicted.
+    columns that act too: given, not predicted. acting : how each enters, where the motion is followed.
     """
 
     t: FloatArray = field(kw_only=False)
@@ -40,6 +41,7 @@ class Problem(ABC):
     starts: Starts = field(default_factory=OneStart)
     drive: Drive | None = None
     covariates: Mapping[str, FloatArray] = field(default_factory=dict)
+    acting: tuple[Acting, ...] = ()
     provides: ClassVar[frozenset[str]] = frozenset()
     """What a term may need that every problem of this kind has; see ``given``."""
 
@@ -186,7 +188,8 @@ class Problem(ABC):
 
     def at_every_sample(self, t: FloatArray, channels: Mapping[str, FloatArray]) -> "Problem":
         """The same question at every sample t (m,), s, of the recording it was made from; channels (m,) of it."""
-        return replace(self, t=t, channels={c: channels[c] for c in self.channels}, weight={})
+        given = {name: np.interp(t, self.t, values) for name, values in self.covariates.items()}
+        return replace(self, t=t, channels={c: channels[c] for c in self.channels}, weight={}, covariates=given)
 
 
 P = TypeVar("P", bound=Problem)
@@ -211,4 +214,5 @@ def in_means(problem: P, shown: Mapping[str, FloatArray], size: int) -> P:
         channels[c] = shown[c][middle] + left / np.maximum(total, 1e-300)
         weight[c] = np.sqrt(total / size)
     noise = {c: n.of_means(size) for c, n in problem.noise.items()}
-    return replace(problem, t=problem.t[middle], channels=channels, weight=weight, noise=noise)
+    given = {name: np.add.reduceat(values[:used], first) / size for name, values in problem.covariates.items()}
+    return replace(problem, t=problem.t[middle], channels=channels, weight=weight, noise=noise, covariates=given)

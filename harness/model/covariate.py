@@ -21,7 +21,8 @@ class Covariate:
 
     acts : as a force that pushes the slider, level + gain (P - about), or on f_k or c, times 1 + gain (P - about).
     about : mean of P in the recording that was fitted. unit : of P, its name where the recording gives none.
-    level : of a force, N: where P has its mean; what is proportional to a pressure is not nil there.
+    level : of a force, N: where P has its mean; what is proportional to a pressure is not nil there. levelled : whether
+    the level is fitted: it cannot be told from an unknown zero of a spring.
     """
 
     name: str
@@ -30,6 +31,7 @@ class Covariate:
     about: float = 0.0
     unit: str = ""
     level: float = 0.0
+    levelled: bool = True
 
     @property
     def parameter(self) -> str:
@@ -39,7 +41,8 @@ class Covariate:
     @property
     def fitted(self) -> Mapping[str, float]:
         """What is fitted, by its name among the base parameters: the gain, and the level of a force."""
-        return {self.parameter: self.gain, **({self._level: self.level} if self.acts is Acts.FORCE else {})}
+        level = {self._level: self.level} if self.acts is Acts.FORCE and self.levelled else {}
+        return {self.parameter: self.gain, **level}
 
     def at(self, name: str, value: float) -> "Covariate":
         """The same with another value of what ``fitted`` calls so."""
@@ -59,7 +62,7 @@ class Covariate:
         change = f"{self.parameter} ({self.name} - {self.about:.4g})"
         match self.acts:
             case Acts.FORCE:
-                return f"a force {self._level} + {change} that pushes the slider"
+                return f"a force {f'{self._level} + ' if self.levelled else ''}{change} that pushes the slider"
             case Acts.FRICTION:
                 return f"load-dependent friction, f_k (1 + {change})"
             case Acts.DAMPING:

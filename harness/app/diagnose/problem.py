@@ -36,9 +36,6 @@ def prepared(recording: Recording, options: DiagnoseOptions) -> Prepared:
     if options.horizon is not None and not driven:
         accepted = "it is accepted with a driven recording"
         raise InputError("--horizon", f"given, but {recording.file} has no measured force", accepted)
-    if options.covariates and not driven:
-        found = f"given, but {recording.file} has no measured force and is followed as a free decay"
-        raise InputError("--covariate", found, "today it is accepted with a driven recording, whose force is fitted")
     refuse(recording)
     asked = Asked(
         options.restoring, options.zero_free, options.mass, options.horizon, options.covariates, options.guarded

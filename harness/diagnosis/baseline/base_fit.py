@@ -15,6 +15,7 @@ import numpy as np
 from harness.core.arrays import FloatArray
 from harness.core.errors import InputError, SimulationError
 from harness.diagnosis.baseline.spectral_peaks import peaks
+from harness.diagnosis.covariates.following import enter
 from harness.diagnosis.fit.model_fit import Fit, fit
 from harness.diagnosis.fit.observe import COARSE
 from harness.diagnosis.fit.parameters import base_of, free_of, with_values
@@ -153,9 +154,10 @@ def _whole(model: Model, problem: Problem, scales: Scales) -> Fit:
 
 
 def baseline(problem: Problem) -> tuple[Fit, Scales]:
-    """The best fit of the base model to a free decay.
+    """The best fit of the base model, and of what covariates do, to a free decay.
 
-    Raises InputError when the recording does not swing, SimulationError when no start could be simulated.
+    Raises InputError when the recording does not swing or a covariate says nothing of its own, SimulationError when no
+    start could be simulated.
     """
     if problem.alone:
         return _of_several(problem, [baseline(one) for one in problem.alone])
@@ -163,7 +165,8 @@ def baseline(problem: Problem) -> tuple[Fit, Scales]:
     scales = scales_of(problem, math.sqrt(models[0].k / models[0].m))
     # a knock ends the growing fit in a minimum of its own; the whole at once has others
     attempts = (partial(attempt, model, problem, scales) for model in models for attempt in (_grow, _whole))
-    return _best(attempts, problem, scales), scales
+    best = _best(attempts, replace(problem, acting=()), scales)
+    return (enter(best, problem, scales).fit if problem.acting else best), scales
 
 
 def _best(attempts: Iterable[Callable[[], Fit]], problem: Problem, scales: Scales) -> Fit:

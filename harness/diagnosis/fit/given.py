@@ -20,8 +20,8 @@ from harness.model.term import Slot
 
 _HELD = 0.02
 """Share of f_k or c that may change within a piece."""
-_HELD_PUSH = 0.05
-"""Share of the largest push that may: the motion follows it as it is, and its partials by steps."""
+_HELD_COLUMN = 0.04
+"""Share of a covariate's own range that may: what a gain does, which may be nil yet, is told by steps of it."""
 _LEVELS = frozenset({Slot.FRICTION_LEVEL, Slot.BREAK_AWAY})
 _FRICTION = _LEVELS | {Slot.FRICTION_LAW, Slot.FRICTION_MODULATION}
 
@@ -83,13 +83,18 @@ def _scaled(entry: ModelTerm, dry: float) -> ModelTerm:
     return replace(entry, values=tuple(dry * value if p.unit == "N" else value for value, p in sized))
 
 
-def pieces(model: Model, values: Mapping[str, FloatArray], begin: int, end: int) -> Iterator[slice]:
-    """Samples from ``begin`` to ``end`` in pieces over which friction and damping hardly change, nor a push does."""
+def pieces(
+    model: Model, values: Mapping[str, FloatArray], begin: int, end: int, smooth: bool = False
+) -> Iterator[slice]:
+    """Samples from ``begin`` to ``end`` in pieces over which friction and damping hardly change.
+
+    smooth : nor do the covariates, which have little noise then.
+    """
     part = {name: y[begin:end] for name, y in values.items()}
-    push = np.broadcast_to(pushed(model, part), (end - begin,))
-    most = float(np.max(np.abs(push), initial=0.0)) * _HELD_PUSH / _HELD or 1.0
     both = (np.broadcast_to(factor(model, part, acts), (end - begin,)) for acts in (Acts.FRICTION, Acts.DAMPING))
-    levels = np.column_stack((*both, push / most)).tolist()
+    steps = [_HELD / _HELD_COLUMN / (float(np.ptp(part[p.name])) or 1.0) for p in model.covariates if smooth]
+    columns = [step * part[p.name] for step, p in zip(steps, model.covariates, strict=False)]
+    levels = np.column_stack((*both, *columns)).tolist()
     first = 0
     for i, level in enumerate(levels):
         if any(abs(now - then) > _HELD for now, then in zip(level, levels[first], strict=True)):

@@ -95,7 +95,7 @@ def _begun(piece: Model, now: Model) -> tuple[ModelTerm, ...]:
 def _pieces(model: Model, by: tuple[By, ...], problem: Problem, samples: slice) -> Iterator[_Piece]:
     begin, end, _ = samples.indices(problem.t.size)
     wanted = any(_of_push(model, b) is not None for b in by)
-    stretches = list(pieces(model, problem.covariates, begin, end))
+    stretches = list(pieces(model, problem.covariates, begin, end, smooth=bool(problem.acting)))
     starts = {*_STARTS, *(name for names in model.internal_names for name in names)}
     at = begin
     for piece in stretches:

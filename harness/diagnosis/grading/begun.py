@@ -16,8 +16,11 @@ from harness.model.model import Model
 def from_within(models: Sequence[Model], problem: Problem, begin: float, scales: Scales) -> tuple[Model, ...]:
     """Models of a recording that begins later within the same motion, where their own motion is by then.
 
-    begin : s. None of a recording that is simulated from more than one start, and none that cannot be simulated.
+    begin : s. None of a recording that is simulated from more than one start or with covariates, and none that cannot
+    be simulated.
     """
+    if problem.covariates:
+        return ()
     moved = []
     for model in models:
         starts = problem.starts.of(model)

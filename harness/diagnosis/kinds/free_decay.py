@@ -5,6 +5,7 @@ from dataclasses import replace
 
 from harness.core.recording import Recording
 from harness.diagnosis.baseline.base_fit import baseline
+from harness.diagnosis.covariates.following import enter
 from harness.diagnosis.explain.holdout import periods_held_out
 from harness.diagnosis.fit.another import only_started
 from harness.diagnosis.integrator_maps.stepped import as_stepped
@@ -39,8 +40,15 @@ class FreeDecays(Kind[FreeDecay]):
         return free_decay_problem(recording, asked)
 
     def fit_base(self, problem: FreeDecay) -> Based[FreeDecay]:
-        """In means of neighbours where it is very long."""
-        return based(problem)
+        """In means of neighbours where it is very long; covariates enter beside it."""
+        plain = based(replace(problem, acting=()))
+        if not problem.acting:
+            return plain
+        found = enter(plain.fit, replace(plain.problem, acting=problem.acting), plain.scales)
+        whole = replace(problem, acting=found.acting, enters=found.said)
+        short = replace(plain.problem, acting=found.acting, enters=found.said)
+        short = replace(short, noise=noise_of(found.fit, short, plain.scales.omega))
+        return Based(whole, short, settle(under(found.fit, short), short, plain.scales), plain.scales)
 
     def search(self, based: Based[FreeDecay], other: Judge | None) -> Found:
         """Where it is doubtful, also without its beginning; then on all samples, and as the trace of an engine."""
@@ -54,7 +62,8 @@ class FreeDecays(Kind[FreeDecay]):
             notes = (f"the first {touched:.4g} s are left out: no free decay, as if a hand had not yet been off",)
         in_means = based.problem.t.size < based.whole.t.size
         every = lifted(found, based.whole, scales) if in_means else found
-        trace = as_stepped(every, scales)
+        # no engine is given a covariate
+        trace = None if based.whole.acting else as_stepped(every, scales)
         if trace is None:
             return Found(every, scales, found, None, notes)
         return Found(trace[0], scales, trace[0], trace[1], notes)

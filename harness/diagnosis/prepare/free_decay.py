@@ -1,17 +1,20 @@
 """A free decay made ready: what is no motion cut away, noise, and how the slider is held."""
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
+from harness.core.arrays import FloatArray
 from harness.core.errors import InputError
 from harness.core.recording import MINIMUM_SAMPLES, Recording
 from harness.diagnosis.baseline.base_fit import dominant_frequency
+from harness.diagnosis.covariates.values import BLOCK, Acting, values_in
 from harness.diagnosis.prepare.held import held
 from harness.diagnosis.prepare.release import released, without_hand
 from harness.diagnosis.problems.free_decay import FreeDecay
-from harness.diagnosis.request import Asked
+from harness.diagnosis.request import Asked, AskedCovariate
+from harness.diagnosis.smoothed_state.local_cubics import longest_interval, smoothed
 from harness.estimate.noise import channel_noise
 from harness.estimate.reversals import Grows, Kind, NoDecay, find_half_cycles
 from harness.estimate.saturation import within_range
@@ -47,6 +50,7 @@ def free_decay_problem(recording: Recording, asked: Asked) -> tuple[FreeDecay, t
         noise,
         mass=asked.mass,
         angular=recording.angular,
+        covariates=_smooth(recording, asked),
     )
     problem, said = held(problem, asked)
     notes = (*notes, said) if said else notes
@@ -55,7 +59,21 @@ def free_decay_problem(recording: Recording, asked: Asked) -> tuple[FreeDecay, t
         if touched > 0.0:
             why = "no free decay of this slider, as if a hand was not yet off"
             notes = (*notes, f"{touched:.4g} s after the release are left out: {why}")
-    return problem, notes
+    return replace(problem, acting=tuple(_acting(recording, one) for one in asked.covariates)), notes
+
+
+def _smooth(recording: Recording, asked: Asked) -> dict[str, FloatArray]:
+    """The covariates (n,) that were asked for, without most of their noise. Raises InputError for what says nothing."""
+    t, longest = recording.t, longest_interval(recording.t)
+    values = values_in(recording, asked.covariates)
+    return {name: smoothed(t, y, longest, channel_noise(t, y).sigma).value for name, y in values.items()}
+
+
+def _acting(recording: Recording, one: AskedCovariate) -> Acting:
+    values = recording.covariates[one.name]
+    noise = channel_noise(recording.t, values).of_means(BLOCK).sigma
+    about, unit = float(np.mean(values)), recording.units.get(one.name, "")
+    return Acting(one.name, one.acts, about, unit, noise, one.acts is not None)
 
 
 @dataclass(frozen=True, slots=True)

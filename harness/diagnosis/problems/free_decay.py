@@ -18,9 +18,15 @@ _FEWEST_TURNS = 3
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class FreeDecay(Problem):
-    """See Problem."""
+    """See Problem. enters : how covariates were found to enter, one sentence each."""
 
+    enters: tuple[str, ...] = ()
     provides: ClassVar[frozenset[str]] = frozenset({"one-clock"})
+
+    @property
+    def choices(self) -> tuple[str, ...]:
+        """How covariates enter."""
+        return self.enters
 
     def of_hand_free(self, fewest: int) -> tuple[Self, float]:
         """See Problem: a hand at the release acts before the first turning point."""

@@ -1,6 +1,5 @@
 """Which terms: forward by full fits of what the screen lets through, pairs from several singles, pruned by BIC."""
 
-import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
@@ -9,11 +8,12 @@ import numpy as np
 from harness.core.errors import SimulationError
 from harness.core.telling import told
 from harness.diagnosis.baseline.base_fit import at_rest
+from harness.diagnosis.fit.friction_back import with_friction
 from harness.diagnosis.fit.model_fit import Fit, chi2_of, fit
 from harness.diagnosis.fit.observe import COARSE
 from harness.diagnosis.fit.parameters import base_of, free_of
 from harness.diagnosis.problem import Problem
-from harness.diagnosis.rules import DECISIVE, FRICTION_GONE, PERIOD_SEEN
+from harness.diagnosis.rules import DECISIVE, PERIOD_SEEN
 from harness.diagnosis.search.decimation import condensed
 from harness.diagnosis.search.look import Look
 from harness.diagnosis.search.repeats import repeats
@@ -125,9 +125,9 @@ def _candidates(current: Fit, problem: Problem, scales: Scales, terms: Sequence[
     if first is not None:
         # laws that no first look can tell of begin where the whole recording leaves its numbers, here as well
         worthy += [c for c in first.worthy() if c.term.amplitude is not None]
-    with_friction = _with_friction(current, problem, scales)
-    if with_friction is not None:
-        worthy += Look.at(with_friction, problem, scales, terms).worthy()
+    rubbing = _with_friction(current, problem, scales)
+    if rubbing is not None:
+        worthy += Look.at(rubbing, problem, scales, terms).worthy()
     return worthy
 
 
@@ -137,9 +137,9 @@ def _ending(look: Look, scales: Scales) -> list[Candidate]:
     first = opening(look.fitted, look.part, scales, look.terms)
     if first is not None:
         ending += [c for c in first.ending() if c.term.amplitude is not None]
-    with_friction = _with_friction(look.fitted, look.part, scales)
-    if with_friction is not None:
-        ending += Look.at(with_friction, look.part, scales, look.terms).ending()
+    rubbing = _with_friction(look.fitted, look.part, scales)
+    if rubbing is not None:
+        ending += Look.at(rubbing, look.part, scales, look.terms).ending()
     return ending
 
 
@@ -154,7 +154,7 @@ def _with_friction(current: Fit, problem: Problem, scales: Scales) -> Fit | None
     """A model whose friction has vanished, with half of its damping given back to it; None where it has not.
 
     What is missing may have taken friction's place in the base. Laws that bend or modulate friction then answer to
-    nothing, and are looked for from here: equal energy over a cycle of half the amplitude, 4 f_k X = pi c omega X^2.
+    nothing, and are looked for from here.
     """
     split = with_friction(current.model, base_of(current.free), scales)
     if split is None:
@@ -163,14 +163,6 @@ def _with_friction(current: Fit, problem: Problem, scales: Scales) -> Fit | None
         return fit(split, problem, current.free, scales, 0, COARSE, thorough=False)
     except SimulationError:
         return None
-
-
-def with_friction(model: Model, base: tuple[str, ...], scales: Scales) -> Model | None:
-    """A model whose friction, which is fitted, has vanished, with half of its damping as friction; None for others."""
-    as_friction = math.pi / 4.0 * model.c * scales.omega * 0.5 * scales.x
-    if "f_k" not in base or model.f_k > FRICTION_GONE.value * as_friction:
-        return None
-    return replace(model, c=0.5 * model.c, f_k=0.5 * as_friction)
 
 
 def _base(current: Fit, problem: Problem) -> tuple[str, ...]:

@@ -12,12 +12,12 @@ import numpy as np
 
 from harness.core.arrays import BoolArray, FloatArray
 from harness.core.errors import SimulationError
+from harness.diagnosis.fit.friction_back import with_friction
 from harness.diagnosis.fit.observe import COARSE, FINE, observe
 from harness.diagnosis.fit.parameters import free_of
 from harness.diagnosis.grading.misfit import Misfit
 from harness.diagnosis.grading.prediction import Predicted, blocks_of, by_blocks, clearly_less, ratio
 from harness.diagnosis.rules import TABLE_BETTER, TABLE_ERRORS, TABLE_WORDS
-from harness.diagnosis.search.extend import with_friction
 from harness.diagnosis.tables.basis import basis_of
 from harness.diagnosis.tables.penalised import FIRST, TableFit, fit_tables, strength_by_blocks
 from harness.diagnosis.tables.rungs import RUNGS, Rung

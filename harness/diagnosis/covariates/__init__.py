@@ -1,0 +1,1 @@
+"""Measured columns that act beside the motion: which are taken, and how each enters."""
