@@ -24,6 +24,7 @@ speed_level = compiled(_speed_level, lean=True)
     _friction_drift,
     _normal_load_variation,
     _tabulated_friction_position,
+    _given_friction,
 ) = laws(
     MODULATIONS,
     "position-dependent-friction",
@@ -33,6 +34,7 @@ speed_level = compiled(_speed_level, lean=True)
     "friction-drift",
     "normal-load-variation",
     "tabulated-friction:position",
+    "given-friction",
 )
 
 
@@ -52,6 +54,8 @@ def _modulation(number: int, x: float, v: float, t: float, theta: FloatArray, o:
         _normal_load_variation(x, v, t, theta, o, out)
     elif number == 6:
         _tabulated_friction_position(x, v, theta, o, out)
+    elif number == 7:
+        _given_friction(x, v, t, theta, o, out)
 
 
 modulation = compiled(_modulation, lean=True)
@@ -99,6 +103,8 @@ smoothed_law = compiled(_smoothed_law, lean=True)
     _tabulated_friction,
     _tabulated_friction_forward,
     _tabulated_friction_backward,
+    _given_force,
+    _given_damping,
 ) = laws(
     SMOOTH,
     "quadratic-drag",
@@ -119,6 +125,8 @@ smoothed_law = compiled(_smoothed_law, lean=True)
     "tabulated-friction",
     "tabulated-friction:forward",
     "tabulated-friction:backward",
+    "given-force",
+    "given-damping",
 )
 
 
@@ -160,6 +168,10 @@ def _smooth(number: int, x: float, v: float, t: float, theta: FloatArray, o: int
         _tabulated_friction_forward(x, v, theta, o, out)
     elif number == 17:
         _tabulated_friction_backward(x, v, theta, o, out)
+    elif number == 18:
+        _given_force(x, v, t, theta, o, out)
+    elif number == 19:
+        _given_damping(x, v, t, theta, o, out)
 
 
 smooth = compiled(_smooth, lean=True)

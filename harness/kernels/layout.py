@@ -10,6 +10,8 @@ from typing import Final
 import numpy as np
 
 from harness.core.arrays import FloatArray, IntArray
+from harness.model.covariate import Acts
+from harness.model.given import GIVEN
 from harness.model.law import FIRST_TERM, KINETIC, MASS, STATIC, STIFFNESS, V_SCALE, VISCOUS
 from harness.model.model import Model, ModelTerm, Restoring
 from harness.model.registry import of_slot
@@ -39,8 +41,8 @@ NO_FRICTION, COULOMB, BRISTLE, REGULARISED = range(4)
 NO_SPRING, SPRING, PENDULUM = range(3)
 
 _RESTORING = {Restoring.NONE: NO_SPRING, Restoring.SPRING: SPRING, Restoring.PENDULUM: PENDULUM}
-MODULATIONS: Final = of_slot(Slot.FRICTION_MODULATION)
-SMOOTH: Final = of_slot(Slot.SMOOTH)
+MODULATIONS: Final = (*of_slot(Slot.FRICTION_MODULATION), GIVEN[Acts.FRICTION])
+SMOOTH: Final = (*of_slot(Slot.SMOOTH), GIVEN[Acts.FORCE], GIVEN[Acts.DAMPING])
 INTERNAL: Final = of_slot(Slot.INTERNAL)
 LEVELS: Final = of_slot(Slot.FRICTION_LEVEL)
 BRISTLES: Final = tuple(t for t in of_slot(Slot.FRICTION_LAW) if t.internal)
@@ -51,7 +53,8 @@ SMOOTHED: Final = tuple(t for t in of_slot(Slot.FRICTION_LAW) if not t.internal)
 class Layout:
     """Arrays of a model.
 
-    spec : (s,) int64. theta : (P,) float64. names : name of each place in theta ("c", "cubic-stiffness.k3").
+    spec : (s,) int64. theta : (P,) float64, tables that laws are given last. names : name of each place before
+    them ("c", "cubic-stiffness.k3").
     start : (n,) state at release. state_names : "x", "v", then internal states. speeds : places of the states that are
     speeds. term_at : first place of each term. fastest : largest angular frequency of a force in time, rad/s.
     """
@@ -72,10 +75,18 @@ def lay_out(model: Model, v_scale: float) -> Layout:
     names = ["m", "c", "k", "f_k", "f_s", "v_scale"]
     assert tuple(range(7)) == (MASS, VISCOUS, STIFFNESS, KINETIC, STATIC, V_SCALE, FIRST_TERM)
     term_at: list[int] = []
+    tables: list[tuple[int, tuple[float, ...]]] = []
     for label, entry in zip(model.labels, model.terms, strict=True):
         term_at.append(len(theta))
         theta += entry.values
         names += [f"{label}.{name}" for name in entry.term.names]
+        if entry.given:
+            tables.append((len(theta), entry.given))
+            theta.append(0.0)
+            names.append(f"{label}.given")
+    for pointer, table in tables:
+        theta[pointer] = float(len(theta))
+        theta += table
 
     def of(slot: Slot) -> list[tuple[int, ModelTerm]]:
         """Terms in a slot with the places of their parameters."""

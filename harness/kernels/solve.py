@@ -139,7 +139,7 @@ def solve(
     limit = int(effort.steps_per_cycle * (cycles + 2.0)) + 20 * u_t.size
     fixed = (_read_only(u_t), _read_only(u_y), times, h_stick, limit, want_a)
     while True:
-        record = workspace(layout.spec, layout.theta, columns, error, layout.start, start)
+        record = workspace(layout.spec, layout.theta, len(layout.names), columns, error, layout.start, start)
         record.h_max, record.sensitivity_error = h_max, _SENSITIVITY * effort.tolerance
         status, n_events, steps, reached = integrate(model.t0, record, *fixed, x, v, a, mode, dx, dv, da, events)
         if status != TOO_MANY_EVENTS or events.shape[0] > 1_000_000:

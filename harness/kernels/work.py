@@ -28,6 +28,7 @@ ROW_V, ROW_BRISTLE = plain(1), plain(2)
 
 # room for a screen of the whole catalogue: some hundred probes answer in one run
 MAX_STATES, MAX_PLACES, MAX_COLUMNS, MAX_SPEC = 12, 512, 160, 512
+MAX_THETA: Final = 2560
 
 
 class Work(Protocol):
@@ -72,7 +73,7 @@ _RECORD = np.dtype(
         ("h_max", np.float64),
         ("sensitivity_error", np.float64),
         ("spec", np.int64, (MAX_SPEC,)),
-        ("theta", np.float64, (MAX_PLACES,)),
+        ("theta", np.float64, (MAX_THETA,)),
         ("columns", np.int64, (_Q,)),
         ("scale", np.float64, (_N,)),
         ("count", np.int64, (2,)),
@@ -100,15 +101,24 @@ ACROSS: Final = 1
 
 
 def workspace(
-    spec: IntArray, theta: FloatArray, columns: IntArray, scale: FloatArray, start: FloatArray, start_s: FloatArray
+    spec: IntArray,
+    theta: FloatArray,
+    places: int,
+    columns: IntArray,
+    scale: FloatArray,
+    start: FloatArray,
+    start_s: FloatArray,
 ) -> Work:
     """A record for a model: start (n,) and start_s (n, q) are its state and sensitivities at the release.
+
+    places : how many of theta are parameters; what follows are tables.
 
     Raises InputError when the model has more terms than there is room for.
     """
     for size, most, what in (
         (start.size, MAX_STATES, "states"),
-        (theta.size, MAX_PLACES, "parameters"),
+        (places, MAX_PLACES, "parameters"),
+        (theta.size, MAX_THETA, "parameters and values of tables"),
         (columns.size, MAX_COLUMNS, "sensitivities"),
         (spec.size, MAX_SPEC, "entries"),
     ):
@@ -117,7 +127,7 @@ def workspace(
     record = np.zeros(1, dtype=_RECORD).view(np.recarray)[0]
     record.spec[: spec.size], record.theta[: theta.size] = spec, theta
     record.columns[: columns.size], record.scale[: scale.size] = columns, scale
-    record.count[:] = theta.size, columns.size
+    record.count[:] = places, columns.size
     record.z[: start.size] = start
     record.s[: start.size, : columns.size] = start_s
     return cast(Work, record)

@@ -23,11 +23,15 @@ class Restoring(StrEnum):
 
 @dataclass(frozen=True, slots=True)
 class ModelTerm:
-    """A catalogue entry with values for its parameters (in the entry's order) and starts of its internal states."""
+    """A catalogue entry with values for its parameters (in the entry's order) and starts of its internal states.
+
+    given : a table that its law reads and nothing fits, see harness.model.given.
+    """
 
     term: Term
     values: tuple[float, ...]
     internal0: tuple[float, ...] = ()
+    given: tuple[float, ...] = ()
 
     def __post_init__(self) -> None:
         if len(self.values) != len(self.term.parameters):

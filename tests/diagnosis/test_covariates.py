@@ -1,6 +1,7 @@
 """Measured covariates: a simulated cylinder whose pressure acts, and what is refused."""
 
 import math
+from dataclasses import replace
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -9,11 +10,9 @@ import numpy as np
 import pytest
 
 from harness.app.diagnose.options import DiagnoseOptions
-from harness.app.diagnose.problem import prepared
 from harness.core.arrays import FloatArray
 from harness.core.errors import InputError
 from harness.core.recording import Recording
-from harness.diagnosis.fit.given import held, pieces
 from harness.diagnosis.fit.observe import observe
 from harness.diagnosis.fit.parameters import free_of
 from harness.diagnosis.inverse_dynamics.force import given_force, inverse_force
@@ -21,8 +20,10 @@ from harness.diagnosis.inverse_dynamics.force_fit import ForceFit, fit_force
 from harness.diagnosis.inverse_dynamics.measured import Measured
 from harness.diagnosis.inverse_dynamics.search import force_baseline
 from harness.diagnosis.pipeline import prepare
+from harness.diagnosis.problems.free_decay import FreeDecay
 from harness.diagnosis.problems.inverse_dynamics import InverseDynamics
 from harness.diagnosis.request import Asked, AskedCovariate
+from harness.estimate.noise import Noise
 from harness.io.recording import ReadOptions, read_recording
 from harness.model.covariate import Acts, Covariate
 from harness.model.model import Model, ModelTerm, Restoring
@@ -97,18 +98,18 @@ def test_a_simulation_is_given_the_covariate() -> None:
 
 
 def test_friction_of_any_law_is_what_a_covariate_scales() -> None:
-    """Held over a piece, the model with it is that with its friction so much larger; force and motion agree on it."""
+    """Where it stays, the model with it is that with its friction so much larger; force and motion agree on it."""
     t = np.linspace(0.0, 1.0, 50)
     x, v, a = 0.1 * np.sin(3.0 * t), 0.3 * np.cos(3.0 * t), -0.9 * np.sin(3.0 * t)
     law = (ModelTerm.named("stribeck", f_s=2.5, v_s=0.1), ModelTerm.named("cubic-stiffness", k3=4.0))
     beside = (Covariate("P", Acts.FRICTION, 0.4, 3.0), Covariate("T", Acts.DAMPING, 0.1, 20.0))
-    model = Model(M, C, 50.0, F_K, terms=law, covariates=beside)
+    model = Model(M, C, 50.0, F_K, x0=0.3, terms=law, covariates=beside)
     given = {"P": np.full(50, 3.5), "T": np.full(50, 18.0)}
-    assert list(pieces(model, given, 0, 50)) == [slice(0, 50)]
-    same = held(model, given, slice(0, 50))
-    assert same.f_k == pytest.approx(1.2 * F_K)
-    assert same.c == pytest.approx(0.8 * C)
+    scaled = (ModelTerm.named("stribeck", f_s=1.2 * 2.5, v_s=0.1), law[1])
+    same = replace(model, f_k=1.2 * F_K, c=0.8 * C, terms=scaled, covariates=())
     assert given_force(model, t, x, v, a, given) == pytest.approx(inverse_force(same, t, x, v, a), rel=1e-12)
+    problem = FreeDecay(t, {"x": x}, {"x": Noise(1e-4, True)}, covariates=given)
+    assert observe(model, problem).y["x"] == pytest.approx(observe(same, problem).y["x"], abs=1e-8)
 
 
 def with_covariate(values: FloatArray) -> Recording:
@@ -139,13 +140,6 @@ def test_a_covariate_that_says_nothing_is_refused_in_one_line(values: FloatArray
     assert str(error.value).startswith("bench.csv: covariate P: ")
     assert why in str(error.value)
     assert "\n" not in str(error.value)
-
-
-def test_a_free_decay_refuses_covariates_by_name() -> None:
-    t = np.arange(2000) / 500.0
-    decay = Recording(t, {"x": np.exp(-0.2 * t) * np.cos(9.0 * t)}, "decay.csv", covariates={"P": pressure(t)})
-    with pytest.raises(InputError, match=r"--covariate: given, but decay\.csv has no measured force"):
-        prepared(decay, DiagnoseOptions.chosen(ReadOptions(), covariates=["P"]))
 
 
 @pytest.mark.parametrize(

@@ -1,38 +1,18 @@
-"""A motion with covariates as they were measured, piece after piece, with partials through the seams.
+"""A motion with covariates as they were measured: laws with tables of them, and partials by their gains."""
 
-Over a piece friction and damping are held (given.py); a push acts as it was measured, and is held in the partials
-alone. Where a piece ends the next begins: its start, and what that hangs on, are handed over.
-"""
-
-from collections.abc import Iterator
-from dataclasses import dataclass, fields, replace
+from dataclasses import replace
 
 import numpy as np
 
 from harness.core.arrays import FloatArray
-from harness.core.events import Events
-from harness.diagnosis.fit.given import changes, held, pieces, resumed, scaled
 from harness.diagnosis.problem import Problem
 from harness.kernels.solve import By, Effort, Scales, Solution, solve
-from harness.model.covariate import Acts
+from harness.model.covariate import Acts, Covariate
+from harness.model.given import GIVEN
 from harness.model.model import Model, ModelTerm
-from harness.model.registry import TERMS
 
-_PUSH = next(term for term in TERMS if term.name == "constant-force")
-_STARTS: tuple[By, ...] = ("x0", "v0")
-
-
-@dataclass(frozen=True, slots=True)
-class _Piece:
-    """A stretch over which covariates hardly change.
-
-    model : held over it, with a push of nothing as its last term. sums : for each number asked for, which of the
-    piece's own numbers it moves, and how much. until : s, where the next begins; None at the end.
-    """
-
-    model: Model
-    sums: tuple[tuple[tuple[By, float], ...], ...]
-    until: float | None
+_MOST = 2000
+"""Values of all tables: a column that is slow beside the motion, or smooth, has no more to say."""
 
 
 def motion_given(
@@ -47,98 +27,41 @@ def motion_given(
 ) -> Solution:
     """The motion at the times t (n,), s, over these samples of a recording, as ``solve`` gives it.
 
-    problem : with the push of covariates in its drive. Raises SimulationError.
+    Raises SimulationError.
     """
     if not model.covariates:
         return solve(model, t, by, problem.drive, scales, effort, want_a)
-    parts: list[Solution] = []
-    at, now = 0, model
-    by_start = np.zeros((2, len(by)))
-    for piece in _pieces(model, by, problem, samples):
-        end = t.size if piece.until is None else int(np.searchsorted(t, piece.until))
-        times = t[at:] if piece.until is None else np.append(t[at:end], piece.until)
-        if times.size == 0:
-            break
-        begun = replace(piece.model, x0=now.x0, v0=now.v0, t0=now.t0, terms=_begun(piece.model, now))
-        names = tuple(dict.fromkeys((*_STARTS, *(name for one in piece.sums for name, _ in one)))) if by else ()
-        found = solve(begun, times, names, problem.drive, scales, effort, want_a)
-        first = now is model
-        weights = np.zeros((len(names), len(by)))
-        for q, one in enumerate(piece.sums):
-            for name, factor in one:
-                weights[names.index(name), q] += factor
-        if by and not first:
-            weights[:2] += by_start
-        dx, dv, da = found.dx @ weights, found.dv @ weights, found.da @ weights
-        keep = slice(0, end - at)
-        parts.append(
-            Solution(
-                found.x[keep], found.v[keep], found.a[keep], found.mode[keep],
-                dx[keep], dv[keep], da[keep], by, found.events, found.steps,
-            )
-        )  # fmt: skip
-        if piece.until is None:
-            break
-        by_start = np.stack((dx[-1], dv[-1]))
-        ran = np.append(t[:end], piece.until), np.append(np.concatenate([p.v for p in parts]), found.v[-1])
-        now = resumed(model, problem, ran[0], float(found.x[-1]), ran[1])
-        at = end
-    return _joined(parts)
+    first = len(model.terms)
+    entries = tuple(_law(one, problem, samples) for one in model.covariates)
+    whole = replace(model, terms=(*model.terms, *entries), covariates=())
+    sums = [_sum(model, first, b) for b in by]
+    names = tuple(dict.fromkeys(name for one in sums for name in one))
+    found = solve(whole, t, names, problem.drive, scales, effort, want_a)
+    weights = np.zeros((len(names), len(by)))
+    for q, one in enumerate(sums):
+        for name, factor in one.items():
+            weights[names.index(name), q] = factor
+    return replace(found, dx=found.dx @ weights, dv=found.dv @ weights, da=found.da @ weights, by=by)
 
 
-def _begun(piece: Model, now: Model) -> tuple[ModelTerm, ...]:
-    """The piece's terms with the internal states that the motion has left, the last term besides."""
-    own = (replace(e, internal0=n.internal0) for e, n in zip(piece.terms, now.terms, strict=False))
-    return (*own, *piece.terms[len(now.terms) :])
+def _law(one: Covariate, problem: Problem, samples: slice) -> ModelTerm:
+    """A covariate as a law with its table over a stretch of a recording."""
+    t, values = problem.t[samples], problem.covariates[one.name][samples] - one.about
+    even = np.linspace(t[0], t[-1], max(min(t.size, _MOST // len(problem.covariates)), 2))
+    rate = (even.size - 1) / max(float(t[-1] - t[0]), 1e-300)
+    table = (float(t[0]), rate, float(even.size - 1), *np.interp(even, t, values).tolist())
+    own = (one.gain, one.level) if one.acts is Acts.FORCE else (one.gain,)
+    return ModelTerm(GIVEN[one.acts], own, given=table)
 
 
-def _pieces(model: Model, by: tuple[By, ...], problem: Problem, samples: slice) -> Iterator[_Piece]:
-    begin, end, _ = samples.indices(problem.t.size)
-    wanted = any(_of_push(model, b) is not None for b in by)
-    stretches = list(pieces(model, problem.covariates, begin, end, smooth=bool(problem.acting)))
-    starts = {*_STARTS, *(name for names in model.internal_names for name in names)}
-    at = begin
-    for piece in stretches:
-        # before its release a slider does not know what acts on it
-        if piece.stop < end and problem.t[piece.stop] <= model.t0:
-            continue
-        whole, first = slice(at, piece.stop), at == begin
-        at = piece.stop
-        own = held(model, problem.covariates, whole)
-        push: By = (len(own.terms), 0)
-        if wanted:
-            own = replace(own, terms=(*own.terms, ModelTerm(_PUSH, (0.0,))))
-        sums = tuple(_sum(model, b, problem, whole, push) if first or b not in starts else () for b in by)
-        yield _Piece(own, sums, None if piece.stop >= end else float(problem.t[piece.stop]))
-
-
-def _of_push(model: Model, by: By) -> int | None:
-    """Which covariate's push a number belongs to; None of any other."""
-    found = [i for i, p in enumerate(model.covariates) if p.acts is Acts.FORCE and by in p.fitted]
-    return found[0] if found else None
-
-
-def _sum(model: Model, by: By, problem: Problem, piece: slice, push: By) -> tuple[tuple[By, float], ...]:
-    """Which numbers of a piece's own model one of the whole model's moves, and by how much."""
-    mean = {name: float(np.mean(y[piece])) for name, y in problem.covariates.items()}
-    for one in model.covariates:
-        if by not in one.fitted:
-            continue
-        change = mean[one.name] - one.about if by == one.parameter else 1.0
-        if one.acts is Acts.FORCE:
-            return ((push, change),)
-        if one.acts is Acts.DAMPING:
-            return (("c", change * model.c),)
-        return tuple((name, change * value) for name, value in scaled(model).items())
-    dry, wet = changes(model, problem.covariates, piece)
-    factor = wet if by == "c" else dry if by in scaled(model) else 1.0
-    return ((by, factor),)
-
-
-def _joined(parts: list[Solution]) -> Solution:
-    """Pieces one after another."""
-    if len(parts) == 1:
-        return parts[0]
-    arrays = {f: np.concatenate([getattr(p, f) for p in parts]) for f in ("x", "v", "a", "mode", "dx", "dv", "da")}
-    events = Events(**{f.name: np.concatenate([getattr(p.events, f.name) for p in parts]) for f in fields(Events)})
-    return Solution(**arrays, by=parts[0].by, events=events, steps=sum(p.steps for p in parts))
+def _sum(model: Model, first: int, by: By) -> dict[By, float]:
+    """Which numbers of the laws one of the model moves, and by how much; first : place of the first covariate's law."""
+    for i, one in enumerate(model.covariates):
+        if by in one.fitted:
+            return {(first + i, 0 if by == one.parameter else 1): 1.0}
+    found: dict[By, float] = {by: 1.0}
+    if by == "c" and model.c > 0.0:
+        # what is in proportion to the damping moves with it
+        wet = ((first + i, one) for i, one in enumerate(model.covariates) if one.acts is Acts.DAMPING)
+        found |= {(i, 0): one.gain / model.c for i, one in wet}
+    return found

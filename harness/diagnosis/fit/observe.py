@@ -8,7 +8,6 @@ import numpy as np
 
 from harness.core.arrays import FloatArray, IntArray, ModeArray
 from harness.core.events import Events
-from harness.diagnosis.fit.given import with_push
 from harness.diagnosis.fit.given_motion import motion_given
 from harness.diagnosis.problem import Problem
 from harness.diagnosis.problems.starts import Start
@@ -57,8 +56,6 @@ def observe(
     motion cannot be followed.
     """
     scales = scales or Scales.of(model, problem.drive)
-    if model.covariates:
-        problem = with_push(model, problem)
     return _joined([_from(start, problem, by, scales, effort) for start in problem.starts.of(model)])
 
 

@@ -58,7 +58,7 @@ def inverse_force(model: Model, t: FloatArray, x: FloatArray, v: FloatArray, a: 
             columns = [layout.state_names.index(name) - 2 for name in names]
             inside[:, columns] += entry.term.implied(entry.values, motion).values
     work = workspace(
-        layout.spec, layout.theta, np.empty(0, np.int64), np.ones(layout.start.size), layout.start,
+        layout.spec, layout.theta, len(layout.names), np.empty(0, np.int64), np.ones(layout.start.size), layout.start,
         np.zeros((layout.start.size, 0)),
     )  # fmt: skip
     out = np.empty(t.size)

@@ -25,6 +25,8 @@ _GROWS = (
     "the swing grows, which friction never makes it do: a second mass swings along, or something pushes, and its force,"
     " recorded as u, would tell"
 )
+_ALIKE = 1.02
+"""By how much smoothing may miss more of a covariate than the narrowest: it must not round off what it does."""
 _REST = 1.0
 """How long a rest is kept after the last half-cycle, in times of the decay: it says where the slider stays."""
 
@@ -66,7 +68,7 @@ def _smooth(recording: Recording, asked: Asked) -> dict[str, FloatArray]:
     """The covariates (n,) that were asked for, without most of their noise. Raises InputError for what says nothing."""
     t, longest = recording.t, longest_interval(recording.t)
     values = values_in(recording, asked.covariates)
-    return {name: smoothed(t, y, longest, channel_noise(t, y).sigma).value for name, y in values.items()}
+    return {name: smoothed(t, y, longest, channel_noise(t, y).sigma, _ALIKE).value for name, y in values.items()}
 
 
 def _acting(recording: Recording, one: AskedCovariate) -> Acting:
