@@ -25,7 +25,7 @@ from harness.model.model import Model, ModelTerm, Restoring
 OMEGA, X, K3 = 7.0, 0.3, 25.0
 ZETA, X_K = 0.01, 0.0015
 GAIN = {Acts.FORCE: 0.3, Acts.FRICTION: 0.3, Acts.DAMPING: 0.4}
-T = np.arange(900) * 0.014
+T: FloatArray = 0.014 * np.arange(900, dtype=np.float64)
 FINE = 400
 """Steps between samples."""
 
@@ -101,6 +101,7 @@ def test_the_way_in_is_chosen_and_its_gain_recovered_within_three_standard_error
     assert chosen.acts is acts
     assert gain.stderr is not None
     assert gain.stderr < 0.03 * GAIN[acts]
+    assert gain.value is not None
     assert abs(gain.value - GAIN[acts]) < 3.0 * gain.stderr
     assert gain.unit == ("N per kg per bar" if acts is Acts.FORCE else "1 per bar")
     assert found.problem.choices[0].startswith("P enters as ")

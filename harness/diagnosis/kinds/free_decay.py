@@ -1,13 +1,17 @@
 """The steps of a free decay: a long one is searched in means, a hand may have let go late, an engine have made it."""
 
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from dataclasses import replace
 
+from harness.core.errors import InputError, SimulationError
 from harness.core.recording import Recording
 from harness.diagnosis.baseline.base_fit import baseline
 from harness.diagnosis.covariates.following import enter
 from harness.diagnosis.explain.holdout import periods_held_out
 from harness.diagnosis.fit.another import only_started
+from harness.diagnosis.fit.model_fit import fit
+from harness.diagnosis.fit.parameters import base_of, free_of
 from harness.diagnosis.integrator_maps.stepped import as_stepped
 from harness.diagnosis.inverse_dynamics.validate import Judge
 from harness.diagnosis.kinds.kind import Kind
@@ -19,7 +23,7 @@ from harness.diagnosis.request import Asked
 from harness.diagnosis.search.extend import settle
 from harness.diagnosis.search.long_recordings import lifted, shortened
 from harness.diagnosis.search.release_transient import after_hand, knocked_at_release
-from harness.diagnosis.search.search import noise_of, search, under
+from harness.diagnosis.search.search import Search, noise_of, search, under
 from harness.diagnosis.stages import Based, Found, Judged
 from harness.kernels.solve import Scales
 from harness.model.model import Model, ModelTerm
@@ -42,19 +46,17 @@ class FreeDecays(Kind[FreeDecay]):
     def fit_base(self, problem: FreeDecay) -> Based[FreeDecay]:
         """In means of neighbours where it is very long; covariates enter beside it."""
         plain = based(replace(problem, acting=()))
-        if not problem.acting:
-            return plain
-        found = enter(plain.fit, replace(plain.problem, acting=problem.acting), plain.scales)
-        whole = replace(problem, acting=found.acting, enters=found.said)
-        short = replace(plain.problem, acting=found.acting, enters=found.said)
-        short = replace(short, noise=noise_of(found.fit, short, plain.scales.omega))
-        return Based(whole, short, settle(under(found.fit, short), short, plain.scales), plain.scales)
+        return plain if not problem.acting else _entered(plain, problem)
 
     def search(self, based: Based[FreeDecay], other: Judge | None) -> Found:
         """Where it is doubtful, also without its beginning; then on all samples, and as the trace of an engine."""
         scales = based.scales
         notes: tuple[str, ...] = ()
         found = search(based.problem, based.fit, scales)
+        otherwise = _entering_otherwise(found, based)
+        if otherwise is not None:
+            based = otherwise
+            found = search(based.problem, based.fit, scales)
         doubtful = not found.explained or knocked_at_release(found.chosen, scales)
         free = after_hand(found.problem, scales) if doubtful else None
         if free is not None:
@@ -76,6 +78,45 @@ class FreeDecays(Kind[FreeDecay]):
         """Released as its own base fit is."""
         own, scales = baseline(problem)
         return [only_started(model, problem, own.model, scales) for model in models]
+
+
+def _entered(plain: Based[FreeDecay], problem: FreeDecay) -> Based[FreeDecay]:
+    """A base fit with the covariates of a problem beside it; plain : without them."""
+    found, scales = enter(plain.fit, replace(plain.problem, acting=problem.acting), plain.scales), plain.scales
+    enters = problem.enters or found.said
+    short = replace(plain.problem, acting=found.acting, enters=enters)
+    short = replace(short, noise=noise_of(found.fit, short, scales.omega))
+    whole = replace(problem, acting=found.acting, enters=enters)
+    return Based(whole, short, settle(under(found.fit, short), short, scales), scales)
+
+
+def _entering_otherwise(found: Search, based: Based[FreeDecay]) -> Based[FreeDecay] | None:
+    """The base fit with covariates as they enter beside what was found missing; None where that is as they entered.
+
+    A law that is left out moves what a covariate seems to do.
+    """
+    open_to = [one for one in based.whole.acting if not one.asked]
+    if not open_to or not found.chosen.model.terms:
+        return None
+    with suppress(SimulationError, InputError):
+        problem = replace(based.problem, noise=found.problem.noise)
+        rivals = tuple(one if one.asked else replace(one, acts=None) for one in based.whole.acting)
+        bare = replace(found.chosen.model, covariates=())
+        start = fit(bare, problem, free_of(bare, _alone(based)), based.scales)
+        again = enter(start, replace(problem, acting=rivals), based.scales)
+        if [one.acts for one in again.acting] == [one.acts for one in based.whole.acting]:
+            return None
+        bare = replace(based.fit.model, covariates=())
+        plain = fit(bare, based.problem, free_of(bare, _alone(based)), based.scales)
+        whole = replace(based.whole, acting=again.acting, enters=again.said)
+        return _entered(Based(whole, based.problem, plain, based.scales), whole)
+    return None
+
+
+def _alone(based: Based[FreeDecay]) -> tuple[str, ...]:
+    """What of a base fit is fitted besides its covariates."""
+    given = {name for one in based.fit.model.covariates for name in one.fitted}
+    return tuple(name for name in base_of(based.fit.free) if name not in given)
 
 
 def based(problem: P) -> Based[P]:
