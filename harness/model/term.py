@@ -69,6 +69,11 @@ class Known:
     low: int | None
     high: int
 
+    @property
+    def places(self) -> tuple[int, ...]:
+        """Of the parameters that hold the ends."""
+        return tuple(j for j in (self.low, self.high) if j is not None)
+
     def ends(self, values: Probe) -> tuple[float, float]:
         """Both ends, m or m/s."""
         return 0.0 if self.low is None else values[self.low], values[self.high]

@@ -13,10 +13,10 @@ from typing import Literal, TypeAlias
 import numpy as np
 
 from harness.core.arrays import FloatArray
-from harness.diagnosis.grading.misfit import Misfit
+from harness.diagnosis.baseline.words import Strokes
 from harness.diagnosis.outcome import Table
 from harness.diagnosis.tables.basis import partials
-from harness.diagnosis.tables.penalised import TableFit
+from harness.diagnosis.tables.fitted import TableFit
 from harness.fit.covariance import inverse_of
 from harness.kernels.solve import Scales
 from harness.model.model import ModelTerm
@@ -41,11 +41,11 @@ _LEAST_TAKEN = 0.01
 """Share of the squares that a table takes at least, as the band counts it."""
 
 
-def covariances(found: TableFit, misfit: Misfit) -> tuple[FloatArray, FloatArray]:
-    """Posterior and sandwich (p, p) of base parameters and coordinates of the tables."""
+def covariances(found: TableFit, strokes: Strokes) -> tuple[FloatArray, FloatArray]:
+    """Posterior and sandwich (p, p) of base parameters and coordinates of the tables; strokes : of the residual."""
     inverse = inverse_of(found.curvature())
-    n, p = misfit.problem.t.size, found.jacobian.shape[1]
-    cluster, count = misfit.strokes.of, misfit.strokes.count
+    cluster, count = strokes.of, strokes.count
+    n, p = cluster.size, found.jacobian.shape[1]
     scores = np.zeros((count, p))
     for i in range(found.residual.size // n):
         rows = slice(i * n, (i + 1) * n)
@@ -59,12 +59,15 @@ def covariances(found: TableFit, misfit: Misfit) -> tuple[FloatArray, FloatArray
     return inverse * inflated, inverse @ meat @ inverse
 
 
-def table_of(found: TableFit, misfit: Misfit, numbers: tuple[int, ...], said: str, held: float) -> Table:
+def table_of(
+    found: TableFit, strokes: Strokes, scales: Scales, numbers: tuple[int, ...], said: str, held: float
+) -> Table:
     """Some of the tables of a fit as one curve.
 
-    numbers : of the tables, places among the model's terms. held : held-out error with them, over that without.
+    strokes : of the residual, (n,). numbers : of the tables, places among the model's terms. held : held-out error with
+    them, over that without.
     """
-    strips = [_strip(found, i, misfit.scales) for i in numbers]
+    strips = [_strip(found, i, scales) for i in numbers]
     strips.sort(key=lambda one: float(one.at[0]))
     of: Quantity = strips[0].of if len(strips) == 1 else "v"
     at = np.concatenate([s.at for s in strips])
@@ -74,9 +77,9 @@ def table_of(found: TableFit, misfit: Misfit, numbers: tuple[int, ...], said: st
     b = len(found.free)
     spread = [
         np.sqrt(np.maximum(np.einsum("ij,jk,ik->i", columns, v[b:, b:], columns), 0.0))
-        for v in covariances(found, misfit)
+        for v in covariances(found, strokes)
     ]
-    x, v = found.shown.x, found.shown.v
+    x, v = found.look.x, found.look.v
     quantity = {"x": x, "|v|": np.abs(v), "v": v}[of]
     looks = np.quantile(quantity[v != 0.0], np.linspace(0.0, 1.0, POINTS))
     # friction is never below none

@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass
 
+from harness.core.arrays import FloatArray
 from harness.model.registry import TERMS
 from harness.model.term import Slot, Term
 
@@ -31,3 +32,8 @@ RUNGS = (
     Rung("f(x) + f(v)", (_BY_PLACE, _BY_SPEED), ("f(x)", "f(|v|) sgn v")),
 )
 """Simple ones first. A force over position and speed at once has none: a free decay never crosses itself."""
+
+
+def rungs_for(x: FloatArray, v: FloatArray) -> tuple[Rung, ...]:
+    """The rungs that a motion x, v (n,) bears."""
+    return RUNGS

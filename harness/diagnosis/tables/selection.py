@@ -4,7 +4,7 @@ Outer blocks judge; how smooth a table is was chosen by inner ones, anew for eac
 what predicts it. The first cycle, with the largest swings, is in every fit.
 """
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 
@@ -19,8 +19,10 @@ from harness.diagnosis.grading.misfit import Misfit
 from harness.diagnosis.grading.prediction import Predicted, blocks_of, by_blocks, clearly_less, ratio
 from harness.diagnosis.rules import TABLE_BETTER, TABLE_ERRORS, TABLE_WORDS
 from harness.diagnosis.tables.basis import basis_of
-from harness.diagnosis.tables.penalised import FIRST, TableFit, fit_tables, strength_by_blocks
+from harness.diagnosis.tables.fitted import FIRST, TableFit
+from harness.diagnosis.tables.penalised import fit_tables
 from harness.diagnosis.tables.rungs import RUNGS, Rung
+from harness.diagnosis.tables.smoothness import strength_by_blocks
 from harness.model.model import Model
 from harness.model.term import Slot
 
@@ -90,13 +92,23 @@ def tabulated(misfit: Misfit, model: Model, names: tuple[str, ...], before: Pred
 
     names : base parameters of the model's fit. before : what it misses of the blocks without a table.
     """
+    base = tuple(dict.fromkeys((*names, *misfit.problem.starts.names)))
+    return climbed(RUNGS, lambda rung: fitted(rung, misfit, model, base), lambda found: held_out(found, misfit), before)
+
+
+def climbed(
+    rungs: Sequence[Rung],
+    fitted: Callable[[Rung], TableFit | None],
+    held_out: Callable[[TableFit], Predicted | None],
+    before: Predicted,
+) -> tuple[Tabulated, ...]:
+    """Rungs, simple ones first, that predict clearly better than without them and than those that they hold."""
     if before.by_span.size < _FEWEST_BLOCKS:
         return ()
-    base = tuple(dict.fromkeys((*names, *misfit.problem.starts.names)))
     kept: dict[str, Tabulated] = {}
-    for rung in RUNGS:
-        found = fitted(rung, misfit, model, base)
-        held = None if found is None else held_out(found, misfit)
+    for rung in rungs:
+        found = fitted(rung)
+        held = None if found is None else held_out(found)
         if found is None or held is None:
             continue
         if all(improves(held, one) for one in (before, *(kept[on].held for on in rung.on if on in kept))):
