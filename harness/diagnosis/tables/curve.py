@@ -3,7 +3,8 @@
 The error is the larger of two: the penalised fit read as a posterior (Nychka 1988, J. Am. Stat. Assoc. 83, 1134), its
 noise as large as the scores of strokes scatter, and those scores through the fit (Liang and Zeger 1986). A misfit
 says one thing for half a swing; samples are no independent words. To it is added what else may be in the table: small
-effects that it has taken in are held to be as large, in proportion, as what it leaves of blocks left out.
+effects that it has taken in are held to be as large, in proportion, as what it leaves of blocks left out; and what a
+rougher table says otherwise, which the blocks ask for and so few words do not allow.
 """
 
 import math
@@ -14,9 +15,11 @@ import numpy as np
 
 from harness.core.arrays import FloatArray
 from harness.diagnosis.baseline.words import Strokes
+from harness.diagnosis.grading.prediction import blocks_of
 from harness.diagnosis.outcome import Table
 from harness.diagnosis.tables.basis import partials
 from harness.diagnosis.tables.fitted import TableFit
+from harness.diagnosis.tables.smoothness import rougher
 from harness.fit.covariance import inverse_of
 from harness.kernels.solve import Scales
 from harness.model.model import ModelTerm
@@ -81,12 +84,14 @@ def table_of(
     ]
     x, v = found.look.x, found.look.v
     quantity = {"x": x, "|v|": np.abs(v), "v": v}[of]
-    looks = np.quantile(quantity[v != 0.0], np.linspace(0.0, 1.0, POINTS))
+    # in the middle of parts of equal counts: their mean is the motion's
+    looks = np.quantile(quantity[v != 0.0], (np.arange(POINTS) + 0.5) / POINTS)
     # friction is never below none
     force = np.maximum(factor * (columns @ found.at), -level)
     size = float(np.sqrt(np.mean(np.interp(looks, at, force) ** 2)))
     beside = size * held / math.sqrt(max(1.0 - held**2, _LEAST_TAKEN))
-    stderr = np.hypot(factor * np.maximum(*spread), beside)
+    smoothed = columns @ (rougher(found, blocks_of(strokes)) - found.at)
+    stderr = np.hypot(np.hypot(factor * np.maximum(*spread), beside), factor * smoothed)
     return Table(said, of, at, force, stderr, looks, _gauge(found, of, strips[0].unit_force))
 
 

@@ -71,3 +71,16 @@ def strength_by_blocks(found: TableFit, block: FloatArray, keep: Sequence[int], 
         if missed < least:
             best, least = strength, missed
     return best
+
+
+def rougher(found: TableFit, block: FloatArray) -> FloatArray:
+    """Coordinates (q,) of the tables as rough as blocks alone would have them, however few words there are.
+
+    Linear about the fit; those of the fit itself where the words do not bound it.
+    """
+    strength = strength_by_blocks(found, block, range(int(block.max()) + 1), np.inf)
+    if strength >= found.strength:
+        return found.at
+    b = len(found.free)
+    y = found.residual + found.jacobian[:, b:] @ found.at
+    return np.asarray((inverse_of(replace(found, strength=strength).curvature()) @ (found.jacobian.T @ y))[b:])
