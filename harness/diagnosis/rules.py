@@ -510,6 +510,22 @@ TABLE_WORDS = Rule(
     "three words a parameter at least; a bound, within which inner blocks choose",
 )
 
+PATH_APART = Rule(
+    "path-apart",
+    0.25,
+    "of the recording",
+    "a cell of the plane of position and speed counts as seen again so long after",
+    "what drifts along the recording has moved a quarter of its way by then",
+)
+PATH_AGAIN = Rule(
+    "path-again",
+    0.8,
+    "share of the time",
+    "a driven path comes back, so that a force over position and speed at once is tried: so much of it is spent in"
+    " cells (eight along each side) that are seen again",
+    "ORIGIN_AGAIN",
+)
+
 COVARIATE_VARIES = Rule(
     "covariate-varies",
     3.0,

@@ -99,6 +99,7 @@ smoothed_law = compiled(_smoothed_law, lean=True)
     _tabulated_friction,
     _tabulated_friction_forward,
     _tabulated_friction_backward,
+    _tabulated_force,
 ) = laws(
     SMOOTH,
     "quadratic-drag",
@@ -119,6 +120,7 @@ smoothed_law = compiled(_smoothed_law, lean=True)
     "tabulated-friction",
     "tabulated-friction:forward",
     "tabulated-friction:backward",
+    "tabulated-force",
 )
 
 
@@ -160,6 +162,8 @@ def _smooth(number: int, x: float, v: float, t: float, theta: FloatArray, o: int
         _tabulated_friction_forward(x, v, theta, o, out)
     elif number == 17:
         _tabulated_friction_backward(x, v, theta, o, out)
+    elif number == 18:
+        _tabulated_force(x, v, theta, o, out)
 
 
 smooth = compiled(_smooth, lean=True)

@@ -24,7 +24,8 @@ from harness.diagnosis.rules import TABLE_WORDS
 from harness.diagnosis.search.extend import with_friction
 from harness.diagnosis.tables.basis import Basis, basis_of
 from harness.diagnosis.tables.fitted import FIRST, Look, TableFit, minimised
-from harness.diagnosis.tables.rungs import Rung, rungs_for
+from harness.diagnosis.tables.path import comes_back
+from harness.diagnosis.tables.rungs import Rung
 from harness.diagnosis.tables.selection import Tabulated, climbed
 from harness.diagnosis.tables.smoothness import strength_by_blocks
 from harness.kernels.solve import Scales
@@ -74,8 +75,12 @@ class ForceLeft:
 
     def tabulated(self, before: Predicted) -> tuple[Tabulated, ...]:
         """The rungs that stay beside the start, the one that predicts best first; before : what it misses."""
-        rungs = rungs_for(*self.motion)
-        return climbed(rungs, self.fitted, self.held_out, before)
+        return climbed(self.fitted, self.held_out, before, self.returns)
+
+    @property
+    def returns(self) -> bool:
+        """Whether the path comes back."""
+        return comes_back(*(self.measured.blocks(y) for y in (self.measured.t, self.measured.x, self.measured.v)))
 
     def fitted(self, rung: Rung) -> TableFit | None:
         """A rung, as smooth as blocks of strokes say; None where a law overflows."""

@@ -1,8 +1,8 @@
-"""What is tabulated: a force by position, by speed, by both, a resistance by speed in each direction, by position."""
+"""What is tabulated: a force by position, by speed, by a sum of both, a resistance by position, a force over both."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
-from harness.core.arrays import FloatArray
 from harness.model.registry import TERMS
 from harness.model.term import Slot, Term
 
@@ -24,16 +24,22 @@ def _table(of: str, slot: Slot = Slot.SMOOTH) -> Term:
 
 
 _BY_PLACE, _BY_SPEED = _table("x"), _table("|v|")
+_RUBS = "g(x) sgn v"
 RUNGS = (
     Rung("f(x)", (_BY_PLACE,)),
     Rung("f(|v|) sgn v", (_BY_SPEED,)),
-    Rung("g(x) sgn v", (_table("x", Slot.FRICTION_MODULATION),)),
+    Rung(_RUBS, (_table("x", Slot.FRICTION_MODULATION),)),
     Rung("f(v)", (_table("v"), _table("-v")), ("f(|v|) sgn v",)),
     Rung("f(x) + f(v)", (_BY_PLACE, _BY_SPEED), ("f(x)", "f(|v|) sgn v")),
 )
-"""Simple ones first. A force over position and speed at once has none: a free decay never crosses itself."""
+"""Simple ones first."""
+_PLANE = _table("x, v")
 
 
-def rungs_for(x: FloatArray, v: FloatArray) -> tuple[Rung, ...]:
-    """The rungs that a motion x, v (n,) bears."""
-    return RUNGS
+def over_plane(kept: Sequence[Rung]) -> Rung:
+    """The last rung, on those that stay, the best of them first: a force of position and speed that no sum says.
+
+    It has the tables of the best sum, and friction by position where that stays.
+    """
+    parts = [next((r.terms for r in kept if (r.said == _RUBS) is rubs), ()) for rubs in (False, True)]
+    return Rung("f(x, v)", (*parts[0], *parts[1], _PLANE), tuple(r.said for r in kept))

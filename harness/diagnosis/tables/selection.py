@@ -4,7 +4,7 @@ Outer blocks judge; how smooth a table is was chosen by inner ones, anew for eac
 what predicts it. The first cycle, with the largest swings, is in every fit.
 """
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from contextlib import suppress
 from dataclasses import dataclass, replace
 
@@ -20,8 +20,9 @@ from harness.diagnosis.grading.prediction import Predicted, blocks_of, by_blocks
 from harness.diagnosis.rules import TABLE_BETTER, TABLE_ERRORS, TABLE_WORDS
 from harness.diagnosis.tables.basis import basis_of
 from harness.diagnosis.tables.fitted import FIRST, TableFit
+from harness.diagnosis.tables.path import returns
 from harness.diagnosis.tables.penalised import fit_tables
-from harness.diagnosis.tables.rungs import RUNGS, Rung
+from harness.diagnosis.tables.rungs import RUNGS, Rung, over_plane
 from harness.diagnosis.tables.smoothness import strength_by_blocks
 from harness.model.model import Model
 from harness.model.term import Slot
@@ -93,27 +94,42 @@ def tabulated(misfit: Misfit, model: Model, names: tuple[str, ...], before: Pred
     names : base parameters of the model's fit. before : what it misses of the blocks without a table.
     """
     base = tuple(dict.fromkeys((*names, *misfit.problem.starts.names)))
-    return climbed(RUNGS, lambda rung: fitted(rung, misfit, model, base), lambda found: held_out(found, misfit), before)
+    shown = misfit.base.shown
+    again = returns(misfit.problem, shown.x, shown.v)
+    return climbed(lambda rung: fitted(rung, misfit, model, base), lambda found: held_out(found, misfit), before, again)
 
 
 def climbed(
-    rungs: Sequence[Rung],
     fitted: Callable[[Rung], TableFit | None],
     held_out: Callable[[TableFit], Predicted | None],
     before: Predicted,
+    again: bool,
 ) -> tuple[Tabulated, ...]:
-    """Rungs, simple ones first, that predict clearly better than without them and than those that they hold."""
+    """Rungs, simple ones first, that predict clearly better than without them and than those that they hold.
+
+    again : whether the path comes back, so that a table over the plane is the last of them: else it would follow any
+    drift.
+    """
     if before.by_span.size < _FEWEST_BLOCKS:
         return ()
     kept: dict[str, Tabulated] = {}
-    for rung in rungs:
+
+    def tried(rung: Rung) -> None:
         found = fitted(rung)
         held = None if found is None else held_out(found)
         if found is None or held is None:
-            continue
+            return
         if all(improves(held, one) for one in (before, *(kept[on].held for on in rung.on if on in kept))):
             kept[rung.said] = Tabulated(rung, found, held)
-    return tuple(sorted(kept.values(), key=lambda one: one.held.total))
+
+    def best_first() -> list[Tabulated]:
+        return sorted(kept.values(), key=lambda one: one.held.total)
+
+    for rung in RUNGS:
+        tried(rung)
+    if again:
+        tried(over_plane([one.rung for one in best_first()]))
+    return tuple(best_first())
 
 
 def improves(held: Predicted, before: Predicted) -> bool:

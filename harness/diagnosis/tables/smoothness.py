@@ -4,6 +4,7 @@ The model is linear about a fit, so that no block needs a simulation of its own 
 111).
 """
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
@@ -15,6 +16,8 @@ from harness.fit.covariance import inverse_of
 
 STRENGTHS = tuple(10.0**power for power in range(-5, 4))
 """Penalties tried, in units at which the penalty weighs as much as the recording."""
+_HALVINGS = 5
+"""Of the step between two penalties, towards the one that uses all the freedom there is."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -58,9 +61,7 @@ def strength_by_blocks(found: TableFit, block: FloatArray, keep: Sequence[int], 
     rough = np.zeros((p, p))
     rough[b:, b:] = found.penalty.T @ found.penalty
     best, least = STRENGTHS[-1], np.inf
-    for strength in reversed(STRENGTHS):
-        if replace(found, strength=strength).effective > most:
-            break
+    for strength in _within(found, most):
         missed = 0.0
         for i in keep:
             rest = np.zeros(len(blocks.size), dtype=np.bool_)
@@ -71,6 +72,23 @@ def strength_by_blocks(found: TableFit, block: FloatArray, keep: Sequence[int], 
         if missed < least:
             best, least = strength, missed
     return best
+
+
+def _within(found: TableFit, most: float) -> list[float]:
+    """The penalties that keep to so many effective parameters, the strongest first, and last the one that uses all."""
+    kept: list[float] = []
+    for strength in reversed(STRENGTHS):
+        if replace(found, strength=strength).effective > most:
+            if kept:
+                low, high = math.log(strength), math.log(kept[-1])
+                for _ in range(_HALVINGS):
+                    middle = 0.5 * (low + high)
+                    within = replace(found, strength=math.exp(middle)).effective <= most
+                    low, high = (low, middle) if within else (middle, high)
+                kept.append(math.exp(high))
+            break
+        kept.append(strength)
+    return kept
 
 
 def rougher(found: TableFit, block: FloatArray) -> FloatArray:
