@@ -130,7 +130,7 @@ def _idle(term: Term, x: FloatArray, v: FloatArray) -> ModelTerm:
         values[known.low], values[known.high] = float(x.min()) - reach, float(x.max()) + reach
         if known.fast is not None and known.reach is not None:
             values[known.fast] = (1.0 + _MARGIN) * float(np.max(np.abs(v)))
-            values[known.reach] = float(np.max(known.out(tuple(values), x, v)))
+            values[known.reach] = (1.0 + _MARGIN) * float(np.max(known.out(tuple(values), x, v)))
     else:
         fastest = {"|v|": np.abs(v), "v": v, "-v": -v}[known.of]
         values[known.high] = (1.0 + _MARGIN) * float(np.max(fastest))

@@ -77,11 +77,6 @@ def table_of(
     columns = np.vstack([s.columns for s in strips])
     level = math.inf if strips[0].unit_force else found.model.f_k
     factor = 1.0 if math.isinf(level) else level
-    b = len(found.free)
-    spread = [
-        np.sqrt(np.maximum(np.einsum("ij,jk,ik->i", columns, v[b:, b:], columns), 0.0))
-        for v in covariances(found, strokes)
-    ]
     x, v = found.look.x, found.look.v
     quantity = {"x": x, "|v|": np.abs(v), "v": v}[of]
     # in the middle of parts of equal counts: their mean is the motion's
@@ -89,10 +84,20 @@ def table_of(
     # friction is never below none
     force = np.maximum(factor * (columns @ found.at), -level)
     size = float(np.sqrt(np.mean(np.interp(looks, at, force) ** 2)))
+    stderr = factor * errors(found, strokes, columns, size / factor, held)
+    return Table(said, of, at, force, stderr, looks, _gauge(found, of, strips[0].unit_force))
+
+
+def errors(found: TableFit, strokes: Strokes, columns: FloatArray, size: float, held: float) -> FloatArray:
+    """One standard error of what tables say, (m,), by their partials (m, q); size : rms of it over the motion."""
+    b = len(found.free)
+    spread = [
+        np.sqrt(np.maximum(np.einsum("ij,jk,ik->i", columns, v[b:, b:], columns), 0.0))
+        for v in covariances(found, strokes)
+    ]
     beside = size * held / math.sqrt(max(1.0 - held**2, _LEAST_TAKEN))
     smoothed = columns @ (rougher(found, blocks_of(strokes)) - found.at)
-    stderr = np.hypot(np.hypot(factor * np.maximum(*spread), beside), factor * smoothed)
-    return Table(said, of, at, force, stderr, looks, _gauge(found, of, strips[0].unit_force))
+    return np.asarray(np.hypot(np.hypot(np.maximum(*spread), beside), smoothed), dtype=np.float64)
 
 
 def _gauge(found: TableFit, of: Quantity, unit_force: bool) -> tuple[str, ...]:

@@ -21,8 +21,9 @@ from harness.diagnosis.tables.describe import described
 from harness.diagnosis.tables.fitted import TableFit
 from harness.diagnosis.tables.force_tables import ForceLeft
 from harness.diagnosis.tables.nearest import nearest
+from harness.diagnosis.tables.plane import surface_of
 from harness.diagnosis.tables.selection import Tabulated, improves
-from harness.diagnosis.tables.told import RULES, Modelled, curves, told
+from harness.diagnosis.tables.told import RULES, Modelled, curves, plane, told
 
 
 def with_force_tables(outcome: Outcome, graded: ForceGraded) -> Outcome:
@@ -67,6 +68,7 @@ def _told(
         table = table_of(found, seen.words.pieces, scales, numbers, form, held)
         near = nearest(table, start.model, problem, scales, evidence)
         tables.append((numbers, replace(table, described=described(table, found.model, problem.angular), nearest=near)))
+    both = plane(first, len(start.model.terms))
     noise = (graded.over.noise or 0.0) * after.residual.size
     independent = graded.reference.memory.independent
     gained = start.bic(independent) - after.bic(independent) - found.effective * math.log(independent)
@@ -81,6 +83,9 @@ def _told(
             kept=kept,
             refined=refined,
             tables=tuple(tables),
+            surface=None
+            if both is None
+            else (both, surface_of(found, seen.words.pieces, scales, both, held, problem.angular)),
             share=min(max((start.squares - after.squares) / max(graded.base.squares - noise, 1e-300), 0.0), 1.0),
             gained=gained,
             doubt=_doubt(seen),

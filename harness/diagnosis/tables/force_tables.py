@@ -20,7 +20,7 @@ from harness.diagnosis.inverse_dynamics.grade import held_out as held_out_alone
 from harness.diagnosis.inverse_dynamics.left_out import left_out
 from harness.diagnosis.inverse_dynamics.measured import BLOCK, Measured
 from harness.diagnosis.inverse_dynamics.strokes import ForceWords
-from harness.diagnosis.rules import TABLE_WORDS
+from harness.diagnosis.rules import TABLE_BETTER, TABLE_WORDS
 from harness.diagnosis.search.extend import with_friction
 from harness.diagnosis.tables.basis import Basis, basis_of
 from harness.diagnosis.tables.fitted import FIRST, Look, TableFit, minimised
@@ -100,7 +100,12 @@ class ForceLeft:
         return None
 
     def held_out(self, found: TableFit) -> Predicted | None:
-        """What a rung misses of blocks of strokes that neither its values nor its smoothness were fitted to."""
+        """What a rung misses of blocks of strokes that neither its values nor its smoothness were fitted to.
+
+        None where it takes too little off of what it was fitted to: it would predict no better.
+        """
+        if found.squares > TABLE_BETTER.value**2 * _CHI2_A_WORD * self.words.words:
+            return None
         seen = _Seen.of(self, found.basis)
 
         def refitted(keep: BoolArray) -> Model:

@@ -24,7 +24,7 @@ def _table(of: str, slot: Slot = Slot.SMOOTH) -> Term:
 
 
 _BY_PLACE, _BY_SPEED = _table("x"), _table("|v|")
-_RUBS = "g(x) sgn v"
+_RUBS, _BOTH = "g(x) sgn v", "f(x, v)"
 RUNGS = (
     Rung("f(x)", (_BY_PLACE,)),
     Rung("f(|v|) sgn v", (_BY_SPEED,)),
@@ -36,10 +36,13 @@ RUNGS = (
 _PLANE = _table("x, v")
 
 
-def over_plane(kept: Sequence[Rung]) -> Rung:
-    """The last rung, on those that stay, the best of them first: a force of position and speed that no sum says.
+def over_plane(kept: Sequence[Rung]) -> tuple[Rung, ...]:
+    """The last rungs, on those that stay, the best of them first: a force of position and speed that no sum says.
 
-    It has the tables of the best sum, and friction by position where that stays.
+    Beside it stand the tables of the best sum, and friction by position only where that stays and adds to it.
     """
-    parts = [next((r.terms for r in kept if (r.said == _RUBS) is rubs), ()) for rubs in (False, True)]
-    return Rung("f(x, v)", (*parts[0], *parts[1], _PLANE), tuple(r.said for r in kept))
+    total = next((r.terms for r in kept if r.said != _RUBS), ())
+    rubs = next((r.terms for r in kept if r.said == _RUBS), ())
+    on = tuple(r.said for r in kept)
+    alone = Rung(_BOTH, (*total, _PLANE), on)
+    return (alone, Rung(f"{_BOTH} + {_RUBS}", (*total, *rubs, _PLANE), (*on, _BOTH))) if rubs else (alone,)

@@ -127,8 +127,8 @@ def climbed(
 
     for rung in RUNGS:
         tried(rung)
-    if again:
-        tried(over_plane([one.rung for one in best_first()]))
+    for rung in over_plane([one.rung for one in best_first()]) if again else ():
+        tried(rung)
     return tuple(best_first())
 
 

@@ -18,8 +18,9 @@ from harness.diagnosis.tables.curve import table_of
 from harness.diagnosis.tables.describe import described
 from harness.diagnosis.tables.fitted import TableFit
 from harness.diagnosis.tables.nearest import nearest
+from harness.diagnosis.tables.plane import surface_of
 from harness.diagnosis.tables.selection import Tabulated, finished, improves, tabulated
-from harness.diagnosis.tables.told import RULES, Modelled, curves, doubt_of, told
+from harness.diagnosis.tables.told import RULES, Modelled, curves, doubt_of, plane, told
 from harness.fit.least_squares import Stop
 
 
@@ -55,6 +56,7 @@ def _told(outcome: Outcome, graded: Graded, start: Fit, held: float, kept: tuple
         near = nearest(table, start.model, problem, outcome.scales, seen)
         said = described(table, found.model, problem.angular)
         tables.append((numbers, replace(table, described=said, nearest=near)))
+    both = plane(first, named)
     excess = max(outcome.base.chi2 - float(outcome.base.points), 1e-300)
     before = outcome.base if not named else outcome.refined
     predicted = prediction(graded.base_held, first.held)
@@ -67,6 +69,9 @@ def _told(outcome: Outcome, graded: Graded, start: Fit, held: float, kept: tuple
             kept=kept,
             refined=refined,
             tables=tuple(tables),
+            surface=None
+            if both is None
+            else (both, surface_of(found, misfit.strokes, misfit.scales, both, held, problem.angular)),
             share=min(max((before.chi2 - refined.chi2) / excess, 0.0), 1.0),
             gained=float(before.bic - refined.bic - found.effective * np.log(max(refined.points, 2))),
             doubt=doubt_of(problem),
