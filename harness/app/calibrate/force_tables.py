@@ -26,9 +26,10 @@ from harness.diagnosis.inverse_dynamics.strokes import force_words
 from harness.diagnosis.pipeline import prepare
 from harness.diagnosis.problems.inverse_dynamics import InverseDynamics
 from harness.diagnosis.request import Asked
-from harness.diagnosis.rules import TABLE_BETTER, TABLE_ERRORS, TABLE_WORDS
+from harness.diagnosis.rules import PATH_AGAIN, TABLE_BETTER, TABLE_ERRORS, TABLE_WORDS
 from harness.diagnosis.tables.curve import table_of
 from harness.diagnosis.tables.force_tables import ForceLeft
+from harness.diagnosis.tables.path import time_again
 from harness.diagnosis.tables.told import curves
 from harness.model.model import Model, ModelTerm, Restoring
 from harness.model.registry import NAMED
@@ -55,10 +56,13 @@ class Row:
     """A machine: its group and law; what is kept, "" for nothing; the held-out error over the base's.
 
     held : share of the range on which two standard errors hold the truth, nan where the table is of another form.
+    again, fading : share of the time in cells of the plane that are seen again, of its motion and of one that fades.
     """
 
     group: str
     law: str
+    again: float = 1.0
+    fading: float = 0.0
     kept: str = ""
     ratio: float = 1.0
     held: float = math.nan
@@ -168,9 +172,8 @@ def _with_named(
     return model.with_terms(ModelTerm(term, (size / max(float(np.std(added)), 1e-300),)))
 
 
-def measure(seed: int, index: int) -> Row:
-    """A machine, and the tables of what its base leaves. Raises HarnessError for what cannot be fitted."""
-    group, machine = _GROUPS[index % len(_GROUPS)], moved(seed, index)
+def left_of(machine: Moved) -> tuple[ForceLeft, InverseDynamics]:
+    """What the model of a machine, its law apart, leaves of the force; and the problem. Raises HarnessError."""
     # as a servo's, whose motion nobody has to follow, but with all that moves
     problem, _ = prepare(machine.recording, Asked(machine.model.restoring, guarded=True))
     assert isinstance(problem, InverseDynamics)
@@ -178,10 +181,17 @@ def measure(seed: int, index: int) -> Row:
     measured = Measured.of(problem)
     first = replace(problem.first, terms=machine.model.terms)
     start = fit_force(first, measured, free_of(first, problem.base_names))
-    words, scales = force_words(start, measured), driven_scales(problem, problem.first)
-    left = ForceLeft.of(start, measured, words, scales)
+    scales = driven_scales(problem, problem.first)
+    return ForceLeft.of(start, measured, force_words(start, measured), scales), problem
+
+
+def measure(seed: int, index: int) -> Row:
+    """A machine, and the tables of what its base leaves. Raises HarnessError for what cannot be fitted."""
+    group, machine = _GROUPS[index % len(_GROUPS)], moved(seed, index)
+    left, _ = left_of(machine)
+    start, measured, words, scales = left.start, left.measured, left.words, left.scales
     before = left.predicted()
-    row = Row(group, machine.name)
+    row = Row(group, machine.name, time_again(measured.t, measured.x, measured.v), _fading(seed, index))
     kept = () if before is None else left.tabulated(before)
     if before is None or not kept:
         return row
@@ -203,6 +213,14 @@ def measure(seed: int, index: int) -> Row:
     return replace(row, held=within(table, true))
 
 
+def _fading(seed: int, index: int) -> float:
+    """Time in cells of the plane that are seen again, of a swing that fades to .7 or less."""
+    rng = np.random.default_rng([seed, 12, index])
+    phase = np.linspace(0.0, 2.0 * math.pi * rng.uniform(8.0, 40.0), 6000)
+    x = np.exp(math.log(rng.uniform(0.1, 0.7)) * phase / phase[-1]) * np.cos(phase)
+    return time_again(phase, x, np.gradient(x, phase))
+
+
 def said(rows: Sequence[Row]) -> Iterator[str]:
     """Figures against their goals, and every machine."""
     single = [r for r in rows if r.group in ("f(x)", "f(v)")]
@@ -220,12 +238,15 @@ def said(rows: Sequence[Row]) -> Iterator[str]:
     yield f"laws of both, taken by a sum: {sums}"
     yield f"laws of x or of v, taken by {BOTH}: {rate_of(Rate.of([r.kept.startswith(BOTH) for r in single]))}"
     yield f"no law left out: withdrawn {rate_of(Rate.of([not r.kept for r in sound]))} (goal 97 %)"
+    least, most = min(r.again for r in rows), max(r.fading for r in rows)
+    yield f"time in cells that are seen again: {least:.2f} at least, {most:.2f} at most where a motion fades"
     for r in sorted(rows, key=lambda r: (r.group, r.law)):
         what = f"{r.kept} {r.ratio:.2f} band {r.held:.2f}" if r.kept else "withdrawn"
         yield f"  {r.group:10s} {r.law or '-':24s}: {what}"
     fine = bool(single) and float(np.mean([r.ratio <= GOAL for r in single])) >= 0.8 and not any(r.kept for r in sound)
     for rule in (TABLE_BETTER, TABLE_ERRORS, TABLE_WORDS):
         yield stands(rule, fine, f"{len(single)} laws of x or of v, {len(both)} of both, {len(sound)} without any")
+    yield stands(PATH_AGAIN, most < PATH_AGAIN.value < least, f"{len(rows)} motions of either kind")
 
 
 CALIBRATION = Calibration(

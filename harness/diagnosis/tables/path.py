@@ -16,7 +16,7 @@ def comes_back(t: FloatArray, x: FloatArray, v: FloatArray) -> bool:
 
 
 def time_again(t: FloatArray, x: FloatArray, v: FloatArray) -> float:
-    """Share of the samples whose cell of the plane is seen again, or was, a good part of the recording apart."""
+    """Share of the samples whose cell of the plane is seen at times so far apart; each (n,)."""
     if float(np.ptp(x)) == 0.0 or float(np.ptp(v)) == 0.0:
         return 0.0
     cell = _CELLS * _part(x) + _part(v)

@@ -62,7 +62,12 @@ def fitted(rung: Rung, misfit: Misfit, model: Model, base: tuple[str, ...]) -> T
 
 
 def held_out(found: TableFit, misfit: Misfit) -> Predicted | None:
-    """What a rung misses of blocks of cycles that neither its values nor its smoothness were fitted to."""
+    """What a rung misses of blocks of cycles that neither its values nor its smoothness were fitted to.
+
+    None where it takes too little off of what it was fitted to: it would predict no better.
+    """
+    if found.squares > TABLE_BETTER.value**2 * misfit.base.chi2:
+        return None
     problem, scales, block = misfit.problem, misfit.scales, blocks_of(misfit.strokes)
     most = TABLE_WORDS.value * misfit.words
 
