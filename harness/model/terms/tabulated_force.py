@@ -10,9 +10,10 @@ _LOW, _HIGH, _FAST, _REACH = range(SIDE * SIDE, SIDE * SIDE + 4)
 
 
 def law(x: float, v: float, theta: FloatArray, o: int, out: FloatArray) -> None:
-    """f(x, v), a natural cubic spline along both through f_1_1 to f_6_6: x at even steps from low to high, v at
-    v/fast = s/(2 - |s|), s at even steps from -1 to 1; beyond, the value at the edge. Known where
-    ((x - mid)/half)^2 + (v/fast)^2 is at most reach^2.
+    """f(x, v), a natural cubic spline along both through f_1_1 to f_6_6, over low to high and -fast to fast.
+
+    f_i_j is its value at step i of x, which are even, and step j of v = fast s/(2 - |s|), s at even steps from -1 to 1.
+    Beyond, it keeps the value at its edge. It is known where ((x - mid)/half)^2 + (v/fast)^2 is at most reach^2.
     """
     low, width, fast = theta[o + _LOW], theta[o + _HIGH] - theta[o + _LOW], theta[o + _FAST]
     if width <= 0.0 or fast <= 0.0:
