@@ -493,9 +493,9 @@ TABLE_BETTER = Rule(
     0.9,
     "ratio of rmse",
     "a table stays: it predicts blocks that took no part in its fit so much better than the model without it",
-    "as for a term (held-out); measured with python -m harness.app.calibrate tables and, of fitted forces, force-tables:"
-    " of 20 laws of no catalogue 20 predict at .7 of the base's error or better, of 10 machines without one none gets a"
-    " table (python -m harness.app.calibrate force-tables --draws 40 --seed 5)",
+    "as for a term (held-out); measured with python -m harness.app.calibrate tables; of fitted forces 20 of 20 with a"
+    " law of no catalogue predict at .7 of the base's error or better, and of 10 without one none gets a table"
+    " (python -m harness.app.calibrate force-tables --draws 40 --seed 5)",
 )
 TABLE_ERRORS = Rule(
     "table-errors",

@@ -34,6 +34,8 @@ from harness.model.term import Slot
 
 _CHI2_A_WORD = 30.0
 """Squares of the start a word, in the units of a misfit."""
+_ABOUT = 1.1
+"""Times the effective parameters allowed: a fit's partials move a little with it."""
 _AGAIN = 8
 """Steps of a refit that starts from the fit to all."""
 _UNIT = 1e-3
@@ -102,9 +104,12 @@ class ForceLeft:
     def held_out(self, found: TableFit) -> Predicted | None:
         """What a rung misses of blocks of strokes that neither its values nor its smoothness were fitted to.
 
-        None where it takes too little off of what it was fitted to: it would predict no better.
+        None where it takes too little off of what it was fitted to, so that it would predict no better, and where even
+        the smoothest has more freedom than the words allow.
         """
         if found.squares > TABLE_BETTER.value**2 * _CHI2_A_WORD * self.words.words:
+            return None
+        if found.effective > _ABOUT * self._most:
             return None
         seen = _Seen.of(self, found.basis)
 
