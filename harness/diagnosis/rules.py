@@ -525,7 +525,7 @@ PATH_AGAIN = Rule(
     "share of the time",
     "a driven path comes back, so that a force over position and speed at once is tried: so much of it is spent in"
     " cells (eight along each side) that are seen again",
-    "motions that fade to .7 or less spend .87 of it there at most, the motions of 24 machines along waves .94 at least"
+    "24 motions that fade to .7 or less spend .78 of it there at most, those of 24 machines along waves .95 at least"
     " (python -m harness.app.calibrate force-tables --draws 24)",
 )
 

@@ -32,19 +32,19 @@ def with_force_tables(outcome: Outcome, graded: ForceGraded) -> Outcome:
     if left is None or left.over_noise <= TABLE_OVER_NOISE.value or not isinstance(problem, InverseDynamics):
         return outcome
     main = outcome.verdict == "main_effect"
-    start = graded.best if main else graded.base
-    seen = ForceLeft.of(start, graded.measured, graded.counted, outcome.scales)
-    before = seen.predicted()
-    if before is None:
-        return outcome
-    kept = seen.tabulated(before)
-    # what was listed, or is a small part, is a model too
-    rival = None if graded.best is start else seen.predicted(graded.best)
-    if kept and (rival is None or improves(kept[0].held, rival)):
-        # what cannot follow the motion is no model of it
-        with suppress(SimulationError):
-            shown = simulated(_by_force(kept[0].fit, seen), problem, outcome.scales)
-            return _told(outcome, graded, seen, before, kept, problem, shown)
+    # in the place of what was kept without a headline, or on top of it
+    starts = [graded.best] if main or graded.best is graded.base else [graded.base, graded.best]
+    for start in starts:
+        seen = ForceLeft.of(start, graded.measured, graded.counted, outcome.scales)
+        before = seen.predicted()
+        kept = () if before is None else seen.tabulated(before)
+        # what was listed, or is a small part, is a model too
+        rival = None if graded.best is start else seen.predicted(graded.best)
+        if before is not None and kept and (rival is None or improves(kept[0].held, rival)):
+            # what cannot follow the motion is no model of it
+            with suppress(SimulationError):
+                shown = simulated(_by_force(kept[0].fit, seen), problem, outcome.scales)
+                return _told(outcome, graded, seen, before, kept, problem, shown)
     return replace(outcome, rules=(*outcome.rules, *RULES))
 
 
