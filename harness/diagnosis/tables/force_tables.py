@@ -13,6 +13,7 @@ import numpy as np
 
 from harness.core.arrays import BoolArray, FloatArray
 from harness.core.errors import SimulationError
+from harness.diagnosis.fit.friction_back import with_friction
 from harness.diagnosis.fit.parameters import base_of, free_of
 from harness.diagnosis.grading.prediction import Predicted, blocks_of
 from harness.diagnosis.inverse_dynamics.force_fit import ForceFit, partials
@@ -21,7 +22,6 @@ from harness.diagnosis.inverse_dynamics.left_out import left_out
 from harness.diagnosis.inverse_dynamics.measured import BLOCK, Measured
 from harness.diagnosis.inverse_dynamics.strokes import ForceWords
 from harness.diagnosis.rules import TABLE_BETTER, TABLE_WORDS
-from harness.diagnosis.search.extend import with_friction
 from harness.diagnosis.tables.basis import Basis, basis_of
 from harness.diagnosis.tables.fitted import FIRST, Look, TableFit, minimised
 from harness.diagnosis.tables.path import comes_back
