@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 from enum import StrEnum
 from typing import Literal, TypeAlias
 
-from harness.core.arrays import FloatArray
+from harness.core.arrays import BoolArray, FloatArray
 from harness.core.quantity import Quantity
 from harness.diagnosis.fit.model_fit import Fit
 from harness.diagnosis.integrator_maps.maps import Stepping
@@ -155,6 +155,23 @@ class Table:
 
 
 @dataclass(frozen=True, slots=True)
+class Surface:
+    """A force without a name over position and speed at once, on the left of the equation of motion, beside the tables
+    of either.
+
+    x (m,) : m (a sensor shows the model's offset more). v (k,) : m/s. force, stderr (k, m) : N. known (k, m) : where
+    the motion was; elsewhere nothing is known. described : in words.
+    """
+
+    x: FloatArray
+    v: FloatArray
+    force: FloatArray
+    stderr: FloatArray
+    known: BoolArray
+    described: str = ""
+
+
+@dataclass(frozen=True, slots=True)
 class Outcome:
     """A diagnosis of one recording.
 
@@ -162,7 +179,8 @@ class Outcome:
     best model found (the base when nothing is missing or nothing helps). evidence : every catalogue name that was
     tried alone, best first. mechanisms : strongest first. stepping : of the engine whose trace it is.
     rules : those that decided. remainder : where no model explains the recording to its noise. tables : of what has no
-    name, part of the refined model. pooled : what several recordings share, where there are several.
+    name, part of the refined model; surface : what of it hangs on position and speed at once. pooled : what several
+    recordings share, where there are several.
     """
 
     problem: Problem
@@ -181,4 +199,5 @@ class Outcome:
     rules: tuple[Rule, ...] = ()
     remainder: Remainder | None = None
     tables: tuple[Table, ...] = ()
+    surface: Surface | None = None
     pooled: Pooled | None = None

@@ -32,6 +32,7 @@ from harness.diagnosis.rules import COVARIATES, POOLING
 from harness.diagnosis.search.extend import key_of
 from harness.diagnosis.search.search import Search
 from harness.diagnosis.stages import Based, Found, Judged
+from harness.diagnosis.tables.force_step import with_force_tables
 from harness.diagnosis.tables.step import with_tables
 from harness.diagnosis.verdict import judge as verdict_of
 from harness.diagnosis.verdict import weighed
@@ -127,7 +128,7 @@ def _said(judged: Judged) -> Outcome:
     unpredicted = (prediction.why,) if prediction.why else ()
     warned = cautions(found, judgement, prediction) if by_force is None else cautions_of_force(by_force)
     said = () if stepping is None else (stepping.sentence,)
-    return Outcome(
+    outcome = Outcome(
         problem=problem,
         scales=scales,
         base=found.base,
@@ -149,6 +150,7 @@ def _said(judged: Judged) -> Outcome:
         remainder=None if by_force is None else remainder_of(by_force),
         pooled=judged.found.pooled,
     )
+    return outcome if by_force is None else with_force_tables(outcome, by_force)
 
 
 def _misfit_said(judged: Judged, graded: Graded) -> Outcome:

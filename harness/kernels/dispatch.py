@@ -103,6 +103,7 @@ smoothed_law = compiled(_smoothed_law, lean=True)
     _tabulated_friction,
     _tabulated_friction_forward,
     _tabulated_friction_backward,
+    _tabulated_force,
     _given_force,
     _given_damping,
 ) = laws(
@@ -125,6 +126,7 @@ smoothed_law = compiled(_smoothed_law, lean=True)
     "tabulated-friction",
     "tabulated-friction:forward",
     "tabulated-friction:backward",
+    "tabulated-force",
     "given-force",
     "given-damping",
 )
@@ -169,8 +171,10 @@ def _smooth(number: int, x: float, v: float, t: float, theta: FloatArray, o: int
     elif number == 17:
         _tabulated_friction_backward(x, v, theta, o, out)
     elif number == 18:
-        _given_force(x, v, t, theta, o, out)
+        _tabulated_force(x, v, theta, o, out)
     elif number == 19:
+        _given_force(x, v, t, theta, o, out)
+    elif number == 20:
         _given_damping(x, v, t, theta, o, out)
 
 

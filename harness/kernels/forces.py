@@ -12,7 +12,6 @@ from harness.kernels.dispatch import internal, smooth
 from harness.kernels.layout import LISTS, N_INTERNAL, N_MODULATION, N_SMOOTH, N_STATE, PENDULUM, RESTORING, SPRING
 from harness.kernels.work import Work
 from harness.model.law import (
-    COLUMNS,
     D_INTERNAL,
     D_MASS,
     D_PARAMETER,
@@ -58,7 +57,7 @@ def _net_force(stage: int, t: float, z: FloatArray, side: int, u: float, w: Work
     at = LISTS + 3 * spec[N_MODULATION]
     for _ in range(spec[N_SMOOTH]):
         o = spec[at + 1]
-        for j in range(COLUMNS):
+        for j in range(D_PARAMETER + min(spec[at + 2], MAX_PARAMETERS)):
             row[j] = 0.0
         smooth(spec[at], x, v_law, t, theta, o, row)
         force -= row[VALUE]
@@ -75,7 +74,9 @@ def _net_force(stage: int, t: float, z: FloatArray, side: int, u: float, w: Work
     for _ in range(spec[N_INTERNAL]):
         o, s, width = spec[at + 1], spec[at + 3], spec[at + 4]
         for i in range(3):
-            for j in range(INTERNAL_COLUMNS):
+            for j in range(D_PARAMETER + min(spec[at + 2], MAX_PARAMETERS)):
+                rows[i, j] = 0.0
+            for j in range(D_INTERNAL, INTERNAL_COLUMNS):
                 rows[i, j] = 0.0
         w1 = z[s + 1] if width > 1 else 0.0
         internal(spec[at], x, v, z[s], w1, theta, o, rows)

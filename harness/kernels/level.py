@@ -4,7 +4,7 @@ from harness.core.jit import compiled
 from harness.kernels.dispatch import modulation, speed_level
 from harness.kernels.layout import BREAK_AWAY_AT, LEVEL, LEVEL_AT, LEVEL_SIZE, LISTS, N_MODULATION
 from harness.kernels.work import Work
-from harness.model.law import COLUMNS, D_LEVEL, D_PARAMETER, D_T, D_V, D_X, KINETIC, MAX_PARAMETERS, VALUE
+from harness.model.law import D_LEVEL, D_PARAMETER, D_T, D_V, D_X, KINETIC, MAX_PARAMETERS, VALUE
 
 
 def _modulated(t: float, x: float, v: float, w: Work) -> tuple[float, float, float]:
@@ -13,7 +13,7 @@ def _modulated(t: float, x: float, v: float, w: Work) -> tuple[float, float, flo
     product, by_x, by_t = 1.0, 0.0, 0.0
     at = LISTS
     for _ in range(spec[N_MODULATION]):
-        for j in range(COLUMNS):
+        for j in range(D_PARAMETER + min(spec[at + 2], MAX_PARAMETERS)):
             row[j] = 0.0
         modulation(spec[at], x, v, t, w.theta, spec[at + 1], row)
         factor = row[VALUE]
@@ -35,7 +35,7 @@ def _by_modulation(t: float, x: float, v: float, product: float, weight: float, 
     at = LISTS
     for _ in range(spec[N_MODULATION]):
         o = spec[at + 1]
-        for j in range(COLUMNS):
+        for j in range(D_PARAMETER + min(spec[at + 2], MAX_PARAMETERS)):
             row[j] = 0.0
         modulation(spec[at], x, v, t, w.theta, o, row)
         others = product / row[VALUE] if product > 0.0 else 0.0
@@ -53,7 +53,7 @@ def _curve(v: float, w: Work) -> tuple[float, float]:
     if at < 0:
         row[VALUE], row[D_V], row[D_LEVEL] = w.theta[KINETIC], 0.0, 1.0
     else:
-        for j in range(COLUMNS):
+        for j in range(D_PARAMETER + min(w.spec[LEVEL_SIZE], MAX_PARAMETERS)):
             row[j] = 0.0
         speed_level(w.spec[LEVEL], v, w.theta, at, row)
     return row[VALUE], row[D_V]

@@ -15,7 +15,6 @@ from harness.kernels.layout import BRISTLE, FRICTION, FRICTION_AT, FRICTION_LAW,
 from harness.kernels.level import break_away_at, curve, level_partials, modulated
 from harness.kernels.work import PLACES, ROW_BRISTLE, ROW_V, SPARE, Work, plain
 from harness.model.law import (
-    COLUMNS,
     D_FREE,
     D_INTERNAL,
     D_LEVEL,
@@ -41,7 +40,9 @@ def _bristle(stage: int, t: float, z: FloatArray, side: int, product: float, by_
     f_k, slope = curve(v, w)
     level, level_x, level_v = f_k * product, f_k * by_x, slope * product
     for i in range(2):
-        for j in range(INTERNAL_COLUMNS):
+        for j in range(D_PARAMETER + min(w.spec[FRICTION_SIZE], MAX_PARAMETERS)):
+            rows[i, j] = 0.0
+        for j in range(D_INTERNAL, INTERNAL_COLUMNS):
             rows[i, j] = 0.0
     # without load the bristle lets go
     if level > 0.0:
@@ -74,7 +75,7 @@ def _regularised(t: float, z: FloatArray, force: float, product: float, by_x: fl
     x, v = z[0], z[1]
     f_k, by_v = curve(v, w)
     level_x, level_v = f_k * by_x, by_v * product
-    for j in range(COLUMNS):
+    for j in range(D_PARAMETER + min(w.spec[FRICTION_SIZE], MAX_PARAMETERS)):
         row[j] = 0.0
     smoothed_law(w.spec[FRICTION_LAW], v, force * over_m, f_k * product, w.theta, at, row)
     friction: float = row[VALUE]

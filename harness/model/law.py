@@ -18,7 +18,7 @@ MASS, VISCOUS, STIFFNESS, KINETIC, STATIC, V_SCALE, FIRST_TERM = range(7)
 
 # columns of out: value, partials by state and time, by mass and stiffness, by the parameters of the law
 VALUE, D_X, D_V, D_T, D_MASS, D_STIFFNESS, D_PARAMETER = range(7)
-MAX_PARAMETERS = 14
+MAX_PARAMETERS = 40
 COLUMNS = D_PARAMETER + MAX_PARAMETERS
 
 # friction knows neither mass nor stiffness: there stand its partials by the acceleration without friction and by the

@@ -1,7 +1,7 @@
-"""A curve through values at evenly spaced knots, for laws that are a table: the natural cubic spline.
+"""Curves and surfaces through values at evenly spaced knots, for laws that are a table: natural cubic splines.
 
 The spline through given values is linear in them, so that its partials by the values are the spline's own weights.
-Source: C. de Boor, A Practical Guide to Splines, 1978, chapter IV.
+Source: C. de Boor, A Practical Guide to Splines, 1978, chapters IV and XVII (tensor products).
 """
 
 from typing import Final
@@ -13,7 +13,9 @@ from harness.core.jit import compiled
 from harness.model.law import D_PARAMETER
 
 KNOTS: Final = 12
-"""Knots of a table; as many as a law may have parameters but two."""
+"""Knots of a table."""
+SIDE: Final = 6
+"""Knots of a table over a plane along each side; their square is what a law may have parameters but four."""
 
 
 def bending(knots: int) -> FloatArray:
@@ -26,6 +28,7 @@ def bending(knots: int) -> FloatArray:
 
 
 BENDING: Final = bending(KNOTS)
+BENDING_SIDE: Final = bending(SIDE)
 
 
 def _curve(u: float, first: int, theta: FloatArray, o: int, out: FloatArray) -> tuple[float, float]:
@@ -62,3 +65,57 @@ def _curve(u: float, first: int, theta: FloatArray, o: int, out: FloatArray) -> 
 
 
 curve = compiled(_curve, lean=True)
+
+
+def _inside(u: float) -> tuple[float, float]:
+    """A place along a side within its ends, and 1; 0 where it was beyond, or no number, which must be no place."""
+    if not u >= 0.0:
+        return 0.0, 0.0
+    if u > SIDE - 1.0:
+        return SIDE - 1.0, 0.0
+    return u, 1.0
+
+
+inside = compiled(_inside, lean=True)
+
+
+def _weight(u: float, j: int) -> tuple[float, float]:
+    """Weight of the value at knot j along a side at u, which lies within it, and its slope."""
+    i = min(int(u), SIDE - 2)
+    b = u - i
+    a = 1.0 - b
+    weight = (a * (a * a - 1.0) * BENDING_SIDE[i, j] + b * (b * b - 1.0) * BENDING_SIDE[i + 1, j]) / 6.0
+    rate = ((1.0 - 3.0 * a * a) * BENDING_SIDE[i, j] + (3.0 * b * b - 1.0) * BENDING_SIDE[i + 1, j]) / 6.0
+    if j == i:
+        weight += a
+        rate -= 1.0
+    elif j == i + 1:
+        weight += b
+        rate += 1.0
+    return weight, rate
+
+
+weight = compiled(_weight, lean=True)
+
+
+def _surface(p: float, q: float, theta: FloatArray, o: int, out: FloatArray) -> tuple[float, float, float]:
+    """Value and both slopes of the surface at p, q, counted in knots from 0; beyond it keeps the value at its edge.
+
+    Its values stand in theta from o on, those along q together. Writes the partials by them.
+    """
+    p, moves_p = inside(p)
+    q, moves_q = inside(q)
+    value, by_p, by_q = 0.0, 0.0, 0.0
+    for j in range(SIDE):
+        along_q, rate_q = weight(q, j)
+        for i in range(SIDE):
+            along_p, rate_p = weight(p, i)
+            y = theta[o + SIDE * i + j]
+            value += along_p * along_q * y
+            by_p += rate_p * along_q * y
+            by_q += along_p * rate_q * y
+            out[D_PARAMETER + SIDE * i + j] = along_p * along_q
+    return value, moves_p * by_p, moves_q * by_q
+
+
+surface = compiled(_surface, lean=True)

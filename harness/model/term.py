@@ -7,6 +7,9 @@ from enum import StrEnum
 from functools import cache
 from typing import Any, Literal
 
+import numpy as np
+
+from harness.core.arrays import FloatArray
 from harness.model.elements import MadeOf
 from harness.model.evidence import Evidence
 from harness.model.history import Implied
@@ -62,16 +65,31 @@ Probe = tuple[float, ...]
 class Known:
     """Where a law is known, and not only continued.
 
-    of : "x", "|v|", "v" or "-v". low, high : parameters that hold the ends, None for 0.
+    of : "x", "|v|", "v", "-v", or "x, v". low, high : parameters that hold the ends, None for 0.
+    fast, reach : of a law of both, parameters that hold the fastest speed, and how far out of the middle it is known,
+    in shares of half the way and of the fastest speed, squares added.
     """
 
-    of: Literal["x", "|v|", "v", "-v"]
+    of: Literal["x", "|v|", "v", "-v", "x, v"]
     low: int | None
     high: int
+    fast: int | None = None
+    reach: int | None = None
+
+    @property
+    def places(self) -> tuple[int, ...]:
+        """Of the parameters that hold the ends."""
+        return tuple(j for j in (self.low, self.high, self.fast, self.reach) if j is not None)
 
     def ends(self, values: Probe) -> tuple[float, float]:
         """Both ends, m or m/s."""
         return 0.0 if self.low is None else values[self.low], values[self.high]
+
+    def out(self, values: Probe, x: FloatArray, v: FloatArray) -> FloatArray:
+        """How far out of the middle places x, v (n,) of a law of both lie; see reach."""
+        assert self.fast is not None
+        low, high = self.ends(values)
+        return np.asarray(np.hypot((2.0 * x - low - high) / (high - low), v / values[self.fast]), dtype=np.float64)
 
 
 @cache

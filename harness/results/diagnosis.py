@@ -209,6 +209,21 @@ class TableResult(Result):
     nearest: list[NearResult]
 
 
+class SurfaceResult(Result):
+    """A force without a name over position and speed at once, on the left of the equation of motion."""
+
+    form: Literal["f(x, v)"] = "f(x, v)"
+    x: list[float] = Field(description="m or rad")
+    x_unit: str
+    v: list[float] = Field(description="m/s or rad/s")
+    v_unit: str
+    force: list[list[float | None]] = Field(description="a row for each v; null where the motion never was")
+    stderr: list[list[float | None]] = Field(description="one standard error")
+    force_unit: str
+    gauge: str = Field(description="what it has none of, as it belongs to the tables of either")
+    described: str = Field(description="in words")
+
+
 class FitPercent(Result):
     """100 (1 - |y - yhat| / |y - mean y|) by channel, before and after."""
 
@@ -261,6 +276,11 @@ class DiagnosisResult(Result):
     remainder: RemainderResult | None = None
     tables: list[TableResult] = Field(
         default_factory=list, description="what has no name, as curves; part of the refined model"
+    )
+    surface: SurfaceResult | None = Field(
+        default=None,
+        description="of what has no name, what hangs on position and speed at once",
+        exclude_if=lambda value: value is None,
     )
     fit_percent: FitPercent | None = None
     rules: list[RuleResult] = Field(default_factory=list, description="the numbers that moved the verdict")

@@ -31,11 +31,12 @@ JUDGES = {
     },
     "few-cycles": {"least-cycles"},
     "tables": {"table-better", "table-errors", "table-words"},
+    "force-tables": {"table-better", "table-errors", "table-words", "path-again"},
     "guard-speed": {"guard-speed"},
     "together": {"pooled", "own"},
     "amplitudes": {"amplitudes-apart"},
 }
-LONG = {"amplitudes", "pairs-apart", "pair-promise", "main-effect", "guard-speed"}
+LONG = {"amplitudes", "pairs-apart", "pair-promise", "main-effect", "guard-speed", "force-tables"}
 """More than four seconds for one draw; the others take the same way."""
 SEED = 3
 """Its first draw says something in every calibration."""

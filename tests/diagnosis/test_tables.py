@@ -22,10 +22,12 @@ from harness.diagnosis.stages import Found
 from harness.diagnosis.tables.basis import Basis, basis_of, partials
 from harness.diagnosis.tables.curve import table_of
 from harness.diagnosis.tables.describe import described, gauge_of
+from harness.diagnosis.tables.fitted import TableFit
 from harness.diagnosis.tables.nearest import ungauged
-from harness.diagnosis.tables.penalised import Blocks, TableFit, fit_tables
+from harness.diagnosis.tables.penalised import fit_tables
 from harness.diagnosis.tables.rungs import RUNGS
 from harness.diagnosis.tables.selection import finished, tabulated
+from harness.diagnosis.tables.smoothness import Blocks
 from harness.estimate.noise import Noise
 from harness.kernels.solve import simulate
 from harness.model.model import Model, ModelTerm
@@ -86,7 +88,7 @@ def test_a_law_of_no_catalogue_is_found_with_its_place() -> None:
     assert kept[0].rung.said == "f(x)"
     assert ratio(kept[0].held, before) < 0.2
     found = finished(kept[0], seen).fit
-    table = table_of(found, seen, (0,), "f(x)", ratio(kept[0].held, before))
+    table = table_of(found, seen.strokes, seen.scales, (0,), "f(x)", ratio(kept[0].held, before))
     # what the spring and the zero say is not the table's
     true = ungauged(table, np.interp(table.swept + found.model.offset, T_TRUE, well_as_tabled()))
     shown = np.interp(table.swept, table.at, table.force)

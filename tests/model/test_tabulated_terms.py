@@ -11,7 +11,7 @@ from harness.model.elements import Polynomial
 from harness.model.law import D_PARAMETER, INTERNAL_COLUMNS, VALUE
 from harness.model.model import Model, ModelTerm
 from harness.model.registry import NAMED, TERMS
-from harness.model.spline import KNOTS, curve
+from harness.model.spline import KNOTS, SIDE, curve, surface
 from harness.model.term import Slot
 
 TABLES = [t for t in TERMS if t.known is not None]
@@ -57,7 +57,9 @@ def test_no_search_names_a_table() -> None:
     assert not any(t.probes is not TABLES[0].probes or t.amplitude is not None for t in TABLES)
 
 
-@pytest.mark.parametrize("entry", [t for t in TABLES if t.known is not None and t.known.of != "x"], ids=lambda t: t.key)
+@pytest.mark.parametrize(
+    "entry", [t for t in TABLES if t.known is not None and t.known.of in ("|v|", "v", "-v")], ids=lambda t: t.key
+)
 def test_a_resistance_by_speed_is_nothing_at_rest_and_never_jumps(entry: object) -> None:
     assert entry in TABLES
     term = next(t for t in TABLES if t is entry)
@@ -110,3 +112,45 @@ def test_what_a_cubic_would_only_come_near_has_none(force: Callable[[np.ndarray]
     entry = table(force(np.linspace(-0.2, 0.3, KNOTS)))
     assert entry.term.elements is not None
     assert not any(any(e.stiffness) for e in entry.term.elements(entry.values, 100.0) if isinstance(e, Polynomial))
+
+
+def of_plane(p: float, q: float, values: np.ndarray) -> tuple[float, float, float, np.ndarray]:
+    out = np.zeros(INTERNAL_COLUMNS)
+    value, by_p, by_q = surface(p, q, values.ravel(), 0, out)
+    return value, by_p, by_q, out[D_PARAMETER : D_PARAMETER + SIDE * SIDE]
+
+
+GRID = np.random.default_rng(5).standard_normal((SIDE, SIDE))
+
+
+def test_the_surface_is_the_natural_spline_along_both_sides() -> None:
+    knots = np.arange(SIDE)
+    along = CubicSpline(knots, GRID, axis=0, bc_type="natural")
+    for p, q in np.random.default_rng(6).uniform(0.0, SIDE - 1.0, (40, 2)).tolist():
+        across = CubicSpline(knots, along(p), bc_type="natural")
+        slope = CubicSpline(knots, along(p, 1), bc_type="natural")
+        value, by_p, by_q, weights = of_plane(p, q, GRID)
+        assert value == pytest.approx(across(q), abs=1e-12)
+        assert by_p == pytest.approx(slope(q), abs=1e-11)
+        assert by_q == pytest.approx(across(q, 1), abs=1e-11)
+        assert value == pytest.approx(weights @ GRID.ravel())
+        assert weights.sum() == pytest.approx(1.0)
+
+
+@pytest.mark.parametrize(("p", "q"), [(-3.0, 2.2), (2.2, 1e300), (-1e300, -1.0), (float("nan"), 2.2)])
+def test_beyond_its_edge_a_surface_keeps_the_value_there(p: float, q: float) -> None:
+    value, by_p, by_q, _ = of_plane(p, q, GRID)
+    edge_p, edge_q = (0.0 if np.isnan(y) else min(max(y, 0.0), SIDE - 1.0) for y in (p, q))
+    assert value == of_plane(edge_p, edge_q, GRID)[0]
+    assert by_p == 0.0 or edge_p == p
+    assert by_q == 0.0 or edge_q == q
+
+
+def test_a_motion_that_leaves_the_oval_of_a_plane_is_said() -> None:
+    (term,) = (t for t in TABLES if t.known is not None and t.known.of == "x, v")
+    values = (*np.zeros(SIDE * SIDE).tolist(), -1.0, 3.0, 2.0, 1.1)
+    model = Model(1.0, 0.1, 100.0, 0.1, x0=1.0).with_terms(ModelTerm(term, values))
+    # the middle is at x = 1, half the way is 2
+    assert beyond(model, np.array([3.0, 1.0, -1.0]), np.array([0.0, -2.0, 0.0])) == []
+    (said,) = beyond(model, np.array([1.0, 3.0]), np.array([0.0, 2.0]))
+    assert "x = 3 m at v = 2 m/s, 1.29 times as far out" in said

@@ -8,6 +8,7 @@ from pathlib import Path
 from harness.app.calibrate import (
     amplitudes,
     few_cycles,
+    force_tables,
     guard_speed,
     main_effect,
     pair_promise,
@@ -28,6 +29,7 @@ CALIBRATIONS: dict[str, Calibration] = {
     "main-effect": main_effect.CALIBRATION,
     "few-cycles": few_cycles.CALIBRATION,
     "tables": tables.CALIBRATION,
+    "force-tables": force_tables.CALIBRATION,
     "guard-speed": guard_speed.CALIBRATION,
     "together": together.CALIBRATION,
     "amplitudes": amplitudes.CALIBRATION,

@@ -5,7 +5,7 @@ are controls whose misfit is random: it says one thing a stroke and hangs on not
 """
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from io import BytesIO
@@ -108,12 +108,12 @@ def _row(recording: Recording, truth: Mapping[str, Any], rng: np.random.Generato
         return row
     best = finished(kept[0], seen)
     row = replace(row, kept=best.rung.said, ratio=ratio(best.held, before))
-    number = _number_of(form, best.rung.said)
+    number = number_of(form, best.rung.said)
     if group != "table" or number is None:
         return row
     first = len(seen.base.model.terms)
     numbers = tuple(first + i for i in number)
-    table = table_of(best.fit, seen, numbers, form, row.ratio)
+    table = table_of(best.fit, seen.strokes, seen.scales, numbers, form, row.ratio)
     return replace(row, held=_held(table, truth, best.fit.model))
 
 
@@ -134,7 +134,7 @@ def _with_random_misfit(
     )
 
 
-def _number_of(form: str, kept: str) -> tuple[int, ...] | None:
+def number_of(form: str, kept: str) -> tuple[int, ...] | None:
     """Which of the tables kept say a true law of this form."""
     if form == kept:
         return (0, 1) if kept == "f(v)" else (0,)
@@ -155,6 +155,12 @@ def _held(table: Table, truth: Mapping[str, Any], model: Model) -> float:
         found = np.interp(z, at, force)
         return np.asarray(0.5 * (found - np.interp(-z, at, force)) if table.of == "|v|" else found)
 
+    return within(table, true)
+
+
+def within(table: Table, true: Callable[[FloatArray], FloatArray]) -> float:
+    """Share of the swept range on which two standard errors hold a true force, gauge taken off."""
+
     def held_by_base(z: FloatArray) -> FloatArray:
         columns = [np.ones(z.size)] if "constant" in table.gauge else []
         columns += [z] if "line" in table.gauge else []
@@ -174,13 +180,13 @@ def said(rows: Sequence[Row]) -> Iterator[str]:
     yield from _predicted("of those in which the base leaves structure", looked)
     said_of = [r for r in looked if not math.isnan(r.held)]
     bands = Rate.of([r.held >= WITHIN for r in said_of])
-    yield f"two standard errors hold the truth on {100 * WITHIN:.0f} % of the range: {_of(bands)} (goal 90 %)"
+    yield f"two standard errors hold the truth on {100 * WITHIN:.0f} % of the range: {rate_of(bands)} (goal 90 %)"
     for group, goal in ((RANDOM, 0.97), ("machine-control", math.nan)):
         here = [r for r in rows if r.group == group]
         kept = [r for r in here if r.kept]
         wanted = "" if math.isnan(goal) else f" (goal {100.0 * goal:.0f} %)"
         borne = f"of the others {sum(r.ratio <= MOST for r in kept)} of {len(kept)} at most {MOST}"
-        yield f"{group}: withdrawn {_of(Rate.of([not r.kept for r in here]))}{wanted}; {borne}"
+        yield f"{group}: withdrawn {rate_of(Rate.of([not r.kept for r in here]))}{wanted}; {borne}"
     for r in sorted(rows, key=lambda r: (r.group, r.form, r.main)):
         what = r.why or (f"{r.kept} {r.ratio:.2f} band {r.held:.2f}" if r.kept else "withdrawn")
         yield f"  {r.group:16s} {r.main or '-':24s} {r.form or '-':12s} {r.cycles:5.1f} cycles: {what}"
@@ -195,11 +201,12 @@ def _predicted(what: str, rows: Sequence[Row]) -> Iterator[str]:
     ratios = [r.ratio for r in rows]
     if ratios:
         median = Median.of(ratios).value
-        yield f"{what}: held-out error at most {GOAL} of the base's in {_of(Rate.of([r <= GOAL for r in ratios]))}"
+        yield f"{what}: held-out error at most {GOAL} of the base's in {rate_of(Rate.of([r <= GOAL for r in ratios]))}"
         yield f"  (goal 80 %), median {median:.2f} (goal 0.5)"
 
 
-def _of(rate: Rate) -> str:
+def rate_of(rate: Rate) -> str:
+    """Hits, cases, and the share of them."""
     share = "-" if rate.value is None else f"{100.0 * rate.value:.0f} %"
     return f"{rate.hits} of {rate.cases} ({share})"
 

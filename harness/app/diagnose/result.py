@@ -12,6 +12,7 @@ from harness.app.diagnose.problem import Prepared
 from harness.app.diagnose.where import where_of
 from harness.app.shared.machine import this_machine
 from harness.app.shared.reading import recording_info
+from harness.core.arrays import FloatArray
 from harness.core.errors import SimulationError
 from harness.core.recording import Recording
 from harness.diagnosis.explain.engines import engine_fit
@@ -19,7 +20,7 @@ from harness.diagnosis.explain.verdict_sentence import sentence_of
 from harness.diagnosis.fit.model_fit import Fit
 from harness.diagnosis.fit.rmse import fit_percent, rmse
 from harness.diagnosis.fit.standard_errors import unit_of
-from harness.diagnosis.outcome import Holdout, Mechanism, Outcome, Prediction, Table
+from harness.diagnosis.outcome import Holdout, Mechanism, Outcome, Prediction, Surface, Table
 from harness.diagnosis.problem import Problem
 from harness.diagnosis.tables.describe import gauge_of
 from harness.model.document import to_document
@@ -39,6 +40,7 @@ from harness.results.diagnosis import (
     PredictionResult,
     RemainderResult,
     RuleResult,
+    SurfaceResult,
     TableResult,
 )
 from harness.results.model import ModelDocument
@@ -73,6 +75,7 @@ def result_of(
         refined=_fit_result(outcome.refined, problem, {n: P.of(q) for n, q in outcome.refined_parameters.items()}),
         remainder=None if outcome.remainder is None else RemainderResult(**asdict(outcome.remainder)),
         tables=[_table(table, problem) for table in outcome.tables],
+        surface=None if outcome.surface is None else _surface(outcome.surface, problem),
         fit_percent=FitPercent(
             baseline=fit_percent(outcome.base.shown.y, problem), refined=fit_percent(outcome.refined.shown.y, problem)
         ),
@@ -169,6 +172,24 @@ def _table(table: Table, problem: Problem) -> TableResult:
         gauge=gauge_of(table),
         described=table.described,
         nearest=[NearResult(name=name, share=share) for name, share in table.nearest],
+    )
+
+
+def _surface(surface: Surface, problem: Problem) -> SurfaceResult:
+    def where_known(values: FloatArray) -> list[list[float | None]]:
+        rows = zip(values.tolist(), surface.known.tolist(), strict=True)
+        return [[y if known else None for y, known in zip(*row, strict=True)] for row in rows]
+
+    return SurfaceResult(
+        x=surface.x.tolist(),
+        x_unit=unit_of("m", problem),
+        v=surface.v.tolist(),
+        v_unit=unit_of("m/s", problem),
+        force=where_known(surface.force),
+        stderr=where_known(surface.stderr),
+        force_unit=unit_of("N", problem),
+        gauge="no force of position alone and none of speed alone, which are the other tables'",
+        described=surface.described,
     )
 
 

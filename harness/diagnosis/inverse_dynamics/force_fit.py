@@ -95,22 +95,26 @@ class _Point:
 
     @cached_property
     def partials(self) -> FloatArray:
-        """Partials (m, q) of the force asked for, by differences: most laws are linear, none has an event here."""
-        values = values_of(self.model, self.free)
-        columns = []
-        for i, f in enumerate(self.free):
-            moved = values.copy()
-            step = _STEP * (abs(values[i]) or 1.0)
-            moved[i] += step if values[i] + step <= f.upper else -step
-            asked = self.measured.asked(with_values(self.model, self.free, moved))
-            columns.append((asked - self.asked) / (moved[i] - values[i]))
-        return np.column_stack(columns)
+        """See ``partials``."""
+        return partials(self.model, self.measured, self.free, self.asked)
 
     def normal_equations(self) -> tuple[FloatArray, FloatArray]:
         """By the coordinates that are fitted."""
         slopes = [f.slope(v) for f, v in zip(self.free, values_of(self.model, self.free), strict=True)]
         j = self.partials * slopes
         return j.T @ j, j.T @ self.residual
+
+
+def partials(model: Model, measured: Measured, free: tuple[Free, ...], asked: FloatArray) -> FloatArray:
+    """Partials (m, q) of the force asked for (m,), by differences: most laws are linear, none has an event here."""
+    values = values_of(model, free)
+    columns = []
+    for i, f in enumerate(free):
+        moved = values.copy()
+        step = _STEP * (abs(values[i]) or 1.0)
+        moved[i] += step if values[i] + step <= f.upper else -step
+        columns.append((measured.asked(with_values(model, free, moved)) - asked) / (moved[i] - values[i]))
+    return np.column_stack(columns)
 
 
 def fit_force(model: Model, measured: Measured, free: tuple[Free, ...]) -> ForceFit:

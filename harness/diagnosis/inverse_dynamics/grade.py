@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from harness.core.errors import SimulationError
+from harness.core.arrays import BoolArray, FloatArray
 from harness.diagnosis.baseline.words import evidence
 from harness.diagnosis.fit.model_fit import Fit
 from harness.diagnosis.fit.observe import Observation
@@ -13,6 +13,7 @@ from harness.diagnosis.grading.grade import Contest, Finalist, cells_of, decided
 from harness.diagnosis.grading.prediction import Predicted, blocks_of
 from harness.diagnosis.inverse_dynamics.force_fit import ForceFit, as_fit, fit_force, simulated
 from harness.diagnosis.inverse_dynamics.force_screen import seen_in
+from harness.diagnosis.inverse_dynamics.left_out import left_out
 from harness.diagnosis.inverse_dynamics.left_over import LeftOver
 from harness.diagnosis.inverse_dynamics.measured import Measured
 from harness.diagnosis.inverse_dynamics.strokes import ForceWords, force_words
@@ -20,9 +21,8 @@ from harness.diagnosis.outcome import Grade
 from harness.diagnosis.problems.inverse_dynamics import InverseDynamics
 from harness.diagnosis.rules import CONFIRMED, GAIN, SHARE_OF_EXCESS
 from harness.kernels.solve import Scales
+from harness.model.model import Model
 
-_FOLDS = 4
-"""Refits, each without every fourth block of strokes."""
 _PREDICTED = 8
 """Names whose predictions are computed."""
 
@@ -32,12 +32,14 @@ class ForceGraded(Contest):
     """What a fitted force comes to where more than noise is left.
 
     measured : motion and force. base, best : the base model and the best one found; refined : the latter as a fit.
-    kept : whether that is what the search kept, and not a finalist. over : what it leaves beside noise.
+    kept : whether that is what the search kept, and not a finalist. over : what it leaves beside noise. reference :
+    whose level counts as noise.
     """
 
     measured: Measured
     base: ForceFit
     best: ForceFit
+    reference: ForceFit
     fit: Fit
     kept: bool
     over: LeftOver
@@ -93,12 +95,13 @@ def graded(fitted: Fitted, last: Fit, singles: Sequence[ForceFit], over: LeftOve
     """
     base, chosen, measured = fitted.base, fitted.reference, fitted.measured
     words = force_words(base, measured)
+    block = blocks_of(words.pieces)
     ranked = _ranked(fitted, singles, over, words)
-    first = [replace(f, held=_held_out(one, measured, words)) for f, one in ranked[:_PREDICTED]]
+    first = [replace(f, held=held_out(one, measured, block)) for f, one in ranked[:_PREDICTED]]
     found = decided(
         ForceGraded(
-            measured=measured, base=base, best=chosen, fit=last, kept=True, over=over, counted=words,
-            finalists=(*first, *(f for f, _ in ranked[_PREDICTED:])), base_held=_held_out(base, measured, words),
+            measured=measured, base=base, best=chosen, reference=chosen, fit=last, kept=True, over=over, counted=words,
+            finalists=(*first, *(f for f, _ in ranked[_PREDICTED:])), base_held=held_out(base, measured, block),
         )
     )  # fmt: skip
     if judged:
@@ -144,23 +147,12 @@ def _ranked(
     return sorted(best.values(), key=lambda found: -found[0].gain)
 
 
-def _held_out(found: ForceFit, measured: Measured, words: ForceWords) -> Predicted | None:
+def held_out(found: ForceFit, measured: Measured, block: FloatArray) -> Predicted | None:
     """The force error over blocks of strokes left out of the fit; None where the others cannot be fitted."""
-    block = blocks_of(words.pieces)
-    count = int(block.max()) + 1
-    if count < 2:
-        return None
-    t, force, squares = measured.blocks(measured.t), measured.blocks(measured.u), np.zeros(count)
-    for fold in range(min(_FOLDS, count)):
-        out = (block >= 0) & (block % _FOLDS == fold)
+
+    def refitted(keep: BoolArray) -> Model:
         train = measured.moving.copy()
-        train[train] = ~out
-        try:
-            again = fit_force(found.model, measured.part(train), found.free)
-        except SimulationError:
-            return None
-        left = (force - measured.asked(again.model)) ** 2
-        squares += np.bincount(block[out], left[out], count)
-    inside = [t[block == i] for i in range(count)]
-    spans = tuple((float(s[0]), float(s[-1])) for s in inside)
-    return Predicted({"u": squares}, np.array([float(s.size) for s in inside]), {"u": 1.0}, spans)
+        train[train] = keep
+        return fit_force(found.model, measured.part(train), found.free).model
+
+    return left_out(measured, block, refitted)

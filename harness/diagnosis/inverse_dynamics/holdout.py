@@ -1,5 +1,6 @@
 """Prediction of windows that took no part: every second one, the force fitted to the others alone."""
 
+from collections.abc import Callable
 from contextlib import suppress
 
 import numpy as np
@@ -14,6 +15,7 @@ from harness.diagnosis.inverse_dynamics.measured import Measured
 from harness.diagnosis.outcome import Holdout
 from harness.diagnosis.problems.inverse_dynamics import InverseDynamics
 from harness.kernels.solve import Scales
+from harness.model.model import Model
 
 
 def holdout_windows(base: Fit, refined: Fit, problem: InverseDynamics, scales: Scales) -> Holdout:
@@ -25,26 +27,28 @@ def holdout_windows(base: Fit, refined: Fit, problem: InverseDynamics, scales: S
     windows, t = problem.starts.windows[1::2], problem.t
     if not windows:
         return Holdout.none()
-    out = np.zeros(t.size, dtype=np.bool_)
-    for w in windows:
-        out[w.start : w.stop] = True
-    measured = Measured.of(problem)
-    touched: BoolArray = np.any(out[: measured.t.size].reshape(measured.moving.size, -1), axis=1)
-    apart = measured.part(~touched)
-
-    before = _predicted(base, apart, problem, scales, out)
+    before = predicted_windows(problem, lambda apart: refitted(base, apart), scales)
     if before is None:
         return Holdout.none("base")
-    after = before if refined is base else _predicted(refined, apart, problem, scales, out)
+    after = before if refined is base else predicted_windows(problem, lambda apart: refitted(refined, apart), scales)
     if after is None:
         return Holdout.none("refined")
     return Holdout(tuple((w.t0, float(t[w.stop - 1])) for w in windows), before, after)
 
 
-def _predicted(
-    found: Fit, apart: Measured, problem: InverseDynamics, scales: Scales, out: BoolArray
+def predicted_windows(
+    problem: InverseDynamics, fitted: Callable[[Measured], Model], scales: Scales
 ) -> dict[str, float] | None:
-    """None where the fit fails: one of all samples must not stand in, which has seen what it would predict."""
+    """Rmse by channel over every second window, of a model fitted to what else there is.
+
+    None where the fit fails: one of all samples must not stand in, which has seen what it would predict.
+    """
+    out = np.zeros(problem.t.size, dtype=np.bool_)
+    for w in problem.starts.windows[1::2]:
+        out[w.start : w.stop] = True
+    measured = Measured.of(problem)
+    touched: BoolArray = np.any(out[: measured.t.size].reshape(measured.moving.size, -1), axis=1)
     with suppress(SimulationError):
-        return rmse(observe(refitted(found, apart), problem, (), scales, COARSE).y, problem, out)
+        model = fitted(measured.part(~touched))
+        return rmse(observe(model, problem, (), scales, COARSE).y, problem, out)
     return None

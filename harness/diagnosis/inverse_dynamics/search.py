@@ -71,14 +71,16 @@ def search_driven(problem: InverseDynamics, judge: Judge | None = None) -> Force
         if not found:
             break
         rivals = found
-        independent, kept = found[0].memory.independent, None
+        independent = found[0].memory.independent
         most = chosen.bic(independent) - (AMONG_NAMES if chosen is base else DECISIVE).value
         better = [f for f in found[:_LOOKED_AT] if f.bic(independent) < most]
         if judge is not None:
-            kept = next((f for f in better if judge.confirms(chosen.model, f.model)), None)
+            better = [f for f in better if judge.confirms(chosen.model, f.model)]
         elif better:
             chance = taken_by_chance(chosen, problem, scales, partial(extended, problem=problem, scales=scales))
-            kept = next((f for f in better if f.bic(independent, chance) < most), None)
+            better = [f for f in better if f.bic(independent, chance) < most]
+        # a law too stiff to be followed is no model of the motion, however well it says the force
+        kept = next((f for f in better if _followed(f, problem, scales)), None)
         if kept is None:
             break
         chosen = kept
@@ -107,6 +109,14 @@ def search_driven(problem: InverseDynamics, judge: Judge | None = None) -> Force
     fitted_to = Fitted(problem, measured, scales, base, chosen, shown)
     laws = [f for f in singles if f is not base]
     return ForceSearch(search, scales, over, graded(fitted_to, last, laws, over, judge is not None))
+
+
+def _followed(found: ForceFit, problem: InverseDynamics, scales: Scales) -> bool:
+    try:
+        simulated(found, problem, scales)
+    except SimulationError:
+        return False
+    return True
 
 
 def _refitted(found: ForceFit, measured: Measured) -> Iterator[ForceFit | None]:

@@ -9,12 +9,13 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from harness.core.arrays import FloatArray, IntArray
+from harness.diagnosis.tables.roughness import roughness
 from harness.diagnosis.tables.rungs import Rung
 from harness.kernels.layout import lay_out
 from harness.kernels.solve import Scales
 from harness.model.law import D_PARAMETER, INTERNAL_COLUMNS, VALUE
 from harness.model.model import Model, ModelTerm, Restoring
-from harness.model.spline import BENDING, KNOTS
+from harness.model.spline import SIDE
 from harness.model.term import Slot, Term
 
 _MARGIN = 0.01
@@ -59,15 +60,24 @@ def basis_of(rung: Rung, model: Model, base: tuple[str, ...], x: FloatArray, v: 
     counts = [_values(e.term) for e in entries]
     places = tuple((first + i, j) for i, count in enumerate(counts) for j in range(count))
     shown = np.hstack([partials(with_tables, first + i, x[at], v[at], scales) for i in range(len(entries))])
-    owned = _gauges(rung, model, base, x[at], v[at], scales)
-    held: list[FloatArray] = []
     offset = np.concatenate(([0], np.cumsum(counts)))
+    owned = _gauges(rung, model, base, x[at], v[at], scales)
+    for i in (i for i, e in enumerate(entries) if e.term.known is not None and e.term.known.of == "x, v"):
+        # of the place alone, of the speed alone, and friction: what sums say is not the plane's
+        square = shown[:, offset[i] : offset[i + 1]].reshape(-1, SIDE, SIDE)
+        owned.append(((i,), [*square.sum(axis=2).T, *square.sum(axis=1).T, np.sign(v[at])]))
+    held: list[FloatArray] = []
     for group, functions in owned:
         mask = np.zeros(shown.shape[1])
         for i in group:
             mask[offset[i] : offset[i + 1]] = 1.0
         held += [(f / (np.linalg.norm(f) or 1.0)) @ shown * mask for f in functions]
-    return Basis(with_tables, places, _left_free(held, shown.shape[1]), _roughness(counts))
+    rough = roughness(counts)
+    for i, e in enumerate(entries):
+        if e.term.slot is Slot.FRICTION_MODULATION:
+            # a factor on friction is as rough as its force
+            rough[:, offset[i] : offset[i + 1]] *= model.f_k
+    return Basis(with_tables, places, _left_free(held, shown.shape[1]), rough)
 
 
 def partials(model: Model, index: int, x: FloatArray, v: FloatArray, scales: Scales) -> FloatArray:
@@ -100,7 +110,7 @@ def force(model: Model, index: int, x: FloatArray, v: FloatArray, scales: Scales
 def _values(term: Term) -> int:
     """Values of a table: its parameters but for its ends."""
     assert term.known is not None
-    return min(j for j in (term.known.low, term.known.high) if j is not None)
+    return min(term.known.places)
 
 
 def _looks(x: FloatArray, v: FloatArray) -> IntArray:
@@ -114,10 +124,13 @@ def _idle(term: Term, x: FloatArray, v: FloatArray) -> ModelTerm:
     known = term.known
     assert known is not None
     values = [0.0] * len(term.parameters)
-    if known.of == "x":
+    if known.of in ("x", "x, v"):
         reach = _MARGIN * float(np.ptp(x))
         assert known.low is not None
         values[known.low], values[known.high] = float(x.min()) - reach, float(x.max()) + reach
+        if known.fast is not None and known.reach is not None:
+            values[known.fast] = (1.0 + _MARGIN) * float(np.max(np.abs(v)))
+            values[known.reach] = (1.0 + _MARGIN) * float(np.max(known.out(tuple(values), x, v)))
     else:
         fastest = {"|v|": np.abs(v), "v": v, "-v": -v}[known.of]
         values[known.high] = (1.0 + _MARGIN) * float(np.max(fastest))
@@ -134,8 +147,9 @@ def _gauges(
         if e.term.slot in (Slot.SMOOTH, Slot.FRICTION_MODULATION) and not e.term.changes_in_time
         for column in partials(model, i, x, v, scales).T
     ]
-    by_place = [i for i, t in enumerate(rung.terms) if t.known is not None and t.known.of == "x"]
-    by_speed = tuple(i for i in range(len(rung.terms)) if i not in by_place)
+    kinds = ["" if t.known is None else t.known.of for t in rung.terms]
+    by_place = [i for i, of in enumerate(kinds) if of == "x"]
+    by_speed = tuple(i for i, of in enumerate(kinds) if of not in ("x", "x, v"))
     found: list[tuple[tuple[int, ...], list[FloatArray]]] = []
     for i in by_place:
         slot = rung.terms[i].slot
@@ -159,16 +173,3 @@ def _left_free(held: list[FloatArray], count: int) -> FloatArray:
     _, size, rows = np.linalg.svd(np.array(held))
     seen = int(np.count_nonzero(size > _APART * size[0]))
     return np.asarray(rows[seen:].T, dtype=np.float64)
-
-
-def _roughness(counts: list[int]) -> FloatArray:
-    """Rows whose squares add up to the integrals of the squared second derivatives of all tables, knots one apart."""
-    mass = np.diag(np.full(KNOTS, 2.0 / 3.0)) + np.diag(np.full(KNOTS - 1, 1.0 / 6.0), 1)
-    mass += np.diag(np.full(KNOTS - 1, 1.0 / 6.0), -1)
-    whole = np.linalg.cholesky(mass).T @ BENDING
-    found, at = np.zeros((KNOTS * len(counts), sum(counts))), 0
-    for i, count in enumerate(counts):
-        # a table of fewer values than knots begins with a value that is 0
-        found[i * KNOTS : (i + 1) * KNOTS, at : at + count] = whole[:, KNOTS - count :]
-        at += count
-    return found

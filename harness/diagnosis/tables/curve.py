@@ -3,7 +3,8 @@
 The error is the larger of two: the penalised fit read as a posterior (Nychka 1988, J. Am. Stat. Assoc. 83, 1134), its
 noise as large as the scores of strokes scatter, and those scores through the fit (Liang and Zeger 1986). A misfit
 says one thing for half a swing; samples are no independent words. To it is added what else may be in the table: small
-effects that it has taken in are held to be as large, in proportion, as what it leaves of blocks left out.
+effects that it has taken in are held to be as large, in proportion, as what it leaves of blocks left out; and what a
+rougher table says otherwise, which the blocks ask for and so few words do not allow.
 """
 
 import math
@@ -13,10 +14,12 @@ from typing import Literal, TypeAlias
 import numpy as np
 
 from harness.core.arrays import FloatArray
-from harness.diagnosis.grading.misfit import Misfit
+from harness.diagnosis.baseline.words import Strokes
+from harness.diagnosis.grading.prediction import blocks_of
 from harness.diagnosis.outcome import Table
 from harness.diagnosis.tables.basis import partials
-from harness.diagnosis.tables.penalised import TableFit
+from harness.diagnosis.tables.fitted import TableFit
+from harness.diagnosis.tables.smoothness import rougher
 from harness.fit.covariance import inverse_of
 from harness.kernels.solve import Scales
 from harness.model.model import ModelTerm
@@ -41,11 +44,11 @@ _LEAST_TAKEN = 0.01
 """Share of the squares that a table takes at least, as the band counts it."""
 
 
-def covariances(found: TableFit, misfit: Misfit) -> tuple[FloatArray, FloatArray]:
-    """Posterior and sandwich (p, p) of base parameters and coordinates of the tables."""
+def covariances(found: TableFit, strokes: Strokes) -> tuple[FloatArray, FloatArray]:
+    """Posterior and sandwich (p, p) of base parameters and coordinates of the tables; strokes : of the residual."""
     inverse = inverse_of(found.curvature())
-    n, p = misfit.problem.t.size, found.jacobian.shape[1]
-    cluster, count = misfit.strokes.of, misfit.strokes.count
+    cluster, count = strokes.of, strokes.count
+    n, p = cluster.size, found.jacobian.shape[1]
     scores = np.zeros((count, p))
     for i in range(found.residual.size // n):
         rows = slice(i * n, (i + 1) * n)
@@ -59,32 +62,42 @@ def covariances(found: TableFit, misfit: Misfit) -> tuple[FloatArray, FloatArray
     return inverse * inflated, inverse @ meat @ inverse
 
 
-def table_of(found: TableFit, misfit: Misfit, numbers: tuple[int, ...], said: str, held: float) -> Table:
+def table_of(
+    found: TableFit, strokes: Strokes, scales: Scales, numbers: tuple[int, ...], said: str, held: float
+) -> Table:
     """Some of the tables of a fit as one curve.
 
-    numbers : of the tables, places among the model's terms. held : held-out error with them, over that without.
+    strokes : of the residual, (n,). numbers : of the tables, places among the model's terms. held : held-out error with
+    them, over that without.
     """
-    strips = [_strip(found, i, misfit.scales) for i in numbers]
+    strips = [_strip(found, i, scales) for i in numbers]
     strips.sort(key=lambda one: float(one.at[0]))
     of: Quantity = strips[0].of if len(strips) == 1 else "v"
     at = np.concatenate([s.at for s in strips])
     columns = np.vstack([s.columns for s in strips])
     level = math.inf if strips[0].unit_force else found.model.f_k
     factor = 1.0 if math.isinf(level) else level
-    b = len(found.free)
-    spread = [
-        np.sqrt(np.maximum(np.einsum("ij,jk,ik->i", columns, v[b:, b:], columns), 0.0))
-        for v in covariances(found, misfit)
-    ]
-    x, v = found.shown.x, found.shown.v
+    x, v = found.look.x, found.look.v
     quantity = {"x": x, "|v|": np.abs(v), "v": v}[of]
-    looks = np.quantile(quantity[v != 0.0], np.linspace(0.0, 1.0, POINTS))
+    # in the middle of parts of equal counts: their mean is the motion's
+    looks = np.quantile(quantity[v != 0.0], (np.arange(POINTS) + 0.5) / POINTS)
     # friction is never below none
     force = np.maximum(factor * (columns @ found.at), -level)
     size = float(np.sqrt(np.mean(np.interp(looks, at, force) ** 2)))
-    beside = size * held / math.sqrt(max(1.0 - held**2, _LEAST_TAKEN))
-    stderr = np.hypot(factor * np.maximum(*spread), beside)
+    stderr = factor * errors(found, strokes, columns, size / factor, held)
     return Table(said, of, at, force, stderr, looks, _gauge(found, of, strips[0].unit_force))
+
+
+def errors(found: TableFit, strokes: Strokes, columns: FloatArray, size: float, held: float) -> FloatArray:
+    """One standard error of what tables say, (m,), by their partials (m, q); size : rms of it over the motion."""
+    b = len(found.free)
+    spread = [
+        np.sqrt(np.maximum(np.einsum("ij,jk,ik->i", columns, v[b:, b:], columns), 0.0))
+        for v in covariances(found, strokes)
+    ]
+    beside = size * held / math.sqrt(max(1.0 - held**2, _LEAST_TAKEN))
+    smoothed = columns @ (rougher(found, blocks_of(strokes)) - found.at)
+    return np.asarray(np.hypot(np.hypot(np.maximum(*spread), beside), smoothed), dtype=np.float64)
 
 
 def _gauge(found: TableFit, of: Quantity, unit_force: bool) -> tuple[str, ...]:

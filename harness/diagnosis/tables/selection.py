@@ -4,7 +4,7 @@ Outer blocks judge; how smooth a table is was chosen by inner ones, anew for eac
 what predicts it. The first cycle, with the largest swings, is in every fit.
 """
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from contextlib import suppress
 from dataclasses import dataclass, replace
 
@@ -19,8 +19,11 @@ from harness.diagnosis.grading.misfit import Misfit
 from harness.diagnosis.grading.prediction import Predicted, blocks_of, by_blocks, clearly_less, ratio
 from harness.diagnosis.rules import TABLE_BETTER, TABLE_ERRORS, TABLE_WORDS
 from harness.diagnosis.tables.basis import basis_of
-from harness.diagnosis.tables.penalised import FIRST, TableFit, fit_tables, strength_by_blocks
-from harness.diagnosis.tables.rungs import RUNGS, Rung
+from harness.diagnosis.tables.fitted import FIRST, TableFit
+from harness.diagnosis.tables.path import returns
+from harness.diagnosis.tables.penalised import fit_tables
+from harness.diagnosis.tables.rungs import RUNGS, Rung, over_plane
+from harness.diagnosis.tables.smoothness import strength_by_blocks
 from harness.model.model import Model
 from harness.model.term import Slot
 
@@ -59,7 +62,12 @@ def fitted(rung: Rung, misfit: Misfit, model: Model, base: tuple[str, ...]) -> T
 
 
 def held_out(found: TableFit, misfit: Misfit) -> Predicted | None:
-    """What a rung misses of blocks of cycles that neither its values nor its smoothness were fitted to."""
+    """What a rung misses of blocks of cycles that neither its values nor its smoothness were fitted to.
+
+    None where it takes too little off of what it was fitted to: it would predict no better.
+    """
+    if found.squares > TABLE_BETTER.value**2 * misfit.base.chi2:
+        return None
     problem, scales, block = misfit.problem, misfit.scales, blocks_of(misfit.strokes)
     most = TABLE_WORDS.value * misfit.words
 
@@ -90,18 +98,43 @@ def tabulated(misfit: Misfit, model: Model, names: tuple[str, ...], before: Pred
 
     names : base parameters of the model's fit. before : what it misses of the blocks without a table.
     """
+    base = tuple(dict.fromkeys((*names, *misfit.problem.starts.names)))
+    shown = misfit.base.shown
+    again = returns(misfit.problem, shown.x, shown.v)
+    return climbed(lambda rung: fitted(rung, misfit, model, base), lambda found: held_out(found, misfit), before, again)
+
+
+def climbed(
+    fitted: Callable[[Rung], TableFit | None],
+    held_out: Callable[[TableFit], Predicted | None],
+    before: Predicted,
+    again: bool,
+) -> tuple[Tabulated, ...]:
+    """Rungs, simple ones first, that predict clearly better than without them and than those that they hold.
+
+    again : whether the path comes back, so that a table over the plane is the last of them: else it would follow any
+    drift.
+    """
     if before.by_span.size < _FEWEST_BLOCKS:
         return ()
-    base = tuple(dict.fromkeys((*names, *misfit.problem.starts.names)))
     kept: dict[str, Tabulated] = {}
-    for rung in RUNGS:
-        found = fitted(rung, misfit, model, base)
-        held = None if found is None else held_out(found, misfit)
+
+    def tried(rung: Rung) -> None:
+        found = fitted(rung)
+        held = None if found is None else held_out(found)
         if found is None or held is None:
-            continue
+            return
         if all(improves(held, one) for one in (before, *(kept[on].held for on in rung.on if on in kept))):
             kept[rung.said] = Tabulated(rung, found, held)
-    return tuple(sorted(kept.values(), key=lambda one: one.held.total))
+
+    def best_first() -> list[Tabulated]:
+        return sorted(kept.values(), key=lambda one: one.held.total)
+
+    for rung in RUNGS:
+        tried(rung)
+    for rung in over_plane([one.rung for one in best_first()]) if again else ():
+        tried(rung)
+    return tuple(best_first())
 
 
 def improves(held: Predicted, before: Predicted) -> bool:

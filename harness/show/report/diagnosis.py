@@ -37,7 +37,7 @@ def diagnosis_sections(
         sections.append(Mechanisms(result))
     if result["remainder"] is not None:
         sections.append(Left(result))
-    if result["tables"]:
+    if result["tables"] or result.get("surface"):
         sections.append(Tables(result))
     sections.append(Models(result))
     if result["evidence"]:

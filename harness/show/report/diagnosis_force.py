@@ -28,7 +28,10 @@ class Tables(Section):
 
     def context(self) -> Mapping[str, Any]:
         """What the template shows."""
-        return {"figures": [_figure(i, table) for i, table in enumerate(self.result["tables"])]}
+        figures = [_figure(i, table) for i, table in enumerate(self.result["tables"])]
+        if (surface := self.result.get("surface")) is not None:
+            figures.append(_plane(surface))
+        return {"figures": figures}
 
 
 def _figure(number: int, table: Mapping[str, Any]) -> Figure:
@@ -64,6 +67,38 @@ def _figure(number: int, table: Mapping[str, Any]) -> Figure:
         f"{f' Nearest in the catalogue: {near}.' if near else ''}"
     )
     return Figure(f"table-{number}", traces, layout, caption, height=320)
+
+
+def _plane(surface: Mapping[str, Any]) -> Figure:
+    """A force over both: coloured where the motion was, its error below the pointer."""
+    force, stderr = (np.array(surface[key], dtype=np.float64) for key in ("force", "stderr"))
+    x_unit, v_unit, unit = (_unit(surface[key]) for key in ("x_unit", "v_unit", "force_unit"))
+    most = float(np.nanmax(np.abs(force)))
+    trace = {
+        "type": "heatmap",
+        "x": np.array(surface["x"]),
+        "y": np.array(surface["v"]),
+        "z": surface["force"],
+        "customdata": surface["stderr"],
+        "zmin": -most,
+        "zmax": most,
+        "colorscale": [[0.0, "#2f6fb0"], [0.5, "#f4f1ea"], [1.0, _COLOR]],
+        "hoverongaps": False,
+        "colorbar": {"title": {"text": unit}},
+        "hovertemplate": "%{x:.4g}, %{y:.4g}: %{z:.3g} \u00b1 %{customdata:.2g}<extra></extra>",
+    }
+    layout = {
+        "xaxis": {"title": {"text": f"displacement / {x_unit}"}},
+        "yaxis": {"title": {"text": f"speed / {v_unit}"}},
+        "hovermode": "closest",
+    }
+    said, error = surface["described"], float(np.nanmedian(stderr))
+    caption = (
+        f"{said[:1].upper()}{said[1:]}. On the left of the equation of motion; one standard error is {error:.2g} {unit}"
+        " in the middle, and stands below the pointer. Blank where the motion never was: there nothing is known. The"
+        f" table holds {surface['gauge']}."
+    )
+    return Figure("table-plane", [trace], layout, caption, height=420)
 
 
 def _unit(unit: str) -> str:

@@ -1,0 +1,299 @@
+"""Tables of a driven recording: forces of no catalogue are found, what is the base's is not, drifts get no plane."""
+
+from collections.abc import Sequence
+from functools import cache
+
+import numpy as np
+import pytest
+from scipy.stats import binom
+
+from harness.app.calibrate.calibration import measured as drawn
+from harness.app.calibrate.force_tables import BOTH, Moved, Row, left_of, measure, moved, said
+from harness.core.arrays import BoolArray, FloatArray
+from harness.core.recording import Recording
+from harness.diagnosis.baseline.driven_base_fit import driven_baseline
+from harness.diagnosis.explain.verdict_sentence import sentence_of
+from harness.diagnosis.fit.parameters import base_of
+from harness.diagnosis.grading.misfit import misfit
+from harness.diagnosis.grading.prediction import held_out, ratio
+from harness.diagnosis.outcome import Grade
+from harness.diagnosis.pipeline import diagnose, prepare
+from harness.diagnosis.problems.driven import Driven
+from harness.diagnosis.problems.free_decay import FreeDecay
+from harness.diagnosis.problems.together import Together
+from harness.diagnosis.request import Asked
+from harness.diagnosis.tables.basis import basis_of, partials
+from harness.diagnosis.tables.curve import table_of
+from harness.diagnosis.tables.fitted import TableFit
+from harness.diagnosis.tables.force_tables import ForceLeft
+from harness.diagnosis.tables.path import comes_back, returns
+from harness.diagnosis.tables.plane import described, surface_of
+from harness.diagnosis.tables.roughness import roughness
+from harness.diagnosis.tables.rungs import RUNGS, Rung, over_plane
+from harness.diagnosis.tables.selection import tabulated
+from harness.estimate.noise import Noise
+from harness.kernels.solve import Drive, solve
+from harness.model.beyond import beyond
+from harness.model.document import from_document, to_document
+from harness.model.model import Model, ModelTerm
+from harness.model.registry import TERMS
+from harness.model.spline import SIDE
+from harness.model.term import Slot
+
+SEED, MAGNET, DAMPING = 2, 4, 2
+"""Draws with a magnet along the way, and with damping that depends on the place."""
+(PLANE,) = over_plane(())
+BY_PLACE = next(r for r in RUNGS if r.said == "f(x)")
+OVER = PLANE.terms[-1]
+
+
+@cache
+def seen(index: int) -> tuple[Moved, ForceLeft]:
+    machine = moved(SEED, index)
+    return machine, left_of(machine)[0]
+
+
+@cache
+def fitted(index: int, rung: Rung) -> TableFit:
+    found = seen(index)[1].fitted(rung)
+    assert found is not None
+    return found
+
+
+def test_a_force_of_no_catalogue_is_found_along_the_way() -> None:
+    machine, left = seen(MAGNET)
+    found, before = fitted(MAGNET, BY_PLACE), left.predicted()
+    after = left.held_out(found)
+    assert before is not None
+    assert ratio(after, before) < 0.1
+    assert found.effective <= left.words.words / 3.0
+    assert found.model.m == pytest.approx(machine.model.m, rel=0.01)
+    assert found.model.f_k == pytest.approx(machine.model.f_k, rel=0.05)
+    table = table_of(found, left.words.pieces, left.scales, (0,), "f(x)", ratio(after, before))
+    assert machine.law is not None
+    true = machine.law(table.at, np.zeros(table.at.size))
+    # on a free axis nothing else says a force of the place
+    assert table.gauge == ()
+    assert np.mean(np.abs(true - table.force) <= 2.0 * table.stderr) > 0.9
+    x, v = left.motion
+    assert table.at[0] <= x.min() < x.max() <= table.at[-1]
+    assert np.ptp(table.at) < 1.03 * np.ptp(x)
+    assert v.size == x.size
+
+
+def test_what_is_held_out_lies_within_what_was_seen() -> None:
+    left = seen(MAGNET)[1]
+    for y in (left.measured.blocks(left.measured.x), left.measured.blocks(left.measured.v)):
+        out = left.block >= 0
+        assert y[~out].min() <= y[out].min()
+        assert y[~out].max() >= y[out].max()
+    # whole pieces of strokes, numbered without a gap
+    assert set(np.unique(left.block).tolist()) == set(range(-1, int(left.block.max()) + 1))
+    for piece in range(left.words.pieces.count):
+        assert np.unique(left.block[left.words.pieces.of == piece]).size == 1
+
+
+def test_the_plane_holds_nothing_that_a_sum_says() -> None:
+    left = seen(DAMPING)[1]
+    x, v = left.motion
+    basis = basis_of(PLANE, left.start.model, base_of(left.start.free), x, v, left.scales)
+    moving = np.flatnonzero(v != 0.0)
+    at = moving[:: max(1, moving.size // 600)]
+    columns = partials(basis.model, 0, x[at], v[at], left.scales)
+    held = columns @ basis.free
+    square = columns.reshape(-1, SIDE, SIDE)
+    for f in (*square.sum(axis=1).T, *square.sum(axis=2).T, np.sign(v[at])):
+        assert np.abs(f @ held).max() < 1e-8 * np.linalg.norm(f) * np.linalg.norm(held, axis=0).max()
+    assert basis.free.shape[1] == SIDE * SIDE - (2 * SIDE - 1) - 1
+
+
+def test_damping_by_place_is_taken_by_the_plane_and_by_no_sum() -> None:
+    left = seen(DAMPING)[1]
+    before = left.predicted()
+    assert before is not None
+    total = next(r for r in RUNGS if r.said == "f(x) + f(v)")
+    # as it takes nothing off, what it would predict is not even looked at
+    assert left.held_out(fitted(DAMPING, total)) is None
+    found = fitted(DAMPING, PLANE)
+    after = left.held_out(found)
+    assert ratio(after, before) < 0.2
+    surface = surface_of(found, left.words.pieces, left.scales, 0, ratio(after, before), False)
+    machine = seen(DAMPING)[0]
+    assert machine.law is not None
+    x, v = np.meshgrid(surface.x, surface.v)
+    true = machine.law(x.ravel(), v.ravel()).reshape(x.shape)
+    # beside what sums say, by the motion's own weights: here by what both have in common
+    left_of_sum = twice_centred(true, surface.known) - twice_centred(surface.force, surface.known)
+    size = np.std(twice_centred(true, surface.known)[surface.known])
+    assert np.std(left_of_sum[surface.known]) < 0.35 * size
+    assert 0.3 < np.mean(surface.known) < 1.0
+    assert "resistance" in surface.described
+
+
+def twice_centred(force: FloatArray, known: BoolArray) -> FloatArray:
+    """A force over a grid less the best sum of one of its rows and one of its columns."""
+    k, m = force.shape
+    rows, columns = np.nonzero(known)
+    a = np.zeros((rows.size, k + m))
+    a[np.arange(rows.size), rows] = 1.0
+    a[np.arange(rows.size), k + columns] = 1.0
+    part = np.linalg.lstsq(a, force[known], rcond=None)[0]
+    return np.asarray(force - part[:k, None] - part[None, k:])
+
+
+def test_a_run_that_leaves_the_oval_says_so() -> None:
+    left = seen(DAMPING)[1]
+    model = fitted(DAMPING, PLANE).model
+    x, v = left.motion
+    assert beyond(model, x, v) == []
+    (words,) = beyond(model, 1.3 * x, v)
+    assert "tabulated-force is known over an oval of x and v" in words
+
+
+def test_a_model_with_a_plane_is_a_document_and_back() -> None:
+    model = fitted(DAMPING, PLANE).model
+    assert from_document(to_document(model)).terms == model.terms
+
+
+def decay(left: float, cycles: float) -> tuple[FloatArray, FloatArray, FloatArray]:
+    phase = np.linspace(0.0, 2.0 * np.pi * cycles, 4000)
+    x = np.exp(np.log(left) * phase / phase[-1]) * np.cos(phase)
+    return phase, x, np.gradient(x, phase)
+
+
+@pytest.mark.parametrize("left", [0.6, 0.3, 0.1])
+@pytest.mark.parametrize("cycles", [8.0, 30.0])
+def test_a_motion_that_fades_does_not_come_back(left: float, cycles: float) -> None:
+    assert not comes_back(*decay(left, cycles))
+
+
+def test_waves_come_back_and_what_stands_does_not() -> None:
+    t = np.linspace(0.0, 60.0, 6000)
+    x = np.sin(2.0 * t) + 0.6 * np.sin(3.7 * t + 1.0) + 0.4 * np.sin(7.9 * t)
+    assert comes_back(t, x, np.gradient(x, t))
+    grown = t * x
+    assert not comes_back(t, grown, np.gradient(grown, t))
+    assert not comes_back(t, np.zeros(t.size), np.zeros(t.size))
+
+
+def free_decay(amplitude: float) -> FreeDecay:
+    t = np.linspace(0.0, 20.0, 2000)
+    return FreeDecay(t, {"x": amplitude * np.exp(-0.02 * t) * np.cos(3.0 * t)}, {"x": Noise(1e-4, True)})
+
+
+def test_a_free_decay_never_gets_a_plane_and_two_amplitudes_do() -> None:
+    one, other = free_decay(1.0), free_decay(0.4)
+    x, v = one.channels["x"], np.gradient(one.channels["x"], one.t)
+    # slow as it is, and back in every cell
+    assert not returns(one, x, v)
+    alike, apart = Together.laid([one, free_decay(0.9)]), Together.laid([one, other])
+    for both, again in ((alike, False), (apart, True)):
+        x = both.channels["x"]
+        assert returns(both, x, np.gradient(x, both.t)) is again
+
+
+def values(f: object) -> FloatArray:
+    """A function of both knots' numbers as the values of a plane."""
+    assert callable(f)
+    return np.array([f(i, j) for i in range(SIDE) for j in range(SIDE)], dtype=np.float64)
+
+
+def test_a_plane_is_rough_as_a_curve_of_the_same_shape_is() -> None:
+    plane, curve = roughness([SIDE * SIDE]), roughness([12])
+    for smooth in (lambda i, j: 3.0 + 2.0 * i - j, lambda i, j: 1.0):
+        assert np.abs(plane @ values(smooth)).max() < 1e-6
+    assert np.sum((plane @ values(lambda i, j: i * j)) ** 2) > 0.01
+    bent = float(np.sum((plane @ values(lambda i, j: i * i)) ** 2))
+    same = float(np.sum((curve @ (np.linspace(0.0, SIDE - 1.0, 12) ** 2)) ** 2))
+    # both have a natural spline's straight ends, the wider spaced one more of them
+    assert 0.6 < bent / same < 1.1
+
+
+def test_a_rung_over_the_plane_holds_what_stays() -> None:
+    place, total, rubs = (next(r for r in RUNGS if r.said == s) for s in ("f(x)", "f(x) + f(v)", "g(x) sgn v"))
+    alone, beside = over_plane([rubs, total, place])
+    assert alone.terms == (*total.terms, OVER)
+    assert set(alone.on) == {"f(x)", "f(x) + f(v)", "g(x) sgn v"}
+    assert beside.terms == (*total.terms, *rubs.terms, OVER)
+    assert alone.said in beside.on
+    assert [r.terms for r in over_plane([])] == [(OVER,)]
+
+
+@pytest.mark.parametrize(
+    ("force", "words"),
+    [
+        (lambda x, v: x * v, "a resistance that depends on the place too, more than elsewhere about x = 1 m"),
+        (lambda x, v: x * v**2, "the same in both directions"),
+        (lambda x, v: x * v + 0.7 * x * v**2, "a force that no sum"),
+        (lambda x, v: 0.0 * x, "nothing stands out"),
+    ],
+)
+def test_a_plane_is_said_in_words(force: object, words: str) -> None:
+    assert callable(force)
+    side = np.linspace(-1.0, 1.0, 21)
+    x, v = np.meshgrid(side, side)
+    assert words in described(side, side, force(x, v), np.ones(x.shape, dtype=np.bool_), "m")
+
+
+def test_figures_of_the_calibration_are_said() -> None:
+    rows = [
+        Row("f(x)", "bump", 0.97, 0.2, "f(x)", 0.3, 1.0),
+        Row(BOTH, "one", 0.98, 0.1, BOTH, 0.4),
+        Row("control", ""),
+    ]
+    lines = list(said(rows))
+    assert "at most 0.7 of the base's in 1 of 1 (100 %)" in lines[0]
+    assert any("withdrawn 1 of 1" in line for line in lines)
+    assert any("0.97 at least, 0.20 at most" in line for line in lines)
+
+
+@pytest.mark.full
+def test_drawn_machines_meet_the_goals() -> None:
+    """A share counts as short of its goal where chance would leave so few once in a hundred."""
+    rows: Sequence[Row] = drawn(measure, 7, 24, 1)
+    single = [r for r in rows if r.group in ("f(x)", "f(v)")]
+    bands = [r.held >= 0.9 for r in single if not np.isnan(r.held)]
+    for hits, goal in (([r.ratio <= 0.7 for r in single], 0.8), (bands, 0.9)):
+        assert sum(hits) >= binom.ppf(0.01, len(hits), goal)
+    assert not any(r.kept for r in rows if r.group in ("control", "named"))
+    assert not any(r.kept == "f(x) + f(v)" for r in rows if r.group == BOTH)
+    assert not any(r.kept.startswith(BOTH) for r in single)
+
+
+@pytest.mark.full
+def test_what_has_no_name_is_modelled_where_a_force_is_fitted() -> None:
+    machine, _ = seen(MAGNET)
+    outcome = diagnose(left_of(machine)[1])
+    assert outcome.verdict in ("unexplained", "one_of", "main_effect")
+    (table,) = outcome.tables
+    assert table.form == "f(x)"
+    one = next(m for m in outcome.mechanisms if m.grade is Grade.TABULATED)
+    assert one.held_out is not None
+    assert one.held_out.refined_rmse["u"] < 0.3 * one.held_out.baseline_rmse["u"]
+    # its motion, too, over windows of which none took part
+    assert outcome.holdout.refined_rmse["x"] < 0.3 * outcome.holdout.baseline_rmse["x"]
+    assert outcome.remainder is not None
+    assert outcome.remainder.over_noise < 3.0
+    assert "as a table that takes" in sentence_of(outcome)
+    assert "table-better" in {rule.name for rule in outcome.rules}
+
+
+@pytest.mark.full
+def test_a_driven_motion_that_is_followed_has_the_same_rungs() -> None:
+    term = next(t for t in TERMS if t.known is not None and t.known.of == "x" and t.slot is Slot.SMOOTH)
+    knots = np.random.default_rng(1).uniform(-0.6, 0.6, 12)
+    truth = Model(2.0, 3.0, 80.0, 1.5).with_terms(ModelTerm(term, (*knots.tolist(), -0.35, 0.35)))
+    t = np.arange(2500) / 125.0
+    u = np.sum([a * np.sin(w * t + p) for a, w, p in ((6.0, 3.1, 0.3), (4.0, 7.3, 1.1), (5.0, 5.2, 2.0))], axis=0)
+    x = solve(truth, t, drive=Drive(t, u)).x
+    problem, _ = prepare(
+        Recording(t, {"x": x + 2e-5 * np.random.default_rng(2).standard_normal(t.size), "u": u}), Asked()
+    )
+    assert isinstance(problem, Driven)
+    base, scales = driven_baseline(problem)
+    found = misfit(problem, base, scales)
+    before = held_out(found.base, found.problem, found.scales, found.strokes)
+    assert before is not None
+    kept = tabulated(found, found.base.model, base_of(found.base.free), before)
+    assert kept[0].rung.said == "f(x)"
+    assert ratio(kept[0].held, before) < 0.3
