@@ -12,6 +12,7 @@ from harness.kernels import generate
 from harness.kernels.examine import examine
 from harness.kernels.laws import laws
 from harness.kernels.layout import CHANGES_IN_TIME, SMOOTH, lay_out
+from harness.model.given import GIVEN
 from harness.model.law import D_INTERNAL, D_PARAMETER, D_T, D_X, VALUE
 from harness.model.model import Model, ModelTerm
 from harness.model.registry import TERMS, term
@@ -111,7 +112,8 @@ def test_a_law_with_other_arguments_is_refused() -> None:
 def test_the_dispatch_is_the_one_of_the_registry() -> None:
     assert generate.TARGET.read_text(encoding="utf-8") == generate.text(), "run python -m harness.kernels.generate"
     dispatched = [t for ladder in generate.LADDERS for t in ladder.terms]
-    assert {t.key for t in dispatched} == {t.key for t in TERMS if t.law is not None}
+    laws = {t.key for t in TERMS if t.law is not None} | {t.key for t in GIVEN.values()}
+    assert {t.key for t in dispatched} == laws
 
 
 def test_a_dispatch_written_for_other_terms_is_refused() -> None:
