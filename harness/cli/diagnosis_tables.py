@@ -84,10 +84,19 @@ def _print_simulated(simulated: list["SimulatedResult"]) -> None:
     show(table)
 
 
+def _units(result: "DiagnosisResult") -> dict[str, str]:
+    """Unit of a channel, as the base parameters have it."""
+    turns = any("rad" in p.unit or p.unit == "kg m^2" for n, p in result.baseline.parameters.items() if n != "omega_n")
+    if turns:
+        return {"x": "rad", "v": "rad/s", "a": "rad/s^2", "u": "N m"}
+    return {"x": "m", "v": "m/s", "a": "m/s^2", "u": "N"}
+
+
 def _held_out(result: "DiagnosisResult") -> str:
     """Errors on what took no part in the fits, before and after."""
     held = result.holdout
-    both = (f"rmse {c} {y:.4g} to {held.refined_rmse[c]:.4g}" for c, y in held.baseline_rmse.items())
+    units = _units(result)
+    both = (f"rmse {c} {y:.4g} to {held.refined_rmse[c]:.4g} {units[c]}" for c, y in held.baseline_rmse.items())
     return ", ".join(both) or "no figure"
 
 
@@ -136,6 +145,7 @@ def _fits(result: "DiagnosisResult") -> "Table":
     from rich.table import Table
 
     fits = [result.baseline, *([result.refined] if result.mechanisms else [])]
+    units = _units(result)
     table = Table()
     table.add_column("", no_wrap=True)
     for heading in ("viscous and Coulomb", "refined")[: len(fits)]:
@@ -150,7 +160,7 @@ def _fits(result: "DiagnosisResult") -> "Table":
         for c in result.fit_percent.baseline:
             table.add_row(f"fit of {c}", *(f"{side[c]:.4g} %" for side in sides[: len(fits)]))
     for c in result.baseline.rmse:
-        table.add_row(f"rmse {c}", *(f"{fit.rmse[c]:.4g}" for fit in fits))
+        table.add_row(f"rmse {c}", *(f"{fit.rmse[c]:.4g} {units[c]}" for fit in fits))
     for name in dict.fromkeys(name for fit in fits for name in fit.parameters):
         table.add_row(name, *(with_error(f.parameters[name]) if name in f.parameters else "-" for f in fits))
     return table
@@ -162,13 +172,14 @@ def _own(result: "DiagnosisResult") -> "Table":
 
     table = Table()
     channel = next(iter(result.baseline.rmse))
-    columns = ["recording", "x0", *(["zero"] if result.own[0].zero else []), f"noise {channel}"]
-    for heading in (*columns, f"rmse {channel}", *(["refined"] if result.mechanisms else [])):
+    unit = _units(result)[channel]
+    columns = ["recording", "x0", *(["zero"] if result.own[0].zero else []), f"noise {channel}\n{unit}"]
+    for heading in (*columns, f"rmse {channel}\n{unit}", *([f"refined\n{unit}"] if result.mechanisms else [])):
         table.add_column(heading, justify="left" if heading == "recording" else "right", no_wrap=heading != "recording")
     for one in result.own:
         noise = one.noise[channel]
         cells = [Path(one.file).name, f"{one.start['x0'].value:.4g} {one.start['x0'].unit}"]
-        cells += [f"{one.zero.value:.4g}"] if one.zero else []
+        cells += [f"{one.zero.value:.4g} {one.zero.unit}"] if one.zero else []
         cells += [noise if isinstance(noise, str) else f"{noise:.3g}", f"{one.baseline_rmse[channel]:.3g}"]
         table.add_row(*cells, *([f"{one.rmse[channel]:.3g}"] if result.mechanisms else []))
     return table

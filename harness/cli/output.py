@@ -70,11 +70,11 @@ def this_line() -> str:
     return shlex.join(["harness", *sys.argv[1:]]) if is_ours else ""
 
 
-def with_error(number: "P") -> str:
-    """A value to the second digit of its standard error, "-" for one that was refused."""
+def with_error(number: "P", said: str = "") -> str:
+    """A value to the second digit of its standard error, "-" for one that was refused; said : a unit said elsewhere."""
     if number.value is None:
         return "-"
-    unit = "" if number.unit in ("1", "rad/s") else f" {number.unit}"
+    unit = "" if number.unit in ("1", said) else f" {number.unit}"
     if not number.stderr:
         return f"{number.value:.6g}{unit}"
     decimals = min(max(1 - math.floor(math.log10(number.stderr)), 0), 12)

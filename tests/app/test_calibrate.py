@@ -35,8 +35,9 @@ JUDGES = {
     "guard-speed": {"guard-speed"},
     "together": {"pooled", "own"},
     "amplitudes": {"amplitudes-apart"},
+    "covariates": {"decisive"},
 }
-LONG = {"amplitudes", "pairs-apart", "pair-promise", "main-effect", "guard-speed", "force-tables"}
+LONG = {"amplitudes", "covariates", "pairs-apart", "pair-promise", "main-effect", "guard-speed", "force-tables"}
 """More than four seconds for one draw; the others take the same way."""
 SEED = 3
 """Its first draw says something in every calibration."""

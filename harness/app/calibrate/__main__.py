@@ -7,6 +7,7 @@ from pathlib import Path
 
 from harness.app.calibrate import (
     amplitudes,
+    covariates,
     few_cycles,
     force_tables,
     guard_speed,
@@ -33,6 +34,7 @@ CALIBRATIONS: dict[str, Calibration] = {
     "guard-speed": guard_speed.CALIBRATION,
     "together": together.CALIBRATION,
     "amplitudes": amplitudes.CALIBRATION,
+    "covariates": covariates.CALIBRATION,
 }
 _OF_PLANT = {"main-effect": main_effect.of_plant, "tables": tables.of_plant}
 """Those that can be measured on recordings that are there."""

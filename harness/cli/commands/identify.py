@@ -73,7 +73,7 @@ def _print(result: "IdentifyResult") -> None:
     refused = []
     for method, estimate in result.estimates.items():
         numbers = (estimate.omega_n, estimate.zeta, estimate.x_k)
-        table.add_row(method, *(with_error(number) for number in numbers), str(estimate.reversals))
+        table.add_row(method, *(with_error(number, "rad/s") for number in numbers), str(estimate.reversals))
         reasons = dict.fromkeys(number.why for number in numbers if number.value is None and number.why)
         refused += [f"{method}: {reason}" for reason in reasons]
     show(table)
