@@ -13,6 +13,7 @@ import numpy as np
 
 from harness.core.arrays import BoolArray, FloatArray, IntArray
 from harness.diagnosis.covariates.values import Acting
+from harness.diagnosis.problems.force_noise import ForceNoise
 from harness.diagnosis.problems.starts import OneStart, Starts
 from harness.estimate.noise import Noise
 from harness.kernels.solve import Drive
@@ -27,7 +28,9 @@ class Problem(ABC):
     mass : kg, None when unknown (then m = 1 and forces are per unit mass, unless a measured force gives the mass).
     zero_free : x is measured from an unknown zero. angular : x or a was given as an angle. starts : from where it is
     simulated. drive : the measured force as the solver takes it, None where none acts. covariates : by name, measured
-    columns that act too: given, not predicted. acting : how each enters, where the motion is followed.
+    columns that act too: given, not predicted. acting : how each enters, where the motion is followed. force_noise :
+    what the own noise of a measured force, or of a covariate, does to the whole; None where nothing shows and every
+    start is known.
     """
 
     t: FloatArray = field(kw_only=False)
@@ -42,6 +45,7 @@ class Problem(ABC):
     drive: Drive | None = None
     covariates: Mapping[str, FloatArray] = field(default_factory=dict)
     acting: tuple[Acting, ...] = ()
+    force_noise: ForceNoise | None = None
     provides: ClassVar[frozenset[str]] = frozenset()
     """What a term may need that every problem of this kind has; see ``given``."""
 
@@ -84,8 +88,8 @@ class Problem(ABC):
 
     @property
     def spare(self) -> float:
-        """Chi-square that may be left beyond what whitening allows for."""
-        return 0.0
+        """Chi-square that may be left beyond what whitening allows for: by noise of a force beyond first order."""
+        return 0.0 if self.force_noise is None else self.force_noise.beyond
 
     @property
     def choices(self) -> tuple[str, ...]:
@@ -94,8 +98,8 @@ class Problem(ABC):
 
     @property
     def slow_is_sensors(self) -> bool:
-        """Whether what is slow beside a sample can be the sensors' own noise, and nothing else's."""
-        return True
+        """Whether what is slow beside a sample can be the sensors' own: beside a noisy force it is the force's."""
+        return self.force_noise is None or not self.force_noise.noise.found
 
     @property
     def errors_allow_for_misfit(self) -> bool:
@@ -103,12 +107,21 @@ class Problem(ABC):
         return False
 
     def own_noise(self, left: Mapping[str, Noise]) -> dict[str, Noise]:
-        """The sensors' own noise, where a model leaves ``left``."""
-        return dict(left)
+        """The sensors' own noise, where a model leaves ``left``; what is left of it beside a noisy force."""
+        force = self.force_noise
+        if force is None or not force.noise.found:
+            return dict(left)
+        return {c: force.own(c, n, self.noise[c]) for c, n in left.items()}
 
     def whitened(self, values: Mapping[str, FloatArray]) -> dict[str, FloatArray]:
-        """Residuals (n,) or partials (n, q) of every channel in units of the noise, neighbours independent."""
-        return apart(self, values)
+        """Residuals (n,) or partials (n, q) of every channel in units of the noise, neighbours independent.
+
+        Beside a noisy force all channels tell of it together: each sample counts as what it adds to those before.
+        """
+        if self.force_noise is None:
+            return apart(self, values)
+        own = {c: values[c] for c in self.channels}
+        return self.force_noise.whitened(self.t, self.noise, self.weight, own)[0]
 
     @property
     def alone(self) -> tuple["Problem", ...]:
@@ -154,8 +167,8 @@ class Problem(ABC):
         """Samples (m,) at which the motion turns round, in order; v (n,) : speed of a model that follows it."""
 
     def under_noise(self, noise: Mapping[str, Noise]) -> Self:
-        """The same with each channel's noise so, and no other."""
-        return replace(self, noise=noise)
+        """The same with each channel's noise so, and no other: what noise of a force does is no longer allowed for."""
+        return replace(self, noise=noise, force_noise=None)
 
     def drive_over(self, begin: float, end: float) -> Drive | None:
         """The force that acts between two times, s, in time since the first."""
@@ -184,7 +197,8 @@ class Problem(ABC):
 
         shown (n,) : by channel, what a model that follows the recording shows; means are taken of what it leaves.
         """
-        return in_means(self, shown, size), 1.0
+        small, force = in_means(self, shown, size), self.force_noise
+        return replace(small, force_noise=None if force is None else replace(force, averaged=True)), 1.0
 
     def at_every_sample(self, t: FloatArray, channels: Mapping[str, FloatArray]) -> "Problem":
         """The same question at every sample t (m,), s, of the recording it was made from; channels (m,) of it."""

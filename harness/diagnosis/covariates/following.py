@@ -21,6 +21,8 @@ from harness.kernels.solve import Scales
 from harness.model.covariate import Acts
 from harness.model.model import Model
 
+_BLOCK = 10
+"""Samples whose mean counts as one value of a covariate."""
 _ALONE = 1e-9
 """Share of a column's squares below which others say it whole, but for rounding."""
 
@@ -104,7 +106,7 @@ def _own(one: Acting, start: Model, base: Fit, problem: Problem, scales: Scales)
     alone = _left(change, steady[:, None])
     rest = _left(change, np.column_stack((jacobian[:, others], steady, in_time)))
     left, whole = float(rest @ rest), max(float(alone @ alone), 1e-300)
-    least = (COVARIATE_VARIES.value * one.noise) ** 2 * float(steady @ steady)
+    least = (COVARIATE_VARIES.value * one.noise) ** 2 / _BLOCK * float(steady @ steady)
     return left / whole, left <= max(least, _ALONE * whole)
 
 

@@ -12,16 +12,13 @@ from harness.diagnosis.rules import COVARIATE_VARIES
 from harness.estimate.noise import channel_noise
 from harness.model.covariate import Acts, Covariate
 
-BLOCK = 10
-"""Samples whose mean counts as one value of a covariate."""
-
 
 @dataclass(frozen=True, slots=True)
 class Acting:
     """A covariate of a recording that is followed.
 
     acts : how it enters, None where that is to be found. about : its mean. unit : "" where the recording gives none.
-    noise : of a block's mean, in its unit. asked : whether somebody said how it enters.
+    noise : of a sample, in its unit. asked : whether somebody said how it enters.
     """
 
     name: str

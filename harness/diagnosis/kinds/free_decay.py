@@ -8,6 +8,7 @@ from harness.core.errors import InputError, SimulationError
 from harness.core.recording import Recording
 from harness.diagnosis.baseline.base_fit import baseline
 from harness.diagnosis.covariates.following import enter
+from harness.diagnosis.covariates.noise import allowing
 from harness.diagnosis.explain.holdout import periods_held_out
 from harness.diagnosis.fit.another import only_started
 from harness.diagnosis.fit.model_fit import fit
@@ -85,7 +86,7 @@ def _entered(plain: Based[FreeDecay], problem: FreeDecay) -> Based[FreeDecay]:
     found, scales = enter(plain.fit, replace(plain.problem, acting=problem.acting), plain.scales), plain.scales
     enters = problem.enters or found.said
     short = replace(plain.problem, acting=found.acting, enters=enters)
-    short = replace(short, noise=noise_of(found.fit, short, scales.omega))
+    short = allowing(replace(short, noise=noise_of(found.fit, short, scales.omega)), found.fit)
     whole = replace(problem, acting=found.acting, enters=enters)
     return Based(whole, short, settle(under(found.fit, short), short, scales), scales)
 

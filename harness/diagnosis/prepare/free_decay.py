@@ -5,16 +5,14 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from harness.core.arrays import FloatArray
 from harness.core.errors import InputError
 from harness.core.recording import MINIMUM_SAMPLES, Recording
 from harness.diagnosis.baseline.base_fit import dominant_frequency
-from harness.diagnosis.covariates.values import BLOCK, Acting, values_in
+from harness.diagnosis.covariates.values import Acting, values_in
 from harness.diagnosis.prepare.held import held
 from harness.diagnosis.prepare.release import released, without_hand
 from harness.diagnosis.problems.free_decay import FreeDecay
 from harness.diagnosis.request import Asked, AskedCovariate
-from harness.diagnosis.smoothed_state.local_cubics import longest_interval, smoothed
 from harness.estimate.noise import channel_noise
 from harness.estimate.reversals import Grows, Kind, NoDecay, find_half_cycles
 from harness.estimate.saturation import within_range
@@ -25,8 +23,6 @@ _GROWS = (
     "the swing grows, which friction never makes it do: a second mass swings along, or something pushes, and its force,"
     " recorded as u, would tell"
 )
-_ALIKE = 1.02
-"""By how much smoothing may miss more of a covariate than the narrowest: it must not round off what it does."""
 _REST = 1.0
 """How long a rest is kept after the last half-cycle, in times of the decay: it says where the slider stays."""
 
@@ -52,7 +48,7 @@ def free_decay_problem(recording: Recording, asked: Asked) -> tuple[FreeDecay, t
         noise,
         mass=asked.mass,
         angular=recording.angular,
-        covariates=_smooth(recording, asked),
+        covariates=values_in(recording, asked.covariates),
     )
     problem, said = held(problem, asked)
     notes = (*notes, said) if said else notes
@@ -64,16 +60,9 @@ def free_decay_problem(recording: Recording, asked: Asked) -> tuple[FreeDecay, t
     return replace(problem, acting=tuple(_acting(recording, one) for one in asked.covariates)), notes
 
 
-def _smooth(recording: Recording, asked: Asked) -> dict[str, FloatArray]:
-    """The covariates (n,) that were asked for, without most of their noise. Raises InputError for what says nothing."""
-    t, longest = recording.t, longest_interval(recording.t)
-    values = values_in(recording, asked.covariates)
-    return {name: smoothed(t, y, longest, channel_noise(t, y).sigma, _ALIKE).value for name, y in values.items()}
-
-
 def _acting(recording: Recording, one: AskedCovariate) -> Acting:
     values = recording.covariates[one.name]
-    noise = channel_noise(recording.t, values).of_means(BLOCK).sigma
+    noise = channel_noise(recording.t, values).sigma
     about, unit = float(np.mean(values)), recording.units.get(one.name, "")
     return Acting(one.name, one.acts, about, unit, noise, one.acts is not None)
 

@@ -1,16 +1,14 @@
 """A driven recording: a measured force acts, whose own noise may show in the motion."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from typing import ClassVar, Self
 
 import numpy as np
 
 from harness.core.arrays import FloatArray, IntArray
-from harness.diagnosis.problem import Problem, apart, in_means
-from harness.diagnosis.problems.force_noise import ForceNoise
+from harness.diagnosis.problem import Problem
 from harness.diagnosis.problems.starts import Windows
-from harness.estimate.noise import Noise
 from harness.kernels.solve import Drive
 from harness.model.model import Model
 
@@ -58,45 +56,11 @@ class Forced(Problem):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Driven(Forced):
-    """A driven recording followed in its channels, from one start or window after window.
-
-    force_noise : what the force's own noise does to the whole, None where nothing shows and every start is known.
-    """
-
-    force_noise: ForceNoise | None = None
-
-    @property
-    def spare(self) -> float:
-        """What noise of the force may leave beyond first order."""
-        return 0.0 if self.force_noise is None else self.force_noise.beyond
-
-    @property
-    def slow_is_sensors(self) -> bool:
-        """Not beside a noisy force: what is slow is the force's."""
-        return self.force_noise is None or not self.force_noise.noise.found
-
-    def own_noise(self, left: Mapping[str, Noise]) -> dict[str, Noise]:
-        """What is left of the sensors' own beside a noisy force."""
-        force = self.force_noise
-        if force is None or not force.noise.found:
-            return dict(left)
-        return {c: force.own(c, n, self.noise[c]) for c, n in left.items()}
-
-    def whitened(self, values: Mapping[str, FloatArray]) -> dict[str, FloatArray]:
-        """Beside a noisy force all channels tell of it together: each sample counts as what it adds to those before."""
-        if self.force_noise is None:
-            return apart(self, values)
-        own = {c: values[c] for c in self.channels}
-        return self.force_noise.whitened(self.t, self.noise, self.weight, own)[0]
-
-    def under_noise(self, noise: Mapping[str, Noise]) -> Self:
-        """What noise of the force does is then no longer allowed for."""
-        return replace(self, noise=noise, force_noise=None)
+    """A driven recording followed in its channels, from one start or window after window."""
 
     def condensed(self, shown: Mapping[str, FloatArray], size: int) -> tuple[Self, float]:
         """Windows are thinned, since errors of their starts travel from sample to sample."""
         if isinstance(self.starts, Windows):
             small = self.part(slice(None, None, size))
             return small, self.points / max(small.points, 1)
-        small, force = in_means(self, shown, size), self.force_noise
-        return replace(small, force_noise=None if force is None else replace(force, averaged=True)), 1.0
+        return Forced.condensed(self, shown, size)
