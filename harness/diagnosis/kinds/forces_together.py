@@ -41,5 +41,6 @@ class ForcesOfSeveral(FittedForces):
         return replace(found, search=search, coarse=search, pooled=shared)
 
     def _searched(self, shared: Pooled[ForcesTogether]) -> Found:
-        based = Based[InverseDynamics](shared.problem, shared.problem, shared.base, shared.scales)
+        problem: InverseDynamics = shared.problem
+        based = Based(problem, problem, shared.base, shared.scales)
         return super().search(based, None)
