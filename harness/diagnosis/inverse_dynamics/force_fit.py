@@ -58,7 +58,7 @@ class ForceFit:
     @property
     def memory(self) -> Memory:
         """How long the residual remembers."""
-        return memory(self.residual)
+        return memory(self.residual, begins=self.begins)
 
     def bic(self, independent: float, spare: float = 0.0) -> float:
         """Bayesian information criterion for noise of unknown level and so many independent values.
