@@ -1,7 +1,6 @@
 """Several driven recordings of one machine: one regression of all their forces, and what differs between them."""
 
 import math
-import re
 from collections.abc import Sequence
 from dataclasses import replace
 from functools import cache
@@ -13,7 +12,7 @@ from harness.core.arrays import FloatArray
 from harness.core.errors import InputError
 from harness.core.recording import Recording
 from harness.diagnosis.fit.observe import observe
-from harness.diagnosis.fit.parameters import free_of
+from harness.diagnosis.fit.parameters import Free, free_of
 from harness.diagnosis.inverse_dynamics.force_fit import ForceFit, fit_force
 from harness.diagnosis.inverse_dynamics.measured import BLOCK, Measured
 from harness.diagnosis.inverse_dynamics.strokes import force_words
@@ -84,7 +83,7 @@ def test_one_machine_under_two_drives_is_pooled(base: Model) -> None:
             assert abs(numbers[name][0] - zero) < 4.0 * numbers[name][1]
 
 
-def _errors(found: Pooled[ForcesTogether]) -> list[tuple[object, float]]:
+def _errors(found: Pooled[ForcesTogether]) -> list[tuple[Free, float]]:
     errors = np.sqrt(np.diag(found.base.covariance())).tolist()
     return list(zip(found.base.free, errors, strict=True))
 

@@ -21,17 +21,13 @@ from harness.diagnosis.request import Asked
 from harness.diagnosis.rules import OWN, POOLED
 from harness.kernels.solve import Drive, solve
 from harness.model.model import Model, ModelTerm, Restoring
+from harness.proof.machines.catalogue import OF_A_DRIVE
 
 DIFFERS = {"m": 1.1, "f_k": 0.8}
 """What is another number in the second recording, over the first's."""
 LEVEL = 0.05
 _RATE = 250.0
 _SAMPLES = (2000, 3000)
-_HIDDEN = {
-    "stribeck": {"f_s": 2.5, "v_s": 0.1},
-    "quadratic-drag": {"c2": 2.0},
-    "asymmetric-viscous": {"c_diff": 1.2},
-}
 
 
 @dataclass(frozen=True, slots=True)
@@ -53,11 +49,11 @@ def measure(seed: int, index: int) -> Tested:
     rng = np.random.default_rng([seed, 17, index])
     restoring = Restoring.SPRING if rng.random() < 0.5 else Restoring.NONE
     differs = "" if index % 2 == 0 else str(rng.choice(list(DIFFERS)))
-    hidden = str(rng.choice(list(_HIDDEN))) if index // 2 % 2 else ""
+    hidden = str(rng.choice(list(OF_A_DRIVE))) if index // 2 % 2 else ""
     k = float(rng.uniform(40.0, 120.0)) if restoring is Restoring.SPRING else 0.0
     base = Model(2.0, float(rng.uniform(2.0, 5.0)), k, float(rng.uniform(1.0, 2.0)), restoring=restoring)
     if hidden:
-        base = base.with_terms(ModelTerm.named(hidden, **_HIDDEN[hidden]))
+        base = base.with_terms(ModelTerm.named(hidden, **OF_A_DRIVE[hidden]))
     second = replace(base, **{differs: DIFFERS[differs] * getattr(base, differs)}) if differs else base
     recordings = [recorded(model, rng, f"recording-{i + 1}.csv") for i, model in enumerate((base, second))]
     problem, _ = forces_together(recordings, Asked(restoring))
@@ -97,9 +93,11 @@ def said(rows: Sequence[Tested]) -> Iterator[str]:
     for row in other:
         if row.own != (row.differs,):
             yield f"  {row.differs} with {row.hidden or 'nothing'}: {', '.join(row.own) or 'none'} is said"
-    sizes = [abs(row.apart) for row in other if row.apart is not None]
-    within = [sum(size < most for size in sizes) for most in (1.0, 2.0, 3.0)]
-    yield f"its size within 1, 2, 3 standard errors: {within[0]}, {within[1]}, {within[2]} of {len(sizes)}"
+    for what, wanted in (("nothing", False), ("an effect", True)):
+        sizes = [abs(row.apart) for row in other if row.apart is not None and bool(row.hidden) is wanted]
+        within = [sum(size < most for size in sizes) for most in (1.0, 2.0, 3.0)]
+        counts = f"{within[0]}, {within[1]}, {within[2]} of {len(sizes)}"
+        yield f"with {what} hidden, the base fit's size within 1, 2, 3 standard errors: {counts}"
     small = [sum(row.chance < level for row in bare) for level in (0.05, 0.01, POOLED.value)]
     yield f"nothing hidden: {len(bare)}, chance below .05 in {small[0]}, .01 in {small[1]}, .001 in {small[2]}"
     yield stands(POOLED, small[2] <= 1 + 3.0 * POOLED.value * len(bare), "noise alone differs as seldom as it says")
