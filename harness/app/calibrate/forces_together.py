@@ -1,8 +1,9 @@
 """Two driven recordings of one machine: how often are they said to differ though they do not, and what is told if so?
 
-Axes and spring sliders under two forces, each with a noise of its own; in half of them one effect is hidden, which acts
-differently under the other force. Every second pair is alike; of the others the second carries a tenth more, or has a
-fifth less dry friction.
+Axes and spring sliders under two forces, each with a noise of its own; in half of them something is hidden: an effect,
+which acts differently under the other force, or a force that nobody measured. Every second pair is alike; of the others
+the second carries a tenth more, or has a fifth less dry friction. Asked is the base fit: what differs beside a hidden
+law is looked for once more when that is found.
 """
 
 import math
@@ -28,6 +29,8 @@ DIFFERS = {"m": 1.1, "f_k": 0.8}
 LEVEL = 0.05
 _RATE = 250.0
 _SAMPLES = (2000, 3000)
+_UNSEEN, _LASTS = "unmeasured force", 0.975
+"""What is hidden where it is no effect, and what of it is left a sample later."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -49,13 +52,14 @@ def measure(seed: int, index: int) -> Tested:
     rng = np.random.default_rng([seed, 17, index])
     restoring = Restoring.SPRING if rng.random() < 0.5 else Restoring.NONE
     differs = "" if index % 2 == 0 else str(rng.choice(list(DIFFERS)))
-    hidden = str(rng.choice(list(OF_A_DRIVE))) if index // 2 % 2 else ""
+    hidden = str(rng.choice([*OF_A_DRIVE, _UNSEEN])) if index // 2 % 2 else ""
     k = float(rng.uniform(40.0, 120.0)) if restoring is Restoring.SPRING else 0.0
     base = Model(2.0, float(rng.uniform(2.0, 5.0)), k, float(rng.uniform(1.0, 2.0)), restoring=restoring)
-    if hidden:
+    if hidden in OF_A_DRIVE:
         base = base.with_terms(ModelTerm.named(hidden, **OF_A_DRIVE[hidden]))
     second = replace(base, **{differs: DIFFERS[differs] * getattr(base, differs)}) if differs else base
-    recordings = [recorded(model, rng, f"recording-{i + 1}.csv") for i, model in enumerate((base, second))]
+    unseen = float(rng.uniform(0.1, 0.5)) if hidden == _UNSEEN else 0.0
+    recordings = [recorded(model, rng, unseen, f"recording-{i + 1}.csv") for i, model in enumerate((base, second))]
     problem, _ = forces_together(recordings, Asked(restoring))
     found = shared_forces(problem)
     apart = None
@@ -66,13 +70,19 @@ def measure(seed: int, index: int) -> Tested:
     return Tested(differs, hidden, found.compared.chance, found.own, apart)
 
 
-def recorded(model: Model, rng: np.random.Generator, name: str) -> Recording:
-    """A model under three waves of force, its position to micrometres and its force to some per cent."""
+def recorded(model: Model, rng: np.random.Generator, unseen: float, name: str) -> Recording:
+    """A model under three waves of force, its position to micrometres and its force to some per cent.
+
+    unseen : rms of a force that is not recorded, N.
+    """
     t = np.arange(int(rng.integers(*_SAMPLES))) / _RATE
     force: FloatArray = np.zeros(t.size)
     for size, slowest in ((6.0, 1.5), (4.0, 5.0), (3.0, 11.0)):
         force += size * np.sin(float(rng.uniform(1.0, 1.6)) * slowest * t + float(rng.uniform(0.0, 2.0 * math.pi)))
-    x = solve(model, t, drive=Drive(t, force)).x + 0.01 * float(rng.normal())
+    hidden = np.zeros(t.size)
+    for i in range(1, t.size if unseen else 1):
+        hidden[i] = _LASTS * hidden[i - 1] + math.sqrt(1.0 - _LASTS**2) * unseen * rng.standard_normal()
+    x = solve(model, t, drive=Drive(t, force + hidden)).x + 0.01 * float(rng.normal())
     x += float(10.0 ** rng.uniform(-6.0, -5.0)) * rng.standard_normal(t.size)
     u = force + float(10.0 ** rng.uniform(-2.0, -0.5)) * rng.standard_normal(t.size)
     return Recording(t, {"x": x, "u": u}, name)
