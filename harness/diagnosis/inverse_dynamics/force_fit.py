@@ -111,7 +111,9 @@ class _Point:
 
 
 def partials(model: Model, measured: Measured, free: tuple[Free, ...], asked: FloatArray) -> FloatArray:
-    """Partials (m, q) of the force asked for (m,), over its level, by differences: most laws are linear, none has an event here."""
+    """Partials (m, q) of the force asked for (m,), over its level, by differences: most laws are linear, none has an
+    event here.
+    """
     values = values_of(model, free)
     columns = []
     for i, f in enumerate(free):
