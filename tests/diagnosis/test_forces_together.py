@@ -4,10 +4,12 @@ import math
 from collections.abc import Sequence
 from dataclasses import replace
 from functools import cache
+from pathlib import Path
 
 import numpy as np
 import pytest
 
+from harness.app.shared.reading import ReadOptions, read
 from harness.core.arrays import FloatArray
 from harness.core.errors import InputError
 from harness.core.recording import Recording
@@ -260,3 +262,14 @@ def test_channels_that_not_all_have_are_left_out_and_said() -> None:
     problem, notes = forces_together([with_speed, second], Asked(AXIS.restoring))
     assert list(problem.channels) == ["x"]
     assert any("v is left out" in note for note in notes)
+
+
+@pytest.mark.full
+def test_two_trajectories_of_a_real_axis_are_pooled(recordings: Path) -> None:
+    """The drive-axis benchmark (Janot, Gautier, Brunot 2019), of whose one recording numbers are published."""
+    columns = ReadOptions("t=t,x=qm,u=vir*gtau[N]")
+    each = [read(recordings / "emps" / name, columns) for name in ("DATA_EMPS.mat", "DATA_EMPS_PULSES.mat")]
+    found = shared_forces(together(each, Restoring.NONE))
+    assert found.own == ()
+    for name, published in (("m", 95.11), ("c", 203.5), ("f_k", 20.39)):
+        assert getattr(found.base.model, name) == pytest.approx(published, rel=0.05)
