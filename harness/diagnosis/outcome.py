@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from enum import StrEnum
-from typing import Literal, TypeAlias
+from typing import Any, Literal, TypeAlias
 
 from harness.core.arrays import BoolArray, FloatArray
 from harness.core.quantity import Quantity
@@ -200,4 +200,4 @@ class Outcome:
     remainder: Remainder | None = None
     tables: tuple[Table, ...] = ()
     surface: Surface | None = None
-    pooled: Pooled | None = None
+    pooled: Pooled[Any] | None = None

@@ -21,9 +21,11 @@ from harness.diagnosis.grading.begun import from_within
 from harness.diagnosis.grading.first_turn import after_first_turn
 from harness.diagnosis.grading.grade import Graded, grade
 from harness.diagnosis.grading.misfit import misfit
+from harness.diagnosis.inverse_dynamics.together import forces_together
 from harness.diagnosis.inverse_dynamics.validate import Judge
 from harness.diagnosis.kinds.known import kind_for, kind_of
 from harness.diagnosis.outcome import Outcome, Tried
+from harness.diagnosis.prepare.driven import is_driven
 from harness.diagnosis.prepare.together import together
 from harness.diagnosis.problem import Problem
 from harness.diagnosis.request import Asked
@@ -59,6 +61,8 @@ def prepare(recording: Recording, asked: Asked) -> tuple[Problem, tuple[str, ...
 
 def prepare_together(recordings: Sequence[Recording], asked: Asked) -> tuple[Problem, tuple[str, ...]]:
     """Several recordings of one machine as one problem; see ``prepare``."""
+    if recordings and all(is_driven(one) for one in recordings):
+        return forces_together(recordings, asked)
     return together(recordings, asked)
 
 

@@ -14,10 +14,10 @@ import numpy as np
 from harness.core.arrays import BoolArray, FloatArray, IntArray
 from harness.diagnosis.covariates.values import Acting
 from harness.diagnosis.problems.force_noise import ForceNoise
-from harness.diagnosis.problems.starts import OneStart, Starts
+from harness.diagnosis.problems.starts import OneStart, Start, Starts
 from harness.estimate.noise import Noise
 from harness.kernels.solve import Drive
-from harness.model.model import Restoring
+from harness.model.model import Model, Restoring
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -128,6 +128,10 @@ class Problem(ABC):
         """Each recording by itself, where there are several."""
         return ()
 
+    def runs(self, model: Model) -> list[Start]:
+        """Each recording as a whole, with the model at its start; one alone stretch by stretch."""
+        return self.starts.of(model)
+
     @property
     def own_names(self) -> tuple[str, ...]:
         """Base parameters that each of several recordings has of its own."""
@@ -173,6 +177,13 @@ class Problem(ABC):
     def drive_over(self, begin: float, end: float) -> Drive | None:
         """The force that acts between two times, s, in time since the first."""
         return None
+
+    def on_clock(self, clock: float, t: FloatArray) -> Self:
+        """With the force on a clock that is zero at ``clock`` (s), over times t (k,) of that."""
+        if self.drive is None or clock == 0.0:
+            return self
+        at, force = self.drive.within(float(t[0]) + clock, float(t[-1]) + clock)
+        return replace(self, drive=Drive(at - clock, force))
 
     def weighted(self, keep: Mapping[str, BoolArray] | BoolArray) -> Self:
         """The same with only these samples counting."""

@@ -561,7 +561,9 @@ POOLED = Rule(
     "several recordings differ in their base parameters, so that what differs is looked for",
     "one in a thousand where noise is all that differs: of 41 sliders let go twice with nothing hidden 2 are below .05,"
     " 1 below .01, none below .001; of 21 machines in which something is missing 13 are, so that the parameter must"
-    " also say more than the catalogue does (own) (python -m harness.app.calibrate together --draws 41)",
+    " also say more than the catalogue does (own) (python -m harness.app.calibrate together --draws 41); of 15 driven"
+    " pairs with nothing hidden 2 are below .05, none below .01 (python -m harness.app.calibrate forces-together"
+    " --draws 60)",
 )
 OWN = Rule(
     "own",
@@ -570,7 +572,9 @@ OWN = Rule(
     "a base parameter becomes each recording's own, if it also says more than a law that all share",
     'Kass and Raftery 1995, section 3.2: "strong" evidence; of 21 machines let go twice, as they were, none is said to'
     " differ, of 20 with 5 % more inertia the second time 19, all in inertia"
-    " (python -m harness.app.calibrate together --draws 41)",
+    " (python -m harness.app.calibrate together --draws 41); of 30 driven pairs, as they were, none, of 30 with 10 %"
+    " more inertia or 20 % less friction 23, 22 in what it is"
+    " (python -m harness.app.calibrate forces-together --draws 60)",
 )
 AMPLITUDES_APART = Rule(
     "amplitudes-apart",

@@ -1,7 +1,7 @@
 """What passes from one step of a diagnosis to the next."""
 
 from dataclasses import dataclass
-from typing import Generic
+from typing import Any, Generic
 
 from harness.diagnosis.fit.model_fit import Fit
 from harness.diagnosis.grading.grade import Graded
@@ -43,7 +43,7 @@ class Found:
     stepping: Stepping | None = None
     notes: tuple[str, ...] = ()
     by_force: ForceGraded | None = None
-    pooled: Pooled | None = None
+    pooled: Pooled[Any] | None = None
 
 
 @dataclass(frozen=True, slots=True)

@@ -30,13 +30,14 @@ class Memory:
         return self.independent < ENOUGH
 
 
-def memory(series: FloatArray, longest: int | None = None) -> Memory:
+def memory(series: FloatArray, longest: int | None = None, begins: tuple[int, ...] = ()) -> Memory:
     """Memory of a series (n,) of mean zero: pairs of lags are summed up to the first without any (Geyer 1992).
 
-    longest : lags looked at, by default a tenth of the values.
+    longest : lags looked at, by default a tenth of the values. begins : of further series laid behind the first, none
+    of which remembers the one before.
     """
     size = series.size
-    spectrum = np.abs(np.fft.rfft(series, 2 * size)) ** 2
+    spectrum = np.sum([np.abs(np.fft.rfft(own, 2 * size)) ** 2 for own in np.split(series, begins)], axis=0)
     lagged = np.fft.irfft(spectrum)[: max(int(_LONGEST * size) if longest is None else longest + 1, 2)]
     if lagged[0] <= 0.0:
         return Memory(1.0, size)

@@ -244,8 +244,10 @@ class OwnResult(Result):
     """What one of several recordings has of its own beside the physics that all share."""
 
     file: str
-    begins_s: float = Field(description="where its release lies on the common axis of time of the places and spans")
-    start: dict[str, P] = Field(description="x0, v0 where it is let go, in its own zero")
+    begins_s: float = Field(description="where its release, or its first sample, lies on the common axis of time")
+    start: dict[str, P] = Field(
+        description="x0, v0 where it is let go, or of a driven one at its first sample, in its own zero"
+    )
     zero: P | None = Field(description="what its sensor of x shows at rest without friction; null where it is known")
     noise: dict[str, float | str] = Field(description="standard deviation by channel")
     baseline_rmse: Rmse

@@ -34,10 +34,20 @@ JUDGES = {
     "force-tables": {"table-better", "table-errors", "table-words", "path-again"},
     "guard-speed": {"guard-speed"},
     "together": {"pooled", "own"},
+    "forces-together": {"pooled", "own"},
     "amplitudes": {"amplitudes-apart"},
     "covariates": {"decisive"},
 }
-LONG = {"amplitudes", "covariates", "pairs-apart", "pair-promise", "main-effect", "guard-speed", "force-tables"}
+LONG = {
+    "amplitudes",
+    "covariates",
+    "pairs-apart",
+    "pair-promise",
+    "main-effect",
+    "guard-speed",
+    "force-tables",
+    "forces-together",
+}
 """More than four seconds for one draw; the others take the same way."""
 SEED = 3
 """Its first draw says something in every calibration."""

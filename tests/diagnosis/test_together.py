@@ -228,7 +228,6 @@ def speed_alone() -> Recording:
 
 REFUSED: list[tuple[list[Recording], str]] = [
     ([seen(BASE, 0.1, 0.0, 1e-4, 1)], "from-100-mm.csv alone; two recordings of one machine or more"),
-    ([driven(), driven()], "driven.csv is driven; free decays"),
     ([seen(BASE, 0.1, 0.0, 1e-4, 1), driven()], "driven.csv is driven and from-100-mm.csv a free decay; free decays"),
     ([seen(BASE, 0.1, 0.0, 1e-4, 1), speed_alone()], "with a channel in common"),
     ([seen(BASE, 0.1, 0.0, 1e-4, 1), replace(seen(BASE, 0.1, 0.0, 1e-4, 1), angular=True)], "turns"),

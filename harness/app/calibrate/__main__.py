@@ -10,6 +10,7 @@ from harness.app.calibrate import (
     covariates,
     few_cycles,
     force_tables,
+    forces_together,
     guard_speed,
     main_effect,
     pair_promise,
@@ -33,6 +34,7 @@ CALIBRATIONS: dict[str, Calibration] = {
     "force-tables": force_tables.CALIBRATION,
     "guard-speed": guard_speed.CALIBRATION,
     "together": together.CALIBRATION,
+    "forces-together": forces_together.CALIBRATION,
     "amplitudes": amplitudes.CALIBRATION,
     "covariates": covariates.CALIBRATION,
 }

@@ -49,7 +49,7 @@ def runs_of(recording: Recording, outcome: Outcome) -> list[Run]:
     if not outcome.problem.alone:
         return [Run(slice(None), 0.0, outcome.refined.model.t0)]
     whole = outcome.problem.at_every_sample(recording.t, recording.channels)
-    return [Run(one.samples, one.clock, one.model.t0) for one in whole.starts.of(outcome.refined.model)]
+    return [Run(one.samples, one.clock, one.model.t0) for one in whole.runs(outcome.refined.model)]
 
 
 def of_first_alone(outcome: Outcome) -> list[str]:

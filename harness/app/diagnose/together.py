@@ -28,6 +28,8 @@ from harness.diagnosis.baseline.base_fit import dominant_frequency
 from harness.diagnosis.outcome import Outcome
 from harness.diagnosis.pipeline import diagnose as conclude
 from harness.diagnosis.pipeline import prepare_together
+from harness.diagnosis.prepare.driven import is_driven
+from harness.diagnosis.problems.forces_together import ForcesTogether
 from harness.diagnosis.problems.together import Together
 from harness.diagnosis.request import Asked
 from harness.io.store import output_folder
@@ -80,7 +82,7 @@ def investigate_together(
     progress("base fit and search", 1, STEPS)
     ready = _prepared(recordings, options)
     problem = ready.problem
-    assert isinstance(problem, Together)
+    assert isinstance(problem, Together | ForcesTogether)
     with np.errstate(over="ignore", invalid="ignore"), listening(progress):
         outcome = conclude(problem)
     progress("engines", 2, STEPS)
@@ -109,11 +111,12 @@ def _refuse_options(options: DiagnoseOptions) -> None:
 def _prepared(recordings: Sequence[Recording], options: DiagnoseOptions) -> Prepared:
     for one in recordings:
         refuse(one)
-    problem, notes = prepare_together(recordings, Asked(options.restoring, options.zero_free, options.mass))
+    problem, notes = prepare_together(recordings, _asked(options))
     warnings: list[str] = []
     channels: tuple[Consistency, ...] = ()
     for one, alone in zip(recordings, problem.alone, strict=True):
-        refuse_few(one.file, alone)
+        if not is_driven(one):
+            refuse_few(one.file, alone)
         omega = dominant_frequency(alone.t, next(iter(alone.channels.values())))
         if 0.0 < omega < 1e300:
             found = consistency(alone.t, alone.channels, alone.noise, omega, alone.angular)
@@ -122,14 +125,20 @@ def _prepared(recordings: Sequence[Recording], options: DiagnoseOptions) -> Prep
     return Prepared(problem, notes, tuple(warnings), channels)
 
 
-def _laid(recordings: Sequence[Recording], problem: Together, outcome: Outcome) -> Recording:
+def _asked(options: DiagnoseOptions) -> Asked:
+    return Asked(options.restoring, options.zero_free, options.mass, guarded=options.guarded)
+
+
+def _laid(recordings: Sequence[Recording], problem: Together | ForcesTogether, outcome: Outcome) -> Recording:
     """What was fitted, on the common axis of time, as one recording; each from where the models start."""
     names = ", ".join(one.file for one in recordings)
     notes = tuple(f"{one.file}: {note}" for one in recordings for note in one.notes)
     fitted = np.zeros(problem.t.size, dtype=bool)
-    for at, one in zip(problem.places, outcome.problem.starts.of(outcome.refined.model), strict=True):
+    for at, one in zip(problem.places, outcome.problem.runs(outcome.refined.model), strict=True):
         fitted[at] = problem.t[at] - one.clock >= one.model.t0
     channels = {c: y[fitted] for c, y in problem.channels.items()}
+    if problem.drive is not None:
+        channels["u"] = np.interp(problem.t[fitted], problem.drive.t, problem.drive.u)
     return replace(
         recordings[0],
         t=problem.t[fitted],

@@ -111,6 +111,7 @@ def command(
              harness diagnose swing.txt --columns "x=#1[deg]" --rate 1000 \\
                  --restoring pendulum
              harness diagnose from-20-mm.csv from-60-mm.csv --together
+             harness diagnose empty.csv loaded.csv --together --restoring none
              harness diagnose decay.csv --model mine.json \\
                  --engine mujoco --preset as-shipped
              harness diagnose log.csv --robot arm.urdf --joint elbow

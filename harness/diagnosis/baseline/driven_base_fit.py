@@ -48,6 +48,10 @@ def driven_baseline(problem: Forced) -> tuple[Fit, Scales]:
 
 def driven_scales(problem: Problem, model: Model) -> Scales:
     """What counts as ordinary in a driven recording; without a spring omega is the motion's own."""
+    if problem.alone:
+        each = [driven_scales(one, model) for one in problem.alone]
+        omega = float(np.exp(np.mean([math.log(one.omega) for one in each])))
+        return Scales(max(one.x for one in each), max(one.v for one in each), omega)
     omega = math.sqrt(model.k / model.m)
     cycle = omega or dominant_frequency(problem.t, next(iter(problem.channels.values())))
     motion = motion_of(problem.t, problem.channels, cycle)

@@ -13,6 +13,7 @@ from harness.core.trajectory import Trajectory
 from harness.diagnosis.fit.observe import observe
 from harness.diagnosis.fit.rmse import rms, rmse
 from harness.diagnosis.problem import Problem
+from harness.diagnosis.problems.starts import Start
 from harness.diagnosis.sensors.sensor_model import latest, sensed
 from harness.kernels.solve import Drive, Scales
 from harness.model.model import Model
@@ -100,20 +101,22 @@ def shown_by(
     A driven recording is simulated window by window, each from its own start, as the fit does it.
     """
     parts = [
-        _stretch(simulate, start.model, problem, problem.t[start.samples] - start.clock, dt)
+        _stretch(simulate, start, problem, problem.t[start.samples] - start.clock, dt)
         for start in problem.starts.of(model)
     ]
     return {c: np.concatenate([shown[c] for shown, _ in parts]) for c in problem.channels}, parts[-1][1]
 
 
 def _stretch(
-    simulate: Simulator, model: Model, problem: Problem, t: FloatArray, dt: float | None
+    simulate: Simulator, start: Start, problem: Problem, t: FloatArray, dt: float | None
 ) -> tuple[dict[str, FloatArray], Trajectory]:
     """Channels at times t (s) of one run from the model's own start, and the motion behind them."""
+    model = start.model
     duration = latest(model, t)
     if duration <= 0.0:
         raise SimulationError("the recording ends before the slider is released")
-    motion = simulate(model, duration, dt, problem.drive_over(model.t0, model.t0 + duration))
+    begin = model.t0 + start.clock
+    motion = simulate(model, duration, dt, problem.drive_over(begin, begin + duration))
     return sensed(model, t, motion, problem.channels), motion
 
 

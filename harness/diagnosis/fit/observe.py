@@ -65,7 +65,7 @@ def _from(start: Start, problem: Problem, by: tuple[By, ...], scales: Scales, ef
     moving = [name for b in here if b is not None for name in start.slopes.get(b, {})]
     asked = tuple(dict.fromkeys((*(b for b in here if b is not None), *moving)))
     t = problem.t[start.samples] - start.clock
-    shown = _stretch(start, problem, t, asked, scales, effort)
+    shown = _stretch(start, problem.on_clock(start.clock, t), t, asked, scales, effort)
     if start.clock != 0.0:
         shown = replace(shown, events=replace(shown.events, t=shown.events.t + start.clock))
     if list(asked) == here:

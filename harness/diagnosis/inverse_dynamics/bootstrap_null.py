@@ -7,12 +7,13 @@ same search (a parametric bootstrap; Davison and Hinkley 1997, ch. 4).
 """
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import suppress
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
+from harness.core.arrays import FloatArray
 from harness.core.errors import SimulationError
 from harness.diagnosis.fit.observe import COARSE, observe
 from harness.diagnosis.inverse_dynamics.force_fit import ForceFit, fit_force
@@ -20,27 +21,55 @@ from harness.diagnosis.inverse_dynamics.measured import Measured
 from harness.diagnosis.problems.inverse_dynamics import InverseDynamics
 from harness.diagnosis.rules import NULL_DRAWS
 from harness.diagnosis.smoothed_state.state import Course
-from harness.estimate.noise import channel_noise
+from harness.estimate.noise import Noise, channel_noise
 from harness.kernels.solve import Drive, Scales
+from harness.model.model import Model
 
 
 def draws(
     current: ForceFit, problem: InverseDynamics, scales: Scales, count: int
 ) -> Iterator[tuple[ForceFit, Measured]]:
     """A fitted model as the truth, recorded and fitted again, so many times. Raises SimulationError."""
-    # over each stretch without a gap from one start: no window's edge is in the motion
-    course = Course.of(problem.t, problem.channels, problem.noise)
-    whole = replace(problem, starts=course.anew(math.inf))
-    random, drive = np.random.default_rng(0), problem.drive
-    # where the force was measured: one that is held acts half an interval later, others have knots between samples too
-    at = problem.t + (drive.t[0] - problem.t[0])
-    noise = channel_noise(at, np.interp(at, drive.t, drive.u))
-    shown = observe(current.model, whole, (), scales, COARSE).y
+    parts = problem.alone or (problem,)
+    each = [_Moved.by(current.model.of_recording(r), one, scales) for r, one in enumerate(parts)]
+    random = np.random.default_rng(0)
     for _ in range(count):
-        channels = {c: problem.noise[c].over(shown[c], random) for c in problem.channels}
-        force = drive.u + np.interp(drive.t, at, noise.drawn(at.size, random)) if noise.found else drive.u
-        measured = Measured.of(replace(problem, channels=channels, drive=Drive(drive.t, force)))
+        measured = Measured.of_several([Measured.of(one.drawn(random)) for one in each], problem)
         yield fit_force(current.model, measured, current.free), measured
+
+
+@dataclass(frozen=True, slots=True)
+class _Moved:
+    """A recording as a model moves under its force. shown (n,) : by channel, without noise.
+
+    at (n,) : when its force was measured, s; noise : of that.
+    """
+
+    problem: InverseDynamics
+    shown: Mapping[str, FloatArray]
+    at: FloatArray
+    noise: Noise
+
+    @classmethod
+    def by(cls, model: Model, problem: InverseDynamics, scales: Scales) -> "_Moved":
+        """Raises SimulationError."""
+        # over each stretch without a gap from one start: no window's edge is in the motion
+        course = Course.of(problem.t, problem.channels, problem.noise)
+        whole = replace(problem, starts=course.anew(math.inf))
+        drive = problem.drive
+        # where the force was measured: one that is held acts half an interval later, others have knots between samples
+        at = problem.t + (drive.t[0] - problem.t[0])
+        noise = channel_noise(at, np.interp(at, drive.t, drive.u))
+        return cls(problem, observe(model, whole, (), scales, COARSE).y, at, noise)
+
+    def drawn(self, random: np.random.Generator) -> InverseDynamics:
+        """The recording with noise anew."""
+        problem, drive = self.problem, self.problem.drive
+        channels = {c: problem.noise[c].over(self.shown[c], random) for c in problem.channels}
+        force = drive.u
+        if self.noise.found:
+            force = force + np.interp(drive.t, self.at, self.noise.drawn(self.at.size, random))
+        return replace(problem, channels=channels, drive=Drive(drive.t, force))
 
 
 def taken_by_chance(

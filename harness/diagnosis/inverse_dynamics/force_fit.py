@@ -39,12 +39,16 @@ _REACH = 2.0
 
 @dataclass(frozen=True, slots=True)
 class ForceFit:
-    """residual (m,), N: force measured minus asked for. jacobian (m, q): partials of the latter by the free numbers."""
+    """residual (m,), N: force measured minus asked for. jacobian (m, q): partials of the latter by the free numbers.
+
+    begins : which values are the first of a further recording; of several, all are over the level of their recording.
+    """
 
     model: Model
     free: tuple[Free, ...]
     residual: FloatArray
     jacobian: FloatArray
+    begins: tuple[int, ...] = ()
 
     @property
     def squares(self) -> float:
@@ -54,7 +58,7 @@ class ForceFit:
     @property
     def memory(self) -> Memory:
         """How long the residual remembers."""
-        return memory(self.residual)
+        return memory(self.residual, begins=self.begins)
 
     def bic(self, independent: float, spare: float = 0.0) -> float:
         """Bayesian information criterion for noise of unknown level and so many independent values.
@@ -70,8 +74,9 @@ class ForceFit:
         lags = min(math.ceil(_REACH * self.memory.time), self.residual.size - 1)
         middle = moments.T @ moments
         for lag in range(1, lags + 1):
-            across = moments[lag:].T @ moments[:-lag]
-            middle += (1.0 - lag / (lags + 1.0)) * (across + across.T)
+            for own in np.split(moments, self.begins):
+                across = own[lag:].T @ own[:-lag]
+                middle += (1.0 - lag / (lags + 1.0)) * (across + across.T)
         size = self.residual.size
         middle *= size / max(size - len(self.free), 1)
         bread = covariance_of(self.jacobian)
@@ -106,14 +111,17 @@ class _Point:
 
 
 def partials(model: Model, measured: Measured, free: tuple[Free, ...], asked: FloatArray) -> FloatArray:
-    """Partials (m, q) of the force asked for (m,), by differences: most laws are linear, none has an event here."""
+    """Partials (m, q) of the force asked for (m,), over its level, by differences: most laws are linear, none has an
+    event here.
+    """
     values = values_of(model, free)
     columns = []
     for i, f in enumerate(free):
         moved = values.copy()
         step = _STEP * (abs(values[i]) or 1.0)
         moved[i] += step if values[i] + step <= f.upper else -step
-        columns.append((measured.asked(with_values(model, free, moved)) - asked) / (moved[i] - values[i]))
+        more = measured.even(measured.asked(with_values(model, free, moved)) - asked)
+        columns.append(more / (moved[i] - values[i]))
     return np.column_stack(columns)
 
 
@@ -124,7 +132,7 @@ def fit_force(model: Model, measured: Measured, free: tuple[Free, ...]) -> Force
     def evaluated(at: FloatArray) -> _Point:
         trial = with_coordinates(model, free, at)
         asked = measured.asked(trial)
-        return _Point(trial, measured, free, asked, force - asked)
+        return _Point(trial, measured, free, asked, measured.even(force - asked))
 
     found = least_squares(
         evaluated, coordinates_of(model, free), Until(share=_DONE, iterations=_ITERATIONS), bounds_of(free)
@@ -132,7 +140,7 @@ def fit_force(model: Model, measured: Measured, free: tuple[Free, ...]) -> Force
     at = found.point
     if not (math.isfinite(at.squares) and np.all(np.isfinite(at.partials))):
         raise SimulationError("a law's force overflows")
-    return ForceFit(at.model, free, at.residual, at.partials)
+    return ForceFit(at.model, free, at.residual, at.partials, measured.begins)
 
 
 def simulated(found: ForceFit, problem: Problem, scales: Scales) -> Observation:

@@ -109,7 +109,7 @@ def _answer(found: ForceFit, measured: Measured, term: Term, probe: Probe) -> Fl
     size = 1e-3 if term.slot is Slot.FRICTION_MODULATION else 1.0
     unit[term.amplitude] += size
     none = measured.asked(_with(found.model, term, probe))
-    return (measured.asked(_with(found.model, term, tuple(unit))) - none) / size
+    return measured.even(measured.asked(_with(found.model, term, tuple(unit))) - none) / size
 
 
 def _within_bounds(term: Term, values: Probe) -> Probe:

@@ -30,7 +30,7 @@ def left_out(measured: Measured, block: FloatArray, refitted: Callable[[BoolArra
             model = refitted(~out)
         except SimulationError:
             return None
-        left = (force - measured.asked(model)) ** 2
+        left = measured.even(force - measured.asked(model)) ** 2
         squares += np.bincount(block[out].astype(np.int64), left[out], count)
     inside = [t[block == i] for i in range(count)]
     spans = tuple((float(s[0]), float(s[-1])) for s in inside)

@@ -1,14 +1,14 @@
 """The motion and the force of a driven recording, made ready for inverse dynamics."""
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
 
 from harness.core.arrays import BoolArray, FloatArray
 from harness.core.errors import SimulationError
-from harness.diagnosis.inverse_dynamics.force import given_force
+from harness.diagnosis.inverse_dynamics.force import given_force, inverse_force
 from harness.diagnosis.problem import Problem
 from harness.diagnosis.problems.driven import Forced
 from harness.diagnosis.rules import GUARD_SPEED
@@ -25,6 +25,14 @@ _AT_REST = 3.0
 
 
 @dataclass(frozen=True, slots=True)
+class Laid:
+    """The samples of one recording among several; clock : s, where its own time is zero."""
+
+    samples: slice
+    clock: float
+
+
+@dataclass(frozen=True, slots=True)
 class Measured:
     """Motion t (s), x, v, a and force u (N), each (n,), smoothed; n is a multiple of the block.
 
@@ -32,6 +40,9 @@ class Measured:
 
     moving : (n / block,), blocks in which the slider moves throughout, so that its friction is known, and which lie
     far enough from the ends of a stretch to be smoothed as the others are.
+
+    laid : of several recordings one behind the other, each with its own clock. level : (n / block,), by which what is
+    left of each is weighed.
     """
 
     t: FloatArray
@@ -41,6 +52,8 @@ class Measured:
     u: FloatArray
     moving: BoolArray
     covariates: Mapping[str, FloatArray] = field(default_factory=dict)
+    laid: tuple["Laid", ...] = ()
+    level: FloatArray | None = None
 
     @classmethod
     def of(cls, problem: Forced, slow: float = GUARD_SPEED.value) -> "Measured":
@@ -48,6 +61,8 @@ class Measured:
 
         slow : share of the rms speed, beside which nothing counts where the problem is guarded.
         """
+        if problem.alone:
+            return cls.of_several([cls.of(one, slow) for one in problem.alone], problem)
         t = problem.t
         longest = longest_interval(t)
         smooth: dict[str, Smooth] = {
@@ -82,6 +97,45 @@ class Measured:
         given = {name: smoothed_alike(t, y, longest, half)[:kept] for name, y in problem.covariates.items()}
         return cls(t[:kept], x[:kept], v[:kept], a[:kept], u[:kept], moving, given)
 
+    @classmethod
+    def of_several(cls, each: Sequence["Measured"], problem: Forced) -> "Measured":
+        """Recordings as they lie in a problem of several; itself of one."""
+        if not problem.alone:
+            return each[0]
+        ends = np.cumsum([0, *(one.t.size for one in each)]).tolist()
+        laid = tuple(Laid(slice(a, b), c) for a, b, c in zip(ends, ends[1:], problem.clocks, strict=False))
+        return cls(
+            np.concatenate([one.t + own.clock for one, own in zip(each, laid, strict=True)]),
+            np.concatenate([one.x for one in each]),
+            np.concatenate([one.v for one in each]),
+            np.concatenate([one.a for one in each]),
+            np.concatenate([one.u for one in each]),
+            moving=np.concatenate([one.moving for one in each]),
+            laid=laid,
+            level=np.repeat(problem.levels, [one.moving.size for one in each]),
+        )
+
+    @property
+    def each(self) -> tuple["Measured", ...]:
+        """Every recording by itself, on its own clock."""
+        return tuple(self._one(own) for own in self.laid) or (self,)
+
+    def _one(self, own: "Laid") -> "Measured":
+        at = own.samples
+        blocks = slice(at.start // BLOCK, at.stop // BLOCK)
+        t, x, v, a, u = (y[at] for y in (self.t, self.x, self.v, self.a, self.u))
+        return Measured(t - own.clock, x, v, a, u, self.moving[blocks])
+
+    @property
+    def begins(self) -> tuple[int, ...]:
+        """Which of the blocks that count is the first of each further recording."""
+        counted = np.concatenate(([0], np.cumsum(self.moving)))
+        return tuple(int(counted[own.samples.start // BLOCK]) for own in self.laid[1:])
+
+    def even(self, force: FloatArray) -> FloatArray:
+        """A force (m,), N, over the level of its recording."""
+        return force if self.level is None else np.asarray(force / self.level[self.moving], dtype=np.float64)
+
     def blocks(self, y: FloatArray) -> FloatArray:
         """Means of y (n,) or (n, q) over the blocks that count."""
         means: FloatArray = y.reshape(-1, BLOCK, *y.shape[1:]).mean(axis=1)[self.moving]
@@ -93,7 +147,12 @@ class Measured:
 
     def needed(self, model: Model) -> FloatArray:
         """Force (n,), N, that a model needs for this motion."""
-        return given_force(model, self.t, self.x, self.v, self.a, self.covariates)
+        if not self.laid:
+            return given_force(model, self.t, self.x, self.v, self.a, self.covariates)
+        models = (model.of_recording(r) for r in range(len(self.laid)))
+        return np.concatenate(
+            [inverse_force(here, o.t, o.x, o.v, o.a) for here, o in zip(models, self.each, strict=True)]
+        )
 
     def part(self, keep: BoolArray) -> "Measured":
         """With only these blocks (n / block,) counting."""

@@ -22,7 +22,7 @@ _EVEN = 0.05
 @dataclass(frozen=True, slots=True)
 class ForceWords:
     """pieces : of strokes, over the blocks that count. words : independent ones, bounded. period : s, of the drive,
-    None where it does not repeat itself.
+    the first of several that repeats itself; None where none does.
     """
 
     pieces: Strokes
@@ -33,12 +33,26 @@ class ForceWords:
 def force_words(base: ForceFit, measured: Measured) -> ForceWords:
     """Words of what the base model leaves of a force."""
     t, memory = measured.blocks(measured.t), base.memory
-    of = _cut(Strokes.by(measured.blocks(measured.v)).of, STROKE_CUT.value * memory.time)
-    period = period_of(measured)
-    last = math.inf if period is None else float(t[0]) + PERIODS_COUNTED.value * period
-    pieces = float(np.unique(of[t <= last]).size)
+    strokes = _parted(Strokes.by(measured.blocks(measured.v)).of, measured.begins)
+    of = _cut(strokes, STROKE_CUT.value * memory.time)
+    periods = [period_of(one) for one in measured.each]
+    counted = np.split(np.arange(t.size), measured.begins)
+    last = [
+        math.inf if period is None else float(t[own[0]]) + PERIODS_COUNTED.value * period
+        for period, own in zip(periods, counted, strict=True)
+    ]
+    pieces = float(sum(np.unique(of[own][t[own] <= end]).size for own, end in zip(counted, last, strict=True)))
+    period = next((one for one in periods if one is not None), None)
     words = max(min(pieces, memory.independent, MOST_WORDS.value), 1.0)
     return ForceWords(Strokes(of, int(of[-1]) + 1), words, period)
+
+
+def _parted(stroke: IntArray, begins: tuple[int, ...]) -> IntArray:
+    """Strokes (n,), numbered on, none of which reaches over the beginning of a further recording."""
+    more = np.zeros(stroke.size, dtype=np.int64)
+    for begin in begins:
+        more[begin] = stroke[begin] == stroke[begin - 1]
+    return np.asarray(stroke + np.cumsum(more), dtype=np.int64)
 
 
 def _cut(stroke: IntArray, least: float) -> IntArray:

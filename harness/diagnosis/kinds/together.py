@@ -66,7 +66,7 @@ class DecaysTogether(Kind[Together]):
         return [as_started(model, problem, scales) for model in models]
 
 
-def _said(found: Search, shared: Pooled) -> Search:
+def _said(found: Search, shared: Pooled[Together]) -> Search:
     problem = found.problem
     assert isinstance(problem, Together)
     return replace(found, problem=replace(problem, said=sentences(found.chosen, problem, shared, found.explained)))

@@ -6,11 +6,12 @@ has less. Errors are those of a single recording (harness.diagnosis.fit.standard
 times what is left, and by what half-swings say; the one that lets most through decides.
 """
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.special import chdtrc
+from scipy.special import chdtrc, fdtrc
 
 from harness.core.arrays import FloatArray
 from harness.core.quantity import Quantity
@@ -41,17 +42,22 @@ class Alone:
 class Compared:
     """What recordings say alone, and the chance that they would differ so much if they were of one machine as it was.
 
-    chi2, freedom : of all differences.
+    chi2, freedom : of all differences. values : independent ones that the errors rest on.
     """
 
     alone: tuple[Alone, ...]
     chi2: float
     freedom: int
+    values: float = math.inf
 
     @property
     def chance(self) -> float:
         """That recordings which agree differ so much."""
-        return float(chdtrc(self.freedom, self.chi2)) if self.freedom else 1.0
+        if not self.freedom:
+            return 1.0
+        if math.isinf(self.values):
+            return float(chdtrc(self.freedom, self.chi2))
+        return float(fdtrc(self.freedom, self.values, self.chi2 / self.freedom))
 
 
 def alone(problem: Problem) -> Alone:

@@ -3,6 +3,7 @@
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from typing import Generic, TypeVar
 
 import numpy as np
 
@@ -13,6 +14,7 @@ from harness.diagnosis.fit.model_fit import Fit
 from harness.diagnosis.fit.standard_errors import covariances
 from harness.diagnosis.pooling.compared import Compared, alone, compared
 from harness.diagnosis.pooling.own import SAID, Freed, freed
+from harness.diagnosis.problems.forces_together import ForcesTogether
 from harness.diagnosis.problems.together import Together
 from harness.diagnosis.residual_tests.structure import Left, left_by
 from harness.diagnosis.rules import DECISIVE, OWN, POOLED
@@ -21,17 +23,19 @@ from harness.diagnosis.search.search import Search, noise_of, under
 from harness.kernels.solve import Scales
 from harness.model.elsewhere import named
 
-_MOST = 2
+S = TypeVar("S", bound=Together | ForcesTogether)
+
+MOST = 2
 """Parameters that may differ; where more do, it is another machine."""
 _SHOWN = 2.0
 """Standard errors from which a recording is said to differ from the first."""
 
 
 @dataclass(frozen=True, slots=True)
-class Pooled:
+class Pooled(Generic[S]):
     """Recordings that share all but ``own``. problem : under the noise that the base leaves. base : its fit."""
 
-    problem: Together
+    problem: S
     base: Fit
     scales: Scales
     compared: Compared
@@ -41,10 +45,11 @@ class Pooled:
         """Base parameters that differ."""
         return self.problem.starts.own
 
-    def less(self, one: Freed) -> "Pooled":
-        """With one more parameter each recording's own."""
-        problem = replace(one.problem, noise=noise_of(one.fit, one.problem, self.scales.omega))
-        return replace(self, problem=problem, base=settle(under(one.fit, problem), problem, self.scales))
+
+def _less(found: Pooled[Together], one: Freed) -> Pooled[Together]:
+    """With one more parameter each recording's own."""
+    problem = replace(one.problem, noise=noise_of(one.fit, one.problem, found.scales.omega))
+    return replace(found, problem=problem, base=settle(under(one.fit, problem), problem, found.scales))
 
 
 def ratios_of(seen: Compared) -> list[float]:
@@ -53,7 +58,7 @@ def ratios_of(seen: Compared) -> list[float]:
     return [k / each[0] for k in each[1:]]
 
 
-def shared_by(problem: Together, base: Fit, scales: Scales) -> Pooled:
+def shared_by(problem: Together, base: Fit, scales: Scales) -> Pooled[Together]:
     """Recordings whose base parameters differ have one or two of their own, if that says more than the catalogue does.
 
     Where they do not differ by more than their errors, nothing is tried. What lets go of a slider is no part of it:
@@ -72,21 +77,21 @@ def shared_by(problem: Together, base: Fit, scales: Scales) -> Pooled:
     found = replace(found, compared=again)
     for stem in own:
         ratios = ratios_of(again)
-        found = found.less(next(one for one in freed(found.base, found.problem, scales, ratios) if one.stem == stem))
+        found = _less(found, next(one for one in freed(found.base, found.problem, scales, ratios) if one.stem == stem))
     return found
 
 
-def _seen(problem: Together, base: Fit, scales: Scales, seen: Compared) -> Pooled:
+def _seen(problem: Together, base: Fit, scales: Scales, seen: Compared) -> Pooled[Together]:
     """Under the noise that the base leaves."""
     problem = replace(problem, noise=noise_of(base, problem, scales.omega))
     return Pooled(problem, settle(under(base, problem), problem, scales), scales, seen)
 
 
-def _parted(found: Pooled) -> Pooled:
+def _parted(found: Pooled[Together]) -> Pooled[Together]:
     scales, seen = found.scales, found.compared
     if seen.chance >= POOLED.value:
         return found
-    while len(found.own) < _MOST and left_by(found.base, found.problem, scales.omega, found.base) is Left.STRUCTURE:
+    while len(found.own) < MOST and left_by(found.base, found.problem, scales.omega, found.base) is Left.STRUCTURE:
         best = _first(freed(found.base, found.problem, scales, ratios_of(seen)))
         if best is None:
             break
@@ -94,13 +99,13 @@ def _parted(found: Pooled) -> Pooled:
         # a law that says as much leaves one machine, which is the simpler thing to say
         if laws and laws[0].bic < best.fit.bic + DECISIVE.value:
             break
-        found = found.less(best)
+        found = _less(found, best)
     return found
 
 
-def unmasked(found: Search, before: Pooled) -> Pooled | None:
+def unmasked(found: Search, before: Pooled[Together]) -> Pooled[Together] | None:
     """Recordings with one more parameter of their own, where one shows beside the law that explains the rest."""
-    if len(before.own) >= _MOST or not found.explained:
+    if len(before.own) >= MOST or not found.explained:
         return None
     problem, scales, best = found.problem, before.scales, found.chosen
     assert isinstance(problem, Together)
@@ -108,7 +113,7 @@ def unmasked(found: Search, before: Pooled) -> Pooled | None:
     if one is None or one.fit.bic > best.bic - DECISIVE.value:
         return None
     base = _first(freed(before.base, before.problem, scales, ratios_of(before.compared)), one.stem)
-    return None if base is None else before.less(base)
+    return None if base is None else _less(before, base)
 
 
 def _first(each: Sequence[Freed], stem: str | None = None) -> Freed | None:
@@ -139,7 +144,7 @@ class Differs:
         return f"{SAID[self.stem]} {size} {'above' if value > 1.0 else 'below'} that of {first}"
 
 
-def differences(found: Fit, problem: Together, omega: float, explained: bool) -> list[list[Differs]]:
+def differences(found: Fit, problem: Together | ForcesTogether, omega: float, explained: bool) -> list[list[Differs]]:
     """What each recording has of its own beside start and zero, over the first's; omega of the swing, rad/s."""
     at = {f.name: i for i, f in enumerate(found.free)}
     matrices, values = covariances(found, problem, omega, explained), found.values

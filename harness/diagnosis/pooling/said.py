@@ -1,10 +1,12 @@
 """Whether recordings are pooled, in a sentence that stands beside the verdict."""
 
 from collections.abc import Sequence
+from typing import Any
 
 from harness.diagnosis.fit.model_fit import Fit
 from harness.diagnosis.pooling.own import SAID
 from harness.diagnosis.pooling.pooled import Differs, Pooled, differences
+from harness.diagnosis.problems.forces_together import ForcesTogether
 from harness.diagnosis.problems.together import Together
 from harness.diagnosis.rules import POOLED
 
@@ -12,7 +14,7 @@ _EACH = 3
 """Recordings whose values are said one by one; of more the least and the most."""
 
 
-def sentences(found: Fit, problem: Together, before: Pooled, explained: bool) -> tuple[str, ...]:
+def sentences(found: Fit, problem: Together | ForcesTogether, before: Pooled[Any], explained: bool) -> tuple[str, ...]:
     """What is shared and what differs; found : the best model, in which recordings have what is their own."""
     count = len(problem.starts.stretches)
     chance = before.compared.chance
@@ -34,7 +36,7 @@ def _of_recording(number: int, row: Sequence[Differs]) -> str:
     return f"recording {number + 1} has {said}"
 
 
-def _apart(before: Pooled) -> list[str]:
+def _apart(before: Pooled[Any]) -> list[str]:
     """The base parameters that are furthest apart alone, with their values."""
     each = [one.parameters for one in before.compared.alone]
     far: list[tuple[float, str]] = []

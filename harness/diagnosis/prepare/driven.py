@@ -51,7 +51,15 @@ def driven_problem(recording: Recording, asked: Asked) -> tuple[Forced, tuple[st
     return problem, (*notes, *beyond)
 
 
-def _followed(recording: Recording, asked: Asked) -> tuple[Forced, tuple[str, ...]]:
+def forced_problem(recording: Recording, asked: Asked) -> tuple[InverseDynamics, tuple[str, ...]]:
+    """A driven recording whose force is fitted, whether or not its motion could be followed; see ``driven_problem``."""
+    seen, beyond = within_range(recording, ("x",))
+    problem, course = _seen(seen, asked)
+    found, notes = _by_force(problem, asked, course)
+    return found, (*notes, *beyond)
+
+
+def _seen(recording: Recording, asked: Asked) -> tuple[Driven, Course]:
     restoring = asked.restoring or Restoring.SPRING
     where = f"{recording.file}: channels {', '.join(recording.channels)}"
     if "x" not in recording and ("v" not in recording or restoring is not Restoring.NONE):
@@ -87,19 +95,19 @@ def _followed(recording: Recording, asked: Asked) -> tuple[Forced, tuple[str, ..
         guarded=asked.guarded,
         starts=course.anew(math.inf) if gaps else OneStart(),
     )
+    return problem, course
+
+
+def _followed(recording: Recording, asked: Asked) -> tuple[Forced, tuple[str, ...]]:
+    problem, course = _seen(recording, asked)
+    t, u, first = recording.t, recording["u"], problem.first
     if asked.covariates:
         # a model without what they do follows nothing, and how the force acts between samples cannot be told by it
         return _with_covariates(problem, asked, course)
     if asked.guarded:
-        windows = course.anew(asked.horizon or HORIZON)
-        how = (
-            f"the force is fitted, and simulations run over {_said(windows)} of at most {asked.horizon or HORIZON:g} s"
-        )
-        return InverseDynamics.of(problem, windows), (
-            f"driven: {how}, each restarted from the smoothed recorded state",
-        )
+        return _by_force(problem, asked, course)
     noise_u = channel_noise(t, u)
-    if gaps:
+    if isinstance(problem.starts, Windows):
         problem = _allowing(problem, first, noise_u)
     force = acting(problem, u)
     problem = replace(problem, drive=force.drive)
@@ -125,6 +133,13 @@ def _followed(recording: Recording, asked: Asked) -> tuple[Forced, tuple[str, ..
     where = "between gaps of the recording" if horizon is None else f"of at most {horizon:g} s"
     how = f"the recording is followed over {_said(problem.starts)} {where}, each from a start of its own"
     return problem, (f"driven: {how}", *notes)
+
+
+def _by_force(problem: Driven, asked: Asked, course: Course) -> tuple[InverseDynamics, tuple[str, ...]]:
+    """Fitted by its force."""
+    windows = course.anew(asked.horizon or HORIZON)
+    how = f"the force is fitted, and simulations run over {_said(windows)} of at most {asked.horizon or HORIZON:g} s"
+    return InverseDynamics.of(problem, windows), (f"driven: {how}, each restarted from the smoothed recorded state",)
 
 
 def _with_covariates(problem: Driven, asked: Asked, course: Course) -> tuple[InverseDynamics, tuple[str, ...]]:

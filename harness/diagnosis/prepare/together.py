@@ -21,25 +21,9 @@ def together(recordings: Sequence[Recording], asked: Asked) -> tuple[Together, t
     """Free decays as one problem, and what was done to each, one sentence each.
 
     How the slider is held, and whether its zero is known, is chosen at the one that swings furthest, where nobody says.
-    Raises InputError for fewer than two, for driven ones, and for those that have no channel in common.
+    Raises InputError for fewer than two, for driven ones among them, and for those that have no channel in common.
     """
-    if len(recordings) < _FEWEST:
-        found = recordings[0].file if recordings else "no recording"
-        raise InputError("--together", f"{found} alone", "two recordings of one machine or more are accepted")
-    driven = [one.file for one in recordings if is_driven(one)]
-    if driven:
-        free = [one.file for one in recordings if not is_driven(one)]
-        found = f"{driven[0]} is driven" + (f" and {free[0]} a free decay" if free else "")
-        raise InputError("--together", found, "free decays are accepted")
-    common = [c for c in ("x", "v", "a") if all(c in one for one in recordings)]
-    if not common:
-        has = ", ".join(f"{one.file} has {' and '.join(c for c in ('x', 'v', 'a') if c in one)}" for one in recordings)
-        raise InputError("--together", has, "recordings with a channel in common are accepted")
-    kinds = {one.angular for one in recordings}
-    if len(kinds) > 1:
-        turning = next(one.file for one in recordings if one.angular)
-        other = next(one.file for one in recordings if not one.angular)
-        raise InputError("--together", f"{turning} turns, {other} slides", "recordings of one machine are accepted")
+    common = in_common(recordings)
     widest = max(range(len(recordings)), key=lambda i: float(np.ptp(recordings[i][common[0]])))
     first, said = _alone(recordings[widest], asked, common)
     alike = replace(asked, restoring=first.restoring, zero_free=first.zero_free)
@@ -53,6 +37,28 @@ def together(recordings: Sequence[Recording], asked: Asked) -> tuple[Together, t
         # its clock begins where it is let go
         each.append(replace(problem, t=problem.t - problem.t[0]))
     return Together.laid(each), tuple(notes)
+
+
+def in_common(recordings: Sequence[Recording]) -> list[str]:
+    """The channels that all have. Raises InputError for recordings that cannot be of one machine as it was seen."""
+    if len(recordings) < _FEWEST:
+        found = recordings[0].file if recordings else "no recording"
+        raise InputError("--together", f"{found} alone", "two recordings of one machine or more are accepted")
+    driven = [one.file for one in recordings if is_driven(one)]
+    free = [one.file for one in recordings if not is_driven(one)]
+    if driven and free:
+        found = f"{driven[0]} is driven and {free[0]} a free decay"
+        raise InputError("--together", found, "free decays, or driven recordings, are accepted, not both")
+    common = [c for c in ("x", "v", "a") if all(c in one for one in recordings)]
+    if not common:
+        has = ", ".join(f"{one.file} has {' and '.join(c for c in ('x', 'v', 'a') if c in one)}" for one in recordings)
+        raise InputError("--together", has, "recordings with a channel in common are accepted")
+    kinds = {one.angular for one in recordings}
+    if len(kinds) > 1:
+        turning = next(one.file for one in recordings if one.angular)
+        other = next(one.file for one in recordings if not one.angular)
+        raise InputError("--together", f"{turning} turns, {other} slides", "recordings of one machine are accepted")
+    return common
 
 
 def _alone(recording: Recording, asked: Asked, common: Sequence[str]) -> tuple[FreeDecay, tuple[str, ...]]:

@@ -36,6 +36,21 @@ class Forced(Problem):
         """The mass, unless it is known."""
         return ("m",) if self.mass is None else ()
 
+    @property
+    def alone(self) -> tuple["Forced", ...]:
+        """Each recording by itself, where there are several."""
+        return ()
+
+    @property
+    def clocks(self) -> tuple[float, ...]:
+        """Where each of several recordings' own time is zero, s."""
+        return ()
+
+    @property
+    def levels(self) -> tuple[float, ...]:
+        """Of what each of several recordings leaves of its force, over that of all."""
+        return ()
+
     def of_hand_free(self, fewest: int) -> tuple[Self, float]:
         """Itself: no hand lets it go."""
         return self, 0.0

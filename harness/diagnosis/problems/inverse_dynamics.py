@@ -17,6 +17,11 @@ class InverseDynamics(Forced):
     enters: tuple[str, ...] = ()
 
     @property
+    def alone(self) -> tuple["InverseDynamics", ...]:
+        """Each recording by itself, where there are several."""
+        return ()
+
+    @property
     def choices(self) -> tuple[str, ...]:
         """How covariates enter, and what mass was taken."""
         return self.enters

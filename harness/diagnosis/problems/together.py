@@ -53,7 +53,7 @@ class Together(Problem):
         for one, clock, begin, end in zip(alone, clocks, ends, ends[1:], strict=False):
             starts = one.starts if isinstance(one.starts, OneStart) else OneStart()
             stretches.append(Stretch(begin, end, clock, float(one.t[0]), starts))
-        noise = {c: _typical([one.noise[c] for one in alone], sizes) for c in first.channels}
+        noise = {c: typical([one.noise[c] for one in alone], sizes) for c in first.channels}
         level = {c: np.repeat([one.noise[c].sigma / n.sigma for one in alone], sizes) for c, n in noise.items()}
         return cls(
             np.concatenate([one.t + clock for one, clock in zip(alone, clocks, strict=True)]),
@@ -100,7 +100,7 @@ class Together(Problem):
     def under_levels(self, each: Sequence[Mapping[str, Noise]]) -> Self:
         """The same with the noise of the recordings in this proportion to each other."""
         sizes = [s.stop - s.start for s in self.starts.stretches]
-        noise = {c: _typical([one[c] for one in each], sizes) for c in self.channels}
+        noise = {c: typical([one[c] for one in each], sizes) for c in self.channels}
         level = {c: np.repeat([one[c].sigma / n.sigma for one in each], sizes) for c, n in noise.items()}
         return replace(self, level=level)
 
@@ -203,7 +203,7 @@ class Together(Problem):
         return Together.of(alone, [s.clock for s in self.starts.stretches], self.starts.own, self.said)
 
 
-def _typical(each: Sequence[Noise], sizes: Sequence[int]) -> Noise:
+def typical(each: Sequence[Noise], sizes: Sequence[int]) -> Noise:
     """The noise of a channel over recordings, of so many samples each."""
     share = np.asarray(sizes) / sum(sizes)
     sigma = float(np.sqrt(np.sum(share * [n.sigma**2 for n in each])))

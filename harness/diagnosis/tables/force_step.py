@@ -100,7 +100,8 @@ def _by_force(found: TableFit, seen: ForceLeft) -> ForceFit:
     """The fit by its base parameters, in newtons; its partials are what the tables cannot take over."""
     b = len(found.free)
     by = found.beside(found.jacobian[:, :b], found.jacobian[:, b:])
-    return ForceFit(found.model, found.free, found.residual / seen.weight, by / seen.weight)
+    residual = found.residual / seen.weight
+    return ForceFit(found.model, found.free, residual, by / seen.weight, seen.measured.begins)
 
 
 def _doubt(seen: ForceLeft) -> str:

@@ -165,7 +165,8 @@ class _Seen:
         for j, rubbing in enumerate(rubs.tolist()):
             values = np.zeros(rubs.size)
             values[j] = _UNIT if rubbing else 1.0
-            columns.append((left.measured.asked(basis.with_values(basis.model, values)) - none) / values[j])
+            more = left.measured.asked(basis.with_values(basis.model, values)) - none
+            columns.append(left.measured.even(more) / values[j])
         return cls(left, basis, np.column_stack(columns), rubs)
 
     def look(self, model: Model, by: FloatArray, keep: BoolArray) -> Look:
@@ -174,7 +175,7 @@ class _Seen:
         columns = self.by_values
         if np.any(self.rubs):
             columns = np.where(self.rubs, columns * (model.f_k / self.basis.model.f_k), columns)
-        residual = measured.blocks(measured.u) - measured.asked(model)
+        residual = measured.even(measured.blocks(measured.u) - measured.asked(model))
         return Look((weight * residual)[keep], weight * np.hstack((by, columns))[keep], *self.left.motion)
 
 

@@ -1,5 +1,7 @@
 """Names that a machine may hide: the plant's, load-dependent friction, and effects that no catalogue holds."""
 
+from collections.abc import Mapping
+
 from harness.proof.plant import catalogue as plant
 
 FAMILY = {**plant.FAMILY, "load-dependent-friction": "friction"}
@@ -72,3 +74,10 @@ def families(name: str) -> tuple[str, ...]:
 
 PARTED_BY_AMPLITUDE = (("quadratic-drag", "load-dependent-friction"), ("stiffness-drift", "cubic-stiffness"))
 """Effects that a single decay does not tell apart once small ones are beside them."""
+
+OF_A_DRIVE: Mapping[str, Mapping[str, float]] = {
+    "stribeck": {"f_s": 2.5, "v_s": 0.1},
+    "quadratic-drag": {"c2": 2.0},
+    "asymmetric-viscous": {"c_diff": 1.2},
+}
+"""Effects of a slider of 2 kg under some 10 N, at strengths that leave some per cent of that; parameters in SI."""

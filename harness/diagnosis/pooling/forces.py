@@ -1,0 +1,148 @@
+"""Driven recordings pooled, as far as their forces allow: what differs is each one's own, and is said.
+
+The base model is fitted to the force of each by itself. The differences of its numbers are held against the errors of
+both, jointly, as an F of as many values as the forces count as: what is left of a force is coloured, and its errors
+are those of Newey and West (see ``inverse_dynamics.force_fit``). Where they differ by more, each number is made every
+recording's own in turn, and held against the best law of the catalogue that all would share.
+"""
+
+from collections.abc import Sequence
+from contextlib import suppress
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from harness.core.arrays import FloatArray
+from harness.core.errors import SimulationError
+from harness.diagnosis.baseline.driven_base_fit import driven_scales
+from harness.diagnosis.baseline.words import evidence
+from harness.diagnosis.fit.parameters import base_of, free_of
+from harness.diagnosis.fit.standard_errors import base_parameters
+from harness.diagnosis.inverse_dynamics.force_fit import ForceFit, as_fit, fit_force, simulated
+from harness.diagnosis.inverse_dynamics.measured import Measured
+from harness.diagnosis.inverse_dynamics.search import extended
+from harness.diagnosis.inverse_dynamics.strokes import force_words
+from harness.diagnosis.pooling.compared import Alone, Compared
+from harness.diagnosis.pooling.own import CANDIDATES
+from harness.diagnosis.pooling.pooled import MOST, Pooled
+from harness.diagnosis.problems.forces_together import ForcesTogether
+from harness.diagnosis.problems.inverse_dynamics import InverseDynamics
+from harness.diagnosis.rules import DECISIVE, OWN, POOLED
+from harness.kernels.solve import Scales
+from harness.model.elsewhere import named
+from harness.model.model import Model, Restoring
+
+_PHYSICS = ("m", "c", "k", "f_k")
+
+
+@dataclass(frozen=True, slots=True)
+class Freed:
+    """A model with one more parameter of each recording's own. gain : evidence over the one without."""
+
+    stem: str
+    problem: ForcesTogether
+    fit: ForceFit
+    gain: float
+
+
+def shared_forces(problem: ForcesTogether) -> Pooled[ForcesTogether]:
+    """Recordings whose base parameters differ have one or two of their own, if that says more than the catalogue does.
+
+    Raises SimulationError when little moves or the base model cannot be fitted.
+    """
+    scales = driven_scales(problem, problem.first)
+    fits = [fit_force(one.first, Measured.of(one), free_of(one.first, one.base_names)) for one in problem.each]
+    problem = problem.under_levels([max((f.squares / f.residual.size) ** 0.5, 1e-300) for f in fits])
+    measured = Measured.of(problem)
+    alone = tuple(_alone(one, f, scales) for one, f in zip(problem.each, fits, strict=True))
+    seen = _compared(alone, fits)
+    base = fit_force(problem.first, measured, free_of(problem.first, problem.base_names))
+    if seen.chance < POOLED.value:
+        problem, base = _parted(base, problem, measured, scales)
+    shown = simulated(base, problem, scales)
+    return Pooled(problem, as_fit(base, problem, measured, base, shown), scales, seen)
+
+
+def unmasked_forces(found: Model, before: Pooled[ForcesTogether]) -> Pooled[ForcesTogether] | None:
+    """Recordings with one more parameter of their own, where one shows beside the laws that were found."""
+    problem = before.problem
+    if not found.terms or len(before.own) >= MOST:
+        return None
+    measured = Measured.of(problem)
+    best = fit_force(found, measured, free_of(found, problem.base_names))
+    each = freed(best, problem, measured)
+    if not each or each[0].gain < OWN.value + DECISIVE.value:
+        return None
+    problem = each[0].problem
+    base = fit_force(problem.first, measured, free_of(problem.first, problem.base_names))
+    shown = simulated(base, problem, before.scales)
+    return replace(before, problem=problem, base=as_fit(base, problem, measured, base, shown))
+
+
+def freed(found: ForceFit, problem: ForcesTogether, measured: Measured) -> list[Freed]:
+    """Every parameter that may differ, alone, most evidence first."""
+    more = len(problem.each) - 1
+    seen = []
+    for stem in CANDIDATES:
+        if stem in problem.own_names or (stem == "k" and problem.restoring is Restoring.NONE):
+            continue
+        other = replace(problem.with_own((*problem.starts.own, stem)), first=_having(problem.first, stem))
+        names = dict.fromkeys((*base_of(found.free), *(named(stem, r) for r in range(1, more + 1))))
+        model = _having(found.model, stem)
+        with suppress(SimulationError):
+            better = fit_force(model, measured, free_of(model, tuple(names)))
+            words = min(force_words(better, measured).pieces.count, better.memory.independent)
+            gain = evidence(found.squares, better.squares, max(words, 1.0), more, float(len(CANDIDATES)))
+            seen.append(Freed(stem, other, better, gain))
+    return sorted(seen, key=lambda one: -one.gain)
+
+
+def _having(model: Model, stem: str) -> Model:
+    value = float(getattr(model, stem))
+    return replace(model, elsewhere=tuple(one.having(**{stem: value}) for one in model.elsewhere))
+
+
+def _parted(
+    base: ForceFit, problem: ForcesTogether, measured: Measured, scales: Scales
+) -> tuple[ForcesTogether, ForceFit]:
+    laws: list[ForceFit] | None = None
+    while len(problem.starts.own) < MOST:
+        each = freed(base, problem, measured)
+        if not each or each[0].gain < OWN.value:
+            break
+        best = each[0]
+        laws = extended(base, measured, problem, scales)
+        independent = best.fit.memory.independent
+        # a law that says as much leaves one machine, which is the simpler thing to say
+        if laws and laws[0].bic(independent) < best.fit.bic(independent) + DECISIVE.value:
+            break
+        problem, base = best.problem, best.fit
+    return problem, base
+
+
+def _alone(problem: InverseDynamics, found: ForceFit, scales: Scales) -> Alone:
+    measured = Measured.of(problem)
+    shown = simulated(found, problem, scales)
+    fit = as_fit(found, problem, measured, found, shown)
+    return Alone(problem, fit, scales, True, base_parameters(fit, problem, scales.omega, True))
+
+
+def _compared(alone: tuple[Alone, ...], fits: Sequence[ForceFit]) -> Compared:
+    """Chi-square of what recordings say about what they say together, and the values that its errors rest on."""
+    names = [name for name in _PHYSICS if all(name in base_of(f.free) for f in fits)]
+    size = len(names)
+    precision, weighed = np.zeros((size, size)), np.zeros(size)
+    each: list[tuple[FloatArray, FloatArray]] = []
+    for one, found in zip(alone, fits, strict=True):
+        at = [[f.name for f in found.free].index(name) for name in names]
+        covariance, values = found.covariance()[np.ix_(at, at)], one.fit.values[at]
+        told = np.diag(covariance) > 0.0
+        inverse = np.zeros((size, size))
+        if np.any(told):
+            inverse[np.ix_(told, told)] = np.linalg.pinv(covariance[np.ix_(told, told)], hermitian=True)
+        precision, weighed = precision + inverse, weighed + inverse @ values
+        each.append((values, inverse))
+    mean = np.linalg.pinv(precision, hermitian=True) @ weighed
+    chi2 = sum(float((values - mean) @ inverse @ (values - mean)) for values, inverse in each)
+    independent = min(f.memory.independent - len(f.free) for f in fits)
+    return Compared(alone, chi2, size * (len(fits) - 1), max(independent, 1.0))
