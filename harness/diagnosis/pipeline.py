@@ -15,7 +15,7 @@ from harness.diagnosis.explain.cautions import cautions, cautions_of_misfit
 from harness.diagnosis.explain.graded import told
 from harness.diagnosis.explain.mechanism import mechanism
 from harness.diagnosis.explain.next_experiment import left_open, left_open_by_grade, next_experiment
-from harness.diagnosis.explain.place import place_of
+from harness.diagnosis.fit.place import place_of
 from harness.diagnosis.fit.standard_errors import base_parameters
 from harness.diagnosis.grading.begun import from_within
 from harness.diagnosis.grading.first_turn import after_first_turn

@@ -7,8 +7,8 @@ import numpy as np
 
 from harness.diagnosis.explain.graded import prediction
 from harness.diagnosis.explain.mechanism import mechanism
-from harness.diagnosis.explain.place import place_of
 from harness.diagnosis.explain.remainder import looks_like, shares_of
+from harness.diagnosis.fit.place import place_of
 from harness.diagnosis.grading.grade import Finalist
 from harness.diagnosis.inverse_dynamics.grade import ForceGraded
 from harness.diagnosis.outcome import Grade, Mechanism, Remainder

@@ -5,9 +5,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from harness.diagnosis.explain.mechanism import statement_of
-from harness.diagnosis.explain.place import place_of
 from harness.diagnosis.explain.remainder import remainder
 from harness.diagnosis.fit.model_fit import Fit
+from harness.diagnosis.fit.place import place_of
 from harness.diagnosis.fit.standard_errors import term_parameters
 from harness.diagnosis.grading.grade import Finalist, Graded, worthy
 from harness.diagnosis.grading.prediction import Predicted

@@ -7,6 +7,7 @@ import numpy as np
 
 from harness.diagnosis.baseline.base_fit import baseline
 from harness.diagnosis.fit.model_fit import Fit
+from harness.diagnosis.fit.place import place_of
 from harness.diagnosis.prepare.release import without_hand
 from harness.diagnosis.problem import Problem
 from harness.diagnosis.residual_tests.structure import Left, left_by
@@ -17,14 +18,20 @@ from harness.kernels.solve import Scales
 from harness.model.term import Slot
 
 
-def knocked_at_release(found: Fit, scales: Scales) -> bool:
-    """Whether all that was named are knocks of a hand that lets go: one at once, or several before a turn."""
+def only_at_release(found: Fit, problem: Problem, scales: Scales) -> bool:
+    """Whether all that was named acts while a hand lets go: a knock at once, or what is over before a first turn.
+
+    So acts friction that holds the slider, and is then gone.
+    """
     terms = found.model.terms
-    if not terms or any(entry.term.slot is not Slot.EVENT for entry in terms):
+    if not terms:
         return False
-    within = HAND_SHOWN if len(terms) == 1 else HAND_KNOCKS
-    last = max(entry.values[0] for entry in terms) - found.model.t0
-    return last < within.value * math.pi / scales.omega
+    begin, half = found.model.t0, math.pi / scales.omega
+    if all(entry.term.slot is Slot.EVENT for entry in terms):
+        within = HAND_SHOWN if len(terms) == 1 else HAND_KNOCKS
+        return max(entry.values[0] for entry in terms) - begin < within.value * half
+    spans = (place_of(entry, found, problem, scales.omega).spans for entry in terms)
+    return max(one[-1][1] if one else begin for one in spans) - begin < HAND_KNOCKS.value * half
 
 
 def after_hand(problem: Problem, scales: Scales) -> tuple[Search, Scales, float] | None:

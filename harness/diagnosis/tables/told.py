@@ -4,8 +4,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 from harness.core.quantity import Quantity
-from harness.diagnosis.explain.place import place_of
 from harness.diagnosis.fit.model_fit import Fit
+from harness.diagnosis.fit.place import place_of
 from harness.diagnosis.fit.standard_errors import base_parameters, unit_of
 from harness.diagnosis.outcome import Grade, Holdout, Mechanism, Outcome, Prediction, Remainder, Surface, Table
 from harness.diagnosis.problem import Problem

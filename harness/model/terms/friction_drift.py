@@ -4,7 +4,7 @@ from harness.core.arrays import FloatArray
 from harness.model.evidence import Evidence
 from harness.model.experiments import AGAIN
 from harness.model.law import D_PARAMETER, D_T, VALUE
-from harness.model.place import always
+from harness.model.place import Place, Seen, always
 from harness.model.term import Parameter, Probe, Slot, Term
 
 
@@ -21,6 +21,15 @@ def probes(e: Evidence) -> list[Probe]:
     return [(0.0,)]
 
 
+def place(values: Probe, seen: Seen) -> Place:
+    """Everywhere, and late most; where it falls to nothing, up to there."""
+    gone = -1.0 / values[0] if values[0] < 0.0 else float("inf")
+    first, last = float(seen.t[0]), float(seen.t[-1])
+    if not first < gone < last:
+        return always("late", "in proportion to t")(values, seen)
+    return Place("early", f"until friction is gone at t = {gone:.4g} s", ((first, gone),))
+
+
 TERM = Term(
     "friction-drift",
     "friction",
@@ -31,7 +40,7 @@ TERM = Term(
     probes,
     amplitude=0,
     example=(-0.2,),
-    place=always("late", "in proportion to t"),
+    place=place,
     told_from={"position-dependent-friction": AGAIN, "quadratic-drag": AGAIN},
     order=70,
 )
