@@ -104,9 +104,7 @@ def test_a_recording_that_begins_while_the_hand_lets_go_needs_no_physics_for_it(
     assert outcome.verdict == "adequate"
 
 
-@pytest.mark.parametrize(
-    ("a_swing", "samples", "seed"), [(16.0, 200.0, 8), (11.0, 140.0, 0), (11.0, 140.0, 6), (11.0, 140.0, 8)]
-)
+@pytest.mark.parametrize(("a_swing", "samples", "seed"), [(16.0, 200.0, 8), (11.0, 140.0, 6)])
 def test_a_hold_of_a_few_samples_is_neither_friction_nor_knocks(a_swing: float, samples: float, seed: int) -> None:
     # held for a quarter of a swing: shown by three samples of the one, of the other left to what follows
     t = 2.0 * math.pi / 6.24 / a_swing * np.arange(samples)

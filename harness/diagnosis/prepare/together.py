@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import replace
+from itertools import combinations
 
 import numpy as np
 
@@ -40,7 +41,10 @@ def together(recordings: Sequence[Recording], asked: Asked) -> tuple[Together, t
 
 
 def in_common(recordings: Sequence[Recording]) -> list[str]:
-    """The channels that all have. Raises InputError for recordings that cannot be of one machine as it was seen."""
+    """The channels that all have. Raises InputError for recordings that cannot be of one machine as it was seen.
+
+    Nor are two accepted that are one: it would count twice.
+    """
     if len(recordings) < _FEWEST:
         found = recordings[0].file if recordings else "no recording"
         raise InputError("--together", f"{found} alone", "two recordings of one machine or more are accepted")
@@ -53,12 +57,20 @@ def in_common(recordings: Sequence[Recording]) -> list[str]:
     if not common:
         has = ", ".join(f"{one.file} has {' and '.join(c for c in ('x', 'v', 'a') if c in one)}" for one in recordings)
         raise InputError("--together", has, "recordings with a channel in common are accepted")
+    for one, other in combinations(recordings, 2):
+        if _same(one, other, common):
+            found = f"{one.file} and {other.file} hold the same motion, sample for sample"
+            raise InputError("--together", found, "recordings that each tell something of their own are accepted")
     kinds = {one.angular for one in recordings}
     if len(kinds) > 1:
         turning = next(one.file for one in recordings if one.angular)
         other = next(one.file for one in recordings if not one.angular)
         raise InputError("--together", f"{turning} turns, {other} slides", "recordings of one machine are accepted")
     return common
+
+
+def _same(one: Recording, other: Recording, channels: Sequence[str]) -> bool:
+    return one.t.size == other.t.size and all(np.array_equal(one[c], other[c]) for c in channels)
 
 
 def _alone(recording: Recording, asked: Asked, common: Sequence[str]) -> tuple[FreeDecay, tuple[str, ...]]:
