@@ -43,7 +43,9 @@ from harness.core.errors import HarnessError
 from harness.proof.plan import Sizes
 if __name__ == "__main__":
     try:
-        options = ProveOptions(Sizes(1, 3, 0, 0), 1, None, "resume" in sys.argv, ("r2",), {blind!r})
+        again = "resume" in sys.argv
+        beside = ("mujoco.sysid",) if again else ("r2",)  # asked for again or not, it goes on with who began
+        options = ProveOptions(Sizes(1, 3, 0, 0), 1, None, again, beside, {blind!r})
         with unchanged_sources():
             prove(options, Path({out!r}))
     except HarnessError as error:
@@ -102,6 +104,7 @@ def test_an_interrupted_proof_is_resumed(tmp_path: Path, how: signal.Signals) ->
     assert not (out / "working").exists()
     ledger = Ledger.load(out)
     assert [entry["step"] for entry in ledger.entries].count("resumed") == 1
+    assert set(ledger.content("verdicts sealed")["baselines"]) == {"r2"}
     assert ledger.content("resumed")["kept"] == kept.count("\n")
     assert "readable by the owner alone" in ledger.content("resumed")["secrets"]
     assert verify_proof(out, jobs=1).accepted

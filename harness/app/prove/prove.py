@@ -111,6 +111,7 @@ class _Proof:
         self._store = Store(folder)
         self._ledger = Ledger.load(folder) if options.resume else Ledger()
         self._sizes = options.sizes
+        self._beside = options.baselines
 
     def run(self) -> ProofResult:
         """All phases; the result."""
@@ -145,6 +146,7 @@ class _Proof:
             raise InputError(str(self._folder / LEDGER), "was changed", "the transcript as it was written is accepted")
         about = self._ledger.content(STEPS[0])
         self._sizes = Sizes.of(about["sizes"])
+        self._beside = tuple(about.get("beside", self._beside))
         if not self._done(STEPS[3]) and about["code"] != code_digest():
             accepted = "the same version, or a new proof, is accepted"
             raise InputError("--resume", f"{self._folder.name} was begun by another version of the program", accepted)
@@ -153,6 +155,7 @@ class _Proof:
         about = {
             "at": now(),
             "sizes": asdict(self._sizes),
+            "beside": list(self._beside),
             "code": code_digest(),
             "versions": {"python": this_machine().python, **this_machine().packages},
         }
@@ -205,7 +208,7 @@ class _Proof:
     def _answers(self, answers: Mapping[str, Any]) -> dict[str, dict[str, bytes]]:
         """What every diagnoser says, ours first; what has been said before is kept."""
         names = self._store.names()
-        total = len(names) * (1 + len(self._options.baselines))
+        total = len(names) * (1 + len(self._beside))
         with tempfile.TemporaryDirectory(prefix="blind-") as place, self._workers(total) as workers:
 
             def ask(tasks: list[BlindTask]) -> None:
@@ -218,12 +221,12 @@ class _Proof:
             ask(
                 [
                     self._task(who, name, (spans_left_out(ours[name]),), place)
-                    for who in self._options.baselines
+                    for who in self._beside
                     for name in self._left(who)
                 ]
             )
         said = self._store.answers()
-        everybody = (OURS, *self._options.baselines)
+        everybody = (OURS, *self._beside)
         return {who: {name: said[who][name].encode() for name in names} for who in everybody}
 
     def _left(self, who: str) -> list[str]:
