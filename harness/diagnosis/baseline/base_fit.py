@@ -1,12 +1,13 @@
 """The base fit of a free decay: viscous and Coulomb friction on the restoring force, without falling into false minima.
 
 The number of half-cycles before the slider sticks jumps with f_k, and a phase that slips by a cycle has a minimum of
-its own. So the start comes from the spectrum and the envelope, the fit first sees the first cycles only and then ever
-more of the recording, from several shares of viscous and dry friction; the best of them is kept.
+its own. So the start comes from the spectrum and the envelope, from several shares of viscous and dry friction, and
+the fit first sees the swing's amplitude and phase. Where no phase can be followed so, it sees the first cycles only and
+then ever more of the recording. The best is kept.
 """
 
 import math
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import replace
 from functools import partial
 
@@ -19,6 +20,7 @@ from harness.diagnosis.covariates.following import enter
 from harness.diagnosis.fit.model_fit import Fit, fit
 from harness.diagnosis.fit.observe import COARSE
 from harness.diagnosis.fit.parameters import base_of, free_of, with_values
+from harness.diagnosis.fit.swing_fit import Swing, swung
 from harness.diagnosis.problem import Problem
 from harness.kernels.solve import Scales
 from harness.model.elsewhere import Elsewhere, parted
@@ -42,6 +44,8 @@ _PHYSICS = ("c", "k", "f_k")
 """Base parameters that recordings of one machine share."""
 _TRIED = 3
 """Recordings whose own fits are starts of a common one, beside the mean of all."""
+_MANY_CYCLES = 20.0
+"""A phase that is off by a hundredth, as a spectrum gives it, has then slipped by a radian."""
 _ABOVE_NOISE = 0.15
 """Of the first peak: smaller ones may be noise or rest, and do not count for the decay that a fit starts from."""
 
@@ -153,6 +157,32 @@ def _whole(model: Model, problem: Problem, scales: Scales) -> Fit:
     return fit(rough.model, problem, free, scales, thorough=False)
 
 
+def _by_swing(model: Model, problem: Problem, scales: Scales, swing: Swing) -> Fit:
+    """Fit the swing of the whole recording, then its samples."""
+    free = free_of(model, problem.base_names)
+    found, _ = swung(model, swing, free, scales)
+    rough = fit(found, swing.problem, free, scales, 15, COARSE, thorough=False)
+    return fit(rough.model, problem, free, scales, thorough=False)
+
+
+def _attempts(models: Sequence[Model], problem: Problem, scales: Scales) -> Iterator[Callable[[], Fit]]:
+    """What is tried from several starts.
+
+    In few cycles it is when the slider sticks that parts minima: a knock, too, ends the growing fit in one of its own,
+    and the whole at once has others. In many it is the phase, which a swing does not lose.
+    """
+    swing = Swing.of(problem, scales.omega)
+    if swing is not None:
+        for model in models:
+            yield partial(_by_swing, model, problem, scales, swing)
+        if problem.duration * scales.omega > 2.0 * math.pi * _MANY_CYCLES:
+            yield partial(_grow, models[0], problem, scales)
+            return
+    for model in models:
+        yield partial(_grow, model, problem, scales)
+        yield partial(_whole, model, problem, scales)
+
+
 def baseline(problem: Problem) -> tuple[Fit, Scales]:
     """The best fit of the base model, and of what covariates do, to a free decay.
 
@@ -163,14 +193,13 @@ def baseline(problem: Problem) -> tuple[Fit, Scales]:
         return _of_several(problem, [baseline(one) for one in problem.alone])
     models = starts(problem)
     scales = scales_of(problem, math.sqrt(models[0].k / models[0].m))
-    # a knock ends the growing fit in a minimum of its own; the whole at once has others
-    attempts = (partial(attempt, model, problem, scales) for model in models for attempt in (_grow, _whole))
-    best = _best(attempts, replace(problem, acting=()), scales)
+    best = _best(_attempts(models, problem, scales), problem, scales)
+    best = _with_care(best, replace(problem, acting=()), scales)
     return (enter(best, problem, scales).fit if problem.acting else best), scales
 
 
 def _best(attempts: Iterable[Callable[[], Fit]], problem: Problem, scales: Scales) -> Fit:
-    """The best of several rough fits, fitted with care. Raises SimulationError when none could be simulated."""
+    """The best of several rough fits. Raises SimulationError when none could be simulated."""
     best: Fit | None = None
     why = ""
     for attempt in attempts:
@@ -183,7 +212,11 @@ def _best(attempts: Iterable[Callable[[], Fit]], problem: Problem, scales: Scale
             best = found
     if best is None:
         raise SimulationError(f"no base fit could be simulated: {why}")
-    return at_rest(fit(best.model, problem, best.free, scales), problem, scales)
+    return best
+
+
+def _with_care(found: Fit, problem: Problem, scales: Scales) -> Fit:
+    return at_rest(fit(found.model, problem, found.free, scales), problem, scales)
 
 
 def _of_several(problem: Problem, alone: Sequence[tuple[Fit, Scales]]) -> tuple[Fit, Scales]:
@@ -201,7 +234,7 @@ def _of_several(problem: Problem, alone: Sequence[tuple[Fit, Scales]]) -> tuple[
     scales = scales_of(problem, float(np.median([s.omega for _, s in alone])))
     begun = ({**dict(zip(_PHYSICS, physics, strict=True)), **starts, "t0": models[0].t0} for physics in tries)
     attempts = (partial(_whole, replace(models[0], **one, elsewhere=elsewhere), problem, scales) for one in begun)
-    return _best(attempts, problem, scales), scales
+    return _with_care(_best(attempts, problem, scales), problem, scales), scales
 
 
 def at_rest(found: Fit, problem: Problem, scales: Scales) -> Fit:

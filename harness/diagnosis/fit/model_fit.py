@@ -28,6 +28,8 @@ _NEAR = 3.5
 
 _DONE = 1e-5
 """A step that promises less than this in chi-square changes nothing that anybody could see."""
+_HASTY = 1e-5
+"""Of chi-square: a hasty descent that gains less in a step is near enough to be compared."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -113,15 +115,16 @@ def _descend(
     scales: Scales | None = None,
     iterations: int = 40,
     effort: Effort = FINE,
+    share: float = 0.0,
 ) -> Fit:
-    """The nearest fit downhill."""
+    """The nearest fit downhill; share : of chi-square, that a step must gain to be followed by another."""
 
     def evaluated(at: FloatArray) -> _Point:
         candidate = with_coordinates(model, free, at)
         return _Point(candidate, free, *evaluate(candidate, problem, free, scales, effort))
 
     start = coordinates_of(model, free)
-    found = least_squares(evaluated, start, Until(_DONE, iterations=iterations), bounds_of(free))
+    found = least_squares(evaluated, start, Until(_DONE, share, iterations), bounds_of(free))
     at = found.point
     return Fit(at.model, free, at.squares, problem.points, at.residual, at.jacobian, at.shown, found.stop)
 
@@ -142,7 +145,7 @@ def fit(
     without those samples too, and from the best of several points that this leaves open with all of them.
     Raises SimulationError when even the start cannot be simulated.
     """
-    found = _descend(model, problem, free, scales, iterations, effort)
+    found = _descend(model, problem, free, scales, iterations, effort, 0.0 if thorough else _HASTY)
     if not thorough or not _misplaced(found, problem):
         return found
     smooth = found

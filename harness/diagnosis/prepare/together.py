@@ -57,9 +57,9 @@ def in_common(recordings: Sequence[Recording]) -> list[str]:
     if not common:
         has = ", ".join(f"{one.file} has {' and '.join(c for c in ('x', 'v', 'a') if c in one)}" for one in recordings)
         raise InputError("--together", has, "recordings with a channel in common are accepted")
-    for one, other in combinations(recordings, 2):
-        if _same(one, other, common):
-            found = f"{one.file} and {other.file} hold the same motion, sample for sample"
+    for one, again in combinations(recordings, 2):
+        if _same(one, again, common):
+            found = f"{one.file} and {again.file} hold the same motion, sample for sample"
             raise InputError("--together", found, "recordings that each tell something of their own are accepted")
     kinds = {one.angular for one in recordings}
     if len(kinds) > 1:

@@ -12,6 +12,7 @@ from harness.diagnosis.fit.friction_back import with_friction
 from harness.diagnosis.fit.model_fit import Fit, chi2_of, fit
 from harness.diagnosis.fit.observe import COARSE
 from harness.diagnosis.fit.parameters import base_of, free_of
+from harness.diagnosis.fit.swing_fit import Swing, swung
 from harness.diagnosis.problem import Problem
 from harness.diagnosis.rules import DECISIVE, PERIOD_SEEN
 from harness.diagnosis.search.decimation import condensed
@@ -26,8 +27,12 @@ from harness.model.term import Term
 _COARSE_SAMPLES = 1200
 _COARSE_ITERATIONS = 6
 _FIRST_ITERATIONS = 3
+_SWING_ITERATIONS = 12
 _KEPT_STARTS, _GONE_ON_WITH = 2, 12
-"""Samples and iterations of first looks, starts of a law and laws that are gone on with: they bound the work."""
+"""Samples and iterations of first looks (the last of a swing's), starts of a law and laws that are gone on with.
+
+They bound the work.
+"""
 _EARLY = 0.5
 """Share of a recording in which phases have not yet parted, so that a law promises what it would."""
 _FINALISTS, _SURE_FINALISTS, _NEAR_BEST = 8, 3, 0.1
@@ -65,32 +70,63 @@ def _try(model: Model, problem: Problem, base: tuple[str, ...], scales: Scales, 
         return None
 
 
-def _start(candidate: Candidate, problem: Problem, early: Problem, base: tuple[str, ...], scales: Scales) -> Fit | None:
-    """A first few steps from the candidate itself or by way of the first part of the recording, whichever is nearer."""
-    starts = [candidate.model]
-    if candidate.short is not None:
-        starts = [min((candidate.model, candidate.short), key=lambda m: chi2_of(m, problem, scales, COARSE))]
-    first = _try(starts[0], early, base, scales, _FIRST_ITERATIONS)
-    starts += [] if first is None else [first.model]
-    nearest = min(starts, key=lambda m: chi2_of(m, problem, scales, COARSE))
-    return _try(nearest, problem, base, scales, _FIRST_ITERATIONS)
+def _by_swing(
+    model: Model, swing: Swing | None, base: tuple[str, ...], scales: Scales, iterations: int
+) -> Model | None:
+    """By amplitude and phase; None where these are not seen."""
+    if swing is None:
+        return None
+    try:
+        return swung(model, swing, free_of(model, base), scales, iterations)[0]
+    except SimulationError:
+        return None
+
+
+def _nearest(models: Sequence[Model | None], problem: Problem, scales: Scales) -> Model:
+    """Of those that there are."""
+    there = [m for m in models if m is not None]
+    return min(there, key=lambda m: chi2_of(m, problem, scales, COARSE)) if len(there) > 1 else there[0]
+
+
+def _start(
+    candidate: Candidate,
+    problem: Problem,
+    early: Problem,
+    swing: Swing | None,
+    base: tuple[str, ...],
+    scales: Scales,
+) -> Fit | None:
+    """A first few steps from the candidate, or from where its swing or the first part of the recording leads."""
+    start = _nearest((candidate.model, candidate.short), problem, scales)
+    first = _by_swing(start, swing, base, scales, _FIRST_ITERATIONS)
+    if first is None:
+        found = _try(start, early, base, scales, _FIRST_ITERATIONS)
+        first = None if found is None else found.model
+    return _try(_nearest((start, first), problem, scales), problem, base, scales, _FIRST_ITERATIONS)
 
 
 def _rough(candidates: Sequence[Candidate], problem: Problem, base: tuple[str, ...], scales: Scales) -> list[Fit]:
     """A rough fit of every entry, best first: a few steps of every start, then the nearest of each entry go on."""
     early = problem.first_part(_EARLY)
+    swing = Swing.of(problem, scales.omega)
     begun: dict[str, list[Fit]] = {}
     for candidate in told(candidates, lambda c: f"trying {_said(c.model)}"):
-        found = _start(candidate, problem, early, base, scales)
+        found = _start(candidate, problem, early, swing, base, scales)
         if found is not None:
             begun.setdefault(candidate.term.key, []).append(found)
     best = []
     for place, group in enumerate(sorted(begun.values(), key=lambda g: min(f.chi2 for f in g))):
         group.sort(key=lambda f: f.chi2)
         nearest = group[:_KEPT_STARTS] if place < _GONE_ON_WITH else []
-        further = [_try(f.model, problem, base, scales, _COARSE_ITERATIONS) for f in nearest]
+        further = [_gone_on(f.model, problem, swing, base, scales) for f in nearest]
         best.append(min((*group, *(f for f in further if f is not None)), key=lambda f: f.bic))
     return sorted(best, key=lambda f: f.bic)
+
+
+def _gone_on(model: Model, problem: Problem, swing: Swing | None, base: tuple[str, ...], scales: Scales) -> Fit | None:
+    """More steps."""
+    start = _nearest((model, _by_swing(model, swing, base, scales, _SWING_ITERATIONS)), problem, scales)
+    return _try(start, problem, base, scales, _COARSE_ITERATIONS)
 
 
 def _further(
@@ -98,6 +134,7 @@ def _further(
 ) -> list[Fit]:
     """A rough fit of every entry, best first, from where each was begun and from one look at this recording."""
     base = _base(current, problem)
+    swing = Swing.of(small, scales.omega)
     starts: dict[str, list[Model]] = {}
     for model in begun:
         starts.setdefault(model.terms[-1].term.key, []).append(model)
@@ -110,7 +147,7 @@ def _further(
         starts.setdefault(key, []).append(model)
     best = []
     for group in told(tuple(starts.values()), lambda g: f"trying {_said(g[0])}"):
-        fits = [f for f in (_try(m, small, base, scales, _COARSE_ITERATIONS) for m in group) if f is not None]
+        fits = [f for f in (_gone_on(m, small, swing, base, scales) for m in group) if f is not None]
         best += [min(fits, key=lambda f: f.bic)] if fits else []
     return sorted(best, key=lambda f: f.bic)
 

@@ -1,0 +1,160 @@
+"""A descent that sees a free decay as its swing's amplitude and phase, and so ends near where that of its samples does.
+
+What each sample shows is a sine of all that decides how long the swings before it took: over hundreds of cycles a
+descent must follow a canyon as narrow as its last phase, in hundreds of steps, and beyond a slip of half a cycle there
+are other canyons. Amplitude and phase themselves follow every parameter nearly in proportion. To first order both have
+one minimum: |z - z_m|^2 of the analytic signal z = y - i y'/omega (Gabor 1946) is the square of what the amplitude
+misses and of what the phase misses times the amplitude, and half of it is the square of what the samples miss.
+"""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from scipy import sparse
+
+from harness.core.arrays import BoolArray, FloatArray
+from harness.diagnosis.fit.observe import COARSE, Observation, observe
+from harness.diagnosis.fit.parameters import (
+    Free,
+    bounds_of,
+    coordinates_of,
+    values_of,
+    with_coordinates,
+)
+from harness.diagnosis.problem import Problem
+from harness.fit.least_squares import Until, least_squares
+from harness.kernels.solve import Scales
+from harness.model.model import Model
+
+_PER_CYCLE, _FEWEST_PER_CYCLE = 24, 8
+"""Samples of a cycle that are looked at where there are more, and the fewest."""
+_FEWEST_CYCLES = 4.0
+"""Below these a descent of the samples has no canyon to follow."""
+_REACH = 0.17
+"""Of a cycle: half of the stretch over which a rate is fitted."""
+_LONGEST_GAP = 0.5
+"""Of a cycle: beyond it, how often the phase went round is not seen."""
+_LEAST_SWING, _ABOVE_NOISE = 0.1, 6.0
+"""Of the largest amplitude, and of the noise: a weaker swing has a phase that its zero or the noise decides."""
+_VANISHING = 1e-6
+"""Of that: what is divided by."""
+_ENOUGH = 1e-3
+"""Share of the squares that a step gains, from which on the samples themselves are as near."""
+
+
+@dataclass(frozen=True, slots=True)
+class Swing:
+    """What a channel of a free decay shows as an analytic signal.
+
+    problem : thinned. rate : from a channel (n,) to its rate over omega, (n, n). middle : what it swings about.
+    z (n,) : the signal. used (n,) : where there is a phase. sigma : noise.
+    """
+
+    problem: Problem
+    channel: str
+    rate: sparse.csr_array
+    middle: float
+    z: FloatArray
+    used: BoolArray
+    sigma: float
+
+    @classmethod
+    def of(cls, problem: Problem, omega: float) -> "Swing | None":
+        """As a recording shows it, None where it cannot be followed from sample to sample; omega in rad/s."""
+        if problem.drive is not None or problem.alone or problem.t.size < 2:
+            return None
+        cycle = 2.0 * math.pi / omega
+        span = float(problem.t[-1] - problem.t[0])
+        thin = max(1, int(problem.t.size * cycle / (span * _PER_CYCLE)))
+        problem = problem.part(slice(None, None, thin))
+        t = problem.t
+        if span < _FEWEST_CYCLES * cycle or t.size * cycle < _FEWEST_PER_CYCLE * span:
+            return None
+        if float(np.max(np.diff(t))) > _LONGEST_GAP * cycle:
+            return None
+        channel = next(c for c in ("x", "v", "a") if c in problem.channels)
+        y = problem.channels[channel]
+        rate = _rates(t, omega, max(1, round(_REACH * t.size * cycle / span)))
+        middle = float(np.mean(y))
+        z = y - middle - 1j * (rate @ y)
+        sigma = problem.noise[channel].sigma
+        least = max(_LEAST_SWING * float(np.max(np.abs(z))), _ABOVE_NOISE * sigma)
+        used = (np.abs(z) > least) & (problem.weight[channel] > 0.0)
+        return cls(problem, channel, rate, middle, z, used, sigma) if np.any(used) else None
+
+    def missed(self, shown: Observation) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """What a model misses of amplitude, and of phase times amplitude, (2n,); partials (2n, q) of the model's.
+
+        And the phase (n,), rad. Where the model does not swing any more, it has none.
+        """
+        y, dy = shown.y[self.channel], shown.dy[self.channel]
+        z, dz = y - self.middle - 1j * (self.rate @ y), dy - 1j * (self.rate @ dy)
+        amplitude, own = np.abs(self.z), np.abs(z)
+        least = _LEAST_SWING * float(np.max(amplitude))
+        swings = self.used & (own > least)
+        phase = np.zeros(z.size)
+        phase[swings] = np.unwrap(np.angle(self.z * np.conj(z))[swings])
+        own = np.maximum(own, _VANISHING * least)
+        turned = np.conj(z)[:, None] * dz
+        weight = self.used / (math.sqrt(2.0) * self.sigma)
+        residual = np.concatenate(((amplitude - np.abs(z)) * weight, amplitude * phase * weight))
+        by_amplitude = np.real(turned) * (weight / own)[:, None]
+        by_phase = np.imag(turned) * (swings * weight * amplitude / own**2)[:, None]
+        return residual, np.concatenate((by_amplitude, by_phase)), phase
+
+
+@dataclass(frozen=True, slots=True)
+class _Point:
+    """A model seen as a swing; coordinates are those of ``free``."""
+
+    model: Model
+    free: tuple[Free, ...]
+    residual: FloatArray
+    jacobian: FloatArray
+    phase: FloatArray
+
+    @property
+    def squares(self) -> float:
+        """Of amplitude and phase, in units of the noise."""
+        return float(self.residual @ self.residual)
+
+    def normal_equations(self) -> tuple[FloatArray, FloatArray]:
+        """By the coordinates that are fitted."""
+        values = values_of(self.model, self.free)
+        with np.errstate(over="ignore", invalid="ignore"):
+            j = self.jacobian * [f.slope(v) for f, v in zip(self.free, values, strict=True)]
+            return j.T @ j, j.T @ self.residual
+
+
+def swung(
+    model: Model, swing: Swing, free: tuple[Free, ...], scales: Scales, iterations: int = 15
+) -> tuple[Model, float]:
+    """The model that is nearest downhill in amplitude and phase, and by how much its phase is off at most, rad.
+
+    Raises SimulationError where the start cannot be simulated.
+    """
+    by = tuple(f.by for f in free)
+
+    def evaluated(at: FloatArray) -> _Point:
+        candidate = with_coordinates(model, free, at)
+        shown = observe(candidate, swing.problem, by, scales, COARSE)
+        return _Point(candidate, free, *swing.missed(shown))
+
+    until = Until(share=_ENOUGH, iterations=iterations)
+    found = least_squares(evaluated, coordinates_of(model, free), until, bounds_of(free)).point
+    return found.model, float(np.max(np.abs(found.phase)))
+
+
+def _rates(t: FloatArray, omega: float, reach: int) -> sparse.csr_array:
+    """Slopes of parabolas through 2 ``reach`` + 1 neighbours each, over omega, as a matrix (n, n)."""
+    n = t.size
+    count = min(2 * reach + 1, n)
+    first = np.clip(np.arange(n) - reach, 0, n - count)
+    columns = first[:, None] + np.arange(count)
+    u = omega * (t[columns] - t[:, None])
+    basis = np.stack((np.ones_like(u), u, u * u), axis=2)
+    normal = np.einsum("nki,nkj->nij", basis, basis)
+    slopes = np.einsum("nj,nkj->nk", np.linalg.inv(normal)[:, 1], basis)
+    rows = np.repeat(np.arange(n), count)
+    return sparse.csr_array((slopes.ravel(), (rows, columns.ravel())), shape=(n, n))
