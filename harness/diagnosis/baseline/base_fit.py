@@ -160,8 +160,7 @@ def _whole(model: Model, problem: Problem, scales: Scales) -> Fit:
 def _by_swing(model: Model, problem: Problem, scales: Scales, swing: Swing) -> Fit:
     """Fit the swing of the whole recording, then its samples."""
     free = free_of(model, problem.base_names)
-    found, _ = swung(model, swing, free, scales)
-    rough = fit(found, swing.problem, free, scales, 15, COARSE, thorough=False)
+    rough = fit(swung(model, swing, free, scales), swing.problem, free, scales, 15, COARSE, thorough=False)
     return fit(rough.model, problem, free, scales, thorough=False)
 
 

@@ -9,11 +9,12 @@ import numpy as np
 from harness.core.arrays import FloatArray
 from harness.core.errors import SimulationError
 from harness.core.events import Events
+from harness.diagnosis.fit.downhill import downhill
 from harness.diagnosis.fit.observe import FINE, Observation, observe
-from harness.diagnosis.fit.parameters import Free, bounds_of, coordinates_of, values_of, with_coordinates, with_values
+from harness.diagnosis.fit.parameters import Free, values_of, with_values
 from harness.diagnosis.problem import Problem
 from harness.fit.covariance import covariance_of
-from harness.fit.least_squares import Stop, Until, least_squares
+from harness.fit.least_squares import Stop, Until
 from harness.kernels.solve import Effort, Scales
 from harness.model.model import Model
 
@@ -85,29 +86,6 @@ def evaluate(
     return residual, jacobian, shown
 
 
-@dataclass(frozen=True, slots=True)
-class _Point:
-    """A model seen with its recording; coordinates are those of ``free``."""
-
-    model: Model
-    free: tuple[Free, ...]
-    residual: FloatArray
-    jacobian: FloatArray
-    shown: Observation
-
-    @property
-    def squares(self) -> float:
-        """Chi-square."""
-        return float(self.residual @ self.residual)
-
-    def normal_equations(self) -> tuple[FloatArray, FloatArray]:
-        """By the coordinates that are fitted; infinite where a number has run away to a limit of its law."""
-        values = values_of(self.model, self.free)
-        with np.errstate(over="ignore", invalid="ignore"):
-            j = self.jacobian * [f.slope(v) for f, v in zip(self.free, values, strict=True)]
-            return j.T @ j, j.T @ self.residual
-
-
 def _descend(
     model: Model,
     problem: Problem,
@@ -118,13 +96,7 @@ def _descend(
     share: float = 0.0,
 ) -> Fit:
     """The nearest fit downhill; share : of chi-square, that a step must gain to be followed by another."""
-
-    def evaluated(at: FloatArray) -> _Point:
-        candidate = with_coordinates(model, free, at)
-        return _Point(candidate, free, *evaluate(candidate, problem, free, scales, effort))
-
-    start = coordinates_of(model, free)
-    found = least_squares(evaluated, start, Until(_DONE, share, iterations), bounds_of(free))
+    found = downhill(model, free, lambda m: evaluate(m, problem, free, scales, effort), Until(_DONE, share, iterations))
     at = found.point
     return Fit(at.model, free, at.squares, problem.points, at.residual, at.jacobian, at.shown, found.stop)
 

@@ -13,17 +13,12 @@ from dataclasses import dataclass
 import numpy as np
 from scipy import sparse
 
-from harness.core.arrays import BoolArray, FloatArray
+from harness.core.arrays import BoolArray, ComplexArray, FloatArray
+from harness.diagnosis.fit.downhill import downhill
 from harness.diagnosis.fit.observe import COARSE, Observation, observe
-from harness.diagnosis.fit.parameters import (
-    Free,
-    bounds_of,
-    coordinates_of,
-    values_of,
-    with_coordinates,
-)
+from harness.diagnosis.fit.parameters import Free
 from harness.diagnosis.problem import Problem
-from harness.fit.least_squares import Until, least_squares
+from harness.fit.least_squares import Until
 from harness.kernels.solve import Scales
 from harness.model.model import Model
 
@@ -37,8 +32,8 @@ _LONGEST_GAP = 0.5
 """Of a cycle: beyond it, how often the phase went round is not seen."""
 _LEAST_SWING, _ABOVE_NOISE = 0.1, 6.0
 """Of the largest amplitude, and of the noise: a weaker swing has a phase that its zero or the noise decides."""
-_VANISHING = 1e-6
-"""Of that: what is divided by."""
+_VANISHING = 1e-7
+"""Of the largest amplitude: a model's that is smaller counts as this where it is divided by."""
 _ENOUGH = 1e-3
 """Share of the squares that a step gains, from which on the samples themselves are as near."""
 
@@ -55,7 +50,7 @@ class Swing:
     channel: str
     rate: sparse.csr_array
     middle: float
-    z: FloatArray
+    z: ComplexArray
     used: BoolArray
     sigma: float
 
@@ -77,73 +72,58 @@ class Swing:
         y = problem.channels[channel]
         rate = _rates(t, omega, max(1, round(_REACH * t.size * cycle / span)))
         middle = float(np.mean(y))
-        z = y - middle - 1j * (rate @ y)
+        z = _analytic(rate, y) - middle
         sigma = problem.noise[channel].sigma
         least = max(_LEAST_SWING * float(np.max(np.abs(z))), _ABOVE_NOISE * sigma)
         used = (np.abs(z) > least) & (problem.weight[channel] > 0.0)
         return cls(problem, channel, rate, middle, z, used, sigma) if np.any(used) else None
 
-    def missed(self, shown: Observation) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """What a model misses of amplitude, and of phase times amplitude, (2n,); partials (2n, q) of the model's.
-
-        And the phase (n,), rad. Where the model does not swing any more, it has none.
-        """
-        y, dy = shown.y[self.channel], shown.dy[self.channel]
-        z, dz = y - self.middle - 1j * (self.rate @ y), dy - 1j * (self.rate @ dy)
-        amplitude, own = np.abs(self.z), np.abs(z)
-        least = _LEAST_SWING * float(np.max(amplitude))
-        swings = self.used & (own > least)
+    def phase_missed(self, shown: Observation) -> FloatArray:
+        """By how much a model's phase is off, (n,), rad; 0 where it, or the recording, does not swing any more."""
+        z = self._signal(shown.y[self.channel]) - self.middle
+        swings = self._swings(z)
         phase = np.zeros(z.size)
         phase[swings] = np.unwrap(np.angle(self.z * np.conj(z))[swings])
-        own = np.maximum(own, _VANISHING * least)
+        return phase
+
+    def missed(self, shown: Observation) -> tuple[FloatArray, FloatArray]:
+        """What a model misses of amplitude, and of phase times amplitude, (2n,); partials (2n, q) of the model's."""
+        z, dz = self._signal(shown.y[self.channel]) - self.middle, self._signal(shown.dy[self.channel])
+        amplitude, phase = np.abs(self.z), self.phase_missed(shown)
+        own = np.maximum(np.abs(z), _VANISHING * float(np.max(amplitude)))
         turned = np.conj(z)[:, None] * dz
         weight = self.used / (math.sqrt(2.0) * self.sigma)
         residual = np.concatenate(((amplitude - np.abs(z)) * weight, amplitude * phase * weight))
         by_amplitude = np.real(turned) * (weight / own)[:, None]
-        by_phase = np.imag(turned) * (swings * weight * amplitude / own**2)[:, None]
-        return residual, np.concatenate((by_amplitude, by_phase)), phase
+        by_phase = np.imag(turned) * (self._swings(z) * weight * amplitude / own**2)[:, None]
+        return residual, np.concatenate((by_amplitude, by_phase))
+
+    def _signal(self, values: FloatArray) -> ComplexArray:
+        return _analytic(self.rate, values)
+
+    def _swings(self, z: ComplexArray) -> BoolArray:
+        swings: BoolArray = self.used & (np.abs(z) > _LEAST_SWING * float(np.max(np.abs(self.z))))
+        return swings
 
 
-@dataclass(frozen=True, slots=True)
-class _Point:
-    """A model seen as a swing; coordinates are those of ``free``."""
-
-    model: Model
-    free: tuple[Free, ...]
-    residual: FloatArray
-    jacobian: FloatArray
-    phase: FloatArray
-
-    @property
-    def squares(self) -> float:
-        """Of amplitude and phase, in units of the noise."""
-        return float(self.residual @ self.residual)
-
-    def normal_equations(self) -> tuple[FloatArray, FloatArray]:
-        """By the coordinates that are fitted."""
-        values = values_of(self.model, self.free)
-        with np.errstate(over="ignore", invalid="ignore"):
-            j = self.jacobian * [f.slope(v) for f, v in zip(self.free, values, strict=True)]
-            return j.T @ j, j.T @ self.residual
-
-
-def swung(
-    model: Model, swing: Swing, free: tuple[Free, ...], scales: Scales, iterations: int = 15
-) -> tuple[Model, float]:
-    """The model that is nearest downhill in amplitude and phase, and by how much its phase is off at most, rad.
+def swung(model: Model, swing: Swing, free: tuple[Free, ...], scales: Scales, iterations: int = 15) -> Model:
+    """The model that is nearest downhill in amplitude and phase.
 
     Raises SimulationError where the start cannot be simulated.
     """
     by = tuple(f.by for f in free)
 
-    def evaluated(at: FloatArray) -> _Point:
-        candidate = with_coordinates(model, free, at)
+    def look(candidate: Model) -> tuple[FloatArray, FloatArray, Observation]:
         shown = observe(candidate, swing.problem, by, scales, COARSE)
-        return _Point(candidate, free, *swing.missed(shown))
+        return *swing.missed(shown), shown
 
-    until = Until(share=_ENOUGH, iterations=iterations)
-    found = least_squares(evaluated, coordinates_of(model, free), until, bounds_of(free)).point
-    return found.model, float(np.max(np.abs(found.phase)))
+    return downhill(model, free, look, Until(share=_ENOUGH, iterations=iterations)).point.model
+
+
+def _analytic(rate: sparse.csr_array, values: FloatArray) -> ComplexArray:
+    """y - i y'/omega of values (n,) or (n, q); rate (n, n)."""
+    signal: ComplexArray = values - 1j * (rate @ values)
+    return signal
 
 
 def _rates(t: FloatArray, omega: float, reach: int) -> sparse.csr_array:

@@ -77,7 +77,7 @@ def _by_swing(
     if swing is None:
         return None
     try:
-        return swung(model, swing, free_of(model, base), scales, iterations)[0]
+        return swung(model, swing, free_of(model, base), scales, iterations)
     except SimulationError:
         return None
 
@@ -140,9 +140,7 @@ def _further(
         starts.setdefault(model.terms[-1].term.key, []).append(model)
     looked: dict[str, Model] = {}
     for candidate in Look.at(current, problem, scales, terms).worthy():
-        starts_of = (candidate.model, candidate.short or candidate.model)
-        nearest = min(starts_of, key=lambda m: chi2_of(m, small, scales, COARSE))
-        looked.setdefault(candidate.term.key, nearest)
+        looked.setdefault(candidate.term.key, _nearest((candidate.model, candidate.short), small, scales))
     for key, model in looked.items():
         starts.setdefault(key, []).append(model)
     best = []
