@@ -28,9 +28,9 @@ from harness.diagnosis.problems.inverse_dynamics import InverseDynamics
 from harness.diagnosis.request import Asked
 from harness.diagnosis.rules import PATH_AGAIN, TABLE_BETTER, TABLE_ERRORS, TABLE_WORDS
 from harness.diagnosis.tables.curve import table_of
+from harness.diagnosis.tables.drawn import curves
 from harness.diagnosis.tables.force_tables import ForceLeft
 from harness.diagnosis.tables.path import time_again
-from harness.diagnosis.tables.told import curves
 from harness.model.model import Model, ModelTerm, Restoring
 from harness.model.registry import NAMED
 from harness.model.term import Slot

@@ -16,14 +16,11 @@ from harness.diagnosis.inverse_dynamics.holdout import predicted_windows
 from harness.diagnosis.outcome import Holdout, Outcome
 from harness.diagnosis.problems.inverse_dynamics import InverseDynamics
 from harness.diagnosis.rules import TABLE_OVER_NOISE
-from harness.diagnosis.tables.curve import table_of
-from harness.diagnosis.tables.describe import described
+from harness.diagnosis.tables.drawn import Drawn
 from harness.diagnosis.tables.fitted import TableFit
 from harness.diagnosis.tables.force_tables import ForceLeft
-from harness.diagnosis.tables.nearest import nearest
-from harness.diagnosis.tables.plane import surface_of
 from harness.diagnosis.tables.selection import Tabulated, improves
-from harness.diagnosis.tables.told import RULES, Modelled, curves, plane, told
+from harness.diagnosis.tables.told import RULES, Modelled, told
 
 
 def with_force_tables(outcome: Outcome, graded: ForceGraded) -> Outcome:
@@ -63,12 +60,6 @@ def _told(
     after = _by_force(found, seen)
     refined = as_fit(after, problem, measured, graded.reference, shown)
     held, evidence = ratio(first.held, before), seen_in(start, measured, problem, scales)
-    tables = []
-    for numbers, form in curves(first, len(start.model.terms)):
-        table = table_of(found, seen.words.pieces, scales, numbers, form, held)
-        near = nearest(table, start.model, problem, scales, evidence)
-        tables.append((numbers, replace(table, described=described(table, found.model, problem.angular), nearest=near)))
-    both = plane(first, len(start.model.terms))
     noise = (graded.over.noise or 0.0) * after.residual.size
     independent = graded.reference.memory.independent
     gained = start.bic(independent) - after.bic(independent) - found.effective * math.log(independent)
@@ -82,10 +73,7 @@ def _told(
         Modelled(
             kept=kept,
             refined=refined,
-            tables=tuple(tables),
-            surface=None
-            if both is None
-            else (both, surface_of(found, seen.words.pieces, scales, both, held, problem.angular)),
+            drawn=Drawn.of(first, start.model, problem, seen.words.pieces, scales, held, evidence),
             share=min(max((start.squares - after.squares) / max(graded.base.squares - noise, 1e-300), 0.0), 1.0),
             gained=gained,
             doubt=_doubt(seen),

@@ -14,13 +14,10 @@ from harness.diagnosis.outcome import Holdout, Outcome
 from harness.diagnosis.problem import Problem
 from harness.diagnosis.rules import TABLE_OVER_NOISE
 from harness.diagnosis.search.start_evidence import evidence
-from harness.diagnosis.tables.curve import table_of
-from harness.diagnosis.tables.describe import described
+from harness.diagnosis.tables.drawn import Drawn
 from harness.diagnosis.tables.fitted import TableFit
-from harness.diagnosis.tables.nearest import nearest
-from harness.diagnosis.tables.plane import surface_of
 from harness.diagnosis.tables.selection import Tabulated, finished, improves, tabulated
-from harness.diagnosis.tables.told import RULES, Modelled, curves, doubt_of, plane, told
+from harness.diagnosis.tables.told import RULES, Modelled, doubt_of, told
 from harness.fit.least_squares import Stop
 
 
@@ -48,17 +45,9 @@ def _told(outcome: Outcome, graded: Graded, start: Fit, held: float, kept: tuple
     first, problem, misfit = kept[0], outcome.problem, graded.misfit
     found = first.fit
     refined = _as_fit(found, problem)
-    named = len(start.model.terms)
     seen = evidence(misfit.base, problem, outcome.scales)
-    tables = []
-    for numbers, form in curves(first, named):
-        table = table_of(found, misfit.strokes, misfit.scales, numbers, form, held)
-        near = nearest(table, start.model, problem, outcome.scales, seen)
-        said = described(table, found.model, problem.angular)
-        tables.append((numbers, replace(table, described=said, nearest=near)))
-    both = plane(first, named)
     excess = max(outcome.base.chi2 - float(outcome.base.points), 1e-300)
-    before = outcome.base if not named else outcome.refined
+    before = outcome.refined if start.model.terms else outcome.base
     predicted = prediction(graded.base_held, first.held)
     holdout = outcome.holdout
     if predicted is not None:
@@ -68,10 +57,7 @@ def _told(outcome: Outcome, graded: Graded, start: Fit, held: float, kept: tuple
         Modelled(
             kept=kept,
             refined=refined,
-            tables=tuple(tables),
-            surface=None
-            if both is None
-            else (both, surface_of(found, misfit.strokes, misfit.scales, both, held, problem.angular)),
+            drawn=Drawn.of(first, start.model, problem, misfit.strokes, misfit.scales, held, seen),
             share=min(max((before.chi2 - refined.chi2) / excess, 0.0), 1.0),
             gained=float(before.bic - refined.bic - found.effective * np.log(max(refined.points, 2))),
             doubt=doubt_of(problem),
