@@ -6,10 +6,10 @@ from pathlib import Path
 import jsonschema
 import numpy as np
 import pytest
+from rebuilt import is_rebuilt
 
 from harness.app.diagnose.options import DiagnoseOptions
 from harness.app.diagnose.together import diagnose_together
-from harness.app.report.rebuild import rebuild
 from harness.core.errors import InputError
 from harness.diagnosis.request import AskedCovariate
 from harness.kernels.solve import Drive, solve
@@ -76,10 +76,7 @@ def test_what_is_left_is_whole_and_valid(done: Done) -> None:
 
 def test_the_trace_alone_gives_the_page(done: Done, tmp_path: Path) -> None:
     result, _ = done
-    _, page = rebuild(Path(result.files["rrd"]), tmp_path / "page.html")
-    text = page.read_text(encoding="utf-8")
-    assert "2 recordings of one machine" in text
-    assert text == Path(result.files["report"]).read_text(encoding="utf-8")
+    is_rebuilt(result, tmp_path / "page.html", "2 recordings of one machine")
 
 
 def test_what_acts_beside_the_force_belongs_to_one_recording(done: Done) -> None:

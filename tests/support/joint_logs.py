@@ -174,3 +174,20 @@ def _message(store: Any, message: Message, frame: str = "", **header: int) -> An
         name=list(message.names),
         **{k: np.array(getattr(message, k), dtype=np.float64) for k in ("position", "velocity", "effort")},
     )
+
+
+ONE = motion()
+HOLED = ONE.position["elbow"].copy()
+HOLED[7] = np.nan
+
+
+def short_of(path: Path, **change: np.ndarray) -> Path:
+    """The log of ONE as a table, some of its columns changed; those that are empty are left out."""
+    columns = {"t": ONE.t, **ONE.columns(), **change}
+    return csv(path, {name: values for name, values in columns.items() if values.size})
+
+
+def two(path: Path) -> Path:
+    """A bag with the joint states of ONE under two names, beside another topic."""
+    sent = messages(ONE)
+    return bag2(path, {"/left/joint_states": sent, "/right/joint_states": sent}, text=True)
