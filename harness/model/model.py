@@ -131,6 +131,11 @@ class Model:
         return replace(self, elsewhere=(), **own)  # type: ignore[arg-type]
 
     @property
+    def as_named(self) -> bool:
+        """Whether the numbers of every term are what its name says."""
+        return all(entry.term.as_named(entry.values, self.f_k) for entry in self.terms)
+
+    @property
     def labels(self) -> tuple[str, ...]:
         """A name for each term: its key, with "#2" behind the second of a kind."""
         keys = [entry.term.key for entry in self.terms]

@@ -103,6 +103,10 @@ def _nothing(values: tuple[float, ...], k: float) -> Mapping[str, str]:
     return {}
 
 
+def _always(values: Probe, f_k: float) -> bool:
+    return True
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class Term:
     """A catalogue entry: a law in a slot, with what is needed to find, say, fit and simulate it.
@@ -124,6 +128,7 @@ class Term:
     "one-clock" (a phase or a moment in time of its own, which several recordings do not share).
     several : whether a model may have more than one. place : where it acts. only_there : whether nothing outside of
     those times shows it. words : more words of the sentence, from values and k. elements : see harness.model.elements.
+    as_named : whether values beside f_k are what the name says; what a fit bends beyond is no finding of that name.
     searched : whether it is looked for as a name; a table is none. known : where a table is known, None for a law that
     holds everywhere. told_from : what recording would tell it from another name. steps_alike : whether the steps of an
     integrator show like it. variant : tells laws apart that share a catalogue name. order : place in the catalogue.
@@ -154,6 +159,7 @@ class Term:
     place: Placed = field(default=always())
     only_there: bool = False
     words: Callable[[tuple[float, ...], float], Mapping[str, str]] = _nothing
+    as_named: Callable[[Probe, float], bool] = _always
     elements: MadeOf | None = None
     told_from: Mapping[str, str] = field(default_factory=dict)
     steps_alike: bool = False

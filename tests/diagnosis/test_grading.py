@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from harness.core.arrays import FloatArray
+from harness.core.errors import InputError
 from harness.diagnosis.baseline.base_fit import baseline
 from harness.diagnosis.explain.graded import told
 from harness.diagnosis.fit.model_fit import fit
@@ -67,6 +68,22 @@ def test_drag_is_the_main_effect_among_small_ones(graded: Graded) -> None:
     assert first.name == "quadratic-drag"
     assert first.fit.model.terms[0].value("c2") == pytest.approx(0.25, rel=0.1)
     assert 0.6 < first.share < 1.0
+
+
+def test_a_law_bent_beyond_its_name_is_no_rival(graded: Graded) -> None:
+    """Friction that rises with speed follows a drag, a drag below nought follows friction that falls."""
+    rising = ModelTerm.named("stribeck", f_s=0.1, v_s=4.0)
+    assert not machine(rising).as_named
+    assert machine(ModelTerm.named("stribeck", f_s=0.5, v_s=4.0)).as_named
+    problem, base = graded.misfit.problem, graded.misfit.base
+    bent = replace(base.model, f_k=0.5, terms=(rising,))
+    found = fit(bent, problem, free_of(bent, ("c", "k", "f_k", "x0")), graded.misfit.scales)
+    assert not found.model.as_named
+    assert base.chi2 - found.chi2 > SHARE_OF_MISFIT.value * base.chi2
+    assert all(f.fit.model.as_named for f in graded.finalists)
+    for key, values in {"quadratic-drag": {"c2": -0.1}, "power-law-damping": {"c_p": -0.1, "exponent": 0.5}}.items():
+        with pytest.raises(InputError, match="0 to inf is accepted"):
+            ModelTerm.named(key, **values)
 
 
 def test_what_a_decay_cannot_part_is_given_beside_it(graded: Graded) -> None:

@@ -156,9 +156,13 @@ def decided(found: C) -> C:
 
 
 def ranked(misfit: Misfit, begun: Sequence[Model] = ()) -> list[Finalist]:
-    """Every catalogue name alone, the best law of each, most evidence first."""
+    """Every catalogue name alone, the best law of each that is what the name says, most evidence first.
+
+    What explains everything may bend its law; of the part of a misfit that a law takes, the name is all that is said.
+    """
     problem, base, scales = misfit.problem, misfit.base, misfit.scales
-    fits = resplit(extend(base, problem, scales, begun=begun).fits, problem, scales)
+    extended = resplit(extend(base, problem, scales, begun=begun).fits, problem, scales)
+    fits = [f for f in extended if f.model.as_named]
     if not fits:
         return []
     floor = misfit.floor(misfit.noise_left(min(fits, key=lambda f: f.chi2)))

@@ -32,7 +32,7 @@ TERM = Term(
     "power-law-damping",
     "damping",
     Slot.SMOOTH,
-    (Parameter("c_p", "N (s/m)^p", none=0.0), Parameter("exponent", "1", 0.2, 0.8)),
+    (Parameter("c_p", "N (s/m)^p", 0.0, none=0.0), Parameter("exponent", "1", 0.2, 0.8)),
     "Damping grows with the power {exponent} of the speed: c_p = {c_p}.",
     law,
     probes,

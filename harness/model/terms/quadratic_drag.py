@@ -30,7 +30,7 @@ TERM = Term(
     "quadratic-drag",
     "damping",
     Slot.SMOOTH,
-    (Parameter("c2", "kg/m", none=0.0),),
+    (Parameter("c2", "kg/m", 0.0, none=0.0),),
     "A drag grows with the square of the speed: c2 = {c2}.",
     law,
     probes,

@@ -33,6 +33,11 @@ def place(values: Probe, seen: Seen) -> Place:
     return Place("low-speed", f"|v| below about {2.0 * values[1]:.3g} m/s", seen.whole)
 
 
+def falls(values: Probe, f_k: float) -> bool:
+    """Friction that rises with speed is another law's."""
+    return values[0] >= f_k
+
+
 TERM = Term(
     "stribeck",
     "friction",
@@ -44,5 +49,6 @@ TERM = Term(
     amplitude=0,
     example=(5.0, 0.8),
     place=place,
+    as_named=falls,
     order=10,
 )
