@@ -6,6 +6,7 @@ from the refined model, in windows of about a period restarted from the recordin
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
+from functools import cache
 
 from harness.core.arrays import FloatArray
 from harness.core.errors import InputError
@@ -198,6 +199,7 @@ def _played(
 ) -> Attribution:
     user = _user(configured, refined)
 
+    @cache
     def left(put: frozenset[str]) -> float:
         parameters = refined if PARAMETERS in put else user
         terms = refined if TERMS in put else user

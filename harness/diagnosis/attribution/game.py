@@ -5,6 +5,7 @@ L. S. Shapley, A value for n-person games, Contributions to the Theory of Games 
 
 import math
 from collections.abc import Callable, Mapping, Sequence
+from functools import cache
 from itertools import combinations
 
 Value = Callable[[frozenset[str]], float]
@@ -16,14 +17,7 @@ def saved(players: Sequence[str], left: Value) -> Mapping[str, float]:
 
     Negative for a player whose error hides those of others.
     """
-    count = len(players)
-    known: dict[frozenset[str], float] = {}
-
-    def value(put: frozenset[str]) -> float:
-        if put not in known:
-            known[put] = left(put)
-        return known[put]
-
+    count, value = len(players), cache(left)
     found = {}
     for player in players:
         others = [other for other in players if other != player]
