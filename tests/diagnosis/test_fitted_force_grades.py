@@ -115,6 +115,19 @@ def test_one_law_among_what_nobody_measured_comes_first() -> None:
     assert outcome.refined.model.terms[0].values[0] == pytest.approx(1.2, rel=0.1)
 
 
+@pytest.mark.full
+def test_a_law_beside_the_first_has_the_share_that_is_left_without_it() -> None:
+    outcome = said((TURNED, ModelTerm.named("cubic-stiffness", k3=0.5)), 0.1)
+    first, second = outcome.mechanisms
+    assert (first.name, second.name, second.grade) == ("asymmetric-viscous", "cubic-stiffness", Grade.MINOR)
+    assert first.share is not None
+    assert second.share is not None
+    assert outcome.remainder is not None
+    # all but independent of the first: what both take and what is left is the whole
+    assert first.share + second.share + outcome.remainder.share == pytest.approx(1.0, abs=0.03)
+    assert second.share > 0.05
+
+
 def forced(t: FloatArray, u: FloatArray, v: FloatArray) -> tuple[ForceFit, Measured]:
     """A residual of white noise beside a force."""
     blocks = t.size // BLOCK
