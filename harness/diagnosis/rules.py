@@ -142,10 +142,10 @@ HAND_KNOCKS = Rule(
     "hand-knocks",
     1.0,
     "half-cycles",
-    "two knocks, or anything that acts no longer, are looked at as a hand that still held the slider",
-    "a slider that is let go at rest turns a half-cycle later at the earliest: two knocks before that, or friction that"
-    " is then gone, are what holds it at its place, then lets go: a held pendulum with 11 samples a swing shows either"
-    " (tests/diagnosis/test_release.py)",
+    "knocks, or anything that acts no longer, are looked at as a hand that still held the slider",
+    "a slider that is let go at rest turns a half-cycle later at the earliest: a knock before that is another"
+    " release, two, or friction that is then gone, are what holds it at its place, then lets go: a held pendulum with"
+    " 11 samples a swing shows either (tests/diagnosis/test_release.py)",
 )
 HAND_UNSEEN = Rule(
     "hand-unseen",

@@ -116,6 +116,16 @@ def test_a_hold_of_a_few_samples_is_neither_friction_nor_knocks(a_swing: float, 
     assert len((*notes, *outcome.warnings)) == 1
 
 
+@pytest.mark.parametrize("every", [20, 40])
+def test_a_hand_that_one_or_two_samples_show_is_no_knock(every: int) -> None:
+    often = by_hand(hold=0.0, ramp=0.06, channels="x", omega=4.0)
+    few = Recording(often.t[::every], {"x": often.channels["x"][::every]}, "few")
+    outcome = diagnose(prepare(few, Asked())[0])
+    assert (outcome.verdict, outcome.mechanisms) == ("adequate", ())
+    (said,) = outcome.warnings
+    assert said.startswith("the first 0.0")
+
+
 def test_physics_left_out_is_named_with_a_hand_too() -> None:
     cubic = ModelTerm.named("cubic-stiffness", k3=20.0)
     motion = simulate(Model(1.0, 0.4, 100.0, 2.0, x0=1.0, terms=(cubic,)), np.arange(0.0, 3.0, STEP))

@@ -23,7 +23,7 @@ from harness.diagnosis.problems.free_decay import FreeDecay
 from harness.diagnosis.request import Asked
 from harness.diagnosis.search.extend import settle
 from harness.diagnosis.search.long_recordings import lifted, shortened
-from harness.diagnosis.search.release_transient import after_hand, only_at_release
+from harness.diagnosis.search.release_transient import after_hand, over_by
 from harness.diagnosis.search.search import Search, noise_of, search, under
 from harness.diagnosis.stages import Based, Found, Judged
 from harness.kernels.solve import Scales
@@ -58,8 +58,8 @@ class FreeDecays(Kind[FreeDecay]):
         if otherwise is not None:
             based = otherwise
             found = search(based.problem, based.fit, scales)
-        doubtful = not found.explained or only_at_release(found.chosen, found.problem, scales)
-        free = after_hand(found.problem, scales) if doubtful else None
+        over = over_by(found.chosen, found.problem, scales) if found.explained else None
+        free = after_hand(found.problem, scales, over) if over is not None or not found.explained else None
         if free is not None:
             found, scales, touched = free
             notes = (f"the first {touched:.4g} s are left out: no free decay, as if a hand had not yet been off",)

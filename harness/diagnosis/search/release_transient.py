@@ -18,28 +18,35 @@ from harness.kernels.solve import Scales
 from harness.model.term import Slot
 
 
-def only_at_release(found: Fit, problem: Problem, scales: Scales) -> bool:
-    """Whether all that was named acts while a hand lets go: a knock at once, or what is over before a first turn.
+def over_by(found: Fit, problem: Problem, scales: Scales) -> float | None:
+    """When all that was named is over, s, if that is while a hand lets go: before a first turn; else None.
 
-    So acts friction that holds the slider, and is then gone.
+    So act knocks, and friction that holds the slider and is then gone. A free motion turns a half-cycle after it began,
+    and a knock before that is another release.
     """
     terms = found.model.terms
     if not terms:
-        return False
+        return None
     begin, half = found.model.t0, math.pi / scales.omega
     if all(entry.term.slot is Slot.EVENT for entry in terms):
-        within = HAND_SHOWN if len(terms) == 1 else HAND_KNOCKS
-        return max(entry.values[0] for entry in terms) - begin < within.value * half
-    spans = (place_of(entry, found, problem, scales.omega).spans for entry in terms)
-    return max(one[-1][1] if one else begin for one in spans) - begin < HAND_KNOCKS.value * half
+        last = max(entry.values[0] for entry in terms)
+    else:
+        spans = (place_of(entry, found, problem, scales.omega).spans for entry in terms)
+        last = max(one[-1][1] if one else begin for one in spans)
+    return last if last - begin < HAND_KNOCKS.value * half else None
 
 
-def after_hand(problem: Problem, scales: Scales) -> tuple[Search, Scales, float] | None:
+def after_hand(problem: Problem, scales: Scales, over: float | None = None) -> tuple[Search, Scales, float] | None:
     """A recording without its beginning, where viscous and Coulomb friction explain all else; None where they do not.
 
-    With what counts as ordinary in it, and the time left out, s.
+    With what counts as ordinary in it, and the time left out, s. over : when all that was named is (s); it is left out
+    up to there where a hand is off before enough samples show it.
     """
+    t = problem.t
     problem, touched = without_hand(problem, math.pi / scales.omega, HAND_UNSEEN.value)
+    if touched == 0.0 and over is not None:
+        off = int(np.searchsorted(t, over, side="right"))
+        problem, touched = problem.part(slice(off, None)), float(t[off] - t[0])
     if touched == 0.0:
         return None
     base, scales = baseline(problem)
