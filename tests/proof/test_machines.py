@@ -19,8 +19,9 @@ from harness.core.arrays import FloatArray
 from harness.core.errors import InputError, SimulationError
 from harness.proof.machines import score as scorer
 from harness.proof.machines.__main__ import main
-from harness.proof.machines.cases import SHARES, SMALL, TABLE_SHARES, Messy, draw
+from harness.proof.machines.cases import SHARES, SMALL, TABLE_SHARES, Messy, _control, draw
 from harness.proof.machines.catalogue import ALIENS, FAMILY, NAMES, STATIC, families
+from harness.proof.machines.drawing import draw_rig
 from harness.proof.machines.kinds import DRIVEN, FREE, KINDS
 from harness.proof.machines.laws import CURVES, LAWS
 from harness.proof.machines.made import Made, made
@@ -143,7 +144,8 @@ def test_a_control_has_no_main_effect_and_none_above_half() -> None:
         assert answer["dominant"] is None
         assert answer["share"] is None
         assert all(part <= SMALL for part in answer["minor"].values())
-        assert set(answer["may_name"]) <= set(answer["minor"])
+        drawn = {"sensor-gain"} if "gain" in answer["nuisances"] else set()
+        assert set(answer["may_name"]) <= set(answer["minor"]) | drawn
 
 
 def test_the_law_of_what_is_left_sums_it_up_and_one_of_another_kind_does_not() -> None:
@@ -340,6 +342,8 @@ def test_figures_count_what_they_say() -> None:
         "c: backlash (80 %) on a cart called backlash, end-stop, impulse, presliding, stribeck",
         "e: control () called impulse",
     ]
+    in_it = scorer.score({**truths, "e": {**truths["e"], "minor": {"impulse": 0.45, "backlash": 0.45}}}, said)
+    assert (in_it.claimed.hits, in_it.unfounded.hits) == (1, 0)
     truths["e"] = {**truths["e"], "sums_up": {"impulse": 0.71}}
     founded = scorer.score(truths, said)
     assert (founded.claimed.hits, founded.unfounded.hits) == (1, 0)
@@ -363,3 +367,14 @@ def test_the_scorer_is_a_command(tmp_path: Path, capsys: pytest.CaptureFixture[s
     assert json.loads((tmp_path / "figures.json").read_text())["named"]["hits"] == 1
     assert scorer.main([str(tmp_path / "truth.json"), told[1]]) == 2
     assert "no results; the JSON of harness diagnose" in capsys.readouterr().err
+
+
+def test_a_gain_that_is_all_of_a_control_may_be_named() -> None:
+    rng = np.random.default_rng(3)
+    rig = replace(draw_rig(KINDS["cart"], "", rng), channels="xa", gain={"a": 1.004})
+    case = _control(rig, True, rng)
+    assert case is not None
+    assert case.fitted["sensor-gain"] == pytest.approx(1.0, abs=1e-6)
+    assert truth(case)["may_name"] == ["sensor-gain"]
+    right = result("missing_physics", {"name": "sensor-gain", "grade": "explains"})
+    assert scorer.right(truth(case), right)

@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -49,8 +49,8 @@ class Messy:
     main : name of the main effect, "" in a control. effects : every effect with its parameters, SI.
     whole : what is read without noise. weight : of the channels, by what the base leaves in each.
     share : of the misfit beyond noise that goes with the main effect. small : share of each other effect alone.
-    fitted : of a control, share that each effect takes off when it is fitted. summed : the same of laws of the
-    catalogue that are not in it.
+    fitted : of a control, share that each effect takes off when it is fitted, a drawn gain among them. summed : the
+    same of laws of the catalogue that are not in it.
     recorded : t, the channels with their zero, u; SI, shape (n,) each.
     """
 
@@ -142,9 +142,8 @@ def _control(rig: Rig, bare: bool, rng: np.random.Generator) -> Messy | None:
     if bare:
         whole = read(rig, {})
         noise = draw_noise(rig, whole, rng)
-        return Messy(
-            rig, "", {}, whole, weights(whole, noise.total), noise, None, {}, {}, _recorded(rig, whole, noise, rng)
-        )
+        weight, recorded = weights(whole, noise.total), _recorded(rig, whole, noise, rng)
+        return Messy(rig, "", {}, whole, weight, noise, None, {}, _by_gain(rig, {}, whole, weight), recorded)
     goal = _goal(rig, True, rng)
     small, alone = draw_small(rig, "", goal, int(rng.integers(2, 4 if _slow(rig) else 6)), rng)
     if len(small.effects) < 2:
@@ -157,10 +156,18 @@ def _control(rig: Rig, bare: bool, rng: np.random.Generator) -> Messy | None:
         if max(shares.values()) > SMALL or sum(shares.values()) < TOGETHER or relative(rig, whole) < 0.3 * goal:
             return None
     fitted = {} if rig.kind.driven else {name: fitted_share(one, whole, weight) for name, one in alone.items()}
+    fitted = {**_by_gain(rig, small.effects, whole, weight), **fitted}
     recorded = _recorded(rig, whole, noise, rng)
     # after everything that the recording follows from
     summed = {} if rig.kind.driven else summed_up(rig, whole, weight, frozenset(small.effects), rng)
     return Messy(rig, "", small.effects, whole, weight, noise, None, shares, fitted, recorded, summed)
+
+
+def _by_gain(rig: Rig, effects: Effects, whole: Reading, weight: Mapping[str, float]) -> dict[str, float]:
+    """Share of the misfit of a control that its acceleration's drawn gain makes: who says that gain is right."""
+    if not rig.gain:
+        return {}
+    return {"sensor-gain": 1.0 - ratio(read(replace(rig, gain={}), effects), whole, weight)}
 
 
 def _turns(reading: Reading) -> int:

@@ -65,10 +65,11 @@ class MachineScores:
     """Figures over recordings of machines; a rate without cases holds None.
 
     named, listed, wrong, silent, family : main effects of the catalogue. claimed, small : controls that got a main
-    effect, a small one; unfounded : claimed, though the law that was named does not sum the small effects up when it is
-    fitted to the machine itself. misled : effects of no catalogue called one of another family. better, holdout :
-    held-out error over the base's where the main effect was named or listed, below ``BETTER``, median. table_better,
-    table_holdout : where a static effect of no catalogue was the main one. share_error : share said against the truth.
+    effect, a small one; unfounded : claimed, though the law that was named is none of them and does not sum them up
+    when it is fitted to the machine itself. misled : effects of no catalogue called one of another family. better,
+    holdout : held-out error over the base's where the main effect was named or listed, below ``BETTER``, median.
+    table_better, table_holdout : where a static effect of no catalogue was the main one. share_error : share said
+    against the truth.
     """
 
     named: Rate
@@ -130,7 +131,8 @@ def score(truths: Mapping[str, Truth], results: Mapping[str, Result]) -> Machine
         if group == CONTROL:
             outcomes["claimed"].append(not right(truth, result))
             outcomes["small"].append(bool(claim.minor))
-            outcomes["unfounded"].append(not right(truth, result) and claim.main not in truth.get("sums_up", {}))
+            there = {*truth.get("minor", {}), *truth.get("sums_up", {})}
+            outcomes["unfounded"].append(not right(truth, result) and claim.main not in there)
         elif group == MAIN:
             listed = claim.lists(want)
             outcomes["named"].append(claim.main == want)
@@ -170,7 +172,7 @@ LABELS = {
     "family": "right family",
     "claimed": "controls: main effect claimed",
     "small": "controls: something graded minor",
-    "unfounded": "controls: claimed, and that law does not sum the small effects up",
+    "unfounded": "controls: claimed, and that law is none of the small effects nor their sum",
     "misled": "no catalogue: another family",
     "better": f"named or listed: held-out error below {BETTER}",
     "holdout": "named or listed: held-out error over the base's, median",
