@@ -5,11 +5,10 @@ L. S. Shapley, A value for n-person games, Contributions to the Theory of Games 
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from functools import cache
 from itertools import combinations
 
 Value = Callable[[frozenset[str]], float]
-"""What is left when these players have been put right."""
+"""What is left when these players have been put right; asked for the same players many times."""
 
 
 def saved(players: Sequence[str], left: Value) -> Mapping[str, float]:
@@ -17,7 +16,7 @@ def saved(players: Sequence[str], left: Value) -> Mapping[str, float]:
 
     Negative for a player whose error hides those of others.
     """
-    count, value = len(players), cache(left)
+    count = len(players)
     found = {}
     for player in players:
         others = [other for other in players if other != player]
@@ -25,6 +24,6 @@ def saved(players: Sequence[str], left: Value) -> Mapping[str, float]:
         for size in range(count):
             weight = math.factorial(size) * math.factorial(count - size - 1) / math.factorial(count)
             for before in map(frozenset, combinations(others, size)):
-                total += weight * (value(before) - value(before | {player}))
+                total += weight * (left(before) - left(before | {player}))
         found[player] = total
     return found

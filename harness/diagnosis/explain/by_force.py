@@ -6,9 +6,8 @@ from dataclasses import replace
 import numpy as np
 
 from harness.diagnosis.explain.graded import prediction
-from harness.diagnosis.explain.mechanism import mechanism
+from harness.diagnosis.explain.mechanism import left_without, mechanism
 from harness.diagnosis.explain.remainder import looks_like, shares_of
-from harness.diagnosis.fit.model_fit import Fit
 from harness.diagnosis.fit.place import place_of
 from harness.diagnosis.grading.grade import Finalist
 from harness.diagnosis.inverse_dynamics.grade import ForceGraded
@@ -25,23 +24,18 @@ def mechanisms_of(found: Search, graded: ForceGraded, omega: float) -> tuple[Mec
     said = []
     for i, entry in enumerate(fit.model.terms):
         one = mechanism(found, i, entry, omega, place_of(entry, fit, found.problem, omega))
-        graded_one = _graded(one, graded, finalists.get(one.name))
-        if graded_one.grade is Grade.MINOR and len(fit.model.terms) > 1:
-            # alone a law beside others may take nothing: it was kept for what the model is worse without it
-            graded_one = replace(graded_one, share=_share_beside(found.without[i], found, graded))
-        said.append(graded_one)
+        one = _graded(one, graded, finalists.get(one.name))
+        # alone a law beside others may take nothing: it was kept for what the model is worse without it
+        said.append(replace(one, share=_share_beside(found, i, graded)) if one.grade is Grade.MINOR else one)
     also = [_alone(found, graded, f, omega) for f in graded.named if f.name not in {m.name for m in said}]
     first = {f.name: i for i, f in enumerate(graded.named)}
     return tuple(sorted([*said, *also], key=lambda m: (first.get(m.name, len(first)), -m.delta_bic)))
 
 
-def _share_beside(without: Fit | None, found: Search, graded: ForceGraded) -> float | None:
+def _share_beside(found: Search, index: int, graded: ForceGraded) -> float:
     """Share of the misfit beyond noise that the kept model leaves more without one of its laws."""
-    noise = (graded.over.noise or 0.0) * graded.base.residual.size
-    if without is None or graded.base.squares <= noise:
-        return None
-    more = (without.chi2 - found.chosen.chi2) / found.base.chi2 * graded.base.squares
-    return float(np.clip(more / (graded.base.squares - noise), 0.0, 1.0))
+    more = (left_without(found, index).chi2 - found.chosen.chi2) / found.base.chi2
+    return float(np.clip(more * graded.base.squares / graded.excess, 0.0, 1.0))
 
 
 def _alone(found: Search, graded: ForceGraded, one: Finalist, omega: float) -> Mechanism:
@@ -62,8 +56,8 @@ def _graded(said: Mechanism, graded: ForceGraded, one: Finalist | None) -> Mecha
 def remainder_of(graded: ForceGraded) -> Remainder:
     """What the best model found leaves of the force."""
     measured, left = graded.measured, graded.best
-    noise = (graded.over.noise or 0.0) * left.residual.size
-    share = (left.squares - noise) / max(graded.base.squares - noise, 1e-300)
+    noise = graded.noise
+    share = (left.squares - noise) / graded.excess
     t, x, v = (measured.blocks(y) for y in (measured.t, measured.x, measured.v))
     depends = shares_of([left.residual], t, x, v)
     over = math.sqrt(left.squares / noise) if noise > 0.0 else math.inf

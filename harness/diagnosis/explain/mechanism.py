@@ -37,13 +37,15 @@ def _share(found: Search, entry: ModelTerm) -> float | None:
     return min(max((found.base.chi2 - min(same)) / excess, 0.0), 1.0) if same and excess > 0.0 else None
 
 
-def _lost_without(found: Search, index: int) -> float:
-    """What BIC loses when a term is taken out of the chosen model and the rest is fitted again.
+def left_without(found: Search, index: int) -> Fit:
+    """The chosen model less a term, the rest fitted again; the base where that is all or cannot be simulated."""
+    rest = found.without[index] if len(found.chosen.model.terms) > 1 else None
+    return found.base if rest is None else rest
 
-    Of a lone term that is base minus chosen; the base also stands in where the rest cannot be simulated.
-    """
-    rest = found.without[index] if len(found.chosen.model.terms) > 1 else found.base
-    return (found.base if rest is None else rest).bic - found.chosen.bic
+
+def _lost_without(found: Search, index: int) -> float:
+    """What BIC loses when a term is taken out of the chosen model and the rest is fitted again."""
+    return left_without(found, index).bic - found.chosen.bic
 
 
 def _alternatives(found: Search, entry: ModelTerm) -> tuple[Alternative, ...]:

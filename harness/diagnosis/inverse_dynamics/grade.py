@@ -46,6 +46,16 @@ class ForceGraded(Contest):
     counted: ForceWords
 
     @property
+    def noise(self) -> float:
+        """What of the squares of the force is noise."""
+        return (self.over.noise or 0.0) * self.base.residual.size
+
+    @property
+    def excess(self) -> float:
+        """What the base model leaves beyond it."""
+        return max(self.base.squares - self.noise, 1e-300)
+
+    @property
     def words(self) -> float:
         """Pieces of strokes."""
         return self.counted.words

@@ -60,7 +60,6 @@ def _told(
     after = _by_force(found, seen)
     refined = as_fit(after, problem, measured, graded.reference, shown)
     held, evidence = ratio(first.held, before), seen_in(start, measured, problem, scales)
-    noise = (graded.over.noise or 0.0) * after.residual.size
     independent = graded.reference.memory.independent
     gained = start.bic(independent) - after.bic(independent) - found.effective * math.log(independent)
     base_held = before if start is graded.base else seen.predicted(graded.base)
@@ -74,7 +73,7 @@ def _told(
             kept=kept,
             refined=refined,
             drawn=Drawn.of(first, start.model, problem, seen.words.pieces, scales, held, evidence),
-            share=min(max((start.squares - after.squares) / max(graded.base.squares - noise, 1e-300), 0.0), 1.0),
+            share=min(max((start.squares - after.squares) / graded.excess, 0.0), 1.0),
             gained=gained,
             doubt=_doubt(seen),
             predicted=prediction(base_held, first.held),

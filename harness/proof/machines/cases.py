@@ -155,8 +155,9 @@ def _control(rig: Rig, bare: bool, rng: np.random.Generator) -> Messy | None:
         shares = small.shares(whole, weight)
         if max(shares.values()) > SMALL or sum(shares.values()) < TOGETHER or relative(rig, whole) < 0.3 * goal:
             return None
-    fitted = {} if rig.kind.driven else {name: fitted_share(one, whole, weight) for name, one in alone.items()}
-    fitted = {**_by_gain(rig, small.effects, whole, weight), **fitted}
+    fitted = _by_gain(rig, small.effects, whole, weight)
+    if not rig.kind.driven:
+        fitted |= {name: fitted_share(one, whole, weight) for name, one in alone.items()}
     recorded = _recorded(rig, whole, noise, rng)
     # after everything that the recording follows from
     summed = {} if rig.kind.driven else summed_up(rig, whole, weight, frozenset(small.effects), rng)
