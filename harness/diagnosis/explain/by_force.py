@@ -21,14 +21,14 @@ def mechanisms_of(found: Search, graded: ForceGraded, omega: float) -> tuple[Mec
     if not graded.kept:
         return tuple(_alone(found, graded, f, omega) for f in graded.named)
     fit, finalists = graded.refined, {f.name: f for f in graded.finalists}
+    first = {f.name: i for i, f in enumerate(graded.named)}
     said = []
     for i, entry in enumerate(fit.model.terms):
         one = mechanism(found, i, entry, omega, place_of(entry, fit, found.problem, omega))
         one = _graded(one, graded, finalists.get(one.name))
-        # alone a law beside others may take nothing: it was kept for what the model is worse without it
-        said.append(replace(one, share=_share_beside(found, i, graded)) if one.grade is Grade.MINOR else one)
+        # alone a law beside the first may take nothing: it was kept for what the model is worse without it
+        said.append(one if one.name in first else replace(one, share=_share_beside(found, i, graded)))
     also = [_alone(found, graded, f, omega) for f in graded.named if f.name not in {m.name for m in said}]
-    first = {f.name: i for i, f in enumerate(graded.named)}
     return tuple(sorted([*said, *also], key=lambda m: (first.get(m.name, len(first)), -m.delta_bic)))
 
 
