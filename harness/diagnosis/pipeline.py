@@ -13,8 +13,8 @@ from harness.core.recording import Recording
 from harness.diagnosis.explain.by_force import cautions_of_force, mechanisms_of, remainder_of
 from harness.diagnosis.explain.cautions import cautions, cautions_of_misfit
 from harness.diagnosis.explain.graded import told
-from harness.diagnosis.explain.mechanism import mechanism
-from harness.diagnosis.explain.next_experiment import left_open, left_open_by_grade, next_experiment
+from harness.diagnosis.explain.mechanism import each_of, mechanism
+from harness.diagnosis.explain.next_experiment import left_open, left_open_by_grade, next_experiment, to_be_sure
 from harness.diagnosis.fit.place import place_of
 from harness.diagnosis.fit.standard_errors import base_parameters
 from harness.diagnosis.grading.begun import from_within
@@ -124,6 +124,8 @@ def _said(judged: Judged) -> Outcome:
     if by_force is None:
         each = (mechanism(found, i, entry, scales.omega, place) for i, (entry, place) in enumerate(acting))
         mechanisms = tuple(sorted(each, key=lambda m: -m.delta_bic))
+        if verdict == "one_of":
+            mechanisms = each_of(mechanisms[0], found, scales.omega)
     else:
         mechanisms = mechanisms_of(found, by_force, scales.omega)
     shares = {} if by_force is None else {f.name: f.share for f in by_force.finalists}
@@ -147,7 +149,8 @@ def _said(judged: Judged) -> Outcome:
         ),
         base_parameters=base_parameters(found.base, problem, scales.omega, verdict == "adequate"),
         refined_parameters=base_parameters(refined, problem, scales.omega, verdict != "unexplained"),
-        next_experiment=next_experiment(left_open(mechanisms, found), problem, scales),
+        next_experiment=next_experiment(left_open(mechanisms, found), problem, scales)
+        or to_be_sure(mechanisms, judgement.rules),
         warnings=(*said, *warned, *unpredicted, *judged.found.notes),
         stepping=stepping,
         rules=(*judgement.rules, *(COVARIATES if problem.covariates else ()), *(POOLING if problem.alone else ())),
@@ -171,9 +174,8 @@ def _misfit_said(judged: Judged, graded: Graded) -> Outcome:
         evidence=said.evidence,
         base_parameters=base_parameters(said.base, said.problem, omega, explained=False),
         refined_parameters=base_parameters(said.refined, said.problem, omega, explained=False),
-        next_experiment=next_experiment(
-            left_open_by_grade(said.mechanisms, graded), said.problem, graded.misfit.scales
-        ),
+        next_experiment=next_experiment(left_open_by_grade(said.mechanisms, graded), said.problem, graded.misfit.scales)
+        or to_be_sure(said.mechanisms, judged.judgement.rules),
         warnings=(*cautions_of_misfit(graded), *judged.found.notes),
         rules=(*judged.judgement.rules, *(POOLING if said.problem.alone else ())),
         remainder=said.remainder,

@@ -42,6 +42,14 @@ DECISIVE = Rule(
     " out again",
     'Kass and Raftery 1995, J. Am. Stat. Assoc. 90, 773, section 3.2: "very strong" evidence',
 )
+EVEN = Rule(
+    "even",
+    2.0,
+    "BIC",
+    "a lone law that explains a recording is named, and not listed beside another that does",
+    'Kass and Raftery 1995, section 3.2: below it "not worth more than a bare mention"; where the zero of the position'
+    " is unknown another must be decisively worse",
+)
 AMONG_NAMES = Rule(
     "among-names",
     DECISIVE.value + 2.0 * math.log(_NAMES),

@@ -3,9 +3,10 @@
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
-from harness.diagnosis.baseline.words import Strokes, evidence, words_of
+from harness.diagnosis.baseline.words import evidence, strokes_of, words_of
 from harness.diagnosis.fit.model_fit import Fit
 from harness.diagnosis.grading.grade import Contest
+from harness.diagnosis.grading.lone import undecided
 from harness.diagnosis.outcome import Grade, Verdict
 from harness.diagnosis.residual_tests.structure import Left
 from harness.diagnosis.rules import (
@@ -55,6 +56,9 @@ def judge(found: Search, graded: Contest | None = None) -> Judgement:
     rival = None if found.by_force else _near_pair(found)
     if rival is not None:
         return Judgement("unexplained", found.base, (*gates, *tested, FLEXIBLE, APART), rival)
+    listed = undecided(found)
+    if listed:
+        return Judgement("one_of", found.chosen, (*gates, *tested, *listed))
     return Judgement("missing_physics" if named else "adequate", found.chosen, (*gates, *tested))
 
 
@@ -67,7 +71,7 @@ def weighed(found: Search) -> Search:
     if len(found.chosen.model.terms) < 2 or found.by_force or found.left is Left.STRUCTURE:
         return found
     problem, base, chosen = found.problem, found.base, found.chosen
-    words = words_of(Strokes.between(problem.turns(chosen.shown.v), problem.t.size))
+    words = words_of(strokes_of(chosen, problem))
     more = len(chosen.free) - len(base.free)
     if evidence(base.chi2, chosen.chi2, words, more, 1.0) >= GAIN.value:
         return found

@@ -11,6 +11,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from harness.core.arrays import FloatArray, IntArray
+from harness.diagnosis.fit.model_fit import Fit
+from harness.diagnosis.problem import Problem
 from harness.diagnosis.rules import MOST_WORDS
 
 
@@ -37,6 +39,11 @@ class Strokes:
     def cycles(self) -> float:
         """Full swings."""
         return 0.5 * self.count
+
+
+def strokes_of(shown: Fit, problem: Problem) -> Strokes:
+    """Strokes of the motion that a fit shows."""
+    return Strokes.between(problem.turns(shown.shown.v), problem.t.size)
 
 
 def words_of(strokes: Strokes) -> float:

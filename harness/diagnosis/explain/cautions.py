@@ -1,15 +1,17 @@
 """What a reader of a verdict is warned of."""
 
+from harness.diagnosis.baseline.words import strokes_of
 from harness.diagnosis.fit.model_fit import Fit
 from harness.diagnosis.grading.grade import Graded
 from harness.diagnosis.outcome import Grade, Holdout
-from harness.diagnosis.rules import DECISIVE, LEAST_CYCLES, PREDICTS_WORSE
+from harness.diagnosis.rules import DECISIVE, LEAST_CYCLES, PREDICTS_WORSE, SHARE_OF_MISFIT
 from harness.diagnosis.search.extend import key_of
 from harness.diagnosis.search.search import Search
 from harness.diagnosis.verdict import Judgement
 
 _MOST_CLOSEST = 3
 """Names listed as closest."""
+_FEW = "{:.3g} cycles are too few for one name alone; a decay of {:g} would do"
 _NOISY_FORCE = (
     "the noise of the measured force shifts reversals and sticking by more than can be allowed for; a force measured"
     " with less noise would decide"
@@ -24,11 +26,27 @@ def cautions(found: Search, judgement: Judgement, prediction: Holdout) -> tuple[
         said = "no entry or pair of the catalogue explains it; standard errors are inflated by the misfit"
         noisy = found.problem.spare > DECISIVE.value
         return (said, *_closest(found), *((_NOISY_FORCE,) if noisy else ()))
+    if judgement.verdict == "one_of":
+        return _one_of(found, judgement)
     if judgement.verdict == "missing_physics" and prediction.refined_rmse:
         most = {c: PREDICTS_WORSE.value * before for c, before in prediction.baseline_rmse.items()}
         worse = [c for c, after in prediction.refined_rmse.items() if after > most[c]]
         return (f"BIC decides for the refined model although it predicts {', '.join(worse)} worse",) if worse else ()
     return ()
+
+
+def _one_of(found: Search, judgement: Judgement) -> tuple[str, ...]:
+    """Why a lone law that explains a recording is listed and not named."""
+    said = []
+    if LEAST_CYCLES in judgement.rules:
+        cycles = strokes_of(found.chosen, found.problem).cycles
+        said.append(f"it explains the recording to its noise, but {_FEW.format(cycles, LEAST_CYCLES.value)}")
+    if SHARE_OF_MISFIT in judgement.rules:
+        said.append(
+            f"noise is {100.0 * found.chosen.chi2 / found.base.chi2:.0f} % of what viscous and Coulomb friction leave:"
+            " several small effects could do the rest as well"
+        )
+    return tuple(said)
 
 
 def _undecided(chosen: Fit, rival: Fit) -> str:
@@ -61,7 +79,7 @@ def cautions_of_misfit(graded: Graded) -> tuple[str, ...]:
         )
     cycles = graded.misfit.strokes.cycles
     if graded.grade is Grade.ONE_OF and cycles < LEAST_CYCLES.value:
-        said.append(f"{cycles:.3g} cycles are too few for one name alone; a decay of {LEAST_CYCLES.value:g} would do")
+        said.append(_FEW.format(cycles, LEAST_CYCLES.value))
     clocks = [f.name for f in graded.named if f.clock]
     if clocks:
         said.append(f"{clocks[0]} has the period of the oscillation itself, and such a law follows any other")

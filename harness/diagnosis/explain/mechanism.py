@@ -1,9 +1,12 @@
 """What is said of a term that is named: its sentence, parameters, evidence, and what could stand in its place."""
 
+from dataclasses import replace
+
 from harness.core.quantity import Quantity
 from harness.diagnosis.fit.model_fit import Fit
+from harness.diagnosis.fit.place import place_of
 from harness.diagnosis.fit.standard_errors import AT_LEAST, term_parameters
-from harness.diagnosis.outcome import Alternative, Mechanism
+from harness.diagnosis.outcome import Alternative, Grade, Mechanism
 from harness.diagnosis.rules import DECISIVE, LEAST_RATIO
 from harness.diagnosis.search.extend import key_of
 from harness.diagnosis.search.search import Search
@@ -27,6 +30,17 @@ def mechanism(found: Search, index: int, entry: ModelTerm, omega: float, place: 
         alternatives=_alternatives(found, entry),
         share=_share(found, entry),
     )
+
+
+def each_of(first: Mechanism, found: Search, omega: float) -> tuple[Mechanism, ...]:
+    """A lone law that is listed and not named, and those that could stand in its place. omega : rad/s."""
+    fits = {key_of(f)[0]: f for f in reversed(found.rivals) if len(f.model.terms) == 1}
+    others = []
+    for name in (a.name for a in first.alternatives):
+        rival = replace(found, chosen=fits[name])
+        entry = fits[name].model.terms[0]
+        others.append(mechanism(rival, 0, entry, omega, place_of(entry, fits[name], found.problem, omega)))
+    return tuple(replace(m, grade=Grade.ONE_OF, alternatives=()) for m in (first, *others))
 
 
 def _share(found: Search, entry: ModelTerm) -> float | None:

@@ -8,6 +8,7 @@ from harness.diagnosis.fit.model_fit import Fit
 from harness.diagnosis.grading.grade import Graded
 from harness.diagnosis.outcome import Grade, Mechanism
 from harness.diagnosis.problem import Problem
+from harness.diagnosis.rules import LEAST_CYCLES, Rule
 from harness.diagnosis.search.extend import key_of
 from harness.diagnosis.search.search import Search, under
 from harness.kernels.solve import Scales
@@ -42,6 +43,10 @@ def _told(name: str, other: str) -> str | None:
 
 def left_open(mechanisms: Sequence[Mechanism], found: Search) -> Open | None:
     """A term of the chosen model and the first that could stand in its place; None where nothing is open."""
+    if len(mechanisms) > 1 and mechanisms[0].grade is Grade.ONE_OF:
+        first, other = mechanisms[0], mechanisms[1].name
+        best = next(f for f in found.rivals if key_of(f) == (other,))
+        return Open((first.name, other), first.entry.term.family, found.chosen, best)
     for m in mechanisms:
         if m.alternatives:
             other = m.alternatives[0].name
@@ -75,6 +80,18 @@ def next_experiment(found: Open | None, problem: Problem, scales: Scales) -> str
         return f"To tell {name} from {other}: {LARGER if {'x', 'a'} <= set(problem.channels) else advice}."
     far = _by_release(found, problem, scales)
     return f"To tell {name} from {other}: {far or advice}."
+
+
+def to_be_sure(mechanisms: Sequence[Mechanism], rules: Sequence[Rule]) -> str:
+    """What would decide on a law that is listed alone: a sentence, empty where something else is."""
+    listed = [m for m in mechanisms if m.grade is Grade.ONE_OF]
+    if len(listed) != 1:
+        return ""
+    if LEAST_CYCLES in rules:
+        advice = f"a decay of {LEAST_CYCLES.value:g} cycles or more, let go from farther out if friction ends it before"
+    else:
+        advice = _BY_FAMILY[listed[0].entry.term.family]
+    return f"To be sure of {listed[0].name}: {advice}."
 
 
 def _by_release(found: Open, problem: Problem, scales: Scales) -> str:

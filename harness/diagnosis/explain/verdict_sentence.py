@@ -23,36 +23,41 @@ def sentence_of(outcome: Outcome, has: Sequence[str] = ()) -> str:
 def _verdict(outcome: Outcome, has: Sequence[str]) -> str:
     # beside the names that share a verdict a model may hold small parts
     parts = (Grade.TABULATED, Grade.MINOR) if outcome.verdict == "one_of" else (Grade.TABULATED,)
-    it, its, they, does, these = _SEVERAL if outcome.problem.alone else _ONE
+    it, its, they, _, _ = _SEVERAL if outcome.problem.alone else _ONE
     words = [m.name.replace("-", " ") for m in outcome.mechanisms if m.grade not in parts]
     if outcome.verdict == "adequate":
         return _NOTHING.format(it, its, they)
     if outcome.verdict == "missing_physics":
         said = " ".join(m.statement for m in outcome.mechanisms)
         return f"{_left_out([m.name for m in outcome.mechanisms], has)}: {said}"
-    share = _percent(outcome.mechanisms[0].share) if words else ""
     left = "" if outcome.remainder is None else f" {_capital(outcome.remainder.looks_like)}."
-    left = f"{_tabulated(outcome)}{left}"
-    over = 1.0 if outcome.remainder is None else outcome.remainder.over_noise
-    simulation, leaves = ("viscous and Coulomb friction", "leave") if has else ("the simulation", "leaves")
+    return f"{_graded(outcome, words, has)}{_tabulated(outcome)}{left}"
+
+
+def _graded(outcome: Outcome, words: Sequence[str], has: Sequence[str]) -> str:
+    """Which names are how much of what is left out."""
+    it, its, _, does, these = _SEVERAL if outcome.problem.alone else _ONE
+    share = _percent(outcome.mechanisms[0].share) if words else ""
+    leaves = "viscous and Coulomb friction leave" if has else "the simulation leaves"
     if outcome.verdict == "main_effect":
+        over = 1.0 if outcome.remainder is None else outcome.remainder.over_noise
         return (
-            f"The main thing that {simulation} {leaves} out is {words[0]}{_had(outcome, has)}:"
-            f" {outcome.mechanisms[0].statement} It takes {share} of the misfit off; what is left is"
-            f" {over:.2g} times the sensors' noise.{left}"
+            f"The main thing that {leaves} out is {words[0]}{_had(outcome, has)}: {outcome.mechanisms[0].statement} It"
+            f" takes {share} of the misfit off; what is left is {over:.2g} times the sensors' noise."
         )
     if outcome.verdict == "one_of" and len(words) == 1:
-        return (
-            f"What {simulation} {leaves} out looks like {words[0]}{_had(outcome, has)}, which takes"
-            f" {share} of the misfit off; {does} not decide it.{left}"
-        )
+        takes = f"takes {share} of the misfit off" if outcome.remainder else f"explains {it} to {its} noise"
+        return f"What {leaves} out looks like {words[0]}{_had(outcome, has)}, which {takes}; {does} not decide it."
     if outcome.verdict == "one_of":
+        one_of = f"one of {', '.join(words[:-1])} or {words[-1]}"
+        if outcome.remainder is None:
+            return f"What {leaves} out is {one_of}: each explains {it} to {its} noise, and {these} cannot tell which."
         return (
-            f"The main thing that {simulation} {leaves} out is one of {', '.join(words[:-1])} or {words[-1]};"
-            f" {these} cannot tell which. The first takes {share} of the misfit off.{left}"
+            f"The main thing that {leaves} out is {one_of}; {these} cannot tell which. The first takes {share} of the"
+            " misfit off."
         )
     minor = f" The largest single part of it is {words[0]} ({share})." if words else ""
-    return f"{_NOBODY.format(it)}{minor}{left}"
+    return f"{_NOBODY.format(it)}{minor}"
 
 
 def _left_out(names: Sequence[str], has: Sequence[str]) -> str:

@@ -9,7 +9,7 @@ import numpy as np
 from harness.core.arrays import FloatArray
 from harness.diagnosis.baseline.base_fit import baseline
 from harness.diagnosis.baseline.residual_noise import residual_noise
-from harness.diagnosis.baseline.words import Strokes, words_of
+from harness.diagnosis.baseline.words import Strokes, strokes_of, words_of
 from harness.diagnosis.fit.model_fit import Fit, fit
 from harness.diagnosis.problem import Problem
 from harness.estimate.noise import Noise
@@ -70,7 +70,7 @@ def misfit(problem: Problem, base: Fit, scales: Scales) -> Misfit:
     problem, left_out = problem.of_hand_free(_FEWEST)
     if left_out > 0.0:
         base, scales = baseline(problem)
-    strokes = Strokes.between(problem.turns(base.shown.v), problem.t.size)
+    strokes = strokes_of(base, problem)
     words = words_of(strokes)
     points = sum(float(np.sum(w)) for w in problem.weight.values())
     left = {c: _rms(problem.even(c, y - base.shown.y[c])) for c, y in problem.channels.items()}
