@@ -1,0 +1,79 @@
+"""A lone law that meets the noise is named on a bench; on a machine it needs what names a main effect."""
+
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from harness.core.recording import Recording
+from harness.diagnosis.explain.verdict_sentence import sentence_of
+from harness.diagnosis.grading.lone import undecided
+from harness.diagnosis.outcome import Grade
+from harness.diagnosis.pipeline import diagnose, prepare
+from harness.diagnosis.request import Asked
+from harness.diagnosis.residual_tests.structure import Left
+from harness.diagnosis.rules import DECISIVE, EVEN, LEAST_CYCLES, SHARE_OF_MISFIT
+from harness.diagnosis.search.search import Search
+from harness.kernels.solve import solve
+from harness.model.model import Model, ModelTerm, Restoring
+
+
+def search(
+    *, free: bool = True, turns: int = 40, base: float = 9000.0, near: float = 99.0, count: int = 1, **changed: Any
+) -> Search:
+    """A law that leaves 1000 of ``base``, and another name worse by ``near`` of BIC."""
+    t = np.arange(1000) * 1e-3
+
+    def fit(chi2: float, bic: float, *names: str) -> Any:
+        terms = tuple(SimpleNamespace(term=SimpleNamespace(name=name)) for name in names)
+        return SimpleNamespace(model=SimpleNamespace(terms=terms), chi2=chi2, bic=bic, shown=SimpleNamespace(v=t))
+
+    problem: Any = SimpleNamespace(t=t, turns=lambda v: np.linspace(1, 998, turns).astype(np.int64), zero_free=free)
+    chosen = fit(1000.0, 0.0, *("stribeck", "end-stop")[:count])
+    rivals = (fit(1000.0, 0.5, "stribeck"), fit(1000.0, near, "presliding"))
+    return Search(problem, fit(base, 9.0), chosen, (), rivals, changed.pop("left", Left.NOISE), **changed)
+
+
+@pytest.mark.parametrize(
+    ("found", "rules"),
+    [
+        (search(), ()),
+        (search(turns=14), (LEAST_CYCLES,)),
+        (search(turns=15), ()),
+        (search(near=9.9), (DECISIVE,)),
+        (search(near=10.1), ()),
+        (search(base=1650.0), (SHARE_OF_MISFIT,)),
+        (search(base=1680.0), ()),
+        (search(base=1650.0, turns=14, near=1.0), (LEAST_CYCLES, SHARE_OF_MISFIT, DECISIVE)),
+        (search(free=False, turns=8, base=1100.0, near=2.1), ()),
+        (search(free=False, near=1.9), (EVEN,)),
+        (search(count=2, turns=8, near=0.0), ()),
+        (search(count=0, turns=8, near=0.0), ()),
+        (search(turns=8, left=Left.STRUCTURE), ()),
+        (search(turns=8, by_force=True), ()),
+    ],
+)
+def test_which_rules_list_a_lone_law(found: Search, rules: tuple[Any, ...]) -> None:
+    assert undecided(found) == rules
+
+
+def recorded(seconds: float) -> Recording:
+    """Quadratic drag on a spring of 1 Hz, let go from .1 m; x at 200 Hz, noise 20 um, the encoder's zero .03 m off."""
+    model = Model(1.0, 0.02, 40.0, 0.01, x0=0.1, terms=(ModelTerm.named("quadratic-drag", c2=1.5),))
+    t = np.arange(0.0, seconds, 0.005)
+    noise = np.random.default_rng(20261124).normal(0.0, 2e-5, t.size)
+    return Recording(t=t, channels={"x": 0.03 + solve(model, t).x + noise}, file="drag.csv")
+
+
+def test_few_cycles_with_an_unknown_zero_list_the_law_and_name_the_recording_that_would_decide() -> None:
+    asked = Asked(restoring=Restoring.SPRING, zero_free=True)
+    short, long = (diagnose(prepare(recorded(seconds), asked)[0]) for seconds in (5.0, 14.0))
+    assert (long.verdict, [m.name for m in long.mechanisms]) == ("missing_physics", ["quadratic-drag"])
+    assert short.verdict == "one_of"
+    assert short.mechanisms[0].name == "quadratic-drag"
+    assert {m.grade for m in short.mechanisms} == {Grade.ONE_OF}
+    assert short.refined.model.terms[0].term.name == "quadratic-drag"
+    assert "to its noise" in sentence_of(short)
+    assert any("cycles are too few for one name alone; a decay of 8 would do" in one for one in short.warnings)
+    assert short.next_experiment
