@@ -437,7 +437,8 @@ LEAST_CYCLES = Rule(
     "least-cycles",
     8.0,
     "cycles",
-    "a main effect is named; below it at most a list",
+    "a main effect is named; below it at most a list. A lone law that explains all is named below it where its evidence"
+    " is decisive in the words that the base's own parameters leave",
     "the base's own six parameters eat words: were a misfit one word a stroke and laws directions by chance, the best"
     " of ten would pass gain and share at four cycles in 100 %, at five in 73 %, at six in 34 %, at eight in 5 % (of"
     " twelve: 100, 80, 39, 6 %). That is the cautious figure: of 213 simulated decays with a misfit of random amplitude"

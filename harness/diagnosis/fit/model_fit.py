@@ -28,7 +28,8 @@ _NEAR = 3.5
 """Standard deviations from which a sample beside a jump is looked at twice."""
 
 _DONE = 1e-5
-"""A step that promises less than this in chi-square changes nothing that anybody could see."""
+"""A step that promises less than this in chi-square, of what a value leaves on average, changes nothing that anybody
+could see."""
 _HASTY = 1e-5
 """Of chi-square: a hasty descent that gains less in a step is near enough to be compared."""
 
@@ -96,7 +97,8 @@ def _descend(
     share: float = 0.0,
 ) -> Fit:
     """The nearest fit downhill; share : of chi-square, that a step must gain to be followed by another."""
-    found = downhill(model, free, lambda m: evaluate(m, problem, free, scales, effort), Until(_DONE, share, iterations))
+    until = Until(_DONE, max(share, _DONE / problem.points), iterations)
+    found = downhill(model, free, lambda m: evaluate(m, problem, free, scales, effort), until)
     at = found.point
     return Fit(at.model, free, at.squares, problem.points, at.residual, at.jacobian, at.shown, found.stop)
 

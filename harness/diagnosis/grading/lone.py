@@ -1,6 +1,6 @@
 """Whether a lone law that explains a recording to its noise is the one, or one that looks like it."""
 
-from harness.diagnosis.baseline.words import strokes_of
+from harness.diagnosis.baseline.words import evidence, strokes_of, words_of
 from harness.diagnosis.fit.model_fit import Fit
 from harness.diagnosis.rules import DECISIVE, EVEN, LEAST_CYCLES, SHARE_OF_MISFIT, Rule
 from harness.diagnosis.search.extend import key_of
@@ -20,13 +20,22 @@ def undecided(found: Search) -> tuple[Rule, ...]:
     if not found.problem.zero_free:
         return (EVEN,) if near < EVEN.value else ()
     taken = 1.0 - found.chosen.chi2 / found.base.chi2
-    strokes = strokes_of(found.chosen, found.problem)
     fails = {
-        LEAST_CYCLES: strokes.cycles < LEAST_CYCLES.value,
+        LEAST_CYCLES: _few_words(found),
         SHARE_OF_MISFIT: taken < SHARE_OF_MISFIT.value,
         DECISIVE: near < DECISIVE.value,
     }
     return tuple(rule for rule, failed in fails.items() if failed)
+
+
+def _few_words(found: Search) -> bool:
+    """Whether the cycles are few, and what they say is spent once the base's own numbers have taken their words."""
+    base, chosen = found.base, found.chosen
+    strokes = strokes_of(chosen, found.problem)
+    if strokes.cycles >= LEAST_CYCLES.value:
+        return False
+    words = max(words_of(strokes) - len(base.free), 1.0)
+    return evidence(base.chi2, chosen.chi2, words, len(chosen.free) - len(base.free), 1.0) < DECISIVE.value
 
 
 def _others(found: Search) -> list[Fit]:
