@@ -10,7 +10,7 @@ import pytest
 from harness.core.quantity import Quantity
 from harness.diagnosis.explain import next_experiment as experiments
 from harness.diagnosis.explain.cautions import cautions, cautions_of_misfit
-from harness.diagnosis.explain.next_experiment import Open, left_open, left_open_by_grade, next_experiment
+from harness.diagnosis.explain.next_experiment import Open, left_open, left_open_by_grade, next_experiment, to_be_sure
 from harness.diagnosis.explain.other_release import Release
 from harness.diagnosis.explain.verdict_sentence import sentence_of
 from harness.diagnosis.motion import motion_of
@@ -18,6 +18,7 @@ from harness.diagnosis.outcome import Grade, Verdict
 from harness.diagnosis.pooling import said as pooled_said
 from harness.diagnosis.pooling.pooled import Differs
 from harness.diagnosis.pooling.said import sentences
+from harness.diagnosis.rules import EVEN, LEAST_CYCLES, SHARE_OF_MISFIT, Rule
 from harness.diagnosis.search.search import _beam, _merged
 from harness.model.experiments import LARGER
 from harness.model.model import Model, ModelTerm
@@ -90,6 +91,18 @@ SENTENCES: list[tuple[Any, tuple[str, ...], str]] = [
         "one of stribeck or end stop; these recordings together cannot tell which. The first takes an unknown share of",
     ),
     (
+        outcome("one_of", named("stribeck", Grade.ONE_OF, 1.0), left=False),
+        ("stribeck",),
+        "What viscous and Coulomb friction leave out looks like stribeck, which your simulation has: it explains"
+        " this recording to its noise; this recording alone does not decide it.",
+    ),
+    (
+        outcome("one_of", LISTED, named("end-stop", Grade.ONE_OF), alone=(1, 2), left=False),
+        (),
+        "What the simulation leaves out is one of stribeck or end stop: each explains these recordings to their noise,"
+        " and these recordings together cannot tell which.",
+    ),
+    (
         outcome("unexplained", MINOR),
         (),
         "do not explain this recording, and no entry of the catalogue is the main part of what they leave. The largest"
@@ -127,8 +140,8 @@ def search(spare: float = 0.0, **changed: Any) -> Any:
     return SimpleNamespace(**{**known, "problem": problem, "rivals": (), **changed})
 
 
-def judged(verdict: Verdict, rival: Any = None) -> Any:
-    return SimpleNamespace(verdict=verdict, rival=rival)
+def judged(verdict: Verdict, rival: Any = None, *rules: Rule) -> Any:
+    return SimpleNamespace(verdict=verdict, rival=rival, rules=rules)
 
 
 NONE_HELD: Any = SimpleNamespace(refined_rmse={}, baseline_rmse={})
@@ -143,6 +156,24 @@ def test_cautions_of_what_nothing_explains_name_the_closest_with_their_shares() 
     assert (
         "a force measured with less noise would decide" in cautions(search(1e4), judged("unexplained"), NONE_HELD)[-1]
     )
+
+
+def test_why_a_law_that_explains_all_is_not_named_and_what_would_decide() -> None:
+    found = search(base=of(chi2=600.0), chosen=of(STRIBECK, chi2=500.0))
+    found.chosen.shown = SimpleNamespace(v=np.zeros(900))
+    found.problem.t, found.problem.turns = np.arange(900.0), lambda v: np.arange(1, 10) * 90
+    few, small = cautions(found, judged("one_of", None, LEAST_CYCLES, SHARE_OF_MISFIT), NONE_HELD)
+    assert few.startswith("it explains the recording to its noise, but 5 cycles are too few")
+    assert small.startswith("noise is 83 % of what viscous and Coulomb friction leave")
+    assert cautions(found, judged("one_of", None, EVEN), NONE_HELD) == ()
+    sure = "To be sure of stribeck: "
+    assert to_be_sure([LISTED, MINOR], (LEAST_CYCLES,)).startswith(f"{sure}a decay of 8 cycles or more")
+    assert to_be_sure([LISTED], ()).startswith(f"{sure}releases from displacements")
+    assert to_be_sure([MAIN], (LEAST_CYCLES,)) == to_be_sure([LISTED, LISTED], (LEAST_CYCLES,)) == ""
+    near = search(chosen=of(DRAG), rivals=(of(DRAG), of(STRIBECK)))
+    both = left_open([named("quadratic-drag", Grade.ONE_OF), LISTED], near)
+    assert both is not None
+    assert (both.names, both.rival) == (("quadratic-drag", "stribeck"), near.rivals[1])
 
 
 def test_a_pair_that_another_pair_matches_is_told_so() -> None:

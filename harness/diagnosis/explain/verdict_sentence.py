@@ -47,7 +47,9 @@ def _graded(outcome: Outcome, words: Sequence[str], has: Sequence[str]) -> str:
         )
     if outcome.verdict == "one_of" and len(words) == 1:
         takes = f"takes {share} of the misfit off" if outcome.remainder else f"explains {it} to {its} noise"
-        return f"What {leaves} out looks like {words[0]}{_had(outcome, has)}, which {takes}; {does} not decide it."
+        had = _had(outcome, has)
+        which = f"{had}: it" if had else ", which"
+        return f"What {leaves} out looks like {words[0]}{which} {takes}; {does} not decide it."
     if outcome.verdict == "one_of":
         one_of = f"one of {', '.join(words[:-1])} or {words[-1]}"
         if outcome.remainder is None:
