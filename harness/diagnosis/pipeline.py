@@ -82,7 +82,7 @@ def judge(found: Found) -> Judged:
     """The verdict; where no model explains the recording, by how much of the misfit each name takes."""
     if found.by_force is not None:
         return Judged(found, verdict_of(found.search, found.by_force))
-    found = replace(found, search=weighed(found.search))
+    found = replace(found, search=weighed(found.search, found.scales.omega))
     graded = _graded(found.search, found.scales)
     later = None if graded is None else _after_first_turn(graded)
     if later is not None:

@@ -5,6 +5,7 @@ from dataclasses import dataclass, replace
 
 from harness.diagnosis.baseline.words import evidence, strokes_of, words_of
 from harness.diagnosis.fit.model_fit import Fit
+from harness.diagnosis.grading.clocks import unresolved
 from harness.diagnosis.grading.grade import Contest
 from harness.diagnosis.grading.lone import undecided
 from harness.diagnosis.outcome import Grade, Verdict
@@ -62,15 +63,21 @@ def judge(found: Search, graded: Contest | None = None) -> Judgement:
     return Judgement("missing_physics" if named else "adequate", found.chosen, (*gates, *tested))
 
 
-def weighed(found: Search) -> Search:
-    """A search whose explaining pair has too little evidence in words of the motion, as one that explains nothing.
+def weighed(found: Search, omega: float) -> Search:
+    """A search whose model may meet the noise by following what it does not say, as one that explains nothing.
 
-    Samples of one swing say one thing; two laws that meet the noise together may do so by following it. A lone law has
-    no such freedom.
+    A law with a clock on the swing follows any other. Samples of one swing say one thing; two laws that meet the noise
+    together may do so by following it, where their evidence in words of the motion is small. omega : of the motion,
+    rad/s.
     """
-    if len(found.chosen.model.terms) < 2 or found.by_force or found.left is Left.STRUCTURE:
+    terms = found.chosen.model.terms
+    if not terms or found.by_force or found.left is Left.STRUCTURE:
         return found
     problem, base, chosen = found.problem, found.base, found.chosen
+    if unresolved(terms, omega, problem.duration):
+        return replace(found, chosen=base, left=Left.STRUCTURE, without=())
+    if len(terms) < 2:
+        return found
     words = words_of(strokes_of(chosen, problem))
     more = len(chosen.free) - len(base.free)
     if evidence(base.chi2, chosen.chi2, words, more, 1.0) >= GAIN.value:

@@ -130,10 +130,9 @@ class Model:
         own = dict(self.elsewhere[number - 1].values) if number else {}
         return replace(self, elsewhere=(), **own)  # type: ignore[arg-type]
 
-    @property
-    def as_named(self) -> bool:
-        """Whether the numbers of every term are what its name says."""
-        return all(entry.term.as_named(entry.values, self.f_k) for entry in self.terms)
+    def as_named(self, reach: float) -> bool:
+        """Whether the numbers of every term are what its name says; reach : of the motion from x = 0, m."""
+        return all(entry.term.as_named(entry.values, self.f_k, reach) for entry in self.terms)
 
     @property
     def labels(self) -> tuple[str, ...]:

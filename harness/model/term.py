@@ -103,7 +103,7 @@ def _nothing(values: tuple[float, ...], k: float) -> Mapping[str, str]:
     return {}
 
 
-def _always(values: Probe, f_k: float) -> bool:
+def _always(values: Probe, f_k: float, reach: float) -> bool:
     return True
 
 
@@ -128,7 +128,8 @@ class Term:
     "one-clock" (a phase or a moment in time of its own, which several recordings do not share).
     several : whether a model may have more than one. place : where it acts. only_there : whether nothing outside of
     those times shows it. words : more words of the sentence, from values and k. elements : see harness.model.elements.
-    as_named : whether values beside f_k are what the name says; a law bent beyond it is no main effect of that name.
+    as_named : whether values beside f_k, in a motion of such a reach (m), are what the name says; a law bent beyond it
+    is no main effect of that name.
     searched : whether it is looked for as a name; a table is none. known : where a table is known, None for a law that
     holds everywhere. told_from : what recording would tell it from another name. steps_alike : whether the steps of an
     integrator show like it. variant : tells laws apart that share a catalogue name. order : place in the catalogue.
@@ -159,7 +160,7 @@ class Term:
     place: Placed = field(default=always())
     only_there: bool = False
     words: Callable[[tuple[float, ...], float], Mapping[str, str]] = _nothing
-    as_named: Callable[[Probe, float], bool] = _always
+    as_named: Callable[[Probe, float, float], bool] = _always
     elements: MadeOf | None = None
     told_from: Mapping[str, str] = field(default_factory=dict)
     steps_alike: bool = False

@@ -17,8 +17,9 @@ from unchanged import differences, flat, known, noisy, write
 
 from harness.diagnosis.baseline.base_fit import baseline
 from harness.diagnosis.baseline.words import Strokes
+from harness.diagnosis.grading.clocks import on_the_swing
 from harness.diagnosis.grading.friction_split import resplit
-from harness.diagnosis.grading.grade import Contest, Finalist, cells_of, decided, grade, on_the_swing
+from harness.diagnosis.grading.grade import Contest, Finalist, cells_of, decided, grade
 from harness.diagnosis.grading.misfit import misfit
 from harness.diagnosis.grading.prediction import Predicted
 from harness.diagnosis.problems.free_decay import FreeDecay
@@ -139,7 +140,7 @@ def _search(rng: np.random.Generator) -> Search:
     def fit(chi2: float, laws: int) -> Any:
         entries = tuple(
             SimpleNamespace(
-                term=SimpleNamespace(family=str(rng.choice(families))),
+                term=SimpleNamespace(family=str(rng.choice(families)), slot=None),
                 values=(1.0,) * int(rng.choice([1, FLEXIBLE.count - 1, FLEXIBLE.count])),
             )
             for _ in range(laws)
@@ -148,7 +149,7 @@ def _search(rng: np.random.Generator) -> Search:
         return SimpleNamespace(model=SimpleNamespace(terms=entries), chi2=chi2, bic=chi2, free=(0,) * 7, shown=shown)
 
     turns = np.linspace(1, 998, int(rng.choice([6, 20, 90]))).astype(np.int64)
-    problem: Any = SimpleNamespace(t=np.arange(1000) * 1e-3, turns=lambda v: turns, zero_free=False)
+    problem: Any = SimpleNamespace(t=np.arange(1000) * 1e-3, duration=1.0, turns=lambda v: turns, zero_free=False)
     rivals = tuple(fit(1000.0 + float(rng.choice([APART.value, APART.value - 1e-9, 5.0])), 2) for _ in range(2))
     left = list(Left)[int(rng.integers(0, len(Left)))]
     by_force = bool(rng.random() < 0.2)
@@ -160,7 +161,7 @@ def _searches() -> Any:
     """Verdict, whether the base stands, the rival, and rules of many."""
     rng, said = np.random.default_rng(12), {}
     for i in range(SEARCHES):
-        found = weighed(_search(rng))
+        found = weighed(_search(rng), 60.0)
         graded: Any = SimpleNamespace(grade=None, refined=found.base, rules=(GAIN,)) if rng.random() < 0.3 else None
         judged = judge(found, graded)
         rules = ", ".join(rule.name for rule in judged.rules)

@@ -15,6 +15,7 @@ import numpy as np
 
 from harness.diagnosis.baseline.words import evidence
 from harness.diagnosis.fit.model_fit import Fit
+from harness.diagnosis.grading.clocks import on_the_swing
 from harness.diagnosis.grading.friction_split import resplit
 from harness.diagnosis.grading.misfit import Misfit
 from harness.diagnosis.grading.prediction import Predicted, clearly_less, free_run, held_out, ratio, trained
@@ -38,7 +39,7 @@ from harness.diagnosis.rules import (
 from harness.diagnosis.search.extend import extend
 from harness.diagnosis.search.start_evidence import evidence as starting_evidence
 from harness.model.evidence import Evidence
-from harness.model.model import Model, ModelTerm
+from harness.model.model import Model
 from harness.model.registry import NAMED
 
 _FINALISTS = 4
@@ -162,7 +163,7 @@ def ranked(misfit: Misfit, begun: Sequence[Model] = ()) -> list[Finalist]:
     """
     problem, base, scales = misfit.problem, misfit.base, misfit.scales
     extended = resplit(extend(base, problem, scales, begun=begun).fits, problem, scales)
-    fits = [f for f in extended if f.model.as_named]
+    fits = [f for f in extended if f.model.as_named(float(np.max(np.abs(f.shown.x))))]
     if not fits:
         return []
     floor = misfit.floor(misfit.noise_left(min(fits, key=lambda f: f.chi2)))
@@ -192,18 +193,6 @@ def cells_of(seen: Evidence) -> dict[str, float]:
         probes = len(term.probes(seen)) / (1.0 if term.phase is None else 2.0)
         cells[term.name] = cells.get(term.name, 0.0) + max(probes, 1.0)
     return cells
-
-
-def on_the_swing(entry: ModelTerm, omega: float, span: float) -> bool:
-    """Whether a law with a clock of its own keeps time with a motion or a multiple of it: then it follows anything.
-
-    omega : of the motion, rad/s. span : of the recording, s.
-    """
-    if "Omega" not in entry.term.names:
-        return False
-    rate = entry.value("Omega")
-    width = SAME_CLOCK.value * 2.0 * math.pi / span
-    return any(abs(rate - m * omega) < width for m in range(1, 5))
 
 
 def _alike(first: Finalist, found: Contest) -> list[Finalist]:

@@ -9,7 +9,8 @@ from harness.core.arrays import BoolArray, FloatArray
 from harness.diagnosis.baseline.words import evidence
 from harness.diagnosis.fit.model_fit import Fit
 from harness.diagnosis.fit.observe import Observation
-from harness.diagnosis.grading.grade import Contest, Finalist, cells_of, decided, on_the_swing
+from harness.diagnosis.grading.clocks import on_the_swing
+from harness.diagnosis.grading.grade import Contest, Finalist, cells_of, decided
 from harness.diagnosis.grading.prediction import Predicted, blocks_of
 from harness.diagnosis.inverse_dynamics.force_fit import ForceFit, as_fit, fit_force, simulated
 from harness.diagnosis.inverse_dynamics.force_screen import seen_in
@@ -149,7 +150,7 @@ def _ranked(
         entry, taken = one.model.terms[-1], base.squares - one.squares
         more, name = len(one.free) - len(base.free), one.model.terms[-1].term.name
         gain = evidence(base.squares, one.squares, words.words, more, cells[name])
-        if not one.model.as_named or (name in best and gain <= best[name][0].gain):
+        if not one.model.as_named(0.0) or (name in best and gain <= best[name][0].gain):
             continue
         clock = any(on_the_swing(entry, omega, span) for omega in clocks)
         share = min(taken / excess, 1.0) if excess > 0.0 else 0.0

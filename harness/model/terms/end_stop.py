@@ -50,6 +50,11 @@ def probes(e: Evidence) -> list[Probe]:
     return [(fraction * e.x_scale, 0.0) for fraction in (0.35, 0.5, 0.62, 0.74, 0.82, 0.89, 0.95)]
 
 
+def at_an_end(values: Probe, f_k: float, reach: float) -> bool:
+    """What acts over more than half of the way to an end is the spring's shape."""
+    return values[0] >= 0.5 * reach
+
+
 def _stop(variant: str, side: str, law: Callable[..., None], sides: tuple[int, ...]) -> Term:
     """The entry for a stop on these sides, +1 and -1."""
 
@@ -78,6 +83,7 @@ def _stop(variant: str, side: str, law: Callable[..., None], sides: tuple[int, .
         example=(0.53, 200.0),
         corner=True,
         place=place,
+        as_named=at_an_end,
         elements=made_of,
         told_from={"stiffness-drift": LARGER},
         order=160,

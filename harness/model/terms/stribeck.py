@@ -33,7 +33,7 @@ def place(values: Probe, seen: Seen) -> Place:
     return Place("low-speed", f"|v| below about {2.0 * values[1]:.3g} m/s", seen.whole)
 
 
-def falls(values: Probe, f_k: float) -> bool:
+def falls(values: Probe, f_k: float, reach: float) -> bool:
     """Friction that rises with speed is another law's."""
     return values[0] >= f_k
 

@@ -1,0 +1,43 @@
+"""Laws with a clock of their own, and when it keeps time with the motion: such a law follows any other."""
+
+import math
+from collections.abc import Sequence
+
+from harness.diagnosis.rules import SAME_CLOCK
+from harness.model.model import ModelTerm
+from harness.model.term import Slot
+
+_MULTIPLES = range(5)
+"""Of the motion's frequency; the first is none, which a clock slower than the recording cannot be told from."""
+
+
+def on_the_swing(entry: ModelTerm, omega: float, span: float) -> bool:
+    """Whether a law with a clock of its own keeps time with a motion or a multiple of it: then it follows anything.
+
+    omega : of the motion, rad/s. span : of the recording, s.
+    """
+    rates = [m * omega for m in _MULTIPLES]
+    return any(_one(rate, own, span) for own in _clocks((entry,)) for rate in rates)
+
+
+def unresolved(entries: Sequence[ModelTerm], omega: float, span: float) -> bool:
+    """Whether a force with a clock has the motion's own, one slower than the recording can show, or another's.
+
+    A model that explains a recording by such a force follows what it does not say: in step with the motion it is a
+    spring or a damper, two in step with each other are one that changes. At a multiple of the motion a force that
+    explains all may be one, and friction whose load changes in step with it is no force in step. omega : of the
+    motion, rad/s. span : of the recording, s.
+    """
+    clocks = _clocks([entry for entry in entries if entry.term.slot is Slot.SMOOTH])
+    alike = any(_one(a, b, span) for i, a in enumerate(clocks) for b in clocks[:i])
+    return alike or any(_one(own, rate, span) for own in clocks for rate in (0.0, omega))
+
+
+def _clocks(entries: Sequence[ModelTerm]) -> list[float]:
+    """Rates, rad/s."""
+    return [entry.value("Omega") for entry in entries if "Omega" in entry.term.names]
+
+
+def _one(first: float, second: float, span: float) -> bool:
+    """Whether a recording of ``span`` s cannot tell two rates (rad/s) apart."""
+    return abs(first - second) < SAME_CLOCK.value * 2.0 * math.pi / span
