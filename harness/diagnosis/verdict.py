@@ -66,15 +66,15 @@ def judge(found: Search, graded: Contest | None = None) -> Judgement:
 def weighed(found: Search, omega: float) -> Search:
     """A search whose model may meet the noise by following what it does not say, as one that explains nothing.
 
-    A law with a clock on the swing follows any other. Samples of one swing say one thing; two laws that meet the noise
-    together may do so by following it, where their evidence in words of the motion is small. omega : of the motion,
-    rad/s.
+    A law with a clock on the swing, or bent beyond its name, follows any other. Samples of one swing say one thing; two
+    laws that meet the noise together may do so by following it, where their evidence in words of the motion is small.
+    omega : of the motion, rad/s.
     """
     terms = found.chosen.model.terms
     if not terms or found.by_force or found.left is Left.STRUCTURE:
         return found
     problem, base, chosen = found.problem, found.base, found.chosen
-    if unresolved(terms, omega, problem.duration):
+    if not chosen.as_named or unresolved(terms, omega, problem.duration):
         return replace(found, chosen=base, left=Left.STRUCTURE, without=())
     if len(terms) < 2:
         return found

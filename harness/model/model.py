@@ -10,7 +10,7 @@ from harness.core.slider import Slider
 from harness.model.covariate import Covariate
 from harness.model.elsewhere import Elsewhere
 from harness.model.registry import term as find_term
-from harness.model.term import SINGLE, Slot, Term
+from harness.model.term import SINGLE, Extent, Slot, Term
 
 
 class Restoring(StrEnum):
@@ -130,9 +130,10 @@ class Model:
         own = dict(self.elsewhere[number - 1].values) if number else {}
         return replace(self, elsewhere=(), **own)  # type: ignore[arg-type]
 
-    def as_named(self, reach: float) -> bool:
-        """Whether the numbers of every term are what its name says; reach : of the motion from x = 0, m."""
-        return all(entry.term.as_named(entry.values, self.f_k, reach) for entry in self.terms)
+    def as_named(self, reach: float, speed: float) -> bool:
+        """Whether the numbers of every term are what its name says, in a motion up to ``reach`` (m) and ``speed`` (m/s)."""
+        extent = Extent(self.f_k, reach, speed)
+        return all(entry.term.as_named(entry.values, extent) for entry in self.terms)
 
     @property
     def labels(self) -> tuple[str, ...]:

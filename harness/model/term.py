@@ -103,7 +103,16 @@ def _nothing(values: tuple[float, ...], k: float) -> Mapping[str, str]:
     return {}
 
 
-def _always(values: Probe, f_k: float, reach: float) -> bool:
+@dataclass(frozen=True, slots=True)
+class Extent:
+    """What a law's numbers are measured against: f_k (N), how far (m) and how fast (m/s) the slider moves at most."""
+
+    f_k: float
+    reach: float
+    speed: float
+
+
+def _always(values: Probe, extent: Extent) -> bool:
     return True
 
 
@@ -128,8 +137,7 @@ class Term:
     "one-clock" (a phase or a moment in time of its own, which several recordings do not share).
     several : whether a model may have more than one. place : where it acts. only_there : whether nothing outside of
     those times shows it. words : more words of the sentence, from values and k. elements : see harness.model.elements.
-    as_named : whether values beside f_k, in a motion of such a reach (m), are what the name says; a law bent beyond it
-    is no main effect of that name.
+    as_named : whether values are what the name says; a law bent beyond it is not named.
     searched : whether it is looked for as a name; a table is none. known : where a table is known, None for a law that
     holds everywhere. told_from : what recording would tell it from another name. steps_alike : whether the steps of an
     integrator show like it. variant : tells laws apart that share a catalogue name. order : place in the catalogue.
@@ -160,7 +168,7 @@ class Term:
     place: Placed = field(default=always())
     only_there: bool = False
     words: Callable[[tuple[float, ...], float], Mapping[str, str]] = _nothing
-    as_named: Callable[[Probe, float, float], bool] = _always
+    as_named: Callable[[Probe, Extent], bool] = _always
     elements: MadeOf | None = None
     told_from: Mapping[str, str] = field(default_factory=dict)
     steps_alike: bool = False

@@ -146,7 +146,9 @@ def _search(rng: np.random.Generator) -> Search:
             for _ in range(laws)
         )
         shown = SimpleNamespace(v=np.zeros(1000))
-        return SimpleNamespace(model=SimpleNamespace(terms=entries), chi2=chi2, bic=chi2, free=(0,) * 7, shown=shown)
+        return SimpleNamespace(
+            model=SimpleNamespace(terms=entries), chi2=chi2, bic=chi2, free=(0,) * 7, shown=shown, as_named=True
+        )
 
     turns = np.linspace(1, 998, int(rng.choice([6, 20, 90]))).astype(np.int64)
     problem: Any = SimpleNamespace(t=np.arange(1000) * 1e-3, duration=1.0, turns=lambda v: turns, zero_free=False)

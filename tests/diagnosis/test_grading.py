@@ -74,14 +74,14 @@ def test_drag_is_the_main_effect_among_small_ones(graded: Graded) -> None:
 def test_a_law_bent_beyond_its_name_is_no_rival(graded: Graded) -> None:
     """Friction that rises with speed follows a drag, a drag below nought follows friction that falls."""
     rising = ModelTerm.named("stribeck", f_s=0.1, v_s=4.0)
-    assert not machine(rising).as_named(1.0)
-    assert machine(ModelTerm.named("stribeck", f_s=0.5, v_s=4.0)).as_named(1.0)
+    assert not machine(rising).as_named(1.0, 9.0)
+    assert machine(ModelTerm.named("stribeck", f_s=0.5, v_s=4.0)).as_named(1.0, 9.0)
     problem, base = graded.misfit.problem, graded.misfit.base
     bent = replace(base.model, f_k=0.5, terms=(rising,))
     found = fit(bent, problem, free_of(bent, ("c", "k", "f_k", "x0")), graded.misfit.scales)
-    assert not found.model.as_named(1.0)
+    assert not found.as_named
     assert base.chi2 - found.chi2 > SHARE_OF_MISFIT.value * base.chi2
-    assert all(f.fit.model.as_named(1.0) for f in graded.finalists)
+    assert all(f.fit.as_named for f in graded.finalists)
     for key, values in {"quadratic-drag": {"c2": -0.1}, "power-law-damping": {"c_p": -0.1, "exponent": 0.5}}.items():
         with pytest.raises(InputError, match="0 to inf is accepted"):
             ModelTerm.named(key, **values)
@@ -90,7 +90,13 @@ def test_a_law_bent_beyond_its_name_is_no_rival(graded: Graded) -> None:
 @pytest.mark.parametrize("key", ["end-stop", "end-stop:positive", "end-stop:negative"])
 def test_a_stop_that_acts_over_more_than_half_of_the_way_is_the_springs_shape(key: str) -> None:
     for gap, reach, named in ((0.5, 1.0, True), (0.49, 1.0, False), (0.5, 0.9, True), (0.49, 0.0, True)):
-        assert machine(ModelTerm.named(key, gap=gap, k_stop=3.0)).as_named(reach) is named
+        assert machine(ModelTerm.named(key, gap=gap, k_stop=3.0)).as_named(reach, 9.0) is named
+
+
+def test_friction_smoothed_over_more_than_half_of_all_speeds_is_a_dampers_shape() -> None:
+    smoothed = machine(ModelTerm.named("regularised-friction", v_r=0.5, lead=0.0))
+    assert smoothed.as_named(1.0, 1.0)
+    assert not smoothed.as_named(1.0, 0.99)
 
 
 def test_a_clock_slower_than_the_recording_keeps_time_with_anything() -> None:

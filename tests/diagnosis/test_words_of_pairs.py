@@ -15,13 +15,15 @@ DRAG = ModelTerm.named("quadratic-drag", c2=0.2)
 OMEGA = 60.0
 
 
-def search(terms: int, base: float, turns: int, left: Left = Left.NOISE) -> Search:
+def search(terms: int, base: float, turns: int, left: Left = Left.NOISE, named: bool = True) -> Search:
     """A search by hand: ``terms`` laws of two numbers each meet 1000 points, the base leaves chi-square ``base``."""
     t = np.arange(1000) * 1e-3
 
     def fit(chi2: float, count: int) -> Any:
         model = SimpleNamespace(terms=(DRAG,) * count)
-        return SimpleNamespace(model=model, chi2=chi2, free=range(6 + 2 * count), shown=SimpleNamespace(v=t))
+        return SimpleNamespace(
+            model=model, chi2=chi2, free=range(6 + 2 * count), shown=SimpleNamespace(v=t), as_named=named
+        )
 
     problem: Any = SimpleNamespace(t=t, duration=1.0, turns=lambda v: np.linspace(1, 998, turns).astype(np.int64))
     return Search(problem, fit(base, 0), fit(1000.0, terms), (), (), left)
@@ -46,6 +48,11 @@ def test_a_large_misfit_carries_a_pair_in_few_cycles() -> None:
 def force(rate: float) -> ModelTerm:
     """A harmonic force at so many rad/s."""
     return ModelTerm.named("harmonic-force", A=1.0, Omega=rate, phase=0.3)
+
+
+@pytest.mark.parametrize("terms", [1, 2])
+def test_a_law_bent_beyond_its_name_explains_nothing(terms: int) -> None:
+    assert weighed(search(terms, 50000.0, 99, named=False), OMEGA).left is Left.STRUCTURE
 
 
 # a second of recording: 3 pi rad/s is a period and a half of it

@@ -58,6 +58,11 @@ class Fit:
         return self.chi2 + len(self.free) * math.log(max(self.points, 2))
 
     @property
+    def as_named(self) -> bool:
+        """Whether the numbers of every term, in this motion, are what its name says."""
+        return self.model.as_named(float(np.max(np.abs(self.shown.x))), float(np.max(np.abs(self.shown.v))))
+
+    @property
     def values(self) -> FloatArray:
         """Values of the fitted numbers, (q,)."""
         return values_of(self.model, self.free)

@@ -163,7 +163,7 @@ def ranked(misfit: Misfit, begun: Sequence[Model] = ()) -> list[Finalist]:
     """
     problem, base, scales = misfit.problem, misfit.base, misfit.scales
     extended = resplit(extend(base, problem, scales, begun=begun).fits, problem, scales)
-    fits = [f for f in extended if f.model.as_named(float(np.max(np.abs(f.shown.x))))]
+    fits = [f for f in extended if f.as_named]
     if not fits:
         return []
     floor = misfit.floor(misfit.noise_left(min(fits, key=lambda f: f.chi2)))

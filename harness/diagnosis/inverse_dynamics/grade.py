@@ -1,5 +1,6 @@
 """Grades of a fitted force: which law is the main part of what the base model leaves of it."""
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
@@ -150,7 +151,7 @@ def _ranked(
         entry, taken = one.model.terms[-1], base.squares - one.squares
         more, name = len(one.free) - len(base.free), one.model.terms[-1].term.name
         gain = evidence(base.squares, one.squares, words.words, more, cells[name])
-        if not one.model.as_named(0.0) or (name in best and gain <= best[name][0].gain):
+        if not one.model.as_named(0.0, math.inf) or (name in best and gain <= best[name][0].gain):
             continue
         clock = any(on_the_swing(entry, omega, span) for omega in clocks)
         share = min(taken / excess, 1.0) if excess > 0.0 else 0.0

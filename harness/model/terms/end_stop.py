@@ -11,7 +11,7 @@ from harness.model.evidence import Evidence
 from harness.model.experiments import LARGER
 from harness.model.law import D_PARAMETER, D_X, VALUE
 from harness.model.place import Place, Seen
-from harness.model.term import Parameter, Probe, Slot, Term
+from harness.model.term import Extent, Parameter, Probe, Slot, Term
 
 
 def law(x: float, v: float, theta: FloatArray, o: int, out: FloatArray) -> None:
@@ -50,9 +50,9 @@ def probes(e: Evidence) -> list[Probe]:
     return [(fraction * e.x_scale, 0.0) for fraction in (0.35, 0.5, 0.62, 0.74, 0.82, 0.89, 0.95)]
 
 
-def at_an_end(values: Probe, f_k: float, reach: float) -> bool:
+def at_an_end(values: Probe, extent: Extent) -> bool:
     """What acts over more than half of the way to an end is the spring's shape."""
-    return values[0] >= 0.5 * reach
+    return values[0] >= 0.5 * extent.reach
 
 
 def _stop(variant: str, side: str, law: Callable[..., None], sides: tuple[int, ...]) -> Term:

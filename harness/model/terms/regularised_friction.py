@@ -4,7 +4,7 @@ from harness.core.arrays import FloatArray
 from harness.model.evidence import Evidence
 from harness.model.law import D_FREE, D_LEVEL, D_PARAMETER, D_V, VALUE
 from harness.model.place import Place, Seen
-from harness.model.term import Parameter, Probe, Slot, Term
+from harness.model.term import Extent, Parameter, Probe, Slot, Term
 
 
 def law(v: float, a: float, level: float, theta: FloatArray, o: int, out: FloatArray) -> None:
@@ -37,6 +37,11 @@ def place(values: Probe, seen: Seen) -> Place:
     return Place("low-speed", f"|v| < {values[0]:.3g} m/s", seen.whole)
 
 
+def near_rest(values: Probe, extent: Extent) -> bool:
+    """What is smoothed over more than half of all speeds is a damper's shape."""
+    return values[0] <= 0.5 * extent.speed
+
+
 TERM = Term(
     "regularised-friction",
     "friction",
@@ -48,6 +53,7 @@ TERM = Term(
     example=(0.6, 0.02),
     corner=True,
     place=place,
+    as_named=near_rest,
     steps_alike=True,
     order=40,
 )

@@ -6,7 +6,7 @@ from harness.core.arrays import FloatArray
 from harness.model.evidence import Evidence
 from harness.model.law import D_LEVEL, D_PARAMETER, D_V, KINETIC, VALUE
 from harness.model.place import Place, Seen
-from harness.model.term import Parameter, Probe, Slot, Term
+from harness.model.term import Extent, Parameter, Probe, Slot, Term
 
 
 def law(v: float, theta: FloatArray, o: int, out: FloatArray) -> None:
@@ -33,9 +33,9 @@ def place(values: Probe, seen: Seen) -> Place:
     return Place("low-speed", f"|v| below about {2.0 * values[1]:.3g} m/s", seen.whole)
 
 
-def falls(values: Probe, f_k: float, reach: float) -> bool:
+def falls(values: Probe, extent: Extent) -> bool:
     """Friction that rises with speed is another law's."""
-    return values[0] >= f_k
+    return values[0] >= extent.f_k
 
 
 TERM = Term(
