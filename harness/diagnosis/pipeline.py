@@ -17,10 +17,12 @@ from harness.diagnosis.explain.mechanism import each_of, mechanism
 from harness.diagnosis.explain.next_experiment import left_open, left_open_by_grade, next_experiment, to_be_sure
 from harness.diagnosis.fit.place import place_of
 from harness.diagnosis.fit.standard_errors import base_parameters
+from harness.diagnosis.grading.beginning import from_the_beginning
 from harness.diagnosis.grading.begun import from_within
 from harness.diagnosis.grading.first_turn import after_first_turn
 from harness.diagnosis.grading.grade import Graded, grade
 from harness.diagnosis.grading.misfit import misfit
+from harness.diagnosis.grading.second import with_second
 from harness.diagnosis.inverse_dynamics.together import forces_together
 from harness.diagnosis.inverse_dynamics.validate import Judge
 from harness.diagnosis.kinds.known import kind_for, kind_of
@@ -89,8 +91,9 @@ def judge(found: Found) -> Judged:
         explained, scales, left_out = later
         note = f"the first {left_out:.4g} s, up to the first turning point, are left out: no free decay yet"
         found = replace(found, search=explained, scales=scales, coarse=explained, notes=(*found.notes, note))
-        graded = None
-    return Judged(found, verdict_of(found.search, graded), graded)
+        return Judged(found, verdict_of(found.search))
+    paired = None if graded is None else _with_second(graded, found)
+    return paired if paired is not None else Judged(found, verdict_of(found.search, graded), graded)
 
 
 def explain(judged: Judged) -> Outcome:
@@ -104,13 +107,30 @@ def _graded(found: Search, scales: Scales) -> Graded | None:
         return None
     with suppress(SimulationError):
         seen = misfit(found.problem, found.base, scales)
-        return grade(seen, from_within(found.begun, found.problem, seen.base.model.t0, scales))
+        later = grade(seen, from_within(found.begun, found.problem, seen.base.model.t0, scales))
+        with suppress(SimulationError):
+            return from_the_beginning(found, later, scales) or later
+        return later
     return None
 
 
 def _after_first_turn(graded: Graded) -> tuple[Search, Scales, float] | None:
     with suppress(SimulationError):
         return after_first_turn(graded)
+    return None
+
+
+def _with_second(graded: Graded, found: Found) -> Judged | None:
+    """The verdict on the main effect with a second law, where both explain what is looked at."""
+    with suppress(SimulationError):
+        pair = with_second(graded)
+        judgement = None if pair is None else verdict_of(pair)
+        if pair is not None and judgement is not None and judgement.verdict == "missing_physics":
+            left_out = graded.misfit.left_out
+            note = f"the first {left_out:.4g} s, up to the first turning point, took no part"
+            notes = (*found.notes, note) if left_out > 0.0 else found.notes
+            again = replace(found, search=pair, scales=graded.misfit.scales, coarse=pair, notes=notes)
+            return Judged(again, judgement)
     return None
 
 

@@ -87,6 +87,14 @@ class Problem(ABC):
         return ()
 
     @property
+    def pairs_searched(self) -> bool:
+        """Whether two laws together may explain it: where the zero is known, as on a bench built for one effect.
+
+        On a machine a crowd of small effects is expected, which two laws follow as well as their own.
+        """
+        return not self.zero_free
+
+    @property
     def spare(self) -> float:
         """Chi-square that may be left beyond what whitening allows for: by noise of a force beyond first order."""
         return 0.0 if self.force_noise is None else self.force_noise.beyond

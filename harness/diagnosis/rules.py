@@ -337,6 +337,15 @@ HAS_BEGUN = Rule(
     "a motion has begun, so that the next turning point is free of the hand",
     "half of what a decay of zeta 0.05 has lost after a half-cycle (1 - exp(-0.05 pi) = 0.145)",
 )
+BEGINS_ALIKE = Rule(
+    "begins-alike",
+    2.0,
+    "ratio of rms",
+    "a misfit that comes to no name from the first turning point on is looked at from the release on: the best law"
+    " leaves of the beginning at most so many times what it leaves of the half-swing after it",
+    "what is left of a law up to the fourth power of the swing doubles where a half-cycle takes a sixth of it (1.2^4 ="
+    " 2.07); a hand that holds the slider for a tenth of a period leaves a fifth of the swing (1 - cos 36 deg)",
+)
 GAIN = Rule(
     "gain",
     6.0,
@@ -400,6 +409,14 @@ RUN_BETTER = Rule(
     " little off where it was fitted",
     "half of the squares (.7^2); not settled by draws: on 96 machines .7 and .85 answer alike, .5 is silent on one more"
     " (python -m harness.app.calibrate main-effect)",
+)
+RUNS_ON = Rule(
+    "runs-on",
+    HELD_OUT.value,
+    "ratio of rmse",
+    "a law of several numbers, of the amplitude or of the time is the main effect, and not listed alone: a free run of"
+    " the last 40 %, from a fit of the first 60 %, is so much better than the base's",
+    "as held-out, whose blocks lie between samples of the fit, where such laws follow anything",
 )
 RUNS_ON_BETTER = Rule(
     "runs-on-better",

@@ -131,7 +131,7 @@ class Model:
         return replace(self, elsewhere=(), **own)  # type: ignore[arg-type]
 
     def as_named(self, reach: float, speed: float) -> bool:
-        """Whether the numbers of every term are what its name says, in a motion up to ``reach`` (m) and ``speed`` (m/s)."""
+        """Whether the numbers of every term are what its name says; ``reach`` (m) and ``speed`` (m/s) of the motion."""
         extent = Extent(self.f_k, reach, speed)
         return all(entry.term.as_named(entry.values, extent) for entry in self.terms)
 

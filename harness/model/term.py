@@ -105,7 +105,10 @@ def _nothing(values: tuple[float, ...], k: float) -> Mapping[str, str]:
 
 @dataclass(frozen=True, slots=True)
 class Extent:
-    """What a law's numbers are measured against: f_k (N), how far (m) and how fast (m/s) the slider moves at most."""
+    """What a law's numbers are measured against: f_k (N), how far (m) and how fast (m/s) the slider moves at most.
+
+    A reach of 0 and a speed of infinity, of a driven path, measure nothing.
+    """
 
     f_k: float
     reach: float

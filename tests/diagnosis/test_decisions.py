@@ -33,6 +33,7 @@ from harness.diagnosis.rules import (
     LEAST_RATIO,
     MARGIN,
     RUN_BETTER,
+    RUNS_ON,
     RUNS_ON_BETTER,
     SAME_CLOCK,
     SHARE_OF_EXCESS,
@@ -77,7 +78,8 @@ class ByHand(Contest):
 
 
 def _fit(name: str) -> Any:
-    return SimpleNamespace(model=SimpleNamespace(terms=(SimpleNamespace(term=SimpleNamespace(name=name)),)))
+    entry = SimpleNamespace(term=term(name), values=(0.0,) * len(term(name).parameters))
+    return SimpleNamespace(model=SimpleNamespace(terms=(entry,)))
 
 
 def _predicted(rng: np.random.Generator, rms: float, blocks: int) -> Predicted:
@@ -100,7 +102,8 @@ def _contest(rng: np.random.Generator) -> ByHand:
         share = some(SHARE_OF_EXCESS.value, SHARE_OF_EXCESS.value - 1e-9, 0.1, 0.8, 0.9)
         of_all = some(SHARE_OF_MISFIT.value, SHARE_OF_MISFIT.value - 1e-9, 0.8, 0.9)
         held = some(HELD_OUT.value, HELD_OUT.value + 1e-9, 0.3, 0.31, 0.5, 1.1)
-        run = some(RUN_BETTER.value, RUN_BETTER.value + 1e-9, RUNS_ON_BETTER.value, 0.01, 0.3, 0.9)
+        limits = (rule.value + by for rule in (RUN_BETTER, RUNS_ON) for by in (0.0, 1e-9))
+        run = some(*limits, RUNS_ON_BETTER.value, 0.01, 0.3)
         finalists.append(
             Finalist(
                 _fit(NAMES[i]),

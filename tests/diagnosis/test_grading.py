@@ -11,6 +11,7 @@ from harness.diagnosis.baseline.base_fit import baseline
 from harness.diagnosis.explain.graded import told
 from harness.diagnosis.fit.model_fit import fit
 from harness.diagnosis.fit.parameters import free_of
+from harness.diagnosis.grading.beginning import from_the_beginning
 from harness.diagnosis.grading.clocks import on_the_swing
 from harness.diagnosis.grading.first_turn import after_first_turn
 from harness.diagnosis.grading.friction_split import _others, resplit
@@ -18,6 +19,7 @@ from harness.diagnosis.grading.grade import Finalist, Graded, decided, grade
 from harness.diagnosis.grading.misfit import misfit
 from harness.diagnosis.grading.prediction import Predicted
 from harness.diagnosis.outcome import Grade
+from harness.diagnosis.pipeline import fit_base, search
 from harness.diagnosis.problems.free_decay import FreeDecay
 from harness.diagnosis.rules import (
     AMONG_ALIKE,
@@ -28,6 +30,7 @@ from harness.diagnosis.rules import (
     MARGIN,
     MOST_LISTED,
     RUN_BETTER,
+    RUNS_ON,
     SHARE_OF_EXCESS,
     SHARE_OF_MISFIT,
 )
@@ -99,6 +102,13 @@ def test_friction_smoothed_over_more_than_half_of_all_speeds_is_a_dampers_shape(
     assert not smoothed.as_named(1.0, 0.99)
 
 
+def test_a_ripple_that_does_not_repeat_over_the_travel_is_the_springs_shape() -> None:
+    """A period and a half at least, from -1 to 1; how far a driven path goes is not asked."""
+    for period, reach, named in ((4.0 / 3.0, 1.0, True), (1.34, 1.0, False), (1.34, 0.0, True)):
+        ripple = machine(ModelTerm.named("force-ripple", amplitude=0.1, period=period, phase=0.0))
+        assert ripple.as_named(reach, 9.0) is named
+
+
 def test_a_clock_slower_than_the_recording_keeps_time_with_anything() -> None:
     """Below a period and a half in ten seconds."""
     assert on_the_swing(ModelTerm.named("harmonic-force", A=1.0, Omega=0.94, phase=0.0), 9.0, 10.0)
@@ -147,6 +157,32 @@ def test_a_name_that_runs_on_far_better_is_listed_beside_the_first(graded: Grade
     assert decided(far).grade is Grade.ONE_OF
 
 
+@pytest.mark.parametrize(
+    ("law", "values", "asked"),
+    [
+        ("quadratic-drag", {"c2": 0.25}, True),
+        ("quadratic-stiffness", {"k2": 0.25}, False),
+        ("harmonic-force", {"A": 0.1, "Omega": 3.0, "phase": 0.0}, True),
+        ("impulse", {"time": 6.0, "impulse": 0.1}, False),
+    ],
+)
+def test_what_follows_anything_between_its_samples_must_run_on(
+    law: str, values: dict[str, float], asked: bool, graded: Graded
+) -> None:
+    """Laws of several numbers, of amplitude or time; what happened in the last part nobody foresees."""
+    first = next(f for f in graded.finalists if f.name == "quadratic-drag")
+    model = replace(first.fit.model, terms=(ModelTerm.named(law, **values),))
+
+    def runs(so: float) -> Graded:
+        return by_share(graded, fit=replace(first.fit, model=model), run=scaled(graded.base_run, so))
+
+    assert runs(RUNS_ON.value - 1e-6).grade is Grade.MAIN
+    worse = runs(RUNS_ON.value + 1e-6)
+    assert worse.grade is (Grade.ONE_OF if asked else Grade.MAIN)
+    assert [f.name for f in worse.named] == [law]
+    assert (RUNS_ON in worse.rules) is asked
+
+
 def test_few_cycles_name_nothing_alone(graded: Graded) -> None:
     strokes = replace(graded.misfit.strokes, count=int(2 * LEAST_CYCLES.value) - 1)
     few = decided(replace(graded, misfit=replace(graded.misfit, strokes=strokes)))
@@ -174,6 +210,23 @@ def test_a_law_that_stands_for_friction_is_found_without_it() -> None:
     found = resplit([stuck, base], problem, scales)[0]
     assert found.chi2 < 1.2 * found.points
     assert found.model.terms[0].value("exponent") == pytest.approx(0.58, abs=0.01)
+
+
+@pytest.mark.parametrize("hold", [0.0, 0.1, 0.3])
+def test_the_beginning_takes_part_where_a_law_says_of_it_what_it_says_of_the_rest(hold: float) -> None:
+    """A stop near the release acts at the largest swings alone, which come first; so does a hand that holds."""
+    stop = ModelTerm.named("end-stop", gap=0.8, k_stop=30.0)
+    free = crowd(replace(machine(stop), t0=hold), T[int(np.searchsorted(T, hold)) :])
+    held = np.full(T.size - free.size, free[0])
+    problem = replace(problem_of(np.concatenate((held, free))), zero_free=True)
+    found = search(fit_base(problem))
+    seen = misfit(found.search.problem, found.search.base, found.scales)
+    assert seen.left_out == pytest.approx(hold + np.pi / 9.4, abs=0.05)
+    later = Graded(misfit=seen)
+    whole = from_the_beginning(found.search, later, found.scales)
+    assert (whole is None) is (hold > 0.0)
+    assert whole is None or [f.name for f in whole.named] == ["end-stop"]
+    assert from_the_beginning(found.search, replace(later, grade=Grade.MAIN), found.scales) is None
 
 
 def test_what_follows_a_hand_is_explained() -> None:

@@ -30,7 +30,8 @@ def search(
         shown, free = SimpleNamespace(v=t), range(6 + 2 * len(terms))
         return SimpleNamespace(model=SimpleNamespace(terms=terms), chi2=chi2, bic=bic, shown=shown, free=free)
 
-    problem: Any = SimpleNamespace(t=t, turns=lambda v: np.linspace(1, 998, turns).astype(np.int64), zero_free=free)
+    at = np.linspace(1, 998, turns).astype(np.int64)
+    problem: Any = SimpleNamespace(t=t, turns=lambda v: at, zero_free=free)
     chosen = fit(1000.0, 0.0, *("stribeck", "end-stop")[:count])
     rivals = (fit(1000.0, 0.5, "stribeck"), fit(1000.0, near, "presliding"))
     return Search(problem, fit(base, 9.0), chosen, (), rivals, changed.pop("left", Left.NOISE), **changed)

@@ -71,7 +71,8 @@ def _closest(found: Search) -> tuple[str, ...]:
 
 def cautions_of_misfit(graded: Graded) -> tuple[str, ...]:
     """Sentences on a misfit that no model explains."""
-    said = ["no entry or pair of the catalogue explains it to its noise; standard errors allow for the misfit"]
+    tried = "entry or pair" if graded.misfit.problem.pairs_searched else "entry"
+    said = [f"no {tried} of the catalogue explains it to its noise; standard errors allow for the misfit"]
     if graded.misfit.left_out > 0.0:
         said.append(
             f"the first {graded.misfit.left_out:.4g} s, up to the first turning point, took no part: what lets go there"

@@ -30,6 +30,7 @@ from harness.diagnosis.rules import (
     MOST_LISTED,
     PREDICTS_BETTER,
     RUN_BETTER,
+    RUNS_ON,
     RUNS_ON_BETTER,
     SAME_CLOCK,
     SHARE_OF_EXCESS,
@@ -40,7 +41,8 @@ from harness.diagnosis.search.extend import extend
 from harness.diagnosis.search.start_evidence import evidence as starting_evidence
 from harness.model.evidence import Evidence
 from harness.model.model import Model
-from harness.model.registry import NAMED
+from harness.model.registry import NAMED, not_parted
+from harness.model.term import Slot
 
 _FINALISTS = 4
 """Names whose predictions are computed."""
@@ -229,7 +231,22 @@ def _by_share(found: C) -> C | None:
         return replace(found, grade=Grade.ONE_OF, named=first_few, rules=(*rules, MARGIN, LEAST_RATIO, MOST_LISTED))
     if found.cycles < LEAST_CYCLES.value:
         return replace(found, grade=Grade.ONE_OF, named=listed, rules=(*rules, LEAST_CYCLES))
+    if not _runs_on(first, found):
+        return replace(found, grade=Grade.ONE_OF, named=listed, rules=(*rules, RUNS_ON))
     return replace(found, grade=Grade.MAIN, named=listed, rules=(*rules, MARGIN, LEAST_RATIO))
+
+
+def _runs_on(first: Finalist, found: Contest) -> bool:
+    """Whether a law that blocks between its own samples cannot refute says more of the last part than the base.
+
+    Such are laws of several numbers, and those of the amplitude and of the time, which one decay does not part. What an
+    event did in the last part nobody can say before.
+    """
+    entry = first.fit.model.terms[-1]
+    follows = len(entry.values) > 1 or any(not_parted(entry.term.name, other.name) for other in NAMED)
+    if found.base_run is None or not follows or entry.term.slot is Slot.EVENT:
+        return True
+    return ratio(first.run, found.base_run) <= RUNS_ON.value
 
 
 def _predicts_better(one: Finalist, first: Finalist) -> bool:

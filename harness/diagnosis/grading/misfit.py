@@ -61,13 +61,13 @@ def _rms(r: FloatArray) -> float:
     return math.sqrt(float(np.mean(r**2)))
 
 
-def misfit(problem: Problem, base: Fit, scales: Scales) -> Misfit:
+def misfit(problem: Problem, base: Fit, scales: Scales, *, whole: bool = False) -> Misfit:
     """The misfit of a recording whose base model is fitted. Raises SimulationError.
 
-    A free decay is looked at from its first turning point, a driven recording whole: no hand lets it go. What noise of
-    its force does is part of the misfit.
+    A free decay is looked at from its first turning point, unless it is known to be free as a ``whole``; a driven
+    recording whole: no hand lets it go. What noise of its force does is part of the misfit.
     """
-    problem, left_out = problem.of_hand_free(_FEWEST)
+    problem, left_out = (problem, 0.0) if whole else problem.of_hand_free(_FEWEST)
     if left_out > 0.0:
         base, scales = baseline(problem)
     strokes = strokes_of(base, problem)

@@ -21,6 +21,7 @@ from harness.diagnosis.prepare.free_decay import free_decay_problem
 from harness.diagnosis.problem import P
 from harness.diagnosis.problems.free_decay import FreeDecay
 from harness.diagnosis.request import Asked
+from harness.diagnosis.residual_tests.structure import Left
 from harness.diagnosis.search.extend import settle
 from harness.diagnosis.search.long_recordings import lifted, shortened
 from harness.diagnosis.search.release_transient import after_hand, over_by
@@ -63,6 +64,9 @@ class FreeDecays(Kind[FreeDecay]):
         if free is not None:
             found, scales, touched = free
             notes = (f"the first {touched:.4g} s are left out: no free decay, as if a hand had not yet been off",)
+        elif over is not None:
+            # what is over while a hand lets go is the hand's: nothing of what follows is explained by it
+            found = replace(found, chosen=found.base, left=Left.STRUCTURE, without=())
         in_means = based.problem.t.size < based.whole.t.size
         every = lifted(found, based.whole, scales) if in_means else found
         # no engine is given a covariate

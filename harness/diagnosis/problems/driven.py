@@ -37,6 +37,11 @@ class Forced(Problem):
         return ("m",) if self.mass is None else ()
 
     @property
+    def pairs_searched(self) -> bool:
+        """Always: a driven path comes back to the same places at other speeds, so that two laws can be told."""
+        return True
+
+    @property
     def alone(self) -> tuple["Forced", ...]:
         """Each recording by itself, where there are several."""
         return ()

@@ -36,6 +36,12 @@ def over_by(found: Fit, problem: Problem, scales: Scales) -> float | None:
     return last if last - begin < HAND_KNOCKS.value * half else None
 
 
+def of_a_hand(found: Fit, problem: Problem, scales: Scales) -> bool:
+    """Whether a fit holds a knock, or all that it names is over while a hand lets go."""
+    knocked = any(entry.term.slot is Slot.EVENT for entry in found.model.terms)
+    return knocked or over_by(found, problem, scales) is not None
+
+
 def after_hand(problem: Problem, scales: Scales, over: float | None = None) -> tuple[Search, Scales, float] | None:
     """A recording without its beginning, where viscous and Coulomb friction explain all else; None where they do not.
 

@@ -128,7 +128,7 @@ def search(problem: P, base: Fit, scales: Scales, renew: Renew[P] = once, begun:
 
     begun : models with one law each that are gone on with instead of first looks.
     """
-    found = _levelled(_search(problem, base, scales, renew, begun))
+    found = levelled(_search(problem, base, scales, renew, begun))
     if not found.chosen.model.terms or found.base.bic > found.chosen.bic + AMONG_NAMES.value + problem.spare:
         return found
     # what counts as noise has grown since the term was decided for
@@ -152,8 +152,8 @@ def _search(problem: P, base: Fit, scales: Scales, renew: Renew[P], begun: Seque
     chosen, rivals = _simplest(singles, base, first), singles
     left = left_by(chosen, problem, scales.omega, base)
     beam = _beam(singles)
-    while len(chosen.model.terms) < MOST_TERMS.count:
-        step = extend(chosen, problem, scales) if left is Left.NOISE else _to_an_end(chosen, problem, scales)
+    while len(chosen.model.terms) < (MOST_TERMS.count if problem.pairs_searched else 1):
+        step = extend(chosen, problem, scales) if left is Left.NOISE else to_an_end(chosen, problem, scales)
         promising = bool(step.fits) and step.fits[0].bic < chosen.bic - second
         if left is Left.NOISE and not promising:
             break
@@ -194,7 +194,7 @@ def less_each(chosen: Fit, fitted: Sequence[Fit | None], searched: Sequence[Fit]
     return tuple(found)
 
 
-def _levelled(found: Search) -> Search:
+def levelled(found: Search) -> Search:
     """The noise as what an explaining model leaves: every sample says something of it then, not the fast part alone."""
     if not found.explained:
         return found
@@ -247,12 +247,12 @@ def _wider(first: Step, chosen: Fit, beam: list[Fit], problem: Problem, scales: 
         if enough and best and left_by(best[0], problem, scales.omega, base) is Left.NOISE:
             break
         following, tried = (parts[0] if parts else waiting[0]), tried + 1
-        steps.append(_to_an_end(following, problem, scales))
+        steps.append(to_an_end(following, problem, scales))
         waiting = [f for f in waiting if f is not following]
     return _merged(steps)
 
 
-def _to_an_end(current: Fit, problem: Problem, scales: Scales) -> Step:
+def to_an_end(current: Fit, problem: Problem, scales: Scales) -> Step:
     """Extensions that may explain, of a model that does not; none where no law promises that."""
     look = Look.at(current, problem, scales, NAMED)
     return extend(current, problem, scales, look=look) if look.promises_an_end else Step(current, ())

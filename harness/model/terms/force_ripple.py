@@ -5,7 +5,7 @@ import math
 from harness.core.arrays import FloatArray
 from harness.model.evidence import Evidence
 from harness.model.law import D_PARAMETER, D_X, VALUE
-from harness.model.term import Parameter, Probe, Slot, Term
+from harness.model.term import Extent, Parameter, Probe, Slot, Term
 
 
 def law(x: float, v: float, theta: FloatArray, o: int, out: FloatArray) -> None:
@@ -29,6 +29,15 @@ def probes(e: Evidence) -> list[Probe]:
     return [(0.0, period, phase) for period in periods for phase in (0.0, -0.5 * math.pi)]
 
 
+_LEAST_PERIODS = 1.5
+"""Over the travel: two wave numbers nearer than one over the travel are one (Rayleigh), and half of that again."""
+
+
+def repeats(values: Probe, extent: Extent) -> bool:
+    """What does not repeat over the way is a spring's shape."""
+    return extent.reach == 0.0 or 2.0 * extent.reach >= _LEAST_PERIODS * values[1]
+
+
 TERM = Term(
     "force-ripple",
     "environment",
@@ -45,5 +54,6 @@ TERM = Term(
     phase=2,
     example=(4.0, 0.35, 0.4),
     push=0,
+    as_named=repeats,
     order=200,
 )
