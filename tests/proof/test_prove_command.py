@@ -11,7 +11,7 @@ from prove_stub import __file__ as stub
 from harness.app.prove import verify
 from harness.app.prove.controls import controls
 from harness.app.prove.prove import ProveOptions, prove
-from harness.app.prove.publish import publish
+from harness.app.prove.publish import place_of, publish
 from harness.app.prove.verify import verify_proof
 from harness.cli.main import run
 from harness.core.errors import HarnessError
@@ -84,6 +84,9 @@ def small(tmp_path: Path, one_version: None) -> Path:
 
 
 def test_only_evidence_is_published(small: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    assert place_of(small) == Path("reports/proof")
+    with pytest.raises(HarnessError, match="holds no finished proof; the folder of one is accepted"):
+        place_of(tmp_path)
     with pytest.raises(HarnessError, match="has too few recordings to be evidence; nothing was published"):
         publish(small, tmp_path / "into")
     assert not (tmp_path / "into").exists()
@@ -113,9 +116,10 @@ def test_controls_of_the_published_proof_are_counted_as_it_counts_them(published
     assert 0.925 < slider.value < 0.98
 
 
-def test_the_published_proof_is_accepted(published_here: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+@pytest.mark.parametrize("name", ["proof", "proof-machines"])
+def test_the_published_proof_is_accepted(name: str, published_here: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(verify, "SAMPLE", 4)
-    proof = published_here
+    proof = published_here.with_name(name)
     check = verify_proof(proof, short=True)
     assert check.wrong == []
     assert (proof / "report.html").stat().st_size < 5_000_000

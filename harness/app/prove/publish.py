@@ -1,4 +1,7 @@
-"""Puts a finished full proof into reports/proof: ``python -m harness.app.prove.publish DIR``."""
+"""Puts a finished full proof where it is published: ``python -m harness.app.prove.publish DIR``.
+
+A proof on recordings of machines goes to reports/proof-machines, any other to reports/proof.
+"""
 
 import shutil
 import sys
@@ -13,6 +16,16 @@ from harness.results.prove import ProofResult
 
 LARGEST = 10_000_000
 """Bytes of everything that is published; recordings are not, they follow from the seed."""
+
+
+def place_of(proof: Path) -> Path:
+    """Where a finished proof is published; raises HarnessError for a folder that holds none."""
+    try:
+        sizes = ProofResult.model_validate_json((proof / RESULT).read_text(encoding="utf-8")).sizes
+    except (OSError, ValueError):
+        raise HarnessError(f"{proof} holds no finished proof; the folder of one is accepted") from None
+    alone = sizes.machines > 0 and sizes.singles == 0
+    return Path("reports/proof-machines" if alone else "reports/proof")
 
 
 def publish(proof: Path, into: Path) -> int:
@@ -41,6 +54,7 @@ if __name__ == "__main__":
     try:
         if len(sys.argv) != 2:
             raise HarnessError("the folder of one finished proof is accepted")
-        print(f"reports/proof: {publish(Path(sys.argv[1]), Path('reports/proof'))} bytes")
+        into = place_of(Path(sys.argv[1]))
+        print(f"{into}: {publish(Path(sys.argv[1]), into)} bytes")
     except HarnessError as error:
         sys.exit(f"harness: {error}")

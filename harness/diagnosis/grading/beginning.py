@@ -28,13 +28,14 @@ def from_the_beginning(found: Search, later: Graded, scales: Scales) -> Graded |
     if later.misfit.left_out == 0.0 or later.grade in (Grade.MAIN, Grade.ONE_OF):
         return None
     # what is over while a hand lets go says nothing of whether one was there
-    lasting = next((f for f in found.singles if not of_a_hand(f, found.problem, scales)), None)
+    seen_whole = (f for f in found.singles if f.shown.x.size == found.problem.t.size)
+    lasting = next((f for f in seen_whole if not of_a_hand(f, found.problem, scales)), None)
     after = replace(later.misfit.problem, noise=found.problem.noise)
     if lasting is None or not _begins_alike(lasting, found.problem, after, scales):
         return None
     seen = grade(misfit(found.problem, found.base, scales, whole=True), found.begun)
     said = seen.grade in (Grade.MAIN, Grade.ONE_OF) and not of_a_hand(seen.named[0].fit, found.problem, scales)
-    return seen if said else None
+    return replace(seen, rules=(*seen.rules, BEGINS_ALIKE)) if said else None
 
 
 def _begins_alike(best: Fit, problem: Problem, later: Problem, scales: Scales) -> bool:
@@ -44,8 +45,6 @@ def _begins_alike(best: Fit, problem: Problem, later: Problem, scales: Scales) -
     about what it leaves of the half-swing that follows, or of all that does, and of that no more than if it alone were
     fitted: a hand bends the whole fit.
     """
-    if best.shown.x.size != problem.t.size:
-        return False
     first = problem.t < later.t[0]
     second = ~first & (problem.t < later.t[0] + math.pi / scales.omega)
     left = _squares(best, problem)
@@ -64,7 +63,7 @@ def _begins_alike(best: Fit, problem: Problem, later: Problem, scales: Scales) -
 def _squares(shown: Fit, problem: Problem) -> FloatArray:
     """What a fit leaves of each sample (n,), over all channels in units of their noise."""
     left = {c: problem.even(c, y - shown.shown.y[c]) / problem.noise[c].sigma for c, y in problem.channels.items()}
-    return sum((r**2 for r in left.values()), start=0.0 * problem.t)
+    return sum((problem.weight[c] * r**2 for c, r in left.items()), start=0.0 * problem.t)
 
 
 def _mean(values: FloatArray, where: BoolArray) -> float:
