@@ -8,6 +8,7 @@ import pytest
 from harness.core.arrays import FloatArray
 from harness.core.errors import InputError
 from harness.diagnosis.baseline.base_fit import baseline
+from harness.diagnosis.explain.cautions import cautions_of_misfit
 from harness.diagnosis.explain.graded import told
 from harness.diagnosis.fit.model_fit import fit
 from harness.diagnosis.fit.parameters import free_of
@@ -182,6 +183,9 @@ def test_what_follows_anything_between_its_samples_must_run_on(
     assert worse.grade is (Grade.ONE_OF if asked else Grade.MAIN)
     assert [f.name for f in worse.named] == [law]
     assert (RUNS_ON in worse.rules) is asked
+    said = [one for one in cautions_of_misfit(worse) if "of the rest: it may follow several small effects" in one]
+    assert said == ([f"fitted to the first 60 %, {law} misses 0.9 times what viscous and Coulomb friction miss of the"
+                     " rest: it may follow several small effects"] if asked else [])  # fmt: skip
 
 
 def test_few_cycles_name_nothing_alone(graded: Graded) -> None:
