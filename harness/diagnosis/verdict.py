@@ -74,7 +74,7 @@ def weighed(found: Search, omega: float) -> Search:
     if not terms or found.by_force or found.left is Left.STRUCTURE:
         return found
     problem, base, chosen = found.problem, found.base, found.chosen
-    if not chosen.as_named or unresolved(terms, omega, problem.duration):
+    if not chosen.explains_as_named or unresolved(terms, omega, problem.duration):
         return replace(found, chosen=base, left=Left.STRUCTURE, without=())
     if len(terms) < 2:
         return found

@@ -130,9 +130,12 @@ class Model:
         own = dict(self.elsewhere[number - 1].values) if number else {}
         return replace(self, elsewhere=(), **own)  # type: ignore[arg-type]
 
-    def as_named(self, reach: float, speed: float) -> bool:
-        """Whether the numbers of every term are what its name says; ``reach`` (m) and ``speed`` (m/s) of the motion."""
-        extent = Extent(self.f_k, reach, speed)
+    def as_named(self, reach: float, speed: float, explains: bool = False) -> bool:
+        """Whether the numbers of every term are what its name says.
+
+        reach (m), speed (m/s) : of the motion. explains : whether the model leaves noise alone.
+        """
+        extent = Extent(self.f_k, reach, speed, explains)
         return all(entry.term.as_named(entry.values, extent) for entry in self.terms)
 
     @property

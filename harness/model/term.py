@@ -107,12 +107,14 @@ def _nothing(values: tuple[float, ...], k: float) -> Mapping[str, str]:
 class Extent:
     """What a law's numbers are measured against: f_k (N), how far (m) and how fast (m/s) the slider moves at most.
 
-    A reach of 0 and a speed of infinity, of a driven path, measure nothing.
+    A reach of 0 and a speed of infinity, of a driven path, measure nothing. explains : whether a model with the law
+    leaves noise alone, so that a corner of it is seen.
     """
 
     f_k: float
     reach: float
     speed: float
+    explains: bool = False
 
 
 def _always(values: Probe, extent: Extent) -> bool:

@@ -150,7 +150,12 @@ def _search(rng: np.random.Generator) -> Search:
         )
         shown = SimpleNamespace(v=np.zeros(1000))
         return SimpleNamespace(
-            model=SimpleNamespace(terms=entries), chi2=chi2, bic=chi2, free=(0,) * 7, shown=shown, as_named=True
+            model=SimpleNamespace(terms=entries),
+            chi2=chi2,
+            bic=chi2,
+            free=(0,) * 7,
+            shown=shown,
+            explains_as_named=True,
         )
 
     turns = np.linspace(1, 998, int(rng.choice([6, 20, 90]))).astype(np.int64)

@@ -96,6 +96,8 @@ def test_a_law_bent_beyond_its_name_is_no_rival(graded: Graded) -> None:
 def test_a_stop_that_acts_over_more_than_half_of_the_way_is_the_springs_shape(key: str) -> None:
     for gap, reach, named in ((0.5, 1.0, True), (0.49, 1.0, False), (0.5, 0.9, True), (0.49, 0.0, True)):
         assert machine(ModelTerm.named(key, gap=gap, k_stop=3.0)).as_named(reach, 9.0) is named
+        # what leaves noise alone has shown its corner
+        assert machine(ModelTerm.named(key, gap=gap, k_stop=3.0)).as_named(reach, 9.0, explains=True)
 
 
 def test_friction_smoothed_over_more_than_half_of_all_speeds_is_a_dampers_shape() -> None:

@@ -18,7 +18,7 @@ from harness.diagnosis.outcome import Grade, Verdict
 from harness.diagnosis.pooling import said as pooled_said
 from harness.diagnosis.pooling.pooled import Differs
 from harness.diagnosis.pooling.said import sentences
-from harness.diagnosis.rules import EVEN, LEAST_CYCLES, SHARE_OF_MISFIT, Rule
+from harness.diagnosis.rules import EVEN, LEAST_CYCLES, RUNS_ON, SHARE_OF_MISFIT, Rule
 from harness.diagnosis.search.search import _beam, _merged
 from harness.model.experiments import LARGER
 from harness.model.model import Model, ModelTerm
@@ -194,11 +194,21 @@ def test_a_model_that_predicts_worse_is_told_so() -> None:
 
 
 def test_cautions_of_a_graded_misfit() -> None:
-    def graded(left_out: float, cycles: float, grade: Grade | None, clock: bool) -> Any:
-        misfit = SimpleNamespace(left_out=left_out, strokes=SimpleNamespace(cycles=cycles))
-        return SimpleNamespace(misfit=misfit, grade=grade, named=(SimpleNamespace(name="harmonic-force", clock=clock),))
+    def graded(left_out: float, cycles: float, grade: Grade | None, clock: bool, pairs: bool = True) -> Any:
+        problem = SimpleNamespace(pairs_searched=pairs)
+        misfit = SimpleNamespace(left_out=left_out, strokes=SimpleNamespace(cycles=cycles), problem=problem)
+        named = SimpleNamespace(name="harmonic-force", clock=clock, run=SimpleNamespace(total=0.9025))
+        return SimpleNamespace(
+            misfit=misfit, grade=grade, named=(named,), base_run=SimpleNamespace(total=1.0), rules=()
+        )
 
-    assert len(cautions_of_misfit(graded(0.0, 20.0, Grade.MAIN, False))) == 1
+    (said,) = cautions_of_misfit(graded(0.0, 20.0, Grade.MAIN, False))
+    assert said.startswith("no entry or pair of the catalogue")
+    (said,) = cautions_of_misfit(graded(0.0, 20.0, Grade.MAIN, False, pairs=False))
+    assert said.startswith("no entry of the catalogue")
+    crowd = graded(0.0, 20.0, Grade.ONE_OF, False)
+    crowd.rules = (RUNS_ON,)
+    assert "harmonic-force misses 0.95 times what viscous and Coulomb friction miss" in cautions_of_misfit(crowd)[1]
     said = cautions_of_misfit(graded(0.31, 4.5, Grade.ONE_OF, True))
     assert [any(words in one for one in said) for words in ("the first 0.31 s", "4.5 cycles are too few")] == [True] * 2
     assert said[-1].startswith("harmonic-force has the period of the oscillation itself")

@@ -22,7 +22,7 @@ def search(terms: int, base: float, turns: int, left: Left = Left.NOISE, named: 
     def fit(chi2: float, count: int) -> Any:
         model = SimpleNamespace(terms=(DRAG,) * count)
         return SimpleNamespace(
-            model=model, chi2=chi2, free=range(6 + 2 * count), shown=SimpleNamespace(v=t), as_named=named
+            model=model, chi2=chi2, free=range(6 + 2 * count), shown=SimpleNamespace(v=t), explains_as_named=named
         )
 
     problem: Any = SimpleNamespace(t=t, duration=1.0, turns=lambda v: np.linspace(1, 998, turns).astype(np.int64))

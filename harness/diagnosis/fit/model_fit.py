@@ -60,7 +60,17 @@ class Fit:
     @property
     def as_named(self) -> bool:
         """Whether the numbers of every term, in this motion, are what its name says."""
-        return self.model.as_named(float(np.max(np.abs(self.shown.x))), float(np.max(np.abs(self.shown.v))))
+        return self.model.as_named(*self._extent)
+
+    @property
+    def explains_as_named(self) -> bool:
+        """The same of a model that leaves noise alone."""
+        return self.model.as_named(*self._extent, explains=True)
+
+    @property
+    def _extent(self) -> tuple[float, float]:
+        """How far (m) and how fast (m/s) the slider moves at most."""
+        return float(np.max(np.abs(self.shown.x))), float(np.max(np.abs(self.shown.v)))
 
     @property
     def values(self) -> FloatArray:

@@ -51,8 +51,8 @@ def probes(e: Evidence) -> list[Probe]:
 
 
 def at_an_end(values: Probe, extent: Extent) -> bool:
-    """What acts over more than half of the way to an end is the spring's shape."""
-    return values[0] >= 0.5 * extent.reach
+    """What acts over more than half of the way to an end is the spring's shape, unless its corner is seen."""
+    return extent.explains or values[0] >= 0.5 * extent.reach
 
 
 def _stop(variant: str, side: str, law: Callable[..., None], sides: tuple[int, ...]) -> Term:
