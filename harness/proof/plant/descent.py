@@ -67,8 +67,10 @@ def descend(
             j, fresh, damping = differences(residual, z, here, step), True, FIRST_DAMPING
             continue
         shift = move / size
-        there = residual(z + shift)
-        new = float(there @ there)
+        # a step far astray ends in infinities, and is not taken
+        with np.errstate(over="ignore", invalid="ignore"):
+            there = residual(z + shift)
+            new = float(there @ there)
         gained = (chi2 - new) / promised
         if gained > 0.0:
             j = j + np.outer((there - here - j @ shift) / float(shift @ shift), shift)
