@@ -116,14 +116,16 @@ def _graded(found: Search, scales: Scales) -> Graded | None:
 
 def _after_first_turn(graded: Graded) -> tuple[Search, Scales, float] | None:
     with suppress(SimulationError):
-        return after_first_turn(graded)
+        later = after_first_turn(graded)
+        return later if later is not None and weighed(later[0], later[1].omega).explained else None
     return None
 
 
 def _with_second(graded: Graded, found: Found) -> Judged | None:
     """The verdict on the main effect with a second law, where both explain what is looked at."""
     with suppress(SimulationError):
-        pair = with_second(graded)
+        found_pair = with_second(graded)
+        pair = None if found_pair is None else weighed(found_pair, graded.misfit.scales.omega)
         judgement = None if pair is None else verdict_of(pair)
         if pair is not None and judgement is not None and judgement.verdict == "missing_physics":
             left_out = graded.misfit.left_out

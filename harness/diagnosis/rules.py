@@ -48,7 +48,7 @@ EVEN = Rule(
     "BIC",
     "a lone law that explains a recording is named, and not listed beside another that does",
     'Kass and Raftery 1995, section 3.2: below it "not worth more than a bare mention"; where the zero of the position'
-    " is unknown another must be decisively worse",
+    " is unknown another must be worse by the margin of a main effect",
 )
 AMONG_NAMES = Rule(
     "among-names",
@@ -357,7 +357,7 @@ MARGIN = Rule(
     "margin",
     6.0,
     "evidence in words",
-    "one term is told apart from another where the misfit is not noise",
+    "one term is told apart from another where the misfit is not noise, or the zero of the position is unknown",
     'Kass and Raftery 1995, section 3.2: "strong" evidence',
 )
 LEAST_RATIO = Rule(

@@ -13,27 +13,37 @@ from harness.diagnosis.outcome import Grade
 from harness.diagnosis.pipeline import diagnose, prepare
 from harness.diagnosis.request import Asked
 from harness.diagnosis.residual_tests.structure import Left
-from harness.diagnosis.rules import DECISIVE, EVEN, LEAST_CYCLES, SHARE_OF_MISFIT
+from harness.diagnosis.rules import EVEN, LEAST_CYCLES, MARGIN, SHARE_OF_MISFIT
 from harness.diagnosis.search.search import Search
 from harness.kernels.solve import solve
 from harness.model.model import Model, ModelTerm, Restoring
 
 
 def search(
-    *, free: bool = True, turns: int = 40, base: float = 9000.0, near: float = 99.0, count: int = 1, **changed: Any
+    *,
+    free: bool = True,
+    turns: int = 40,
+    base: float = 9000.0,
+    near: float = 99.0,
+    leaves: float = 2.0,
+    count: int = 1,
+    **changed: Any,
 ) -> Search:
-    """A law that leaves 1000 of ``base``, and another name worse by ``near`` of BIC."""
+    """A law that leaves 1000 of ``base``; another name leaves so many times as much and is worse by ``near`` of BIC."""
     t = np.arange(1000) * 1e-3
+
+    named = changed.pop("named", True)
 
     def fit(chi2: float, bic: float, *names: str) -> Any:
         terms = tuple(SimpleNamespace(term=SimpleNamespace(name=name)) for name in names)
         shown, free = SimpleNamespace(v=t), range(6 + 2 * len(terms))
-        return SimpleNamespace(model=SimpleNamespace(terms=terms), chi2=chi2, bic=bic, shown=shown, free=free)
+        model = SimpleNamespace(terms=terms)
+        return SimpleNamespace(model=model, chi2=chi2, bic=bic, shown=shown, free=free, explains_as_named=named)
 
     at = np.linspace(1, 998, turns).astype(np.int64)
     problem: Any = SimpleNamespace(t=t, turns=lambda v: at, zero_free=free)
     chosen = fit(1000.0, 0.0, *("stribeck", "end-stop")[:count])
-    rivals = (fit(1000.0, 0.5, "stribeck"), fit(1000.0, near, "presliding"))
+    rivals = (fit(1000.0, 0.5, "stribeck"), fit(1000.0 * leaves, near, "presliding"))
     return Search(problem, fit(base, 9.0), chosen, (), rivals, changed.pop("left", Left.NOISE), **changed)
 
 
@@ -45,12 +55,18 @@ def search(
         (search(turns=14, base=4900.0), (LEAST_CYCLES,)),
         (search(turns=14, base=5000.0), ()),
         (search(turns=15, base=4900.0), ()),
-        (search(near=9.9), (DECISIVE,)),
+        (search(near=9.9), (MARGIN,)),
         (search(near=10.1), ()),
+        (search(near=9.9, named=False), ()),
+        # 35 words ask for a quarter more of squares, 18 for a margin of 6: 18 ln r = 6 at r = 1.396
+        (search(leaves=1.24), (MARGIN,)),
+        (search(leaves=1.26), ()),
+        (search(turns=23, leaves=1.39), (MARGIN,)),
+        (search(turns=23, leaves=1.40), ()),
         (search(base=1650.0), (SHARE_OF_MISFIT,)),
         (search(base=1680.0), ()),
-        (search(base=1650.0, turns=14, near=1.0), (LEAST_CYCLES, SHARE_OF_MISFIT, DECISIVE)),
-        (search(free=False, turns=8, base=1100.0, near=2.1), ()),
+        (search(base=1650.0, turns=14, near=1.0), (LEAST_CYCLES, SHARE_OF_MISFIT, MARGIN)),
+        (search(free=False, turns=8, base=1100.0, near=2.1, leaves=1.0), ()),
         (search(free=False, near=1.9), (EVEN,)),
         (search(count=2, turns=8, near=0.0), ()),
         (search(count=0, turns=8, near=0.0), ()),

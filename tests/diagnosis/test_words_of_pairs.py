@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from harness.diagnosis import pipeline
 from harness.diagnosis.residual_tests.structure import Left
 from harness.diagnosis.search.search import Search
 from harness.diagnosis.verdict import weighed
@@ -77,3 +78,15 @@ def test_a_force_in_step_with_the_swing_or_with_another_explains_nothing(
     found = search(len(terms), 50000.0, 99)
     found.chosen.model.terms = terms  # type: ignore[misc]
     assert weighed(found, OMEGA).left is left
+
+
+@pytest.mark.parametrize(("rate", "explains"), [(OMEGA, False), (2.0 * OMEGA, True)])
+def test_what_explains_what_follows_the_first_turn_is_weighed_too(
+    rate: float, explains: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    found = search(1, 50000.0, 99)
+    found.chosen.model.terms = (force(rate),)  # type: ignore[misc]
+    later: Any = (found, SimpleNamespace(omega=OMEGA), 0.3)
+    monkeypatch.setattr(pipeline, "after_first_turn", lambda graded: later)
+    unread: Any = None
+    assert pipeline._after_first_turn(unread) == (later if explains else None)

@@ -6,6 +6,7 @@ from harness.core.quantity import Quantity
 from harness.diagnosis.fit.model_fit import Fit
 from harness.diagnosis.fit.place import place_of
 from harness.diagnosis.fit.standard_errors import AT_LEAST, term_parameters
+from harness.diagnosis.grading.lone import near
 from harness.diagnosis.outcome import Alternative, Grade, Mechanism
 from harness.diagnosis.rules import DECISIVE, LEAST_RATIO
 from harness.diagnosis.search.extend import key_of
@@ -70,7 +71,8 @@ def _alternatives(found: Search, entry: ModelTerm) -> tuple[Alternative, ...]:
     """
     decay = "driven" not in found.problem.given and not found.problem.parts_amplitude_from_time
     rest = sorted(e.term.name for e in found.chosen.model.terms if e is not entry)
-    near = []
+    unparted = near(found)
+    listed = []
     for rival in found.rivals:
         names = list(key_of(rival))
         delta = rival.bic - found.chosen.bic
@@ -82,9 +84,9 @@ def _alternatives(found: Search, entry: ModelTerm) -> tuple[Alternative, ...]:
         if len(names) != 1 or names[0] == entry.term.name:
             continue
         alike = decay and rival.chi2 < LEAST_RATIO.value * found.chosen.chi2 and not_parted(entry.term.name, names[0])
-        if delta < DECISIVE.value or alike:
-            near.append(Alternative(names[0], delta))
-    return tuple(sorted(near, key=lambda a: a.delta_bic)[:_MOST_ALTERNATIVES])
+        if delta < DECISIVE.value or alike or any(rival is one for one in unparted):
+            listed.append(Alternative(names[0], delta))
+    return tuple(sorted(listed, key=lambda a: a.delta_bic)[:_MOST_ALTERNATIVES])
 
 
 def _said(quantity: Quantity) -> str:

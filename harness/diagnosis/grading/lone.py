@@ -1,8 +1,18 @@
 """Whether a lone law that explains a recording to its noise is the one, or one that looks like it."""
 
+import math
+
 from harness.diagnosis.baseline.words import evidence, strokes_of, words_of
 from harness.diagnosis.fit.model_fit import Fit
-from harness.diagnosis.rules import DECISIVE, EVEN, LEAST_CYCLES, SHARE_OF_MISFIT, Rule
+from harness.diagnosis.rules import (
+    DECISIVE,
+    EVEN,
+    LEAST_CYCLES,
+    LEAST_RATIO,
+    MARGIN,
+    SHARE_OF_MISFIT,
+    Rule,
+)
 from harness.diagnosis.search.extend import key_of
 from harness.diagnosis.search.search import Search
 
@@ -14,28 +24,55 @@ def undecided(found: Search) -> tuple[Rule, ...]:
     before, as on a machine, a crowd of small effects can look like one law: it is then named by what names a main
     effect, that is with enough cycles, a misfit to speak of, and no other law near.
     """
-    if found.by_force or not found.explained or len(found.chosen.model.terms) != 1:
+    if not _lone(found):
         return ()
-    near = min((f.bic - found.chosen.bic for f in _others(found)), default=float("inf"))
     if not found.problem.zero_free:
-        return (EVEN,) if near < EVEN.value else ()
+        return (
+            (EVEN,) if min((f.bic - found.chosen.bic for f in _others(found)), default=EVEN.value) < EVEN.value else ()
+        )
     taken = 1.0 - found.chosen.chi2 / found.base.chi2
     fails = {
         LEAST_CYCLES: _few_words(found),
         SHARE_OF_MISFIT: taken < SHARE_OF_MISFIT.value,
-        DECISIVE: near < DECISIVE.value,
+        MARGIN: bool(near(found)),
     }
     return tuple(rule for rule, failed in fails.items() if failed)
+
+
+def near(found: Search) -> tuple[Fit, ...]:
+    """Other laws that the lone one is not told apart from on a machine: in words, as a main effect from another.
+
+    In samples two laws always differ: by what small effects that nobody models change. A law that is bent beyond its
+    name is no other one.
+    """
+    if not _lone(found) or not found.problem.zero_free:
+        return ()
+    chosen, words = found.chosen, _words(found)
+    margin = max(MARGIN.value, words * math.log(LEAST_RATIO.value))
+
+    def apart(other: Fit) -> bool:
+        gain = evidence(other.chi2, chosen.chi2, words, len(chosen.free) - len(other.free), 1.0)
+        return gain >= margin and other.bic >= chosen.bic + DECISIVE.value
+
+    return tuple(f for f in _others(found) if f.explains_as_named and not apart(f))
+
+
+def _lone(found: Search) -> bool:
+    """Whether one law alone explains a recording."""
+    return not found.by_force and found.explained and len(found.chosen.model.terms) == 1
+
+
+def _words(found: Search) -> float:
+    """Words of the motion, the base's own numbers taken off."""
+    return max(words_of(strokes_of(found.chosen, found.problem)) - len(found.base.free), 1.0)
 
 
 def _few_words(found: Search) -> bool:
     """Whether the cycles are few, and what they say is spent once the base's own numbers have taken their words."""
     base, chosen = found.base, found.chosen
-    strokes = strokes_of(chosen, found.problem)
-    if strokes.cycles >= LEAST_CYCLES.value:
+    if strokes_of(chosen, found.problem).cycles >= LEAST_CYCLES.value:
         return False
-    words = max(words_of(strokes) - len(base.free), 1.0)
-    return evidence(base.chi2, chosen.chi2, words, len(chosen.free) - len(base.free), 1.0) < DECISIVE.value
+    return evidence(base.chi2, chosen.chi2, _words(found), len(chosen.free) - len(base.free), 1.0) < DECISIVE.value
 
 
 def _others(found: Search) -> list[Fit]:
