@@ -53,7 +53,11 @@ def _graded(outcome: Outcome, words: Sequence[str], has: Sequence[str]) -> str:
     if outcome.verdict == "one_of":
         one_of = f"one of {', '.join(words[:-1])} or {words[-1]}"
         if outcome.remainder is None:
-            return f"What {leaves} out is {one_of}: each explains {it} to {its} noise, and {these} cannot tell which."
+            others = "the other" if len(words) == 2 else "the others"
+            return (
+                f"What {leaves} out is {one_of}: {words[0]} explains {it} to {its} noise, {others} nearly as well, and"
+                f" {these} cannot tell which."
+            )
         return (
             f"The main thing that {leaves} out is {one_of}; {these} cannot tell which. The first takes {share} of the"
             " misfit off."
