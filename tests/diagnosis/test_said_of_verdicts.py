@@ -99,8 +99,8 @@ SENTENCES: list[tuple[Any, tuple[str, ...], str]] = [
     (
         outcome("one_of", LISTED, named("end-stop", Grade.ONE_OF), alone=(1, 2), left=False),
         (),
-        "What the simulation leaves out is one of stribeck or end stop: stribeck explains these recordings to their noise,"
-        " the other nearly as well, and these recordings together cannot tell which.",
+        "What the simulation leaves out is one of stribeck or end stop: stribeck explains these recordings to their"
+        " noise, the other nearly as well, and these recordings together cannot tell which.",
     ),
     (
         outcome("unexplained", MINOR),
