@@ -6,6 +6,7 @@ from harness.core.quantity import Quantity
 from harness.diagnosis.fit.model_fit import Fit
 from harness.diagnosis.fit.place import place_of
 from harness.diagnosis.fit.standard_errors import AT_LEAST, term_parameters
+from harness.diagnosis.grading.clocks import on_the_swing
 from harness.diagnosis.grading.lone import near
 from harness.diagnosis.outcome import Alternative, Grade, Mechanism
 from harness.diagnosis.rules import DECISIVE, LEAST_RATIO
@@ -28,7 +29,7 @@ def mechanism(found: Search, index: int, entry: ModelTerm, omega: float, place: 
         parameters=parameters,
         delta_bic=_lost_without(found, index),
         place=place,
-        alternatives=_alternatives(found, entry),
+        alternatives=_alternatives(found, entry, omega),
         share=_share(found, entry),
     )
 
@@ -63,16 +64,17 @@ def _lost_without(found: Search, index: int) -> float:
     return left_without(found, index).bic - found.chosen.bic
 
 
-def _alternatives(found: Search, entry: ModelTerm) -> tuple[Alternative, ...]:
+def _alternatives(found: Search, entry: ModelTerm, omega: float) -> tuple[Alternative, ...]:
     """Names that could stand in a term's place: by less than what is decisive, or because one decay cannot part them.
 
     Evidence that two laws differ is evidence of their shape; a law of the amplitude and one of the time differ in
-    little else, and by less than what small effects that nobody models change.
+    little else, and by less than what small effects that nobody models change. A clock on the swing follows any other,
+    and comes last.
     """
     decay = "driven" not in found.problem.given and not found.problem.parts_amplitude_from_time
     rest = sorted(e.term.name for e in found.chosen.model.terms if e is not entry)
     unparted = near(found)
-    listed = []
+    listed: list[tuple[bool, float, str]] = []
     for rival in found.rivals:
         names = list(key_of(rival))
         delta = rival.bic - found.chosen.bic
@@ -85,8 +87,9 @@ def _alternatives(found: Search, entry: ModelTerm) -> tuple[Alternative, ...]:
             continue
         alike = decay and rival.chi2 < LEAST_RATIO.value * found.chosen.chi2 and not_parted(entry.term.name, names[0])
         if delta < DECISIVE.value or alike or any(rival is one for one in unparted):
-            listed.append(Alternative(names[0], delta))
-    return tuple(sorted(listed, key=lambda a: a.delta_bic)[:_MOST_ALTERNATIVES])
+            clock = any(on_the_swing(e, omega, found.problem.duration) for e in rival.model.terms)
+            listed.append((clock, delta, names[0]))
+    return tuple(Alternative(name, delta) for _, delta, name in sorted(listed)[:_MOST_ALTERNATIVES])
 
 
 def _said(quantity: Quantity) -> str:
