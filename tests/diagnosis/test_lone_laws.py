@@ -32,7 +32,7 @@ def search(
     """A law that leaves 1000 of ``base``; another name leaves so many times as much and is worse by ``near`` of BIC."""
     t = np.arange(1000) * 1e-3
 
-    named = changed.pop("named", True)
+    named, parted = changed.pop("named", True), changed.pop("parted", False)
 
     def fit(chi2: float, bic: float, *names: str) -> Any:
         terms = tuple(SimpleNamespace(term=SimpleNamespace(name=name)) for name in names)
@@ -41,7 +41,7 @@ def search(
         return SimpleNamespace(model=model, chi2=chi2, bic=bic, shown=shown, free=free, explains_as_named=named)
 
     at = np.linspace(1, 998, turns).astype(np.int64)
-    problem: Any = SimpleNamespace(t=t, turns=lambda v: at, zero_free=free)
+    problem: Any = SimpleNamespace(t=t, turns=lambda v: at, zero_free=free, parts_amplitude_from_time=parted)
     chosen = fit(1000.0, 0.0, *("stribeck", "end-stop")[:count])
     rivals = (fit(1000.0, 0.5, "stribeck"), fit(1000.0 * leaves, near, "presliding"))
     return Search(problem, fit(base, 9.0), chosen, (), rivals, changed.pop("left", Left.NOISE), **changed)
@@ -61,6 +61,8 @@ def search(
         # 35 words ask for a quarter more of squares, 18 for a margin of 6: 18 ln r = 6 at r = 1.396
         (search(leaves=1.24), (MARGIN,)),
         (search(leaves=1.26), ()),
+        (search(leaves=1.01, parted=True), ()),
+        (search(near=9.9, parted=True), (MARGIN,)),
         (search(turns=23, leaves=1.39), (MARGIN,)),
         (search(turns=23, leaves=1.40), ()),
         (search(base=1650.0), (SHARE_OF_MISFIT,)),

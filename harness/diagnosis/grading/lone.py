@@ -42,8 +42,8 @@ def undecided(found: Search) -> tuple[Rule, ...]:
 def near(found: Search) -> tuple[Fit, ...]:
     """Other laws that the lone one is not told apart from on a machine: in words, as a main effect from another.
 
-    In samples two laws always differ: by what small effects that nobody models change. A law that is bent beyond its
-    name is no other one.
+    In samples two laws always differ: by what small effects that nobody models change. Where several amplitudes part
+    laws of it from laws of the time, they say so; a law that is bent beyond its name is no other one.
     """
     if not _lone(found) or not found.problem.zero_free:
         return ()
@@ -52,7 +52,8 @@ def near(found: Search) -> tuple[Fit, ...]:
 
     def apart(other: Fit) -> bool:
         gain = evidence(other.chi2, chosen.chi2, words, len(chosen.free) - len(other.free), 1.0)
-        return gain >= margin and other.bic >= chosen.bic + DECISIVE.value
+        said = gain >= margin or found.problem.parts_amplitude_from_time
+        return said and other.bic >= chosen.bic + DECISIVE.value
 
     return tuple(f for f in _others(found) if f.explains_as_named and not apart(f))
 
