@@ -10,7 +10,7 @@ from harness.diagnosis.pipeline import explain, fit_base, judge, prepare, search
 from harness.diagnosis.request import Asked
 from harness.diagnosis.residual_tests.structure import Left
 from harness.diagnosis.rules import SECOND_TERM
-from harness.diagnosis.stages import Judged
+from harness.diagnosis.stages import Found, Judged
 from harness.kernels.solve import solve
 from harness.model.model import Model, ModelTerm, Restoring
 
@@ -25,14 +25,19 @@ def recorded(drag: float, bend: float, zero: float = 0.013) -> Recording:
     return Recording(t, {"x": x + zero + SIGMA * np.random.default_rng(8).standard_normal(t.size)}, "two.csv")
 
 
-def judged(recording: Recording, zero_free: bool) -> Judged:
-    return judge(search(fit_base(prepare(recording, Asked(Restoring.SPRING, zero_free))[0])))
+def searched(recording: Recording, zero_free: bool) -> Found:
+    return search(fit_base(prepare(recording, Asked(Restoring.SPRING, zero_free))[0]))
 
 
 @pytest.fixture(scope="module")
-def main_and_small() -> Judged:
+def found() -> Found:
     """A drag that makes most of the misfit, a spring that is bent a little."""
-    return judged(recorded(0.6, 12.0), zero_free=True)
+    return searched(recorded(0.6, 12.0), zero_free=True)
+
+
+@pytest.fixture(scope="module")
+def main_and_small(found: Found) -> Judged:
+    return judge(found)
 
 
 def test_the_main_effect_comes_first_and_the_small_one_with_its_numbers(main_and_small: Judged) -> None:
@@ -48,31 +53,34 @@ def test_the_main_effect_comes_first_and_the_small_one_with_its_numbers(main_and
     assert first.share is not None
     assert second.share is not None
     assert first.share > 0.6 > second.share
-    found = main_and_small.found.search
-    assert all(one is not None and one.bic > found.chosen.bic + SECOND_TERM.value for one in found.without)
+    pair = main_and_small.found.search
+    assert all(one is not None and one.bic > pair.chosen.bic + SECOND_TERM.value for one in pair.without)
 
 
-def test_no_pair_is_looked_for_on_a_machine(main_and_small: Judged) -> None:
-    found = search(fit_base(prepare(recorded(0.6, 12.0), Asked(Restoring.SPRING, zero_free=True))[0])).search
-    assert len(found.chosen.model.terms) == 1
-    assert found.left is Left.STRUCTURE
+def test_no_pair_is_looked_for_on_a_machine(found: Found, main_and_small: Judged) -> None:
+    assert len(found.search.chosen.model.terms) == 1
+    assert found.search.left is Left.STRUCTURE
     assert main_and_small.found.search.left is Left.NOISE
 
 
 def test_a_second_law_that_another_follows_is_not_told() -> None:
     """Bent by 4 N/m^2: a zero that drifts leaves 1.33 times what it leaves; 20 words ask for exp(6/20) = 1.35."""
-    found = judged(recorded(0.6, 4.0), zero_free=True)
-    assert found.judgement.verdict == "main_effect"
-    assert [entry.term.name for entry in found.judgement.refined.model.terms] == ["quadratic-drag"]
+    told = judge(searched(recorded(0.6, 4.0), zero_free=True))
+    assert told.judgement.verdict == "main_effect"
+    assert [entry.term.name for entry in told.judgement.refined.model.terms] == ["quadratic-drag"]
 
 
-def test_two_that_are_alike_are_a_crowd_on_a_machine_and_a_pair_on_a_bench() -> None:
-    free = judged(recorded(0.19, 12.0), zero_free=True)
+def test_two_that_are_alike_are_a_crowd_on_a_machine() -> None:
+    free = judge(searched(recorded(0.19, 12.0), zero_free=True))
     assert free.graded is not None
     assert free.graded.grade is not Grade.MAIN
     assert with_second(free.graded) is None
     assert free.judgement.verdict not in ("missing_physics", "main_effect")
-    known = judged(recorded(0.19, 12.0, zero=0.0), zero_free=False)
+
+
+@pytest.mark.full
+def test_two_that_are_alike_are_a_pair_on_a_bench() -> None:
+    known = judge(searched(recorded(0.19, 12.0, zero=0.0), zero_free=False))
     assert known.judgement.verdict == "missing_physics"
     names = {entry.term.name for entry in known.judgement.refined.model.terms}
     assert names == {"quadratic-drag", "quadratic-stiffness"}
