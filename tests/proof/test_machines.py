@@ -177,6 +177,14 @@ def test_a_pendulum_of_no_end_of_steps_is_refused() -> None:
         swing(np.linspace(0.0, 10.0, 11), 1e12, 0.01, 0.0, 1.0, 0.0)
 
 
+def test_a_pendulum_that_is_driven_beyond_all_numbers_is_refused() -> None:
+    """The sine of what is beyond them is none."""
+    rig = case_of("pendulum").rig
+    assert rig.base.restoring == "pendulum"
+    with np.errstate(over="ignore", invalid="ignore"), pytest.raises(SimulationError, match="machines: "):
+        read(rig, {"quadratic-drag": {"c2": -1e3 * rig.base.m}}, quick=True)
+
+
 @pytest.mark.parametrize("name", sorted(DRAWN))
 def test_the_answer_says_what_is_in_the_file(name: str) -> None:
     answer, (head, values) = job_made(name).answer, columns(job_made(name).recording)

@@ -141,7 +141,8 @@ def _stepped(model: PlantModel, t: FloatArray) -> PlantRun:
         return _simulated(model, t)
     try:
         return step_through(model, t)
-    except OverflowError as error:
+    # beyond all numbers, or the sine of what is
+    except (OverflowError, ValueError) as error:
         raise SimulationError(f"machines: {error}") from None
 
 
@@ -151,7 +152,7 @@ def _simulated(model: PlantModel, t: FloatArray) -> PlantRun:
     try:
         with np.errstate(invalid="raise"):
             return simulate(model, t, tolerance=TOLERANCE, pieces=PIECES, solver=solver)
-    except (FloatingPointError, OverflowError) as error:
+    except (FloatingPointError, OverflowError, ValueError) as error:
         raise SimulationError(f"machines: {error}") from None
 
 
