@@ -16,6 +16,7 @@ from harness.app.diagnose.options import DiagnoseOptions
 from harness.app.diagnose.problem import prepared
 from harness.app.shared.reading import read, spooled
 from harness.core.recording import Recording
+from harness.diagnosis.baseline import words
 from harness.diagnosis.grading import grade as grading
 from harness.diagnosis.grading.grade import Graded, decided, grade
 from harness.diagnosis.grading.misfit import misfit
@@ -97,15 +98,15 @@ def settings() -> list[Setting]:
 @contextmanager
 def _instead(setting: Setting) -> Iterator[None]:
     """Grading with other values of its rules, for a while."""
-    known = {name: rule for name, (rule, _) in TRIED.items() if hasattr(grading, name)}
+    known = [(module, name) for module in (grading, words) for name in TRIED if hasattr(module, name)]
+    values = {name: replace(rule, value=v) for (name, (rule, _)), v in zip(TRIED.items(), setting, strict=True)}
     try:
-        for (name, (rule, _)), value in zip(TRIED.items(), setting, strict=True):
-            if name in known:
-                setattr(grading, name, replace(rule, value=value))
+        for module, name in known:
+            setattr(module, name, values[name])
         yield
     finally:
-        for name, rule in known.items():
-            setattr(grading, name, rule)
+        for module, name in known:
+            setattr(module, name, TRIED[name][0])
 
 
 def _in_words(found: Graded, most: float) -> Graded:

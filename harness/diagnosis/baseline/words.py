@@ -13,7 +13,7 @@ import numpy as np
 from harness.core.arrays import FloatArray, IntArray
 from harness.diagnosis.fit.model_fit import Fit
 from harness.diagnosis.problem import Problem
-from harness.diagnosis.rules import MOST_WORDS
+from harness.diagnosis.rules import LEAST_RATIO, MARGIN, MOST_WORDS
 
 
 @dataclass(frozen=True, slots=True)
@@ -49,6 +49,19 @@ def strokes_of(shown: Fit, problem: Problem) -> Strokes:
 def words_of(strokes: Strokes) -> float:
     """Independent words of a misfit: one a stroke, at most so many as a rule allows."""
     return min(float(strokes.count), MOST_WORDS.value)
+
+
+def words_beside(base: Fit, strokes: Strokes) -> float:
+    """Words that are left when the numbers of a base fit have taken theirs, one at least."""
+    return max(words_of(strokes) - len(base.free), 1.0)
+
+
+def margin_of(words: float) -> float:
+    """Evidence by which one law is told from another: at many words a margin is a hair in squares.
+
+    Small effects that nobody models shift so little by themselves, so that a least ratio is asked besides.
+    """
+    return max(MARGIN.value, words * math.log(LEAST_RATIO.value))
 
 
 def evidence(before: float, after: float, words: float, parameters: int, cells: float) -> float:

@@ -5,7 +5,6 @@ is judged by its share of the misfit, by evidence that counts words and not samp
 term, and by prediction of what it was not fitted to.
 """
 
-import math
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -13,7 +12,7 @@ from typing import TypeVar
 
 import numpy as np
 
-from harness.diagnosis.baseline.words import evidence
+from harness.diagnosis.baseline.words import evidence, margin_of
 from harness.diagnosis.fit.model_fit import Fit
 from harness.diagnosis.grading.clocks import on_the_swing
 from harness.diagnosis.grading.friction_split import resplit
@@ -199,8 +198,7 @@ def cells_of(seen: Evidence) -> dict[str, float]:
 
 def _alike(first: Finalist, found: Contest) -> list[Finalist]:
     """Those that are not told apart from the first; a clock on the swing follows anything, so that it must predict."""
-    # at many words a margin is a hair in squares, which small effects that nobody models shift by themselves
-    margin = max(MARGIN.value, found.words * math.log(LEAST_RATIO.value))
+    margin = margin_of(found.words)
     near = [f for f in found.finalists if f is not first and f.gain >= GAIN.value and f.gain > first.gain - margin]
     return [f for f in near if not f.clock] + [f for f in near if f.clock and worthy(f, found)]
 

@@ -1,18 +1,8 @@
 """Whether a lone law that explains a recording to its noise is the one, or one that looks like it."""
 
-import math
-
-from harness.diagnosis.baseline.words import evidence, strokes_of, words_of
+from harness.diagnosis.baseline.words import evidence, margin_of, strokes_of, words_beside
 from harness.diagnosis.fit.model_fit import Fit
-from harness.diagnosis.rules import (
-    DECISIVE,
-    EVEN,
-    LEAST_CYCLES,
-    LEAST_RATIO,
-    MARGIN,
-    SHARE_OF_MISFIT,
-    Rule,
-)
+from harness.diagnosis.rules import DECISIVE, EVEN, LEAST_CYCLES, MARGIN, SHARE_OF_MISFIT, Rule
 from harness.diagnosis.search.extend import key_of
 from harness.diagnosis.search.search import Search
 
@@ -27,9 +17,7 @@ def undecided(found: Search) -> tuple[Rule, ...]:
     if not _lone(found):
         return ()
     if not found.problem.zero_free:
-        return (
-            (EVEN,) if min((f.bic - found.chosen.bic for f in _others(found)), default=EVEN.value) < EVEN.value else ()
-        )
+        return (EVEN,) if any(f.bic < found.chosen.bic + EVEN.value for f in _others(found)) else ()
     taken = 1.0 - found.chosen.chi2 / found.base.chi2
     fails = {
         LEAST_CYCLES: _few_words(found),
@@ -47,12 +35,11 @@ def near(found: Search) -> tuple[Fit, ...]:
     """
     if not _lone(found) or not found.problem.zero_free:
         return ()
-    chosen, words = found.chosen, _words(found)
-    margin = max(MARGIN.value, words * math.log(LEAST_RATIO.value))
+    chosen, words = found.chosen, words_beside(found.base, strokes_of(found.chosen, found.problem))
 
     def apart(other: Fit) -> bool:
         gain = evidence(other.chi2, chosen.chi2, words, len(chosen.free) - len(other.free), 1.0)
-        said = gain >= margin or found.problem.parts_amplitude_from_time
+        said = gain >= margin_of(words) or found.problem.parts_amplitude_from_time
         return said and other.bic >= chosen.bic + DECISIVE.value
 
     return tuple(f for f in _others(found) if f.explains_as_named and not apart(f))
@@ -63,17 +50,14 @@ def _lone(found: Search) -> bool:
     return not found.by_force and found.explained and len(found.chosen.model.terms) == 1
 
 
-def _words(found: Search) -> float:
-    """Words of the motion, the base's own numbers taken off."""
-    return max(words_of(strokes_of(found.chosen, found.problem)) - len(found.base.free), 1.0)
-
-
 def _few_words(found: Search) -> bool:
     """Whether the cycles are few, and what they say is spent once the base's own numbers have taken their words."""
     base, chosen = found.base, found.chosen
-    if strokes_of(chosen, found.problem).cycles >= LEAST_CYCLES.value:
+    strokes = strokes_of(chosen, found.problem)
+    if strokes.cycles >= LEAST_CYCLES.value:
         return False
-    return evidence(base.chi2, chosen.chi2, _words(found), len(chosen.free) - len(base.free), 1.0) < DECISIVE.value
+    words = words_beside(base, strokes)
+    return evidence(base.chi2, chosen.chi2, words, len(chosen.free) - len(base.free), 1.0) < DECISIVE.value
 
 
 def _others(found: Search) -> list[Fit]:

@@ -5,16 +5,15 @@ effect that stands by itself one more is told, if it leaves noise alone and says
 other by the margin that a main effect has.
 """
 
-import math
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
 
-from harness.diagnosis.baseline.words import evidence, words_of
+from harness.diagnosis.baseline.words import evidence, margin_of, words_beside
 from harness.diagnosis.fit.model_fit import Fit
 from harness.diagnosis.grading.grade import Graded
 from harness.diagnosis.outcome import Grade
 from harness.diagnosis.residual_tests.structure import Left, left_by
-from harness.diagnosis.rules import GAIN, LEAST_RATIO, MARGIN, SECOND_TERM
+from harness.diagnosis.rules import GAIN, SECOND_TERM
 from harness.diagnosis.search.extend import key_of, prune, settle
 from harness.diagnosis.search.search import Search, less_each, levelled, noise_of, to_an_end, under
 
@@ -36,7 +35,7 @@ def with_second(graded: Graded) -> Search | None:
     if left_by(chosen, problem, scales.omega, base) is not Left.NOISE:
         return None
     others = (*rivals[1:], *(under(f, problem) for f in step.fits[2:]))
-    if not _told(first, chosen, others, max(words_of(misfit.strokes) - len(base.free), 1.0)):
+    if not _told(first, chosen, others, words_beside(base, misfit.strokes)):
         return None
     kept, without = prune(chosen, problem, scales)
     if key_of(kept) != key_of(chosen):
@@ -55,8 +54,7 @@ def _told(first: Fit, chosen: Fit, others: Sequence[Fit], words: float) -> bool:
     def gain(over: Fit) -> float:
         return evidence(over.chi2, chosen.chi2, words, len(chosen.free) - len(over.free), 1.0)
 
-    margin = max(MARGIN.value, words * math.log(LEAST_RATIO.value))
-    return gain(first) >= GAIN.value and all(gain(one) >= margin for one in others)
+    return gain(first) >= GAIN.value and all(gain(one) >= margin_of(words) for one in others)
 
 
 def _by_bic(fits: Iterable[Fit]) -> tuple[Fit, ...]:
