@@ -58,9 +58,10 @@ def diagnosis_sections(
 
 
 def to_change(attribution: Mapping[str, Any]) -> list[str]:
-    """What a trace reads, and the changes, a sentence each."""
-    changes = [change["said"] for change in attribution.get("changes") or []]
-    return [*(attribution.get("sentences") or []), *(f"{said[0].upper()}{said[1:]}." for said in changes)]
+    """What a trace reads, and the changes, a sentence each; one of a parameter begins with its symbol."""
+    changes = [(c["said"], c["kind"] == "parameter") for c in attribution.get("changes") or []]
+    said = [f"{text}." if symbol else f"{text[0].upper()}{text[1:]}." for text, symbol in changes]
+    return [*(attribution.get("sentences") or []), *said]
 
 
 def diagnosis_title(result: Mapping[str, Any]) -> tuple[str, str]:
