@@ -369,6 +369,24 @@ LEAST_RATIO = Rule(
     " 1.15 and 1.25 answer alike, 1.05 and 1.1 name one main effect more and claim one control more"
     " (python -m harness.app.calibrate main-effect)",
 )
+CROWD = Rule(
+    "crowd",
+    3.0,
+    "names",
+    "so many others, each of which takes nearly as much off as the first, make a list of it",
+    "what many laws sum up alike may be a sum of several: of 600 controls of two sealed draws 24 are claimed to have a"
+    " main effect without it and 15 with it, of their 170 true names 155 stay; of 240 other machines 45 stay of 53, and"
+    " 2 of 72 controls are claimed either way"
+    " (python -m harness.app.calibrate main-effect --draws 240 --seed 20261125)",
+)
+CROWD_SHARE = Rule(
+    "crowd-share",
+    0.75,
+    "share of the first's",
+    "another term takes nearly as much off as the first",
+    "on the same machines .65 claims one control less and names five main effects less, .85 names two more"
+    " (python -m harness.app.calibrate main-effect --draws 240 --seed 20261125)",
+)
 SHARE_OF_EXCESS = Rule(
     "share-of-excess",
     0.6,

@@ -8,7 +8,7 @@ from harness.kernels.interpolate import interpolate
 from harness.kernels.layout import N_MODULATION, N_STATE
 from harness.kernels.level import break_away_at, by_modulation
 from harness.kernels.rhs import excess, rhs
-from harness.kernels.step import step
+from harness.kernels.step import advance, step
 from harness.kernels.work import ACROSS, PLACES, ROW_V, SPARE, STAGES, Work
 from harness.model.law import MASS
 
@@ -70,7 +70,7 @@ turning_share = compiled(_turning_share, lean=True)
 def _to_reversal(t: float, trial: float, h: float, mode: int, u0: float, u_rate: float, w: Work) -> float:
     """Step to the reversal near ``trial`` within a step of h, by Newton's method on real steps; returns its length."""
     for _ in range(_POLISH):
-        step(t, trial, mode, u0, u_rate, w)
+        advance(t, trial, mode, u0, u_rate, w)
         slowing = w.ks[STAGES - 1, 1]
         if slowing == 0.0:
             break
@@ -78,6 +78,7 @@ def _to_reversal(t: float, trial: float, h: float, mode: int, u0: float, u_rate:
         if abs(change) <= 1e-15 * h or not 0.0 < trial + change <= h:
             break
         trial += change
+    step(t, trial, mode, u0, u_rate, w)
     w.z1[1] = 0.0
     return trial
 

@@ -1,6 +1,8 @@
 """One step of Dormand and Prince's embedded pair, order 5(4), of the state and its sensitivities.
 
-Source: J. R. Dormand, P. J. Prince, J. Comp. Appl. Math. 6 (1980) 19-26, table 2 (the pair known as DOPRI5).
+The state goes first and leaves its partials of every stage; the sensitivities follow, column by column, with all their
+slopes in registers. Source: J. R. Dormand, P. J. Prince, J. Comp. Appl. Math. 6 (1980) 19-26, table 2 (the pair known
+as DOPRI5).
 """
 
 import math
@@ -47,28 +49,30 @@ def _slope(stage: int, t: float, z: FloatArray, s: FloatArray, mode: int, u: flo
 slope = compiled(_slope, lean=True)
 
 
-def _step(t: float, h: float, mode: int, u0: float, u_rate: float, w: Work) -> float:
-    """Step from (t, z, s) by h into z1, s1; ks[0], kss[0] hold the slopes at t. Returns the error, 1 being allowed.
+def _advance(t: float, h: float, mode: int, u0: float, u_rate: float, w: Work) -> float:
+    """The state alone from (t, z) by h into z1, with ks[0] the slopes at t. Returns its error, 1 being allowed.
 
-    u0 + u_rate tau is the drive within the step. The error of the sensitivities matters where a law has a corner, which
-    the state hardly feels. Afterwards ks[6], kss[6] are the slopes at t + h.
+    u0 + u_rate tau is the drive within the step. Afterwards ks[6] are the slopes at t + h, and jacs and pushes hold the
+    partials of each stage's slopes by the state and by what the columns belong to.
     """
     n, q_count = w.spec[N_STATE], w.count[ACROSS]
-    z, s, z1, s1, ks, kss = w.z, w.s, w.z1, w.s1, w.ks, w.kss
+    z, z1, ks, columns = w.z, w.z1, w.ks, w.columns
+    jac, by_theta, jacs, pushes = w.jac, w.by_theta, w.jacs, w.pushes
     for stage in range(1, STAGES):
         for i in range(n):
             total = 0.0
             for r in range(stage):
                 total += A[stage, r] * ks[r, i]
             z1[i] = z[i] + h * total
-            for q in range(q_count):
-                s1[i, q] = s[i, q]
-            for r in range(stage):
-                weight = h * A[stage, r]
-                for q in range(q_count):
-                    s1[i, q] += weight * kss[r, i, q]
         tau = C[stage] * h
-        slope(stage, t + tau, z1, s1, mode, u0 + u_rate * tau, w)
+        rhs(stage, t + tau, z1, mode, u0 + u_rate * tau, w)
+        for i in range(n):
+            for j in range(n):
+                jacs[stage, i, j] = jac[i, j]
+        # nothing that is fitted moves the displacement but through the speed
+        for i in range(1, n):
+            for q in range(q_count):
+                pushes[stage, i, q] = by_theta[i, columns[q]] if columns[q] >= 0 else 0.0
     error = 0.0
     for i in range(n):
         total = 0.0
@@ -77,19 +81,114 @@ def _step(t: float, h: float, mode: int, u0: float, u_rate: float, w: Work) -> f
         if not math.isfinite(total):
             return math.inf
         error = max(error, abs(h * total) / (w.scale[i] + _ROUNDING * abs(z1[i])))
-    for q in range(q_count):
-        worst, size = 0.0, w.size_s[q]
+    return error
+
+
+advance = compiled(_advance, lean=True)
+
+
+def _judged(q: int, n: int, worst: float, w: Work) -> float:
+    """Error of column q of the sensitivities, 1 being allowed; worst : the largest of its states, of their scales."""
+    if not worst > 0.0:
+        return 0.0
+    size = w.size_s[q]
+    for i in range(n):
+        size = max(size, abs(w.s1[i, q]) / w.scale[i])
+    # a column that is 0 until now is as large as its slope lets it become
+    size = max(size, w.h_max * abs(w.kss[STAGES - 1, 1, q]) / w.scale[1])
+    error: float = worst / (w.sensitivity_error * size)
+    return error
+
+
+judged = compiled(_judged, lean=True)
+
+
+def _carry_two(h: float, w: Work) -> float:
+    """Sensitivities of displacement and speed through the step that ``advance`` made; returns their error."""
+    s, s1, kss, jacs, pushes = w.s, w.s1, w.kss, w.jacs, w.pushes
+    a10 = h * A[1, 0]
+    a20, a21 = h * A[2, 0], h * A[2, 1]
+    a30, a31, a32 = h * A[3, 0], h * A[3, 1], h * A[3, 2]
+    a40, a41, a42, a43 = h * A[4, 0], h * A[4, 1], h * A[4, 2], h * A[4, 3]
+    a50, a51, a52, a53, a54 = h * A[5, 0], h * A[5, 1], h * A[5, 2], h * A[5, 3], h * A[5, 4]
+    a60, a62, a63, a64, a65 = h * A[6, 0], h * A[6, 2], h * A[6, 3], h * A[6, 4], h * A[6, 5]
+    error = 0.0
+    for q in range(w.count[ACROSS]):
+        p, v = s[0, q], s[1, q]
+        x0, v0 = kss[0, 0, q], kss[0, 1, q]
+        pp, vv = p + a10 * x0, v + a10 * v0
+        x1 = jacs[1, 0, 0] * pp + jacs[1, 0, 1] * vv
+        v1 = pushes[1, 1, q] + jacs[1, 1, 0] * pp + jacs[1, 1, 1] * vv
+        pp, vv = p + a20 * x0 + a21 * x1, v + a20 * v0 + a21 * v1
+        x2 = jacs[2, 0, 0] * pp + jacs[2, 0, 1] * vv
+        v2 = pushes[2, 1, q] + jacs[2, 1, 0] * pp + jacs[2, 1, 1] * vv
+        pp, vv = p + a30 * x0 + a31 * x1 + a32 * x2, v + a30 * v0 + a31 * v1 + a32 * v2
+        x3 = jacs[3, 0, 0] * pp + jacs[3, 0, 1] * vv
+        v3 = pushes[3, 1, q] + jacs[3, 1, 0] * pp + jacs[3, 1, 1] * vv
+        pp = p + a40 * x0 + a41 * x1 + a42 * x2 + a43 * x3
+        vv = v + a40 * v0 + a41 * v1 + a42 * v2 + a43 * v3
+        x4 = jacs[4, 0, 0] * pp + jacs[4, 0, 1] * vv
+        v4 = pushes[4, 1, q] + jacs[4, 1, 0] * pp + jacs[4, 1, 1] * vv
+        pp = p + a50 * x0 + a51 * x1 + a52 * x2 + a53 * x3 + a54 * x4
+        vv = v + a50 * v0 + a51 * v1 + a52 * v2 + a53 * v3 + a54 * v4
+        x5 = jacs[5, 0, 0] * pp + jacs[5, 0, 1] * vv
+        v5 = pushes[5, 1, q] + jacs[5, 1, 0] * pp + jacs[5, 1, 1] * vv
+        pp = p + a60 * x0 + a62 * x2 + a63 * x3 + a64 * x4 + a65 * x5
+        vv = v + a60 * v0 + a62 * v2 + a63 * v3 + a64 * v4 + a65 * v5
+        x6 = jacs[6, 0, 0] * pp + jacs[6, 0, 1] * vv
+        v6 = pushes[6, 1, q] + jacs[6, 1, 0] * pp + jacs[6, 1, 1] * vv
+        s1[0, q], s1[1, q] = pp, vv
+        kss[STAGES - 1, 0, q], kss[STAGES - 1, 1, q] = x6, v6
+        off = E[0] * x0 + E[2] * x2 + E[3] * x3 + E[4] * x4 + E[5] * x5 + E[6] * x6
+        worst = abs(h * off) / w.scale[0]
+        off = E[0] * v0 + E[2] * v2 + E[3] * v3 + E[4] * v4 + E[5] * v5 + E[6] * v6
+        error = max(error, judged(q, 2, max(worst, abs(h * off) / w.scale[1]), w))
+    return error
+
+
+carry_two = compiled(_carry_two, lean=True)
+
+
+def _carry(h: float, w: Work) -> float:
+    """Sensitivities of any number of states through the step that ``advance`` made; returns their error."""
+    n = w.spec[N_STATE]
+    s, s1, kss, jacs, pushes = w.s, w.s1, w.kss, w.jacs, w.pushes
+    error = 0.0
+    for q in range(w.count[ACROSS]):
+        for stage in range(1, STAGES):
+            for i in range(n):
+                total = s[i, q]
+                for r in range(stage):
+                    total += h * A[stage, r] * kss[r, i, q]
+                s1[i, q] = total
+            for i in range(n):
+                total = pushes[stage, i, q]
+                for j in range(n):
+                    total += jacs[stage, i, j] * s1[j, q]
+                kss[stage, i, q] = total
+        worst = 0.0
         for i in range(n):
             total = 0.0
             for r in range(STAGES):
                 total += E[r] * kss[r, i, q]
             worst = max(worst, abs(h * total) / w.scale[i])
-            size = max(size, abs(s1[i, q]) / w.scale[i])
-        # a column that is 0 until now is as large as its slope lets it become
-        size = max(size, w.h_max * abs(kss[STAGES - 1, 1, q]) / w.scale[1])
-        if worst > 0.0:
-            error = max(error, worst / (w.sensitivity_error * size))
+        error = max(error, judged(q, n, worst, w))
     return error
+
+
+carry = compiled(_carry, lean=True)
+
+
+def _step(t: float, h: float, mode: int, u0: float, u_rate: float, w: Work) -> float:
+    """Step from (t, z, s) by h into z1, s1; ks[0], kss[0] hold the slopes at t. Returns the error, 1 being allowed.
+
+    The error of the sensitivities matters where a law has a corner, which the state hardly feels. Afterwards ks[6],
+    kss[6] are the slopes at t + h.
+    """
+    error = advance(t, h, mode, u0, u_rate, w)
+    if w.count[ACROSS] == 0 or not math.isfinite(error):
+        return error
+    return max(error, carry_two(h, w) if w.spec[N_STATE] == 2 else carry(h, w))
 
 
 step = compiled(_step, lean=True)

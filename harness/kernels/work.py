@@ -39,6 +39,7 @@ class Work(Protocol):
     initial condition. scale (n,) : error of the state allowed in a step. count (2,) : P and q.
     z (n,), s (n, q) : state and sensitivities at the start of a step; z1, s1 : at its end; zi, si : between.
     ks (STAGES + 1, n), kss (STAGES + 1, n, q) : slopes by stage. jac (n, n), by_theta (n, P) : partials of the slopes.
+    jacs (STAGES, n, n), pushes (STAGES, n, q) : those of a step's stages, by the state and by each column's own.
     cz (n, 6) : interpolation. size_s (q,) : largest sensitivities so far. row, rows : what a law writes into.
     level : what the last look at the level of friction by speed has written, with its partials.
     """
@@ -59,6 +60,8 @@ class Work(Protocol):
     ks: FloatArray
     kss: FloatArray
     jac: FloatArray
+    jacs: FloatArray
+    pushes: FloatArray
     by_theta: FloatArray
     cz: FloatArray
     size_s: FloatArray
@@ -86,6 +89,8 @@ _RECORD = np.dtype(
         ("ks", np.float64, (STAGES + 1, _N)),
         ("kss", np.float64, (STAGES + 1, _N, _Q)),
         ("jac", np.float64, (_N, _N)),
+        ("jacs", np.float64, (STAGES, _N, _N)),
+        ("pushes", np.float64, (STAGES, _N, _Q)),
         ("by_theta", np.float64, (_N, MAX_PLACES)),
         ("cz", np.float64, (_N, 6)),
         ("size_s", np.float64, (_Q,)),

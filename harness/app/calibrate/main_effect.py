@@ -24,6 +24,8 @@ from harness.diagnosis.grading.prediction import ratio
 from harness.diagnosis.outcome import Grade
 from harness.diagnosis.residual_tests.structure import Left, left_by
 from harness.diagnosis.rules import (
+    CROWD,
+    CROWD_SHARE,
     HELD_OUT,
     LEAST_CYCLES,
     LEAST_RATIO,
@@ -54,6 +56,8 @@ TRIED: Mapping[str, tuple[Rule, tuple[float, ...]]] = {
     "LEAST_CYCLES": (LEAST_CYCLES, (6.0, 8.0)),
     "RUN_BETTER": (RUN_BETTER, (0.5, 0.7, 0.85)),
     "RUNS_ON_BETTER": (RUNS_ON_BETTER, (0.0, 0.5, 0.7, 0.85)),
+    "CROWD": (CROWD, (2.0, 4.0, 99.0)),
+    "CROWD_SHARE": (CROWD_SHARE, (0.65, 0.7, 0.8, 0.85)),
     "SHARE_OF_MISFIT": (SHARE_OF_MISFIT, (0.4, 0.5)),
     "MOST_WORDS": (MOST_WORDS, (30.0, 60.0, 120.0)),
 }

@@ -88,13 +88,15 @@ def attribute_engine(
     windows slip.
     """
     seen = restarted(refined, problem, scales)
+    user = _user(configured, refined)
+    as_configured = shown_by(simulate, user, seen.problem, dt)[0]
+    _refuse_slips(seen, as_configured, "the simulation")
 
     def distance(model: Model, engine: bool) -> float:
-        if engine:
-            return seen.distance(shown_by(simulate, model, seen.problem, dt)[0])
-        return seen.distance(observe(model, seen.problem, scales=scales).y)
+        if not engine:
+            return seen.distance(observe(model, seen.problem, scales=scales).y)
+        return seen.distance(as_configured if model == user else shown_by(simulate, model, seen.problem, dt)[0])
 
-    _refuse_slips(seen, shown_by(simulate, _user(configured, refined), seen.problem, dt)[0], "the simulation")
     return _played((ENGINE, PARAMETERS, TERMS), distance, configured, refined, problem, scales)
 
 

@@ -21,6 +21,8 @@ from harness.diagnosis.grading.prediction import Predicted, clearly_less, free_r
 from harness.diagnosis.outcome import Grade
 from harness.diagnosis.rules import (
     AMONG_ALIKE,
+    CROWD,
+    CROWD_SHARE,
     GAIN,
     HELD_OUT,
     LEAST_CYCLES,
@@ -227,11 +229,24 @@ def _by_share(found: C) -> C | None:
     if len(listed) > 1:
         first_few = listed[: MOST_LISTED.count]
         return replace(found, grade=Grade.ONE_OF, named=first_few, rules=(*rules, MARGIN, LEAST_RATIO, MOST_LISTED))
+    crowd = _crowd(first, found)
+    if crowd:
+        first_few = (first, *crowd)[: MOST_LISTED.count]
+        return replace(found, grade=Grade.ONE_OF, named=first_few, rules=(*rules, CROWD, CROWD_SHARE, MOST_LISTED))
     if found.cycles < LEAST_CYCLES.value:
         return replace(found, grade=Grade.ONE_OF, named=listed, rules=(*rules, LEAST_CYCLES))
     if not _runs_on(first, found):
         return replace(found, grade=Grade.ONE_OF, named=listed, rules=(*rules, RUNS_ON))
-    return replace(found, grade=Grade.MAIN, named=listed, rules=(*rules, MARGIN, LEAST_RATIO))
+    return replace(found, grade=Grade.MAIN, named=listed, rules=(*rules, MARGIN, LEAST_RATIO, CROWD, CROWD_SHARE))
+
+
+def _crowd(first: Finalist, found: Contest) -> tuple[Finalist, ...]:
+    """Others that take nearly as much off as the first, where they are many; most evidence first.
+
+    What many different laws sum up nearly as well as the best of them need be none of them: several small effects are.
+    """
+    near = [f for f in found.finalists if f is not first and f.share >= CROWD_SHARE.value * first.share]
+    return tuple(near) if len(near) >= CROWD.count else ()
 
 
 def _runs_on(first: Finalist, found: Contest) -> bool:
