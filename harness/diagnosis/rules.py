@@ -375,8 +375,7 @@ CROWD = Rule(
     "names",
     "so many others, each of which takes nearly as much off as the first, make a list of it",
     "what many laws sum up alike may be a sum of several: of 600 controls of two sealed draws 24 are claimed to have a"
-    " main effect without it and 15 with it, of their 170 true names 155 stay; of 240 other machines 45 stay of 53, and"
-    " 2 of 72 controls are claimed either way"
+    " main effect without it and 15 with it, of their 170 true names 159 stay"
     " (python -m harness.app.calibrate main-effect --draws 240 --seed 20261125)",
 )
 CROWD_SHARE = Rule(
@@ -384,8 +383,16 @@ CROWD_SHARE = Rule(
     0.75,
     "share of the first's",
     "another term takes nearly as much off as the first",
-    "on the same machines .65 claims one control less and names five main effects less, .85 names two more"
+    "with .65 fewer are named and claimed, with .85 more"
     " (python -m harness.app.calibrate main-effect --draws 240 --seed 20261125)",
+)
+OUT_OF_CROWD = Rule(
+    "out-of-crowd",
+    3.0,
+    "ratio of squares beyond the noise",
+    "every other term must leave so much more for the first not to be one of a crowd",
+    "on those two draws the rule of the crowd claims as many controls with it as without, and names three main effects"
+    " more (python -m harness.app.calibrate main-effect --draws 240 --seed 20261125)",
 )
 SHARE_OF_EXCESS = Rule(
     "share-of-excess",

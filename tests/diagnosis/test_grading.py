@@ -25,12 +25,15 @@ from harness.diagnosis.problems.free_decay import FreeDecay
 from harness.diagnosis.rules import (
     AMONG_ALIKE,
     BEGINS_ALIKE,
+    CROWD,
+    CROWD_SHARE,
     GAIN,
     HELD_OUT,
     LEAST_CYCLES,
     LEAST_RATIO,
     MARGIN,
     MOST_LISTED,
+    OUT_OF_CROWD,
     RUN_BETTER,
     RUNS_ON,
     SHARE_OF_EXCESS,
@@ -201,6 +204,21 @@ def test_a_list_is_short(graded: Graded) -> None:
     first = graded.finalists[0]
     many = replace(graded, finalists=tuple(replace(first, gain=first.gain - 0.1 * i) for i in range(9)))
     assert len(decided(many).named) == MOST_LISTED.count
+
+
+@pytest.mark.parametrize("left", [OUT_OF_CROWD.value + 0.1, OUT_OF_CROWD.value - 0.1])
+@pytest.mark.parametrize("share", [CROWD_SHARE.value, CROWD_SHARE.value - 0.01])
+@pytest.mark.parametrize("others", [CROWD.count - 1, CROWD.count])
+def test_what_many_laws_sum_up_alike_is_listed(graded: Graded, others: int, share: float, left: float) -> None:
+    """However far behind they are in evidence: none of them need be there, unless the first leaves far less."""
+    most = (left - 1.0) / (left - share)
+    first = replace(graded.finalists[0], share=most)
+    behind = [replace(first, gain=first.gain - 50.0 - i, share=share * most * (1.0 + 1e-12)) for i in range(others)]
+    found = decided(replace(graded, finalists=(first, *behind)))
+    listed = others == CROWD.count and share == CROWD_SHARE.value and left < OUT_OF_CROWD.value
+    assert found.grade is (Grade.ONE_OF if listed else Grade.MAIN)
+    assert found.named == ((first, *behind) if listed else (first,))
+    assert CROWD in found.rules
 
 
 def test_a_law_that_stands_for_friction_is_found_without_it() -> None:

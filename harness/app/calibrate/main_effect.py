@@ -31,6 +31,7 @@ from harness.diagnosis.rules import (
     LEAST_RATIO,
     MARGIN,
     MOST_WORDS,
+    OUT_OF_CROWD,
     RUN_BETTER,
     RUNS_ON_BETTER,
     SHARE_OF_EXCESS,
@@ -58,6 +59,7 @@ TRIED: Mapping[str, tuple[Rule, tuple[float, ...]]] = {
     "RUNS_ON_BETTER": (RUNS_ON_BETTER, (0.0, 0.5, 0.7, 0.85)),
     "CROWD": (CROWD, (2.0, 4.0, 99.0)),
     "CROWD_SHARE": (CROWD_SHARE, (0.65, 0.7, 0.8, 0.85)),
+    "OUT_OF_CROWD": (OUT_OF_CROWD, (2.0, 5.0, 1e9)),
     "SHARE_OF_MISFIT": (SHARE_OF_MISFIT, (0.4, 0.5)),
     "MOST_WORDS": (MOST_WORDS, (30.0, 60.0, 120.0)),
 }

@@ -29,6 +29,7 @@ from harness.diagnosis.rules import (
     LEAST_RATIO,
     MARGIN,
     MOST_LISTED,
+    OUT_OF_CROWD,
     PREDICTS_BETTER,
     RUN_BETTER,
     RUNS_ON,
@@ -47,6 +48,7 @@ from harness.model.term import Slot
 
 _FINALISTS = 4
 """Names whose predictions are computed."""
+_CROWDS = (CROWD, CROWD_SHARE, OUT_OF_CROWD)
 
 
 @dataclass(frozen=True, slots=True)
@@ -232,21 +234,25 @@ def _by_share(found: C) -> C | None:
     crowd = _crowd(first, found)
     if crowd:
         first_few = (first, *crowd)[: MOST_LISTED.count]
-        return replace(found, grade=Grade.ONE_OF, named=first_few, rules=(*rules, CROWD, CROWD_SHARE, MOST_LISTED))
+        return replace(found, grade=Grade.ONE_OF, named=first_few, rules=(*rules, *_CROWDS, MOST_LISTED))
     if found.cycles < LEAST_CYCLES.value:
         return replace(found, grade=Grade.ONE_OF, named=listed, rules=(*rules, LEAST_CYCLES))
     if not _runs_on(first, found):
         return replace(found, grade=Grade.ONE_OF, named=listed, rules=(*rules, RUNS_ON))
-    return replace(found, grade=Grade.MAIN, named=listed, rules=(*rules, MARGIN, LEAST_RATIO, CROWD, CROWD_SHARE))
+    return replace(found, grade=Grade.MAIN, named=listed, rules=(*rules, MARGIN, LEAST_RATIO, *_CROWDS))
 
 
 def _crowd(first: Finalist, found: Contest) -> tuple[Finalist, ...]:
     """Others that take nearly as much off as the first, where they are many; most evidence first.
 
     What many different laws sum up nearly as well as the best of them need be none of them: several small effects are.
+    None where the first leaves far less than each of them.
     """
-    near = [f for f in found.finalists if f is not first and f.share >= CROWD_SHARE.value * first.share]
-    return tuple(near) if len(near) >= CROWD.count else ()
+    others = [f for f in found.finalists if f is not first]
+    near = [f for f in others if f.share >= CROWD_SHARE.value * first.share]
+    least = min((1.0 - f.share for f in others), default=1.0)
+    alone = least >= OUT_OF_CROWD.value * (1.0 - first.share)
+    return tuple(near) if len(near) >= CROWD.count and not alone else ()
 
 
 def _runs_on(first: Finalist, found: Contest) -> bool:
