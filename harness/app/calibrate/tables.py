@@ -39,6 +39,7 @@ from harness.model.model import Model, Restoring
 from harness.proof.machines.kinds import FREE
 from harness.proof.machines.made import made
 from harness.proof.machines.plan import plan
+from harness.proof.machines.static_force import static_force
 from harness.proof.statistics import Median, Rate
 
 RANDOM = "random"
@@ -145,8 +146,7 @@ def number_of(form: str, kept: str) -> tuple[int, ...] | None:
 
 def _held(table: Table, truth: Mapping[str, Any], model: Model) -> float:
     """Share of the swept range on which two standard errors about the table hold the true force, gauge taken off."""
-    at, force = (np.array(truth["table"][key]) for key in ("at", "force"))
-    force = force * model.m / truth["m"]
+    at, force = np.array(truth["table"]["at"]), static_force(truth) * model.m / truth["m"]
     # the true curve is of the distance from the spring's zero; the table's of that from where the fit has it
     if table.of == "x":
         at = at + truth["nuisances"].get("zero", 0.0) - model.offset
