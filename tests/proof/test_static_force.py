@@ -1,4 +1,4 @@
-"""What a table of a machine measures: all that is static in it, the main effect and the small ones, and nothing else."""
+"""What a table of a machine measures: all that is static in it, main effect and small ones, and nothing else."""
 
 from typing import Any
 

@@ -16,7 +16,7 @@ from harness.diagnosis.fit.friction_back import with_friction
 from harness.diagnosis.fit.observe import COARSE, FINE, observe
 from harness.diagnosis.fit.parameters import free_of
 from harness.diagnosis.grading.misfit import Misfit
-from harness.diagnosis.grading.prediction import Predicted, blocks_of, by_blocks, clearly_less, ratio
+from harness.diagnosis.grading.prediction import Predicted, blocks_of, by_blocks, ratio, surely_less
 from harness.diagnosis.rules import TABLE_BETTER, TABLE_ERRORS, TABLE_WORDS
 from harness.diagnosis.tables.basis import basis_of
 from harness.diagnosis.tables.fitted import FIRST, TableFit
@@ -139,7 +139,7 @@ def climbed(
 
 def improves(held: Predicted, before: Predicted) -> bool:
     """Whether so much less is missed that a table, or a further one, stays."""
-    return ratio(held, before) <= TABLE_BETTER.value and clearly_less(held, before, TABLE_ERRORS.value)
+    return ratio(held, before) <= TABLE_BETTER.value and surely_less(held, before, TABLE_ERRORS.value)
 
 
 def finished(found: Tabulated, misfit: Misfit) -> Tabulated:
