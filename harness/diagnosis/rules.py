@@ -557,8 +557,8 @@ TABLE_ERRORS = Rule(
     2.0,
     "standard errors over blocks",
     "a table stays: its better prediction is no chance",
-    "one-sided level of 2.3 %, by Student's distribution for few blocks: 64 of 66 controls whose misfit is random get"
-    " no table, and 161 of 198 static laws of no catalogue one that predicts at .7 of the base's error or better"
+    "one-sided level of 2.3 %, by Student's distribution for few blocks: 63 of 66 controls whose misfit is random get"
+    " no table, and 175 of 198 static laws of no catalogue one that predicts at .7 of the base's error or better"
     " (python -m harness.app.calibrate tables --draws 330)",
 )
 TABLE_WORDS = Rule(

@@ -388,6 +388,8 @@ def _by_span(squares: list[float]) -> Predicted:
     [
         # a tenth of each block, though the first misses a hundred times the last
         ([10.0, 3.0, 0.9, 0.3, 0.11], True),
+        # all but the largest nearly vanish, which falls to a fifth
+        ([20.0, 0.6, 0.1, 0.05, 0.02], True),
         # the largest alone falls; the others rise
         ([10.0, 45.0, 14.0, 4.5, 1.5], False),
         # as much as before, give or take

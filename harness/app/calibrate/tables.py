@@ -194,7 +194,7 @@ def said(rows: Sequence[Row]) -> Iterator[str]:
         yield f"  {r.group:16s} {r.main or '-':24s} {r.form or '-':12s} {r.cycles:5.1f} cycles: {what}"
     quick = [r.ratio for r in looked]
     fine = bool(quick) and bool(np.mean(np.array(quick) <= GOAL) >= 0.8 and np.median(quick) <= 0.5)
-    chance = float(np.mean([not r.kept for r in rows if r.group == RANDOM] or [1.0])) >= WITHDRAWN
+    chance = float(np.mean([not r.kept for r in rows if r.group == RANDOM] or [True])) >= WITHDRAWN
     for rule in (TABLE_BETTER, TABLE_ERRORS, TABLE_WORDS):
         yield stands(rule, fine and chance, f"{len(looked)} static laws, {sum(r.group == RANDOM for r in rows)} random")
 

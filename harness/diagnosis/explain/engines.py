@@ -18,7 +18,7 @@ from harness.diagnosis.sensors.sensor_model import latest, sensed
 from harness.kernels.solve import Drive, Scales
 from harness.model.model import Model
 
-_COARSEST = 5e-3
+_COARSEST = 1e-3
 """Step that an engine begins with at most, s: that of the tuned presets."""
 _STEPS_A_CYCLE = 400
 """Or so many a swing."""

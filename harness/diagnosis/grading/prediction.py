@@ -26,7 +26,7 @@ _ITERATIONS = 15
 _TRAINED = 0.6
 """Share of the recording that a free run is fitted to."""
 _NONE = 1e-300
-"""Squares of nothing, where their logarithm is taken."""
+"""Squares of nothing, where something is divided by them."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -140,20 +140,20 @@ def clearly_less(one: Predicted, other: Predicted, errors: float) -> bool:
 
 
 def surely_less(after: Predicted, before: Predicted, errors: float) -> bool:
-    """Whether the share of squares that is still missed is below 1 by so many standard errors of its logarithm.
+    """Whether the share of squares that is still missed is below 1 by so many of its standard errors.
 
     By the jackknife over blocks (Miller 1974, Biometrika 61, 1): blocks of large swings weigh as they should, and that
     they miss more than others is no scatter. ``errors`` are those of a scatter that is known; from few blocks it takes
     as many as are as sure by Student's distribution.
     """
     a, b = after.by_span, before.by_span
-    if a.size < 2:
-        return bool(np.sum(a) < np.sum(b))
-    left = np.maximum(np.sum(a) - a, _NONE), np.maximum(np.sum(b) - b, _NONE)
-    without = np.log(left[0]) - np.log(left[1])
-    scatter = math.sqrt((a.size - 1) / a.size * float(np.sum((without - np.mean(without)) ** 2)))
-    whole = math.log(max(after.total, _NONE)) - math.log(max(before.total, _NONE))
-    return whole < -float(stats.t.ppf(stats.norm.cdf(errors), a.size - 1)) * scatter
+    count = a.size
+    if count < 2 or before.total <= 0.0:
+        return after.total < before.total
+    without = (after.total - a) / np.maximum(before.total - b, _NONE)
+    scatter = math.sqrt((count - 1) / count * float(np.sum((without - np.mean(without)) ** 2)))
+    sure = float(stats.t.ppf(stats.norm.cdf(errors), count - 1))
+    return bool(1.0 - after.total / before.total > sure * scatter)
 
 
 def ratio(after: Predicted | None, before: Predicted | None) -> float:
