@@ -18,7 +18,7 @@ from harness.diagnosis.grading.first_turn import after_first_turn
 from harness.diagnosis.grading.friction_split import _others, resplit
 from harness.diagnosis.grading.grade import Finalist, Graded, decided, grade
 from harness.diagnosis.grading.misfit import misfit
-from harness.diagnosis.grading.prediction import Predicted, surely_less
+from harness.diagnosis.grading.prediction import Predicted
 from harness.diagnosis.outcome import Grade
 from harness.diagnosis.pipeline import fit_base, search
 from harness.diagnosis.problems.free_decay import FreeDecay
@@ -376,36 +376,3 @@ def test_friction_is_split_at_equal_loss(c: float, f_k: float) -> None:
     assert others
     assert [lost(one) for one in others] == pytest.approx([lost(model)] * len(others))
     assert all(one.c >= 0.0 and one.f_k >= 0.0 and one.f_k != f_k for one in others)
-
-
-def _by_span(squares: list[float]) -> Predicted:
-    spans = tuple((float(i), float(i + 1)) for i in range(len(squares)))
-    return Predicted({"x": np.array(squares)}, np.ones(len(squares)), {"x": 1.0}, spans)
-
-
-@pytest.mark.parametrize(
-    ("after", "sure"),
-    [
-        # a tenth of each block, though the first misses a hundred times the last
-        ([10.0, 3.0, 0.9, 0.3, 0.11], True),
-        # all but the largest nearly vanish, which falls to a fifth
-        ([20.0, 0.6, 0.1, 0.05, 0.02], True),
-        # the largest alone falls; the others rise
-        ([10.0, 45.0, 14.0, 4.5, 1.5], False),
-        # as much as before, give or take
-        ([90.0, 33.0, 9.0, 3.3, 0.9], False),
-        ([100.0, 30.0, 10.0, 3.0, 1.0], False),
-    ],
-)
-def test_a_fall_is_sure_by_its_share_of_each_block(after: list[float], sure: bool) -> None:
-    """The jackknife's error of a ratio: how unequal the blocks are is no scatter."""
-    before = _by_span([100.0, 30.0, 10.0, 3.0, 1.0])
-    assert surely_less(_by_span(after), before, 2.0) is sure
-    assert not surely_less(before, _by_span(after), 2.0)
-
-
-def test_a_fall_in_few_blocks_takes_more_to_be_sure() -> None:
-    """Student's distribution: the same shares of four blocks, and of sixteen."""
-    shares = [0.3, 0.9, 0.5, 1.0]
-    few, many = (surely_less(_by_span(shares * n), _by_span([1.0] * 4 * n), 2.0) for n in (1, 4))
-    assert (few, many) == (False, True)

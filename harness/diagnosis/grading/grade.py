@@ -48,7 +48,6 @@ from harness.model.term import Slot
 
 _FINALISTS = 4
 """Names whose predictions are computed."""
-_CROWDS = (CROWD, CROWD_SHARE, OUT_OF_CROWD)
 
 
 @dataclass(frozen=True, slots=True)
@@ -219,7 +218,7 @@ def worthy(f: Finalist, found: Contest) -> bool:
 
 def _by_share(found: C) -> C | None:
     """A main effect by its share of the misfit, or the names that share that place; None where no term has it."""
-    rules = (GAIN, SHARE_OF_EXCESS, SHARE_OF_MISFIT, HELD_OUT)
+    rules: tuple[Rule, ...] = (GAIN, SHARE_OF_EXCESS, SHARE_OF_MISFIT, HELD_OUT)
     # a clock on the swing follows anything: it is never the main effect
     candidates = [f for f in found.finalists if not f.clock and worthy(f, found)]
     if not candidates:
@@ -227,19 +226,17 @@ def _by_share(found: C) -> C | None:
     first = candidates[0]
     near = _alike(first, found)
     better = [f for f in candidates if f not in near and _predicts_better(f, first)]
-    listed = (first, *near, *better)
+    listed, rules = (first, *near, *better), (*rules, MARGIN, LEAST_RATIO)
+    if len(listed) == 1:
+        listed, rules = (first, *_crowd(first, found)), (*rules, CROWD, CROWD_SHARE, OUT_OF_CROWD)
     if len(listed) > 1:
-        first_few = listed[: MOST_LISTED.count]
-        return replace(found, grade=Grade.ONE_OF, named=first_few, rules=(*rules, MARGIN, LEAST_RATIO, MOST_LISTED))
-    crowd = _crowd(first, found)
-    if crowd:
-        first_few = (first, *crowd)[: MOST_LISTED.count]
-        return replace(found, grade=Grade.ONE_OF, named=first_few, rules=(*rules, *_CROWDS, MOST_LISTED))
+        listed = listed[: MOST_LISTED.count]
+        return replace(found, grade=Grade.ONE_OF, named=listed, rules=(*rules, MOST_LISTED))
     if found.cycles < LEAST_CYCLES.value:
         return replace(found, grade=Grade.ONE_OF, named=listed, rules=(*rules, LEAST_CYCLES))
     if not _runs_on(first, found):
         return replace(found, grade=Grade.ONE_OF, named=listed, rules=(*rules, RUNS_ON))
-    return replace(found, grade=Grade.MAIN, named=listed, rules=(*rules, MARGIN, LEAST_RATIO, *_CROWDS))
+    return replace(found, grade=Grade.MAIN, named=listed, rules=rules)
 
 
 def _crowd(first: Finalist, found: Contest) -> tuple[Finalist, ...]:
@@ -249,10 +246,9 @@ def _crowd(first: Finalist, found: Contest) -> tuple[Finalist, ...]:
     None where the first leaves far less than each of them.
     """
     others = [f for f in found.finalists if f is not first]
-    near = [f for f in others if f.share >= CROWD_SHARE.value * first.share]
-    least = min((1.0 - f.share for f in others), default=1.0)
-    alone = least >= OUT_OF_CROWD.value * (1.0 - first.share)
-    return tuple(near) if len(near) >= CROWD.count and not alone else ()
+    near = tuple(f for f in others if f.share >= CROWD_SHARE.value * first.share)
+    far = all(1.0 - f.share >= OUT_OF_CROWD.value * (1.0 - first.share) for f in others)
+    return () if far or len(near) < CROWD.count else near
 
 
 def _runs_on(first: Finalist, found: Contest) -> bool:

@@ -5,7 +5,7 @@ asking each law: where it answers alike whatever else is varied, it is a curve.
 """
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from typing import Any
 
 import numpy as np
@@ -13,11 +13,13 @@ import numpy as np
 from harness.core.arrays import FloatArray
 from harness.proof.machines.laws import LAWS
 from harness.proof.plant.base import Base
+from harness.proof.plant.friction import Level, Modulation
+from harness.proof.plant.pieces import ForceLaw
 
-Law4 = Callable[[float, float, float, float], float]
 _ELSE = ((0.3, 0.7), (1.9, -0.4))
 """What else is varied, in units of the machine's own scales."""
 _ALIKE = 1e-12
+"""Of the largest answer: rounding."""
 
 
 def base_of(truth: Mapping[str, Any]) -> Base:
@@ -39,41 +41,58 @@ def base_of(truth: Mapping[str, Any]) -> Base:
 
 def static_force(truth: Mapping[str, Any]) -> FloatArray:
     """All static forces (n,) in N of the form of ``truth["table"]`` at its places: of x, of v, or friction by x."""
-    base, table = base_of(truth), truth["table"]
-    at = np.array(table["at"])
-    parts = {name: LAWS[name](values, base) for name, values in truth["plant"].items()}
-    t0, x0, v0 = 1.0 / base.omega_n, base.length, base.speed
-    if table["form"] == "g(x) sgn v":
-        factor = np.ones(at.size)
-        for modulation in (m for one in parts.values() for m in one.modulations):
-            ways = [(t * t0, net * base.force, abs(net) * base.force * x0) for t, net in _ELSE]
-            seen = [np.array([modulation(t, x, net, work) for x in at]) for t, net, work in ways]
-            factor *= seen[0] if _alike(seen) else 1.0
-        return base.f_k * (np.maximum(factor, 0.0) - 1.0)
-    total = np.zeros(at.size)
-    by_place = table["form"] == "f(x)"
-    for law in (force.law for one in parts.values() for force in one.forces):
-        seen = [_along(law, at, t * t0, other * (v0 if by_place else x0), by_place) for t, other in _ELSE]
-        # one that hangs on nothing belongs to the zero of the position
-        if _alike(seen) and (by_place or np.ptp(seen[0]) > 0.0):
-            total += seen[0]
-    return total if by_place else total + _stribeck(truth["plant"], base, at)
+    base, form, at = base_of(truth), truth["table"]["form"], np.array(truth["table"]["at"])
+    parts = [LAWS[name](values, base) for name, values in truth["plant"].items()]
+    if form == "g(x) sgn v":
+        modulations = tuple(m for one in parts for m in one.modulations if _is_curve(_modulation(m, base), at))
+        level = Level(base.f_k, base.f_k, modulations=modulations)
+        return np.array([level.sliding(0.0, x, 0.0, 0.0, 0.0) - base.f_k for x in at])
+    along = _by_place if form == "f(x)" else _by_speed
+    curves = [along(force.law, base) for one in parts for force in one.forces]
+    if form == "f(v)":
+        curves += [_falling(base, one.level) for one in parts if "v_s" in one.level]
+    return np.asarray(
+        sum((_values(curve, at, _ELSE[0]) for curve in curves if _is_curve(curve, at)), np.zeros(at.size))
+    )
 
 
-def _along(law: Law4, at: FloatArray, t: float, other: float, by_place: bool) -> FloatArray:
-    if by_place:
-        return np.array([law(t, x, other, math.copysign(1.0, other)) for x in at])
-    return np.array([law(t, other, v, math.copysign(1.0, v)) for v in at])
+Curve = Callable[[float, tuple[float, float]], float]
+"""What a law answers at a place or speed; then what else is varied, two numbers in the machine's own scales."""
 
 
-def _alike(seen: Sequence[FloatArray]) -> bool:
-    size = float(np.max(np.abs(seen[0])))
-    return size > 0.0 and float(np.max(np.abs(seen[0] - seen[1]))) <= _ALIKE * size
+def _by_place(law: ForceLaw, base: Base) -> Curve:
+    return lambda x, other: law(other[0] / base.omega_n, x, other[1] * base.speed, math.copysign(1.0, other[1]))
 
 
-def _stribeck(plant: Mapping[str, Any], base: Base, v: FloatArray) -> FloatArray:
-    """What friction is above its kinetic level, with the sign of the speed."""
-    said = plant.get("stribeck")
-    if said is None:
-        return np.zeros(v.size)
-    return np.asarray(np.sign(v) * (said["f_s"] - base.f_k) * np.exp(-((v / said["v_s"]) ** 2)))
+def _by_speed(law: ForceLaw, base: Base) -> Curve:
+    """Less what it answers at rest: that belongs to the zero of the position."""
+
+    def curve(v: float, other: tuple[float, float]) -> float:
+        t, x = other[0] / base.omega_n, other[1] * base.length
+        return law(t, x, v, math.copysign(1.0, v)) - law(t, x, 0.0, 0.0)
+
+    return curve
+
+
+def _modulation(factor: Modulation, base: Base) -> Curve:
+    def curve(x: float, other: tuple[float, float]) -> float:
+        net = other[1] * base.force
+        return factor(other[0] / base.omega_n, x, net, abs(net) * base.length)
+
+    return curve
+
+
+def _falling(base: Base, said: Mapping[str, float]) -> Curve:
+    """What friction by speed is above its kinetic level, with the sign of the speed."""
+    level = Level(base.f_k, said["f_s"], said["v_s"])
+    return lambda v, other: math.copysign(level.sliding(0.0, 0.0, v, 0.0, 0.0) - base.f_k, v)
+
+
+def _values(curve: Curve, at: FloatArray, other: tuple[float, float]) -> FloatArray:
+    return np.array([curve(one, other) for one in at.tolist()])
+
+
+def _is_curve(curve: Curve, at: FloatArray) -> bool:
+    """Whether it answers alike whatever else is varied."""
+    one, another = (_values(curve, at, other) for other in _ELSE)
+    return bool(np.max(np.abs(one - another)) <= _ALIKE * np.max(np.abs(one)))
