@@ -374,17 +374,17 @@ CROWD = Rule(
     3.0,
     "names",
     "so many others, each of which takes nearly as much off as the first, make a list of it",
-    "what many laws sum up alike may be a sum of several: of 300 controls of a sealed draw made after the rule 24 were"
-    " claimed to have a main effect without it and 21 with it, of 86 true names 78 stay; of 240 other machines 2 of 72"
-    " controls are claimed either way"
-    " (python -m harness.app.calibrate main-effect --draws 240 --seed 20261125)",
+    "what many laws sum up alike may be a sum of several: of 144 main effects of machines 2 names 46, 3 names 48, none"
+    " 53; of 72 controls 1, 2 and 2 are claimed"
+    " (python -m harness.app.calibrate main-effect --draws 240 --seed 20261125);"
+    " of the 300 controls of reports/proof-machines 21 are claimed, and 24 when they are diagnosed again without it",
 )
 CROWD_SHARE = Rule(
     "crowd-share",
     0.75,
     "share of the first's",
     "another term takes nearly as much off as the first",
-    "with .65 fewer are named and claimed, with .85 more"
+    "of the same machines .65 names 45 and claims one control of 72, .85 names 49 and claims two, as .75 does"
     " (python -m harness.app.calibrate main-effect --draws 240 --seed 20261125)",
 )
 OUT_OF_CROWD = Rule(
@@ -392,8 +392,8 @@ OUT_OF_CROWD = Rule(
     3.0,
     "ratio of squares beyond the noise",
     "every other term must leave so much more for the first not to be one of a crowd",
-    "a law that leaves a third of what any other leaves is told from them: on 600 controls and 500 main effects of two"
-    " sealed draws it names three more and claims no control more"
+    "a law that leaves a third of what any other leaves is told from them: of the same machines 2 names 49, 5 names 47,"
+    " no such rule 45, and two controls are claimed with each"
     " (python -m harness.app.calibrate main-effect --draws 240 --seed 20261125)",
 )
 SHARE_OF_EXCESS = Rule(

@@ -17,7 +17,7 @@ from harness.diagnosis.fit.model_fit import Fit
 from harness.diagnosis.grading.clocks import on_the_swing
 from harness.diagnosis.grading.friction_split import resplit
 from harness.diagnosis.grading.misfit import Misfit
-from harness.diagnosis.grading.prediction import Predicted, clearly_less, free_run, held_out, ratio, trained
+from harness.diagnosis.grading.prediction import Predicted, free_run, held_out, ratio, surely_less, trained
 from harness.diagnosis.outcome import Grade
 from harness.diagnosis.rules import (
     AMONG_ALIKE,
@@ -269,7 +269,7 @@ def _predicts_better(one: Finalist, first: Finalist) -> bool:
     if one.held is None or first.held is None:
         return False
     forward = ratio(one.run, first.run) if one.run is not None else 1.0
-    return clearly_less(one.held, first.held, PREDICTS_BETTER.value) or forward <= RUNS_ON_BETTER.value
+    return surely_less(one.held, first.held, PREDICTS_BETTER.value) or forward <= RUNS_ON_BETTER.value
 
 
 def _by_run(found: C) -> C | None:

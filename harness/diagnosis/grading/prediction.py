@@ -130,15 +130,6 @@ def _sigma(problem: Problem) -> dict[str, float]:
     return {c: problem.noise[c].sigma for c in problem.channels}
 
 
-def clearly_less(one: Predicted, other: Predicted, errors: float) -> bool:
-    """Whether one misses less than the other by so many standard errors over the blocks."""
-    fall = other.by_span - one.by_span
-    if fall.size < 2:
-        return bool(np.sum(fall) > 0.0)
-    scatter = float(np.std(fall, ddof=1)) * np.sqrt(fall.size)
-    return bool(np.sum(fall) > errors * scatter)
-
-
 def surely_less(after: Predicted, before: Predicted, errors: float) -> bool:
     """Whether the share of squares that is still missed is below 1 by so many of its standard errors.
 
