@@ -6,8 +6,10 @@ from functools import cache
 from importlib.util import find_spec
 from pathlib import Path
 
-# a worker has one core: threads of its linear algebra would only wait for each other
+# a worker has one core: threads of its linear algebra, and its own, would only wait for each other
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+if "PYTEST_XDIST_WORKER" in os.environ:
+    os.environ.setdefault("HARNESS_THREADS", "1")
 
 import pytest
 from hypothesis import settings

@@ -19,10 +19,10 @@ from click.shell_completion import shell_complete
 
 import harness
 from harness.cli import commands
+from harness.core.cores import one_thread
 from harness.core.errors import HarnessError, InputError
 from harness.core.near import did_you_mean
 from harness.core.registered import names, registered
-from harness.core.threads import one_thread
 from harness.core.visible import visible
 
 INTERRUPTED = 130

@@ -59,7 +59,7 @@ class Mechanism:
     term, base minus refined. place : where
     it acts. grade : how much of what is missing it is. share : of the misfit beyond noise that it takes
     off alone. held_out : blocks of cycles left out of the fit; forward : a free run of the last part from a fit of the
-    first.
+    first. chance : to be the main effect, where it stands apart from every other name.
     """
 
     entry: ModelTerm
@@ -72,6 +72,7 @@ class Mechanism:
     share: float | None = None
     held_out: Prediction | None = None
     forward: Prediction | None = None
+    chance: float | None = None
 
     @property
     def name(self) -> str:

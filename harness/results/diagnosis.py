@@ -51,6 +51,12 @@ class MechanismResult(Result):
     parameters: dict[str, P]
     grade: Grade = Field(default="explains", description="how much of what is missing it is")
     share: float | None = Field(default=None, description="of the misfit beyond noise that it takes off alone")
+    chance: float | None = Field(
+        default=None,
+        description="of the first name, where it stands apart from every other, to be the main effect: on simulated"
+        " machines that look alike, half of which have one; in the others several small effects come to the same",
+        exclude_if=lambda value: value is None,
+    )
     delta_bic: float = Field(
         description="what BIC loses when it is taken out of the refined model and the rest is fitted again"
     )

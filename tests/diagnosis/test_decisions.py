@@ -26,6 +26,7 @@ from harness.diagnosis.problems.free_decay import FreeDecay
 from harness.diagnosis.residual_tests.structure import Left
 from harness.diagnosis.rules import (
     APART,
+    CHANCE,
     FLEXIBLE,
     GAIN,
     HELD_OUT,
@@ -33,7 +34,6 @@ from harness.diagnosis.rules import (
     LEAST_RATIO,
     MARGIN,
     RUN_BETTER,
-    RUNS_ON,
     RUNS_ON_BETTER,
     SAME_CLOCK,
     SHARE_OF_EXCESS,
@@ -59,6 +59,7 @@ class ByHand(Contest):
     """A contest of which everything is given."""
 
     counts: tuple[float, float, float]
+    likely: float
 
     @property
     def words(self) -> float:
@@ -75,6 +76,9 @@ class ByHand(Contest):
     @property
     def refined(self) -> Any:
         return None
+
+    def chance_of(self, first: Finalist) -> float:
+        return self.likely
 
 
 def _fit(name: str) -> Any:
@@ -102,7 +106,7 @@ def _contest(rng: np.random.Generator) -> ByHand:
         share = some(SHARE_OF_EXCESS.value, SHARE_OF_EXCESS.value - 1e-9, 0.1, 0.8, 0.9)
         of_all = some(SHARE_OF_MISFIT.value, SHARE_OF_MISFIT.value - 1e-9, 0.8, 0.9)
         held = some(HELD_OUT.value, HELD_OUT.value + 1e-9, 0.3, 0.31, 0.5, 1.1)
-        limits = (rule.value + by for rule in (RUN_BETTER, RUNS_ON) for by in (0.0, 1e-9))
+        limits = (rule.value + by for rule in (RUN_BETTER, HELD_OUT) for by in (0.0, 1e-9))
         run = some(*limits, RUNS_ON_BETTER.value, 0.01, 0.3)
         finalists.append(
             Finalist(
@@ -121,6 +125,7 @@ def _contest(rng: np.random.Generator) -> ByHand:
         base_held=_predicted(rng, 1.0, 6),
         base_run=_predicted(rng, 1.0, 1) if runs else None,
         counts=(words, some(LEAST_CYCLES.value, LEAST_CYCLES.value - 0.5, 30.0), some(1.0, 6.0, 24.0)),
+        likely=some(CHANCE.value, CHANCE.value - 1e-9, 0.9),
     )
 
 

@@ -8,7 +8,6 @@ import pytest
 from harness.core.arrays import FloatArray
 from harness.core.errors import InputError
 from harness.diagnosis.baseline.base_fit import baseline
-from harness.diagnosis.explain.cautions import cautions_of_misfit
 from harness.diagnosis.explain.graded import told
 from harness.diagnosis.fit.model_fit import fit
 from harness.diagnosis.fit.parameters import free_of
@@ -25,17 +24,15 @@ from harness.diagnosis.problems.free_decay import FreeDecay
 from harness.diagnosis.rules import (
     AMONG_ALIKE,
     BEGINS_ALIKE,
-    CROWD,
-    CROWD_SHARE,
+    CHANCE,
     GAIN,
     HELD_OUT,
     LEAST_CYCLES,
     LEAST_RATIO,
     MARGIN,
     MOST_LISTED,
-    OUT_OF_CROWD,
+    NEARLY_AS_MUCH,
     RUN_BETTER,
-    RUNS_ON,
     SHARE_OF_EXCESS,
     SHARE_OF_MISFIT,
 )
@@ -164,35 +161,6 @@ def test_a_name_that_runs_on_far_better_is_listed_beside_the_first(graded: Grade
     assert decided(far).grade is Grade.ONE_OF
 
 
-@pytest.mark.parametrize(
-    ("law", "values", "asked"),
-    [
-        ("quadratic-drag", {"c2": 0.25}, True),
-        ("quadratic-stiffness", {"k2": 0.25}, False),
-        ("harmonic-force", {"A": 0.1, "Omega": 3.0, "phase": 0.0}, True),
-        ("impulse", {"time": 6.0, "impulse": 0.1}, False),
-    ],
-)
-def test_what_follows_anything_between_its_samples_must_run_on(
-    law: str, values: dict[str, float], asked: bool, graded: Graded
-) -> None:
-    """Laws of several numbers, of amplitude or time; what happened in the last part nobody foresees."""
-    first = next(f for f in graded.finalists if f.name == "quadratic-drag")
-    model = replace(first.fit.model, terms=(ModelTerm.named(law, **values),))
-
-    def runs(so: float) -> Graded:
-        return by_share(graded, fit=replace(first.fit, model=model), run=scaled(graded.base_run, so))
-
-    assert runs(RUNS_ON.value - 1e-6).grade is Grade.MAIN
-    worse = runs(RUNS_ON.value + 1e-6)
-    assert worse.grade is (Grade.ONE_OF if asked else Grade.MAIN)
-    assert [f.name for f in worse.named] == [law]
-    assert (RUNS_ON in worse.rules) is asked
-    said = [one for one in cautions_of_misfit(worse) if "of the rest: it may follow several small effects" in one]
-    assert said == ([f"fitted to the first 60 %, {law} misses 0.9 times what viscous and Coulomb friction miss of the"
-                     " rest: it may follow several small effects"] if asked else [])  # fmt: skip
-
-
 def test_few_cycles_name_nothing_alone(graded: Graded) -> None:
     strokes = replace(graded.misfit.strokes, count=int(2 * LEAST_CYCLES.value) - 1)
     few = decided(replace(graded, misfit=replace(graded.misfit, strokes=strokes)))
@@ -206,19 +174,25 @@ def test_a_list_is_short(graded: Graded) -> None:
     assert len(decided(many).named) == MOST_LISTED.count
 
 
-@pytest.mark.parametrize("left", [OUT_OF_CROWD.value + 0.1, OUT_OF_CROWD.value - 0.1])
-@pytest.mark.parametrize("share", [CROWD_SHARE.value, CROWD_SHARE.value - 0.01])
-@pytest.mark.parametrize("others", [CROWD.count - 1, CROWD.count])
-def test_what_many_laws_sum_up_alike_is_listed(graded: Graded, others: int, share: float, left: float) -> None:
-    """However far behind they are in evidence: none of them need be there, unless the first leaves far less."""
-    most = (left - 1.0) / (left - share)
-    first = replace(graded.finalists[0], share=most)
-    behind = [replace(first, gain=first.gain - 50.0 - i, share=share * most * (1.0 + 1e-12)) for i in range(others)]
-    found = decided(replace(graded, finalists=(first, *behind)))
-    listed = others == CROWD.count and share == CROWD_SHARE.value and left < OUT_OF_CROWD.value
-    assert found.grade is (Grade.ONE_OF if listed else Grade.MAIN)
-    assert found.named == ((first, *behind) if listed else (first,))
-    assert CROWD in found.rules
+@pytest.mark.parametrize("likely", [CHANCE.value, CHANCE.value - 1e-9])
+def test_what_several_small_effects_may_come_to_is_listed_with_what_takes_nearly_as_much(
+    graded: Graded, likely: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """However far behind the others are in evidence: none of them need be there."""
+    monkeypatch.setattr(Graded, "chance_of", lambda self, first: likely)
+    first = replace(graded.finalists[0], share=0.9)
+    shares = (NEARLY_AS_MUCH.value * 0.9, NEARLY_AS_MUCH.value * 0.9 - 1e-9)
+    others = [replace(first, gain=first.gain - 50.0 - i, share=share) for i, share in enumerate(shares)]
+    found = decided(replace(graded, finalists=(first, *others)))
+    assert found.grade is (Grade.MAIN if likely >= CHANCE.value else Grade.ONE_OF)
+    assert found.named == ((first,) if likely >= CHANCE.value else (first, others[0]))
+    assert found.chance == likely
+    assert CHANCE in found.rules
+
+
+def test_a_list_of_near_rivals_is_asked_for_no_chance(graded: Graded) -> None:
+    assert graded.chance is not None
+    assert moved(graded, 0.1).chance is None
 
 
 def test_a_law_that_stands_for_friction_is_found_without_it() -> None:

@@ -18,7 +18,7 @@ from harness.diagnosis.outcome import Grade, Verdict
 from harness.diagnosis.pooling import said as pooled_said
 from harness.diagnosis.pooling.pooled import Differs
 from harness.diagnosis.pooling.said import sentences
-from harness.diagnosis.rules import EVEN, LEAST_CYCLES, RUNS_ON, SHARE_OF_MISFIT, Rule
+from harness.diagnosis.rules import EVEN, LEAST_CYCLES, SHARE_OF_MISFIT, Rule
 from harness.diagnosis.search.search import _beam, _merged
 from harness.model.experiments import LARGER
 from harness.model.model import Model, ModelTerm
@@ -199,7 +199,7 @@ def test_cautions_of_a_graded_misfit() -> None:
         misfit = SimpleNamespace(left_out=left_out, strokes=SimpleNamespace(cycles=cycles), problem=problem)
         named = SimpleNamespace(name="harmonic-force", clock=clock, run=SimpleNamespace(total=0.9025))
         return SimpleNamespace(
-            misfit=misfit, grade=grade, named=(named,), base_run=SimpleNamespace(total=1.0), rules=()
+            misfit=misfit, grade=grade, named=(named,), base_run=SimpleNamespace(total=1.0), chance=None, rules=()
         )
 
     (said,) = cautions_of_misfit(graded(0.0, 20.0, Grade.MAIN, False))
@@ -207,8 +207,8 @@ def test_cautions_of_a_graded_misfit() -> None:
     (said,) = cautions_of_misfit(graded(0.0, 20.0, Grade.MAIN, False, pairs=False))
     assert said.startswith("no entry of the catalogue")
     crowd = graded(0.0, 20.0, Grade.ONE_OF, False)
-    crowd.rules = (RUNS_ON,)
-    assert "harmonic-force misses 0.95 times what viscous and Coulomb friction miss" in cautions_of_misfit(crowd)[1]
+    crowd.chance = 0.377
+    assert "look like this one 38 % have harmonic-force as their main effect" in cautions_of_misfit(crowd)[1]
     all_said = cautions_of_misfit(graded(0.31, 4.5, Grade.ONE_OF, True))
     for words in ("the first 0.31 s", "4.5 cycles are too few"):
         assert any(words in one for one in all_said)

@@ -7,6 +7,7 @@ from pathlib import Path
 
 from harness.app.calibrate import (
     amplitudes,
+    chance,
     covariates,
     few_cycles,
     force_tables,
@@ -29,6 +30,7 @@ CALIBRATIONS: dict[str, Calibration] = {
     "screen-share": screen_share.CALIBRATION,
     "pair-promise": pair_promise.CALIBRATION,
     "main-effect": main_effect.CALIBRATION,
+    "chance": chance.CALIBRATION,
     "few-cycles": few_cycles.CALIBRATION,
     "tables": tables.CALIBRATION,
     "force-tables": force_tables.CALIBRATION,

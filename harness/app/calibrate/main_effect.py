@@ -24,14 +24,12 @@ from harness.diagnosis.grading.prediction import ratio
 from harness.diagnosis.outcome import Grade
 from harness.diagnosis.residual_tests.structure import Left, left_by
 from harness.diagnosis.rules import (
-    CROWD,
-    CROWD_SHARE,
+    CHANCE,
     HELD_OUT,
     LEAST_CYCLES,
     LEAST_RATIO,
     MARGIN,
     MOST_WORDS,
-    OUT_OF_CROWD,
     RUN_BETTER,
     RUNS_ON_BETTER,
     SHARE_OF_EXCESS,
@@ -57,9 +55,7 @@ TRIED: Mapping[str, tuple[Rule, tuple[float, ...]]] = {
     "LEAST_CYCLES": (LEAST_CYCLES, (6.0, 8.0)),
     "RUN_BETTER": (RUN_BETTER, (0.5, 0.7, 0.85)),
     "RUNS_ON_BETTER": (RUNS_ON_BETTER, (0.0, 0.5, 0.7, 0.85)),
-    "CROWD": (CROWD, (2.0, 4.0, 99.0)),
-    "CROWD_SHARE": (CROWD_SHARE, (0.65, 0.7, 0.8, 0.85)),
-    "OUT_OF_CROWD": (OUT_OF_CROWD, (2.0, 5.0, 1e9)),
+    "CHANCE": (CHANCE, (0.0, 0.3, 0.4, 0.5, 0.7, 0.8)),
     "SHARE_OF_MISFIT": (SHARE_OF_MISFIT, (0.4, 0.5)),
     "MOST_WORDS": (MOST_WORDS, (30.0, 60.0, 120.0)),
 }
@@ -128,7 +124,8 @@ def _in_words(found: Graded, most: float) -> Graded:
     return replace(found, finalists=tuple(sorted(seen, key=lambda f: -f.gain)))
 
 
-def _row(recording: Recording, truth: Mapping[str, Any]) -> Row:
+def graded_of(recording: Recording, truth: Mapping[str, Any]) -> Graded | None:
+    """The grades of a recording; None where the base model leaves no structure. Raises HarnessError."""
     given = dict(zip(truth["options"][::2], truth["options"][1::2], strict=True))
     options = DiagnoseOptions(
         restoring=Restoring(given.get("--restoring", "spring")),
@@ -137,10 +134,16 @@ def _row(recording: Recording, truth: Mapping[str, Any]) -> Row:
     problem, base, scales = shortened(prepared(recording, options).problem)
     problem = replace(problem, noise=noise_of(base, problem, scales.omega))
     base = settle(under(base, problem), problem, scales)
-    said = {key: value for key, value in truth.items() if key not in ("plant", "table")}
     if left_by(base, problem, scales.omega, base) is not Left.STRUCTURE:
+        return None
+    return grade(misfit(problem, base, scales))
+
+
+def _row(recording: Recording, truth: Mapping[str, Any]) -> Row:
+    said = {key: value for key, value in truth.items() if key not in ("plant", "table")}
+    found = graded_of(recording, truth)
+    if found is None:
         return Row(said, math.nan, (), dict.fromkeys(settings(), Answer(None, ())))
-    found = grade(misfit(problem, base, scales))
     answers = {}
     for setting in settings():
         with _instead(setting):

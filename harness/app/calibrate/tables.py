@@ -28,7 +28,7 @@ from harness.diagnosis.grading.prediction import held_out, ratio
 from harness.diagnosis.outcome import Table
 from harness.diagnosis.problem import Problem
 from harness.diagnosis.residual_tests.structure import Left, left_by
-from harness.diagnosis.rules import TABLE_BETTER, TABLE_ERRORS, TABLE_WORDS
+from harness.diagnosis.rules import TABLE_BAND, TABLE_BETTER, TABLE_ERRORS, TABLE_WORDS
 from harness.diagnosis.search.extend import settle
 from harness.diagnosis.search.long_recordings import shortened
 from harness.diagnosis.search.search import noise_of, under
@@ -197,6 +197,7 @@ def said(rows: Sequence[Row]) -> Iterator[str]:
     chance = float(np.mean([not r.kept for r in rows if r.group == RANDOM] or [True])) >= WITHDRAWN
     for rule in (TABLE_BETTER, TABLE_ERRORS, TABLE_WORDS):
         yield stands(rule, fine and chance, f"{len(looked)} static laws, {sum(r.group == RANDOM for r in rows)} random")
+    yield stands(TABLE_BAND, (bands.value or 0.0) >= WITHIN, f"{len(said_of)} curves")
 
 
 def _predicted(what: str, rows: Sequence[Row]) -> Iterator[str]:

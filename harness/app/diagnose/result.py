@@ -153,6 +153,7 @@ def _mechanism(mechanism: Mechanism, outcome: Outcome) -> MechanismResult:
         delta_bic=mechanism.delta_bic,
         grade=mechanism.grade.value,
         share=mechanism.share,
+        chance=mechanism.chance,
         holdout=_predicted(mechanism.held_out),
         forward=_predicted(mechanism.forward),
         where=where_of(mechanism, outcome),

@@ -10,8 +10,8 @@ from contextlib import suppress
 from importlib import import_module
 from typing import Any, final
 
+from harness.core.cores import one_thread
 from harness.core.errors import HarnessError, InputError
-from harness.core.threads import one_thread
 
 
 class Workers(ABC):

@@ -3,9 +3,8 @@
 from harness.diagnosis.baseline.words import strokes_of
 from harness.diagnosis.fit.model_fit import Fit
 from harness.diagnosis.grading.grade import Graded
-from harness.diagnosis.grading.prediction import ratio
 from harness.diagnosis.outcome import Grade, Holdout
-from harness.diagnosis.rules import DECISIVE, LEAST_CYCLES, PREDICTS_WORSE, RUNS_ON, SHARE_OF_MISFIT
+from harness.diagnosis.rules import DECISIVE, LEAST_CYCLES, PREDICTS_WORSE, SHARE_OF_MISFIT
 from harness.diagnosis.search.extend import key_of
 from harness.diagnosis.search.search import Search
 from harness.diagnosis.verdict import Judgement
@@ -82,10 +81,10 @@ def cautions_of_misfit(graded: Graded) -> tuple[str, ...]:
     cycles = graded.misfit.strokes.cycles
     if graded.grade is Grade.ONE_OF and cycles < LEAST_CYCLES.value:
         said.append(_FEW.format(cycles, LEAST_CYCLES.value))
-    if RUNS_ON in graded.rules:
+    if graded.grade is Grade.ONE_OF and graded.chance is not None:
         said.append(
-            f"fitted to the first 60 %, {graded.named[0].name} misses {ratio(graded.named[0].run, graded.base_run):.2g}"
-            " times what viscous and Coulomb friction miss of the rest: it may follow several small effects"
+            f"of simulated machines that look like this one {100.0 * graded.chance:.0f} % have {graded.named[0].name}"
+            " as their main effect; in the others several small effects come to the same"
         )
     clocks = [f.name for f in graded.named if f.clock]
     if clocks:

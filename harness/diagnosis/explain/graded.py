@@ -66,6 +66,7 @@ def _mechanism(finalist: Finalist, graded: Graded, base: Fit, problem: Problem) 
         share=finalist.share,
         held_out=prediction(graded.base_held, finalist.held),
         forward=prediction(graded.base_run, finalist.run),
+        chance=graded.chance if finalist is graded.named[0] else None,
     )
 
 

@@ -93,6 +93,22 @@ def term_parameters(
     return out
 
 
+def loosest(found: Fit, problem: Problem, index: int, omega: float) -> float:
+    """Largest relative standard error of the parameters of the term at ``index``, of a phase in rad; nan for none.
+
+    Of a model that does not explain its recording; see ``term_parameters``.
+    """
+    term = found.model.terms[index].term
+    phase = "" if term.phase is None else term.parameters[term.phase].name
+    said = term_parameters(found, problem, index, omega, explained=False)
+    sizes = []
+    for name, one in said.items():
+        size = 1.0 if name == phase else abs(one.value or 0.0)
+        if one.stderr is not None and size > 0.0:
+            sizes.append(one.stderr / size)
+    return max(sizes, default=math.nan)
+
+
 def base_parameters(found: Fit, problem: Problem, omega: float, explained: bool) -> dict[str, Quantity]:
     """omega_n, zeta, x_k of a fit (mass, c, f_k on a free axis), standard errors through the first derivatives.
 

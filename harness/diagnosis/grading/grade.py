@@ -5,6 +5,7 @@ is judged by its share of the misfit, by evidence that counts words and not samp
 term, and by prediction of what it was not fitted to.
 """
 
+import math
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -12,8 +13,11 @@ from typing import TypeVar
 
 import numpy as np
 
+from harness.core.cores import each
 from harness.diagnosis.baseline.words import evidence, margin_of
 from harness.diagnosis.fit.model_fit import Fit
+from harness.diagnosis.fit.standard_errors import loosest
+from harness.diagnosis.grading.chance import Seen, chance
 from harness.diagnosis.grading.clocks import on_the_swing
 from harness.diagnosis.grading.friction_split import resplit
 from harness.diagnosis.grading.misfit import Misfit
@@ -21,18 +25,16 @@ from harness.diagnosis.grading.prediction import Predicted, free_run, held_out, 
 from harness.diagnosis.outcome import Grade
 from harness.diagnosis.rules import (
     AMONG_ALIKE,
-    CROWD,
-    CROWD_SHARE,
+    CHANCE,
     GAIN,
     HELD_OUT,
     LEAST_CYCLES,
     LEAST_RATIO,
     MARGIN,
     MOST_LISTED,
-    OUT_OF_CROWD,
+    NEARLY_AS_MUCH,
     PREDICTS_BETTER,
     RUN_BETTER,
-    RUNS_ON,
     RUNS_ON_BETTER,
     SAME_CLOCK,
     SHARE_OF_EXCESS,
@@ -40,11 +42,11 @@ from harness.diagnosis.rules import (
     Rule,
 )
 from harness.diagnosis.search.extend import extend
+from harness.diagnosis.search.search import under
 from harness.diagnosis.search.start_evidence import evidence as starting_evidence
 from harness.model.evidence import Evidence
 from harness.model.model import Model
-from harness.model.registry import NAMED, not_parted
-from harness.model.term import Slot
+from harness.model.registry import NAMED
 
 _FINALISTS = 4
 """Names whose predictions are computed."""
@@ -56,7 +58,8 @@ class Finalist:
 
     fit : under the noise of the misfit. gain : evidence over the base. share : of the misfit beyond the sensors' noise
     that it takes off; of_all : of the whole. clock : whether it has a clock of its own on the swing. held, run :
-    prediction of blocks that were left out, and of the last part from the first.
+    prediction of blocks that were left out, and of the last part from the first. loosest : largest standard error of
+    its parameters, relative; nan where it was not looked at.
     """
 
     fit: Fit
@@ -66,6 +69,7 @@ class Finalist:
     clock: bool
     held: Predicted | None = None
     run: Predicted | None = None
+    loosest: float = math.nan
 
     @property
     def name(self) -> str:
@@ -77,7 +81,8 @@ class Finalist:
 class Contest(ABC):
     """Finalists, and what they come to: grade and names, best first.
 
-    base_held, base_run : prediction by the base. rules : those that decided.
+    base_held, base_run : prediction by the base. chance : of the first name to be the main effect, None where that was
+    not asked. rules : those that decided.
     """
 
     finalists: tuple[Finalist, ...] = ()
@@ -85,6 +90,7 @@ class Contest(ABC):
     named: tuple[Finalist, ...] = ()
     base_held: Predicted | None = None
     base_run: Predicted | None = None
+    chance: float | None = None
     rules: tuple[Rule, ...] = (GAIN,)
 
     @property
@@ -106,6 +112,10 @@ class Contest(ABC):
     @abstractmethod
     def refined(self) -> Fit:
         """The best model found, the base where nothing helps."""
+
+    @abstractmethod
+    def chance_of(self, first: Finalist) -> float:
+        """Of a name that stands apart from every other to be the main effect."""
 
 
 C = TypeVar("C", bound=Contest)
@@ -138,6 +148,15 @@ class Graded(Contest):
         """The first name's."""
         return self.named[0].fit if self.named else self.misfit.base
 
+    def chance_of(self, first: Finalist) -> float:
+        """As simulated machines that look like this one say."""
+        return chance(self.seen(first))
+
+    def seen(self, first: Finalist) -> Seen:
+        """What is known of a name that stands apart."""
+        others = tuple(f.share for f in self.finalists if f is not first)
+        return Seen(first.share, others, first.loosest, self.cycles, ratio(first.run, self.base_run))
+
 
 def grade(misfit: Misfit, begun: Sequence[Model] = ()) -> Graded:
     """Grade the catalogue against a misfit; begun : models with one law each, to go on with. Raises SimulationError."""
@@ -146,17 +165,24 @@ def grade(misfit: Misfit, begun: Sequence[Model] = ()) -> Graded:
     if not finalists:
         return Graded(misfit=misfit)
     base_held, base_run = held_out(misfit.base, problem, scales, strokes), free_run(misfit.base, problem, scales)
-    seen = [
-        replace(f, held=held_out(f.fit, problem, scales, strokes), run=free_run(f.fit, problem, scales))
-        if i < _FINALISTS
-        else f
-        for i, f in enumerate(finalists)
-    ]
-    return decided(Graded(misfit=misfit, finalists=tuple(seen), base_held=base_held, base_run=base_run))
+
+    def predicted(f: Finalist) -> Finalist:
+        held, run = held_out(f.fit, problem, scales, strokes), free_run(f.fit, problem, scales)
+        return replace(f, held=held, run=run, loosest=_loosest(f.fit, misfit))
+
+    seen = (*each(predicted, finalists[:_FINALISTS]), *finalists[_FINALISTS:])
+    return decided(Graded(misfit=misfit, finalists=seen, base_held=base_held, base_run=base_run))
+
+
+def _loosest(fit: Fit, misfit: Misfit) -> float:
+    """Under the sensors' noise, as a result gives the standard errors."""
+    problem = replace(misfit.problem, noise=misfit.noise_left(fit))
+    return loosest(under(fit, problem), problem, len(fit.model.terms) - 1, misfit.scales.omega)
 
 
 def decided(found: C) -> C:
     """Grade finalists whose evidence and predictions are known."""
+    found = replace(found, chance=None)
     return _by_share(found) or _by_run(found) or _by_clock(found) or _minor(found)
 
 
@@ -170,7 +196,8 @@ def ranked(misfit: Misfit, begun: Sequence[Model] = ()) -> list[Finalist]:
     fits = [f for f in extended if f.as_named]
     if not fits:
         return []
-    floor = misfit.floor(misfit.noise_left(min(fits, key=lambda f: f.chi2)))
+    noise = misfit.noise_left(min(fits, key=lambda f: f.chi2))
+    floor, beside = misfit.floor(noise), misfit.beside_words(noise)
     excess = base.chi2 - floor
     cells = cells_of(starting_evidence(base, problem, scales))
     span = problem.duration
@@ -180,7 +207,7 @@ def ranked(misfit: Misfit, begun: Sequence[Model] = ()) -> list[Finalist]:
         taken = base.chi2 - one.chi2
         found = Finalist(
             one,
-            evidence(base.chi2, one.chi2, misfit.words, parameters, cells[entry.term.name]),
+            evidence(base.chi2 - beside, one.chi2 - beside, misfit.words, parameters, cells[entry.term.name]),
             min(taken / excess, 1.0) if excess > 0.0 else 0.0,
             taken / base.chi2,
             on_the_swing(entry, scales.omega, span),
@@ -227,41 +254,23 @@ def _by_share(found: C) -> C | None:
     near = _alike(first, found)
     better = [f for f in candidates if f not in near and _predicts_better(f, first)]
     listed, rules = (first, *near, *better), (*rules, MARGIN, LEAST_RATIO)
-    if len(listed) == 1:
-        listed, rules = (first, *_crowd(first, found)), (*rules, CROWD, CROWD_SHARE, OUT_OF_CROWD)
     if len(listed) > 1:
         listed = listed[: MOST_LISTED.count]
         return replace(found, grade=Grade.ONE_OF, named=listed, rules=(*rules, MOST_LISTED))
     if found.cycles < LEAST_CYCLES.value:
         return replace(found, grade=Grade.ONE_OF, named=listed, rules=(*rules, LEAST_CYCLES))
-    if not _runs_on(first, found):
-        return replace(found, grade=Grade.ONE_OF, named=listed, rules=(*rules, RUNS_ON))
-    return replace(found, grade=Grade.MAIN, named=listed, rules=rules)
+    likely = found.chance_of(first)
+    if likely < CHANCE.value:
+        listed = (first, *_nearly_as_much(first, found))[: MOST_LISTED.count]
+        rules = (*rules, CHANCE, NEARLY_AS_MUCH, MOST_LISTED)
+        return replace(found, grade=Grade.ONE_OF, named=listed, chance=likely, rules=rules)
+    return replace(found, grade=Grade.MAIN, named=listed, chance=likely, rules=(*rules, CHANCE))
 
 
-def _crowd(first: Finalist, found: Contest) -> tuple[Finalist, ...]:
-    """Others that take nearly as much off as the first, where they are many; most evidence first.
-
-    What many different laws sum up nearly as well as the best of them need be none of them: several small effects are.
-    None where the first leaves far less than each of them.
-    """
-    others = [f for f in found.finalists if f is not first]
-    near = tuple(f for f in others if f.share >= CROWD_SHARE.value * first.share)
-    far = all(1.0 - f.share >= OUT_OF_CROWD.value * (1.0 - first.share) for f in others)
-    return () if far or len(near) < CROWD.count else near
-
-
-def _runs_on(first: Finalist, found: Contest) -> bool:
-    """Whether a law that blocks between its own samples cannot refute says more of the last part than the base.
-
-    Such are laws of several numbers, and those of the amplitude and of the time, which one decay does not part. What an
-    event did in the last part nobody can say before.
-    """
-    entry = first.fit.model.terms[-1]
-    follows = len(entry.values) > 1 or any(not_parted(entry.term.name, other.name) for other in NAMED)
-    if found.base_run is None or not follows or entry.term.slot is Slot.EVENT:
-        return True
-    return ratio(first.run, found.base_run) <= RUNS_ON.value
+def _nearly_as_much(first: Finalist, found: Contest) -> tuple[Finalist, ...]:
+    """Others that take nearly as much off as the first, most evidence first: several small effects sum up to any."""
+    others = (f for f in found.finalists if f is not first)
+    return tuple(f for f in others if f.share >= NEARLY_AS_MUCH.value * first.share)
 
 
 def _predicts_better(one: Finalist, first: Finalist) -> bool:

@@ -56,6 +56,19 @@ class Misfit:
             for c, n in noise.items()
         )
 
+    def beside_words(self, noise: Mapping[str, Noise]) -> float:
+        """What noise leaves of chi-square beside the words that the misfit says, in the units of the search.
+
+        A word is said over many samples, over which noise averages out; with a memory it does so less.
+        """
+        beside = 0.0
+        for c, n in noise.items():
+            samples = float(np.sum(self.problem.weight[c]))
+            memory = (1.0 + n.phi) / (1.0 - n.phi)
+            kept = min(self.words * memory / max(samples, 1.0), 1.0)
+            beside += samples * (1.0 - kept) * (n.sigma / self.problem.noise[c].sigma) ** 2
+        return beside
+
 
 def _rms(r: FloatArray) -> float:
     return math.sqrt(float(np.mean(r**2)))

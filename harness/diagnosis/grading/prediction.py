@@ -9,6 +9,7 @@ import numpy as np
 from scipy import stats
 
 from harness.core.arrays import BoolArray, FloatArray
+from harness.core.cores import each
 from harness.core.errors import SimulationError
 from harness.diagnosis.baseline.words import Strokes
 from harness.diagnosis.fit.model_fit import Fit, fit
@@ -98,9 +99,8 @@ def by_blocks(
     if count < 2:
         return None
     squares = {c: np.zeros(count) for c in problem.channels}
-    for fold in range(min(_FOLDS, count)):
-        out = (block >= 0) & (block % _FOLDS == fold)
-        shown = refitted(out)
+    outs = [(block >= 0) & (block % _FOLDS == fold) for fold in range(min(_FOLDS, count))]
+    for out, shown in zip(outs, each(refitted, outs), strict=True):
         if shown is None:
             return None
         for c, left in _missed(problem, shown).items():

@@ -2,11 +2,12 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 
+from harness.core.cores import each
 from harness.core.errors import SimulationError
-from harness.core.telling import told
 from harness.diagnosis.baseline.base_fit import at_rest
 from harness.diagnosis.fit.friction_back import with_friction
 from harness.diagnosis.fit.model_fit import Fit, chi2_of, fit
@@ -109,18 +110,22 @@ def _rough(candidates: Sequence[Candidate], problem: Problem, base: tuple[str, .
     """A rough fit of every entry, best first: a few steps of every start, then the nearest of each entry go on."""
     early = problem.first_part(_EARLY)
     swing = Swing.of(problem, scales.omega)
+    starts = each(
+        lambda c: _start(c, problem, early, swing, base, scales), candidates, lambda c: f"trying {_said(c.model)}"
+    )
     begun: dict[str, list[Fit]] = {}
-    for candidate in told(candidates, lambda c: f"trying {_said(c.model)}"):
-        found = _start(candidate, problem, early, swing, base, scales)
+    for candidate, found in zip(candidates, starts, strict=True):
         if found is not None:
             begun.setdefault(candidate.term.key, []).append(found)
-    best = []
-    for place, group in enumerate(sorted(begun.values(), key=lambda g: min(f.chi2 for f in g))):
-        group.sort(key=lambda f: f.chi2)
+    groups = sorted(begun.values(), key=lambda g: min(f.chi2 for f in g))
+
+    def best_of(place: int) -> Fit:
+        group = sorted(groups[place], key=lambda f: f.chi2)
         nearest = group[:_KEPT_STARTS] if place < _GONE_ON_WITH else []
-        further = [_gone_on(f.model, problem, swing, base, scales) for f in nearest]
-        best.append(min((*group, *(f for f in further if f is not None)), key=lambda f: f.bic))
-    return sorted(best, key=lambda f: f.bic)
+        further = (_gone_on(f.model, problem, swing, base, scales) for f in nearest)
+        return min((*group, *(f for f in further if f is not None)), key=lambda f: f.bic)
+
+    return sorted(each(best_of, range(len(groups))), key=lambda f: f.bic)
 
 
 def _gone_on(model: Model, problem: Problem, swing: Swing | None, base: tuple[str, ...], scales: Scales) -> Fit | None:
@@ -143,11 +148,13 @@ def _further(
         looked.setdefault(candidate.term.key, _nearest((candidate.model, candidate.short), small, scales))
     for key, model in looked.items():
         starts.setdefault(key, []).append(model)
-    best = []
-    for group in told(tuple(starts.values()), lambda g: f"trying {_said(g[0])}"):
-        fits = [f for f in (_gone_on(m, small, swing, base, scales) for m in group) if f is not None]
-        best += [min(fits, key=lambda f: f.bic)] if fits else []
-    return sorted(best, key=lambda f: f.bic)
+
+    def best_of(group: Sequence[Model]) -> Fit | None:
+        fits = (_gone_on(m, small, swing, base, scales) for m in group)
+        return min((f for f in fits if f is not None), key=lambda f: f.bic, default=None)
+
+    best = each(best_of, tuple(starts.values()), lambda g: f"trying {_said(g[0])}")
+    return sorted((f for f in best if f is not None), key=lambda f: f.bic)
 
 
 def _candidates(current: Fit, problem: Problem, scales: Scales, terms: Sequence[Term]) -> list[Candidate]:
@@ -226,14 +233,16 @@ def extend(
         worthy = _candidates(current, problem, scales, terms) if look is None else _ending(look, scales)
         best = _rough(worthy, small, base, scales)
     finalists = _finalists(best, chi2_of(current.model, small, scales, COARSE) + current.bic - current.chi2)
-    fitted = told(finalists, lambda f: f"fitting {_said(f.model)}")
-    quick = [q for q in (_quick(start.model, problem, base, scales) for start in fitted) if q is not None]
-    quick.sort(key=lambda f: f.bic)
+    fitted = each(lambda f: _quick(f.model, problem, base, scales), finalists, lambda f: f"fitting {_said(f.model)}")
+    quick = sorted((q for q in fitted if q is not None), key=lambda f: f.bic)
     fits: dict[tuple[str, ...], Fit] = {}
     reach = max(_MISPLACED, _MISPLACED_SHARE * (current.bic - quick[0].bic)) if quick else 0.0
-    for hasty in told(quick, lambda f: f"settling {_said(f.model)}"):
+
+    def settled(hasty: Fit) -> Fit:
         near = hasty.bic < min(quick[0].bic + reach, current.bic)
-        found = settle(hasty, problem, scales) if near else hasty
+        return settle(hasty, problem, scales) if near else hasty
+
+    for found in each(settled, quick, lambda f: f"settling {_said(f.model)}"):
         key = key_of(found)
         if _repeats(found, problem) and (key not in fits or found.bic < fits[key].bic):
             fits[key] = found
@@ -277,7 +286,7 @@ def prune(found: Fit, problem: Problem, scales: Scales) -> tuple[Fit, tuple[Fit 
     The latter are fitted again; None where that cannot be simulated.
     """
     while found.model.terms:
-        smaller = tuple(_without(found, i, problem, scales) for i in range(len(found.model.terms)))
+        smaller = tuple(each(partial(_without, found, problem, scales), range(len(found.model.terms))))
         best = min((f for f in smaller if f is not None), key=lambda f: f.bic, default=None)
         if best is None or best.bic > found.bic + DECISIVE.value:
             return found, smaller
@@ -285,7 +294,7 @@ def prune(found: Fit, problem: Problem, scales: Scales) -> tuple[Fit, tuple[Fit 
     return found, ()
 
 
-def _without(found: Fit, index: int, problem: Problem, scales: Scales) -> Fit | None:
+def _without(found: Fit, problem: Problem, scales: Scales, index: int) -> Fit | None:
     model = replace(found.model, terms=found.model.terms[:index] + found.model.terms[index + 1 :])
     try:
         return fit(model, problem, free_of(model, base_of(found.free)), scales)

@@ -6,11 +6,13 @@ free to follow, is a projection of the residual (the score test). It costs a sim
 """
 
 from collections.abc import Iterator, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from harness.core.arrays import FloatArray
+from harness.core.cores import each
 from harness.core.errors import SimulationError
 from harness.diagnosis.fit.model_fit import Fit, evaluate, whitened
 from harness.diagnosis.fit.observe import COARSE, observe
@@ -153,10 +155,15 @@ def screen(
         if term.amplitude is not None and applicable(term, current.model, problem)
         for p in _probes(term, evidence)
     ]
-    for batch in _batches(probes):
-        try:
-            answers = _responses(current.model, small, batch, scales)
-        except SimulationError:
+
+    def answered(batch: list[_Probe]) -> FloatArray | None:
+        with suppress(SimulationError):
+            return _responses(current.model, small, batch, scales)
+        return None
+
+    batches = list(_batches(probes))
+    for batch, answers in zip(batches, each(answered, batches), strict=True):
+        if answers is None:
             continue
         along = q.T @ answers
         across = answers - q @ along

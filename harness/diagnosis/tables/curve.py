@@ -4,7 +4,8 @@ The error is the larger of two: the penalised fit read as a posterior (Nychka 19
 noise as large as the scores of strokes scatter, and those scores through the fit (Liang and Zeger 1986). A misfit
 says one thing for half a swing; samples are no independent words. To it is added what else may be in the table: small
 effects that it has taken in are held to be as large, in proportion, as what it leaves of blocks left out; and what a
-rougher table says otherwise, which the blocks ask for and so few words do not allow.
+rougher table says otherwise, which the blocks ask for and so few words do not allow. How much all of that falls short
+of, simulated machines say (rule table-band).
 """
 
 import math
@@ -17,6 +18,7 @@ from harness.core.arrays import FloatArray
 from harness.diagnosis.baseline.words import Strokes
 from harness.diagnosis.grading.prediction import blocks_of
 from harness.diagnosis.outcome import Table
+from harness.diagnosis.rules import TABLE_BAND
 from harness.diagnosis.tables.basis import partials
 from harness.diagnosis.tables.fitted import TableFit
 from harness.diagnosis.tables.smoothness import rougher
@@ -97,7 +99,8 @@ def errors(found: TableFit, strokes: Strokes, columns: FloatArray, size: float, 
     ]
     beside = size * held / math.sqrt(max(1.0 - held**2, _LEAST_TAKEN))
     smoothed = columns @ (rougher(found, blocks_of(strokes)) - found.at)
-    return np.asarray(np.hypot(np.hypot(np.maximum(*spread), beside), smoothed), dtype=np.float64)
+    said = np.hypot(np.hypot(np.maximum(*spread), beside), smoothed)
+    return np.asarray(TABLE_BAND.value * said, dtype=np.float64)
 
 
 def _gauge(found: TableFit, of: Quantity, unit_force: bool) -> tuple[str, ...]:

@@ -9,11 +9,11 @@ from harness.diagnosis.fit.place import place_of
 from harness.diagnosis.fit.standard_errors import base_parameters, unit_of
 from harness.diagnosis.outcome import Grade, Holdout, Mechanism, Outcome, Prediction, Remainder, Table
 from harness.diagnosis.problem import Problem
-from harness.diagnosis.rules import TABLE_BETTER, TABLE_ERRORS, TABLE_OVER_NOISE, TABLE_WORDS
+from harness.diagnosis.rules import TABLE_BAND, TABLE_BETTER, TABLE_ERRORS, TABLE_OVER_NOISE, TABLE_WORDS
 from harness.diagnosis.tables.drawn import Drawn
 from harness.diagnosis.tables.selection import Tabulated
 
-RULES = (TABLE_OVER_NOISE, TABLE_BETTER, TABLE_ERRORS, TABLE_WORDS)
+RULES = (TABLE_OVER_NOISE, TABLE_BETTER, TABLE_ERRORS, TABLE_WORDS, TABLE_BAND)
 _NOT_FITTED = "the range that was swept"
 
 

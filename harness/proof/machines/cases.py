@@ -67,8 +67,10 @@ class Messy:
     summed: Mapping[str, float] = field(default_factory=dict)
 
 
-def draw(kind: Kind, main: str, rng: np.random.Generator) -> Messy:
+def draw(kind: Kind, main: str, rng: np.random.Generator, sums: bool = True) -> Messy:
     """A random recording of a machine. main : an effect of the catalogue or of none, or "" for a control.
+
+    sums : whether it is asked which laws sum a control up.
 
     Raises InputError for an effect that this machine cannot have, SimulationError when no draw came out.
     """
@@ -78,7 +80,7 @@ def draw(kind: Kind, main: str, rng: np.random.Generator) -> Messy:
     for _ in range(MOST_TRIES):
         try:
             rig = draw_rig(kind, main, rng)
-            found = _with_main(rig, main, rng) if main else _control(rig, bare, rng)
+            found = _with_main(rig, main, rng) if main else _control(rig, bare, rng, sums)
         except SimulationError:
             continue
         if found is not None:
@@ -138,7 +140,7 @@ def _with_main(rig: Rig, main: str, rng: np.random.Generator) -> Messy | None:
     return Messy(rig, main, {main: values, **small.effects}, whole, weight, noise, found, shares, {}, recorded)
 
 
-def _control(rig: Rig, bare: bool, rng: np.random.Generator) -> Messy | None:
+def _control(rig: Rig, bare: bool, rng: np.random.Generator, sums: bool) -> Messy | None:
     if bare:
         whole = read(rig, {})
         noise = draw_noise(rig, whole, rng)
@@ -160,7 +162,8 @@ def _control(rig: Rig, bare: bool, rng: np.random.Generator) -> Messy | None:
         fitted |= {name: fitted_share(one, whole, weight) for name, one in alone.items()}
     recorded = _recorded(rig, whole, noise, rng)
     # after everything that the recording follows from
-    summed = {} if rig.kind.driven else summed_up(rig, whole, weight, frozenset(small.effects), rng)
+    ask = sums and not rig.kind.driven
+    summed = summed_up(rig, whole, weight, frozenset(small.effects), rng) if ask else {}
     return Messy(rig, "", small.effects, whole, weight, noise, None, shares, fitted, recorded, summed)
 
 

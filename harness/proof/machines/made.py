@@ -24,15 +24,18 @@ class Made:
     answer: dict[str, Any]
 
 
-def made(seed: int, job: Job) -> Made:
-    """Draw a job; raises SimulationError when nothing came out."""
+def made(seed: int, job: Job, sums: bool = True) -> Made:
+    """Draw a job; raises SimulationError when nothing came out.
+
+    sums : whether the answer of a control says which laws sum it up, most of the time that a control takes.
+    """
     kind, reason = KINDS[job.kind], ""
     for attempt in range(ATTEMPTS):
         rng = np.random.default_rng([seed, 1, job.index, attempt])
         names = possible(kind, job.group)
         main = names[int(rng.integers(len(names)))] if attempt else job.main
         try:
-            case = draw(kind, main, rng)
+            case = draw(kind, main, rng, sums)
         except SimulationError as error:
             reason = str(error)
             continue

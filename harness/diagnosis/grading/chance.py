@@ -1,0 +1,66 @@
+"""How likely a name that stands apart is the main effect, and not what several small effects come to together.
+
+Small effects sum up to one law or another by chance; where many laws take nearly as much off, where the law's own
+numbers are loose, and where there are many cycles to see small effects in, that is likely. How likely, a logistic
+regression says (Cox 1958, J. R. Stat. Soc. B 20, 215) on simulated machines, of which half have a main effect:
+``python -m harness.app.calibrate chance`` makes its weights.
+"""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.special import expit
+
+from harness.core.arrays import FloatArray
+
+FEATURES = ("alike", "loose", "long", "share", "run")
+"""What it hangs on, in the order of the weights."""
+INTERCEPT = -3.517
+WEIGHTS = (-0.82, -0.526, -0.203, 7.74, 0.469)
+"""One a feature."""
+_LEAST_SHARE = 0.01
+"""Of what counts as a share."""
+_SURE, _LOOSE = 0.001, 10.0
+"""Relative standard errors, and ratios of free runs, beyond which more says nothing more."""
+
+
+@dataclass(frozen=True, slots=True)
+class Seen:
+    """What is known of a name that stands apart.
+
+    share : of the misfit that it takes off; others : the same of every other name. loosest : largest relative standard
+    error of its parameters, nan where none is known. cycles : of the motion. run : rmse of its free run, over the
+    base's.
+    """
+
+    share: float
+    others: tuple[float, ...]
+    loosest: float
+    cycles: float
+    run: float
+
+    @property
+    def features(self) -> FloatArray:
+        """(5,). alike : sum of the others' shares, in its own. loose : log of the loosest relative standard error.
+        long : log of the cycles. share. run : log of the free run's ratio.
+        """
+        loosest = 1.0 if math.isnan(self.loosest) else self.loosest
+        return np.array(
+            [
+                sum(max(one, 0.0) for one in self.others) / max(self.share, _LEAST_SHARE),
+                _log(loosest),
+                math.log(max(self.cycles, 1.0)),
+                self.share,
+                _log(self.run),
+            ]
+        )
+
+
+def _log(ratio: float) -> float:
+    return math.log(min(max(ratio, _SURE), _LOOSE))
+
+
+def chance(seen: Seen) -> float:
+    """Of the name to be the main effect, on machines of which half have one."""
+    return float(expit(INTERCEPT + seen.features @ np.array(WEIGHTS)))
