@@ -80,7 +80,9 @@ def draw(kind: Kind, main: str, rng: np.random.Generator, sums: bool = True) -> 
     for _ in range(MOST_TRIES):
         try:
             rig = draw_rig(kind, main, rng)
-            found = _with_main(rig, main, rng) if main else _control(rig, bare, rng, sums)
+            # an effect as it is drawn first may be far stronger than any machine has; it is then left
+            with np.errstate(over="ignore", invalid="ignore"):
+                found = _with_main(rig, main, rng) if main else _control(rig, bare, rng, sums)
         except SimulationError:
             continue
         if found is not None:
