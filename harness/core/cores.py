@@ -6,8 +6,9 @@ hundred rows here, for which more than one only costs.
 """
 
 import os
+import threading
 from collections.abc import Callable, Sequence
-from contextvars import ContextVar, copy_context
+from contextvars import copy_context
 from typing import TypeVar
 
 from harness.core.errors import InputError
@@ -17,8 +18,6 @@ T = TypeVar("T")
 R = TypeVar("R")
 VARIABLE = "HARNESS_THREADS"
 _COUNTS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS")
-_INSIDE: ContextVar[bool] = ContextVar("inside", default=False)
-"""Whether this is already one of several: what it has to do is then done one after another."""
 
 
 def threads() -> int:
@@ -48,22 +47,18 @@ def each(work: Callable[[T], R], items: Sequence[T], named: Callable[[T], str] |
     """What work makes of each item, in order.
 
     named : what is said of an item while it is waited for. The first error, in the order of the items, is raised, and
-    what had not begun by then is left undone.
+    what had not begun by then is left undone. What is already one of several threads does one after another.
     """
-    count = 1 if _INSIDE.get() else min(threads(), len(items))
+    count = min(threads(), len(items)) if threading.current_thread() is threading.main_thread() else 1
     turns = items if named is None else told(items, named)
     if count < 2:
         return [work(item) for item in turns]
 
     from concurrent.futures import ThreadPoolExecutor  # no command that asks for help waits for it
 
-    def inside(item: T) -> R:
-        _INSIDE.set(True)
-        return work(item)
-
     with ThreadPoolExecutor(count, thread_name_prefix="harness") as pool:
         # each its own context: what listens, and how numpy warns
-        begun = [pool.submit(copy_context().run, inside, item) for item in items]
+        begun = [pool.submit(copy_context().run, work, item) for item in items]
         try:
             return [one.result() for one, _ in zip(begun, turns, strict=True)]
         finally:

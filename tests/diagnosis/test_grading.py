@@ -8,6 +8,7 @@ import pytest
 from harness.core.arrays import FloatArray
 from harness.core.errors import InputError
 from harness.diagnosis.baseline.base_fit import baseline
+from harness.diagnosis.baseline.words import evidence
 from harness.diagnosis.explain.graded import told
 from harness.diagnosis.fit.model_fit import fit
 from harness.diagnosis.fit.parameters import free_of
@@ -336,6 +337,29 @@ def test_noise_is_what_is_left_within_short_windows(graded: Graded) -> None:
     floor = graded.misfit.floor({"x": Noise(SIGMA, True)})
     own = graded.misfit.problem.noise["x"].sigma
     assert floor == pytest.approx(float(graded.misfit.problem.weight["x"].sum()) * (SIGMA / own) ** 2)
+
+
+@pytest.mark.parametrize("phi", [0.0, 0.6])
+def test_noise_that_averages_out_over_a_word_is_no_evidence(graded: Graded, phi: float) -> None:
+    """Of noise with a memory of so many samples the share W memory / N is in W words; the rest is taken off."""
+    misfit, one = graded.misfit, graded.named[0].fit
+    words, samples, more = misfit.words, float(misfit.problem.weight["x"].sum()), len(one.free) - len(misfit.base.free)
+    memory = (1.0 + phi) / (1.0 - phi)
+
+    def said(sigma: float) -> float:
+        return misfit.evidence_of(one, {"x": Noise(sigma, True, phi)}, cells=3.0)
+
+    assert said(1e-300) == pytest.approx(evidence(misfit.base.chi2, one.chi2, words, more, 3.0))
+    # half of what the law leaves
+    sigma = np.sqrt(0.5 * one.chi2 / samples) * misfit.problem.noise["x"].sigma
+    beside = 0.5 * one.chi2 * (1.0 - words * memory / samples)
+    assert said(sigma) == pytest.approx(evidence(misfit.base.chi2 - beside, one.chi2 - beside, words, more, 3.0))
+    assert said(sigma) > said(1e-300)
+    # no law leaves less than the noise in its words, though that is said to be a tenth more than all that it leaves
+    most = 1.1 * one.chi2
+    in_words = most * words * memory / samples
+    known = evidence(misfit.base.chi2 - most + in_words, in_words, words, more, 3.0)
+    assert said(np.sqrt(2.2) * sigma) == pytest.approx(known)
 
 
 @pytest.mark.parametrize(("c", "f_k"), [(0.4, 0.0), (0.4, 0.3), (0.0, 0.3)])

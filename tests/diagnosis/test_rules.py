@@ -115,3 +115,9 @@ def test_every_rule_is_used(room: ModuleType, files: list[Path]) -> None:
 
 def test_the_page_of_rules_is_made_from_them() -> None:
     assert (ROOT / "docs" / "rules.md").read_text(encoding="utf-8") == rules.document()
+
+
+@pytest.mark.parametrize("rule", rules.RULES, ids=lambda rule: rule.name)
+def test_an_origin_is_there_and_not_to_come(rule: rules.Rule) -> None:
+    assert len(rule.origin) > 10
+    assert not any(word in f"{rule.moves} {rule.origin}" for word in ("TODO", "XXX", "FIXME"))

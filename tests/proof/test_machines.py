@@ -380,7 +380,7 @@ def test_the_scorer_is_a_command(tmp_path: Path, capsys: pytest.CaptureFixture[s
 def test_a_gain_that_is_all_of_a_control_may_be_named() -> None:
     rng = np.random.default_rng(3)
     rig = replace(draw_rig(KINDS["cart"], "", rng), channels="xa", gain={"a": 1.004})
-    case = _control(rig, True, rng, True)
+    case = _control(rig, True, rng)
     assert case is not None
     assert case.fitted["sensor-gain"] == pytest.approx(1.0, abs=1e-6)
     assert truth(case)["may_name"] == ["sensor-gain"]

@@ -1,8 +1,7 @@
 """The chance that a name which stands apart is the main effect: its weights, and what they are worth on other draws."""
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
-from io import BytesIO
+from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
@@ -10,26 +9,21 @@ from scipy.optimize import minimize
 from scipy.special import expit
 
 from harness.app.calibrate.calibration import Calibration, stands
+from harness.app.calibrate.machine_draws import drawn
 from harness.app.calibrate.main_effect import graded_of
-from harness.app.diagnose.options import DiagnoseOptions
-from harness.app.shared.reading import read, spooled
 from harness.core.arrays import BoolArray, FloatArray
 from harness.diagnosis.grading.chance import FEATURES, INTERCEPT, WEIGHTS
-from harness.diagnosis.grading.grade import decided
 from harness.diagnosis.rules import CHANCE
-from harness.proof.machines.kinds import FREE
-from harness.proof.machines.made import made
-from harness.proof.machines.plan import plan
+from harness.proof.machines.plan import CONTROL, MAIN
 
 _FOLDS = 10
 _RIDGE = 1.0
 """Of the weights of features in units of their scatter: a prior of unit variance."""
 _TRIED = (0.0, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9)
 _BINS = (0.0, 0.4, 0.6, 0.75, 0.9, 1.01)
+"""Chances tried, and between which is looked at what was right."""
 _WELL = 0.1
 """What the chance said may be off by, over the draws that were told it."""
-
-
 _OF = (2, 7)
 """Of so many draws so many have a main effect: names that stand apart are rare in the others, and count for as many."""
 
@@ -49,15 +43,12 @@ def measure(seed: int, index: int) -> Row:
     A name that a control has, and that takes most of it, is neither right nor wrong. Raises HarnessError.
     """
     control = index % _OF[1] >= _OF[0]
-    (job,) = plan(list(FREE.values()), int(not control), int(control), 0, 0, seed * 1_000_003 + index)
-    found = made(seed, replace(job, index=index), sums=False)
-    with spooled(BytesIO(found.recording.encode())) as path:
-        graded = graded_of(read(path, DiagnoseOptions().reading), found.answer)
-    answer = None if graded is None else decided(graded)
-    if answer is None or answer.chance is None or answer.named[0].name in found.answer["may_name"]:
+    recording, truth = drawn(seed, index, CONTROL if control else MAIN)
+    found = graded_of(recording, truth)
+    if found is None or found.chance is None or found.named[0].name in truth["may_name"]:
         return Row(np.full(len(FEATURES), np.nan), False, control)
-    first = answer.named[0]
-    return Row(answer.seen(first).features, first.name == found.answer["dominant"], control)
+    first = found.named[0]
+    return Row(found.seen(first).features, first.name == truth["dominant"], control)
 
 
 def fitted(x: FloatArray, right: BoolArray, weight: FloatArray) -> FloatArray:

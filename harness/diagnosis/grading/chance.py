@@ -13,11 +13,19 @@ import numpy as np
 from scipy.special import expit
 
 from harness.core.arrays import FloatArray
+from harness.diagnosis.rules import (
+    CHANCE_ALIKE,
+    CHANCE_INTERCEPT,
+    CHANCE_LONG,
+    CHANCE_LOOSE,
+    CHANCE_OF_SHARE,
+    CHANCE_RUN,
+)
 
 FEATURES = ("alike", "loose", "long", "share", "run")
 """What it hangs on, in the order of the weights."""
-INTERCEPT = -3.517
-WEIGHTS = (-0.82, -0.526, -0.203, 7.74, 0.469)
+INTERCEPT = CHANCE_INTERCEPT.value
+WEIGHTS = tuple(rule.value for rule in (CHANCE_ALIKE, CHANCE_LOOSE, CHANCE_LONG, CHANCE_OF_SHARE, CHANCE_RUN))
 """One a feature."""
 _LEAST_SHARE = 0.01
 """Of what counts as a share."""

@@ -114,8 +114,8 @@ class Contest(ABC):
         """The best model found, the base where nothing helps."""
 
     @abstractmethod
-    def chance_of(self, first: Finalist) -> float:
-        """Of a name that stands apart from every other to be the main effect."""
+    def chance_of(self, first: Finalist) -> float | None:
+        """Of a name that stands apart from every other to be the main effect; None where no draws say."""
 
 
 C = TypeVar("C", bound=Contest)
@@ -197,17 +197,16 @@ def ranked(misfit: Misfit, begun: Sequence[Model] = ()) -> list[Finalist]:
     if not fits:
         return []
     noise = misfit.noise_left(min(fits, key=lambda f: f.chi2))
-    floor, beside = misfit.floor(noise), misfit.beside_words(noise)
-    excess = base.chi2 - floor
+    excess = base.chi2 - misfit.floor(noise)
     cells = cells_of(starting_evidence(base, problem, scales))
     span = problem.duration
     best: dict[str, Finalist] = {}
     for one in fits:
-        entry, parameters = one.model.terms[-1], len(one.free) - len(base.free)
+        entry = one.model.terms[-1]
         taken = base.chi2 - one.chi2
         found = Finalist(
             one,
-            evidence(base.chi2 - beside, one.chi2 - beside, misfit.words, parameters, cells[entry.term.name]),
+            misfit.evidence_of(one, noise, cells[entry.term.name]),
             min(taken / excess, 1.0) if excess > 0.0 else 0.0,
             taken / base.chi2,
             on_the_swing(entry, scales.omega, span),
@@ -260,11 +259,13 @@ def _by_share(found: C) -> C | None:
     if found.cycles < LEAST_CYCLES.value:
         return replace(found, grade=Grade.ONE_OF, named=listed, rules=(*rules, LEAST_CYCLES))
     likely = found.chance_of(first)
-    if likely < CHANCE.value:
-        listed = (first, *_nearly_as_much(first, found))[: MOST_LISTED.count]
-        rules = (*rules, CHANCE, NEARLY_AS_MUCH, MOST_LISTED)
-        return replace(found, grade=Grade.ONE_OF, named=listed, chance=likely, rules=rules)
-    return replace(found, grade=Grade.MAIN, named=listed, chance=likely, rules=(*rules, CHANCE))
+    if likely is None:
+        return replace(found, grade=Grade.MAIN, named=listed, rules=rules)
+    found = replace(found, chance=likely)
+    if likely >= CHANCE.value:
+        return replace(found, grade=Grade.MAIN, named=listed, rules=(*rules, CHANCE))
+    listed = (first, *_nearly_as_much(first, found))[: MOST_LISTED.count]
+    return replace(found, grade=Grade.ONE_OF, named=listed, rules=(*rules, CHANCE, NEARLY_AS_MUCH, MOST_LISTED))
 
 
 def _nearly_as_much(first: Finalist, found: Contest) -> tuple[Finalist, ...]:

@@ -9,7 +9,7 @@ import numpy as np
 from harness.core.arrays import FloatArray
 from harness.diagnosis.baseline.base_fit import baseline
 from harness.diagnosis.baseline.residual_noise import residual_noise
-from harness.diagnosis.baseline.words import Strokes, strokes_of, words_of
+from harness.diagnosis.baseline.words import Strokes, evidence, strokes_of, words_of
 from harness.diagnosis.fit.model_fit import Fit, fit
 from harness.diagnosis.problem import Problem
 from harness.estimate.noise import Noise
@@ -51,23 +51,27 @@ class Misfit:
 
     def floor(self, noise: Mapping[str, Noise]) -> float:
         """What noise alone would leave of chi-square, in the units of the search."""
-        return sum(
-            float(np.sum(self.problem.weight[c])) * (n.sigma / self.problem.noise[c].sigma) ** 2
-            for c, n in noise.items()
-        )
+        return sum(self._left_by(c, n) for c, n in noise.items())
 
-    def beside_words(self, noise: Mapping[str, Noise]) -> float:
-        """What noise leaves of chi-square beside the words that the misfit says, in the units of the search.
+    def evidence_of(self, one: Fit, noise: Mapping[str, Noise], cells: float = 1.0) -> float:
+        """Evidence of a fit over the base, with the sensors' noise as it is left; cells : see ``evidence``.
 
-        A word is said over many samples, over which noise averages out; with a memory it does so less.
+        A word is said over many samples, over which noise averages out: what it leaves beside the words is taken off.
         """
-        beside = 0.0
-        for c, n in noise.items():
-            samples = float(np.sum(self.problem.weight[c]))
-            memory = (1.0 + n.phi) / (1.0 - n.phi)
-            kept = min(self.words * memory / max(samples, 1.0), 1.0)
-            beside += samples * (1.0 - kept) * (n.sigma / self.problem.noise[c].sigma) ** 2
-        return beside
+        beside = sum(self._left_by(c, n) * (1.0 - self._in_words(c, n)) for c, n in noise.items())
+        left = max(one.chi2, self.floor(noise)) - beside
+        return evidence(self.base.chi2 - beside, left, self.words, len(one.free) - len(self.base.free), cells)
+
+    def _left_by(self, channel: str, noise: Noise) -> float:
+        """What a channel's noise leaves of chi-square."""
+        return self._samples(channel) * (noise.sigma / self.problem.noise[channel].sigma) ** 2
+
+    def _in_words(self, channel: str, noise: Noise) -> float:
+        """Share of a channel's noise that is in the words, more of one that is slow."""
+        return min(self.words * noise.inflation(0.0, 1.0) / max(self._samples(channel), 1.0), 1.0)
+
+    def _samples(self, channel: str) -> float:
+        return float(np.sum(self.problem.weight[channel]))
 
 
 def _rms(r: FloatArray) -> float:

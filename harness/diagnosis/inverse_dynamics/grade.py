@@ -77,9 +77,9 @@ class ForceGraded(Contest):
         """The best model found."""
         return self.fit
 
-    def chance_of(self, first: Finalist) -> float:
-        """Certain: a driven path meets the same places at other speeds, where sums of small effects come apart."""
-        return 1.0
+    def chance_of(self, first: Finalist) -> None:
+        """No draws of driven machines say it: their path meets the same places at other speeds."""
+        return
 
 
 @dataclass(frozen=True, slots=True)

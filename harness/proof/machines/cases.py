@@ -67,10 +67,8 @@ class Messy:
     summed: Mapping[str, float] = field(default_factory=dict)
 
 
-def draw(kind: Kind, main: str, rng: np.random.Generator, sums: bool = True) -> Messy:
+def draw(kind: Kind, main: str, rng: np.random.Generator) -> Messy:
     """A random recording of a machine. main : an effect of the catalogue or of none, or "" for a control.
-
-    sums : whether it is asked which laws sum a control up.
 
     Raises InputError for an effect that this machine cannot have, SimulationError when no draw came out.
     """
@@ -82,7 +80,7 @@ def draw(kind: Kind, main: str, rng: np.random.Generator, sums: bool = True) -> 
             rig = draw_rig(kind, main, rng)
             # an effect as it is drawn first may be far stronger than any machine has; it is then left
             with np.errstate(over="ignore", invalid="ignore"):
-                found = _with_main(rig, main, rng) if main else _control(rig, bare, rng, sums)
+                found = _with_main(rig, main, rng) if main else _control(rig, bare, rng)
         except SimulationError:
             continue
         if found is not None:
@@ -142,7 +140,7 @@ def _with_main(rig: Rig, main: str, rng: np.random.Generator) -> Messy | None:
     return Messy(rig, main, {main: values, **small.effects}, whole, weight, noise, found, shares, {}, recorded)
 
 
-def _control(rig: Rig, bare: bool, rng: np.random.Generator, sums: bool) -> Messy | None:
+def _control(rig: Rig, bare: bool, rng: np.random.Generator) -> Messy | None:
     if bare:
         whole = read(rig, {})
         noise = draw_noise(rig, whole, rng)
@@ -162,11 +160,14 @@ def _control(rig: Rig, bare: bool, rng: np.random.Generator, sums: bool) -> Mess
     fitted = _by_gain(rig, small.effects, whole, weight)
     if not rig.kind.driven:
         fitted |= {name: fitted_share(one, whole, weight) for name, one in alone.items()}
-    recorded = _recorded(rig, whole, noise, rng)
-    # after everything that the recording follows from
-    ask = sums and not rig.kind.driven
-    summed = summed_up(rig, whole, weight, frozenset(small.effects), rng) if ask else {}
-    return Messy(rig, "", small.effects, whole, weight, noise, None, shares, fitted, recorded, summed)
+    return Messy(rig, "", small.effects, whole, weight, noise, None, shares, fitted, _recorded(rig, whole, noise, rng))
+
+
+def with_sums(case: Messy, rng: np.random.Generator) -> Messy:
+    """A control of a free decay with the laws that sum it up, most of the time that it takes; others as they are."""
+    if case.main or not case.effects or case.rig.kind.driven:
+        return case
+    return replace(case, summed=summed_up(case.rig, case.whole, case.weight, frozenset(case.effects), rng))
 
 
 def _by_gain(rig: Rig, effects: Effects, whole: Reading, weight: Mapping[str, float]) -> dict[str, float]:

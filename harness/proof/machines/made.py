@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from harness.core.errors import SimulationError
-from harness.proof.machines.cases import draw
+from harness.proof.machines.cases import Messy, draw, with_sums
 from harness.proof.machines.kinds import KINDS
 from harness.proof.machines.plan import Job, possible
 from harness.proof.machines.records import csv_text
@@ -24,20 +24,30 @@ class Made:
     answer: dict[str, Any]
 
 
-def made(seed: int, job: Job, sums: bool = True) -> Made:
-    """Draw a job; raises SimulationError when nothing came out.
+def made(seed: int, job: Job) -> Made:
+    """A recording and all of its answer; raises SimulationError when nothing came out."""
+    case, rng = _drawn(seed, job)
+    return _told(job, with_sums(case, rng))
 
-    sums : whether the answer of a control says which laws sum it up, most of the time that a control takes.
-    """
+
+def made_quickly(seed: int, job: Job) -> Made:
+    """The same, but that the answer of a control does not say which laws sum it up."""
+    return _told(job, _drawn(seed, job)[0])
+
+
+def _told(job: Job, case: Messy) -> Made:
+    return Made(csv_text(case), {"group": job.group, **truth(case)})
+
+
+def _drawn(seed: int, job: Job) -> tuple[Messy, np.random.Generator]:
+    """A case, and the chance that goes on from it."""
     kind, reason = KINDS[job.kind], ""
     for attempt in range(ATTEMPTS):
         rng = np.random.default_rng([seed, 1, job.index, attempt])
         names = possible(kind, job.group)
         main = names[int(rng.integers(len(names)))] if attempt else job.main
         try:
-            case = draw(kind, main, rng, sums)
+            return draw(kind, main, rng), rng
         except SimulationError as error:
             reason = str(error)
-            continue
-        return Made(csv_text(case), {"group": job.group, **truth(case)})
     raise SimulationError(reason)
