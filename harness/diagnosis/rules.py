@@ -280,6 +280,13 @@ PERIOD_SEEN = Rule(
     "a law that repeats in time is tried",
     "less than half a period is a slow change of any kind, a trend",
 )
+RELAXATION_SEEN = Rule(
+    "relaxation-seen",
+    1.0,
+    "recordings",
+    "a law that relaxes is tried, its relaxation time at most this long",
+    "a branch that relaxes more slowly is a spring with its rest where it was let go, which is a constant force",
+)
 SCREEN_GAIN = Rule(
     "screen-gain",
     6.0,
@@ -371,56 +378,56 @@ LEAST_RATIO = Rule(
 )
 CHANCE = Rule(
     "chance",
-    0.8,
+    0.85,
     "chance",
     "a name that stands apart from every other is the main effect, and not a list",
-    "four to one: a false alarm costs as much as four names withheld. Of 399 machines with a main effect it is the name"
-    " that stands apart in 184 (another one in 5), and one stands apart in 90 of 1000 controls; by weights made of the"
-    " other draws a chance of .5 names 176, 5 wrongly, and claims 47 controls, .7 names 165, 4 wrongly, and claims 32,"
-    " .8 names 148, 3 wrongly, and claims 24; what is said to be right at .50, .70, .84 and .95 is so at .55, .75, .83"
-    " and .94 (python -m harness.app.calibrate chance --draws 1400 --seed 20261127, which makes the weights)",
+    "the least, in steps of .05, that claims at most one control in fifty: of 650 machines with a main effect it is the"
+    " name that stands apart in 298 (another one in 9), and one stands apart in 47 of 650 controls; by weights made of"
+    " the other draws a chance of .5 names 291, 7 wrongly, and claims 32 controls, .7 names 265, 4 wrongly, and claims"
+    " 19, .85 names 218, 3 wrongly, and claims 10; what is said to be right at .52, .68, .84 and .96 is so at .54, .67,"
+    " .85 and .96 (python -m harness.app.calibrate chance --draws 1300 --seed 20261129, which makes the weights)",
 )
 _CHANCE_DRAWS = "a logistic regression on the draws of chance, each feature with a prior of unit variance"
 CHANCE_INTERCEPT = Rule(
     "chance-intercept",
-    -3.517,
+    -2.366,
     "logit",
     "the chance that a name that stands apart is the main effect, with what follows added",
     _CHANCE_DRAWS,
 )
 CHANCE_ALIKE = Rule(
     "chance-alike",
-    -0.82,
+    -0.798,
     "logit",
-    "that chance falls with the sum of the other names' shares, in its own",
+    "that chance falls with the sum of the squares of the other names' shares, in its own",
     _CHANCE_DRAWS,
 )
 CHANCE_LOOSE = Rule(
     "chance-loose",
-    -0.526,
+    -0.714,
     "logit",
     "that chance falls with the log of the largest relative standard error of its numbers",
     _CHANCE_DRAWS,
 )
 CHANCE_LONG = Rule(
     "chance-long",
-    -0.203,
+    -1.168,
     "logit",
     "that chance falls with the log of the cycles: more small effects are seen in many",
     _CHANCE_DRAWS,
 )
 CHANCE_OF_SHARE = Rule(
     "chance-share",
-    7.74,
+    6.523,
     "logit",
     "that chance rises with its share of the misfit",
     _CHANCE_DRAWS,
 )
-CHANCE_RUN = Rule(
-    "chance-run",
-    0.469,
+CHANCE_COMPANY = Rule(
+    "chance-company",
+    2.139,
     "logit",
-    "that chance rises with the log of its free run's rmse over the base's, beside its share",
+    "that chance rises with the share of the misfit that it takes beside the other name with which it leaves least",
     _CHANCE_DRAWS,
 )
 NEARLY_AS_MUCH = Rule(

@@ -65,6 +65,12 @@ class ModelTerm:
         index = self.term.repeating(over)
         return None if index is None else self.values[index]
 
+    @property
+    def relaxation(self) -> float | None:
+        """The time (s) within which it forgets, None where it does not."""
+        times = (v for p, v in zip(self.term.parameters, self.values, strict=True) if p.relaxes)
+        return next(times, None)
+
     def value(self, name: str) -> float:
         """The value of one parameter."""
         return self.values[self.term.names.index(name)]

@@ -16,18 +16,19 @@ from harness.diagnosis.fit import standard_errors
 from harness.diagnosis.fit.standard_errors import loosest
 from harness.diagnosis.grading import chance as chances
 from harness.diagnosis.grading.chance import FEATURES, INTERCEPT, WEIGHTS, Seen, chance
+from harness.diagnosis.rules import CHANCE
 from harness.model.model import Model, ModelTerm
 
-SEEN = Seen(share=0.9, others=(0.5, 0.8, -0.1, 0.2), loosest=0.05, cycles=20.0, run=0.5)
+SEEN = Seen(share=0.9, others=(0.5, 0.8, -0.1, 0.2), loosest=0.05, cycles=20.0, company=0.7)
 
 
 def test_what_it_hangs_on_is_what_its_name_says() -> None:
     found = dict(zip(FEATURES, SEEN.features, strict=True))
-    assert found["alike"] == pytest.approx((0.5 + 0.8 + 0.2) / 0.9)
+    assert found["alike"] == pytest.approx((0.5**2 + 0.8**2 + 0.2**2) / 0.9**2)
     assert found["loose"] == pytest.approx(math.log(0.05))
     assert found["long"] == pytest.approx(math.log(20.0))
     assert found["share"] == 0.9
-    assert found["run"] == pytest.approx(math.log(0.5))
+    assert found["company"] == 0.7
     assert replace(SEEN, others=()).features[0] == 0.0
 
 
@@ -44,16 +45,19 @@ def test_it_is_a_logistic_of_that() -> None:
     loosest=st.floats(1e-5, 1e3),
     cycles=st.floats(8.0, 300.0),
     factor=st.floats(1.0, 5.0),
+    company=st.floats(0.0, 1.0),
 )
-def test_another_that_takes_much_off_loose_numbers_and_many_cycles_make_it_less_likely(
-    share: float, others: list[float], more: float, loosest: float, cycles: float, factor: float
+def test_what_makes_it_less_likely(
+    share: float, others: list[float], more: float, loosest: float, cycles: float, factor: float, company: float
 ) -> None:
-    seen = Seen(share, tuple(others), loosest, cycles, 0.5)
+    """Another that takes much off, loose numbers, many cycles, and less of its own beside another."""
+    seen = Seen(share, tuple(others), loosest, cycles, company)
     said = chance(seen)
     assert 0.0 <= said <= 1.0
     assert chance(replace(seen, others=(*others, more))) <= said + 1e-12
     assert chance(replace(seen, loosest=factor * loosest)) <= said + 1e-12
     assert chance(replace(seen, cycles=factor * cycles)) <= said + 1e-12
+    assert chance(replace(seen, company=company / factor)) <= said + 1e-12
     assert chance(replace(seen, others=tuple(reversed(others)))) == pytest.approx(said)
 
 
@@ -105,10 +109,13 @@ def test_a_calibration_prints_the_weights_that_stand(monkeypatch: pytest.MonkeyP
     rounded = [round(float(one), 3) for one in whole]
     monkeypatch.setattr(calibration, "INTERCEPT", rounded[0])
     monkeypatch.setattr(calibration, "WEIGHTS", tuple(rounded[1:]))
-    lines = list(calibration.said(rows))
-    assert f"intercept {whole[0]:.3f} (now {rounded[0]})" in lines
-    assert "the rule stands" in lines[-1]
-    assert lines[-1].endswith("weights as they stand")
+    (least,) = (line for line in calibration.said(rows) if line.startswith("the least chance"))
+    for value, says in ((float(least.rpartition(" ")[2]), "the rule stands"), (0.55, "the rule falls short")):
+        monkeypatch.setattr(calibration, "CHANCE", replace(CHANCE, value=value))
+        lines = list(calibration.said(rows))
+        assert f"intercept {whole[0]:.3f} (now {rounded[0]})" in lines
+        assert says in lines[-1]
+        assert lines[-1].endswith("weights as they stand")
     assert "too few" in list(calibration.said(rows[:9]))[-1]
 
 

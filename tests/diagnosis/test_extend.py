@@ -15,7 +15,7 @@ from harness.diagnosis.rules import AMONG_NAMES, DECISIVE, PAIR_PROMISE, SCREEN_
 from harness.diagnosis.search import look
 from harness.diagnosis.search.extend import extend, prune
 from harness.diagnosis.search.look import Look
-from harness.diagnosis.search.repeats import repeats
+from harness.diagnosis.search.repeats import relaxes, repeats
 from harness.diagnosis.search.search import Search
 from harness.estimate.noise import Noise, channel_noise
 from harness.kernels.solve import Scales, simulate, solve
@@ -80,6 +80,39 @@ def test_a_name_must_stand_out_among_all_that_were_tried() -> None:
 def test_less_than_a_period_is_no_repetition(entry: ModelTerm, said: bool) -> None:
     """Half a period in 1 s is pi rad/s; one over 0.2 m of travel is 0.2 m."""
     assert repeats(entry, 0.2, 1.0, 0.5) is said
+
+
+@pytest.mark.parametrize(("tau", "said"), [(0.1, True), (8.0, True), (8.1, False), (43.0, False)])
+def test_a_relaxation_longer_than_a_recording_is_not_seen(tau: float, said: bool) -> None:
+    assert relaxes(ModelTerm.named("viscoelastic", k_m=0.3, tau=tau), 8.0) is said
+    assert relaxes(ModelTerm.named("cubic-stiffness", k3=1.0), 8.0)
+
+
+def test_a_branch_that_relaxes_slowly_is_a_spring_and_a_constant_force() -> None:
+    """k_m (x - x_0): of 20 % of the spring, as tau grows by ten what is between the two falls by ten."""
+    t, x0, k_m = np.linspace(0.0, 8.0, 400), 0.1, 20.0
+    push = ModelTerm.named("constant-force", force=k_m * x0)
+    plain = simulate(Model(1.0, 0.3, 100.0 + k_m, 0.4, x0=x0, terms=(push,)), t).x
+
+    def apart(tau: float) -> float:
+        slow = ModelTerm.named("viscoelastic", k_m=k_m, tau=tau)
+        return float(np.max(np.abs(simulate(Model(1.0, 0.3, 100.0, 0.4, x0=x0, terms=(slow,)), t).x - plain)))
+
+    assert apart(1e4) == pytest.approx(0.1 * apart(1e3), rel=0.05)
+    assert apart(1e4) < 1e-4 * x0
+
+
+def test_a_law_whose_relaxation_is_not_seen_is_no_name() -> None:
+    """A constant force beside a spring: such a branch would follow it as well."""
+    t = np.linspace(0.0, 8.0, 1200)
+    push = ModelTerm.named("constant-force", force=1.5)
+    x = simulate(Model(1.0, 0.3, 100.0, 0.4, x0=0.1, terms=(push,)), t).x
+    x = x + 1e-4 * np.random.default_rng(1).standard_normal(t.size)
+    problem = FreeDecay(t, {"x": x}, {"x": channel_noise(t, x)})
+    base, scales = baseline(problem)
+    fits = extend(base, problem, scales, [one for one in NAMED if one.name in ("constant-force", "viscoelastic")]).fits
+    assert fits[0].model.terms[-1].term.name == "constant-force"
+    assert all(f.model.terms[-1].relaxation is None or f.model.terms[-1].relaxation <= 8.0 for f in fits)
 
 
 def test_a_term_of_a_pair_is_worth_what_is_lost_when_it_is_taken_out_and_the_rest_fitted_again() -> None:

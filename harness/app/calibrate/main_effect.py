@@ -47,7 +47,7 @@ TRIED: Mapping[str, tuple[Rule, tuple[float, ...]]] = {
     "LEAST_CYCLES": (LEAST_CYCLES, (6.0, 8.0)),
     "RUN_BETTER": (RUN_BETTER, (0.5, 0.7, 0.85)),
     "RUNS_ON_BETTER": (RUNS_ON_BETTER, (0.0, 0.5, 0.7, 0.85)),
-    "CHANCE": (CHANCE, (0.0, 0.4, 0.5, 0.6, 0.7, 0.9)),
+    "CHANCE": (CHANCE, (0.0, 0.5, 0.6, 0.7, 0.8, 0.9)),
     "SHARE_OF_MISFIT": (SHARE_OF_MISFIT, (0.4, 0.5)),
     "MOST_WORDS": (MOST_WORDS, (30.0, 60.0, 120.0)),
 }

@@ -1,9 +1,9 @@
 """How likely a name that stands apart is the main effect, and not what several small effects come to together.
 
-Small effects sum up to one law or another by chance; where many laws take nearly as much off, where the law's own
-numbers are loose, and where there are many cycles to see small effects in, that is likely. How likely, a logistic
-regression says (Cox 1958, J. R. Stat. Soc. B 20, 215) on simulated machines, of which half have a main effect:
-``python -m harness.app.calibrate chance`` makes its weights.
+Small effects sum up to one law or another by chance; where other laws take nearly as much off, where the law takes
+less beside another, where its own numbers are loose, and where there are many cycles to see small effects in, that is
+likely. How likely, a logistic regression says (Cox 1958, J. R. Stat. Soc. B 20, 215) on simulated machines, of which
+half have a main effect: ``python -m harness.app.calibrate chance`` makes its weights.
 """
 
 import math
@@ -15,22 +15,22 @@ from scipy.special import expit
 from harness.core.arrays import FloatArray
 from harness.diagnosis.rules import (
     CHANCE_ALIKE,
+    CHANCE_COMPANY,
     CHANCE_INTERCEPT,
     CHANCE_LONG,
     CHANCE_LOOSE,
     CHANCE_OF_SHARE,
-    CHANCE_RUN,
 )
 
-FEATURES = ("alike", "loose", "long", "share", "run")
+FEATURES = ("alike", "loose", "long", "share", "company")
 """What it hangs on, in the order of the weights."""
 INTERCEPT = CHANCE_INTERCEPT.value
-WEIGHTS = tuple(rule.value for rule in (CHANCE_ALIKE, CHANCE_LOOSE, CHANCE_LONG, CHANCE_OF_SHARE, CHANCE_RUN))
+WEIGHTS = tuple(rule.value for rule in (CHANCE_ALIKE, CHANCE_LOOSE, CHANCE_LONG, CHANCE_OF_SHARE, CHANCE_COMPANY))
 """One a feature."""
 _LEAST_SHARE = 0.01
 """Of what counts as a share."""
 _SURE, _LOOSE = 0.001, 10.0
-"""Relative standard errors, and ratios of free runs, beyond which more says nothing more."""
+"""Relative standard errors beyond which more says nothing more."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -38,35 +38,32 @@ class Seen:
     """What is known of a name that stands apart.
 
     share : of the misfit that it takes off; others : the same of every other name. loosest : largest relative standard
-    error of its parameters, nan where none is known. cycles : of the motion. run : rmse of its free run, over the
-    base's.
+    error of its parameters, nan where none is known. cycles : of the motion. company : share that it takes beside the
+    other with which it leaves least.
     """
 
     share: float
     others: tuple[float, ...]
     loosest: float
     cycles: float
-    run: float
+    company: float
 
     @property
     def features(self) -> FloatArray:
-        """(5,). alike : sum of the others' shares, in its own. loose : log of the loosest relative standard error.
-        long : log of the cycles. share. run : log of the free run's ratio.
+        """(5,). alike : sum of squares of the others' shares, in its own. loose : log of the loosest relative standard
+        error. long : log of the cycles. share. company.
         """
-        loosest = 1.0 if math.isnan(self.loosest) else self.loosest
+        loosest = 1.0 if math.isnan(self.loosest) else min(max(self.loosest, _SURE), _LOOSE)
+        relative = [max(one, 0.0) / max(self.share, _LEAST_SHARE) for one in self.others]
         return np.array(
             [
-                sum(max(one, 0.0) for one in self.others) / max(self.share, _LEAST_SHARE),
-                _log(loosest),
+                sum(one**2 for one in relative),
+                math.log(loosest),
                 math.log(max(self.cycles, 1.0)),
                 self.share,
-                _log(self.run),
+                self.company,
             ]
         )
-
-
-def _log(ratio: float) -> float:
-    return math.log(min(max(ratio, _SURE), _LOOSE))
 
 
 def chance(seen: Seen) -> float:

@@ -19,6 +19,7 @@ from harness.diagnosis.fit.model_fit import Fit
 from harness.diagnosis.fit.standard_errors import loosest
 from harness.diagnosis.grading.chance import Seen, chance
 from harness.diagnosis.grading.clocks import on_the_swing
+from harness.diagnosis.grading.company import in_company
 from harness.diagnosis.grading.friction_split import resplit
 from harness.diagnosis.grading.misfit import Misfit
 from harness.diagnosis.grading.prediction import Predicted, free_run, held_out, ratio, surely_less, trained
@@ -57,9 +58,10 @@ class Finalist:
     """A catalogue name, alone on the base.
 
     fit : under the noise of the misfit. gain : evidence over the base. share : of the misfit beyond the sensors' noise
-    that it takes off; of_all : of the whole. clock : whether it has a clock of its own on the swing. held, run :
-    prediction of blocks that were left out, and of the last part from the first. loosest : largest standard error of
-    its parameters, relative; nan where it was not looked at.
+    that it takes off; of_all : of the whole; company : of the misfit, beside the other name with which it leaves least.
+    clock : whether it has a clock of its own on the swing. held, run : prediction of blocks that were left out, and of
+    the last part from the first. loosest : largest standard error of its parameters, relative. None and nan are what
+    was not looked at.
     """
 
     fit: Fit
@@ -70,6 +72,7 @@ class Finalist:
     held: Predicted | None = None
     run: Predicted | None = None
     loosest: float = math.nan
+    company: float = math.nan
 
     @property
     def name(self) -> str:
@@ -154,8 +157,8 @@ class Graded(Contest):
 
     def seen(self, first: Finalist) -> Seen:
         """What is known of a name that stands apart."""
-        others = tuple(f.share for f in self.finalists if f is not first)
-        return Seen(first.share, others, first.loosest, self.cycles, ratio(first.run, self.base_run))
+        others = [f for f in self.finalists if f is not first]
+        return Seen(first.share, tuple(f.share for f in others), first.loosest, self.cycles, first.company)
 
 
 def grade(misfit: Misfit, begun: Sequence[Model] = ()) -> Graded:
@@ -213,7 +216,13 @@ def ranked(misfit: Misfit, begun: Sequence[Model] = ()) -> list[Finalist]:
         )
         if entry.term.name not in best or found.gain > best[entry.term.name].gain:
             best[entry.term.name] = found
-    return sorted(best.values(), key=lambda f: -f.gain)
+    alone = sorted(best.values(), key=lambda f: -f.gain)
+    return [replace(f, company=_company(f, alone, base) / excess) for f in alone] if excess > 0.0 else alone
+
+
+def _company(one: Finalist, alone: Sequence[Finalist], base: Fit) -> float:
+    """Beside whichever other; a law with a clock on the swing follows any."""
+    return in_company(one.fit, [f.fit for f in alone if f is not one and not f.clock], base)
 
 
 def cells_of(seen: Evidence) -> dict[str, float]:

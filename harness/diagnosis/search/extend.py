@@ -18,7 +18,7 @@ from harness.diagnosis.problem import Problem
 from harness.diagnosis.rules import DECISIVE, PERIOD_SEEN
 from harness.diagnosis.search.decimation import condensed
 from harness.diagnosis.search.look import Look
-from harness.diagnosis.search.repeats import repeats
+from harness.diagnosis.search.repeats import relaxes, repeats
 from harness.diagnosis.search.screen import Candidate
 from harness.kernels.solve import Scales
 from harness.model.model import Model
@@ -244,15 +244,18 @@ def extend(
 
     for found in each(settled, quick, lambda f: f"settling {_said(f.model)}"):
         key = key_of(found)
-        if _repeats(found, problem) and (key not in fits or found.bic < fits[key].bic):
+        if _is_seen(found, problem) and (key not in fits or found.bic < fits[key].bic):
             fits[key] = found
     return Step(current, tuple(sorted(fits.values(), key=lambda f: f.bic)), tuple(f.model for f in best))
 
 
-def _repeats(found: Fit, problem: Problem) -> bool:
-    """Whether what was recorded holds a period over the travel, half a one in time, of each law that repeats."""
-    travel, span = float(np.ptp(found.shown.x)), problem.duration
-    return all(repeats(entry, travel, span, PERIOD_SEEN.value) for entry in found.model.terms)
+def _is_seen(found: Fit, problem: Problem) -> bool:
+    """Whether what was recorded holds a period over the travel, half a one in time, of each law that repeats.
+
+    And the time in which a law forgets.
+    """
+    travel, span, terms = float(np.ptp(found.shown.x)), problem.duration, found.model.terms
+    return all(repeats(e, travel, span, PERIOD_SEEN.value) and relaxes(e, span) for e in terms)
 
 
 def _finalists(rough: list[Fit], before: float) -> list[Fit]:

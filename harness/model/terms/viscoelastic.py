@@ -64,7 +64,7 @@ TERM = Term(
     "viscoelastic",
     "damping",
     Slot.INTERNAL,
-    (Parameter("k_m", "N/m", 0.0, none=0.0), Parameter("tau", "s", 0.0, positive=True)),
+    (Parameter("k_m", "N/m", 0.0, none=0.0), Parameter("tau", "s", 0.0, positive=True, relaxes=True)),
     "A viscoelastic (Maxwell) branch relaxes within {tau}: k_m = {k_m}.",
     law,
     probes,
