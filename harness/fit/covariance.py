@@ -1,5 +1,7 @@
 """Covariance of fitted numbers from the curvature of a sum of squares."""
 
+import math
+
 import numpy as np
 
 from harness.core.arrays import FloatArray
@@ -20,8 +22,13 @@ def inverse_of(normal: FloatArray) -> FloatArray:
 
 
 def covariance_of(partials: FloatArray) -> FloatArray:
-    """Covariance (q, q) of numbers with these partials (n, q) of a residual of unit variance, n values."""
+    """Covariance (q, q) of numbers with these partials (n, q) of a residual of unit variance, n values.
+
+    As ``inverse_of`` of their normal equations; from their triangle, which keeps twice as many digits where two numbers
+    hardly part.
+    """
     scale = np.sqrt(np.sum(partials**2, axis=0))
     scale[scale == 0.0] = 1.0
-    j = partials / scale
-    return inverse_of(j.T @ j) / np.outer(scale, scale)
+    triangle = np.linalg.qr(partials / scale, mode="r")
+    inverse = np.linalg.pinv(triangle, rcond=math.sqrt(_SEEN)) / scale[:, None]
+    return np.asarray(inverse @ inverse.T, dtype=np.float64)

@@ -68,8 +68,7 @@ class ModelTerm:
     @property
     def relaxation(self) -> float | None:
         """The time (s) within which it forgets, None where it does not."""
-        times = (v for p, v in zip(self.term.parameters, self.values, strict=True) if p.relaxes)
-        return next(times, None)
+        return next((v for p, v in zip(self.term.parameters, self.values, strict=True) if p.relaxes), None)
 
     def value(self, name: str) -> float:
         """The value of one parameter."""

@@ -15,8 +15,8 @@ from harness.diagnosis.rules import AMONG_NAMES, DECISIVE, PAIR_PROMISE, SCREEN_
 from harness.diagnosis.search import look
 from harness.diagnosis.search.extend import extend, prune
 from harness.diagnosis.search.look import Look
-from harness.diagnosis.search.repeats import relaxes, repeats
 from harness.diagnosis.search.search import Search
+from harness.diagnosis.search.within_recording import within
 from harness.estimate.noise import Noise, channel_noise
 from harness.kernels.solve import Scales, simulate, solve
 from harness.model.model import Model, ModelTerm
@@ -79,13 +79,13 @@ def test_a_name_must_stand_out_among_all_that_were_tried() -> None:
 )
 def test_less_than_a_period_is_no_repetition(entry: ModelTerm, said: bool) -> None:
     """Half a period in 1 s is pi rad/s; one over 0.2 m of travel is 0.2 m."""
-    assert repeats(entry, 0.2, 1.0, 0.5) is said
+    assert within(entry, 0.2, 1.0, 0.5) is said
 
 
 @pytest.mark.parametrize(("tau", "said"), [(0.1, True), (8.0, True), (8.1, False), (43.0, False)])
 def test_a_relaxation_longer_than_a_recording_is_not_seen(tau: float, said: bool) -> None:
-    assert relaxes(ModelTerm.named("viscoelastic", k_m=0.3, tau=tau), 8.0) is said
-    assert relaxes(ModelTerm.named("cubic-stiffness", k3=1.0), 8.0)
+    assert within(ModelTerm.named("viscoelastic", k_m=0.3, tau=tau), 0.0, 8.0) is said
+    assert within(ModelTerm.named("cubic-stiffness", k3=1.0), 0.0, 8.0)
 
 
 def test_a_branch_that_relaxes_slowly_is_a_spring_and_a_constant_force() -> None:

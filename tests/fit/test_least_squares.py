@@ -158,3 +158,17 @@ STOPS = [
 @pytest.mark.parametrize(("at", "until", "stop"), STOPS)
 def test_every_stop_has_its_name(at: Callable[[FloatArray], Residual], until: Until, stop: Stop) -> None:
     assert least_squares(at, np.zeros(1), until).stop is stop
+
+
+@pytest.mark.parametrize("e", [1e-1, 1e-3, 1e-5, 1e-6])
+def test_covariance_of_two_numbers_that_hardly_part(e: float) -> None:
+    """Columns (1, 0) and (1, e): ((1 + e^2, -1), (-1, 1)) / e^2; 1 + e^2 itself has no digit of e left for e = 1e-8."""
+    exact = np.array([[1.0 + e * e, -1.0], [-1.0, 1.0]]) / (e * e)
+    found = covariance_of(np.array([[1.0, 1.0], [0.0, e]]))
+    assert found == pytest.approx(exact, rel=10.0 * np.finfo(float).eps / e)
+
+
+def test_a_number_that_does_not_show_and_a_direction_of_rounding_have_no_variance() -> None:
+    assert covariance_of(np.array([[2.0, 0.0], [0.0, 0.0]])) == pytest.approx(np.diag([0.25, 0.0]))
+    # of two that say the same, their sum is known
+    assert covariance_of(np.array([[1.0, 1.0], [0.0, 1e-9]])) == pytest.approx(np.full((2, 2), 0.25))

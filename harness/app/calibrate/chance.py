@@ -21,8 +21,9 @@ _FOLDS = 10
 _RIDGE = 1.0
 """Of the weights of features in units of their scatter: a prior of unit variance."""
 _TRIED = (0.0, 0.5, 0.55, 0.6, 0.65, 0.7, 0.75, 0.8, 0.85, 0.9)
+"""Chances tried."""
 _BINS = (0.0, 0.4, 0.6, 0.75, 0.9, 1.01)
-"""Chances tried, and between which is looked at what was right."""
+"""Chances between which is looked at what was right."""
 _WELL = 0.1
 """What the chance said may be off by, over the draws that were told it."""
 _CLAIMED = 0.02
@@ -95,11 +96,11 @@ def said(rows: Sequence[Row]) -> Iterator[str]:
         w = fitted(x[fold != k], right[fold != k], weight[fold != k])
         told[fold == k] = expit(w[0] + x[fold == k] @ w[1:])
     yield "by weights of the other draws, named where the chance is at least so much: right, wrong, controls claimed"
-    few = []
+    enough = []
     for least in _TRIED:
         sure = told >= least
         counts = (sure & right).sum(), (sure & ~right & ~control).sum(), (sure & control).sum()
-        few += [least] if counts[2] <= _CLAIMED * controls else []
+        enough += [least] if counts[2] <= _CLAIMED * controls else []
         yield f"{least:.2f} {counts[0]:4d}/{mains} {counts[1]:4d}/{mains} {counts[2]:4d}/{controls}"
     yield "chance said, and share that was right"
     off = 0.0
@@ -110,9 +111,9 @@ def said(rows: Sequence[Row]) -> Iterator[str]:
             off = max(off, abs(mean - share))
             yield f"{mean:.2f} {share:.2f} of {here.sum()}"
     same = bool(np.allclose(whole, [INTERCEPT, *WEIGHTS], atol=6e-4))
-    enough = f"{few[0]:.2f}" if few else "none"
-    yield f"the least chance that claims at most {100.0 * _CLAIMED:g} % of the controls: {enough}"
-    well = off <= _WELL and bool(few) and math.isclose(few[0], CHANCE.value)
+    first = min(enough, default=math.nan)
+    yield f"the least chance that claims at most {100.0 * _CLAIMED:g} % of the controls: {first:.2f}"
+    well = off <= _WELL and first == CHANCE.value
     yield stands(CHANCE, well, f"off by {off:.2f} at most; weights {'as' if same else 'other than'} they stand")
 
 

@@ -12,8 +12,8 @@ from harness.diagnosis.inverse_dynamics.force_fit import ForceFit
 from harness.diagnosis.inverse_dynamics.measured import Measured
 from harness.diagnosis.inverse_dynamics.ripple import periods
 from harness.diagnosis.problem import Problem
-from harness.diagnosis.search.repeats import relaxes, repeats
 from harness.diagnosis.search.screen import applicable, with_amplitudes
+from harness.diagnosis.search.within_recording import within
 from harness.kernels.solve import Scales
 from harness.model.evidence import Evidence
 from harness.model.model import Model, ModelTerm
@@ -67,9 +67,8 @@ def _periods(found: ForceFit, measured: Measured) -> list[float]:
 
 
 def whole_in(model: Model, measured: Measured) -> bool:
-    """Whether a period of a model's last law lies in the recording whole."""
-    entry, span = model.terms[-1], float(measured.t[-1] - measured.t[0])
-    return repeats(entry, float(np.ptp(measured.x)), span) and relaxes(entry, span)
+    """Whether a period, or the relaxation, of a model's last law lies in the recording whole."""
+    return within(model.terms[-1], float(np.ptp(measured.x)), float(measured.t[-1] - measured.t[0]))
 
 
 def starts(found: ForceFit, measured: Measured, problem: Problem, scales: Scales) -> Iterator[Model]:

@@ -18,8 +18,8 @@ from harness.diagnosis.problem import Problem
 from harness.diagnosis.rules import DECISIVE, PERIOD_SEEN
 from harness.diagnosis.search.decimation import condensed
 from harness.diagnosis.search.look import Look
-from harness.diagnosis.search.repeats import relaxes, repeats
 from harness.diagnosis.search.screen import Candidate
+from harness.diagnosis.search.within_recording import within
 from harness.kernels.solve import Scales
 from harness.model.model import Model
 from harness.model.registry import NAMED
@@ -250,12 +250,9 @@ def extend(
 
 
 def _is_seen(found: Fit, problem: Problem) -> bool:
-    """Whether what was recorded holds a period over the travel, half a one in time, of each law that repeats.
-
-    And the time in which a law forgets.
-    """
-    travel, span, terms = float(np.ptp(found.shown.x)), problem.duration, found.model.terms
-    return all(repeats(e, travel, span, PERIOD_SEEN.value) and relaxes(e, span) for e in terms)
+    """Whether what was recorded holds a period over the travel, half a one in time, or the relaxation of each law."""
+    travel, span = float(np.ptp(found.shown.x)), problem.duration
+    return all(within(entry, travel, span, PERIOD_SEEN.value) for entry in found.model.terms)
 
 
 def _finalists(rough: list[Fit], before: float) -> list[Fit]:
