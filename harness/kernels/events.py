@@ -13,6 +13,8 @@ from harness.kernels.work import ACROSS, PLACES, ROW_V, SPARE, STAGES, Work
 from harness.model.law import MASS
 
 _POLISH = 4
+_LAST_CHANGE = 1e-8
+"""Of a step: what Newton's method still misses after so small a change is its square."""
 _HALVINGS = 60
 
 
@@ -75,9 +77,11 @@ def _to_reversal(t: float, trial: float, h: float, mode: int, u0: float, u_rate:
         if slowing == 0.0:
             break
         change = -w.z1[1] / slowing
-        if abs(change) <= 1e-15 * h or not 0.0 < trial + change <= h:
+        if not 0.0 < trial + change <= h:
             break
         trial += change
+        if abs(change) <= _LAST_CHANGE * h:
+            break
     step(t, trial, mode, u0, u_rate, w)
     w.z1[1] = 0.0
     return trial

@@ -10,6 +10,7 @@ from harness.core.arrays import FloatArray, IntArray, ModeArray
 from harness.core.checks import finite
 from harness.core.errors import InputError, SimulationError
 from harness.core.events import Events
+from harness.core.jit import compiled
 from harness.core.trajectory import Source, Trajectory
 from harness.kernels.conditions import TOLERANCE, Drive, Effort, Scales
 from harness.kernels.integrate import DIVERGED, DONE, EVENT_COLUMNS, TOO_MANY_EVENTS, integrate
@@ -78,9 +79,24 @@ def _read_only(values: FloatArray) -> FloatArray:
     return view
 
 
+def _in_order(times: FloatArray) -> bool:
+    """Whether there are times, all finite, and none comes before the one before it."""
+    before = -math.inf
+    for t in times:
+        if not (before <= t < math.inf) or t == -math.inf:
+            return False
+        before = t
+    return times.size > 0
+
+
+_compiled_in_order = compiled(_in_order)
+
+
 def _times(t: FloatArray, where: str = "simulation: t") -> FloatArray:
     """Sample times, checked."""
     times = _read_only(t)
+    if times.ndim == 1 and _compiled_in_order(times):
+        return times
     if times.ndim != 1 or times.size == 0:
         raise InputError(where, f"an array of shape {times.shape}", "a vector of at least one time is accepted")
     if not np.isfinite(times).all():
@@ -129,7 +145,7 @@ def solve(
     n, q_count = times.size, len(by)
     x, v, a = np.empty(n), np.empty(n), np.zeros(n)
     mode = np.empty(n, dtype=np.int8)
-    dx, dv, da = np.zeros((n, q_count)), np.zeros((n, q_count)), np.zeros((n, q_count))
+    dx, dv, da = np.empty((n, q_count)), np.empty((n, q_count)), np.zeros((n, q_count))
     end = float(times[-1])
     cycles = max(end - model.t0, 0.0) * scales.omega / math.pi + 1.0
     events = np.zeros((64 + int(4 * cycles), EVENT_COLUMNS))
@@ -148,8 +164,10 @@ def solve(
     if status != DONE:
         why = "it diverged" if status == DIVERGED else f"it took more than {limit} steps"
         raise SimulationError(f"the model could not be followed beyond t = {reached:.6g} s: {why}")
-    kept = events[:n_events]
-    log = Events(kept[:, 0], kept[:, 1].astype(np.int64), kept[:, 2], kept[:, 3], kept[:, 4])
+    if not np.isfinite(events[:n_events]).all():
+        raise SimulationError(f"the model could not be followed up to t = {end:.6g} s: it diverged at an event")
+    t_event, kind, x_event, before, after = np.ascontiguousarray(events[:n_events].T)
+    log = Events.sure(t_event, kind.astype(np.int64), x_event, before, after)
     return Solution(x, v, a, mode, dx, dv, da, by, log, steps)
 
 

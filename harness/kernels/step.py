@@ -87,16 +87,21 @@ def _advance(t: float, h: float, mode: int, u0: float, u_rate: float, w: Work) -
 advance = compiled(_advance, lean=True)
 
 
-def _judged(q: int, n: int, worst: float, w: Work) -> float:
-    """Error of column q of the sensitivities, 1 being allowed; worst : the largest of its states, of their scales."""
-    if not worst > 0.0:
-        return 0.0
-    size = w.size_s[q]
-    for i in range(n):
-        size = max(size, abs(w.s1[i, q]) / w.scale[i])
+def _judged(n: int, w: Work) -> float:
+    """Largest error of the columns of the sensitivities, 1 being allowed; off : by column, of the scales of its states.
+
+    Every loop over columns is plain arithmetic side by side, so that the compiler takes several at once.
+    """
+    s1, kss, scale, off, size_s = w.s1, w.kss, w.scale, w.off, w.size_s
     # a column that is 0 until now is as large as its slope lets it become
-    size = max(size, w.h_max * abs(w.kss[STAGES - 1, 1, q]) / w.scale[1])
-    error: float = worst / (w.sensitivity_error * size)
+    for q in range(w.count[ACROSS]):
+        size = max(size_s[q], w.h_max * abs(kss[STAGES - 1, 1, q]) / scale[1])
+        for i in range(n):
+            size = max(size, abs(s1[i, q]) / scale[i])
+        off[q] = off[q] / (w.sensitivity_error * size) if off[q] > 0.0 else 0.0
+    error = 0.0
+    for q in range(w.count[ACROSS]):
+        error = max(error, off[q])
     return error
 
 
@@ -105,45 +110,52 @@ judged = compiled(_judged, lean=True)
 
 def _carry_two(h: float, w: Work) -> float:
     """Sensitivities of displacement and speed through the step that ``advance`` made; returns their error."""
-    s, s1, kss, jacs, pushes = w.s, w.s1, w.kss, w.jacs, w.pushes
+    s, s1, kss, jacs, pushes, off = w.s, w.s1, w.kss, w.jacs, w.pushes, w.off
     a10 = h * A[1, 0]
     a20, a21 = h * A[2, 0], h * A[2, 1]
     a30, a31, a32 = h * A[3, 0], h * A[3, 1], h * A[3, 2]
     a40, a41, a42, a43 = h * A[4, 0], h * A[4, 1], h * A[4, 2], h * A[4, 3]
     a50, a51, a52, a53, a54 = h * A[5, 0], h * A[5, 1], h * A[5, 2], h * A[5, 3], h * A[5, 4]
     a60, a62, a63, a64, a65 = h * A[6, 0], h * A[6, 2], h * A[6, 3], h * A[6, 4], h * A[6, 5]
-    error = 0.0
+    # in locals, so that the compiler need not fear that what it writes changes them, and takes several columns at once
+    moves = jacs[1, 0, 1]
+    k1, c1 = jacs[1, 1, 0], jacs[1, 1, 1]
+    k2, c2 = jacs[2, 1, 0], jacs[2, 1, 1]
+    k3, c3 = jacs[3, 1, 0], jacs[3, 1, 1]
+    k4, c4 = jacs[4, 1, 0], jacs[4, 1, 1]
+    k5, c5 = jacs[5, 1, 0], jacs[5, 1, 1]
+    k6, c6 = jacs[6, 1, 0], jacs[6, 1, 1]
+    x_scale, v_scale = w.scale[0], w.scale[1]
     for q in range(w.count[ACROSS]):
         p, v = s[0, q], s[1, q]
         x0, v0 = kss[0, 0, q], kss[0, 1, q]
         pp, vv = p + a10 * x0, v + a10 * v0
-        x1 = jacs[1, 0, 0] * pp + jacs[1, 0, 1] * vv
-        v1 = pushes[1, 1, q] + jacs[1, 1, 0] * pp + jacs[1, 1, 1] * vv
+        x1 = moves * vv
+        v1 = pushes[1, 1, q] + k1 * pp + c1 * vv
         pp, vv = p + a20 * x0 + a21 * x1, v + a20 * v0 + a21 * v1
-        x2 = jacs[2, 0, 0] * pp + jacs[2, 0, 1] * vv
-        v2 = pushes[2, 1, q] + jacs[2, 1, 0] * pp + jacs[2, 1, 1] * vv
+        x2 = moves * vv
+        v2 = pushes[2, 1, q] + k2 * pp + c2 * vv
         pp, vv = p + a30 * x0 + a31 * x1 + a32 * x2, v + a30 * v0 + a31 * v1 + a32 * v2
-        x3 = jacs[3, 0, 0] * pp + jacs[3, 0, 1] * vv
-        v3 = pushes[3, 1, q] + jacs[3, 1, 0] * pp + jacs[3, 1, 1] * vv
+        x3 = moves * vv
+        v3 = pushes[3, 1, q] + k3 * pp + c3 * vv
         pp = p + a40 * x0 + a41 * x1 + a42 * x2 + a43 * x3
         vv = v + a40 * v0 + a41 * v1 + a42 * v2 + a43 * v3
-        x4 = jacs[4, 0, 0] * pp + jacs[4, 0, 1] * vv
-        v4 = pushes[4, 1, q] + jacs[4, 1, 0] * pp + jacs[4, 1, 1] * vv
+        x4 = moves * vv
+        v4 = pushes[4, 1, q] + k4 * pp + c4 * vv
         pp = p + a50 * x0 + a51 * x1 + a52 * x2 + a53 * x3 + a54 * x4
         vv = v + a50 * v0 + a51 * v1 + a52 * v2 + a53 * v3 + a54 * v4
-        x5 = jacs[5, 0, 0] * pp + jacs[5, 0, 1] * vv
-        v5 = pushes[5, 1, q] + jacs[5, 1, 0] * pp + jacs[5, 1, 1] * vv
+        x5 = moves * vv
+        v5 = pushes[5, 1, q] + k5 * pp + c5 * vv
         pp = p + a60 * x0 + a62 * x2 + a63 * x3 + a64 * x4 + a65 * x5
         vv = v + a60 * v0 + a62 * v2 + a63 * v3 + a64 * v4 + a65 * v5
-        x6 = jacs[6, 0, 0] * pp + jacs[6, 0, 1] * vv
-        v6 = pushes[6, 1, q] + jacs[6, 1, 0] * pp + jacs[6, 1, 1] * vv
+        x6 = moves * vv
+        v6 = pushes[6, 1, q] + k6 * pp + c6 * vv
         s1[0, q], s1[1, q] = pp, vv
         kss[STAGES - 1, 0, q], kss[STAGES - 1, 1, q] = x6, v6
-        off = E[0] * x0 + E[2] * x2 + E[3] * x3 + E[4] * x4 + E[5] * x5 + E[6] * x6
-        worst = abs(h * off) / w.scale[0]
-        off = E[0] * v0 + E[2] * v2 + E[3] * v3 + E[4] * v4 + E[5] * v5 + E[6] * v6
-        error = max(error, judged(q, 2, max(worst, abs(h * off) / w.scale[1]), w))
-    return error
+        x_off = E[0] * x0 + E[2] * x2 + E[3] * x3 + E[4] * x4 + E[5] * x5 + E[6] * x6
+        v_off = E[0] * v0 + E[2] * v2 + E[3] * v3 + E[4] * v4 + E[5] * v5 + E[6] * v6
+        off[q] = max(abs(h * x_off) / x_scale, abs(h * v_off) / v_scale)
+    return judged(2, w)
 
 
 carry_two = compiled(_carry_two, lean=True)
@@ -151,29 +163,33 @@ carry_two = compiled(_carry_two, lean=True)
 
 def _carry(h: float, w: Work) -> float:
     """Sensitivities of any number of states through the step that ``advance`` made; returns their error."""
-    n = w.spec[N_STATE]
-    s, s1, kss, jacs, pushes = w.s, w.s1, w.kss, w.jacs, w.pushes
-    error = 0.0
-    for q in range(w.count[ACROSS]):
-        for stage in range(1, STAGES):
-            for i in range(n):
-                total = s[i, q]
-                for r in range(stage):
-                    total += h * A[stage, r] * kss[r, i, q]
-                s1[i, q] = total
-            for i in range(n):
-                total = pushes[stage, i, q]
-                for j in range(n):
-                    total += jacs[stage, i, j] * s1[j, q]
-                kss[stage, i, q] = total
-        worst = 0.0
+    n, count = w.spec[N_STATE], w.count[ACROSS]
+    s, s1, kss, jacs, pushes, off = w.s, w.s1, w.kss, w.jacs, w.pushes, w.off
+    for stage in range(1, STAGES):
         for i in range(n):
+            for q in range(count):
+                s1[i, q] = s[i, q]
+            for r in range(stage):
+                share = h * A[stage, r]
+                for q in range(count):
+                    s1[i, q] += share * kss[r, i, q]
+        for i in range(n):
+            for q in range(count):
+                kss[stage, i, q] = pushes[stage, i, q]
+            for j in range(n):
+                by = jacs[stage, i, j]
+                for q in range(count):
+                    kss[stage, i, q] += by * s1[j, q]
+    for q in range(count):
+        off[q] = 0.0
+    for i in range(n):
+        scale = w.scale[i]
+        for q in range(count):
             total = 0.0
             for r in range(STAGES):
                 total += E[r] * kss[r, i, q]
-            worst = max(worst, abs(h * total) / w.scale[i])
-        error = max(error, judged(q, n, worst, w))
-    return error
+            off[q] = max(off[q], abs(h * total) / scale)
+    return judged(n, w)
 
 
 carry = compiled(_carry, lean=True)

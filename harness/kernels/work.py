@@ -4,6 +4,7 @@ A record goes as a single pointer where an array goes as seven numbers: with arr
 Its sizes are fixed, so that there is one compiled form.
 """
 
+import threading
 from typing import Final, Protocol, cast
 
 import numpy as np
@@ -40,8 +41,9 @@ class Work(Protocol):
     z (n,), s (n, q) : state and sensitivities at the start of a step; z1, s1 : at its end; zi, si : between.
     ks (STAGES + 1, n), kss (STAGES + 1, n, q) : slopes by stage. jac (n, n), by_theta (n, P) : partials of the slopes.
     jacs (STAGES, n, n), pushes (STAGES, n, q) : those of a step's stages, by the state and by each column's own.
-    cz (n, 6) : interpolation. size_s (q,) : largest sensitivities so far. row, rows : what a law writes into.
-    level : what the last look at the level of friction by speed has written, with its partials.
+    cz (n, 6) : interpolation. size_s (q,) : largest sensitivities so far. off (q,) : their errors
+    in a step. row, rows : what a law writes into. level : what the last look at the level of friction by speed has
+    written, with its partials.
     """
 
     h_max: float
@@ -65,6 +67,7 @@ class Work(Protocol):
     by_theta: FloatArray
     cz: FloatArray
     size_s: FloatArray
+    off: FloatArray
     row: FloatArray
     rows: FloatArray
     level: FloatArray
@@ -94,6 +97,7 @@ _RECORD = np.dtype(
         ("by_theta", np.float64, (_N, MAX_PLACES)),
         ("cz", np.float64, (_N, 6)),
         ("size_s", np.float64, (_Q,)),
+        ("off", np.float64, (_Q,)),
         ("row", np.float64, (COLUMNS,)),
         ("rows", np.float64, (3, INTERNAL_COLUMNS)),
         ("level", np.float64, (COLUMNS,)),
@@ -105,6 +109,21 @@ ACROSS: Final = 1
 """In count: how many parameters, and how many columns of sensitivities."""
 
 
+class _Own(threading.local):
+    """The record of a thread, and its arrays as numpy sees them: to make it anew costs as much as a short run."""
+
+    def __init__(self) -> None:
+        whole = np.zeros(1, dtype=_RECORD)
+        self.record = cast(Work, whole.view(np.recarray)[0])
+        first = whole[0]
+        self.spec, self.theta, self.columns = first["spec"], first["theta"], first["columns"]
+        self.scale, self.count, self.z, self.s = first["scale"], first["count"], first["z"], first["s"]
+        self.jac, self.by_theta, self.size_s = first["jac"], first["by_theta"], first["size_s"]
+
+
+_OWN = _Own()
+
+
 def workspace(
     spec: IntArray,
     theta: FloatArray,
@@ -114,7 +133,8 @@ def workspace(
     start: FloatArray,
     start_s: FloatArray,
 ) -> Work:
-    """A record for a model: start (n,) and start_s (n, q) are its state and sensitivities at the release.
+    """The record of this thread for a model: start (n,) and start_s (n, q) are its state and sensitivities at the
+    release. It is the next caller's then.
 
     places : how many of theta are parameters; what follows are tables.
 
@@ -129,10 +149,12 @@ def workspace(
     ):
         if size > most:
             raise InputError("model", f"{size} {what}", f"at most {most} are accepted")
-    record = np.zeros(1, dtype=_RECORD).view(np.recarray)[0]
-    record.spec[: spec.size], record.theta[: theta.size] = spec, theta
-    record.columns[: columns.size], record.scale[: scale.size] = columns, scale
-    record.count[:] = places, columns.size
-    record.z[: start.size] = start
-    record.s[: start.size, : columns.size] = start_s
-    return cast(Work, record)
+    own = _OWN
+    n, q = start.size, columns.size
+    own.spec[: spec.size], own.theta[: theta.size] = spec, theta
+    own.columns[:q], own.scale[:n] = columns, scale
+    own.count[:] = places, q
+    own.z[:n], own.s[:n, :q] = start, start_s
+    # what is added to, or written only where a law has something to say
+    own.jac[:n, :n] = own.by_theta[:n, :places] = own.size_s[:q] = 0.0
+    return own.record
