@@ -122,11 +122,11 @@ def least_squares(
         return Descent(at, point, Stop.NOT_EVALUATED, 0)
     for steps in range(until.iterations):
         normal, pull = point.normal_equations()
-        if not (np.all(np.isfinite(normal)) and np.all(np.isfinite(pull))):
+        if not (np.isfinite(normal).all() and np.isfinite(pull).all()):
             return Descent(at, point, Stop.NOT_EVALUATED, steps)
-        scale = np.sqrt(np.maximum(np.diag(normal), 0.0))
+        scale = np.sqrt(np.maximum(normal.diagonal(), 0.0))
         scale[scale == 0.0] = 1.0
-        normal, pull = normal / np.outer(scale, scale), pull / scale
+        normal, pull = normal / (scale[:, None] * scale), pull / scale
         moving = ~bounds.held(at, pull)
         enough = until.gain + until.share * point.squares
         refused = failed = 0
@@ -155,18 +155,20 @@ def least_squares(
 
 def _step(normal: FloatArray, pull: FloatArray, moving: BoolArray, damping: float) -> FloatArray | None:
     """The damped step (q,) of the coordinates that move, in units of their scale; None where there is none."""
+    part = normal if moving.all() else normal[np.ix_(moving, moving)]
+    damped = part.copy()
+    damped.flat[:: part.shape[0] + 1] += damping
     step = np.zeros(pull.size)
-    part = normal[np.ix_(moving, moving)]
     try:
-        step[moving] = np.linalg.solve(part + damping * np.eye(part.shape[0]), pull[moving])
+        step[moving] = np.linalg.solve(damped, pull[moving])
     except np.linalg.LinAlgError:
         return None
-    return step if np.all(np.isfinite(step)) else None
+    return step if np.isfinite(step).all() else None
 
 
 def _tried(evaluate: Callable[[FloatArray], P], at: FloatArray) -> tuple[FloatArray, P] | None:
     """A point that can be evaluated."""
-    if not np.all(np.isfinite(at)):
+    if not np.isfinite(at).all():
         return None
     try:
         point = evaluate(at)

@@ -27,7 +27,7 @@ SCHEMES: tuple[Scheme, ...] = ("explicit", "damping-implicit", "implicit")
 
 @dataclass(frozen=True, slots=True)
 class Stepped:
-    """Samples x, v, a of a stepped motion, each (n,)."""
+    """Samples x, v, a of stepped motions, each (n, k)."""
 
     x: FloatArray
     v: FloatArray
@@ -35,40 +35,48 @@ class Stepped:
 
 
 def _march(
-    p: FloatArray, h: float, each: int, scheme: int, pendulum: bool, late: bool, x: FloatArray, v: FloatArray,
-    a: FloatArray,
+    p: FloatArray, h: float, each: int, scheme: int, pendulum: bool, late: bool, state: FloatArray, x: FloatArray,
+    v: FloatArray, a: FloatArray,
 ) -> None:  # fmt: skip
-    """Fill x, v, a (n,) with every ``each``-th state; p : c/m, k/m, f_k/m, x0, v0, v_r, lead.
+    """Fill x, v, a (n, k) with every ``each``-th state of k motions side by side; p (7, k) : c/m, k/m, f_k/m, x0, v0,
+    v_r, lead.
 
-    late : the acceleration is the one that led to the state, not the one at it.
+    late : the acceleration is the one that led to the state, not the one at it. state (3, k) : room.
     """
-    c, k, f, at, speed, v_r, lead = p[0], p[1], p[2], p[3], p[4], p[5], p[6]
-    inertia = 1.0 + h * c + h * h * k
-    before = 0.0
-    for step in range((x.size - 1) * each + 1):
-        pull = k * np.sin(at) if pendulum else k * at
-        acting = -pull - c * speed
-        free = (acting - h * k * speed) / inertia if scheme == 2 else acting
-        share = min(1.0, max(-1.0, (speed + lead * free) / v_r))
-        now = acting - f * share
-        if step % each == 0:
-            i = step // each
-            x[i], v[i], a[i] = at, speed, before if late and step > 0 else now
-        before = now
-        if scheme == 2:
-            speed += h * (free - f * share / inertia)
-        else:
-            speed += h * now / (1.0 + h * c) if scheme == 1 else h * now
-        at += h * speed
+    count = p.shape[1]
+    for q in range(count):
+        state[0, q], state[1, q], state[2, q] = p[3, q], p[4, q], 0.0
+    for step in range((x.shape[0] - 1) * each + 1):
+        i = step // each
+        shown = step % each == 0
+        for q in range(count):
+            c, k, f = p[0, q], p[1, q], p[2, q]
+            at, speed, before = state[0, q], state[1, q], state[2, q]
+            inertia = 1.0 + h * c + h * h * k
+            pull = k * np.sin(at) if pendulum else k * at
+            acting = -pull - c * speed
+            free = (acting - h * k * speed) / inertia if scheme == 2 else acting
+            share = min(1.0, max(-1.0, (speed + p[6, q] * free) / p[5, q]))
+            now = acting - f * share
+            if shown:
+                x[i, q], v[i, q], a[i, q] = at, speed, before if late and step > 0 else now
+            if scheme == 2:
+                speed += h * (free - f * share / inertia)
+            else:
+                speed += h * now / (1.0 + h * c) if scheme == 1 else h * now
+            state[0, q], state[1, q], state[2, q] = at + h * speed, speed, now
 
 
 _compiled_march = compiled(_march)
 
 
 def stepped(p: FloatArray, h: float, each: int, scheme: Scheme, pendulum: bool, late: bool, n: int) -> Stepped:
-    """n samples, one every ``each`` steps of h s. See ``_march``."""
-    out = Stepped(np.empty(n), np.empty(n), np.empty(n))
-    _compiled_march(p, h, each, SCHEMES.index(scheme), pendulum, late, out.x, out.v, out.a)
+    """n samples, one every ``each`` steps of h s, for each column of p (7, k). See ``_march``."""
+    p = np.ascontiguousarray(p)
+    shape = (n, p.shape[1])
+    out = Stepped(np.empty(shape), np.empty(shape), np.empty(shape))
+    room = np.empty((3, p.shape[1]))
+    _compiled_march(p, h, each, SCHEMES.index(scheme), pendulum, late, room, out.x, out.v, out.a)
     return out
 
 

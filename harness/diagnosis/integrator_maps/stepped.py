@@ -85,7 +85,7 @@ def as_stepped(found: Search, scales: Scales) -> tuple[Search, Stepping] | None:
     if start is None:
         return None
     best = _best(found.problem, start.model)
-    shown = _shown(best, found.problem, start.model)
+    shown = {c: y[:, 0] for c, y in _shown(best, best.values[:, None], found.problem, start.model).items()}
     period = 2.0 * np.pi / scales.omega
     noise = {c: residual_noise(found.problem.t, y - shown[c], y, period) for c, y in found.problem.channels.items()}
     problem = replace(found.problem, noise=noise)
@@ -120,21 +120,28 @@ def _start(model: Model, h: float) -> FloatArray:
     return np.array([model.c / model.m, model.k / model.m, f, model.x0, model.v0, v_r, lead, *offset])
 
 
-def _shown(tried: _Tried, problem: Problem, model: Model) -> dict[str, FloatArray]:
+def _shown(tried: _Tried, values: FloatArray, problem: Problem, model: Model) -> dict[str, FloatArray]:
+    """Channels (n, k) by the numbers of each column of ``values`` (q, k)."""
     pendulum = model.restoring is Restoring.PENDULUM
-    p = tried.values
-    motion = stepped(p[:7], tried.h, tried.each, tried.scheme, pendulum, tried.late, problem.t.size)
-    every = {"x": motion.x + (p[_ZERO] if p.size > _ZERO else 0.0), "v": motion.v, "a": motion.a}
+    motion = stepped(values[:7], tried.h, tried.each, tried.scheme, pendulum, tried.late, problem.t.size)
+    every = {"x": motion.x + (values[_ZERO] if len(values) > _ZERO else 0.0), "v": motion.v, "a": motion.a}
     return {c: every[c] for c in problem.channels}
 
 
 @dataclass(frozen=True)
 class _Point:
-    """A map's numbers (q,) in units of their size, and the whitened residual (n,) that they leave."""
+    """A map's numbers (q,) in units of their size, and the whitened residual (n,) that they leave.
+
+    seen : residuals (n, k) by the numbers of each column (q, k).
+    """
 
     at: FloatArray
-    residual: FloatArray
     seen: Callable[[FloatArray], FloatArray]
+
+    @cached_property
+    def residual(self) -> FloatArray:
+        """What the numbers leave, (n,)."""
+        return self.seen(self.at[:, None])[:, 0]
 
     @property
     def squares(self) -> float:
@@ -144,8 +151,9 @@ class _Point:
     @cached_property
     def partials(self) -> FloatArray:
         """Of the residual (n, q); differences serve, because a map is smooth where its friction is."""
-        steps = _DIFFERENCE * np.eye(self.at.size)
-        return np.column_stack([(self.seen(self.at + step) - self.residual) / _DIFFERENCE for step in steps])
+        moved = self.seen(self.at[:, None] + _DIFFERENCE * np.eye(self.at.size))
+        partials: FloatArray = (moved - self.residual[:, None]) / _DIFFERENCE
+        return partials
 
     def normal_equations(self) -> tuple[FloatArray, FloatArray]:
         """By the numbers in units of their size."""
@@ -160,13 +168,13 @@ def _fitted(tried: _Tried, problem: Problem, model: Model, rounds: int) -> _Trie
     bounds.lower[5] = 1e-9
 
     def seen(scaled: FloatArray) -> FloatArray:
-        shown = _shown(replace(tried, values=scaled * size), problem, model)
-        left = whitened(problem, {c: y - shown[c] for c, y in problem.channels.items()})
+        shown = _shown(tried, scaled * size[:, None], problem, model)
+        left = whitened(problem, {c: y[:, None] - shown[c] for c, y in problem.channels.items()})
         # a map that diverges is far off, not an error
         return np.clip(np.nan_to_num(left, nan=_FAR), -_FAR, _FAR)
 
     found = least_squares(
-        lambda at: _Point(at, seen(at), seen), tried.values / size, Until(_DONE, iterations=rounds), bounds
+        lambda at: _Point(at, seen), tried.values / size, Until(_DONE, iterations=rounds), bounds
     )
     point = found.point
     return replace(tried, values=found.coordinates * size, residual=point.residual, jacobian=point.partials)
