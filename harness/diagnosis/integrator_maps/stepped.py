@@ -173,9 +173,7 @@ def _fitted(tried: _Tried, problem: Problem, model: Model, rounds: int) -> _Trie
         # a map that diverges is far off, not an error
         return np.clip(np.nan_to_num(left, nan=_FAR), -_FAR, _FAR)
 
-    found = least_squares(
-        lambda at: _Point(at, seen), tried.values / size, Until(_DONE, iterations=rounds), bounds
-    )
+    found = least_squares(lambda at: _Point(at, seen), tried.values / size, Until(_DONE, iterations=rounds), bounds)
     point = found.point
     return replace(tried, values=found.coordinates * size, residual=point.residual, jacobian=point.partials)
 

@@ -9,12 +9,10 @@ from harness.core.arrays import FloatArray
 from harness.diagnosis.fit.parameters import free_of
 from harness.diagnosis.inverse_dynamics.force_fit import fit_force
 from harness.diagnosis.inverse_dynamics.measured import Measured
-from harness.diagnosis.prepare.intersample_hold import held
+from harness.diagnosis.prepare.intersample_hold import ACTS_HELD, held
 from harness.diagnosis.problems.inverse_dynamics import InverseDynamics
 from harness.diagnosis.rules import FORCE_HELD
 from harness.kernels.solve import Drive
-
-_HELD = "the force acts as a sampled controller's, held from each sample to the next"
 
 
 def as_it_acts(problem: InverseDynamics, u: FloatArray) -> tuple[InverseDynamics, tuple[str, ...]]:
@@ -24,7 +22,7 @@ def as_it_acts(problem: InverseDynamics, u: FloatArray) -> tuple[InverseDynamics
     """
     stepped = held(problem.t, u)
     if _left(problem, stepped) < FORCE_HELD.value * _left(problem, problem.drive):
-        return replace(problem, drive=stepped), (_HELD,)
+        return replace(problem, drive=stepped), (ACTS_HELD,)
     return problem, ()
 
 

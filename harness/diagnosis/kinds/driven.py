@@ -1,13 +1,15 @@
 """The steps of a driven recording that is followed in its channels, under the noise of its force."""
 
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from dataclasses import replace
 
+from harness.core.errors import SimulationError
 from harness.core.recording import Recording
 from harness.diagnosis.baseline.driven_base_fit import driven_baseline
 from harness.diagnosis.explain.holdout import periods_held_out
 from harness.diagnosis.fit.another import as_started, only_started
-from harness.diagnosis.fit.model_fit import Fit
+from harness.diagnosis.fit.model_fit import Fit, fit
 from harness.diagnosis.input_noise.noisy_base_fit import along, in_turn
 from harness.diagnosis.inverse_dynamics.covariates import entered
 from harness.diagnosis.inverse_dynamics.held import as_it_acts
@@ -16,17 +18,21 @@ from harness.diagnosis.inverse_dynamics.validate import Judge
 from harness.diagnosis.kinds.kind import Kind
 from harness.diagnosis.outcome import Holdout
 from harness.diagnosis.prepare.driven import driven_problem, is_driven
+from harness.diagnosis.prepare.intersample_hold import ACTS_HELD
 from harness.diagnosis.problems.driven import Driven, Forced
 from harness.diagnosis.problems.inverse_dynamics import InverseDynamics
 from harness.diagnosis.problems.starts import Windows
 from harness.diagnosis.request import Asked
-from harness.diagnosis.search.extend import settle
+from harness.diagnosis.rules import FORCE_HELD
+from harness.diagnosis.search.extend import Step, extend, settle
 from harness.diagnosis.search.search import Again, noise_of, once, search, under
 from harness.diagnosis.stages import Based, Found, Judged
 from harness.kernels.solve import Scales
 from harness.model.model import Model, ModelTerm
 from harness.model.place import Place
 
+_NEAREST = 3
+"""Laws that are asked how the force acts."""
 _SAME = 0.01
 """Share of a chi-square that has not moved; noise taken anew each turn moves it too."""
 
@@ -61,10 +67,21 @@ class DrivenRecordings(Kind[Driven]):
         return Based(problem, seen, settle(under(base, seen), seen, scales), scales)
 
     def search(self, based: Based[Driven], other: Judge | None) -> Found:
-        """Windows start as the model has them: a poor one starts them poorly, so both are taken in turn."""
+        """Windows start as the model has them: a poor one starts them poorly, so both are taken in turn.
+
+        How the force acts between samples was told by the base model, which a law that is left out may have misled: it
+        is asked again beside the laws that come nearest.
+        """
         renew = _in_turns if isinstance(based.problem.starts, Windows) else once
-        found = search(based.problem, based.fit, based.scales, renew)
-        return Found(found, based.scales, found)
+        alone = extend(based.fit, based.problem, based.scales)
+        notes: tuple[str, ...] = ()
+        if _acts_otherwise(alone, based):
+            whole = replace(based.whole, drive=based.whole.otherwise, otherwise=based.whole.drive)
+            based = self.fit_base(whole)
+            alone = extend(based.fit, based.problem, based.scales)
+            notes = (_held_or_not(based.whole),)
+        found = search(based.problem, based.fit, based.scales, renew, alone=alone)
+        return Found(found, based.scales, found, notes=notes)
 
     def hold_out(self, problem: Driven, judged: Judged, acting: Sequence[tuple[ModelTerm, Place]]) -> Holdout:
         """Every second full period."""
@@ -76,6 +93,28 @@ class DrivenRecordings(Kind[Driven]):
             return [as_started(model, problem, scales) for model in models]
         own, scales = driven_baseline(problem)
         return [only_started(model, problem, own.model, scales) for model in models]
+
+
+def _acts_otherwise(alone: Step, based: Based[Driven]) -> bool:
+    """Whether the laws that come nearest follow the recording better if the force acts the other way."""
+    if based.problem.otherwise is None or not alone.fits:
+        return False
+    problem = replace(based.problem, drive=based.problem.otherwise)
+    for near in alone.fits[:_NEAREST]:
+        with suppress(SimulationError):
+            seen = fit(near.model, problem, near.free, based.scales, thorough=False)
+            if seen.chi2 < FORCE_HELD.value * alone.fits[0].chi2:
+                return True
+    return False
+
+
+def _held_or_not(problem: Driven) -> str:
+    """How the force acts after all."""
+    assert problem.otherwise is not None
+    # a value that is held acts half an interval later
+    if problem.drive.t[0] > problem.otherwise.t[0]:
+        return f"{ACTS_HELD}, as the laws that come nearest ask for"
+    return "the force acts in a straight line from sample to sample after all, as the laws that come nearest ask for"
 
 
 def _in_turns(problem: Driven, best: Fit, scales: Scales, again: Again[Driven]) -> tuple[Driven, Fit]:

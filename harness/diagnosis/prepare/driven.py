@@ -13,7 +13,7 @@ from harness.diagnosis.fit.fitted_states import begun
 from harness.diagnosis.fit.observe import COARSE, observe
 from harness.diagnosis.input_noise.propagation import force_noise
 from harness.diagnosis.prepare.intersample_curve import between_samples
-from harness.diagnosis.prepare.intersample_hold import acting
+from harness.diagnosis.prepare.intersample_hold import ACTS_HELD, acting
 from harness.diagnosis.problems.driven import Driven, Forced
 from harness.diagnosis.problems.inverse_dynamics import InverseDynamics
 from harness.diagnosis.problems.starts import OneStart, Windows
@@ -110,8 +110,8 @@ def _followed(recording: Recording, asked: Asked) -> tuple[Forced, tuple[str, ..
     if isinstance(problem.starts, Windows):
         problem = _allowing(problem, first, noise_u)
     force = acting(problem, u)
-    problem = replace(problem, drive=force.drive)
-    notes = ["the force acts as a sampled controller's, held from each sample to the next"] if force.held else []
+    problem = replace(problem, drive=force.drive, otherwise=force.otherwise)
+    notes = [ACTS_HELD] if force.held else []
     horizon = asked.horizon
     if not force.follows:
         horizon = HORIZON if horizon is None else horizon

@@ -24,6 +24,9 @@ _STRAYS = 300.0
 """Standard deviations by which a simulation may miss on average; more, and it is another motion."""
 
 
+ACTS_HELD = "the force acts as a sampled controller's, held from each sample to the next"
+
+
 def held(t: FloatArray, u: FloatArray) -> Drive:
     """The drive of u (n,) at t (n,), s, as it acts when each value is held: to the motion, half an interval later."""
     return Drive(t + 0.5 * float(np.median(np.diff(t))), u)
@@ -31,11 +34,12 @@ def held(t: FloatArray, u: FloatArray) -> Drive:
 
 @dataclass(frozen=True, slots=True)
 class Acting:
-    """How a force acts. held : until the next sample. follows : whether the base model, fitted to a first part, does so
+    """How a force acts. otherwise : the other way. held : until the next sample. follows : whether the base model, fitted to a first part, does so
     from one start.
     """
 
     drive: Drive
+    otherwise: Drive
     held: bool
     follows: bool
     model: Model
@@ -55,7 +59,8 @@ def acting(problem: Driven, u: FloatArray) -> Acting:
     )
     is_held = in_steps.chi2 < FORCE_HELD.value * straight.chi2
     found = in_steps if is_held else straight
-    return Acting(stepped if is_held else problem.drive, is_held, found.chi2 < _STRAYS**2 * found.points, found.model)
+    drive, otherwise = (stepped, problem.drive) if is_held else (problem.drive, stepped)
+    return Acting(drive, otherwise, is_held, found.chi2 < _STRAYS**2 * found.points, found.model)
 
 
 def _followed(model: Model, problem: Driven, scales: Scales) -> Fit:

@@ -76,7 +76,12 @@ class Forced(Problem):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Driven(Forced):
-    """A driven recording followed in its channels, from one start or window after window."""
+    """A driven recording followed in its channels, from one start or window after window.
+
+    otherwise : the drive as it acts the other way: held between samples where ``drive`` is not, and not where it is.
+    """
+
+    otherwise: Drive | None = None
 
     def condensed(self, shown: Mapping[str, FloatArray], size: int) -> tuple[Self, float]:
         """Windows are thinned, since errors of their starts travel from sample to sample."""

@@ -123,12 +123,20 @@ def _renewed(
     return new, found, tuple(sorted((under(f, new) for f in others), key=lambda f: f.bic))
 
 
-def search(problem: P, base: Fit, scales: Scales, renew: Renew[P] = once, begun: Sequence[Model] = ()) -> Search:
+def search(
+    problem: P,
+    base: Fit,
+    scales: Scales,
+    renew: Renew[P] = once,
+    begun: Sequence[Model] = (),
+    alone: Step | None = None,
+) -> Search:
     """Find the smallest model that explains a recording. renew : what else follows a model once it is found.
 
-    begun : models with one law each that are gone on with instead of first looks.
+    begun : models with one law each that are gone on with instead of first looks. alone : each law on the base, where
+    that step has been made.
     """
-    found = levelled(_search(problem, base, scales, renew, begun))
+    found = levelled(_search(problem, base, scales, renew, alone or extend(base, problem, scales, begun=begun)))
     if not found.chosen.model.terms or found.base.bic > found.chosen.bic + AMONG_NAMES.value + problem.spare:
         return found
     # what counts as noise has grown since the term was decided for
@@ -137,11 +145,10 @@ def search(problem: P, base: Fit, scales: Scales, renew: Renew[P] = once, begun:
     )
 
 
-def _search(problem: P, base: Fit, scales: Scales, renew: Renew[P], begun: Sequence[Model]) -> Search:
+def _search(problem: P, base: Fit, scales: Scales, renew: Renew[P], alone: Step) -> Search:
     # what a term must take off besides: as much as may be left beyond what whitening allows for
     beyond = problem.spare
     first, second = AMONG_NAMES.value + beyond, SECOND_TERM.value + beyond
-    alone = extend(base, problem, scales, begun=begun)
     singles = alone.fits
     if not singles or singles[0].bic > base.bic - first:
         left = left_by(base, problem, scales.omega, base)
