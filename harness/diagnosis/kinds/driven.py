@@ -31,6 +31,7 @@ from harness.kernels.solve import Scales
 from harness.model.model import Model, ModelTerm
 from harness.model.place import Place
 
+_ACTS_STRAIGHT = "the force acts in a straight line from sample to sample after all"
 _NEAREST = 3
 """Laws that are asked how the force acts."""
 _SAME = 0.01
@@ -75,11 +76,11 @@ class DrivenRecordings(Kind[Driven]):
         renew = _in_turns if isinstance(based.problem.starts, Windows) else once
         alone = extend(based.fit, based.problem, based.scales)
         notes: tuple[str, ...] = ()
-        if _acts_otherwise(alone, based):
-            whole = replace(based.whole, drive=based.whole.otherwise, otherwise=based.whole.drive)
-            based = self.fit_base(whole)
+        other_way = based.whole.the_other_way
+        if other_way is not None and _acts_otherwise(alone, based):
+            based = self.fit_base(other_way)
             alone = extend(based.fit, based.problem, based.scales)
-            notes = (_held_or_not(based.whole),)
+            notes = (f"{ACTS_HELD if other_way.is_held else _ACTS_STRAIGHT}, as the laws that come nearest ask for",)
         found = search(based.problem, based.fit, based.scales, renew, alone=alone)
         return Found(found, based.scales, found, notes=notes)
 
@@ -97,24 +98,15 @@ class DrivenRecordings(Kind[Driven]):
 
 def _acts_otherwise(alone: Step, based: Based[Driven]) -> bool:
     """Whether the laws that come nearest follow the recording better if the force acts the other way."""
-    if based.problem.otherwise is None or not alone.fits:
+    problem = based.problem.the_other_way
+    if problem is None or not alone.fits:
         return False
-    problem = replace(based.problem, drive=based.problem.otherwise)
     for near in alone.fits[:_NEAREST]:
         with suppress(SimulationError):
             seen = fit(near.model, problem, near.free, based.scales, thorough=False)
             if seen.chi2 < FORCE_HELD.value * alone.fits[0].chi2:
                 return True
     return False
-
-
-def _held_or_not(problem: Driven) -> str:
-    """How the force acts after all."""
-    assert problem.otherwise is not None
-    # a value that is held acts half an interval later
-    if problem.drive.t[0] > problem.otherwise.t[0]:
-        return f"{ACTS_HELD}, as the laws that come nearest ask for"
-    return "the force acts in a straight line from sample to sample after all, as the laws that come nearest ask for"
 
 
 def _in_turns(problem: Driven, best: Fit, scales: Scales, again: Again[Driven]) -> tuple[Driven, Fit]:

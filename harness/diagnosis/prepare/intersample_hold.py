@@ -34,8 +34,8 @@ def held(t: FloatArray, u: FloatArray) -> Drive:
 
 @dataclass(frozen=True, slots=True)
 class Acting:
-    """How a force acts. otherwise : the other way. held : until the next sample. follows : whether the base model, fitted to a first part, does so
-    from one start.
+    """How a force acts. otherwise : the other way. held : until the next sample. follows : whether the base model,
+    fitted to a first part, does so from one start.
     """
 
     drive: Drive

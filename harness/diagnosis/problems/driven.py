@@ -1,7 +1,7 @@
 """A driven recording: a measured force acts, whose own noise may show in the motion."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import ClassVar, Self
 
 import numpy as np
@@ -82,6 +82,16 @@ class Driven(Forced):
     """
 
     otherwise: Drive | None = None
+
+    @property
+    def the_other_way(self) -> Self | None:
+        """With the force acting the other way; None where there is no other."""
+        return None if self.otherwise is None else replace(self, drive=self.otherwise, otherwise=self.drive)
+
+    @property
+    def is_held(self) -> bool:
+        """Whether the force is held between samples where it could act in straight lines: then it acts later."""
+        return self.otherwise is not None and bool(self.drive.t[0] > self.otherwise.t[0])
 
     def condensed(self, shown: Mapping[str, FloatArray], size: int) -> tuple[Self, float]:
         """Windows are thinned, since errors of their starts travel from sample to sample."""
