@@ -1,9 +1,10 @@
-"""How a measured force acts between its samples is told beside the law that is left out, not by the base model alone."""
+"""How a measured force acts between its samples is told beside the law that is left out, not by the base alone."""
 
 import numpy as np
 import pytest
 
 from harness import stages
+from harness.core.arrays import FloatArray
 from harness.core.recording import Recording
 from harness.diagnosis.prepare.intersample_hold import ACTS_HELD, held
 from harness.diagnosis.problems.driven import Driven
@@ -13,10 +14,11 @@ from harness.model.model import Model, ModelTerm, Restoring
 
 def _pushed(is_held: bool) -> Recording:
     """A free axis under four sines, given every 8 ms, and a constant force that nobody measured."""
-    t = np.arange(1500) * 8e-3
+    t: FloatArray = np.arange(1500.0) * 8e-3
     random = np.random.default_rng(2)
     phases = random.uniform(0.0, 6.0, 4)
-    u = sum(a * np.sin(w * t + p) for a, w, p in zip((1.2, 0.8, 0.6, 0.5), (2.0, 4.3, 7.1, 11.0), phases, strict=True))
+    sines = zip((1.2, 0.8, 0.6, 0.5), (2.0, 4.3, 7.1, 11.0), phases, strict=True)
+    u: FloatArray = np.sum([size * np.sin(rate * t + phase) for size, rate, phase in sines], axis=0)
     drive = held(t, u) if is_held else Drive(t, u)
     terms = (ModelTerm.named("constant-force", force=0.06),)
     model = Model(m=1.0, c=1.6, k=0.0, f_k=0.1, restoring=Restoring.NONE, terms=terms)

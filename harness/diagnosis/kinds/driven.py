@@ -11,6 +11,7 @@ from harness.diagnosis.explain.holdout import periods_held_out
 from harness.diagnosis.fit.another import as_started, only_started
 from harness.diagnosis.fit.model_fit import Fit, fit
 from harness.diagnosis.input_noise.noisy_base_fit import along, in_turn
+from harness.diagnosis.inverse_dynamics.candidates import by_the_force
 from harness.diagnosis.inverse_dynamics.covariates import entered
 from harness.diagnosis.inverse_dynamics.held import as_it_acts
 from harness.diagnosis.inverse_dynamics.unseen_mass import with_unseen_mass
@@ -74,12 +75,12 @@ class DrivenRecordings(Kind[Driven]):
         is asked again beside the laws that come nearest.
         """
         renew = _in_turns if isinstance(based.problem.starts, Windows) else once
-        alone = extend(based.fit, based.problem, based.scales)
+        alone = _alone(based)
         notes: tuple[str, ...] = ()
         other_way = based.whole.the_other_way
         if other_way is not None and _acts_otherwise(alone, based):
             based = self.fit_base(other_way)
-            alone = extend(based.fit, based.problem, based.scales)
+            alone = _alone(based)
             notes = (f"{ACTS_HELD if other_way.is_held else _ACTS_STRAIGHT}, as the laws that come nearest ask for",)
         found = search(based.problem, based.fit, based.scales, renew, alone=alone)
         return Found(found, based.scales, found, notes=notes)
@@ -94,6 +95,12 @@ class DrivenRecordings(Kind[Driven]):
             return [as_started(model, problem, scales) for model in models]
         own, scales = driven_baseline(problem)
         return [only_started(model, problem, own.model, scales) for model in models]
+
+
+def _alone(based: Based[Driven]) -> Step:
+    """Each law on the base; those that say most of the force are tried whatever they promise of the motion."""
+    also = by_the_force(based.problem, based.fit.model)
+    return extend(based.fit, based.problem, based.scales, also=also)
 
 
 def _acts_otherwise(alone: Step, based: Based[Driven]) -> bool:

@@ -1,5 +1,6 @@
 """Which terms: forward by full fits of what the screen lets through, pairs from several singles, pruned by BIC."""
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import partial
@@ -219,11 +220,13 @@ def extend(
     terms: Sequence[Term] = NAMED,
     begun: Sequence[Model] = (),
     look: Look | None = None,
+    also: Sequence[Model] = (),
 ) -> Step:
     """Fit every term that is worth it on top of a model.
 
     begun : models with one term more, from another search of the same motion; they stand for most of the first looks.
-    look : at the model; a term is worth a fit only if it may bring it near the noise then.
+    look : at the model; a term is worth a fit only if it may bring it near the noise then. also : models with one term
+    more that are worth a fit whatever a look says.
     """
     base = _base(current, problem)
     small, _ = condensed(problem, current.shown, _COARSE_SAMPLES, scales.omega)
@@ -231,7 +234,8 @@ def extend(
         best = _further(begun, current, problem, small, scales, terms)
     else:
         worthy = _candidates(current, problem, scales, terms) if look is None else _ending(look, scales)
-        best = _rough(worthy, small, base, scales)
+        asked = (Candidate(model.terms[-1].term, model, math.inf) for model in also)
+        best = _rough((*worthy, *asked), small, base, scales)
     finalists = _finalists(best, chi2_of(current.model, small, scales, COARSE) + current.bic - current.chi2)
     fitted = each(lambda f: _quick(f.model, problem, base, scales), finalists, lambda f: f"fitting {_said(f.model)}")
     quick = sorted((q for q in fitted if q is not None), key=lambda f: f.bic)
