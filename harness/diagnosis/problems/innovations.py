@@ -18,22 +18,18 @@ MOTION = 3
 def _move(m: FloatArray, phi: float, fresh: float, mean: FloatArray, p: FloatArray) -> None:
     """The state and its covariance an instant later; phi : of the force's noise, fresh : deviation of its new part."""
     size, q = mean.shape
-    f = np.zeros((MOTION, MOTION))
-    for a in range(2):
-        f[a, 0], f[a, 1], f[a, 2] = m[a, 0], m[a, 1], m[a, 2] + phi * m[a, 3]
-    f[2, 2] = phi
+    # in numbers and not in an array: this is done for every instant, and an array would cost as much as all the rest
+    x_x, x_v, x_f = m[0, 0], m[0, 1], m[0, 2] + phi * m[0, 3]
+    v_x, v_v, v_f = m[1, 0], m[1, 1], m[1, 2] + phi * m[1, 3]
     for b in range(q):
-        s0, s1, s2 = mean[0, b], mean[1, b], mean[2, b]
-        for a in range(MOTION):
-            mean[a, b] = f[a, 0] * s0 + f[a, 1] * s1 + f[a, 2] * s2
+        x, v, f = mean[0, b], mean[1, b], mean[2, b]
+        mean[0, b], mean[1, b], mean[2, b] = x_x * x + x_v * v + x_f * f, v_x * x + v_v * v + v_f * f, phi * f
     for b in range(size):
-        s0, s1, s2 = p[0, b], p[1, b], p[2, b]
-        for a in range(MOTION):
-            p[a, b] = f[a, 0] * s0 + f[a, 1] * s1 + f[a, 2] * s2
+        x, v, f = p[0, b], p[1, b], p[2, b]
+        p[0, b], p[1, b], p[2, b] = x_x * x + x_v * v + x_f * f, v_x * x + v_v * v + v_f * f, phi * f
     for b in range(size):
-        s0, s1, s2 = p[b, 0], p[b, 1], p[b, 2]
-        for a in range(MOTION):
-            p[b, a] = f[a, 0] * s0 + f[a, 1] * s1 + f[a, 2] * s2
+        x, v, f = p[b, 0], p[b, 1], p[b, 2]
+        p[b, 0], p[b, 1], p[b, 2] = x_x * x + x_v * v + x_f * f, v_x * x + v_v * v + v_f * f, phi * f
     by = (fresh * m[0, 3], fresh * m[1, 3], fresh)
     for a in range(MOTION):
         for b in range(MOTION):
@@ -44,9 +40,12 @@ def _colour(sensor: FloatArray, mean: FloatArray, p: FloatArray) -> None:
     """The noise of each sensor (k, 2) a sample later."""
     for c in range(sensor.shape[0]):
         at, phi = MOTION + c, sensor[c, 1]
-        p[at, :] *= phi
-        p[:, at] *= phi
-        mean[at, :] *= phi
+        for b in range(p.shape[0]):
+            p[at, b] *= phi
+        for b in range(p.shape[0]):
+            p[b, at] *= phi
+        for b in range(mean.shape[1]):
+            mean[at, b] *= phi
         p[at, at] += (1.0 - phi**2) * sensor[c, 0] ** 2
 
 
@@ -95,7 +94,7 @@ def _innovations(
     k, n, q = y.shape
     size = MOTION + k
     fresh = force[0] * math.sqrt(1.0 - force[1] ** 2)
-    mean, p, ph = np.zeros((size, q)), np.zeros((size, size)), np.zeros(size)
+    mean, p, ph, left = np.zeros((size, q)), np.zeros((size, size)), np.zeros(size), np.zeros(q)
     p[2, 2] = force[0] ** 2
     for a in range(2):
         p[a, a] = start[place[0], a] ** 2
@@ -114,15 +113,19 @@ def _innovations(
             if jumps[c, i, 0] != 0.0:
                 s += _compiled_misplaced(jumps[c, i], p[1, 1])
             variance[c, i] = s
-            out[c, i, :] = 0.0
+            for b in range(q):
+                out[c, i, b] = 0.0
             if weight[c, i] != 0.0:
                 for b in range(q):
                     shown = mean[MOTION + c, b] + h[0] * mean[0, b] + h[1] * mean[1, b] + h[2] * mean[2, b]
-                    left = y[c, i, b] - shown
-                    out[c, i, b] = weight[c, i] * left / math.sqrt(s)
-                    mean[:, b] += ph / s * left
+                    left[b] = y[c, i, b] - shown
+                    out[c, i, b] = weight[c, i] * left[b] / math.sqrt(s)
                 for a in range(size):
-                    p[a, :] -= ph[a] / s * ph
+                    gain = ph[a] / s
+                    for b in range(q):
+                        mean[a, b] += gain * left[b]
+                    for b in range(size):
+                        p[a, b] -= gain * ph[b]
 
 
 innovations = compiled(_innovations)
