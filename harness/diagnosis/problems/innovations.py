@@ -57,6 +57,16 @@ def _seen_by(h: FloatArray, at: int, p: FloatArray, ph: FloatArray) -> float:
     return variance
 
 
+def _take_in(ph: FloatArray, s: float, left: FloatArray, mean: FloatArray, p: FloatArray) -> None:
+    """The state and its covariance after a look of variance s, left (q,) : what it shows beyond what was expected."""
+    for a in range(ph.size):
+        gain = ph[a] / s
+        for b in range(left.size):
+            mean[a, b] += gain * left[b]
+        for b in range(ph.size):
+            p[a, b] -= gain * ph[b]
+
+
 def _misplaced(jump: FloatArray, speed_variance: float) -> float:
     """Variance of which side of an event a sample is on; jump (4,) as below."""
     late = math.sqrt(max(speed_variance, 0.0) / jump[2] ** 2 + jump[3] ** 2)
@@ -67,6 +77,7 @@ def _misplaced(jump: FloatArray, speed_variance: float) -> float:
 
 _compiled_move, _compiled_colour = compiled(_move), compiled(_colour)
 _compiled_seen_by, _compiled_misplaced = compiled(_seen_by), compiled(_misplaced)
+_compiled_take_in = compiled(_take_in)
 
 
 def _innovations(
@@ -120,12 +131,7 @@ def _innovations(
                     shown = mean[MOTION + c, b] + h[0] * mean[0, b] + h[1] * mean[1, b] + h[2] * mean[2, b]
                     left[b] = y[c, i, b] - shown
                     out[c, i, b] = weight[c, i] * left[b] / math.sqrt(s)
-                for a in range(size):
-                    gain = ph[a] / s
-                    for b in range(q):
-                        mean[a, b] += gain * left[b]
-                    for b in range(size):
-                        p[a, b] -= gain * ph[b]
+                _compiled_take_in(ph, s, left, mean, p)
 
 
 innovations = compiled(_innovations)
