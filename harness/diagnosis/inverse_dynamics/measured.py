@@ -66,7 +66,7 @@ class Measured:
         t = problem.t
         longest = longest_interval(t)
         smooth: dict[str, Smooth] = {
-            c: smoothed(t, y, longest, _least(problem, c), _ALIKE)
+            c: smoothed(t, y, longest, _least(problem, c), _ALIKE, everywhere=True)
             for c, y in problem.channels.items()
             if c in ("x", "v")
         }
@@ -87,7 +87,7 @@ class Measured:
             # within the reach of a cubic and a difference friction turns round; where a servo sticks it has any value
             at_rest |= np.abs(v) <= slow * math.sqrt(float(np.mean(v**2)))
             at_rest[1:] |= np.sign(v[1:]) != np.sign(v[:-1])
-            at_rest = widened(at_rest, half + 1)
+            at_rest = widened(at_rest, int(np.max(half)) + 1)
         slides = ~at_rest[:kept].reshape(-1, BLOCK)
         whole = np.max(np.diff(t[:kept].reshape(-1, BLOCK), axis=1), axis=1) <= longest
         central = inner(t, longest, half)[:kept].reshape(-1, BLOCK)

@@ -18,6 +18,8 @@ _TERMS = 4
 """Of a cubic."""
 _LEAST_PARTS = 4
 """Widths that a recording must hold."""
+_BEYOND = 4.0
+"""Standard errors of what noise leaves of a cubic, beyond which that is more: once in 16,000 times."""
 GAP = 5.0
 """Sampling intervals from which on there is a gap."""
 
@@ -29,20 +31,23 @@ def longest_interval(t: FloatArray) -> float:
 
 @dataclass(frozen=True, slots=True)
 class Smooth:
-    """Value, slope and second derivative of a channel at its samples (n,), standard errors of the first two."""
+    """Value, slope and second derivative of a channel at its samples (n,), standard errors of the first two.
+
+    half (n,) : samples to either side that each comes from.
+    """
 
     value: FloatArray
     slope: FloatArray
     bend: FloatArray
     value_sd: FloatArray
     slope_sd: FloatArray
-    half: int
+    half: IntArray
 
 
 def _local(
-    t: FloatArray, y: FloatArray, first: IntArray, last: IntArray, at: IntArray, half: int, out: FloatArray
+    t: FloatArray, y: FloatArray, first: IntArray, last: IntArray, at: IntArray, half: IntArray, out: FloatArray
 ) -> None:
-    """Cubic around each sample in ``at`` (m,), within its stretch first to last (n,).
+    """Cubic around each sample in ``at`` (m,), within its stretch first to last (n,), half (n,) samples to either side.
 
     out (m, 6) : value, slope, second derivative, variances of the first two in units of the noise's, mean square left.
     """
@@ -50,9 +55,10 @@ def _local(
     right, row = np.empty(4), np.empty(4)
     for j in range(at.size):
         i = at[j]
-        lo, hi = max(i - half, first[i]), min(i + half + 1, last[i])
+        reach = half[i]
+        lo, hi = max(i - reach, first[i]), min(i + reach + 1, last[i])
         # a full width at the ends too, off centre
-        lo, hi = max(min(lo, hi - 2 * half - 1), first[i]), min(max(hi, lo + 2 * half + 1), last[i])
+        lo, hi = max(min(lo, hi - 2 * reach - 1), first[i]), min(max(hi, lo + 2 * reach + 1), last[i])
         width = max(t[hi - 1] - t[i], t[i] - t[lo])
         count = min(4, hi - lo)
         normal[:], right[:] = 0.0, 0.0
@@ -95,18 +101,23 @@ def stretches(t: FloatArray, longest: float) -> tuple[IntArray, IntArray]:
     return np.repeat(edges[:-1], sizes), np.repeat(edges[1:], sizes)
 
 
-def inner(t: FloatArray, longest: float, half: int) -> BoolArray:
-    """Samples (n,) that are in the middle of their cubic: off centre its slope has many times the error."""
+def inner(t: FloatArray, longest: float, half: IntArray) -> BoolArray:
+    """Samples (n,) in the middle of their cubic, half (n,) to either side: off centre its slope has many times the
+    error.
+    """
     first, last = stretches(t, longest)
     at = np.arange(t.size)
     return np.asarray((at - first >= half) & (last - at > half), dtype=np.bool_)
 
 
-def smoothed(t: FloatArray, y: FloatArray, longest: float, sigma: float, alike: float = ALIKE) -> Smooth:
+def smoothed(
+    t: FloatArray, y: FloatArray, longest: float, sigma: float, alike: float = ALIKE, everywhere: bool = False
+) -> Smooth:
     """Smooth a channel (n,) at t (n,), s, over the widest window that still leaves no more than the narrowest does.
 
     longest : interval (s) beyond which there is a gap, which no window spans. sigma : least noise. alike : by how much
-    a wider cubic may miss more than the narrowest.
+    a wider cubic may miss more than the narrowest. everywhere : of each sample the widest so, and not of most: where a
+    slider stops, turns or starts, a wide cubic rounds off what it does.
     """
     first, last = stretches(t, longest)
     some = np.linspace(0, t.size - 1, min(t.size, _LOOKED_AT)).astype(np.int64)
@@ -114,23 +125,51 @@ def smoothed(t: FloatArray, y: FloatArray, longest: float, sigma: float, alike: 
     for half in _HALF_WIDTHS:
         if 2 * half + 1 > t.size // _LEAST_PARTS:
             break
-        out = np.empty((some.size, 6))
-        local(t, y, first, last, some, half, out)
         # a median over cubics in the middle of the motion; jumps of the acceleration are few
-        left = math.sqrt(float(np.median(out[:, 5]))) + sigma
+        left = math.sqrt(float(np.median(_cubics(t, y, first, last, some, half)[:, 5]))) + sigma
         if narrowest == 0.0:
             narrowest = left
         elif left > alike * narrowest:
             break
         best = half
+    every = np.arange(t.size)
+    halves = _halves(t, y, first, last, best, sigma) if everywhere else np.full(t.size, best)
     out = np.empty((t.size, 6))
-    local(t, y, first, last, np.arange(t.size), best, out)
+    local(t, y, first, last, every, halves, out)
     noise = max(math.sqrt(float(np.median(out[:, 5]))), sigma)
-    return Smooth(out[:, 0], out[:, 1], out[:, 2], noise * np.sqrt(out[:, 3]), noise * np.sqrt(out[:, 4]), best)
+    return Smooth(out[:, 0], out[:, 1], out[:, 2], noise * np.sqrt(out[:, 3]), noise * np.sqrt(out[:, 4]), halves)
 
 
-def smoothed_alike(t: FloatArray, y: FloatArray, longest: float, half: int) -> FloatArray:
-    """Another channel (n,) through the cubics of this half width, so that both have passed the same filter."""
+def _cubics(t: FloatArray, y: FloatArray, first: IntArray, last: IntArray, at: IntArray, half: int) -> FloatArray:
+    """What ``local`` writes, (m, 6), with one half width."""
+    out = np.empty((at.size, 6))
+    local(t, y, first, last, at, np.full(t.size, half), out)
+    return out
+
+
+def _halves(t: FloatArray, y: FloatArray, first: IntArray, last: IntArray, widest: int, sigma: float) -> IntArray:
+    """Samples to either side of each one, (n,), up to the widest that leaves there what it leaves elsewhere.
+
+    They change by one from sample to sample, so that each window ends before what it cannot follow, and value and slope
+    do not jump where widths do.
+    """
+    halves, every = np.full(t.size, widest), np.arange(t.size)
+    for half in reversed([h for h in _HALF_WIDTHS if h <= widest]):
+        left = _cubics(t, y, first, last, every, half)[:, 5]
+        usual = max(float(np.median(left)), sigma**2)
+        freedom = 2 * half + 1 - _TERMS
+        beyond = left > usual * (1.0 + _BEYOND * math.sqrt(2.0 / freedom))
+        narrower = max((h for h in _HALF_WIDTHS if h < half), default=half)
+        halves[beyond & (halves >= half)] = narrower
+    for step in (1, -1):
+        # the least of the others and how far off they are, from either side
+        order = halves[::step] - every
+        halves = (np.minimum.accumulate(order) + every)[::step]
+    return halves
+
+
+def smoothed_alike(t: FloatArray, y: FloatArray, longest: float, half: IntArray) -> FloatArray:
+    """Another channel (n,) through the cubics of these half widths (n,), so that both have passed the same filter."""
     first, last = stretches(t, longest)
     out = np.empty((t.size, 6))
     local(t, y, first, last, np.arange(t.size), half, out)
