@@ -24,6 +24,7 @@ from harness.diagnosis.problems.driven import Driven, Forced
 from harness.diagnosis.problems.inverse_dynamics import InverseDynamics
 from harness.diagnosis.problems.starts import Windows
 from harness.diagnosis.request import Asked
+from harness.diagnosis.residual_tests.structure import Left, left_by
 from harness.diagnosis.rules import FORCE_HELD
 from harness.diagnosis.search.extend import Step, extend, settle
 from harness.diagnosis.search.search import Again, noise_of, once, search, under
@@ -104,9 +105,14 @@ def _alone(based: Based[Driven]) -> Step:
 
 
 def _acts_otherwise(alone: Step, based: Based[Driven]) -> bool:
-    """Whether the laws that come nearest follow the recording better if the force acts the other way."""
-    problem = based.problem.the_other_way
+    """Whether the laws that come nearest follow the recording better if the force acts the other way.
+
+    Where the base model, or the nearest law, leaves noise alone there is nothing to ask.
+    """
+    problem, omega = based.problem.the_other_way, based.scales.omega
     if problem is None or not alone.fits:
+        return False
+    if any(left_by(f, based.problem, omega, based.fit) is not Left.STRUCTURE for f in (based.fit, alone.fits[0])):
         return False
     for near in alone.fits[:_NEAREST]:
         with suppress(SimulationError):

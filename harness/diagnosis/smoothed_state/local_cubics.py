@@ -4,6 +4,7 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.special import chdtri
 
 from harness.core.arrays import BoolArray, FloatArray, IntArray
 from harness.core.jit import compiled
@@ -18,8 +19,8 @@ _TERMS = 4
 """Of a cubic."""
 _LEAST_PARTS = 4
 """Widths that a recording must hold."""
-_BEYOND = 4.0
-"""Standard errors of what noise leaves of a cubic, beyond which that is more: once in 16,000 times."""
+_BY_CHANCE = 1e-5
+"""How often noise alone leaves so much of a cubic that it counts as more."""
 GAP = 5.0
 """Sampling intervals from which on there is a gap."""
 
@@ -158,7 +159,7 @@ def _halves(t: FloatArray, y: FloatArray, first: IntArray, last: IntArray, wides
         left = _cubics(t, y, first, last, every, half)[:, 5]
         usual = max(float(np.median(left)), sigma**2)
         freedom = 2 * half + 1 - _TERMS
-        beyond = left > usual * (1.0 + _BEYOND * math.sqrt(2.0 / freedom))
+        beyond = left > usual * chdtri(freedom, _BY_CHANCE) / freedom
         narrower = max((h for h in _HALF_WIDTHS if h < half), default=half)
         halves[beyond & (halves >= half)] = narrower
     for step in (1, -1):
