@@ -22,7 +22,7 @@ def _noisy(x: FloatArray, seed: int) -> FloatArray:
 
 
 def test_a_stop_is_not_rounded_off() -> None:
-    t: FloatArray = np.arange(4000) * 5e-3
+    t: FloatArray = np.arange(4000.0) * 5e-3
     x = _there_and_back(t)
     longest, y = longest_interval(t), _noisy(x, 1)
     wide, fitting = (smoothed(t, y, longest, _SIGMA, 1.05, everywhere=each) for each in (False, True))
@@ -41,7 +41,7 @@ def test_a_stop_is_not_rounded_off() -> None:
 @given(seed=st.integers(0, 10_000), omega=st.floats(2.0, 8.0))
 @settings(max_examples=20, deadline=None)
 def test_a_motion_that_never_stops_is_smoothed_as_ever(seed: int, omega: float) -> None:
-    t: FloatArray = np.arange(2000) * 2e-3
+    t: FloatArray = np.arange(2000.0) * 2e-3
     y = _noisy(0.01 * np.sin(omega * t), seed)
     wide, fitting = (smoothed(t, y, longest_interval(t), _SIGMA, 1.05, everywhere=each) for each in (False, True))
     # one in 16,000 is beyond four standard errors by chance, and draws its neighbours along

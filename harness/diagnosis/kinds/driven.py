@@ -9,7 +9,7 @@ from harness.core.recording import Recording
 from harness.diagnosis.baseline.driven_base_fit import driven_baseline
 from harness.diagnosis.explain.holdout import periods_held_out
 from harness.diagnosis.fit.another import as_started, only_started
-from harness.diagnosis.fit.model_fit import Fit, fit
+from harness.diagnosis.fit.model_fit import Fit
 from harness.diagnosis.input_noise.noisy_base_fit import along, in_turn
 from harness.diagnosis.inverse_dynamics.candidates import by_the_force
 from harness.diagnosis.inverse_dynamics.covariates import entered
@@ -34,8 +34,6 @@ from harness.model.model import Model, ModelTerm
 from harness.model.place import Place
 
 _ACTS_STRAIGHT = "the force acts in a straight line from sample to sample after all"
-_NEAREST = 3
-"""Laws that are asked how the force acts."""
 _SAME = 0.01
 """Share of a chi-square that has not moved; noise taken anew each turn moves it too."""
 
@@ -73,18 +71,34 @@ class DrivenRecordings(Kind[Driven]):
         """Windows start as the model has them: a poor one starts them poorly, so both are taken in turn.
 
         How the force acts between samples was told by the base model, which a law that is left out may have misled: it
-        is asked again beside the laws that come nearest.
+        is asked again beside the law that comes nearest.
         """
         renew = _in_turns if isinstance(based.problem.starts, Windows) else once
         alone = _alone(based)
+        the_other_way = self._the_other_way(based, alone)
         notes: tuple[str, ...] = ()
-        other_way = based.whole.the_other_way
-        if other_way is not None and _acts_otherwise(alone, based):
-            based = self.fit_base(other_way)
-            alone = _alone(based)
-            notes = (f"{ACTS_HELD if other_way.is_held else _ACTS_STRAIGHT}, as the laws that come nearest ask for",)
+        if the_other_way is not None:
+            based, alone = the_other_way
+            notes = (f"{ACTS_HELD if based.whole.is_held else _ACTS_STRAIGHT}, as the law that comes nearest asks for",)
         found = search(based.problem, based.fit, based.scales, renew, alone=alone)
         return Found(found, based.scales, found, notes=notes)
+
+    def _the_other_way(self, based: Based[Driven], alone: Step) -> tuple[Based[Driven], Step] | None:
+        """With the force acting the other way, where a law then comes nearer than any comes now.
+
+        Where the base model, or the nearest law, leaves noise alone there is nothing to ask.
+        """
+        whole, omega = based.whole.the_other_way, based.scales.omega
+        nearest = (based.fit, *alone.fits[:1])
+        if whole is None or any(left_by(f, based.problem, omega, based.fit) is not Left.STRUCTURE for f in nearest):
+            return None
+        with suppress(SimulationError):
+            other = self.fit_base(whole)
+            fits = _alone(other)
+            seen = under(min((other.fit, *fits.fits[:1]), key=lambda f: f.bic), based.problem)
+            if seen.chi2 < FORCE_HELD.value * min(f.chi2 for f in nearest):
+                return other, fits
+        return None
 
     def hold_out(self, problem: Driven, judged: Judged, acting: Sequence[tuple[ModelTerm, Place]]) -> Holdout:
         """Every second full period."""
@@ -102,24 +116,6 @@ def _alone(based: Based[Driven]) -> Step:
     """Each law on the base; those that say most of the force are tried whatever they promise of the motion."""
     also = by_the_force(based.problem, based.fit.model)
     return extend(based.fit, based.problem, based.scales, also=also)
-
-
-def _acts_otherwise(alone: Step, based: Based[Driven]) -> bool:
-    """Whether the laws that come nearest follow the recording better if the force acts the other way.
-
-    Where the base model, or the nearest law, leaves noise alone there is nothing to ask.
-    """
-    problem, omega = based.problem.the_other_way, based.scales.omega
-    if problem is None or not alone.fits:
-        return False
-    if any(left_by(f, based.problem, omega, based.fit) is not Left.STRUCTURE for f in (based.fit, alone.fits[0])):
-        return False
-    for near in alone.fits[:_NEAREST]:
-        with suppress(SimulationError):
-            seen = fit(near.model, problem, near.free, based.scales, thorough=False)
-            if seen.chi2 < FORCE_HELD.value * alone.fits[0].chi2:
-                return True
-    return False
 
 
 def _in_turns(problem: Driven, best: Fit, scales: Scales, again: Again[Driven]) -> tuple[Driven, Fit]:
