@@ -72,7 +72,7 @@ def _score(c: FloatArray, a: FloatArray) -> tuple[float, float]:
     return chi2 + float(np.sum(b * b / values[free])), max(c.size - lost, 0.0)
 
 
-def _bands(channels: Mapping[str, Channel]) -> list[tuple[str, float, float]]:
+def _bands(channels: Mapping[str, Channel], spare: float) -> list[tuple[str, float, float]]:
     out = []
     for end in BANDS:
         c, a, m = [], [], []
@@ -82,6 +82,8 @@ def _bands(channels: Mapping[str, Channel]) -> list[tuple[str, float, float]]:
             a.append(one.q[:k])
             m.append(one.freedom)
         chi2, k_free = _score(np.concatenate(c), np.concatenate(a))
+        # what else noise may leave is slow, so that all of it may lie here
+        chi2 = max(chi2 - spare, min(chi2, k_free))
         name = f"slow structure, up to {end:g} times the swing's frequency"
         out.append((name, over_floor(chi2, k_free, float(sum(m))), chi2 / max(k_free, 1.0)))
     return out
@@ -168,13 +170,15 @@ def lack_of_fit(
     doubtful: Mapping[str, BoolArray] | None = None,
     motion: Motion | None = None,
     gain: float = 0.0,
+    spare: float = 0.0,
 ) -> LackOfFit:
     """Whether structure remains in whitened residuals (n,) of each channel at t (n,), s; omega of the motion, rad/s.
 
     The level of the noise is taken from the residuals; samples that are exactly zero did not count in the fit.
     jacobian : whitened partials (n, q) of each channel by the fitted numbers, so that the test is exact although the
     fit has taken its share. doubtful : samples that may lie on the wrong side of a jump. motion : to look at parts of
-    the swing too, and of the recording. gain : chi-square that the model's terms explain. Linear in samples.
+    the swing too, and of the recording. gain : chi-square that the model's terms explain. spare : chi-square that noise
+    may leave in slow structure beyond its level. Linear in samples.
     """
     names = [c for c, r in residuals.items() if np.count_nonzero(r) >= _FEWEST]
     if not names:
@@ -183,7 +187,7 @@ def lack_of_fit(
     channels = channels_of({c: residuals[c] for c in names}, partials, t, omega, doubtful or {})
     if not channels:
         return LackOfFit(1.0, 0.0, "too few samples for any structure to show")
-    tests = _bands(channels) + _stretches(channels) + _lines(channels)
+    tests = _bands(channels, spare) + _stretches(channels) + _lines(channels)
     if motion is not None:
         tests += _phases(channels, motion)
         tests += constancy(channels, t, motion, gain)

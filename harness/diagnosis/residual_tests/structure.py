@@ -1,5 +1,6 @@
 """Does anything but noise stay in a fit? The calibrated test of lackfit, on a fit."""
 
+import math
 from enum import Enum
 
 from harness.core.events import Mode
@@ -11,7 +12,10 @@ from harness.diagnosis.rules import STRUCTURE, STRUCTURE_NAMED
 
 
 def structure(found: Fit, problem: Problem, omega: float, gain: float = 0.0) -> LackOfFit:
-    """Structure left in a fit's residual, its own parameters allowed for; gain : chi-square its terms explain."""
+    """Structure left in a fit's residual, its own parameters allowed for; gain : chi-square its terms explain.
+
+    What noise of a force leaves beyond first order is allowed for, where that could be simulated.
+    """
     n = problem.t.size
     parts = {c: slice(i * n, (i + 1) * n) for i, c in enumerate(problem.channels)}
     motion = Motion(found.shown.x, found.shown.v, found.shown.mode == Mode.STICK, omega)
@@ -22,6 +26,7 @@ def structure(found: Fit, problem: Problem, omega: float, gain: float = 0.0) -> 
         jacobian={c: found.jacobian[at] for c, at in parts.items()},
         motion=motion,
         gain=gain,
+        spare=problem.spare if math.isfinite(problem.spare) else 0.0,
     )
 
 
