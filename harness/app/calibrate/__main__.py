@@ -9,6 +9,7 @@ from harness.app.calibrate import (
     amplitudes,
     chance,
     covariates,
+    driven,
     few_cycles,
     force_tables,
     forces_together,
@@ -37,6 +38,7 @@ CALIBRATIONS: dict[str, Calibration] = {
     "guard-speed": guard_speed.CALIBRATION,
     "together": together.CALIBRATION,
     "forces-together": forces_together.CALIBRATION,
+    "driven": driven.CALIBRATION,
     "amplitudes": amplitudes.CALIBRATION,
     "covariates": covariates.CALIBRATION,
 }

@@ -1,0 +1,94 @@
+"""Driven plants with one effect or none, on a spring or a free axis, force noise to half a per cent: what is said."""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from harness.app.calibrate.calibration import Calibration
+from harness.core.recording import Recording
+from harness.diagnosis.outcome import Grade
+from harness.diagnosis.pipeline import diagnose, prepare
+from harness.diagnosis.request import Asked
+from harness.model.model import Restoring
+from harness.model.registry import NAMED
+from harness.proof.plant import KINDS, draw
+from harness.proof.statistics import Rate
+
+SETTINGS = {"driven": Restoring.SPRING, "axis": Restoring.NONE}
+"""Of the plant, and what holds the slider there."""
+FORCE_NOISE = (0.0, 0.001, 0.0025, 0.005)
+"""Of the measured force, over its rms."""
+_OF_A_SPRING = frozenset({"spring", "angle"})
+"""What a law may need that a free axis does not have."""
+_FAMILY = {term.name: term.family for term in NAMED}
+HEADLINES = (Grade.EXPLAINS, Grade.MAIN, Grade.ONE_OF)
+
+
+@dataclass(frozen=True, slots=True)
+class Told:
+    """A recording: where it was made, noise of its force, the hidden effect ("" for none), and what was said."""
+
+    setting: str
+    noise: float
+    hidden: str
+    verdict: str
+    names: tuple[str, ...]
+
+    @property
+    def listed(self) -> bool:
+        """Whether the hidden effect is among the names."""
+        return self.hidden in self.names
+
+    @property
+    def wrong(self) -> bool:
+        """Whether what is said first is of another family, the effect nowhere."""
+        return bool(self.names) and not self.listed and _FAMILY[self.names[0]] != _FAMILY[self.hidden]
+
+
+def names_of(setting: str) -> tuple[str, ...]:
+    """Effects that a catalogue entry can say there."""
+    none = _OF_A_SPRING if setting == "axis" else frozenset()
+    known = {term.name for term in NAMED if none.isdisjoint(term.needs)}
+    return tuple(name for name in KINDS if name in known)
+
+
+def measure(seed: int, index: int) -> Told:
+    """One recording; of three one is a control, and the effects take turns. Raises SimulationError."""
+    rng = np.random.default_rng([seed, 23, index])
+    setting = tuple(SETTINGS)[index % 2]
+    turn, control = divmod(index // 2, 3)[0], index // 2 % 3 == 0
+    names = names_of(setting)
+    hidden = "" if control else names[(2 * turn + index // 2 % 3 - 1) % len(names)]
+    case = draw(hidden or "control", rng, setting=setting)
+    noise = float(rng.choice(FORCE_NOISE))
+    u = case.recorded["u"]
+    u = u + noise * float(np.sqrt(np.mean(u**2))) * rng.standard_normal(u.size)
+    channels = {c: case.recorded[c] for c in case.channels}
+    recording = Recording(case.recorded["t"], channels | {"u": u}, f"{setting}-{index}")
+    problem, _ = prepare(recording, Asked(SETTINGS[setting]))
+    outcome = diagnose(problem)
+    said = tuple(m.name for m in outcome.mechanisms if m.grade in HEADLINES)
+    return Told(setting, noise, hidden, outcome.verdict, said[:4])
+
+
+def said(rows: Sequence[Told]) -> Iterator[str]:
+    """Rates, and every recording of which something else was said."""
+    with_one, without = [r for r in rows if r.hidden], [r for r in rows if not r.hidden]
+    for label, outcomes in (
+        ("named", [r.names[:1] == (r.hidden,) and r.verdict != "one_of" for r in with_one]),
+        ("named or listed", [r.listed for r in with_one]),
+        ("another family", [r.wrong for r in with_one]),
+        ("controls quiet", [r.verdict == "adequate" for r in without]),
+    ):
+        rate = Rate.of(outcomes)
+        if rate.value is not None and rate.low is not None and rate.high is not None:
+            between = f"{100.0 * rate.low:.1f} to {100.0 * rate.high:.1f}"
+            yield f"{label}: {rate.hits} of {rate.cases}, {100.0 * rate.value:.1f} % ({between})"
+    for r in rows:
+        if not r.listed if r.hidden else r.verdict != "adequate":
+            names = ", ".join(r.names) or "no name"
+            yield f"  {r.setting}, force noise {100.0 * r.noise:g} %, {r.hidden or 'control'}: {r.verdict}, {names}"
+
+
+CALIBRATION = Calibration(measure, said, "what is said of driven plants with one effect or none")
