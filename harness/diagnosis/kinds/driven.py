@@ -74,30 +74,31 @@ class DrivenRecordings(Kind[Driven]):
         is asked again beside the law that comes nearest.
         """
         renew = _in_turns if isinstance(based.problem.starts, Windows) else once
+        was_held = based.whole.is_held
+        other_way = self._other_way(based)
+        if other_way is not None and _leaves_noise(other_way.fit, other_way):
+            based, other_way = other_way, None
         alone = _alone(based)
-        the_other_way = self._the_other_way(based, alone)
+        if other_way is not None and not (alone.fits and _leaves_noise(alone.fits[0], based)):
+            based, alone = _nearer(based, alone, other_way)
         notes: tuple[str, ...] = ()
-        if the_other_way is not None:
-            based, alone = the_other_way
-            notes = (f"{ACTS_HELD if based.whole.is_held else _ACTS_STRAIGHT}, as the law that comes nearest asks for",)
+        if based.whole.is_held is not was_held:
+            notes = (
+                f"{_ACTS_STRAIGHT if was_held else ACTS_HELD}, as what explains the recording, or comes nearest, asks",
+            )
         found = search(based.problem, based.fit, based.scales, renew, alone=alone)
         return Found(found, based.scales, found, notes=notes)
 
-    def _the_other_way(self, based: Based[Driven], alone: Step) -> tuple[Based[Driven], Step] | None:
-        """With the force acting the other way, where a law then comes nearer than any comes now.
+    def _other_way(self, based: Based[Driven]) -> Based[Driven] | None:
+        """With the force acting the other way; None where it cannot, and where the base model explains the recording.
 
-        Where the base model, or the nearest law, leaves noise alone there is nothing to ask.
+        Between the two was chosen without regard to what noise of the force does.
         """
-        whole, omega = based.whole.the_other_way, based.scales.omega
-        nearest = (based.fit, *alone.fits[:1])
-        if whole is None or any(left_by(f, based.problem, omega, based.fit) is not Left.STRUCTURE for f in nearest):
+        whole = based.whole.the_other_way
+        if whole is None or _leaves_noise(based.fit, based):
             return None
         with suppress(SimulationError):
-            other = self.fit_base(whole)
-            fits = _alone(other)
-            seen = under(min((other.fit, *fits.fits[:1]), key=lambda f: f.bic), based.problem)
-            if seen.chi2 < FORCE_HELD.value * min(f.chi2 for f in nearest):
-                return other, fits
+            return self.fit_base(whole)
         return None
 
     def hold_out(self, problem: Driven, judged: Judged, acting: Sequence[tuple[ModelTerm, Place]]) -> Holdout:
@@ -110,6 +111,18 @@ class DrivenRecordings(Kind[Driven]):
             return [as_started(model, problem, scales) for model in models]
         own, scales = driven_baseline(problem)
         return [only_started(model, problem, own.model, scales) for model in models]
+
+
+def _leaves_noise(found: Fit, based: Based[Driven]) -> bool:
+    return left_by(found, based.problem, based.scales.omega, based.fit) is Left.NOISE
+
+
+def _nearer(based: Based[Driven], alone: Step, other_way: Based[Driven]) -> tuple[Based[Driven], Step]:
+    """The way in which the law that comes nearest comes nearer."""
+    others = _alone(other_way)
+    nearest = min(f.chi2 for f in (based.fit, *alone.fits[:1]))
+    seen = under(min((other_way.fit, *others.fits[:1]), key=lambda f: f.bic), based.problem)
+    return (other_way, others) if seen.chi2 < FORCE_HELD.value * nearest else (based, alone)
 
 
 def _alone(based: Based[Driven]) -> Step:

@@ -6,13 +6,14 @@ and a model that only mimics an effect fails in them first, long before its resi
 
 import math
 from collections.abc import Mapping
+from functools import partial
 
 import numpy as np
 
 from harness.core.arrays import FloatArray, IntArray
 from harness.diagnosis.motion import Motion
 from harness.diagnosis.residual_tests.cleaned import Channel
-from harness.diagnosis.residual_tests.floor import over_floor
+from harness.diagnosis.residual_tests.floor import over_floor, spared
 
 _MOST_STRETCHES = 8
 """Of equal numbers of half-cycles, which are held against each other."""
@@ -23,11 +24,11 @@ _TRUSTED = 1e-4
 
 
 def constancy(
-    channels: Mapping[str, Channel], t: FloatArray, motion: Motion, gain: float = 0.0
+    channels: Mapping[str, Channel], t: FloatArray, motion: Motion, gain: float = 0.0, spare: float = 0.0
 ) -> list[tuple[str, float, float]]:
     """Tests of whether parameters depend on the part of a recording: what is tested, its p-value, mean square.
 
-    t (n,) : s. gain : chi-square that the model's terms explain.
+    t (n,) : s. gain : chi-square that the model's terms explain. spare : chi-square that noise may leave besides.
     """
     freedom = float(sum(one.freedom for one in channels.values()))
     out = []
@@ -35,7 +36,8 @@ def constancy(
         chi2, k = _taken(channels, part)
         chi2 = max(chi2 - _TRUSTED * gain, 0.0)
         if k >= 1.0:
-            out.append((f"parameters that differ from {name} to {name}", over_floor(chi2, k, freedom), chi2 / k))
+            p = spared(partial(over_floor, k=k, m=freedom), chi2, spare)
+            out.append((f"parameters that differ from {name} to {name}", p, chi2 / k))
     return out
 
 

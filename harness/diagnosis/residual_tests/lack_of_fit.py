@@ -9,6 +9,7 @@ Single samples on the wrong side of a jump are set aside: they are flat in frequ
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 
@@ -16,7 +17,7 @@ from harness.core.arrays import BoolArray, FloatArray
 from harness.diagnosis.motion import Motion
 from harness.diagnosis.residual_tests.cleaned import BANDS, Channel, channels_of
 from harness.diagnosis.residual_tests.constancy import constancy
-from harness.diagnosis.residual_tests.floor import over_floor
+from harness.diagnosis.residual_tests.floor import over_floor, spared
 
 _STRETCHES = (4, 16, 64)
 """Equal stretches of a recording, the strongest of which is tested: one event, or many cycles."""
@@ -82,14 +83,13 @@ def _bands(channels: Mapping[str, Channel], spare: float) -> list[tuple[str, flo
             a.append(one.q[:k])
             m.append(one.freedom)
         chi2, k_free = _score(np.concatenate(c), np.concatenate(a))
-        # what else noise may leave is slow, so that all of it may lie here
-        chi2 = max(chi2 - spare, min(chi2, k_free))
         name = f"slow structure, up to {end:g} times the swing's frequency"
-        out.append((name, over_floor(chi2, k_free, float(sum(m))), chi2 / max(k_free, 1.0)))
+        p = spared(partial(over_floor, k=k_free, m=float(sum(m))), chi2, spare)
+        out.append((name, p, chi2 / max(k_free, 1.0)))
     return out
 
 
-def _stretches(channels: Mapping[str, Channel]) -> list[tuple[str, float, float]]:
+def _stretches(channels: Mapping[str, Channel], spare: float) -> list[tuple[str, float, float]]:
     """The strongest of equal stretches of time, in slow structure within the stretch."""
     out = []
     for count in _STRETCHES:
@@ -103,10 +103,14 @@ def _stretches(channels: Mapping[str, Channel]) -> list[tuple[str, float, float]
             means = cut.reshape(count, inside, block).sum(axis=2) / math.sqrt(block)
             power = np.sum(means**2, axis=1)
             worst = float(np.max(power))
-            single = over_floor(worst, float(inside), float(one.freedom))
-            text = f"channel {name} stands out in one {count}th of the time"
-            out.append((text, -math.expm1(count * math.log1p(-min(single, 1.0 - 1e-16))), worst / inside))
+            p = spared(partial(_of_the_most, count=count, k=float(inside), m=float(one.freedom)), worst, spare)
+            out.append((f"channel {name} stands out in one {count}th of the time", p, worst / inside))
     return out
+
+
+def _of_the_most(chi2: float, count: int, k: float, m: float) -> float:
+    """Chance that the largest of so many is this large."""
+    return -math.expm1(count * math.log1p(-min(over_floor(chi2, k, m), 1.0 - 1e-16)))
 
 
 def _lines(channels: Mapping[str, Channel]) -> list[tuple[str, float, float]]:
@@ -129,7 +133,7 @@ def _lines(channels: Mapping[str, Channel]) -> list[tuple[str, float, float]]:
     return out
 
 
-def _phases(channels: Mapping[str, Channel], motion: Motion) -> list[tuple[str, float, float]]:
+def _phases(channels: Mapping[str, Channel], motion: Motion, spare: float) -> list[tuple[str, float, float]]:
     """Mean residual in parts of the swing, large and small amplitudes apart."""
     turn = np.arctan2(-motion.v / motion.omega, motion.x) / (2.0 * math.pi) + 0.5
     size = np.hypot(motion.x, motion.v / motion.omega)
@@ -149,7 +153,8 @@ def _phases(channels: Mapping[str, Channel], motion: Motion) -> list[tuple[str, 
         )
         m.append(one.freedom)
     chi2, k = _score(np.concatenate(c), np.concatenate(a))
-    return [("a mean that depends on the part of the swing", over_floor(chi2, k, float(sum(m))), chi2 / max(k, 1.0))]
+    p = spared(partial(over_floor, k=k, m=float(sum(m))), chi2, spare)
+    return [("a mean that depends on the part of the swing", p, chi2 / max(k, 1.0))]
 
 
 def _combined(p_values: Sequence[float]) -> float:
@@ -178,7 +183,7 @@ def lack_of_fit(
     jacobian : whitened partials (n, q) of each channel by the fitted numbers, so that the test is exact although the
     fit has taken its share. doubtful : samples that may lie on the wrong side of a jump. motion : to look at parts of
     the swing too, and of the recording. gain : chi-square that the model's terms explain. spare : chi-square that noise
-    may leave in slow structure beyond its level. Linear in samples.
+    may leave beyond its level, in one place or another. Linear in samples.
     """
     names = [c for c, r in residuals.items() if np.count_nonzero(r) >= _FEWEST]
     if not names:
@@ -187,10 +192,10 @@ def lack_of_fit(
     channels = channels_of({c: residuals[c] for c in names}, partials, t, omega, doubtful or {})
     if not channels:
         return LackOfFit(1.0, 0.0, "too few samples for any structure to show")
-    tests = _bands(channels, spare) + _stretches(channels) + _lines(channels)
+    tests = _bands(channels, spare) + _stretches(channels, spare) + _lines(channels)
     if motion is not None:
-        tests += _phases(channels, motion)
-        tests += constancy(channels, t, motion, gain)
+        tests += _phases(channels, motion, spare)
+        tests += constancy(channels, t, motion, gain, spare)
     p = _combined([test[1] for test in tests])
     name, _, ratio = min(tests, key=lambda test: (test[1], -test[2]))
     if p < _SAID:
