@@ -37,12 +37,14 @@ JUDGES = {
     "guard-speed": {"guard-speed"},
     "together": {"pooled", "own"},
     "forces-together": {"pooled", "own"},
+    "driven": {"force-held"},
     "amplitudes": {"amplitudes-apart"},
     "covariates": {"decisive"},
 }
 LONG = {
     "amplitudes",
     "covariates",
+    "driven",
     "pairs-apart",
     "pair-promise",
     "main-effect",

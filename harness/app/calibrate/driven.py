@@ -5,11 +5,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from harness.app.calibrate.calibration import Calibration
+from harness.app.calibrate.calibration import Calibration, stands
 from harness.core.recording import Recording
 from harness.diagnosis.outcome import Grade
 from harness.diagnosis.pipeline import diagnose, prepare
 from harness.diagnosis.request import Asked
+from harness.diagnosis.rules import FORCE_HELD
 from harness.model.model import Restoring
 from harness.model.registry import NAMED
 from harness.proof.plant import KINDS, draw
@@ -19,6 +20,8 @@ SETTINGS = {"driven": Restoring.SPRING, "axis": Restoring.NONE}
 """Of the plant, and what holds the slider there."""
 FORCE_NOISE = (0.0, 0.001, 0.0025, 0.005)
 """Of the measured force, over its rms."""
+LISTED, WRONG, QUIET = 0.85, 0.03, 0.98
+"""Shares that are asked: of effects named or listed, of those called another family, of controls."""
 _OF_A_SPRING = frozenset({"spring", "angle"})
 """What a law may need that a free axis does not have."""
 _FAMILY = {term.name: term.family for term in NAMED}
@@ -89,6 +92,11 @@ def said(rows: Sequence[Told]) -> Iterator[str]:
         if not r.listed if r.hidden else r.verdict != "adequate":
             names = ", ".join(r.names) or "no name"
             yield f"  {r.setting}, force noise {100.0 * r.noise:g} %, {r.hidden or 'control'}: {r.verdict}, {names}"
+    listed = sum(r.listed for r in with_one) >= LISTED * len(with_one)
+    wrong = sum(r.wrong for r in with_one) <= WRONG * len(with_one)
+    quiet = sum(r.verdict == "adequate" for r in without) >= QUIET * len(without)
+    why = f"{100 * LISTED:.0f} % named or listed, {100 * WRONG:.0f} % of another family, {100 * QUIET:.0f} % quiet are asked"
+    yield stands(FORCE_HELD, listed and wrong and quiet, why)
 
 
 CALIBRATION = Calibration(measure, said, "what is said of driven plants with one effect or none")
