@@ -95,7 +95,9 @@ def said(rows: Sequence[Told]) -> Iterator[str]:
     listed = sum(r.listed for r in with_one) >= LISTED * len(with_one)
     wrong = sum(r.wrong for r in with_one) <= WRONG * len(with_one)
     quiet = sum(r.verdict == "adequate" for r in without) >= QUIET * len(without)
-    asked = f"asked: {100 * LISTED:.0f} % named or listed, {100 * WRONG:.0f} % another family, {100 * QUIET:.0f} % quiet"
+    asked = (
+        f"asked: {100 * LISTED:.0f} % named or listed, {100 * WRONG:.0f} % another family, {100 * QUIET:.0f} % quiet"
+    )
     yield stands(FORCE_HELD, listed and wrong and quiet, asked)
 
 
