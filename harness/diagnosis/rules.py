@@ -204,8 +204,8 @@ GUARD_SPEED = Rule(
     0.05,
     "of the rms speed",
     "of a robot's joint, a fitted force does not count within the smoothing's reach of a slower sample",
-    "30 logs of one joint under a servo, with viscous and Coulomb friction alone: f_k is at most 0.22 % off, and nothing"
-    " is named in any; where only speeds without a sure sign are left out it is 0.18 % off at most"
+    "30 logs of one joint under a servo, with viscous and Coulomb friction alone: f_k is at most 0.22 % off,"
+    " and nothing is named in any; where only speeds without a sure sign are left out it is 0.18 % off at most"
     " (python -m harness.app.calibrate guard-speed --draws 30)",
 )
 INPUT_NOISE_DRAWS = Rule(
