@@ -44,7 +44,7 @@ def test_a_motion_that_never_stops_is_smoothed_as_ever(seed: int, omega: float) 
     t: FloatArray = np.arange(2000.0) * 2e-3
     y = _noisy(0.01 * np.sin(omega * t), seed)
     wide, fitting = (smoothed(t, y, longest_interval(t), _SIGMA, 1.05, everywhere=each) for each in (False, True))
-    # one in 16,000 is beyond four standard errors by chance, and draws its neighbours along
+    # one window in 100,000 leaves so much by chance, and draws its neighbours along
     assert np.mean(fitting.half < wide.half) < 0.05
     same = fitting.half == wide.half
     assert fitting.value[same] == pytest.approx(wide.value[same], abs=0.0)

@@ -10,9 +10,10 @@ from harness.core.recording import Recording
 from harness.diagnosis.outcome import Grade
 from harness.diagnosis.pipeline import diagnose, prepare
 from harness.diagnosis.request import Asked
-from harness.diagnosis.rules import FORCE_HELD
+from harness.diagnosis.rules import FORCE_HELD, MOST_LISTED
 from harness.model.model import Restoring
 from harness.model.registry import NAMED
+from harness.proof.machines.catalogue import FAMILY
 from harness.proof.plant import KINDS, draw
 from harness.proof.statistics import Rate
 
@@ -24,7 +25,6 @@ LISTED, WRONG, QUIET = 0.85, 0.03, 0.98
 """Shares that are asked: of effects named or listed, of those called another family, of controls."""
 _OF_A_SPRING = frozenset({"spring", "angle"})
 """What a law may need that a free axis does not have."""
-_FAMILY = {term.name: term.family for term in NAMED}
 HEADLINES = (Grade.EXPLAINS, Grade.MAIN, Grade.ONE_OF)
 
 
@@ -46,7 +46,7 @@ class Told:
     @property
     def wrong(self) -> bool:
         """Whether what is said first is of another family, the effect nowhere."""
-        return bool(self.names) and not self.listed and _FAMILY[self.names[0]] != _FAMILY[self.hidden]
+        return bool(self.names) and not self.listed and FAMILY[self.names[0]] != FAMILY[self.hidden]
 
 
 def names_of(setting: str) -> tuple[str, ...]:
@@ -60,9 +60,9 @@ def measure(seed: int, index: int) -> Told:
     """One recording; of three one is a control, and the effects take turns. Raises SimulationError."""
     rng = np.random.default_rng([seed, 23, index])
     setting = tuple(SETTINGS)[index % 2]
-    turn, control = divmod(index // 2, 3)[0], index // 2 % 3 == 0
+    turn, place = divmod(index // 2, 3)
     names = names_of(setting)
-    hidden = "" if control else names[(2 * turn + index // 2 % 3 - 1) % len(names)]
+    hidden = names[(2 * turn + place - 1) % len(names)] if place else ""
     case = draw(hidden or "control", rng, setting=setting)
     noise = float(rng.choice(FORCE_NOISE))
     u = case.recorded["u"]
@@ -72,7 +72,7 @@ def measure(seed: int, index: int) -> Told:
     problem, _ = prepare(recording, Asked(SETTINGS[setting]))
     outcome = diagnose(problem)
     said = tuple(m.name for m in outcome.mechanisms if m.grade in HEADLINES)
-    return Told(setting, noise, hidden, outcome.verdict, said[:4])
+    return Told(setting, noise, hidden, outcome.verdict, said[: MOST_LISTED.count])
 
 
 def said(rows: Sequence[Told]) -> Iterator[str]:

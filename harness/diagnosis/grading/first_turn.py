@@ -7,7 +7,7 @@ the first turning point on at the latest.
 from harness.diagnosis.fit.model_fit import Fit
 from harness.diagnosis.grading.grade import Graded
 from harness.diagnosis.residual_tests.structure import Left, left_by
-from harness.diagnosis.search.extend import settle
+from harness.diagnosis.search.extend import extend, settle
 from harness.diagnosis.search.search import Search, noise_of, search, under
 from harness.kernels.solve import Scales
 
@@ -25,7 +25,8 @@ def after_first_turn(graded: Graded) -> tuple[Search, Scales, float] | None:
         return None
     problem = misfit.problem.under_noise(noise_of(misfit.base, misfit.problem, misfit.scales.omega))
     base = settle(under(misfit.base, problem), problem, misfit.scales)
-    found = search(problem, base, misfit.scales, begun=[f.fit.model for f in graded.finalists])
+    alone = extend(base, problem, misfit.scales, begun=[f.fit.model for f in graded.finalists])
+    found = search(problem, base, misfit.scales, alone=alone)
     return (found, misfit.scales, misfit.left_out) if found.explained else None
 
 

@@ -16,7 +16,7 @@ from harness.diagnosis.smoothed_state.state import Course
 from harness.model.model import Model
 
 _LAWS = 6
-"""Laws that go on, of those that say most of the force."""
+"""Laws that go on, of those that say most of the force: they bound the work."""
 
 
 def by_the_force(problem: Driven, base: Model) -> tuple[Model, ...]:

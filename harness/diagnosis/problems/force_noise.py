@@ -13,9 +13,9 @@ from harness.estimate.noise import Noise
 _MOSTLY = 0.3
 """Share of what a model leaves of an acceleration that is the sensor's own, from which that is told from it.
 
-Below it the channel alone tells more. By 400 draws of 1,200 samples of white noise the variance of a channel by itself
-(windows of one freedom each) is off by 6.1 / sqrt(N) of it, what a model leaves by 1.7 / sqrt(N), which counts over the
-share.
+Below it the channel alone tells more: of N samples of white noise the variance of a channel by itself (windows of one
+freedom each) is off by 6.1 / sqrt(N) of it, what a model leaves by 1.7 / sqrt(N), which counts over the share
+(tests/diagnosis/test_own_noise.py draws them).
 """
 
 

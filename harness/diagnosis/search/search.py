@@ -123,20 +123,12 @@ def _renewed(
     return new, found, tuple(sorted((under(f, new) for f in others), key=lambda f: f.bic))
 
 
-def search(
-    problem: P,
-    base: Fit,
-    scales: Scales,
-    renew: Renew[P] = once,
-    begun: Sequence[Model] = (),
-    alone: Step | None = None,
-) -> Search:
+def search(problem: P, base: Fit, scales: Scales, renew: Renew[P] = once, alone: Step | None = None) -> Search:
     """Find the smallest model that explains a recording. renew : what else follows a model once it is found.
 
-    begun : models with one law each that are gone on with instead of first looks. alone : each law on the base, where
-    that step has been made.
+    alone : each law on the base, where that step has been made.
     """
-    found = levelled(_search(problem, base, scales, renew, alone or extend(base, problem, scales, begun=begun)))
+    found = levelled(_search(problem, base, scales, renew, alone or extend(base, problem, scales)))
     if not found.chosen.model.terms or found.base.bic > found.chosen.bic + AMONG_NAMES.value + problem.spare:
         return found
     # what counts as noise has grown since the term was decided for

@@ -149,19 +149,19 @@ def _cubics(t: FloatArray, y: FloatArray, first: IntArray, last: IntArray, at: I
 
 
 def _halves(t: FloatArray, y: FloatArray, first: IntArray, last: IntArray, widest: int, sigma: float) -> IntArray:
-    """Samples to either side of each one, (n,), up to the widest that leaves there what it leaves elsewhere.
+    """Samples to either side of each one, (n,), up to where each width leaves there what it leaves elsewhere.
 
     They change by one from sample to sample, so that each window ends before what it cannot follow, and value and slope
     do not jump where widths do.
     """
-    halves, every = np.full(t.size, widest), np.arange(t.size)
-    for half in reversed([h for h in _HALF_WIDTHS if h <= widest]):
+    halves, every = np.full(t.size, _HALF_WIDTHS[0]), np.arange(t.size)
+    follows = np.ones(t.size, dtype=np.bool_)
+    for half in (h for h in _HALF_WIDTHS if h <= widest):
         left = _cubics(t, y, first, last, every, half)[:, 5]
         usual = max(float(np.median(left)), sigma**2)
         freedom = 2 * half + 1 - _TERMS
-        beyond = left > usual * chdtri(freedom, _BY_CHANCE) / freedom
-        narrower = max((h for h in _HALF_WIDTHS if h < half), default=half)
-        halves[beyond & (halves >= half)] = narrower
+        follows &= left <= usual * chdtri(freedom, _BY_CHANCE) / freedom
+        halves[follows] = half
     for step in (1, -1):
         # the least of the others and how far off they are, from either side
         order = halves[::step] - every
