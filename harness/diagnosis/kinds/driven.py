@@ -33,7 +33,6 @@ from harness.kernels.solve import Scales
 from harness.model.model import Model, ModelTerm
 from harness.model.place import Place
 
-_ACTS_STRAIGHT = "the force acts in a straight line from sample to sample after all"
 _SAME = 0.01
 """Share of a chi-square that has not moved; noise taken anew each turn moves it too."""
 
@@ -74,18 +73,13 @@ class DrivenRecordings(Kind[Driven]):
         is asked again beside the law that comes nearest.
         """
         renew = _in_turns if isinstance(based.problem.starts, Windows) else once
-        was_held = based.whole.is_held
         other_way = self._other_way(based)
         if other_way is not None and _leaves_noise(other_way.fit, other_way):
             based, other_way = other_way, None
         alone = _alone(based)
         if other_way is not None and not (alone.fits and _leaves_noise(alone.fits[0], based)):
             based, alone = _nearer(based, alone, other_way)
-        notes: tuple[str, ...] = ()
-        if based.whole.is_held is not was_held:
-            notes = (
-                f"{_ACTS_STRAIGHT if was_held else ACTS_HELD}, as what explains the recording, or comes nearest, asks",
-            )
+        notes = (ACTS_HELD,) if based.whole.is_held else ()
         found = search(based.problem, based.fit, based.scales, renew, alone=alone)
         return Found(found, based.scales, found, notes=notes)
 

@@ -111,7 +111,6 @@ def _followed(recording: Recording, asked: Asked) -> tuple[Forced, tuple[str, ..
         problem = _allowing(problem, first, noise_u)
     force = acting(problem, u)
     problem = replace(problem, drive=force.drive, otherwise=force.otherwise)
-    notes = [ACTS_HELD] if force.held else []
     horizon = asked.horizon
     if not force.follows:
         horizon = HORIZON if horizon is None else horizon
@@ -119,11 +118,12 @@ def _followed(recording: Recording, asked: Asked) -> tuple[Forced, tuple[str, ..
         how = f"the force is fitted, and simulations run over {_said(windows)} of at most {horizon:g} s, each"
         return InverseDynamics.of(problem, windows), (
             f"driven: {how} restarted from the smoothed recorded state",
-            *notes,
+            *([ACTS_HELD] if force.held else []),
         )
     if horizon is not None:
         problem = replace(problem, starts=course.anew(horizon))
     problem = _allowing(begun(problem, force.model, driven_scales(problem, force.model)), force.model, noise_u)
+    notes = []
     if problem.force_noise is not None and problem.force_noise.noise.found:
         share = 100.0 * noise_u.sigma / math.sqrt(float(np.mean(u**2)))
         of = f"{noise_u.sigma:.3g} N ({share:.2g} % of its rms)"
