@@ -4,6 +4,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from enum import StrEnum
 
+import numpy as np
+
 from harness.core.arrays import FloatArray
 
 
@@ -55,6 +57,10 @@ class Covariate:
     def effect(self, values: FloatArray) -> FloatArray:
         """level + gain (P - about) of values P (n,): N, or a share of f_k or c."""
         return self.level + self.gain * (values - self.about)
+
+    def effect_by(self, name: str, values: FloatArray) -> FloatArray:
+        """Partials (n,) of the effect by what ``fitted`` calls so."""
+        return values - self.about if name == self.parameter else np.ones(values.shape)
 
     @property
     def said(self) -> str:

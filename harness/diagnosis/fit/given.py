@@ -28,5 +28,10 @@ def pushed(model: Model, values: Mapping[str, FloatArray]) -> FloatArray:
 
 def frictionless(model: Model) -> Model:
     """The same without dry friction and without covariates."""
-    smooth = tuple(entry for entry in model.terms if entry.term.slot not in _FRICTION)
+    smooth = tuple(model.terms[i] for i in frictionless_terms(model))
     return replace(model, f_k=0.0, f_s=None, terms=smooth, covariates=())
+
+
+def frictionless_terms(model: Model) -> tuple[int, ...]:
+    """Which terms of a model are none of dry friction."""
+    return tuple(i for i, entry in enumerate(model.terms) if entry.term.slot not in _FRICTION)

@@ -131,3 +131,14 @@ def with_coordinates(model: Model, free: tuple[Free, ...], at: FloatArray) -> Mo
 def base_of(free: tuple[Free, ...]) -> tuple[str, ...]:
     """Names of the base parameters among fitted numbers."""
     return tuple(f.name for f in free if isinstance(f.by, str))
+
+
+def in_recording(f: Free, model: Model, recording: int) -> Free | None:
+    """A fitted number as it stands in the model of one recording by itself; None where that has one of its own."""
+    if isinstance(f.by, tuple):
+        return f
+    stem, of = parted(f.by)
+    if of == recording:
+        return replace(f, by=stem)
+    own = model.elsewhere[recording - 1].names if recording else ()
+    return f if of == 0 and stem not in own else None

@@ -8,7 +8,6 @@ covariance with the partials (Newey and West 1987), not from a law of its noise.
 
 import math
 from dataclasses import dataclass
-from functools import cached_property
 
 import numpy as np
 
@@ -16,7 +15,7 @@ from harness.core.arrays import FloatArray
 from harness.core.errors import SimulationError
 from harness.diagnosis.fit.model_fit import Fit
 from harness.diagnosis.fit.observe import COARSE, Observation, observe
-from harness.diagnosis.fit.parameters import Free, bounds_of, coordinates_of, values_of, with_coordinates, with_values
+from harness.diagnosis.fit.parameters import Free, bounds_of, coordinates_of, values_of, with_coordinates
 from harness.diagnosis.inverse_dynamics.measured import Measured
 from harness.diagnosis.problem import Problem
 from harness.fit.autocorrelation import Memory, memory
@@ -25,14 +24,14 @@ from harness.fit.least_squares import Stop, Until, least_squares
 from harness.kernels.solve import Scales
 from harness.model.model import Model
 
-_STEP = 1e-6
-"""Of differences, in sizes of a parameter."""
 _ITERATIONS = 25
 """Of a fit, bounds the work."""
 _ALONE = 1e-12
 """Share of a direction's power below which the data does not see it."""
-_DONE = 1e-9
+DONE = 1e-9
 """Share of the sum of squares below which a step is the last."""
+ROUGHLY = 1e-5
+"""The same where only the sum of squares is asked for: a fiftieth of a natural log for two thousand values."""
 _REACH = 2.0
 """Correlation times over which partials and residual may go together."""
 
@@ -83,25 +82,19 @@ class ForceFit:
         return np.asarray(bread @ middle @ bread, dtype=np.float64)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, slots=True)
 class _Point:
-    """A model beside a force (m,), N, that is measured; asked (m,) is the force it needs."""
+    """A model beside a force (m,), N, that is measured. partials (m, q) : of the force that it asks for."""
 
     model: Model
-    measured: Measured
     free: tuple[Free, ...]
-    asked: FloatArray
     residual: FloatArray
+    partials: FloatArray
 
     @property
     def squares(self) -> float:
         """Sum of squares of the force left over, N^2."""
         return float(self.residual @ self.residual)
-
-    @cached_property
-    def partials(self) -> FloatArray:
-        """See ``partials``."""
-        return partials(self.model, self.measured, self.free, self.asked)
 
     def normal_equations(self) -> tuple[FloatArray, FloatArray]:
         """By the coordinates that are fitted."""
@@ -110,32 +103,20 @@ class _Point:
         return j.T @ j, j.T @ self.residual
 
 
-def partials(model: Model, measured: Measured, free: tuple[Free, ...], asked: FloatArray) -> FloatArray:
-    """Partials (m, q) of the force asked for (m,), over its level, by differences: most laws are linear, none has an
-    event here.
+def fit_force(model: Model, measured: Measured, free: tuple[Free, ...], done: float = DONE) -> ForceFit:
+    """Fit the free numbers of a model to the force, from its own values; SimulationError where a law overflows.
+
+    done : share of the sum of squares below which a step is the last.
     """
-    values = values_of(model, free)
-    columns = []
-    for i, f in enumerate(free):
-        moved = values.copy()
-        step = _STEP * (abs(values[i]) or 1.0)
-        moved[i] += step if values[i] + step <= f.upper else -step
-        more = measured.even(measured.asked(with_values(model, free, moved)) - asked)
-        columns.append(more / (moved[i] - values[i]))
-    return np.column_stack(columns)
-
-
-def fit_force(model: Model, measured: Measured, free: tuple[Free, ...]) -> ForceFit:
-    """Fit the free numbers of a model to the force, from its own values; SimulationError where a law overflows."""
     force = measured.blocks(measured.u)
 
     def evaluated(at: FloatArray) -> _Point:
         trial = with_coordinates(model, free, at)
-        asked = measured.asked(trial)
-        return _Point(trial, measured, free, asked, measured.even(force - asked))
+        asked, by = measured.asked_by(trial, free)
+        return _Point(trial, free, measured.even(force - asked), measured.even(by))
 
     found = least_squares(
-        evaluated, coordinates_of(model, free), Until(share=_DONE, iterations=_ITERATIONS), bounds_of(free)
+        evaluated, coordinates_of(model, free), Until(share=done, iterations=_ITERATIONS), bounds_of(free)
     )
     at = found.point
     if not (math.isfinite(at.squares) and np.all(np.isfinite(at.partials))):

@@ -8,6 +8,7 @@ import numpy as np
 
 from harness.core.arrays import FloatArray
 from harness.diagnosis.baseline.spectral_peaks import peaks
+from harness.diagnosis.fit.parameters import free_of
 from harness.diagnosis.inverse_dynamics.force_fit import ForceFit
 from harness.diagnosis.inverse_dynamics.measured import Measured
 from harness.diagnosis.inverse_dynamics.ripple import periods
@@ -104,12 +105,10 @@ def _with(model: Model, term: Term, values: Probe) -> Model:
 
 def _answer(found: ForceFit, measured: Measured, term: Term, probe: Probe) -> FloatArray:
     """What a unit of the law's amplitude adds to the force asked for, (m,)."""
-    assert term.amplitude is not None
-    unit = list(probe)
-    size = 1e-3 if term.slot is Slot.FRICTION_MODULATION else 1.0
-    unit[term.amplitude] += size
-    none = measured.asked(_with(found.model, term, probe))
-    return measured.even(measured.asked(_with(found.model, term, tuple(unit))) - none) / size
+    model = _with(found.model, term, probe)
+    last = (len(model.terms) - 1, term.amplitude)
+    amplitude = tuple(f for f in free_of(model, ()) if f.by == last)
+    return measured.even(measured.asked_by(model, amplitude)[1][:, 0])
 
 
 def _within_bounds(term: Term, values: Probe) -> Probe:

@@ -8,6 +8,8 @@ import numpy as np
 
 from harness.core.arrays import BoolArray, FloatArray
 from harness.core.errors import SimulationError
+from harness.diagnosis.fit.parameters import Free, in_recording
+from harness.diagnosis.inverse_dynamics.asked import Path, asked
 from harness.diagnosis.inverse_dynamics.force import given_force, inverse_force
 from harness.diagnosis.problem import Problem
 from harness.diagnosis.problems.driven import Forced
@@ -133,17 +135,34 @@ class Measured:
         return tuple(int(counted[own.samples.start // BLOCK]) for own in self.laid[1:])
 
     def even(self, force: FloatArray) -> FloatArray:
-        """A force (m,), N, over the level of its recording."""
-        return force if self.level is None else np.asarray(force / self.level[self.moving], dtype=np.float64)
+        """A force (m,), N, or its partials (m, q), over the level of its recording."""
+        if self.level is None:
+            return force
+        return np.asarray((force.T / self.level[self.moving]).T, dtype=np.float64)
 
     def blocks(self, y: FloatArray) -> FloatArray:
         """Means of y (n,) or (n, q) over the blocks that count."""
         means: FloatArray = y.reshape(-1, BLOCK, *y.shape[1:]).mean(axis=1)[self.moving]
         return means
 
+    @property
+    def path(self) -> Path:
+        """The motion, and which blocks of it count."""
+        return Path(self.t, self.x, self.v, self.a, self.covariates, self.moving)
+
     def asked(self, model: Model) -> FloatArray:
         """Force (m,), N, that a model needs for this motion, mean over the blocks that count."""
-        return self.blocks(self.needed(model))
+        return self.asked_by(model, ())[0]
+
+    def asked_by(self, model: Model, free: tuple[Free, ...]) -> tuple[FloatArray, FloatArray]:
+        """The same with its partials (m, q) by the free numbers."""
+        if not self.laid:
+            return asked(model, self.path, free)
+        found = [
+            asked(model.of_recording(r), one.path, tuple(in_recording(f, model, r) for f in free))
+            for r, one in enumerate(self.each)
+        ]
+        return np.concatenate([force for force, _ in found]), np.concatenate([by for _, by in found])
 
     def needed(self, model: Model) -> FloatArray:
         """Force (n,), N, that a model needs for this motion."""

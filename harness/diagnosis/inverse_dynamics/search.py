@@ -18,7 +18,7 @@ from harness.diagnosis.fit.model_fit import Fit
 from harness.diagnosis.fit.parameters import base_of, free_of
 from harness.diagnosis.fit.standard_errors import unit_of
 from harness.diagnosis.inverse_dynamics.bootstrap_null import taken_by_chance
-from harness.diagnosis.inverse_dynamics.force_fit import ForceFit, as_fit, fit_force, simulated
+from harness.diagnosis.inverse_dynamics.force_fit import DONE, ROUGHLY, ForceFit, as_fit, fit_force, simulated
 from harness.diagnosis.inverse_dynamics.force_screen import starts, whole_in
 from harness.diagnosis.inverse_dynamics.grade import Fitted, ForceGraded, graded
 from harness.diagnosis.inverse_dynamics.left_over import LeftOver, left_over
@@ -64,6 +64,7 @@ def search_driven(problem: InverseDynamics, judge: Judge | None = None) -> Force
     """
     measured, base, scales = force_baseline(problem)
     chosen, singles, rivals, path = base, [base], [base], [base]
+    further = partial(extended, problem=problem, scales=scales, done=ROUGHLY)
     for _ in range(MOST_FORCE_TERMS.count):
         found = extended(chosen, measured, problem, scales)
         if chosen is base:
@@ -77,7 +78,7 @@ def search_driven(problem: InverseDynamics, judge: Judge | None = None) -> Force
         if judge is not None:
             better = [f for f in better if judge.confirms(chosen.model, f.model)]
         elif better:
-            chance = taken_by_chance(chosen, problem, scales, partial(extended, problem=problem, scales=scales))
+            chance = taken_by_chance(chosen, problem, scales, further)
             better = [f for f in better if f.bic(independent, chance) < most]
         # a law too stiff to be followed is no model of the motion, however well it says the force
         kept = next((f for f in better if _followed(f, problem, scales)), None)
@@ -130,13 +131,15 @@ def _refitted(found: ForceFit, measured: Measured) -> Iterator[ForceFit | None]:
             yield None
 
 
-def extended(current: ForceFit, measured: Measured, problem: InverseDynamics, scales: Scales) -> list[ForceFit]:
-    """Fits with one more law, the best of each, best first by evidence."""
+def extended(
+    current: ForceFit, measured: Measured, problem: InverseDynamics, scales: Scales, done: float = DONE
+) -> list[ForceFit]:
+    """Fits with one more law, the best of each, best first by evidence. done : see ``fit_force``."""
     best: dict[str, ForceFit] = {}
     base = base_of(current.free)
     for model in starts(current, measured, problem, scales):
         try:
-            found = fit_force(model, measured, free_of(model, base))
+            found = fit_force(model, measured, free_of(model, base), done)
         except SimulationError:
             continue
         key = model.terms[-1].term.key

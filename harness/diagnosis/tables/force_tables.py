@@ -16,7 +16,7 @@ from harness.core.errors import SimulationError
 from harness.diagnosis.fit.friction_back import with_friction
 from harness.diagnosis.fit.parameters import base_of, free_of
 from harness.diagnosis.grading.prediction import Predicted, blocks_of
-from harness.diagnosis.inverse_dynamics.force_fit import ForceFit, partials
+from harness.diagnosis.inverse_dynamics.force_fit import ForceFit
 from harness.diagnosis.inverse_dynamics.grade import held_out as held_out_alone
 from harness.diagnosis.inverse_dynamics.left_out import left_out
 from harness.diagnosis.inverse_dynamics.measured import BLOCK, Measured
@@ -38,8 +38,6 @@ _ABOUT = 1.1
 """Times the effective parameters allowed: a fit's partials move a little with it."""
 _AGAIN = 8
 """Steps of a refit that starts from the fit to all."""
-_UNIT = 1e-3
-"""Value of a factor on friction at which its force is looked at: small beside 1, so that friction stays above none."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -141,7 +139,7 @@ class ForceLeft:
         iterations: int = 12,
     ) -> TableFit:
         free = free_of(replace(start, terms=start.terms[: len(self.start.model.terms)]), base_of(self.start.free))
-        by = partials(start, self.measured, free, self.measured.asked(start))
+        by = self.measured.even(self.measured.asked_by(start, free)[1])
         return minimised(
             seen.basis, start, at, free, lambda model: seen.look(model, by, keep), strength, penalty, iterations
         )
@@ -158,16 +156,12 @@ class _Seen:
 
     @classmethod
     def of(cls, left: ForceLeft, basis: Basis) -> "_Seen":
-        """By differences, which are exact of what is linear."""
-        terms, none = basis.model.terms, left.measured.asked(basis.model)
+        """Of the tables as they are at first, without any force: what is asked for is linear in their values."""
+        terms = basis.model.terms
         rubs = np.array([terms[i].term.slot is Slot.FRICTION_MODULATION for i, _ in basis.places])
-        columns = []
-        for j, rubbing in enumerate(rubs.tolist()):
-            values = np.zeros(rubs.size)
-            values[j] = _UNIT if rubbing else 1.0
-            more = left.measured.asked(basis.with_values(basis.model, values)) - none
-            columns.append(left.measured.even(more) / values[j])
-        return cls(left, basis, np.column_stack(columns), rubs)
+        numbers = {f.by: f for f in free_of(basis.model, ())}
+        _, by = left.measured.asked_by(basis.model, tuple(numbers[place] for place in basis.places))
+        return cls(left, basis, left.measured.even(by), rubs)
 
     def look(self, model: Model, by: FloatArray, keep: BoolArray) -> Look:
         """A model beside the values that are kept; by (m, b) : partials by the base parameters."""

@@ -1,0 +1,179 @@
+"""The force that a model asks for along a motion, as means over blocks, with its partials by what is fitted.
+
+One look at a sample gives the force and all its partials: the laws write them together.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from typing import Final
+
+import numpy as np
+
+from harness.core.arrays import BoolArray, FloatArray, IntArray
+from harness.core.jit import compiled
+from harness.diagnosis.fit.given import factor, frictionless, frictionless_terms, pushed
+from harness.diagnosis.fit.parameters import Free
+from harness.diagnosis.inverse_dynamics.force import states_inside
+from harness.kernels.integrate import mode_moving
+from harness.kernels.layout import Layout, lay_out
+from harness.kernels.rhs import rhs
+from harness.kernels.work import SPARE, Work, workspace
+from harness.model.covariate import Acts
+from harness.model.law import MASS
+from harness.model.model import Model
+
+NOWHERE: Final = -1
+"""Of a number that the force does not hang on."""
+OFFSET: Final = -2
+"""Of the sensor's zero, which is no place in theta."""
+
+
+def _by_blocks(
+    t: FloatArray,
+    x: FloatArray,
+    v: FloatArray,
+    a: FloatArray,
+    inside: FloatArray,
+    inside_by: FloatArray,
+    m: float,
+    weight: FloatArray,
+    counts: BoolArray,
+    places: IntArray,
+    w: Work,
+    force: FloatArray,
+    by: FloatArray,
+) -> None:
+    """Means of weight m (a - acceleration without drive) over the blocks that count, and their partials by ``places``.
+
+    inside (n, k) : internal states beyond x and v; inside_by (k, n, q) : their partials, of size 0 where there are
+    none. force (b,), by (b, q) : filled, row by row for each block that counts.
+    """
+    length, row = t.size // counts.size, 0
+    for block in range(counts.size):
+        if not counts[block]:
+            continue
+        force[row] = 0.0
+        for q in range(places.size):
+            by[row, q] = 0.0
+        for n in range(block * length, (block + 1) * length):
+            w.z[0], w.z[1] = x[n], v[n]
+            for i in range(inside.shape[1]):
+                w.z[2 + i] = inside[n, i]
+            rhs(SPARE, t[n], w.z, mode_moving(v[n], w), 0.0, w)
+            share = weight[n] / length
+            left = a[n] - w.ks[SPARE, 1]
+            force[row] += share * m * left
+            for q in range(places.size):
+                moved = 0.0
+                if places[q] >= 0:
+                    moved = -m * w.by_theta[1, places[q]]
+                    if places[q] == MASS:
+                        moved += left
+                elif places[q] == OFFSET:
+                    moved = m * w.jac[1, 0]
+                for i in range(inside_by.shape[0]):
+                    moved -= m * w.jac[1, 2 + i] * inside_by[i, n, q]
+                by[row, q] += share * moved
+        row += 1
+
+
+by_blocks = compiled(_by_blocks)
+
+
+@dataclass(frozen=True, slots=True)
+class Path:
+    """A motion t (s), x, v, a, each (n,), its covariates by name (n,), and which of its blocks (n / block,) count."""
+
+    t: FloatArray
+    x: FloatArray
+    v: FloatArray
+    a: FloatArray
+    given: Mapping[str, FloatArray]
+    counts: BoolArray
+
+    def means(self, y: FloatArray) -> FloatArray:
+        """Means of y (n,) or (n, q) over the blocks that count."""
+        found: FloatArray = y.reshape(self.counts.size, -1, *y.shape[1:]).mean(axis=1)[self.counts]
+        return found
+
+
+def asked(model: Model, path: Path, free: tuple[Free | None, ...] = ()) -> tuple[FloatArray, FloatArray]:
+    """Force (b,), N, that a model asks for, mean over the blocks that count, and its partials (b, q) by ``free``.
+
+    Covariates act as they do in ``force.given_force``. None among ``free`` is a number that the model has not.
+    """
+    if not model.covariates:
+        return _asked(model, path, np.ones(path.t.size), free)
+    dry, wet = (factor(model, path.given, acts) for acts in (Acts.FRICTION, Acts.DAMPING))
+    if dry.ndim:
+        # all of it by the factor, and what is no friction back to what it was
+        force, by = _asked(model, path, dry, free)
+        bare_force, bare_by = _asked(frictionless(model), path, dry - 1.0, _without_friction(model, free))
+        force, by = force - bare_force, by - bare_by
+    else:
+        force, by = _asked(model, path, np.ones(path.t.size), free)
+    slowed = path.means(wet * path.v) - path.means(path.v) if wet.ndim else np.zeros(force.size)
+    force = force + model.c * slowed - path.means(np.broadcast_to(pushed(model, path.given), path.t.shape))
+    for q, f in enumerate(free):
+        if f is None:
+            continue
+        if f.by == "c":
+            by[:, q] += slowed
+        for one in model.covariates:
+            if f.by not in one.fitted:
+                continue
+            effect = one.effect_by(str(f.by), path.given[one.name])
+            match one.acts:
+                case Acts.FORCE:
+                    by[:, q] = -path.means(effect)
+                case Acts.DAMPING:
+                    by[:, q] = model.c * path.means(np.where(wet > 0.0, effect, 0.0) * path.v)
+                case Acts.FRICTION:
+                    effect = np.where(dry > 0.0, effect, 0.0)
+                    by[:, q] = _asked(model, path, effect)[0] - _asked(frictionless(model), path, effect)[0]
+    return force, by
+
+
+def _asked(
+    model: Model, path: Path, weight: FloatArray, free: tuple[Free | None, ...] = ()
+) -> tuple[FloatArray, FloatArray]:
+    """The same without covariates, each sample times its weight (n,)."""
+    layout = lay_out(model, max(float(np.max(np.abs(path.v))), 1e-300))
+    places = np.array([_place(f, layout) for f in free], dtype=np.int64)
+    inside, inside_by = states_inside(model, layout, path.t, path.v, tuple(None if f is None else f.by for f in free))
+    work = workspace(
+        layout.spec, layout.theta, len(layout.names), np.empty(0, np.int64), np.ones(layout.start.size), layout.start,
+        np.zeros((layout.start.size, 0)),
+    )  # fmt: skip
+    size = int(np.count_nonzero(path.counts))
+    force, by = np.empty(size), np.empty((size, len(free)))
+    by_blocks(
+        path.t, path.x - model.offset, path.v, path.a, inside, inside_by, model.m, weight, path.counts, places, work,
+        force, by,
+    )  # fmt: skip
+    return force, by
+
+
+def _place(f: Free | None, layout: Layout) -> int:
+    """Where a number stands in theta, or why not."""
+    if f is None:
+        return NOWHERE
+    if isinstance(f.by, tuple):
+        return layout.term_at[f.by[0]] + f.by[1]
+    if f.by == "offset":
+        return OFFSET
+    return layout.names.index(f.by) if f.by in layout.names else NOWHERE
+
+
+def _without_friction(model: Model, free: tuple[Free | None, ...]) -> tuple[Free | None, ...]:
+    """The numbers as they stand in the model without friction; None for those that are gone."""
+    kept = frictionless_terms(model)
+
+    def there(f: Free | None) -> Free | None:
+        if f is None:
+            return None
+        if isinstance(f.by, tuple):
+            return replace(f, by=(kept.index(f.by[0]), f.by[1])) if f.by[0] in kept else None
+        return None if f.by == "f_k" else f
+
+    return tuple(there(f) for f in free)
