@@ -174,6 +174,12 @@ def test_why_a_law_that_explains_all_is_not_named_and_what_would_decide() -> Non
     both = left_open([named("quadratic-drag", Grade.ONE_OF), LISTED], near)
     assert both is not None
     assert (both.names, both.rival) == (("quadratic-drag", "stribeck"), near.rivals[1])
+    # where the search went on to pairs, a listed law stands among those fitted alone; where nowhere, nothing is shown
+    pairs, alone = (of(DRAG, STRIBECK),), of(STRIBECK)
+    for singles, rival in (((alone,), alone), ((), None)):
+        both = left_open([named("quadratic-drag", Grade.ONE_OF), LISTED], search(rivals=pairs, singles=singles))
+        assert both is not None
+        assert both.rival is rival
 
 
 def test_a_pair_that_another_pair_matches_is_told_so() -> None:

@@ -45,7 +45,7 @@ def left_open(mechanisms: Sequence[Mechanism], found: Search) -> Open | None:
     """A term of the chosen model and the first that could stand in its place; None where nothing is open."""
     if len(mechanisms) > 1 and mechanisms[0].grade is Grade.ONE_OF:
         first, other = mechanisms[0], mechanisms[1].name
-        best = next(f for f in found.rivals if key_of(f) == (other,))
+        best = next((f for f in (*found.rivals, *found.singles) if key_of(f) == (other,)), None)
         return Open((first.name, other), first.entry.term.family, found.chosen, best)
     for m in mechanisms:
         if m.alternatives:

@@ -34,9 +34,8 @@ def constancy(
     out = []
     for name, part in _parts(t, motion).items():
         chi2, k = _taken(channels, part)
-        chi2 = max(chi2 - _TRUSTED * gain, 0.0)
         if k >= 1.0:
-            p = spared(partial(over_floor, k=k, m=freedom), chi2, spare)
+            p = spared(partial(over_floor, k=k, m=freedom), chi2, _TRUSTED * gain + spare)
             out.append((f"parameters that differ from {name} to {name}", p, chi2 / k))
     return out
 

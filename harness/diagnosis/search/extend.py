@@ -17,7 +17,7 @@ from harness.diagnosis.fit.parameters import base_of, free_of
 from harness.diagnosis.fit.swing_fit import Swing, swung
 from harness.diagnosis.problem import Problem
 from harness.diagnosis.rules import DECISIVE, PERIOD_SEEN
-from harness.diagnosis.search.decimation import condensed
+from harness.diagnosis.search.few_pieces import for_looks
 from harness.diagnosis.search.look import Look
 from harness.diagnosis.search.screen import Candidate
 from harness.diagnosis.search.within_recording import within
@@ -229,7 +229,7 @@ def extend(
     more that are worth a fit whatever a look says.
     """
     base = _base(current, problem)
-    small, _ = condensed(problem, current.shown, _COARSE_SAMPLES, scales.omega)
+    small, _ = for_looks(current, problem, scales, _COARSE_SAMPLES)
     if begun:
         best = _further(begun, current, problem, small, scales, terms)
     else:

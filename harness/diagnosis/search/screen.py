@@ -18,7 +18,7 @@ from harness.diagnosis.fit.model_fit import Fit, evaluate, whitened
 from harness.diagnosis.fit.observe import COARSE, observe
 from harness.diagnosis.fit.parameters import with_values
 from harness.diagnosis.problem import Problem
-from harness.diagnosis.search.decimation import condensed
+from harness.diagnosis.search.few_pieces import for_looks
 from harness.kernels.solve import By, Scales
 from harness.model.evidence import Evidence
 from harness.model.model import Model, ModelTerm
@@ -142,7 +142,7 @@ def screen(
     current: Fit, problem: Problem, evidence: Evidence, scales: Scales, terms: Sequence[Term]
 ) -> list[Candidate]:
     """Candidates among ``terms`` with a linear amplitude, the best probes of each, most promising first."""
-    small, scale_up = condensed(problem, current.shown, _SAMPLES, scales.omega)
+    small, scale_up = for_looks(current, problem, scales, _SAMPLES)
     residual, jacobian, _ = evaluate(current.model, small, current.free, scales, COARSE)
     norm = np.sqrt(np.sum(jacobian**2, axis=0))
     norm[norm == 0.0] = 1.0

@@ -1,0 +1,88 @@
+"""The force of a driven recording in few straight pieces, for first looks.
+
+An integrator stops wherever a force bends, at every sample and between them; the slider, two integrations behind, feels
+nothing of what a force does within a small part of its cycle. So the force is projected on few knots, and what that
+changes of the motion is put on the recording, so that a fitted model leaves what it left.
+"""
+
+import math
+from contextlib import suppress
+from dataclasses import replace
+
+import numpy as np
+from scipy.linalg import solveh_banded
+
+from harness.core.arrays import FloatArray
+from harness.core.errors import SimulationError
+from harness.diagnosis.fit.model_fit import Fit
+from harness.diagnosis.fit.observe import COARSE, observe
+from harness.diagnosis.fit.rmse import rms
+from harness.diagnosis.problem import P
+from harness.diagnosis.search.decimation import condensed
+from harness.kernels.solve import Drive, Scales
+from harness.model.model import Model
+
+_PIECES = (40, 80, 160)
+"""A cycle, tried one after another."""
+_FEWER = 2.0
+"""Times fewer pieces, from which it is worth the looks."""
+_CHANGED = 0.01
+"""Of the rms of each channel: what fewer pieces may change of the motion. Laws answer to first order, no closer."""
+_EMPTY = 1e-12
+"""Weight, of that of a knot with samples on both sides, that holds a knot without any."""
+
+
+def for_looks(current: Fit, problem: P, scales: Scales, samples: int) -> tuple[P, float]:
+    """A problem of about this many samples, its force in few pieces, and by how much its chi-square falls short.
+
+    current : fitted to ``problem``.
+    """
+    small, scale_up = condensed(problem, current.shown, samples, scales.omega)
+    return in_few_pieces(small, current.model, scales), scale_up
+
+
+def in_few_pieces(problem: P, model: Model, scales: Scales) -> P:
+    """The same with a force of fewer pieces, under which ``model`` leaves what it leaves of the recording.
+
+    Itself where no force acts, where fewer pieces would not do, and where the model cannot be followed.
+    """
+    with suppress(SimulationError):
+        return _in_few_pieces(problem, model, scales)
+    return problem
+
+
+def _in_few_pieces(problem: P, model: Model, scales: Scales) -> P:
+    drive = problem.drive
+    if drive is None or problem.alone:
+        return problem
+    cycles = scales.omega * float(drive.t[-1] - drive.t[0]) / (2.0 * math.pi)
+    whole = None
+    for pieces in _PIECES:
+        count = math.ceil(pieces * cycles) + 1
+        if drive.t.size < _FEWER * count or count < 2:
+            break
+        if whole is None:
+            whole = observe(model, problem, (), scales, COARSE).y
+        few = replace(problem, drive=projected(drive, count))
+        moved = {c: y - whole[c] for c, y in observe(model, few, (), scales, COARSE).y.items()}
+        if all(rms(moved[c], problem.weight[c] > 0.0) <= _CHANGED * float(np.std(whole[c])) for c in moved):
+            return replace(few, channels={c: y + moved[c] for c, y in problem.channels.items()})
+    return problem
+
+
+def projected(drive: Drive, count: int) -> Drive:
+    """A force in straight pieces between ``count`` even knots: the nearest one, by its mean square over time."""
+    begin, end = float(drive.t[0]), float(drive.t[-1])
+    place = (drive.t - begin) * ((count - 1) / (end - begin))
+    left = np.minimum(place.astype(np.int64), count - 2)
+    share = place - left
+    weight = np.gradient(drive.t)
+    bands = np.zeros((2, count))
+    by = np.zeros(count)
+    for knot, own in ((left, 1.0 - share), (left + 1, share)):
+        bands[1] += np.bincount(knot, weight * own**2, count)
+        by += np.bincount(knot, weight * own * drive.u, count)
+    bands[0, 1:] = np.bincount(left, weight * share * (1.0 - share), count)[:-1]
+    bands[1] += _EMPTY * float(np.max(bands[1]))
+    found: FloatArray = solveh_banded(bands, by)
+    return Drive(np.linspace(begin, end, count), found)
