@@ -14,9 +14,7 @@ from harness.app.calibrate import chance as calibration
 from harness.core.quantity import Quantity
 from harness.diagnosis.fit import standard_errors
 from harness.diagnosis.fit.standard_errors import loosest
-from harness.diagnosis.grading import chance as chances
-from harness.diagnosis.grading.chance import FEATURES, INTERCEPT, WEIGHTS, Seen, chance
-from harness.diagnosis.rules import CHANCE
+from harness.diagnosis.grading.chance import FEATURES, OF_FORCES, OF_MOTION, Odds, Seen
 from harness.model.model import Model, ModelTerm
 
 SEEN = Seen(share=0.9, others=(0.5, 0.8, -0.1, 0.2), loosest=0.05, cycles=20.0, company=0.7)
@@ -32,10 +30,11 @@ def test_what_it_hangs_on_is_what_its_name_says() -> None:
     assert replace(SEEN, others=()).features[0] == 0.0
 
 
-def test_it_is_a_logistic_of_that() -> None:
-    z = INTERCEPT + sum(w * one for w, one in zip(WEIGHTS, SEEN.features.tolist(), strict=True))
-    assert chance(SEEN) == pytest.approx(1.0 / (1.0 + math.exp(-z)))
-    assert chance(replace(SEEN, share=0.0, others=(1.0,) * 30, loosest=math.inf)) == 0.0
+@pytest.mark.parametrize("odds", [OF_MOTION, OF_FORCES])
+def test_it_is_a_logistic_of_that(odds: Odds) -> None:
+    z = odds.intercept + sum(w * one for w, one in zip(odds.weights, SEEN.features.tolist(), strict=True))
+    assert odds.chance(SEEN) == pytest.approx(1.0 / (1.0 + math.exp(-z)))
+    assert OF_MOTION.chance(replace(SEEN, share=0.0, others=(1.0,) * 30, loosest=math.inf)) == 0.0
 
 
 @given(
@@ -52,6 +51,7 @@ def test_what_makes_it_less_likely(
 ) -> None:
     """Another that takes much off, loose numbers, many cycles, and less of its own beside another."""
     seen = Seen(share, tuple(others), loosest, cycles, company)
+    chance = OF_MOTION.chance
     said = chance(seen)
     assert 0.0 <= said <= 1.0
     assert chance(replace(seen, others=(*others, more))) <= said + 1e-12
@@ -62,7 +62,7 @@ def test_what_makes_it_less_likely(
 
 
 def test_numbers_of_which_nothing_is_known_are_as_loose_as_they_are_large() -> None:
-    assert chance(replace(SEEN, loosest=math.nan)) == chance(replace(SEEN, loosest=1.0))
+    assert OF_MOTION.chance(replace(SEEN, loosest=math.nan)) == OF_MOTION.chance(replace(SEEN, loosest=1.0))
 
 
 def test_the_loosest_number_is_relative_but_a_phase_in_rad(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -96,29 +96,30 @@ def test_weights_are_found_again_from_draws_that_follow_them() -> None:
     assert np.all(np.abs(found - truth) < 3.0 * stderr)
 
 
-def test_a_calibration_prints_the_weights_that_stand(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_calibration_prints_the_weights_that_stand() -> None:
     """Draws that follow the weights as they stand end with the rule standing; few draws say that they are too few."""
     rng = np.random.default_rng(9)
     x = rng.standard_normal((9000, 5)) + np.array([1.0, -3.0, 3.0, 0.8, 0.0])
-    at = x @ np.array(WEIGHTS)
+    at = x @ np.array(OF_MOTION.weights)
     right = rng.random(9000) < 1.0 / (1.0 + np.exp(-(at - np.median(at))))
     rows = [calibration.Row(one, bool(r), not r) for one, r in zip(x, right, strict=True)]
     rows += [calibration.Row(np.full(5, np.nan), False, i % 2 == 0) for i in range(2000)]
     controls = int(np.sum(~right)) + 1000
     whole = calibration.fitted(x, right, np.where(right, controls / (11000 - controls), 1.0))
     rounded = [round(float(one), 3) for one in whole]
-    monkeypatch.setattr(calibration, "INTERCEPT", rounded[0])
-    monkeypatch.setattr(calibration, "WEIGHTS", tuple(rounded[1:]))
-    (least,) = (line for line in calibration.said(rows) if line.startswith("the least chance"))
+    odds = Odds(OF_MOTION.least, rounded[0], tuple(rounded[1:]))
+    (least,) = (line for line in calibration.said(odds, rows) if line.startswith("the least chance"))
     for value, says in ((float(least.rpartition(" ")[2]), "the rule stands"), (0.55, "the rule falls short")):
-        monkeypatch.setattr(calibration, "CHANCE", replace(CHANCE, value=value))
-        lines = list(calibration.said(rows))
+        odds = replace(odds, least=replace(odds.least, value=value))
+        lines = list(calibration.said(odds, [*rows, replace(rows[-1], asked=False)]))
+        assert lines[0] == "11000 of 11001 recordings are of those that it is about"
         assert f"intercept {whole[0]:.3f} (now {rounded[0]})" in lines
         assert says in lines[-1]
         assert lines[-1].endswith("weights as they stand")
-    assert "too few" in list(calibration.said(rows[:9]))[-1]
+    assert "too few" in list(calibration.said(odds, rows[:9]))[-1]
 
 
-def test_features_and_weights_are_as_many() -> None:
-    assert len(FEATURES) == len(WEIGHTS) == SEEN.features.size
-    assert all(math.isfinite(w) for w in (chances.INTERCEPT, *chances.WEIGHTS))
+@pytest.mark.parametrize("odds", [OF_MOTION, OF_FORCES])
+def test_features_and_weights_are_as_many(odds: Odds) -> None:
+    assert len(FEATURES) == len(odds.weights) == SEEN.features.size
+    assert all(math.isfinite(w) for w in (odds.intercept, *odds.weights))

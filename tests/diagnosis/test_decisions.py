@@ -17,6 +17,7 @@ from unchanged import differences, flat, known, noisy, write
 
 from harness.diagnosis.baseline.base_fit import baseline
 from harness.diagnosis.baseline.words import Strokes
+from harness.diagnosis.grading.chance import OF_MOTION, Odds
 from harness.diagnosis.grading.clocks import on_the_swing
 from harness.diagnosis.grading.friction_split import resplit
 from harness.diagnosis.grading.grade import Contest, Finalist, cells_of, decided, grade
@@ -76,6 +77,10 @@ class ByHand(Contest):
     @property
     def refined(self) -> Any:
         return None
+
+    @property
+    def odds(self) -> Odds:
+        return OF_MOTION
 
     def chance_of(self, first: Finalist) -> float:
         return self.likely

@@ -1,9 +1,11 @@
 """The chance that a name which stands apart is the main effect: its weights, and what they are worth on other draws."""
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 from itertools import pairwise
+from typing import Any
 
 import numpy as np
 from scipy.optimize import minimize
@@ -13,8 +15,8 @@ from harness.app.calibrate.calibration import Calibration, stands
 from harness.app.calibrate.machine_draws import drawn
 from harness.app.calibrate.main_effect import graded_of
 from harness.core.arrays import BoolArray, FloatArray
-from harness.diagnosis.grading.chance import FEATURES, INTERCEPT, WEIGHTS
-from harness.diagnosis.rules import CHANCE
+from harness.diagnosis.grading.chance import FEATURES, OF_MOTION, Odds
+from harness.diagnosis.grading.grade import Contest
 from harness.proof.machines.plan import CONTROL, MAIN
 
 _FOLDS = 10
@@ -32,25 +34,30 @@ _CLAIMED = 0.02
 
 @dataclass(frozen=True, slots=True)
 class Row:
-    """A recording: features (5,) of the name that stands apart, nan where none does; whether it is right; a control."""
+    """A recording: features (5,) of the name that stands apart, nan where none does; whether it is right; a control.
+
+    asked : whether it is of those that the chance is about.
+    """
 
     features: FloatArray
     right: bool
     control: bool
+    asked: bool = True
+
+    @classmethod
+    def of(cls, found: Contest | None, truth: Mapping[str, Any], control: bool) -> "Row":
+        """What was graded. A name that a control has, and that takes most of it, is neither right nor wrong."""
+        if found is None or found.chance is None or found.named[0].name in truth["may_name"]:
+            return cls(np.full(len(FEATURES), np.nan), False, control)
+        first = found.named[0]
+        return cls(found.seen(first).features, first.name == truth["dominant"], control)
 
 
 def measure(seed: int, index: int) -> Row:
-    """A new recording, with a main effect or with small ones alone.
-
-    A name that a control has, and that takes most of it, is neither right nor wrong. Raises HarnessError.
-    """
+    """A new recording, with a main effect or with small ones alone. Raises HarnessError."""
     control = index % 2 == 0
     recording, truth = drawn(seed, index, CONTROL if control else MAIN)
-    found = graded_of(recording, truth)
-    if found is None or found.chance is None or found.named[0].name in truth["may_name"]:
-        return Row(np.full(len(FEATURES), np.nan), False, control)
-    first = found.named[0]
-    return Row(found.seen(first).features, first.name == truth["dominant"], control)
+    return Row.of(graded_of(recording, truth), truth, control)
 
 
 def fitted(x: FloatArray, right: BoolArray, weight: FloatArray) -> FloatArray:
@@ -73,8 +80,11 @@ def fitted(x: FloatArray, right: BoolArray, weight: FloatArray) -> FloatArray:
     return np.concatenate(([w[0] - weights @ middle], weights))
 
 
-def said(rows: Sequence[Row]) -> Iterator[str]:
-    """Weights, what they say of draws that took no part in them, and whether the rule stands."""
+def said(odds: Odds, drawn: Sequence[Row]) -> Iterator[str]:
+    """Weights, what they say of draws that took no part in them, and whether the rule of ``odds`` stands."""
+    rows = [row for row in drawn if row.asked]
+    if len(rows) < len(drawn):
+        yield f"{len(rows)} of {len(drawn)} recordings are of those that it is about"
     controls = sum(row.control for row in rows)
     mains, apart = len(rows) - controls, [row for row in rows if not np.isnan(row.features).any()]
     x, right = np.array([row.features for row in apart]), np.array([row.right for row in apart], dtype=bool)
@@ -82,13 +92,13 @@ def said(rows: Sequence[Row]) -> Iterator[str]:
     yield f"names that stand apart in {mains} recordings with a main effect: {right.sum()} right and"
     yield f"  {(~right & ~control).sum()} wrong; in {controls} controls: {control.sum()}"
     if min(right.sum(), (~right).sum()) < _FOLDS:
-        yield stands(CHANCE, False, "too few names stand apart")
+        yield stands(odds.least, False, "too few names stand apart")
         return
     # as if half had a main effect
     weight = np.where(control, 1.0, controls / max(mains, 1))
     whole = fitted(x, right, weight)
-    yield f"intercept {whole[0]:.3f} (now {INTERCEPT})"
-    for name, one, now in zip(FEATURES, whole[1:], WEIGHTS, strict=True):
+    yield f"intercept {whole[0]:.3f} (now {odds.intercept})"
+    for name, one, now in zip(FEATURES, whole[1:], odds.weights, strict=True):
         yield f"{name:12s} {one:.3f} (now {now})"
     told = np.zeros(len(apart))
     fold = np.arange(len(apart)) % _FOLDS
@@ -110,12 +120,12 @@ def said(rows: Sequence[Row]) -> Iterator[str]:
             mean, share = (float(np.average(one[here], weights=weight[here])) for one in (told, right))
             off = max(off, abs(mean - share))
             yield f"{mean:.2f} {share:.2f} of {here.sum()}"
-    same = bool(np.allclose(whole, [INTERCEPT, *WEIGHTS], atol=6e-4))
+    same = bool(np.allclose(whole, [odds.intercept, *odds.weights], atol=6e-4))
     first = min(enough, default=math.nan)
     yield f"the least chance that claims at most {100.0 * _CLAIMED:g} % of the controls: {first:.2f}"
-    well = off <= _WELL and first == CHANCE.value
-    yield stands(CHANCE, well, f"off by {off:.2f} at most; weights {'as' if same else 'other than'} they stand")
+    well = off <= _WELL and first == odds.least.value
+    yield stands(odds.least, well, f"off by {off:.2f} at most; weights {'as' if same else 'other than'} they stand")
 
 
 ABOUT = "how likely a name that stands apart is the main effect: the weights of what it hangs on"
-CALIBRATION = Calibration(measure, said, ABOUT)
+CALIBRATION = Calibration(measure, partial(said, OF_MOTION), ABOUT)

@@ -14,15 +14,15 @@ from harness.diagnosis.problem import Problem
 from harness.diagnosis.search.long_recordings import shortened
 from harness.kernels.solve import Scales
 from harness.model.model import Restoring
-from harness.proof.machines.kinds import FREE
+from harness.proof.machines.kinds import FREE, Kind
 from harness.proof.machines.made import made_quickly
 from harness.proof.machines.plan import GROUPS, plan
 
 
-def drawn(seed: int, index: int, group: str) -> tuple[Recording, Mapping[str, Any]]:
+def drawn(seed: int, index: int, group: str, kinds: Mapping[str, Kind] = FREE) -> tuple[Recording, Mapping[str, Any]]:
     """A recording of a group and its answer, by the number of a draw alone. Raises SimulationError for none."""
     mains, controls, unknown, tables = (int(group == one) for one in GROUPS)
-    (job,) = plan(list(FREE.values()), mains, controls, unknown, tables, seed * 1_000_003 + index)
+    (job,) = plan(list(kinds.values()), mains, controls, unknown, tables, seed * 1_000_003 + index)
     found = made_quickly(seed, replace(job, index=index))
     with spooled(BytesIO(found.recording.encode())) as path:
         return read(path, DiagnoseOptions().reading), found.answer
@@ -30,6 +30,10 @@ def drawn(seed: int, index: int, group: str) -> tuple[Recording, Mapping[str, An
 
 def based(recording: Recording, truth: Mapping[str, Any]) -> tuple[Problem, Fit, Scales]:
     """The problem with what its user would say, and its base model's fit. Raises HarnessError."""
+    return shortened(prepared(recording, asked_of(truth)).problem)
+
+
+def asked_of(truth: Mapping[str, Any]) -> DiagnoseOptions:
+    """What the user of a machine would say of its recording."""
     given = dict(zip(truth["options"][::2], truth["options"][1::2], strict=True))
-    options = DiagnoseOptions(restoring=Restoring(given.get("--restoring", "spring")), zero=given.get("--zero"))
-    return shortened(prepared(recording, options).problem)
+    return DiagnoseOptions(restoring=Restoring(given.get("--restoring", "spring")), zero=given.get("--zero"))

@@ -3,7 +3,8 @@
 Small effects sum up to one law or another by chance; where other laws take nearly as much off, where the law takes
 less beside another, where its own numbers are loose, and where there are many cycles to see small effects in, that is
 likely. How likely, a logistic regression says (Cox 1958, J. R. Stat. Soc. B 20, 215) on simulated machines, of which
-half have a main effect: ``python -m harness.app.calibrate chance`` makes its weights.
+half have a main effect: ``python -m harness.app.calibrate chance`` makes its weights, and ``force-chance`` those of a
+fitted force, whose path comes back to the same places at other speeds, so that sums are parted more often.
 """
 
 import math
@@ -14,19 +15,25 @@ from scipy.special import expit
 
 from harness.core.arrays import FloatArray
 from harness.diagnosis.rules import (
+    CHANCE,
     CHANCE_ALIKE,
     CHANCE_COMPANY,
     CHANCE_INTERCEPT,
     CHANCE_LONG,
     CHANCE_LOOSE,
     CHANCE_OF_SHARE,
+    FORCE_CHANCE,
+    FORCE_CHANCE_ALIKE,
+    FORCE_CHANCE_COMPANY,
+    FORCE_CHANCE_INTERCEPT,
+    FORCE_CHANCE_LONG,
+    FORCE_CHANCE_LOOSE,
+    FORCE_CHANCE_OF_SHARE,
+    Rule,
 )
 
 FEATURES = ("alike", "loose", "long", "share", "company")
 """What it hangs on, in the order of the weights."""
-INTERCEPT = CHANCE_INTERCEPT.value
-WEIGHTS = tuple(rule.value for rule in (CHANCE_ALIKE, CHANCE_LOOSE, CHANCE_LONG, CHANCE_OF_SHARE, CHANCE_COMPANY))
-"""One a feature."""
 _LEAST_SHARE = 0.01
 """Of what counts as a share."""
 _SURE, _LOOSE = 0.001, 10.0
@@ -66,6 +73,30 @@ class Seen:
         )
 
 
-def chance(seen: Seen) -> float:
-    """Of the name to be the main effect, on machines of which half have one."""
-    return float(expit(INTERCEPT + seen.features @ np.array(WEIGHTS)))
+@dataclass(frozen=True, slots=True)
+class Odds:
+    """What a chance hangs on: an intercept and a weight for each feature. least : from which chance on it is named."""
+
+    least: Rule
+    intercept: float
+    weights: tuple[float, ...]
+
+    @classmethod
+    def by(cls, least: Rule, intercept: Rule, *weights: Rule) -> "Odds":
+        """As the rules have them."""
+        return cls(least, intercept.value, tuple(rule.value for rule in weights))
+
+    def chance(self, seen: Seen) -> float:
+        """Of the name to be the main effect, on machines of which half have one."""
+        return float(expit(self.intercept + seen.features @ np.array(self.weights)))
+
+
+OF_MOTION = Odds.by(
+    *(CHANCE, CHANCE_INTERCEPT, CHANCE_ALIKE, CHANCE_LOOSE, CHANCE_LONG, CHANCE_OF_SHARE, CHANCE_COMPANY)
+)
+"""Where the motion is followed."""
+OF_FORCES = Odds.by(
+    *(FORCE_CHANCE, FORCE_CHANCE_INTERCEPT, FORCE_CHANCE_ALIKE, FORCE_CHANCE_LOOSE, FORCE_CHANCE_LONG),
+    *(FORCE_CHANCE_OF_SHARE, FORCE_CHANCE_COMPANY),
+)
+"""Where the force is fitted."""

@@ -5,15 +5,27 @@ main effect keeps what it takes.
 """
 
 from collections.abc import Sequence
+from typing import Protocol
 
 import numpy as np
 
 from harness.core.arrays import FloatArray
-from harness.diagnosis.fit.model_fit import Fit
 
 
-def in_company(law: Fit, others: Sequence[Fit], base: Fit) -> float:
-    """Squares that a law takes off a base model's, in units of the noise, beside the other it leaves least with.
+class Fitted(Protocol):
+    """residual (N,) of a fit, and its partials (N, q) by what is free."""
+
+    @property
+    def residual(self) -> FloatArray:
+        """Data minus model."""
+
+    @property
+    def jacobian(self) -> FloatArray:
+        """Of the model."""
+
+
+def in_company(law: Fitted, others: Sequence[Fitted], base: Fitted) -> float:
+    """Squares that a law takes off a base model's, in units of the residual, beside the other it leaves least with.
 
     Each fitted law counts with what it changes of the motion times a size that is free, the base model's numbers being
     free besides, to first order. Of what the two take together the law's is the mean of what it takes first and of what
@@ -30,7 +42,7 @@ def in_company(law: Fit, others: Sequence[Fit], base: Fit) -> float:
     return 0.5 * (alone + both[best] - each[best])
 
 
-def _beside(base: Fit, columns: FloatArray) -> FloatArray:
+def _beside(base: Fitted, columns: FloatArray) -> FloatArray:
     """What of columns (N, m) the base model's numbers cannot do."""
     size = np.linalg.norm(base.jacobian, axis=0)
     partials = base.jacobian[:, size > 0.0] / size[size > 0.0]

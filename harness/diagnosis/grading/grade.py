@@ -17,7 +17,7 @@ from harness.core.cores import each
 from harness.diagnosis.baseline.words import evidence, margin_of
 from harness.diagnosis.fit.model_fit import Fit
 from harness.diagnosis.fit.standard_errors import loosest
-from harness.diagnosis.grading.chance import Seen, chance
+from harness.diagnosis.grading.chance import OF_MOTION, Odds, Seen
 from harness.diagnosis.grading.clocks import on_the_swing
 from harness.diagnosis.grading.company import in_company
 from harness.diagnosis.grading.friction_split import resplit
@@ -26,7 +26,6 @@ from harness.diagnosis.grading.prediction import Predicted, free_run, held_out, 
 from harness.diagnosis.outcome import Grade
 from harness.diagnosis.rules import (
     AMONG_ALIKE,
-    CHANCE,
     GAIN,
     HELD_OUT,
     LEAST_CYCLES,
@@ -116,9 +115,19 @@ class Contest(ABC):
     def refined(self) -> Fit:
         """The best model found, the base where nothing helps."""
 
+    @property
     @abstractmethod
-    def chance_of(self, first: Finalist) -> float | None:
-        """Of a name that stands apart from every other to be the main effect; None where no draws say."""
+    def odds(self) -> Odds:
+        """By which a name that stands apart is the main effect."""
+
+    def chance_of(self, first: Finalist) -> float:
+        """Of a name that stands apart to be the main effect, as simulated machines that look like this one say."""
+        return self.odds.chance(self.seen(first))
+
+    def seen(self, first: Finalist) -> Seen:
+        """What is known of a name that stands apart."""
+        others = [f for f in self.finalists if f is not first]
+        return Seen(first.share, tuple(f.share for f in others), first.loosest, self.cycles, first.company)
 
 
 C = TypeVar("C", bound=Contest)
@@ -151,14 +160,10 @@ class Graded(Contest):
         """The first name's."""
         return self.named[0].fit if self.named else self.misfit.base
 
-    def chance_of(self, first: Finalist) -> float:
-        """As simulated machines that look like this one say."""
-        return chance(self.seen(first))
-
-    def seen(self, first: Finalist) -> Seen:
-        """What is known of a name that stands apart."""
-        others = [f for f in self.finalists if f is not first]
-        return Seen(first.share, tuple(f.share for f in others), first.loosest, self.cycles, first.company)
+    @property
+    def odds(self) -> Odds:
+        """Of a motion."""
+        return OF_MOTION
 
 
 def grade(misfit: Misfit, begun: Sequence[Model] = ()) -> Graded:
@@ -267,14 +272,12 @@ def _by_share(found: C) -> C | None:
         return replace(found, grade=Grade.ONE_OF, named=listed, rules=(*rules, MOST_LISTED))
     if found.cycles < LEAST_CYCLES.value:
         return replace(found, grade=Grade.ONE_OF, named=listed, rules=(*rules, LEAST_CYCLES))
-    likely = found.chance_of(first)
-    if likely is None:
-        return replace(found, grade=Grade.MAIN, named=listed, rules=rules)
+    likely, least = found.chance_of(first), found.odds.least
     found = replace(found, chance=likely)
-    if likely >= CHANCE.value:
-        return replace(found, grade=Grade.MAIN, named=listed, rules=(*rules, CHANCE))
+    if likely >= least.value:
+        return replace(found, grade=Grade.MAIN, named=listed, rules=(*rules, least))
     listed = (first, *_nearly_as_much(first, found))[: MOST_LISTED.count]
-    return replace(found, grade=Grade.ONE_OF, named=listed, rules=(*rules, CHANCE, NEARLY_AS_MUCH, MOST_LISTED))
+    return replace(found, grade=Grade.ONE_OF, named=listed, rules=(*rules, least, NEARLY_AS_MUCH, MOST_LISTED))
 
 
 def _nearly_as_much(first: Finalist, found: Contest) -> tuple[Finalist, ...]:

@@ -10,7 +10,10 @@ from harness.core.arrays import BoolArray, FloatArray
 from harness.diagnosis.baseline.words import evidence
 from harness.diagnosis.fit.model_fit import Fit
 from harness.diagnosis.fit.observe import Observation
+from harness.diagnosis.fit.standard_errors import loosest
+from harness.diagnosis.grading.chance import OF_FORCES, Odds
 from harness.diagnosis.grading.clocks import on_the_swing
+from harness.diagnosis.grading.company import in_company
 from harness.diagnosis.grading.grade import Contest, Finalist, cells_of, decided
 from harness.diagnosis.grading.prediction import Predicted, blocks_of
 from harness.diagnosis.inverse_dynamics.force_fit import ForceFit, as_fit, fit_force, simulated
@@ -77,9 +80,10 @@ class ForceGraded(Contest):
         """The best model found."""
         return self.fit
 
-    def chance_of(self, first: Finalist) -> None:
-        """No draws of driven machines say it: their path meets the same places at other speeds."""
-        return
+    @property
+    def odds(self) -> Odds:
+        """Of a force."""
+        return OF_FORCES
 
 
 @dataclass(frozen=True, slots=True)
@@ -135,7 +139,7 @@ def _by_judge(found: ForceGraded, chosen: ForceFit) -> ForceGraded:
     names = [entry.term.name for entry in chosen.model.terms]
     named = tuple(f for f in found.finalists if f.name in names[:1])
     if named:
-        return replace(found, grade=Grade.MAIN, named=named, rules=(CONFIRMED,))
+        return replace(found, grade=Grade.MAIN, named=named, rules=(CONFIRMED,), chance=None)
     if found.grade in (Grade.MAIN, Grade.ONE_OF):
         return replace(found, grade=Grade.MINOR, named=found.named[:1], rules=(CONFIRMED, GAIN, SHARE_OF_EXCESS))
     return found
@@ -160,7 +164,23 @@ def _ranked(
         clock = any(on_the_swing(entry, omega, span) for omega in clocks)
         share = min(taken / excess, 1.0) if excess > 0.0 else 0.0
         best[name] = Finalist(fitted.counted(one), gain, share, taken / base.squares, clock), one
-    return sorted(best.values(), key=lambda found: -found[0].gain)
+    alone = sorted(best.values(), key=lambda found: -found[0].gain)
+    if excess <= 0.0:
+        return alone
+    return [
+        (replace(f, loosest=_loosest(f, fitted), company=_company(f, alone, base) / excess), one) for f, one in alone
+    ]
+
+
+def _loosest(one: Finalist, fitted: Fitted) -> float:
+    """Under what the force leaves over."""
+    return loosest(one.fit, fitted.problem, len(one.fit.model.terms) - 1, fitted.scales.omega)
+
+
+def _company(one: Finalist, alone: Sequence[tuple[Finalist, ForceFit]], base: ForceFit) -> float:
+    """Beside whichever other, by their force; a law with a clock on the drive follows any."""
+    (own,) = (fit for f, fit in alone if f is one)
+    return in_company(own, [fit for f, fit in alone if f is not one and not f.clock], base)
 
 
 def held_out(found: ForceFit, measured: Measured, block: FloatArray) -> Predicted | None:

@@ -1,0 +1,28 @@
+"""The chance that a name which stands apart is the main effect of a fitted force: weights from driven machines."""
+
+from dataclasses import replace
+from functools import partial
+
+from harness.app.calibrate.calibration import Calibration
+from harness.app.calibrate.chance import Row, said
+from harness.app.calibrate.machine_draws import asked_of, drawn
+from harness.app.diagnose.problem import prepared
+from harness.diagnosis.grading.chance import OF_FORCES
+from harness.diagnosis.inverse_dynamics.search import search_driven
+from harness.diagnosis.problems.inverse_dynamics import InverseDynamics
+from harness.proof.machines.kinds import DRIVEN
+from harness.proof.machines.plan import CONTROL, MAIN
+
+
+def measure(seed: int, index: int) -> Row:
+    """A new recording of a driven machine; one whose motion can be followed is not asked. Raises HarnessError."""
+    control = index % 2 == 0
+    recording, truth = drawn(seed, index, CONTROL if control else MAIN, DRIVEN)
+    problem = prepared(recording, asked_of(truth)).problem
+    if not isinstance(problem, InverseDynamics):
+        return replace(Row.of(None, truth, control), asked=False)
+    return Row.of(search_driven(problem).graded, truth, control)
+
+
+ABOUT = "how likely a name that stands apart is the main effect of a fitted force: the weights of what it hangs on"
+CALIBRATION = Calibration(measure, partial(said, OF_FORCES), ABOUT)
