@@ -33,6 +33,7 @@ from harness.diagnosis.problem import Problem
 from harness.diagnosis.request import Asked
 from harness.diagnosis.residual_tests.structure import Left
 from harness.diagnosis.rules import COVARIATES, POOLING
+from harness.diagnosis.search.against import against
 from harness.diagnosis.search.extend import key_of
 from harness.diagnosis.search.search import Search
 from harness.diagnosis.stages import Based, Found, Judged
@@ -165,7 +166,7 @@ def _said(judged: Judged) -> Outcome:
         mechanisms=mechanisms,
         holdout=prediction,
         evidence=tuple(
-            Tried(key_of(f)[0], found.base.bic - f.bic, shares.get(key_of(f)[0]))
+            Tried(key_of(f)[0], against(found.base, problem) - against(f, problem), shares.get(key_of(f)[0]))
             for f in found.singles
             if f.model.terms
         ),

@@ -13,7 +13,7 @@ from harness.diagnosis.fit.model_fit import Fit, fit, whitened
 from harness.diagnosis.fit.observe import COARSE, observe
 from harness.diagnosis.input_noise.propagation import force_noise
 from harness.diagnosis.problems.driven import Driven
-from harness.diagnosis.problems.force_noise import ForceNoise
+from harness.diagnosis.problems.force_noise import FAR, ForceNoise
 from harness.diagnosis.problems.starts import Windows
 from harness.diagnosis.rules import INPUT_NOISE_DRAWS
 from harness.kernels.solve import Scales
@@ -22,8 +22,6 @@ _TURNS = 6
 """Fits in turn with the noise they leave; most end after two."""
 _SAME = 1e-3
 """Share of chi-square that changes nothing."""
-_FAR = 5.0
-"""Standard deviations beyond which a value says no more."""
 
 
 def along(base: Fit, problem: Driven, scales: Scales) -> tuple[Driven, Fit]:
@@ -87,6 +85,6 @@ def _beyond(base: Fit, problem: Driven, force: ForceNoise, scales: Scales) -> fl
             disturbed = observe(base.model, replace(problem, drive=replace(problem.drive, u=u)), (), scales, COARSE).y
             felt = force.felt(w)
             left = whitened(problem, {c: disturbed[c] - base.shown.y[c] - felt[c] for c in problem.channels})
-            left = np.clip(left, -_FAR, _FAR)
+            left = np.clip(left, -FAR, FAR)
             found.append(float(left @ left) - float(np.sum((taken.T @ left) ** 2)))
     return max(found, default=math.inf)

@@ -18,6 +18,9 @@ freedom each) is off by 6.1 / sqrt(N) of it, what a model leaves by 1.7 / sqrt(N
 (tests/diagnosis/test_own_noise.py draws them).
 """
 
+FAR = 5.0
+"""Standard deviations beyond which a sample says no more: it may be on the other side of a jump."""
+
 
 @dataclass(frozen=True, slots=True)
 class ForceNoise:

@@ -15,8 +15,7 @@ from scipy.linalg import solveh_banded
 from harness.core.arrays import FloatArray
 from harness.core.errors import SimulationError
 from harness.diagnosis.fit.model_fit import Fit
-from harness.diagnosis.fit.observe import COARSE, observe
-from harness.diagnosis.fit.rmse import rms
+from harness.diagnosis.fit.observe import COARSE, Observation, observe
 from harness.diagnosis.problem import P
 from harness.diagnosis.search.decimation import condensed
 from harness.kernels.solve import Drive, Scales
@@ -26,8 +25,8 @@ _PIECES = (40, 80, 160)
 """A cycle, tried one after another."""
 _FEWER = 2.0
 """Times fewer pieces, from which it is worth the looks."""
-_CHANGED = 0.01
-"""Of the rms of each channel: what fewer pieces may change of the motion. Laws answer to first order, no closer."""
+_CHANGED = 0.03
+"""Of displacement and of speed, rms: what fewer pieces may change. First looks are to first order, no closer."""
 _EMPTY = 1e-12
 """Weight, of that of a knot with samples on both sides, that holds a knot without any."""
 
@@ -56,17 +55,19 @@ def _in_few_pieces(problem: P, model: Model, scales: Scales) -> P:
     if drive is None or problem.alone:
         return problem
     cycles = scales.omega * float(drive.t[-1] - drive.t[0]) / (2.0 * math.pi)
-    whole = None
+    whole: Observation | None = None
     for pieces in _PIECES:
         count = math.ceil(pieces * cycles) + 1
         if drive.t.size < _FEWER * count or count < 2:
             break
         if whole is None:
-            whole = observe(model, problem, (), scales, COARSE).y
+            whole = observe(model, problem, (), scales, COARSE)
         few = replace(problem, drive=projected(drive, count))
-        moved = {c: y - whole[c] for c, y in observe(model, few, (), scales, COARSE).y.items()}
-        if all(rms(moved[c], problem.weight[c] > 0.0) <= _CHANGED * float(np.std(whole[c])) for c in moved):
-            return replace(few, channels={c: y + moved[c] for c, y in problem.channels.items()})
+        seen = observe(model, few, (), scales, COARSE)
+        if all(
+            np.std(one - other) <= _CHANGED * np.std(other) for one, other in ((seen.x, whole.x), (seen.v, whole.v))
+        ):
+            return replace(few, channels={c: y + seen.y[c] - whole.y[c] for c, y in problem.channels.items()})
     return problem
 
 

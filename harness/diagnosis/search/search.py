@@ -17,6 +17,7 @@ from harness.diagnosis.fit.model_fit import Fit, whitened
 from harness.diagnosis.problem import P, Problem
 from harness.diagnosis.residual_tests.structure import Left, left_by, structure
 from harness.diagnosis.rules import AMONG_NAMES, COLOUR_ALONE, DECISIVE, MOST_TERMS, SECOND_TERM
+from harness.diagnosis.search.against import against, in_turn
 from harness.diagnosis.search.extend import Step, extend, key_of, prune, settle
 from harness.diagnosis.search.look import Look
 from harness.estimate.noise import Noise
@@ -85,11 +86,11 @@ def under(found: Fit, problem: Problem) -> Fit:
     return replace(found, residual=residual, jacobian=jacobian, chi2=float(residual @ residual), points=problem.points)
 
 
-def _simplest(fits: tuple[Fit, ...], before: Fit, gain: float) -> Fit:
-    """The best by BIC, unless a smaller model is as good that gains as much over the one before."""
-    most = min(fits[0].bic + DECISIVE.value, before.bic - gain)
-    near = [f for f in fits if f.bic < most] or [fits[0]]
-    return min(near, key=lambda f: (len(f.free), f.bic))
+def _simplest(fits: tuple[Fit, ...], before: Fit, gain: float, problem: Problem) -> Fit:
+    """The best, unless a smaller model is as good that gains as much over the one before."""
+    most = min(against(fits[0], problem) + DECISIVE.value, against(before, problem) - gain)
+    near = [f for f in fits if against(f, problem) < most] or [fits[0]]
+    return min(near, key=lambda f: (len(f.free), against(f, problem)))
 
 
 def _moved(new: dict[str, Noise], old: Problem) -> bool:
@@ -129,7 +130,8 @@ def search(problem: P, base: Fit, scales: Scales, renew: Renew[P] = once, alone:
     alone : each law on the base, where that step has been made.
     """
     found = levelled(_search(problem, base, scales, renew, alone or extend(base, problem, scales)))
-    if not found.chosen.model.terms or found.base.bic > found.chosen.bic + AMONG_NAMES.value + problem.spare:
+    gained = against(found.base, found.problem) - against(found.chosen, found.problem)
+    if not found.chosen.model.terms or gained > AMONG_NAMES.value + problem.spare:
         return found
     # what counts as noise has grown since the term was decided for
     return replace(
@@ -141,31 +143,33 @@ def _search(problem: P, base: Fit, scales: Scales, renew: Renew[P], alone: Step)
     # what a term must take off besides: as much as may be left beyond what whitening allows for
     beyond = problem.spare
     first, second = AMONG_NAMES.value + beyond, SECOND_TERM.value + beyond
-    singles = alone.fits
-    if not singles or singles[0].bic > base.bic - first:
+    singles = in_turn(alone.fits, problem)
+    if not singles or against(singles[0], problem) > against(base, problem) - first:
         left = left_by(base, problem, scales.omega, base)
         return Search(problem, base, base, singles, singles, left, begun=alone.begun)
     problem, best, singles = _renewed(problem, scales, singles[0], singles, renew)
     base = under(base, problem)
-    singles = tuple(sorted((*(f for f in singles if key_of(f) != key_of(best)), best), key=lambda f: f.bic))
-    chosen, rivals = _simplest(singles, base, first), singles
+    singles = in_turn((*(f for f in singles if key_of(f) != key_of(best)), best), problem)
+    chosen, rivals = _simplest(singles, base, first, problem), singles
     left = left_by(chosen, problem, scales.omega, base)
     beam = _beam(singles)
     while len(chosen.model.terms) < (MOST_TERMS.count if problem.pairs_searched else 1):
         step = extend(chosen, problem, scales) if left is Left.NOISE else to_an_end(chosen, problem, scales)
-        promising = bool(step.fits) and step.fits[0].bic < chosen.bic - second
+        least = against(chosen, problem) - second
+        promising = any(against(f, problem) < least for f in step.fits)
         if left is Left.NOISE and not promising:
             break
         # where a noisy force leaves as much as a second term would, pairs are no better than one another
         plain = left is Left.NOISE or beyond > SECOND_TERM.value
         found = step.fits if plain else _wider(step, chosen, beam, problem, scales, base)
-        if not found or found[0].bic > chosen.bic - second:
+        found = in_turn(found, problem)
+        if not found or against(found[0], problem) > least:
             break
         problem, best, found = _renewed(problem, scales, found[0], found, renew)
-        found = tuple(sorted((*(f for f in found if key_of(f) != key_of(best)), best), key=lambda f: f.bic))
+        found = in_turn((*(f for f in found if key_of(f) != key_of(best)), best), problem)
         base = under(base, problem)
-        singles = tuple(sorted((under(f, problem) for f in singles), key=lambda f: f.bic))
-        chosen, rivals = _simplest(found, under(chosen, problem), second), found
+        singles = in_turn([under(f, problem) for f in singles], problem)
+        chosen, rivals = _simplest(found, under(chosen, problem), second, problem), found
         left = left_by(chosen, problem, scales.omega, base)
         beam = list(found[:2])
     pruned, without = prune(chosen, problem, scales)
