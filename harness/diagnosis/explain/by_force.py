@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from harness.diagnosis.explain.cautions import unlikely
 from harness.diagnosis.explain.graded import prediction
 from harness.diagnosis.explain.mechanism import left_without, mechanism
 from harness.diagnosis.explain.remainder import looks_like, shares_of
@@ -50,7 +51,9 @@ def _graded(said: Mechanism, graded: ForceGraded, one: Finalist | None) -> Mecha
     grade = graded.grade if named and graded.grade is not None else Grade.MINOR
     if one is None:
         return replace(said, grade=grade)
-    return replace(said, grade=grade, share=one.share, held_out=prediction(graded.base_held, one.held))
+    likely = graded.chance if graded.named and said.name == graded.named[0].name else None
+    held = prediction(graded.base_held, one.held)
+    return replace(said, grade=grade, share=one.share, held_out=held, chance=likely)
 
 
 def remainder_of(graded: ForceGraded) -> Remainder:
@@ -72,4 +75,4 @@ def cautions_of_force(graded: ForceGraded) -> tuple[str, ...]:
         said.append(
             f"{graded.words:.3g} independent strokes, or parts of them, are too few for one name alone; {many} would do"
         )
-    return tuple(said)
+    return (*said, *unlikely(graded))

@@ -2,7 +2,7 @@
 
 from harness.diagnosis.baseline.words import strokes_of
 from harness.diagnosis.fit.model_fit import Fit
-from harness.diagnosis.grading.grade import Graded
+from harness.diagnosis.grading.grade import Contest, Graded
 from harness.diagnosis.outcome import Grade, Holdout
 from harness.diagnosis.rules import DECISIVE, LEAST_CYCLES, PREDICTS_WORSE, SHARE_OF_MISFIT
 from harness.diagnosis.search.extend import key_of
@@ -81,12 +81,18 @@ def cautions_of_misfit(graded: Graded) -> tuple[str, ...]:
     cycles = graded.misfit.strokes.cycles
     if graded.grade is Grade.ONE_OF and cycles < LEAST_CYCLES.value:
         said.append(_FEW.format(cycles, LEAST_CYCLES.value))
-    if graded.grade is Grade.ONE_OF and graded.chance is not None:
-        said.append(
-            f"of simulated machines that look like this one {100.0 * graded.chance:.0f} % have {graded.named[0].name}"
-            " as their main effect; in the others several small effects come to the same"
-        )
+    said += unlikely(graded)
     clocks = [f.name for f in graded.named if f.clock]
     if clocks:
         said.append(f"{clocks[0]} has the period of the oscillation itself, and such a law follows any other")
     return tuple(said)
+
+
+def unlikely(found: Contest) -> tuple[str, ...]:
+    """Why a name that stands apart is listed alone: what chance it has of being the main effect."""
+    if found.grade is not Grade.ONE_OF or found.chance is None:
+        return ()
+    return (
+        f"of simulated machines that look like this one {100.0 * found.chance:.0f} % have {found.named[0].name}"
+        " as their main effect; in the others several small effects come to the same",
+    )
