@@ -8,10 +8,13 @@ import pytest
 
 from harness.core.arrays import FloatArray
 from harness.core.recording import Recording
+from harness.diagnosis.explain.by_force import cautions_of_force, mechanisms_of
+from harness.diagnosis.grading.chance import Odds
+from harness.diagnosis.grading.grade import decided
 from harness.diagnosis.inverse_dynamics.force_fit import ForceFit
 from harness.diagnosis.inverse_dynamics.left_over import left_over
 from harness.diagnosis.inverse_dynamics.measured import BLOCK, Measured
-from harness.diagnosis.inverse_dynamics.search import force_baseline
+from harness.diagnosis.inverse_dynamics.search import ForceSearch, force_baseline, search_driven
 from harness.diagnosis.inverse_dynamics.strokes import force_words, period_of
 from harness.diagnosis.outcome import Grade, Outcome
 from harness.diagnosis.pipeline import diagnose, prepare
@@ -20,7 +23,7 @@ from harness.diagnosis.problems.inverse_dynamics import InverseDynamics
 from harness.diagnosis.problems.starts import Windows
 from harness.diagnosis.request import Asked
 from harness.diagnosis.residual_tests.structure import Left
-from harness.diagnosis.rules import PERIODS_COUNTED
+from harness.diagnosis.rules import FORCE_CHANCE, PERIODS_COUNTED
 from harness.kernels.solve import Drive, solve
 from harness.model.model import Model, ModelTerm, Restoring
 
@@ -126,6 +129,44 @@ def test_a_law_beside_the_first_has_the_share_that_is_left_without_it() -> None:
     # all but independent of the first: what both take and what is left is the whole
     assert first.share + second.share + outcome.remainder.share == pytest.approx(1.0, abs=0.03)
     assert second.share > 0.05
+
+
+@pytest.fixture(scope="module")
+def apart() -> ForceSearch:
+    """One law among what nobody measured, as if its force had said enough for one name."""
+    done = search_driven(by_force(recorded(replace(AXIS, terms=(TURNED,)), 3000, 1e-6, unseen=0.08)))
+    assert done.graded is not None
+    return replace(done, graded=replace(done.graded, counted=replace(done.graded.counted, words=40.0)))
+
+
+@pytest.mark.parametrize("likely", [FORCE_CHANCE.value, FORCE_CHANCE.value - 1e-9])
+def test_a_name_that_stands_apart_is_the_main_effect_where_that_is_likely(
+    apart: ForceSearch, likely: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """By draws of driven machines; beside a list the result says how likely it is."""
+    monkeypatch.setattr(Odds, "chance", lambda self, seen: likely)
+    assert apart.graded is not None
+    graded, main = decided(apart.graded), likely >= FORCE_CHANCE.value
+    assert graded.grade is (Grade.MAIN if main else Grade.ONE_OF)
+    assert FORCE_CHANCE in graded.rules
+    first = mechanisms_of(apart.search, graded, apart.scales.omega)[0]
+    assert (first.name, first.grade, first.chance) == ("asymmetric-viscous", graded.grade, likely)
+    warned = "50 % have asymmetric-viscous as their main effect"
+    assert any(warned in one for one in cautions_of_force(graded)) is not main
+
+
+def test_what_a_fitted_force_knows_of_a_name_is_what_a_motion_knows(apart: ForceSearch) -> None:
+    """Alone among what nobody measured it keeps beside any other what it takes, and its numbers are tight."""
+    found = apart.graded
+    assert found is not None
+    first = next(f for f in found.finalists if f.name == "asymmetric-viscous")
+    assert 0.8 * first.share < first.company < 1.02 * first.share
+    assert 0.0 < first.loosest < 0.1
+    assert found.seen(first).cycles == found.cycles == 20.0
+    assert found.chance_of(first) > 0.9
+    other = next(f for f in found.finalists if f.share < 0.05 and not f.clock)
+    assert other.company < 0.05
+    assert found.chance_of(other) < 0.01
 
 
 def forced(t: FloatArray, u: FloatArray, v: FloatArray) -> tuple[ForceFit, Measured]:
