@@ -8,7 +8,7 @@ import pytest
 
 from harness.core.arrays import FloatArray
 from harness.diagnosis.problems.force_noise import FAR
-from harness.diagnosis.search.against import against, in_turn
+from harness.diagnosis.search.against import against, far_out, in_turn
 
 NOISY: Any = SimpleNamespace(spare=12.0)
 QUIET: Any = SimpleNamespace(spare=0.0)
@@ -37,3 +37,8 @@ def test_what_many_samples_say_is_said_as_well_with_the_bound() -> None:
     gain = misfit.bic - law.bic
     assert against(misfit, NOISY) - against(law, NOISY) == pytest.approx(gain, rel=0.02)
     assert against(misfit, QUIET) - against(law, QUIET) == pytest.approx(gain)
+
+
+def test_far_out_is_what_is_beyond_the_bound() -> None:
+    assert far_out(fit(np.array([FAR, -FAR, 0.0, 1.0]))) == 0.0
+    assert far_out(fit(np.array([-6.0, 8.0, 2.0]))) == pytest.approx(36.0 + 64.0 - 2.0 * FAR**2)

@@ -17,7 +17,12 @@ def against(found: Fit, problem: Problem) -> float:
     """
     if problem.spare <= 0.0:
         return found.bic
-    return found.bic - float(np.sum(np.maximum(found.residual**2 - FAR**2, 0.0)))
+    return found.bic - far_out(found)
+
+
+def far_out(found: Fit) -> float:
+    """Chi-square of single samples beyond what one that is far out says."""
+    return float(np.sum(np.maximum(found.residual**2 - FAR**2, 0.0)))
 
 
 def in_turn(fits: Sequence[Fit], problem: Problem) -> tuple[Fit, ...]:

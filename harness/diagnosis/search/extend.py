@@ -17,6 +17,7 @@ from harness.diagnosis.fit.parameters import base_of, free_of
 from harness.diagnosis.fit.swing_fit import Swing, swung
 from harness.diagnosis.problem import Problem
 from harness.diagnosis.rules import DECISIVE, PERIOD_SEEN
+from harness.diagnosis.search.against import far_out
 from harness.diagnosis.search.few_pieces import for_looks
 from harness.diagnosis.search.look import Look
 from harness.diagnosis.search.screen import Candidate
@@ -242,8 +243,11 @@ def extend(
     fits: dict[tuple[str, ...], Fit] = {}
     reach = max(_MISPLACED, _MISPLACED_SHARE * (current.bic - quick[0].bic)) if quick else 0.0
 
+    # under a force in few pieces reversals lie beside where they are, and a hasty fit leaves them there
+    beside = small.drive is not problem.drive
+
     def settled(hasty: Fit) -> Fit:
-        near = hasty.bic < min(quick[0].bic + reach, current.bic)
+        near = hasty.bic - (far_out(hasty) if beside else 0.0) < min(quick[0].bic + reach, current.bic)
         return settle(hasty, problem, scales) if near else hasty
 
     for found in each(settled, quick, lambda f: f"settling {_said(f.model)}"):
