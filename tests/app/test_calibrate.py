@@ -31,6 +31,7 @@ JUDGES = {
         "chance",
     },
     "chance": {"chance"},
+    "force-chance": {"force-chance"},
     "few-cycles": {"least-cycles"},
     "tables": {"table-band", "table-better", "table-errors", "table-words"},
     "force-tables": {"table-better", "table-errors", "table-words", "path-again"},
