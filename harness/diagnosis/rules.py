@@ -196,7 +196,7 @@ FORCE_HELD = Rule(
     "ratio of chi-square",
     "a measured force counts as held between its samples",
     "chance alone moves the ratio by 1/sqrt(N): 2 % are two of these at the least of 2,500 values; asked again beside"
-    " what comes nearest, 77 of 80 effects on driven plants are named or listed, none called another family, 39 of 40"
+    " what comes nearest, 78 of 80 effects on driven plants are named or listed, none called another family, 40 of 40"
     " controls quiet (python -m harness.app.calibrate driven --draws 120 --seed 20261125)",
 )
 GUARD_SPEED = Rule(
