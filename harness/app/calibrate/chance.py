@@ -34,15 +34,11 @@ _CLAIMED = 0.02
 
 @dataclass(frozen=True, slots=True)
 class Row:
-    """A recording: features (5,) of the name that stands apart, nan where none does; whether it is right; a control.
-
-    asked : whether it is of those that the chance is about.
-    """
+    """A recording: features (5,) of the name that stands apart, nan where none does; whether it is right; a control."""
 
     features: FloatArray
     right: bool
     control: bool
-    asked: bool = True
 
     @classmethod
     def of(cls, found: Contest | None, truth: Mapping[str, Any], control: bool) -> "Row":
@@ -80,11 +76,8 @@ def fitted(x: FloatArray, right: BoolArray, weight: FloatArray) -> FloatArray:
     return np.concatenate(([w[0] - weights @ middle], weights))
 
 
-def said(odds: Odds, drawn: Sequence[Row]) -> Iterator[str]:
+def said(odds: Odds, rows: Sequence[Row]) -> Iterator[str]:
     """Weights, what they say of draws that took no part in them, and whether the rule of ``odds`` stands."""
-    rows = [row for row in drawn if row.asked]
-    if len(rows) < len(drawn):
-        yield f"{len(rows)} of {len(drawn)} recordings are of those that it is about"
     controls = sum(row.control for row in rows)
     mains, apart = len(rows) - controls, [row for row in rows if not np.isnan(row.features).any()]
     x, right = np.array([row.features for row in apart]), np.array([row.right for row in apart], dtype=bool)

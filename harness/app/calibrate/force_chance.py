@@ -1,6 +1,5 @@
 """The chance that a name which stands apart is the main effect of a fitted force: weights from driven machines."""
 
-from dataclasses import replace
 from functools import partial
 
 from harness.app.calibrate.calibration import Calibration
@@ -14,13 +13,13 @@ from harness.proof.machines.kinds import DRIVEN
 from harness.proof.machines.plan import CONTROL, MAIN
 
 
-def measure(seed: int, index: int) -> Row:
-    """A new recording of a driven machine; one whose motion can be followed is not asked. Raises HarnessError."""
+def measure(seed: int, index: int) -> Row | None:
+    """A new recording of a driven machine; None for one whose motion can be followed. Raises HarnessError."""
     control = index % 2 == 0
     recording, truth = drawn(seed, index, CONTROL if control else MAIN, DRIVEN)
     problem = prepared(recording, asked_of(truth)).problem
     if not isinstance(problem, InverseDynamics):
-        return replace(Row.of(None, truth, control), asked=False)
+        return None
     return Row.of(search_driven(problem).graded, truth, control)
 
 

@@ -1,6 +1,7 @@
-"""The force that a model asks for along a motion, as means over blocks, with its partials by what is fitted.
+"""The force a model asks for to move as recorded (its inverse dynamics, by the kernel's own laws), and its partials.
 
-One look at a sample gives the force and all its partials: the laws write them together.
+As means over blocks of samples; one look at a sample gives the force and all its partials, which the laws write
+together.
 """
 
 from collections.abc import Mapping
@@ -13,12 +14,13 @@ from harness.core.arrays import BoolArray, FloatArray, IntArray
 from harness.core.jit import compiled
 from harness.diagnosis.fit.given import factor, frictionless, frictionless_terms, pushed
 from harness.diagnosis.fit.parameters import Free
-from harness.diagnosis.inverse_dynamics.force import states_inside
 from harness.kernels.integrate import mode_moving
 from harness.kernels.layout import Layout, lay_out
 from harness.kernels.rhs import rhs
+from harness.kernels.solve import By
 from harness.kernels.work import SPARE, Work, workspace
 from harness.model.covariate import Acts
+from harness.model.history import History
 from harness.model.law import MASS
 from harness.model.model import Model
 
@@ -100,7 +102,8 @@ class Path:
 def asked(model: Model, path: Path, free: tuple[Free | None, ...] = ()) -> tuple[FloatArray, FloatArray]:
     """Force (b,), N, that a model asks for, mean over the blocks that count, and its partials (b, q) by ``free``.
 
-    Covariates act as they do in ``force.given_force``. None among ``free`` is a number that the model has not.
+    Covariates act as they were measured. Internal states are as each term says that the motion leaves them; what it
+    says nothing of moves with the slider. None among ``free`` is a number that the model has not.
     """
     if not model.covariates:
         return _asked(model, path, np.ones(path.t.size), free)
@@ -140,7 +143,7 @@ def _asked(
     """The same without covariates, each sample times its weight (n,)."""
     layout = lay_out(model, max(float(np.max(np.abs(path.v))), 1e-300))
     places = np.array([_place(f, layout) for f in free], dtype=np.int64)
-    inside, inside_by = states_inside(model, layout, path.t, path.v, tuple(None if f is None else f.by for f in free))
+    inside, inside_by = _states_inside(model, layout, path.t, path.v, tuple(None if f is None else f.by for f in free))
     work = workspace(
         layout.spec, layout.theta, len(layout.names), np.empty(0, np.int64), np.ones(layout.start.size), layout.start,
         np.zeros((layout.start.size, 0)),
@@ -152,6 +155,32 @@ def _asked(
         force, by,
     )  # fmt: skip
     return force, by
+
+
+def _states_inside(
+    model: Model, layout: Layout, t: FloatArray, v: FloatArray, by: tuple[By | None, ...] = ()
+) -> tuple[FloatArray, FloatArray]:
+    """Internal states (n, k) as the motion leaves them, and their partials (k, n, q) by numbers of the model.
+
+    The partials are of size 0 where no state hangs on any of them.
+    """
+    count = layout.start.size - 2
+    inside, moved = np.zeros((t.size, count)), np.zeros((count if by else 0, t.size, len(by)))
+    if count == 0:
+        return inside, moved
+    inside[:, [i - 2 for i in layout.speeds if i > 1]] = v[:, None]
+    motion = History(t, v, t, v, model.f_k)
+    for i, (names, entry) in enumerate(zip(model.internal_names, model.terms, strict=True)):
+        if entry.term.implied is None:
+            continue
+        columns = [layout.state_names.index(name) - 2 for name in names]
+        states = entry.term.implied(entry.values, motion)
+        inside[:, columns] += states.values
+        for key, partials in states.by.items():
+            number = (i, key) if isinstance(key, int) else key
+            if number in by:
+                moved[columns, :, by.index(number)] = partials.T
+    return inside, moved
 
 
 def _place(f: Free | None, layout: Layout) -> int:

@@ -136,10 +136,11 @@ def graded(fitted: Fitted, last: Fit, singles: Sequence[ForceFit], over: LeftOve
 
 def _by_judge(found: ForceGraded, chosen: ForceFit) -> ForceGraded:
     """What another recording confirms is named, whatever its share here; what it does not is no main effect."""
+    found = replace(found, chance=None)
     names = [entry.term.name for entry in chosen.model.terms]
     named = tuple(f for f in found.finalists if f.name in names[:1])
     if named:
-        return replace(found, grade=Grade.MAIN, named=named, rules=(CONFIRMED,), chance=None)
+        return replace(found, grade=Grade.MAIN, named=named, rules=(CONFIRMED,))
     if found.grade in (Grade.MAIN, Grade.ONE_OF):
         return replace(found, grade=Grade.MINOR, named=found.named[:1], rules=(CONFIRMED, GAIN, SHARE_OF_EXCESS))
     return found
@@ -168,7 +169,7 @@ def _ranked(
     if excess <= 0.0:
         return alone
     return [
-        (replace(f, loosest=_loosest(f, fitted), company=_company(f, alone, base) / excess), one) for f, one in alone
+        (replace(f, loosest=_loosest(f, fitted), company=_company(one, alone, base) / excess), one) for f, one in alone
     ]
 
 
@@ -177,10 +178,9 @@ def _loosest(one: Finalist, fitted: Fitted) -> float:
     return loosest(one.fit, fitted.problem, len(one.fit.model.terms) - 1, fitted.scales.omega)
 
 
-def _company(one: Finalist, alone: Sequence[tuple[Finalist, ForceFit]], base: ForceFit) -> float:
+def _company(one: ForceFit, alone: Sequence[tuple[Finalist, ForceFit]], base: ForceFit) -> float:
     """Beside whichever other, by their force; a law with a clock on the drive follows any."""
-    (own,) = (fit for f, fit in alone if f is one)
-    return in_company(own, [fit for f, fit in alone if f is not one and not f.clock], base)
+    return in_company(one, [other for f, other in alone if other is not one and not f.clock], base)
 
 
 def held_out(found: ForceFit, measured: Measured, block: FloatArray) -> Predicted | None:

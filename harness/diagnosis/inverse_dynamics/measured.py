@@ -142,8 +142,7 @@ class Measured:
 
     def blocks(self, y: FloatArray) -> FloatArray:
         """Means of y (n,) or (n, q) over the blocks that count."""
-        means: FloatArray = y.reshape(-1, BLOCK, *y.shape[1:]).mean(axis=1)[self.moving]
-        return means
+        return self.path.means(y)
 
     @property
     def path(self) -> Path:

@@ -121,7 +121,7 @@ def _renewed(
     new, found = renew(problem, best, scales, again)
     if found is best:
         return problem, best, others
-    return new, found, tuple(sorted((under(f, new) for f in others), key=lambda f: f.bic))
+    return new, found, tuple(under(f, new) for f in others)
 
 
 def search(problem: P, base: Fit, scales: Scales, renew: Renew[P] = once, alone: Step | None = None) -> Search:
