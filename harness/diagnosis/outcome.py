@@ -1,5 +1,6 @@
 """What a diagnosis comes to."""
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from enum import StrEnum
@@ -202,3 +203,16 @@ class Outcome:
     tables: tuple[Table, ...] = ()
     surface: Surface | None = None
     pooled: Pooled[Any] | None = None
+
+    def chi2_per_point(self, found: Fit) -> float | None:
+        """Of the base or the refined fit, in units of the noise; None where nothing says how large that is.
+
+        A fitted force counts in units of what the model of most evidence leaves; the remainder says what of that is
+        noise.
+        """
+        seen, left = found.chi2 / max(found.points, 1), self.refined.chi2 / max(self.refined.points, 1)
+        if self.remainder is None or left <= 0.0:
+            return seen
+        if not math.isfinite(self.remainder.over_noise):
+            return None
+        return seen * self.remainder.over_noise**2 / left

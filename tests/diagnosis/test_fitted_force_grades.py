@@ -1,5 +1,6 @@
 """What a fitted force leaves: noise where nothing is missing, graded where something is, each word counted once."""
 
+import math
 from collections.abc import Mapping
 from dataclasses import replace
 
@@ -94,6 +95,24 @@ def test_a_force_that_nobody_measured_is_no_law_and_not_adequate() -> None:
     assert all(m.grade is Grade.MINOR for m in outcome.mechanisms)
     assert outcome.remainder is not None
     assert outcome.remainder.over_noise > 2.0
+    assert_chi2_says_what_is_left(outcome)
+
+
+def assert_chi2_says_what_is_left(outcome: Outcome) -> None:
+    """In units of the noise: not 1 by construction where the level is taken from what is left."""
+    assert outcome.remainder is not None
+    base, refined = outcome.chi2_per_point(outcome.base), outcome.chi2_per_point(outcome.refined)
+    assert base is not None
+    assert refined is not None
+    assert refined == pytest.approx(outcome.remainder.over_noise**2)
+    assert (refined - 1.0) / (base - 1.0) == pytest.approx(outcome.remainder.share, rel=1e-6)
+
+
+def test_chi_square_is_not_said_where_nothing_tells_the_noise() -> None:
+    outcome = said((), 0.5)
+    assert outcome.remainder is not None
+    untold = replace(outcome, remainder=replace(outcome.remainder, over_noise=math.inf))
+    assert untold.chi2_per_point(untold.refined) is None
 
 
 @pytest.mark.full
@@ -116,6 +135,7 @@ def test_one_law_among_what_nobody_measured_comes_first() -> None:
     assert first.held_out is not None
     assert first.held_out.refined_rmse["u"] < 0.9 * first.held_out.baseline_rmse["u"]
     assert outcome.refined.model.terms[0].values[0] == pytest.approx(1.2, rel=0.1)
+    assert_chi2_says_what_is_left(outcome)
 
 
 @pytest.mark.full

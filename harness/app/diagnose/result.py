@@ -1,6 +1,7 @@
 """An outcome in the form of the results."""
 
 import logging
+from collections.abc import Mapping
 from dataclasses import asdict
 from typing import Any
 
@@ -14,6 +15,7 @@ from harness.app.shared.machine import this_machine
 from harness.app.shared.reading import recording_info
 from harness.core.arrays import FloatArray
 from harness.core.errors import SimulationError
+from harness.core.quantity import Quantity
 from harness.core.recording import Recording
 from harness.diagnosis.explain.engines import engine_fit
 from harness.diagnosis.explain.verdict_sentence import sentence_of
@@ -69,10 +71,10 @@ def result_of(
         recording=_info(recording, prepared, problem),
         verdict=outcome.verdict,
         statement=sentence_of(outcome, shared.has),
-        baseline=_fit_result(outcome.base, problem, {n: P.of(q) for n, q in outcome.base_parameters.items()}),
+        baseline=_fit_result(outcome.base, outcome, outcome.base_parameters),
         where=places(outcome),
         mechanisms=[_mechanism(m, outcome) for m in outcome.mechanisms],
-        refined=_fit_result(outcome.refined, problem, {n: P.of(q) for n, q in outcome.refined_parameters.items()}),
+        refined=_fit_result(outcome.refined, outcome, outcome.refined_parameters),
         remainder=None if outcome.remainder is None else RemainderResult(**asdict(outcome.remainder)),
         tables=[_table(table, problem) for table in outcome.tables],
         surface=None if outcome.surface is None else _surface(outcome.surface, problem),
@@ -137,9 +139,11 @@ def _document(model: Model) -> ModelDocument:
     return ModelDocument.model_validate(to_document(model))
 
 
-def _fit_result(found: Fit, problem: Problem, parameters: dict[str, P]) -> FitResult:
+def _fit_result(found: Fit, outcome: Outcome, of: Mapping[str, Quantity]) -> FitResult:
     return FitResult(
-        parameters=parameters, rmse=rmse(found.shown.y, problem), chi2_per_point=found.chi2 / max(found.points, 1)
+        parameters={name: P.of(quantity) for name, quantity in of.items()},
+        rmse=rmse(found.shown.y, outcome.problem),
+        chi2_per_point=outcome.chi2_per_point(found),
     )
 
 

@@ -77,11 +77,13 @@ def diagnosis_title(result: Mapping[str, Any]) -> tuple[str, str]:
 
 def gained(result: Mapping[str, Any]) -> list[str]:
     """What the better model gains, in the figures that everyone knows."""
-    before, after = (number(result[side]["chi2_per_point"], 4) for side in ("baseline", "refined"))
     percent = result["fit_percent"]
     helped = bool(result["mechanisms"])
-    change = f"falls from {before} to {after}" if helped else f"is {before}"
-    sentences = [f"Chi-square per point {change} (1 when only noise is left)."]
+    sentences = []
+    if result["baseline"]["chi2_per_point"] is not None:
+        before, after = (number(result[side]["chi2_per_point"], 4) for side in ("baseline", "refined"))
+        change = f"falls from {before} to {after}" if helped else f"is {before}"
+        sentences.append(f"Chi-square per point {change} (1 when only noise is left).")
     for c, fit in (percent["baseline"] if percent else {}).items():
         change = (
             f"rises from {number(fit, 4)} to {number(percent['refined'][c], 4)} %"
