@@ -12,6 +12,7 @@ from typing import ClassVar, Self, TypeVar
 import numpy as np
 
 from harness.core.arrays import BoolArray, FloatArray, IntArray
+from harness.core.recording import Recording
 from harness.diagnosis.covariates.values import Acting
 from harness.diagnosis.problems.force_noise import ForceNoise
 from harness.diagnosis.problems.starts import OneStart, Start, Starts
@@ -223,6 +224,10 @@ class Problem(ABC):
         """The same question at every sample t (m,), s, of the recording it was made from; channels (m,) of it."""
         given = {name: np.interp(t, self.t, values) for name, values in self.covariates.items()}
         return replace(self, t=t, channels={c: channels[c] for c in self.channels}, weight={}, covariates=given)
+
+    def shown_beside(self, recording: Recording) -> Recording:
+        """What of the recording it was made from models can be shown beside: all of it."""
+        return recording
 
 
 P = TypeVar("P", bound=Problem)

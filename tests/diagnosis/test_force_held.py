@@ -6,6 +6,7 @@ import pytest
 from harness import stages
 from harness.core.arrays import FloatArray
 from harness.core.recording import Recording
+from harness.diagnosis.pipeline import diagnose
 from harness.diagnosis.prepare.intersample_hold import ACTS_HELD, held
 from harness.diagnosis.problems.driven import Driven
 from harness.kernels.solve import Drive, solve
@@ -41,13 +42,27 @@ def test_a_force_that_is_left_out_does_not_decide_how_the_drive_acts(is_held: bo
     assert law.values[0] == pytest.approx(0.06, abs=2e-3)
 
 
-def test_the_other_way_and_back_is_the_same() -> None:
+def test_the_other_ways_and_back_are_the_same() -> None:
     problem = stages.prepare(_pushed(is_held=False), restoring="none").problem
     assert isinstance(problem, Driven)
-    other = problem.the_other_way
-    assert other is not None
-    assert other.is_held
-    assert other.drive.t[0] - problem.drive.t[0] == pytest.approx(4e-3)
-    back = other.the_other_way
-    assert back is not None
-    assert back.drive is problem.drive
+    stepped, *_ = problem.other_ways
+    assert stepped.is_held
+    assert stepped.drive.t[0] - problem.drive.t[0] == pytest.approx(4e-3)
+    assert [way.drive for way in stepped.other_ways if way.drive is problem.drive]
+    assert {id(way.drive) for way in problem.other_ways} == {id(way) for way in problem.otherwise}
+
+
+@pytest.mark.parametrize("noise", [5e-7, 2e-6, 2e-5])
+def test_a_force_in_straight_lines_is_told_from_a_smooth_one_by_the_motion(noise: float) -> None:
+    # the samples of this force are those of a smooth one; whoever simulates with them joins them by lines
+    t = np.arange(3000.0) / 250.0
+    u = 6.0 * np.sin(3.1 * t + 0.3) + 4.0 * np.sin(7.3 * t + 1.1)
+    x = solve(Model(2.0, 3.0, 80.0, 1.5), t, drive=Drive(t, u)).x + noise * np.random.default_rng(1).standard_normal(
+        t.size
+    )
+    outcome = diagnose(stages.prepare(Recording(t=t, channels={"x": x, "u": u})).problem)
+    assert outcome.verdict == "adequate"
+    for name, true in (("omega_n", 40.0**0.5), ("zeta", 3.0 / 2.0 / (2.0 * 40.0**0.5)), ("x_k", 1.5 / 80.0)):
+        quantity = outcome.base_parameters[name]
+        assert quantity.stderr is not None
+        assert quantity.value == pytest.approx(true, abs=5.0 * quantity.stderr)

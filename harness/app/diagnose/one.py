@@ -90,6 +90,7 @@ def investigate(
     result = result_of(recording, ready, outcome, options, user, command)
     if other is not None:
         result = result.model_copy(update={"validation": validated(other, outcome, options)})
+    recording = outcome.problem.shown_beside(recording)
     own = user.motion(outcome, outcome.problem.at_every_sample(recording.t, recording.channels))
     motions = (*simulated(recording, outcome), *(() if own is None else (own,)))
     return Diagnosed(recording, outcome, motions, result)

@@ -17,9 +17,9 @@ from harness.app.shared.reading import read, recording_info
 from harness.app.shared.showing import write_recording_page, write_recording_trace
 from harness.core.errors import InputError
 from harness.core.recording import Recording
+from harness.estimate.believed import believed
 from harness.estimate.every import estimate_all
 from harness.estimate.result import Estimation
-from harness.estimate.saturation import within_range
 from harness.io.recording import ReadOptions
 from harness.io.store import output_folder
 from harness.results.common import P
@@ -37,7 +37,7 @@ def estimate(recording: Recording, restoring: Swing = "spring") -> Estimation:
     Raises InputError with the reason when it is driven, or shows no free decay.
     """
     refuse_driven(recording)
-    recording, beyond = within_range(recording, ("x", "v"))
+    recording, beyond = believed(recording, ("x", "v"))
     if restoring == "pendulum":
         recording = as_spring(recording)
     x, v, a = (recording.channels.get(name) for name in ("x", "v", "a"))

@@ -84,16 +84,18 @@ class DrivenRecordings(Kind[Driven]):
         return Found(found, based.scales, found, notes=notes)
 
     def _other_way(self, based: Based[Driven]) -> Based[Driven] | None:
-        """With the force acting the other way; None where it cannot, and where the base model explains the recording.
+        """With the force acting in the other way that lets the base model come nearest.
 
-        Between the two was chosen without regard to what noise of the force does.
+        None where there is no other, and where the base model explains the recording. Between them was chosen without
+        regard to what noise of the force does.
         """
-        whole = based.whole.the_other_way
-        if whole is None or _leaves_noise(based.fit, based):
+        if _leaves_noise(based.fit, based):
             return None
-        with suppress(SimulationError):
-            return self.fit_base(whole)
-        return None
+        found = []
+        for whole in based.whole.other_ways:
+            with suppress(SimulationError):
+                found.append(self.fit_base(whole))
+        return min(found, key=lambda other: under(other.fit, based.problem).chi2, default=None)
 
     def hold_out(self, problem: Driven, judged: Judged, acting: Sequence[tuple[ModelTerm, Place]]) -> Holdout:
         """Every second full period."""

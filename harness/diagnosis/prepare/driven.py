@@ -22,6 +22,7 @@ from harness.diagnosis.smoothed_state.inverse_start import inverse_start
 from harness.diagnosis.smoothed_state.state import Course
 from harness.estimate.noise import Noise, channel_noise
 from harness.estimate.saturation import within_range
+from harness.estimate.stray import stray_in
 from harness.model.model import Model, Restoring
 
 HORIZON = 1.0
@@ -47,19 +48,21 @@ def driven_problem(recording: Recording, asked: Asked) -> tuple[Forced, tuple[st
     """
     # a speed that is commanded to stay at its limit is no sensor's
     seen, beyond = within_range(recording, ("x",))
-    problem, notes = _followed(seen, asked)
-    return problem, (*notes, *beyond)
+    problem, course, stray = _seen(seen, asked)
+    found, notes = _followed(problem, course, seen["u"], asked)
+    return found, (*notes, *beyond, *stray)
 
 
 def forced_problem(recording: Recording, asked: Asked) -> tuple[InverseDynamics, tuple[str, ...]]:
     """A driven recording whose force is fitted, whether or not its motion could be followed; see ``driven_problem``."""
     seen, beyond = within_range(recording, ("x",))
-    problem, course = _seen(seen, asked)
+    problem, course, stray = _seen(seen, asked)
     found, notes = _by_force(problem, asked, course)
-    return found, (*notes, *beyond)
+    return found, (*notes, *beyond, *stray)
 
 
-def _seen(recording: Recording, asked: Asked) -> tuple[Driven, Course]:
+def _seen(recording: Recording, asked: Asked) -> tuple[Driven, Course, tuple[str, ...]]:
+    """The question without a choice of how it is fitted, the smoothed course, and what was done, one sentence each."""
     restoring = asked.restoring or Restoring.SPRING
     where = f"{recording.file}: channels {', '.join(recording.channels)}"
     if "x" not in recording and ("v" not in recording or restoring is not Restoring.NONE):
@@ -73,6 +76,10 @@ def _seen(recording: Recording, asked: Asked) -> tuple[Driven, Course]:
         found = f"{asked.horizon:g} s, {asked.horizon / interval:.1f} samples of {recording.file}"
         raise InputError("--horizon", found, f"at least {_FEWEST_IN_WINDOW * interval:g} s is accepted")
     channels: dict[str, FloatArray] = {c: recording[c] for c in ("x", "v", "a") if c in recording}
+    stray, said = stray_in(recording, ("x", "v"))
+    for c, off in stray.items():
+        # samples stay as evenly spaced as they are; in its place counts for nothing what the others say is there
+        channels[c] = channels[c] - off
     noise = {c: channel_noise(t, y) for c, y in channels.items()}
     if all(float(np.std(y)) < _MOVES * noise[c].sigma for c, y in channels.items()):
         seen = ", ".join(f"{c} to {noise[c].sigma:.3g}" for c in channels)
@@ -86,6 +93,7 @@ def _seen(recording: Recording, asked: Asked) -> tuple[Driven, Course]:
         t,
         channels,
         noise,
+        weight={c: np.where(off == 0.0, 1.0, 0.0) for c, off in stray.items()},
         drive=between_samples(t, u, course.longest),
         mass=asked.mass,
         restoring=restoring,
@@ -95,12 +103,11 @@ def _seen(recording: Recording, asked: Asked) -> tuple[Driven, Course]:
         guarded=asked.guarded,
         starts=course.anew(math.inf) if gaps else OneStart(),
     )
-    return problem, course
+    return problem, course, said
 
 
-def _followed(recording: Recording, asked: Asked) -> tuple[Forced, tuple[str, ...]]:
-    problem, course = _seen(recording, asked)
-    t, u, first = recording.t, recording["u"], problem.first
+def _followed(problem: Driven, course: Course, u: FloatArray, asked: Asked) -> tuple[Forced, tuple[str, ...]]:
+    t, first = problem.t, problem.first
     if asked.covariates:
         # a model without what they do follows nothing, and how the force acts between samples cannot be told by it
         return _with_covariates(problem, asked, course)

@@ -13,9 +13,9 @@ from harness.diagnosis.prepare.held import held
 from harness.diagnosis.prepare.release import released, without_hand
 from harness.diagnosis.problems.free_decay import FreeDecay
 from harness.diagnosis.request import Asked, AskedCovariate
+from harness.estimate.believed import believed
 from harness.estimate.noise import channel_noise
 from harness.estimate.reversals import Grows, Kind, NoDecay, find_half_cycles
-from harness.estimate.saturation import within_range
 from harness.model.model import Restoring
 
 _KINDS = {"x": Kind.DISPLACEMENT, "v": Kind.VELOCITY, "a": Kind.ACCELERATION}
@@ -35,7 +35,7 @@ def free_decay_problem(recording: Recording, asked: Asked) -> tuple[FreeDecay, t
     if asked.restoring is Restoring.NONE:
         found = "none, but no force u is recorded" if "u" not in recording else "none, but the force u is 0 throughout"
         raise InputError("--restoring", f"{found} in {recording.file}", "a recorded force, or spring, is accepted")
-    recording, beyond = within_range(recording, ("x", "v"))
+    recording, beyond = believed(recording, ("x", "v"))
     moving = _in_motion(recording, asked.restoring or Restoring.SPRING)
     recording, notes = moving.recording, (*beyond, *moving.notes)
     channels = {c: recording[c] for c in ("x", "v", "a") if c in recording}

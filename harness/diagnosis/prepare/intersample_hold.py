@@ -1,4 +1,4 @@
-"""Whether a recorded force acts between samples as a straight line, or held until the next as a controller's output."""
+"""How a recorded force acts between samples: smoothly, as straight lines, or held until the next as a controller's."""
 
 from dataclasses import dataclass, replace
 
@@ -6,8 +6,8 @@ import numpy as np
 
 from harness.core.arrays import FloatArray
 from harness.diagnosis.baseline.driven_base_fit import driven_scales
-from harness.diagnosis.fit.model_fit import Fit, fit
-from harness.diagnosis.fit.observe import COARSE
+from harness.diagnosis.fit.model_fit import Fit, fit, whitened
+from harness.diagnosis.fit.observe import COARSE, observe
 from harness.diagnosis.fit.parameters import free_of
 from harness.diagnosis.input_noise.noisy_base_fit import in_turn
 from harness.diagnosis.problems.driven import Driven
@@ -34,12 +34,12 @@ def held(t: FloatArray, u: FloatArray) -> Drive:
 
 @dataclass(frozen=True, slots=True)
 class Acting:
-    """How a force acts. otherwise : the other way. held : until the next sample. follows : whether the base model,
+    """How a force acts. otherwise : the other ways. held : until the next sample. follows : whether the base model,
     fitted to a first part, does so from one start.
     """
 
     drive: Drive
-    otherwise: Drive
+    otherwise: tuple[Drive, ...]
     held: bool
     follows: bool
     model: Model
@@ -48,19 +48,32 @@ class Acting:
 def acting(problem: Driven, u: FloatArray) -> Acting:
     """How the force u (n,) acts, and whether the base model then follows the recording.
 
-    It is held where the base model follows the recording better so. The model strays where its misfit is hundreds of
-    times what the sensor's noise is, as an encoder shows of a real drive: then no law says the force well enough, and
-    the force itself is what can be compared. Raises SimulationError.
+    It acts as the samples themselves say where no other way lets the base model follow the recording better. The model
+    strays where its misfit is hundreds of times what the sensor's noise is, as an encoder shows of a real drive: then
+    no law says the force well enough, and the force itself is what can be compared. Raises SimulationError.
     """
-    part, stepped = problem.part(slice(0, _SAMPLES)), held(problem.t, u)
-    straight, in_steps = (
-        _followed(problem.first, replace(part, drive=drive), driven_scales(problem, problem.first))
-        for drive in (problem.drive, stepped)
-    )
-    is_held = in_steps.chi2 < FORCE_HELD.value * straight.chi2
-    found = in_steps if is_held else straight
-    drive, otherwise = (stepped, problem.drive) if is_held else (problem.drive, stepped)
-    return Acting(drive, otherwise, is_held, found.chi2 < _STRAYS**2 * found.points, found.model)
+    part, stepped, lines = problem.part(slice(0, _SAMPLES)), held(problem.t, u), Drive(problem.t, u)
+    scales = driven_scales(problem, problem.first)
+
+    def followed(drive: Drive) -> Fit:
+        return _followed(problem.first, replace(part, drive=drive), scales)
+
+    usual, ways = followed(problem.drive), [stepped]
+    if lines.t.size != problem.drive.t.size and _seen(lines, usual, part):
+        ways.append(lines)
+    fits = [followed(way) for way in ways]
+    found, drive = min(zip(fits, ways, strict=True), key=lambda pair: pair[0].chi2)
+    if found.chi2 >= FORCE_HELD.value * usual.chi2:
+        found, drive = usual, problem.drive
+    others = tuple(way for way in (problem.drive, *ways) if way is not drive)
+    return Acting(drive, others, drive is stepped, found.chi2 < _STRAYS**2 * found.points, found.model)
+
+
+def _seen(lines: Drive, usual: Fit, problem: Driven) -> bool:
+    """Whether the noise lets the motion tell straight lines from what is usual, by as much as decides."""
+    shown = observe(usual.model, replace(problem, drive=lines), (), None, COARSE)
+    apart = whitened(problem, {c: y - usual.shown.y[c] for c, y in shown.y.items()})
+    return float(apart @ apart) > (1.0 - FORCE_HELD.value) * usual.points
 
 
 def _followed(model: Model, problem: Driven, scales: Scales) -> Fit:

@@ -7,6 +7,7 @@ from typing import ClassVar, Self
 import numpy as np
 
 from harness.core.arrays import FloatArray, IntArray
+from harness.core.recording import Recording
 from harness.diagnosis.problem import Problem
 from harness.diagnosis.problems.starts import Windows
 from harness.kernels.solve import Drive
@@ -70,28 +71,35 @@ class Forced(Problem):
         return Drive(at - begin, force)
 
     def at_every_sample(self, t: FloatArray, channels: Mapping[str, FloatArray]) -> Self:
-        """Itself: it has lost none."""
+        """Itself: samples that were left out are nothing that windows could start from."""
         return self
+
+    def shown_beside(self, recording: Recording) -> Recording:
+        """Its own samples."""
+        return recording if recording.t.size == self.t.size else recording.cut(np.isin(recording.t, self.t))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Driven(Forced):
     """A driven recording followed in its channels, from one start or window after window.
 
-    otherwise : the drive as it acts the other way: held between samples where ``drive`` is not, and not where it is.
+    otherwise : the drive as it acts in other ways: held between samples, smoothly or as straight lines.
     """
 
-    otherwise: Drive | None = None
+    otherwise: tuple[Drive, ...] = ()
 
     @property
-    def the_other_way(self) -> Self | None:
-        """With the force acting the other way; None where there is no other."""
-        return None if self.otherwise is None else replace(self, drive=self.otherwise, otherwise=self.drive)
+    def other_ways(self) -> tuple[Self, ...]:
+        """With the force acting in each of the other ways."""
+        ways = (self.drive, *self.otherwise)
+        return tuple(
+            replace(self, drive=way, otherwise=tuple(w for w in ways if w is not way)) for way in self.otherwise
+        )
 
     @property
     def is_held(self) -> bool:
         """Whether the force is held between samples where it could act in straight lines: then it acts later."""
-        return self.otherwise is not None and bool(self.drive.t[0] > self.otherwise.t[0])
+        return any(self.drive.t[0] > other.t[0] for other in self.otherwise)
 
     def condensed(self, shown: Mapping[str, FloatArray], size: int) -> tuple[Self, float]:
         """Windows are thinned, since errors of their starts travel from sample to sample."""

@@ -1,0 +1,167 @@
+"""Samples that stray from the motion and come back at once are found; nothing that a mass can do counts as one."""
+
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from harness.app.identify.identify import estimate
+from harness.core.arrays import FloatArray
+from harness.core.errors import InputError
+from harness.core.recording import Recording
+from harness.diagnosis.pipeline import diagnose, prepare
+from harness.diagnosis.request import Asked
+from harness.estimate.noise import Noise
+from harness.estimate.stray import stray, without_stray
+from harness.kernels.solve import Drive, simulate, solve
+from harness.model.model import Model, ModelTerm, Restoring
+
+DRAG = Model(1.0, 0.05, 100.0, 0.05, x0=0.1, terms=(ModelTerm.named("quadratic-drag", c2=2.0),))
+SIGMA = 1e-5
+LOST = {40: (3e-4,), 207: (0.02, 0.021, 0.019), 500: (-0.004,) * 6, 903: (1e-3, -1e-3)}
+"""Where a tracker lost its mark, and by how much it was off, m."""
+
+
+def decay(seconds: float = 6.0) -> Recording:
+    t = np.arange(0.0, seconds, 5e-3)
+    return Recording(t, {"x": simulate(DRAG, t).x + SIGMA * np.random.default_rng(0).standard_normal(t.size)})
+
+
+def lost(recording: Recording) -> Recording:
+    x = recording["x"].copy()
+    for first, by in LOST.items():
+        x[first : first + len(by)] += by
+    return Recording(recording.t, {**recording.channels, "x": x})
+
+
+def test_exactly_what_strays_is_found_and_by_how_much() -> None:
+    recording = lost(decay())
+    off = stray(recording.t, recording["x"], Noise(SIGMA, True))
+    expected = np.zeros(off.size)
+    for first, by in LOST.items():
+        expected[first : first + len(by)] = by
+    assert np.array_equal(off != 0.0, expected != 0.0)
+    assert off == pytest.approx(expected, abs=5.0 * SIGMA)
+    clean = decay()
+    assert not stray(clean.t, clean["x"], Noise(SIGMA, True)).any()
+
+
+def test_what_lasts_longer_may_be_motion() -> None:
+    recording = decay()
+    x = recording["x"].copy()
+    x[300:307] += 0.004
+    assert not stray(recording.t, x, Noise(SIGMA, True)).any()
+
+
+@pytest.mark.parametrize(("steps", "found"), [(4, False), (8, True)])
+def test_a_few_steps_of_an_encoder_are_its_noise(steps: int, found: bool) -> None:
+    step, t = 1e-3, np.arange(0.0, 4.0, 5e-3)
+    x = step * np.round(0.1 * np.cos(10.0 * t) / step)
+    x[333] += steps * step
+    assert stray(t, x, Noise(step / np.sqrt(12.0), True, step=step)).any() == found
+
+
+Shape = Callable[[FloatArray], FloatArray]
+
+
+def _bounce(width: float) -> Shape:
+    return lambda s: np.asarray(np.interp(s, [0.0, width], [1.0, -0.7]), dtype=np.float64)
+
+
+def _sine(period: int) -> Shape:
+    return lambda s: np.asarray(np.cos(2.0 * np.pi * s / period), dtype=np.float64)
+
+
+SHAPES: dict[str, Shape] = {
+    "corner": np.abs,
+    "step": lambda s: np.where(s < 0.0, 0.0, 1.0),
+    "kink of the force": lambda s: s * np.abs(s),
+    "flat top": lambda s: np.minimum(-0.02 * s**2, -0.5),
+    "quick bounce": _bounce(0.5),
+    "bounce": _bounce(3.0),
+    "slow bounce": _bounce(6.0),
+    **{f"sine of {n}": _sine(n) for n in (8, 10, 13, 20, 41)},
+}
+
+
+@pytest.mark.parametrize("shape", SHAPES.values(), ids=SHAPES)
+@given(place=st.floats(-3.0, 3.0), slope=st.floats(-1.0, 1.0), scale=st.floats(1e-6, 1e6))
+@settings(max_examples=60, deadline=None)
+def test_no_motion_of_a_mass_strays_though_there_is_no_noise(
+    shape: Shape, place: float, slope: float, scale: float
+) -> None:
+    s = np.arange(-40.0, 41.0) - place
+    assert not stray(s, scale * (shape(s) + slope * s), Noise(1e-9 * scale, True)).any()
+
+
+@given(
+    shift=st.floats(-1e3, 1e3), scale=st.floats(1e-6, 1e6), pace=st.floats(1e-4, 1e4), begin=st.floats(-100.0, 100.0)
+)
+@settings(max_examples=40, deadline=None)
+def test_units_and_zeros_change_nothing(shift: float, scale: float, pace: float, begin: float) -> None:
+    recording = lost(decay(5.0))
+    t, x = recording.t, recording["x"]
+    once = stray(t, x, Noise(SIGMA, True))
+    again = stray(pace * (t + begin), scale * (x + 1e-3 * shift), Noise(scale * SIGMA, True))
+    assert np.array_equal(once != 0.0, again != 0.0)
+    assert again / scale == pytest.approx(once, abs=1e-3 * SIGMA)
+
+
+def test_nothing_is_said_across_a_gap_or_of_a_few_samples() -> None:
+    recording = lost(decay())
+    keep = (recording.t < recording.t[197]) | (recording.t > recording.t[206])
+    off = stray(recording.t[keep], recording["x"][keep], Noise(SIGMA, True))
+    # the run at 207 begins a stretch now: nothing before it tells where it should be
+    assert np.array_equal(recording.t[keep][off != 0.0], recording.t[[40, *range(500, 506), 903, 904]])
+    for few in range(11):
+        assert not stray(recording.t[:few], recording["x"][:few], Noise(SIGMA, True)).any()
+
+
+def test_what_is_left_is_diagnosed_as_if_nothing_had_strayed() -> None:
+    asked = Asked(Restoring.SPRING, zero_free=False)
+    problem, notes = prepare(lost(decay()), asked)
+    (said,) = [note for note in notes if "stray" in note]
+    assert said == (
+        "12 samples of x stray from the motion by up to 0.021 m and come back at once"
+        " (the first at t = 0.2 s): left out"
+    )
+    assert problem.t.size == decay().t.size - 12
+    outcome = diagnose(problem)
+    assert [m.name for m in outcome.mechanisms] == ["quadratic-drag"]
+    assert outcome.refined.model.terms[0].values[0] == pytest.approx(2.0, rel=2e-3)
+    assert outcome.refined.chi2 / outcome.refined.points == pytest.approx(1.0, abs=0.1)
+    clean = diagnose(prepare(decay(), asked)[0])
+    assert outcome.refined.model.terms[0].values[0] == pytest.approx(clean.refined.model.terms[0].values[0], rel=1e-3)
+
+
+def test_an_identification_says_it_too() -> None:
+    found = estimate(lost(decay()))
+    assert any("12 samples of x stray" in warning for warning in found.warnings)
+
+
+def test_driven_samples_stay_where_they_are_and_count_for_nothing() -> None:
+    t: FloatArray = np.arange(2000.0) * 4e-3
+    u: FloatArray = 6.0 * np.sin(3.1 * t) + 4.0 * np.sin(7.3 * t)
+    noise = SIGMA * np.random.default_rng(1).standard_normal(t.size)
+    x = solve(Model(2.0, 3.0, 80.0, 1.5), t, drive=Drive(t, u)).x + noise
+    wrong = x.copy()
+    for first, by in LOST.items():
+        wrong[first : first + len(by)] += by
+    problem, notes = prepare(Recording(t, {"x": wrong, "u": u}), Asked(Restoring.SPRING))
+    assert any(note.startswith("12 samples of x stray") for note in notes)
+    assert np.array_equal(problem.t, t)
+    assert np.array_equal(problem.weight["x"] == 0.0, wrong != x)
+    assert problem.channels["x"] == pytest.approx(x, abs=5.0 * SIGMA)
+    outcome = diagnose(problem)
+    assert outcome.verdict == "adequate"
+    assert outcome.base.model.f_k == pytest.approx(1.5, rel=1e-3)
+
+
+def test_where_too_few_are_left_it_is_said_how_many() -> None:
+    t = np.arange(51.0)
+    x = np.cos(0.02 * t)
+    x[[10, 30]] += 1.0
+    with pytest.raises(InputError, match=r"2 samples of x stray .*, and 49 stay; at least 50 that do not are accepted"):
+        without_stray(Recording(t, {"x": x}), ("x",))
