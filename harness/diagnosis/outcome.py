@@ -141,8 +141,8 @@ class Table:
     form : "f(x)" and the like. of : "x", "v" or "|v|". at (m,) : m (a sensor shows the model's offset more) or m/s,
     over the range that was swept; beyond it nothing is known. force, stderr (m,) : N, on the left of the equation of
     motion; of "g(x) sgn v" the force at v > 0. swept (l,) : quantiles of the motion. gauge : what the table has none of
-    over them, as it belongs to the base: "constant" (the zero, or f_k), "line" (k, or c). described : its shape in
-    words. nearest : catalogue names and the share of it that they say.
+    over them, as it belongs to the base: "constant" (the zero, or f_k), "level" (of a given force), "line" (k, or c).
+    described : its shape in words. nearest : catalogue names and the share of it that they say.
     """
 
     form: str

@@ -43,8 +43,12 @@ class Covariate:
     @property
     def fitted(self) -> Mapping[str, float]:
         """What is fitted, by its name among the base parameters: the gain, and the level of a force."""
-        level = {self._level: self.level} if self.acts is Acts.FORCE and self.levelled else {}
-        return {self.parameter: self.gain, **level}
+        return {self.parameter: self.gain, **({self._level: self.level} if self.has_level else {})}
+
+    @property
+    def has_level(self) -> bool:
+        """Whether a constant force is fitted with the gain."""
+        return self.acts is Acts.FORCE and self.levelled
 
     def at(self, name: str, value: float) -> "Covariate":
         """The same with another value of what ``fitted`` calls so."""

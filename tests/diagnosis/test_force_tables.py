@@ -1,6 +1,7 @@
 """Tables of a driven recording: forces of no catalogue are found, what is the base's is not, drifts get no plane."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 from functools import cache
 
 import numpy as np
@@ -34,6 +35,7 @@ from harness.diagnosis.tables.selection import tabulated
 from harness.estimate.noise import Noise
 from harness.kernels.solve import Drive, solve
 from harness.model.beyond import beyond
+from harness.model.covariate import Acts, Covariate
 from harness.model.document import from_document, to_document
 from harness.model.model import Model, ModelTerm
 from harness.model.registry import TERMS
@@ -105,6 +107,21 @@ def test_the_plane_holds_nothing_that_a_sum_says() -> None:
     for f in (*square.sum(axis=1).T, *square.sum(axis=2).T, np.sign(v[at])):
         assert np.abs(f @ held).max() < 1e-8 * np.linalg.norm(f) * np.linalg.norm(held, axis=0).max()
     assert basis.free.shape[1] == SIDE * SIDE - (2 * SIDE - 1) - 1
+
+
+def test_the_level_of_a_given_force_is_not_the_tables() -> None:
+    left = seen(MAGNET)[1]
+    x, v = left.motion
+    base, given = base_of(left.start.free), Covariate("P", Acts.FORCE, 1.0, 0.0, "bar")
+    for covariates, own in (((), 0), ((given,), 1), ((replace(given, levelled=False),), 0)):
+        model = replace(left.start.model, covariates=covariates)
+        basis = basis_of(BY_PLACE, model, base, x, v, left.scales)
+        moving = np.flatnonzero(v != 0.0)
+        at = moving[:: max(1, moving.size // 600)]
+        held = partials(basis.model, 0, x[at], v[at], left.scales) @ basis.free
+        constant = np.abs(held.mean(axis=0)).max() / np.abs(held).max()
+        assert held.shape[1] == basis.free.shape[0] - own
+        assert (constant < 1e-9) == bool(own)
 
 
 def test_damping_by_place_is_taken_by_the_plane_and_by_no_sum() -> None:

@@ -104,13 +104,15 @@ def errors(found: TableFit, strokes: Strokes, columns: FloatArray, size: float, 
 
 
 def _gauge(found: TableFit, of: Quantity, unit_force: bool) -> tuple[str, ...]:
-    """What the table has none of: "constant", "line"."""
+    """What the table has none of: "constant" or "level" (one that is a given force's), "line"."""
     names = {f.name for f in found.free}
     if of != "x":
         return ("line",)
     if not unit_force:
         return ("constant",)
-    return (*(("constant",) if "offset" in names else ()), *(("line",) if "k" in names else ()))
+    level = any(p.has_level for p in found.model.covariates)
+    constant = ("constant",) if "offset" in names else (("level",) if level else ())
+    return (*constant, *(("line",) if "k" in names else ()))
 
 
 def _strip(found: TableFit, number: int, scales: Scales) -> Strip:

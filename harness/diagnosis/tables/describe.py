@@ -28,6 +28,7 @@ _WIDE = 0.05
 
 _BASE = {
     ("x", "constant"): "no constant, which is the zero's",
+    ("x", "level"): "no constant, which is the level's of the force that was given",
     ("x", "line"): "no straight line, which is the spring's",
     ("v", "line"): "nothing in proportion to speed, which is the damping's, and nothing at rest, which is friction's",
     ("g", "constant"): "no constant, which is f_k",
@@ -122,7 +123,7 @@ def _symmetry(table: Table) -> str:
     grid = np.linspace(-reach, reach, table.at.size)
     f = np.interp(grid, table.at, table.force)
     odd, even = 0.5 * (f - f[::-1]), 0.5 * (f + f[::-1])
-    even = even - float(np.mean(even)) if "constant" in table.gauge else even
+    even = even - float(np.mean(even)) if {"constant", "level"} & set(table.gauge) else even
     whole = float(np.sum(odd**2) + np.sum(even**2))
     if whole <= 0.0:
         return ""
