@@ -289,6 +289,13 @@ RELAXATION_SEEN = Rule(
     "a law that relaxes is tried, its relaxation time at most this long",
     "a branch that relaxes more slowly is a spring with its rest where it was let go, which is a constant force",
 )
+PRESLIDING_SEEN = Rule(
+    "presliding-seen",
+    1.0,
+    "travels",
+    "a bristle is tried, its presliding displacement f_k/sigma0 at most this long",
+    "over one travel a bristle that bends further comes within 1/e of sliding at most: it is a spring, whatever f_k",
+)
 SCREEN_GAIN = Rule(
     "screen-gain",
     6.0,

@@ -160,10 +160,11 @@ def _colour(residuals: FloatArray, width: int, degree: int) -> tuple[float, floa
     return phi, float(np.mean(np.sum(residuals**2, axis=1)) / np.interp(phi, grid, level))
 
 
-def channel_noise(t: FloatArray, y: FloatArray, period: float | None = None) -> Noise:
+def channel_noise(t: FloatArray, y: FloatArray, period: float | None = None, rests: bool = False) -> Noise:
     """Noise of a channel ``y`` (n,) sampled at ``t`` (n,) in s, n >= 16.
 
-    period : of the motion in s; without it windows are as short as can be and colour cannot be seen.
+    period : of the motion in s; without it windows are as short as can be and colour cannot be seen. rests : whether
+    windows at rest tell of the noise as well, as those of a force do, which is switched and does not come to rest.
     Jumps in fewer than half of the windows do no harm. Levels below 1e-5 of the channel's rms count as none found.
     """
     interval = float(np.median(np.diff(t)))
@@ -174,7 +175,8 @@ def channel_noise(t: FloatArray, y: FloatArray, period: float | None = None) -> 
     residuals = np.zeros(y.size // width * width)
     # copies are writable and dense, whoever's the arrays are: the kernel is compiled once
     _compiled_residuals(np.array(t), np.array(y), width, degree, residuals)
-    windows = residuals.reshape(-1, width)[_moving(y, width)]
+    windows = residuals.reshape(-1, width)
+    windows = windows if rests else windows[_moving(y, width)]
     power = np.mean(windows**2, axis=1)
     freedom = width - degree - 1
     # median of a chi-square over its mean (Wilson and Hilferty)

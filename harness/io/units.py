@@ -16,12 +16,17 @@ _TWOFOLD = re.compile(rf"\b({'|'.join(_ONE_OF)})s?\b", re.IGNORECASE)
 _PLAIN = re.compile(r"^[\w\s*/^().%°²³⁻¹·-]{1,60}$")
 _LARGE_EXPONENT = re.compile(r"(?:\*\*|\^)[\s(+-]*(?:\d{2,}|[^\d\s])|\*\*[^*]*\*\*|\^[^^]*\^")
 
+_RUN_TOGETHER = re.compile(r"^(?P<force>[munµμkM]?N)(?P<length>m|cm|mm)$")
+_BY_HYPHEN = re.compile(r"^(?P<one>[A-Za-z]+)(?P<sign>[-·*. ])(?P<other>[A-Za-z]+)$")
+_WEIGHTS = {"lb": "lbf", "lbs": "lbf", "oz": "ozf", "kg": "kgf", "g": "gf"}
+"""Masses that stand for their weight where a torque is meant."""
+
 _ACCEPTED = {
     "t": "a unit of time such as s, ms or us",
     "x": "a unit of length or angle such as m, mm, rad or deg",
     "v": "a unit of speed such as m/s, mm/s, rad/s or rpm",
     "a": "a unit of acceleration such as m/s^2, g, mm/s^2 or rad/s^2",
-    "u": "a unit of force, torque or force per mass such as N, lbf, N*m or m/s^2",
+    "u": "a unit of force, torque or force per mass such as N, lbf, Nm or m/s^2",
     "i": "a unit of current such as A or mA",
 }
 _BASE = {
@@ -74,6 +79,17 @@ def _registry() -> Any:
     return registry
 
 
+def _torque(text: str) -> str:
+    """A torque as it is written on motors (Nm, mNm, oz-in, ft-lb, kg.cm) as a product; any other text as it is."""
+    together, parted = _RUN_TOGETHER.match(text), _BY_HYPHEN.match(text)
+    if together:
+        return f"{together['force']}*{together['length']}"
+    if parted:
+        words = (word.lower() if len(word) > len("mNm") else word for word in (parted["one"], parted["other"]))
+        return "*".join(_WEIGHTS.get(word.lower(), word) for word in words)
+    return text
+
+
 def parse_unit(where: str, channel: str, text: str | None) -> Unit:
     """The unit ``text`` of a channel (t, x, v, a, u, or i, a motor's current); SI when None.
 
@@ -94,7 +110,7 @@ def parse_unit(where: str, channel: str, text: str | None) -> Unit:
         raise InputError(where, f"'{text}' is not a unit", accepted)
     registry = _registry()
     try:
-        base = registry.Quantity(1.0, registry.parse_units(text)).to_base_units()
+        base = registry.Quantity(1.0, registry.parse_units(_torque(text) if channel == "u" else text)).to_base_units()
     except Exception:  # pint raises from its tokenizer up; whatever it is, this text is not a unit
         raise InputError(where, f"'{text}' is not a unit", accepted) from None
     if str(base.units) not in _BASE[channel]:

@@ -1,5 +1,6 @@
 """A model of a slider: base parameters, restoring force, release, and terms in their slots."""
 
+import math
 from dataclasses import dataclass, replace
 from enum import StrEnum
 from typing import Literal
@@ -69,6 +70,13 @@ class ModelTerm:
     def relaxation(self) -> float | None:
         """The time (s) within which it forgets, None where it does not."""
         return next((v for p, v in zip(self.term.parameters, self.values, strict=True) if p.relaxes), None)
+
+    def presliding(self, f_k: float) -> float | None:
+        """How far (m) it bends until friction f_k (N) slides, None where nothing bends."""
+        stiffness = next((v for p, v in zip(self.term.parameters, self.values, strict=True) if p.bends), None)
+        if stiffness is None:
+            return None
+        return f_k / stiffness if stiffness > 0.0 else math.inf
 
     def value(self, name: str) -> float:
         """The value of one parameter."""

@@ -79,13 +79,31 @@ def test_a_name_must_stand_out_among_all_that_were_tried() -> None:
 )
 def test_less_than_a_period_is_no_repetition(entry: ModelTerm, said: bool) -> None:
     """Half a period in 1 s is pi rad/s; one over 0.2 m of travel is 0.2 m."""
-    assert within(entry, 0.2, 1.0, 0.5) is said
+    assert within(entry, 0.5, 0.2, 1.0, 0.5) is said
 
 
 @pytest.mark.parametrize(("tau", "said"), [(0.1, True), (8.0, True), (8.1, False), (43.0, False)])
 def test_a_relaxation_longer_than_a_recording_is_not_seen(tau: float, said: bool) -> None:
-    assert within(ModelTerm.named("viscoelastic", k_m=0.3, tau=tau), 0.0, 8.0) is said
-    assert within(ModelTerm.named("cubic-stiffness", k3=1.0), 0.0, 8.0)
+    assert within(ModelTerm.named("viscoelastic", k_m=0.3, tau=tau), 0.5, 0.0, 8.0) is said
+    assert within(ModelTerm.named("cubic-stiffness", k3=1.0), 0.5, 0.0, 8.0)
+
+
+@pytest.mark.parametrize(("sigma0", "said"), [(50.0, True), (2.5, True), (2.4, False), (0.0, False)])
+def test_a_bristle_that_bends_further_than_the_travel_never_slides(sigma0: float, said: bool) -> None:
+    assert within(ModelTerm.named("presliding", sigma0=sigma0, sigma1=0.0), 0.5, 0.2, 8.0) is said
+
+
+def test_friction_that_never_slides_is_a_spring_whatever_its_level() -> None:
+    """As f_k grows by ten, what is between the bristle and a spring of its stiffness falls by ten."""
+    t, sigma0 = np.linspace(0.0, 6.0, 300), 30.0
+    bristle = ModelTerm.named("presliding", sigma0=sigma0, sigma1=0.0)
+    plain = simulate(Model(1.0, 0.3, 100.0 + sigma0, 0.0, v0=1.0), t).x
+
+    def apart(f_k: float) -> float:
+        return float(np.max(np.abs(simulate(Model(1.0, 0.3, 100.0, f_k, v0=1.0, terms=(bristle,)), t).x - plain)))
+
+    assert apart(3e4) == pytest.approx(0.1 * apart(3e3), rel=0.05)
+    assert apart(3e4) < 1e-4
 
 
 def test_a_branch_that_relaxes_slowly_is_a_spring_and_a_constant_force() -> None:

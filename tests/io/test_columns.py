@@ -85,6 +85,14 @@ UNITS: list[tuple[str, str, float, bool]] = [
     ("u", "lbf", 4.4482216152605, False),
     ("u", "N*m", 1.0, False),
     ("u", "mN", 1e-3, False),
+    ("u", "Nm", 1.0, False),
+    ("u", "mNm", 1e-3, False),
+    ("u", "Ncm", 1e-2, False),
+    ("u", "N-m", 1.0, False),
+    ("u", "Newton-meter", 1.0, False),
+    ("u", "oz-in", 0.028349523125 * 9.80665 * 0.0254, False),
+    ("u", "ft-lb", 0.45359237 * 9.80665 * 0.3048, False),
+    ("u", "kg-cm", 0.0980665, False),
 ]
 
 
@@ -93,6 +101,12 @@ def test_units_as_factors_to_si(channel: str, text: str, factor: float, angular:
     unit = parse_unit("test", channel, text)
     assert unit.factor == pytest.approx(factor, rel=1e-14)
     assert unit.angular == angular
+
+
+@pytest.mark.parametrize("text", ["N-s", "Nms", "kg", "lb", "m-m", "g"])
+def test_what_is_no_force_and_no_torque_is_none(text: str) -> None:
+    with pytest.raises(InputError, match="a unit of force, torque or force per mass such as N, lbf, Nm or m/s"):
+        parse_unit("test", "u", text)
 
 
 @pytest.mark.parametrize(

@@ -91,7 +91,7 @@ def match(sim: Recording, real: Recording, given: float | None = None) -> Match:
     found = noise_of(sim, omega), noise_of(real, omega)
     noise = {c: _both(found[0][c], found[1][c]) for c in common}
     if "u" in sim and "u" in real and min(np.ptp(sim["u"]), np.ptp(real["u"])) > 0.0:
-        forces = [channel_noise(one.t, one["u"], period) for one in (sim, real)]
+        forces = [channel_noise(one.t, one["u"], period, rests=True) for one in (sim, real)]
         aligned = align(sim, real, noise | {"u": _both(*forces)}, period, given)
     else:
         aligned = align(sim, real, noise, period, given)

@@ -5,6 +5,7 @@ times chi-square per point, and by the scatter of what half-swings say of it.
 """
 
 import math
+from collections.abc import Sequence
 
 import numpy as np
 
@@ -21,6 +22,7 @@ _ON_BOUND = "the estimate lies on a bound of what is possible"
 AT_LEAST = "at least this: what is larger the recording cannot show"
 _NOT_FITTED = "not fitted: given, or too small for the force to show it"
 _NOT_SEEN = "the recording does not determine it"
+_FEW_SWINGS = "too few swings to tell how far off it is beside what the model leaves"
 
 
 def inflation(found: Fit) -> float:
@@ -35,12 +37,18 @@ def unit_of(unit: str, problem: Problem) -> str:
     return f"{own} per {mass}" if with_mass and not problem.in_newtons else own
 
 
-def _quantity(value: float, variance: float, unit: str, bound: str | None) -> Quantity:
+def _quantity(value: float, variances: Sequence[float], unit: str, bound: str | None) -> Quantity:
+    """variances : the one by curvature first; the largest counts."""
     if bound is not None:
         return Quantity(value, None, unit, bound)
-    if not math.isfinite(variance) or variance <= 0.0:
+    if not math.isfinite(variances[0]) or variances[0] <= 0.0:
         return Quantity(value, None, unit, _NOT_SEEN)
-    return Quantity(value, math.sqrt(variance), unit)
+    largest = float(np.max(variances))
+    return (
+        Quantity(value, math.sqrt(largest), unit)
+        if math.isfinite(largest)
+        else Quantity(value, None, unit, _FEW_SWINGS)
+    )
 
 
 def _unit_given(covariate: Covariate, name: str, problem: Problem) -> str:
@@ -61,10 +69,10 @@ def covariances(found: Fit, problem: Problem, omega: float, explained: bool) -> 
     return inflated, clustered_covariance(found, problem, omega)
 
 
-def _variance(matrices: tuple[FloatArray, ...], gradient: FloatArray) -> float:
+def _variances(matrices: tuple[FloatArray, ...], gradient: FloatArray) -> list[float]:
     used = gradient != 0.0  # an infinite variance times none is none
     with np.errstate(invalid="ignore"):  # infinite variances that cancel leave no number
-        return float(np.max([gradient[used] @ m[np.ix_(used, used)] @ gradient[used] for m in matrices]))
+        return [float(gradient[used] @ m[np.ix_(used, used)] @ gradient[used]) for m in matrices]
 
 
 def numbers_of(found: Fit, problem: Problem, omega: float, explained: bool) -> dict[str, float]:
@@ -88,7 +96,7 @@ def term_parameters(
             parameter = found.model.terms[index].term.parameters[f.by[1]]
             why = _ON_BOUND if values[i] <= f.lower else (AT_LEAST if values[i] >= f.upper else None)
             out[parameter.name] = _quantity(
-                float(values[i]), max(float(v[i]) for v in variances), unit_of(parameter.unit, problem), why
+                float(values[i]), [float(v[i]) for v in variances], unit_of(parameter.unit, problem), why
             )
     return out
 
@@ -122,7 +130,7 @@ def base_parameters(found: Fit, problem: Problem, omega: float, explained: bool)
         for name, slope in slopes.items():
             if name in at:
                 gradient[at[name]] = slope
-        return _quantity(value, _variance(matrices, gradient), unit, _ON_BOUND if on_bound else None)
+        return _quantity(value, _variances(matrices, gradient), unit, _ON_BOUND if on_bound else None)
 
     m, c, k, f_k = model.m, model.c, model.k, model.f_k
     given = {
@@ -163,7 +171,7 @@ def plain_parameters(found: Fit, problem: Problem, omega: float, explained: bool
         own = about_an_axis(unit) if name == "m" and problem.angular else own
         if name in at:
             bound = _ON_BOUND if name in ("c", "f_k") and value <= 0.0 else None
-            out[name] = _quantity(value, max(float(v[at[name]]) for v in variances), own, bound)
+            out[name] = _quantity(value, [float(v[at[name]]) for v in variances], own, bound)
         elif name == "m":
             out[name] = Quantity(value, None, own, "given, not fitted")
     return out

@@ -59,7 +59,7 @@ class _Moved:
         drive = problem.drive
         # where the force was measured: one that is held acts half an interval later, others have knots between samples
         at = problem.t + (drive.t[0] - problem.t[0])
-        noise = channel_noise(at, np.interp(at, drive.t, drive.u))
+        noise = channel_noise(at, np.interp(at, drive.t, drive.u), rests=True)
         return cls(problem, observe(model, whole, (), scales, COARSE).y, at, noise)
 
     def drawn(self, random: np.random.Generator) -> InverseDynamics:

@@ -68,8 +68,8 @@ def _periods(found: ForceFit, measured: Measured) -> list[float]:
 
 
 def whole_in(model: Model, measured: Measured) -> bool:
-    """Whether a period, or the relaxation, of a model's last law lies in the recording whole."""
-    return within(model.terms[-1], float(np.ptp(measured.x)), float(measured.t[-1] - measured.t[0]))
+    """Whether a period, the relaxation, or the bending of a model's last law lies in the recording whole."""
+    return within(model.terms[-1], model.f_k, float(np.ptp(measured.x)), float(measured.t[-1] - measured.t[0]))
 
 
 def starts(found: ForceFit, measured: Measured, problem: Problem, scales: Scales) -> Iterator[Model]:

@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from harness.core.angular import about_an_axis
 from harness.core.arrays import FloatArray
 from harness.core.errors import InputError
 from harness.core.recording import Recording
@@ -113,7 +114,7 @@ def _followed(problem: Driven, course: Course, u: FloatArray, asked: Asked) -> t
         return _with_covariates(problem, asked, course)
     if asked.guarded:
         return _by_force(problem, asked, course)
-    noise_u = channel_noise(t, u)
+    noise_u = channel_noise(t, u, rests=True)
     if isinstance(problem.starts, Windows):
         problem = _allowing(problem, first, noise_u)
     force = acting(problem, u)
@@ -133,7 +134,7 @@ def _followed(problem: Driven, course: Course, u: FloatArray, asked: Asked) -> t
     notes = []
     if problem.force_noise is not None and problem.force_noise.noise.found:
         share = 100.0 * noise_u.sigma / math.sqrt(float(np.mean(u**2)))
-        of = f"{noise_u.sigma:.3g} N ({share:.2g} % of its rms)"
+        of = f"{noise_u.sigma:.3g} {about_an_axis('N') if problem.angular else 'N'} ({share:.2g} % of its rms)"
         notes.append(f"the force's own noise, {of}, shows in the motion and is allowed for")
     if not isinstance(problem.starts, Windows):
         return problem, ("driven: the whole recording is followed from one start", *notes)

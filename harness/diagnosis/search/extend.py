@@ -258,9 +258,9 @@ def extend(
 
 
 def _is_seen(found: Fit, problem: Problem) -> bool:
-    """Whether what was recorded holds a period over the travel, half a one in time, or the relaxation of each law."""
+    """Whether what was recorded holds a period over the travel, half a one in time, and what else each law needs."""
     travel, span = float(np.ptp(found.shown.x)), problem.duration
-    return all(within(entry, travel, span, PERIOD_SEEN.value) for entry in found.model.terms)
+    return all(within(entry, found.model.f_k, travel, span, PERIOD_SEEN.value) for entry in found.model.terms)
 
 
 def _finalists(rough: list[Fit], before: float) -> list[Fit]:

@@ -91,7 +91,7 @@ TERM = Term(
     "presliding",
     "friction",
     Slot.FRICTION_LAW,
-    (Parameter("sigma0", "N/m", 0.0, positive=True, springs=1e4), Parameter("sigma1", "N s/m", 0.0)),
+    (Parameter("sigma0", "N/m", 0.0, positive=True, springs=1e4, bends=True), Parameter("sigma1", "N s/m", 0.0)),
     "Friction builds up over a presliding displacement (bristle): sigma0 = {sigma0}, sigma1 = {sigma1}.",
     law,
     probes,
