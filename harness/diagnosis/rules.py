@@ -575,10 +575,11 @@ SAME_CLOCK = Rule(
     "same-clock",
     1.5,
     "periods over the recording",
-    "a law with a clock keeps time with the swing, and is listed but never the main effect; a model that explains a"
-    " recording by a clock on the swing itself, by one so slow, or by two so near is graded as one that does not",
+    "a law with a clock keeps time with the swing, and is no name; a model that explains a recording by a clock on the"
+    " swing itself, by one so slow, or by two so near is graded as one that does not",
     "two frequencies nearer than one over the length of the recording are one (Rayleigh), and half of that again for"
-    " a period that changes with the swing",
+    " a period that changes with the swing; listed, such a law was right in none of 99 of 600 simulated machines"
+    " (harness prove --machines)",
 )
 LEAST_CYCLES = Rule(
     "least-cycles",

@@ -9,6 +9,7 @@ from harness.core.arrays import FloatArray
 from harness.core.errors import InputError
 from harness.diagnosis.baseline.base_fit import baseline
 from harness.diagnosis.baseline.words import evidence
+from harness.diagnosis.explain.cautions import in_time
 from harness.diagnosis.explain.graded import told
 from harness.diagnosis.fit.model_fit import fit
 from harness.diagnosis.fit.parameters import free_of
@@ -16,7 +17,7 @@ from harness.diagnosis.grading.beginning import from_the_beginning
 from harness.diagnosis.grading.clocks import on_the_swing
 from harness.diagnosis.grading.first_turn import after_first_turn
 from harness.diagnosis.grading.friction_split import _others, resplit
-from harness.diagnosis.grading.grade import Finalist, Graded, decided, grade
+from harness.diagnosis.grading.grade import Finalist, Graded, decided, grade, in_step
 from harness.diagnosis.grading.misfit import misfit
 from harness.diagnosis.grading.prediction import Predicted
 from harness.diagnosis.outcome import Grade
@@ -34,6 +35,7 @@ from harness.diagnosis.rules import (
     MOST_LISTED,
     NEARLY_AS_MUCH,
     RUN_BETTER,
+    SAME_CLOCK,
     SHARE_OF_EXCESS,
     SHARE_OF_MISFIT,
 )
@@ -145,12 +147,26 @@ def test_a_name_is_told_apart_by_a_margin_that_grows_with_the_words(graded: Grad
     assert len(near.named) == 2
 
 
-def test_a_clock_on_the_swing_is_listed_last_and_never_the_main_effect(graded: Graded) -> None:
+def test_a_clock_on_the_swing_is_no_name_but_what_is_beside_it_does_not_stand_apart(graded: Graded) -> None:
     ahead = moved(graded, -20.0, clock=True)
     assert ahead.grade is Grade.ONE_OF
-    assert [f.clock for f in ahead.named] == [False, True]
+    assert [f.clock for f in ahead.named] == [False]
+    assert SAME_CLOCK in ahead.rules
+    beside = in_step(ahead)
+    assert beside is not None
+    assert beside.clock
+    assert moved(graded, 100.0, clock=True).grade is Grade.MAIN
+
+
+def test_a_clock_on_the_swing_alone_is_nothing_and_it_is_said_why(graded: Graded) -> None:
     alone = decided(replace(graded, finalists=(replace(graded.finalists[0], clock=True),)))
-    assert alone.grade is Grade.ONE_OF
+    assert (alone.grade, alone.named) == (None, ())
+    assert SAME_CLOCK in alone.rules
+    (said,) = in_time(alone)
+    share = f"{100.0 * alone.finalists[0].share:.0f} %"
+    assert said.startswith(f"{alone.finalists[0].name} takes {share} of the misfit off and is no name: it keeps time")
+    assert in_step(graded) is None
+    assert in_time(graded) == ()
 
 
 def test_a_name_that_runs_on_far_better_is_listed_beside_the_first(graded: Graded) -> None:

@@ -200,25 +200,30 @@ def test_a_model_that_predicts_worse_is_told_so() -> None:
 
 
 def test_cautions_of_a_graded_misfit() -> None:
-    def graded(left_out: float, cycles: float, grade: Grade | None, clock: bool, pairs: bool = True) -> Any:
+    def graded(left_out: float, cycles: float, grade: Grade | None, pairs: bool = True) -> Any:
         problem = SimpleNamespace(pairs_searched=pairs)
         misfit = SimpleNamespace(left_out=left_out, strokes=SimpleNamespace(cycles=cycles), problem=problem)
-        named = SimpleNamespace(name="harmonic-force", clock=clock, run=SimpleNamespace(total=0.9025))
+        named = SimpleNamespace(name="harmonic-force", clock=False, share=0.5, run=SimpleNamespace(total=0.9025))
         return SimpleNamespace(
-            misfit=misfit, grade=grade, named=(named,), base_run=SimpleNamespace(total=1.0), chance=None, rules=()
+            misfit=misfit,
+            grade=grade,
+            named=(named,),
+            base_run=SimpleNamespace(total=1.0),
+            chance=None,
+            rules=(),
+            finalists=(named,),
         )
 
-    (said,) = cautions_of_misfit(graded(0.0, 20.0, Grade.MAIN, False))
+    (said,) = cautions_of_misfit(graded(0.0, 20.0, Grade.MAIN))
     assert said.startswith("no entry or pair of the catalogue")
-    (said,) = cautions_of_misfit(graded(0.0, 20.0, Grade.MAIN, False, pairs=False))
+    (said,) = cautions_of_misfit(graded(0.0, 20.0, Grade.MAIN, pairs=False))
     assert said.startswith("no entry of the catalogue")
-    crowd = graded(0.0, 20.0, Grade.ONE_OF, False)
+    crowd = graded(0.0, 20.0, Grade.ONE_OF)
     crowd.chance = 0.377
     assert "look like this one 38 % have harmonic-force as their main effect" in cautions_of_misfit(crowd)[1]
-    all_said = cautions_of_misfit(graded(0.31, 4.5, Grade.ONE_OF, True))
+    all_said = cautions_of_misfit(graded(0.31, 4.5, Grade.ONE_OF))
     for words in ("the first 0.31 s", "4.5 cycles are too few"):
         assert any(words in one for one in all_said)
-    assert all_said[-1].startswith("harmonic-force has the period of the oscillation itself")
 
 
 def test_what_a_recording_leaves_open_and_what_would_decide(monkeypatch: pytest.MonkeyPatch) -> None:

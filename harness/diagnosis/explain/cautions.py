@@ -2,7 +2,7 @@
 
 from harness.diagnosis.baseline.words import strokes_of
 from harness.diagnosis.fit.model_fit import Fit
-from harness.diagnosis.grading.grade import Contest, Graded
+from harness.diagnosis.grading.grade import Contest, Graded, in_step
 from harness.diagnosis.outcome import Grade, Holdout
 from harness.diagnosis.rules import DECISIVE, LEAST_CYCLES, PREDICTS_WORSE, SHARE_OF_MISFIT
 from harness.diagnosis.search.extend import key_of
@@ -82,10 +82,18 @@ def cautions_of_misfit(graded: Graded) -> tuple[str, ...]:
     if graded.grade is Grade.ONE_OF and cycles < LEAST_CYCLES.value:
         said.append(_FEW.format(cycles, LEAST_CYCLES.value))
     said += unlikely(graded)
-    clocks = [f.name for f in graded.named if f.clock]
-    if clocks:
-        said.append(f"{clocks[0]} has the period of the oscillation itself, and such a law follows any other")
-    return tuple(said)
+    return (*said, *in_time(graded))
+
+
+def in_time(found: Contest) -> tuple[str, ...]:
+    """Why what takes much is not named, where that is a law that keeps time with the motion."""
+    clock = in_step(found)
+    if clock is None:
+        return ()
+    return (
+        f"{clock.name} takes {100.0 * clock.share:.0f} % of the misfit off and is no name: it keeps time with the"
+        " motion itself, and such a law follows any other",
+    )
 
 
 def unlikely(found: Contest) -> tuple[str, ...]:

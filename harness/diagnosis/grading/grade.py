@@ -191,7 +191,7 @@ def _loosest(fit: Fit, misfit: Misfit) -> float:
 def decided(found: C) -> C:
     """Grade finalists whose evidence and predictions are known."""
     found = replace(found, chance=None)
-    return _by_share(found) or _by_run(found) or _by_clock(found) or _minor(found)
+    return _by_share(found) or _by_run(found) or _minor(found)
 
 
 def ranked(misfit: Misfit, begun: Sequence[Model] = ()) -> list[Finalist]:
@@ -240,7 +240,10 @@ def cells_of(seen: Evidence) -> dict[str, float]:
 
 
 def _alike(first: Finalist, found: Contest) -> list[Finalist]:
-    """Those that are not told apart from the first; a clock on the swing follows anything, so that it must predict."""
+    """Those that are not told apart from the first; a clock on the swing follows anything, so that it must predict.
+
+    Such a one is no name, but beside it the first does not stand apart.
+    """
     margin = margin_of(found.words)
     near = [f for f in found.finalists if f is not first and f.gain >= GAIN.value and f.gain > first.gain - margin]
     return [f for f in near if not f.clock] + [f for f in near if f.clock and worthy(f, found)]
@@ -268,8 +271,9 @@ def _by_share(found: C) -> C | None:
     better = [f for f in candidates if f not in near and _predicts_better(f, first)]
     listed, rules = (first, *near, *better), (*rules, MARGIN, LEAST_RATIO)
     if len(listed) > 1:
-        listed = listed[: MOST_LISTED.count]
-        return replace(found, grade=Grade.ONE_OF, named=listed, rules=(*rules, MOST_LISTED))
+        if any(f.clock for f in listed):
+            listed, rules = tuple(f for f in listed if not f.clock), (*rules, SAME_CLOCK)
+        return replace(found, grade=Grade.ONE_OF, named=listed[: MOST_LISTED.count], rules=(*rules, MOST_LISTED))
     if found.cycles < LEAST_CYCLES.value:
         return replace(found, grade=Grade.ONE_OF, named=listed, rules=(*rules, LEAST_CYCLES))
     likely, least = found.chance_of(first), found.odds.least
@@ -282,7 +286,7 @@ def _by_share(found: C) -> C | None:
 
 def _nearly_as_much(first: Finalist, found: Contest) -> tuple[Finalist, ...]:
     """Others that take nearly as much off as the first, most evidence first: several small effects sum up to any."""
-    others = (f for f in found.finalists if f is not first)
+    others = (f for f in found.finalists if f is not first and not f.clock)
     return tuple(f for f in others if f.share >= NEARLY_AS_MUCH.value * first.share)
 
 
@@ -314,16 +318,20 @@ def _by_run(found: C) -> C | None:
     return replace(found, grade=Grade.ONE_OF, named=listed, rules=(RUN_BETTER, GAIN))
 
 
-def _by_clock(found: C) -> C | None:
-    """A law with a clock on the swing, where it alone takes most of the misfit: it follows any other, and is listed."""
-    clocks = [f for f in found.finalists if f.clock and worthy(f, found)]
-    if not clocks:
-        return None
-    rules = (GAIN, SHARE_OF_EXCESS, SHARE_OF_MISFIT, HELD_OUT, SAME_CLOCK)
-    return replace(found, grade=Grade.ONE_OF, named=tuple(clocks[:1]), rules=rules)
+def in_step(found: Contest) -> Finalist | None:
+    """A law with a clock on the swing that takes as much as what is named; None where none does.
+
+    It follows any other, and is none of the names.
+    """
+    most = found.named[0].share if found.named and found.grade is not Grade.MINOR else 0.0
+    clocks = (f for f in found.finalists if f.clock and worthy(f, found))
+    return next((f for f in clocks if f.share >= NEARLY_AS_MUCH.value * most), None)
 
 
 def _minor(found: C) -> C:
     """The largest single part, no headline."""
     parts = [f for f in found.finalists if f.gain >= GAIN.value and not f.clock]
-    return replace(found, grade=Grade.MINOR if parts else None, named=tuple(parts[:1]), rules=(GAIN, SHARE_OF_EXCESS))
+    rules: tuple[Rule, ...] = (GAIN, SHARE_OF_EXCESS)
+    if any(f.clock and worthy(f, found) for f in found.finalists):
+        rules = (*rules, SAME_CLOCK)
+    return replace(found, grade=Grade.MINOR if parts else None, named=tuple(parts[:1]), rules=rules)
