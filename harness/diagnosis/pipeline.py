@@ -173,7 +173,7 @@ def _said(judged: Judged) -> Outcome:
         base_parameters=base_parameters(found.base, problem, scales.omega, verdict == "adequate"),
         refined_parameters=base_parameters(refined, problem, scales.omega, verdict != "unexplained"),
         next_experiment=next_experiment(left_open(mechanisms, found), problem, scales)
-        or to_be_sure(mechanisms, judgement.rules),
+        or to_be_sure(mechanisms, judgement.rules, "driven" in problem.given),
         warnings=(*said, *warned, *unpredicted, *judged.found.notes),
         stepping=stepping,
         rules=(*judgement.rules, *(COVARIATES if problem.covariates else ()), *(POOLING if problem.alone else ())),
@@ -198,7 +198,7 @@ def _misfit_said(judged: Judged, graded: Graded) -> Outcome:
         base_parameters=base_parameters(said.base, said.problem, omega, explained=False),
         refined_parameters=base_parameters(said.refined, said.problem, omega, explained=False),
         next_experiment=next_experiment(left_open_by_grade(said.mechanisms, graded), said.problem, graded.misfit.scales)
-        or to_be_sure(said.mechanisms, judged.judgement.rules),
+        or to_be_sure(said.mechanisms, judged.judgement.rules, "driven" in said.problem.given),
         warnings=(*cautions_of_misfit(graded), *judged.found.notes),
         rules=(*judged.judgement.rules, *(POOLING if said.problem.alone else ())),
         remainder=said.remainder,

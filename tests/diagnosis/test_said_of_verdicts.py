@@ -22,13 +22,16 @@ from harness.diagnosis.rules import EVEN, LEAST_CYCLES, SHARE_OF_MISFIT, Rule
 from harness.diagnosis.search.search import _beam, _merged
 from harness.model.experiments import LARGER
 from harness.model.model import Model, ModelTerm
+from harness.model.registry import TERMS
 
 DRAG = ModelTerm.named("quadratic-drag", c2=0.2)
 STRIBECK = ModelTerm.named("stribeck", f_s=0.5, v_s=0.1)
 
 
 def named(name: str, grade: Grade = Grade.EXPLAINS, share: float | None = None, *others: str) -> Any:
-    entry = SimpleNamespace(term=SimpleNamespace(name=name, family="damping"))
+    entry = SimpleNamespace(
+        term=SimpleNamespace(name=name, family="damping", repeating=next(t for t in TERMS if t.name == name).repeating)
+    )
     alternatives = tuple(SimpleNamespace(name=other) for other in others)
     said = f"{name} is so much."
     return SimpleNamespace(name=name, grade=grade, share=share, statement=said, entry=entry, alternatives=alternatives)
@@ -167,9 +170,13 @@ def test_why_a_law_that_explains_all_is_not_named_and_what_would_decide() -> Non
     assert small.startswith("noise is 83 % of what viscous and Coulomb friction leave")
     assert cautions(found, judged("one_of", None, EVEN), NONE_HELD) == ()
     sure = "To be sure of stribeck: "
-    assert to_be_sure([LISTED, MINOR], (LEAST_CYCLES,)).startswith(f"{sure}a decay of 8 cycles or more")
-    assert to_be_sure([LISTED], ()).startswith(f"{sure}releases from displacements")
-    assert to_be_sure([MAIN], (LEAST_CYCLES,)) == to_be_sure([LISTED, LISTED], (LEAST_CYCLES,)) == ""
+    assert to_be_sure([LISTED, MINOR], (LEAST_CYCLES,), False).startswith(f"{sure}a decay of 8 cycles or more")
+    assert to_be_sure([LISTED], (), False).startswith(f"{sure}releases from displacements")
+    assert to_be_sure([MAIN], (LEAST_CYCLES,), False) == to_be_sure([LISTED, LISTED], (LEAST_CYCLES,), False) == ""
+    # nothing is let go where a force drives
+    assert to_be_sure([LISTED], (LEAST_CYCLES,), True) == f"{sure}a recording of 16 independent strokes or more."
+    assert to_be_sure([LISTED], (), True).startswith(f"{sure}drives whose speeds differ")
+    assert "stays where it is" in to_be_sure([named("force-ripple", Grade.ONE_OF)], (), False)
     near = search(chosen=of(DRAG), rivals=(of(DRAG), of(STRIBECK)))
     both = left_open([named("quadratic-drag", Grade.ONE_OF), LISTED], near)
     assert both is not None
@@ -241,6 +248,10 @@ def test_what_a_recording_leaves_open_and_what_would_decide(monkeypatch: pytest.
     assert open_ is not None
     assert open_.names == ("quadratic-drag", "stribeck")
     assert open_.rival is None
+    driven: Any = SimpleNamespace(given=("driven",))
+    stops = Open(("cubic-stiffness", "end-stop"), "stiffness", of(), None)
+    for asked, words in ((open_, "drives whose speeds"), (stops, "a drive over a longer way")):
+        assert f": {words}" in next_experiment(asked, driven, SimpleNamespace())  # type: ignore[arg-type]
     free: Any = SimpleNamespace(given=(), covariates={}, angular=False, channels={"x": np.zeros(3), "a": np.zeros(3)})
     scales: Any = SimpleNamespace()
     assert next_experiment(None, free, scales) == ""

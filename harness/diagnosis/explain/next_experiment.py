@@ -12,7 +12,7 @@ from harness.diagnosis.rules import LEAST_CYCLES, Rule
 from harness.diagnosis.search.extend import key_of
 from harness.diagnosis.search.search import Search, under
 from harness.kernels.solve import Scales
-from harness.model.experiments import LARGER
+from harness.model.experiments import DRIVEN, LARGER, SLOW
 from harness.model.registry import TERMS
 
 _BY_FAMILY = {
@@ -22,6 +22,14 @@ _BY_FAMILY = {
     "environment": "the same release repeated: what hangs on the clock and what hangs on the motion then part",
     "sensor": "position and acceleration recorded together",
 }
+_DRIVEN = {
+    "friction": SLOW,
+    "damping": "drives whose speeds differ by a factor of three or more",
+    "stiffness": DRIVEN[LARGER],
+    "environment": "the same drive repeated: what hangs on the clock and what hangs on the motion then part",
+    "sensor": "position and acceleration recorded together",
+}
+_ALONG_THE_WAY = "strokes from other places: what hangs on the place stays where it is"
 _APART = 0.5
 """Of what a model leaves now, from which a difference is worth a recording; it moves no verdict."""
 
@@ -75,22 +83,33 @@ def next_experiment(found: Open | None, problem: Problem, scales: Scales) -> str
     if found is None:
         return ""
     name, other = found.names
-    advice = _told(name, other) or _told(other, name) or _BY_FAMILY[found.family]
+    told = _told(name, other) or _told(other, name)
+    if "driven" in problem.given:
+        return f"To tell {name} from {other}: {DRIVEN[told] if told else _DRIVEN[found.family]}."
+    advice = told or _BY_FAMILY[found.family]
     if found.family == "sensor":
         return f"To tell {name} from {other}: {LARGER if {'x', 'a'} <= set(problem.channels) else advice}."
     far = _by_release(found, problem, scales)
     return f"To tell {name} from {other}: {far or advice}."
 
 
-def to_be_sure(mechanisms: Sequence[Mechanism], rules: Sequence[Rule]) -> str:
-    """What would decide on a law that is listed alone: a sentence, empty where something else is."""
+def to_be_sure(mechanisms: Sequence[Mechanism], rules: Sequence[Rule], driven: bool) -> str:
+    """What would decide on a law that is listed alone: a sentence, empty where something else is.
+
+    driven : whether a force drives the slider, and nothing lets it go.
+    """
     listed = [m for m in mechanisms if m.grade is Grade.ONE_OF]
     if len(listed) != 1:
         return ""
-    if LEAST_CYCLES in rules:
+    term = listed[0].entry.term
+    if LEAST_CYCLES in rules and driven:
+        advice = f"a recording of {2.0 * LEAST_CYCLES.value:g} independent strokes or more"
+    elif LEAST_CYCLES in rules:
         advice = f"a decay of {LEAST_CYCLES.value:g} cycles or more, let go from farther out if friction ends it before"
+    elif term.repeating("travel") is not None:
+        advice = _ALONG_THE_WAY
     else:
-        advice = _BY_FAMILY[listed[0].entry.term.family]
+        advice = (_DRIVEN if driven else _BY_FAMILY)[term.family]
     return f"To be sure of {listed[0].name}: {advice}."
 
 
