@@ -138,7 +138,7 @@ def of(*terms: ModelTerm, chi2: float = 500.0, bic: float = 0.0) -> Any:
 
 
 def search(spare: float = 0.0, **changed: Any) -> Any:
-    problem = SimpleNamespace(spare=spare)
+    problem = SimpleNamespace(spare=spare, given=())
     known = {"base": of(chi2=1100.0), "chosen": of(), "singles": (of(DRAG, chi2=600.0), of(STRIBECK, chi2=850.0))}
     return SimpleNamespace(**{**known, "problem": problem, "rivals": (), **changed})
 
@@ -208,7 +208,7 @@ def test_a_model_that_predicts_worse_is_told_so() -> None:
 
 def test_cautions_of_a_graded_misfit() -> None:
     def graded(left_out: float, cycles: float, grade: Grade | None, pairs: bool = True) -> Any:
-        problem = SimpleNamespace(pairs_searched=pairs)
+        problem = SimpleNamespace(pairs_searched=pairs, given=())
         misfit = SimpleNamespace(left_out=left_out, strokes=SimpleNamespace(cycles=cycles), problem=problem)
         named = SimpleNamespace(name="harmonic-force", clock=False, share=0.5, run=SimpleNamespace(total=0.9025))
         return SimpleNamespace(

@@ -69,7 +69,7 @@ def coloured(phi: float) -> np.ndarray:
 
 def test_a_steady_residual_of_first_order_colour_is_noise() -> None:
     said = Noise(0.5, True)
-    found = coloured_whole(coloured(0.6), np.ones(4000), said)
+    found = coloured_whole(coloured(0.6), np.ones(4000), said, 28)
     assert found.phi == pytest.approx(0.6, abs=0.05)
     assert found.sigma == pytest.approx(1.0, rel=0.05)
 
@@ -78,4 +78,26 @@ def test_a_burst_is_no_noise() -> None:
     """A hand's jerk in the first fiftieth of a residual: five times as strong as what follows."""
     said, burst = Noise(0.5, True), coloured(0.6)
     burst[:80] *= 5.0
-    assert coloured_whole(burst, np.ones(4000), said) is said
+    assert coloured_whole(burst, np.ones(4000), said, 28) is said
+
+
+@pytest.mark.parametrize("width", [12, 28, 40])
+@pytest.mark.parametrize("phi", [0.3, 0.6, 0.8])
+def test_noise_of_a_colour_is_seen_as_such_by_windows_too(phi: float, width: int) -> None:
+    said = Noise(0.5, True)
+    for seed in range(40):
+        drawn = Noise(1.0, True, phi).drawn(600, np.random.default_rng(seed))
+        assert coloured_whole(drawn, np.ones(600), said, width).phi > 0.0
+
+
+@pytest.mark.parametrize("width", [20, 28, 40])
+def test_a_slow_misfit_under_a_fast_noise_is_no_colour(width: int) -> None:
+    """Its neighbours are as alike as those of a colour, but a window of a quarter of a swing sees the noise alone."""
+    said, t = Noise(1.0, True), np.arange(1200.0)
+    for seed in range(20):
+        random = np.random.default_rng(seed)
+        slow = np.cos(2.0 * np.pi * t / 112.0 + random.uniform(0.0, 6.0)) * (1.0 + 0.3 * np.cos(t / 200.0))
+        residual = random.standard_normal(t.size) + 2.0 * slow
+        close = float(residual[1:] @ residual[:-1] / (residual @ residual))
+        assert 0.5 < close < 0.8
+        assert coloured_whole(residual, np.ones(t.size), said, width) is said

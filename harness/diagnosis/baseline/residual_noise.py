@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 from scipy.special import chdtrc
 
-from harness.core.arrays import FloatArray
+from harness.core.arrays import BoolArray, FloatArray
 from harness.diagnosis.rules import STEADY
 from harness.estimate.noise import FLOOR, Noise, quantisation_step
 
@@ -28,6 +28,9 @@ _FEWEST, _FEWEST_OF_COLOUR, _LEAST_FREEDOM = 4, 10, 6
 """Windows whose power has a median; windows that tell a colour, and the degrees of freedom of each."""
 _LONGEST_COLOUR = 0.97
 """At the end of the grid: a colour as long as the windows, which is motion."""
+_AS_FAST = 0.7
+"""Of the power that windows would see of a colour, the least that they must: of drawn noise of 300 samples or more,
+.72 is the least of 4,800 draws."""
 _STRETCHES = 16
 """Of a residual, of which none may be stronger than chance makes the strongest."""
 _GRID = np.linspace(-0.9, 0.98, 95)
@@ -50,12 +53,13 @@ def _expected(keep: FloatArray) -> tuple[FloatArray, FloatArray]:
     return level, product / level
 
 
-def coloured_whole(residual: FloatArray, weight: FloatArray, said: Noise) -> Noise:
+def coloured_whole(residual: FloatArray, weight: FloatArray, said: Noise, width: int) -> Noise:
     """Noise of first-order colour that a residual (n,) as a whole would be; ``said`` where it shows no such colour.
 
-    said : as windows tell it; they see little of a colour that lasts long beside them. weight (n,) : 0 for samples that
-    do not count. Positive colours only, short beside a motion of some twenty samples a period, and as strong in every
-    stretch as in the others: a burst, such as a hand's at the release, is no noise.
+    said : as windows of ``width`` samples tell it; they see little of a colour that lasts long beside them. weight (n,)
+    : 0 for samples that do not count. Positive colours only, short beside a motion of some twenty samples a period, as
+    strong in every stretch as in the others (a burst, such as a hand's at the release, is no noise), and as strong in
+    windows as such a colour is: a slow misfit under a fast noise looks coloured as well, but moves less in each.
     """
     used = weight > 0.0
     both = used[1:] & used[:-1]
@@ -68,7 +72,27 @@ def coloured_whole(residual: FloatArray, weight: FloatArray, said: Noise) -> Noi
     if not _SHOWS / math.sqrt(n) < phi < _MOST_COLOUR:
         return said
     coloured = replace(said, sigma=math.sqrt(power), phi=phi)
-    return coloured if _steady(coloured.whitened(residual)[used]) else said
+    fast = _in_windows(residual, used, width) >= _AS_FAST * power * _seen_of(phi, width)
+    return coloured if fast and _steady(coloured.whitened(residual)[used]) else said
+
+
+def window_of(t: FloatArray, period: float) -> int:
+    """Samples of a window, at times t (n,), s, of a motion with this period, s."""
+    return int(np.clip(_SHARE_OF_PERIOD * period / np.median(np.diff(t)), _SHORTEST, _LONGEST))
+
+
+def _in_windows(residual: FloatArray, used: BoolArray, width: int) -> float:
+    """Mean power in windows that count throughout; without any, infinite."""
+    whole = residual.size // width * width
+    counts = np.all(used[:whole].reshape(-1, width), axis=1)
+    left = residual[:whole].reshape(-1, width)[counts] @ _residual_maker(width)
+    return float(np.mean(np.sum(left**2, axis=1))) if left.size else math.inf
+
+
+def _seen_of(phi: float, width: int) -> float:
+    """Mean power in a window of first-order noise of unit variance."""
+    lags = np.abs(np.subtract.outer(np.arange(width), np.arange(width)))
+    return float(np.sum(_residual_maker(width) * phi**lags))
 
 
 def _steady(white: FloatArray) -> bool:
@@ -88,7 +112,7 @@ def residual_noise(t: FloatArray, residual: FloatArray, channel: FloatArray, per
     t : s. period : of the motion, s. Windows in which the model misses a jump are outvoted. Never below the
     quantisation's step^2/12, nor 1e-5 of the channel's rms.
     """
-    width = int(np.clip(_SHARE_OF_PERIOD * period / np.median(np.diff(t)), _SHORTEST, _LONGEST))
+    width = window_of(t, period)
     windows = residual[: residual.size // width * width].reshape(-1, width)
     span = np.ptp(channel[: windows.size].reshape(-1, width), axis=1)
     moving = span > _MOVING * np.ptp(channel)

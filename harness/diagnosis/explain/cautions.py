@@ -4,6 +4,7 @@ from harness.diagnosis.baseline.words import strokes_of
 from harness.diagnosis.fit.model_fit import Fit
 from harness.diagnosis.grading.grade import Contest, Graded, in_step
 from harness.diagnosis.outcome import Grade, Holdout
+from harness.diagnosis.problem import Problem
 from harness.diagnosis.rules import DECISIVE, LEAST_CYCLES, PREDICTS_WORSE, SHARE_OF_MISFIT
 from harness.diagnosis.search.extend import key_of
 from harness.diagnosis.search.search import Search
@@ -11,7 +12,6 @@ from harness.diagnosis.verdict import Judgement
 
 _MOST_CLOSEST = 3
 """Names listed as closest."""
-_FEW = "{:.3g} cycles are too few for one name alone; a decay of {:g} would do"
 _NOISY_FORCE = (
     "the noise of the measured force shifts reversals and sticking by more than can be allowed for; a force measured"
     " with less noise would decide"
@@ -40,7 +40,7 @@ def _one_of(found: Search, judgement: Judgement) -> tuple[str, ...]:
     said = []
     if LEAST_CYCLES in judgement.rules:
         cycles = strokes_of(found.chosen, found.problem).cycles
-        said.append(f"it explains the recording to its noise, but {_FEW.format(cycles, LEAST_CYCLES.value)}")
+        said.append(f"it explains the recording to its noise, but {_few(cycles, found.problem)}")
     if SHARE_OF_MISFIT in judgement.rules:
         said.append(
             f"noise is {100.0 * found.chosen.chi2 / found.base.chi2:.0f} % of what viscous and Coulomb friction leave:"
@@ -57,6 +57,11 @@ def _undecided(chosen: Fit, rival: Fit) -> str:
         " different kinds do, it is as likely an effect of no catalogue, and none is named; standard errors are"
         " inflated by the misfit"
     )
+
+
+def _few(cycles: float, problem: Problem) -> str:
+    of = "recording" if "driven" in problem.given else "decay"
+    return f"{cycles:.3g} cycles are too few for one name alone; a {of} of {LEAST_CYCLES.value:g} would do"
 
 
 def _closest(found: Search) -> tuple[str, ...]:
@@ -80,7 +85,7 @@ def cautions_of_misfit(graded: Graded) -> tuple[str, ...]:
         )
     cycles = graded.misfit.strokes.cycles
     if graded.grade is Grade.ONE_OF and cycles < LEAST_CYCLES.value:
-        said.append(_FEW.format(cycles, LEAST_CYCLES.value))
+        said.append(_few(cycles, graded.misfit.problem))
     said += unlikely(graded)
     return (*said, *in_time(graded))
 

@@ -12,7 +12,7 @@ from typing import TypeAlias
 
 import numpy as np
 
-from harness.diagnosis.baseline.residual_noise import coloured_whole, residual_noise
+from harness.diagnosis.baseline.residual_noise import coloured_whole, residual_noise, window_of
 from harness.diagnosis.fit.model_fit import Fit, whitened
 from harness.diagnosis.problem import P, Problem
 from harness.diagnosis.residual_tests.structure import Left, left_by, structure
@@ -71,7 +71,8 @@ def noise_of(found: Fit, problem: Problem, omega: float) -> dict[str, Noise]:
     said = {c: residual_noise(problem.t, left[c], y, period) for c, y in problem.channels.items()}
     if not problem.slow_is_sensors:
         return problem.own_noise(said)
-    whole = {c: coloured_whole(left[c], problem.weight[c], said[c]) for c in said}
+    width = window_of(problem.t, period)
+    whole = {c: coloured_whole(left[c], problem.weight[c], said[c], width) for c in said}
     if all(whole[c] is said[c] for c in said):
         return said
     coloured = replace(problem, noise={**problem.noise, **whole})
