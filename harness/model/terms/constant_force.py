@@ -28,7 +28,7 @@ def made_of(values: Probe, k: float) -> tuple[Element, ...]:
 
 def words(values: Probe, k: float) -> Mapping[str, str]:
     """By how much it moves the rest position of a spring."""
-    return {"offset": f"{values[0] / k:.4g}" if k > 0.0 else "nothing, without a spring"}
+    return {"moves": f" (on a linear spring the same as an offset of x by {values[0] / k:.4g})" if k > 0.0 else ""}
 
 
 TERM = Term(
@@ -36,7 +36,7 @@ TERM = Term(
     "environment",
     Slot.SMOOTH,
     (Parameter("force", "N", none=0.0),),
-    "A constant force of {force} pushes the slider (on a linear spring the same as an offset of x by {offset}).",
+    "A constant force of {force} pushes the slider{moves}.",
     law,
     probes,
     amplitude=0,
