@@ -1,6 +1,7 @@
 """What has no name gets a model where a force is fitted: the last step of such a diagnosis."""
 
 import math
+from collections.abc import Mapping
 from contextlib import suppress
 from dataclasses import replace
 
@@ -38,11 +39,25 @@ def with_force_tables(outcome: Outcome, graded: ForceGraded) -> Outcome:
         # what was listed, or is a small part, is a model too
         rival = None if graded.best is start else seen.predicted(graded.best)
         if before is not None and kept and (rival is None or improves(kept[0].held, rival)):
-            # what cannot follow the motion is no model of it
+            windows = _windows(kept[0].fit, seen, problem)
+            # what cannot follow the motion, or misses more of it than the base model does, is no model of it
+            if not _follows(windows, outcome.holdout):
+                continue
             with suppress(SimulationError):
                 shown = simulated(_by_force(kept[0].fit, seen), problem, outcome.scales)
-                return _told(outcome, graded, seen, before, kept, problem, shown)
+                return _told(outcome, graded, seen, before, kept, problem, shown, windows)
     return replace(outcome, rules=(*outcome.rules, *RULES))
+
+
+def _windows(found: TableFit, seen: ForceLeft, problem: InverseDynamics) -> dict[str, float] | None:
+    """Rmse by channel over windows that tables took no part in."""
+    return predicted_windows(problem, lambda part: seen.over(found, part.moving[seen.measured.moving]), seen.scales)
+
+
+def _follows(windows: Mapping[str, float] | None, held: Holdout) -> bool:
+    """Whether no channel is missed by more than by the base model."""
+    before = held.baseline_rmse
+    return windows is None or all(size <= before.get(channel, math.inf) for channel, size in windows.items())
 
 
 def _told(
@@ -53,6 +68,7 @@ def _told(
     kept: tuple[Tabulated, ...],
     problem: InverseDynamics,
     shown: Observation,
+    windows: Mapping[str, float] | None,
 ) -> Outcome:
     """The outcome with the best of the tables that stay; before : what is missed without one. shown : with it."""
     first, start, measured = kept[0], seen.start, graded.measured
@@ -63,7 +79,6 @@ def _told(
     independent = graded.reference.memory.independent
     gained = start.bic(independent) - after.bic(independent) - found.effective * math.log(independent)
     base_held = before if start is graded.base else seen.predicted(graded.base)
-    windows = predicted_windows(problem, lambda part: seen.over(found, part.moving[measured.moving]), scales)
     holdout = outcome.holdout
     if windows is not None:
         holdout = replace(holdout, refined_rmse=windows) if holdout.spans else holdout
