@@ -10,16 +10,19 @@ from harness.diagnosis.baseline.driven_base_fit import driven_baseline
 from harness.diagnosis.explain.holdout import periods_held_out
 from harness.diagnosis.fit.another import as_started, only_started
 from harness.diagnosis.fit.model_fit import Fit
+from harness.diagnosis.fit.rmse import fit_percent
 from harness.diagnosis.input_noise.noisy_base_fit import along, in_turn
 from harness.diagnosis.inverse_dynamics.candidates import by_the_force
 from harness.diagnosis.inverse_dynamics.covariates import entered
 from harness.diagnosis.inverse_dynamics.held import as_it_acts
 from harness.diagnosis.inverse_dynamics.unseen_mass import with_unseen_mass
 from harness.diagnosis.inverse_dynamics.validate import Judge
+from harness.diagnosis.kinds.inverse_dynamics import FittedForces
 from harness.diagnosis.kinds.kind import Kind
 from harness.diagnosis.outcome import Holdout
-from harness.diagnosis.prepare.driven import driven_problem, is_driven
+from harness.diagnosis.prepare.driven import by_its_force, driven_problem, is_driven
 from harness.diagnosis.prepare.intersample_hold import ACTS_HELD
+from harness.diagnosis.problem import Problem
 from harness.diagnosis.problems.driven import Driven, Forced
 from harness.diagnosis.problems.inverse_dynamics import InverseDynamics
 from harness.diagnosis.problems.starts import Windows
@@ -33,6 +36,9 @@ from harness.kernels.solve import Scales
 from harness.model.model import Model, ModelTerm
 from harness.model.place import Place
 
+_FOLLOWED = 50.0
+"""Per cent of the motion (NRMSE) below which it is another one: what is left of it says little of a law."""
+_BY_FORCE = "no law explains the recording, of which the base model misses more than half: the force is fitted instead"
 _SAME = 0.01
 """Share of a chi-square that has not moved; noise taken anew each turn moves it too."""
 
@@ -81,6 +87,11 @@ class DrivenRecordings(Kind[Driven]):
             based, alone = _nearer(based, alone, other_way)
         notes = (ACTS_HELD,) if based.whole.is_held else ()
         found = search(based.problem, based.fit, based.scales, renew, alone=alone)
+        if not found.explained and _strays(found.base, found.problem):
+            with suppress(SimulationError):
+                forces = FittedForces()
+                forced = forces.search(forces.fit_base(with_unseen_mass(by_its_force(based.whole))), other)
+                return replace(forced, notes=(_BY_FORCE, *notes, *forced.notes))
         return Found(found, based.scales, found, notes=notes)
 
     def _other_way(self, based: Based[Driven]) -> Based[Driven] | None:
@@ -107,6 +118,12 @@ class DrivenRecordings(Kind[Driven]):
             return [as_started(model, problem, scales) for model in models]
         own, scales = driven_baseline(problem)
         return [only_started(model, problem, own.model, scales) for model in models]
+
+
+def _strays(base: Fit, problem: Problem) -> bool:
+    """Whether a base model shows another motion than the recording."""
+    percent = fit_percent(base.shown.y, problem)
+    return percent["x" if "x" in percent else "v"] < _FOLLOWED
 
 
 def _leaves_noise(found: Fit, based: Based[Driven]) -> bool:

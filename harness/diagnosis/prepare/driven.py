@@ -150,6 +150,11 @@ def _by_force(problem: Driven, asked: Asked, course: Course) -> tuple[InverseDyn
     return InverseDynamics.of(problem, windows), (f"driven: {how}, each restarted from the smoothed recorded state",)
 
 
+def by_its_force(problem: Driven) -> InverseDynamics:
+    """A recording that was to be followed, fitted by its force, as that acts in it."""
+    return InverseDynamics.of(problem, Course.of(problem.t, problem.channels, problem.noise).anew(HORIZON))
+
+
 def _with_covariates(problem: Driven, asked: Asked, course: Course) -> tuple[InverseDynamics, tuple[str, ...]]:
     """Fitted by its force; how covariates enter shows there."""
     horizon = asked.horizon or HORIZON
