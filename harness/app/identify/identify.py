@@ -32,7 +32,7 @@ FREE = "a free decay of at least three half-cycles is accepted"
 def estimate(recording: Recording, restoring: Swing = "spring") -> Estimation:
     """The estimates from a recording; a pendulum is read as the spring that it would be.
 
-    Samples at which a sensor stood at the end of its range are left out, and a warning says so.
+    Samples at which a sensor stood at the end of its range, or that stray, are left out, and a warning says so.
 
     Raises InputError with the reason when it is driven, or shows no free decay.
     """
