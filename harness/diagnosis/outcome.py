@@ -155,6 +155,11 @@ class Table:
     described: str = ""
     nearest: tuple[tuple[str, float], ...] = ()
 
+    @property
+    def has_constant(self) -> bool:
+        """Whether a constant is the table's own."""
+        return not {"constant", "level"} & set(self.gauge)
+
 
 @dataclass(frozen=True, slots=True)
 class Surface:

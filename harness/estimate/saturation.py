@@ -10,8 +10,8 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from harness.core.arrays import BoolArray, FloatArray
-from harness.core.errors import InputError
-from harness.core.recording import MINIMUM_SAMPLES, Recording
+from harness.core.recording import Recording
+from harness.estimate.left_out import without
 from harness.estimate.noise import Noise, channel_noise
 
 _FEWEST = 3
@@ -51,13 +51,7 @@ def within_range(recording: Recording, channels: Sequence[str]) -> tuple[Recordi
         notes.append(
             f"{name} stops at {ends} {unit} at full speed, as a sensor at its limit does: {many} samples are left out"
         )
-    if not notes:
-        return recording, ()
-    kept = int(np.count_nonzero(~lost))
-    if kept < MINIMUM_SAMPLES:
-        found = f"{notes[0]}, and {kept} stay"
-        raise InputError(recording.file, found, f"at least {MINIMUM_SAMPLES} within the sensor's range are accepted")
-    return recording.cut(~lost), tuple(notes)
+    return without(recording, lost, notes, "within the sensor's range"), tuple(notes)
 
 
 def saturated(t: FloatArray, y: FloatArray, noise: Noise) -> BoolArray:

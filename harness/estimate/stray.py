@@ -2,8 +2,8 @@
 
 What has a mass cannot do that. The cubic through the samples on both sides tells the two apart: it goes through these
 as well as noise lets it where the samples between them are wrong, and badly where the motion itself has a corner or a
-step. Of corners, steps, bounces and sines of eight samples a period and more nothing between lies further off the cubic
-than 5.7 times what the sides leave (tests/estimate/test_stray.py).
+step. Of corners, steps, bounces and sines of eight samples a period and more no run of six lies further off the cubic
+throughout than 5.7 times what the sides leave (tests/estimate/test_stray.py).
 """
 
 import math
@@ -12,9 +12,9 @@ from collections.abc import Sequence
 import numpy as np
 
 from harness.core.arrays import FloatArray, IntArray
-from harness.core.errors import InputError
 from harness.core.jit import compiled
-from harness.core.recording import MINIMUM_SAMPLES, Recording
+from harness.core.recording import Recording
+from harness.estimate.left_out import without
 from harness.estimate.noise import Noise, channel_noise
 
 _LONGEST = 6
@@ -40,14 +40,10 @@ def without_stray(recording: Recording, channels: Sequence[str]) -> tuple[Record
     Raises InputError where too few samples are left.
     """
     off, notes = stray_in(recording, channels)
-    if not notes:
-        return recording, ()
-    lost = np.any([values != 0.0 for values in off.values()], axis=0)
-    kept = int(np.count_nonzero(~lost))
-    if kept < MINIMUM_SAMPLES:
-        found = f"{notes[0]}, and {kept} stay"
-        raise InputError(recording.file, found, f"at least {MINIMUM_SAMPLES} that do not are accepted")
-    return recording.cut(~lost), notes
+    lost = np.zeros(len(recording), dtype=np.bool_)
+    for values in off.values():
+        lost |= values != 0.0
+    return without(recording, lost, notes, "that do not"), notes
 
 
 def stray_in(recording: Recording, channels: Sequence[str]) -> tuple[dict[str, FloatArray], tuple[str, ...]]:
@@ -125,7 +121,9 @@ def _cubic(t: FloatArray, y: FloatArray, places: IntArray, middle: float, half: 
 _compiled_cubic = compiled(_cubic)
 
 
-def _off(t: FloatArray, y: FloatArray, begin: int, end: int, gap: float, off: FloatArray, least: FloatArray) -> float:
+def _beside_cubic(
+    t: FloatArray, y: FloatArray, begin: int, end: int, gap: float, off: FloatArray, least: FloatArray
+) -> float:
     """How far y from begin to end is off the cubic through what is beside it, into off (n,); returns what that leaves
     of the sides, root of the mean square; infinity where a gap parts them.
     """
@@ -147,7 +145,7 @@ def _off(t: FloatArray, y: FloatArray, begin: int, end: int, gap: float, off: Fl
     return math.sqrt(left / (2 * _BESIDE - 4))
 
 
-_compiled_off = compiled(_off)
+beside_cubic = compiled(_beside_cubic)
 
 
 def _alone(t: FloatArray, y: FloatArray, gap: float) -> FloatArray:
@@ -155,7 +153,7 @@ def _alone(t: FloatArray, y: FloatArray, gap: float) -> FloatArray:
     out, off, least = np.empty(y.size), np.empty(y.size), np.empty((5, 4))
     many = 0
     for begin in range(_BESIDE, y.size - _BESIDE):
-        if _compiled_off(t, y, begin, begin + 1, gap, off, least) < math.inf:
+        if beside_cubic(t, y, begin, begin + 1, gap, off, least) < math.inf:
             out[many] = abs(off[begin])
             many += 1
     return out[:many]
@@ -176,7 +174,7 @@ def _strays(t: FloatArray, y: FloatArray, gap: float, nearest: float) -> FloatAr
         # what does not jump is not looked at: most of a finely sampled recording
         if abs(y[begin] - 2.0 * y[begin - 1] + y[begin - 2]) >= 0.5 * nearest:
             for end in range(begin + 1, min(begin + _LONGEST, y.size - _BESIDE) + 1):
-                beyond = max(nearest, _CLEAR * _compiled_off(t, y, begin, end, gap, off, least))
+                beyond = max(nearest, _CLEAR * beside_cubic(t, y, begin, end, gap, off, least))
                 if np.all(np.abs(off[begin:end]) > beyond):
                     out[begin:end] = off[begin:end]
                     after = end

@@ -128,6 +128,11 @@ class Model:
             if len(filled) > 1:
                 raise InputError("model", f"{' and '.join(filled)} in slot {slot.value}", "one law is accepted there")
 
+    @property
+    def has_level(self) -> bool:
+        """Whether a constant force is fitted with that of a covariate."""
+        return any(one.has_level for one in self.covariates)
+
     @classmethod
     def of_slider(cls, slider: Slider, x0: float, v0: float = 0.0) -> "Model":
         """The base model of a slider."""

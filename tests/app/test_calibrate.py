@@ -29,6 +29,7 @@ JUDGES = {
         "share-of-misfit",
         "most-words",
         "chance",
+        "same-clock",
     },
     "chance": {"chance"},
     "force-chance": {"force-chance"},
@@ -41,6 +42,7 @@ JUDGES = {
     "driven": {"force-held"},
     "amplitudes": {"amplitudes-apart"},
     "covariates": {"decisive"},
+    "colours": {"as-fast"},
 }
 LONG = {
     "amplitudes",

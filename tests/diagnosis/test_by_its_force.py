@@ -1,5 +1,6 @@
 """Where the base model shows another motion and no law explains the recording, the force is fitted, not the motion."""
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -12,10 +13,13 @@ from harness.diagnosis.kinds import driven
 from harness.diagnosis.pipeline import diagnose
 from harness.diagnosis.problems.driven import Driven
 from harness.diagnosis.problems.inverse_dynamics import InverseDynamics
+from harness.diagnosis.rules import FOLLOWED
 from harness.kernels.solve import Drive, solve
 from harness.model.model import Model, ModelTerm, Restoring
 
-NOTE = "no law explains the recording, of which the base model misses more than half: the force is fitted instead"
+NOTE = (
+    "followed, the base model misses more than half of the motion and no law explains it: the force is fitted instead"
+)
 NAMED = ModelTerm.named
 
 
@@ -29,7 +33,7 @@ def _recorded(*terms: ModelTerm) -> Any:
 
 
 def test_what_no_law_explains_is_fitted_by_its_force(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(driven, "_FOLLOWED", 100.0)
+    monkeypatch.setattr(driven, "FOLLOWED", replace(FOLLOWED, value=100.0))
     # two that are not searched together: neither explains
     monkeypatch.setattr(Driven, "pairs_searched", False)
     problem = _recorded(NAMED("force-ripple", amplitude=2.0, period=0.15, phase=0.3), NAMED("quadratic-drag", c2=3.0))
@@ -41,7 +45,7 @@ def test_what_no_law_explains_is_fitted_by_its_force(monkeypatch: pytest.MonkeyP
 
 
 def test_a_law_that_explains_is_followed_however_much_the_base_misses(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(driven, "_FOLLOWED", 100.0)
+    monkeypatch.setattr(driven, "FOLLOWED", replace(FOLLOWED, value=100.0))
     outcome = diagnose(_recorded(NAMED("cubic-stiffness", k3=40.0)))
     assert isinstance(outcome.problem, Driven)
     assert [m.name for m in outcome.mechanisms] == ["cubic-stiffness"]

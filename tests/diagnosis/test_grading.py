@@ -9,7 +9,7 @@ from harness.core.arrays import FloatArray
 from harness.core.errors import InputError
 from harness.diagnosis.baseline.base_fit import baseline
 from harness.diagnosis.baseline.words import evidence
-from harness.diagnosis.explain.cautions import in_time
+from harness.diagnosis.explain.cautions import keeping_time
 from harness.diagnosis.explain.graded import told
 from harness.diagnosis.fit.model_fit import fit
 from harness.diagnosis.fit.parameters import free_of
@@ -162,11 +162,11 @@ def test_a_clock_on_the_swing_alone_is_nothing_and_it_is_said_why(graded: Graded
     alone = decided(replace(graded, finalists=(replace(graded.finalists[0], clock=True),)))
     assert (alone.grade, alone.named) == (None, ())
     assert SAME_CLOCK in alone.rules
-    (said,) = in_time(alone)
+    (said,) = keeping_time(alone)
     share = f"{100.0 * alone.finalists[0].share:.0f} %"
     assert said.startswith(f"{alone.finalists[0].name} takes {share} of the misfit off and is no name: it keeps time")
     assert in_step(graded) is None
-    assert in_time(graded) == ()
+    assert keeping_time(graded) == ()
 
 
 def test_a_name_that_runs_on_far_better_is_listed_beside_the_first(graded: Graded) -> None:

@@ -14,7 +14,7 @@ from harness.core.recording import Recording
 from harness.diagnosis.pipeline import diagnose, prepare
 from harness.diagnosis.request import Asked
 from harness.estimate.noise import Noise
-from harness.estimate.stray import stray, without_stray
+from harness.estimate.stray import beside_cubic, stray, without_stray
 from harness.kernels.solve import Drive, simulate, solve
 from harness.model.model import Model, ModelTerm, Restoring
 
@@ -94,6 +94,21 @@ def test_no_motion_of_a_mass_strays_though_there_is_no_noise(
 ) -> None:
     s = np.arange(-40.0, 41.0) - place
     assert not stray(s, scale * (shape(s) + slope * s), Noise(1e-9 * scale, True)).any()
+
+
+def test_nothing_that_a_mass_does_comes_near_what_is_asked() -> None:
+    """How far the nearest of a run is off the cubic, over what that leaves of the sides: 5.7, and 10 are asked."""
+    most = 0.0
+    for shape in SHAPES.values():
+        for place in np.linspace(-4.0, 4.0, 161):
+            s = np.arange(-20.0, 21.0) - place
+            y, off = shape(s), np.empty(s.size)
+            for run in range(1, 7):
+                for begin in range(12, 24):
+                    left = beside_cubic(s, y, begin, begin + run, 3.0, off, np.empty((5, 4)))
+                    if left > 1e-9:
+                        most = max(most, float(np.abs(off[begin : begin + run]).min()) / left)
+    assert most == pytest.approx(5.7, abs=0.05)
 
 
 @given(

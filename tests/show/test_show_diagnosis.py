@@ -29,7 +29,7 @@ from harness.results.diagnosis import (
 )
 from harness.results.model import ModelEntry
 from harness.show.diagnosis_scene import diagnosis_scene, lane, shaded_spans
-from harness.show.report.diagnosis import diagnosis_sections, diagnosis_title
+from harness.show.report.diagnosis import diagnosis_sections, diagnosis_title, gained
 from harness.show.report.diagnosis_index import index_sections, index_title
 from harness.show.report.page import render, write_report
 from harness.show.scene import Line
@@ -265,3 +265,26 @@ def test_eighty_columns_hold_every_digit(case: Case, capsys: pytest.CaptureFixtu
     assert not any("…" in line for line in lines)
     assert sum("one-of" in line and "72 %" in line and line.count("x 0.5") == 2 for line in lines) == 2
     assert any("98.25 %" in line and "99.12 %" in line for line in lines)
+
+
+@pytest.mark.parametrize(
+    ("after", "said"),
+    [
+        ((3.5, 98.0), ["falls from 14.59 to 3.500 (1 when only noise is left).", "rises from 64.43 to 98.00 %."]),
+        ((20.0, -52.85), ["rises from 14.59 to 20.00 (1 when only noise is left).", "falls from 64.43 to −52.85 %."]),
+        ((None, 98.0), ["rises from 64.43 to 98.00 %."]),
+    ],
+)
+def test_a_figure_rises_or_falls_as_it_does(after: tuple[float | None, float], said: list[str]) -> None:
+    """A force fits better with a law, by which the motion need not be followed better."""
+    chi2, fit = after
+    result = {
+        "mechanisms": ["one"],
+        "baseline": {"chi2_per_point": None if chi2 is None else 14.59},
+        "refined": {"chi2_per_point": chi2},
+        "fit_percent": {"baseline": {"x": 64.43}, "refined": {"x": fit}},
+    }
+    found = gained(result)
+    heads = ["Fit of x (NRMSE)"] if chi2 is None else ["Chi-square per point", "Fit of x (NRMSE)"]
+    assert found == [f"{head} {words}" for head, words in zip(heads, said, strict=True)]
+    assert gained({**result, "mechanisms": []})[-1] == "Fit of x (NRMSE) is 64.43 %."

@@ -8,6 +8,7 @@ from pathlib import Path
 from harness.app.calibrate import (
     amplitudes,
     chance,
+    colours,
     covariates,
     driven,
     few_cycles,
@@ -43,6 +44,7 @@ CALIBRATIONS: dict[str, Calibration] = {
     "driven": driven.CALIBRATION,
     "amplitudes": amplitudes.CALIBRATION,
     "covariates": covariates.CALIBRATION,
+    "colours": colours.CALIBRATION,
 }
 _OF_PLANT = {"main-effect": main_effect.of_plant, "tables": tables.of_plant}
 """Those that can be measured on recordings that are there."""

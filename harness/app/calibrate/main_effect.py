@@ -23,6 +23,7 @@ from harness.diagnosis.outcome import Grade
 from harness.diagnosis.residual_tests.structure import Left, left_by
 from harness.diagnosis.rules import (
     CHANCE,
+    GAIN,
     HELD_OUT,
     LEAST_CYCLES,
     LEAST_RATIO,
@@ -30,6 +31,7 @@ from harness.diagnosis.rules import (
     MOST_WORDS,
     RUN_BETTER,
     RUNS_ON_BETTER,
+    SAME_CLOCK,
     SHARE_OF_EXCESS,
     SHARE_OF_MISFIT,
     Rule,
@@ -53,6 +55,9 @@ TRIED: Mapping[str, tuple[Rule, tuple[float, ...]]] = {
 }
 """Rules by their constant, and the values tried: of the first five every combination, of the others one at a time."""
 _CROSSED = 5
+WORTH_A_PLACE = 0.1
+"""Share of true ones from which a kind of law is worth a place in lists: a name of four of which one is true is true in
+a quarter, and one that is true less than half as often only makes them longer."""
 MOST_WRONG = 0.05
 """Share of main effects called by a wrong name that is borne, and of controls that are claimed to have one."""
 
@@ -213,6 +218,7 @@ def said(rows: Sequence[Row]) -> Iterator[str]:
             yield f"{rule.name + f' {value:.4g}{mark}':32s} {counts.line}"
     yield from _best(rows)
     yield from _confused(rows, now)
+    yield _in_step(rows)
     for i, (rule, values) in enumerate(TRIED.values()):
         yield _judged(rows, now, i, rule, values)
 
@@ -229,6 +235,18 @@ def _judged(rows: Sequence[Row], now: Setting, i: int, rule: Rule, values: Seque
     borne = all(rate.value is None or rate.value <= MOST_WRONG for rate in (here.wrong, here.claimed))
     why = f"{', '.join(better)} of {here.named.cases} with no more falsely" if better else "no value tried is better"
     return stands(rule, borne and not better, why if borne else f"{falsely} falsely; {why}")
+
+
+def _in_step(rows: Sequence[Row]) -> str:
+    """How often a law in step with the motion, which takes most of a misfit and predicts, is the main effect."""
+    right = [
+        name == row.truth["dominant"]
+        for row in rows
+        for name, gain, share, held, _, clock in row.finalists
+        if clock and gain >= GAIN.value and share >= SHARE_OF_EXCESS.value and held <= HELD_OUT.value
+    ]
+    seldom = sum(right) < WORTH_A_PLACE * len(right) or not right
+    return stands(SAME_CLOCK, seldom, f"of {len(right)} laws in step that could be listed {sum(right)} are true")
 
 
 _FEW = 12

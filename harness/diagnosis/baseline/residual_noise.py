@@ -7,7 +7,7 @@ import numpy as np
 from scipy.special import chdtrc
 
 from harness.core.arrays import BoolArray, FloatArray
-from harness.diagnosis.rules import STEADY
+from harness.diagnosis.rules import AS_FAST, STEADY
 from harness.estimate.noise import FLOOR, Noise, quantisation_step
 
 _SHARE_OF_PERIOD = 0.25
@@ -28,9 +28,6 @@ _FEWEST, _FEWEST_OF_COLOUR, _LEAST_FREEDOM = 4, 10, 6
 """Windows whose power has a median; windows that tell a colour, and the degrees of freedom of each."""
 _LONGEST_COLOUR = 0.97
 """At the end of the grid: a colour as long as the windows, which is motion."""
-_AS_FAST = 0.7
-"""Of the power that windows would see of a colour, the least that they must: of drawn noise of 300 samples or more,
-.72 is the least of 4,800 draws."""
 _STRETCHES = 16
 """Of a residual, of which none may be stronger than chance makes the strongest."""
 _GRID = np.linspace(-0.9, 0.98, 95)
@@ -44,13 +41,18 @@ def _residual_maker(width: int) -> FloatArray:
 
 def _expected(keep: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Mean square and lag-one product of detrended windows of unit first-order noise, over a grid of phi."""
-    width = keep.shape[0]
-    lags = np.abs(np.subtract.outer(np.arange(width), np.arange(width)))
     level, product = np.empty(_GRID.size), np.empty(_GRID.size)
     for i, phi in enumerate(_GRID):
-        seen = keep @ phi**lags @ keep
+        seen = _seen(keep, float(phi))
         level[i], product[i] = np.trace(seen), np.trace(seen, 1)
     return level, product / level
+
+
+def _seen(keep: FloatArray, phi: float) -> FloatArray:
+    """Covariance of a detrended window of unit first-order noise."""
+    at = np.arange(keep.shape[0])
+    found: FloatArray = keep @ phi ** np.abs(np.subtract.outer(at, at)) @ keep
+    return found
 
 
 def coloured_whole(residual: FloatArray, weight: FloatArray, said: Noise, width: int) -> Noise:
@@ -72,7 +74,7 @@ def coloured_whole(residual: FloatArray, weight: FloatArray, said: Noise, width:
     if not _SHOWS / math.sqrt(n) < phi < _MOST_COLOUR:
         return said
     coloured = replace(said, sigma=math.sqrt(power), phi=phi)
-    fast = _in_windows(residual, used, width) >= _AS_FAST * power * _seen_of(phi, width)
+    fast = share_in_windows(residual, used, coloured, width) >= AS_FAST.value
     return coloured if fast and _steady(coloured.whitened(residual)[used]) else said
 
 
@@ -81,18 +83,18 @@ def window_of(t: FloatArray, period: float) -> int:
     return int(np.clip(_SHARE_OF_PERIOD * period / np.median(np.diff(t)), _SHORTEST, _LONGEST))
 
 
-def _in_windows(residual: FloatArray, used: BoolArray, width: int) -> float:
-    """Mean power in windows that count throughout; without any, infinite."""
+def share_in_windows(residual: FloatArray, used: BoolArray, noise: Noise, width: int) -> float:
+    """Power of a residual (n,) in windows of ``width`` over what they would see of a noise; infinite without windows.
+
+    used (n,) : samples that count; a window counts where all of its samples do.
+    """
     whole = residual.size // width * width
-    counts = np.all(used[:whole].reshape(-1, width), axis=1)
-    left = residual[:whole].reshape(-1, width)[counts] @ _residual_maker(width)
-    return float(np.mean(np.sum(left**2, axis=1))) if left.size else math.inf
-
-
-def _seen_of(phi: float, width: int) -> float:
-    """Mean power in a window of first-order noise of unit variance."""
-    lags = np.abs(np.subtract.outer(np.arange(width), np.arange(width)))
-    return float(np.sum(_residual_maker(width) * phi**lags))
+    windows = residual[:whole].reshape(-1, width)[np.all(used[:whole].reshape(-1, width), axis=1)]
+    if not windows.size:
+        return math.inf
+    keep = _residual_maker(width)
+    expected = noise.sigma**2 * float(np.trace(_seen(keep, noise.phi)))
+    return float(np.mean(np.sum((windows @ keep) ** 2, axis=1))) / expected
 
 
 def _steady(white: FloatArray) -> bool:

@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from harness.diagnosis.explain.cautions import in_time, unlikely
+from harness.diagnosis.explain.cautions import keeping_time, unlikely
 from harness.diagnosis.explain.graded import prediction
 from harness.diagnosis.explain.mechanism import left_without, mechanism
 from harness.diagnosis.explain.remainder import looks_like, shares_of
@@ -75,4 +75,4 @@ def cautions_of_force(graded: ForceGraded) -> tuple[str, ...]:
         said.append(
             f"{graded.words:.3g} independent strokes, or parts of them, are too few for one name alone; {many} would do"
         )
-    return (*said, *unlikely(graded), *in_time(graded))
+    return (*said, *unlikely(graded), *keeping_time(graded))

@@ -87,10 +87,10 @@ def cautions_of_misfit(graded: Graded) -> tuple[str, ...]:
     if graded.grade is Grade.ONE_OF and cycles < LEAST_CYCLES.value:
         said.append(_few(cycles, graded.misfit.problem))
     said += unlikely(graded)
-    return (*said, *in_time(graded))
+    return (*said, *keeping_time(graded))
 
 
-def in_time(found: Contest) -> tuple[str, ...]:
+def keeping_time(found: Contest) -> tuple[str, ...]:
     """Why what takes much is not named, where that is a law that keeps time with the motion."""
     clock = in_step(found)
     if clock is None:

@@ -332,6 +332,6 @@ def _minor(found: C) -> C:
     """The largest single part, no headline."""
     parts = [f for f in found.finalists if f.gain >= GAIN.value and not f.clock]
     rules: tuple[Rule, ...] = (GAIN, SHARE_OF_EXCESS)
-    if any(f.clock and worthy(f, found) for f in found.finalists):
+    if in_step(found) is not None:
         rules = (*rules, SAME_CLOCK)
     return replace(found, grade=Grade.MINOR if parts else None, named=tuple(parts[:1]), rules=rules)

@@ -28,7 +28,7 @@ from harness.diagnosis.problems.inverse_dynamics import InverseDynamics
 from harness.diagnosis.problems.starts import Windows
 from harness.diagnosis.request import Asked
 from harness.diagnosis.residual_tests.structure import Left, left_by
-from harness.diagnosis.rules import FORCE_HELD
+from harness.diagnosis.rules import FOLLOWED, FORCE_HELD
 from harness.diagnosis.search.extend import Step, extend, settle
 from harness.diagnosis.search.search import Again, noise_of, once, search, under
 from harness.diagnosis.stages import Based, Found, Judged
@@ -36,9 +36,9 @@ from harness.kernels.solve import Scales
 from harness.model.model import Model, ModelTerm
 from harness.model.place import Place
 
-_FOLLOWED = 50.0
-"""Per cent of the motion (NRMSE) below which it is another one: what is left of it says little of a law."""
-_BY_FORCE = "no law explains the recording, of which the base model misses more than half: the force is fitted instead"
+_BY_FORCE = (
+    "followed, the base model misses more than half of the motion and no law explains it: the force is fitted instead"
+)
 _SAME = 0.01
 """Share of a chi-square that has not moved; noise taken anew each turn moves it too."""
 
@@ -123,7 +123,7 @@ class DrivenRecordings(Kind[Driven]):
 def _strays(base: Fit, problem: Problem) -> bool:
     """Whether a base model shows another motion than the recording."""
     percent = fit_percent(base.shown.y, problem)
-    return percent["x" if "x" in percent else "v"] < _FOLLOWED
+    return percent["x" if "x" in percent else "v"] < FOLLOWED.value
 
 
 def _leaves_noise(found: Fit, based: Based[Driven]) -> bool:

@@ -5,13 +5,13 @@ from dataclasses import replace
 
 import numpy as np
 
-from harness.core.angular import about_an_axis
 from harness.core.arrays import FloatArray
 from harness.core.errors import InputError
 from harness.core.recording import Recording
 from harness.diagnosis.baseline.driven_base_fit import driven_scales
 from harness.diagnosis.fit.fitted_states import begun
 from harness.diagnosis.fit.observe import COARSE, observe
+from harness.diagnosis.fit.standard_errors import unit_of
 from harness.diagnosis.input_noise.propagation import force_noise
 from harness.diagnosis.prepare.intersample_curve import between_samples
 from harness.diagnosis.prepare.intersample_hold import ACTS_HELD, acting
@@ -79,7 +79,7 @@ def _seen(recording: Recording, asked: Asked) -> tuple[Driven, Course, tuple[str
     channels: dict[str, FloatArray] = {c: recording[c] for c in ("x", "v", "a") if c in recording}
     stray, said = stray_in(recording, ("x", "v"))
     for c, off in stray.items():
-        # samples stay as evenly spaced as they are; in its place counts for nothing what the others say is there
+        # what the neighbours say, without weight, so that samples stay evenly spaced
         channels[c] = channels[c] - off
     noise = {c: channel_noise(t, y) for c, y in channels.items()}
     if all(float(np.std(y)) < _MOVES * noise[c].sigma for c, y in channels.items()):
@@ -134,7 +134,7 @@ def _followed(problem: Driven, course: Course, u: FloatArray, asked: Asked) -> t
     notes = []
     if problem.force_noise is not None and problem.force_noise.noise.found:
         share = 100.0 * noise_u.sigma / math.sqrt(float(np.mean(u**2)))
-        of = f"{noise_u.sigma:.3g} {about_an_axis('N') if problem.angular else 'N'} ({share:.2g} % of its rms)"
+        of = f"{noise_u.sigma:.3g} {unit_of('N', problem)} ({share:.2g} % of its rms)"
         notes.append(f"the force's own noise, {of}, shows in the motion and is allowed for")
     if not isinstance(problem.starts, Windows):
         return problem, ("driven: the whole recording is followed from one start", *notes)

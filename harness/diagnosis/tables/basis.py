@@ -158,8 +158,7 @@ def _gauges(
             own.append(np.ones(x.size))
         else:
             own += [np.sin(x) if model.restoring is Restoring.PENDULUM else x] if "k" in base else []
-            constant = "offset" in base or any(p.has_level for p in model.covariates)
-            own += [np.ones(x.size)] if constant else []
+            own += [np.ones(x.size)] if "offset" in base or model.has_level else []
         found.append(((i,), own))
     if by_speed:
         own = [column for of, column in named if of is Slot.SMOOTH]

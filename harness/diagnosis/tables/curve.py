@@ -110,8 +110,7 @@ def _gauge(found: TableFit, of: Quantity, unit_force: bool) -> tuple[str, ...]:
         return ("line",)
     if not unit_force:
         return ("constant",)
-    level = any(p.has_level for p in found.model.covariates)
-    constant = ("constant",) if "offset" in names else (("level",) if level else ())
+    constant = ("constant",) if "offset" in names else (("level",) if found.model.has_level else ())
     return (*constant, *(("line",) if "k" in names else ()))
 
 

@@ -123,7 +123,7 @@ def _symmetry(table: Table) -> str:
     grid = np.linspace(-reach, reach, table.at.size)
     f = np.interp(grid, table.at, table.force)
     odd, even = 0.5 * (f - f[::-1]), 0.5 * (f + f[::-1])
-    even = even - float(np.mean(even)) if {"constant", "level"} & set(table.gauge) else even
+    even = even if table.has_constant else even - float(np.mean(even))
     whole = float(np.sum(odd**2) + np.sum(even**2))
     if whole <= 0.0:
         return ""

@@ -60,7 +60,7 @@ def _shapes(
 
 def ungauged(table: Table, force: FloatArray) -> FloatArray:
     """A force (l,) at the swept places with what the gauge leaves to the base taken off."""
-    columns = [np.ones(force.size)] if {"constant", "level"} & set(table.gauge) else []
+    columns = [] if table.has_constant else [np.ones(force.size)]
     columns += [table.swept] if "line" in table.gauge else []
     if not columns:
         return force

@@ -80,18 +80,20 @@ def gained(result: Mapping[str, Any]) -> list[str]:
     percent = result["fit_percent"]
     helped = bool(result["mechanisms"])
     sentences = []
-    if result["baseline"]["chi2_per_point"] is not None:
-        before, after = (number(result[side]["chi2_per_point"], 4) for side in ("baseline", "refined"))
-        change = f"falls from {before} to {after}" if helped else f"is {before}"
-        sentences.append(f"Chi-square per point {change} (1 when only noise is left).")
+    before, after = (result[side]["chi2_per_point"] for side in ("baseline", "refined"))
+    if before is not None:
+        sentences.append(f"Chi-square per point {_change(before, after, helped)} (1 when only noise is left).")
     for c, fit in (percent["baseline"] if percent else {}).items():
-        change = (
-            f"rises from {number(fit, 4)} to {number(percent['refined'][c], 4)} %"
-            if helped
-            else f"is {number(fit, 4)} %"
-        )
-        sentences.append(f"Fit of {c} (NRMSE) {change}.")
+        sentences.append(f"Fit of {c} (NRMSE) {_change(fit, percent['refined'][c], helped, ' %')}.")
     return sentences
+
+
+def _change(before: float, after: float, helped: bool, unit: str = "") -> str:
+    """What a figure does from one model to the other; what it is where there is no other."""
+    if not helped:
+        return f"is {number(before, 4)}{unit}"
+    way = "rises" if after > before else "falls"
+    return f"{way} from {number(before, 4)} to {number(after, 4)}{unit}"
 
 
 def said(result: Mapping[str, Any]) -> list[str]:
