@@ -9,7 +9,7 @@ import numpy as np
 
 from harness.core.arrays import FloatArray
 from harness.fit.covariance import covariance_of
-from harness.fit.least_squares import Residual, Until, least_squares
+from harness.fit.least_squares import Residual, Stop, Until, least_squares
 
 Model = Callable[[FloatArray], tuple[FloatArray, FloatArray]]
 """Parameters (p,) to values (K,2) at start and end of each half-cycle, and their derivatives (K,2,p)."""
@@ -39,6 +39,11 @@ def fit_sequence(values: FloatArray, whiten: FloatArray, model: Model, start: Fl
     with np.errstate(over="ignore", invalid="ignore"):  # a trial may run away; it is then refused
         found = least_squares(evaluated, start.astype(np.float64), Until(share=1e-15, iterations=60))
     theta, squares = found.coordinates, found.point.squares
+    if found.stop in (Stop.CONVERGED, Stop.NO_DESCENT):
+        # squares are flat where they are least, half the digits of theta are rounding; their slope is not
+        last = np.linalg.lstsq(found.point.partials, found.point.residual, rcond=None)[0]
+        if float(found.point.residual @ found.point.partials @ last) < 1e-12 * squares:
+            theta = theta + last
     used = int(np.count_nonzero(np.any(whiten != 0.0, axis=2)))
     freedom = used - theta.size
     return SequenceFit(theta, covariance_of(found.point.partials), squares / freedom if freedom > 0 else 1.0, squares)
