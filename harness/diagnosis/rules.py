@@ -290,6 +290,14 @@ PERIOD_SEEN = Rule(
     "a law that repeats in time is tried",
     "less than half a period is a slow change of any kind, a trend",
 )
+SAMPLED = Rule(
+    "sampled",
+    0.5,
+    "share of the way",
+    "a law that repeats along the travel is tried: so much of the way at least is gone at two samples a period",
+    "where a sample goes further, another period in its guise shows the same (Nyquist); half, so that most of what such"
+    " a law does is seen as what it is",
+)
 FOLLOWED = Rule(
     "followed",
     50.0,
@@ -297,6 +305,15 @@ FOLLOWED = Rule(
     "a driven recording that no law explains is fitted by its force, where the base model follows less of the motion",
     "a motion that is right but for its phase misses half of its deviation when it is a twelfth of a period late"
     " (2 sin 15 deg): what is left of it says more of the phase than of a law",
+)
+MOVES = Rule(
+    "moves",
+    0.0,
+    "% of the motion (NRMSE)",
+    "a law of a fitted force is looked at: its own motion follows so much of the recording's, or no less than the base"
+    " model's",
+    "what stays at its mean follows nothing (0 %); where friction takes up the force that drives, a law of time says"
+    " that force and no motion",
 )
 RELAXATION_SEEN = Rule(
     "relaxation-seen",

@@ -29,6 +29,14 @@ _ACCEPTED = {
     "u": "a unit of force, torque or force per mass such as N, lbf, Nm or m/s^2",
     "i": "a unit of current such as A or mA",
 }
+_SCALED = {
+    "x": '"x=#2*0.01[m]"',
+    "v": '"v=#2*0.01[m/s]"',
+    "a": '"a=#2*0.01[m/s^2]"',
+    "u": '"u=#3*0.05[Nm]"',
+}
+"""A column by its number and what one of its units is worth: volts, counts, amperes."""
+_KINDS = {"kilogram * meter ** 2 / ampere / second ** 3": "a voltage", "ampere": "a current"}
 _BASE = {
     "t": ("second",),
     "x": ("meter", "radian"),
@@ -114,6 +122,9 @@ def parse_unit(where: str, channel: str, text: str | None) -> Unit:
     except Exception:  # pint raises from its tokenizer up; whatever it is, this text is not a unit
         raise InputError(where, f"'{text}' is not a unit", accepted) from None
     if str(base.units) not in _BASE[channel]:
-        kind = "a pure number" if base.dimensionless else str(base.units)
-        raise InputError(where, f"'{text}' is a unit of another kind ({kind})", accepted)
+        kind = "a pure number" if base.dimensionless else _KINDS.get(str(base.units), str(base.units))
+        scaled = f"; a sensor's or a motor's own scale brings it, as {_SCALED[channel]} in --columns"
+        raise InputError(
+            where, f"'{text}' is a unit of another kind ({kind})", accepted + scaled * (channel in _SCALED)
+        )
     return Unit(text, float(base.magnitude), "radian" in str(base.units))

@@ -26,6 +26,8 @@ _SENSITIVITY = 10.0
 """Error allowed in the sensitivities, relative to their own size, over that in the state."""
 _LOOKS = 12
 """Steps a cycle of the fastest force in time, while the slider sticks and waits for it."""
+_AT_ONCE = 4
+"""Half cycles whose steps may be taken at one place: a law that turns infinitely stiff there ends the run."""
 
 By: TypeAlias = str | tuple[int, int]
 """A parameter to differentiate by: a name, or (index of a term in the model, index of its parameter)."""
@@ -153,7 +155,8 @@ def solve(
     h_max = 2.0 * math.pi / scales.omega / shortest_cycle
     h_stick = min(h_max, 2.0 * math.pi / _LOOKS / max(layout.fastest, scales.omega))
     limit = int(effort.steps_per_cycle * (cycles + 2.0)) + 20 * u_t.size
-    fixed = (_read_only(u_t), _read_only(u_y), times, h_stick, limit, want_a)
+    at_once, pace = _AT_ONCE * effort.steps_per_cycle + 20 * u_t.size, effort.steps_per_cycle * scales.omega / math.pi
+    fixed = (_read_only(u_t), _read_only(u_y), times, h_stick, limit, at_once, pace, want_a)
     while True:
         record = workspace(layout.spec, layout.theta, len(layout.names), columns, error, layout.start, start)
         record.h_max, record.sensitivity_error = h_max, _SENSITIVITY * effort.tolerance
@@ -162,7 +165,7 @@ def solve(
             break
         events = np.zeros((4 * events.shape[0], EVENT_COLUMNS))
     if status != DONE:
-        why = "it diverged" if status == DIVERGED else f"it took more than {limit} steps"
+        why = "it diverged" if status == DIVERGED else f"it took more than {steps} steps"
         raise SimulationError(f"the model could not be followed beyond t = {reached:.6g} s: {why}")
     if not np.isfinite(events[:n_events]).all():
         raise SimulationError(f"the model could not be followed up to t = {end:.6g} s: it diverged at an event")

@@ -16,7 +16,8 @@ from harness.diagnosis.search import look
 from harness.diagnosis.search.extend import extend, prune
 from harness.diagnosis.search.look import Look
 from harness.diagnosis.search.search import Search
-from harness.diagnosis.search.within_recording import within
+from harness.diagnosis.search.start_evidence import frequencies
+from harness.diagnosis.search.within_recording import Recorded, within
 from harness.estimate.noise import Noise, channel_noise
 from harness.kernels.solve import Scales, simulate, solve
 from harness.model.model import Model, ModelTerm
@@ -79,18 +80,46 @@ def test_a_name_must_stand_out_among_all_that_were_tried() -> None:
 )
 def test_less_than_a_period_is_no_repetition(entry: ModelTerm, said: bool) -> None:
     """Half a period in 1 s is pi rad/s; one over 0.2 m of travel is 0.2 m."""
-    assert within(entry, 0.5, 0.2, 1.0, 0.5) is said
+    assert within(entry, 0.5, Recorded(0.2, 1.0), 0.5) is said
+
+
+@pytest.mark.parametrize(
+    ("entry", "said"),
+    [
+        (ModelTerm.named("harmonic-force", A=1.0, Omega=31.0, phase=0.0), True),
+        (ModelTerm.named("harmonic-force", A=1.0, Omega=32.0, phase=0.0), False),
+        (ModelTerm.named("normal-load-variation", depth=0.1, Omega=68.0, phase=0.0), False),
+        (ModelTerm.named("force-ripple", amplitude=1.0, period=0.0801, phase=0.0), True),
+        (ModelTerm.named("force-ripple", amplitude=1.0, period=0.0799, phase=0.0), False),
+        (ModelTerm.named("position-dependent-friction:periodic", depth=0.1, period=0.01, phase=0.0), False),
+        (ModelTerm.named("position-dependent-friction", slope=1.0), True),
+    ],
+)
+def test_what_repeats_within_two_samples_is_another_in_its_guise(entry: ModelTerm, said: bool) -> None:
+    """Samples 0.1 s apart show 10 pi rad/s; of a way at 0.4 m/s but for its ends they show 0.08 m."""
+    t = np.linspace(0.0, 10.0, 101)
+    x = 0.4 * np.clip(t, 1.0, 9.0)
+    assert within(entry, 0.5, Recorded.of(t, x)) is said
+
+
+def test_no_force_is_tried_beyond_half_the_rate_of_the_samples() -> None:
+    t = np.arange(0.0, 20.0, 0.09)
+    x = simulate(Model(1.0, 0.2, 53.0, 0.15, x0=0.33), t).x + 1e-3 * np.random.default_rng(1).standard_normal(t.size)
+    problem = FreeDecay(t, {"x": x}, {"x": channel_noise(t, x)})
+    base, scales = baseline(problem)
+    tried = frequencies(base, problem, scales.omega)
+    assert 0.8 * np.pi / 0.09 < tried.max() < np.pi / 0.09 < 12.0 * scales.omega
 
 
 @pytest.mark.parametrize(("tau", "said"), [(0.1, True), (8.0, True), (8.1, False), (43.0, False)])
 def test_a_relaxation_longer_than_a_recording_is_not_seen(tau: float, said: bool) -> None:
-    assert within(ModelTerm.named("viscoelastic", k_m=0.3, tau=tau), 0.5, 0.0, 8.0) is said
-    assert within(ModelTerm.named("cubic-stiffness", k3=1.0), 0.5, 0.0, 8.0)
+    assert within(ModelTerm.named("viscoelastic", k_m=0.3, tau=tau), 0.5, Recorded(0.0, 8.0)) is said
+    assert within(ModelTerm.named("cubic-stiffness", k3=1.0), 0.5, Recorded(0.0, 8.0))
 
 
 @pytest.mark.parametrize(("sigma0", "said"), [(50.0, True), (2.5, True), (2.4, False), (0.0, False)])
 def test_a_bristle_that_bends_further_than_the_travel_never_slides(sigma0: float, said: bool) -> None:
-    assert within(ModelTerm.named("presliding", sigma0=sigma0, sigma1=0.0), 0.5, 0.2, 8.0) is said
+    assert within(ModelTerm.named("presliding", sigma0=sigma0, sigma1=0.0), 0.5, Recorded(0.2, 8.0)) is said
 
 
 def test_friction_that_never_slides_is_a_spring_whatever_its_level() -> None:

@@ -196,6 +196,14 @@ def test_what_cannot_be_followed_is_an_error() -> None:
         solve(model(), np.linspace(0.0, 3.0, 30), effort=Effort(1e-12, 10))
 
 
+def test_a_place_that_cannot_be_passed_costs_few_steps() -> None:
+    """A bristle whose load goes to nothing turns infinitely stiff; of a hundred cycles one is paid for."""
+    unloaded = model(term("presliding", 4.4, 0.1), term("normal-load-variation", 1.0, 21.6, -2.3))
+    with pytest.raises(SimulationError, match=r"beyond t = 0\.\d+ s: it took more than (\d+) steps") as told:
+        solve(unloaded, np.linspace(0.0, 80.0, 400), effort=Effort(1e-6, 600))
+    assert int(str(told.value).split("more than ")[1].split()[0]) < 5 * 600
+
+
 BAD = [
     (lambda: solve(model(), np.array([])), r"simulation: t: an array of shape \(0,\); a vector of at least one time"),
     (lambda: solve(model(), np.array([0.0, np.nan])), "simulation: t, row 2: nan; a finite number"),

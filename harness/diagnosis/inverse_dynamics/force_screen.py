@@ -14,7 +14,7 @@ from harness.diagnosis.inverse_dynamics.measured import Measured
 from harness.diagnosis.inverse_dynamics.ripple import periods
 from harness.diagnosis.problem import Problem
 from harness.diagnosis.search.screen import applicable, with_amplitudes
-from harness.diagnosis.search.within_recording import within
+from harness.diagnosis.search.within_recording import Recorded, within
 from harness.kernels.solve import Scales
 from harness.model.evidence import Evidence
 from harness.model.model import Model, ModelTerm
@@ -69,7 +69,7 @@ def _periods(found: ForceFit, measured: Measured) -> list[float]:
 
 def whole_in(model: Model, measured: Measured) -> bool:
     """Whether a period, the relaxation, or the bending of a model's last law lies in the recording whole."""
-    return within(model.terms[-1], model.f_k, float(np.ptp(measured.x)), float(measured.t[-1] - measured.t[0]))
+    return within(model.terms[-1], model.f_k, Recorded.of(measured.t, measured.x))
 
 
 def starts(found: ForceFit, measured: Measured, problem: Problem, scales: Scales) -> Iterator[Model]:

@@ -16,6 +16,7 @@ from harness.core.errors import SimulationError
 from harness.diagnosis.baseline.driven_base_fit import driven_scales
 from harness.diagnosis.fit.model_fit import Fit
 from harness.diagnosis.fit.parameters import base_of, free_of
+from harness.diagnosis.fit.rmse import fit_percent
 from harness.diagnosis.fit.standard_errors import unit_of
 from harness.diagnosis.inverse_dynamics.bootstrap_null import taken_by_chance
 from harness.diagnosis.inverse_dynamics.force_fit import DONE, ROUGHLY, ForceFit, as_fit, fit_force, simulated
@@ -27,7 +28,7 @@ from harness.diagnosis.inverse_dynamics.validate import Judge
 from harness.diagnosis.problem import Problem
 from harness.diagnosis.problems.inverse_dynamics import InverseDynamics
 from harness.diagnosis.residual_tests.structure import Left
-from harness.diagnosis.rules import AMONG_NAMES, DECISIVE, MOST_FORCE_TERMS
+from harness.diagnosis.rules import AMONG_NAMES, DECISIVE, MOST_FORCE_TERMS, MOVES
 from harness.diagnosis.search.search import Search, less_each
 from harness.estimate.noise import Noise
 from harness.fit.autocorrelation import ENOUGH
@@ -80,8 +81,8 @@ def search_driven(problem: InverseDynamics, judge: Judge | None = None) -> Force
         elif better:
             chance = taken_by_chance(chosen, problem, scales, further)
             better = [f for f in better if f.bic(independent, chance) < most]
-        # a law too stiff to be followed is no model of the motion, however well it says the force
-        kept = next((f for f in better if _followed(f, problem, scales)), None)
+        # what moves otherwise or cannot be followed is no model of the motion, however well it says the force
+        kept = next((f for f in better if _moves(f, base, problem, scales)), None)
         if kept is None:
             break
         chosen = kept
@@ -108,16 +109,23 @@ def search_driven(problem: InverseDynamics, judge: Judge | None = None) -> Force
     if over.left is Left.NOISE:
         return ForceSearch(search, scales, over, None)
     fitted_to = Fitted(problem, measured, scales, base, chosen, shown)
-    laws = [f for f in singles if f is not base]
+    laws = [f for f in singles if f is not base and _moves(f, base, problem, scales)]
     return ForceSearch(search, scales, over, graded(fitted_to, last, laws, over, judge is not None))
 
 
-def _followed(found: ForceFit, problem: InverseDynamics, scales: Scales) -> bool:
+def _moves(found: ForceFit, base: ForceFit, problem: InverseDynamics, scales: Scales) -> bool:
+    """Whether a model's own motion over the windows has to do with the recording's, or no less than the base's."""
+    percent = _percent(found, problem, scales)
+    return percent > -math.inf and percent >= min(MOVES.value, _percent(base, problem, scales))
+
+
+def _percent(found: ForceFit, problem: InverseDynamics, scales: Scales) -> float:
+    """NRMSE fit of a model's own motion; -inf where it cannot be simulated."""
     try:
-        simulated(found, problem, scales)
+        percent = fit_percent(simulated(found, problem, scales).y, problem)
     except SimulationError:
-        return False
-    return True
+        return -math.inf
+    return percent["x" if "x" in percent else "v"]
 
 
 def _refitted(found: ForceFit, measured: Measured) -> Iterator[ForceFit | None]:

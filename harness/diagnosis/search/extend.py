@@ -5,8 +5,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 
-import numpy as np
-
 from harness.core.cores import each
 from harness.core.errors import SimulationError
 from harness.diagnosis.baseline.base_fit import at_rest
@@ -21,7 +19,7 @@ from harness.diagnosis.search.against import far_out
 from harness.diagnosis.search.few_pieces import for_looks
 from harness.diagnosis.search.look import Look
 from harness.diagnosis.search.screen import Candidate
-from harness.diagnosis.search.within_recording import within
+from harness.diagnosis.search.within_recording import Recorded, within
 from harness.kernels.solve import Scales
 from harness.model.model import Model
 from harness.model.registry import NAMED
@@ -259,8 +257,8 @@ def extend(
 
 def _is_seen(found: Fit, problem: Problem) -> bool:
     """Whether what was recorded holds a period over the travel, half a one in time, and what else each law needs."""
-    travel, span = float(np.ptp(found.shown.x)), problem.duration
-    return all(within(entry, found.model.f_k, travel, span, PERIOD_SEEN.value) for entry in found.model.terms)
+    seen = replace(Recorded.of(problem.t, found.shown.x), span=problem.duration)
+    return all(within(entry, found.model.f_k, seen, PERIOD_SEEN.value) for entry in found.model.terms)
 
 
 def _finalists(rough: list[Fit], before: float) -> list[Fit]:

@@ -1,22 +1,48 @@
-"""Whether a law that repeats, relaxes or bends does so within what was recorded: less of it is another law."""
+"""Whether a law that repeats, relaxes or bends does so within what was recorded: less or finer of it is another law."""
 
 import math
+from dataclasses import dataclass
 
-from harness.diagnosis.rules import PRESLIDING_SEEN, RELAXATION_SEEN
+import numpy as np
+
+from harness.core.arrays import FloatArray
+from harness.diagnosis.rules import PRESLIDING_SEEN, RELAXATION_SEEN, SAMPLED
 from harness.model.model import ModelTerm
 
 
-def within(entry: ModelTerm, f_k: float, travel: float, span: float, least: float = 1.0) -> bool:
+@dataclass(frozen=True, slots=True)
+class Recorded:
+    """What a recording holds at most and at least: travel (m) and span (s); stride (m) and interval (s) of its samples.
+
+    stride : as far as a sample goes in the slower half of the way.
+    """
+
+    travel: float
+    span: float
+    stride: float = 0.0
+    interval: float = 0.0
+
+    @classmethod
+    def of(cls, t: FloatArray, x: FloatArray) -> "Recorded":
+        """By times t (n,) and positions x (n,)."""
+        step = np.sort(np.abs(np.diff(x)))
+        way = np.cumsum(step)
+        slower = int(np.searchsorted(way, SAMPLED.value * way[-1]))
+        return cls(float(np.ptp(x)), float(t[-1] - t[0]), float(step[slower]), float(np.median(np.diff(t))))
+
+
+def within(entry: ModelTerm, f_k: float, seen: Recorded, least: float = 1.0) -> bool:
     """Whether a recording holds what a law repeats or forgets, or its slide; laws of neither kind pass.
 
-    That is a whole period along the travel (m), within the span (s) this share of a period in time, and the time in
-    which it relaxes; of a bristle under friction f_k (N) that it comes to slide.
+    That is a whole period along the travel, within the span this share of a period in time, and the time in which it
+    relaxes; two samples of each period; of a bristle under friction f_k (N) that it comes to slide.
     """
     period, omega, tau = entry.repeats("travel"), entry.repeats("time"), entry.relaxation
     bent = entry.presliding(f_k)
     return (
-        (period is None or period <= travel)
-        and (omega is None or omega >= 2.0 * math.pi * least / span)
-        and (tau is None or tau <= RELAXATION_SEEN.value * span)
-        and (bent is None or bent <= PRESLIDING_SEEN.value * travel)
+        (period is None or 2.0 * seen.stride <= period <= seen.travel)
+        and (omega is None or 2.0 * math.pi * least / seen.span <= omega)
+        and (omega is None or omega * seen.interval <= math.pi)
+        and (tau is None or tau <= RELAXATION_SEEN.value * seen.span)
+        and (bent is None or bent <= PRESLIDING_SEEN.value * seen.travel)
     )
