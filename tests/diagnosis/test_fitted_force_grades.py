@@ -14,7 +14,7 @@ from harness.diagnosis.explain.by_force import cautions_of_force, mechanisms_of
 from harness.diagnosis.fit.observe import Observation
 from harness.diagnosis.grading.chance import Odds
 from harness.diagnosis.grading.grade import decided
-from harness.diagnosis.inverse_dynamics import search
+from harness.diagnosis.inverse_dynamics import force_fit, search
 from harness.diagnosis.inverse_dynamics.force_fit import ForceFit
 from harness.diagnosis.inverse_dynamics.left_over import left_over
 from harness.diagnosis.inverse_dynamics.measured import BLOCK, Measured
@@ -89,7 +89,7 @@ def test_a_law_whose_motion_has_nothing_to_do_with_the_recording_is_not_looked_a
     problem = by_force(recorded(replace(AXIS, terms=(TURNED,)), 3000, 1e-6))
     found = search_driven(problem)
     assert [entry.term.name for entry in found.search.chosen.model.terms] == ["asymmetric-viscous"]
-    true_motion = search.simulated
+    true_motion = force_fit.simulated
 
     def pushed(fit: ForceFit, *rest: Any) -> Observation:
         strayed = any(entry.term.name == "asymmetric-viscous" for entry in fit.model.terms)

@@ -75,14 +75,19 @@ def engine_fit(
     step = suitable_step(problem, scales) if dt is None else dt
     shown, motion = shown_by(simulate, refined, problem, step)
     own = _own_error(shown, exact, problem)
-    for _ in range(_HALVINGS if dt is None else 0):
-        if max(own.values()) <= _SMALL or _steps(problem, 0.5 * step) > _MOST_STEPS:
+    left, ahead = _HALVINGS if dt is None else 0, 1
+    while left > 0 and max(own.values()) > _SMALL:
+        while ahead > 0 and _steps(problem, step / 2**ahead) > _MOST_STEPS:
+            ahead -= 1
+        if ahead == 0:
             break
-        finer, finer_motion = shown_by(simulate, refined, problem, 0.5 * step)
+        finer, finer_motion = shown_by(simulate, refined, problem, step / 2**ahead)
         finer_own = _own_error(finer, exact, problem)
-        if max(finer_own.values()) > _WORTH * max(own.values()):
+        share = max(finer_own.values()) / max(own.values())
+        if share > _WORTH:
             break
-        step, shown, motion, own = 0.5 * step, finer, finer_motion, finer_own
+        step, shown, motion, own = step / 2**ahead, finer, finer_motion, finer_own
+        left, ahead = left - ahead, min(_halvings(max(own.values()), share ** (1.0 / ahead)), left - ahead)
     before, _ = shown_by(simulate, base, problem, step)
     return EngineFit(
         {**motion.source.settings, "dt": step, "steps": _steps(problem, step)},
@@ -91,6 +96,11 @@ def engine_fit(
         own,
         motion.source.ignored,
     )
+
+
+def _halvings(own: float, rate: float) -> int:
+    """How many more are needed, by what each has taken off until now: those between need not be run."""
+    return max(round(math.log(_SMALL / own) / math.log(rate)), 1) if own > _SMALL else 0
 
 
 def shown_by(

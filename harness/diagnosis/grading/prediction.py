@@ -6,7 +6,7 @@ from contextlib import suppress
 from dataclasses import dataclass
 
 import numpy as np
-from scipy import stats
+from scipy import special
 
 from harness.core.arrays import BoolArray, FloatArray
 from harness.core.cores import each
@@ -143,7 +143,7 @@ def surely_less(after: Predicted, before: Predicted, errors: float) -> bool:
         return after.total < before.total
     without = (after.total - a) / np.maximum(before.total - b, _NONE)
     scatter = math.sqrt((count - 1) / count * float(np.sum((without - np.mean(without)) ** 2)))
-    sure = float(stats.t.ppf(stats.norm.cdf(errors), count - 1))
+    sure = float(special.stdtrit(count - 1, special.ndtr(errors)))
     return bool(1.0 - after.total / before.total > sure * scatter)
 
 
