@@ -294,7 +294,7 @@ SAMPLED = Rule(
     "sampled",
     0.5,
     "share of the way",
-    "a law that repeats along the travel is tried: so much of the way at least is gone at two samples a period",
+    "a law that repeats along a driven travel is tried: so much of the way at least is gone at two samples a period",
     "where a sample goes further, another period in its guise shows the same (Nyquist); half, so that most of what such"
     " a law does is seen as what it is",
 )

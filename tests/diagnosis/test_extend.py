@@ -96,10 +96,11 @@ def test_less_than_a_period_is_no_repetition(entry: ModelTerm, said: bool) -> No
     ],
 )
 def test_what_repeats_within_two_samples_is_another_in_its_guise(entry: ModelTerm, said: bool) -> None:
-    """Samples 0.1 s apart show 10 pi rad/s; of a way at 0.4 m/s but for its ends they show 0.08 m."""
+    """Samples 0.1 s apart show 10 pi rad/s; of a driven way at 0.4 m/s but for its ends they show 0.08 m."""
     t = np.linspace(0.0, 10.0, 101)
     x = 0.4 * np.clip(t, 1.0, 9.0)
-    assert within(entry, 0.5, Recorded.of(t, x)) is said
+    assert within(entry, 0.5, Recorded.of(t, x, driven=True)) is said
+    assert within(entry, 0.5, Recorded.of(t, x, driven=False)) is (said or entry.repeats("time") is None)
 
 
 def test_no_force_is_tried_beyond_half_the_rate_of_the_samples() -> None:

@@ -69,7 +69,7 @@ def _periods(found: ForceFit, measured: Measured) -> list[float]:
 
 def whole_in(model: Model, measured: Measured) -> bool:
     """Whether a period, the relaxation, or the bending of a model's last law lies in the recording whole."""
-    return within(model.terms[-1], model.f_k, Recorded.of(measured.t, measured.x))
+    return within(model.terms[-1], model.f_k, Recorded.of(measured.t, measured.x, driven=True))
 
 
 def starts(found: ForceFit, measured: Measured, problem: Problem, scales: Scales) -> Iterator[Model]:

@@ -257,7 +257,7 @@ def extend(
 
 def _is_seen(found: Fit, problem: Problem) -> bool:
     """Whether what was recorded holds a period over the travel, half a one in time, and what else each law needs."""
-    seen = replace(Recorded.of(problem.t, found.shown.x), span=problem.duration)
+    seen = replace(Recorded.of(problem.t, found.shown.x, "driven" in problem.given), span=problem.duration)
     return all(within(entry, found.model.f_k, seen, PERIOD_SEEN.value) for entry in found.model.terms)
 
 

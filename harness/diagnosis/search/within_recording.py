@@ -14,7 +14,8 @@ from harness.model.model import ModelTerm
 class Recorded:
     """What a recording holds at most and at least: travel (m) and span (s); stride (m) and interval (s) of its samples.
 
-    stride : as far as a sample goes in the slower half of the way.
+    stride : as far as a sample goes in the slower half of the way; none of a free swing, which turns slowly at every
+    place in its time.
     """
 
     travel: float
@@ -23,12 +24,13 @@ class Recorded:
     interval: float = 0.0
 
     @classmethod
-    def of(cls, t: FloatArray, x: FloatArray) -> "Recorded":
+    def of(cls, t: FloatArray, x: FloatArray, driven: bool) -> "Recorded":
         """By times t (n,) and positions x (n,)."""
         step = np.sort(np.abs(np.diff(x)))
         way = np.cumsum(step)
         slower = int(np.searchsorted(way, SAMPLED.value * way[-1]))
-        return cls(float(np.ptp(x)), float(t[-1] - t[0]), float(step[slower]), float(np.median(np.diff(t))))
+        stride = float(step[slower]) if driven else 0.0
+        return cls(float(np.ptp(x)), float(t[-1] - t[0]), stride, float(np.median(np.diff(t))))
 
 
 def within(entry: ModelTerm, f_k: float, seen: Recorded, least: float = 1.0) -> bool:
