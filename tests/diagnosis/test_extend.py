@@ -1,13 +1,18 @@
 """Steps of the search: what one more term may be."""
 
+from dataclasses import replace
+from typing import Any
+
 import numpy as np
 import pytest
 
 from harness.core.errors import SimulationError
 from harness.diagnosis.baseline.base_fit import baseline
 from harness.diagnosis.explain.mechanism import mechanism
+from harness.diagnosis.fit import model_fit
 from harness.diagnosis.fit.model_fit import Fit, fit
-from harness.diagnosis.fit.parameters import free_of
+from harness.diagnosis.fit.observe import Observation, observe
+from harness.diagnosis.fit.parameters import base_of, free_of
 from harness.diagnosis.problem import Problem
 from harness.diagnosis.problems.free_decay import FreeDecay
 from harness.diagnosis.residual_tests.structure import Left
@@ -60,6 +65,32 @@ def test_a_law_ends_a_search_only_if_it_promises_to_come_near_the_noise_and_a_sh
     assert {f.model.terms[-1].term.name for f in step.fits} <= {c.term.name for c in seen.ending()}
     (drag,) = (f for f in step.fits if f.model.terms[-1].term.name == "quadratic-drag")
     assert drag.chi2 < 1.2 * drag.points
+
+
+def test_where_partials_cannot_be_followed_no_descent_goes(monkeypatch: pytest.MonkeyPatch) -> None:
+    t = np.linspace(0.0, 8.0, 1200)
+    true = Model(1.0, 0.3, 100.0, 0.4, x0=0.1, terms=(ModelTerm.named("cubic-stiffness", k3=900.0),))
+    x = simulate(true, t).x + 1e-4 * np.random.default_rng(1).standard_normal(t.size)
+    problem = FreeDecay(t, {"x": x}, {"x": channel_noise(t, x)})
+    base, scales = baseline(problem)
+    followed = observe
+
+    def only_below(model: Model, *rest: Any) -> Observation:
+        shown = followed(model, *rest)
+        (cubic,) = model.terms
+        return shown if cubic.values[0] < 300.0 else replace(shown, dy={"x": np.nan * shown.dy["x"]})
+
+    monkeypatch.setattr(model_fit, "observe", only_below)
+    free = free_of(true, base_of(base.free))
+
+    def begun(k3: float) -> Fit:
+        return fit(replace(base.model, terms=(ModelTerm.named("cubic-stiffness", k3=k3),)), problem, free, scales)
+
+    found = begun(1.0)
+    assert 1.0 < found.model.terms[0].values[0] < 300.0
+    assert np.isfinite(found.covariance()).all()
+    with pytest.raises(SimulationError, match="what the fitted numbers change"):
+        begun(400.0)
 
 
 def test_a_name_must_stand_out_among_all_that_were_tried() -> None:

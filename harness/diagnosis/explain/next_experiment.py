@@ -134,4 +134,6 @@ def _best(each: Sequence[Release], larger: bool) -> Release | None:
 
 
 def _apart(one: Release) -> str:
-    return f"{one.factor:.2g} times as far, where the two differ by {one.apart:.2g} times what is left now"
+    # two figures, and no power of ten however many times it is
+    apart = f"{float(f'{one.apart:.2g}'):.12g}"
+    return f"{one.factor:.2g} times as far, where the two differ by {apart} times what is left now"

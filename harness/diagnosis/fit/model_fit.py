@@ -95,10 +95,16 @@ def evaluate(
     scales: Scales | None = None,
     effort: Effort = FINE,
 ) -> tuple[FloatArray, FloatArray, Observation]:
-    """Whitened residual (N,) and its partials (N, q) by the fitted numbers, data minus model."""
+    """Whitened residual (N,) and its partials (N, q) by the fitted numbers, data minus model.
+
+    Raises SimulationError where model or partials cannot be followed.
+    """
     shown = observe(model, problem, tuple(f.by for f in free), scales, effort)
     residual = whitened(problem, {c: y - shown.y[c] for c, y in problem.channels.items()})
     jacobian = whitened(problem, shown.dy)
+    if not np.isfinite(jacobian).all():
+        # beside a law that is all but a jump, partials may grow beyond all bounds where the motion does not
+        raise SimulationError("what the fitted numbers change of the motion could not be followed")
     return residual, jacobian, shown
 
 
