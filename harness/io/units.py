@@ -123,8 +123,7 @@ def parse_unit(where: str, channel: str, text: str | None) -> Unit:
         raise InputError(where, f"'{text}' is not a unit", accepted) from None
     if str(base.units) not in _BASE[channel]:
         kind = "a pure number" if base.dimensionless else _KINDS.get(str(base.units), str(base.units))
-        scaled = f"; a sensor's or a motor's own scale brings it, as {_SCALED[channel]} in --columns"
-        raise InputError(
-            where, f"'{text}' is a unit of another kind ({kind})", accepted + scaled * (channel in _SCALED)
-        )
+        if channel in _SCALED:
+            accepted += f"; a sensor's or a motor's own scale brings it, as {_SCALED[channel]} in --columns"
+        raise InputError(where, f"'{text}' is a unit of another kind ({kind})", accepted)
     return Unit(text, float(base.magnitude), "radian" in str(base.units))

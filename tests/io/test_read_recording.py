@@ -251,6 +251,14 @@ REFUSED: list[tuple[str, str, str, ReadOptions]] = [
         "column x: 'kg' is a unit of another kind (kilogram)",
         ReadOptions(),
     ),
+    (
+        "volts",
+        edited(nothing, "t,x [V]"),
+        "'V' is a unit of another kind (a voltage); a unit of length or angle such as m, mm, rad or deg is accepted for"
+        " x; a sensor's or a motor's own scale brings it, as \"x=#2*0.01[m]\" in --columns",
+        ReadOptions(),
+    ),
+    ("time in metres", edited(nothing, "t [m],x"), "column t: 'm' is a unit of another kind (meter)", ReadOptions()),
     ("percent", edited(nothing, "t,x [%]"), "is a unit of another kind (a pure number)", ReadOptions()),
     ("mil", edited(nothing, "t,x [mil]"), "'mil' is a length to some and an angle to others; thou", ReadOptions()),
     ("rd", edited(nothing, "t,v [Rd/s]"), "'Rd/s' is a length to some and an angle to others; rad", ReadOptions()),

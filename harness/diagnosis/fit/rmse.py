@@ -27,6 +27,12 @@ def fit_percent(shown: Mapping[str, FloatArray], problem: Problem) -> dict[str, 
     return {c: percent_followed(shown[c][at[c]], y[at[c]]) for c, y in problem.channels.items()}
 
 
+def motion_followed(shown: Mapping[str, FloatArray], problem: Problem) -> float:
+    """That of the position, or of the speed where no position is recorded."""
+    percent = fit_percent(shown, problem)
+    return percent["x" if "x" in percent else "v"]
+
+
 def percent_followed(shown: FloatArray, seen: FloatArray) -> float:
     """100 (1 - |y - yhat| / |y - mean y|) of arrays (n,); 0 where what was seen does not move."""
     spread = float(np.linalg.norm(seen - np.mean(seen)))

@@ -16,7 +16,7 @@ from harness.core.errors import SimulationError
 from harness.diagnosis.baseline.driven_base_fit import driven_scales
 from harness.diagnosis.fit.model_fit import Fit
 from harness.diagnosis.fit.parameters import base_of, free_of
-from harness.diagnosis.fit.rmse import fit_percent
+from harness.diagnosis.fit.rmse import motion_followed
 from harness.diagnosis.fit.standard_errors import unit_of
 from harness.diagnosis.inverse_dynamics.bootstrap_null import taken_by_chance
 from harness.diagnosis.inverse_dynamics.force_fit import DONE, ROUGHLY, ForceFit, as_fit, fit_force, simulated
@@ -115,17 +115,16 @@ def search_driven(problem: InverseDynamics, judge: Judge | None = None) -> Force
 
 def _moves(found: ForceFit, base: ForceFit, problem: InverseDynamics, scales: Scales) -> bool:
     """Whether a model's own motion over the windows has to do with the recording's, or no less than the base's."""
-    percent = _percent(found, problem, scales)
-    return percent > -math.inf and percent >= min(MOVES.value, _percent(base, problem, scales))
+    percent = _followed(found, problem, scales)
+    return percent > -math.inf and percent >= min(MOVES.value, _followed(base, problem, scales))
 
 
-def _percent(found: ForceFit, problem: InverseDynamics, scales: Scales) -> float:
-    """NRMSE fit of a model's own motion; -inf where it cannot be simulated."""
+def _followed(found: ForceFit, problem: InverseDynamics, scales: Scales) -> float:
+    """NRMSE fit of a model's own motion, %; -inf where it cannot be simulated."""
     try:
-        percent = fit_percent(simulated(found, problem, scales).y, problem)
+        return motion_followed(simulated(found, problem, scales).y, problem)
     except SimulationError:
         return -math.inf
-    return percent["x" if "x" in percent else "v"]
 
 
 def _refitted(found: ForceFit, measured: Measured) -> Iterator[ForceFit | None]:

@@ -10,7 +10,7 @@ from harness.diagnosis.baseline.driven_base_fit import driven_baseline
 from harness.diagnosis.explain.holdout import periods_held_out
 from harness.diagnosis.fit.another import as_started, only_started
 from harness.diagnosis.fit.model_fit import Fit
-from harness.diagnosis.fit.rmse import fit_percent
+from harness.diagnosis.fit.rmse import motion_followed
 from harness.diagnosis.input_noise.noisy_base_fit import along, in_turn
 from harness.diagnosis.inverse_dynamics.candidates import by_the_force
 from harness.diagnosis.inverse_dynamics.covariates import entered
@@ -122,8 +122,7 @@ class DrivenRecordings(Kind[Driven]):
 
 def _strays(base: Fit, problem: Problem) -> bool:
     """Whether a base model shows another motion than the recording."""
-    percent = fit_percent(base.shown.y, problem)
-    return percent["x" if "x" in percent else "v"] < FOLLOWED.value
+    return motion_followed(base.shown.y, problem) < FOLLOWED.value
 
 
 def _leaves_noise(found: Fit, based: Based[Driven]) -> bool:
