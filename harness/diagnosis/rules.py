@@ -288,7 +288,8 @@ PERIOD_SEEN = Rule(
     0.5,
     "periods",
     "a law that repeats in time is tried",
-    "less than half a period is a slow change of any kind, a trend",
+    "less than half a period is a slow change of any kind, a trend; the other bound is half the rate of the samples,"
+    " beyond which a frequency shows as another (Nyquist)",
 )
 SAMPLED = Rule(
     "sampled",

@@ -13,6 +13,8 @@ from harness.fit.least_squares import Residual, Stop, Until, least_squares
 
 Model = Callable[[FloatArray], tuple[FloatArray, FloatArray]]
 """Parameters (p,) to values (K,2) at start and end of each half-cycle, and their derivatives (K,2,p)."""
+_ROUNDING = 1e-12
+"""Share of the squares below which what a step takes off is lost in their rounding (1e-16 a value, many values)."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -42,7 +44,7 @@ def fit_sequence(values: FloatArray, whiten: FloatArray, model: Model, start: Fl
     if found.stop in (Stop.CONVERGED, Stop.NO_DESCENT):
         # squares are flat where they are least, half the digits of theta are rounding; their slope is not
         last = np.linalg.lstsq(found.point.partials, found.point.residual, rcond=None)[0]
-        if float(found.point.residual @ found.point.partials @ last) < 1e-12 * squares:
+        if float(found.point.residual @ found.point.partials @ last) < _ROUNDING * squares:
             theta = theta + last
     used = int(np.count_nonzero(np.any(whiten != 0.0, axis=2)))
     freedom = used - theta.size

@@ -89,7 +89,6 @@ def _integrate(
     u_y: FloatArray,
     t_out: FloatArray,
     h_stick: float,
-    most: int,
     at_once: int,
     pace: float,
     want_a: bool,
@@ -105,9 +104,9 @@ def _integrate(
     """Integrate from t0 and write samples at t_out (those before t0 show the start); at an event, what holds after it.
 
     w: model, state and sensitivities at t0. u_t, u_y (k,): knots of a piecewise linear drive in N, constant outside,
-    empty for none. h_stick: longest step while it sticks, s. most: steps in all; and at no time more than at_once +
-    pace (1/s) times what is simulated, so that a place that cannot be passed costs little. x, v, a (N,),
-    mode_out (N,), dx, dv, da (N, q), events (m, 5): filled.
+    empty for none. h_stick: longest step while it sticks, s. at_once, pace: at no time more steps than at_once + pace
+    (1/s) times what is simulated, so that a place that cannot be passed costs little. x, v, a (N,), mode_out (N,),
+    dx, dv, da (N, q), events (m, 5): filled.
     Returns status, number of events, number of steps, last time reached.
     """
     spec, theta = w.spec, w.theta
@@ -132,7 +131,7 @@ def _integrate(
     mode = 0
     fresh, starts = True, True
     while i_out < samples:
-        if n_steps >= most or n_steps > at_once + pace * (t - t0):
+        if n_steps >= at_once + pace * (t - t0):
             return TOO_MANY_STEPS, n_events, n_steps, t
         # the drive here, and where this step must end at the latest
         stop = t_end

@@ -26,7 +26,7 @@ _SENSITIVITY = 10.0
 """Error allowed in the sensitivities, relative to their own size, over that in the state."""
 _LOOKS = 12
 """Steps a cycle of the fastest force in time, while the slider sticks and waits for it."""
-_AT_ONCE = 4
+_AT_ONCE = 3
 """Half cycles whose steps may be taken at one place: a law that turns infinitely stiff there ends the run."""
 
 By: TypeAlias = str | tuple[int, int]
@@ -154,9 +154,8 @@ def solve(
     u_t, u_y = (_NO_DRIVE, _NO_DRIVE) if drive is None else drive.within(model.t0, max(end, model.t0))
     h_max = 2.0 * math.pi / scales.omega / shortest_cycle
     h_stick = min(h_max, 2.0 * math.pi / _LOOKS / max(layout.fastest, scales.omega))
-    limit = int(effort.steps_per_cycle * (cycles + 2.0)) + 20 * u_t.size
     at_once, pace = _AT_ONCE * effort.steps_per_cycle + 20 * u_t.size, effort.steps_per_cycle * scales.omega / math.pi
-    fixed = (_read_only(u_t), _read_only(u_y), times, h_stick, limit, at_once, pace, want_a)
+    fixed = (_read_only(u_t), _read_only(u_y), times, h_stick, at_once, pace, want_a)
     while True:
         record = workspace(layout.spec, layout.theta, len(layout.names), columns, error, layout.start, start)
         record.h_max, record.sensitivity_error = h_max, _SENSITIVITY * effort.tolerance

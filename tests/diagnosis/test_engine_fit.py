@@ -9,6 +9,7 @@ import pytest
 from harness.core.arrays import FloatArray
 from harness.core.errors import InputError, SimulationError
 from harness.core.recording import Recording
+from harness.core.trajectory import Trajectory
 from harness.diagnosis.alignment.align import align
 from harness.diagnosis.attribution.attribute import attribute_engine, attribute_trace
 from harness.diagnosis.explain.engines import engine_fit, suitable_step
@@ -98,6 +99,27 @@ def test_the_fit_improves_in_the_engine_and_reaches_the_noise(name: str) -> None
         assert found.baseline_rmse[channel] > 2.0 * sigma.sigma
     assert found.settings["dt"] <= suitable_step(problem, SCALES)
     assert found.settings["restoring"] == "spring"
+
+
+@pytest.mark.parametrize(
+    ("error", "halvings"), [(0.1, [0]), (0.5, [0, 1]), (2.0, [0, 1, 3]), (4.0, [0, 1, 4]), (40.0, [0, 1, 4])]
+)
+def test_the_first_halving_of_a_step_says_how_many_more_there_must_be(error: float, halvings: list[int]) -> None:
+    """An engine of first order whose error begins at so many times the noise; at most four halvings, to below 0.3."""
+    problem = recorded(CUBIC, x=SIGMA["x"])
+    first, run = suitable_step(problem, SCALES), []
+
+    def engine(model: Model, duration: float, dt: float | None, drive: Drive | None) -> Trajectory:
+        assert dt is not None
+        run.append(round(np.log2(first / dt)))
+        motion = simulate(model, np.linspace(0.0, duration, 6001))
+        return replace(motion, x=motion.x + error * SIGMA["x"] * dt / first)
+
+    found = engine_fit(engine, BASE, CUBIC, problem, SCALES)
+    # the base model at the last of them
+    assert run == [*halvings, halvings[-1]]
+    assert found.settings["dt"] == pytest.approx(first / 2 ** halvings[-1])
+    assert found.own_error["x"] == pytest.approx(error / 2 ** halvings[-1], rel=1e-3)
 
 
 def test_a_step_that_is_asked_for_is_taken() -> None:

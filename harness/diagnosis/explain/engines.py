@@ -75,19 +75,16 @@ def engine_fit(
     step = suitable_step(problem, scales) if dt is None else dt
     shown, motion = shown_by(simulate, refined, problem, step)
     own = _own_error(shown, exact, problem)
-    left, ahead = _HALVINGS if dt is None else 0, 1
+    left, ahead = _halvings_left(problem, step) if dt is None else 0, 1
     while left > 0 and max(own.values()) > _SMALL:
-        while ahead > 0 and _steps(problem, step / 2**ahead) > _MOST_STEPS:
-            ahead -= 1
-        if ahead == 0:
-            break
         finer, finer_motion = shown_by(simulate, refined, problem, step / 2**ahead)
         finer_own = _own_error(finer, exact, problem)
         share = max(finer_own.values()) / max(own.values())
         if share > _WORTH:
             break
         step, shown, motion, own = step / 2**ahead, finer, finer_motion, finer_own
-        left, ahead = left - ahead, min(_halvings(max(own.values()), share ** (1.0 / ahead)), left - ahead)
+        left -= ahead
+        ahead = min(_halvings_needed(max(own.values()), share ** (1.0 / ahead)), left)
     before, _ = shown_by(simulate, base, problem, step)
     return EngineFit(
         {**motion.source.settings, "dt": step, "steps": _steps(problem, step)},
@@ -98,8 +95,13 @@ def engine_fit(
     )
 
 
-def _halvings(own: float, rate: float) -> int:
-    """How many more are needed, by what each has taken off until now: those between need not be run."""
+def _halvings_left(problem: Problem, step: float) -> int:
+    """Of a step, within the work of a run."""
+    return min(_HALVINGS, max(int(math.log2(_MOST_STEPS / _steps(problem, step))), 0))
+
+
+def _halvings_needed(own: float, rate: float) -> int:
+    """How many more, by what each has taken off until now: those between need not be run."""
     return max(round(math.log(_SMALL / own) / math.log(rate)), 1) if own > _SMALL else 0
 
 

@@ -66,6 +66,7 @@ def search_driven(problem: InverseDynamics, judge: Judge | None = None) -> Force
     measured, base, scales = force_baseline(problem)
     chosen, singles, rivals, path = base, [base], [base], [base]
     further = partial(extended, problem=problem, scales=scales, done=ROUGHLY)
+    least = min(MOVES.value, _followed(base, problem, scales))
     for _ in range(MOST_FORCE_TERMS.count):
         found = extended(chosen, measured, problem, scales)
         if chosen is base:
@@ -82,7 +83,7 @@ def search_driven(problem: InverseDynamics, judge: Judge | None = None) -> Force
             chance = taken_by_chance(chosen, problem, scales, further)
             better = [f for f in better if f.bic(independent, chance) < most]
         # what moves otherwise or cannot be followed is no model of the motion, however well it says the force
-        kept = next((f for f in better if _moves(f, base, problem, scales)), None)
+        kept = next((f for f in better if _moves(f, least, problem, scales)), None)
         if kept is None:
             break
         chosen = kept
@@ -109,14 +110,14 @@ def search_driven(problem: InverseDynamics, judge: Judge | None = None) -> Force
     if over.left is Left.NOISE:
         return ForceSearch(search, scales, over, None)
     fitted_to = Fitted(problem, measured, scales, base, chosen, shown)
-    laws = [f for f in singles if f is not base and _moves(f, base, problem, scales)]
+    laws = [f for f in singles if f is not base and _moves(f, least, problem, scales)]
     return ForceSearch(search, scales, over, graded(fitted_to, last, laws, over, judge is not None))
 
 
-def _moves(found: ForceFit, base: ForceFit, problem: InverseDynamics, scales: Scales) -> bool:
-    """Whether a model's own motion over the windows has to do with the recording's, or no less than the base's."""
+def _moves(found: ForceFit, least: float, problem: InverseDynamics, scales: Scales) -> bool:
+    """Whether a model's own motion over the windows can be simulated and follows at least so much (%)."""
     percent = _followed(found, problem, scales)
-    return percent > -math.inf and percent >= min(MOVES.value, _followed(base, problem, scales))
+    return percent > -math.inf and percent >= least
 
 
 def _followed(found: ForceFit, problem: InverseDynamics, scales: Scales) -> float:

@@ -8,6 +8,7 @@ from harness.core.arrays import FloatArray
 from harness.diagnosis.baseline.spectral_peaks import peaks
 from harness.diagnosis.fit.model_fit import Fit
 from harness.diagnosis.problem import Problem
+from harness.diagnosis.search.within_recording import fastest
 from harness.kernels.solve import Scales
 from harness.model.evidence import Evidence
 
@@ -31,8 +32,7 @@ def frequencies(fit: Fit, problem: Problem, omega: float) -> FloatArray:
         power += np.abs(np.fft.rfft(np.interp(grid, t, part), 4 * n)) ** 2
     step = 2.0 * math.pi * (n - 1) / (4.0 * n * span)
     tops = peaks(power)
-    # beyond half the rate of its samples a recording shows no frequency but a lower one in its guise
-    highest = min(_HIGHEST * omega, math.pi * (t.size - 1) / span)
+    highest = min(_HIGHEST * omega, fastest(t))
     order = tops[(tops * step > math.pi / span) & (tops * step < highest)][:_PEAKS]
     # a slow or a resonant force hides below a peak of something else: a few fixed places besides
     fixed = omega * np.array([0.25, 0.5, 0.75, 0.9, 1.1, 1.3, 1.6, 2.0, 2.5, 3.0, 3.7, 4.5])

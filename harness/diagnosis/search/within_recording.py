@@ -12,16 +12,16 @@ from harness.model.model import ModelTerm
 
 @dataclass(frozen=True, slots=True)
 class Recorded:
-    """What a recording holds at most and at least: travel (m) and span (s); stride (m) and interval (s) of its samples.
+    """What a recording holds at most and at least: travel (m), span (s), stride (m), fastest (rad/s).
 
     stride : as far as a sample goes in the slower half of the way; none of a free swing, which turns slowly at every
-    place in its time.
+    place in its time. fastest : half the rate of the samples.
     """
 
     travel: float
     span: float
     stride: float = 0.0
-    interval: float = 0.0
+    fastest: float = math.inf
 
     @classmethod
     def of(cls, t: FloatArray, x: FloatArray, driven: bool) -> "Recorded":
@@ -30,7 +30,12 @@ class Recorded:
         way = np.cumsum(step)
         slower = int(np.searchsorted(way, SAMPLED.value * way[-1]))
         stride = float(step[slower]) if driven else 0.0
-        return cls(float(np.ptp(x)), float(t[-1] - t[0]), stride, float(np.median(np.diff(t))))
+        return cls(float(np.ptp(x)), float(t[-1] - t[0]), stride, fastest(t))
+
+
+def fastest(t: FloatArray) -> float:
+    """Half the rate of samples at t (n,), rad/s: what is faster shows as something slower (Nyquist)."""
+    return math.pi / float(np.median(np.diff(t)))
 
 
 def within(entry: ModelTerm, f_k: float, seen: Recorded, least: float = 1.0) -> bool:
@@ -43,8 +48,7 @@ def within(entry: ModelTerm, f_k: float, seen: Recorded, least: float = 1.0) -> 
     bent = entry.presliding(f_k)
     return (
         (period is None or 2.0 * seen.stride <= period <= seen.travel)
-        and (omega is None or 2.0 * math.pi * least / seen.span <= omega)
-        and (omega is None or omega * seen.interval <= math.pi)
+        and (omega is None or 2.0 * math.pi * least / seen.span <= omega <= seen.fastest)
         and (tau is None or tau <= RELAXATION_SEEN.value * seen.span)
         and (bent is None or bent <= PRESLIDING_SEEN.value * seen.travel)
     )
