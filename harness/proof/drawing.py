@@ -12,6 +12,7 @@ from harness.proof.detection import LOSSES, draw_series
 from harness.proof.engine_source import ENGINE_KINDS, ENGINES, EngineName, draw_engine
 from harness.proof.machines import plan as machines
 from harness.proof.machines.made import made
+from harness.proof.machines.sealed import Sealed as SealedMachine
 from harness.proof.plan import DETECTION, MACHINE, PAIR, PLANT, Job, possible_pairs
 from harness.proof.plant.cases import Case, draw, truth
 from harness.proof.plant.records import csv_text
@@ -76,19 +77,22 @@ def _secret(seed: int, use: str, index: int) -> str:
     return digest(f"{seed:x} {use} {index}".encode())
 
 
-def drawn(seed: int, job: Job) -> Drawn:
-    """Draw a job; raises SimulationError when nothing concealed and decidable came out."""
+def drawn(seed: int, job: Job, sealed: SealedMachine | None = None) -> Drawn:
+    """Draw a job; raises SimulationError when nothing concealed and decidable came out.
+
+    sealed : what the answer of a machine says that fits decide.
+    """
     about = {"index": job.index, "group": job.group}
     if job.source == MACHINE:
-        recording, answer = _machine(seed, job)
+        recording, answer = _machine(seed, job, sealed)
         return Drawn(name_of(seed, job.index), recording.encode(), {**answer, **about})
     case, answer = _step(seed, job) if job.group == DETECTION else _case(seed, job)
     return Drawn(name_of(seed, job.index), csv_text(case).encode(), {**answer, **about})
 
 
-def _machine(seed: int, job: Job) -> tuple[str, dict[str, Any]]:
+def _machine(seed: int, job: Job, sealed: SealedMachine | None) -> tuple[str, dict[str, Any]]:
     """A recording of a machine, and its answer with what every answer of a proof holds."""
-    found = made(seed, machines.Job(job.index, job.group, job.setting, job.kinds[0] if job.kinds else ""))
+    found = made(seed, machines.Job(job.index, job.group, job.setting, job.kinds[0] if job.kinds else ""), sealed)
     answer = found.answer
     loss = sum(answer["samples"] * (left / answer["noise"][c]) ** 2 for c, left in answer["base_rmse"].items())
     common = {

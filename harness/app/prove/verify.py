@@ -1,6 +1,7 @@
 """A published proof recomputed: whatever was changed is named."""
 
 import random
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -19,6 +20,7 @@ from harness.proof.plan import SHORT, Job, Sizes
 from harness.proof.seal import PUBLISHED, STEPS, Ledger, file_of
 from harness.proof.tally import OURS, tally
 from harness.proof.verify import (
+    Redrawn,
     agrees,
     check_plan,
     check_recording,
@@ -26,6 +28,7 @@ from harness.proof.verify import (
     check_verdicts,
     is_unfinished,
     planned_jobs,
+    too_many_elsewhere,
 )
 from harness.results.prove import ProofCheck, ProofResult
 
@@ -52,22 +55,23 @@ def verify_proof(folder: Path, short: bool = False, jobs: int | None = None, pro
     chosen = planned_jobs(ledger)
     if short:
         chosen = random.SystemRandom().sample(chosen, min(SAMPLE, len(chosen)))
-    again, identical = 0, 0
-    for case in _drawn(ledger, chosen, jobs or cores(), progress):
-        found = check_recording(ledger, case)
-        again, identical = again + 1, identical + found.identical
-        wrong += [found.wrong] if found.wrong else []
-    return _said(folder, ledger, sorted(wrong), again, identical)
+    found = [check_recording(ledger, *one) for one in _drawn(ledger, chosen, jobs or cores(), progress)]
+    wrong += [one.wrong for one in found if one.wrong] + too_many_elsewhere(found)
+    return _said(folder, ledger, sorted(wrong), found)
 
 
-def _said(folder: Path, ledger: Ledger, wrong: list[str], again: int = 0, identical: int = 0) -> ProofCheck:
+def _said(folder: Path, ledger: Ledger, wrong: list[str], found: Sequence[Redrawn] = ()) -> ProofCheck:
     notes = []
+    again, identical = len(found), sum(one.identical for one in found)
     if identical < again:
         made: dict[str, str] = dict(ledger.content(STEPS[0])["versions"])
         here = {"python": this_machine().python, **this_machine().packages}
         other = ", ".join(f"{name} {made[name]}" for name in made if made[name] != here.get(name))
         why = f"made with other versions ({other})" if other else "another processor rounds otherwise"
         notes.append(f"{again - identical} recordings are not the same to the last bit: {why}")
+    elsewhere = sum(one.elsewhere for one in found)
+    if elsewhere:
+        notes.append(f"{elsewhere} of these but for what fits decide (how strong, how noisy), which end elsewhere here")
     cases: dict[str, Any] = next((e["content"].get("cases", {}) for e in ledger.entries if e["step"] == STEPS[1]), {})
     return ProofCheck(
         folder=str(folder.absolute()),
@@ -137,17 +141,19 @@ def _scores(folder: Path, ledger: Ledger) -> list[str]:
     return wrong
 
 
-def _drawn(ledger: Ledger, chosen: list[Job], jobs: int, progress: Progress) -> list[Drawn]:
-    """Recordings drawn again from the revealed seed; those that were given up are left out."""
+def _drawn(ledger: Ledger, chosen: list[Job], jobs: int, progress: Progress) -> list[tuple[Drawn, Job]]:
+    """Recordings drawn again from the revealed seed, with their jobs; those that were given up are left out."""
     seed = int(ledger.content(STEPS[3])["seed"]["value"])
     tasks = [DrawTask(seed, job) for job in chosen]
+    of = {job.index: job for job in chosen}
     workers = LocalPool(max(1, min(jobs, len(tasks))))
     found = []
     try:
         for done, one in enumerate(completed(tasks, workers, draw_one, draw_failed), 1):
             progress("recordings drawn again", done, len(tasks))
             if one["error"] is None:
-                found.append(Drawn(one["name"], one["recording"].encode(), one["answer"]))
+                case = Drawn(one["name"], one["recording"].encode(), one["answer"])
+                found.append((case, of[one["index"]]))
     finally:
         workers.close()
     return found

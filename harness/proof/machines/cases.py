@@ -14,6 +14,7 @@ from harness.proof.machines.drawing import draw_rig
 from harness.proof.machines.kinds import Kind
 from harness.proof.machines.noise import Spoiled, draw_noise
 from harness.proof.machines.rigs import Effects, Rig
+from harness.proof.machines.sealed import Sealed
 from harness.proof.machines.shares import Reading, fitted_share, ratio, read, refitted, relative, weights
 from harness.proof.machines.small import draw_small
 from harness.proof.machines.strengths import draw_strength, scaled, three_digits
@@ -34,6 +35,8 @@ FORCE_MISFIT = (0.01, 0.2)
 """What the base leaves, relative to the motion or, of a measured force, to the force."""
 LEAST_MISFIT, MOST_MISFIT = 5e-4, 0.08
 MOST_TRIES = 60
+MOST_PASSED = 2
+"""Draws that are passed over where the sealed one is looked for: another processor took none of them."""
 TURNS = 3
 """Times the small effects are weighed against the main one, the last on the true motion."""
 LEAST_TURNS = 5
@@ -63,28 +66,36 @@ class Messy:
     share: float | None
     small: Mapping[str, float]
     fitted: Mapping[str, float]
-    recorded: Mapping[str, FloatArray]
+    recorded: Mapping[str, FloatArray] = field(default_factory=dict)
     summed: Mapping[str, float] = field(default_factory=dict)
 
 
-def draw(kind: Kind, main: str, rng: np.random.Generator) -> Messy:
+def draw(kind: Kind, main: str, rng: np.random.Generator, sealed: Sealed | None = None) -> Messy:
     """A random recording of a machine. main : an effect of the catalogue or of none, or "" for a control.
 
-    Raises InputError for an effect that this machine cannot have, SimulationError when no draw came out.
+    sealed : what its answer says that fits decide; the first draw of such a machine is the one, where no more than
+    ``MOST_PASSED`` that would be taken come before it. Raises InputError for an effect that this machine cannot have,
+    SimulationError when no draw came out.
     """
     if main and main not in kind.names and main not in ALIENS:
         raise InputError("effect", main, f"one of {', '.join((*kind.names, *ALIENS))} is accepted on a {kind.name}")
     bare = not main and rng.random() < BARE
+    passed = 0
     for _ in range(MOST_TRIES):
         try:
             rig = draw_rig(kind, main, rng)
             # an effect as it is drawn first may be far stronger than any machine has; it is then left
             with np.errstate(over="ignore", invalid="ignore"):
-                found = _with_main(rig, main, rng) if main else _control(rig, bare, rng)
+                found = _with_main(rig, main, rng, sealed) if main else _control(rig, bare, rng, sealed)
         except SimulationError:
             continue
-        if found is not None:
-            return found
+        if found is None:
+            continue
+        if sealed is None or found.effects == sealed.effects:
+            return replace(found, recorded=_recorded(rig, found.whole, found.noise, rng))
+        passed += 1
+        if passed > MOST_PASSED:
+            break
     raise SimulationError(f"machines: no draw of {main or 'control'} on a {kind.name} in {MOST_TRIES} tries")
 
 
@@ -107,7 +118,7 @@ def _made(rig: Rig, name: str, goal: float, rng: np.random.Generator) -> tuple[d
     return said, found
 
 
-def _with_main(rig: Rig, main: str, rng: np.random.Generator) -> Messy | None:
+def _with_main(rig: Rig, main: str, rng: np.random.Generator, sealed: Sealed | None = None) -> Messy | None:
     low, high = TABLE_SHARES if main in STATIC else SHARES
     share = float(rng.uniform(low + 0.02, high - 0.005))
     made = _made(rig, main, _goal(rig, False, rng), rng)
@@ -119,8 +130,12 @@ def _with_main(rig: Rig, main: str, rng: np.random.Generator) -> Messy | None:
     for turn in range(TURNS):
         # strengths are tried quickly, and what they came to is measured on the true motion
         quick = turn < TURNS - 1
-        whole, rest = read(rig, {main: values, **small.effects}, quick), read(rig, small.effects, quick)
-        noise = draw_noise(rig, whole, rng)
+        effects: Effects = {main: values, **small.effects}
+        known = None if quick else _answer(sealed, effects, rig)
+        effects = effects if known is None else known.in_place_of(effects)
+        others = {name: one for name, one in effects.items() if name != main}
+        whole, rest = read(rig, effects, quick), read(rig, others, quick)
+        noise = draw_noise(rig, whole, rng, known)
         weight = weights(whole, noise.total)
         if not quick:
             whole, rest = refitted(rig, whole, weight), refitted(rig, rest, weight)
@@ -131,36 +146,44 @@ def _with_main(rig: Rig, main: str, rng: np.random.Generator) -> Messy | None:
             factor = three_digits(math.sqrt((1.0 - share) / (1.0 - found)))
             small = small.times(dict.fromkeys(small.effects, factor), rig.base)
     shares = small.shares(whole, weight)
-    if not low <= found <= high or any(one > SMALL for one in shares.values()):
-        return None
-    if not rig.kind.driven and (_turns(whole) < LEAST_TURNS or fitted_share(alone, whole, weight) < low):
+    taken = low <= found <= high and all(one <= SMALL for one in shares.values())
+    if taken and not rig.kind.driven:
         # what does not swing is no free decay; what its own law does not take off is not what the base lacks most
+        taken = _turns(whole) >= LEAST_TURNS and fitted_share(alone, whole, weight) >= low
+    if not taken and known is None:
         return None
-    recorded = _recorded(rig, whole, noise, rng)
-    return Messy(rig, main, {main: values, **small.effects}, whole, weight, noise, found, shares, {}, recorded)
+    return Messy(rig, main, effects, whole, weight, noise, found, shares, {})
 
 
-def _control(rig: Rig, bare: bool, rng: np.random.Generator) -> Messy | None:
+def _control(rig: Rig, bare: bool, rng: np.random.Generator, sealed: Sealed | None = None) -> Messy | None:
     if bare:
         whole = read(rig, {})
-        noise = draw_noise(rig, whole, rng)
-        weight, recorded = weights(whole, noise.total), _recorded(rig, whole, noise, rng)
-        return Messy(rig, "", {}, whole, weight, noise, None, {}, _by_gain(rig, {}, whole, weight), recorded)
+        noise = draw_noise(rig, whole, rng, _answer(sealed, {}, rig))
+        weight = weights(whole, noise.total)
+        return Messy(rig, "", {}, whole, weight, noise, None, {}, _by_gain(rig, {}, whole, weight))
     goal = _goal(rig, True, rng)
     small, alone = draw_small(rig, "", goal, int(rng.integers(2, 4 if _slow(rig) else 6)), rng)
     if len(small.effects) < 2:
         return None
+    known, effects = _answer(sealed, small.effects, rig), small.effects
     for quick in (True, False):
-        whole = read(rig, small.effects, quick)
-        noise = draw_noise(rig, whole, rng)
+        effects = effects if quick or known is None else known.in_place_of(effects)
+        whole = read(rig, effects, quick)
+        noise = draw_noise(rig, whole, rng, None if quick else known)
         weight = weights(whole, noise.total)
         shares = small.shares(whole, weight)
-        if max(shares.values()) > SMALL or sum(shares.values()) < TOGETHER or relative(rig, whole) < 0.3 * goal:
+        small_ones = max(shares.values()) <= SMALL and sum(shares.values()) >= TOGETHER
+        if known is None and not (small_ones and relative(rig, whole) >= 0.3 * goal):
             return None
-    fitted = _by_gain(rig, small.effects, whole, weight)
+    fitted = _by_gain(rig, effects, whole, weight)
     if not rig.kind.driven:
         fitted |= {name: fitted_share(one, whole, weight) for name, one in alone.items()}
-    return Messy(rig, "", small.effects, whole, weight, noise, None, shares, fitted, _recorded(rig, whole, noise, rng))
+    return Messy(rig, "", effects, whole, weight, noise, None, shares, fitted)
+
+
+def _answer(sealed: Sealed | None, effects: Effects, rig: Rig) -> Sealed | None:
+    """The answer, if it is that of a machine with these effects."""
+    return sealed if sealed is not None and sealed.holds(effects, rig.base) else None
 
 
 def with_sums(case: Messy, rng: np.random.Generator) -> Messy:

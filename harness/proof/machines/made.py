@@ -10,6 +10,7 @@ from harness.proof.machines.cases import Messy, draw, with_sums
 from harness.proof.machines.kinds import KINDS
 from harness.proof.machines.plan import Job, possible
 from harness.proof.machines.records import csv_text
+from harness.proof.machines.sealed import Sealed
 from harness.proof.machines.truth import truth
 
 ATTEMPTS = 4
@@ -24,9 +25,12 @@ class Made:
     answer: dict[str, Any]
 
 
-def made(seed: int, job: Job) -> Made:
-    """A recording and all of its answer; raises SimulationError when nothing came out."""
-    case, rng = _drawn(seed, job)
+def made(seed: int, job: Job, sealed: Sealed | None = None) -> Made:
+    """A recording and all of its answer; raises SimulationError when nothing came out.
+
+    sealed : what its answer says that fits decide.
+    """
+    case, rng = _drawn(seed, job, sealed)
     return _told(job, with_sums(case, rng))
 
 
@@ -39,7 +43,7 @@ def _told(job: Job, case: Messy) -> Made:
     return Made(csv_text(case), {"group": job.group, **truth(case)})
 
 
-def _drawn(seed: int, job: Job) -> tuple[Messy, np.random.Generator]:
+def _drawn(seed: int, job: Job, sealed: Sealed | None = None) -> tuple[Messy, np.random.Generator]:
     """A case, and the chance that goes on from it."""
     kind, reason = KINDS[job.kind], ""
     for attempt in range(ATTEMPTS):
@@ -47,7 +51,7 @@ def _drawn(seed: int, job: Job) -> tuple[Messy, np.random.Generator]:
         names = possible(kind, job.group)
         main = names[int(rng.integers(len(names)))] if attempt else job.main
         try:
-            return draw(kind, main, rng), rng
+            return draw(kind, main, rng, sealed), rng
         except SimulationError as error:
             reason = str(error)
     raise SimulationError(reason)

@@ -8,6 +8,7 @@ import numpy as np
 
 from harness.core.arrays import FloatArray
 from harness.proof.machines.rigs import Rig
+from harness.proof.machines.sealed import Sealed
 from harness.proof.machines.shares import Reading, size
 from harness.proof.plant.base import log_uniform
 from harness.proof.plant.sensors import Noise
@@ -34,9 +35,11 @@ class Spoiled:
         return {c: self.noise.spoil(c, clean[c], rng) for c in self.noise.sigma}
 
 
-def draw_noise(rig: Rig, whole: Reading, rng: np.random.Generator) -> Spoiled:
-    """Noise of a machine with this misfit."""
+def draw_noise(rig: Rig, whole: Reading, rng: np.random.Generator, sealed: Sealed | None = None) -> Spoiled:
+    """Noise of a machine with this misfit. sealed : the answer of this very machine, which says how large it is."""
     sigma, step = {}, {}
+    late = float(np.std(rig.t - rig.stamps))
+    jittered = {c: late * float(np.sqrt(np.mean(np.gradient(y, rig.t) ** 2))) for c, y in whole.clean.items()}
     style = str(rng.choice(["white", "coloured", "quantised"], p=[0.35, 0.25, 0.4]))
     for c in rig.channels:
         # a driven axis has a fine encoder; of a decay the noise is a part of what the base leaves
@@ -45,6 +48,8 @@ def draw_noise(rig: Rig, whole: Reading, rng: np.random.Generator) -> Spoiled:
             left = math.sqrt(whole.misfit[c]) / size(rig, whole, c)
             part = left / log_uniform(rng, *OVER) if left > 1e-4 else part
         sigma[c] = float(f"{part * size(rig, whole, c):.3g}")
+        if sealed is not None and not rig.kind.driven:
+            sigma[c] = sealed.sigma(c, sigma[c], jittered[c])
         if style == "quantised" and c == "x":
             # most of the error is the rounding, as of an encoder
             step[c] = math.sqrt(12.0) * sigma[c] * float(rng.uniform(0.8, 0.97))
@@ -54,6 +59,4 @@ def draw_noise(rig: Rig, whole: Reading, rng: np.random.Generator) -> Spoiled:
         sigma["u"] = share * size(rig, whole, "u")
     correlation = float(rng.uniform(0.3, 0.85)) if style == "coloured" else 0.0
     noise = Noise(sigma, correlation, step or None)
-    late = float(np.std(rig.t - rig.stamps))
-    speed = {c: float(np.sqrt(np.mean(np.gradient(whole.clean[c], rig.t) ** 2))) for c in sigma}
-    return Spoiled(style, noise, {c: math.hypot(noise.total(c), late * speed[c]) for c in sigma})
+    return Spoiled(style, noise, {c: math.hypot(noise.total(c), jittered[c]) for c in sigma})
