@@ -21,6 +21,7 @@ from harness.diagnosis.problems.starts import OneStart, Windows
 from harness.diagnosis.request import Asked
 from harness.diagnosis.smoothed_state.inverse_start import inverse_start
 from harness.diagnosis.smoothed_state.state import Course
+from harness.diagnosis.smoothed_state.unsaid_spring import Beside
 from harness.estimate.noise import Noise, channel_noise
 from harness.estimate.saturation import within_range
 from harness.estimate.stray import stray_in
@@ -87,6 +88,7 @@ def _seen(recording: Recording, asked: Asked) -> tuple[Driven, Course, tuple[str
         raise InputError(where, f"a slider that does not move beyond its noise ({seen})", "a driven motion is accepted")
     course = Course.of(t, channels, noise)
     first = inverse_start(course.state, u, restoring, asked.mass, bool(asked.zero_free))
+    unsaid = _spring_unsaid(course, u, asked, recording.angular) if restoring is Restoring.NONE else ()
     x, v, _ = course.state
     first = replace(first, x0=float(x[0]) - first.offset, v0=float(v[0]), t0=float(t[0]))
     gaps = float(np.max(np.diff(t))) > course.longest
@@ -104,7 +106,16 @@ def _seen(recording: Recording, asked: Asked) -> tuple[Driven, Course, tuple[str
         guarded=asked.guarded,
         starts=course.anew(math.inf) if gaps else OneStart(),
     )
-    return problem, course, said
+    return problem, course, (*said, *unsaid)
+
+
+def _spring_unsaid(course: Course, u: FloatArray, asked: Asked, angular: bool) -> tuple[str, ...]:
+    """A sentence on a spring in a recording that is said to have none."""
+    beside = Beside.of(course.state, u, asked.mass)
+    if not beside.is_unsaid:
+        return ()
+    spring = f"a spring of {beside.k:.3g} {'N m/rad' if angular else 'N/m'}"
+    return (f"{spring} takes {100.0 * beside.share:.3g} % off what is left of the force: --restoring spring has it",)
 
 
 def _followed(problem: Driven, course: Course, u: FloatArray, asked: Asked) -> tuple[Forced, tuple[str, ...]]:

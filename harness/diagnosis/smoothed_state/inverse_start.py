@@ -5,7 +5,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from harness.core.arrays import FloatArray
+from harness.core.arrays import BoolArray, FloatArray
 from harness.core.errors import InputError
 from harness.diagnosis.smoothed_state.local_cubics import Smooth
 from harness.model.model import Model, Restoring
@@ -30,6 +30,11 @@ def state_of(t: FloatArray, smooth: Mapping[str, Smooth]) -> tuple[FloatArray, F
     return np.concatenate(([0.0], np.cumsum(steps))), v, smooth["v"].slope
 
 
+def in_motion(v: FloatArray) -> BoolArray:
+    """Which samples (n,) move: slower, friction may have any value."""
+    return np.asarray(np.abs(v) > _MOVING * float(np.max(np.abs(v))))
+
+
 def inverse_start(
     state: tuple[FloatArray, FloatArray, FloatArray],
     u: FloatArray,
@@ -43,7 +48,7 @@ def inverse_start(
     when the slider hardly moves.
     """
     x, v, a = state
-    moving = np.abs(v) > _MOVING * float(np.max(np.abs(v)))
+    moving = in_motion(v)
     if np.count_nonzero(moving) < _FEWEST:
         raise InputError("recording", "a slider that hardly moves", "a driven motion is accepted")
     pull = {Restoring.SPRING: x, Restoring.PENDULUM: np.sin(x), Restoring.NONE: None}[restoring]
