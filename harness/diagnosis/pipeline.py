@@ -199,7 +199,7 @@ def _misfit_said(judged: Judged, graded: Graded) -> Outcome:
         refined_parameters=base_parameters(said.refined, said.problem, omega, explained=False),
         next_experiment=next_experiment(left_open_by_grade(said.mechanisms, graded), said.problem, graded.misfit.scales)
         or to_be_sure(said.mechanisms, judged.judgement.rules, "driven" in said.problem.given),
-        warnings=(*cautions_of_misfit(graded), *judged.found.notes),
+        warnings=(*cautions_of_misfit(graded, judged.found.search.doubted), *judged.found.notes),
         rules=(*judged.judgement.rules, *(POOLING if said.problem.alone else ())),
         remainder=said.remainder,
         pooled=judged.found.pooled,

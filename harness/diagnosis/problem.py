@@ -27,11 +27,11 @@ class Problem(ABC):
 
     t : s. channels : "x", "v", "a" as measured. noise : per channel. weight : 0 leaves a sample out of the fit, or 1.
     mass : kg, None when unknown (then m = 1 and forces are per unit mass, unless a measured force gives the mass).
-    zero_free : x is measured from an unknown zero. angular : x or a was given as an angle. starts : from where it is
-    simulated. drive : the measured force as the solver takes it, None where none acts. covariates : by name, measured
-    columns that act too: given, not predicted. acting : how each enters, where the motion is followed. force_noise :
-    what the own noise of a measured force, or of a covariate, does to the whole; None where nothing shows and every
-    start is known.
+    zero_free : x is measured from an unknown zero. zero_chosen : nobody said whether it is. angular : x or a was given
+    as an angle. starts : from where it is simulated. drive : the measured force as the solver takes it, None where none
+    acts. covariates : by name, measured columns that act too: given, not predicted. acting : how each enters, where the
+    motion is followed. force_noise : what the own noise of a measured force, or of a covariate, does to the whole; None
+    where nothing shows and every start is known.
     """
 
     t: FloatArray = field(kw_only=False)
@@ -41,6 +41,7 @@ class Problem(ABC):
     mass: float | None = None
     restoring: Restoring = Restoring.SPRING
     zero_free: bool = False
+    zero_chosen: bool = False
     angular: bool = False
     starts: Starts = field(default_factory=OneStart)
     drive: Drive | None = None
@@ -94,6 +95,11 @@ class Problem(ABC):
         On a machine a crowd of small effects is expected, which two laws follow as well as their own.
         """
         return not self.zero_free
+
+    @property
+    def on_bench(self) -> bool:
+        """Whether somebody says that x is measured from the spring: on a bench one effect is expected, or two."""
+        return not (self.zero_free or self.zero_chosen)
 
     @property
     def spare(self) -> float:

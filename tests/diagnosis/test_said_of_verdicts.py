@@ -225,6 +225,8 @@ def test_cautions_of_a_graded_misfit() -> None:
     assert said.startswith("no entry or pair of the catalogue")
     (said,) = cautions_of_misfit(graded(0.0, 20.0, Grade.MAIN, pairs=False))
     assert said.startswith("no entry of the catalogue")
+    (said,) = cautions_of_misfit(graded(0.0, 20.0, Grade.MAIN), of(DRAG, STRIBECK))
+    assert said.startswith("quadratic-drag with stribeck would leave noise alone, but")
     crowd = graded(0.0, 20.0, Grade.ONE_OF)
     crowd.chance = 0.377
     assert "look like this one 38 % have harmonic-force as their main effect" in cautions_of_misfit(crowd)[1]

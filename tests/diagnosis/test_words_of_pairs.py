@@ -16,7 +16,9 @@ DRAG = ModelTerm.named("quadratic-drag", c2=0.2)
 OMEGA = 60.0
 
 
-def search(terms: int, base: float, turns: int, left: Left = Left.NOISE, named: bool = True) -> Search:
+def search(
+    terms: int, base: float, turns: int, left: Left = Left.NOISE, named: bool = True, bench: bool = True
+) -> Search:
     """A search by hand: ``terms`` laws of two numbers each meet 1000 points, the base leaves chi-square ``base``."""
     t = np.arange(1000) * 1e-3
 
@@ -26,7 +28,9 @@ def search(terms: int, base: float, turns: int, left: Left = Left.NOISE, named: 
             model=model, chi2=chi2, free=range(6 + 2 * count), shown=SimpleNamespace(v=t), explains_as_named=named
         )
 
-    problem: Any = SimpleNamespace(t=t, duration=1.0, turns=lambda v: np.linspace(1, 998, turns).astype(np.int64))
+    problem: Any = SimpleNamespace(
+        t=t, duration=1.0, turns=lambda v: np.linspace(1, 998, turns).astype(np.int64), on_bench=bench
+    )
     return Search(problem, fit(base, 0), fit(1000.0, terms), (), (), left)
 
 
@@ -44,6 +48,17 @@ def test_a_lone_law_and_none_are_judged_by_samples_alone(terms: int) -> None:
 def test_a_large_misfit_carries_a_pair_in_few_cycles() -> None:
     """12 words, chi-square 50 a point: 12 ln 50 - 4 ln 12 = 37."""
     assert weighed(search(2, 50000.0, 11), OMEGA).left is Left.NOISE
+
+
+@pytest.mark.parametrize(
+    ("bench", "turns", "left"),
+    [(True, 8, Left.NOISE), (False, 8, Left.STRUCTURE), (False, 11, Left.NOISE), (False, 99, Left.NOISE)],
+)
+def test_where_nobody_knows_the_zero_the_base_takes_its_words_first(bench: bool, turns: int, left: Left) -> None:
+    """9 words less six, chi-square 50 a point: 3 ln 50 - 4 ln 3 = 7.3; of 12 words 6 ln 50 - 4 ln 6 = 16."""
+    found = weighed(search(2, 50000.0, turns, bench=bench), OMEGA)
+    assert found.left is left
+    assert (found.doubted is None) is (left is Left.NOISE)
 
 
 def force(rate: float) -> ModelTerm:

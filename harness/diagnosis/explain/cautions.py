@@ -74,10 +74,16 @@ def _closest(found: Search) -> tuple[str, ...]:
     return (f"of the misfit the closest entries take off, each alone: {said}; none is named, because none explains it",)
 
 
-def cautions_of_misfit(graded: Graded) -> tuple[str, ...]:
-    """Sentences on a misfit that no model explains."""
+def cautions_of_misfit(graded: Graded, doubted: Fit | None = None) -> tuple[str, ...]:
+    """Sentences on a misfit that no model explains; doubted : a pair that meets the noise on too few words."""
     tried = "entry or pair" if graded.misfit.problem.pairs_searched else "entry"
     said = [f"no {tried} of the catalogue explains it to its noise; standard errors allow for the misfit"]
+    if doubted is not None:
+        pair = " with ".join(key_of(doubted))
+        said = [
+            f"{pair} would leave noise alone, but two laws can follow the few independent strokes of this recording"
+            " whatever acts; standard errors allow for the misfit"
+        ]
     if graded.misfit.left_out > 0.0:
         said.append(
             f"the first {graded.misfit.left_out:.4g} s, up to the first turning point, took no part: what lets go there"

@@ -16,11 +16,11 @@ def undecided(found: Search) -> tuple[Rule, ...]:
     """
     if not _lone(found):
         return ()
-    if not found.problem.zero_free:
+    if found.problem.on_bench:
         return (EVEN,) if any(f.bic < found.chosen.bic + EVEN.value for f in _others(found)) else ()
     taken = 1.0 - found.chosen.chi2 / found.base.chi2
     fails = {
-        LEAST_CYCLES: _few_words(found),
+        LEAST_CYCLES: few_words(found),
         SHARE_OF_MISFIT: taken < SHARE_OF_MISFIT.value,
         MARGIN: bool(near(found)),
     }
@@ -33,7 +33,7 @@ def near(found: Search) -> tuple[Fit, ...]:
     In samples two laws always differ: by what small effects that nobody models change. Where several amplitudes part
     laws of it from laws of the time, they say so; a law that is bent beyond its name is no other one.
     """
-    if not _lone(found) or not found.problem.zero_free:
+    if not _lone(found) or found.problem.on_bench:
         return ()
     chosen, words = found.chosen, words_beside(found.base, strokes_of(found.chosen, found.problem))
 
@@ -50,7 +50,7 @@ def _lone(found: Search) -> bool:
     return not found.by_force and found.explained and len(found.chosen.model.terms) == 1
 
 
-def _few_words(found: Search) -> bool:
+def few_words(found: Search) -> bool:
     """Whether the cycles are few, and what they say is spent once the base's own numbers have taken their words."""
     base, chosen = found.base, found.chosen
     strokes = strokes_of(chosen, found.problem)

@@ -26,6 +26,7 @@ _LOOKED_AT = 1500
 
 def held(problem: P, asked: Asked) -> tuple[P, str]:
     """The problem with its restoring force and its zero, and a sentence on what was chosen; "" where it was given."""
+    problem = replace(problem, zero_chosen=asked.zero_free is None)
     choices = _choices(problem, asked)
     if len(choices) == 1:
         return replace(problem, restoring=choices[0][0], zero_free=choices[0][1]), ""

@@ -36,7 +36,7 @@ def together(recordings: Sequence[Recording], asked: Asked) -> tuple[Together, t
         left_out = [c for c in ("x", "v", "a") if c in one and c not in common]
         notes += [f"in {one.file}: {c} is left out, which not every recording has" for c in left_out]
         # its clock begins where it is let go
-        each.append(replace(problem, t=problem.t - problem.t[0]))
+        each.append(replace(problem, t=problem.t - problem.t[0], zero_chosen=first.zero_chosen))
     return Together.laid(each), tuple(notes)
 
 

@@ -63,6 +63,7 @@ class Together(Problem):
             mass=first.mass,
             restoring=first.restoring,
             zero_free=first.zero_free,
+            zero_chosen=first.zero_chosen,
             angular=first.angular,
             starts=Several(tuple(stretches), own),
             level=level,
@@ -89,6 +90,7 @@ class Together(Problem):
             mass=self.mass,
             restoring=self.restoring,
             zero_free=self.zero_free,
+            zero_chosen=self.zero_chosen,
             angular=self.angular,
             starts=s.starts,
         )

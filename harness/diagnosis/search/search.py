@@ -41,7 +41,7 @@ class Search:
     catalogue name alone, best first. rivals : fits of as many terms as the chosen one, best first. left : what the
     chosen model leaves. without : where the chosen model has several terms, it less each of them in turn, the best
     fit known of the rest; None where none could be simulated. by_force : whether the force was fitted. begun : where
-    first looks left each law alone.
+    first looks left each law alone. doubted : a pair that meets the noise on too few words of the motion to say so.
     """
 
     problem: Problem
@@ -53,6 +53,7 @@ class Search:
     without: tuple[Fit | None, ...] = ()
     by_force: bool = False
     begun: tuple[Model, ...] = ()
+    doubted: Fit | None = None
 
     @property
     def explained(self) -> bool:
