@@ -41,7 +41,7 @@ def search(
         return SimpleNamespace(model=model, chi2=chi2, bic=bic, shown=shown, free=free, explains_as_named=named)
 
     at = np.linspace(1, 998, turns).astype(np.int64)
-    problem: Any = SimpleNamespace(t=t, turns=lambda v: at, on_bench=not free, parts_amplitude_from_time=parted)
+    problem: Any = SimpleNamespace(t=t, turns=lambda v: at, zero_free=free, parts_amplitude_from_time=parted)
     chosen = fit(1000.0, 0.0, *("stribeck", "end-stop")[:count])
     rivals = (fit(1000.0, 0.5, "stribeck"), fit(1000.0 * leaves, near, "presliding"))
     return Search(problem, fit(base, 9.0), chosen, (), rivals, changed.pop("left", Left.NOISE), **changed)

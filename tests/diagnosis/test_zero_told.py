@@ -1,4 +1,4 @@
-"""Whether the zero was told, or chosen at the base fit: only who is told of it expects a bench with one effect."""
+"""Whether the zero was told, or chosen at the base fit: only where it is told a bench is expected."""
 
 import numpy as np
 import pytest

@@ -16,7 +16,7 @@ def undecided(found: Search) -> tuple[Rule, ...]:
     """
     if not _lone(found):
         return ()
-    if found.problem.on_bench:
+    if not found.problem.zero_free:
         return (EVEN,) if any(f.bic < found.chosen.bic + EVEN.value for f in _others(found)) else ()
     taken = 1.0 - found.chosen.chi2 / found.base.chi2
     fails = {
@@ -33,7 +33,7 @@ def near(found: Search) -> tuple[Fit, ...]:
     In samples two laws always differ: by what small effects that nobody models change. Where several amplitudes part
     laws of it from laws of the time, they say so; a law that is bent beyond its name is no other one.
     """
-    if not _lone(found) or found.problem.on_bench:
+    if not _lone(found) or not found.problem.zero_free:
         return ()
     chosen, words = found.chosen, words_beside(found.base, strokes_of(found.chosen, found.problem))
 
