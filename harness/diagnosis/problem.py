@@ -98,7 +98,7 @@ class Problem(ABC):
 
     @property
     def on_bench(self) -> bool:
-        """Whether somebody says that x is measured from the spring: on a bench built for it two effects are expected."""
+        """Whether somebody says that x is measured from the spring, as on a bench built for an effect or two."""
         return not (self.zero_free or self.zero_chosen)
 
     @property
