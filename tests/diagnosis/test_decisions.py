@@ -169,7 +169,9 @@ def _search(rng: np.random.Generator) -> Search:
         )
 
     turns = np.linspace(1, 998, int(rng.choice([6, 20, 90]))).astype(np.int64)
-    problem: Any = SimpleNamespace(t=np.arange(1000) * 1e-3, duration=1.0, turns=lambda v: turns, on_bench=True)
+    problem: Any = SimpleNamespace(
+        t=np.arange(1000) * 1e-3, duration=1.0, turns=lambda v: turns, zero_free=False, on_bench=True
+    )
     rivals = tuple(fit(1000.0 + float(rng.choice([APART.value, APART.value - 1e-9, 5.0])), 2) for _ in range(2))
     left = list(Left)[int(rng.integers(0, len(Left)))]
     by_force = bool(rng.random() < 0.2)
