@@ -127,7 +127,9 @@ def graded(fitted: Fitted, last: Fit, singles: Sequence[ForceFit], over: LeftOve
     if judged:
         found = _by_judge(found, chosen)
     names = [entry.term.name for entry in chosen.model.terms]
-    if not found.named or found.named[0].name in names or (names and found.grade is Grade.MINOR):
+    # what follows any other law by its clock is no better model than the largest part that has a name
+    followed = {f.name for f in found.finalists if f.clock}.issuperset(names)
+    if not found.named or found.named[0].name in names or (found.grade is Grade.MINOR and not followed):
         return found
     laws = {f.name: one for f, one in ranked}
     named = tuple(replace(f, fit=fitted.seen(laws[f.name])) for f in found.named)
