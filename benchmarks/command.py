@@ -20,6 +20,7 @@ from harness.kernels.solve import solve
 from harness.model.model import Model, ModelTerm
 
 _BASE = "import sys; from harness import stages; stages.fit_base(stages.prepare(sys.argv[1]).problem)"
+_PEER = "a process that reads it and fits viscous and Coulomb friction alone, one core"
 _ENCODER = 2.0 * np.pi / 8192.0
 """Step of an encoder, rad."""
 
@@ -74,7 +75,7 @@ def _pair(file: Path) -> Pair:
 
 @benchmark(
     "command.machine",
-    peer="a process that reads it and fits viscous and Coulomb friction alone, one core",
+    peer=_PEER,
     timed="harness diagnose, everything written, of 8000 samples of a machine that no entry explains alone, one core",
     target=8.0,
 )
@@ -84,7 +85,7 @@ def machine() -> Pair:
 
 @benchmark(
     "command.smooth",
-    peer="a process that reads it and fits viscous and Coulomb friction alone, one core",
+    peer=_PEER,
     timed="harness diagnose, everything written, of 50,000 smooth samples, one core",
     target=10.0,
 )

@@ -3,11 +3,11 @@
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
-from harness.diagnosis.baseline.words import evidence, strokes_of, words_of
+from harness.diagnosis.baseline.words import evidence, few_words, strokes_of, words_of
 from harness.diagnosis.fit.model_fit import Fit
 from harness.diagnosis.grading.clocks import unresolved
 from harness.diagnosis.grading.grade import Contest
-from harness.diagnosis.grading.lone import few_words, undecided
+from harness.diagnosis.grading.lone import undecided
 from harness.diagnosis.outcome import Grade, Verdict
 from harness.diagnosis.residual_tests.structure import Left
 from harness.diagnosis.rules import (
@@ -80,7 +80,7 @@ def weighed(found: Search, omega: float) -> Search:
         return found
     words = words_of(strokes_of(chosen, problem))
     more = len(chosen.free) - len(base.free)
-    crowd = not problem.on_bench and few_words(found)
+    crowd = not problem.on_bench and few_words(base, chosen, problem)
     if evidence(base.chi2, chosen.chi2, words, more, 1.0) >= GAIN.value and not crowd:
         return found
     return replace(found, chosen=base, left=Left.STRUCTURE, without=(), doubted=chosen)

@@ -140,7 +140,7 @@ def of(*terms: ModelTerm, chi2: float = 500.0, bic: float = 0.0) -> Any:
 def search(spare: float = 0.0, **changed: Any) -> Any:
     problem = SimpleNamespace(spare=spare, given=())
     known = {"base": of(chi2=1100.0), "chosen": of(), "singles": (of(DRAG, chi2=600.0), of(STRIBECK, chi2=850.0))}
-    return SimpleNamespace(**{**known, "problem": problem, "rivals": (), **changed})
+    return SimpleNamespace(**{**known, "problem": problem, "rivals": (), "doubted": None, **changed})
 
 
 def judged(verdict: Verdict, rival: Any = None, *rules: Rule) -> Any:
@@ -155,6 +155,8 @@ def test_cautions_of_what_nothing_explains_name_the_closest_with_their_shares() 
     assert first.startswith("no entry or pair of the catalogue explains it")
     assert "quadratic-drag 50 %, stribeck 25 %; none is named" in closest
     assert len(cautions(search(singles=()), judged("unexplained"), NONE_HELD)) == 1
+    followed = cautions(search(doubted=of(DRAG, STRIBECK)), judged("unexplained"), NONE_HELD)[0]
+    assert followed.startswith("quadratic-drag with stribeck would leave noise alone, but")
     assert len(cautions(search(base=of(chi2=90.0)), judged("unexplained"), NONE_HELD)) == 1
     assert (
         "a force measured with less noise would decide" in cautions(search(1e4), judged("unexplained"), NONE_HELD)[-1]

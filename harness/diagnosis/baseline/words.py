@@ -13,7 +13,7 @@ import numpy as np
 from harness.core.arrays import FloatArray, IntArray
 from harness.diagnosis.fit.model_fit import Fit
 from harness.diagnosis.problem import Problem
-from harness.diagnosis.rules import LEAST_RATIO, MARGIN, MOST_WORDS
+from harness.diagnosis.rules import DECISIVE, LEAST_CYCLES, LEAST_RATIO, MARGIN, MOST_WORDS
 
 
 @dataclass(frozen=True, slots=True)
@@ -73,3 +73,12 @@ def evidence(before: float, after: float, words: float, parameters: int, cells: 
     if after <= 0.0:
         return math.inf
     return words * math.log(before / after) - parameters * math.log(words) - math.log(max(cells, 1.0))
+
+
+def few_words(base: Fit, chosen: Fit, problem: Problem) -> bool:
+    """Whether the cycles are few, and what they say is spent once the base's own numbers have taken their words."""
+    strokes = strokes_of(chosen, problem)
+    if strokes.cycles >= LEAST_CYCLES.value:
+        return False
+    more = len(chosen.free) - len(base.free)
+    return evidence(base.chi2, chosen.chi2, words_beside(base, strokes), more, 1.0) < DECISIVE.value

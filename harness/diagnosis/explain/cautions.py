@@ -23,7 +23,9 @@ def cautions(found: Search, judgement: Judgement, prediction: Holdout) -> tuple[
     if judgement.rival is not None:
         return (_undecided(chosen=found.chosen, rival=judgement.rival),)
     if judgement.verdict == "unexplained":
-        said = "no entry or pair of the catalogue explains it; standard errors are inflated by the misfit"
+        none = "no entry or pair of the catalogue explains it"
+        why = none if found.doubted is None else _followed(found.doubted)
+        said = f"{why}; standard errors are inflated by the misfit"
         noisy = found.problem.spare > DECISIVE.value
         return (said, *_closest(found), *((_NOISY_FORCE,) if noisy else ()))
     if judgement.verdict == "one_of":
@@ -74,16 +76,19 @@ def _closest(found: Search) -> tuple[str, ...]:
     return (f"of the misfit the closest entries take off, each alone: {said}; none is named, because none explains it",)
 
 
+def _followed(pair: Fit) -> str:
+    """Why a pair that meets the noise is no verdict."""
+    return (
+        f"{' with '.join(key_of(pair))} would leave noise alone, but two laws can follow the few independent strokes of"
+        " this recording whatever acts"
+    )
+
+
 def cautions_of_misfit(graded: Graded, doubted: Fit | None = None) -> tuple[str, ...]:
     """Sentences on a misfit that no model explains; doubted : a pair that meets the noise on too few words."""
     tried = "entry or pair" if graded.misfit.problem.pairs_searched else "entry"
-    said = [f"no {tried} of the catalogue explains it to its noise; standard errors allow for the misfit"]
-    if doubted is not None:
-        pair = " with ".join(key_of(doubted))
-        said = [
-            f"{pair} would leave noise alone, but two laws can follow the few independent strokes of this recording"
-            " whatever acts; standard errors allow for the misfit"
-        ]
+    why = f"no {tried} of the catalogue explains it to its noise" if doubted is None else _followed(doubted)
+    said = [f"{why}; standard errors allow for the misfit"]
     if graded.misfit.left_out > 0.0:
         said.append(
             f"the first {graded.misfit.left_out:.4g} s, up to the first turning point, took no part: what lets go there"

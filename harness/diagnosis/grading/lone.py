@@ -1,6 +1,6 @@
 """Whether a lone law that explains a recording to its noise is the one, or one that looks like it."""
 
-from harness.diagnosis.baseline.words import evidence, margin_of, strokes_of, words_beside
+from harness.diagnosis.baseline.words import evidence, few_words, margin_of, strokes_of, words_beside
 from harness.diagnosis.fit.model_fit import Fit
 from harness.diagnosis.rules import DECISIVE, EVEN, LEAST_CYCLES, MARGIN, SHARE_OF_MISFIT, Rule
 from harness.diagnosis.search.extend import key_of
@@ -20,7 +20,7 @@ def undecided(found: Search) -> tuple[Rule, ...]:
         return (EVEN,) if any(f.bic < found.chosen.bic + EVEN.value for f in _others(found)) else ()
     taken = 1.0 - found.chosen.chi2 / found.base.chi2
     fails = {
-        LEAST_CYCLES: few_words(found),
+        LEAST_CYCLES: few_words(found.base, found.chosen, found.problem),
         SHARE_OF_MISFIT: taken < SHARE_OF_MISFIT.value,
         MARGIN: bool(near(found)),
     }
@@ -48,16 +48,6 @@ def near(found: Search) -> tuple[Fit, ...]:
 def _lone(found: Search) -> bool:
     """Whether one law alone explains a recording."""
     return not found.by_force and found.explained and len(found.chosen.model.terms) == 1
-
-
-def few_words(found: Search) -> bool:
-    """Whether the cycles are few, and what they say is spent once the base's own numbers have taken their words."""
-    base, chosen = found.base, found.chosen
-    strokes = strokes_of(chosen, found.problem)
-    if strokes.cycles >= LEAST_CYCLES.value:
-        return False
-    words = words_beside(base, strokes)
-    return evidence(base.chi2, chosen.chi2, words, len(chosen.free) - len(base.free), 1.0) < DECISIVE.value
 
 
 def _others(found: Search) -> list[Fit]:

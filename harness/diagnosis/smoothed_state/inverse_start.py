@@ -52,7 +52,7 @@ def inverse_start(
     count = int(np.count_nonzero(moving))
     if count < _FEWEST:
         found = f"a slider that hardly moves ({count} of {v.size} samples show motion)"
-        raise InputError("recording", found, f"a driven motion of {_FEWEST} samples is accepted")
+        raise InputError("recording", found, f"a driven motion of at least {_FEWEST} samples is accepted")
     pull = {Restoring.SPRING: x, Restoring.PENDULUM: np.sin(x), Restoring.NONE: None}[restoring]
     columns = {"m": a, "c": v, "f_k": np.sign(v), "one": np.ones_like(v)}
     if pull is not None:
