@@ -2,6 +2,7 @@
 
 import json
 import os
+import time
 from pathlib import Path
 
 import jsonschema
@@ -21,12 +22,14 @@ NAMES = ("a.csv", "b.csv", "bad.csv", "c.csv", "d.csv")
 
 
 def stand_in(work: Work) -> Answer:
-    """A worker that reads the file instead of diagnosing it, dies of one, and fails with another."""
+    """A worker that reads the file instead of diagnosing it, dies of one, is long at one, and fails with another."""
     text = work.path.read_text()
     if "die" in text:
         os._exit(3)
     if "full" in text:
         raise StoreError("a.csv: no space left on the device")
+    if "long" in text:
+        time.sleep(600)
     if "bad" in text:
         return failed(work.label, "bad.csv: 0 rows; at least 50 are accepted")
     work.folder.mkdir(exist_ok=True)
@@ -99,7 +102,8 @@ def test_resumption_computes_what_is_not_there_and_refuses_what_is_of_other_opti
 
 @pytest.mark.parametrize("jobs", [1, 2])
 def test_a_full_disk_ends_the_call_and_not_one_file_after_the_other(jobs: int, tmp_path: Path) -> None:
-    named = write(tmp_path, c="full")
+    # what is in work beside it is not waited for
+    named = write(tmp_path, c="full", d="long")
     with pytest.raises(StoreError, match=r"no space left on the device; [23] of 5 recordings are kept, the same comm"):
         diagnose_all(named, DiagnoseOptions(), tmp_path / "out", jobs, function=stand_in)
     named = write(tmp_path)

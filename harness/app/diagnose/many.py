@@ -220,7 +220,8 @@ def computed(left: dict[int, Work], jobs: int, function: Callable[[Work], Answer
                 running[pool.executor.submit(function, left[i])] = i
             done, _ = wait(running, return_when=FIRST_COMPLETED)
             dead = [running.pop(future) for future in done if _died(pool, future)]
-            for future in done & running.keys():
+            # what has ended with an error ends the call: those that are good count before it
+            for future in sorted(done & running.keys(), key=lambda future: future.exception() is not None):
                 i = running.pop(future)
                 yield i, _answer(left[i], future)
             if dead:
