@@ -24,7 +24,7 @@ def chosen(table: Table, columns: str | None, rate: float | None) -> tuple[dict[
         mappings, guessed = _by_name(table)
     paste = f"such as {ready(table.headers, table.units)}, is accepted"
     if not set(mappings) & {"x", "v", "a"}:
-        hint = f"t and one or more of x, v, a, or columns named as in {paste}"
+        hint = f"columns named t and one or more of x, v, a, or a choice {paste}"
         raise InputError(str(table.path), f"the columns {table.listed()}", hint)
     if "t" not in mappings and rate is None:
         column = f", or a column t, {paste}" if len(table.names) > 1 else " is accepted"

@@ -14,6 +14,7 @@ from harness.core.arrays import FloatArray
 from harness.core.bounded import read_bytes, unpacked
 from harness.core.errors import InputError
 from harness.io.dates import Clock
+from harness.io.guess import candidates
 from harness.io.table import Table
 from harness.io.units import split_header
 
@@ -25,6 +26,8 @@ _BLOCK = 1 << 22
 _LONGEST_LINE = 1 << 20
 _UTF_16 = (b"\xff\xfe", b"\xfe\xff")
 """Its mark, in either order of bytes."""
+_LOOKED, _ROWS = 60, 3
+"""Lines at the beginning in which a table's first is looked for, and rows that make one."""
 _COMMENT = ("#", "%")
 _BRACKETS = re.compile(r"^[\[(]\s*([^\[\]()]*?)\s*[\])]$")
 _FORTRAN = re.compile(r"^([+-]?\d*\.?\d+|[+-]?\d+\.)[dD]([+-]?\d{1,3})$")
@@ -106,8 +109,9 @@ def _layout(path: Path, data: bytes | bytearray, skip_rows: int) -> _Layout:
     separator, decimal = _separator(sample)
     number, start, first = body[0]
     where = f"{path}: line {number}"
+    _refuse_preamble(path, [(n, text) for n, _, text in body[:_LOOKED]], separator, decimal)
     cells = _cells(where, first, separator)
-    if any(_number(cell, decimal) is not None and cell for cell in cells):
+    if _has_number(cells, decimal):
         comments = [text.lstrip("#% ") for n, _, text in shown if n < number]
         named = _header(where, comments[-1], separator) if comments else []
         fields = tuple(named) if len(named) == len(cells) else ("",) * len(cells)
@@ -118,6 +122,34 @@ def _layout(path: Path, data: bytes | bytearray, skip_rows: int) -> _Layout:
     units = _units(cells, [_cells(f"{path}: line {n}", text, separator) for n, _, text in body[1:3]], decimal)
     number, start, _ = body[2] if units else body[1]
     return _Layout(separator, decimal, tuple(cells), start, number, units)
+
+
+def _refuse_preamble(path: Path, lines: Sequence[tuple[int, str]], separator: str, decimal: str) -> None:
+    """Raise InputError, with the --skip-rows that passes over them, for lines of another width before the table.
+
+    lines : number and text of each of the first ones that are no comment.
+    """
+    rows = [_cells(f"{path}: line {n}", text, separator) for n, text in lines]
+    width = len(rows[-1])
+
+    def of_names(i: int) -> list[str]:
+        return _header(f"{path}: line {lines[i][0]}", lines[i][1], separator)
+
+    begin = len(rows)
+    while begin > 0 and len(rows[begin - 1]) == width and _has_number(rows[begin - 1], decimal):
+        begin -= 1
+    if width in (len(rows[0]), len(of_names(0))) or len(rows) - begin < _ROWS:
+        return
+    above = [i for i in (begin - 1, begin - 2) if i >= 0 and len(of_names(i)) == width]
+    channels = [i for i in above if candidates([split_header(name)[0] for name in of_names(i)])]
+    first = min(channels or above[:1], default=begin)
+    count = f"{len(rows[0])} cell{'s' if len(rows[0]) > 1 else ''}"
+    found = f"{count}, where the rows from line {lines[begin][0]} on have {width}"
+    raise InputError(f"{path}: line {lines[0][0]}", found, f"--skip-rows {lines[first][0] - 1} is accepted")
+
+
+def _has_number(cells: Sequence[str], decimal: str) -> bool:
+    return any(_number(cell, decimal) is not None and cell for cell in cells)
 
 
 def _units(fields: Sequence[str], below: Sequence[Sequence[str]], decimal: str) -> tuple[str, ...]:

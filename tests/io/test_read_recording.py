@@ -215,7 +215,7 @@ REFUSED: list[tuple[str, str, str, ReadOptions]] = [
         ReadOptions(),
     ),
     ("time and rate", edited(nothing), "--rate: given although a column", ReadOptions(rate=100.0)),
-    ("no channel", edited(nothing, "t,y"), "the columns t, y; t and one or more of x, v, a", ReadOptions()),
+    ("no channel", edited(nothing, "t,y"), "the columns t, y; columns named t and one or more of x, v, a", ReadOptions()),
     (
         "time goes back",
         edited(put(8, "0.001,1")),
@@ -273,6 +273,18 @@ REFUSED: list[tuple[str, str, str, ReadOptions]] = [
         edited(nothing),
         "0 samples between --from and --to (the file runs from 0 s to 1.995 s)",
         ReadOptions(start=9.0),
+    ),
+    (
+        "lines before the table",
+        "arm 3\nDate: 4 May, 10:00\n\n" + edited(nothing),
+        "line 1: 1 cell, where the rows from line 5 on have 2; --skip-rows 3 is accepted",
+        ReadOptions(),
+    ),
+    (
+        "lines before numbers without names",
+        "angle, rate, duration\n90, 1000, 5\n" + "".join(f"{-90.0 + i}\n" for i in range(60)),
+        "line 1: 3 cells, where the rows from line 3 on have 1; --skip-rows 2 is accepted",
+        ReadOptions(),
     ),
     ("all skipped", edited(nothing), "--skip-rows: 999 of", ReadOptions(skip_rows=999)),
 ]

@@ -48,7 +48,8 @@ _LEAST_TAKEN = 0.01
 
 def covariances(found: TableFit, strokes: Strokes) -> tuple[FloatArray, FloatArray]:
     """Posterior and sandwich (p, p) of base parameters and coordinates of the tables; strokes : of the residual."""
-    inverse = inverse_of(found.curvature())
+    curvature = found.curvature
+    inverse = inverse_of(curvature.at(found.strength))
     cluster, count = strokes.of, strokes.count
     n, p = cluster.size, found.jacobian.shape[1]
     scores = np.zeros((count, p))
@@ -57,10 +58,9 @@ def covariances(found: TableFit, strokes: Strokes) -> tuple[FloatArray, FloatArr
         each = found.jacobian[rows] * found.residual[rows, None]
         scores += np.column_stack([np.bincount(cluster, each[:, j], count) for j in range(p)])
     # the fit has taken its own share of what the strokes say
-    taken = len(found.free) + found.effective
+    taken = len(found.free) + curvature.effective(found.strength)
     meat = scores.T @ scores * count / max(count - taken, 1.0)
-    normal = found.jacobian.T @ found.jacobian
-    inflated = float(np.trace(inverse @ meat)) / max(float(np.trace(inverse @ normal)), 1e-300)
+    inflated = float(np.trace(inverse @ meat)) / max(float(np.trace(inverse @ curvature.seen)), 1e-300)
     return inverse * inflated, inverse @ meat @ inverse
 
 

@@ -38,6 +38,27 @@ class Look:
 
 
 @dataclass(frozen=True, slots=True)
+class Curvature:
+    """Of a fit with tables: seen (b + q, b + q) is J'J of its b base parameters and q coordinates, rough (q, q) the
+    penalty at strength 1.
+    """
+
+    seen: FloatArray
+    rough: FloatArray
+    b: int
+
+    def at(self, strength: float) -> FloatArray:
+        """J'J plus the penalty, (b + q, b + q)."""
+        h = self.seen.copy()
+        h[self.b :, self.b :] += strength * self.rough
+        return h
+
+    def effective(self, strength: float) -> float:
+        """Effective parameters of the tables: the trace of what the recording adds, base parameters taken off."""
+        return float(np.trace(inverse_of(self.at(strength)) @ self.seen)) - self.b
+
+
+@dataclass(frozen=True, slots=True)
 class TableFit:
     """Tables fitted with the base parameters.
 
@@ -61,18 +82,16 @@ class TableFit:
         """Chi-square of the recording alone."""
         return float(self.residual @ self.residual)
 
-    def curvature(self) -> FloatArray:
-        """J'J plus the penalty, (b + q, b + q)."""
-        b = len(self.free)
-        h = self.jacobian.T @ self.jacobian
-        h[b:, b:] += self.strength * (self.penalty.T @ self.penalty)
-        return h
+    @property
+    def curvature(self) -> "Curvature":
+        """About the fit."""
+        seen = self.jacobian.T @ self.jacobian
+        return Curvature(seen, self.penalty.T @ self.penalty, len(self.free))
 
     @property
     def effective(self) -> float:
-        """Effective parameters of the tables: the trace of what the recording adds, base parameters taken off."""
-        influence = inverse_of(self.curvature()) @ (self.jacobian.T @ self.jacobian)
-        return float(np.trace(influence)) - len(self.free)
+        """Effective parameters of the tables."""
+        return self.curvature.effective(self.strength)
 
     def beside(self, base: FloatArray, tables: FloatArray) -> FloatArray:
         """Partials by the base parameters (N, b) less what the tables (N, q) can take over within their penalty."""

@@ -6,7 +6,7 @@ The model is linear about a fit, so that no block needs a simulation of its own 
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -77,13 +77,14 @@ def strength_by_blocks(found: TableFit, block: FloatArray, keep: Sequence[int], 
 def _within(found: TableFit, most: float) -> list[float]:
     """The penalties that keep to so many effective parameters, the strongest first, and last the one that uses all."""
     kept: list[float] = []
+    curvature = found.curvature
     for strength in reversed(STRENGTHS):
-        if replace(found, strength=strength).effective > most:
+        if curvature.effective(strength) > most:
             if kept:
                 low, high = math.log(strength), math.log(kept[-1])
                 for _ in range(_HALVINGS):
                     middle = 0.5 * (low + high)
-                    within = replace(found, strength=math.exp(middle)).effective <= most
+                    within = curvature.effective(math.exp(middle)) <= most
                     low, high = (low, middle) if within else (middle, high)
                 kept.append(math.exp(high))
             break
@@ -101,4 +102,4 @@ def rougher(found: TableFit, block: FloatArray) -> FloatArray:
         return found.at
     b = len(found.free)
     y = found.residual + found.jacobian[:, b:] @ found.at
-    return np.asarray((inverse_of(replace(found, strength=strength).curvature()) @ (found.jacobian.T @ y))[b:])
+    return np.asarray((inverse_of(found.curvature.at(strength)) @ (found.jacobian.T @ y))[b:])
