@@ -215,7 +215,12 @@ REFUSED: list[tuple[str, str, str, ReadOptions]] = [
         ReadOptions(),
     ),
     ("time and rate", edited(nothing), "--rate: given although a column", ReadOptions(rate=100.0)),
-    ("no channel", edited(nothing, "t,y"), "the columns t, y; columns named t and one or more of x, v, a", ReadOptions()),
+    (
+        "no channel",
+        edited(nothing, "t,y"),
+        "the columns t, y; columns named t and one or more of x, v, a",
+        ReadOptions(),
+    ),
     (
         "time goes back",
         edited(put(8, "0.001,1")),
