@@ -16,6 +16,8 @@ if TYPE_CHECKING:
     from harness.results.common import P, Result
 
 STANDARD_OUTPUT = "-"
+_LARGE = 1e6
+"""A standard error from which digits of the value say nothing."""
 
 
 def check_json(json_to: str | None) -> None:
@@ -77,5 +79,7 @@ def with_error(number: "P", said: str = "") -> str:
     unit = "" if number.unit in ("1", said) else f" {number.unit}"
     if not number.stderr:
         return f"{number.value:.6g}{unit}"
+    if number.stderr >= _LARGE:
+        return f"{number.value:.3g} +- {number.stderr:.2g}{unit}"
     decimals = min(max(1 - math.floor(math.log10(number.stderr)), 0), 12)
     return f"{number.value:.{decimals}f} +- {number.stderr:.{decimals}f}{unit}"

@@ -29,6 +29,9 @@ _LOOKS = 12
 _AT_ONCE = 3
 """Half cycles whose steps may be taken at one place: a law that turns infinitely stiff there ends the run."""
 
+_EVENTS_AT_FIRST, _MOST_EVENTS = 100_000, 1_000_000
+"""Rows there is room for, however many half-cycles a nearly massless slider would go through."""
+
 By: TypeAlias = str | tuple[int, int]
 """A parameter to differentiate by: a name, or (index of a term in the model, index of its parameter)."""
 
@@ -150,7 +153,7 @@ def solve(
     dx, dv, da = np.empty((n, q_count)), np.empty((n, q_count)), np.zeros((n, q_count))
     end = float(times[-1])
     cycles = max(end - model.t0, 0.0) * scales.omega / math.pi + 1.0
-    events = np.zeros((64 + int(4 * cycles), EVENT_COLUMNS))
+    events = np.zeros((min(64 + int(4 * cycles), _EVENTS_AT_FIRST), EVENT_COLUMNS))
     u_t, u_y = (_NO_DRIVE, _NO_DRIVE) if drive is None else drive.within(model.t0, max(end, model.t0))
     h_max = 2.0 * math.pi / scales.omega / shortest_cycle
     h_stick = min(h_max, 2.0 * math.pi / _LOOKS / max(layout.fastest, scales.omega))
@@ -160,7 +163,7 @@ def solve(
         record = workspace(layout.spec, layout.theta, len(layout.names), columns, error, layout.start, start)
         record.h_max, record.sensitivity_error = h_max, _SENSITIVITY * effort.tolerance
         status, n_events, steps, reached = integrate(model.t0, record, *fixed, x, v, a, mode, dx, dv, da, events)
-        if status != TOO_MANY_EVENTS or events.shape[0] > 1_000_000:
+        if status != TOO_MANY_EVENTS or events.shape[0] > _MOST_EVENTS:
             break
         events = np.zeros((4 * events.shape[0], EVENT_COLUMNS))
     if status != DONE:

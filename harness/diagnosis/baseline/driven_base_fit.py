@@ -16,6 +16,8 @@ from harness.diagnosis.problems.driven import Forced
 from harness.kernels.solve import Scales
 from harness.model.model import Model
 
+_AT_ONCE = 1e3
+"""Times faster than the motion: so fast answers a slider whose mass no force shows, and its time says nothing."""
 _DRY = (1.0, 0.5, 1.5)
 """Shares of the dry friction that the inverse dynamics give, from which a driven fit starts."""
 
@@ -58,3 +60,9 @@ def driven_scales(problem: Problem, model: Model) -> Scales:
     if omega == 0.0:
         omega = math.sqrt(float(np.mean(motion.v**2))) / max(float(np.std(motion.x)), 1e-300)
     return Scales(0.5 * float(np.ptp(motion.x)), float(np.max(np.abs(motion.v))), omega)
+
+
+def own_scales(problem: Problem, model: Model) -> Scales:
+    """A model's own under the drive; those of the motion where the model has next to no mass."""
+    own, seen = Scales.of(model, problem.drive), driven_scales(problem, model)
+    return own if own.omega < _AT_ONCE * seen.omega else seen

@@ -23,14 +23,19 @@ def mechanisms_of(found: Search, graded: ForceGraded, omega: float) -> tuple[Mec
         return tuple(_alone(found, graded, f, omega) for f in graded.named)
     fit, finalists = graded.refined, {f.name: f for f in graded.finalists}
     first = {f.name: i for i, f in enumerate(graded.named)}
-    said = []
+    said: list[tuple[int, Mechanism]] = []
     for i, entry in enumerate(fit.model.terms):
         one = mechanism(found, i, entry, omega, place_of(entry, fit, found.problem, omega))
-        one = _graded(one, graded, finalists.get(one.name))
-        # alone a law beside the first may take nothing: it was kept for what the model is worse without it
-        said.append(one if one.name in first else replace(one, share=_share_beside(found, i, graded)))
-    also = [_alone(found, graded, f, omega) for f in graded.named if f.name not in {m.name for m in said}]
-    return tuple(sorted([*said, *also], key=lambda m: (first.get(m.name, len(first)), -m.delta_bic)))
+        if one.name in first and all(m.name != one.name for _, m in said):
+            said.append((first[one.name], _graded(one, graded, finalists[one.name])))
+            continue
+        # alone a law beside the first, or a further one of its name, may take nothing: it was kept for what the model
+        # is worse without it
+        beside = _graded(one, graded, None if one.name in first else finalists.get(one.name))
+        said.append((len(first), replace(beside, grade=Grade.MINOR, share=_share_beside(found, i, graded))))
+    also = [_alone(found, graded, f, omega) for f in graded.named if f.name not in {m.name for _, m in said}]
+    ranked = sorted([*said, *((first[m.name], m) for m in also)], key=lambda one: (one[0], -one[1].delta_bic))
+    return tuple(m for _, m in ranked)
 
 
 def _share_beside(found: Search, index: int, graded: ForceGraded) -> float:

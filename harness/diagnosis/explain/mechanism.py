@@ -2,6 +2,8 @@
 
 from dataclasses import replace
 
+import numpy as np
+
 from harness.core.quantity import Quantity
 from harness.diagnosis.fit.model_fit import Fit
 from harness.diagnosis.fit.place import place_of
@@ -16,6 +18,8 @@ from harness.model.model import ModelTerm
 from harness.model.place import Place
 from harness.model.registry import not_parted
 
+_SPRING_SEEN = 0.1
+"""Of friction and damping: a spring whose force is weaker has no rest position that could be spoken of."""
 _MOST_ALTERNATIVES = 3
 """Names that are not ruled out and are told."""
 
@@ -100,4 +104,12 @@ def _said(quantity: Quantity) -> str:
 def statement_of(entry: ModelTerm, parameters: dict[str, Quantity], found: Fit) -> str:
     """One plain sentence of a term, with its numbers."""
     values = {name: _said(q) for name, q in parameters.items()}
-    return entry.term.say({**values, **entry.term.words(entry.values, found.model.k)})
+    return entry.term.say({**values, **entry.term.words(entry.values, _stiffness(found))})
+
+
+def _stiffness(found: Fit) -> float:
+    """Of a spring that is there beside friction and damping; 0 of one that no force shows."""
+    model, shown = found.model, found.shown
+    spring = model.k * float(np.max(np.abs(shown.x)))
+    rest = model.c * float(np.max(np.abs(shown.v))) + model.f_k
+    return model.k if spring > _SPRING_SEEN * rest else 0.0

@@ -22,6 +22,9 @@ _ON_BOUND = "the estimate lies on a bound of what is possible"
 AT_LEAST = "at least this: what is larger the recording cannot show"
 _NOT_FITTED = "not fitted: given, or too small for the force to show it"
 _NOT_SEEN = "the recording does not determine it"
+_NO_SPRING = 1e3
+"""Standard errors of a stiffness, in itself, beyond which nothing of a spring was seen."""
+_SPRING_NOT_SEEN = "the recording shows no spring: --restoring none leaves it out"
 _FEW_SWINGS = "too few swings to tell how far off it is beside what the model leaves"
 
 
@@ -146,6 +149,10 @@ def base_parameters(found: Fit, problem: Problem, omega: float, explained: bool)
             "f_k": combined(f_k, {"f_k": 1.0}, unit_of("N", problem), f_k <= 0.0),
             **given,
         }
+    if "k" in at and max(_variances(matrices, np.eye(len(found.free))[at["k"]])) > (_NO_SPRING * k) ** 2:
+        length = "rad" if problem.angular else "m"
+        units = {"omega_n": "rad/s", "zeta": "1", "x_k": length}
+        return {**{name: Quantity.refused(unit, _SPRING_NOT_SEEN) for name, unit in units.items()}, **given}
     omega, root = math.sqrt(k / m), math.sqrt(k * m)
     return {
         "omega_n": combined(omega, {"k": 0.5 * omega / k, "m": -0.5 * omega / m}, "rad/s"),

@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from harness.core.arrays import BoolArray, FloatArray
+from harness.diagnosis.baseline.base_fit import dominant_frequency
 from harness.diagnosis.baseline.words import evidence
 from harness.diagnosis.fit.model_fit import Fit
 from harness.diagnosis.fit.observe import Observation
@@ -156,7 +157,8 @@ def _ranked(
     noise = 0.0 if over.noise is None else over.noise * base.residual.size
     excess, span = base.squares - noise, float(measured.t[-1] - measured.t[0])
     cells = cells_of(seen_in(base, measured, problem, scales))
-    clocks = [scales.omega] if words.period is None else [scales.omega, 2.0 * np.pi / words.period]
+    clocks = [scales.omega, *(dominant_frequency(m.t, m.x) for m in measured.each)]
+    clocks += [] if words.period is None else [2.0 * np.pi / words.period]
     best: dict[str, tuple[Finalist, ForceFit]] = {}
     for one in singles:
         entry, taken = one.model.terms[-1], base.squares - one.squares

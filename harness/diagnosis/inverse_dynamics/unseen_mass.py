@@ -1,12 +1,14 @@
-"""A mass that the force does not show: taken as so large as it could be unseen, for a motion that can be simulated."""
+"""A mass that the force does not show: taken as so large as it could be unseen, for a motion that can be simulated.
+
+What is left out may look like a mass, so that the law which says the force best is asked beside the base model.
+"""
 
 from dataclasses import replace
 
 import numpy as np
 
-from harness.diagnosis.fit.parameters import free_of
-from harness.diagnosis.inverse_dynamics.force_fit import fit_force
-from harness.diagnosis.inverse_dynamics.measured import Measured
+from harness.diagnosis.inverse_dynamics.force_fit import ROUGHLY
+from harness.diagnosis.inverse_dynamics.search import extended, force_baseline
 from harness.diagnosis.problems.inverse_dynamics import InverseDynamics
 from harness.diagnosis.rules import MASS_UNSEEN
 
@@ -19,13 +21,14 @@ def with_unseen_mass(problem: InverseDynamics) -> InverseDynamics:
     """
     if not problem.mass_names:
         return problem
-    measured = Measured.of(problem)
-    base = fit_force(problem.first, measured, free_of(problem.first, problem.base_names))
+    measured, base, scales = force_baseline(problem)
     a = float(np.sqrt(np.mean(measured.blocks(measured.a) ** 2)))
-    least = MASS_UNSEEN.value * float(np.sqrt(np.mean(base.residual**2)))
-    if a <= 0.0 or base.model.m * a >= least:
+    if a <= 0.0:
         return problem
-    mass = least / a
+    best = min((base, *extended(base, measured, problem, scales, ROUGHLY)), key=lambda found: found.squares)
+    mass = MASS_UNSEEN.value * float(np.sqrt(np.mean(best.residual**2))) / a
+    if best.model.m >= mass:
+        return problem
     said = (
         f"The force does not show the mass: {mass:.3g} kg are taken, whose part of the force is"
         f" {100.0 * MASS_UNSEEN.value:.2g} % of what the fit leaves; --mass KG gives another."

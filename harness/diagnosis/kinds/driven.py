@@ -3,6 +3,7 @@
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from dataclasses import replace
+from typing import Any
 
 from harness.core.errors import SimulationError
 from harness.core.recording import Recording
@@ -39,6 +40,7 @@ from harness.model.place import Place
 _BY_FORCE = (
     "followed, the base model misses more than half of the motion and no law explains it: the force is fitted instead"
 )
+_NOT_FOLLOWED = "The base model cannot be followed, so that the force is fitted."
 _SAME = 0.01
 """Share of a chi-square that has not moved; noise taken anew each turn moves it too."""
 
@@ -65,7 +67,15 @@ class DrivenRecordings(Kind[Driven]):
             notes = (*notes, *said)
         return with_unseen_mass(problem) if isinstance(problem, InverseDynamics) else problem, notes
 
-    def fit_base(self, problem: Driven) -> Based[Driven]:
+    def fit_base(self, problem: Driven) -> Based[Any]:
+        """Along the base model's own motion; its force is fitted where that cannot be followed."""
+        with suppress(SimulationError):
+            return self._followed(problem)
+        unfollowed = by_its_force(problem)
+        unfollowed = replace(unfollowed, enters=(*unfollowed.enters, _NOT_FOLLOWED))
+        return FittedForces().fit_base(with_unseen_mass(unfollowed))
+
+    def _followed(self, problem: Driven) -> Based[Driven]:
         """Along the base model's own motion, which says what noise of the force does."""
         base, scales = driven_baseline(problem)
         seen, base = along(base, problem, scales)
@@ -105,7 +115,7 @@ class DrivenRecordings(Kind[Driven]):
         found = []
         for whole in based.whole.other_ways:
             with suppress(SimulationError):
-                found.append(self.fit_base(whole))
+                found.append(self._followed(whole))
         return min(found, key=lambda other: under(other.fit, based.problem).chi2, default=None)
 
     def hold_out(self, problem: Driven, judged: Judged, acting: Sequence[tuple[ModelTerm, Place]]) -> Holdout:

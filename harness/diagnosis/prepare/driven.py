@@ -8,7 +8,7 @@ import numpy as np
 from harness.core.arrays import FloatArray
 from harness.core.errors import InputError
 from harness.core.recording import Recording
-from harness.diagnosis.baseline.driven_base_fit import driven_scales
+from harness.diagnosis.baseline.driven_base_fit import driven_scales, own_scales
 from harness.diagnosis.fit.fitted_states import begun
 from harness.diagnosis.fit.observe import COARSE, observe
 from harness.diagnosis.fit.standard_errors import unit_of
@@ -183,7 +183,7 @@ def _said(windows: Windows) -> str:
 
 def _allowing(problem: Driven, model: Model, noise: Noise) -> Driven:
     """The problem under the noise of its force if that shows in a model's motion, and for starts that are not known."""
-    shown = observe(model, problem, (), None, COARSE)
+    shown = observe(model, problem, (), own_scales(problem, model), COARSE)
     return replace(
         problem, force_noise=force_noise(model, shown, problem.t, noise, problem.noise, _unknown_starts(problem))
     )

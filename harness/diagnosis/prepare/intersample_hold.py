@@ -1,11 +1,13 @@
 """How a recorded force acts between samples: smoothly, as straight lines, or held until the next as a controller's."""
 
+from contextlib import suppress
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from harness.core.arrays import FloatArray
-from harness.diagnosis.baseline.driven_base_fit import driven_scales
+from harness.core.errors import SimulationError
+from harness.diagnosis.baseline.driven_base_fit import driven_scales, own_scales
 from harness.diagnosis.fit.model_fit import Fit, fit, whitened
 from harness.diagnosis.fit.observe import COARSE, observe
 from harness.diagnosis.fit.parameters import free_of
@@ -49,29 +51,34 @@ def acting(problem: Driven, u: FloatArray) -> Acting:
     """How the force u (n,) acts, and whether the base model then follows the recording.
 
     It acts as the samples themselves say where no other way lets the base model follow the recording better. The model
-    strays where its misfit is hundreds of times what the sensor's noise is, as an encoder shows of a real drive: then
-    no law says the force well enough, and the force itself is what can be compared. Raises SimulationError.
+    strays where its misfit is hundreds of times what the sensor's noise is, as an encoder shows of a real drive, and
+    where it cannot be simulated: then no law says the force well enough, and the force itself is what can be compared.
     """
     part, stepped, lines = problem.part(slice(0, _SAMPLES)), held(problem.t, u), Drive(problem.t, u)
     scales = driven_scales(problem, problem.first)
 
-    def followed(drive: Drive) -> Fit:
-        return _followed(problem.first, replace(part, drive=drive), scales)
+    def followed(drive: Drive) -> Fit | None:
+        with suppress(SimulationError):
+            return _followed(problem.first, replace(part, drive=drive), scales)
+        return None
 
     usual, ways = followed(problem.drive), [stepped]
+    if usual is None:
+        return Acting(problem.drive, (), held=False, follows=False, model=problem.first)
     if lines.t.size != problem.drive.t.size and _seen(lines, usual, part):
         ways.append(lines)
-    fits = [followed(way) for way in ways]
-    found, drive = min(zip(fits, ways, strict=True), key=lambda pair: pair[0].chi2)
+    fits = [(one, way) for way in ways if (one := followed(way)) is not None]
+    found, drive = min(fits, key=lambda pair: pair[0].chi2, default=(usual, problem.drive))
     if found.chi2 >= FORCE_HELD.value * usual.chi2:
         found, drive = usual, problem.drive
-    others = tuple(way for way in (problem.drive, *ways) if way is not drive)
+    others = tuple(way for way in (problem.drive, *(way for _, way in fits)) if way is not drive)
     return Acting(drive, others, drive is stepped, found.chi2 < _STRAYS**2 * found.points, found.model)
 
 
 def _seen(lines: Drive, usual: Fit, problem: Driven) -> bool:
     """Whether the noise lets the motion tell straight lines from what is usual, by as much as decides."""
-    shown = observe(usual.model, replace(problem, drive=lines), (), None, COARSE)
+    straight = replace(problem, drive=lines)
+    shown = observe(usual.model, straight, (), own_scales(straight, usual.model), COARSE)
     apart = whitened(problem, {c: y - usual.shown.y[c] for c, y in shown.y.items()})
     return float(apart @ apart) > (1.0 - FORCE_HELD.value) * usual.points
 
