@@ -56,6 +56,13 @@ def meaning(name: str) -> Meaning | None:
     return None
 
 
+def _ending(name: str, channel: str) -> str | None:
+    """The unit that the ending of a name gives a channel ("x1_rad"), whatever else the name says."""
+    stem = name.strip().lower()
+    cuts = (i for i, letter in enumerate(stem) if letter == "_")
+    return next((ENDINGS[channel][stem[i + 1 :]] for i in cuts if stem[i + 1 :] in ENDINGS[channel]), None)
+
+
 def candidates(names: Sequence[str]) -> dict[str, list[int]]:
     """Positions of the columns that may be each channel, by name; one that has the channel's own stands alone."""
     found: dict[str, list[int]] = {}
@@ -89,6 +96,7 @@ def ready(headers: Sequence[str], units: Mapping[int, str]) -> str:
     shown = []
     for channel in (c for c in CHANNELS if c in chosen):
         position = chosen[channel]
-        unit = "[m]" if channel == "x" and position not in units and meaning(headers[position]) is None else ""
+        unsaid = channel == "x" and position not in units and meaning(headers[position]) is None
+        unit = f"[{_ending(headers[position], channel) or 'm'}]" if unsaid else ""
         shown.append(f"{channel}={quoted(headers[position], position)}{unit}")
     return f'--columns "{",".join(shown)}"'

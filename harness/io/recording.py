@@ -18,7 +18,7 @@ from harness.core.recording import CHANNELS, LARGEST, LONGEST_TIME, MINIMUM_SAMP
 from harness.io.choose import chosen, quoted_of, said
 from harness.io.dates import counted_from
 from harness.io.product import products
-from harness.io.registry import formats, kind_of, reader_of
+from harness.io.registry import BAGS, formats, kind_of, reader_of
 from harness.io.sampling import sampling_notes
 from harness.io.stamps import repeated, since_first, whole_numbers
 from harness.io.table import Table
@@ -73,7 +73,8 @@ def _open(path: Path, options: ReadOptions) -> Table:
     if options.skip_rows:
         raise InputError("--skip-rows", f"given for the {kind} file {path}", "it is accepted for text tables alone")
     if reader is None:
-        raise InputError(str(path), f"the format {kind or 'without a name'}", f"{formats()} are accepted")
+        beside = ", and a bag of a robot's joints with --robot FILE" if kind in BAGS else ""
+        raise InputError(str(path), f"the format {kind or 'without a name'}", f"{formats()} are accepted{beside}")
     return reader.open(path)
 
 

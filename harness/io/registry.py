@@ -17,6 +17,8 @@ from harness.io.reader import Reader
 GROUP = "harness.readers"
 OURS = ".rrd"
 """Our own traces, read by another room."""
+BAGS = (".bag", ".db3", ".mcap")
+"""Of robots: what is in them hangs on a robot's model, so that they are read as logs."""
 
 
 @cache

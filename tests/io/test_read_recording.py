@@ -280,6 +280,12 @@ REFUSED: list[tuple[str, str, str, ReadOptions]] = [
         ReadOptions(start=9.0),
     ),
     (
+        "an ending that says the unit",
+        edited(nothing, "t_s,x1_rad"),
+        'such as --columns "t=t_s,x=x1_rad[rad]", is accepted',
+        ReadOptions(),
+    ),
+    (
         "lines before the table",
         "arm 3\nDate: 4 May, 10:00\n\n" + edited(nothing),
         "line 1: 1 cell, where the rows from line 5 on have 2; --skip-rows 3 is accepted",
@@ -307,6 +313,7 @@ def test_refused_by_name(tmp_path: Path, content: str, message: str, options: Re
 
 BROKEN: list[tuple[str, bytes, str]] = [
     ("a.json", b"{}", "the format .json; text tables, also gzipped (.csv, .txt, "),
+    ("a.db3", b"", "and our own .rrd are accepted, and a bag of a robot's joints with --robot FILE"),
     ("recording", b"", "the format without a name"),
     ("a.parquet", b"nothing", "not a Parquet file"),
     ("a.mat", b"nothing", "not a MATLAB file"),

@@ -15,8 +15,8 @@ import numpy as np
 from harness.core.apart import Found
 from harness.core.errors import InputError
 from harness.io.logs.messages import Topic
+from harness.io.registry import BAGS
 
-SUFFIXES = (".bag", ".db3", ".mcap")
 TYPE = "sensor_msgs/msg/JointState"
 ACCEPTED = "a whole ROS bag (.bag, .db3, .mcap, or a folder of a ROS 2 bag) is accepted"
 
@@ -31,7 +31,7 @@ def need_rosbags(path: Path) -> None:
 def storages(path: Path) -> list[Path]:
     """The files of a bag, or none where ``path`` is no bag."""
     if path.is_file():
-        return [path] if path.suffix.lower() in SUFFIXES else []
+        return [path] if path.suffix.lower() in BAGS else []
     kinds = (".db3", ".mcap", ".zstd") if (path / "metadata.yaml").is_file() else (".db3", ".mcap")
     return sorted(file for file in path.glob("*") if file.suffix in kinds)
 
