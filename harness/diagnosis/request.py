@@ -18,7 +18,7 @@ class AskedCovariate:
 class Asked:
     """What was asked of a diagnosis: see the options of the same names, which are checked there; s, kg.
 
-    restoring, zero_free : None where nobody said; a free decay's are then chosen at the base fit. guarded : a fitted
+    restoring, zero_free : None where nobody said; they are then chosen at the base fit. guarded : a fitted
     force does not count beside reversals, where a servo lets the slider stick.
     """
 

@@ -597,6 +597,14 @@ AMONG_ALIKE = Rule(
     "what a free run may be better by through chance alone",
     "each name of the catalogue could have been the one",
 )
+ZERO_REACH = Rule(
+    "zero-reach",
+    10.0,
+    "half travels",
+    "a constant part of the force is the zero of a spring; beyond, it is a push",
+    "derivation: a spring stretched to ten half travels pulls with ten times what the travel changes of its force; a"
+    " recording that sees the spring by a tenth of the force sees no more of it",
+)
 LARGE_ANGLE = Rule(
     "large-angle",
     0.35,

@@ -69,7 +69,7 @@ def measure(seed: int, index: int) -> Told:
     u = u + noise * float(np.sqrt(np.mean(u**2))) * rng.standard_normal(u.size)
     channels = {c: case.recorded[c] for c in case.channels}
     recording = Recording(case.recorded["t"], channels | {"u": u}, f"{setting}-{index}")
-    problem, _ = prepare(recording, Asked(SETTINGS[setting]))
+    problem, _ = prepare(recording, Asked(SETTINGS[setting], zero_free=False))
     outcome = diagnose(problem)
     said = tuple(m.name for m in outcome.mechanisms if m.grade in HEADLINES)
     return Told(setting, noise, hidden, outcome.verdict, said[: MOST_LISTED.count])

@@ -147,7 +147,7 @@ def _prepared(trace: Recording, problem: Problem, on: Alignment) -> Problem:
         channels.pop("u", None)
     step = max(1, len(trace) // _MOST_SAMPLES)
     seen = Recording(trace.t[::step], {c: y[::step] for c, y in channels.items()}, trace.file, angular=problem.angular)
-    asked = Asked(problem.restoring, problem.zero_free if problem.drive is None else None, problem.mass, None)
+    asked = Asked(problem.restoring, problem.zero_free, problem.mass, None)
     own, _ = prepare(seen, asked)
     noise = {
         c: replace(n, sigma=max(n.sigma, problem.noise[c].sigma), phi=0.0) if c in problem.noise else n

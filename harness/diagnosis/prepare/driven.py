@@ -1,18 +1,20 @@
 """A driven recording made ready: noise, the drive between samples and over gaps, from where the motion is followed."""
 
 import math
+from contextlib import suppress
 from dataclasses import replace
 
 import numpy as np
 
 from harness.core.arrays import FloatArray
-from harness.core.errors import InputError
+from harness.core.errors import InputError, SimulationError
 from harness.core.recording import Recording
 from harness.diagnosis.baseline.driven_base_fit import driven_scales, own_scales
 from harness.diagnosis.fit.fitted_states import begun
 from harness.diagnosis.fit.observe import COARSE, observe
 from harness.diagnosis.fit.standard_errors import unit_of
 from harness.diagnosis.input_noise.propagation import force_noise
+from harness.diagnosis.prepare.held_driven import held_driven
 from harness.diagnosis.prepare.intersample_curve import between_samples
 from harness.diagnosis.prepare.intersample_hold import ACTS_HELD, acting
 from harness.diagnosis.problems.driven import Driven, Forced
@@ -87,6 +89,8 @@ def _seen(recording: Recording, asked: Asked) -> tuple[Driven, Course, tuple[str
         seen = ", ".join(f"{c} to {noise[c].sigma:.3g}" for c in channels)
         raise InputError(where, f"a slider that does not move beyond its noise ({seen})", "a driven motion is accepted")
     course = Course.of(t, channels, noise)
+    asked, held = held_driven(asked, course.state, u, recording.angular) if "x" in channels else (asked, ())
+    restoring = asked.restoring or Restoring.SPRING
     first = inverse_start(course.state, u, restoring, asked.mass, bool(asked.zero_free))
     unsaid = _spring_unsaid(course, u, asked, recording.angular) if restoring is Restoring.NONE else ()
     x, v, _ = course.state
@@ -106,7 +110,7 @@ def _seen(recording: Recording, asked: Asked) -> tuple[Driven, Course, tuple[str
         guarded=asked.guarded,
         starts=course.anew(math.inf) if gaps else OneStart(),
     )
-    return problem, course, (*said, *unsaid)
+    return problem, course, (*held, *said, *unsaid)
 
 
 def _spring_unsaid(course: Course, u: FloatArray, asked: Asked, angular: bool) -> tuple[str, ...]:
@@ -127,7 +131,9 @@ def _followed(problem: Driven, course: Course, u: FloatArray, asked: Asked) -> t
         return _by_force(problem, asked, course)
     noise_u = channel_noise(t, u, rests=True)
     if isinstance(problem.starts, Windows):
-        problem = _allowing(problem, first, noise_u)
+        # a first model without mass cannot be followed, nor does it say what noise does
+        with suppress(SimulationError):
+            problem = _allowing(problem, first, noise_u)
     force = acting(problem, u)
     problem = replace(problem, drive=force.drive, otherwise=force.otherwise)
     horizon = asked.horizon

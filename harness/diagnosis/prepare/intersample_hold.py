@@ -78,7 +78,10 @@ def acting(problem: Driven, u: FloatArray) -> Acting:
 def _seen(lines: Drive, usual: Fit, problem: Driven) -> bool:
     """Whether the noise lets the motion tell straight lines from what is usual, by as much as decides."""
     straight = replace(problem, drive=lines)
-    shown = observe(usual.model, straight, (), own_scales(straight, usual.model), COARSE)
+    try:
+        shown = observe(usual.model, straight, (), own_scales(straight, usual.model), COARSE)
+    except SimulationError:
+        return False
     apart = whitened(problem, {c: y - usual.shown.y[c] for c, y in shown.y.items()})
     return float(apart @ apart) > (1.0 - FORCE_HELD.value) * usual.points
 

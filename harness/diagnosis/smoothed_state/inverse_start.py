@@ -54,7 +54,9 @@ def inverse_start(
         found = f"a slider that hardly moves ({count} of {v.size} samples show motion)"
         raise InputError("recording", found, f"a driven motion of at least {_FEWEST} samples is accepted")
     pull = {Restoring.SPRING: x, Restoring.PENDULUM: np.sin(x), Restoring.NONE: None}[restoring]
-    columns = {"m": a, "c": v, "f_k": np.sign(v), "one": np.ones_like(v)}
+    # beside the sine of an angle the cosine says from where it is measured: k sin(x - o) = k cos o sin x - k sin o cos x
+    turned = restoring is Restoring.PENDULUM and zero_free
+    columns = {"m": a, "c": v, "f_k": np.sign(v), "one": np.cos(x) if turned else np.ones_like(v)}
     if pull is not None:
         columns["k"] = pull
     right = u.copy()
@@ -67,7 +69,10 @@ def inverse_start(
     force = math.sqrt(float(np.mean(u**2)))
     m = mass if mass is not None else max(value["m"], _LEAST * force / (math.sqrt(float(np.mean(a**2))) + 1e-300))
     speed = math.sqrt(float(np.mean(v**2)))
-    k = 0.0
+    k, offset = 0.0, 0.0
+    if turned:
+        offset = math.atan2(-value["one"], value["k"])
+        value["k"] = math.hypot(value["one"], value["k"])
     if pull is not None:
         k = max(value["k"], _LEAST * force / (math.sqrt(float(np.mean(x**2))) + 1e-300))
     return Model(
@@ -77,5 +82,5 @@ def inverse_start(
         max(value["f_k"], _LEAST * force),
         restoring=restoring,
         mass_known=True,
-        offset=-value["one"] / k if zero_free and k > 0.0 else 0.0,
+        offset=-value["one"] / k if zero_free and not turned and k > 0.0 else offset,
     )

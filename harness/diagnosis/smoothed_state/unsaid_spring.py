@@ -26,8 +26,8 @@ class Beside:
         moving = in_motion(v)
         table = np.column_stack([v, np.sign(v), np.ones_like(v), *([a] if mass is None else [])])[moving]
         right = (u if mass is None else u - mass * a)[moving]
-        without, _ = _left(table, right)
-        left, found = _left(np.column_stack([table, x[moving]]), right)
+        without, _ = left_by(table, right)
+        left, found = left_by(np.column_stack([table, x[moving]]), right)
         return cls(float(found[-1]), 1.0 - left / without if without > 0.0 else 0.0)
 
     @property
@@ -36,7 +36,7 @@ class Beside:
         return self.k > 0.0 and self.share > MOST
 
 
-def _left(table: FloatArray, right: FloatArray) -> tuple[float, FloatArray]:
+def left_by(table: FloatArray, right: FloatArray) -> tuple[float, FloatArray]:
     """Sum of squares that the columns (n, q) leave, and their factors (q,)."""
     size = np.sqrt(np.mean(table**2, axis=0))
     size[size == 0.0] = 1.0

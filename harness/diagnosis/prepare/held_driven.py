@@ -1,0 +1,76 @@
+"""How a driven slider is held, where nobody says: as its force asks, by a regression on the smoothed motion.
+
+As for a free decay (harness.diagnosis.prepare.held), another way than the plain spring, measured from its rest, is
+taken only where the force left over falls by what a misfit counts.
+"""
+
+import math
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from harness.core.arrays import FloatArray
+from harness.diagnosis.baseline.words import Strokes, evidence, words_of
+from harness.diagnosis.request import Asked
+from harness.diagnosis.rules import GAIN, LARGE_ANGLE, ZERO_REACH
+from harness.diagnosis.smoothed_state.inverse_start import in_motion
+from harness.diagnosis.smoothed_state.unsaid_spring import left_by
+from harness.model.model import Restoring
+
+
+@dataclass(frozen=True, slots=True)
+class _Way:
+    """columns (n, q) : by which a force pulls back. more : numbers beyond those of a spring with a known zero."""
+
+    restoring: Restoring
+    zero_free: bool
+    columns: FloatArray
+    more: int
+
+    def is_one(self, factors: FloatArray, reach: float) -> bool:
+        """Whether the factors (q,) of its columns are of something that pulls back towards a zero not far off."""
+        if not self.zero_free:
+            return True
+        along, across = float(factors[0]), float(factors[1])
+        if self.restoring is Restoring.PENDULUM:
+            return math.hypot(along, across) > 0.0
+        return along > 0.0 and abs(across) <= ZERO_REACH.value * reach * along
+
+
+def held_driven(
+    asked: Asked, state: tuple[FloatArray, FloatArray, FloatArray], u: FloatArray, angular: bool
+) -> tuple[Asked, tuple[str, ...]]:
+    """What was asked, with restoring force and zero as the force u (n,) has them where nobody said; and a sentence.
+
+    state : x, v, a (n,), smoothed. Where covariates act they may be the force that a zero would take up, and a servo's
+    joint has its own zero: there both are taken as they were asked.
+    """
+    given = asked.zero_free is not None or asked.covariates or asked.guarded
+    if given or asked.restoring in (Restoring.NONE, Restoring.PENDULUM):
+        return asked, ()
+    x, v, a = state
+    moving = in_motion(v)
+    one = np.ones_like(x)
+    ways = [
+        _Way(Restoring.SPRING, False, x[:, None], 0),
+        _Way(Restoring.SPRING, True, np.column_stack([x, one]), 1),
+    ]
+    if asked.restoring is None and angular and float(np.ptp(x)) > 2.0 * LARGE_ANGLE.value:
+        ways.append(_Way(Restoring.PENDULUM, True, np.column_stack([np.sin(x), np.cos(x)]), 1))
+    base = np.column_stack([v, np.sign(v), *([a] if asked.mass is None else [])])[moving]
+    right = (u if asked.mass is None else u - asked.mass * a)[moving]
+    reach, words = 0.5 * float(np.ptp(x)), words_of(Strokes.by(v[moving]))
+    best, most, plain = ways[0], 0.0, math.inf
+    for way in ways:
+        left, factors = left_by(np.column_stack([way.columns[moving], base]), right)
+        if way.more == 0:
+            plain = left
+        elif left > 0.0 and way.is_one(factors, reach):
+            gain = evidence(plain, left, words, way.more, 1.0)
+            if gain >= GAIN.value and gain > most:
+                best, most = way, gain
+    chosen = replace(asked, restoring=best.restoring, zero_free=best.zero_free)
+    if most == 0.0:
+        return chosen, ()
+    what = "a pendulum" if best.restoring is Restoring.PENDULUM else "a spring"
+    return chosen, (f"held by {what} and measured from an unknown zero: the force asks for it (evidence {most:.0f})",)
