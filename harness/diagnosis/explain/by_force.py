@@ -13,6 +13,7 @@ from harness.diagnosis.fit.place import place_of
 from harness.diagnosis.grading.grade import Finalist
 from harness.diagnosis.inverse_dynamics.grade import ForceGraded
 from harness.diagnosis.outcome import Grade, Mechanism, Remainder
+from harness.diagnosis.residual_tests.structure import Left
 from harness.diagnosis.rules import LEAST_CYCLES
 from harness.diagnosis.search.search import Search
 
@@ -74,7 +75,10 @@ def remainder_of(graded: ForceGraded) -> Remainder:
 
 def cautions_of_force(graded: ForceGraded) -> tuple[str, ...]:
     """What a reader of a graded force is warned of."""
-    said = ["no entry of the catalogue says the force to its noise; standard errors allow for what is left"]
+    none = "no entry of the catalogue says the force to its noise"
+    if graded.over.left is Left.NOISE:
+        none = "what says the force to its noise moves worse than viscous and Coulomb friction alone"
+    said = [f"{none}; standard errors allow for what is left"]
     if graded.grade is Grade.ONE_OF and graded.cycles < LEAST_CYCLES.value:
         many = f"{2.0 * LEAST_CYCLES.value:g}"
         said.append(

@@ -28,7 +28,7 @@ from harness.diagnosis.inverse_dynamics.validate import Judge
 from harness.diagnosis.problem import Problem
 from harness.diagnosis.problems.inverse_dynamics import InverseDynamics
 from harness.diagnosis.residual_tests.structure import Left
-from harness.diagnosis.rules import AMONG_NAMES, DECISIVE, MOST_FORCE_TERMS, MOVES
+from harness.diagnosis.rules import AMONG_NAMES, DECISIVE, MOST_FORCE_TERMS, MOVES, PREDICTS_WORSE
 from harness.diagnosis.search.search import Search, less_each
 from harness.estimate.noise import Noise
 from harness.fit.autocorrelation import ENOUGH
@@ -106,12 +106,21 @@ def search_driven(problem: InverseDynamics, judge: Judge | None = None) -> Force
     alone, rest = seen(singles), seen([*rivals, *(f for f in path if all(f is not r for r in rivals))])
     fitted = [f if f is None else as_fit(f, problem, measured, chosen, shown) for f in _refitted(chosen, measured)]
     without = less_each(last, fitted, (*alone, *rest))
-    search = Search(problem, first, last, alone, rest, over.left, without, by_force=True)
-    if over.left is Left.NOISE:
+    left = over.left if _predicts(last, first, problem) else Left.STRUCTURE
+    search = Search(problem, first, last, alone, rest, left, without, by_force=True)
+    if left is Left.NOISE:
         return ForceSearch(search, scales, over, None)
     fitted_to = Fitted(problem, measured, scales, base, chosen, shown)
     laws = [f for f in singles if f is not base and _moves(f, least, problem, scales)]
     return ForceSearch(search, scales, over, graded(fitted_to, last, laws, over, judge is not None))
+
+
+def _predicts(found: Fit, base: Fit, problem: InverseDynamics) -> bool:
+    """Whether a model's own motion misses no more than the base model's: what says a force but moves worse explains
+    nothing, though noise that its law makes large may leave as much of the force.
+    """
+    missed, usual = (100.0 - motion_followed(one.shown.y, problem) for one in (found, base))
+    return missed <= PREDICTS_WORSE.value * usual
 
 
 def _moves(found: ForceFit, least: float, problem: InverseDynamics, scales: Scales) -> bool:

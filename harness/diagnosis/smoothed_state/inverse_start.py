@@ -54,7 +54,7 @@ def inverse_start(
         found = f"a slider that hardly moves ({count} of {v.size} samples show motion)"
         raise InputError("recording", found, f"a driven motion of at least {_FEWEST} samples is accepted")
     pull = {Restoring.SPRING: x, Restoring.PENDULUM: np.sin(x), Restoring.NONE: None}[restoring]
-    # beside the sine of an angle the cosine says from where it is measured: k sin(x - o) = k cos o sin x - k sin o cos x
+    # beside an angle's sine its cosine says from where it is measured: k sin(x - o) = k cos o sin x - k sin o cos x
     turned = restoring is Restoring.PENDULUM and zero_free
     columns = {"m": a, "c": v, "f_k": np.sign(v), "one": np.cos(x) if turned else np.ones_like(v)}
     if pull is not None:

@@ -1,0 +1,78 @@
+"""What holds a driven slider, and from where its position is measured, where nobody says."""
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from harness.core.arrays import FloatArray
+from harness.core.recording import Recording
+from harness.diagnosis.pipeline import prepare
+from harness.diagnosis.prepare.held_driven import held_driven
+from harness.diagnosis.problems.driven import Forced
+from harness.diagnosis.request import Asked, AskedCovariate
+from harness.diagnosis.rules import ZERO_REACH
+from harness.kernels.solve import Drive, Solution, solve
+from harness.model.model import Model, Restoring
+
+T: FloatArray = np.arange(4000.0) / 200.0
+U: FloatArray = 3.0 * np.sin(2.9 * T) + 2.0 * np.sin(4.7 * T + 1.0)
+SPRING = Model(m=1.0, c=1.2, k=20.0, f_k=0.4)
+ARM = Model(m=1.0, c=0.6, k=9.0, f_k=0.2, restoring=Restoring.PENDULUM)
+
+
+def moved(model: Model = SPRING) -> Solution:
+    return solve(model, T, drive=Drive(T, 2.0 * U if model is ARM else U))
+
+
+def chosen(x: FloatArray, run: Solution, asked: Asked = Asked(), angular: bool = False, push: float = 0.0) -> Asked:  # noqa: B008  (frozen)
+    u = (2.0 * U if angular else U) + push
+    noise = 0.01 * np.random.default_rng(3).standard_normal(T.size)
+    return held_driven(asked, (x, run.v, run.a), u + noise, angular)[0]
+
+
+def test_what_rests_at_nought_is_measured_from_its_rest() -> None:
+    run = moved()
+    assert chosen(run.x, run) == Asked(Restoring.SPRING, zero_free=False)
+
+
+@given(st.floats(0.3, 0.8 * ZERO_REACH.value), st.sampled_from([-1.0, 1.0]))
+def test_a_zero_within_reach_is_free(share: float, side: float) -> None:
+    run = moved()
+    zero = side * share * 0.5 * float(np.ptp(run.x))
+    assert chosen(run.x + zero, run) == Asked(Restoring.SPRING, zero_free=True)
+
+
+def test_what_is_beyond_reach_is_a_push() -> None:
+    run = moved()
+    push = 3.0 * ZERO_REACH.value * SPRING.k * 0.5 * float(np.ptp(run.x))
+    assert chosen(run.x, run, push=push) == Asked(Restoring.SPRING, zero_free=False)
+
+
+@pytest.mark.parametrize("zero", [0.0, 1.1, -2.5])
+def test_a_large_swing_is_a_pendulum_wherever_it_is_measured_from(zero: float) -> None:
+    run = moved(ARM)
+    assert float(np.ptp(run.x)) > 1.5
+    assert chosen(run.x + zero, run, angular=True) == Asked(Restoring.PENDULUM, zero_free=True)
+    recorded = Recording(T, {"x": run.x + zero + 1e-5 * np.random.default_rng(4).standard_normal(T.size), "u": 2.0 * U})
+    problem, notes = prepare(Recording(T, recorded.channels, angular=True), Asked())
+    assert isinstance(problem, Forced)
+    assert problem.restoring is Restoring.PENDULUM
+    assert any(note.startswith("held by a pendulum and measured from an unknown zero") for note in notes)
+    assert problem.first.offset == pytest.approx(zero, abs=0.02)
+    assert problem.first.k == pytest.approx(ARM.k, rel=0.02)
+
+
+@pytest.mark.parametrize(
+    "asked",
+    [
+        Asked(zero_free=False),
+        Asked(Restoring.NONE),
+        Asked(Restoring.PENDULUM),
+        Asked(guarded=True),
+        Asked(covariates=(AskedCovariate("P"),)),
+    ],
+)
+def test_what_was_asked_rules(asked: Asked) -> None:
+    run = moved()
+    assert chosen(run.x + 0.3, run, asked) == asked
