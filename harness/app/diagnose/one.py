@@ -22,6 +22,7 @@ from harness.app.shared.journal import journal
 from harness.app.shared.progress import SILENT, Progress
 from harness.app.shared.reading import read_as
 from harness.app.shared.thinned import thinned
+from harness.core.errors import SimulationError
 from harness.core.recording import Recording
 from harness.core.telling import listening
 from harness.core.trajectory import Trajectory
@@ -81,10 +82,10 @@ def investigate(
     """
     progress("base fit and search", 1, STEPS)
     recording = thinned(recording)
-    ready = prepared(recording, options)
-    other, user = validation(recording, options), Configured.of(options, recording)
     # a fit tries values far out, sees that they overflow, and turns back: nothing to tell anybody
-    with np.errstate(over="ignore", invalid="ignore"), listening(progress):
+    with np.errstate(over="ignore", invalid="ignore"), listening(progress), _of(recording):
+        ready = prepared(recording, options)
+        other, user = validation(recording, options), Configured.of(options, recording)
         outcome = conclude(ready.problem, None if other is None else other.judge)
     progress("engines and attribution", 2, STEPS)
     result = result_of(recording, ready, outcome, options, user, command)
@@ -94,6 +95,16 @@ def investigate(
     own = user.motion(outcome, outcome.problem.at_every_sample(recording.t, recording.channels))
     motions = (*simulated(recording, outcome), *(() if own is None else (own,)))
     return Diagnosed(recording, outcome, motions, result)
+
+
+@contextmanager
+def _of(recording: Recording) -> Iterator[None]:
+    """What could not be simulated, as an error of its recording that says what else may be asked."""
+    try:
+        yield
+    except SimulationError as error:
+        accepted = "a part of it (--from, --to), or another --restoring or --zero, may be accepted"
+        raise SimulationError(f"{recording.file}: {error}; {accepted}") from error
 
 
 def diagnose(
