@@ -758,7 +758,8 @@ MASS_UNSEEN = Rule(
     "mass-unseen",
     0.1,
     "rms of the force left over",
-    "a mass whose part of the force is less is not fitted to a force but taken as so large",
+    "a mass whose part of the force is less, beside the law that says the force best, is not fitted but taken as so"
+    " large",
     "derivation: what has a tenth of the rms and is independent of the rest adds a hundredth to its squares",
 )
 COVARIATES = (DECISIVE, COVARIATE_VARIES, COVARIATE_APART)
