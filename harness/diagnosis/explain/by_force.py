@@ -27,12 +27,13 @@ def mechanisms_of(found: Search, graded: ForceGraded, omega: float) -> tuple[Mec
     said: list[tuple[int, Mechanism]] = []
     for i, entry in enumerate(fit.model.terms):
         one = mechanism(found, i, entry, omega, place_of(entry, fit, found.problem, omega))
-        if one.name in first and all(m.name != one.name for _, m in said):
+        again = any(m.name == one.name for _, m in said)
+        if one.name in first and not again:
             said.append((first[one.name], _graded(one, graded, finalists[one.name])))
             continue
         # alone a law beside the first, or a further one of its name, may take nothing: it was kept for what the model
         # is worse without it
-        beside = _graded(one, graded, None if one.name in first else finalists.get(one.name))
+        beside = _graded(one, graded, None if again else finalists.get(one.name))
         said.append((len(first), replace(beside, grade=Grade.MINOR, share=_share_beside(found, i, graded))))
     also = [_alone(found, graded, f, omega) for f in graded.named if f.name not in {m.name for _, m in said}]
     ranked = sorted([*said, *((first[m.name], m) for m in also)], key=lambda one: (one[0], -one[1].delta_bic))
