@@ -186,7 +186,7 @@ HOSTILE: dict[str, tuple[Make, str]] = {
     "cell.csv": (table("0.095," + "1" * 140_000 + "x"), "cells of at most 131072 characters are accepted"),
     "line.csv": (table("0.095," + "1," * 600_000), "lines of at most 1048576 are accepted"),
     "escape.csv": (table("0.095,\x1b[31mred\x07"), r"column x: the text '\x1b[31mred\x07'; a number is accepted"),
-    "header.csv": (table(header="t,x" + " " * 50_000 + "["), "...; t and one or more of x, v, a"),
+    "header.csv": (table(header="t,x" + " " * 50_000 + "["), "...; columns named t and one or more of x, v, a"),
     "escaped.csv": (table(header="t,\x1b[31mx"), r"the columns t, \x1b[31mx; "),
     "times.csv": (table(scale="T e300"), "at most 9e+09 in size is accepted"),
     "large.csv": (table(scale="X e300"), "at most 1e+20 in size is accepted"),
