@@ -10,6 +10,7 @@ import click
 
 from harness.cli.width import line_width, wrapped
 from harness.core.errors import InputError
+from harness.core.quantity import Quantity
 from harness.core.visible import visible
 
 if TYPE_CHECKING:
@@ -80,6 +81,6 @@ def with_error(number: "P", said: str = "") -> str:
     if not number.stderr:
         return f"{number.value:.6g}{unit}"
     if number.stderr >= _LARGE:
-        return f"{number.value:.3g} +- {number.stderr:.2g}{unit}"
+        return str(Quantity(number.value, number.stderr, unit.strip() or "1"))
     decimals = min(max(1 - math.floor(math.log10(number.stderr)), 0), 12)
     return f"{number.value:.{decimals}f} +- {number.stderr:.{decimals}f}{unit}"

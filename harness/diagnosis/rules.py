@@ -143,7 +143,8 @@ PREDICTS_WORSE = Rule(
     "predicts-worse",
     1.05,
     "ratio of rmse",
-    "a refined model that predicts what was held out worse than this is said to",
+    "a refined model that predicts what was held out worse than this is said to; one that says a force to its noise and"
+    " whose own motion misses more than the base model's by this explains nothing",
     "a term forced into a control, which needs none, raises the error of what was held out by 1.8 % at most of 500"
     " (reports/proof, harness prove)",
 )

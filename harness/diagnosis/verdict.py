@@ -17,6 +17,7 @@ from harness.diagnosis.rules import (
     GAIN,
     NULL_DRAWS,
     OVER_SIMULATED,
+    PREDICTS_WORSE,
     SECOND_TERM,
     STRUCTURE,
     STRUCTURE_NAMED,
@@ -89,7 +90,7 @@ def weighed(found: Search, omega: float) -> Search:
 def _tested(found: Search, named: bool) -> tuple[Rule, ...]:
     """The rules of the test of what is left."""
     if found.by_force:
-        return OVER_SIMULATED, NULL_DRAWS
+        return OVER_SIMULATED, NULL_DRAWS, *((PREDICTS_WORSE,) if named else ())
     return (STRUCTURE_NAMED if named else STRUCTURE,)
 
 

@@ -4,7 +4,6 @@ As for a free decay (harness.diagnosis.prepare.held), another way than the plain
 taken only where the force left over falls by what a misfit counts.
 """
 
-import math
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -20,20 +19,15 @@ from harness.model.model import Restoring
 
 @dataclass(frozen=True, slots=True)
 class _Way:
-    """columns (n, q) : by which a force pulls back. more : numbers beyond those of a spring with a known zero."""
+    """columns (n, 2) : by which a force pulls back towards a zero that is not known."""
 
     restoring: Restoring
-    zero_free: bool
     columns: FloatArray
-    more: int
 
-    def is_one(self, factors: FloatArray, reach: float) -> bool:
-        """Whether the factors (q,) of its columns are of something that pulls back towards a zero not far off."""
-        if not self.zero_free:
-            return True
-        along, across = float(factors[0]), float(factors[1])
+    def is_one(self, along: float, across: float, reach: float) -> bool:
+        """Whether factors of the columns are of something that pulls back towards a zero not far off."""
         if self.restoring is Restoring.PENDULUM:
-            return math.hypot(along, across) > 0.0
+            return True
         return along > 0.0 and abs(across) <= ZERO_REACH.value * reach * along
 
 
@@ -50,27 +44,21 @@ def held_driven(
         return asked, ()
     x, v, a = state
     moving = in_motion(v)
-    one = np.ones_like(x)
-    ways = [
-        _Way(Restoring.SPRING, False, x[:, None], 0),
-        _Way(Restoring.SPRING, True, np.column_stack([x, one]), 1),
-    ]
+    ways = [_Way(Restoring.SPRING, np.column_stack([x, np.ones_like(x)]))]
     if asked.restoring is None and angular and float(np.ptp(x)) > 2.0 * LARGE_ANGLE.value:
-        ways.append(_Way(Restoring.PENDULUM, True, np.column_stack([np.sin(x), np.cos(x)]), 1))
+        ways.append(_Way(Restoring.PENDULUM, np.column_stack([np.sin(x), np.cos(x)])))
     base = np.column_stack([v, np.sign(v), *([a] if asked.mass is None else [])])[moving]
     right = (u if asked.mass is None else u - asked.mass * a)[moving]
     reach, words = 0.5 * float(np.ptp(x)), words_of(Strokes.by(v[moving]))
-    best, most, plain = ways[0], 0.0, math.inf
+    plain, _ = left_by(np.column_stack([x[moving], base]), right)
+    best, most = Restoring.SPRING, 0.0
     for way in ways:
         left, factors = left_by(np.column_stack([way.columns[moving], base]), right)
-        if way.more == 0:
-            plain = left
-        elif left > 0.0 and way.is_one(factors, reach):
-            gain = evidence(plain, left, words, way.more, 1.0)
-            if gain >= GAIN.value and gain > most:
-                best, most = way, gain
-    chosen = replace(asked, restoring=best.restoring, zero_free=best.zero_free)
+        gain = evidence(plain, left, words, 1, 1.0) if left > 0.0 else 0.0
+        if way.is_one(float(factors[0]), float(factors[1]), reach) and gain >= GAIN.value and gain > most:
+            best, most = way.restoring, gain
+    chosen = replace(asked, restoring=best, zero_free=most > 0.0)
     if most == 0.0:
         return chosen, ()
-    what = "a pendulum" if best.restoring is Restoring.PENDULUM else "a spring"
+    what = "a pendulum" if best is Restoring.PENDULUM else "a spring"
     return chosen, (f"held by {what} and measured from an unknown zero: the force asks for it (evidence {most:.0f})",)
