@@ -17,7 +17,6 @@ from harness.diagnosis.rules import (
     GAIN,
     NULL_DRAWS,
     OVER_SIMULATED,
-    PREDICTS_WORSE,
     SECOND_TERM,
     STRUCTURE,
     STRUCTURE_NAMED,
@@ -90,7 +89,7 @@ def weighed(found: Search, omega: float) -> Search:
 def _tested(found: Search, named: bool) -> tuple[Rule, ...]:
     """The rules of the test of what is left."""
     if found.by_force:
-        return OVER_SIMULATED, NULL_DRAWS, *((PREDICTS_WORSE,) if named else ())
+        return OVER_SIMULATED, NULL_DRAWS
     return (STRUCTURE_NAMED if named else STRUCTURE,)
 
 
