@@ -63,7 +63,6 @@ def desk(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
         ("good.csv good.csv --together --horizon 1", "--together: given with --horizon; "),
         ("good.csv good.csv --together --jobs 2", "--jobs: given with --together; "),
         ("good.csv none.csv --together", "none.csv: no such file"),
-        ("good.csv --jobs 2", "--jobs: given with one recording; it is accepted with several"),
         ("good.csv --jobs 0", "--jobs"),
         ("good.csv --resume", "--resume: given without --out; "),
         ("- -", "recording: - given twice; standard input can be read once"),

@@ -149,8 +149,6 @@ def command(
             code = _together(named, options, out, json_to, quiet)
         elif len(named) > 1 or resume:
             code = _many(named, options, out, jobs, resume, json_to, quiet, cluster, conditions)
-        elif jobs is not None:
-            raise InputError("--jobs", "given with one recording", "it is accepted with several")
         else:
             code = _one(named[0], options, out, json_to, quiet)
     if shows_tables(json_to, quiet) and not engines:

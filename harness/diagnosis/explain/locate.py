@@ -73,10 +73,9 @@ def _gain(power: FloatArray, inside: BoolArray) -> float:
     n0 = power.size - n1
     if n1 < _FEWEST_BLOCKS or n0 < _FEWEST_BLOCKS:
         return 0.0
-    total = float(power.sum())
-    in_ = float(power[inside].sum())
-    s, s1, s0 = total / power.size, in_ / n1, (total - in_) / n0
-    if s1 <= s0 or s0 <= 0.0:
+    s, s1, s0 = float(power.mean()), float(power[inside].mean()), float(power[~inside].mean())
+    # a mean of its own each: a difference of sums loses a quiet side beside a loud one
+    if s1 <= s0 or min(s, s0) <= 0.0:
         return 0.0
     return power.size * math.log(s) - n1 * math.log(s1) - n0 * math.log(s0)
 

@@ -86,7 +86,8 @@ def table_of(
     # friction is never below none
     force = np.maximum(factor * (columns @ found.at), -level)
     size = float(np.sqrt(np.mean(np.interp(looks, at, force) ** 2)))
-    stderr = factor * errors(found, strokes, columns, size / factor, held)
+    # a modulation of no friction is no force, and its error none
+    stderr = factor * errors(found, strokes, columns, size / factor if factor > 0.0 else 0.0, held)
     return Table(said, of, at, force, stderr, looks, _gauge(found, of, strips[0].unit_force))
 
 
