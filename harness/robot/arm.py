@@ -79,10 +79,10 @@ def load_arm(
     root = sources[0].root
     if root.tag == "robot":
         alone = urdf.mimicking(root)
-        text, meshes = urdf.bare(file, root), dict[str, bytes]()
+        text, meshes, said = urdf.bare(file, root), dict[str, bytes](), tuple[str, ...]()
     elif root.tag == "mujoco":
         alone = {}
-        text, meshes = mjcf.bare(file, root, path.resolve().parent)
+        text, meshes, said = mjcf.bare(file, root, path.resolve().parent)
     else:
         raise InputError(file, f"XML that begins with <{root.tag}>", "MJCF (<mujoco>) or URDF (<robot>) is accepted")
     model = compile_model(file, text, meshes)
@@ -91,5 +91,5 @@ def load_arm(
         raise InputError(file, "stiffness or damping of a joint as a polynomial", f"one number each, and {ACCEPTED}")
     friction, damping = np.array(model.dof_frictionloss), np.array(model.dof_damping)
     together = coupled(file, model) | alone
-    notes = strip(model, gravity)
+    notes = (*said, *strip(model, gravity))
     return Arm(file, model, joints, rotors(model), friction, damping, MappingProxyType(together), notes)

@@ -1,5 +1,6 @@
 """An MJCF as the rigid model needs it: shapes kept only where they make a mass, so that no mesh is missed."""
 
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -11,34 +12,71 @@ from harness.core.errors import InputError
 MOST_COPIES = 1000
 """That replicates of a model may make."""
 _MOST_MESH_BYTES = 256 * MEBIBYTE
-_NOT_RIGID = ("composite", "flexcomp", "flex", "plugin")
-_NOT_NEEDED = ("sensor", "contact", "keyframe", "deformable", "visual", "statistic", "custom")
-_SEEN_ASSETS = ("texture", "material", "hfield", "skin", "mesh", "model")
+_NOT_RIGID = ("composite", "flexcomp", "flex", "flexstrain", "plugin", "attach")
+_SECTIONS = ("compiler", "option", "default", "asset", "worldbody", "tendon", "equality", "actuator")
+_NOT_NEEDED = (
+    *("sensor", "contact", "keyframe", "deformable", "visual", "statistic", "custom", "size", "extension"),
+    *("light", "camera", "pair", "texture", "material", "hfield", "skin", "model"),
+)
+_DEFAULTS = ("joint", "geom", "site", "mesh", "equality", "tendon")
+_ACTUATORS = (
+    *("general", "motor", "position", "velocity", "intvelocity", "orientation", "pid", "damper", "cylinder"),
+    *("muscle", "adhesion", "dcmotor"),
+)
+_BODY = ("body", "frame", "replicate", "inertial", "joint", "freejoint", "geom", "site")
+_KEPT: Mapping[str, tuple[str, ...]] = {
+    "mujoco": _SECTIONS,
+    "compiler": ("lengthrange",),
+    "option": ("flag",),
+    "default": ("default", *_DEFAULTS, *_ACTUATORS),
+    "asset": ("mesh",),
+    **dict.fromkeys(("worldbody", "body", "frame", "replicate"), _BODY),
+    "tendon": ("spatial", "fixed"),
+    "spatial": ("site", "geom", "pulley"),
+    "fixed": ("joint",),
+    "equality": ("connect", "weld", "joint", "tendon"),
+    "actuator": _ACTUATORS,
+}
+"""By element, what may stand in it: nothing else of a file reaches MuJoCo's compiler."""
+_OF_COMPILER = (
+    *("angle", "autolimits", "balanceinertia", "boundinertia", "boundmass", "coordinate", "eulerseq", "fitaabb"),
+    *("fusestatic", "inertiafromgeom", "inertiagrouprange", "settotalmass", "alignfree"),
+)
+_OF_LOOKS = ("material", "texture", "hfield")
 
 
-def bare(file: str, root: Any, folder: Path) -> tuple[bytes, dict[str, bytes]]:
-    """The text that MuJoCo's compiler is given, and the meshes that a mass depends on, by name.
+def bare(file: str, root: Any, folder: Path) -> tuple[bytes, dict[str, bytes], tuple[str, ...]]:
+    """The text that MuJoCo's compiler is given, the meshes that a mass depends on, by name, and what is to be said.
 
-    Raises InputError for what is no rigid body, for more copies than are reasonable, and for a moving body whose mass
-    is that of a mesh that is not there.
+    Raises InputError for what is no rigid body, for what is no MJCF, for more copies than are reasonable, and for a
+    moving body whose mass is that of a mesh that is not there.
     """
     _refuse(file, root)
-    for part in [child for child in root if child.tag in _NOT_NEEDED]:
-        root.remove(part)
+    _keep(file, root)
     from_shapes = any(one.get("inertiafromgeom") == "true" for one in root.findall("compiler"))
     needed: set[str] = set()
     for world in root.findall("worldbody"):
         _without_shapes(world, moving=False, from_shapes=from_shapes, needed=needed)
-    meshes = _meshes(file, root, folder, needed)
-    for element in root.iter():
-        if isinstance(element.tag, str):
-            for name in ("material", "texture", "hfield"):
-                element.attrib.pop(name, None)
+    meshes, notes = _meshes(file, root, folder, needed)
     for compiler in root.findall("compiler"):
-        for name in ("meshdir", "texturedir", "assetdir"):
-            compiler.attrib.pop(name, None)
+        for name in set(compiler.attrib).difference(_OF_COMPILER):
+            compiler.attrib.pop(name)
     text: bytes = etree.tostring(root)
-    return text, meshes
+    return text, meshes, notes
+
+
+def _keep(file: str, element: Any) -> None:
+    """Leave in an element, downwards, what MuJoCo's compiler is to see."""
+    for name in _OF_LOOKS:
+        element.attrib.pop(name, None)
+    for child in list(element):
+        if child.tag in _KEPT.get(element.tag, ()):
+            _keep(file, child)
+        elif child.tag in _NOT_NEEDED:
+            element.remove(child)
+        else:
+            found = f"<{child.tag}> in <{element.tag}>, which is no MJCF"
+            raise InputError(file, found, "a model that MuJoCo compiles is accepted")
 
 
 def _refuse(file: str, root: Any) -> None:
@@ -90,15 +128,16 @@ def _zero(text: str) -> bool:
         return False
 
 
-def _meshes(file: str, root: Any, folder: Path, needed: set[str]) -> dict[str, bytes]:
-    """Content of the meshes that are needed; every other asset is taken out."""
+def _meshes(file: str, root: Any, folder: Path, needed: set[str]) -> tuple[dict[str, bytes], tuple[str, ...]]:
+    """Content of the meshes that are needed, and those that lie outside of the folder; no other asset is left."""
     found: dict[str, bytes] = {}
+    outside = []
     compilers = root.findall("compiler")
     base = next((c.get(n) for n in ("meshdir", "assetdir") for c in compilers if c.get(n) is not None), "")
     for asset in root.findall("asset"):
-        for one in [child for child in asset if child.tag in _SEEN_ASSETS]:
+        for one in list(asset):
             name = one.get("name") or Path(one.get("file") or "").stem
-            if one.tag != "mesh" or name not in needed:
+            if name not in needed:
                 asset.remove(one)
             elif one.get("file") is not None:
                 path = (folder / base / one.get("file")).resolve()
@@ -108,8 +147,10 @@ def _meshes(file: str, root: Any, folder: Path, needed: set[str]) -> dict[str, b
                         f"a moving body has the mass of {one.get('file')}, which is not there",
                         "the mesh, or an <inertial> in that body, is accepted",
                     )
+                if not path.is_relative_to(folder):
+                    outside.append(f"the mesh {name} was read from {path}, outside of the model's folder")
                 key = f"{len(found)}{path.suffix}"
                 found[key] = read_bytes(path, _MOST_MESH_BYTES)
                 one.set("name", name)
                 one.set("file", key)
-    return found
+    return found, tuple(outside)

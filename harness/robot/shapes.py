@@ -1,5 +1,6 @@
 """A robot's model with what is seen of it: the text that MuJoCo's compiler is given when the robot is to be drawn."""
 
+import logging
 from pathlib import Path
 from typing import Any
 
@@ -9,6 +10,7 @@ from harness.core.bounded import MEBIBYTE, read_bytes
 from harness.core.errors import InputError
 from harness.robot.xml import with_included
 
+LOGGER = logging.getLogger(__name__)
 _MOST_MESH_BYTES = 64 * MEBIBYTE
 _READABLE = (".stl", ".obj", ".msh")
 _LEFT_OUT = ("sensor", "contact", "keyframe", "deformable", "statistic", "custom", "actuator", "tendon", "equality")
@@ -93,6 +95,7 @@ def _kept(mesh: Any, attribute: str, places: list[Path], found: dict[str, bytes]
                     data = read_bytes(path, _MOST_MESH_BYTES)
                 except InputError:
                     return False
+                LOGGER.info("the mesh %s was read from %s", name, path.resolve())
                 key = f"{len(found)}{path.suffix.lower()}"
                 found[key] = data
                 if mesh.get("name") is None and attribute == "file":

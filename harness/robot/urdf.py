@@ -1,5 +1,6 @@
 """A URDF as the rigid model needs it: what is only looked at or bumped into taken out, so that no mesh is missed."""
 
+from collections.abc import Mapping
 from typing import Any
 
 from lxml import etree
@@ -7,7 +8,16 @@ from lxml import etree
 from harness.core.errors import InputError
 
 _KNOWN = ("revolute", "continuous", "prismatic", "fixed")
-_SEEN = ("visual", "collision")
+_KEPT: Mapping[str, tuple[str, ...]] = {
+    "robot": ("link", "joint", "mujoco"),
+    "link": ("inertial",),
+    "inertial": ("origin", "mass", "inertia"),
+    "joint": ("origin", "parent", "child", "axis", "limit", "dynamics", "mimic", "calibration", "safety_controller"),
+    "mujoco": ("compiler", "option"),
+    "option": ("flag",),
+}
+"""By element, what may stand in it: nothing else of a file reaches a compiler."""
+_OF_COMPILER = ("angle", "autolimits", "balanceinertia", "boundinertia", "boundmass", "eulerseq", "fusestatic")
 
 
 def bare(file: str, root: Any) -> bytes:
@@ -20,20 +30,21 @@ def bare(file: str, root: Any) -> bytes:
         if kind not in _KNOWN:
             name = joint.get("name")
             raise InputError(f"{file}: joint {name}", f"type {kind!r}", f"{', '.join(_KNOWN)} are accepted")
-    for link in root.findall("link"):
-        for part in [child for child in link if child.tag in _SEEN]:
-            link.remove(part)
-    for part in [child for child in root if child.tag not in ("link", "joint", "mujoco")]:
-        root.remove(part)
-    for part in root.findall("mujoco"):
-        for child in [one for one in part if one.tag not in ("compiler", "option")]:
-            part.remove(child)
-        compiler = part.find("compiler")
-        if compiler is not None:
-            for name in ("meshdir", "assetdir", "texturedir"):
-                compiler.attrib.pop(name, None)
+    _keep(root)
     text: bytes = etree.tostring(root)
     return text
+
+
+def _keep(element: Any) -> None:
+    """Leave in an element, downwards, what the rigid model needs."""
+    for child in list(element):
+        if child.tag in _KEPT.get(element.tag, ()):
+            _keep(child)
+        else:
+            element.remove(child)
+    if element.tag == "compiler":
+        for name in set(element.attrib).difference(_OF_COMPILER):
+            element.attrib.pop(name)
 
 
 def mimicking(root: Any) -> dict[str, str]:

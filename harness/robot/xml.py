@@ -43,7 +43,7 @@ def read_xml(path: Path, edited: Mapping[Path, str] = MappingProxyType({})) -> S
         raise InputError(str(path), f"no XML ({error})", "a robot's model, MJCF or URDF, is accepted") from None
     if tree.docinfo.doctype or tree.docinfo.internalDTD is not None:
         raise InputError(str(path), "a document type, by which entities come in", "a model without one is accepted")
-    return Source(path, text, tree.getroot())
+    return Source(path, text, _plain(tree.getroot()))
 
 
 def with_included(path: Path, edited: Mapping[Path, str] = MappingProxyType({})) -> tuple[Source, ...]:
@@ -70,6 +70,16 @@ def with_included(path: Path, edited: Mapping[Path, str] = MappingProxyType({}))
         found.append(source)
         _put(element, read_xml(file, edited).root)
     return tuple(found)
+
+
+def _plain(element: Any) -> Any:
+    """An element as MuJoCo's and PyBullet's parsers see it, which know nothing of name spaces: by the name that stands
+    there. What has a prefix, comments and text are nothing to them and are left out.
+    """
+    values = {name: value for name, value in element.attrib.items() if not name.startswith("{")}
+    found = etree.Element(etree.QName(element).localname, values)
+    found.extend([_plain(child) for child in element.iterchildren(tag=etree.Element) if child.prefix is None])
+    return found
 
 
 def _put(element: Any, root: Any) -> None:

@@ -1,5 +1,6 @@
 """Models that are read, and those that are refused with one line that says why."""
 
+import os
 import re
 from pathlib import Path
 
@@ -54,6 +55,11 @@ REFUSED = [
         mjcf(MASS_OF_MESH, '<asset><mesh name="m" file="gone.stl"/></asset>'),
         "mesh m: a moving body has the mass of gone.stl, which is not there",
     ),
+    ("a.xml", mjcf(TWO, '<include xmlns="u" file="../secret.xml"/>'), "a file outside the model's folder"),
+    ("a.xml", mjcf(f'<include xmlns="u" file="pipe.xml"/>{TWO}'), "no such file"),
+    ("a.xml", mjcf('<replicate xmlns="u" count="99999"><body/></replicate>'), "99999 copies"),
+    ("a.xml", mjcf('<body><composite xmlns="u" prefix="rope" type="cable"/></body>'), "it is no rigid body"),
+    ("a.xml", mjcf(TWO, "<whatever/>"), "<whatever> in <mujoco>, which is no MJCF"),
     ("a.urdf", FLOATING, "joint j1: type 'floating'"),
     ("a.urdf", '<robot name="r"><link name="l"/></robot>', "no joint"),
 ]  # fmt: skip
@@ -62,6 +68,7 @@ REFUSED = [
 @pytest.mark.parametrize(("name", "text", "said"), REFUSED)
 def test_what_is_no_arm_is_refused_in_one_line(tmp_path: Path, name: str, text: str, said: str) -> None:
     (tmp_path / name).write_text(text)
+    os.mkfifo(tmp_path / "pipe.xml")
     with pytest.raises(InputError) as refused:
         load_arm(tmp_path / name)
     assert said in str(refused.value)
@@ -88,6 +95,39 @@ def test_missing_meshes_do_not_matter_where_the_inertia_is_given(tmp_path: Path)
     assert np.array_equal(one.inverse(q, v, a), other.inverse(q, v, a))
     (tmp_path / "c.urdf").write_text(urdf(3))
     assert load_arm(tmp_path / "c.urdf").joints[0] == "j1"
+
+
+NAMED = ' xmlns="u" xmlns:p="v" p:file="pipe.xml"'
+
+
+@pytest.mark.parametrize(
+    ("name", "text"),
+    [
+        (
+            "a.xml",
+            mjcf(TWO).replace("<mujoco", f"<mujoco{NAMED}").replace("<body", '<p:include file="pipe.xml"/><body'),
+        ),
+        ("a.xml", mjcf(TWO, '<asset><texture xmlns="u" name="t" type="2d" file="pipe.xml"/></asset>')),
+        ("a.urdf", urdf(1).replace("<robot", f"<robot{NAMED}")),
+        ("a.urdf", urdf(1).replace("<visual", '<visual xmlns="u"').replace("<inertial", "<p/><inertial")),
+    ],
+)
+def test_a_name_space_hides_nothing_from_the_checks(tmp_path: Path, name: str, text: str) -> None:
+    """The parsers of the engines know no name spaces: what stands in one is checked as if it did not."""
+    (tmp_path / name).write_text(text)
+    os.mkfifo(tmp_path / "pipe.xml")  # whoever opens it waits for ever
+    assert len(load_arm(tmp_path / name).joints) > 1
+
+
+def test_a_mesh_outside_the_folder_is_named(tmp_path: Path) -> None:
+    (tmp_path / "model").mkdir()
+    corners = "\n".join(f"v {x} {y} {z}" for x in (0, 1) for y in (0, 1) for z in (0, 1))
+    faces = ("1 2 4", "1 4 3", "5 7 8", "5 8 6", "1 5 6", "1 6 2", "3 4 8", "3 8 7", "1 3 7", "1 7 5", "2 6 8", "2 8 4")
+    (tmp_path / "cube.obj").write_text("\n".join([corners, *(f"f {face}" for face in faces)]))
+    text = mjcf(MASS_OF_MESH, '<compiler meshdir=".."/><asset><mesh name="m" file="cube.obj"/></asset>')
+    (tmp_path / "model" / "a.xml").write_text(text)
+    (note,) = load_arm(tmp_path / "model" / "a.xml").notes
+    assert str(tmp_path / "cube.obj") in note
 
 
 def test_a_model_in_several_files_is_one(tmp_path: Path) -> None:
