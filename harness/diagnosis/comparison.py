@@ -36,6 +36,8 @@ class Comparison:
         """Whether the two differ."""
         if self.match.identical:
             return "identical"
+        if self.match.aligned.faster:
+            return "different"
         different = self.doubted.p_value < TRACES_STRUCTURE.value or max(self.loud.values()) > TRACES_LOUD.value
         return "different" if different else "same within noise"
 

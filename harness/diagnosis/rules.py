@@ -651,6 +651,15 @@ TRACES_STRUCTURE = Rule(
     "two traces are said to differ (harness compare)",
     "level of the test: of pairs of the same motion one in a hundred is called different",
 )
+CLOCK_RATE = Rule(
+    "clock-rate",
+    1e-3,
+    "relative",
+    "two traces that differ by a rate of their clocks alone are said to differ: the same is read as another frequency,"
+    " and only a force that drives both, measured in both, proves a clock",
+    "ten times what quartz clocks differ by at worst (1e-4); as a frequency it is a stiffness of 0.2 %, less than a"
+    " simulation is changed for",
+)
 TRACES_LOUD = Rule(
     "traces-loud",
     1.5,

@@ -13,6 +13,7 @@ import harness
 from harness.app.compare.compare import again, compare
 from harness.app.report.rebuild import rebuild
 from harness.core.errors import InputError
+from harness.core.recording import Recording
 from harness.core.slider import PAPER, Slider
 from harness.exact.decay import Decay, free_decay
 from harness.io.recording import ReadOptions
@@ -97,6 +98,7 @@ def test_a_trace_against_itself(tmp_path: Path) -> None:
     result = compared(real, real, tmp_path)
     assert result.verdict == "identical"
     assert result.rmse == {"x": 0.0, "a": 0.0}
+    assert result.differences == []
     assert result.fit_percent == {"x": 100.0, "a": 100.0}
     assert [*result.traces] == ["sim", "real"]
 
@@ -151,18 +153,34 @@ def test_a_simulation_from_its_release_on_meets_a_recording_that_waits(tmp_path:
     assert max(one.worse_by for one in result.aligned.alternatives) > 1.0
 
 
-def test_clocks_of_another_rate_are_told(tmp_path: Path) -> None:
-    sim = trace(tmp_path / "sim.csv", samples=3000)
-    table = np.loadtxt(sim, delimiter=",", skiprows=1)
-    table[:, 0] *= 1.004
-    np.savetxt(sim, table, "%.12g", ",", header="t,x,a", comments="")
-    result = compared(sim, trace(tmp_path / "real.csv", noise=GOOD), tmp_path)
+@pytest.mark.parametrize(("rate", "verdict"), [(1.0004, "same within noise"), (1.004, "different"), (0.8, "different")])
+def test_a_rate_beyond_that_of_clocks_is_no_allowance(rate: float, verdict: str) -> None:
+    """A clock that is slow and a spring that is stiff look alike: the worse reading decides, and both are told."""
+    t = np.linspace(0.0, 2.4, 1200)
+    x = free_decay(Decay.of(PAPER, 1.0), t).x
+    real = Recording(t, {"x": x + 1e-4 * np.random.default_rng(1).normal(size=t.size)})
+    result = harness.compare(Recording(rate * t, {"x": x}), real)
     scale = result.aligned.scale
     assert scale.value is not None
     assert scale.stderr is not None
-    assert abs(scale.value - 1.0 / 1.004) < 3.0 * scale.stderr < 1e-3
+    assert abs(scale.value - 1.0 / rate) < 4.0 * scale.stderr < 1e-3
+    assert result.verdict == verdict
+    assert result.aligned.scale_applied == (verdict == "same within noise")
+    said = " ".join(result.sentences)
+    assert ("stiffness" in said) == (verdict == "different")
+    assert "clock" in said
+
+
+def test_a_force_that_drives_both_proves_a_clock() -> None:
+    """The same force and motion by a clock that is 0.5 % fast."""
+    t, random = np.arange(0.0, 20.0, 0.01), np.random.default_rng(4)
+    u = np.convolve(random.normal(size=t.size), np.hanning(40), "same")
+    x = np.convolve(u, np.exp(-0.02 * np.arange(400)) * np.sin(0.1 * np.arange(400)))[: t.size]
+    noisy = {"x": x + 1e-3 * np.std(x) * random.normal(size=t.size), "u": u + 1e-3 * random.normal(size=t.size)}
+    result = harness.compare(Recording(1.005 * t, {"x": x, "u": u}), Recording(t, noisy))
+    assert result.aligned.scale_applied
+    assert result.aligned.scale.value == pytest.approx(1.0 / 1.005, abs=1e-4)
     assert result.verdict == "same within noise"
-    assert any("runs at another rate" in line for line in result.sentences)
 
 
 @pytest.mark.parametrize("schema", ["harness.compare/1", "harness.compare/2"])

@@ -99,10 +99,11 @@ def result_of(
         aligned=Aligned(
             shift_s=P.of(aligned.shift),
             scale=P.of(aligned.scale),
+            scale_applied=not aligned.faster,
             alternatives=[OtherShift(shift_s=one.shift, worse_by=one.worse_by) for one in aligned.alternatives],
         ),
         traces=dict(zip(names, readings, strict=True)),
-        differences=differences(*readings),
+        differences=[] if found.identical else differences(*readings),
         largest=_largest(found, real.angular),
         fit_percent={c: percent_followed(found.sim[c], y) for c, y in found.real.items()},
         noise={c: noise.said for c, noise in found.noise.items()},

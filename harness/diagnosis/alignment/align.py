@@ -17,7 +17,7 @@ from harness.core.quantity import Quantity
 from harness.diagnosis.alignment.candidate import Candidate, refined
 from harness.diagnosis.alignment.coarse import candidates
 from harness.diagnosis.alignment.pair import Clock, Pair, Signals
-from harness.diagnosis.alignment.rate import rated
+from harness.diagnosis.alignment.rate import beyond_clocks, rated
 from harness.diagnosis.alignment.release import release
 from harness.estimate.noise import Noise
 
@@ -57,8 +57,9 @@ class Alternative:
 @dataclass(frozen=True, slots=True)
 class Alignment:
     """shift : s, to be added to the first trace's time at its first sample; its error knows of the cycles that cannot
-    be told apart, local is that within its cycle. scale : seconds of the second for one of the first. covered : samples
-    (n,) of the second where the first then has something to show, to within a sampling interval.
+    be told apart, local is that within its cycle. scale : seconds of the second for one of the first, applied in clock
+    only as far as it is a clock's. covered : samples (n,) of the second where the first then has something to show, to
+    within a sampling interval.
     """
 
     shift: Quantity
@@ -71,6 +72,11 @@ class Alignment:
     def used(self) -> float:
         """The shift applied, s; 0 where that found is none: samples at the same instants need no interpolation then."""
         return self.clock.shift
+
+    @property
+    def faster(self) -> bool:
+        """Whether one runs faster than the other by more than clocks do: in frequency or by its clock, nothing says."""
+        return beyond_clocks(self.scale) and self.clock.scale == 1.0
 
 
 def align(

@@ -7,6 +7,7 @@ import numpy as np
 from harness.core.quantity import Quantity
 from harness.diagnosis.alignment.candidate import Candidate, refined
 from harness.diagnosis.alignment.pair import Clock, Pair
+from harness.diagnosis.rules import CLOCK_RATE
 
 _SHOWS = 4.0
 """Standard errors from which clocks run differently: once in 16000 by chance."""
@@ -22,10 +23,12 @@ _DIFFER = "the two differ by more than clocks do, and a clock that is fast canno
 
 
 def rated(pair: Pair, taken: Candidate, period: float) -> tuple[Quantity, Candidate]:
-    """The scale, and the candidate with it where it is significant.
+    """The scale that lays the two over each other, and the candidate to compare with: with that scale only where it is
+    significant and a clock's.
 
     Where the two show one motion the scale is fitted from 1 on. Where they differ, rates up to 3 % are tried, and one
-    is believed that leaves nothing but noise.
+    is told that leaves nothing but noise. A motion's own frequency looks the same as the rate of a clock: beyond what
+    clocks differ by, a scale is applied only where a force that drives both proves it.
     """
     starts = [taken.clock] if taken.same else _starts(pair, taken, period)
     fits = [refined(pair, clock, period, rate=True) for clock in starts]
@@ -37,9 +40,31 @@ def rated(pair: Pair, taken: Candidate, period: float) -> tuple[Quantity, Candid
     if not math.isfinite(error):
         return Quantity.refused("1", "the overlap is too short for it"), taken
     scale = Quantity(best.clock.scale, error, "1")
-    shows = abs(best.clock.scale - 1.0) > _SHOWS * error
     better = taken.same or best.mean_log < taken.mean_log + math.log(_CLEARLY)
-    return scale, best if shows and better else taken
+    clocks = not beyond_clocks(scale) or _by_force(pair, best, period)
+    return scale, best if differs(scale) and better and clocks else taken
+
+
+def differs(scale: Quantity) -> bool:
+    """Whether two traces run at different rates, by more than chance."""
+    return scale.value is not None and abs(scale.value - 1.0) > _SHOWS * (scale.stderr or 0.0)
+
+
+def beyond_clocks(scale: Quantity) -> bool:
+    """Whether the rates differ by more than two clocks do."""
+    return differs(scale) and scale.value is not None and abs(scale.value - 1.0) > CLOCK_RATE.value
+
+
+def _by_force(pair: Pair, best: Candidate, period: float) -> bool:
+    """Whether the force alone, which no parameter of the motion changes, runs at the same other rate."""
+    if not best.alike("u"):
+        return False
+    alone = refined(pair, best.clock, period, rate=True, names=("u",))
+    if alone is None or not alone.alike("u"):
+        return False
+    errors = [math.sqrt(float(one.covariance(period, True)[1, 1])) for one in (alone, best)]
+    scale = Quantity(alone.clock.scale, errors[0], "1")
+    return beyond_clocks(scale) and abs(alone.clock.scale - best.clock.scale) < _SHOWS * math.hypot(*errors)
 
 
 def _starts(pair: Pair, taken: Candidate, period: float) -> list[Clock]:

@@ -9,7 +9,7 @@ import numpy as np
 
 from harness.core.arrays import FloatArray
 from harness.results.common import P
-from harness.results.compare import Difference
+from harness.results.compare import CompareResult, Difference
 from harness.show.decimate import keep
 from harness.show.numbers import NONE, number, quantity, sentence_quantity, shown_value
 from harness.show.report.curves import POINTS
@@ -20,7 +20,7 @@ from harness.show.report.section import Section
 from harness.show.report.sources import MadeWith
 from harness.show.report.table import Cell, Column, Row, Table
 from harness.show.report.verdict import Verdict
-from harness.show.sentences.compare import SHOWS, difference_words, figure_words, telling
+from harness.show.sentences.compare import SHOWS, difference_words, faster_words, figure_words, shows, telling
 
 FIRST = "#e4632d"
 _APART = "#2b7fd6"
@@ -79,6 +79,8 @@ def compare_headline(result: Mapping[str, Any]) -> str:
     value = shown_value(abs(largest["value"]), largest["unit"])
     far = f"at most {value} apart in {largest['channel']}, at {number(largest['time_s'], 3)} s"
     words = [difference_words(one).partition(" (")[0] for one in apart[:_SAID]]
+    if not result["aligned"]["scale_applied"]:
+        return f"{faster_words(CompareResult.model_validate(result))}; {far}{after}."
     return f"{first} {'; '.join(words)}; {far}{after}." if words else f"{first} and {second} differ: {far}{after}."
 
 
@@ -126,7 +128,8 @@ class Readings(Section):
         return {"tables": [Table("figure", columns, rows, caption, "", list(dict.fromkeys(notes)))]}
 
     def _shows(self, label: str) -> bool:
-        return any(one["what"] == label and (one["significance"] or 0.0) >= SHOWS for one in self.result["differences"])
+        differences = (Difference.model_validate(one) for one in self.result["differences"])
+        return any(one.what == label and shows(one) for one in differences)
 
 
 @dataclass(frozen=True)
