@@ -4,28 +4,25 @@ import io
 import logging
 import os
 import pkgutil
-import signal
 import sys
 import tempfile
 import traceback
 from collections.abc import Sequence
 from contextlib import suppress
 from importlib import import_module
-from types import FrameType
 from typing import NoReturn
 
 import click
 from click.shell_completion import shell_complete
 
 import harness
-from harness.cli import commands
+from harness.cli import commands, interrupt
 from harness.core.cores import one_thread
 from harness.core.errors import HarnessError, InputError
 from harness.core.near import did_you_mean
 from harness.core.registered import names, registered
 from harness.core.visible import visible
 
-INTERRUPTED = 130
 COMPLETION = "_HARNESS_COMPLETE"
 """The variable by which a shell asks for completions, or for the script that makes it ask; its name is click's."""
 
@@ -75,10 +72,6 @@ def cli() -> None:
     """
 
 
-def _terminated(signum: int, frame: FrameType | None) -> NoReturn:
-    raise KeyboardInterrupt
-
-
 def main(args: Sequence[str] | None = None) -> NoReturn:
     """Run the command and leave with its exit code.
 
@@ -90,8 +83,7 @@ def main(args: Sequence[str] | None = None) -> NoReturn:
         if isinstance(stream, io.TextIOWrapper):  # a locale without the letter in question shows its number
             stream.reconfigure(errors="backslashreplace")
     logging.captureWarnings(True)  # what libraries warn of goes to the log, where one is kept
-    with suppress(ValueError):  # only the main thread may set handlers
-        signal.signal(signal.SIGTERM, _terminated)
+    interrupt.heed()
     sys.exit(run(args))
 
 
@@ -149,7 +141,7 @@ def _explained(error: BaseException) -> tuple[str, int]:
         case click.ClickException():
             return error.format_message(), error.exit_code
         case KeyboardInterrupt() | click.Abort():
-            return "interrupted; nothing was written", INTERRUPTED
+            return interrupt.NOTHING_WRITTEN, interrupt.INTERRUPTED
     return f"internal error, {type(error).__name__}: {error}; the details are in {_details(error)}", 1
 
 
@@ -166,6 +158,7 @@ def _stream(error: OSError) -> int:
 
 
 def _say(text: str, code: int) -> int:
+    interrupt.told.set()
     with suppress(OSError):
         click.echo("harness: " + visible(" ".join(text.split())), err=True)
     return code

@@ -91,6 +91,7 @@ def _integrate(
     h_stick: float,
     at_once: int,
     pace: float,
+    most: int,
     want_a: bool,
     x: FloatArray,
     v: FloatArray,
@@ -105,8 +106,8 @@ def _integrate(
 
     w: model, state and sensitivities at t0. u_t, u_y (k,): knots of a piecewise linear drive in N, constant outside,
     empty for none. h_stick: longest step while it sticks, s. at_once, pace: at no time more steps than at_once + pace
-    (1/s) times what is simulated, so that a place that cannot be passed costs little. x, v, a (N,), mode_out (N,),
-    dx, dv, da (N, q), events (m, 5): filled.
+    (1/s) times what is simulated, so that a place that cannot be passed costs little, and never more than most.
+    x, v, a (N,), mode_out (N,), dx, dv, da (N, q), events (m, 5): filled.
     Returns status, number of events, number of steps, last time reached.
     """
     spec, theta = w.spec, w.theta
@@ -131,7 +132,7 @@ def _integrate(
     mode = 0
     fresh, starts = True, True
     while i_out < samples:
-        if n_steps >= at_once + pace * (t - t0):
+        if n_steps >= min(at_once + pace * (t - t0), most):
             return TOO_MANY_STEPS, n_events, n_steps, t
         # the drive here, and where this step must end at the latest
         stop = t_end

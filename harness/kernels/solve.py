@@ -32,6 +32,9 @@ _AT_ONCE = 3
 _EVENTS_AT_FIRST, _MOST_EVENTS = 100_000, 1_000_000
 """Rows there is room for, however many half-cycles a nearly massless slider would go through."""
 
+_MOST_STEPS = 20_000_000
+"""Whatever time is asked for: eight hundred thousand cycles of the fewest steps."""
+
 By: TypeAlias = str | tuple[int, int]
 """A parameter to differentiate by: a name, or (index of a term in the model, index of its parameter)."""
 
@@ -158,7 +161,7 @@ def solve(
     h_max = 2.0 * math.pi / scales.omega / shortest_cycle
     h_stick = min(h_max, 2.0 * math.pi / _LOOKS / max(layout.fastest, scales.omega))
     at_once, pace = _AT_ONCE * effort.steps_per_cycle + 20 * u_t.size, effort.steps_per_cycle * scales.omega / math.pi
-    fixed = (_read_only(u_t), _read_only(u_y), times, h_stick, at_once, pace, want_a)
+    fixed = (_read_only(u_t), _read_only(u_y), times, h_stick, at_once, pace, _MOST_STEPS, want_a)
     while True:
         record = workspace(layout.spec, layout.theta, len(layout.names), columns, error, layout.start, start)
         record.h_max, record.sensitivity_error = h_max, _SENSITIVITY * effort.tolerance

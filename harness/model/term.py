@@ -45,8 +45,8 @@ class Parameter:
     positive : fitted through its logarithm. springs : upper bound in units of the spring's stiffness, None for none:
     what is stiffer gives way by less than a recording of the spring's motion can show.
     repeats : "time" for the angular frequency (rad/s) of a law that repeats in time, "travel" for the period (m) of one
-    that repeats along the way. relaxes : whether it is the time (s) within which a law forgets. bends : whether it is
-    the stiffness (N/m) of what bends until friction slides.
+    that repeats along the way. moment : whether it is a time (s) on the recording's clock. relaxes : whether it is the
+    time (s) within which a law forgets. bends : whether it is the stiffness (N/m) of what bends until friction slides.
     """
 
     name: str
@@ -57,6 +57,7 @@ class Parameter:
     positive: bool = False
     springs: float | None = None
     repeats: Literal["", "time", "travel"] = ""
+    moment: bool = False
     relaxes: bool = False
     bends: bool = False
 

@@ -33,3 +33,26 @@ def test_on_its_upper_bound_a_number_is_a_least_one() -> None:
     quantity = term_parameters(seen, problem, 0, scales.omega)["sigma0"]
     assert quantity.stderr is None
     assert quantity.why == AT_LEAST
+
+
+@pytest.mark.parametrize(
+    ("law", "values", "parameter", "most"),
+    [
+        ("sensor-lag", {"lag": -7.8e13}, "lag", 3.0),
+        ("end-stop", {"gap": 1e12, "k_stop": 50.0}, "gap", 20.0),
+        ("viscoelastic", {"k_m": 10.0, "tau": 1e15}, "tau", 60.0),
+        ("harmonic-force", {"A": 0.1, "Omega": 1e14, "phase": 0.0}, "Omega", 7e3),
+    ],
+)
+def test_no_fit_goes_where_the_recording_could_show_nothing(
+    law: str, values: dict[str, float], parameter: str, most: float
+) -> None:
+    t = np.arange(0.0, 3.0, 2e-3)
+    seen = solve(Model(1.0, 0.4, 100.0, 2.0, x0=1.0), t)
+    random = np.random.default_rng(0)
+    x, a = (y + level * random.standard_normal(t.size) for y, level in ((seen.x, 1e-4), (seen.a, 1e-2)))
+    problem, _ = prepare(Recording(t, {"x": x, "a": a}, "coulomb"), Asked())
+    found, scales = baseline(problem)
+    far = replace(found.model, terms=(ModelTerm.named(law, **values),))
+    ended = fit(far, problem, free_of(far, ("c", "f_k")), scales, iterations=4, thorough=False)
+    assert abs(ended.model.terms[0].value(parameter)) <= most

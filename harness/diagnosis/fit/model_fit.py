@@ -9,6 +9,7 @@ import numpy as np
 from harness.core.arrays import FloatArray
 from harness.core.errors import SimulationError
 from harness.core.events import Events
+from harness.diagnosis.fit.bounds import within
 from harness.diagnosis.fit.downhill import downhill
 from harness.diagnosis.fit.observe import FINE, Observation, observe
 from harness.diagnosis.fit.parameters import Free, values_of, with_values
@@ -118,6 +119,7 @@ def _descend(
     share: float = 0.0,
 ) -> Fit:
     """The nearest fit downhill; share : of chi-square, that a step must gain to be followed by another."""
+    free = within(free, model, problem, scales)
     until = Until(_DONE, max(share, _DONE / problem.points), iterations)
     found = downhill(model, free, lambda m: evaluate(m, problem, free, scales, effort), until)
     at = found.point

@@ -14,6 +14,7 @@ import numpy as np
 from scipy import sparse
 
 from harness.core.arrays import BoolArray, ComplexArray, FloatArray
+from harness.diagnosis.fit.bounds import within
 from harness.diagnosis.fit.downhill import downhill
 from harness.diagnosis.fit.observe import COARSE, Observation, observe
 from harness.diagnosis.fit.parameters import Free
@@ -111,6 +112,7 @@ def swung(model: Model, swing: Swing, free: tuple[Free, ...], scales: Scales, it
 
     Raises SimulationError where the start cannot be simulated.
     """
+    free = within(free, model, swing.problem, scales)
     by = tuple(f.by for f in free)
 
     def look(candidate: Model) -> tuple[FloatArray, FloatArray, Observation]:

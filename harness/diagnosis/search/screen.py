@@ -14,9 +14,10 @@ import numpy as np
 from harness.core.arrays import FloatArray
 from harness.core.cores import each
 from harness.core.errors import SimulationError
+from harness.diagnosis.fit.bounds import brought_within
 from harness.diagnosis.fit.model_fit import Fit, evaluate, whitened
 from harness.diagnosis.fit.observe import COARSE, observe
-from harness.diagnosis.fit.parameters import with_values
+from harness.diagnosis.fit.parameters import free_of, with_values
 from harness.diagnosis.problem import Problem
 from harness.diagnosis.search.few_pieces import for_looks
 from harness.kernels.solve import By, Scales
@@ -161,6 +162,12 @@ def screen(
             return _responses(current.model, small, batch, scales)
         return None
 
+    def added(shift: FloatArray, term: Term, values: tuple[float, ...]) -> Model:
+        """The model moved, with one term more; an amplitude is as long as its linear look says, so within bounds."""
+        moved = _moved(current, shift)
+        model = replace(moved, terms=(*moved.terms, ModelTerm(term, values)))
+        return brought_within(model, free_of(model, ()), problem, scales)
+
     batches = list(_batches(probes))
     for batch, answers in zip(batches, each(answered, batches), strict=True):
         if answers is None:
@@ -186,17 +193,12 @@ def screen(
                     shift = -np.linalg.solve(r, along[:, column : column + width] @ amplitudes) / norm
                 share = _share_of(current, shift)
                 part_way = _combined(probe, share * amplitudes) if share < 1.0 else None
-                short = None if part_way is None else _with(_moved(current, share * shift), probe.term, part_way)
-                candidate = Candidate(probe.term, _with(_moved(current, shift), probe.term, values), gain, short)
+                short = None if part_way is None else added(share * shift, probe.term, part_way)
+                candidate = Candidate(probe.term, added(shift, probe.term, values), gain, short)
                 found.setdefault(probe.term.key, []).append(candidate)
             column += width
     best = [c for group in found.values() for c in sorted(group, key=lambda c: -c.gain)[:_KEPT]]
     return sorted(best, key=lambda c: -c.gain)
-
-
-def _with(model: Model, term: Term, values: tuple[float, ...]) -> Model:
-    """The model with one term more."""
-    return replace(model, terms=(*model.terms, ModelTerm(term, values)))
 
 
 def _limit(current: Fit) -> FloatArray:

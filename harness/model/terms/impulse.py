@@ -29,7 +29,7 @@ TERM = Term(
     "impulse",
     "environment",
     Slot.EVENT,
-    (Parameter("time", "s"), Parameter("impulse", "N s", none=0.0)),
+    (Parameter("time", "s", moment=True), Parameter("impulse", "N s", none=0.0)),
     "Something knocked the slider at {time}, with an impulse of {impulse}.",
     probes=probes,
     amplitude=1,
