@@ -5,10 +5,10 @@ import logging
 import os
 import pkgutil
 import sys
-import tempfile
 import traceback
 from collections.abc import Sequence
 from contextlib import suppress
+from datetime import datetime
 from importlib import import_module
 from typing import NoReturn
 
@@ -28,6 +28,9 @@ COMPLETION = "_HARNESS_COMPLETE"
 
 GROUP = "harness.commands"
 """Of the entry points by which other packages add commands ("package.module:command")."""
+
+_MOST_OF_ERRORS = 1_000_000
+"""Bytes of tracebacks after which a file is put aside, in place of the one before."""
 
 
 def _own() -> list[str]:
@@ -165,10 +168,16 @@ def _say(text: str, code: int) -> int:
 
 
 def _details(error: BaseException) -> str:
-    """Write the traceback that no user should have to see to a file."""
+    """Write the traceback that no user should have to see to the end of a file that stays small."""
+    from platformdirs import user_state_path
+
     try:
-        with tempfile.NamedTemporaryFile("w", prefix="harness-error-", suffix=".log", delete=False) as file:
-            traceback.print_exception(error, file=file)
-        return file.name
-    except OSError:
-        return "no file, since the folder for temporary files cannot be written"
+        file = user_state_path("friction-harness", ensure_exists=True) / "errors.log"
+        if file.exists() and file.stat().st_size > _MOST_OF_ERRORS:
+            file.replace(file.with_suffix(".old.log"))
+        with file.open("a", encoding="utf-8", errors="backslashreplace") as log:
+            log.write(f"{datetime.now().astimezone().isoformat(timespec='seconds')} {visible(' '.join(sys.argv))}\n")
+            traceback.print_exception(error, file=log)
+        return str(file)
+    except OSError as unwritten:
+        return f"no file ({unwritten.strerror}: {unwritten.filename})"

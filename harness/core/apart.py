@@ -5,6 +5,7 @@ for ever or have them ask for all memory there is. Here that ends a process whic
 reads one line. What comes back is numbers and JSON, never an object that could run something.
 """
 
+import atexit
 import json
 import os
 import resource
@@ -12,6 +13,7 @@ import signal
 import subprocess
 import sys
 import threading
+import time
 from collections.abc import Mapping
 from contextlib import suppress
 from importlib import import_module
@@ -34,33 +36,48 @@ _QUIET = {"HDF5_PLUGIN_PRESET": "::", "OPENBLAS_NUM_THREADS": "1", "ARROW_DEFAUL
 """No library that an HDF5 file names is loaded, no thread of linear algebra started, no memory asked for in advance."""
 _STUCK = 10.0
 """Times that limit until a process that does not even compute is ended."""
+_idle: dict[int, list["subprocess.Popen[bytes]"]] = {}
+"""Processes that are kept, by the number of the process that started them: those of a parent are not a child's."""
 
 
-def read_apart(reader: str, path: Path, accepted: str, *, seconds: int | None = None, **arguments: Any) -> Found:
+def read_apart(
+    reader: str, path: Path, accepted: str, *, seconds: int | None = None, kept: bool = False, **arguments: Any
+) -> Found:
     """What ``reader`` ("module:function") returns for a path and JSON arguments, from a process of its own.
 
     The function gives columns (vectors of any lengths) and something that JSON can say. seconds : s of a processor that
-    it may take, by the size of the file where it is None. Raises InputError: the one the reader raised, or one that
-    says how reading ended otherwise, and what would be ``accepted``.
+    it may take, by the size of the file where it is None. kept : the process may have read other files so before, and
+    will read more, which spares its start. Raises InputError: the one the reader raised, or one that says how reading
+    ended otherwise, and what would be ``accepted``.
     """
     seconds = LEAST_S + path.stat().st_size // BYTES_A_SECOND if seconds is None else seconds
     request = {"reader": reader, "path": str(path), "arguments": arguments, "seconds": seconds, "accepted": accepted}
-    with _started() as process:
-        overdue = threading.Timer(_STUCK * seconds, process.kill)
-        overdue.daemon = True
-        overdue.start()
-        try:
-            assert process.stdin is not None
-            assert process.stdout is not None
-            with suppress(BrokenPipeError):
-                process.stdin.write(json.dumps(request).encode())
-                process.stdin.close()
-            found = _received(process.stdout)
-        except BaseException:
-            process.kill()
-            raise
-        finally:
-            overdue.cancel()
+    with suppress(OSError):  # a working folder that was removed
+        request["folder"] = os.getcwd()
+    idle = _idle.setdefault(os.getpid(), [])
+    process = idle.pop() if kept and idle else _started()
+    overdue = threading.Timer(_STUCK * seconds, process.kill)
+    overdue.daemon = True
+    overdue.start()
+    try:
+        assert process.stdin is not None
+        assert process.stdout is not None
+        with suppress(BrokenPipeError):
+            process.stdin.write(json.dumps(request).encode() + b"\n")
+            process.stdin.flush()
+        found = _received(process.stdout)
+    except BaseException:
+        process.kill()
+        _ended(process)
+        raise
+    finally:
+        overdue.cancel()
+    if found is None or not kept:
+        _ended(process)
+    else:
+        idle.append(process)
+    if isinstance(found, InputError):
+        raise found
     if found is None:
         raise InputError(str(path), _ending(process.returncode, seconds), accepted)
     return found
@@ -79,12 +96,29 @@ def _started() -> "subprocess.Popen[bytes]":
     )
 
 
-def _received(stream: IO[bytes]) -> Found | None:
+def _ended(process: "subprocess.Popen[bytes]") -> None:
+    """Let a process go, and wait until it is gone."""
+    for stream in (process.stdin, process.stdout):
+        assert stream is not None
+        with suppress(BrokenPipeError):
+            stream.close()
+    process.wait()
+
+
+@atexit.register
+def dismiss() -> None:
+    """Let the processes go that are kept."""
+    for process in _idle.pop(os.getpid(), []):
+        process.kill()
+        _ended(process)
+
+
+def _received(stream: IO[bytes]) -> Found | InputError | None:
     """What the process says; None when it ended before it had said all."""
     try:
         answer = json.loads(stream.readline())
         if "error" in answer:
-            raise InputError(*answer["error"])
+            return InputError(*answer["error"])
         return {name: _column(stream, int(size)) for name, size in answer["columns"]}, answer["about"]
     except (ValueError, RecursionError):
         return None
@@ -113,19 +147,24 @@ def _ending(code: int, seconds: int) -> str:
 
 
 def main() -> None:
-    """Read what standard input asks for, within limits; the answer goes to standard output."""
-    request = json.loads(sys.stdin.buffer.read())
+    """Read what the lines of standard input ask for, within limits; the answers go to standard output."""
     with os.fdopen(os.dup(1), "wb") as answers, open(os.devnull, "wb") as nowhere:
         os.dup2(nowhere.fileno(), 1)
         _limit(resource.RLIMIT_CORE, 0)
-        _limit(resource.RLIMIT_CPU, request["seconds"])
-        with suppress(Exception):  # one that cannot be loaded is said by _answer
-            import_module(request["reader"].partition(":")[0])
-        _limit(resource.RLIMIT_DATA, _taken() + MOST_MEMORY)
-        head, columns = _answer(request)
-        answers.write(json.dumps(head).encode() + b"\n")
-        for column in columns:
-            answers.write(column)
+        for line in sys.stdin.buffer:
+            request = json.loads(line)
+            with suppress(OSError, KeyError):
+                os.chdir(request["folder"])
+            _limit(resource.RLIMIT_CPU, int(time.process_time()) + request["seconds"])
+            _limit(resource.RLIMIT_DATA, None)
+            with suppress(Exception):  # one that cannot be loaded is said by _answer
+                import_module(request["reader"].partition(":")[0])
+            _limit(resource.RLIMIT_DATA, _taken() + MOST_MEMORY)
+            head, columns = _answer(request)
+            answers.write(json.dumps(head).encode() + b"\n")
+            for column in columns:
+                answers.write(column)
+            answers.flush()
 
 
 def _taken() -> int:
@@ -135,9 +174,11 @@ def _taken() -> int:
     return 0
 
 
-def _limit(kind: int, most: int) -> None:
+def _limit(kind: int, most: int | None) -> None:
+    """most : None for as much as this process may ever have."""
     allowed = resource.getrlimit(kind)[1]
-    resource.setrlimit(kind, (most if allowed == resource.RLIM_INFINITY else min(most, allowed), allowed))
+    least = allowed if most is None else most if allowed == resource.RLIM_INFINITY else min(most, allowed)
+    resource.setrlimit(kind, (least, allowed))
 
 
 def _answer(request: dict[str, Any]) -> tuple[dict[str, Any], list[Any]]:

@@ -2,6 +2,7 @@
 
 import gzip
 import json
+import os
 import zlib
 from pathlib import Path
 from typing import Any, BinaryIO
@@ -39,7 +40,10 @@ def read_bytes(path: Path, most: int = MOST_BYTES) -> bytes:
     try:
         check_size(path, most)
         with path.open("rb") as file:
-            data = file.read(most + 1)  # a file that grows meanwhile, or one whose size the system does not say
+            size = os.fstat(file.fileno()).st_size
+            data = file.read(size + 1)
+            if len(data) > size:  # a file that grows meanwhile, or one whose size the system does not say
+                data += file.read(most + 1 - len(data))
     except OSError as error:
         raise InputError(str(path), error.strerror or "cannot be read", "a file that can be read is accepted") from None
     if len(data) > most:

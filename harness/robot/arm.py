@@ -12,9 +12,8 @@ import numpy as np
 from harness.core.arrays import FloatArray
 from harness.core.errors import InputError
 from harness.core.near import did_you_mean
-from harness.robot import mjcf, urdf
-from harness.robot.compiled import ACCEPTED, compile_model, coupled, joint_names, rotors, strip
-from harness.robot.xml import with_included
+from harness.robot.apart import compiled
+from harness.robot.compiled import ACCEPTED, coupled, joint_names, rotors, strip
 
 GRAVITY = (0.0, 0.0, -9.81)
 
@@ -75,21 +74,12 @@ def load_arm(
     Raises InputError when there is no such file, MuJoCo cannot compile it (its message in one line), or a joint is
     neither hinge nor slide (named).
     """
-    file, sources = str(path), with_included(path, edited)
-    root = sources[0].root
-    if root.tag == "robot":
-        alone = urdf.mimicking(root)
-        text, meshes, said = urdf.bare(file, root), dict[str, bytes](), tuple[str, ...]()
-    elif root.tag == "mujoco":
-        alone = {}
-        text, meshes, said = mjcf.bare(file, root, path.resolve().parent)
-    else:
-        raise InputError(file, f"XML that begins with <{root.tag}>", "MJCF (<mujoco>) or URDF (<robot>) is accepted")
-    model = compile_model(file, text, meshes)
+    file = str(path)
+    model, about = compiled(path, edited)
     joints = joint_names(file, model)
     if any(np.any(one) for one in (model.jnt_stiffnesspoly, model.dof_dampingpoly)):
         raise InputError(file, "stiffness or damping of a joint as a polynomial", f"one number each, and {ACCEPTED}")
     friction, damping = np.array(model.dof_frictionloss), np.array(model.dof_damping)
-    together = coupled(file, model) | alone
-    notes = (*said, *strip(model, gravity))
+    together = coupled(file, model) | about["alone"]
+    notes = (*about["notes"], *strip(model, gravity))
     return Arm(file, model, joints, rotors(model), friction, damping, MappingProxyType(together), notes)

@@ -16,16 +16,6 @@ _KINDS = {mujoco.mjtJoint.mjJNT_FREE.value: "free", mujoco.mjtJoint.mjJNT_BALL.v
 ACCEPTED = "hinges and slides of an open chain on a fixed base are accepted"
 
 
-def compile_model(file: str, text: bytes, assets: dict[str, bytes]) -> Any:
-    """MuJoCo's model of a text. Raises InputError with MuJoCo's message."""
-    try:
-        return mujoco.MjModel.from_xml_string(text.decode(), assets)
-    except ValueError as error:
-        # it numbers the lines of a text that nobody has seen
-        said = " ".join(str(error).split())
-        raise InputError(file, f"MuJoCo does not compile it ({said})", "a model that it compiles is accepted") from None
-
-
 def joint_names(file: str, model: Any) -> tuple[str, ...]:
     """Names of hinges and slides in the order of the degrees of freedom.
 

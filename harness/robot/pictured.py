@@ -13,8 +13,8 @@ from harness.core.errors import InputError
 from harness.core.robot.bodies import Bodies, Kind, Shape
 from harness.core.robot.joint_log import JointLog
 from harness.core.trajectory import Trajectory
+from harness.robot.apart import compiled
 from harness.robot.arm import Arm
-from harness.robot.shapes import with_shapes
 
 _KINDS: dict[int, Kind] = {
     mujoco.mjtGeom.mjGEOM_BOX.value: "box",
@@ -72,10 +72,10 @@ def _moving(path: Path, arm: Arm, times: FloatArray, position: Mapping[str, Floa
 
 def _model(path: Path, arm: Arm) -> Any:
     """With shapes where they can be read, else the rigid model: nothing that is only looked at stops a diagnosis."""
-    for meshes in (True, False):
+    for looks in ("meshes", "bare"):
         try:
-            found = mujoco.MjModel.from_xml_string(*with_shapes(path, meshes))
-        except (ValueError, InputError, OSError):
+            found, _ = compiled(path, looks=looks)
+        except (InputError, OSError):
             continue
         if found.njnt == arm.model.njnt and found.nq == found.njnt:
             return found

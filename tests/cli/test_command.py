@@ -174,8 +174,12 @@ def test_viewing_without_a_screen_is_one_line(
 
 
 def test_a_bug_is_one_line_that_says_where_the_details_are(
-    monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
 ) -> None:
+    """One file in the folder of states has them all, and does not grow for ever."""
+    monkeypatch.setenv("XDG_STATE_HOME", str(tmp_path))
+    monkeypatch.setattr("harness.cli.main._MOST_OF_ERRORS", 1000)
+
     def broken(*args: object, **kwargs: object) -> None:
         raise ZeroDivisionError("a bug\non two lines")
 
@@ -187,7 +191,11 @@ def test_a_bug_is_one_line_that_says_where_the_details_are(
     assert err.count("\n") == 1
     details = Path(err.rsplit(" ", 1)[1].strip())
     assert "Traceback" in details.read_text()
-    details.unlink()
+    assert details.is_relative_to(tmp_path)
+    for _ in range(9):
+        run(["run"])
+    assert len(list(details.parent.iterdir())) == 2
+    assert sum(file.stat().st_size for file in details.parent.iterdir()) < 5000
 
 
 def test_progress_is_shown_on_a_terminal(monkeypatch: pytest.MonkeyPatch) -> None:

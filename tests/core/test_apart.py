@@ -51,6 +51,20 @@ def test_whatever_ends_it_is_one_line(file: Path, reader: str, found: str, capfd
     assert capfd.readouterr() == ("", "")
 
 
+def test_a_process_that_is_kept_reads_on_and_is_replaced_when_it_ended(file: Path) -> None:
+    def number() -> int:
+        return int(read_apart("apart_readers:number", file, ACCEPTED, kept=True)[1])
+
+    apart.dismiss()  # those of other tests do not know these readers
+    first = number()
+    with pytest.raises(InputError, match="nothing"):
+        read_apart("apart_readers:refuses", file, ACCEPTED, kept=True)
+    assert number() == first
+    with pytest.raises(InputError, match="crashed"):
+        read_apart("apart_readers:crashes", file, ACCEPTED, kept=True)
+    assert number() != first
+
+
 def test_a_module_beside_the_recording_is_not_taken_for_one_of_the_library(
     file: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -9,7 +9,9 @@ import sys
 import time
 from collections import Counter
 from collections.abc import Iterator
+from concurrent.futures import Future
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import pytest
@@ -19,7 +21,7 @@ from interruptible import listening
 from jsonschema import Draft202012Validator
 
 from harness.app.shared.completed import completed
-from harness.app.shared.pool import LocalPool
+from harness.app.shared.pool import Cluster, LocalPool
 from harness.app.sweep import sweep as room
 from harness.app.sweep.parts import Parts
 from harness.app.sweep.sweep import SweepOptions, sweep
@@ -123,6 +125,40 @@ def test_a_row_that_kills_its_worker_is_found_and_the_others_lose_nothing() -> N
     for spec in specs:
         died = spec.preset == sweep_deaths.KILLER
         assert reasons[spec.key] == ("its worker process died, 2 times out of 2" if died else "light")
+
+
+class Deserted:
+    """A client of a scheduler without workers, or one whose workers left after the first look."""
+
+    status = "running"
+
+    def __init__(self, *looks: dict[str, int]) -> None:
+        self.looks = list(looks)
+
+    def nthreads(self) -> dict[str, int]:
+        return self.looks.pop(0) if self.looks else {}
+
+    def get_executor(self, **options: object) -> "Deserted":
+        return self
+
+    def submit(self, *work: object) -> "Future[dict[str, object]]":
+        return Future()
+
+    def shutdown(self, **options: object) -> None: ...
+
+    def close(self, **options: object) -> None: ...
+
+
+@pytest.mark.parametrize("looks", [(), ({"worker": 1},)])
+def test_a_cluster_without_workers_is_not_waited_for_without_end(
+    looks: tuple[dict[str, int], ...], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    there = SimpleNamespace(Client=lambda *address, **options: Deserted(*looks))
+    monkeypatch.setitem(sys.modules, "distributed", there)
+    monkeypatch.setattr("harness.app.shared.pool.WORKERLESS_S", 0.05)
+    monkeypatch.setattr("harness.app.shared.completed.LOOK_S", 0.02)
+    with pytest.raises(HarnessError, match=r"tcp://far:1: no worker .*dask worker tcp://far:1"):
+        list(completed([sweep_deaths.spec(1)], Cluster("tcp://far:1"), sweep_deaths.light, failed_row))
 
 
 @pytest.mark.full

@@ -59,6 +59,7 @@ REFUSED = [
     ("a.xml", mjcf(f'<include xmlns="u" file="pipe.xml"/>{TWO}'), "no such file"),
     ("a.xml", mjcf('<replicate xmlns="u" count="99999"><body/></replicate>'), "99999 copies"),
     ("a.xml", mjcf('<body><composite xmlns="u" prefix="rope" type="cable"/></body>'), "it is no rigid body"),
+    ("a.xml", mjcf(TWO.replace("axis", 'damping="nan" axis')), "a value that is no number (nan)"),
     ("a.xml", mjcf(TWO, "<whatever/>"), "<whatever> in <mujoco>, which is no MJCF"),
     ("a.urdf", FLOATING, "joint j1: type 'floating'"),
     ("a.urdf", '<robot name="r"><link name="l"/></robot>', "no joint"),
@@ -66,7 +67,10 @@ REFUSED = [
 
 
 @pytest.mark.parametrize(("name", "text", "said"), REFUSED)
-def test_what_is_no_arm_is_refused_in_one_line(tmp_path: Path, name: str, text: str, said: str) -> None:
+def test_what_is_no_arm_is_refused_in_one_line(
+    tmp_path: Path, name: str, text: str, said: str, capfd: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
     (tmp_path / name).write_text(text)
     os.mkfifo(tmp_path / "pipe.xml")
     with pytest.raises(InputError) as refused:
@@ -74,6 +78,8 @@ def test_what_is_no_arm_is_refused_in_one_line(tmp_path: Path, name: str, text: 
     assert said in str(refused.value)
     assert str(tmp_path / name) in str(refused.value)
     assert "\n" not in str(refused.value)
+    assert capfd.readouterr() == ("", "")
+    assert {file.name for file in tmp_path.iterdir()} == {name, "pipe.xml"}
 
 
 def test_no_such_file_and_no_such_joint() -> None:

@@ -1,6 +1,7 @@
 """Rows as they are completed, from whatever computes them: none lost, none double, whoever dies."""
 
 import math
+import time
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import FIRST_COMPLETED, CancelledError, Future, wait
@@ -15,6 +16,9 @@ CHANCES = 2
 
 MOMENTS = 0.5
 """Seconds after a death in which a broken pool gives its other rows back."""
+
+LOOK_S = 5.0
+"""Seconds between two looks at workers that give nothing."""
 
 
 class Keyed(Protocol):
@@ -43,14 +47,17 @@ def completed(
     becomes a row with that reason, and the others lose nothing.
     """
     queue = _Queue(iter(specs), workers, compute, failed)
+    patience, since = math.inf if idle is None else idle[0], time.monotonic()
     while queue.busy():
         alone = len(queue.running) == 1
-        # an endless wait is spelt without a number
-        patience = None if idle is None or math.isinf(idle[0]) else idle[0]
-        done, _ = wait(queue.running, patience, FIRST_COMPLETED)
-        if not done and idle is not None:
-            idle[1]()
+        done, _ = wait(queue.running, min(patience, LOOK_S), FIRST_COMPLETED)
+        if not done:
+            workers.attend()
+            if idle is not None and time.monotonic() - since >= patience:
+                idle[1]()
+                since = time.monotonic()
             continue
+        since = time.monotonic()
         rows, lost = queue.collect()
         yield from rows
         if lost:

@@ -3,6 +3,7 @@
 import multiprocessing
 import os
 import signal
+import time
 from abc import ABC, abstractmethod
 from concurrent.futures import CancelledError, Executor, ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
@@ -12,6 +13,11 @@ from typing import Any, final
 
 from harness.core.cores import one_thread
 from harness.core.errors import HarnessError, InputError
+
+WORKERLESS_S = 60.0
+"""s for which a cluster may be without a worker."""
+_LOOK_S = 0.2
+"""s between two looks for the first one."""
 
 
 class Workers(ABC):
@@ -34,6 +40,10 @@ class Workers(ABC):
     @abstractmethod
     def renew(self) -> None:
         """Make the executor usable again after a death; raises HarnessError when it cannot be."""
+
+    @abstractmethod
+    def attend(self) -> None:
+        """Called while rows are waited for; raises HarnessError when nobody is there to compute them."""
 
     @abstractmethod
     def close(self) -> None:
@@ -71,6 +81,9 @@ class LocalPool(Workers):
         """See Workers."""
         self.close()
         self._executor = self._start()
+
+    def attend(self) -> None:
+        """See Workers; a pool has its processes."""
 
     def close(self) -> None:
         """See Workers."""
@@ -118,7 +131,11 @@ class Cluster(Workers):
                 f"--cluster {address}", found, "an address such as tcp://127.0.0.1:8786 is accepted"
             ) from None
         self._executor: Executor = self._client.get_executor(pure=False, retries=0)
-        self._count: int = max(1, sum(self._client.nthreads().values()))
+        self._seen = time.monotonic()
+        while not (threads := self._client.nthreads()):
+            self.attend()
+            time.sleep(_LOOK_S)
+        self._count: int = sum(threads.values())
 
     @property
     def count(self) -> int:
@@ -139,6 +156,17 @@ class Cluster(Workers):
         if self._client.status != "running":
             raise HarnessError(f"--cluster {self._address}: the connection to the scheduler is lost")
         self._executor = self._client.get_executor(pure=False, retries=0)
+
+    def attend(self) -> None:
+        """See Workers; others may join a cluster that has lost its last worker, for a while."""
+        now = time.monotonic()
+        if self._client.status == "running" and self._client.nthreads():
+            self._seen = now
+        elif now - self._seen > WORKERLESS_S:
+            raise HarnessError(
+                f"--cluster {self._address}: no worker for {WORKERLESS_S:.0f} s; a scheduler with workers is accepted"
+                f" (dask worker {self._address})"
+            )
 
     def close(self) -> None:
         """See Workers; the cluster itself goes on."""

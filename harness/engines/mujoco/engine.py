@@ -18,6 +18,7 @@ from harness.engines.mujoco import presets as table
 from harness.engines.mujoco.build import compile_model
 from harness.engines.mujoco.depth import rest_height
 from harness.engines.mujoco.forces import Forces
+from harness.engines.mujoco.warned import warned
 from harness.engines.samples import UNSATURATED, Motion, newton_friction, trajectory
 from harness.engines.weight import GRAVITY, coefficient
 
@@ -58,20 +59,17 @@ class MujocoEngine(Engine):
             started = time.perf_counter()
             # one step more than asked for: a step's sensors speak of the state before it
             steps = task.steps(settings["dt"]) + 1
-            warnings: list[str] = []
-            previous = mujoco.get_mjcb_passive(), mujoco.get_mju_user_warning()
-            try:
-                # without a handler warnings go to a file MUJOCO_LOG.TXT in the working folder
-                mujoco.set_mju_user_warning(warnings.append)
-                if forces.needed:
-                    install(data)
-                if task.route == "contact" and forces.switches:
-                    states, sensors = _switching(model, data, steps, task, forces)
-                else:
-                    states, sensors = _rolled_out(model, data, steps)
-            finally:
-                mujoco.set_mjcb_passive(previous[0])
-                mujoco.set_mju_user_warning(previous[1])
+            previous = mujoco.get_mjcb_passive()
+            with warned() as warnings:
+                try:
+                    if forces.needed:
+                        install(data)
+                    if task.route == "contact" and forces.switches:
+                        states, sensors = _switching(model, data, steps, task, forces)
+                    else:
+                        states, sensors = _rolled_out(model, data, steps)
+                finally:
+                    mujoco.set_mjcb_passive(previous)
             _sound(data, warnings)
             motion = _motion(task, settings, forces, states, sensors)
             wall = time.perf_counter() - started

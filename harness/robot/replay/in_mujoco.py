@@ -7,6 +7,7 @@ import mujoco
 import numpy as np
 
 from harness.core.arrays import FloatArray
+from harness.engines.mujoco.warned import warned
 from harness.robot.arm import Arm
 from harness.robot.replay.drive import Drive
 
@@ -33,15 +34,16 @@ def replay(arm: Arm, drive: Drive) -> tuple[FloatArray, FloatArray]:
     model, at, others = _model(arm, drive), drive.at, drive.others
     data = mujoco.MjData(model)
     q, v = np.full(drive.t.size, np.nan), np.full(drive.t.size, np.nan)
-    for first, last in drive.windows:
-        mujoco.mj_resetData(model, data)
-        data.qpos[at], data.qvel[at] = q[first], v[first] = drive.q[first, at], drive.v[first, at]
-        for k in range(first, last):
-            data.qpos[others], data.qvel[others] = drive.q[k, others], drive.v[k, others]
-            data.qfrc_applied[others] = _LED * drive.a[k, others]
-            data.qfrc_applied[at] = drive.u[k]
-            mujoco.mj_step(model, data)
-            q[k + 1], v[k + 1] = data.qpos[at], data.qvel[at]
+    with warned():
+        for first, last in drive.windows:
+            mujoco.mj_resetData(model, data)
+            data.qpos[at], data.qvel[at] = q[first], v[first] = drive.q[first, at], drive.v[first, at]
+            for k in range(first, last):
+                data.qpos[others], data.qvel[others] = drive.q[k, others], drive.v[k, others]
+                data.qfrc_applied[others] = _LED * drive.a[k, others]
+                data.qfrc_applied[at] = drive.u[k]
+                mujoco.mj_step(model, data)
+                q[k + 1], v[k + 1] = data.qpos[at], data.qvel[at]
     return q, v
 
 
