@@ -243,6 +243,16 @@ REFUSED: list[tuple[list[Recording], str]] = [
 ]
 
 
+@pytest.mark.parametrize("zeros", [(0.02, 0.0), (0.0, 0.02)])
+def test_where_one_asks_for_a_zero_all_get_one(zeros: tuple[float, float]) -> None:
+    """A repetition whose encoder happens to begin near nought says nothing of the zeros of the others."""
+    recordings = [seen(BASE, 0.05, zero, 1e-4, seed, until=4.0) for seed, zero in enumerate(zeros)]
+    problem, notes = prepare_together(recordings, Asked())
+    assert problem.zero_free
+    assert all(one.zero_free for one in problem.alone)
+    assert any("zero" in note for note in notes)
+
+
 @pytest.mark.parametrize(("recordings", "why"), REFUSED)
 def test_what_cannot_be_together_is_refused(recordings: list[Recording], why: str) -> None:
     with pytest.raises(InputError, match=why):

@@ -21,22 +21,25 @@ _FEWEST = 2
 def together(recordings: Sequence[Recording], asked: Asked) -> tuple[Together, tuple[str, ...]]:
     """Free decays as one problem, and what was done to each, one sentence each.
 
-    How the slider is held, and whether its zero is known, is chosen at the one that swings furthest, where nobody says.
+    How the slider is held is chosen at the one that swings furthest, where nobody says. Where any of them asks for a
+    zero of its own, all get one: one that happens to lie near nought says nothing of the others.
     Raises InputError for fewer than two, for driven ones among them, and for those that have no channel in common.
     """
     common = in_common(recordings)
-    widest = max(range(len(recordings)), key=lambda i: float(np.ptp(recordings[i][common[0]])))
-    first, said = _alone(recordings[widest], asked, common)
-    alike = replace(asked, restoring=first.restoring, zero_free=first.zero_free)
+    asked_alone = [_alone(one, asked, common) for one in recordings]
+    widest = max(asked_alone, key=lambda one: float(np.ptp(one[0].channels[common[0]])))[0]
+    zero_free = any(problem.zero_free for problem, _ in asked_alone)
+    alike = replace(asked, restoring=widest.restoring, zero_free=zero_free)
     notes: list[str] = []
     each: list[FreeDecay] = []
-    for i, one in enumerate(recordings):
-        problem, done = (first, said) if i == widest else _alone(one, alike, common)
+    for one, prepared in zip(recordings, asked_alone, strict=True):
+        held_so = (prepared[0].restoring, prepared[0].zero_free) == (widest.restoring, zero_free)
+        problem, done = prepared if held_so else _alone(one, alike, common)
         notes += [f"in {one.file}: {note}" for note in done]
         left_out = [c for c in ("x", "v", "a") if c in one and c not in common]
         notes += [f"in {one.file}: {c} is left out, which not every recording has" for c in left_out]
         # its clock begins where it is let go
-        each.append(replace(problem, t=problem.t - problem.t[0], zero_chosen=first.zero_chosen))
+        each.append(replace(problem, t=problem.t - problem.t[0], zero_chosen=widest.zero_chosen))
     return Together.laid(each), tuple(notes)
 
 
