@@ -224,19 +224,26 @@ def diagnose_joint(
     robot: File,
     joint: str | None = None,
     *,
-    gain: float | None = None,
+    gain: float | Sequence[float] | Mapping[str, float] | None = None,
     gravity: tuple[float, float, float] | None = None,
     payload: float | None = None,
     sensor: str | None = None,
+    names: Mapping[str, str] | None = None,
+    flip: Sequence[str] = (),
+    offset: Mapping[str, float] | None = None,
+    angle_unit: str | None = None,
     engines: Sequence[str] | None = None,
     out: File | None = None,
 ) -> DiagnosisResult:
     """Friction of one joint of a robot, from its log and its model, as ``harness diagnose LOG --robot FILE`` does.
 
     log : a table, a LeRobot data set or a bag, as ``load_log`` reads it. robot : MJCF or URDF. joint : of both, None
-    for the only one that moves. gain : of a log in amperes, N m per A at the joint. gravity : m/s^2 in the frame of the
-    base, None for the model's own. payload : kg, and sensor, "link" or "motor" : what is known where the whole arm
-    moves. engines : as in ``diagnose``. out : folder for report, trace and models, as the command leaves them.
+    for the only one that moves. gain : of a log in amperes, N m per A at the joint, for all, one each in the model's
+    order, or by joint. gravity : m/s^2 in the frame of the base, None for the model's own. payload : kg, and sensor,
+    "link" or "motor" : what is known where the whole arm moves. names : of the log's joints, or of a field
+    ("elbow.effort"), the model's. flip : joints that turn the other way. offset : rad or m by joint, added to its
+    position. angle_unit : of positions. engines : as in ``diagnose``. out : folder for report, trace and models, as the
+    command leaves them.
 
     Raises InputError, SimulationError, StoreError.
     """
@@ -245,7 +252,18 @@ def diagnose_joint(
     from harness.app.diagnose.robot_options import RobotOptions
     from harness.app.shared.reading import ReadOptions
 
-    asked = RobotOptions.chosen(Path(robot), joint=joint, gain=gain, gravity=gravity, payload=payload, sensor=sensor)
+    asked = RobotOptions.chosen(
+        Path(robot),
+        joint=joint,
+        gain=gain if gain is None or isinstance(gain, float | int | Mapping) else tuple(gain),
+        gravity=gravity,
+        payload=payload,
+        sensor=sensor,
+        names=names or {},
+        flip=tuple(flip),
+        offset=offset or {},
+        angle_unit=angle_unit,
+    )
     assert asked is not None
     options = DiagnoseOptions.chosen(ReadOptions(), engines=engines, robot=asked)
     if out is not None:

@@ -54,14 +54,31 @@ def say_diagnosis(result: "DiagnosisResult") -> None:
     say_as_it_is(f"report: {result.files['report']}")
 
 
+def _matches(found: "RobotResult") -> "Table":
+    """The log against its model, joint by joint."""
+    from rich.table import Table
+
+    table = Table(title="logged on modelled torque")
+    for column in ("joint", "by", "correlation", "slope", "what looks wrong"):
+        table.add_column(column)
+    for one in found.match:
+        numbers = ("-" if x is None else f"{x:.3g}" for x in (one.correlation, one.slope))
+        table.add_row(one.joint, one.by or "-", *numbers, one.suspicion or "-")
+    return table
+
+
 def _print_robot(found: "RobotResult") -> None:
-    """The joint's own equation, and what to paste."""
+    """The log against its model, the joint's own equation, and what to paste."""
+    if found.match:
+        show(_matches(found))
     if found.reduction is not None:
         say(f"- {found.reduction.said}")
     if found.confounded:
         say(f"- this log cannot tell apart: {'; '.join(' and '.join(pair) for pair in found.confounded)}")
     if found.simulated:
         _print_simulated(found.simulated)
+    if not found.paste.mjcf:
+        return
     say("to paste into your model (MJCF; URDF with PyBullet's calls):")
     for line in (found.paste.mjcf, *found.paste.urdf.splitlines()):
         say_as_it_is(f"  {line}")

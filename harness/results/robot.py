@@ -31,6 +31,19 @@ class PasteResult(Result):
     urdf: str
 
 
+class MatchResult(Result):
+    """A joint's logged torque against what the model needs, before anything is named."""
+
+    joint: str
+    by: str = Field(description="gravity, inertia, or empty where neither loads it")
+    correlation: float | None = Field(description="of logged and modelled torque, friction taken off both")
+    slope: float | None = Field(description="logged over modelled torque")
+    slope_stderr: float | None
+    offset: float = Field(description="constant torque beside them, N m or N")
+    suspicion: str = Field(description="what is wrong with it or not checked; empty for nothing")
+    option: str = Field(description="of the command, that mends it; empty where none does")
+
+
 class EntryResult(Result):
     """Something that a log of a whole arm shows: of a joint's friction, or of the model."""
 
@@ -94,5 +107,6 @@ class RobotResult(Result):
     reduction: ReductionResult | None = Field(description="null where the whole arm moves")
     confounded: list[Pair] = Field(description="what this log cannot tell apart, whatever the fit says")
     paste: PasteResult
+    match: list[MatchResult] = Field(default_factory=list, description="the log against its model, before a fit")
     simulated: list[SimulatedResult] = Field(default_factory=list, description="the copy of the model in engines")
     arm: ArmResult | None = Field(default=None, exclude_if=lambda value: value is None)

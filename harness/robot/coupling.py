@@ -9,12 +9,10 @@ import numpy as np
 from harness.core.arrays import FloatArray
 from harness.core.robot.joint_log import JointLog
 from harness.robot.arm import Arm
-from harness.robot.matching import check_joint, noise_of
+from harness.robot.matching import check_joint, moves
 from harness.robot.reduction import Reduced, reduced
 from harness.robot.smooth import Even
 
-STILL = 3.0
-"""Times its noise within which a joint's position scatters where it stands still."""
 QUARTER = 0.25
 """Of the mean square that the joint's own equation leaves: as long as the others take less of it off, half of its rms,
 what they do does not decide."""
@@ -30,7 +28,7 @@ class Coupling:
 
     torque : rms, N m or N. residual : rms that the joint's own equation leaves, with inertia, damping, dry friction and
     gravity fitted. share : of its square that the others' torque takes off, whatever its factor: the log's unit may be
-    wrong. moving : the others that move. reduced : with the others at their means.
+    wrong; or that it is, where that is more. moving : the others that move. reduced : with the others at their means.
     """
 
     torque: float
@@ -54,7 +52,7 @@ def coupling(arm: Arm, log: JointLog, joint: str) -> Coupling:
     check_joint(arm, log, joint)
     at, others = arm.index(joint), [name for name in arm.joints if name != joint and name in log.position]
     own = reduced(arm, joint, {name: float(np.mean(log.position[name])) for name in others})
-    those = tuple(name for name in others if _moves(log.position[name]))
+    those = tuple(name for name in others if moves(log.position[name]))
     even = Even.of(log.t)
     inside = even.settled
     thin = slice(inside.start, inside.stop, max(1, (inside.stop - inside.start) // _MOST))
@@ -71,18 +69,15 @@ def coupling(arm: Arm, log: JointLog, joint: str) -> Coupling:
     columns = _columns({"q": q[:, at], "v": v[:, at], "a": a[:, at]}, joint in log.effort)
     left = _left((effort - alone)[fast], columns[fast])
     less = _left((effort - alone)[fast], np.column_stack((columns, extra))[fast]) if those else left
-    share = 1.0 - (less / left) ** 2 if left > 0.0 else 1.0
+    # where the model does not go together with the log, the others' torque explains nothing and is there all the same
+    size = _left(extra[fast], columns[fast]) if those else 0.0
+    share = max(1.0 - (less / left) ** 2, min((size / left) ** 2, 1.0)) if left > 0.0 else 1.0
     return Coupling(float(np.sqrt(np.mean(extra**2))), left, share, those, own)
 
 
 def moving(arm: Arm, log: JointLog) -> tuple[str, ...]:
     """Joints of the model that move in a log."""
-    return tuple(name for name in arm.joints if name in log.position and _moves(log.position[name]))
-
-
-def _moves(y: FloatArray) -> bool:
-    """Whether a position does more than scatter about its mean."""
-    return float(np.std(y)) > STILL * noise_of(y)
+    return tuple(name for name in arm.joints if name in log.position and moves(log.position[name]))
 
 
 def _columns(motion: Mapping[str, FloatArray], driven: bool) -> FloatArray:

@@ -12,6 +12,15 @@ from harness.robot.arm import Arm
 
 _MANY_TURNS = 20.0
 """rad: a hinge with stops that is farther out was logged in degrees."""
+STILL = 3.0
+"""Times its noise within which a joint's position scatters where it stands still."""
+_NOWHERE = 1e-6
+"""rad or m: less than the finest encoder resolves is no motion, whatever the digits of a log say."""
+
+
+def moves(y: FloatArray) -> bool:
+    """Whether a position (n,) does more than scatter about its mean."""
+    return float(np.std(y)) > max(STILL * noise_of(y), _NOWHERE)
 
 
 def check_joint(arm: Arm, log: JointLog, joint: str) -> None:
@@ -30,7 +39,11 @@ def check_joint(arm: Arm, log: JointLog, joint: str) -> None:
         farthest, most = float(np.max(np.abs(log.position[joint]))), float(np.max(np.abs(arm.model.jnt_range[i])))
         if farthest > max(_MANY_TURNS, 2.0 * most) and math.radians(farthest) <= 2.0 * most:
             found = f"positions up to {farthest:.4g} of a hinge that goes to {most:.4g} rad in {arm.file}"
-            raise InputError(f"{log.file}: {joint}.position", found, "rad is accepted; this looks like degrees")
+            raise InputError(
+                f"{log.file}: {joint}.position",
+                found,
+                "rad is accepted; this looks like degrees, try: --angle-unit deg",
+            )
 
 
 def noise_of(y: FloatArray) -> float:

@@ -13,6 +13,7 @@ from harness.app.diagnose.one import Diagnosed, deliver
 from harness.app.diagnose.options import DiagnoseOptions, Zero
 from harness.app.diagnose.robot_options import RobotOptions
 from harness.app.diagnose.robot_shown import tried
+from harness.app.diagnose.unmatched import match_results, unmatched
 from harness.app.diagnose.whole_arm import diagnose_arm
 from harness.app.shared.progress import SILENT, Progress
 from harness.core.arrays import FloatArray
@@ -23,6 +24,7 @@ from harness.model.model import Restoring
 from harness.results.diagnosis import DiagnosisResult
 from harness.robot.arm import Arm, load_arm
 from harness.robot.coupling import Coupling, coupling, moving
+from harness.robot.match.compared import Compared, compare
 from harness.robot.paste import copies
 from harness.robot.recording import OneJoint, one_joint
 
@@ -45,7 +47,7 @@ def diagnose_joint(
     """
     progress("reading", 0, STEPS)
     arm = load_arm(asked.file, asked.gravity)
-    log = read_log(path, arm.joints, asked.gain, options.reading)
+    log = read_log(path, arm.joints, asked, options.reading)
     log = log if label is None else replace(log, file=label)
     joint = _joint(arm, log, asked)
     found = coupling(arm, log, joint)
@@ -53,8 +55,11 @@ def diagnose_joint(
         said = f"no effort of it is logged, and {', '.join(found.moving)} move{'s' * (len(found.moving) == 1)} too"
         accepted = "a log with its effort, or one in which the others stand still, is accepted"
         raise InputError(f"{log.file}: {joint}", said, accepted)
+    compared = compare(arm, log, _gains(asked, arm))
+    if not compared.fits(joint):
+        return unmatched(arm, log, asked, options, found, compared, out, command)
     if found.mode == "whole-arm":
-        return diagnose_arm(arm, log, joint, asked, options, out, progress, command)
+        return diagnose_arm(arm, log, joint, compared, asked, options, out, progress, command)
     _check_locked(asked)
     one = one_joint(log, found.reduced)
     settings = {"robot": asked.settings()}
@@ -65,7 +70,20 @@ def diagnose_joint(
         f"{path.name.split('.')[0]}-{joint}",
         progress,
         command,
-        _finish(arm, log, asked, options, found, one, settings),
+        _finish(arm, log, asked, options, found, one, settings, compared),
+    )
+
+
+def _gains(asked: RobotOptions, arm: Arm) -> dict[str, float]:
+    """What the log's torque was multiplied by, by joint."""
+    if asked.gain is None:
+        return {}
+    if isinstance(asked.gain, Mapping):
+        return dict(asked.gain)
+    return (
+        dict(zip(arm.joints, asked.gain, strict=True))
+        if isinstance(asked.gain, tuple)
+        else dict.fromkeys(arm.joints, asked.gain)
     )
 
 
@@ -105,6 +123,7 @@ def _finish(
     found: Coupling,
     one: OneJoint,
     settings: Mapping[str, object],
+    compared: Compared,
 ) -> Callable[[Diagnosed, Path], tuple[Diagnosed, dict[str, str]]]:
     """What is said of the joint besides, and the copy of the model, once it is diagnosed."""
 
@@ -112,7 +131,8 @@ def _finish(
         result, paste = named(done, arm, found, one, asked.file)
         shown = tried(arm, log, paste, asked, {paste.joint: _left(done, one)}, 0.0, options.engines)
         assert result.robot is not None
-        robot = result.robot.model_copy(update={"simulated": list(shown.results)})
+        update = {"simulated": list(shown.results), "match": match_results(compared.matches)}
+        robot = result.robot.model_copy(update=update)
         result = result.model_copy(update={"settings": {**result.settings, **settings}, "robot": robot})
         files = {}
         for name, text in copies(asked.file, paste).items():

@@ -13,7 +13,7 @@ from harness.show.report.diagnosis import diagnosis_sections, diagnosis_title, g
 from harness.show.report.diagnosis_index import index_sections, index_title
 from harness.show.report.page import write_report
 from harness.show.robot.fleet_page import fleet_sections
-from harness.show.robot.page import arm_sections, robot_sections
+from harness.show.robot.page import arm_sections, match_sections, robot_sections
 from harness.show.robot.scene import arm_scene, with_robot
 from harness.show.robot.shown import Shown
 from harness.show.trace import write_trace
@@ -83,6 +83,12 @@ def write_arm_page(path: Path, result: DiagnosisResult, shown: Shown) -> None:
     """Write the page of an arm that moves as a whole; raises StoreError."""
     data = result.model_dump(mode="json", by_alias=True)
     write_report(path, f"Friction of {data['robot']['joint']}", data["recording"]["file"], arm_sections(data, shown))
+
+
+def write_match_page(path: Path, result: DiagnosisResult) -> None:
+    """Write the page of a log that does not go together with its model; raises StoreError."""
+    data = result.model_dump(mode="json", by_alias=True)
+    write_report(path, f"Log and model of {data['robot']['joint']}", data["recording"]["file"], match_sections(data))
 
 
 def write_arm_trace(path: Path, result: DiagnosisResult, shown: Shown) -> None:

@@ -12,6 +12,7 @@ from harness.app.diagnose.options import DiagnoseOptions
 from harness.app.diagnose.robot_options import RobotOptions
 from harness.app.diagnose.robot_shown import tried
 from harness.app.diagnose.show import write_arm_page, write_arm_trace
+from harness.app.diagnose.unmatched import match_results, recording_info
 from harness.app.shared.deliver import to_json
 from harness.app.shared.journal import NAME as LOG
 from harness.app.shared.journal import journal
@@ -23,7 +24,7 @@ from harness.core.robot.joint_log import JointLog
 from harness.io.store import output_folder
 from harness.model.document import to_document
 from harness.model.model import Model, Restoring
-from harness.results.common import P, RecordingInfo, Where
+from harness.results.common import P, Where
 from harness.results.diagnosis import (
     AlternativeResult,
     DiagnosisResult,
@@ -35,6 +36,7 @@ from harness.results.diagnosis import (
 from harness.results.model import ModelDocument
 from harness.results.robot import ArmResult, EntryResult, JointResult, PasteResult, RobotResult
 from harness.robot.arm import Arm
+from harness.robot.match.compared import Compared, Match
 from harness.robot.paste import JointPaste, copies
 from harness.robot.reduction import reduced
 from harness.robot.whole_arm.result import Effect, JointFriction, ModelError, WholeArm
@@ -65,12 +67,14 @@ class Arms:
     found: WholeArm
     joint: JointFriction
     inertia: float
+    matches: tuple[Match, ...]
 
 
 def diagnose_arm(
     arm: Arm,
     log: JointLog,
     joint: str,
+    compared: Compared,
     asked: RobotOptions,
     options: DiagnoseOptions,
     out: Path | None,
@@ -84,7 +88,11 @@ def diagnose_arm(
     name = f"diagnose-{Path(log.file).name.split('.')[0]}-{joint}"
     with output_folder(name, out) as output, journal(output / LOG):
         progress("torque of the whole arm", 1, 4)
-        found = whole_arm(log, arm, payload=asked.payload, sensor=asked.sensor, gain_known=asked.gain is not None)
+        left_out = {one.joint for one in compared.matches if one.wrong}
+        followed = [name for name in log.effort if name not in left_out] if left_out else None
+        found = whole_arm(
+            log, arm, joints=followed, payload=asked.payload, sensor=asked.sensor, gain_known=asked.gain is not None
+        )
         if joint not in [one.joint for one in found.joints]:
             there = ", ".join(one.joint for one in found.joints)
             raise InputError(f"{log.file}: {joint}", "no effort of it is logged", f"{there} are accepted")
@@ -94,7 +102,9 @@ def diagnose_arm(
                 f"{log.file}: {joint}", "it does not move to and fro enough", f"a joint that does: {those}"
             )
         middle = {n: float(np.mean(log.position[n])) for n in arm.joints if n in log.position}
-        arms = Arms(arm, log, asked, options, found, found.joint(joint), reduced(arm, joint, middle).moved)
+        arms = Arms(
+            arm, log, asked, options, found, found.joint(joint), reduced(arm, joint, middle).moved, compared.matches
+        )
         progress("writing trace and report", 3, 4)
         paste = _paste(arms)
         files = dict(FILES)
@@ -167,7 +177,7 @@ def _result(arms: Arms, paste: JointPaste, command: str, files: dict[str, str]) 
     document = ModelDocument.model_validate(to_document(_model(paste, arms.inertia)))
     squares = {} if before is None else {"u": before}
     return DiagnosisResult(
-        recording=_info(log, joint.joint),
+        recording=recording_info(log, joint.joint),
         verdict=verdict,  # type: ignore[arg-type]
         statement=_statement(joint, own),
         baseline=plain,
@@ -231,21 +241,6 @@ def _model(paste: JointPaste, inertia: float) -> Model:
     return Model(inertia, paste.c, 0.0, paste.f_k, restoring=Restoring.NONE)
 
 
-def _info(log: JointLog, joint: str) -> RecordingInfo:
-    span = float(log.t[-1] - log.t[0])
-    channels = [c for c, held in (("x", log.position), ("v", log.velocity), ("u", log.effort)) if joint in held]
-    return RecordingInfo(
-        file=log.file,
-        sha256=log.sha256,
-        samples=log.t.size,
-        channels=channels,
-        rate_hz=(log.t.size - 1) / span,
-        duration_s=span,
-        noise=dict.fromkeys(channels),
-        notes=list(log.notes),
-    )
-
-
 def _statement(joint: JointFriction, own: Sequence[EntryResult]) -> str:
     """Friction, and what is found beside it, the largest share first."""
     more = [one.statement for one in sorted(own, key=lambda one: -one.share)]
@@ -262,6 +257,7 @@ def _robot(arms: Arms, paste: JointPaste, every: list[EntryResult]) -> RobotResu
         reduction=None,
         confounded=[list(pair) for pair in found.confounded],
         paste=PasteResult(mjcf=paste.mjcf, urdf=paste.urdf),
+        match=match_results(arms.matches),
         arm=ArmResult(
             joints=[_joint(one) for one in found.joints],
             found=every,

@@ -49,7 +49,15 @@ STANDARD_INPUT = "-"
 @click.option("--mass", type=float, metavar="KG", help="Mass, where it is known: forces in N.")
 @click.option("--restoring", metavar="spring|pendulum|none", help="What pulls it back.  [chosen at the base fit]")
 @robot_options
-@click.option("--gain", type=float, metavar="NM_PER_A", help="Of efforts in amperes: N m per A at the joint.")
+@click.option(
+    "--gain",
+    metavar="A[,B,...]",
+    help="Of efforts in amperes or another unit: N m per A at the joint; one, one a joint, or NAME=A,..",
+)
+@click.option("--names", metavar="MAP", help="The model's names of the log's joints: \"shoulder_link=joint1,..\"")
+@click.option("--flip", metavar="NAME,..", help="Joints that turn the other way than in the model.")
+@click.option("--offset", metavar="NAME=RAD,..", help="Added to positions: where the model's zero is another.")
+@click.option("--angle-unit", metavar="UNIT", help="Of a robot's positions that say none, such as deg.  [rad]")
 @click.option("--payload", type=float, metavar="KG", help="What the arm carried, where all of it moves.")
 @click.option("--sensor", metavar="link|motor", help="Side of the gearbox on which torque is measured.  [motor]")
 @engines_option("mujoco, pybullet")
@@ -93,7 +101,11 @@ def command(
     robot: Path | None,
     joint: str | None,
     gravity: tuple[float, float, float] | None,
-    gain: float | None,
+    gain: str | None,
+    names: str | None,
+    flip: str | None,
+    offset: str | None,
+    angle_unit: str | None,
     payload: float | None,
     sensor: str | None,
     **chosen: Any,
@@ -122,7 +134,7 @@ def command(
     _check_files(recordings, (sim, chosen["model"], chosen["validate"], robot, conditions), resume or robot is not None)
     check_json(json_to)
     from harness.app.diagnose.options import DiagnoseOptions
-    from harness.app.diagnose.robot_options import RobotOptions
+    from harness.app.diagnose.robot_options import RobotOptions, names_by_name, numbers, numbers_by_joint
     from harness.app.shared.reading import ReadOptions
 
     for option, value in (("columns", sim_columns), ("skip-rows", sim_skip_rows or None), ("rate", sim_rate)):
@@ -133,7 +145,18 @@ def command(
         sim_reading=ReadOptions(sim_columns, sim_skip_rows, sim_rate, drop_nan=drop_nan),
         engines=engines or None,
         sim=sim,
-        robot=RobotOptions.chosen(robot, joint=joint, gain=gain, gravity=gravity, payload=payload, sensor=sensor),
+        robot=RobotOptions.chosen(
+            robot,
+            joint=joint,
+            gain=numbers("--gain", gain),
+            gravity=gravity,
+            payload=payload,
+            sensor=sensor,
+            names=names_by_name("--names", names),
+            flip=tuple(name.strip() for name in flip.split(",")) if flip else (),
+            offset=numbers_by_joint("--offset", offset),
+            angle_unit=angle_unit,
+        ),
         **chosen,
     )
     several = (len(recordings) > 1 or resume) and not together

@@ -36,8 +36,11 @@ class Finished:
 
 def finished(raw: Raw, file: str, options: LogOptions, gain: Gain | None) -> Finished:
     """Choose, check and clean. Raises InputError naming the joint, row or option that is wrong."""
-    raw = _chosen(raw, file, options.joints)
-    raw = _multiplied(_logged(raw), file, gain)
+    # joints without names of their own have the model's, by which --names calls them
+    raw = raw if raw.numbered else _renamed(raw, options.names)
+    numbered, raw = raw.numbered, _chosen(raw, file, options.joints)
+    raw = _renamed(raw, options.names) if numbered else raw
+    raw = _turned(_multiplied(_logged(raw), file, gain), options)
     raw = _in_order(_rows(raw, file, options.drop_nan), file)
     raw = _cut(raw, file, options)
     fields, notes = {kind: dict(of) for kind, of in raw.fields.items()}, list(raw.notes)
@@ -57,6 +60,41 @@ def finished(raw: Raw, file: str, options: LogOptions, gain: Gain | None) -> Fin
     kinds: tuple[Field, ...] = ("current", "magnitude")
     beside = {kind: fields[kind] for kind in kinds if fields.get(kind)}
     return Finished(raw.t, position, velocity, effort, beside, tuple(notes))
+
+
+def _renamed(raw: Raw, names: Mapping[str, str]) -> Raw:
+    """Joints, or one field of them, by other names. Raises InputError for a name that the log has not."""
+    if not names:
+        return raw
+    have = list(raw.fields.get("position", {}))
+    fields: Fields = {}
+    for name in names:
+        if name not in have and name.rpartition(".")[0] not in have:
+            raise one_of("--names", name, have, "joint")
+    for kind, of in raw.fields.items():
+        moved = {joint: names.get(f"{joint}.{kind}", names.get(joint, joint)) for joint in of}
+        fields[kind] = {moved[joint].removesuffix(f".{kind}"): values for joint, values in of.items()}
+    said = ", ".join(f"{one} is {other}" for one, other in names.items())
+    return replace(raw, fields=fields, notes=(*raw.notes, f"Of the log's joints {said} (--names)."))
+
+
+def _turned(raw: Raw, options: LogOptions) -> Raw:
+    """Joints that turn the other way, and other zeros of their positions."""
+    have, fields, notes = list(raw.fields.get("position", {})), dict(raw.fields), list(raw.notes)
+    for option, joints in (("--flip", options.flip), ("--offset", tuple(options.offset))):
+        for joint in joints:
+            if joint not in have:
+                raise one_of(option, joint, have, "joint")
+    if options.flip:
+        for kind, of in fields.items():
+            fields[kind] = {joint: -values if joint in options.flip else values for joint, values in of.items()}
+        notes.append(f"Position, velocity and effort of {', '.join(options.flip)} have the other sign (--flip).")
+    if options.offset:
+        position = fields["position"]
+        fields["position"] = {joint: values + options.offset.get(joint, 0.0) for joint, values in position.items()}
+        said = ", ".join(f"{value:.4g} to {joint}" for joint, value in options.offset.items())
+        notes.append(f"Added to positions: {said} (--offset).")
+    return replace(raw, fields=fields, notes=tuple(notes))
 
 
 def _chosen(raw: Raw, file: str, joints: tuple[str, ...] | None) -> Raw:
@@ -129,12 +167,15 @@ def _multiplied(raw: Raw, file: str, gain: Gain | None) -> Raw:
         if joint not in source:
             raise one_of("--gain", joint, list(source), "joint")
     fields = dict(raw.fields)
-    fields["effort"] = {joint: gains[joint] * y for joint, y in source.items() if joint in gains}
+    kept = {} if current else source
+    fields["effort"] = {**kept, **{joint: gains[joint] * y for joint, y in source.items() if joint in gains}}
     values = sorted({float(value) for value in gains.values()})
     shown = f"{values[0]:g}" if len(values) == 1 else f"{values[0]:g} to {values[-1]:g}"
     what = "Current" if current else "What is logged as effort is taken as current, in A, and"
-    said = f"{what} times {shown} N m per A is the effort (--gain)."
-    return replace(raw, fields=fields, notes=(*raw.notes, said))
+    notes = [f"{what} times {shown} N m per A is the effort (--gain)."]
+    if not isinstance(gain, Mapping) and len(source) > 1 and abs(gain) != 1.0:
+        notes.append(f"One --gain for {len(source)} joints: where motors or gears differ, give one each, A,B,...")
+    return replace(raw, fields=fields, notes=(*raw.notes, *notes))
 
 
 def _rows(raw: Raw, file: str, drop_nan: bool) -> Raw:

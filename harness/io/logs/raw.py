@@ -19,6 +19,8 @@ class LogOptions:
 
     columns : the text of --columns. joints : names in the model's order. topic : of a bag, or the episode of a data
     set. angle_unit : of positions that say none. skip_rows, rate (Hz), start, stop (s), drop_nan : as of a recording.
+    names : of the log's joints the model's, "joint" or "joint.field" by either. flip : joints that turn the other way.
+    offset : what is added to a position, rad or m, by joint.
     """
 
     columns: str | None = None
@@ -30,6 +32,9 @@ class LogOptions:
     start: float | None = None
     stop: float | None = None
     drop_nan: bool = False
+    names: Mapping[str, str] = field(default_factory=dict)
+    flip: tuple[str, ...] = ()
+    offset: Mapping[str, float] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, slots=True)

@@ -4,6 +4,7 @@ import hashlib
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
+from types import MappingProxyType
 
 from harness.core.apart import read_apart
 from harness.core.arrays import FloatArray
@@ -65,20 +66,26 @@ def read_joint_log(
     start: float | None = None,
     stop: float | None = None,
     drop_nan: bool = False,
+    names: Mapping[str, str] = MappingProxyType({}),
+    flip: Sequence[str] = (),
+    offset: Mapping[str, float] = MappingProxyType({}),
 ) -> JointLog:
     """Read a log of a robot's joints, in SI units: a table, a LeRobot data set, a ROS bag.
 
     columns : "t=t,elbow.position=q3[deg],elbow.effort=7.1*cur3[N*m]" for names that say nothing. joints : those of the
     model, in its order: they are chosen by name, and are the names where a log has none. topic : of a bag, or the
     episode of a data set. gain : N m per A at the joint, one or by joint. angle_unit : of positions that say none.
-    skip_rows, rate (Hz), start, stop (s), drop_nan : as of a recording. Repeated rows are dropped, an effort without a
+    skip_rows, rate (Hz), start, stop (s), drop_nan : as of a recording. names : of the log's joints, or of one field
+    ("elbow.effort"), the model's. flip : joints that turn the other way. offset : rad or m by joint, which is added to
+    its position. Repeated rows are dropped, an effort without a
     sign is left out; what was read and done is in the notes.
 
     Raises InputError naming the file, row, column, joint or option that is wrong.
     """
     options = LogOptions(
-        columns, None if joints is None else tuple(joints), topic, angle_unit, skip_rows, rate, start, stop, drop_nan
-    )
+        columns, None if joints is None else tuple(joints), topic, angle_unit, skip_rows, rate, start, stop, drop_nan,
+        dict(names), tuple(flip), dict(offset),
+    )  # fmt: skip
     try:
         source = checked_source(path, options, gain)
         raw = raw_of_source(source, options)

@@ -41,7 +41,54 @@ def robot_sections(result: Mapping[str, Any], shown: Shown) -> list[Section]:
         sections.append(InEngines(robot["joint"], robot["simulated"], shown.motions, moved_in(unit)))
     if pairs:
         sections.append(Verdict("", pairs, heading="What this log cannot tell apart"))
+    if robot.get("match"):
+        sections.append(Matches(robot["match"]))
     return [*sections, ToPaste(robot["paste"], result["model_left_out"])]
+
+
+def match_sections(result: Mapping[str, Any]) -> list[Section]:
+    """Of a log that does not go together with its model."""
+    return [
+        Verdict(result["statement"], result["warnings"]),
+        Matches(result["robot"]["match"]),
+        MadeWith(result["machine"], result["files"], result["command"]),
+    ]
+
+
+@dataclass(frozen=True)
+class Matches(Section):
+    """match : as in the result."""
+
+    template: ClassVar[str] = "table.html.j2"
+    match: list[Mapping[str, Any]]
+
+    @property
+    def title(self) -> str:
+        """The heading."""
+        return "The log against its model"
+
+    def context(self) -> Mapping[str, Any]:
+        """What the template shows."""
+        columns = [
+            Column("by", "", "what loads the joint"),
+            Column("correlation", "", "of logged and modelled torque"),
+            Column("slope", "", "logged over modelled torque"),
+            Column("offset"),
+            Column("what looks wrong"),
+        ]
+        rows = [
+            Row(
+                one["joint"],
+                [
+                    Cell(one["by"] or "-"),
+                    *(Cell("-" if one[name] is None else number(one[name], 3)) for name in ("correlation", "slope")),
+                    Cell(number(one["offset"], 3)),
+                    Cell(one["suspicion"] or "-", (one["option"],) if one["option"] else ()),
+                ],
+            )
+            for one in self.match
+        ]
+        return {"tables": [Table("joint", columns, rows)] if rows else []}
 
 
 @dataclass(frozen=True)

@@ -1,0 +1,195 @@
+"""What may be wrong with positions and names in a log, each tried against the model: zeros, axes, swapped columns."""
+
+import itertools
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from scipy.optimize import minimize_scalar
+
+from harness.core.arrays import FloatArray
+from harness.robot.arm import Arm
+from harness.robot.match.sampled import Sampled, unexplained
+from harness.robot.whole_arm.perturb import with_load
+
+_LOOKED_AT = 250
+"""Samples that many changes are tried at."""
+_STEPS = 12
+"""Zero offsets that are tried over a turn; the nearest is at most 15 degrees off, which leaves 7 % of a torque."""
+_FLOOR = 0.01
+"""Share of a joint's torque below which nothing is gained by explaining more: its ripple and noise."""
+_ROUNDS = 4
+"""Changes of one log, at most."""
+WORTH = math.log(4.0)
+"""What a change must take off the summed logarithms of what is unexplained: three quarters of one joint's squares."""
+MENDED = 0.05
+"""Share of every joint's torque that may be unexplained after the changes, for the log to be called mended."""
+_KG, _BESIDE, _LIGHTEST = 0.1, 0.05, 0.02
+"""kg and m by which a load is moved to see what it does; kg, from which a load is one."""
+_ROUND = math.radians(15.0)
+"""Zeros are off by whole multiples of this, where the torque does not say otherwise by more than _NEAR."""
+_NEAR = math.radians(1.0)
+
+
+@dataclass(frozen=True, slots=True)
+class Change:
+    """option, value : of the command, that makes it. said : what it is. joints : those it is of."""
+
+    option: str
+    value: str
+    said: str
+    joints: tuple[str, ...]
+
+
+def mended(sampled: Sampled, arm: Arm, shares: FloatArray) -> tuple[Sampled, tuple[Change, ...]]:
+    """The log with the changes by which the model explains it, and these; as it is where none do.
+
+    shares (k,) : unexplained of each joint's torque as it is.
+    """
+    found: list[Change] = []
+    other, now = sampled, _score(shares)
+    while len(found) < _ROUNDS:
+        thin = _thin(other)
+        tried = [(_score(unexplained(one, arm)), change) for change, one in _changes(thin, arm)]
+        if not tried:
+            break
+        change = min(tried, key=lambda one: one[0])[1]
+        change, changed = _refined(change, other, thin, arm)
+        after = _score(unexplained(changed, arm))
+        if now - after < WORTH:
+            break
+        other, now = changed, after
+        found.append(change)
+    zeros = [change for change in found if change.option == "--offset"]
+    if len(zeros) > 1:
+        # each was found beside the error of those found after it
+        for change in (*zeros, *zeros):
+            name, i = change.joints[0], [one.joints for one in found].index(change.joints)
+            more, other = _refined(_zero(name, 0.0), other, _thin(other), arm)
+            found[i] = _zero(name, _offset(found[i]) + _offset(more))
+    if not found or float(np.max(unexplained(other, arm))) > MENDED:
+        return sampled, ()
+    return other, tuple(found)
+
+
+def with_load_of(sampled: Sampled, arm: Arm) -> Arm | None:
+    """The arm with the load at its end that explains most of the torques; None where that would weigh nothing."""
+    thin = _thin(sampled)
+
+    def rigid(other: Arm) -> FloatArray:
+        return sum(thin.rigid(other), np.zeros_like(thin.torque))
+
+    before, middle = rigid(arm), rigid(with_load(arm, _KG)) / _KG
+    moments = [(rigid(with_load(arm, _KG, _BESIDE * axis)) / _KG - middle) / _BESIDE for axis in np.eye(3)]
+    columns = np.stack((middle - before / _KG, *moments), axis=2)
+    rows, torques = [], []
+    for j in range(len(thin.joints)):
+        kept = thin.moves(j)
+        friction = thin.friction(j)[kept]
+        both = np.column_stack((thin.torque[kept, j] - before[kept, j], columns[kept, j]))
+        left = both - friction @ np.linalg.lstsq(friction, both, rcond=1e-10)[0]
+        weight = 1.0 / max(float(np.std(thin.torque[kept, j])), 1e-12)
+        torques.append(weight * left[:, 0])
+        rows.append(weight * left[:, 1:])
+    found = np.linalg.lstsq(np.concatenate(rows), np.concatenate(torques), rcond=1e-8)[0]
+    kg = float(found[0])
+    return with_load(arm, kg, np.asarray(found[1:]) / kg) if kg > _LIGHTEST else None
+
+
+def _thin(sampled: Sampled) -> Sampled:
+    return sampled.every(max(1, sampled.q.shape[0] // _LOOKED_AT))
+
+
+def _offset(change: Change) -> float:
+    return float(change.value.rpartition("=")[2])
+
+
+def _score(shares: FloatArray) -> float:
+    """Summed logarithm of what is unexplained."""
+    return float(np.sum(np.log(shares + _FLOOR)))
+
+
+def _changes(sampled: Sampled, arm: Arm) -> Iterator[tuple[Change, Sampled]]:
+    """Everything that is tried."""
+    hinges = [i for i, name in enumerate(arm.joints) if not arm.slides(name)]
+    moved = [i for i in range(len(arm.joints)) if float(np.ptp(sampled.q[:, i])) > 0.0]
+    for i in moved:
+        yield _flip(arm.joints[i]), _flipped(sampled, i)
+    for i in (i for i in moved if i in hinges):
+        for step in range(1, _STEPS):
+            offset = math.remainder(2.0 * math.pi * step / _STEPS, 2.0 * math.pi)
+            yield _zero(arm.joints[i], offset), _shifted(sampled, i, offset)
+    if hinges and moved:
+        scale = np.ones(sampled.q.shape[1])
+        scale[hinges] = math.pi / 180.0
+        in_radians = replace(sampled, q=sampled.q * scale, v=sampled.v * scale, a=sampled.a * scale)
+        yield Change("--angle-unit", "deg", "positions in degrees", tuple(arm.joints)), in_radians
+    for i, k in itertools.combinations(moved, 2):
+        for fields in (("position", "effort"), ("effort",), ("position",)):
+            other = _swapped(sampled, (i, k), fields)
+            if other is not None:
+                yield _names((arm.joints[i], arm.joints[k]), fields), other
+
+
+def _flip(joint: str) -> Change:
+    return Change("--flip", joint, f"{joint} turns the other way than in the model", (joint,))
+
+
+def _flipped(sampled: Sampled, i: int) -> Sampled:
+    sign = np.ones(sampled.q.shape[1])
+    sign[i] = -1.0
+    own = np.array([-1.0 if dof == i else 1.0 for dof in sampled.dof])
+    return replace(sampled, q=sampled.q * sign, v=sampled.v * sign, a=sampled.a * sign, torque=sampled.torque * own)
+
+
+def _zero(joint: str, offset: float) -> Change:
+    said = f"{joint} is counted from a zero {abs(math.degrees(offset)):.3g} degrees from the model's"
+    return Change("--offset", f"{joint}={offset:.6g}", said, (joint,))
+
+
+def _shifted(sampled: Sampled, i: int, offset: float) -> Sampled:
+    q = np.array(sampled.q)
+    q[:, i] += offset
+    return replace(sampled, q=q)
+
+
+def _names(pair: tuple[str, str], fields: Sequence[str]) -> Change:
+    one, other = pair
+    if len(fields) == 2:
+        return Change("--names", f"{one}={other},{other}={one}", f"{one} and {other} have each other's names", pair)
+    (field,) = fields
+    value = f"{one}.{field}={other}.{field},{other}.{field}={one}.{field}"
+    return Change("--names", value, f"the {field}s of {one} and {other} are swapped", pair)
+
+
+def _swapped(sampled: Sampled, pair: tuple[int, int], fields: Sequence[str]) -> Sampled | None:
+    """None where an effort to swap was not logged."""
+    order = np.arange(sampled.q.shape[1])
+    order[list(pair)] = order[list(pair)[::-1]]
+    found = sampled
+    if "position" in fields:
+        found = replace(found, q=found.q[:, order], v=found.v[:, order], a=found.a[:, order])
+    if "effort" in fields:
+        if not all(i in sampled.dof for i in pair):
+            return None
+        columns = [sampled.dof.index(int(order[dof])) for dof in sampled.dof]
+        found = replace(found, torque=found.torque[:, columns])
+    return found
+
+
+def _refined(change: Change, sampled: Sampled, thin: Sampled, arm: Arm) -> tuple[Change, Sampled]:
+    """A change with its zero offset as the torque says it, and the log with it."""
+    if change.option != "--offset":
+        return change, next(other for one, other in _changes(sampled, arm) if one == change)
+    i, first = arm.joints.index(change.joints[0]), _offset(change)
+    width = 2.0 * math.pi / _STEPS
+    found = minimize_scalar(
+        lambda offset: float(np.sum(unexplained(_shifted(thin, i, float(offset)), arm))),
+        bounds=(first - width, first + width),
+        method="bounded",
+        options={"xatol": 1e-3},
+    )
+    whole = _ROUND * round(float(found.x) / _ROUND)
+    offset = whole if abs(whole - float(found.x)) < _NEAR else float(found.x)
+    return _zero(arm.joints[i], offset), _shifted(sampled, i, offset)

@@ -1,0 +1,161 @@
+"""Motion and torque of a log at few samples, and how much of each joint's torque the rigid model explains."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from harness.core.arrays import BoolArray, FloatArray, IntArray
+from harness.core.robot.joint_log import JointLog
+from harness.robot.arm import Arm
+from harness.robot.match.rules import CORRELATED
+from harness.robot.matching import moves
+from harness.robot.smooth import Even
+
+_SAMPLES = 2500
+_MOVING = 0.05
+"""Of a joint's largest speed: the direction of slower samples is not sure, and they do not count."""
+FEWEST = 40
+"""Samples in motion, of which a regression of five numbers says something."""
+_ROUNDING = 1e-9
+
+
+@dataclass(frozen=True, slots=True)
+class Sampled:
+    """joints (k,) : that move and were logged with effort. dof (k,) : their places in the arm. q, v, a (m, nv) :
+    low-passed, rad or m, per s, per s^2. torque (m, k) : low-passed alike, N m or N."""
+
+    joints: tuple[str, ...]
+    dof: tuple[int, ...]
+    q: FloatArray
+    v: FloatArray
+    a: FloatArray
+    torque: FloatArray
+
+    @classmethod
+    def of(cls, arm: Arm, log: JointLog) -> "Sampled":
+        """At some 2500 times; joints that are not logged stand at the model's reference."""
+        even = Even.of(log.t)
+        inside = even.settled
+        thin = slice(inside.start, inside.stop, max(1, (inside.stop - inside.start) // _SAMPLES))
+        q = np.tile(np.asarray(arm.model.qpos0, dtype=np.float64), (even.t[thin].size, 1))
+        v, a = np.zeros_like(q), np.zeros_like(q)
+        for i, name in enumerate(arm.joints):
+            if name in log.position:
+                low = even.low(log.t, log.position[name])
+                speed = even.slope(low)
+                q[:, i], v[:, i], a[:, i] = low[thin], speed[thin], even.slope(speed)[thin]
+        going = [name for name in arm.joints if name in log.position and moves(log.position[name])]
+        joints = tuple(name for name in going if name in log.effort)
+        torque = [even.low(log.t, log.effort[name])[thin] for name in joints]
+        dof = tuple(arm.joints.index(name) for name in joints)
+        return cls(joints, dof, q, v, a, np.column_stack(torque) if torque else np.empty((q.shape[0], 0)))
+
+    def every(self, step: int) -> "Sampled":
+        """Every so manieth sample."""
+        return replace(self, **{name: getattr(self, name)[::step] for name in ("q", "v", "a", "torque")})
+
+    def rigid(self, arm: Arm) -> tuple[FloatArray, FloatArray]:
+        """Torque (m, k) of gravity and springs, and of inertia, that the model needs."""
+        still = np.zeros_like(self.q)
+        held = arm.inverse(self.q, still, still)
+        return held[:, self.dof], (arm.inverse(self.q, self.v, self.a) - held)[:, self.dof]
+
+    def moves(self, joint: int) -> BoolArray:
+        """Samples (m,) at which a joint's direction is sure."""
+        speed = np.abs(self.v[:, self.dof[joint]])
+        return speed > _MOVING * float(np.max(speed, initial=0.0))
+
+    def friction(self, joint: int) -> FloatArray:
+        """Columns (m, 3): direction, speed, and one."""
+        v = self.v[:, self.dof[joint]]
+        return np.column_stack((np.sign(v), v, np.ones_like(v)))
+
+
+@dataclass(frozen=True, slots=True)
+class Slope:
+    """Logged over modelled torque, what else the joint's torque holds fitted beside it.
+
+    value, error : of the ratio, its error from tenths of the log. correlation : of both, the rest taken off. size : rms
+    of the modelled torque, the rest taken off, N m or N. left : rms of what nothing explains.
+    """
+
+    value: float
+    error: float
+    correlation: float
+    size: float
+    left: float
+
+    @property
+    def seen(self) -> bool:
+        """Whether the log tells it from none."""
+        return self.error > 0.0 and abs(self.value) > SURE * self.error
+
+    @property
+    def follows(self) -> bool:
+        """Whether the log's torque goes with the model's, or against it."""
+        return self.seen and abs(self.correlation) > CORRELATED.value
+
+
+SURE = 4.0
+"""Standard errors: one in sixteen thousand by chance."""
+_TENTHS = 10
+
+
+def slope(torque: FloatArray, modelled: FloatArray, beside: FloatArray) -> Slope | None:
+    """The slope of torque (n,) on modelled (n,) beside columns (n, c); None where those hold all of the latter."""
+    if torque.size < FEWEST:
+        return None
+    scale = np.sqrt(np.mean(beside**2, axis=0))
+    beside = beside[:, scale > 0.0] / scale[scale > 0.0]
+    both = np.column_stack((torque, modelled))
+    u, m = (both - beside @ np.linalg.lstsq(beside, both, rcond=1e-10)[0]).T
+    size = float(np.sqrt(np.mean(m**2)))
+    if size <= 1e-3 * float(np.sqrt(np.mean(modelled**2))) or size < _ROUNDING:
+        return None
+    value = float(m @ u / (m @ m))
+    parts = np.array_split(np.arange(u.size), _TENTHS)
+    ups, downs = (np.array([float(np.sum(one[p])) for p in parts]) for one in (m * u, m * m))
+    without = (ups.sum() - ups) / np.maximum(downs.sum() - downs, 1e-300)
+    error = float(np.sqrt((_TENTHS - 1) / _TENTHS * np.sum((without - without.mean()) ** 2)))
+    spread = float(np.sqrt((m @ m) * (u @ u)))
+    left = float(np.sqrt(np.mean((u - value * m) ** 2)))
+    return Slope(value, error, float(m @ u) / spread if spread > 0.0 else 0.0, size, left)
+
+
+def loss(torque: FloatArray, rigid: FloatArray, friction: FloatArray) -> tuple[float, float]:
+    """Mean power that friction takes, W, and its error from tenths of the log; friction (n, 3) as of ``Sampled``."""
+    columns = np.column_stack((rigid, friction))
+
+    def lost(rows: IntArray) -> float:
+        found = np.linalg.lstsq(columns[rows], torque[rows], rcond=1e-10)[0]
+        return float(np.mean((columns[:, -3:-1] @ found[-3:-1]) * friction[:, 1]))
+
+    rows: IntArray = np.arange(torque.size)
+    parts = np.array_split(rows, _TENTHS)
+    without = np.array([lost(np.setdiff1d(rows, part)) for part in parts])
+    error = float(np.sqrt((_TENTHS - 1) / _TENTHS * np.sum((without - without.mean()) ** 2)))
+    return lost(rows), error
+
+
+def unexplained(sampled: Sampled, arm: Arm) -> FloatArray:
+    """Share (k,) of each joint's squared torque that neither friction nor the rigid model times a factor explains.
+
+    A factor that turns the model's torque counts only where friction is turned with it: then the torque's sign is.
+    """
+    held, moved = sampled.rigid(arm)
+    rigid, shares = held + moved, []
+    for j in range(len(sampled.joints)):
+        kept = sampled.moves(j)
+        u, friction = sampled.torque[kept, j], sampled.friction(j)[kept]
+        if u.size < FEWEST:
+            shares.append(0.0)
+            continue
+        columns = np.column_stack((friction, rigid[kept, j]))
+        found = np.linalg.lstsq(columns, u, rcond=1e-10)[0]
+        power = float(np.mean((columns[:, :2] @ found[:2]) * friction[:, 1]))
+        if found[-1] * power < 0.0:
+            columns = friction
+            found = np.linalg.lstsq(columns, u, rcond=1e-10)[0]
+        total = float(np.sum((u - np.mean(u)) ** 2))
+        shares.append(float(np.sum((u - columns @ found) ** 2)) / total if total > 0.0 else 0.0)
+    return np.array(shares)
