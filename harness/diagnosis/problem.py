@@ -198,7 +198,7 @@ class Problem(ABC):
         if self.drive is None or clock == 0.0:
             return self
         at, force = self.drive.within(float(t[0]) + clock, float(t[-1]) + clock)
-        return replace(self, drive=Drive(at - clock, force))
+        return replace(self, drive=replace(self.drive, t=at - clock, u=force))
 
     def weighted(self, keep: Mapping[str, BoolArray] | BoolArray) -> Self:
         """The same with only these samples counting."""

@@ -39,7 +39,8 @@ class EngineSimulator:
         source.settings["terms"] says how each term was realised.
         """
         step = dt if dt is not None else float(self.engine.presets("joint", self.preset)["dt"])
-        force = None if drive is None else Drive(drive.t, drive.u)
+        lines = None if drive is None else drive.straight
+        force = None if lines is None else Drive(lines.t, lines.u)
         native = self._native(model)
         task = task_of(model, duration, step, preset=self.preset, settings=self.settings, drive=force, native=native)
         motion = self.engine.simulate(task)

@@ -1,7 +1,7 @@
 """What a simulation is given besides the model: a drive, scales of the motion, and how hard to try."""
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -19,12 +19,13 @@ TOLERANCE = 1e-9
 class Drive:
     """A measured force: knots t (k,) in s and values u (k,) in N (per unit mass when the mass is unknown).
 
-    Linear between the knots and constant outside them. Raises InputError for times that do not increase, lengths that
-    differ, or a value that is not finite.
+    Linear between the knots, or held from each to the next as a sampled controller's; constant outside them. Raises
+    InputError for times that do not increase, lengths that differ, or a value that is not finite.
     """
 
     t: FloatArray
     u: FloatArray
+    held: bool = False
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "t", vector("drive: t", self.t))
@@ -38,6 +39,32 @@ class Drive:
         first = max(int(np.searchsorted(self.t, begin, side="right")) - 1, 0)
         last = int(np.searchsorted(self.t, end, side="left")) + 1
         return self.t[first:last], self.u[first:last]
+
+    def over(self, begin: float, end: float) -> "Drive":
+        """The same force, in time since ``begin`` (s), up to ``end``."""
+        at, force = self.within(begin, end)
+        return replace(self, t=at - begin, u=force)
+
+    @property
+    def straight(self) -> "Drive":
+        """In straight lines that pass on as much momentum: of a force that is held, half an interval later."""
+        if not self.held:
+            return self
+        return Drive(np.append(0.5 * (self.t[1:] + self.t[:-1]), self.t[-1]), self.u)
+
+    def at(self, t: FloatArray) -> FloatArray:
+        """The force (n,), N, at times t (n,), s; of a step what holds after it."""
+        if not self.held:
+            return np.interp(t, self.t, self.u)
+        return np.asarray(self.u[np.maximum(np.searchsorted(self.t, t, side="right") - 1, 0)], dtype=np.float64)
+
+    def felt(self, t: FloatArray) -> FloatArray:
+        """The force (n,), N, at times t (n,), s, as a motion's differences show it: of a step the mean of its sides."""
+        if not self.held:
+            return np.interp(t, self.t, self.u)
+        sides = (np.searchsorted(self.t, t, side=side) - 1 for side in ("left", "right"))
+        before, after = (self.u[np.maximum(i, 0)] for i in sides)
+        return np.asarray(0.5 * (before + after), dtype=np.float64)
 
 
 @dataclass(frozen=True, slots=True)

@@ -87,6 +87,7 @@ def _integrate(
     w: Work,
     u_t: FloatArray,
     u_y: FloatArray,
+    held: bool,
     t_out: FloatArray,
     h_stick: float,
     at_once: int,
@@ -104,9 +105,10 @@ def _integrate(
 ) -> tuple[int, int, int, float]:
     """Integrate from t0 and write samples at t_out (those before t0 show the start); at an event, what holds after it.
 
-    w: model, state and sensitivities at t0. u_t, u_y (k,): knots of a piecewise linear drive in N, constant outside,
-    empty for none. h_stick: longest step while it sticks, s. at_once, pace: at no time more steps than at_once + pace
-    (1/s) times what is simulated, so that a place that cannot be passed costs little, and never more than most.
+    w: model, state and sensitivities at t0. u_t, u_y (k,): knots of a drive in N, linear between them or held from each
+    to the next, constant outside, empty for none. h_stick: longest step while it sticks, s. at_once, pace: at no time
+    more steps than at_once + pace (1/s) times what is simulated, so that a place that cannot be passed costs little,
+    and never more than most.
     x, v, a (N,), mode_out (N,), dx, dv, da (N, q), events (m, 5): filled.
     Returns status, number of events, number of steps, last time reached.
     """
@@ -138,10 +140,25 @@ def _integrate(
         stop = t_end
         u0, u_rate = 0.0, 0.0
         if knots > 0:
+            before = knot
             while knot + 1 < knots and u_t[knot + 1] <= t:
                 knot += 1
             u0 = u_y[max(knot, 0)]
-            if 0 <= knot < knots - 1:
+            if held and knot != before and before >= 0:
+                # a step of the force: the slopes are others, and at rest it may move, or move the other way
+                fresh = True
+                if z[1] == 0.0:
+                    rested = mode == 0
+                    mode = mode_at_rest(t, u0, w)
+                    if rested and mode != 0:
+                        rhs(SPARE, t, z, mode, u0, w)
+                        if n_events >= events.shape[0]:
+                            return TOO_MANY_EVENTS, n_events, n_steps, t
+                        events[n_events, 0], events[n_events, 1], events[n_events, 2] = t, BREAK_AWAY, z[0]
+                        events[n_events, 3], events[n_events, 4] = 0.0, ks[SPARE, 1]
+                        n_events += 1
+                        h = 0.1 * h_max
+            if not held and 0 <= knot < knots - 1:
                 u_rate = (u_y[knot + 1] - u0) / (u_t[knot + 1] - u_t[knot])
                 u0 += u_rate * (t - u_t[knot])
             if knot + 1 < knots and u_t[knot + 1] < stop:

@@ -158,10 +158,11 @@ def solve(
     cycles = max(end - model.t0, 0.0) * scales.omega / math.pi + 1.0
     events = np.zeros((min(64 + int(4 * cycles), _EVENTS_AT_FIRST), EVENT_COLUMNS))
     u_t, u_y = (_NO_DRIVE, _NO_DRIVE) if drive is None else drive.within(model.t0, max(end, model.t0))
+    steps_up = drive is not None and drive.held
     h_max = 2.0 * math.pi / scales.omega / shortest_cycle
     h_stick = min(h_max, 2.0 * math.pi / _LOOKS / max(layout.fastest, scales.omega))
     at_once, pace = _AT_ONCE * effort.steps_per_cycle + 20 * u_t.size, effort.steps_per_cycle * scales.omega / math.pi
-    fixed = (_read_only(u_t), _read_only(u_y), times, h_stick, at_once, pace, _MOST_STEPS, want_a)
+    fixed = (_read_only(u_t), _read_only(u_y), steps_up, times, h_stick, at_once, pace, _MOST_STEPS, want_a)
     while True:
         record = workspace(layout.spec, layout.theta, len(layout.names), columns, error, layout.start, start)
         record.h_max, record.sensitivity_error = h_max, _SENSITIVITY * effort.tolerance
@@ -182,6 +183,6 @@ def solve(
 def simulate(model: Model, t: FloatArray, drive: Drive | None = None, tolerance: float = 1e-11) -> Trajectory:
     """A model's motion as a Trajectory of the reference, at the times t (s)."""
     s = solve(model, t, drive=drive, effort=Effort(tolerance))
-    u = np.interp(t, drive.t, drive.u) if drive is not None else None
+    u = drive.at(t) if drive is not None else None
     source = Source("reference", "exact", settings={"tolerance": tolerance})
     return Trajectory(t, s.x, s.v, s.a, source, u=u, mode=s.mode, events=s.events)

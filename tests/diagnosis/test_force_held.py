@@ -1,5 +1,7 @@
 """How a measured force acts between its samples is told beside the law that is left out, not by the base alone."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -27,6 +29,37 @@ def _pushed(is_held: bool) -> Recording:
     return Recording(t=t, channels={"x": x, "u": u})
 
 
+def test_a_held_force_moves_a_slider_as_constant_forces_do_one_after_another() -> None:
+    m, f_k, h = 2.0, 0.7, 0.01
+    # rests until a step exceeds its friction, slides, stops under a step that is smaller, and goes back
+    u: FloatArray = np.repeat([0.6, 3.0, 0.5, -0.6, -2.0, -2.5], 25)
+    t: FloatArray = np.arange(u.size + 1.0) * h
+    x, v, seen = 0.0, 0.0, [0.0]
+    for force in u:
+        left = h
+        while left > 0.0:
+            if v == 0.0 and abs(force) <= f_k:
+                break
+            a = (force - f_k * np.sign(v or force)) / m
+            stops = -v / a if v * a < 0.0 else np.inf
+            step = min(left, stops)
+            x, v = x + v * step + 0.5 * a * step**2, 0.0 if stops <= left else v + a * step
+            left -= step
+        seen.append(x)
+    model = Model(m=m, c=0.0, k=0.0, f_k=f_k, restoring=Restoring.NONE)
+    drive = Drive(t[:-1], u, held=True)
+    found = solve(model, t, ("f_k", "m"), drive)
+    assert found.x == pytest.approx(np.array(seen), abs=1e-12)
+    assert np.max(np.abs(found.x - solve(model, t, drive=drive.straight).x)) > 1e-4
+    d = 1e-6
+    for q, (less, more, size) in enumerate((
+        (replace(model, f_k=f_k * (1.0 - d)), replace(model, f_k=f_k * (1.0 + d)), f_k),
+        (replace(model, m=m * (1.0 - d)), replace(model, m=m * (1.0 + d)), m),
+    )):  # fmt: skip
+        change = solve(more, t, drive=drive).x - solve(less, t, drive=drive).x
+        assert found.dx[:, q] == pytest.approx(change / (2.0 * d * size), abs=1e-6)
+
+
 @pytest.mark.parametrize("is_held", [False, True])
 def test_a_force_that_is_left_out_does_not_decide_how_the_drive_acts(is_held: bool) -> None:
     problem = stages.prepare(_pushed(is_held), restoring="none").problem
@@ -47,7 +80,7 @@ def test_the_other_ways_and_back_are_the_same() -> None:
     assert isinstance(problem, Driven)
     stepped, *_ = problem.other_ways
     assert stepped.is_held
-    assert stepped.drive.t[0] - problem.drive.t[0] == pytest.approx(4e-3)
+    assert stepped.drive.straight.t[0] - problem.drive.t[0] == pytest.approx(4e-3)
     assert [way.drive for way in stepped.other_ways if way.drive is problem.drive]
     assert {id(way.drive) for way in problem.other_ways} == {id(way) for way in problem.otherwise}
 

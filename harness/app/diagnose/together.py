@@ -138,7 +138,7 @@ def _laid(recordings: Sequence[Recording], problem: Together | ForcesTogether, o
         fitted[at] = problem.t[at] - one.clock >= one.model.t0
     channels = {c: y[fitted] for c, y in problem.channels.items()}
     if problem.drive is not None:
-        channels["u"] = np.interp(problem.t[fitted], problem.drive.t, problem.drive.u)
+        channels["u"] = problem.drive.at(problem.t[fitted])
     return replace(
         recordings[0],
         t=problem.t[fitted],

@@ -142,7 +142,7 @@ def _prepared(trace: Recording, problem: Problem, on: Alignment) -> Problem:
     if problem.drive is not None and not is_driven(trace):
         # a simulation that was driven by the recorded force need not repeat it
         at = on.clock.onto(trace.t)
-        channels["u"] = np.interp(at, problem.drive.t, problem.drive.u)
+        channels["u"] = problem.drive.at(at)
     if problem.drive is None:
         channels.pop("u", None)
     step = max(1, len(trace) // _MOST_SAMPLES)

@@ -64,7 +64,7 @@ def traced(problem: Driven, found: Fit, scales: Scales) -> Driven:
     moved = isinstance(problem.starts, Windows)
     shown = observe(found.model, problem, (), scales) if moved else found.shown
     start = known.start[np.searchsorted(known.t, problem.t)]
-    force = force_noise(found.model, shown, problem.t, known.noise, problem.noise, start)
+    force = force_noise(found.model, shown, problem.t, known.noise, problem.noise, start, held=problem.drive.held)
     return replace(problem, force_noise=force if force is None else replace(force, beyond=known.beyond))
 
 

@@ -1,8 +1,8 @@
 """What the noise of a measured force does to a slider, to first order along the motion of a model.
 
-Between samples that noise is a straight line as the force is. Where the slider sticks it moves nothing, and a reversal
-passes on that share of a disturbed speed which the acceleration keeps (the saltation of a Filippov system: Leine and
-Nijmeijer 2004, ch. 7).
+Between samples that noise is a straight line, or held, as the force is. Where the slider sticks it moves nothing, and a
+reversal passes on that share of a disturbed speed which the acceleration keeps (the saltation of a Filippov system:
+Leine and Nijmeijer 2004, ch. 7).
 """
 
 import math
@@ -30,11 +30,12 @@ _REVERSAL, _STICK, _BREAK_AWAY = int(EventKind.REVERSAL), int(EventKind.STICK), 
 
 def force_noise(
     model: Model, shown: Observation, t: FloatArray, force: Noise, noise: Mapping[str, Noise],
-    start: FloatArray | None = None,
+    start: FloatArray | None = None, *, held: bool = False,
 ) -> ForceNoise | None:  # fmt: skip
     """What the noise of a force does to a recording at t (n,), s, that ``model`` follows as shown; None if nothing.
 
-    noise : of the channels. start (n, 2) : how little is known of position and speed where the motion is followed anew.
+    noise : of the channels. held : whether the force is, between samples. start (n, 2) : how little is known of
+    position and speed where the motion is followed anew.
     """
     anew = np.zeros((t.size, 2)) if start is None else start
     if not force.found and not np.any(anew):
@@ -47,7 +48,7 @@ def force_noise(
     share = np.zeros(len(events))
     share[turns] = events.a_after[turns] / np.where(events.a_before[turns] == 0.0, math.inf, events.a_before[turns])
     moves = np.zeros((t.size - 1, 2, 4))
-    _moves(t, slips, pull, drag, push, events.t, events.kind, np.clip(share, 0.0, 1.0), moves)
+    _moves(t, held, slips, pull, drag, push, events.t, events.kind, np.clip(share, 0.0, 1.0), moves)
     # what went before tells nothing of a new start
     moves[np.flatnonzero(np.any(anew[1:] > 0.0, axis=1))] = 0.0
     found = ForceNoise(t, force, moves, pull, drag, push, slips, np.zeros((t.size, 4)), np.zeros((t.size, 2)))
@@ -102,7 +103,7 @@ _compiled_step = compiled(_step)
 
 
 def _all_moves(
-    t: FloatArray, slips: BoolArray, pull: FloatArray, drag: float, push: float, events: FloatArray,
+    t: FloatArray, held: bool, slips: BoolArray, pull: FloatArray, drag: float, push: float, events: FloatArray,
     kind: IntArray, share: FloatArray, out: FloatArray,
 ) -> None:  # fmt: skip
     """From each instant to the next (n - 1, 2, 4), through the events between."""
@@ -117,7 +118,8 @@ def _all_moves(
         while True:
             until = events[e] if e < events.size and events[e] <= t[i + 1] else t[i + 1]
             if slipping:
-                begin, end = (since - t[i]) / width, (until - t[i]) / width
+                # a force that is held keeps its noise as it was
+                begin, end = (0.0, 0.0) if held else ((since - t[i]) / width, (until - t[i]) / width)
                 _compiled_step(0.5 * (pull[i] + pull[i + 1]), drag, push, until - since, begin, end, move)
             else:
                 move[1] = 0.0

@@ -22,7 +22,7 @@ from harness.diagnosis.problems.inverse_dynamics import InverseDynamics
 from harness.diagnosis.rules import NULL_DRAWS
 from harness.diagnosis.smoothed_state.state import Course
 from harness.estimate.noise import Noise, channel_noise
-from harness.kernels.solve import Drive, Scales
+from harness.kernels.solve import Scales
 from harness.model.model import Model
 
 
@@ -42,12 +42,11 @@ def draws(
 class _Moved:
     """A recording as a model moves under its force. shown (n,) : by channel, without noise.
 
-    at (n,) : when its force was measured, s; noise : of that.
+    noise : of its force.
     """
 
     problem: InverseDynamics
     shown: Mapping[str, FloatArray]
-    at: FloatArray
     noise: Noise
 
     @classmethod
@@ -56,11 +55,8 @@ class _Moved:
         # over each stretch without a gap from one start: no window's edge is in the motion
         course = Course.of(problem.t, problem.channels, problem.noise)
         whole = replace(problem, starts=course.anew(math.inf))
-        drive = problem.drive
-        # where the force was measured: one that is held acts half an interval later, others have knots between samples
-        at = problem.t + (drive.t[0] - problem.t[0])
-        noise = channel_noise(at, np.interp(at, drive.t, drive.u), rests=True)
-        return cls(problem, observe(model, whole, (), scales, COARSE).y, at, noise)
+        noise = channel_noise(problem.t, problem.drive.at(problem.t), rests=True)
+        return cls(problem, observe(model, whole, (), scales, COARSE).y, noise)
 
     def drawn(self, random: np.random.Generator) -> InverseDynamics:
         """The recording with noise anew."""
@@ -68,8 +64,8 @@ class _Moved:
         channels = {c: problem.noise[c].over(self.shown[c], random) for c in problem.channels}
         force = drive.u
         if self.noise.found:
-            force = force + np.interp(drive.t, self.at, self.noise.drawn(self.at.size, random))
-        return replace(problem, channels=channels, drive=Drive(drive.t, force))
+            force = force + np.interp(drive.t, problem.t, self.noise.drawn(problem.t.size, random))
+        return replace(problem, channels=channels, drive=replace(drive, u=force))
 
 
 def taken_by_chance(

@@ -82,7 +82,7 @@ class Measured:
         a = np.gradient(v, t)
         kept = t.size // BLOCK * BLOCK
         half = smooth["v" if "v" in smooth else "x"].half
-        u = smoothed_alike(t, np.interp(t, problem.drive.t, problem.drive.u), longest, half)
+        u = smoothed_alike(t, problem.drive.felt(t), longest, half)
         v_sd = smooth["v"].value_sd if "v" in smooth else smooth["x"].slope_sd
         at_rest = np.abs(v) <= _AT_REST * v_sd
         if problem.guarded:

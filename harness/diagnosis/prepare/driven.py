@@ -190,9 +190,8 @@ def _said(windows: Windows) -> str:
 def _allowing(problem: Driven, model: Model, noise: Noise) -> Driven:
     """The problem under the noise of its force if that shows in a model's motion, and for starts that are not known."""
     shown = observe(model, problem, (), own_scales(problem, model), COARSE)
-    return replace(
-        problem, force_noise=force_noise(model, shown, problem.t, noise, problem.noise, _unknown_starts(problem))
-    )
+    starts, held = _unknown_starts(problem), problem.drive.held
+    return replace(problem, force_noise=force_noise(model, shown, problem.t, noise, problem.noise, starts, held=held))
 
 
 def _unknown_starts(problem: Driven) -> FloatArray | None:

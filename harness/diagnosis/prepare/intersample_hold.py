@@ -3,8 +3,6 @@
 from contextlib import suppress
 from dataclasses import dataclass, replace
 
-import numpy as np
-
 from harness.core.arrays import FloatArray
 from harness.core.errors import SimulationError
 from harness.diagnosis.baseline.driven_base_fit import driven_scales, own_scales
@@ -30,8 +28,8 @@ ACTS_HELD = "the force acts as a sampled controller's, held from each sample to 
 
 
 def held(t: FloatArray, u: FloatArray) -> Drive:
-    """The drive of u (n,) at t (n,), s, as it acts when each value is held: to the motion, half an interval later."""
-    return Drive(t + 0.5 * float(np.median(np.diff(t))), u)
+    """The drive of u (n,) at t (n,), s, when each value is held until the next."""
+    return Drive(t, u, held=True)
 
 
 @dataclass(frozen=True, slots=True)
@@ -72,7 +70,7 @@ def acting(problem: Driven, u: FloatArray) -> Acting:
     if found.chi2 >= FORCE_HELD.value * usual.chi2:
         found, drive = usual, problem.drive
     others = tuple(way for way in (problem.drive, *(way for _, way in fits)) if way is not drive)
-    return Acting(drive, others, drive is stepped, found.chi2 < _STRAYS**2 * found.points, found.model)
+    return Acting(drive, others, drive.held, found.chi2 < _STRAYS**2 * found.points, found.model)
 
 
 def _seen(lines: Drive, usual: Fit, problem: Driven) -> bool:

@@ -67,8 +67,7 @@ class Forced(Problem):
 
     def drive_over(self, begin: float, end: float) -> Drive:
         """A run needs no more of the force than its own stretch."""
-        at, force = self.drive.within(begin, end)
-        return Drive(at - begin, force)
+        return self.drive.over(begin, end)
 
     def at_every_sample(self, t: FloatArray, channels: Mapping[str, FloatArray]) -> Self:
         """Itself: samples that were left out are nothing that windows could start from."""
@@ -98,8 +97,8 @@ class Driven(Forced):
 
     @property
     def is_held(self) -> bool:
-        """Whether the force is held between samples where it could act in straight lines: then it acts later."""
-        return any(self.drive.t[0] > other.t[0] for other in self.otherwise)
+        """Whether the force is held between samples."""
+        return self.drive.held
 
     def condensed(self, shown: Mapping[str, FloatArray], size: int) -> tuple[Self, float]:
         """Windows are thinned, since errors of their starts travel from sample to sample."""

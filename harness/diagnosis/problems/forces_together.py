@@ -55,7 +55,9 @@ class ForcesTogether(InverseDynamics):
             windows += list(moved)
         clocks = [s.clock for s in stretches]
         t = np.concatenate([one.t + clock for one, clock in zip(each, clocks, strict=True)])
-        knots = np.concatenate([one.drive.t + clock for one, clock in zip(each, clocks, strict=True)])
+        held = all(one.drive.held for one in each)
+        drives = [one.drive if held else one.drive.straight for one in each]
+        knots = np.concatenate([drive.t + clock for drive, clock in zip(drives, clocks, strict=True)])
         speed = np.concatenate([one.starts.v for one in each])
         elsewhere = tuple(Elsewhere((("offset", one.first.offset),) if one.zero_free else ()) for one in each[1:])
         return cls(
@@ -68,7 +70,7 @@ class ForcesTogether(InverseDynamics):
             zero_free=first.zero_free,
             angular=first.angular,
             starts=SeveralWindows(tuple(windows), t, speed, tuple(stretches)),
-            drive=Drive(knots, np.concatenate([one.drive.u for one in each])),
+            drive=Drive(knots, np.concatenate([drive.u for drive in drives]), held),
             first=replace(first.first, elsewhere=elsewhere),
             guarded=first.guarded,
             each=tuple(each),

@@ -51,7 +51,7 @@ def in_few_pieces(problem: P, model: Model, scales: Scales) -> P:
 
 
 def _in_few_pieces(problem: P, model: Model, scales: Scales) -> P:
-    drive = problem.drive
+    drive = None if problem.drive is None else problem.drive.straight
     if drive is None or problem.alone:
         return problem
     cycles = scales.omega * float(drive.t[-1] - drive.t[0]) / (2.0 * math.pi)
