@@ -22,7 +22,7 @@ from harness.app.shared.journal import journal
 from harness.app.shared.progress import SILENT, Progress
 from harness.app.shared.reading import read_as
 from harness.app.shared.thinned import thinned
-from harness.core.errors import SimulationError
+from harness.core.errors import InputError, SimulationError
 from harness.core.recording import Recording
 from harness.core.telling import listening
 from harness.core.trajectory import Trajectory
@@ -102,6 +102,9 @@ def _of(recording: Recording) -> Iterator[None]:
     """What could not be simulated, as an error of its recording that says what else may be asked."""
     try:
         yield
+    except InputError as error:
+        where = recording.file if error.where == "recording" else error.where
+        raise InputError(where, error.found, error.accepted) from error
     except SimulationError as error:
         accepted = "a part of it (--from, --to), or another --restoring or --zero, may be accepted"
         raise SimulationError(f"{recording.file}: {error}; {accepted}") from error

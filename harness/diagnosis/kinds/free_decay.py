@@ -7,6 +7,7 @@ from dataclasses import replace
 from harness.core.errors import InputError, SimulationError
 from harness.core.recording import Recording
 from harness.diagnosis.baseline.base_fit import baseline
+from harness.diagnosis.baseline.swing_seen import refuse_no_swing
 from harness.diagnosis.covariates.following import enter
 from harness.diagnosis.covariates.noise import allowing
 from harness.diagnosis.explain.holdout import periods_held_out
@@ -125,7 +126,11 @@ def _alone(based: Based[FreeDecay]) -> tuple[str, ...]:
 
 
 def based(problem: P) -> Based[P]:
-    """A free decay, or several, with the base model and the noise that it leaves; in means where very long."""
+    """A free decay, or several, with the base model and the noise that it leaves; in means where very long.
+
+    Raises InputError where nothing swings.
+    """
     short, base, scales = shortened(problem)
+    refuse_no_swing(base, short)
     short = replace(short, noise=noise_of(base, short, scales.omega))
     return Based(problem, short, settle(under(base, short), short, scales), scales)
