@@ -209,8 +209,8 @@ def _read(path: Path, digest: str, options: ReadOptions) -> Recording:
     for name, values in covariates.items():
         _check_rows(table, name, values, rows[keep])
     angular = _angular({channel: unit for channel, (_, unit) in read.items()})
-    if angular and "x" in channels:
-        channels["x"], wrapped = unwrapped(channels["x"])
+    if "x" in channels and (angular or "v" in channels):
+        channels["x"], wrapped = unwrapped(t[keep], channels["x"], channels.get("v"), read["x"][1].factor)
         notes.append(wrapped)
     return Recording(
         t[keep],

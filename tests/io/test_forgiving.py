@@ -140,6 +140,20 @@ def test_angles_that_wrap_are_put_together(tmp_path: Path) -> None:
     assert any("wraps" in note for note in found.notes)
 
 
+@pytest.mark.parametrize(
+    ("unit", "half", "beside"),
+    [("rad", 12.5, True), ("rad", 12.5, False), ("deg", 180.0, True), ("mm", 50.0, True), ("rad", 4 * np.pi, True)],
+)
+def test_a_range_that_wraps_is_found_beside_the_speed(tmp_path: Path, unit: str, half: float, beside: bool) -> None:
+    whole = 3.0 * half * np.sin(2.0 * np.pi * T / T[-1])
+    columns = [T, (whole + half) % (2.0 * half) - half, np.gradient(whole, T)][: 3 if beside else 2]
+    header = f"t,x [{unit}],v [{unit}/s]" if beside else f"t,x [{unit}]"
+    found = read_recording(written(tmp_path / "a.csv", header, *columns))
+    factor = {"rad": 1.0, "deg": np.pi / 180.0, "mm": 1e-3}[unit]
+    np.testing.assert_allclose(found["x"] - found["x"][0], factor * (whole - whole[0]), atol=1e-6 * factor * half)
+    assert any(f"range of {2.0 * half:.6g}" in note for note in found.notes)
+
+
 def test_lengths_do_not_wrap(tmp_path: Path) -> None:
     found = read_recording(written(tmp_path / "a.csv", "t,x", T, (10.0 * X) % 6.0))
     np.testing.assert_allclose(found["x"], (10.0 * X) % 6.0)
