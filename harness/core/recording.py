@@ -27,7 +27,8 @@ class Recording:
     t : s, increasing. channels : any of x (m or rad), v, a, u (N; per unit mass when the mass is unknown).
     covariates : further columns (n,) by name, in the units they came in, which ``units`` has too where a header says.
     file : where it came from. sha256 : of that file. units : the unit each channel was given in.
-    angular : whether x or a was given as an angle. notes : what the reader did, one sentence each.
+    angular : whether x or a was given as an angle. notes : what the reader did, one sentence each. columns : by
+    channel, the column of the file as --columns takes it. mended : of the notes, those on what was changed or left out.
 
     Raises InputError for fewer than 50 samples, a value not finite or out of all proportion, time that does not
     increase, no channel, or a channel that is constant.
@@ -42,6 +43,8 @@ class Recording:
     notes: tuple[str, ...] = ()
     extra: Mapping[str, Any] = field(default_factory=dict)
     covariates: Mapping[str, FloatArray] = field(default_factory=dict)
+    columns: Mapping[str, str] = field(default_factory=dict)
+    mended: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         t = vector(f"{self.file}: column t", self.t)
@@ -116,6 +119,8 @@ class Recording:
             self.notes,
             self.extra,
             {name: values[keep] for name, values in self.covariates.items()},
+            self.columns,
+            self.mended,
         )
 
 

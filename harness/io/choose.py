@@ -1,19 +1,28 @@
 """Which columns of a table are which channels: as --columns says, else by their names."""
 
+from itertools import islice
+from typing import Any
+
 from harness.core.errors import InputError
 from harness.io.columns import CHANNELS, Mapping, parse_columns
-from harness.io.guess import candidates, meaning, quoted, ready
+from harness.io.guess import candidates, meaning
+from harness.io.options import UNSAID
+from harness.io.proposal import RefusedError
+from harness.io.score import choices
 from harness.io.table import Table
 from harness.io.units import Unit, parse_unit
 
 _OWN = {"t": ("t",), "x": ("x",), "v": ("v",), "a": ("a",), "u": ("u", "F")}
 
 
+_MOST_CHOICES, _SHOWN = 6, 8
+"""Choices of columns that are tried, and columns that are named at most."""
+
+
 def chosen(table: Table, columns: str | None, rate: float | None) -> tuple[dict[str, Mapping], frozenset[str]]:
     """What to read for each channel, and the channels that were guessed from names that are not the channel's own.
 
-    columns : the text of --columns. rate : Hz, that of --rate. Raises InputError where names leave it open, with a
-    --columns that can be pasted.
+    columns : the text of --columns. rate : Hz, that of --rate. Raises RefusedError where names leave it open.
     """
     guessed: frozenset[str] = frozenset()
     if columns is not None:
@@ -21,29 +30,38 @@ def chosen(table: Table, columns: str | None, rate: float | None) -> tuple[dict[
         if "t" not in mappings and rate is None and "t" in table.names:
             mappings["t"] = Mapping("t", ("t",))
     else:
-        mappings, guessed = _by_name(table)
-    paste = f"such as {ready(table.headers, table.units)}, is accepted"
+        mappings, guessed = _by_name(table, rate)
     if not set(mappings) & {"x", "v", "a"}:
-        hint = f"columns named t and one or more of x, v, a, or a choice {paste}"
-        raise InputError(str(table.path), f"the columns {table.listed()}", hint)
+        hint = "columns named t and one or more of x, v, a, or a choice of them by --columns, is accepted"
+        raise RefusedError(str(table.path), f"the columns {table.listed()}", hint, _others(table, rate))
     if "t" not in mappings and rate is None:
-        column = f", or a column t, {paste}" if len(table.names) > 1 else " is accepted"
-        raise InputError(str(table.path), f"no time among the columns {table.listed()}", f"--rate HZ{column}")
+        hint = "a column t, or its sampling rate by --rate HZ, is accepted"
+        others = _others(table, rate) if columns is None else ()
+        raise RefusedError(str(table.path), f"no time among the columns {table.listed()}", hint, others)
     if "t" in mappings and rate is not None:
         accepted = "one of the two is accepted (--columns without t leaves the column out)"
         raise InputError("--rate", f"given although a column of {table.path} gives the time", accepted)
     return mappings, guessed
 
 
-def _by_name(table: Table) -> tuple[dict[str, Mapping], frozenset[str]]:
+def _others(table: Table, rate: float | None) -> list[dict[str, Any]]:
+    """Choices of columns to try, with a rate to be given where no column is a time."""
+    found: list[dict[str, Any]] = [{"columns": text} for text in islice(choices(table, rate is None), _MOST_CHOICES)]
+    if found or rate is not None:
+        return found
+    return [{"columns": text, "rate": UNSAID} for text in islice(choices(table, timed=False), _MOST_CHOICES)]
+
+
+def _by_name(table: Table, rate: float | None) -> tuple[dict[str, Mapping], frozenset[str]]:
     found = candidates(table.names)
     mappings, guessed = {}, set()
     for channel in (c for c in CHANNELS if c in found):
         positions = found[channel]
         if len(positions) > 1:
-            named = ", ".join(table.headers[i] or f"#{i + 1}" for i in positions)
-            hint = f"one of them by {ready(table.headers, table.units)} is accepted"
-            raise InputError(str(table.path), f"{len(positions)} columns that may be {channel}: {named}", hint)
+            named = ", ".join(table.headers[i] or f"#{i + 1}" for i in positions[:_SHOWN])
+            named += ", ..." if len(positions) > _SHOWN else ""
+            found_too = f"{len(positions)} columns that may be {channel}: {named}"
+            raise RefusedError(str(table.path), found_too, "one of them by --columns is accepted", _others(table, rate))
         name = table.names[positions[0]]
         mappings[channel] = Mapping(channel, (f"#{positions[0] + 1}",))
         if name not in _OWN[channel]:
@@ -69,7 +87,7 @@ def unit_of(table: Table, mapping: Mapping, positions: list[int], constants: lis
 def quoted_of(table: Table, mapping: Mapping) -> str:
     """A mapping's product as --columns takes it."""
     at = [table.position(name) for name in mapping.names]
-    product = "*".join(quoted(table.headers[i], i) for i in at)
+    product = "*".join(table.quoted(i) for i in at)
     factor = "" if mapping.factor == 1.0 else f"{mapping.factor:.9g}*"
     return factor + product + ("" if mapping.unit is None else f"[{mapping.unit}]")
 
@@ -83,7 +101,7 @@ def said(table: Table, mappings: dict[str, Mapping], units: dict[str, Unit], gue
         position = table.position(mappings[channel].names[0])
         unit = units[channel].text
         shown = unit or {"t": "s", "x": "m", "v": "m/s", "a": "m/s^2", "u": "N"}[channel]
-        paste.append(f"{channel}={quoted(table.headers[position], position)}[{shown}]")
+        paste.append(f"{channel}={table.quoted(position)}[{shown}]")
         if channel in guessed:
             parts.append(f"{channel} from {table.headers[position]} in {shown}{'' if unit else ' (no unit given)'}")
     return f'Read {", ".join(parts)}; to say otherwise: --columns "{",".join(paste)}".'

@@ -1,21 +1,24 @@
 """Column names as people write them: which channel a name means, and the unit its ending gives."""
 
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
-
-from harness.io.columns import CHANNELS
 
 ANGLES = frozenset({"angle", "theta", "phi"})
 """Names that say an angle; without a unit they are read in rad."""
 _NAMES: dict[str, str] = {
     "t": "t time times stamp timestamp sec secs seconds elapsed",
-    "x": "x q pos position displacement disp angle theta phi",
-    "v": "v dq qd vel velocity speed omega theta_dot thetadot dtheta",
-    "a": "a ddq qdd acc accel acceleration alpha theta_ddot",
+    "x": "x q qpos pos position displacement disp angle theta phi",
+    "v": "v dq qd qvel vel velocity speed omega theta_dot thetadot dtheta",
+    "a": "a ddq qdd qacc acc accel acceleration alpha theta_ddot",
     "u": "u f tau force torque effort",
 }
 _CHANNEL = {name: channel for channel, names in _NAMES.items() for name in names.split()}
+COMMANDED = frozenset(
+    {"cmd", "xcmd", "command", "commanded", "target", "goal", "desired", "des", "ref", "reference", "setpoint"}
+    | {"error", "err", "action"}
+)
+"""Words of a name by which it is not what was measured."""
 _CLOCKS = {"millis": "ms", "micros": "us", "msec": "ms", "usec": "us", "nsec": "ns"}
 """Names of a time that say its unit."""
 ENDINGS: dict[str, dict[str, str]] = {
@@ -26,6 +29,8 @@ ENDINGS: dict[str, dict[str, str]] = {
     "u": {"n": "N", "mn": "mN", "kn": "kN", "nm": "N*m", "n_m": "N*m", "mnm": "mN*m", "lbf": "lbf"},
 }
 """Units that the ending of a name gives, by channel."""
+_SHELLS = frozenset("'\"$`\\!")
+"""Signs that would not come through quotes as they are."""
 _INDEX = re.compile(r"(\[\d{1,4}\]|\.\d{1,4}|_\d{1,4})$")
 _PLAIN = re.compile(r"^[^\W\d][\w.]*(?: [\w.]+)*$")
 
@@ -39,8 +44,15 @@ class Meaning:
     angle: bool = False
 
 
+def is_commanded(name: str) -> bool:
+    """Whether a name says what was asked for, and not what was measured ("goal.position", "xcmd1_rad")."""
+    return bool(COMMANDED & set(re.split(r"[^a-z]+", name.lower())))
+
+
 def meaning(name: str) -> Meaning | None:
     """The channel of a column ("Position 1", "/joint_states/position[0]", "x_rad"); None for any other name."""
+    if is_commanded(name):
+        return None
     last = re.split(r"[/.](?=[^\d])", name.strip())[-1]
     stem = re.sub(r"[\s-]+", "_", _INDEX.sub("", last.strip().lower()).strip()).strip("_")
     stem = _INDEX.sub("", stem)
@@ -54,13 +66,6 @@ def meaning(name: str) -> Meaning | None:
         if channel is not None and ending in ENDINGS[channel]:
             return Meaning(channel, ENDINGS[channel][ending], front in ANGLES)
     return None
-
-
-def _ending(name: str, channel: str) -> str | None:
-    """The unit that the ending of a name gives a channel ("x1_rad"), whatever else the name says."""
-    stem = name.strip().lower()
-    cuts = (i for i, letter in enumerate(stem) if letter == "_")
-    return next((ENDINGS[channel][stem[i + 1 :]] for i in cuts if stem[i + 1 :] in ENDINGS[channel]), None)
 
 
 def candidates(names: Sequence[str]) -> dict[str, list[int]]:
@@ -77,26 +82,9 @@ def candidates(names: Sequence[str]) -> dict[str, list[int]]:
 
 
 def quoted(name: str, position: int) -> str:
-    """A column as --columns takes it: its name, in quotes where it needs them, #N where it has none."""
-    if not name:
-        return f"#{position + 1}"
-    return name if _PLAIN.match(name) else "'" + name + "'" if "'" not in name else f"#{position + 1}"
-
-
-def ready(headers: Sequence[str], units: Mapping[int, str]) -> str:
-    """A --columns to paste: what the names say, the first columns in turn where they say nothing."""
-    found = candidates(headers)
-    taken = {positions[0] for positions in found.values()}
-    free = [i for i in range(len(headers)) if i not in taken]
-    chosen = {channel: positions[0] for channel, positions in found.items()}
-    if "t" not in chosen and free and len(headers) > 1:
-        chosen["t"] = free.pop(0)
-    if not {"x", "v", "a"} & set(chosen) and free:
-        chosen["x"] = free.pop(0)
-    shown = []
-    for channel in (c for c in CHANNELS if c in chosen):
-        position = chosen[channel]
-        unsaid = channel == "x" and position not in units and meaning(headers[position]) is None
-        unit = f"[{_ending(headers[position], channel) or 'm'}]" if unsaid else ""
-        shown.append(f"{channel}={quoted(headers[position], position)}{unit}")
-    return f'--columns "{",".join(shown)}"'
+    """A column as --columns takes it between double quotes of a shell: its name, in quotes where it needs them, #N
+    where it has none or holds what a shell reads.
+    """
+    if _PLAIN.match(name):
+        return name
+    return f"'{name}'" if name and not _SHELLS & set(name) else f"#{position + 1}"

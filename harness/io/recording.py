@@ -2,59 +2,34 @@
 
 import hashlib
 from collections import abc
-from collections.abc import Callable
-from dataclasses import asdict, dataclass
+from collections.abc import Callable, Sequence
+from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from harness.core.apart import Found, read_apart
-from harness.core.arrays import FloatArray, IntArray
+from harness.core.arrays import BoolArray, FloatArray, IntArray
 from harness.core.bounded import MOST_BYTES, check_file, check_size
-from harness.core.checks import finite, positive
 from harness.core.errors import InputError
 from harness.core.recording import CHANNELS, LARGEST, LONGEST_TIME, MINIMUM_SAMPLES, Recording
 from harness.io.choose import chosen, quoted_of, said
+from harness.io.columns import Mapping
 from harness.io.dates import counted_from
+from harness.io.options import ReadOptions
 from harness.io.product import products
+from harness.io.proposal import RefusedError, tried
 from harness.io.registry import BAGS, formats, kind_of, reader_of
 from harness.io.sampling import sampling_notes
-from harness.io.stamps import repeated, since_first, whole_numbers
+from harness.io.stamps import even_rate, rising, since_first, whole_numbers
 from harness.io.table import Table
 from harness.io.turns import unwrapped
 from harness.io.units import Unit
 
-
-@dataclass(frozen=True, slots=True)
-class ReadOptions:
-    """How to read a recording.
-
-    columns : the text of --columns. skip_rows : lines before the header. rate : Hz, where no column gives the time.
-    start, stop : s, the part to keep (--from, --to). drop_nan : leave out rows in which a channel has no value.
-    covariates : further columns, by name (--covariate).
-    """
-
-    columns: str | None = None
-    skip_rows: int = 0
-    rate: float | None = None
-    start: float | None = None
-    stop: float | None = None
-    drop_nan: bool = False
-    covariates: tuple[str, ...] = ()
-
-    def __post_init__(self) -> None:
-        if self.skip_rows < 0:
-            raise InputError("--skip-rows", f"{self.skip_rows}", "0 or more is accepted")
-        if self.rate is not None:
-            positive("--rate", self.rate, "Hz")
-        for name, value in (("--from", self.start), ("--to", self.stop)):
-            if value is not None:
-                finite(name, value)
-        if self.start is not None and self.stop is not None and self.stop <= self.start:
-            raise InputError("--to", f"{self.stop:g} s, not after --from {self.start:g} s", "a later time is accepted")
-
-
+_POINTER = b"version https://git-lfs"
+_MOST_LOST = 0.05
+"""Share of the samples whose time may not rise: rows written twice, a clock set back once."""
 RrdReader = Callable[[Path], Recording]
 """Reads our own .rrd; passed in, since this room does not know the viewer's library."""
 
@@ -67,6 +42,9 @@ def sha256(path: Path) -> str:
 
 def _open(path: Path, options: ReadOptions) -> Table:
     kind = kind_of(path)
+    with path.open("rb") as file:
+        if file.read(len(_POINTER)) == _POINTER:
+            raise InputError(str(path), "a pointer of Git LFS in place of the data", "git lfs pull fetches the file")
     reader = reader_of(kind)
     if reader is not None and reader.text:
         return reader.open(path, options.skip_rows)
@@ -87,22 +65,30 @@ def _check_rows(table: Table, channel: str, values: FloatArray, rows: IntArray) 
         where = f"{table.path}: {table.row(int(rows[bad[0]]))}, column {channel}"
         found = "no value or nan" if np.isnan(value) else f"{value:g}"
         accepted = f"at most {largest:g} in size is accepted" if np.isfinite(value) else "a finite number is accepted"
-        if np.isnan(value):
-            accepted += "; --drop-nan leaves such rows out"
-        raise InputError(where, found, accepted)
+        raise RefusedError(where, found, accepted, [{"drop_nan": True}] if np.isnan(value) else ())
 
 
-def _times(table: Table, values: FloatArray, rows: IntArray, others: str) -> None:
-    back = np.flatnonzero(np.diff(values) <= 0.0)
-    if not back.size:
-        return
-    i = int(back[0]) + 1
-    where = f"{table.path}: {table.row(int(rows[i]))}, column t"
-    again = repeated(values, others)
-    if again is not None:
-        raise InputError(where, *again)
-    found = f"time {values[i]:.9g} s does not come after {values[i - 1]:.9g} s"
-    raise InputError(where, found, "times that increase are accepted")
+def _in_order(table: Table, t: FloatArray, rows: IntArray, others: str) -> tuple[BoolArray, str | None]:
+    """Which samples stay so that times (n,), s, rise, and the sentence that says which do not.
+
+    others : --columns without the time. Raises RefusedError where more than a few do not.
+    """
+    after = rising(t)
+    lost = np.flatnonzero(~after)
+    if lost.size == 0:
+        return after, None
+    row = table.row(int(rows[lost[0]]))
+    if lost.size <= max(_MOST_LOST * t.size, 1):
+        many = f"{lost.size} sample{'s' if lost.size > 1 else ''}"
+        return after, f"{many} whose time does not come after the one before ({row}) left out."
+    rate = even_rate(t)
+    if rate is not None:
+        where, again = f"{table.path}: {row}, column t", int(np.count_nonzero(np.diff(t) == 0.0))
+        found = f"{again} of {t.size} times repeat the one before, as a clock too coarse or late stamps do"
+        raise RefusedError(where, found, "times that increase are accepted", [{"columns": others, "rate": rate}])
+    i = int(lost[0])
+    found = f"time {t[i]:.9g} s does not come after {t[i - 1]:.9g} s"
+    raise InputError(f"{table.path}: {row}, column t", found, "times that increase are accepted")
 
 
 def _kept(path: Path, t: FloatArray, options: ReadOptions) -> slice:
@@ -137,7 +123,7 @@ def read_recording(path: Path, options: ReadOptions | None = None, read_rrd: Rrd
     if path.suffix.lower() == ".rrd" and read_rrd is not None:
         return _from_rrd(path, digest, options, read_rrd)
     if reader is None or reader.text:
-        return _read(path, digest, options)
+        return _read_or_propose(path, digest, options)
     accepted = f"a whole {kind_of(path)} file is accepted"
     columns, about = read_apart(
         "harness.io.recording:columns_of", path, accepted, digest=digest, options=asdict(options)
@@ -149,18 +135,25 @@ def read_recording(path: Path, options: ReadOptions | None = None, read_rrd: Rrd
 
 def columns_of(path: Path, digest: str, options: dict[str, Any]) -> Found:
     """What ``read_recording`` finds, as a process of its own hands it on."""
-    found = _read(path, digest, ReadOptions(**options))
+    found = _read_or_propose(path, digest, ReadOptions(**options))
     beside = {_COVARIATE + name: values for name, values in found.covariates.items()}
     return {"t": found.t, **found.channels, **beside}, {name: _plain(getattr(found, name)) for name in _ABOUT}
 
 
-_ABOUT = ("units", "angular", "notes")
+_ABOUT = ("units", "angular", "notes", "columns", "mended")
 _COVARIATE = "covariate "
 """Before the name of a covariate, which may be that of a channel."""
 
 
 def _plain(value: Any) -> Any:
     return dict(value) if isinstance(value, abc.Mapping) else value
+
+
+def _read_or_propose(path: Path, digest: str, options: ReadOptions) -> Recording:
+    try:
+        return _read(path, digest, options)
+    except InputError as error:
+        raise tried(error, options, lambda other: _read(path, digest, other)) from None
 
 
 def _read(path: Path, digest: str, options: ReadOptions) -> Recording:
@@ -180,27 +173,28 @@ def _read(path: Path, digest: str, options: ReadOptions) -> Recording:
         found = ", ".join(f"{size} values of {channel}" for channel, size in sizes.items())
         raise InputError(str(path), found, "columns of one length are accepted")
     rows = np.arange(next(iter(sizes.values())))
+    every = (*(values for values, _ in read.values()), *beside.values())
+    mended: list[str | None] = list(table.mended)
+    last = _last_value(every)
+    if last < rows.size:
+        mended.append(f"The last {rows.size - last} rows, without a value in these columns, are left out.")
+        rows = rows[:last]
     if options.drop_nan:
-        every = (*(values for values, _ in read.values()), *beside.values())
-        rows = rows[~np.any([np.isnan(values) for values in every], axis=0)]
-        dropped = next(iter(sizes.values())) - rows.size
-        notes.append(f"{dropped} rows without a value are left out (--drop-nan)." if dropped else None)
+        whole = rows[~np.any([np.isnan(values[rows]) for values in every], axis=0)]
+        dropped, rows = rows.size - whole.size, whole
+        mended.append(f"{dropped} rows without a value are left out (--drop-nan)." if dropped else None)
     if options.rate is not None:
         with np.errstate(over="ignore"):
             t = rows.astype(np.float64) / options.rate
         _check_rows(table, "t", t, rows)
     else:
-        stamps, unit = read["t"]
-        counted: str | None = f"Times are dates or times of day: t is counted from the first, {dated}."
-        if dated is None:
-            with np.errstate(over="ignore", invalid="ignore"):
-                t, counted = since_first(stamps[rows], unit)
-        else:
-            t = stamps[rows]
+        t, said_of_t = _stamped(*read["t"], rows, dated)
+        notes += said_of_t
         _check_rows(table, "t", t, rows)
         paste = ",".join(f"{c}={quoted_of(table, m)}" for c, m in mappings.items() if c != "t" and c in read)
-        _times(table, t, rows, paste)
-        notes += [counted, whole_numbers(t, unit)]
+        after, lost = _in_order(table, t, rows, paste)
+        t, rows = t[after], rows[after]
+        mended.append(lost)
     keep = _kept(path, t, options)
     channels = {channel: values[rows][keep] for channel, (values, _) in read.items() if channel != "t"}
     for channel, values in channels.items():
@@ -211,7 +205,8 @@ def _read(path: Path, digest: str, options: ReadOptions) -> Recording:
     angular = _angular({channel: unit for channel, (_, unit) in read.items()})
     if "x" in channels and (angular or "v" in channels):
         channels["x"], wrapped = unwrapped(t[keep], channels["x"], channels.get("v"), read["x"][1].factor)
-        notes.append(wrapped)
+        mended.append(wrapped)
+    changed = tuple(note for note in mended if note)
     return Recording(
         t[keep],
         channels,
@@ -222,9 +217,33 @@ def _read(path: Path, digest: str, options: ReadOptions) -> Recording:
             **{channel: unit.text for channel, (_, unit) in read.items() if unit.text},
         },
         angular=angular,
-        notes=(*(note for note in notes if note), *sampling_notes(t[keep])),
+        notes=(*(note for note in notes if note), *changed, *sampling_notes(t[keep])),
         covariates=covariates,
+        columns={c: f"{quoted_of(table, mappings[c])}{_bracketed(mappings[c], unit)}" for c, (_, unit) in read.items()},
+        mended=changed,
     )
+
+
+def _stamped(stamps: FloatArray, unit: Unit, rows: IntArray, dated: str | None) -> tuple[FloatArray, list[str | None]]:
+    """Times of the rows (n,), s, and what is said of them. dated : the first, where they are dates or times of day."""
+    counted: str | None = f"Times are dates or times of day: t is counted from the first, {dated}."
+    if dated is None:
+        with np.errstate(over="ignore", invalid="ignore"):
+            t, counted = since_first(stamps[rows], unit)
+    else:
+        t = stamps[rows]
+    return t, [counted, whole_numbers(t, unit)]
+
+
+def _bracketed(mapping: Mapping, unit: Unit) -> str:
+    """The unit to give beside a column whose header does not say it in brackets."""
+    return f"[{unit.text}]" if unit.text and mapping.unit is None else ""
+
+
+def _last_value(columns: Sequence[FloatArray]) -> int:
+    """How many samples there are up to the last at which any of the columns (n,) has a value, beside its time."""
+    told = np.flatnonzero(~np.all([np.isnan(values) for values in columns], axis=0))
+    return int(told[-1]) + 1 if told.size else 0
 
 
 def _beside(table: Table, names: tuple[str, ...]) -> dict[str, FloatArray]:

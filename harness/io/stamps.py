@@ -4,7 +4,7 @@ from datetime import UTC, datetime
 
 import numpy as np
 
-from harness.core.arrays import FloatArray
+from harness.core.arrays import BoolArray, FloatArray
 from harness.io.units import Unit
 
 _EPOCHS: tuple[tuple[float, float, str, float], ...] = (
@@ -14,6 +14,10 @@ _EPOCHS: tuple[tuple[float, float, str, float], ...] = (
     (3e17, 1e19, "ns", 1e-9),
 )
 """Stamps of 1979 to 2286 in each unit; no two overlap, and no experiment lasts ten years."""
+
+_OFF, _COARSE = 2.0, 0.9
+"""Steps of a coarse clock that its stamps of even samples lie apart at most, half of one at either side and as much
+again; and the quantile of the steps that is the clock's, above which there may be gaps."""
 
 
 def since_first(t: FloatArray, unit: Unit) -> tuple[FloatArray, str | None]:
@@ -31,18 +35,27 @@ def since_first(t: FloatArray, unit: Unit) -> tuple[FloatArray, str | None]:
     return t * unit.factor, None
 
 
-def repeated(t: FloatArray, mapped: str) -> tuple[str, str] | None:
-    """What was found and what to do where times of shape (n,) stand still but never go back; None where none does.
+def rising(t: FloatArray) -> BoolArray:
+    """Which of the times (n,) come after all before them: a row that was written twice and a clock that was set back
+    leave few that do not.
+    """
+    before = np.maximum.accumulate(np.concatenate(([-np.inf], t[:-1])))
+    found: BoolArray = t > before
+    return found
 
-    mapped : the other channels, as --columns takes them.
+
+def even_rate(t: FloatArray) -> float | None:
+    """The rate in Hz of samples whose times (n,), s, stand still but never go back; None where they are not even.
+
+    A clock that is too coarse is never further off an even one than its own step; a gap is.
     """
     steps = np.diff(t)
-    again = int(np.count_nonzero(steps == 0.0))
-    if not again or float(steps.min()) < 0.0 or t[-1] <= t[0]:
+    if not np.any(steps == 0.0) or float(steps.min()) < 0.0 or t[-1] <= t[0]:
         return None
-    rate = (t.size - 1) / float(t[-1] - t[0])
-    found = f"{again} of {t.size} times repeat the one before, as a clock too coarse or late stamps do"
-    return found, f'--columns "{mapped}" --rate {rate:.6g} (even samples, times left out) is accepted'
+    coarse = float(np.quantile(steps[steps > 0.0], _COARSE))
+    count = np.arange(t.size) - 0.5 * (t.size - 1)
+    interval = float(count @ t) / float(count @ count)
+    return 1.0 / interval if float(np.ptp(t - interval * count)) <= _OFF * coarse else None
 
 
 def whole_numbers(t: FloatArray, unit: Unit) -> str | None:

@@ -1,5 +1,6 @@
 """A file seen as named columns, read only where somebody asks."""
 
+import math
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
@@ -10,6 +11,7 @@ import numpy as np
 
 from harness.core.arrays import FloatArray
 from harness.core.errors import InputError
+from harness.io.guess import quoted
 
 
 class Table(ABC):
@@ -18,6 +20,7 @@ class Table(ABC):
     path : the file. names : of the columns in order, units split off, "" where a column has no name.
     units : unit text of columns whose header carries one, by position. headers : as they stand in the file.
     dated : of columns read that are dates or times of day, by position: the first, from which they are counted in s.
+    mended : what was left out of the file so that it could be read, one sentence each.
     """
 
     def __init__(
@@ -26,6 +29,7 @@ class Table(ABC):
         self.path, self.names, self.units = path, tuple(names), dict(units)
         self.headers = tuple(names if headers is None else headers)
         self.dated: dict[int, str] = {}
+        self.mended: list[str] = []
 
     @abstractmethod
     def read(self, positions: Sequence[int]) -> list[FloatArray]:
@@ -61,6 +65,11 @@ class Table(ABC):
             )
         return at[0]
 
+    def quoted(self, position: int) -> str:
+        """A column as --columns takes it, by its name where no other has it."""
+        name = self.headers[position]
+        return quoted(name if self.headers.count(name) == 1 else "", position)
+
     def listed(self) -> str:
         """The columns there are, for a message."""
         shown = [name or f"#{i + 1}" for i, name in enumerate(self.names)]
@@ -74,6 +83,11 @@ class Held:
     shape: tuple[int, ...]
     dtype: np.dtype[Any]
     load: Callable[[], Any]
+
+    @property
+    def turned(self) -> "Held":
+        """Rows for columns."""
+        return Held(self.shape[::-1], self.dtype, lambda: np.asarray(self.load()).T)
 
 
 def held(value: object) -> Held:
@@ -102,18 +116,23 @@ class ArrayTable(Table):
 def table_of_arrays(path: Path, arrays: Mapping[str, Held]) -> ArrayTable:
     """Make a table of numeric arrays by name; a matrix becomes one column for each of its columns.
 
-    Vectors of shape (n,), (n, 1) and (1, n) are columns; anything that is not numeric is left out.
+    Vectors of shape (n,), (n, 1) and (1, n) are columns, and where one is as long as the rows of a matrix, and none as
+    its columns, the matrix lies on its side; anything that is not numeric is left out.
     Raises InputError when nothing is left.
     """
     from harness.io.units import split_header
 
     columns: dict[str, tuple[Held, int | None]] = {}
+    lengths = {max(one.shape) for one in arrays.values() if one.shape and math.prod(one.shape) == max(one.shape) > 1}
     units: dict[int, str] = {}
-    for header, source in arrays.items():
-        shape = source.shape
+    for header, given in arrays.items():
+        source, shape = given, given.shape
         if source.dtype.kind not in "fiub" or 0 in shape or len(shape) > 2:
             continue
         name, unit = split_header(header)
+        across = len(shape) == 2 and shape[1] in lengths and shape[0] not in lengths
+        if across:
+            source, shape = given.turned, shape[::-1]
         parts = [None] if len(shape) < 2 or 1 in shape else list(range(shape[1]))
         for number, part in enumerate(parts, 1):
             if unit is not None:

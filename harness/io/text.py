@@ -15,6 +15,7 @@ from harness.core.bounded import read_bytes, unpacked
 from harness.core.errors import InputError
 from harness.io.dates import Clock
 from harness.io.guess import candidates
+from harness.io.proposal import RefusedError
 from harness.io.table import Table
 from harness.io.units import split_header
 
@@ -125,7 +126,7 @@ def _layout(path: Path, data: bytes | bytearray, skip_rows: int) -> _Layout:
 
 
 def _refuse_preamble(path: Path, lines: Sequence[tuple[int, str]], separator: str, decimal: str) -> None:
-    """Raise InputError, with the --skip-rows that passes over them, for lines of another width before the table.
+    """Raise RefusedError, with the --skip-rows that passes over them, for lines of another width before the table.
 
     lines : number and text of each of the first ones that are no comment.
     """
@@ -135,17 +136,26 @@ def _refuse_preamble(path: Path, lines: Sequence[tuple[int, str]], separator: st
     def of_names(i: int) -> list[str]:
         return _header(f"{path}: line {lines[i][0]}", lines[i][1], separator)
 
-    begin = len(rows)
-    while begin > 0 and len(rows[begin - 1]) == width and _has_number(rows[begin - 1], decimal):
+    full = _is_all_numbers(rows[-1], decimal)
+    # numbers and words in one line, where the rows have numbers alone: limits, scales, settings
+    mixed = full and _has_number(rows[0], decimal) and not _is_all_numbers(rows[0], decimal)
+    begin, is_row = len(rows), _is_all_numbers if mixed else _has_number
+    while begin > 0 and len(rows[begin - 1]) == width and is_row(rows[begin - 1], decimal):
         begin -= 1
-    if width in (len(rows[0]), len(of_names(0))) or len(rows) - begin < _ROWS:
+    if (not mixed and width in (len(rows[0]), len(of_names(0)))) or len(rows) - begin < _ROWS:
         return
     above = [i for i in (begin - 1, begin - 2) if i >= 0 and len(of_names(i)) == width]
     channels = [i for i in above if candidates([split_header(name)[0] for name in of_names(i)])]
     first = min(channels or above[:1], default=begin)
-    count = f"{len(rows[0])} cell{'s' if len(rows[0]) > 1 else ''}"
-    found = f"{count}, where the rows from line {lines[begin][0]} on have {width}"
-    raise InputError(f"{path}: line {lines[0][0]}", found, f"--skip-rows {lines[first][0] - 1} is accepted")
+    count = "text" if mixed else f"{len(rows[0])} cell{'s' if len(rows[0]) > 1 else ''}"
+    numbers = "numbers" if mixed else str(width)
+    found = f"{count}, where the rows from line {lines[begin][0]} on have {numbers}"
+    accepted = "a header, and rows of as many cells, are accepted"
+    raise RefusedError(f"{path}: line {lines[0][0]}", found, accepted, [{"skip_rows": lines[first][0] - 1}])
+
+
+def _is_all_numbers(cells: Sequence[str], decimal: str) -> bool:
+    return all(_number(cell, decimal) is not None for cell in cells)
 
 
 def _has_number(cells: Sequence[str], decimal: str) -> bool:
@@ -260,8 +270,8 @@ class TextTable(Table):
         return [np.asarray(table.column(names[i]).to_numpy(), dtype=np.float64) for i in positions]
 
     def _rows(self) -> Iterator[tuple[int, list[str]]]:
-        """Line number and cells of every row."""
-        start, line = self._layout.offset, self._layout.line
+        """Line number and cells of every row but those that hold no number at all, and a last one that is cut short."""
+        start, line, begun = self._layout.offset, self._layout.line, False
         while start < len(self._data):
             end = self._data.find(b"\n", start)
             end = len(self._data) if end < 0 else end
@@ -270,8 +280,25 @@ class TextTable(Table):
                 raise InputError(where, f"{end - start} bytes", f"lines of at most {_LONGEST_LINE} are accepted")
             text = _decode(self._data[start:end]).strip(" ")
             if text.strip() and not text.startswith(_COMMENT):
-                yield line, _cells(where, text, self._layout.separator)
+                cells = _cells(where, text, self._layout.separator)
+                if len(cells) < len(self.names) and not self._data[end:].strip():
+                    self._leave_out(f"Line {line}, the last one, is cut short: left out.")
+                elif not begun or self._is_row(cells):
+                    begun = True
+                    yield line, cells
+                else:
+                    self._leave_out(f"Line {line} holds text and no number: left out.")
             start, line = end + 1, line + 1
+
+    def _is_row(self, cells: Sequence[str]) -> bool:
+        """Whether any cell is a number, a time, or empty."""
+        return any(
+            _number(cell, self._layout.decimal) is not None or Clock().seconds(cell) is not None for cell in cells
+        )
+
+    def _leave_out(self, said: str) -> None:
+        if said not in self.mended:
+            self.mended.append(said)
 
     def _read_slowly(self, positions: Sequence[int]) -> list[FloatArray]:
         """Cell by cell: to say where the fast reader stumbled, or to read what only it could not."""

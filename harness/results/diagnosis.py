@@ -262,6 +262,14 @@ class OwnResult(Result):
     differs: list[str] = Field(description="in what it is not as the first, one sentence each")
 
 
+class ReadResult(Result):
+    """How a recording was read."""
+
+    command: str = Field(description="the line that reads it so, whatever was guessed")
+    columns: dict[str, str] = Field(description="by channel, as --columns takes them")
+    mended: list[str] = Field(description="what was changed or left out to read it, one sentence each")
+
+
 class DiagnosisResult(Result):
     """harness diagnose, for one recording, or for several of one machine together."""
 
@@ -274,6 +282,9 @@ class DiagnosisResult(Result):
         default_factory=list,
         description="with --together: what each has of its own",
         exclude_if=lambda value: not value,
+    )
+    read: ReadResult | None = Field(
+        default=None, description="of a file that is no .rrd", exclude_if=lambda value: value is None
     )
     verdict: Verdict
     statement: str = Field(description="the verdict in a sentence")

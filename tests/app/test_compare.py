@@ -16,7 +16,7 @@ from harness.core.errors import InputError
 from harness.core.recording import Recording
 from harness.core.slider import PAPER, Slider
 from harness.exact.decay import Decay, free_decay
-from harness.io.recording import ReadOptions
+from harness.io.options import ReadOptions
 from harness.results import generate
 from harness.results.compare import CompareResult
 from harness.results.run import RunResult

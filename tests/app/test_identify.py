@@ -12,7 +12,7 @@ from harness.app.report.rebuild import rebuild
 from harness.core.errors import InputError
 from harness.core.slider import PAPER
 from harness.exact.decay import Decay, free_decay
-from harness.io.recording import ReadOptions
+from harness.io.options import ReadOptions
 from harness.results import generate
 from harness.results.common import P
 from harness.results.run import RunResult

@@ -31,7 +31,7 @@ def desk(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
     write(tmp_path / "two.csv", "t,x", X[:2])
     write(tmp_path / "nan.csv", "t,x", X, "0.095,nan")
     write(tmp_path / "text.csv", "t,x", X, "0.095,high")
-    write(tmp_path / "back.csv", "t,x", X, "0.001,1")
+    write(tmp_path / "back.csv", "t,x", X, "0.8,1")
     write(tmp_path / "unit.csv", "t,x [kg]", X)
     write(tmp_path / "blub.csv", "t,x [blub]", X)
     write(tmp_path / "still.csv", "t,x", np.ones(N))
@@ -89,7 +89,7 @@ BAD: list[tuple[str, str]] = [
     ("identify two.csv", "two.csv: 2 samples; at least 50 are accepted"),
     ("identify nan.csv", "nan.csv: row 20 (line 21), column x: no value or nan"),
     ("identify text.csv", "text.csv: row 20 (line 21), column x: the text 'high'; a number is accepted"),
-    ("identify back.csv", "back.csv: row 20 (line 21), column t: time 0.001 s does not come after 0.09 s"),
+    ("identify back.csv", "back.csv: row 21 (line 22), column t: time 0.1 s does not come after 0.8 s"),
     ("identify unit.csv", "unit.csv: column x: 'kg' is a unit of another kind"),
     ("identify blub.csv", "blub.csv: column x: 'blub' is not a unit"),
     ("identify still.csv", "still.csv: column x: the constant 1; a channel that moves is accepted"),

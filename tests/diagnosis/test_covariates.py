@@ -24,7 +24,8 @@ from harness.diagnosis.problems.free_decay import FreeDecay
 from harness.diagnosis.problems.inverse_dynamics import InverseDynamics
 from harness.diagnosis.request import Asked, AskedCovariate
 from harness.estimate.noise import Noise
-from harness.io.recording import ReadOptions, read_recording
+from harness.io.options import ReadOptions
+from harness.io.recording import read_recording
 from harness.model.covariate import Acts, Covariate
 from harness.model.model import Model, ModelTerm, Restoring
 

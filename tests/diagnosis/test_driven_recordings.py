@@ -32,7 +32,8 @@ from harness.diagnosis.request import Asked
 from harness.diagnosis.rules import AMONG_NAMES
 from harness.diagnosis.search.search import noise_of, under
 from harness.diagnosis.smoothed_state.local_cubics import smoothed
-from harness.io.recording import ReadOptions, read_recording
+from harness.io.options import ReadOptions
+from harness.io.recording import read_recording
 from harness.kernels.solve import Drive, solve
 from harness.model.model import Model, ModelTerm, Restoring
 

@@ -24,7 +24,7 @@ from harness.core.recording import Recording
 from harness.core.scenario import FREE_DECAY
 from harness.exact.decay import free_decay
 from harness.io.columns import parse_columns
-from harness.io.recording import ReadOptions
+from harness.io.options import ReadOptions
 from harness.io.units import parse_unit, split_header
 from harness.model.document import from_document, load, to_document
 from harness.show.run_scene import run_scene

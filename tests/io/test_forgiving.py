@@ -10,7 +10,8 @@ import pytest
 from harness.core.errors import InputError
 from harness.core.recording import Recording
 from harness.io.guess import Meaning, meaning
-from harness.io.recording import ReadOptions, read_recording
+from harness.io.options import ReadOptions
+from harness.io.recording import read_recording
 
 T = np.arange(400) / 200.0
 X = np.exp(-0.5 * T) * np.cos(10.0 * T)
@@ -99,7 +100,7 @@ def pasted(text: str) -> ReadOptions:
     """The options in a message, as a shell hands them on."""
     given = re.search(r'--columns "[^"]*"(?: --rate \S+)?', text)
     assert given is not None, text
-    words = shlex.split(given[0])
+    words = shlex.split(given[0].replace("HZ", "200"))
     return ReadOptions(columns=words[1], rate=float(words[3]) if len(words) > 2 else None)
 
 
@@ -163,9 +164,7 @@ def test_rows_without_a_value(tmp_path: Path) -> None:
     x = X.copy()
     x[[3, 50, 51]] = np.nan
     path = written(tmp_path / "a.csv", "t,x", T, x)
-    with pytest.raises(
-        InputError, match=r"row 4 \(line 5\), column x: no value or nan; .* --drop-nan leaves such rows"
-    ):
+    with pytest.raises(InputError, match=r"row 4 \(line 5\), column x: no value or nan; try: --drop-nan"):
         read_recording(path)
     found = read_recording(path, ReadOptions(drop_nan=True))
     np.testing.assert_array_equal(found["x"], X[~np.isnan(x)])
@@ -206,3 +205,51 @@ def test_names_with_signs_stand_in_quotes(tmp_path: Path) -> None:
     np.testing.assert_allclose(found["x"], X, rtol=1e-14)
     found = read_recording(path, ReadOptions(columns="t='Time (s)',x=2*'a=b'[mm]"))
     np.testing.assert_allclose(found["x"], 2e-3 * X, rtol=1e-14)
+
+
+HINTS: list[tuple[str, str, list[np.ndarray], str]] = [
+    ("a speed is no position", "Time (s),Gyroscope x (rad/s)", [T, X], "v='Gyroscope x (rad/s)'"),
+    ("nor is an acceleration", "Time (s),Linear Acceleration x (m/s^2)", [T, X], "a='Linear Acceleration x (m/s^2)'"),
+    ("nor a voltage", "time,supply [V],adc", [T, 5.0 + 0.1 * X, X], "x=adc"),
+    ("nor what was commanded", "time,goal_position,measured", [T, np.cos(T), X], "x=measured"),
+    ("nor what stays, counts or is empty", "time,k,n,e,m", [T, 0 * T + 2, np.arange(400.0), np.nan * T, X], "x=m"),
+    ("the axis that moves", "t,m 0 Position,m 1 Position", [T, 1e-3 * X, X], "x=m 1 Position"),
+    ("whole numbers of a clock", "k,m", [np.round(5e3 * T), X], "t=k[ms],x=m"),
+    ("a derivative beside it", "t,m,d", [T, X, np.gradient(X, T)], "x=m,v=d"),
+    ("of several runs the first", "Run 1: t,Run 1: y,Run 2: t,Run 2: y", [T, X, T, 3 * X], "t='Run 1: t',x='Run 1: y'"),
+]
+
+
+@pytest.mark.parametrize(("header", "columns", "wanted"), [h[1:] for h in HINTS], ids=[h[0] for h in HINTS])
+def test_a_hint_is_what_the_file_holds_and_reads_it(
+    tmp_path: Path, header: str, columns: list[np.ndarray], wanted: str
+) -> None:
+    path = written(tmp_path / "a.csv", header, *columns)
+    with pytest.raises(InputError, match="try: ") as caught:
+        read_recording(path)
+    assert wanted in str(caught.value)
+    assert len(read_recording(path, pasted(str(caught.value)))) == T.size
+
+
+def test_an_even_clock_is_no_hint_over_a_gap(tmp_path: Path) -> None:
+    coarse = np.floor(T * 50.0) / 50.0
+    with pytest.raises(InputError, match=r'try: --columns "x=x" --rate (199.9|200)'):
+        read_recording(written(tmp_path / "a.csv", "t,x", coarse, X))
+    gap = np.where(T < 1.0, coarse, coarse + 0.2)
+    with pytest.raises(InputError) as caught:
+        read_recording(written(tmp_path / "b.csv", "t,x", gap, X))
+    assert "--rate" not in str(caught.value)
+
+
+def test_what_a_logger_leaves_behind_is_left_out_and_said(tmp_path: Path) -> None:
+    lines = ["t,x", *(f"{t:.4f},{x:.9f}" for t, x in zip(T, X, strict=True))]
+    lines[50:50] = [lines[49], lines[49]]
+    path = tmp_path / "a.csv"
+    path.write_text("\n".join([*lines, "s,m", ",", ",", "2.0"]))
+    found = read_recording(path)
+    assert len(found) == T.size
+    for word in ("cut short", "no number", "without a value", "does not come after"):
+        assert any(word in said for said in found.mended), word
+    path.write_text("version https://git-lfs.github.com/spec/v1\noid sha256:0\n")
+    with pytest.raises(InputError, match="git lfs pull"):
+        read_recording(path)

@@ -17,7 +17,8 @@ from harness.app.sweep.regress import load_baseline
 from harness.core.recording import Recording
 from harness.io.columns import parse_columns
 from harness.io.logs.read import read_joint_log
-from harness.io.recording import ReadOptions, columns_of
+from harness.io.options import ReadOptions
+from harness.io.recording import columns_of
 from harness.io.units import parse_unit, split_header
 from harness.model.document import load
 from harness.proof.seal import Ledger

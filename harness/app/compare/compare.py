@@ -23,7 +23,7 @@ from harness.diagnosis.alignment.one_kind import of_one_kind
 from harness.diagnosis.alignment.pair import Clock
 from harness.diagnosis.comparison import Comparison, compared
 from harness.diagnosis.fit.rmse import percent_followed
-from harness.io.recording import ReadOptions
+from harness.io.options import ReadOptions
 from harness.io.store import output_folder
 from harness.results.common import P
 from harness.results.compare import Aligned, ChannelPair, CompareResult, Largest, OtherShift

@@ -13,7 +13,7 @@ from harness.app.shared.deliver import to_json
 from harness.app.shared.machine import cores, this_machine
 from harness.app.shared.progress import SILENT, Progress
 from harness.core.errors import InputError
-from harness.io.recording import ReadOptions
+from harness.io.options import ReadOptions
 from harness.io.store import growing_folder, write_text
 from harness.results.diagnosis import DiagnosisResult, MechanismResult
 from harness.results.machines import FoundResult, MachineRow, MachinesResult

@@ -7,7 +7,7 @@ from harness.app.diagnose.robot_options import RobotOptions
 from harness.core.errors import InputError
 from harness.core.robot.joint_log import JointLog
 from harness.io.logs.read import read_joint_log
-from harness.io.recording import ReadOptions
+from harness.io.options import ReadOptions
 
 
 def read_log(path: Path, joints: Sequence[str], asked: RobotOptions, reading: ReadOptions) -> JointLog:

@@ -12,7 +12,7 @@ from harness.core.recording import Recording
 from harness.diagnosis.request import AskedCovariate
 from harness.engines import registry
 from harness.engines.base import PRESETS, Preset, choice
-from harness.io.recording import ReadOptions
+from harness.io.options import ReadOptions
 from harness.model.covariate import Acts
 from harness.model.model import Model, Restoring
 

@@ -1,8 +1,9 @@
 """An outcome in the form of the results."""
 
 import logging
+import shlex
 from collections.abc import Mapping
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from typing import Any
 
 from harness.app.compare.compare import channel_pair
@@ -40,6 +41,7 @@ from harness.results.diagnosis import (
     MechanismResult,
     NearResult,
     PredictionResult,
+    ReadResult,
     RemainderResult,
     RuleResult,
     SurfaceResult,
@@ -69,6 +71,7 @@ def result_of(
     shared = _shared(recording, outcome, options, user)
     return DiagnosisResult(
         recording=_info(recording, prepared, problem),
+        read=_read(recording, options),
         verdict=outcome.verdict,
         statement=sentence_of(outcome, shared.has),
         baseline=_fit_result(outcome.base, outcome, outcome.base_parameters),
@@ -129,6 +132,15 @@ def _held_out(held: Holdout, given: list[str]) -> HoldoutResult:
 def _info(recording: Recording, prepared: Prepared, problem: Problem) -> RecordingInfo:
     about = recording_info(recording, problem.noise)
     return about.model_copy(update={"notes": [*about.notes, *map(_sentence, prepared.notes)]})
+
+
+def _read(recording: Recording, options: DiagnoseOptions) -> ReadResult | None:
+    if not recording.columns:
+        return None
+    columns = dict(recording.columns)
+    said = replace(options.reading, columns=",".join(f"{c}={product}" for c, product in columns.items()))
+    command = f"harness diagnose {shlex.quote(recording.file)} {said.pasted}"
+    return ReadResult(command=command, columns=columns, mended=list(recording.mended))
 
 
 def _sentence(note: str) -> str:

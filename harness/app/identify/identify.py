@@ -20,7 +20,7 @@ from harness.core.recording import Recording
 from harness.estimate.believed import believed
 from harness.estimate.every import estimate_all
 from harness.estimate.result import Estimation
-from harness.io.recording import ReadOptions
+from harness.io.options import ReadOptions
 from harness.io.store import output_folder
 from harness.results.common import P
 from harness.results.identify import IdentifyResult, Swing

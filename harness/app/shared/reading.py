@@ -13,7 +13,8 @@ from harness.core.errors import InputError
 from harness.core.recording import Recording
 from harness.core.trajectory import Trajectory
 from harness.estimate.noise import Noise
-from harness.io.recording import ReadOptions, read_recording
+from harness.io.options import ReadOptions
+from harness.io.recording import read_recording
 from harness.results.common import RecordingInfo
 
 __all__ = ["ReadOptions", "read", "read_as", "recording_info", "spooled"]

@@ -4,7 +4,7 @@ import re
 from dataclasses import dataclass
 from typing import Literal
 
-from harness.io.guess import ENDINGS
+from harness.io.guess import ENDINGS, is_commanded
 
 Field = Literal["position", "velocity", "effort", "current", "magnitude"]
 CHANNEL: dict[Field, str] = {"position": "x", "velocity": "v", "effort": "u", "current": "i", "magnitude": "u"}
@@ -27,11 +27,6 @@ WORDS: dict[Field, tuple[str, ...]] = {
 """Words for each; where a file has several of them, the first is taken."""
 SHORT = frozenset({"x", "v", "u"})
 """Words that say nothing behind the name of something (base.x)."""
-COMMANDED = frozenset(
-    {"cmd", "xcmd", "command", "commanded", "target", "goal", "desired", "des", "ref", "reference", "setpoint"}
-    | {"error", "err", "action"}
-)
-"""Words of a name by which it is not what was measured."""
 TOPICS = frozenset({"joint_states", "joint_state", "field", "observation", "robot", "state"})
 """Names before a field that are no joint's."""
 
@@ -80,7 +75,7 @@ class Named:
 def named(name: str) -> Named | None:
     """What the name of a column says of a joint ("elbow.position", "actual_qd_0", "u1_Nm"); None for any other."""
     text = name.strip()
-    if COMMANDED & set(re.split(r"[^a-z]+", text.lower())):
+    if is_commanded(text):
         return None
     for style, pattern in RULES:
         found = pattern.match(text)
