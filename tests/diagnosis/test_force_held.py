@@ -8,9 +8,12 @@ import pytest
 from harness import stages
 from harness.core.arrays import FloatArray
 from harness.core.recording import Recording
+from harness.diagnosis.grading.misfit import misfit
 from harness.diagnosis.pipeline import diagnose
+from harness.diagnosis.prepare.driven import ALL_FELT
 from harness.diagnosis.prepare.intersample_hold import ACTS_HELD, held
 from harness.diagnosis.problems.driven import Driven
+from harness.diagnosis.search.search import under
 from harness.kernels.solve import Drive, solve
 from harness.model.model import Model, ModelTerm, Restoring
 
@@ -99,3 +102,44 @@ def test_a_force_in_straight_lines_is_told_from_a_smooth_one_by_the_motion(noise
         quantity = outcome.base_parameters[name]
         assert quantity.stderr is not None
         assert quantity.value == pytest.approx(true, abs=5.0 * quantity.stderr)
+
+
+def _in_a_loop(noise: float) -> Recording:
+    """A free axis that a loop on encoder counts moves to and fro; the force is recorded with so much noise, N."""
+    m, c_loop, f_k, h, count = 2.0, 60.0, 3.0, 2e-3, 2e-6
+    random = np.random.default_rng(4)
+    t: FloatArray = np.arange(3000.0) * h
+    goal = 0.05 * np.sin(2.1 * t) + 0.03 * np.sin(4.7 * t)
+    x, v, before, seen, u = 0.0, 0.0, 0.0, np.zeros(t.size), np.zeros(t.size)
+    for i in range(t.size):
+        seen[i] = count * round(x / count)
+        u[i] = m * c_loop**2 * (goal[i] - seen[i]) - 1.6 * m * c_loop * (seen[i] - before) / h
+        before, left = seen[i], h
+        while left > 0.0 and not (v == 0.0 and abs(u[i]) <= f_k):
+            a = (u[i] - f_k * np.sign(v or u[i])) / m
+            stops = -v / a if v * a < 0.0 else np.inf
+            step = min(left, stops)
+            x, v = x + v * step + 0.5 * a * step**2, 0.0 if stops <= left else v + a * step
+            left -= step
+    return Recording(t=t, channels={"x": seen, "u": u + noise * random.standard_normal(t.size)})
+
+
+@pytest.mark.parametrize("noise", [0.0, 0.02])
+def test_the_scatter_of_a_command_is_no_noise_and_what_is_measured_has_its_own(noise: float) -> None:
+    prepared = stages.prepare(_in_a_loop(noise), restoring="none")
+    based = stages.fit_base(prepared.problem)
+    assert isinstance(based.problem, Driven)
+    assert based.problem.is_held
+    model, force = based.fit.model, based.problem.force_noise
+    if noise == 0.0:
+        assert force is None
+        assert ALL_FELT in prepared.notes
+        assert model.f_k == pytest.approx(3.0, rel=1e-4)
+    else:
+        assert force is not None
+        assert force.noise.sigma == pytest.approx(noise, rel=0.45)  # levels are twofold apart
+        assert model.f_k == pytest.approx(3.0, rel=1e-2)
+        # a grade sees the recording under the same noise as the test
+        graded = misfit(based.problem, based.fit, based.scales)
+        again = under(graded.base, graded.sensed(graded.noise_left(graded.base)))
+        assert again.chi2 == pytest.approx(based.fit.chi2, rel=1e-2)

@@ -1,6 +1,6 @@
 """A graded misfit, said: fits under the sensors' noise, mechanisms with shares and predictions, what is left."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -38,7 +38,7 @@ def told(graded: Graded) -> Told:
     """Everything seen with the sensors' noise, which the best model found leaves."""
     misfit = graded.misfit
     best = graded.named[0].fit if graded.named else misfit.base
-    problem = replace(misfit.problem, noise=misfit.noise_left(best))
+    problem = misfit.sensed(misfit.noise_left(best))
     base = under(misfit.base, problem)
     refined = base if best is misfit.base else under(best, problem)
     mechanisms = tuple(_mechanism(f, graded, base, problem) for f in graded.named)

@@ -23,7 +23,7 @@ def after_first_turn(graded: Graded) -> tuple[Search, Scales, float] | None:
     promising = [misfit.base, *(f.fit for f in graded.finalists[:1])]
     if not any(_explains(fit, graded) for fit in promising):
         return None
-    problem = misfit.problem.under_noise(noise_of(misfit.base, misfit.problem, misfit.scales.omega))
+    problem = misfit.sensed(noise_of(misfit.base, misfit.sensed(misfit.noise), misfit.scales.omega))
     base = settle(under(misfit.base, problem), problem, misfit.scales)
     alone = extend(base, problem, misfit.scales, begun=[f.fit.model for f in graded.finalists])
     found = search(problem, base, misfit.scales, alone=alone)
@@ -33,6 +33,6 @@ def after_first_turn(graded: Graded) -> tuple[Search, Scales, float] | None:
 def _explains(fit: Fit, graded: Graded) -> bool:
     """Whether a fit leaves noise alone, at the level that it leaves itself."""
     misfit = graded.misfit
-    problem = misfit.problem.under_noise(noise_of(fit, misfit.problem, misfit.scales.omega))
+    problem = misfit.sensed(noise_of(fit, misfit.sensed(misfit.noise), misfit.scales.omega))
     seen, base = under(fit, problem), under(misfit.base, problem)
     return left_by(seen, problem, misfit.scales.omega, base) is Left.NOISE

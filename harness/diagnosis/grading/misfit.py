@@ -12,6 +12,7 @@ from harness.diagnosis.baseline.residual_noise import residual_noise
 from harness.diagnosis.baseline.words import Strokes, evidence, strokes_of, words_of
 from harness.diagnosis.fit.model_fit import Fit, fit
 from harness.diagnosis.problem import Problem
+from harness.diagnosis.problems.force_noise import ForceNoise
 from harness.estimate.noise import Noise
 from harness.kernels.solve import Scales
 
@@ -25,14 +26,15 @@ _FEWEST = 50
 class Misfit:
     """What viscous and Coulomb friction leave, where no model explains it.
 
-    problem : from the first turning point, each channel's noise set to what the base leaves of it. base : fit under it.
-    noise : of the sensors, as it was seen before. strokes, words : of the motion. left_out : s, before the first
-    turning point.
+    problem : from the first turning point, each channel's noise set to what the base leaves of it, and that of a force
+    enlarged alike. base : fit under it. noise, force : of the sensors and of a force, as they were seen before.
+    strokes, words : of the motion. left_out : s, before the first turning point.
     """
 
     problem: Problem
     base: Fit
     noise: Mapping[str, Noise]
+    force: ForceNoise | None
     scales: Scales
     strokes: Strokes
     words: float
@@ -41,13 +43,19 @@ class Misfit:
     def noise_left(self, shown: Fit) -> dict[str, Noise]:
         """The sensors' noise by channel: what a fit leaves within short windows.
 
-        It is no more than was seen before, nor than all that the fit leaves.
+        It is no more than was seen before, nor than all that the fit leaves. Beside a noisy force it is what was seen.
         """
+        if self.force is not None:
+            return dict(self.noise)
         t, period = self.problem.t, 2.0 * math.pi / self.scales.omega
         left = {c: self.problem.even(c, y - shown.shown.y[c]) for c, y in self.problem.channels.items()}
         found = {c: residual_noise(t, r, self.problem.channels[c], period) for c, r in left.items()}
         least = {c: n if n.sigma < self.noise[c].sigma else self.noise[c] for c, n in found.items()}
         return {c: replace(n, sigma=min(n.sigma, _rms(left[c]) or n.sigma)) for c, n in least.items()}
+
+    def sensed(self, noise: Mapping[str, Noise]) -> Problem:
+        """The problem under this noise of the sensors, and under its force's own."""
+        return replace(self.problem, noise=noise, force_noise=self.force)
 
     def floor(self, noise: Mapping[str, Noise]) -> float:
         """What noise alone would leave of chi-square, in the units of the search."""
@@ -82,7 +90,7 @@ def misfit(problem: Problem, base: Fit, scales: Scales, *, whole: bool = False) 
     """The misfit of a recording whose base model is fitted. Raises SimulationError.
 
     A free decay is looked at from its first turning point, unless it is known to be free as a ``whole``; a driven
-    recording whole: no hand lets it go. What noise of its force does is part of the misfit.
+    recording whole: no hand lets it go.
     """
     problem, left_out = (problem, 0.0) if whole else problem.of_hand_free(_FEWEST)
     if left_out > 0.0:
@@ -90,9 +98,24 @@ def misfit(problem: Problem, base: Fit, scales: Scales, *, whole: bool = False) 
     strokes = strokes_of(base, problem)
     words = words_of(strokes)
     points = sum(float(np.sum(w)) for w in problem.weight.values())
-    left = {c: _rms(problem.even(c, y - base.shown.y[c])) for c, y in problem.channels.items()}
-    floor = {c: problem.noise[c].sigma for c in left}
     level = math.sqrt(points / (_CHI2_A_WORD * words))
-    weighed = problem.under_noise({c: Noise(level * max(s, floor[c]), True) for c, s in left.items()})
+    weighed = _weighed(problem, {c: y - base.shown.y[c] for c, y in problem.channels.items()}, level)
     base = fit(base.model, weighed, base.free, scales, thorough=False)
-    return Misfit(weighed, base, problem.noise, scales, strokes, words, left_out)
+    return Misfit(weighed, base, problem.noise, problem.force_noise, scales, strokes, words, left_out)
+
+
+def _weighed(problem: Problem, left: Mapping[str, FloatArray], level: float) -> Problem:
+    """A problem whose noise is ``level`` times what a base model leaves (n,) of each channel.
+
+    Beside a noisy force that is what each sample adds to those before, and the force's noise grows as the sensors' do.
+    """
+    force = problem.force_noise
+    if force is None:
+        sizes = {c: _rms(problem.even(c, r)) for c, r in left.items()}
+        return problem.under_noise({c: Noise(level * max(s, problem.noise[c].sigma), True) for c, s in sizes.items()})
+    white = problem.whitened(left)
+    over = {c: level * max(_rms(w), 1.0) for c, w in white.items()}
+    all_over = level * max(_rms(np.concatenate(list(white.values()))), 1.0)
+    grown = replace(force.at(all_over * force.noise.sigma), beyond=force.beyond / all_over**2)
+    noise = {c: replace(n, sigma=over[c] * n.sigma) for c, n in problem.noise.items()}
+    return replace(problem, noise=noise, force_noise=grown)

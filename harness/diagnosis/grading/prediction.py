@@ -60,8 +60,11 @@ class Predicted:
 
 
 def _missed(problem: Problem, shown: Mapping[str, FloatArray]) -> dict[str, FloatArray]:
-    """Squares (n,) of what is missed, by channel."""
-    return {c: problem.weight[c] * (y - shown[c]) ** 2 for c, y in problem.channels.items()}
+    """Squares (n,) of what is missed, by channel: beside a noisy force, of what each sample adds to those before."""
+    left = {c: y - shown[c] for c, y in problem.channels.items()}
+    if problem.force_noise is not None:
+        left = {c: problem.noise[c].sigma * white for c, white in problem.whitened(left).items()}
+    return {c: problem.weight[c] * r**2 for c, r in left.items()}
 
 
 def _refitted(found: Fit, problem: Problem, scales: Scales, train: BoolArray) -> dict[str, FloatArray] | None:

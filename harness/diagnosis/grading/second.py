@@ -24,7 +24,7 @@ def with_second(graded: Graded) -> Search | None:
     if graded.grade is not Grade.MAIN or misfit.problem.pairs_searched:
         return None
     scales, main = misfit.scales, graded.named[0].fit
-    problem = misfit.problem.under_noise(noise_of(main, misfit.problem, misfit.scales.omega))
+    problem = misfit.sensed(noise_of(main, misfit.sensed(misfit.noise), misfit.scales.omega))
     first = settle(under(main, problem), problem, scales)
     step = to_an_end(first, problem, scales)
     if not step.fits or step.fits[0].bic > first.bic - SECOND_TERM.value:

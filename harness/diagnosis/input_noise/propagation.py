@@ -14,13 +14,18 @@ import numpy as np
 from harness.core.arrays import BoolArray, FloatArray, IntArray
 from harness.core.events import EventKind, Events, Mode
 from harness.core.jit import compiled
+from harness.diagnosis.fit.model_fit import Fit
 from harness.diagnosis.fit.observe import Observation
+from harness.diagnosis.problem import Problem, apart
 from harness.diagnosis.problems.force_noise import ForceNoise
+from harness.diagnosis.rules import DECISIVE
 from harness.estimate.noise import Noise
 from harness.model.model import Model, Restoring
 
 _SHOWS = 0.01
 """Share of its sensors' variance that the force's noise adds somewhere, from which it is allowed for."""
+_LEVELS = (*(0.5**i for i in range(12)), 0.0)
+"""Shares of a force's scatter that may be noise."""
 _SERIES = 5
 """Terms of the exponential of a step: the next is 1/720 at a step of one radian."""
 _PLACED, _PLACED_EXACTLY = 0.1, 1e-3
@@ -58,6 +63,40 @@ def force_noise(
         found = replace(found, noise=replace(force, sigma=0.0, found=False))
     placed = _PLACED if found.noise.found else _PLACED_EXACTLY
     return replace(found, start=anew, jumps=_jumps(t, events, placed))
+
+
+def unlikely(found: Fit, problem: Problem) -> float:
+    """Minus twice the logarithm of the likelihood of what a fit leaves under a problem's noise, but for a constant."""
+    left = left_of(problem, found.shown)
+    if problem.force_noise is not None:
+        return problem.force_noise.unlikely(problem.t, problem.noise, problem.weight, left)
+    white = apart(problem, left)
+    size = sum(
+        float(np.count_nonzero(problem.weight[c])) * math.log(n.sigma**2 * (1.0 - n.phi**2))
+        for c, n in problem.noise.items()
+    )
+    return size + sum(float(np.sum(w**2)) for w in white.values())
+
+
+def left_of(problem: Problem, shown: Observation) -> dict[str, FloatArray]:
+    """What a motion leaves (n,) of each channel."""
+    return {c: y - shown.y[c] for c, y in problem.channels.items()}
+
+
+def as_it_shows(force: ForceNoise, problem: Problem, shown: Observation) -> ForceNoise | None:
+    """The noise of a force at the level that the motion shows beside a model; None where that is none.
+
+    A controller's command scatters with its encoder, and the slider has felt every bit of that: the largest level is
+    taken that is not decidedly less likely than the best one.
+    """
+    left = left_of(problem, shown)
+    told = force.as_told()
+    levels = [force.at(told.sigma * level) for level in _LEVELS] if told.found else []
+    if not levels:
+        return force
+    off = [one.unlikely(problem.t, problem.noise, problem.weight, left) for one in levels]
+    found = next(one for one, by in zip(levels, off, strict=True) if by <= min(off) + DECISIVE.value)
+    return found if found.noise.found or np.any(found.start) else None
 
 
 def _shows(force: ForceNoise, noise: Mapping[str, Noise]) -> bool:

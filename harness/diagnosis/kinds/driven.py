@@ -5,6 +5,8 @@ from contextlib import suppress
 from dataclasses import replace
 from typing import Any
 
+import numpy as np
+
 from harness.core.errors import SimulationError
 from harness.core.recording import Recording
 from harness.diagnosis.baseline.driven_base_fit import driven_baseline
@@ -13,6 +15,7 @@ from harness.diagnosis.fit.another import as_started, only_started
 from harness.diagnosis.fit.model_fit import Fit
 from harness.diagnosis.fit.rmse import motion_followed
 from harness.diagnosis.input_noise.noisy_base_fit import along, in_turn
+from harness.diagnosis.input_noise.propagation import unlikely
 from harness.diagnosis.inverse_dynamics.candidates import by_the_force
 from harness.diagnosis.inverse_dynamics.covariates import entered
 from harness.diagnosis.inverse_dynamics.held import as_it_acts
@@ -21,7 +24,7 @@ from harness.diagnosis.inverse_dynamics.validate import Judge
 from harness.diagnosis.kinds.inverse_dynamics import FittedForces
 from harness.diagnosis.kinds.kind import Kind
 from harness.diagnosis.outcome import Holdout
-from harness.diagnosis.prepare.driven import by_its_force, driven_problem, is_driven
+from harness.diagnosis.prepare.driven import ALL_FELT, by_its_force, driven_problem, is_driven
 from harness.diagnosis.prepare.intersample_hold import ACTS_HELD
 from harness.diagnosis.problem import Problem
 from harness.diagnosis.problems.driven import Driven, Forced
@@ -29,7 +32,7 @@ from harness.diagnosis.problems.inverse_dynamics import InverseDynamics
 from harness.diagnosis.problems.starts import Windows
 from harness.diagnosis.request import Asked
 from harness.diagnosis.residual_tests.structure import Left, left_by
-from harness.diagnosis.rules import FOLLOWED, FORCE_HELD
+from harness.diagnosis.rules import AMONG_NAMES, FOLLOWED, FORCE_HELD
 from harness.diagnosis.search.extend import Step, extend, settle
 from harness.diagnosis.search.search import Again, noise_of, once, search, under
 from harness.diagnosis.stages import Based, Found, Judged
@@ -95,14 +98,35 @@ class DrivenRecordings(Kind[Driven]):
         alone = _alone(based)
         if other_way is not None and not (alone.fits and _leaves_noise(alone.fits[0], based)):
             based, alone = _nearer(based, alone, other_way)
-        notes = (ACTS_HELD,) if based.whole.is_held else ()
+        notes = [ACTS_HELD] if based.whole.is_held else []
+        felt = self._all_felt(based)
+        if felt is not None:
+            (based, alone), notes = felt, [*notes, ALL_FELT]
         found = search(based.problem, based.fit, based.scales, renew, alone=alone)
         if not found.explained and _strays(found.base, found.problem):
             with suppress(SimulationError):
                 forces = FittedForces()
                 forced = forces.search(forces.fit_base(with_unseen_mass(by_its_force(based.whole))), other)
                 return replace(forced, notes=(_BY_FORCE, *notes, *forced.notes))
-        return Found(found, based.scales, found, notes=notes)
+        return Found(found, based.scales, found, notes=tuple(notes))
+
+    def _all_felt(self, based: Based[Driven]) -> tuple[Based[Driven], Step] | None:
+        """With a held force as it is recorded and one law each; None where its scatter may as well be noise.
+
+        What the base model leaves out may be what spoke for noise, so that this is asked again beside the best law.
+        """
+        force = based.problem.force_noise
+        if not (based.whole.is_held and force is not None and force.noise.found and not np.any(force.start)):
+            return None
+        with suppress(SimulationError):
+            quiet = self._followed(replace(based.whole, force_noise=None, otherwise=()))
+            alone = _alone(quiet)
+            if alone.fits:
+                best, names = alone.fits[0], AMONG_NAMES.value
+                own = replace(quiet.problem, noise=noise_of(best, quiet.problem, quiet.scales.omega))
+                if unlikely(best, own) + names < unlikely(based.fit, based.problem):
+                    return quiet, alone
+        return None
 
     def _other_way(self, based: Based[Driven]) -> Based[Driven] | None:
         """With the force acting in the other way that lets the base model come nearest.

@@ -11,9 +11,11 @@ from harness.core.errors import InputError, SimulationError
 from harness.core.recording import Recording
 from harness.diagnosis.baseline.driven_base_fit import driven_scales, own_scales
 from harness.diagnosis.fit.fitted_states import begun
+from harness.diagnosis.fit.model_fit import fit
 from harness.diagnosis.fit.observe import COARSE, observe
+from harness.diagnosis.fit.parameters import free_of
 from harness.diagnosis.fit.standard_errors import unit_of
-from harness.diagnosis.input_noise.propagation import force_noise
+from harness.diagnosis.input_noise.propagation import force_noise, unlikely
 from harness.diagnosis.prepare.held_driven import held_driven
 from harness.diagnosis.prepare.intersample_curve import between_samples
 from harness.diagnosis.prepare.intersample_hold import ACTS_HELD, acting
@@ -21,6 +23,8 @@ from harness.diagnosis.problems.driven import Driven, Forced
 from harness.diagnosis.problems.inverse_dynamics import InverseDynamics
 from harness.diagnosis.problems.starts import OneStart, Windows
 from harness.diagnosis.request import Asked
+from harness.diagnosis.rules import DECISIVE
+from harness.diagnosis.search.search import noise_of
 from harness.diagnosis.smoothed_state.inverse_start import inverse_start
 from harness.diagnosis.smoothed_state.state import Course
 from harness.diagnosis.smoothed_state.unsaid_spring import Beside
@@ -29,6 +33,7 @@ from harness.estimate.saturation import within_range
 from harness.estimate.stray import stray_in
 from harness.model.model import Model, Restoring
 
+ALL_FELT = "the scatter of the force is a controller's own, which the slider has felt: none of it is noise"
 HORIZON = 1.0
 """Default length of the windows where the force is fitted, s."""
 _FEWEST_IN_WINDOW = 20
@@ -147,11 +152,17 @@ def _followed(problem: Driven, course: Course, u: FloatArray, asked: Asked) -> t
         )
     if horizon is not None:
         problem = replace(problem, starts=course.anew(horizon))
-    problem = _allowing(begun(problem, force.model, driven_scales(problem, force.model)), force.model, noise_u)
+    problem = begun(problem, force.model, driven_scales(problem, force.model))
+    allowed = _allowing(problem, force.model, noise_u)
     notes = []
+    if force.held and _felt(problem, allowed, force.model):
+        notes.append(ALL_FELT)
+    else:
+        problem = allowed
     if problem.force_noise is not None and problem.force_noise.noise.found:
-        share = 100.0 * noise_u.sigma / math.sqrt(float(np.mean(u**2)))
-        of = f"{noise_u.sigma:.3g} {unit_of('N', problem)} ({share:.2g} % of its rms)"
+        level = problem.force_noise.noise.sigma
+        share = 100.0 * level / math.sqrt(float(np.mean(u**2)))
+        of = f"{level:.3g} {unit_of('N', problem)} ({share:.2g} % of its rms)"
         notes.append(f"the force's own noise, {of}, shows in the motion and is allowed for")
     if not isinstance(problem.starts, Windows):
         return problem, ("driven: the whole recording is followed from one start", *notes)
@@ -192,6 +203,21 @@ def _allowing(problem: Driven, model: Model, noise: Noise) -> Driven:
     shown = observe(model, problem, (), own_scales(problem, model), COARSE)
     starts, held = _unknown_starts(problem), problem.drive.held
     return replace(problem, force_noise=force_noise(model, shown, problem.t, noise, problem.noise, starts, held=held))
+
+
+def _felt(problem: Driven, allowed: Driven, model: Model) -> bool:
+    """Whether a held force acts as it is recorded, so that no part of its scatter is noise.
+
+    A controller's command scatters with its encoder. The motion tells: under the force as it stands the sensors' noise,
+    of the level that is left within short windows, is decidedly more likely than under a noisy one.
+    """
+    noisy = allowed.force_noise
+    if noisy is None or not noisy.noise.found or isinstance(problem.starts, Windows):
+        return False
+    scales = driven_scales(problem, model)
+    found = fit(model, problem, free_of(model, problem.base_names), scales)
+    as_it_stands = unlikely(found, replace(problem, noise=noise_of(found, problem, scales.omega)))
+    return as_it_stands < unlikely(found, allowed) - DECISIVE.value
 
 
 def _unknown_starts(problem: Driven) -> FloatArray | None:

@@ -31,6 +31,7 @@ class ForceNoise:
     slips (N,) : where it moves. jumps (N, 4) : of the acceleration at the event next to an instant, how far off that
     is, s, the acceleration before it, and how exactly a force of samples places it, s. averaged : whether samples are
     means, which show little of the force at an instant.
+    told : the noise as the force's own samples tell it, of which the motion may show less.
     start (N, 2) : standard deviations of position and speed, m and m/s, where the motion is followed anew, 0 elsewhere.
     beyond : chi-square that such noise may leave beyond first order.
     """
@@ -46,6 +47,22 @@ class ForceNoise:
     start: FloatArray
     averaged: bool = False
     beyond: float = 0.0
+    told: Noise | None = None
+
+    def as_told(self) -> Noise:
+        """The noise as the force's own samples tell it."""
+        return self.noise if self.told is None else self.told
+
+    def at(self, sigma: float) -> "ForceNoise":
+        """With a noise of this level, N, known to be as large as it was told."""
+        told = self.as_told()
+        return replace(self, noise=replace(told, sigma=sigma, found=sigma > 0.0), told=told)
+
+    def unlikely(self, t: FloatArray, noise: Mapping[str, Noise], weight: Mapping[str, FloatArray],
+                 values: Mapping[str, FloatArray]) -> float:  # fmt: skip
+        """Minus twice the logarithm of the likelihood of residuals (n,) of channels at t, but for a constant."""
+        white, variance = self.whitened(t, noise, weight, values)
+        return sum(float(np.sum(w**2 + (weight[c] > 0.0) * np.log(variance[c]))) for c, w in white.items())
 
     def whitened(
         self,
