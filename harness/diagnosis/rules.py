@@ -148,6 +148,13 @@ PREDICTS_WORSE = Rule(
     "a term forced into a control, which needs none, raises the error of what was held out by 1.8 % at most of 500"
     " (reports/proof, harness prove)",
 )
+LOOSE = Rule(
+    "loose",
+    1.0,
+    "standard errors over the number",
+    "a law of a fitted force whose leading number is looser than itself is no name",
+    "below one standard error nothing says that there is any of it: zero is as near as the number",
+)
 HAND_SHOWN = Rule(
     "hand-shown",
     0.5,

@@ -25,10 +25,12 @@ def moved(model: Model = SPRING) -> Solution:
     return solve(model, T, drive=Drive(T, 2.0 * U if model is ARM else U))
 
 
-def chosen(x: FloatArray, run: Solution, asked: Asked = Asked(), angular: bool = False, push: float = 0.0) -> Asked:  # noqa: B008  (frozen)
+def chosen(
+    x: FloatArray, run: Solution, asked: Asked | None = None, angular: bool = False, push: float | FloatArray = 0.0
+) -> Asked:
     u = (2.0 * U if angular else U) + push
     noise = 0.01 * np.random.default_rng(3).standard_normal(T.size)
-    return held_driven(asked, (x, run.v, run.a), u + noise, angular)[0]
+    return held_driven(asked or Asked(), (x, run.v, run.a), u + noise, angular)[0]
 
 
 def test_what_rests_at_nought_is_measured_from_its_rest() -> None:
@@ -47,6 +49,13 @@ def test_what_is_beyond_reach_is_a_push() -> None:
     run = moved()
     push = 3.0 * ZERO_REACH.value * SPRING.k * 0.5 * float(np.ptp(run.x))
     assert chosen(run.x, run, push=push) == Asked(Restoring.SPRING, zero_free=False)
+
+
+def test_a_slider_that_nothing_pulls_back_is_held_by_nothing() -> None:
+    run = moved(Model(m=1.0, c=1.2, k=0.0, f_k=0.4, restoring=Restoring.NONE))
+    assert chosen(run.x, run).restoring is Restoring.NONE
+    # beside a cogging of a tenth of the force too
+    assert chosen(run.x, run, push=0.3 * np.cos(40.0 * run.x)).restoring is Restoring.NONE
 
 
 @pytest.mark.parametrize("zero", [0.0, 1.1, -2.5])

@@ -120,6 +120,18 @@ def loosest(found: Fit, problem: Problem, index: int, omega: float) -> float:
     return max(sizes, default=math.nan)
 
 
+def leading(found: Fit, problem: Problem, index: int, omega: float) -> float:
+    """Relative standard error of the number that says how much of the term at ``index`` there is, the first of a law
+    without one; nan where it has none. See ``loosest``.
+    """
+    term = found.model.terms[index].term
+    said = term_parameters(found, problem, index, omega, explained=False)
+    one = said.get(term.parameters[term.amplitude or 0].name) if term.parameters else None
+    if one is None or one.stderr is None or not one.value:
+        return math.nan
+    return one.stderr / abs(one.value)
+
+
 def base_parameters(found: Fit, problem: Problem, omega: float, explained: bool) -> dict[str, Quantity]:
     """omega_n, zeta, x_k of a fit (mass, c, f_k on a free axis), standard errors through the first derivatives.
 

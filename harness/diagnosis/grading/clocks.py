@@ -1,4 +1,7 @@
-"""Laws with a clock of their own, and when it keeps time with the motion: such a law follows any other."""
+"""Laws with a clock of their own, and when it keeps time with the motion: such a law follows any other.
+
+A resonator is a clock too, at its own frequency: shaken on the swing it answers with whatever phase is asked.
+"""
 
 import math
 from collections.abc import Sequence
@@ -7,6 +10,8 @@ from harness.diagnosis.rules import SAME_CLOCK
 from harness.model.model import ModelTerm
 from harness.model.term import Slot
 
+_RESONATOR, _DAMPED = "omega_2", "zeta_2"
+"""Of a mass that rides on the slider: its frequency, and its damping, half its band over that."""
 _MULTIPLES = range(5)
 """Of the motion's frequency; the first is none, which a clock slower than the recording cannot be told from."""
 
@@ -17,7 +22,16 @@ def on_the_swing(entry: ModelTerm, omega: float, span: float) -> bool:
     omega : of the motion, rad/s. span : of the recording, s.
     """
     rates = [m * omega for m in _MULTIPLES]
-    return any(_one(rate, own, span) for own in _clocks((entry,)) for rate in rates)
+    return any(_one(rate, own, span) for own in _clocks((entry,)) for rate in rates) or _resonates(entry, omega, span)
+
+
+def in_step(entry: ModelTerm, period: float, span: float) -> bool:
+    """Whether a clock keeps time with a drive that repeats itself: a to-and-fro push keeps time and place together.
+
+    period, span : of the drive and of the recording, s.
+    """
+    rate = 2.0 * math.pi / period
+    return any(_one(own, max(round(own / rate), 1) * rate, span) for own in _clocks((entry,)))
 
 
 def unresolved(entries: Sequence[ModelTerm], omega: float, span: float) -> bool:
@@ -30,7 +44,19 @@ def unresolved(entries: Sequence[ModelTerm], omega: float, span: float) -> bool:
     """
     clocks = _clocks([entry for entry in entries if entry.term.slot is Slot.SMOOTH])
     alike = any(_one(a, b, span) for i, a in enumerate(clocks) for b in clocks[:i])
-    return alike or any(_one(own, rate, span) for own in clocks for rate in (0.0, omega))
+    swung = any(_resonates(entry, omega, span) for entry in entries)
+    return alike or swung or any(_one(own, rate, span) for own in clocks for rate in (0.0, omega))
+
+
+def _resonates(entry: ModelTerm, omega: float, span: float) -> bool:
+    """Whether a law is a resonator whose band reaches the swing, or that is slower than the recording shows.
+
+    One that is damped as strongly as it swings is a delay, and reaches everywhere.
+    """
+    if _RESONATOR not in entry.term.names:
+        return False
+    own, width = entry.value(_RESONATOR), entry.value(_DAMPED) * entry.value(_RESONATOR)
+    return any(_one(max(abs(own - rate) - width, 0.0), 0.0, span) for rate in (0.0, omega))
 
 
 def _clocks(entries: Sequence[ModelTerm]) -> list[float]:

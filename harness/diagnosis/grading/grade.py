@@ -30,6 +30,7 @@ from harness.diagnosis.rules import (
     HELD_OUT,
     LEAST_CYCLES,
     LEAST_RATIO,
+    LOOSE,
     MARGIN,
     MOST_LISTED,
     NEARLY_AS_MUCH,
@@ -59,7 +60,8 @@ class Finalist:
     fit : under the noise of the misfit. gain : evidence over the base. share : of the misfit beyond the sensors' noise
     that it takes off; of_all : of the whole; company : of the misfit, beside the other name with which it leaves least.
     clock : whether it has a clock of its own on the swing. held, run : prediction of blocks that were left out, and of
-    the last part from the first. loosest : largest standard error of its parameters, relative. None and nan are what
+    the last part from the first. loosest : largest standard error of its parameters, relative; leading : that of the
+    number that says how much of the law there is, where a force is fitted. None and nan are what
     was not looked at.
     """
 
@@ -71,6 +73,7 @@ class Finalist:
     held: Predicted | None = None
     run: Predicted | None = None
     loosest: float = math.nan
+    leading: float = math.nan
     company: float = math.nan
 
     @property
@@ -184,7 +187,7 @@ def grade(misfit: Misfit, begun: Sequence[Model] = ()) -> Graded:
 
 def _loosest(fit: Fit, misfit: Misfit) -> float:
     """Under the sensors' noise, as a result gives the standard errors."""
-    problem = replace(misfit.problem, noise=misfit.noise_left(fit))
+    problem = misfit.sensed(misfit.noise_left(fit))
     return loosest(under(fit, problem), problem, len(fit.model.terms) - 1, misfit.scales.omega)
 
 
@@ -253,6 +256,7 @@ def worthy(f: Finalist, found: Contest) -> bool:
     """Whether a term takes most of the misfit, and predicts."""
     return (
         f.gain >= GAIN.value
+        and not f.leading >= LOOSE.value
         and f.share >= SHARE_OF_EXCESS.value
         and f.of_all >= SHARE_OF_MISFIT.value
         and ratio(f.held, found.base_held) <= HELD_OUT.value
@@ -266,6 +270,8 @@ def _by_share(found: C) -> C | None:
     candidates = [f for f in found.finalists if not f.clock and worthy(f, found)]
     if not candidates:
         return None
+    if any(f.leading >= LOOSE.value for f in found.finalists):
+        rules = (*rules, LOOSE)
     first = candidates[0]
     near = _alike(first, found)
     better = [f for f in candidates if f not in near and _predicts_better(f, first)]

@@ -1,6 +1,5 @@
 """Grades of a fitted force: which law is the main part of what the base model leaves of it."""
 
-import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
@@ -11,9 +10,9 @@ from harness.diagnosis.baseline.base_fit import dominant_frequency
 from harness.diagnosis.baseline.words import evidence
 from harness.diagnosis.fit.model_fit import Fit
 from harness.diagnosis.fit.observe import Observation
-from harness.diagnosis.fit.standard_errors import loosest
+from harness.diagnosis.fit.standard_errors import leading, loosest
 from harness.diagnosis.grading.chance import OF_FORCES, Odds
-from harness.diagnosis.grading.clocks import on_the_swing
+from harness.diagnosis.grading.clocks import in_step, on_the_swing
 from harness.diagnosis.grading.company import in_company
 from harness.diagnosis.grading.grade import Contest, Finalist, cells_of, decided
 from harness.diagnosis.grading.prediction import Predicted, blocks_of
@@ -158,28 +157,41 @@ def _ranked(
     excess, span = base.squares - noise, float(measured.t[-1] - measured.t[0])
     cells = cells_of(seen_in(base, measured, problem, scales))
     clocks = [scales.omega, *(dominant_frequency(m.t, m.x) for m in measured.each)]
-    clocks += [] if words.period is None else [2.0 * np.pi / words.period]
+    reach = float(np.max(np.abs(measured.x - base.model.offset)))
+    speed = float(np.max(np.abs(measured.v)))
     best: dict[str, tuple[Finalist, ForceFit]] = {}
     for one in singles:
         entry, taken = one.model.terms[-1], base.squares - one.squares
         more, name = len(one.free) - len(base.free), one.model.terms[-1].term.name
         gain = evidence(base.squares, one.squares, words.words, more, cells[name])
-        if not one.model.as_named(0.0, math.inf) or (name in best and gain <= best[name][0].gain):
+        if not one.model.as_named(reach, speed) or (name in best and gain <= best[name][0].gain):
             continue
         clock = any(on_the_swing(entry, omega, span) for omega in clocks)
+        clock |= words.period is not None and in_step(entry, words.period, span)
         share = min(taken / excess, 1.0) if excess > 0.0 else 0.0
         best[name] = Finalist(fitted.counted(one), gain, share, taken / base.squares, clock), one
     alone = sorted(best.values(), key=lambda found: -found[0].gain)
     if excess <= 0.0:
         return alone
     return [
-        (replace(f, loosest=_loosest(f, fitted), company=_company(one, alone, base) / excess), one) for f, one in alone
+        (
+            replace(
+                f, loosest=_loosest(f, fitted), leading=_leading(f, fitted), company=_company(one, alone, base) / excess
+            ),
+            one,
+        )
+        for f, one in alone
     ]
 
 
 def _loosest(one: Finalist, fitted: Fitted) -> float:
     """Under what the force leaves over."""
     return loosest(one.fit, fitted.problem, len(one.fit.model.terms) - 1, fitted.scales.omega)
+
+
+def _leading(one: Finalist, fitted: Fitted) -> float:
+    """Of the number that says how much of a law there is."""
+    return leading(one.fit, fitted.problem, len(one.fit.model.terms) - 1, fitted.scales.omega)
 
 
 def _company(one: ForceFit, alone: Sequence[tuple[Finalist, ForceFit]], base: ForceFit) -> float:

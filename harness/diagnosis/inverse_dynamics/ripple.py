@@ -12,7 +12,11 @@ from harness.diagnosis.inverse_dynamics.protocol import Filtered
 from harness.model.model import Model
 
 _LEAST_CYCLES, _MOST_CYCLES = 8.0, 400.0
-"""Over the travel: fewer are a slow change with place, more are finer than a path is read."""
+"""Over the travel, by the published protocol: fewer change slowly with place, more are finer than a path is read."""
+_FEWEST_CYCLES = 1.5
+"""Over the travel, of a law that is fitted beside others: fewer are a spring's shape."""
+_SLOW = 3
+"""Periods of fewer cycles than the protocol's that are looked at."""
 _PER_CYCLE = 4
 """Frequencies tried per one over the travel."""
 _MOVING = 0.05
@@ -39,7 +43,7 @@ def find_ripple(model: Model, recording: Filtered) -> Ripple:
     moving = np.abs(r.v) > _MOVING * float(np.max(np.abs(r.v)))
     x, y = r.x[moving], left[moving] - float(np.mean(left[moving]))
     travel = float(np.ptp(x))
-    power = _spectrum(x, y)
+    power = _spectrum(x, y, _LEAST_CYCLES, _MOST_CYCLES)
     best = 2.0 * math.pi / periods(x, y, 1)[0]
     near = best + np.linspace(-1.0, 1.0, 41) * 2.0 * math.pi / (_PER_CYCLE * travel)
     best = float(near[int(np.argmax(_power(x, y, near)))])
@@ -50,20 +54,24 @@ def find_ripple(model: Model, recording: Filtered) -> Ripple:
 
 
 def periods(x: FloatArray, force: FloatArray, count: int = 6) -> list[float]:
-    """Periods (m) at which a force (n,) left over at positions x (n,) stands out, strongest first."""
+    """Periods (m) at which a force (n,) left over at positions x (n,) stands out, strongest first, and slow ones."""
+    fine = _standing_out(x, force, _LEAST_CYCLES, _MOST_CYCLES)[:count]
+    return [*fine, *_standing_out(x, force, _FEWEST_CYCLES, _LEAST_CYCLES)[:_SLOW]]
+
+
+def _standing_out(x: FloatArray, force: FloatArray, fewest: float, most: float) -> list[float]:
     travel = float(np.ptp(x))
-    power = _spectrum(x, force - float(np.mean(force)))
-    return [travel / (_LEAST_CYCLES + i / _PER_CYCLE) for i in peaks(power)[:count].tolist()]
+    power = _spectrum(x, force - float(np.mean(force)), fewest, most)
+    return [travel / (fewest + i / _PER_CYCLE) for i in peaks(power).tolist()]
 
 
-def _spectrum(x: FloatArray, y: FloatArray) -> FloatArray:
+def _spectrum(x: FloatArray, y: FloatArray, fewest: float, most: float) -> FloatArray:
     """Squared amplitude from the fewest to the most cycles over the travel, by sums over short places: linear in n."""
     travel = float(np.ptp(x))
     place = np.minimum(((x - x.min()) / travel * _PLACES).astype(np.int64), _PLACES - 1)
     sums = np.bincount(place, y, _PLACES)
-    first = round(_LEAST_CYCLES * _PER_CYCLE)
     power: FloatArray = np.abs(np.fft.rfft(sums, _PER_CYCLE * _PLACES)) ** 2
-    return power[first : round(_MOST_CYCLES * _PER_CYCLE)] * (2.0 / x.size) ** 2
+    return power[round(fewest * _PER_CYCLE) : round(most * _PER_CYCLE)] * (2.0 / x.size) ** 2
 
 
 def _power(x: FloatArray, y: FloatArray, wave: FloatArray) -> FloatArray:

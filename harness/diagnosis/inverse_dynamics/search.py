@@ -111,7 +111,9 @@ def search_driven(problem: InverseDynamics, judge: Judge | None = None) -> Force
     if left is Left.NOISE:
         return ForceSearch(search, scales, over, None)
     fitted_to = Fitted(problem, measured, scales, base, chosen, shown)
-    laws = [f for f in singles if f is not base and _moves(f, least, problem, scales)]
+    # a law that says the force but moves worse than the base model is no name either
+    as_well = 100.0 - PREDICTS_WORSE.value * (100.0 - _followed(base, problem, scales))
+    laws = [f for f in singles if f is not base and _moves(f, as_well, problem, scales)]
     return ForceSearch(search, scales, over, graded(fitted_to, last, laws, over, judge is not None))
 
 

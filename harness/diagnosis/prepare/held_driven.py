@@ -4,16 +4,17 @@ As for a free decay (harness.diagnosis.prepare.held), another way than the plain
 taken only where the force left over falls by what a misfit counts.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
-from harness.core.arrays import FloatArray
+from harness.core.arrays import BoolArray, FloatArray
 from harness.diagnosis.baseline.words import Strokes, evidence, words_of
 from harness.diagnosis.request import Asked
-from harness.diagnosis.rules import GAIN, LARGE_ANGLE, ZERO_REACH
+from harness.diagnosis.rules import GAIN, ZERO_REACH
 from harness.diagnosis.smoothed_state.inverse_start import in_motion
-from harness.diagnosis.smoothed_state.unsaid_spring import left_by
+from harness.diagnosis.smoothed_state.unsaid_spring import MOST, left_by
 from harness.model.model import Restoring
 
 
@@ -31,6 +32,17 @@ class _Way:
         return along > 0.0 and abs(across) <= ZERO_REACH.value * reach * along
 
 
+def _pulls_back(ways: Sequence[_Way], base: FloatArray, moving: BoolArray, right: FloatArray) -> bool:
+    """Whether some way takes nearly all off what is left of the force (m,) without any; base (m, q) : its columns."""
+    free, _ = left_by(np.column_stack([base, np.ones(right.size)]), right)
+    for way in ways:
+        left, factors = left_by(np.column_stack([way.columns[moving], base]), right)
+        pulls = way.restoring is Restoring.PENDULUM or factors[0] > 0.0
+        if pulls and left < (1.0 - MOST) * free:
+            return True
+    return False
+
+
 def held_driven(
     asked: Asked, state: tuple[FloatArray, FloatArray, FloatArray], u: FloatArray, angular: bool
 ) -> tuple[Asked, tuple[str, ...]]:
@@ -45,12 +57,14 @@ def held_driven(
     x, v, a = state
     moving = in_motion(v)
     ways = [_Way(Restoring.SPRING, np.column_stack([x, np.ones_like(x)]))]
-    if asked.restoring is None and angular and float(np.ptp(x)) > 2.0 * LARGE_ANGLE.value:
+    if asked.restoring is None and angular:
         ways.append(_Way(Restoring.PENDULUM, np.column_stack([np.sin(x), np.cos(x)])))
     base = np.column_stack([v, np.sign(v), *([a] if asked.mass is None else [])])[moving]
     right = (u if asked.mass is None else u - asked.mass * a)[moving]
     reach, words = 0.5 * float(np.ptp(x)), words_of(Strokes.by(v[moving]))
     plain, _ = left_by(np.column_stack([x[moving], base]), right)
+    if asked.restoring is None and not _pulls_back(ways, base, moving, right):
+        return replace(asked, restoring=Restoring.NONE), ("held by nothing: the force shows no spring",)
     best, most = Restoring.SPRING, 0.0
     for way in ways:
         left, factors = left_by(np.column_stack([way.columns[moving], base]), right)
