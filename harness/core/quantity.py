@@ -10,12 +10,14 @@ class Quantity:
 
     value : None when the estimate was refused. stderr : one standard error, None only with a reason.
     unit : SI symbol, "1" for a pure number. why : the reason for what is missing.
+    systematic : what effects that could not be seen could shift it by, None where that was not asked.
     """
 
     value: float | None
     stderr: float | None
     unit: str
     why: str | None = None
+    systematic: float | None = None
 
     def __post_init__(self) -> None:
         if self.value is not None and not math.isfinite(self.value):

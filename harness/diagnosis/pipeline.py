@@ -12,6 +12,8 @@ from harness.core.errors import SimulationError
 from harness.core.recording import Recording
 from harness.diagnosis.explain.by_force import cautions_of_force, mechanisms_of, remainder_of
 from harness.diagnosis.explain.cautions import cautions, cautions_of_misfit
+from harness.diagnosis.explain.could_hide import could_hide, with_systematic
+from harness.diagnosis.explain.could_hide import said as hiding
 from harness.diagnosis.explain.graded import told
 from harness.diagnosis.explain.mechanism import each_of, mechanism
 from harness.diagnosis.explain.next_experiment import left_open, left_open_by_grade, next_experiment, to_be_sure
@@ -157,6 +159,11 @@ def _said(judged: Judged) -> Outcome:
     unpredicted = (prediction.why,) if prediction.why else ()
     warned = cautions(found, judgement, prediction) if by_force is None else cautions_of_force(by_force)
     said = () if stepping is None else (stepping.sentence,)
+    numbers = base_parameters(found.base, problem, scales.omega, verdict == "adequate")
+    if verdict == "adequate" and "driven" in problem.given:
+        hidden = could_hide(found, scales)
+        said = (*said, *hiding(numbers, hidden))
+        numbers = with_systematic(numbers, hidden)
     outcome = Outcome(
         problem=problem,
         scales=scales,
@@ -170,8 +177,10 @@ def _said(judged: Judged) -> Outcome:
             for f in found.singles
             if f.model.terms
         ),
-        base_parameters=base_parameters(found.base, problem, scales.omega, verdict == "adequate"),
-        refined_parameters=base_parameters(refined, problem, scales.omega, verdict != "unexplained"),
+        base_parameters=numbers,
+        refined_parameters=numbers
+        if refined is found.base and verdict == "adequate"
+        else base_parameters(refined, problem, scales.omega, verdict != "unexplained"),
         next_experiment=next_experiment(left_open(mechanisms, found), problem, scales)
         or to_be_sure(mechanisms, judgement.rules, "driven" in problem.given),
         warnings=(*said, *warned, *unpredicted, *judged.found.notes),

@@ -21,6 +21,11 @@ class P(Result):
     stderr: float | None
     unit: str
     why: str | None = Field(default=None, exclude_if=lambda why: why is None)
+    systematic: float | None = Field(
+        default=None,
+        description="what effects that could not be seen could shift it by",
+        exclude_if=lambda systematic: systematic is None,
+    )
 
     @model_validator(mode="after")
     def _nothing_missing_without_reason(self) -> "P":
@@ -31,7 +36,13 @@ class P(Result):
     @classmethod
     def of(cls, quantity: Quantity) -> "P":
         """The result form of a core Quantity."""
-        return cls(value=quantity.value, stderr=quantity.stderr, unit=quantity.unit, why=quantity.why)
+        return cls(
+            value=quantity.value,
+            stderr=quantity.stderr,
+            unit=quantity.unit,
+            why=quantity.why,
+            systematic=quantity.systematic,
+        )
 
 
 Span = Annotated[list[float], Field(min_length=2, max_length=2, description="[t0, t1] in s")]

@@ -10,12 +10,13 @@ from harness.core.arrays import FloatArray
 from harness.core.errors import InputError, SimulationError
 from harness.core.recording import Recording
 from harness.diagnosis.baseline.driven_base_fit import driven_scales, own_scales
+from harness.diagnosis.baseline.residual_noise import residual_noise
 from harness.diagnosis.fit.fitted_states import begun
 from harness.diagnosis.fit.model_fit import fit
 from harness.diagnosis.fit.observe import COARSE, observe
 from harness.diagnosis.fit.parameters import free_of
 from harness.diagnosis.fit.standard_errors import unit_of
-from harness.diagnosis.input_noise.propagation import force_noise, unlikely
+from harness.diagnosis.input_noise.propagation import force_noise, left_of, unlikely
 from harness.diagnosis.prepare.held_driven import held_driven
 from harness.diagnosis.prepare.intersample_curve import between_samples
 from harness.diagnosis.prepare.intersample_hold import ACTS_HELD, acting
@@ -24,7 +25,6 @@ from harness.diagnosis.problems.inverse_dynamics import InverseDynamics
 from harness.diagnosis.problems.starts import OneStart, Windows
 from harness.diagnosis.request import Asked
 from harness.diagnosis.rules import DECISIVE
-from harness.diagnosis.search.search import noise_of
 from harness.diagnosis.smoothed_state.inverse_start import inverse_start
 from harness.diagnosis.smoothed_state.state import Course
 from harness.diagnosis.smoothed_state.unsaid_spring import Beside
@@ -216,7 +216,9 @@ def _felt(problem: Driven, allowed: Driven, model: Model) -> bool:
         return False
     scales = driven_scales(problem, model)
     found = fit(model, problem, free_of(model, problem.base_names), scales)
-    as_it_stands = unlikely(found, replace(problem, noise=noise_of(found, problem, scales.omega)))
+    left, period = left_of(problem, found.shown), 2.0 * math.pi / scales.omega
+    own = {c: residual_noise(problem.t, left[c], y, period) for c, y in problem.channels.items()}
+    as_it_stands = unlikely(found, replace(problem, noise=own))
     return as_it_stands < unlikely(found, allowed) - DECISIVE.value
 
 
