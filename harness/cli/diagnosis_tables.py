@@ -123,25 +123,18 @@ def _print_shares(found: "AttributionResult") -> None:
 
     say("whose mismatch it is, % of the mean square:")
     table = Table()
-    errors = found.stderr or {}
-    shares = {
-        "parameters and engine" if found.why else "parameters": (found.parameters, errors.get("parameters")),
-        **({} if found.why else {"engine": (found.engine, errors.get("engine"))}),
-        "missing physics": (found.missing_physics, errors.get("missing_physics")),
-        "unexplained": (found.unexplained, None),
-        "noise": (found.noise, None),
-    }
-    for heading in shares:
-        table.add_column(heading, justify="right")
-    table.add_row(*(_percent(share, error) for share, error in shares.values()))
+    for bar in found.bars:
+        table.add_column(bar.name, justify="right")
+    table.add_row(*(f"{100.0 * bar.share:.1f}" for bar in found.bars))
     show(table)
     if found.reads is not None:
         table = Table()
-        for heading in ("", "your trace reads", "the recording reads"):
+        own = "your trace reads" if found.engine is None else "your simulation has"
+        for heading in ("", own, "the recording reads"):
             table.add_column(heading, justify="right" if heading else "left", no_wrap=True)
-        for name, own in found.reads.items():
+        for name, read in found.reads.items():
             if name in found.recording:
-                table.add_row(name, with_error(own), with_error(found.recording[name]))
+                table.add_row(name, with_error(read), with_error(found.recording[name]))
         show(table)
     for sentence in found.sentences:
         say(f"- {sentence}")
@@ -149,12 +142,6 @@ def _print_shares(found: "AttributionResult") -> None:
         say("to change in your simulation:")
         for change in found.changes:
             say(f"- {change.said}")
-
-
-def _percent(share: float, error: float | None) -> str:
-    """A share in per cent, none below zero by its rounding, with its standard error."""
-    shown = f"{round(100.0 * share, 1) + 0.0:.1f}"
-    return shown if error is None else f"{shown} +- {100.0 * error:.1f}"
 
 
 def _fits(result: "DiagnosisResult") -> "Table":

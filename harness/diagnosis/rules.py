@@ -676,6 +676,21 @@ TRACES_LOUD = Rule(
     "chance moves the mean square of N samples by sqrt(2/N), 0.2 at the least of 50, and an estimated noise by as"
     " much: two of these",
 )
+CHANGED = Rule(
+    "changed",
+    3.0,
+    "standard errors of the recording's figure",
+    "a parameter of a simulation is to be changed",
+    "two-sided level of 0.3 % each: of three parameters that are right one is named in 1 % of recordings",
+)
+CHANGED_BY = Rule(
+    "changed-by",
+    1e-3,
+    "relative",
+    "and it is off by so much",
+    "as clock-rate: a frequency is known to the clock of its recording, and 0.1 % of any parameter moves nothing that a"
+    " simulation is made for",
+)
 ONE_CHANNEL = Rule(
     "one-channel",
     0.95,

@@ -121,14 +121,24 @@ class ChangeResult(Result):
     said: str = Field(description="the change in words")
 
 
+class Bar(Result):
+    """Part of the mean square mismatch. of: one of engine, parameters, missing_physics, unexplained and noise, or
+    several whose errors make up for each other.
+    """
+
+    of: list[str]
+    name: str
+    share: float
+
+
 class AttributionResult(Result):
     """Shares of the mean square mismatch of a simulation; they add up to 1, negative ones too.
 
     Shapley values of a game in which engine, parameters and missing physics are put right in every order.
     """
 
-    engine: float
-    why: str | None = Field(default=None, description="why engine is 0: with --sim alone it is in parameters")
+    engine: float | None
+    why: str | None = Field(default=None, description="why engine is null: with --sim alone it is in parameters")
     parameters: float
     missing_physics: float
     unexplained: float
@@ -145,6 +155,8 @@ class AttributionResult(Result):
     recording: dict[str, P] = Field(default_factory=dict, description="the refined model's, beside it")
     changes: list[ChangeResult] = Field(default_factory=list, description="what to change, what moves most first")
     sentences: list[str] = Field(default_factory=list)
+    paste: str | None = Field(default=None, description="attributes that mend the engine's friction")
+    bars: list[Bar] = Field(default_factory=list, description="the shares as drawn: none is negative, all add up to 1")
 
 
 class ForceError(Result):

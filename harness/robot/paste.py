@@ -38,13 +38,11 @@ class JointPaste:
     @property
     def mjcf_words(self) -> dict[str, str]:
         """Attributes of the joint's element in MJCF; friction as stiff as the step allows."""
-        stiff = presets("joint", "tuned", self.dt)
         return {
             "frictionloss": _text(self.f_k),
             "damping": _text(self.c),
             "armature": _text(self.armature),
-            "solreffriction": " ".join(map(_text, stiff["solreffriction"])),
-            "solimpfriction": " ".join(map(_text, stiff["solimpfriction"])),
+            **stiff_friction(self.dt),
         }
 
     @property
@@ -82,6 +80,12 @@ class JointPaste:
                     f"urdf: PyBullet reads friction = {self.f_k:.4g} without effect; a velocity motor has it"
                 )
         return tuple(missing)
+
+
+def stiff_friction(dt: float) -> dict[str, str]:
+    """Attributes of a joint in MJCF with which MuJoCo's dry friction is as stiff as a step of dt s allows."""
+    stiff = presets("joint", "tuned", dt)
+    return {name: " ".join(map(_text, stiff[name])) for name in ("solreffriction", "solimpfriction")}
 
 
 def written(path: Path, paste: JointPaste) -> tuple[Path, str] | None:

@@ -68,8 +68,11 @@ def test_the_fit_improves_where_it_was_not_fitted_and_in_both_engines(done: Done
 def test_shares_of_the_mismatch_add_up_to_all_of_it(done: Done) -> None:
     found = done[0].attribution
     assert found is not None
+    assert found.engine is not None
     shares = (found.engine, found.parameters, found.missing_physics, found.unexplained, found.noise)
     assert sum(shares) == pytest.approx(1.0, abs=1e-12)
+    assert sum(bar.share for bar in found.bars) == pytest.approx(1.0, abs=1e-12)
+    assert min(bar.share for bar in found.bars) >= 0.0
     # without --model the configuration is the baseline fit, whose parameters stand for a part of what it lacks
     assert found.parameters + found.missing_physics > 0.9
     assert found.missing_physics > 0.4

@@ -125,7 +125,7 @@ def test_a_users_own_simulation_is_a_third_curve_as_far_as_it_reaches(case: Case
     page = render(*diagnosis_title(result), diagnosis_sections(recording, [*simulated, own], result))
     assert "your simulation" in page
     assert "c: 0.8 to 0.4 N s/m." in page
-    assert "parameters and engine" in page
+    assert "engine and parameters" in page
     assert "stands for 0.4 and end-stop" in page
 
 

@@ -13,7 +13,7 @@ from harness.app.shared.journal import journal
 from harness.app.shared.machine import this_machine
 from harness.app.shared.places import where_of_place
 from harness.app.shared.progress import SILENT, Progress
-from harness.app.shared.reading import read, recording_info
+from harness.app.shared.reading import read, read_sim, recording_info
 from harness.app.shared.thinned import thinned
 from harness.core.recording import Recording
 from harness.diagnosis.alignment.align import GIVEN
@@ -51,7 +51,7 @@ def compare(
     Raises InputError when a trace cannot be read or the two have nothing in common, StoreError.
     """
     progress("reading", 0, 3)
-    simulated, recorded = read(sim, options[0], traces[0]), read(real, options[1], traces[1])
+    simulated, recorded = read_sim(sim, options[0], traces[0], ("columns",)), read(real, options[1], traces[1])
     return deliver(simulated, recorded, out, real.name.split(".")[0], progress, command, shift)
 
 

@@ -1,6 +1,7 @@
 """Whose mismatch it is: the simulation as the user has it, engine or trace, against the recording."""
 
 import logging
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
@@ -8,9 +9,10 @@ import numpy as np
 
 from harness.app.diagnose.changes import changes_of, hidden, parameters_of
 from harness.app.diagnose.options import DiagnoseOptions
-from harness.app.shared.reading import read
+from harness.app.shared.reading import read_sim
 from harness.core.arrays import BoolArray, FloatArray
 from harness.core.errors import SimulationError
+from harness.core.quantity import Quantity
 from harness.core.recording import Recording
 from harness.core.trajectory import Source, Trajectory
 from harness.diagnosis.alignment.one_kind import as_kind_of
@@ -22,7 +24,7 @@ from harness.diagnosis.attribution.attribute import (
     attribute_trace,
 )
 from harness.diagnosis.attribution.nearby import Nearby, nearby_of
-from harness.diagnosis.attribution.reading import aligned, trace_channels
+from harness.diagnosis.attribution.reading import Reading, aligned, trace_channels
 from harness.diagnosis.fit.observe import observe
 from harness.diagnosis.fit.standard_errors import covariances
 from harness.diagnosis.outcome import Outcome
@@ -31,12 +33,16 @@ from harness.engines.simulator import EngineSimulator
 from harness.model.document import load as load_model
 from harness.model.model import Model
 from harness.results.common import P
-from harness.results.diagnosis import AttributionResult
+from harness.results.diagnosis import AttributionResult, Bar, ChangeResult
+from harness.robot.paste import stiff_friction
 
 LOGGER = logging.getLogger(__name__)
 JOINED = "a trace alone does not tell what its engine does from what its parameters do; --model FILE parts them"
 _UNSURE = 0.05
 """Standard error of a share from which it is said: five points."""
+_PARTS = ("engine", "parameters", "missing_physics", "unexplained", "noise")
+_SEEN = 0.005
+"""Share below nothing from which it is said: half a point."""
 _TOLD = 0.02
 """Share of an engine below which its settings are let be."""
 
@@ -52,7 +58,7 @@ class Configured:
     def of(cls, options: DiagnoseOptions, recording: Recording) -> "Configured":
         """Read the files; raises InputError for one that cannot be used, or is of another kind than the recording."""
         model = load_model(options.model) if isinstance(options.model, Path) else options.model
-        trace = read(options.sim, options.sim_reading) if isinstance(options.sim, Path) else options.sim
+        trace = read_sim(options.sim, options.sim_reading) if isinstance(options.sim, Path) else options.sim
         return cls(model, trace and as_kind_of(trace, recording, "--sim"))
 
     def released(self, base: Model) -> Model:
@@ -195,9 +201,10 @@ def _shares(
     if outcome.stepping is not None:
         found = found.with_steps(outcome.stepping.left, found.whole * (found.unexplained + found.noise))
     changes = changes_of(found, outcome, settings)
-    reads = None if found.reading is None else parameters_of(found.reading.found, found.reading.problem)
+    reads = None if found.reading is None else _reads(found.reading)
+    paste = _paste(found)
     return AttributionResult(
-        engine=found.engine,
+        engine=None if found.joined else found.engine,
         parameters=found.parameters,
         missing_physics=found.missing_physics,
         unexplained=found.unexplained,
@@ -210,8 +217,85 @@ def _shares(
         reads=None if reads is None else {n: P.of(q) for n, q in reads.items()},
         recording={n: P.of(q) for n, q in parameters_of(outcome.refined, outcome.problem).items()},
         changes=changes,
-        sentences=_sentences(found, outcome),
+        sentences=[*_engine_words(found, changes, paste), *_sentences(found, outcome)],
+        paste=paste,
+        bars=_bars(found),
     )
+
+
+def _reads(reading: Reading) -> dict[str, Quantity]:
+    """What the trace was given, where it tells; else what it reads."""
+    read = parameters_of(reading.found, reading.problem)
+    if reading.adds is None:
+        return read
+    why = "read with what the engine adds"
+    given = {name: float(getattr(reading.adds.given, name)) for name in read}
+    return {name: Quantity(given[name], None, one.unit, why) for name, one in read.items()}
+
+
+def _paste(found: Attribution) -> str | None:
+    """Attributes for MuJoCo's soft friction, where it is the engine's error that shows."""
+    adds = None if found.reading is None else found.reading.adds
+    if adds is None or adds.soft is None or adds.soft.value("lead") <= 0.0 or abs(found.engine) < _TOLD:
+        return None
+    assert found.reading is not None
+    step = adds.step or float(np.median(np.diff(found.reading.problem.t)))
+    words = " ".join(f'{name}="{value}"' for name, value in stiff_friction(step).items())
+    return f"<joint {words}/>"
+
+
+def _engine_words(found: Attribution, changes: Sequence[ChangeResult], paste: str | None) -> list[str]:
+    """What the engine adds to the parameters of a trace, and whether these are right."""
+    adds = None if found.reading is None else found.reading.adds
+    if adds is None or found.reading is None:
+        return []
+    said = []
+    unit = "rad/s" if found.reading.problem.angular else "m/s"
+    step = "" if adds.step is None else f" with a step of {1e3 * adds.step:.4g} ms ({adds.scheme})"
+    soft = "turns round within a step"
+    if adds.soft is not None:
+        width, lead = adds.soft.value("v_r"), adds.soft.value("lead")
+        soft = f"is regularised by its engine: it ramps over {width:.3g} {unit} and leads the velocity by"
+        soft = f"{soft} {1e3 * lead:.3g} ms"
+    said.append(f"Your trace is that of a simulation{step} whose dry friction {soft}.")
+    for other in adds.others[:1]:
+        figures = ", ".join(f"{name} = {getattr(other.given, name):.4g}" for name in ("c", "k", "f_k"))
+        said.append(
+            f"Its position alone does not tell its integrator: were it {other.scheme}, it would have {figures}; with"
+            " its acceleration in the file (qacc) it would be known."
+        )
+    if not changes:
+        then = "" if paste is None else f"; paste into the joint of your MJCF: {paste}"
+        said.append(f"Your parameters are right{then}.")
+    elif paste is not None:
+        said.append(f"Besides, for the engine's friction, paste into the joint of your MJCF: {paste}.")
+    return said
+
+
+def _bars(found: Attribution) -> list[Bar]:
+    """The shares, those that are negative drawn as one with the largest, whose error they hide."""
+    names = ("parameters", "missing_physics") if found.joined else ("engine", "parameters", "missing_physics")
+    shares = {name: float(getattr(found, name)) for name in names}
+    largest = max(shares, key=lambda name: shares[name])
+    hidden = [name for name in names if shares[name] < 0.0 and name != largest]
+    rest = {"unexplained": max(found.unexplained, 0.0), "noise": found.noise}
+    seen = [name for name in hidden if shares[name] < -_SEEN]
+    whole = max(shares[largest] + sum(shares[name] for name in hidden), 0.0)
+    bars = {
+        (largest, *seen) if name == largest else (name,): whole if name == largest else shares[name]
+        for name in names
+        if name not in hidden
+    } | {(name,): share for name, share in rest.items()}
+    total = sum(bars.values()) or 1.0
+    return [Bar(of=list(of), name=_name_of(of, found.joined), share=share / total) for of, share in bars.items()]
+
+
+def _name_of(of: Sequence[str], joined: bool) -> str:
+    """Of one bar: "parameters and missing physics"; joined : parameters and engine are one part."""
+    names = [
+        name.replace("_", " ") for name in _PARTS if name in of or (joined and name == "engine" and "parameters" in of)
+    ]
+    return " and ".join([", ".join(names[:-1]), names[-1]] if len(names) > 1 else names)
 
 
 def _sentences(found: Attribution, outcome: Outcome) -> list[str]:

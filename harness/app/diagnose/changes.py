@@ -9,14 +9,11 @@ from harness.diagnosis.fit.model_fit import Fit
 from harness.diagnosis.fit.standard_errors import inflation, unit_of
 from harness.diagnosis.outcome import Outcome
 from harness.diagnosis.problem import Problem
+from harness.diagnosis.rules import CHANGED, CHANGED_BY
 from harness.model.model import Model, ModelTerm
 from harness.results.diagnosis import ChangeResult
 
 _UNITS = {"m": "kg", "c": "N s/m", "k": "N/m", "f_k": "N"}
-_CLEARLY = 2.0
-"""Standard errors of the recording's figure from which another is worth a change."""
-_RELATIVE = 1e-3
-"""And the share of it."""
 
 
 def unit(name: str, problem: Problem) -> str:
@@ -54,7 +51,7 @@ def changes_of(found: Attribution, outcome: Outcome, settings: list[tuple[str, s
     for name in sorted(right, key=lambda one: -found.by_parameter.get(one, 0.0)):
         own, to = float(getattr(user, name)), right[name].value
         error = right[name].stderr or 0.0
-        if to is None or abs(own - to) <= max(_CLEARLY * error, _RELATIVE * abs(to)):
+        if to is None or abs(own - to) <= max(CHANGED.value * error, CHANGED_BY.value * abs(to)):
             continue
         changes.append(_parameter(name, own, to, right[name].unit))
     changes += _terms(user, refined, outcome)

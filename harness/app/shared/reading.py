@@ -1,6 +1,7 @@
 """Recordings of any format, our own .rrd among them, and what a result says about them."""
 
 import os
+import re
 import tempfile
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager, suppress
@@ -17,7 +18,7 @@ from harness.io.options import ReadOptions
 from harness.io.recording import read_recording
 from harness.results.common import RecordingInfo
 
-__all__ = ["ReadOptions", "read", "read_as", "recording_info", "spooled"]
+__all__ = ["ReadOptions", "read", "read_as", "read_sim", "recording_info", "spooled"]
 
 
 def read(path: Path, options: ReadOptions, trace: str | None = None) -> Recording:
@@ -28,6 +29,21 @@ def read(path: Path, options: ReadOptions, trace: str | None = None) -> Recordin
     if trace is not None and path.suffix.lower() != ".rrd":
         raise InputError("--trace", f"given for {path}", "it is accepted for a .rrd of ours alone")
     return read_recording(path, options, lambda file: _from_rrd(file, trace))
+
+
+def read_sim(
+    path: Path, options: ReadOptions, trace: str | None = None, own: tuple[str, ...] = ("columns", "skip-rows", "rate")
+) -> Recording:
+    """As ``read``, a trace of the user's own simulation. own : options that begin with --sim- where they are its."""
+
+    def named(text: str) -> str:
+        return re.sub(rf"--({'|'.join(own)})\b", r"--sim-\1", text)
+
+    try:
+        found = read(path, options, trace)
+    except InputError as error:
+        raise InputError(named(error.where), named(error.found), named(error.accepted)) from None
+    return replace(found, notes=tuple(map(named, found.notes)))
 
 
 def read_as(label: str, path: Path, options: ReadOptions, trace: str | None = None) -> Recording:

@@ -132,9 +132,10 @@ def attribute_trace(
 ) -> Attribution:
     """Attribution for a trace of the user's own simulation.
 
-    configured : the model it was made with, None when it is not known; then what the trace reads stands for it, and
-    engine and parameters are one share, in ``parameters``. nearby : models as likely as the refined one. whole :
-    the question at every sample of the recording, which the trace is laid over. Raises InputError for a trace that does
+    configured : the model it was made with, None when it is not known; then what the trace tells of it, engine apart.
+    Where it does not, what the trace reads stands for it, and engine and parameters are one share, ``parameters``.
+    nearby : models as likely as the refined one. whole : the question at every sample of the recording, which the trace
+    is laid over. Raises InputError for a trace that does
     not belong to the recording, NoSharesError for one that cannot be read or of which a third of the windows slip;
     SimulationError.
     """
@@ -143,7 +144,8 @@ def attribute_trace(
         reading = read_trace(trace, problem, refined, on, configured)
     except InputError as error:
         raise NoSharesError(f"{trace.file} could not be read as the recording was: {error}") from None
-    joined = configured is None
+    meant = configured if configured is not None or reading.adds is None else reading.adds.given
+    joined = meant is None
     players = (PARAMETERS, TERMS) if joined else (ENGINE, PARAMETERS, TERMS)
 
     def played(refined: Model) -> Attribution:
@@ -152,12 +154,12 @@ def attribute_trace(
 
         def distance(model: Model, engine: bool) -> float:
             shown = model
-            if engine and configured is not None:
-                shown = moved(model, read, in_masses_of(configured, refined))
+            if engine and meant is not None:
+                shown = moved(model, read, in_masses_of(meant, refined))
             left = reading.left if engine else 0.0
             return seen.distance(observe(shown, seen.problem, scales=scales).y) + left
 
-        model = read if configured is None else configured
+        model = read if meant is None else meant
         return _played(players, distance, model, refined, problem, scales, joined)
 
     seen = restarted(refined, problem, scales)

@@ -1,6 +1,7 @@
 """What a trace of the user's simulation reads: the same fit that the recording gets, to the trace."""
 
 import math
+from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 
@@ -17,6 +18,8 @@ from harness.diagnosis.baseline.driven_base_fit import driven_baseline
 from harness.diagnosis.fit.model_fit import Fit, fit
 from harness.diagnosis.fit.observe import COARSE
 from harness.diagnosis.fit.parameters import free_of
+from harness.diagnosis.integrator_maps.maps import Scheme
+from harness.diagnosis.integrator_maps.stepped import SOFT, steps_of
 from harness.diagnosis.pipeline import prepare
 from harness.diagnosis.prepare.driven import is_driven
 from harness.diagnosis.problem import Problem
@@ -24,9 +27,11 @@ from harness.diagnosis.problems.driven import Forced
 from harness.diagnosis.request import Asked
 from harness.diagnosis.sensors.resample import channels_at
 from harness.kernels.solve import Scales
-from harness.model.model import Model
+from harness.model.model import Model, ModelTerm
 from harness.model.term import Slot
 
+_SHIPPED_LEAD = 0.0095
+"""s: of MuJoCo's friction as shipped, 0.95 of half its time constant; where a fit begins."""
 _FEWEST = 50
 _MOST_SAMPLES = 12_000
 """Of a trace that is fitted; a finer one is thinned."""
@@ -37,16 +42,36 @@ _EVIDENCE = 10.0
 
 
 @dataclass(frozen=True, slots=True)
+class Adds:
+    """What an engine adds to the model that it was given, read from a trace alone.
+
+    given : that model, in the trace's masses. left : mean square that both leave, in units of the recording's noise.
+    soft : the speed that friction is smoothed over and its lead, None where it turns round within a step. step (s),
+    scheme : how the engine steps; None where its motion is as good as exact. others : the same motion by other schemes,
+    which an acceleration would tell from it.
+    """
+
+    given: Model
+    left: float
+    soft: ModelTerm | None = None
+    step: float | None = None
+    scheme: Scheme | None = None
+    others: tuple["Adds", ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
 class Reading:
     """A trace of a simulation read as a model.
 
     found : the fit. left : mean square that the model leaves of the trace, in units
-    of the recording's noise, the trace's own noise taken off: what the engine does that no parameter does.
+    of the recording's noise, the trace's own noise taken off: what the engine does that no parameter does. adds : what
+    the engine adds to what it was given, None where that is not known.
     """
 
     found: Fit
     problem: Problem
     left: float
+    adds: Adds | None = None
 
     @property
     def model(self) -> Model:
@@ -92,7 +117,56 @@ def read_trace(
         terms = _from(base, refined.with_terms(*dynamic), own, scales, with_terms=True) if dynamic else None
         if terms is not None and terms.bic < base.bic - _EVIDENCE:
             best = terms
-    return Reading(_sharpened(best, own, scales), own, max(0.0, best.chi2 / best.points - 1.0))
+    sharp, known = _sharpened(best, own, scales), tuple({id(one): one for one in (base, best)}.values())
+    adds = None if refined.find(SOFT) else _added(known, sharp, _prepared(trace, problem, on, every=True), scales)
+    if adds is not None and given is None and not adds.given.terms and best is not base:
+        # the terms that the trace seemed to have stood for the engine's friction
+        best, sharp = base, _sharpened(base, own, scales)
+    return Reading(sharp, own, max(0.0, best.chi2 / best.points - 1.0), adds)
+
+
+def _added(known: Sequence[Fit], sharp: Fit, every: Problem, scales: Scales) -> Adds | None:
+    """What an engine adds to a model of the trace; None where no engine we know of explains the trace to the noise.
+
+    known : fits to the trace without it. sharp : the best of them under a finer noise. every : the trace with all of
+    its channels.
+    """
+    if sharp.chi2 <= sharp.points:
+        # an exact motion: whatever its engine adds hides in the parameters
+        return None
+    finer, interval = _finer(every), float(np.median(np.diff(every.t)))
+    tried, start = [], known[0].model
+    for plain in known:
+        own, level = plain.model, plain.model.f_k / plain.model.m
+        softs = [
+            ModelTerm.named(SOFT, v_r=lead * level, lead=lead) for lead in (_SHIPPED_LEAD, interval) if level > 0.0
+        ]
+        smooth = [_from(plain, own.with_terms(*own.terms, soft), every, scales, with_terms=True) for soft in softs]
+        sharpened = [_sharpened(one, every, scales) for one in smooth if one is not None]
+        if sharpened:
+            one = min(sharpened, key=lambda fit: fit.chi2)
+            given = one.model.with_terms(*(e for e in one.model.terms if e.term.key != SOFT))
+            tried.append(Adds(given, one.chi2 / one.points, one.model.find(SOFT)))
+            start = start if own.terms else one.model
+    for steps in steps_of(finer, start):
+        soft = None if steps.within_a_step else steps.model.terms[0]
+        tried.append(Adds(steps.model.with_terms(), steps.left, soft, steps.h, steps.scheme))
+    least = min((one.left for one in tried), default=math.inf)
+    if least * _FINER**2 > 1.0 or least > (sharp.chi2 - _EVIDENCE) / sharp.points:
+        return None
+    alike = [one for one in tried if (one.left - least) * finer.points < _EVIDENCE]
+    best, *others = sorted(alike, key=_usual)
+    return replace(best, left=best.left * _FINER**2, others=tuple(others))
+
+
+def _usual(one: Adds) -> int:
+    """Of readings that are alike: soft friction is MuJoCo's, whose Euler takes the damping at the end of the step."""
+    first = "explicit" if one.soft is None else "damping-implicit"
+    return 0 if one.scheme == first else 1 if one.scheme is None else 2
+
+
+def _finer(own: Problem) -> Problem:
+    return replace(own, noise={c: replace(n, sigma=_FINER * n.sigma) for c, n in own.noise.items()})
 
 
 def _from(base: Fit, meant: Model, own: Problem, scales: Scales, with_terms: bool) -> Fit | None:
@@ -121,8 +195,7 @@ def _from(base: Fit, meant: Model, own: Problem, scales: Scales, with_terms: boo
 
 def _sharpened(found: Fit, own: Problem, scales: Scales) -> Fit:
     """The same fit with a finer noise: a simulation says more of its parameters than the recording's noise shows."""
-    finer = replace(own, noise={c: replace(n, sigma=_FINER * n.sigma) for c, n in own.noise.items()})
-    best = found
+    finer, best = _finer(own), found
     # whether it comes to rest a swing earlier is a step in chi-square: what is before the last swing leads past it
     moving = np.flatnonzero(found.shown.mode != Mode.STICK)
     last = float(own.t[moving[-1]]) - 1.5 * math.pi / scales.omega if moving.size else float(own.t[-1])
@@ -135,9 +208,12 @@ def _sharpened(found: Fit, own: Problem, scales: Scales) -> Fit:
     return best
 
 
-def _prepared(trace: Recording, problem: Problem, on: Alignment) -> Problem:
-    """The trace as a problem of its own, its noise that of the recording where that is larger."""
-    names = [c for c in problem.channels if c in trace]
+def _prepared(trace: Recording, problem: Problem, on: Alignment, every: bool = False) -> Problem:
+    """The trace as a problem of its own, its noise that of the recording where that is larger.
+
+    every : with channels that the recording does not have, as precise as those it has.
+    """
+    names = [c for c in ("x", "v", "a") if c in trace and (every or c in problem.channels)]
     channels = {c: trace[c] for c in (*names, *(["u"] if "u" in trace else []))}
     if problem.drive is not None and not is_driven(trace):
         # a simulation that was driven by the recorded force need not repeat it
@@ -149,10 +225,9 @@ def _prepared(trace: Recording, problem: Problem, on: Alignment) -> Problem:
     seen = Recording(trace.t[::step], {c: y[::step] for c, y in channels.items()}, trace.file, angular=problem.angular)
     asked = Asked(problem.restoring, problem.zero_free, problem.mass, None)
     own, _ = prepare(seen, asked)
-    noise = {
-        c: replace(n, sigma=max(n.sigma, problem.noise[c].sigma), phi=0.0) if c in problem.noise else n
-        for c, n in own.noise.items()
-    }
+    precise = min(problem.noise[c].sigma / float(np.std(y)) for c, y in problem.channels.items())
+    level = {c: problem.noise[c].sigma if c in problem.noise else precise * float(np.std(trace[c])) for c in names}
+    noise = {c: replace(n, sigma=max(n.sigma, level[c]), phi=0.0) if c in level else n for c, n in own.noise.items()}
     return own.under_noise(noise)
 
 

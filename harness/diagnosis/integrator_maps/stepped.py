@@ -30,7 +30,7 @@ from harness.model.registry import TERMS
 from harness.model.term import Slot
 
 _READINGS = frozenset(t.name for t in TERMS if t.steps_alike and t.slot is Slot.OBSERVATION)
-_SOFT = next(t.name for t in TERMS if t.steps_alike and t.slot is Slot.FRICTION_LAW)
+SOFT = next(t.name for t in TERMS if t.steps_alike and t.slot is Slot.FRICTION_LAW)
 """What steps look like in the catalogue's words: sensors out of tune, and the friction of a soft constraint."""
 _STEPS_A_SAMPLE = (1, 2, 4, 5, 10)
 """Steps an engine may have made between samples: how traces are thinned."""
@@ -72,10 +72,10 @@ def _worth_a_try(found: Search) -> Fit | None:
         return None
     names = set(key_of(found.chosen))
     if found.explained:
-        return found.chosen if names and names <= _READINGS | {_SOFT} else None
-    if _SOFT in names:
+        return found.chosen if names and names <= _READINGS | {SOFT} else None
+    if SOFT in names:
         return found.chosen
-    soft_first = found.singles and key_of(found.singles[0]) == (_SOFT,)
+    soft_first = found.singles and key_of(found.singles[0]) == (SOFT,)
     return found.singles[0] if soft_first else found.base
 
 
@@ -99,6 +99,38 @@ def as_stepped(found: Search, scales: Scales) -> tuple[Search, Stepping] | None:
     return _without_readings(found, problem, start, stepping, scales), stepping
 
 
+def steps_of(trace: Problem, model: Model) -> list[Stepping]:
+    """How the engine steps whose trace this is known to be, by every scheme; none for a trace whose times are not even,
+    that is driven, or has no spring.
+
+    Without an acceleration the schemes are one map of different sliders. model : a fit to the trace, which the maps
+    begin at.
+    """
+    if trace.drive is not None or model.k <= 0.0 or not _is_even(trace.t):
+        return []
+    best = _best(trace, model)
+    others = [replace(best, scheme=to, values=_by_scheme(best, to)) for to in SCHEMES if to != best.scheme]
+    return [_said(_fitted(one, trace, model, _ROUNDS), trace, model) for one in (best, *others)]
+
+
+def _by_scheme(tried: _Tried, to: Scheme) -> FloatArray:
+    """The numbers with which another scheme makes the same steps, as far as they are seen in positions.
+
+    The explicit scheme's C, K, F are those of the others over 1 + h c, or 1 + h c + h^2 k, which are 1 / (1 - h C).
+    """
+    values, h = tried.values.copy(), tried.h
+    c, k = values[0], values[1]
+    inertia = {"explicit": 1.0, "damping-implicit": 1.0 + h * c, "implicit": 1.0 + h * c + h * h * k}[tried.scheme]
+    values[:3] /= inertia
+    values[0] += h * values[1] if tried.scheme == "implicit" else 0.0
+    values[6] *= inertia if tried.scheme == "damping-implicit" else 1.0
+    inertia = 1.0 if to == "explicit" else 1.0 / max(1.0 - h * values[0], 0.5)
+    values[:3] *= inertia
+    values[0] = max(values[0] - h * values[1], 0.0) if to == "implicit" else values[0]
+    values[6] /= inertia if to == "damping-implicit" else 1.0
+    return values
+
+
 def _best(problem: Problem, model: Model) -> _Tried:
     interval = float((problem.t[-1] - problem.t[0]) / (problem.t.size - 1))
     interval, none = float(f"{interval:.9g}"), np.empty(0)
@@ -113,7 +145,7 @@ def _best(problem: Problem, model: Model) -> _Tried:
 
 
 def _start(model: Model, h: float) -> FloatArray:
-    soft = model.find(_SOFT)
+    soft = model.find(SOFT)
     f = model.f_k / model.m
     v_r, lead = (h * f, h) if soft is None else (soft.value("v_r"), soft.value("lead"))
     offset = (model.offset,) if model.offset else ()
@@ -200,7 +232,7 @@ def _is_noise(tried: _Tried, problem: Problem, omega: float) -> bool:
 
 def _said(tried: _Tried, problem: Problem, model: Model) -> Stepping:
     p, m = tried.values, model.m
-    soft = ModelTerm.named(_SOFT, v_r=float(p[5]), lead=float(p[6]))
+    soft = ModelTerm.named(SOFT, v_r=float(p[5]), lead=float(p[6]))
     stepped_model = replace(
         model, c=float(p[0]) * m, k=float(p[1]) * m, f_k=float(p[2]) * m, x0=float(p[3]), v0=float(p[4]), terms=(soft,)
     )

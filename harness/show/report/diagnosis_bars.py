@@ -6,9 +6,10 @@ from dataclasses import dataclass
 from typing import Any, ClassVar
 
 from harness.show.diagnosis_scene import AFTER, BEFORE, best_terms
-from harness.show.numbers import number
+from harness.show.numbers import NONE, number
 from harness.show.report.figure import Figure
 from harness.show.report.section import Section
+from harness.show.report.table import Cell, Column, Row, Table
 
 _GREY = "#b9c0c9"
 _ROOM = 0.12
@@ -169,7 +170,7 @@ class Left(Section):
 class Shares(Section):
     """attribution : as in harness.diagnosis/2."""
 
-    template: ClassVar[str] = "figures.html.j2"
+    template: ClassVar[str] = "shares.html.j2"
     attribution: Mapping[str, Any]
 
     @property
@@ -179,18 +180,42 @@ class Shares(Section):
 
     def context(self) -> Mapping[str, Any]:
         """What the template shows."""
-        names = ["engine", "parameters", "missing_physics", "unexplained", "noise"]
-        labels = ["the engine's own error", "wrong parameters", "missing physics", "unexplained", "noise"]
-        colors = [BEFORE, "#b58900", AFTER, "#a45bc2", _GREY]
-        joined, stderr = self.attribution.get("why"), self.attribution.get("stderr") or {}
-        if joined:
-            names, labels, colors = names[1:], ["parameters and engine", *labels[2:]], colors[1:]
-        percent = [100.0 * float(self.attribution[name]) for name in names]
-        caption = (
-            f"Compared with the recording: {self.attribution['configuration']}. Shares are what each brings when all "
-            "are put right in turn, averaged over the orders, in windows of about a period. Below 0: its error hides "
-            f"that of another.{f' One bar for two: {joined}.' if joined else ''}"
+        found, stderr = self.attribution, self.attribution.get("stderr") or {}
+        names = [name for name in _PARTS if found[name] is not None and not (name == "engine" and found.get("why"))]
+        called = {name: name.replace("_", " ") for name in names}
+        if found.get("why"):
+            called["parameters"] = "engine and parameters"
+        bars = found.get("bars") or [{"of": [n], "name": called[n], "share": found[n]} for n in names]
+        caption = f"Compared with the recording: {found['configuration']}, in windows of about a period."
+        if any(len(bar["of"]) > 1 for bar in bars):
+            caption += " Errors that make up for each other are one bar."
+        if found.get("why"):
+            caption += f" Engine and parameters are one: {found['why']}."
+        figure = _percents(
+            "attribution",
+            [bar["name"] for bar in bars],
+            [100.0 * float(bar["share"]) for bar in bars],
+            [_PARTS[bar["of"][0]] for bar in bars],
+            "part of the mean square mismatch / %",
+            caption,
         )
-        title = "share of the mean square mismatch / %"
-        errors = [None if name not in stderr else 100.0 * float(stderr[name]) for name in names]
-        return {"figures": [_percents("attribution", labels, percent, colors, title, caption, errors)]}
+        rows = []
+        for name in names:
+            error = NONE if name not in stderr else number(100.0 * float(stderr[name]), 2)
+            rows.append(Row(called[name], [Cell(number(100.0 * float(found[name]), 3)), Cell(error)]))
+        note = (
+            "What each brings when all are put right in turn, averaged over the orders; below 0: its error hides that"
+            " of another."
+        )
+        columns = [Column("share", "%"), Column("standard error", "points")]
+        return {"figures": [figure], "table": Table("part", columns, rows, note)}
+
+
+_PARTS = {
+    "engine": BEFORE,
+    "parameters": "#b58900",
+    "missing_physics": AFTER,
+    "unexplained": "#a45bc2",
+    "noise": _GREY,
+}
+"""Parts of a mismatch, by name, with their colours."""

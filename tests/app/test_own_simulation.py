@@ -1,0 +1,80 @@
+"""A user's own simulation in MuJoCo beside a recording: what its engine does is told from what its parameters do."""
+
+import math
+from pathlib import Path
+
+import mujoco
+import numpy as np
+import pytest
+
+import harness
+from harness.core.arrays import FloatArray
+from harness.core.recording import Recording
+from harness.core.slider import Slider
+from harness.exact.decay import Decay, free_decay
+from harness.results.diagnosis import AttributionResult, DiagnosisResult
+
+M, C, K, F = 1.2, 0.9, 180.0, 0.12
+X0 = 0.05
+XML = """<mujoco><option timestep="0.002" gravity="0 0 0" integrator="{integrator}"/><worldbody><body>
+<joint type="slide" axis="1 0 0" stiffness="{k}" damping="{c}" frictionloss="{f}"/>
+<geom type="box" size=".05 .05 .05" mass="1.2"/></body></worldbody></mujoco>"""
+
+
+def simulated(c: float = C, k: float = K, f: float = F, integrator: str = "Euler") -> FloatArray:
+    """Rows of time, qpos, qvel, qacc over 5 s; friction as MuJoCo ships it."""
+    model = mujoco.MjModel.from_xml_string(XML.format(c=c, k=k, f=f, integrator=integrator))
+    data, rows = mujoco.MjData(model), []
+    data.qpos[0] = X0
+    for _ in range(2500):
+        mujoco.mj_forward(model, data)
+        rows.append((data.time, data.qpos[0], data.qvel[0], data.qacc[0]))
+        mujoco.mj_step(model, data)
+    return np.array(rows)
+
+
+@pytest.fixture(scope="module")
+def recorded() -> Recording:
+    t = np.arange(0.0, 5.0, 4e-3)
+    x = free_decay(Decay.of(Slider(M, C, K, F), X0), t).x
+    return Recording(t, {"x": x + 2e-5 * np.random.default_rng(3).normal(size=t.size)}, "rec.csv")
+
+
+def shares(found: DiagnosisResult) -> AttributionResult:
+    assert found.attribution is not None
+    return found.attribution
+
+
+def test_a_right_simulation_has_nothing_to_change_but_its_engine(recorded: Recording, tmp_path: Path) -> None:
+    path = tmp_path / "sim.csv"
+    np.savetxt(path, simulated(), "%.10g", ",", header="time,qpos,qvel,qacc", comments="")
+    found = shares(harness.diagnose(recorded, sim=path, engines=()))
+    assert found.changes == []
+    assert found.reads is not None
+    assert [found.reads[name].value for name in ("c", "k", "f_k")] == pytest.approx([C / M, K / M, F / M], rel=1e-5)
+    assert found.engine is not None
+    assert found.engine > 0.9
+    assert found.paste is not None
+    model = XML.format(c=C, k=K, f=F, integrator="Euler").replace("<joint", found.paste.removesuffix("/>"))
+    mended = mujoco.MjModel.from_xml_string(model)
+    assert mended.dof_solref[0, 1] < -100.0
+
+
+@pytest.mark.parametrize("integrator", ["Euler", "RK4"])
+def test_a_wrong_parameter_is_the_one_to_change(recorded: Recording, integrator: str) -> None:
+    """Read from positions alone, beside the engine's soft friction and its steps."""
+    rows = simulated(f=1.3 * F, integrator=integrator)
+    found = shares(harness.diagnose(recorded, sim=Recording(rows[:, 0], {"x": rows[:, 1]}, "sim.csv"), engines=()))
+    assert [change.name for change in found.changes] == ["f_k"]
+    assert found.changes[0].before == pytest.approx(1.3 * F / M, rel=2e-3)
+
+
+def test_an_engine_that_a_trace_does_not_tell_has_no_share(recorded: Recording) -> None:
+    """An exact motion: parameters and engine are one, and what is drawn adds up."""
+    t = np.arange(0.0, 5.0, 1e-3)
+    x = free_decay(Decay.of(Slider(M, 1.4 * C, K, F), X0), t).x
+    found = shares(harness.diagnose(recorded, sim=Recording(t, {"x": x}, "sim.csv"), engines=()))
+    assert found.engine is None
+    assert found.why is not None
+    assert [change.name for change in found.changes] == ["c"]
+    assert math.isclose(sum(bar.share for bar in found.bars), 1.0)
