@@ -9,6 +9,7 @@ import pytest
 
 import harness
 from harness.core.arrays import FloatArray
+from harness.core.errors import InputError
 from harness.core.recording import Recording
 from harness.core.slider import Slider
 from harness.exact.decay import Decay, free_decay
@@ -60,13 +61,60 @@ def test_a_right_simulation_has_nothing_to_change_but_its_engine(recorded: Recor
     assert mended.dof_solref[0, 1] < -100.0
 
 
-@pytest.mark.parametrize("integrator", ["Euler", "RK4"])
-def test_a_wrong_parameter_is_the_one_to_change(recorded: Recording, integrator: str) -> None:
+def test_a_wrong_parameter_is_the_one_to_change(recorded: Recording) -> None:
     """Read from positions alone, beside the engine's soft friction and its steps."""
-    rows = simulated(f=1.3 * F, integrator=integrator)
+    rows = simulated(f=1.3 * F)
     found = shares(harness.diagnose(recorded, sim=Recording(rows[:, 0], {"x": rows[:, 1]}, "sim.csv"), engines=()))
     assert [change.name for change in found.changes] == ["f_k"]
     assert found.changes[0].before == pytest.approx(1.3 * F / M, rel=2e-3)
+
+
+def written(folder: Path, text: str, name: str = "slider.xml") -> Path:
+    path = folder / name
+    path.write_text(text)
+    return path
+
+
+@pytest.mark.parametrize(("f", "names"), [(F, []), (1.3 * F, ["f_k"])])
+def test_a_model_of_mujocos_own_is_run_in_mujoco(
+    recorded: Recording, tmp_path: Path, f: float, names: list[str]
+) -> None:
+    """At the file's own step, with its own options."""
+    path = written(tmp_path, XML.format(c=C, k=K, f=f, integrator="Euler"))
+    found = shares(harness.diagnose(recorded, model=path, engines=()))
+    assert [change.name for change in found.changes] == names
+    assert found.engine is not None
+    assert found.engine > 0.02
+    assert "step 2 ms" in found.configuration
+    assert found.paste is not None
+
+
+def test_a_run_of_a_model_of_mujocos_own_is_what_mujoco_makes_of_it(tmp_path: Path) -> None:
+    path = written(tmp_path, XML.format(c=C, k=K, f=F, integrator="implicitfast"))
+    result = harness.run(model=path, x0=X0, engines=["mujoco"], preset="as-shipped", duration=1.0, out=tmp_path / "out")
+    (own,) = (trace for trace in result.traces if trace.source == "mujoco")
+    assert (own.dt_s, own.settings["integrator"]) == (0.002, "implicitfast")
+    rows = simulated(integrator="implicitfast")[:500]
+    exact = free_decay(Decay.of(Slider(M, C, K, F), X0), rows[:, 0]).x
+    assert own.metrics.max_error_m == pytest.approx(np.max(np.abs(rows[:, 1] - exact)), rel=0.05)
+
+
+TWO = XML.format(c=C, k=K, f=F, integrator="Euler").replace("</body>", '<body><joint/><geom size="1"/></body></body>')
+HANGS = """<mujoco><worldbody><body><joint axis="0 1 0" stiffness="1"/><geom size=".1" pos="0 0 -1"/></body></worldbody>
+</mujoco>"""
+
+
+@pytest.mark.parametrize(
+    ("text", "x0", "message"),
+    [
+        (TWO, 1.0, "2 joints"),
+        (HANGS, 1.0, "spring beside gravity"),
+        (XML.format(c=C, k=K, f=F, integrator="Euler"), None, "--x0"),
+    ],
+)
+def test_a_model_that_is_no_slider_is_refused(tmp_path: Path, text: str, x0: float | None, message: str) -> None:
+    with pytest.raises(InputError, match=message):
+        harness.run(model=written(tmp_path, text), x0=x0)
 
 
 def test_an_engine_that_a_trace_does_not_tell_has_no_share(recorded: Recording) -> None:

@@ -23,8 +23,10 @@ from harness.diagnosis.attribution.attribute import (
     attribute_model,
     attribute_trace,
 )
+from harness.diagnosis.attribution.mixed import in_masses_of
 from harness.diagnosis.attribution.nearby import Nearby, nearby_of
 from harness.diagnosis.attribution.reading import Reading, aligned, trace_channels
+from harness.diagnosis.explain.engines import shown_by
 from harness.diagnosis.fit.observe import observe
 from harness.diagnosis.fit.standard_errors import covariances
 from harness.diagnosis.outcome import Outcome
@@ -34,6 +36,7 @@ from harness.model.document import load as load_model
 from harness.model.model import Model
 from harness.results.common import P
 from harness.results.diagnosis import AttributionResult, Bar, ChangeResult
+from harness.robot.own_model import OwnModel, is_own, own_model
 from harness.robot.paste import stiff_friction
 
 LOGGER = logging.getLogger(__name__)
@@ -49,17 +52,23 @@ _TOLD = 0.02
 
 @dataclass(frozen=True, slots=True)
 class Configured:
-    """The simulation as the user has it: model of --model and trace of --sim, None where none was given."""
+    """The simulation as the user has it: model of --model and trace of --sim, None where none was given.
+
+    own : the model where it is an engine's own, an MJCF or a URDF.
+    """
 
     model: Model | None = None
     trace: Recording | None = None
+    own: OwnModel | None = None
 
     @classmethod
     def of(cls, options: DiagnoseOptions, recording: Recording) -> "Configured":
         """Read the files; raises InputError for one that cannot be used, or is of another kind than the recording."""
-        model = load_model(options.model) if isinstance(options.model, Path) else options.model
+        given = options.model
+        own = own_model(given) if isinstance(given, Path) and is_own(given) else None
+        model = own.slider if own is not None else load_model(given) if isinstance(given, Path) else given
         trace = read_sim(options.sim, options.sim_reading) if isinstance(options.sim, Path) else options.sim
-        return cls(model, trace and as_kind_of(trace, recording, "--sim"))
+        return cls(model, trace and as_kind_of(trace, recording, "--sim"), own)
 
     def released(self, base: Model) -> Model:
         """The user's model, released as the recording was where the file does not say; ``base`` when there is none."""
@@ -83,7 +92,11 @@ class Configured:
         if self.model is None:
             return None
         try:
-            seen = observe(self.released(outcome.base.model), whole, scales=outcome.scales)
+            model = self.released(outcome.base.model)
+            if self.own is not None:
+                shown, _ = shown_by(self.own.simulator, in_masses_of(model, outcome.base.model), whole, self.own.dt)
+                return _motion(whole.t, shown)
+            seen = observe(model, whole, scales=outcome.scales)
         except SimulationError as error:
             LOGGER.warning("the model given: %s", error)
             return None
@@ -139,22 +152,22 @@ def attribution_of(outcome: Outcome, whole: Problem, options: DiagnoseOptions, u
         moved = "" if not found.shift else f", moved by {found.shift:.4g} s"
         has = _has(found.configured if given is None else given)
         against = "" if given is None else f", made with {_name(options.model)}"
-        return Shared(_shares(found, outcome, f"the trace {_name(options.sim)}{against}{moved}", []), has=has)
+        return Shared(_shares(found, outcome, f"the trace {_name(options.sim)}{against}{moved}"), has=has)
     parameters = (
         "the baseline fit's parameters" if options.model is None else f"the parameters in {_name(options.model)}"
     )
     model = user.released(outcome.base.model)
     has = () if user.model is None else _has(user.model)
-    if user.model is not None and not options.engines:
+    if user.model is not None and user.own is None and not options.engines:
         try:
             exact = attribute_model(model, refined, problem, scales, _nearby(outcome))
         except (NoSharesError, SimulationError) as error:
             return Shared(None, (f"whose mismatch it is, was not divided: {error}",), has)
-        return Shared(_shares(exact, outcome, f"the exact motion at {parameters}", []), has=has)
+        return Shared(_shares(exact, outcome, f"the exact motion at {parameters}"), has=has)
     why: list[str] = []
-    for name in options.engines:
+    for name in options.engines if user.own is None else (user.own.engine,):
         try:
-            simulator, dt = simulator_of(name, options)
+            simulator, dt = simulator_of(name, options) if user.own is None else (user.own.simulator, user.own.dt)
             step = dt if dt is not None else float(simulator.engine.presets("joint", options.preset)["dt"])
             found = attribute_engine(simulator, model, refined, problem, scales, step)
         except NoSharesError as error:
@@ -163,8 +176,9 @@ def attribution_of(outcome: Outcome, whole: Problem, options: DiagnoseOptions, u
         except SimulationError as error:
             LOGGER.warning("attribution, %s: %s", name, error)
             continue
-        configuration = f"{name}, {options.preset}, step {step * 1e3:.4g} ms, at {parameters}"
-        return Shared(_shares(found, outcome, configuration, _settings(simulator, found, step)), has=has)
+        how = options.preset if user.own is None else "with the file's own options"
+        configuration = f"{name}, {how}, step {step * 1e3:.4g} ms, at {parameters}"
+        return Shared(_shares(found, outcome, configuration, simulator, step, user.model is not None), has=has)
     return Shared(None, tuple(why), has)
 
 
@@ -188,7 +202,7 @@ def _settings(simulator: EngineSimulator, found: Attribution, step: float) -> li
     """Settings of the engine that differ from its tuned ones, name, from, to; none where its share is small."""
     if found.engine < _TOLD:
         return []
-    own = {**simulator.engine.presets("joint", simulator.preset), "dt": step}
+    own = {**simulator.engine.presets("joint", simulator.preset), **simulator.settings, "dt": step}
     tuned = simulator.engine.presets("joint", "tuned")
     apart = [(k, f"{own.get(k, 'not set')}", f"{v}") for k, v in tuned.items() if own.get(k) != v and k != "dt"]
     smaller = min(float(tuned.get("dt", step)), 0.5 * step)
@@ -196,13 +210,22 @@ def _settings(simulator: EngineSimulator, found: Attribution, step: float) -> li
 
 
 def _shares(
-    found: Attribution, outcome: Outcome, configuration: str, settings: list[tuple[str, str, str]]
+    found: Attribution,
+    outcome: Outcome,
+    configuration: str,
+    simulator: EngineSimulator | None = None,
+    step: float | None = None,
+    of_user: bool = True,
 ) -> AttributionResult:
+    """The result's form. simulator, step (s) : what was simulated, None where a trace was read. of_user : whether the
+    simulation is the user's own, and not that of the baseline fit.
+    """
     if outcome.stepping is not None:
         found = found.with_steps(outcome.stepping.left, found.whole * (found.unexplained + found.noise))
+    paste = _paste(found, simulator, step) if of_user else None
+    settings = [] if simulator is None or paste is not None else _settings(simulator, found, step or 0.0)
     changes = changes_of(found, outcome, settings)
     reads = None if found.reading is None else _reads(found.reading)
-    paste = _paste(found)
     return AttributionResult(
         engine=None if found.joined else found.engine,
         parameters=found.parameters,
@@ -217,7 +240,7 @@ def _shares(
         reads=None if reads is None else {n: P.of(q) for n, q in reads.items()},
         recording={n: P.of(q) for n, q in parameters_of(outcome.refined, outcome.problem).items()},
         changes=changes,
-        sentences=[*_engine_words(found, changes, paste), *_sentences(found, outcome)],
+        sentences=[*(_engine_words(found, changes, paste) if of_user else []), *_sentences(found, outcome)],
         paste=paste,
         bars=_bars(found),
     )
@@ -233,24 +256,39 @@ def _reads(reading: Reading) -> dict[str, Quantity]:
     return {name: Quantity(given[name], None, one.unit, why) for name, one in read.items()}
 
 
-def _paste(found: Attribution) -> str | None:
+def _paste(found: Attribution, simulator: EngineSimulator | None, step: float | None) -> str | None:
     """Attributes for MuJoCo's soft friction, where it is the engine's error that shows."""
-    adds = None if found.reading is None else found.reading.adds
-    if adds is None or adds.soft is None or adds.soft.value("lead") <= 0.0 or abs(found.engine) < _TOLD:
+    if abs(found.engine) < _TOLD:
         return None
-    assert found.reading is not None
-    step = adds.step or float(np.median(np.diff(found.reading.problem.t)))
+    if found.reading is not None and (adds := found.reading.adds) is not None:
+        if adds.soft is None or adds.soft.value("lead") <= 0.0:
+            return None
+        step = adds.step or float(np.median(np.diff(found.reading.problem.t)))
+    elif simulator is None or simulator.name != "mujoco" or simulator.preset == "tuned" or found.configured.f_k <= 0.0:
+        return None
+    assert step is not None
     words = " ".join(f'{name}="{value}"' for name, value in stiff_friction(step).items())
     return f"<joint {words}/>"
 
 
 def _engine_words(found: Attribution, changes: Sequence[ChangeResult], paste: str | None) -> list[str]:
-    """What the engine adds to the parameters of a trace, and whether these are right."""
-    adds = None if found.reading is None else found.reading.adds
-    if adds is None or found.reading is None:
+    """What the engine adds to the parameters of a simulation, and whether these are right."""
+    said = [] if found.reading is None else _added_words(found.reading)
+    wrong = [change for change in changes if change.kind != "setting"]
+    if not wrong and not found.joined:
+        then = "" if paste is None else f"; paste into the joint of your MJCF: {paste}"
+        said.append(f"Your parameters are right{then}.")
+    elif paste is not None:
+        said.append(f"Besides, for the engine's friction, paste into the joint of your MJCF: {paste}.")
+    return said
+
+
+def _added_words(reading: Reading) -> list[str]:
+    """How the engine of a trace steps and what it makes of dry friction."""
+    adds, said = reading.adds, list[str]()
+    if adds is None:
         return []
-    said = []
-    unit = "rad/s" if found.reading.problem.angular else "m/s"
+    unit = "rad/s" if reading.problem.angular else "m/s"
     step = "" if adds.step is None else f" with a step of {1e3 * adds.step:.4g} ms ({adds.scheme})"
     soft = "turns round within a step"
     if adds.soft is not None:
@@ -264,11 +302,6 @@ def _engine_words(found: Attribution, changes: Sequence[ChangeResult], paste: st
             f"Its position alone does not tell its integrator: were it {other.scheme}, it would have {figures}; with"
             " its acceleration in the file (qacc) it would be known."
         )
-    if not changes:
-        then = "" if paste is None else f"; paste into the joint of your MJCF: {paste}"
-        said.append(f"Your parameters are right{then}.")
-    elif paste is not None:
-        said.append(f"Besides, for the engine's friction, paste into the joint of your MJCF: {paste}.")
     return said
 
 

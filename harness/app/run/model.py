@@ -33,6 +33,8 @@ from harness.model.beyond import beyond
 from harness.model.model import Model, Restoring
 from harness.model.term import Slot
 from harness.results.run import Metrics, TraceResult
+from harness.robot.own_model import OwnModel
+from harness.robot.paste import stiff_friction
 from harness.show.sentences.run import position_error
 
 _PERIODS = 10.0
@@ -43,23 +45,28 @@ _LOOKS = 4000
 
 @dataclass(frozen=True, slots=True)
 class ModelScenario:
-    """A model to run from its release on for ``duration`` s."""
+    """A model to run from its release on for ``duration`` s. own : the file that it is read from, where that is an
+    engine's own.
+    """
 
     model: Model
     duration: float
     name: str = "model"
+    own: OwnModel | None = None
 
     @classmethod
-    def of(cls, model: Model, duration: float | None, label: str = "model") -> "ModelScenario":
+    def of(
+        cls, model: Model, duration: float | None, label: str = "model", own: OwnModel | None = None
+    ) -> "ModelScenario":
         """A model for ``duration`` s; None is a fifth longer than it takes to stick, or ten periods.
 
         Raises InputError for a model that does not move, and for one whose duration cannot be guessed.
         """
         if duration is not None:
-            return cls(model, positive("--duration", duration, "s"))
+            return cls(model, positive("--duration", duration, "s"), own=own)
         if model.restoring is Restoring.NONE:
             raise InputError(label, "a free axis, without a period", "--duration is needed with it")
-        return cls(model, _long_enough(model))
+        return cls(model, _long_enough(model), own=own)
 
     @property
     def omega(self) -> float:
@@ -92,7 +99,10 @@ class ModelCase(Case):
         return replace(motion, t=t, events=events)
 
     def simulated(self, engine: Engine, preset: Preset, dt: float | None) -> Trajectory:
-        """See Case.simulated."""
+        """See Case.simulated; as shipped the engine of the user's file has the file's options and step."""
+        own = self._scenario.own
+        if own is not None and preset == "as-shipped" and engine.name == own.engine:
+            return own.simulator(self._model, self._scenario.duration, own.dt, None)
         return EngineSimulator(engine, preset)(self._model, self._scenario.duration, dt, None)
 
     def metrics(self, trajectory: Trajectory) -> Metrics:
@@ -154,6 +164,11 @@ class ModelCase(Case):
             )
         if self._model.terms:
             said.append("The estimators know viscous and dry friction alone; what else acts shows in their figures.")
+        if (own := self._scenario.own) is not None:
+            said.append(f"{own.engine} as-shipped has the options of {own.file}, with a step of {1e3 * own.dt:.4g} ms.")
+            if own.engine == "mujoco" and self._model.f_k > 0.0:
+                words = " ".join(f'{name}="{value}"' for name, value in stiff_friction(own.dt).items())
+                said.append(f"For friction as stiff as that step allows, paste into its joint: <joint {words}/>.")
         turns = self._model.restoring is Restoring.PENDULUM
         for trace in traces:
             if trace.error is not None:

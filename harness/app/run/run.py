@@ -31,6 +31,7 @@ from harness.fidelity import registry as suite
 from harness.io.store import OutputFolder, output_folder
 from harness.model.model import Model, Restoring
 from harness.results.run import Metrics, RunResult, TraceResult
+from harness.robot.own_model import is_own, own_model
 
 LOGGER = logging.getLogger(__name__)
 MOST_SAMPLES, MOST_CYCLES = 20_000_000, 1_000_000
@@ -104,15 +105,26 @@ class RunOptions:
         preset: str | None = None,
         dt: float | None = None,
     ) -> "RunOptions":
-        """A model in place of a scenario; raises InputError for anything given beside it that the model says itself."""
+        """A model in place of a scenario; raises InputError for anything given beside it that the model says itself.
+
+        An MJCF or a URDF does not say where its joint is let go: x0, v0 of ``given``.
+        """
         if scenario is not None:
             raise InputError("--model", f"given with the scenario {scenario}", "one of the two is accepted")
+        own = own_model(Path(model)) if isinstance(model, str | PathLike) and is_own(Path(model)) else None
+        free = ("duration",) if own is None else ("duration", "x0", "v0")
         for name, value in given.items():
-            if name != "duration" and value is not None:
+            if name not in free and value is not None:
                 option = f"--{name.replace('_', '-')}"
                 raise InputError("--model", f"given with {option} {value:g}", f"the model's own {name} is accepted")
         label = str(model) if isinstance(model, str | PathLike) else "model"
-        return cls.chosen(ModelScenario.of(model_of(model), given.get("duration"), label), engines, preset, dt)
+        if own is None:
+            return cls.chosen(ModelScenario.of(model_of(model), given.get("duration"), label), engines, preset, dt)
+        x0, v0 = given.get("x0"), given.get("v0")
+        if not x0 and not v0:
+            raise InputError(label, "it does not say where its joint is let go", "--x0 or --v0 is needed with it")
+        released = replace(own.slider, x0=x0 or 0.0, v0=v0 or 0.0)
+        return cls.chosen(ModelScenario.of(released, given.get("duration"), label, own), engines, preset, dt)
 
     @classmethod
     def held(

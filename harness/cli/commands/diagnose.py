@@ -31,7 +31,9 @@ STANDARD_INPUT = "-"
 
 @click.command(short_help="Which physics a simulation leaves out of a recording, and the model that has it.")
 @click.argument("recordings", metavar="RECORDING...", nargs=-1, required=True, type=click.Path(path_type=Path))
-@click.option("--model", type=click.Path(path_type=Path), metavar="FILE", help="model.json of the simulation you have.")
+@click.option(
+    "--model", type=click.Path(path_type=Path), metavar="FILE", help="Your simulation: model.json, MJCF or URDF."
+)
 @click.option("--sim", type=click.Path(path_type=Path), metavar="TRACE", help="A trace of your own simulation.")
 @click.option("--sim-columns", metavar="MAP", help="Columns of --sim, as --columns.")
 @click.option("--sim-skip-rows", type=int, default=0, metavar="N", help="Lines before the header of --sim.")
@@ -124,6 +126,7 @@ def command(
                  --restoring pendulum
              harness diagnose from-20-mm.csv from-60-mm.csv --together
              harness diagnose empty.csv loaded.csv --together --restoring none
+             harness diagnose decay.csv --model slider.xml
              harness diagnose decay.csv --model mine.json \\
                  --engine mujoco --preset as-shipped
              harness diagnose log.csv --robot arm.urdf --joint elbow

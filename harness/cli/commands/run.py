@@ -33,7 +33,7 @@ if TYPE_CHECKING:
     "--model",
     type=click.Path(path_type=Path),
     metavar="FILE",
-    help="Run this model (harness.model/1), as harness diagnose writes it, in place of a scenario.",
+    help="Run this model, model.json as harness diagnose writes it or an MJCF or URDF of one joint with --x0.",
 )
 @robot_options
 @engine_options
@@ -64,6 +64,7 @@ def command(
              harness run belt
              harness run --engine mujoco --preset tuned --dt 5e-4
              harness run --model model.json
+             harness run --model slider.xml --x0 0.05
              harness run --restoring pendulum --x0 1.2 --f-k 2
              harness run --robot arm.xml --joint elbow
              harness run --m 2.42 --k 2310 --c 4.79 --f-k 0.351 --x0 0.01 --json -
