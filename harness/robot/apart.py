@@ -27,30 +27,30 @@ _WORD = 8
 
 
 def compiled(
-    path: Path, edited: Mapping[Path, str] = MappingProxyType({}), looks: str = ""
+    path: Path, edited: Mapping[Path, str] = MappingProxyType({}), looks: str = "", fixed: bool = False
 ) -> tuple[Any, dict[str, Any]]:
     """MuJoCo's model of a file, and what is to be said of it: ``alone`` (by joint, why it does not), ``notes``.
 
     edited : by resolved path, texts that take the place of what a file of the model holds. looks : "meshes" or "bare"
-    for a model that is good for its looks only. Raises InputError when there is no such file, or MuJoCo cannot compile
-    it (its message in one line).
+    for a model that is good for its looks only. fixed : free and ball joints are taken out. Raises InputError when
+    there is no such file, or MuJoCo cannot compile it (its message in one line).
     """
     check_file(path, accepted=ACCEPTED)
     texts = {str(file): text for file, text in edited.items()}
     columns, about = read_apart(
-        f"{__name__}:columns_of", path, ACCEPTED, seconds=_SECONDS, kept=True, edited=texts, looks=looks
+        f"{__name__}:columns_of", path, ACCEPTED, seconds=_SECONDS, kept=True, edited=texts, looks=looks, fixed=fixed
     )
     data = columns["model"].tobytes()[: about["size"]]
     return mujoco.MjModel.from_binary_path(_MODEL, {_MODEL: data}), about
 
 
-def columns_of(path: Path, edited: Mapping[str, str], looks: str) -> Found:
+def columns_of(path: Path, edited: Mapping[str, str], looks: str, fixed: bool) -> Found:
     """The reader: the model's bytes as numbers, and what is to be said."""
     if looks:
         seen, meshes = shapes.with_shapes(path, looks == "meshes")
         text, about = seen.encode(), dict[str, Any]()
     else:
-        text, meshes, about = prepared(path, {Path(file): text for file, text in edited.items()})
+        text, meshes, about = prepared(path, {Path(file): text for file, text in edited.items()}, fixed)
     model = compile_text(str(path), text, meshes)
     size = mujoco.mj_sizeModel(model)
     data = np.zeros(-(-size // _WORD) * _WORD, dtype=np.uint8)
@@ -58,14 +58,16 @@ def columns_of(path: Path, edited: Mapping[str, str], looks: str) -> Found:
     return {"model": data.view(np.float64)}, {**about, "size": size}
 
 
-def prepared(path: Path, edited: Mapping[Path, str]) -> tuple[bytes, dict[str, bytes], dict[str, Any]]:
+def prepared(
+    path: Path, edited: Mapping[Path, str], fixed: bool = False
+) -> tuple[bytes, dict[str, bytes], dict[str, Any]]:
     """The text that MuJoCo is given, its meshes, and what is to be said of it. Raises InputError."""
     file, root = str(path), with_included(path, edited)[0].root
     if root.tag == "robot":
         alone = urdf.mimicking(root)
         return urdf.bare(file, root), {}, {"alone": alone, "notes": []}
     if root.tag == "mujoco":
-        text, meshes, notes = mjcf.bare(file, root, path.resolve().parent)
+        text, meshes, notes = mjcf.bare(file, root, path.resolve().parent, fixed)
         return text, meshes, {"alone": {}, "notes": list(notes)}
     raise InputError(file, f"XML that begins with <{root.tag}>", "MJCF (<mujoco>) or URDF (<robot>) is accepted")
 

@@ -66,16 +66,18 @@ def load_arm(
     path: Path,
     gravity: tuple[float, float, float] | None = None,
     edited: Mapping[Path, str] = MappingProxyType({}),
+    fixed: bool = False,
 ) -> Arm:
     """An arm from .xml (MJCF or URDF) or .urdf; gravity : m/s^2 in the frame of the base, None for the file's own.
 
-    edited : by resolved path, texts that take the place of what a file of the model holds.
+    edited : by resolved path, texts that take the place of what a file of the model holds. fixed : bodies on free and
+    ball joints are held, and it is noted.
 
     Raises InputError when there is no such file, MuJoCo cannot compile it (its message in one line), or a joint is
     neither hinge nor slide (named).
     """
     file = str(path)
-    model, about = compiled(path, edited)
+    model, about = compiled(path, edited, fixed=fixed)
     joints = joint_names(file, model)
     if any(np.any(one) for one in (model.jnt_stiffnesspoly, model.dof_dampingpoly)):
         raise InputError(file, "stiffness or damping of a joint as a polynomial", f"one number each, and {ACCEPTED}")

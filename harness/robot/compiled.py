@@ -11,7 +11,7 @@ from harness.core.errors import InputError
 
 _FLAGS = mujoco.mjtDisableBit.mjDSBL_CONSTRAINT.value | mujoco.mjtDisableBit.mjDSBL_DAMPER.value
 _NO_GRAVITY = mujoco.mjtDisableBit.mjDSBL_GRAVITY.value
-_HINGE_OR_SLIDE = (mujoco.mjtJoint.mjJNT_HINGE.value, mujoco.mjtJoint.mjJNT_SLIDE.value)
+HINGE_OR_SLIDE = (mujoco.mjtJoint.mjJNT_HINGE.value, mujoco.mjtJoint.mjJNT_SLIDE.value)
 _KINDS = {mujoco.mjtJoint.mjJNT_FREE.value: "free", mujoco.mjtJoint.mjJNT_BALL.value: "ball"}
 ACCEPTED = "hinges and slides of an open chain on a fixed base are accepted"
 
@@ -25,7 +25,7 @@ def joint_names(file: str, model: Any) -> tuple[str, ...]:
     for i in range(model.njnt):
         name = model.joint(i).name
         kind = int(model.jnt_type[i])
-        if kind not in _HINGE_OR_SLIDE:
+        if kind not in HINGE_OR_SLIDE:
             where = name or f"of body {model.body(model.jnt_bodyid[i]).name or model.jnt_bodyid[i]}"
             raise InputError(f"{file}: joint {where}", f"a {_KINDS[kind]} joint", ACCEPTED)
         names.append(name or f"joint {i + 1}")
@@ -98,7 +98,7 @@ def strip(model: Any, gravity: tuple[float, float, float] | None) -> tuple[str, 
 def rotors(model: Any) -> FloatArray:
     """Rotor inertia (nv,) on the diagonal of the mass matrix, kg m^2 or kg: of the joints and of their actuators."""
     found = np.array(model.dof_armature)
-    for i in range(model.nu):
+    for i in range(model.nactuator):  # a pid has two controls
         if model.actuator_trntype[i] == mujoco.mjtTrn.mjTRN_JOINT.value:
             # a rotor turns faster by the gear's ratio, and its inertia counts with the square
             found[model.actuator_trnid[i, 0]] += model.actuator_armature[i] * model.actuator_gear[i, 0] ** 2

@@ -45,14 +45,16 @@ _OF_COMPILER = (
 _OF_LOOKS = ("material", "texture", "hfield")
 
 
-def bare(file: str, root: Any, folder: Path) -> tuple[bytes, dict[str, bytes], tuple[str, ...]]:
+def bare(file: str, root: Any, folder: Path, fixed: bool) -> tuple[bytes, dict[str, bytes], tuple[str, ...]]:
     """The text that MuJoCo's compiler is given, the meshes that a mass depends on, by name, and what is to be said.
 
-    Raises InputError for what is no rigid body, for what is no MJCF, for more copies than are reasonable, and for a
-    moving body whose mass is that of a mesh that is not there.
+    fixed : free and ball joints are taken out, so that their bodies stand still. Raises InputError for what is no rigid
+    body, for what is no MJCF, for more copies than are reasonable, and for a moving body whose mass is that of a mesh
+    that is not there.
     """
     _refuse(file, root)
     _keep(file, root)
+    held = _fixed(root) if fixed else ()
     from_shapes = any(one.get("inertiafromgeom") == "true" for one in root.findall("compiler"))
     needed: set[str] = set()
     for world in root.findall("worldbody"):
@@ -62,7 +64,20 @@ def bare(file: str, root: Any, folder: Path) -> tuple[bytes, dict[str, bytes], t
         for name in set(compiler.attrib).difference(_OF_COMPILER):
             compiler.attrib.pop(name)
     text: bytes = etree.tostring(root)
-    return text, meshes, notes
+    return text, meshes, (*held, *notes)
+
+
+def _fixed(root: Any) -> tuple[str, ...]:
+    """Take out free and ball joints; one sentence for each that bears joints of its own."""
+    notes = []
+    for joint in [one for one in root.iter("joint", "freejoint") if one.getparent().tag != "default"]:
+        if joint.tag == "freejoint" or joint.get("type") in ("free", "ball"):
+            body = joint.getparent()
+            body.remove(joint)
+            if any(one.tag == "joint" for child in body.iter("body") for one in child):
+                name = body.get("name") or "without a name"
+                notes.append(f"the body {name} is held: what is told of a joint is as if its base were fixed")
+    return tuple(notes)
 
 
 def _keep(file: str, element: Any) -> None:

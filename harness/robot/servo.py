@@ -1,35 +1,12 @@
-"""The position servo that a model has on a joint, and the simulator's words that its friction depends on."""
+"""The simulator's words that the friction of a model's joint depends on."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from typing import Any
 
 import mujoco
 
 from harness.engines.mujoco.presets import INTEGRATORS, SOLVERS, STIFF
 from harness.robot.arm import Arm
-
-
-@dataclass(frozen=True, slots=True)
-class Servo:
-    """stiffness, damping : at the joint, N m/rad and N m s/rad, or N/m and N s/m."""
-
-    stiffness: float
-    damping: float
-
-
-def servo_of(arm: Arm, joint: str) -> Servo | None:
-    """The servos of a joint together; None where the model has none."""
-    model, at = arm.model, arm.index(joint)
-    stiffness = damping = 0.0
-    for i in range(model.nu):
-        if model.actuator_trntype[i] != mujoco.mjtTrn.mjTRN_JOINT.value or model.actuator_trnid[i, 0] != at:
-            continue
-        if model.actuator_biastype[i] == mujoco.mjtBias.mjBIAS_AFFINE.value:
-            gear = float(model.actuator_gear[i, 0]) ** 2
-            stiffness -= gear * float(model.actuator_biasprm[i, 1])
-            damping -= gear * float(model.actuator_biasprm[i, 2])
-    return Servo(stiffness, damping) if stiffness > 0.0 else None
 
 
 def words(arm: Arm, joint: str) -> dict[str, Any]:

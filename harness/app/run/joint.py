@@ -4,7 +4,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from harness.app.run.joint_score import Played, load_of, played
+from harness.app.run.joint_itself import itself_in
+from harness.app.run.joint_score import Played, played
 from harness.app.run.joint_servo import servo_scores
 from harness.app.run.joint_words import conclusions
 from harness.app.shared.deliver import to_json
@@ -22,6 +23,7 @@ from harness.io.store import output_folder
 from harness.results.joint import JointRunResult
 from harness.results.robot import PasteResult
 from harness.robot.arm import Arm, load_arm
+from harness.robot.as_it_is import as_it_is
 from harness.robot.paste import JointPaste, copies
 from harness.robot.pictured import moved
 from harness.robot.reduction import Reduced, reduced
@@ -74,7 +76,7 @@ def run_joint(
 
     Raises InputError for a model or a joint that cannot be used, StoreError.
     """
-    arm = load_arm(asked.file, asked.gravity)
+    arm = load_arm(asked.file, asked.gravity, fixed=True)
     joint = arm.joints[0] if asked.joint is None and len(arm.joints) == 1 else asked.joint
     if joint is None:
         raise InputError("--joint", "not given", f"a joint of {arm.file} is accepted: {', '.join(arm.joints)}")
@@ -108,25 +110,27 @@ def _computed(
     arm: Arm, own: Reduced, asked: JointRun, progress: Progress, command: str
 ) -> tuple[JointRunResult, list[Played]]:
     step = float(arm.model.opt.timestep)
-    paste = _paste(arm, own)
-    load = load_of(own, paste.f_k)
+    paste, itself = _paste(arm, own), as_it_is(asked.file, own.joint, asked.gravity)
+    friction, tuned = max(paste.f_k, itself.friction), asked.dt or step
     motions: list[Played] = []
-    if load is not None:
-        plan: list[tuple[str, Preset]] = [
-            (name, preset) for name in dict.fromkeys(asked.engines) for preset in PRESETS if preset in asked.presets
-        ]
+    plan: list[tuple[str, Preset]] = [
+        (name, preset) for name in dict.fromkeys(asked.engines) for preset in PRESETS if preset in asked.presets
+    ]
+    if itself.load is not None:
         for done, (name, preset) in enumerate(plan):
             progress(f"{name} {preset}", done, len(plan))
-            motions.append(played(arm, own, paste.f_k, load, name, preset, asked.dt or step))
+            motions.append(played(arm, own, friction, itself.load, itself.softness, name, preset, tuned))
+    scores = [one.score for one in motions]
     result = JointRunResult(
         file=str(asked.file.absolute()),
         joint=own.joint,
         slides=own.slides,
         step_s=step,
         reduction=reduction_of(arm, own),
-        load=load,
-        scores=[one.score for one in motions],
-        servo=servo_scores(arm, own, step),
+        load=itself.load,
+        scores=scores,
+        as_it_is=itself_in(itself, asked.file, own, asked.gravity, plan, scores, tuned),
+        servo=servo_scores(itself),
         paste=PasteResult(mjcf=paste.mjcf, urdf=paste.urdf),
         conclusions=[],
         command=command,

@@ -15,12 +15,10 @@ from harness.fidelity.metrics.hold import creep_m_s
 from harness.results.joint import JointScore
 from harness.robot.arm import Arm
 from harness.robot.reduction import Reduced
-from harness.robot.servo import looseness, words
+from harness.robot.servo import words
 
 LOGGER = logging.getLogger(__name__)
 MUJOCO = "mujoco"
-_MOST_LOAD = 0.97
-"""Of dry friction: a heavier load slides."""
 _HELD_FOR = 0.5
 """s."""
 _SPRING = 4.0
@@ -38,20 +36,17 @@ class Played:
     swing: Trajectory | None
 
 
-def load_of(own: Reduced, f_k: float) -> float | None:
-    """What creep is measured under, N m or N; None without dry friction, where nothing is held."""
-    if f_k == 0.0:
-        return None
-    pulled = own.gravity > 0.0 and not own.upright
-    return min(own.gravity, _MOST_LOAD * f_k) if pulled else _MOST_LOAD * f_k
+def played(
+    arm: Arm, own: Reduced, f_k: float, load: float, softness: float, name: str, preset: Preset, dt: float
+) -> Played:
+    """Creep and lead in one engine; MuJoCo as shipped has the words of the model's file at its own step.
 
-
-def played(arm: Arm, own: Reduced, f_k: float, load: float, name: str, preset: Preset, dt: float) -> Played:
-    """Creep and lead in one engine; MuJoCo as shipped has the words of the model's file at its own step."""
+    softness : of MuJoCo's friction in the whole model, over that of the joint alone.
+    """
     as_written = name == MUJOCO and preset == "as-shipped"
     settings: Settings = words(arm, own.joint) if as_written else {}
     step = float(arm.model.opt.timestep) if as_written else (dt if preset == "tuned" else None)
-    soft = looseness(arm, own.joint, own.moved) if name == MUJOCO else 1.0
+    soft = softness if name == MUJOCO else 1.0
     creep = lead = why = None
     held = swung = None
     try:

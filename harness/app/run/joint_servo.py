@@ -1,46 +1,130 @@
-"""What a time step does to the servo of a robot's joint, by the laws of docs/fidelity.md."""
+"""What a time step does to the servo and the damping of a robot's joint, by the laws of docs/fidelity.md."""
 
+import math
 from collections.abc import Callable
 
+from harness.engines.mujoco.presets import INTEGRATORS
 from harness.fidelity import laws
-from harness.results.joint import ServoResult, ServoScore
-from harness.robot.arm import Arm
-from harness.robot.reduction import Reduced
-from harness.robot.servo import servo_of, words
+from harness.results.joint import ServoCure, ServoResult, ServoScore
+from harness.robot.as_it_is import AsItIs
 
 _SUBSTEPS = 4
 """Of an engine that divides a step, as Rapier and PhysX's TGS ship."""
+_HALVINGS = 60
+_DIGITS = 3
 
 
-def servo_scores(arm: Arm, own: Reduced, h: float) -> ServoResult | None:
-    """What the step does to the model's servo, by the laws of docs/fidelity.md."""
-    servo = servo_of(arm, own.joint)
-    if servo is None:
+def servo_scores(own: AsItIs) -> ServoResult | None:
+    """What the step does to the file's servo; None without one."""
+    if own.stiffness <= 0.0 and own.servo_damping <= 0.0:
         return None
-    m, k = own.moved, servo.stiffness
-    joint, kv = float(arm.damping[arm.index(own.joint)]), servo.damping
-    c = joint + kv
-    integrator = words(arm, own.joint)["integrator"]
-    by_mujoco: dict[str, Callable[[], float]] = {
-        "Euler": lambda: laws.half_implicit(m, kv, joint, h),
-        "RK4": lambda: c,
-        "discrete": lambda: laws.implicit(m, c, k, h, 1),
-    }
-    acts: dict[str, Callable[[], float]] = {
-        f"MuJoCo, {integrator}, as the model has it": by_mujoco.get(
-            integrator, lambda: laws.half_implicit(m, 0.0, c, h)
+    m, k, h = own.inertia, own.stiffness + own.spring, own.dt
+    c = own.damping + own.servo_damping
+    held, parts = laws.held, laws.held_step
+    rows: list[tuple[str, laws.Map, Callable[[], float]]] = [
+        (f"MuJoCo, {own.integrator}, as the model has it", step_of(own), lambda: _by_mujoco(own)),
+        ("a torque held over the step (PyBullet's TORQUE_CONTROL)", parts(m, c, k, h, 1), lambda: held(m, c, k, h, 1)),
+        (
+            f"a torque held over {_SUBSTEPS} sub-steps (Rapier, PhysX TGS)",
+            parts(m, c, k, h, _SUBSTEPS),
+            lambda: held(m, c, k, h, _SUBSTEPS),
         ),
-        "a torque held over the step (PyBullet's TORQUE_CONTROL)": lambda: laws.held(m, c, k, h, 1),
-        f"a torque held over {_SUBSTEPS} sub-steps (Rapier, PhysX TGS)": lambda: laws.held(m, c, k, h, _SUBSTEPS),
-        "the engine's own implicit drive (DART, PhysX PGS)": lambda: laws.implicit(m, c, k, h, 1),
-    }
-    root = 2.0 * (k * m) ** 0.5
+        (
+            "the engine's own implicit drive (DART, PhysX PGS)",
+            laws.implicit_step(m, c, k, h, 1),
+            lambda: laws.implicit(m, c, k, h, 1),
+        ),
+    ]
+    root = 2.0 * math.sqrt(k * m)
     scores = []
-    for who, law in acts.items():
-        try:
-            acting = law()
-        except ValueError:
-            scores.append(ServoScore(who=who, false_damping=None, zeta=None))
-            continue
-        scores.append(ServoScore(who=who, false_damping=acting - c, zeta=acting / root))
-    return ServoResult(stiffness=k, damping=c, zeta=c / root, step_s=h, scores=scores)
+    for who, step, law in rows:
+        acting = None
+        if laws.stable(step):
+            try:
+                acting = law()
+            except ValueError:  # it is stable, and its speed turns round at every step: no damping does that
+                acting = None
+        zeta = None if acting is None or root == 0.0 else acting / root
+        away = None if acting is None else acting - c
+        scores.append(ServoScore(who=who, false_damping=away, zeta=zeta, stable=laws.stable(step)))
+    diverges = not scores[0].stable or own.servo_diverges is not None
+    return ServoResult(
+        stiffness=own.stiffness,
+        damping=c,
+        zeta=c / root if root > 0.0 else None,
+        step_s=h,
+        scores=scores,
+        diverges_after=own.servo_diverges,
+        cure=cure(own) if diverges else None,
+    )
+
+
+def step_of(
+    own: AsItIs,
+    *,
+    stiffness: float = 1.0,
+    damping: float = 1.0,
+    h: float | None = None,
+    m: float | None = None,
+    integrator: str | None = None,
+) -> laws.Map:
+    """What a step of MuJoCo makes of the joint with its servo; stiffness, damping : times the servo's own."""
+    h, m, integrator = h or own.dt, m or own.inertia, integrator or own.integrator
+    k, c = own.spring + stiffness * own.stiffness, own.damping + damping * own.servo_damping
+    if integrator == "RK4":
+        return laws.runge_kutta_step(m, c, k, h)
+    if integrator == "discrete":
+        return laws.implicit_step(m, c, k, h, 1)
+    if integrator == own.integrator:
+        # of the servo's damping, what is taken at the end is as much of it as it was
+        end = max(own.at_end - own.damping, 0.0) * damping + min(own.at_end, own.damping)
+    else:
+        end = own.damping if integrator == "Euler" else c
+    return laws.semi_implicit_step(m, c - end, end, k, h)
+
+
+def _by_mujoco(own: AsItIs) -> float:
+    """Damping that acts, N m s/rad or N s/m."""
+    m, k, h, c = own.inertia, own.stiffness + own.spring, own.dt, own.damping + own.servo_damping
+    if own.integrator == "RK4":
+        return c
+    if own.integrator == "discrete":
+        return laws.implicit(m, c, k, h, 1)
+    return laws.half_implicit(m, c - own.at_end, own.at_end, h)
+
+
+def cure(own: AsItIs) -> ServoCure:
+    """What makes it stable, one thing at a time, each as little as it takes; None where that alone does not."""
+    k = _largest(lambda f: laws.stable(step_of(own, stiffness=f)))
+    c = _largest(lambda f: laws.stable(step_of(own, damping=f)))
+    h = _largest(lambda f: laws.stable(step_of(own, h=f * own.dt)))
+    m = _largest(lambda f: laws.stable(step_of(own, m=own.inertia / f)))
+    return ServoCure(
+        stiffness=None if k is None or own.stiffness <= 0.0 else _down(k * own.stiffness),
+        kp=None if k is None or own.kp is None else _down(k * own.kp),
+        damping=None if c is None or own.servo_damping <= 0.0 else _down(c * own.servo_damping),
+        step_s=None if h is None else _down(h * own.dt),
+        armature=None if m is None else -_down(-own.inertia * (1.0 / m - 1.0)),
+        integrators=[one for one in INTEGRATORS if one != own.integrator and laws.stable(step_of(own, integrator=one))],
+    )
+
+
+def _largest(stable: Callable[[float], bool]) -> float | None:
+    """The largest factor up to 1 with which it is stable; None where it is with none."""
+    low, high = 1e-9, 1.0
+    if not stable(low):
+        return None
+    if stable(high):
+        return high
+    for _ in range(_HALVINGS):
+        middle = math.sqrt(low * high)
+        low, high = (middle, high) if stable(middle) else (low, middle)
+    return low
+
+
+def _down(value: float) -> float:
+    """Towards minus infinity, to the digits that are told."""
+    if value == 0.0:
+        return 0.0
+    unit = 10.0 ** (math.floor(math.log10(abs(value))) - _DIGITS + 1)
+    return float(f"{math.floor(value / unit * (1.0 + math.copysign(1e-9, value))) * unit:.{_DIGITS}g}")

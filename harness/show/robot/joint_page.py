@@ -60,8 +60,12 @@ class Scores(Section):
                 notes.append(f"{one['engine']} {one['preset']}: {one['error']}")
                 continue
             values = ((one["creep"], scale), (one["reversal_lead_s"], 1e3))
-            cells = [Cell("-" if value is None else number(value * times, 3)) for value, times in values]
+            cells = [Cell(_or_none(value, times)) for value, times in values]
             rows.append(Row(f"{one['engine']} {one['preset']}", cells, f"step {1e3 * (one['dt_s'] or 0.0):.3g} ms"))
+        for one in self.result["as_it_is"]:
+            creep = "it diverges" if one["diverges_after"] else _or_none(one["creep"], scale)
+            label = f"your file itself, {one['engine']} {one['preset']}"
+            rows.append(Row(label, [Cell(creep), Cell("-")], f"step {1e3 * one['dt_s']:.3g} ms"))
         figures = [
             _figure("creep", f"creep / {unit}", [(m, (m.x - m.x[0]) * scale) for m in self.held]),
             _figure("swing", f"swing / {unit}", [(m, m.x * scale) for m in self.swings]),
@@ -90,15 +94,19 @@ class Servo(Section):
         unit = "N s/m" if self.result["slides"] else "N m s/rad"
         columns = [Column("false damping", unit, "beyond what was asked for"), Column("zeta")]
         rows = [
-            Row(one["who"], [Cell(_or_diverges(one[name])) for name in ("false_damping", "zeta")])
+            Row(one["who"], [Cell(_or_diverges(one[name], one["stable"])) for name in ("false_damping", "zeta")])
             for one in servo["scores"]
         ]
-        caption = f"It has zeta {number(servo['zeta'], 3)}; the step is {1e3 * servo['step_s']:.3g} ms."
+        caption = f"It has zeta {_or_none(servo['zeta'], 1.0)}; the step is {1e3 * servo['step_s']:.3g} ms."
         return {"tables": [Table("who computes it", columns, rows, caption)]}
 
 
-def _or_diverges(value: float | None) -> str:
-    return "it diverges" if value is None else number(value, 3)
+def _or_diverges(value: float | None, stable: bool) -> str:
+    return _or_none(value, 1.0) if stable else "it diverges"
+
+
+def _or_none(value: float | None, times: float) -> str:
+    return "-" if value is None else number(value * times, 3)
 
 
 def _figure(name: str, axis: str, curves: Sequence[tuple[Trajectory, Any]]) -> Figure:
