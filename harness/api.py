@@ -168,7 +168,8 @@ def simulate(model: GivenModel, t: ArrayLike) -> Trajectory:
     """The motion of a model in the compiled reference.
 
     model : a ``Model``, one as a result holds it (``result.refined_model``), its plain data, or a model.json. t : (n,),
-    s, increasing. Raises InputError for what is no model, SimulationError when it cannot be followed.
+    s, increasing; before its release a model is held where that begins. Raises InputError for what is no model, and for
+    times before the beginning of one that moves there already, SimulationError when it cannot be followed.
     """
     from harness.app.run.simulate import motion_of
 

@@ -103,6 +103,17 @@ def test_identify_and_compare_take_what_is_in_memory(decay: harness.Recording, t
     assert harness.compare(decay, moved).verdict == "different"
 
 
+def test_a_model_has_no_motion_before_its_beginning() -> None:
+    """One that is let go was held there; one that begins in the middle of a motion came from somewhere."""
+    t = np.array([0.0, 0.1, 0.2, 0.5])
+    held = harness.simulate(harness.Model(1.0, 1.0, 100.0, 3.0, x0=1.0, t0=0.2), t)
+    assert held.x[:3].tolist() == [1.0, 1.0, 1.0]
+    moving = harness.Model(1.0, 1.0, 100.0, 3.0, x0=1.0, v0=-2.0, t0=0.2)
+    with pytest.raises(InputError, match=r"2 times before 0\.2 s.* t\[t >= 0\.2\]"):
+        harness.simulate(moving, t)
+    assert harness.simulate(moving, t[t >= 0.2]).x[0] == 1.0
+
+
 def _ready(decay: harness.Recording) -> Problem:
     return harness.stages.prepare(decay, zero="spring").problem
 

@@ -5,7 +5,10 @@ from os import PathLike
 from pathlib import Path
 from typing import Any, TypeAlias
 
+import numpy as np
+
 from harness.core.arrays import FloatArray
+from harness.core.errors import InputError
 from harness.core.trajectory import Trajectory
 from harness.kernels.solve import simulate
 from harness.model.document import from_document, load
@@ -16,8 +19,20 @@ Given: TypeAlias = Model | ModelDocument | Mapping[str, Any] | str | PathLike[st
 
 
 def motion_of(model: Given, t: FloatArray) -> Trajectory:
-    """The motion of a model at times t (n,) in s; raises InputError, SimulationError."""
-    return simulate(model_of(model), t)
+    """The motion of a model at times t (n,) in s.
+
+    Before its release a model is held where that begins; one that begins in the middle of a motion has no past.
+    Raises InputError for times before that, SimulationError.
+    """
+    found = model_of(model)
+    early = int(np.count_nonzero(t < found.t0))
+    if early and found.v0 != 0.0:
+        raise InputError(
+            "simulate: t",
+            f"{early} times before {found.t0:.9g} s, where the model begins and moves already",
+            f"times from there on are accepted: t[t >= {found.t0!r}]",
+        )
+    return simulate(found, t)
 
 
 def model_of(model: Given) -> Model:
