@@ -116,4 +116,7 @@ def outcome(answer: Answer) -> dict[str, Any]:
         if isinstance(numbers, Mapping):
             said = {k: _digits(v) for k, v in numbers.items() if isinstance(v, Mapping) and "value" in v}
             kept.setdefault("parameters", {}).update({f"{method}.{k}": v for k, v in said.items()})
+    for one in answer.get("as_it_is", []):
+        creep = "none" if one["creep"] is None else f"{one['creep']:.3g}"
+        kept.setdefault("parameters", {})[f"{one['engine']}.creep"] = creep if abs(one["creep"] or 1.0) > 1e-9 else "0"
     return kept

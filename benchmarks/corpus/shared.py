@@ -1,6 +1,7 @@
 """Recordings and commands that are not the project's: a folder holds them, and without it they are left out."""
 
 import json
+import math
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -84,6 +85,32 @@ def _machines(folder: Path) -> Iterator[Case]:
         yield _diagnosed(f"xl330/{path.stem}", "machine", path, None)
 
 
+_CREEP, _DIVERGES = "as_it_is.0.creep", (5.0, 10.0)
+_LEVEL, _SHIPPED = 0.4905, 5.21
+"""Torque of gravity, N m, and softness of friction as shipped, N m s/rad, of a link of these files that lies level."""
+_ENGINE = {
+    "cap-implicitfast": Truth(
+        "diverges; kp at most 2880, or a step of 2.4 ms",
+        numbers={"servo.cure.kp": (2880.0, 0.01), "servo.cure.step_s": (2.4e-3, 0.01)},
+    ),
+    "cap-rk4": Truth("diverges: h omega = 6.03", numbers={"servo.diverges_after": _DIVERGES}),
+    "creep-with-damping": Truth("2.75 deg/s", numbers={_CREEP: (_LEVEL / (_SHIPPED + 5.0), 0.02)}),
+    "dcmotor-lugre": Truth(
+        "breaks away at 0.8 N m, slides at 0.6",
+        numbers={"as_it_is.0.break_away": (0.8, 1e-6), "as_it_is.0.friction": (0.6, 1e-6)},
+    ),
+    "flag-frictionloss": Truth("it falls, 1.41 rad/s", numbers={_CREEP: (1.41, 0.02)}),
+    "floating-base": Truth("0.289 deg/s at 0.15 N m", numbers={_CREEP: (0.194 / 0.15 * math.radians(0.289), 0.03)}),
+    "gravcomp": Truth("holds; 0.539 deg/s", numbers={_CREEP: (0.1 * _LEVEL / _SHIPPED, 0.02)}),
+    "noslip-damping": Truth("2.87 s to stop", numbers={"as_it_is.0.stop.time_s": (2.87, 0.01)}),
+    "pid-elsewhere": Truth("5.4 deg/s", numbers={_CREEP: (_LEVEL / _SHIPPED, 0.02)}),
+    "pybullet-damping": Truth("joint damping diverges", numbers={"as_it_is.1.diverges_after": _DIVERGES}),
+    "tendon-servo": Truth(
+        "200 N m/rad; diverges", numbers={"servo.stiffness": (200.0, 1e-6), "servo.diverges_after": _DIVERGES}
+    ),
+}
+
+
 def _robots(folder: Path) -> Iterator[Case]:
     at = folder / "recordings/machines"
     cases = [
@@ -119,6 +146,7 @@ def _robots(folder: Path) -> Iterator[Case]:
             f"engine/{path.stem}",
             "engine",
             lambda path=path, joint=joint: harness.run_joint(path, joint, preset="as-shipped"),  # type: ignore[misc]
+            _ENGINE.get(path.stem),
         )
 
 
