@@ -116,6 +116,22 @@ STRUCTURE_NAMED = Rule(
     "level of the test: five sound models in a thousand are turned away; what mimics another effect leaves little, so"
     " that the level is higher than for a base model",
 )
+LAW_KNOWN = Rule(
+    "law-known",
+    1e-4,
+    "share of what terms explain",
+    "what a model that names something leaves is no structure of its own",
+    "a hundredth of an effect in size: of no law of friction is the form known more closely, and so far is a simulation"
+    " trusted at jumps. Against noise alone the same law fails wherever an effect is strong",
+)
+ADVISED = Rule(
+    "advised",
+    1.5,
+    "chi-square per point",
+    "changes of a simulation are advised by a model that leaves less than this, and by a main effect with a caution",
+    "half as much misfit as noise: beyond it numbers move by more than the noise moves them, and what is missing has a"
+    " part in them that no standard error counts",
+)
 COLOUR_ALONE = Rule(
     "colour-alone",
     0.02,

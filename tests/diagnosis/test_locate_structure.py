@@ -10,6 +10,7 @@ from harness.core.arrays import FloatArray
 from harness.diagnosis.explain.locate import locate
 from harness.diagnosis.motion import Motion
 from harness.diagnosis.residual_tests.lack_of_fit import lack_of_fit
+from harness.diagnosis.rules import LAW_KNOWN
 
 
 def swing(n: int, per_period: int) -> tuple[FloatArray, Motion]:
@@ -111,7 +112,8 @@ def test_a_hundredth_of_an_explained_effect_counts_as_explained() -> None:
     left, partials = fitted(t, motion, {"x": np.random.default_rng(3).standard_normal(t.size) + misfit})
 
     def seen(gain: float) -> float:
-        found = lack_of_fit(left, t, motion.omega, jacobian=partials, motion=motion, gain=gain)
+        spare = LAW_KNOWN.value * gain
+        found = lack_of_fit(left, t, motion.omega, jacobian=partials, motion=motion, spare=spare)
         return dict(found.tests)["parameters that differ from side to side"]
 
     assert seen(0.0) < 1e-6

@@ -26,6 +26,7 @@ from harness.diagnosis.attribution.attribute import (
 from harness.diagnosis.attribution.mixed import in_masses_of
 from harness.diagnosis.attribution.nearby import Nearby, nearby_of
 from harness.diagnosis.attribution.reading import Reading, aligned, trace_channels
+from harness.diagnosis.explain.advice import left_beside, unadvised
 from harness.diagnosis.explain.engines import shown_by
 from harness.diagnosis.fit.observe import observe
 from harness.diagnosis.fit.standard_errors import covariances
@@ -225,6 +226,9 @@ def _shares(
     paste = _paste(found, simulator, step) if of_user else None
     settings = [] if simulator is None or paste is not None else _settings(simulator, found, step or 0.0)
     changes = changes_of(found, outcome, settings)
+    why = unadvised(outcome) if changes else None
+    beside = why or (left_beside(outcome) if changes else None)
+    changes = [c for c in changes if why is None or c.kind == "setting"]
     reads = None if found.reading is None else _reads(found.reading)
     return AttributionResult(
         engine=None if found.joined else found.engine,
@@ -240,7 +244,11 @@ def _shares(
         reads=None if reads is None else {n: P.of(q) for n, q in reads.items()},
         recording={n: P.of(q) for n, q in parameters_of(outcome.refined, outcome.problem).items()},
         changes=changes,
-        sentences=[*(_engine_words(found, changes, paste) if of_user else []), *_sentences(found, outcome)],
+        sentences=[
+            *(_engine_words(found, changes, paste) if of_user else []),
+            *_sentences(found, outcome),
+            *([] if beside is None else [beside]),
+        ],
         paste=paste,
         bars=_bars(found),
     )

@@ -42,6 +42,12 @@ def in_company(law: Fitted, others: Sequence[Fitted], base: Fitted) -> float:
     return 0.5 * (alone + both[best] - each[best])
 
 
+def taken_by_two(laws: Sequence[Fitted], base: Fitted) -> FloatArray:
+    """Squares (m, m) that each two of m laws take off a base model's together, as ``in_company`` counts them."""
+    left, *seen = _beside(base, np.column_stack([base.residual, *(base.residual - one.residual for one in laws)])).T
+    return np.array([[_taken(left, [one, other]) for other in seen] for one in seen])
+
+
 def _beside(base: Fitted, columns: FloatArray) -> FloatArray:
     """What of columns (N, m) the base model's numbers cannot do."""
     size = np.linalg.norm(base.jacobian, axis=0)

@@ -19,23 +19,21 @@ _MOST_STRETCHES = 8
 """Of equal numbers of half-cycles, which are held against each other."""
 _SEEN = 1e-6
 """Share of its power in a part from which a fitted direction is seen there."""
-_TRUSTED = 1e-4
-"""What is a hundredth of an explained effect in size counts as explained: so far is a simulation trusted at jumps."""
 
 
 def constancy(
-    channels: Mapping[str, Channel], t: FloatArray, motion: Motion, gain: float = 0.0, spare: float = 0.0
+    channels: Mapping[str, Channel], t: FloatArray, motion: Motion, spare: float = 0.0
 ) -> list[tuple[str, float, float]]:
     """Tests of whether parameters depend on the part of a recording: what is tested, its p-value, mean square.
 
-    t (n,) : s. gain : chi-square that the model's terms explain. spare : chi-square that noise may leave besides.
+    t (n,) : s. spare : chi-square that may be left besides by what is no structure.
     """
     freedom = float(sum(one.freedom for one in channels.values()))
     out = []
     for name, part in _parts(t, motion).items():
         chi2, k = _taken(channels, part)
         if k >= 1.0:
-            p = spared(partial(over_floor, k=k, m=freedom), chi2, _TRUSTED * gain + spare)
+            p = spared(partial(over_floor, k=k, m=freedom), chi2, spare)
             out.append((f"parameters that differ from {name} to {name}", p, chi2 / k))
     return out
 

@@ -174,7 +174,6 @@ def lack_of_fit(
     jacobian: Mapping[str, FloatArray] | None = None,
     doubtful: Mapping[str, BoolArray] | None = None,
     motion: Motion | None = None,
-    gain: float = 0.0,
     spare: float = 0.0,
 ) -> LackOfFit:
     """Whether structure remains in whitened residuals (n,) of each channel at t (n,), s; omega of the motion, rad/s.
@@ -182,8 +181,8 @@ def lack_of_fit(
     The level of the noise is taken from the residuals; samples that are exactly zero did not count in the fit.
     jacobian : whitened partials (n, q) of each channel by the fitted numbers, so that the test is exact although the
     fit has taken its share. doubtful : samples that may lie on the wrong side of a jump. motion : to look at parts of
-    the swing too, and of the recording. gain : chi-square that the model's terms explain. spare : chi-square that noise
-    may leave beyond its level, in one place or another. Linear in samples.
+    the swing too, and of the recording. spare : chi-square that may be left beyond the level of the noise, in one place
+    or another, by what is no structure. Linear in samples.
     """
     names = [c for c, r in residuals.items() if np.count_nonzero(r) >= _FEWEST]
     if not names:
@@ -195,7 +194,7 @@ def lack_of_fit(
     tests = _bands(channels, spare) + _stretches(channels, spare) + _lines(channels)
     if motion is not None:
         tests += _phases(channels, motion, spare)
-        tests += constancy(channels, t, motion, gain, spare)
+        tests += constancy(channels, t, motion, spare)
     p = _combined([test[1] for test in tests])
     name, _, ratio = min(tests, key=lambda test: (test[1], -test[2]))
     if p < _SAID:

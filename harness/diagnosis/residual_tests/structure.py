@@ -8,13 +8,14 @@ from harness.diagnosis.fit.model_fit import Fit
 from harness.diagnosis.motion import Motion
 from harness.diagnosis.problem import Problem
 from harness.diagnosis.residual_tests.lack_of_fit import LackOfFit, lack_of_fit
-from harness.diagnosis.rules import STRUCTURE, STRUCTURE_NAMED
+from harness.diagnosis.rules import LAW_KNOWN, STRUCTURE, STRUCTURE_NAMED
 
 
 def structure(found: Fit, problem: Problem, omega: float, gain: float = 0.0) -> LackOfFit:
     """Structure left in a fit's residual, its own parameters allowed for; gain : chi-square its terms explain.
 
-    What noise of a force leaves beyond first order is allowed for, where that could be simulated.
+    What noise of a force leaves beyond first order is allowed for, where that could be simulated, and of what terms
+    explain the little that no law is known to.
     """
     n = problem.t.size
     parts = {c: slice(i * n, (i + 1) * n) for i, c in enumerate(problem.channels)}
@@ -25,8 +26,7 @@ def structure(found: Fit, problem: Problem, omega: float, gain: float = 0.0) -> 
         omega,
         jacobian={c: found.jacobian[at] for c, at in parts.items()},
         motion=motion,
-        gain=gain,
-        spare=problem.spare if math.isfinite(problem.spare) else 0.0,
+        spare=(problem.spare if math.isfinite(problem.spare) else 0.0) + LAW_KNOWN.value * gain,
     )
 
 

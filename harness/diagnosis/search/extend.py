@@ -235,6 +235,29 @@ def extend(
         worthy = _candidates(current, problem, scales, terms) if look is None else _ending(look, scales)
         asked = (Candidate(model.terms[-1].term, model, math.inf) for model in also)
         best = _rough((*worthy, *asked), small, base, scales)
+    return _finished(best, current, problem, small, scales)
+
+
+def pair_up(starts: Sequence[Sequence[Model]], current: Fit, problem: Problem, scales: Scales) -> Step:
+    """Fit models of two laws that are worth it whatever a look says, each from the best of its own starts.
+
+    current : what they are held against, and whose base numbers are free.
+    """
+    base = _base(current, problem)
+    small, _ = for_looks(current, problem, scales, _COARSE_SAMPLES)
+
+    def best_of(models: Sequence[Model]) -> Fit | None:
+        first = (_try(m, small, base, scales, _FIRST_ITERATIONS) for m in models)
+        begun = sorted((f for f in first if f is not None), key=lambda f: f.chi2)
+        return None if not begun else _try(begun[0].model, small, base, scales, _COARSE_ITERATIONS) or begun[0]
+
+    rough = each(best_of, starts, lambda models: f"trying {_said(models[0])}")
+    return _finished(sorted((f for f in rough if f is not None), key=lambda f: f.bic), current, problem, small, scales)
+
+
+def _finished(best: Sequence[Fit], current: Fit, problem: Problem, small: Problem, scales: Scales) -> Step:
+    """Rough fits to ``small``, best first, as fits to all samples."""
+    base = _base(current, problem)
     finalists = _finalists(best, chi2_of(current.model, small, scales, COARSE) + current.bic - current.chi2)
     fitted = each(lambda f: _quick(f.model, problem, base, scales), finalists, lambda f: f"fitting {_said(f.model)}")
     quick = sorted((q for q in fitted if q is not None), key=lambda f: f.bic)
@@ -261,7 +284,7 @@ def _is_seen(found: Fit, problem: Problem) -> bool:
     return all(within(entry, found.model.f_k, seen, PERIOD_SEEN.value) for entry in found.model.terms)
 
 
-def _finalists(rough: list[Fit], before: float) -> list[Fit]:
+def _finalists(rough: Sequence[Fit], before: float) -> list[Fit]:
     """Rough fits, best first, that go on: the first ones, and those that come near; before : BIC without the entry.
 
     Where the best promises less than what an event on the wrong side of a sample costs, all come near.

@@ -5,7 +5,7 @@ stretch that is left out says little of what acts elsewhere, and a warning says 
 """
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass, replace
 from itertools import zip_longest
 from typing import TypeAlias
@@ -14,12 +14,14 @@ import numpy as np
 
 from harness.diagnosis.baseline.residual_noise import coloured_whole, residual_noise, window_of
 from harness.diagnosis.fit.model_fit import Fit, whitened
+from harness.diagnosis.grading.company import taken_by_two
 from harness.diagnosis.problem import P, Problem
 from harness.diagnosis.residual_tests.structure import Left, left_by, structure
 from harness.diagnosis.rules import AMONG_NAMES, COLOUR_ALONE, DECISIVE, MOST_TERMS, SECOND_TERM
 from harness.diagnosis.search.against import against, in_turn
-from harness.diagnosis.search.extend import Step, extend, key_of, prune, settle
+from harness.diagnosis.search.extend import Step, extend, key_of, pair_up, prune, settle
 from harness.diagnosis.search.look import Look
+from harness.diagnosis.search.screen import applicable
 from harness.estimate.noise import Noise
 from harness.kernels.solve import Scales
 from harness.model.model import Model
@@ -29,6 +31,8 @@ _BEAM = 4
 """First terms that are extended by a second."""
 _FEWEST_STARTS = 4
 """First terms after which a pair that leaves noise alone ends the search."""
+_PAIRED = 6
+"""Pairs of laws that no look promised and that are fitted all the same: they bound the work."""
 _NOISE_MOVED = 0.01
 """Share by which a noise must move to be taken anew."""
 
@@ -163,7 +167,7 @@ def _search(problem: P, base: Fit, scales: Scales, renew: Renew[P], alone: Step)
             break
         # where a noisy force leaves as much as a second term would, pairs are no better than one another
         plain = left is Left.NOISE or beyond > SECOND_TERM.value
-        found = step.fits if plain else _wider(step, chosen, beam, problem, scales, base)
+        found = step.fits if plain else _wider(step, chosen, beam, singles, problem, scales, base)
         found = in_turn(found, problem)
         if not found or against(found[0], problem) > least:
             break
@@ -239,10 +243,19 @@ def _beam(singles: tuple[Fit, ...]) -> list[Fit]:
     return [f for i, f in enumerate(in_turn) if all(f is not other for other in in_turn[:i])]
 
 
-def _wider(first: Step, chosen: Fit, beam: list[Fit], problem: Problem, scales: Scales, base: Fit) -> tuple[Fit, ...]:
+def _wider(
+    first: Step,
+    chosen: Fit,
+    beam: list[Fit],
+    singles: Sequence[Fit],
+    problem: Problem,
+    scales: Scales,
+    base: Fit,
+) -> tuple[Fit, ...]:
     """Extensions of the chosen model and of its rivals, best first, as far as it takes to find one that explains.
 
-    A pair is tried with each of its terms exchanged before it counts as the best one.
+    A pair is tried with each of its terms exchanged before it counts as the best one; where none explains, singles are
+    paired that no look saw beside one another.
     """
     steps, waiting, tried = [first], [f for f in beam if f is not chosen], 1
     while waiting:
@@ -254,7 +267,36 @@ def _wider(first: Step, chosen: Fit, beam: list[Fit], problem: Problem, scales: 
         following, tried = (parts[0] if parts else waiting[0]), tried + 1
         steps.append(to_an_end(following, problem, scales))
         waiting = [f for f in waiting if f is not following]
-    return _merged(steps)
+    best = _merged(steps)[:1]
+    if best and left_by(best[0], problem, scales.omega, base) is Left.NOISE:
+        return _merged(steps)
+    fitted = {key for step in steps for key in map(key_of, step.fits)}
+    together = complementary(singles, fitted, base, problem)
+    return _merged([*steps, pair_up(together, base, problem, scales)])
+
+
+def complementary(
+    alone: Sequence[Fit], fitted: Collection[tuple[str, ...]], base: Fit, problem: Problem
+) -> list[tuple[Model, ...]]:
+    """Starts of the pairs of laws that together explain most to first order, each from where both ended alone.
+
+    A law that is alone bends the base model's numbers to what the other does, from where no look sees the other.
+    alone : fits of one law. fitted : names of pairs that need not be. base : under the same noise.
+    """
+    taken = taken_by_two(alone, base)
+    pairs = []
+    for i, one in enumerate(alone):
+        for j, other in enumerate(alone[:i]):
+            names = tuple(sorted((*key_of(one), *key_of(other))))
+            if names not in fitted and applicable(other.model.terms[0].term, one.model, problem):
+                pairs.append((float(taken[i, j]), one, other))
+    pairs.sort(key=lambda pair: -pair[0])
+    return [(_both(one, other), _both(other, one)) for _, one, other in pairs[:_PAIRED]]
+
+
+def _both(one: Fit, other: Fit) -> Model:
+    """The model of a law with another as that ended alone."""
+    return replace(one.model, terms=(*one.model.terms, *other.model.terms))
 
 
 def to_an_end(current: Fit, problem: Problem, scales: Scales) -> Step:
