@@ -119,6 +119,7 @@ def diagnose(
     preset: str | None = None,
     dt: float | None = None,
     covariates: Sequence[str] | None = None,
+    budget: float | None = None,
     out: File | None = None,
 ) -> DiagnosisResult:
     """Find which physics viscous and Coulomb friction leave out of a recording, and the model that has it.
@@ -129,8 +130,9 @@ def diagnose(
     tried. mass : kg. horizon : s, windows of a driven recording. restoring : "spring", "pendulum" or "none". zero :
     "spring" or "free"; both are chosen at the base fit where nobody says. engines : in which the fit is shown; () for
     none, None for MuJoCo and PyBullet. preset : "as-shipped" or "tuned". dt : their step, s. covariates : columns of a
-    driven recording that act too, "P" or "P:force", ":friction", ":damping". out : folder for report, trace and models,
-    as the command leaves them.
+    driven recording that act too, "P" or "P:force", ":friction", ":damping". budget : s of a usual processor that
+    trying laws may cost, counted in work; then the best so far is given (``result.bounded``). out : folder for report,
+    trace and models, as the command leaves them.
 
     Raises InputError for a recording or an option that cannot be used, SimulationError when no model could be
     simulated, StoreError when ``out`` cannot be written.
@@ -156,6 +158,7 @@ def diagnose(
         horizon=horizon,
         dt=dt,
         covariates=covariates or (),
+        budget=budget,
     )
     if not isinstance(recording, Recording | str | PathLike):
         several = [_recording(one) for one in recording]

@@ -11,6 +11,7 @@ from collections.abc import Callable, Sequence
 from contextvars import copy_context
 from typing import TypeVar
 
+from harness.core.budget import in_parts
 from harness.core.errors import InputError
 from harness.core.telling import told
 
@@ -49,6 +50,14 @@ def each(work: Callable[[T], R], items: Sequence[T], named: Callable[[T], str] |
     named : what is said of an item while it is waited for. The first error, in the order of the items, is raised, and
     what had not begun by then is left undone. What is already one of several threads does one after another.
     """
+    work, done = in_parts(work, len(items))
+    try:
+        return _each(work, items, named)
+    finally:
+        done()
+
+
+def _each(work: Callable[[T], R], items: Sequence[T], named: Callable[[T], str] | None) -> list[R]:
     count = min(threads(), len(items)) if threading.current_thread() is threading.main_thread() else 1
     turns = items if named is None else told(items, named)
     if count < 2:

@@ -187,7 +187,7 @@ class Outcome:
     tried alone, best first. mechanisms : strongest first. stepping : of the engine whose trace it is.
     rules : those that decided. remainder : where no model explains the recording to its noise. tables : of what has no
     name, part of the refined model; surface : what of it hangs on position and speed at once. pooled : what several
-    recordings share, where there are several.
+    recordings share, where there are several. bounded : whether a budget ended the search.
     """
 
     problem: Problem
@@ -208,6 +208,7 @@ class Outcome:
     tables: tuple[Table, ...] = ()
     surface: Surface | None = None
     pooled: Pooled[Any] | None = None
+    bounded: bool = False
 
     def chi2_per_point(self, found: Fit) -> float | None:
         """Of the base or the refined fit, in units of the noise; None where nothing says how large that is.

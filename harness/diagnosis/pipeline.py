@@ -8,6 +8,7 @@ from contextlib import suppress
 from dataclasses import replace
 from typing import Any
 
+from harness.core.budget import USUAL, Budget, given
 from harness.core.errors import SimulationError
 from harness.core.recording import Recording
 from harness.diagnosis.explain.by_force import cautions_of_force, mechanisms_of, remainder_of
@@ -45,14 +46,33 @@ from harness.diagnosis.verdict import judge as verdict_of
 from harness.diagnosis.verdict import weighed
 from harness.kernels.solve import Scales
 
+_SEARCHED = 0.7
+"""Share of them for the search; the rest is for grading where nothing explains a recording."""
 
-def diagnose(problem: Problem, other: Judge | None = None) -> Outcome:
+
+def diagnose(problem: Problem, other: Judge | None = None, seconds: float = USUAL) -> Outcome:
     """All steps after the first: what viscous and Coulomb friction leave unexplained, and what explains it.
 
     other : another driven recording, which must confirm what is named where nothing explains this one to its noise.
+    seconds : what trying laws may cost, s of a usual processor, counted in work; then the best so far is given.
     Raises InputError when the recording holds no free decay to fit, SimulationError when no model could be simulated.
     """
-    return explain(judge(search(fit_base(problem), other)))
+    budget = Budget.of_seconds(seconds)
+    based = fit_base(problem)
+    with given(budget):
+        # what the search takes must leave some for grading what it found
+        budget.most *= _SEARCHED
+        found = search(based, other)
+        budget.most /= _SEARCHED
+        judged = judge(found)
+    outcome = explain(judged)
+    if not budget.ended:
+        return outcome
+    said = (
+        f"the budget of {seconds:g} s ended the search: what is said is the best so far, and laws that were not tried"
+        f" may explain more (--budget {4.0 * seconds:g} goes on)"
+    )
+    return replace(outcome, bounded=True, warnings=(said, *outcome.warnings))
 
 
 def prepare(recording: Recording, asked: Asked) -> tuple[Problem, tuple[str, ...]]:

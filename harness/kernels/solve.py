@@ -7,6 +7,7 @@ from typing import TypeAlias
 import numpy as np
 
 from harness.core.arrays import FloatArray, IntArray, ModeArray
+from harness.core.budget import allowed, spend
 from harness.core.checks import finite
 from harness.core.errors import InputError, SimulationError
 from harness.core.events import Events
@@ -34,6 +35,9 @@ _EVENTS_AT_FIRST, _MOST_EVENTS = 100_000, 1_000_000
 
 _MOST_STEPS = 20_000_000
 """Whatever time is asked for: eight hundred thousand cycles of the fewest steps."""
+
+_CALL = 200
+"""Steps that a call costs besides."""
 
 By: TypeAlias = str | tuple[int, int]
 """A parameter to differentiate by: a name, or (index of a term in the model, index of its parameter)."""
@@ -151,6 +155,9 @@ def solve(
     columns, start = _columns(layout, by)
     error = _errors(layout, model, scales, effort.tolerance)
     n, q_count = times.size, len(by)
+    # what a step costs grows with its sensitivities, and so does what is shown at a sample
+    each_step, beside = 1 + q_count // 8, _CALL + n * (2 + q_count) // 8
+    most = min(_MOST_STEPS, allowed(_MOST_STEPS * each_step) // each_step)
     x, v, a = np.empty(n), np.empty(n), np.zeros(n)
     mode = np.empty(n, dtype=np.int8)
     dx, dv, da = np.empty((n, q_count)), np.empty((n, q_count)), np.zeros((n, q_count))
@@ -162,11 +169,12 @@ def solve(
     h_max = 2.0 * math.pi / scales.omega / shortest_cycle
     h_stick = min(h_max, 2.0 * math.pi / _LOOKS / max(layout.fastest, scales.omega))
     at_once, pace = _AT_ONCE * effort.steps_per_cycle + 20 * u_t.size, effort.steps_per_cycle * scales.omega / math.pi
-    fixed = (_read_only(u_t), _read_only(u_y), steps_up, times, h_stick, at_once, pace, _MOST_STEPS, want_a)
+    fixed = (_read_only(u_t), _read_only(u_y), steps_up, times, h_stick, at_once, pace, most, want_a)
     while True:
         record = workspace(layout.spec, layout.theta, len(layout.names), columns, error, layout.start, start)
         record.h_max, record.sensitivity_error = h_max, _SENSITIVITY * effort.tolerance
         status, n_events, steps, reached = integrate(model.t0, record, *fixed, x, v, a, mode, dx, dv, da, events)
+        spend(each_step * steps + beside)
         if status != TOO_MANY_EVENTS or events.shape[0] > _MOST_EVENTS:
             break
         events = np.zeros((4 * events.shape[0], EVENT_COLUMNS))

@@ -316,6 +316,9 @@ class DiagnosisResult(Result):
     fit_percent: FitPercent | None = None
     rules: list[RuleResult] = Field(default_factory=list, description="the numbers that moved the verdict")
     holdout: HoldoutResult
+    bounded: bool = Field(
+        default=False, description="whether a budget ended the search, so that this is the best so far"
+    )
     engines: dict[str, EngineResult]
     attribution: AttributionResult | None = Field(description="null when no engine could be run")
     validation: ValidationResult | None = Field(default=None, exclude_if=lambda value: value is None)

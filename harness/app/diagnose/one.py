@@ -86,7 +86,7 @@ def investigate(
     with np.errstate(over="ignore", invalid="ignore"), listening(progress), _of(recording):
         ready = prepared(recording, options)
         other, user = validation(recording, options), Configured.of(options, recording)
-        outcome = conclude(ready.problem, None if other is None else other.judge)
+        outcome = conclude(ready.problem, None if other is None else other.judge, options.seconds)
     progress("engines and attribution", 2, STEPS)
     result = result_of(recording, ready, outcome, options, user, command)
     if other is not None:

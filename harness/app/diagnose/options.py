@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Any, Literal, get_args
 
 from harness.app.diagnose.robot_options import RobotOptions
+from harness.core.budget import USUAL
 from harness.core.checks import positive
 from harness.core.errors import InputError
 from harness.core.recording import Recording
@@ -32,6 +33,7 @@ class DiagnoseOptions:
     engines; dt in s, None for one that suits the recording (as shipped: the engine's own). covariates : columns of the
     recording that act on the slider. robot : whose joint's log the
     recording is. guarded : it is a robot's joint, whose fitted force does not count beside reversals.
+    budget : s of a usual processor that trying laws may cost, None for the usual.
 
     Raises InputError for a value that does not exist and for options that contradict each other.
     """
@@ -52,12 +54,15 @@ class DiagnoseOptions:
     covariates: tuple[AskedCovariate, ...] = ()
     robot: RobotOptions | None = None
     guarded: bool = False
+    budget: float | None = None
 
     def __post_init__(self) -> None:
         if self.mass is not None:
             positive("--mass", self.mass, "kg")
         if self.horizon is not None:
             positive("--horizon", self.horizon, "s")
+        if self.budget is not None:
+            positive("--budget", self.budget, "s")
         if self.dt is not None:
             positive("--dt", self.dt, "s")
             if self.preset == "as-shipped":
@@ -131,6 +136,11 @@ class DiagnoseOptions:
         )
 
     @property
+    def seconds(self) -> float:
+        """That trying laws may cost."""
+        return USUAL if self.budget is None else self.budget
+
+    @property
     def zero_free(self) -> bool | None:
         """Whether x is measured from an unknown zero; None where nobody says."""
         if self.zero is None:
@@ -161,6 +171,7 @@ class DiagnoseOptions:
             "engines": list(self.engines),
             "preset": self.preset,
             "dt_s": self.dt,
+            **({} if self.budget is None else {"budget_s": self.budget}),
             **({} if self.robot is None else {"robot": self.robot.settings()}),
             **({"covariates": [_written(one) for one in self.covariates]} if self.covariates else {}),
         }

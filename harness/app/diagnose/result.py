@@ -86,6 +86,7 @@ def result_of(
         ),
         rules=[RuleResult(name=r.name, value=r.value, unit=r.unit, origin=r.origin) for r in outcome.rules],
         holdout=_held_out(outcome.holdout, list(problem.covariates)),
+        bounded=outcome.bounded,
         engines=engines,
         attribution=shared.result,
         evidence=_evidence(outcome),

@@ -84,7 +84,7 @@ def investigate_together(
     problem = ready.problem
     assert isinstance(problem, Together | ForcesTogether)
     with np.errstate(over="ignore", invalid="ignore"), listening(progress):
-        outcome = conclude(problem)
+        outcome = conclude(problem, seconds=options.seconds)
     progress("engines", 2, STEPS)
     laid = _laid(recordings, problem, outcome)
     result = result_of(laid, ready, outcome, options, Configured(), command)

@@ -65,6 +65,7 @@ STANDARD_INPUT = "-"
 @engines_option("mujoco, pybullet")
 @click.option("--preset", metavar="as-shipped|tuned", help="Settings of the engines.  [tuned]")
 @click.option("--dt", type=float, metavar="S", help="Step of the tuned preset, s.  [one that suits the recording]")
+@click.option("--budget", type=float, metavar="S", help="Work of trying laws, s of a usual processor.  [120]")
 @reading_options
 @click.option("--together", is_flag=True, help="The recordings are of one machine: one set of physics.")
 @click.option("--resume", is_flag=True, help="Go on with the files that --out does not hold yet.")

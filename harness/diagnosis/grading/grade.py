@@ -19,7 +19,6 @@ from harness.diagnosis.fit.model_fit import Fit
 from harness.diagnosis.fit.standard_errors import loosest
 from harness.diagnosis.grading.chance import OF_MOTION, Odds, Seen
 from harness.diagnosis.grading.clocks import on_the_swing
-from harness.diagnosis.grading.company import in_company
 from harness.diagnosis.grading.friction_split import resplit
 from harness.diagnosis.grading.misfit import Misfit
 from harness.diagnosis.grading.prediction import Predicted, free_run, held_out, ratio, surely_less, trained
@@ -42,6 +41,7 @@ from harness.diagnosis.rules import (
     SHARE_OF_MISFIT,
     Rule,
 )
+from harness.diagnosis.search.company import in_company
 from harness.diagnosis.search.extend import extend
 from harness.diagnosis.search.search import under
 from harness.diagnosis.search.start_evidence import evidence as starting_evidence

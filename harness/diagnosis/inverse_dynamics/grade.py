@@ -13,7 +13,6 @@ from harness.diagnosis.fit.observe import Observation
 from harness.diagnosis.fit.standard_errors import leading, loosest
 from harness.diagnosis.grading.chance import OF_FORCES, Odds
 from harness.diagnosis.grading.clocks import in_step, on_the_swing
-from harness.diagnosis.grading.company import in_company
 from harness.diagnosis.grading.grade import Contest, Finalist, cells_of, decided
 from harness.diagnosis.grading.prediction import Predicted, blocks_of
 from harness.diagnosis.inverse_dynamics.force_fit import ForceFit, as_fit, fit_force, simulated
@@ -25,6 +24,7 @@ from harness.diagnosis.inverse_dynamics.strokes import ForceWords, force_words
 from harness.diagnosis.outcome import Grade
 from harness.diagnosis.problems.inverse_dynamics import InverseDynamics
 from harness.diagnosis.rules import CONFIRMED, GAIN, SHARE_OF_EXCESS
+from harness.diagnosis.search.company import in_company
 from harness.kernels.solve import Scales
 from harness.model.model import Model
 

@@ -5,6 +5,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 
+from harness.core.budget import counted
 from harness.core.cores import each
 from harness.core.errors import SimulationError
 from harness.diagnosis.baseline.base_fit import at_rest
@@ -212,6 +213,7 @@ def _base(current: Fit, problem: Problem) -> tuple[str, ...]:
     return tuple(dict.fromkeys((*base_of(current.free), *problem.starts.names)))
 
 
+@counted()
 def extend(
     current: Fit,
     problem: Problem,
@@ -238,6 +240,7 @@ def extend(
     return _finished(best, current, problem, small, scales)
 
 
+@counted()
 def pair_up(starts: Sequence[Sequence[Model]], current: Fit, problem: Problem, scales: Scales) -> Step:
     """Fit models of two laws that are worth it whatever a look says, each from the best of its own starts.
 

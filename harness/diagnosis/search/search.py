@@ -7,6 +7,7 @@ stretch that is left out says little of what acts elsewhere, and a warning says 
 import math
 from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from itertools import zip_longest
 from typing import TypeAlias
 
@@ -14,11 +15,11 @@ import numpy as np
 
 from harness.diagnosis.baseline.residual_noise import coloured_whole, residual_noise, window_of
 from harness.diagnosis.fit.model_fit import Fit, whitened
-from harness.diagnosis.grading.company import taken_by_two
 from harness.diagnosis.problem import P, Problem
 from harness.diagnosis.residual_tests.structure import Left, left_by, structure
 from harness.diagnosis.rules import AMONG_NAMES, COLOUR_ALONE, DECISIVE, MOST_TERMS, SECOND_TERM
 from harness.diagnosis.search.against import against, in_turn
+from harness.diagnosis.search.company import taken_by_two
 from harness.diagnosis.search.extend import Step, extend, key_of, pair_up, prune, settle
 from harness.diagnosis.search.look import Look
 from harness.diagnosis.search.screen import applicable
@@ -254,8 +255,8 @@ def _wider(
 ) -> tuple[Fit, ...]:
     """Extensions of the chosen model and of its rivals, best first, as far as it takes to find one that explains.
 
-    A pair is tried with each of its terms exchanged before it counts as the best one; where none explains, singles are
-    paired that no look saw beside one another.
+    A pair is tried with each of its terms exchanged before it counts as the best one. Where none explains, singles are
+    paired that no look saw beside one another, and the best are extended though no law promises an end.
     """
     steps, waiting, tried = [first], [f for f in beam if f is not chosen], 1
     while waiting:
@@ -267,12 +268,18 @@ def _wider(
         following, tried = (parts[0] if parts else waiting[0]), tried + 1
         steps.append(to_an_end(following, problem, scales))
         waiting = [f for f in waiting if f is not following]
-    best = _merged(steps)[:1]
-    if best and left_by(best[0], problem, scales.omega, base) is Left.NOISE:
-        return _merged(steps)
     fitted = {key for step in steps for key in map(key_of, step.fits)}
-    together = complementary(singles, fitted, base, problem)
-    return _merged([*steps, pair_up(together, base, problem, scales)])
+    unseen = [f for f in beam[:_FEWEST_STARTS] if all(step.before is not f or not step.fits for step in steps)]
+    further: list[Callable[[], Step]] = [
+        lambda: pair_up(complementary(singles, fitted, base, problem), base, problem, scales),
+        *(partial(extend, f, problem, scales) for f in unseen),
+    ]
+    for step in further:
+        best = _merged(steps)[:1]
+        if best and left_by(best[0], problem, scales.omega, base) is Left.NOISE:
+            break
+        steps.append(step())
+    return _merged(steps)
 
 
 def complementary(
