@@ -35,6 +35,7 @@ def say_diagnosis(result: "DiagnosisResult") -> None:
     graded = [m for m in result.mechanisms if m.grade != "explains"]
     if graded:
         show(_grades(graded))
+        say("P: probability of being the main effect")
         say("of misfit: share of the mean square beyond noise that it takes off alone")
         say("held out: error after over before, blocks of cycles; free run: the last 40 %")
     if result.holdout.given:
@@ -194,12 +195,13 @@ def _grades(mechanisms: list["MechanismResult"]) -> "Table":
     from rich.table import Table
 
     table = Table()
-    for heading in ("mechanism", "grade", "of misfit", "held out", "free run"):
+    for heading in ("mechanism", "grade", "P", "of misfit", "held out", "free run"):
         justify: Literal["left", "right"] = "left" if heading in ("mechanism", "grade") else "right"
         table.add_column(heading, justify=justify, no_wrap=True)
     for m in mechanisms:
         share = "-" if m.share is None else f"{100.0 * m.share:.0f} %"
-        table.add_row(m.name, m.grade, share, _ratio(m.holdout), _ratio(m.forward))
+        likely = "-" if m.probability is None else f"{m.probability:.2f}"
+        table.add_row(m.name, m.grade, likely, share, _ratio(m.holdout), _ratio(m.forward))
     return table
 
 

@@ -9,6 +9,7 @@ from typing import Any, Literal, TypeAlias
 from harness.core.arrays import BoolArray, FloatArray
 from harness.core.quantity import Quantity
 from harness.diagnosis.fit.model_fit import Fit
+from harness.diagnosis.hypothesis import Hypothesis
 from harness.diagnosis.integrator_maps.maps import Stepping
 from harness.diagnosis.pooling.pooled import Pooled
 from harness.diagnosis.problem import Problem
@@ -60,7 +61,8 @@ class Mechanism:
     term, base minus refined. place : where
     it acts. grade : how much of what is missing it is. share : of the misfit beyond noise that it takes
     off alone. held_out : blocks of cycles left out of the fit; forward : a free run of the last part from a fit of the
-    first. chance : to be the main effect, where it stands apart from every other name.
+    first. chance : to be the main effect, where it stands apart from every other name. probability : that it is
+    missing; None of what has no name.
     """
 
     entry: ModelTerm
@@ -74,6 +76,7 @@ class Mechanism:
     held_out: Prediction | None = None
     forward: Prediction | None = None
     chance: float | None = None
+    probability: float | None = None
 
     @property
     def name(self) -> str:
@@ -185,6 +188,7 @@ class Outcome:
     problem : with the noise that the verdict rests on. base : fit of viscous and Coulomb friction. refined : fit of the
     best model found (the base when nothing is missing or nothing helps). evidence : every catalogue name that was
     tried alone, best first. mechanisms : strongest first. stepping : of the engine whose trace it is.
+    posterior : which names are missing, most likely first.
     rules : those that decided. remainder : where no model explains the recording to its noise. tables : of what has no
     name, part of the refined model; surface : what of it hangs on position and speed at once. pooled : what several
     recordings share, where there are several. bounded : whether a budget ended the search.
@@ -203,6 +207,7 @@ class Outcome:
     next_experiment: str = ""
     warnings: tuple[str, ...] = ()
     stepping: Stepping | None = None
+    posterior: tuple[Hypothesis, ...] = ()
     rules: tuple[Rule, ...] = ()
     remainder: Remainder | None = None
     tables: tuple[Table, ...] = ()

@@ -25,11 +25,12 @@ from harness.diagnosis.grading.begun import from_within
 from harness.diagnosis.grading.first_turn import after_first_turn
 from harness.diagnosis.grading.grade import Graded, grade
 from harness.diagnosis.grading.misfit import misfit
+from harness.diagnosis.grading.posterior import of_contest, of_search, probability
 from harness.diagnosis.grading.second import with_second
 from harness.diagnosis.inverse_dynamics.together import forces_together
 from harness.diagnosis.inverse_dynamics.validate import Judge
 from harness.diagnosis.kinds.known import kind_for, kind_of
-from harness.diagnosis.outcome import Outcome, Tried
+from harness.diagnosis.outcome import Grade, Outcome, Tried
 from harness.diagnosis.prepare.driven import is_driven
 from harness.diagnosis.prepare.together import together
 from harness.diagnosis.problem import Problem
@@ -121,7 +122,14 @@ def judge(found: Found) -> Judged:
 
 def explain(judged: Judged) -> Outcome:
     """All that is said of a verdict: mechanisms, numbers with errors, prediction of what was held out, warnings."""
-    return _said(judged) if judged.graded is None else _misfit_said(judged, judged.graded)
+    outcome = _said(judged) if judged.graded is None else _misfit_said(judged, judged.graded)
+    graded = judged.graded or judged.found.by_force
+    likely = of_search(judged.found.search) if graded is None else of_contest(graded)
+    each = (
+        m if m.grade is Grade.TABULATED else replace(m, probability=probability(likely, m.name))
+        for m in outcome.mechanisms
+    )
+    return replace(outcome, posterior=likely, mechanisms=tuple(each))
 
 
 def _graded(found: Search, scales: Scales) -> Graded | None:

@@ -31,8 +31,8 @@ class Rule:
         return round(self.value)
 
 
-_NAMES = len({term.name for term in NAMED})
-_PAIRS = _NAMES * (_NAMES - 1) // 2
+NAMES = len({term.name for term in NAMED})
+_PAIRS = NAMES * (NAMES - 1) // 2
 
 DECISIVE = Rule(
     "decisive",
@@ -52,10 +52,10 @@ EVEN = Rule(
 )
 AMONG_NAMES = Rule(
     "among-names",
-    DECISIVE.value + 2.0 * math.log(_NAMES),
+    DECISIVE.value + 2.0 * math.log(NAMES),
     "BIC",
     "a first term is added to viscous and Coulomb friction",
-    f"decisive, and 2 ln of the number of names: before the recording is seen each of the {_NAMES} names is as likely"
+    f"decisive, and 2 ln of the number of names: before the recording is seen each of the {NAMES} names is as likely"
     " as the next; it grows with the catalogue",
 )
 SECOND_TERM = Rule(
@@ -561,6 +561,13 @@ NEARLY_AS_MUCH = Rule(
     "it adds names to look at, and takes none away: where the first takes 3/5, those that leave at most 1.4 times as"
     " much",
 )
+MOST_LIKELY = Rule(
+    "most-likely",
+    0.5,
+    "chance",
+    "a name beside which nothing else is listed is told as the most likely one, and not as the largest single part",
+    "more likely than all else together",
+)
 SHARE_OF_EXCESS = Rule(
     "share-of-excess",
     0.6,
@@ -616,7 +623,7 @@ RUNS_ON_BETTER = Rule(
 )
 AMONG_ALIKE = Rule(
     "among-alike",
-    float(_NAMES),
+    float(NAMES),
     "names",
     "what a free run may be better by through chance alone",
     "each name of the catalogue could have been the one",

@@ -7,7 +7,8 @@ from harness.diagnosis.baseline.words import evidence, few_words, strokes_of, wo
 from harness.diagnosis.fit.model_fit import Fit
 from harness.diagnosis.grading.clocks import unresolved
 from harness.diagnosis.grading.grade import Contest
-from harness.diagnosis.grading.lone import undecided
+from harness.diagnosis.grading.lone import next_best, stand_ins, undecided
+from harness.diagnosis.grading.posterior import of_search, probability
 from harness.diagnosis.outcome import Grade, Verdict
 from harness.diagnosis.residual_tests.structure import Left
 from harness.diagnosis.rules import (
@@ -15,6 +16,7 @@ from harness.diagnosis.rules import (
     APART,
     FLEXIBLE,
     GAIN,
+    MOST_LIKELY,
     NULL_DRAWS,
     OVER_SIMULATED,
     SECOND_TERM,
@@ -58,9 +60,20 @@ def judge(found: Search, graded: Contest | None = None) -> Judgement:
     if rival is not None:
         return Judgement("unexplained", found.base, (*gates, *tested, FLEXIBLE, APART), rival)
     listed = undecided(found)
-    if listed:
+    if listed and _has_rivals(found):
         return Judgement("one_of", found.chosen, (*gates, *tested, *listed))
+    gates = (*gates, *listed, MOST_LIKELY) if listed else gates
     return Judgement("missing_physics" if named else "adequate", found.chosen, (*gates, *tested))
+
+
+def _has_rivals(found: Search) -> bool:
+    """Whether a lone law that is not decided for is listed: beside what could stand in its place, or with the next
+    where it is less likely than not.
+    """
+    (entry,) = found.chosen.model.terms
+    if stand_ins(found, entry):
+        return True
+    return bool(next_best(found)) and probability(of_search(found), entry.term.name) < MOST_LIKELY.value
 
 
 def weighed(found: Search, omega: float) -> Search:

@@ -57,6 +57,10 @@ class MechanismResult(Result):
         " machines that look alike, half of which have one; in the others several small effects come to the same",
         exclude_if=lambda value: value is None,
     )
+    probability: float | None = Field(
+        default=None,
+        description="that it is missing, as the main effect or beside another name; null of a table, which has no name",
+    )
     delta_bic: float = Field(
         description="what BIC loses when it is taken out of the refined model and the rest is fitted again"
     )
@@ -68,6 +72,13 @@ class MechanismResult(Result):
     )
     where: Where = Field(description="when it acts, and the share of the baseline's mean square mismatch in that time")
     alternatives: list[AlternativeResult] = Field(max_length=3)
+
+
+class HypothesisResult(Result):
+    """What may be missing, and how likely that is."""
+
+    names: list[str] = Field(description="of the catalogue; empty for nothing, or for no name that is the main effect")
+    probability: float
 
 
 class ForcedResult(Result):
@@ -303,6 +314,9 @@ class DiagnosisResult(Result):
     baseline: FitResult
     where: list[Where]
     mechanisms: list[MechanismResult]
+    posterior: list[HypothesisResult] = Field(
+        default_factory=list, description="what may be missing, most likely first, down to a probability of .01"
+    )
     refined: FitResult
     remainder: RemainderResult | None = None
     tables: list[TableResult] = Field(

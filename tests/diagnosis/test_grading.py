@@ -32,6 +32,7 @@ from harness.diagnosis.rules import (
     LEAST_CYCLES,
     LEAST_RATIO,
     MARGIN,
+    MOST_LIKELY,
     MOST_LISTED,
     NEARLY_AS_MUCH,
     RUN_BETTER,
@@ -149,7 +150,6 @@ def test_a_name_is_told_apart_by_a_margin_that_grows_with_the_words(graded: Grad
 
 def test_a_clock_on_the_swing_is_no_name_but_what_is_beside_it_does_not_stand_apart(graded: Graded) -> None:
     ahead = moved(graded, -20.0, clock=True)
-    assert ahead.grade is Grade.ONE_OF
     assert [f.clock for f in ahead.named] == [False]
     assert SAME_CLOCK in ahead.rules
     beside = in_step(ahead)
@@ -178,11 +178,48 @@ def test_a_name_that_runs_on_far_better_is_listed_beside_the_first(graded: Grade
     assert decided(far).grade is Grade.ONE_OF
 
 
-def test_few_cycles_name_nothing_alone(graded: Graded) -> None:
+def test_few_cycles_are_told_beside_the_name(graded: Graded) -> None:
     strokes = replace(graded.misfit.strokes, count=int(2 * LEAST_CYCLES.value) - 1)
     few = decided(replace(graded, misfit=replace(graded.misfit, strokes=strokes)))
-    assert few.grade is Grade.ONE_OF
-    assert len(few.named) == 1
+    assert (few.grade, len(few.named)) == (Grade.MAIN, 1)
+    assert LEAST_CYCLES in few.rules
+
+
+@pytest.mark.parametrize("likely", [MOST_LIKELY.value, MOST_LIKELY.value - 1e-9])
+def test_a_lone_name_is_never_a_list(graded: Graded, likely: float, monkeypatch: pytest.MonkeyPatch) -> None:
+    """It is the most likely one, or the largest part; with any other that has evidence it is a list."""
+    monkeypatch.setattr(Graded, "chance_of", lambda self, first: likely)
+    first = graded.finalists[0]
+    alone = decided(replace(graded, finalists=(first,)))
+    assert alone.grade is (Grade.MAIN if likely >= MOST_LIKELY.value else Grade.MINOR)
+    assert alone.chance == likely
+    listed = decided(replace(graded, finalists=(first, replace(first, gain=GAIN.value, share=0.1))))
+    assert (listed.grade, len(listed.named)) == (Grade.ONE_OF, 2)
+    nothing = decided(replace(graded, finalists=(first, replace(first, gain=GAIN.value - 1e-6, share=0.1))))
+    assert nothing.grade is alone.grade
+
+
+def test_a_name_that_surely_predicts_one_channel_worse_than_the_base_is_not_listed(graded: Graded) -> None:
+    first = graded.finalists[0]
+    assert first.held is not None
+    assert graded.base_held is not None
+
+    def beside(one: Predicted, rms: float) -> Predicted:
+        """With a second channel, loud in squares and of no weight in the sum."""
+        return replace(
+            one,
+            squares={**one.squares, "a": rms**2 * graded.base_held.by_span},  # type: ignore[union-attr]
+            sigma={**one.sigma, "a": 1e6},
+        )
+
+    def named(rms: float) -> tuple[Grade | None, int]:
+        other = replace(first, gain=first.gain - 0.1, held=beside(first.held, rms))  # type: ignore[arg-type]
+        pair = (replace(first, held=beside(first.held, 0.5)), other)  # type: ignore[arg-type]
+        found = decided(replace(graded, finalists=pair, base_held=beside(graded.base_held, 1.0)))  # type: ignore[arg-type]
+        return found.grade, len(found.named)
+
+    assert named(0.9) == (Grade.ONE_OF, 2)
+    assert named(1.2) == (Grade.MAIN, 1)
 
 
 def test_a_list_is_short(graded: Graded) -> None:
@@ -313,11 +350,12 @@ def test_a_free_run_far_better_than_the_bases_is_listed_and_never_the_main_effec
     strokes = graded.misfit.strokes
     assert graded.words_run > 1.0
     far = by_run(graded, 0.01)
-    assert (far.grade, len(far.named)) == (Grade.ONE_OF, 1)
-    assert far.rules == (RUN_BETTER, GAIN)
-    assert by_run(graded, RUN_BETTER.value + 1e-3).grade is not Grade.ONE_OF
-    assert by_run(graded, 0.01, clock=True).grade is not Grade.ONE_OF
-    assert by_run(graded, 0.01, gain=0.0).grade is not Grade.ONE_OF
+    # alone it is no list
+    assert (far.grade, len(far.named)) == (Grade.MINOR, 1)
+    assert by_run(graded, 0.01, 0.011).grade is Grade.ONE_OF
+    assert by_run(graded, *[RUN_BETTER.value + 1e-3] * 2).grade is not Grade.ONE_OF
+    assert by_run(graded, 0.01, 0.01, clock=True).grade is not Grade.ONE_OF
+    assert by_run(graded, 0.01, 0.01, gain=0.0).grade is not Grade.ONE_OF
     # the nearest first, and those that miss a quarter more in squares are not told apart from it
     listed = by_run(graded, 0.0111, 0.01, 0.0113)
     assert [scaled(f.run, 1.0).total for f in listed.named] == [
@@ -332,8 +370,8 @@ def test_a_run_is_better_only_with_evidence_for_it(graded: Graded) -> None:
     # words ln(ratio of squares) - ln(names) = what a name needs
     just = float(np.exp(-(GAIN.value + np.log(AMONG_ALIKE.value)) / words / 2.0))
     assert just < RUN_BETTER.value
-    assert by_run(graded, just * (1.0 - 1e-9)).grade is Grade.ONE_OF
-    assert by_run(graded, just * (1.0 + 1e-6)).grade is not Grade.ONE_OF
+    assert by_run(graded, *[just * (1.0 - 1e-9)] * 2).grade is Grade.ONE_OF
+    assert by_run(graded, *[just * (1.0 + 1e-6)] * 2).grade is not Grade.ONE_OF
 
 
 def test_what_is_not_headline_is_the_largest_part_that_is_sure(graded: Graded) -> None:

@@ -9,7 +9,6 @@ import pytest
 from harness.core.recording import Recording
 from harness.diagnosis.explain.verdict_sentence import sentence_of
 from harness.diagnosis.grading.lone import undecided
-from harness.diagnosis.outcome import Grade
 from harness.diagnosis.pipeline import diagnose, prepare
 from harness.diagnosis.request import Asked
 from harness.diagnosis.residual_tests.structure import Left
@@ -88,14 +87,17 @@ def recorded(seconds: float) -> Recording:
     return Recording(t=t, channels={"x": 0.03 + solve(model, t).x + noise}, file="drag.csv")
 
 
-def test_few_cycles_with_an_unknown_zero_list_the_law_and_name_the_recording_that_would_decide() -> None:
+def test_few_cycles_with_an_unknown_zero_make_the_law_most_likely_and_name_the_recording_that_would_decide() -> None:
     asked = Asked(restoring=Restoring.SPRING, zero_free=True)
     short, long = (diagnose(prepare(recorded(seconds), asked)[0]) for seconds in (5.0, 14.0))
     assert (long.verdict, [m.name for m in long.mechanisms]) == ("missing_physics", ["quadratic-drag"])
-    assert short.verdict == "one_of"
+    assert long.mechanisms[0].probability == pytest.approx(1.0, abs=0.01)
     assert short.mechanisms[0].name == "quadratic-drag"
-    assert {m.grade for m in short.mechanisms} == {Grade.ONE_OF}
     assert short.refined.model.terms[0].term.name == "quadratic-drag"
     assert "to its noise" in sentence_of(short)
-    assert any("cycles are too few for one name alone; a decay of 8 would do" in one for one in short.warnings)
+    assert any("cycles are few to exclude every other name; a decay of 8 would do" in one for one in short.warnings)
     assert short.next_experiment
+    # a lone name is no list, and each name has its probability, which with that of none adds up to one
+    assert (short.verdict == "one_of") is (len(short.mechanisms) > 1)
+    assert sum(h.probability for h in short.posterior) == pytest.approx(1.0, abs=0.05)
+    assert {h.names: h.probability for h in short.posterior}[("quadratic-drag",)] == short.mechanisms[0].probability

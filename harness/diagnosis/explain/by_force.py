@@ -80,9 +80,7 @@ def cautions_of_force(graded: ForceGraded) -> tuple[str, ...]:
     if graded.over.left is Left.NOISE:
         none = "what says the force to its noise moves worse than viscous and Coulomb friction alone"
     said = [f"{none}; standard errors allow for what is left"]
-    if graded.grade is Grade.ONE_OF and graded.cycles < LEAST_CYCLES.value:
+    if LEAST_CYCLES in graded.rules or (graded.grade is Grade.ONE_OF and graded.cycles < LEAST_CYCLES.value):
         many = f"{2.0 * LEAST_CYCLES.value:g}"
-        said.append(
-            f"{graded.words:.3g} independent strokes, or parts of them, are too few for one name alone; {many} would do"
-        )
+        said.append(f"{graded.words:.3g} effective samples are few to exclude every other name; {many} would do")
     return (*said, *unlikely(graded), *keeping_time(graded))

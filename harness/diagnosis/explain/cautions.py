@@ -28,17 +28,17 @@ def cautions(found: Search, judgement: Judgement, prediction: Holdout) -> tuple[
         said = f"{why}; standard errors are inflated by the misfit"
         noisy = found.problem.spare > DECISIVE.value
         return (said, *_closest(found), *((_NOISY_FORCE,) if noisy else ()))
-    if judgement.verdict == "one_of":
-        return _one_of(found, judgement)
+    unsure = _unsure(found, judgement)
     if judgement.verdict == "missing_physics" and prediction.refined_rmse:
         most = {c: PREDICTS_WORSE.value * before for c, before in prediction.baseline_rmse.items()}
         worse = [c for c, after in prediction.refined_rmse.items() if after > most[c]]
-        return (f"BIC decides for the refined model although it predicts {', '.join(worse)} worse",) if worse else ()
-    return ()
+        said = f"BIC decides for the refined model although it predicts {', '.join(worse)} worse"
+        return (*unsure, said) if worse else unsure
+    return unsure
 
 
-def _one_of(found: Search, judgement: Judgement) -> tuple[str, ...]:
-    """Why a lone law that explains a recording is listed and not named."""
+def _unsure(found: Search, judgement: Judgement) -> tuple[str, ...]:
+    """Why a lone law that explains a recording is not sure."""
     said = []
     if LEAST_CYCLES in judgement.rules:
         cycles = strokes_of(found.chosen, found.problem).cycles
@@ -63,7 +63,7 @@ def _undecided(chosen: Fit, rival: Fit) -> str:
 
 def _few(cycles: float, problem: Problem) -> str:
     of = "recording" if "driven" in problem.given else "decay"
-    return f"{cycles:.3g} cycles are too few for one name alone; a {of} of {LEAST_CYCLES.value:g} would do"
+    return f"{cycles:.3g} cycles are few to exclude every other name; a {of} of {LEAST_CYCLES.value:g} would do"
 
 
 def _closest(found: Search) -> tuple[str, ...]:
@@ -95,7 +95,7 @@ def cautions_of_misfit(graded: Graded, doubted: Fit | None = None) -> tuple[str,
             " cannot be told from what is missing"
         )
     cycles = graded.misfit.strokes.cycles
-    if graded.grade is Grade.ONE_OF and cycles < LEAST_CYCLES.value:
+    if LEAST_CYCLES in graded.rules or (graded.grade is Grade.ONE_OF and cycles < LEAST_CYCLES.value):
         said.append(_few(cycles, graded.misfit.problem))
     said += unlikely(graded)
     return (*said, *keeping_time(graded))
@@ -113,8 +113,8 @@ def keeping_time(found: Contest) -> tuple[str, ...]:
 
 
 def unlikely(found: Contest) -> tuple[str, ...]:
-    """Why a name that stands apart is listed alone: what chance it has of being the main effect."""
-    if found.grade is not Grade.ONE_OF or found.chance is None:
+    """Why a name that no other is near is not sure: what chance it has of being the main effect."""
+    if found.grade is None or found.chance is None or found.chance >= found.odds.least.value:
         return ()
     return (
         f"of simulated machines that look like this one {100.0 * found.chance:.0f} % have {found.named[0].name}"

@@ -9,14 +9,12 @@ from harness.diagnosis.fit.model_fit import Fit
 from harness.diagnosis.fit.place import place_of
 from harness.diagnosis.fit.standard_errors import AT_LEAST, term_parameters
 from harness.diagnosis.grading.clocks import on_the_swing
-from harness.diagnosis.grading.lone import near
+from harness.diagnosis.grading.lone import next_best, stand_ins
 from harness.diagnosis.outcome import Alternative, Grade, Mechanism
-from harness.diagnosis.rules import DECISIVE, LEAST_RATIO
 from harness.diagnosis.search.extend import key_of
 from harness.diagnosis.search.search import Search
 from harness.model.model import ModelTerm
 from harness.model.place import Place
-from harness.model.registry import not_parted
 
 _SPRING_SEEN = 0.1
 """Of friction and damping: a spring whose force is weaker has no rest position that could be spoken of."""
@@ -39,10 +37,10 @@ def mechanism(found: Search, index: int, entry: ModelTerm, omega: float, place: 
 
 
 def each_of(first: Mechanism, found: Search, omega: float) -> tuple[Mechanism, ...]:
-    """A lone law that is listed and not named, and those that could stand in its place. omega : rad/s."""
+    """A lone law that is listed, with those that could stand in its place, else the next. omega : rad/s."""
     fits = {key_of(f)[0]: f for f in reversed(found.rivals) if len(f.model.terms) == 1}
     others = []
-    for name in (a.name for a in first.alternatives):
+    for name in [a.name for a in first.alternatives] or [name for name, _ in next_best(found)]:
         rival = replace(found, chosen=fits[name])
         entry = fits[name].model.terms[0]
         others.append(mechanism(rival, 0, entry, omega, place_of(entry, fits[name], found.problem, omega)))
@@ -69,30 +67,11 @@ def _lost_without(found: Search, index: int) -> float:
 
 
 def _alternatives(found: Search, entry: ModelTerm, omega: float) -> tuple[Alternative, ...]:
-    """Names that could stand in a term's place: by less than what is decisive, or because one decay cannot part them.
-
-    Evidence that two laws differ is evidence of their shape; a law of the amplitude and one of the time differ in
-    little else, and by less than what small effects that nobody models change. A clock on the swing follows any other,
-    and comes last.
-    """
-    decay = "driven" not in found.problem.given and not found.problem.parts_amplitude_from_time
-    rest = sorted(e.term.name for e in found.chosen.model.terms if e is not entry)
-    unparted = near(found)
+    """Names that could stand in a term's place; a clock on the swing follows any other, and comes last."""
     listed: list[tuple[bool, float, str]] = []
-    for rival in found.rivals:
-        names = list(key_of(rival))
-        delta = rival.bic - found.chosen.bic
-        if len(names) != len(rest) + 1:
-            continue
-        for name in rest:
-            if name in names:
-                names.remove(name)
-        if len(names) != 1 or names[0] == entry.term.name:
-            continue
-        alike = decay and rival.chi2 < LEAST_RATIO.value * found.chosen.chi2 and not_parted(entry.term.name, names[0])
-        if delta < DECISIVE.value or alike or any(rival is one for one in unparted):
-            clock = any(on_the_swing(e, omega, found.problem.duration) for e in rival.model.terms)
-            listed.append((clock, delta, names[0]))
+    for name, rival in stand_ins(found, entry):
+        clock = any(on_the_swing(e, omega, found.problem.duration) for e in rival.model.terms)
+        listed.append((clock, rival.bic - found.chosen.bic, name))
     return tuple(Alternative(name, delta) for _, delta, name in sorted(listed)[:_MOST_ALTERNATIVES])
 
 

@@ -8,7 +8,7 @@ from harness.diagnosis.fit.model_fit import Fit
 from harness.diagnosis.grading.grade import Graded
 from harness.diagnosis.outcome import Grade, Mechanism
 from harness.diagnosis.problem import Problem
-from harness.diagnosis.rules import LEAST_CYCLES, Rule
+from harness.diagnosis.rules import LEAST_CYCLES, MOST_LIKELY, Rule
 from harness.diagnosis.search.extend import key_of
 from harness.diagnosis.search.search import Search, under
 from harness.kernels.solve import Scales
@@ -94,12 +94,12 @@ def next_experiment(found: Open | None, problem: Problem, scales: Scales) -> str
 
 
 def to_be_sure(mechanisms: Sequence[Mechanism], rules: Sequence[Rule], driven: bool) -> str:
-    """What would decide on a law that is listed alone: a sentence, empty where something else is.
+    """What would make sure of a law that is most likely: a sentence, empty where it is sure or others are listed.
 
     driven : whether a force drives the slider, and nothing lets it go.
     """
-    listed = [m for m in mechanisms if m.grade is Grade.ONE_OF]
-    if len(listed) != 1:
+    listed = [m for m in mechanisms if m.grade in (Grade.EXPLAINS, Grade.MAIN)]
+    if len(listed) != 1 or not {LEAST_CYCLES, MOST_LIKELY}.intersection(rules):
         return ""
     term = listed[0].entry.term
     if LEAST_CYCLES in rules and driven:

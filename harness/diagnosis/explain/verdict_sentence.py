@@ -3,13 +3,16 @@
 from collections.abc import Sequence
 
 from harness.diagnosis.outcome import Grade, Outcome
+from harness.diagnosis.rules import MOST_LIKELY
 
 _NOTHING = "Viscous and Coulomb friction explain {} to {} noise: nothing is left out that {} could show."
 _NOBODY = (
     "Viscous and Coulomb friction do not explain {}, and no entry of the catalogue is the main part of what they leave."
 )
-_ONE = ("this recording", "its", "it", "this recording alone does", "this recording")
-_SEVERAL = ("these recordings", "their", "they", "these recordings do", "these recordings together")
+_ONE = ("this recording", "its", "it", "this recording")
+_SURE = 0.99
+"""Probability that is not told apart from certainty."""
+_SEVERAL = ("these recordings", "their", "they", "these recordings together")
 
 
 def sentence_of(outcome: Outcome, has: Sequence[str] = ()) -> str:
@@ -23,12 +26,15 @@ def sentence_of(outcome: Outcome, has: Sequence[str] = ()) -> str:
 def _verdict(outcome: Outcome, has: Sequence[str]) -> str:
     # beside the names that share a verdict a model may hold small parts
     parts = (Grade.TABULATED, Grade.MINOR) if outcome.verdict == "one_of" else (Grade.TABULATED,)
-    it, its, they, _, _ = _SEVERAL if outcome.problem.alone else _ONE
+    it, its, they, _ = _SEVERAL if outcome.problem.alone else _ONE
     words = [m.name.replace("-", " ") for m in outcome.mechanisms if m.grade not in parts]
     if outcome.verdict == "adequate":
         return _NOTHING.format(it, its, they)
     if outcome.verdict == "missing_physics":
         said = " ".join(m.statement for m in outcome.mechanisms)
+        if len(words) == 1 and MOST_LIKELY in outcome.rules:
+            sure = f"({_likely(outcome)}explains {it} to {its} noise)"
+            return f"Most likely missing: {words[0]}{_had(outcome, has)} {sure}: {said}"
         return f"{_left_out([m.name for m in outcome.mechanisms], has)}: {said}"
     left = "" if outcome.remainder is None else f" {_capital(outcome.remainder.looks_like)}."
     return f"{_graded(outcome, words, has)}{_tabulated(outcome)}{left}"
@@ -36,20 +42,15 @@ def _verdict(outcome: Outcome, has: Sequence[str]) -> str:
 
 def _graded(outcome: Outcome, words: Sequence[str], has: Sequence[str]) -> str:
     """Which names are how much of what is left out."""
-    it, its, _, does, these = _SEVERAL if outcome.problem.alone else _ONE
+    it, its, _, these = _SEVERAL if outcome.problem.alone else _ONE
     share = _percent(outcome.mechanisms[0].share) if words else ""
     leaves = "viscous and Coulomb friction leave" if has else "the simulation leaves"
     if outcome.verdict == "main_effect":
         over = 1.0 if outcome.remainder is None else outcome.remainder.over_noise
         return (
-            f"The main thing that {leaves} out is {words[0]}{_had(outcome, has)}: {outcome.mechanisms[0].statement} It"
-            f" takes {share} of the misfit off; what is left is {over:.2g} times the sensors' noise."
+            f"Most likely missing: {words[0]}{_had(outcome, has)} ({_likely(outcome)}{share} of the misfit):"
+            f" {outcome.mechanisms[0].statement} The residual is {over:.2g} times the sensors' noise."
         )
-    if outcome.verdict == "one_of" and len(words) == 1:
-        takes = f"takes {share} of the misfit off" if outcome.remainder else f"explains {it} to {its} noise"
-        had = _had(outcome, has)
-        which = f"{had}: it" if had else ", which"
-        return f"What {leaves} out looks like {words[0]}{which} {takes}; {does} not decide it."
     if outcome.verdict == "one_of":
         one_of = f"one of {', '.join(words[:-1])} or {words[-1]}"
         if outcome.remainder is None:
@@ -64,6 +65,12 @@ def _graded(outcome: Outcome, words: Sequence[str], has: Sequence[str]) -> str:
         )
     minor = f" The largest single part of it is {words[0]} ({share})." if words else ""
     return f"{_NOBODY.format(it)}{minor}"
+
+
+def _likely(outcome: Outcome) -> str:
+    """Probability of the first name, where it is known."""
+    p = outcome.mechanisms[0].probability
+    return "" if p is None else f"P {min(p, _SURE):.2f}, "
 
 
 def _left_out(names: Sequence[str], has: Sequence[str]) -> str:

@@ -8,6 +8,7 @@ fitted force, whose path comes back to the same places at other speeds, so that 
 """
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -36,6 +37,8 @@ FEATURES = ("alike", "loose", "long", "share", "company")
 """What it hangs on, in the order of the weights."""
 _LEAST_SHARE = 0.01
 """Of what counts as a share."""
+_SURELY = 1e-12
+"""Chance against what is certain."""
 _SURE, _LOOSE = 0.001, 10.0
 """Relative standard errors beyond which more says nothing more."""
 
@@ -100,3 +103,16 @@ OF_FORCES = Odds.by(
     *(FORCE_CHANCE_OF_SHARE, FORCE_CHANCE_COMPANY),
 )
 """Where the force is fitted."""
+
+
+def shared_out(chances: Mapping[str, float], first: str = "") -> dict[str, float]:
+    """Probability of each name to be the main effect where at most one is, "" for none; most likely first.
+
+    chances : of each by itself. By the odds of each beside one for none; ``first`` : whose chance is known beside the
+    others, so that these share the rest.
+    """
+    odds = {name: p / max(1.0 - p, _SURELY) for name, p in chances.items() if name != first}
+    rest = (1.0 - chances.get(first, 0.0)) / (1.0 + sum(odds.values()))
+    found = {"": rest, **{name: rest * one for name, one in odds.items()}}
+    found |= {first: chances[first]} if first else {}
+    return dict(sorted(found.items(), key=lambda one: -one[1]))

@@ -17,11 +17,11 @@ from harness.core.cores import each
 from harness.diagnosis.baseline.words import evidence, margin_of
 from harness.diagnosis.fit.model_fit import Fit
 from harness.diagnosis.fit.standard_errors import loosest
-from harness.diagnosis.grading.chance import OF_MOTION, Odds, Seen
+from harness.diagnosis.grading.chance import OF_MOTION, Odds, Seen, shared_out
 from harness.diagnosis.grading.clocks import on_the_swing
 from harness.diagnosis.grading.friction_split import resplit
 from harness.diagnosis.grading.misfit import Misfit
-from harness.diagnosis.grading.prediction import Predicted, free_run, held_out, ratio, surely_less, trained
+from harness.diagnosis.grading.prediction import Predicted, free_run, held_out, ratio, surely_less, trained, worse_in
 from harness.diagnosis.outcome import Grade
 from harness.diagnosis.rules import (
     AMONG_ALIKE,
@@ -31,6 +31,7 @@ from harness.diagnosis.rules import (
     LEAST_RATIO,
     LOOSE,
     MARGIN,
+    MOST_LIKELY,
     MOST_LISTED,
     NEARLY_AS_MUCH,
     PREDICTS_BETTER,
@@ -126,6 +127,20 @@ class Contest(ABC):
     def chance_of(self, first: Finalist) -> float:
         """Of a name that stands apart to be the main effect, as simulated machines that look like this one say."""
         return self.odds.chance(self.seen(first))
+
+    @property
+    def standing(self) -> tuple[Finalist, ...]:
+        """Finalists that may be listed: none that surely predicts a channel worse than the base."""
+        return tuple(f for f in self.finalists if not worse_in(f.held, self.base_held, PREDICTS_BETTER.value))
+
+    @property
+    def posterior(self) -> dict[str, float]:
+        """Probability of each name to be the main effect, and under "" of none to be: most likely first.
+
+        A clock on the swing follows any other, so that what it takes counts against the others and never for itself.
+        """
+        named = [f for f in self.standing if f.gain > 0.0 and not f.clock]
+        return shared_out({f.name: self.chance_of(f) for f in named}, self.named[0].name if self.chance else "")
 
     def seen(self, first: Finalist) -> Seen:
         """What is known of a name that stands apart."""
@@ -248,7 +263,7 @@ def _alike(first: Finalist, found: Contest) -> list[Finalist]:
     Such a one is no name, but beside it the first does not stand apart.
     """
     margin = margin_of(found.words)
-    near = [f for f in found.finalists if f is not first and f.gain >= GAIN.value and f.gain > first.gain - margin]
+    near = [f for f in found.standing if f is not first and f.gain >= GAIN.value and f.gain > first.gain - margin]
     return [f for f in near if not f.clock] + [f for f in near if f.clock and worthy(f, found)]
 
 
@@ -267,7 +282,7 @@ def _by_share(found: C) -> C | None:
     """A main effect by its share of the misfit, or the names that share that place; None where no term has it."""
     rules: tuple[Rule, ...] = (GAIN, SHARE_OF_EXCESS, SHARE_OF_MISFIT, HELD_OUT)
     # a clock on the swing follows anything: it is never the main effect
-    candidates = [f for f in found.finalists if not f.clock and worthy(f, found)]
+    candidates = [f for f in found.standing if not f.clock and worthy(f, found)]
     if not candidates:
         return None
     if any(f.leading >= LOOSE.value for f in found.finalists):
@@ -276,24 +291,38 @@ def _by_share(found: C) -> C | None:
     near = _alike(first, found)
     better = [f for f in candidates if f not in near and _predicts_better(f, first)]
     listed, rules = (first, *near, *better), (*rules, MARGIN, LEAST_RATIO)
-    if len(listed) > 1:
-        if any(f.clock for f in listed):
-            listed, rules = tuple(f for f in listed if not f.clock), (*rules, SAME_CLOCK)
-        return replace(found, grade=Grade.ONE_OF, named=listed[: MOST_LISTED.count], rules=(*rules, MOST_LISTED))
-    if found.cycles < LEAST_CYCLES.value:
-        return replace(found, grade=Grade.ONE_OF, named=listed, rules=(*rules, LEAST_CYCLES))
+    if any(f.clock for f in listed):
+        listed, rules = tuple(f for f in listed if not f.clock), (*rules, SAME_CLOCK)
+    if len(listed) == 1:
+        return _alone(found, first, rules)
+    return replace(found, grade=Grade.ONE_OF, named=listed[: MOST_LISTED.count], rules=(*rules, MOST_LISTED))
+
+
+def _alone(found: C, first: Finalist, rules: tuple[Rule, ...]) -> C:
+    """A name beside which no other is listed: the main effect where that is likely enough, else listed with the next.
+
+    Where nothing comes next it is the main effect if that is more likely than not, and else the largest part.
+    """
     likely, least = found.chance_of(first), found.odds.least
+    rules = (*rules, least, *((LEAST_CYCLES,) if found.cycles < LEAST_CYCLES.value else ()))
     found = replace(found, chance=likely)
     if likely >= least.value:
-        return replace(found, grade=Grade.MAIN, named=listed, rules=(*rules, least))
+        return replace(found, grade=Grade.MAIN, named=(first,), rules=rules)
     listed = (first, *_nearly_as_much(first, found))[: MOST_LISTED.count]
-    return replace(found, grade=Grade.ONE_OF, named=listed, rules=(*rules, least, NEARLY_AS_MUCH, MOST_LISTED))
+    if len(listed) > 1:
+        return replace(found, grade=Grade.ONE_OF, named=listed, rules=(*rules, NEARLY_AS_MUCH, MOST_LISTED))
+    grade = Grade.MAIN if likely >= MOST_LIKELY.value else Grade.MINOR
+    return replace(found, grade=grade, named=listed, rules=(*rules, MOST_LIKELY))
 
 
 def _nearly_as_much(first: Finalist, found: Contest) -> tuple[Finalist, ...]:
-    """Others that take nearly as much off as the first, most evidence first: several small effects sum up to any."""
-    others = (f for f in found.finalists if f is not first and not f.clock)
-    return tuple(f for f in others if f.share >= NEARLY_AS_MUCH.value * first.share)
+    """Others that take nearly as much off as the first, else the next, most evidence first.
+
+    Several small effects sum up to any.
+    """
+    others = [f for f in found.standing if f is not first and not f.clock]
+    near = tuple(f for f in others if f.share >= NEARLY_AS_MUCH.value * first.share)
+    return near or tuple(f for f in others if f.gain >= GAIN.value)[:1]
 
 
 def _predicts_better(one: Finalist, first: Finalist) -> bool:
@@ -312,7 +341,7 @@ def _by_run(found: C) -> C | None:
     if found.base_run is None:
         return None
     good: list[tuple[float, Finalist]] = []
-    for f in found.finalists:
+    for f in found.standing:
         if f.run is None or f.clock or f.gain <= 0.0 or ratio(f.run, found.base_run) > RUN_BETTER.value:
             continue
         if evidence(found.base_run.total, f.run.total, found.words_run, 0, AMONG_ALIKE.value) >= GAIN.value:
@@ -321,7 +350,8 @@ def _by_run(found: C) -> C | None:
     listed = tuple(f for total, f in good if total < LEAST_RATIO.value * good[0][0])
     if not 0 < len(listed) <= MOST_LISTED.count:
         return None
-    return replace(found, grade=Grade.ONE_OF, named=listed, rules=(RUN_BETTER, GAIN))
+    listed = listed if len(listed) > 1 else (*listed, *_nearly_as_much(listed[0], found))[: MOST_LISTED.count]
+    return replace(found, grade=Grade.ONE_OF, named=listed, rules=(RUN_BETTER, GAIN)) if len(listed) > 1 else None
 
 
 def in_step(found: Contest) -> Finalist | None:
@@ -336,7 +366,7 @@ def in_step(found: Contest) -> Finalist | None:
 
 def _minor(found: C) -> C:
     """The largest single part, no headline."""
-    parts = [f for f in found.finalists if f.gain >= GAIN.value and not f.clock]
+    parts = [f for f in found.standing if f.gain >= GAIN.value and not f.clock]
     rules: tuple[Rule, ...] = (GAIN, SHARE_OF_EXCESS)
     if in_step(found) is not None:
         rules = (*rules, SAME_CLOCK)

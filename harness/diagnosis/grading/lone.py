@@ -2,9 +2,11 @@
 
 from harness.diagnosis.baseline.words import evidence, few_words, margin_of, strokes_of, words_beside
 from harness.diagnosis.fit.model_fit import Fit
-from harness.diagnosis.rules import DECISIVE, EVEN, LEAST_CYCLES, MARGIN, SHARE_OF_MISFIT, Rule
+from harness.diagnosis.rules import DECISIVE, EVEN, LEAST_CYCLES, LEAST_RATIO, MARGIN, SHARE_OF_MISFIT, Rule
 from harness.diagnosis.search.extend import key_of
 from harness.diagnosis.search.search import Search
+from harness.model.model import ModelTerm
+from harness.model.registry import not_parted
 
 
 def undecided(found: Search) -> tuple[Rule, ...]:
@@ -43,6 +45,37 @@ def near(found: Search) -> tuple[Fit, ...]:
         return said and other.bic >= chosen.bic + DECISIVE.value
 
     return tuple(f for f in _others(found) if f.explains_as_named and not apart(f))
+
+
+def stand_ins(found: Search, entry: ModelTerm) -> list[tuple[str, Fit]]:
+    """Names, each with its fit, that could stand in a term's place: worse by less than what is decisive, or not parted.
+
+    Evidence that two laws differ is evidence of their shape; a law of the amplitude and one of the time differ in
+    little else, and by less than what small effects that nobody models change.
+    """
+    decay = "driven" not in found.problem.given and not found.problem.parts_amplitude_from_time
+    rest = sorted(e.term.name for e in found.chosen.model.terms if e is not entry)
+    unparted = near(found)
+    listed: list[tuple[str, Fit]] = []
+    for rival in found.rivals:
+        names = list(key_of(rival))
+        if len(names) != len(rest) + 1:
+            continue
+        for name in rest:
+            if name in names:
+                names.remove(name)
+        if len(names) != 1 or names[0] == entry.term.name:
+            continue
+        alike = decay and rival.chi2 < LEAST_RATIO.value * found.chosen.chi2 and not_parted(entry.term.name, names[0])
+        if rival.bic - found.chosen.bic < DECISIVE.value or alike or any(rival is one for one in unparted):
+            listed.append((names[0], rival))
+    return listed
+
+
+def next_best(found: Search) -> list[tuple[str, Fit]]:
+    """The lone law of another name that leaves least against it, where there is one."""
+    others = sorted(_others(found), key=lambda f: f.bic)
+    return [(key_of(f)[0], f) for f in others[:1]]
 
 
 def _lone(found: Search) -> bool:

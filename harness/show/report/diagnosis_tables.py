@@ -129,6 +129,7 @@ class Mechanisms(Section):
         """How much of what is missing each is, how it predicts, and what else it could be."""
         columns = [
             Column("grade"),
+            Column("P", "", "probability of being what is missing"),
             Column("share of the misfit", "%", "of the mean square beyond noise that it takes off alone"),
             Column("held-out error", "after / before", "blocks of cycles that took no part in the fit"),
             Column("free-run error", "after / before", "the last 40 %, from a fit of the first 60 %"),
@@ -140,6 +141,7 @@ class Mechanisms(Section):
             share = None if one["share"] is None else 100.0 * one["share"]
             cells = [
                 Cell(_GRADES[one["grade"]]),
+                Cell(number(one.get("probability"), 2)),
                 Cell(number(share, 3)),
                 _ratios(one["holdout"]),
                 _ratios(one["forward"]),

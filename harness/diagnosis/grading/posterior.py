@@ -1,0 +1,56 @@
+"""What is missing, as probabilities: of nothing but noise, of each name, and of pairs that were fitted.
+
+Where a name is the main part of a misfit, simulated machines say how likely it is (``Contest.posterior``). Where a
+model meets the noise its evidence does, each name being as likely as the next before the recording is seen: BIC in
+samples, or in strokes where small effects that nobody models may be there (the position's zero is unknown).
+"""
+
+import math
+from collections.abc import Callable
+
+from harness.diagnosis.baseline.words import evidence, strokes_of, words_beside
+from harness.diagnosis.fit.model_fit import Fit
+from harness.diagnosis.grading.grade import Contest
+from harness.diagnosis.hypothesis import Hypothesis
+from harness.diagnosis.rules import NAMES
+from harness.diagnosis.search.against import against
+from harness.diagnosis.search.extend import key_of
+from harness.diagnosis.search.search import Search
+
+_LEAST = 0.01
+"""Probability below which a hypothesis is not given."""
+
+
+def of_contest(found: Contest) -> tuple[Hypothesis, ...]:
+    """Which name is the main part of what is missing, most likely first."""
+    each = (Hypothesis((name,) if name else (), p) for name, p in found.posterior.items())
+    return tuple(one for one in each if one.probability >= _LEAST)
+
+
+def of_search(found: Search) -> tuple[Hypothesis, ...]:
+    """Which model explains what was recorded, of those that were fitted, most likely first."""
+    gain = _gain(found)
+    best: dict[tuple[str, ...], float] = {(): gain(found.base)}
+    for one in (*found.singles, *found.rivals, found.chosen):
+        names = key_of(one)
+        if one.explains_as_named or one is found.chosen:
+            best[names] = max(best.get(names, -math.inf), gain(one) - 2.0 * len(names) * math.log(NAMES))
+    most = max(best.values())
+    weight = {names: math.exp(0.5 * (size - most)) for names, size in best.items()}
+    whole = sum(weight.values())
+    ranked = sorted(weight.items(), key=lambda one: -one[1])
+    return tuple(Hypothesis(names, w / whole) for names, w in ranked if w >= _LEAST * whole)
+
+
+def probability(of: tuple[Hypothesis, ...], name: str) -> float:
+    """That a name is among what is missing, at most 1."""
+    return min(sum(one.probability for one in of if name in one.names), 1.0)
+
+
+def _gain(found: Search) -> Callable[[Fit], float]:
+    """Evidence of a fit over the base, twice a log likelihood."""
+    base, problem = found.base, found.problem
+    if found.by_force or not problem.zero_free:
+        return lambda one: against(base, problem) - against(one, problem)
+    words = words_beside(base, strokes_of(found.chosen, problem))
+    return lambda one: evidence(base.chi2, one.chi2, words, len(one.free) - len(base.free), 1.0)
