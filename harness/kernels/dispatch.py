@@ -5,13 +5,22 @@ from harness.core.jit import compiled
 from harness.kernels.laws import laws
 from harness.kernels.layout import BRISTLES, INTERNAL, LEVELS, MODULATIONS, SMOOTH, SMOOTHED
 
-(_stribeck,) = laws(LEVELS, "stribeck")
+(
+    _stribeck,
+    _stribeck_free,
+) = laws(
+    LEVELS,
+    "stribeck",
+    "stribeck:free",
+)
 
 
 def _speed_level(number: int, v: float, theta: FloatArray, o: int, out: FloatArray) -> None:
     """Level of friction by speed, and its partials."""
     if number == 0:
         _stribeck(v, theta, o, out)
+    elif number == 1:
+        _stribeck_free(v, theta, o, out)
 
 
 speed_level = compiled(_speed_level, lean=True)
@@ -22,6 +31,7 @@ speed_level = compiled(_speed_level, lean=True)
     _load_dependent_friction_gravity,
     _position_dependent_friction_periodic,
     _friction_drift,
+    _friction_drift_free,
     _normal_load_variation,
     _tabulated_friction_position,
     _given_friction,
@@ -32,6 +42,7 @@ speed_level = compiled(_speed_level, lean=True)
     "load-dependent-friction:gravity",
     "position-dependent-friction:periodic",
     "friction-drift",
+    "friction-drift:free",
     "normal-load-variation",
     "tabulated-friction:position",
     "given-friction",
@@ -51,10 +62,12 @@ def _modulation(number: int, x: float, v: float, t: float, theta: FloatArray, o:
     elif number == 4:
         _friction_drift(x, v, t, theta, o, out)
     elif number == 5:
-        _normal_load_variation(x, v, t, theta, o, out)
+        _friction_drift_free(x, v, t, theta, o, out)
     elif number == 6:
-        _tabulated_friction_position(x, v, theta, o, out)
+        _normal_load_variation(x, v, t, theta, o, out)
     elif number == 7:
+        _tabulated_friction_position(x, v, theta, o, out)
+    elif number == 8:
         _given_friction(x, v, t, theta, o, out)
 
 
@@ -73,29 +86,44 @@ def _bristle_law(
 
 bristle_law = compiled(_bristle_law, lean=True)
 
-(_regularised_friction,) = laws(SMOOTHED, "regularised-friction")
+(
+    _regularised_friction,
+    _regularised_friction_free,
+) = laws(
+    SMOOTHED,
+    "regularised-friction",
+    "regularised-friction:free",
+)
 
 
 def _smoothed_law(number: int, v: float, a: float, level: float, theta: FloatArray, o: int, out: FloatArray) -> None:
     """Friction without stick and without a state, and its partials."""
     if number == 0:
         _regularised_friction(v, a, level, theta, o, out)
+    elif number == 1:
+        _regularised_friction_free(v, a, level, theta, o, out)
 
 
 smoothed_law = compiled(_smoothed_law, lean=True)
 
 (
     _quadratic_drag,
+    _quadratic_drag_free,
     _asymmetric_viscous,
     _power_law_damping,
     _cubic_stiffness,
+    _cubic_stiffness_free,
     _quadratic_stiffness,
     _pendulum_stiffness,
     _end_stop,
     _end_stop_positive,
     _end_stop_negative,
+    _end_stop_free,
+    _end_stop_positive_free,
+    _end_stop_negative_free,
     _backlash,
     _stiffness_drift,
+    _stiffness_drift_free,
     _constant_force,
     _force_ripple,
     _harmonic_force,
@@ -109,16 +137,22 @@ smoothed_law = compiled(_smoothed_law, lean=True)
 ) = laws(
     SMOOTH,
     "quadratic-drag",
+    "quadratic-drag:free",
     "asymmetric-viscous",
     "power-law-damping",
     "cubic-stiffness",
+    "cubic-stiffness:free",
     "quadratic-stiffness",
     "pendulum-stiffness",
     "end-stop",
     "end-stop:positive",
     "end-stop:negative",
+    "end-stop:free",
+    "end-stop:positive-free",
+    "end-stop:negative-free",
     "backlash",
     "stiffness-drift",
+    "stiffness-drift:free",
     "constant-force",
     "force-ripple",
     "harmonic-force",
@@ -137,44 +171,56 @@ def _smooth(number: int, x: float, v: float, t: float, theta: FloatArray, o: int
     if number == 0:
         _quadratic_drag(x, v, theta, o, out)
     elif number == 1:
-        _asymmetric_viscous(x, v, theta, o, out)
+        _quadratic_drag_free(x, v, theta, o, out)
     elif number == 2:
-        _power_law_damping(x, v, theta, o, out)
+        _asymmetric_viscous(x, v, theta, o, out)
     elif number == 3:
-        _cubic_stiffness(x, v, theta, o, out)
+        _power_law_damping(x, v, theta, o, out)
     elif number == 4:
-        _quadratic_stiffness(x, v, theta, o, out)
+        _cubic_stiffness(x, v, theta, o, out)
     elif number == 5:
-        _pendulum_stiffness(x, v, theta, o, out)
+        _cubic_stiffness_free(x, v, theta, o, out)
     elif number == 6:
-        _end_stop(x, v, theta, o, out)
+        _quadratic_stiffness(x, v, theta, o, out)
     elif number == 7:
-        _end_stop_positive(x, v, theta, o, out)
+        _pendulum_stiffness(x, v, theta, o, out)
     elif number == 8:
-        _end_stop_negative(x, v, theta, o, out)
+        _end_stop(x, v, theta, o, out)
     elif number == 9:
-        _backlash(x, v, theta, o, out)
+        _end_stop_positive(x, v, theta, o, out)
     elif number == 10:
-        _stiffness_drift(x, v, t, theta, o, out)
+        _end_stop_negative(x, v, theta, o, out)
     elif number == 11:
-        _constant_force(x, v, theta, o, out)
+        _end_stop_free(x, v, theta, o, out)
     elif number == 12:
-        _force_ripple(x, v, theta, o, out)
+        _end_stop_positive_free(x, v, theta, o, out)
     elif number == 13:
-        _harmonic_force(x, v, t, theta, o, out)
+        _end_stop_negative_free(x, v, theta, o, out)
     elif number == 14:
-        _tabulated_stiffness(x, v, theta, o, out)
+        _backlash(x, v, theta, o, out)
     elif number == 15:
-        _tabulated_friction(x, v, theta, o, out)
+        _stiffness_drift(x, v, t, theta, o, out)
     elif number == 16:
-        _tabulated_friction_forward(x, v, theta, o, out)
+        _stiffness_drift_free(x, v, t, theta, o, out)
     elif number == 17:
-        _tabulated_friction_backward(x, v, theta, o, out)
+        _constant_force(x, v, theta, o, out)
     elif number == 18:
-        _tabulated_force(x, v, theta, o, out)
+        _force_ripple(x, v, theta, o, out)
     elif number == 19:
-        _given_force(x, v, t, theta, o, out)
+        _harmonic_force(x, v, t, theta, o, out)
     elif number == 20:
+        _tabulated_stiffness(x, v, theta, o, out)
+    elif number == 21:
+        _tabulated_friction(x, v, theta, o, out)
+    elif number == 22:
+        _tabulated_friction_forward(x, v, theta, o, out)
+    elif number == 23:
+        _tabulated_friction_backward(x, v, theta, o, out)
+    elif number == 24:
+        _tabulated_force(x, v, theta, o, out)
+    elif number == 25:
+        _given_force(x, v, t, theta, o, out)
+    elif number == 26:
         _given_damping(x, v, t, theta, o, out)
 
 

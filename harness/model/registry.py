@@ -36,7 +36,12 @@ def _catalogue() -> dict[str, Term]:
 _BY_KEY = _catalogue()
 TERMS: tuple[Term, ...] = tuple(_BY_KEY.values())
 NAMED: tuple[Term, ...] = tuple(t for t in TERMS if t.searched)
-"""Those that are looked for; the others are tables, for what has no name."""
+"""Those that are looked for; the others are tables, for what has no name, and laws whose form is freed."""
+
+
+def forms_of(key: str) -> tuple[Term, ...]:
+    """The laws that free the form of one."""
+    return tuple(t for t in TERMS if t.frees == key)
 
 
 def term(key: str) -> Term:

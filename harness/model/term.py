@@ -63,6 +63,8 @@ class Parameter:
 
 
 Probe = tuple[float, ...]
+FreedFrom = Callable[[Probe, float], Sequence[Probe]]
+"""From the values of a law whose form is freed, and how long it was recorded (s)."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -147,7 +149,9 @@ class Term:
     several : whether a model may have more than one. place : where it acts. only_there : whether nothing outside of
     those times shows it. words : more words of the sentence, from values and k. elements : see harness.model.elements.
     as_named : whether values are what the name says; a law bent beyond it is not named.
-    searched : whether it is looked for as a name; a table is none. known : where a table is known, None for a law that
+    searched : whether it is looked for as a name; a table is none, and neither is a law whose form is freed.
+    frees : key of the law whose form it frees, by one number more; freed : from where it is fitted then.
+    known : where a table is known, None for a law that
     holds everywhere. told_from : what recording would tell it from another name. steps_alike : whether the steps of an
     integrator show like it. variant : tells laws apart that share a catalogue name. order : place in the catalogue.
     There is one object of each term. Raises TypeError for an entry that contradicts itself.
@@ -182,6 +186,8 @@ class Term:
     told_from: Mapping[str, str] = field(default_factory=dict)
     steps_alike: bool = False
     searched: bool = True
+    frees: str = ""
+    freed: FreedFrom | None = None
     known: Known | None = None
     order: int = _LAST
 

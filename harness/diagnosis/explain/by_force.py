@@ -42,15 +42,17 @@ def mechanisms_of(found: Search, graded: ForceGraded, omega: float) -> tuple[Mec
 
 def _share_beside(found: Search, index: int, graded: ForceGraded) -> float:
     """Share of the misfit beyond noise that the kept model leaves more without one of its laws."""
-    more = (left_without(found, index).chi2 - found.chosen.chi2) / found.base.chi2
-    return float(np.clip(more * graded.base.squares / graded.excess, 0.0, 1.0))
+    chosen = found.chosen
+    more = (left_without(found, index).chi2 - chosen.chi2) / chosen.chi2
+    return float(np.clip(more * graded.reference.squares / graded.excess, 0.0, 1.0))
 
 
 def _alone(found: Search, graded: ForceGraded, one: Finalist, omega: float) -> Mechanism:
     entry = one.fit.model.terms[-1]
-    alone = replace(found, chosen=one.fit, rivals=found.singles, without=())
+    index = len(one.fit.model.terms) - 1
+    alone = replace(found, chosen=one.fit, rivals=found.singles, without=(None,) * index + (graded.ground,))
     place = place_of(entry, one.fit, found.problem, omega)
-    return _graded(mechanism(alone, len(one.fit.model.terms) - 1, entry, omega, place), graded, one)
+    return _graded(mechanism(alone, index, entry, omega, place), graded, one)
 
 
 def _graded(said: Mechanism, graded: ForceGraded, one: Finalist | None) -> Mechanism:

@@ -36,7 +36,8 @@ _PREDICTED = 8
 class ForceGraded(Contest):
     """What a fitted force comes to where more than noise is left.
 
-    measured : motion and force. base, best : the base model and the best one found; refined : the latter as a fit.
+    measured : motion and force. base, best : the base model, with a constant force where that is not what is missing,
+    and the best one found; ground, refined : both as fits.
     kept : whether that is what the search kept, and not a finalist. over : what it leaves beside noise. reference :
     whose level counts as noise.
     """
@@ -45,6 +46,7 @@ class ForceGraded(Contest):
     base: ForceFit
     best: ForceFit
     reference: ForceFit
+    ground: Fit
     fit: Fit
     kept: bool
     over: LeftOver
@@ -120,13 +122,14 @@ def graded(fitted: Fitted, last: Fit, singles: Sequence[ForceFit], over: LeftOve
     first = [replace(f, held=held_out(one, measured, block)) for f, one in ranked[:_PREDICTED]]
     found = decided(
         ForceGraded(
-            measured=measured, base=base, best=chosen, reference=chosen, fit=last, kept=True, over=over, counted=words,
+            measured=measured, base=base, best=chosen, reference=chosen,
+            ground=fitted.counted(base), fit=last, kept=True, over=over, counted=words,
             finalists=(*first, *(f for f, _ in ranked[_PREDICTED:])), base_held=held_out(base, measured, block),
         )
     )  # fmt: skip
+    names = [entry.term.name for entry in chosen.model.terms[len(base.model.terms) :]]
     if judged:
-        found = _by_judge(found, chosen)
-    names = [entry.term.name for entry in chosen.model.terms]
+        found = _by_judge(found, names)
     # what follows any other law by its clock is no better model than the largest part that has a name
     followed = {f.name for f in found.finalists if f.clock}.issuperset(names)
     if not found.named or found.named[0].name in names or (found.grade is Grade.MINOR and not followed):
@@ -136,10 +139,9 @@ def graded(fitted: Fitted, last: Fit, singles: Sequence[ForceFit], over: LeftOve
     return replace(found, named=named, best=laws[named[0].name], fit=named[0].fit, kept=False)
 
 
-def _by_judge(found: ForceGraded, chosen: ForceFit) -> ForceGraded:
+def _by_judge(found: ForceGraded, names: Sequence[str]) -> ForceGraded:
     """What another recording confirms is named, whatever its share here; what it does not is no main effect."""
     found = replace(found, chance=None)
-    names = [entry.term.name for entry in chosen.model.terms]
     named = tuple(f for f in found.finalists if f.name in names[:1])
     if named:
         return replace(found, grade=Grade.MAIN, named=named, rules=(CONFIRMED,))

@@ -33,7 +33,9 @@ from harness.diagnosis.search.search import Search, less_each
 from harness.estimate.noise import Noise
 from harness.fit.autocorrelation import ENOUGH
 from harness.kernels.solve import Drive, Scales
+from harness.model.model import ModelTerm, Restoring
 
+PUSH = "constant-force"
 _LOOKED_AT = 5
 """Names that are extended by a further one."""
 
@@ -64,18 +66,20 @@ def search_driven(problem: InverseDynamics, judge: Judge | None = None) -> Force
     Raises SimulationError when not even the base model can be fitted.
     """
     measured, base, scales = force_baseline(problem)
-    chosen, singles, rivals, path = base, [base], [base], [base]
+    pushed = _pushed(base, measured, problem, judge)
+    chosen = base if pushed is None else pushed
+    ground, singles, rivals, path = chosen, [chosen], [chosen], [base, *([] if pushed is None else [pushed])]
     further = partial(extended, problem=problem, scales=scales, done=ROUGHLY)
     least = min(MOVES.value, _followed(base, problem, scales))
     for _ in range(MOST_FORCE_TERMS.count):
         found = extended(chosen, measured, problem, scales)
-        if chosen is base:
+        if chosen is ground:
             singles = found or singles
         if not found:
             break
         rivals = found
         independent = found[0].memory.independent
-        most = chosen.bic(independent) - (AMONG_NAMES if chosen is base else DECISIVE).value
+        most = chosen.bic(independent) - (AMONG_NAMES if chosen is ground else DECISIVE).value
         better = [f for f in found[:_LOOKED_AT] if f.bic(independent) < most]
         if judge is not None:
             better = [f for f in better if judge.confirms(chosen.model, f.model)]
@@ -88,6 +92,9 @@ def search_driven(problem: InverseDynamics, judge: Judge | None = None) -> Force
             break
         chosen = kept
         path.append(kept)
+    if chosen is pushed:
+        # nothing is left beside the push, which is then what is missing
+        ground, singles = base, extended(base, measured, problem, scales) or [base]
     over = left_over(chosen, problem, scales)
     level = (chosen.squares / chosen.residual.size) ** 0.5
     problem = replace(problem, noise={**problem.noise, "u": Noise(level, True, 0.0, 0.0)})
@@ -110,11 +117,29 @@ def search_driven(problem: InverseDynamics, judge: Judge | None = None) -> Force
     search = Search(problem, first, last, alone, rest, left, without, by_force=True)
     if left is Left.NOISE:
         return ForceSearch(search, scales, over, None)
-    fitted_to = Fitted(problem, measured, scales, base, chosen, shown)
+    fitted_to = Fitted(problem, measured, scales, ground, chosen, shown)
     # a law that says the force but moves worse than the base model is no name either
     as_well = 100.0 - PREDICTS_WORSE.value * (100.0 - _followed(base, problem, scales))
-    laws = [f for f in singles if f is not base and _moves(f, as_well, problem, scales)]
+    laws = [f for f in singles if f is not ground and _moves(f, as_well, problem, scales)]
     return ForceSearch(search, scales, over, graded(fitted_to, last, laws, over, judge is not None))
+
+
+def _pushed(base: ForceFit, measured: Measured, problem: InverseDynamics, judge: Judge | None) -> ForceFit | None:
+    """The base model with a constant force, which an axis without a spring has beside what else is missing.
+
+    A weight or a tilt is no rival of other laws: what they take is a share of what it leaves. None where it is not
+    seen, and for several recordings, of which each has a level of its own.
+    """
+    if problem.restoring is not Restoring.NONE or problem.alone:
+        return None
+    model = replace(base.model, terms=(ModelTerm.named(PUSH, force=0.0),))
+    try:
+        found = fit_force(model, measured, free_of(model, base_of(base.free)))
+    except SimulationError:
+        return None
+    independent = found.memory.independent
+    seen = found.bic(independent) < base.bic(independent) - AMONG_NAMES.value
+    return found if seen and (judge is None or judge.confirms(base.model, found.model)) else None
 
 
 def _predicts(found: Fit, base: Fit, problem: InverseDynamics) -> bool:

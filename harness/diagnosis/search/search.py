@@ -21,6 +21,7 @@ from harness.diagnosis.rules import AMONG_NAMES, COLOUR_ALONE, DECISIVE, MOST_TE
 from harness.diagnosis.search.against import against, in_turn
 from harness.diagnosis.search.company import taken_by_two
 from harness.diagnosis.search.extend import Step, extend, key_of, pair_up, prune, settle
+from harness.diagnosis.search.freed_form import freed
 from harness.diagnosis.search.look import Look
 from harness.diagnosis.search.screen import applicable
 from harness.estimate.noise import Noise
@@ -30,6 +31,8 @@ from harness.model.registry import NAMED
 
 _BEAM = 4
 """First terms that are extended by a second."""
+_FREED = 2
+"""First terms whose form is freed."""
 _FEWEST_STARTS = 4
 """First terms after which a pair that leaves noise alone ends the search."""
 _PAIRED = 6
@@ -160,6 +163,12 @@ def _search(problem: P, base: Fit, scales: Scales, renew: Renew[P], alone: Step)
     chosen, rivals = _simplest(singles, base, first, problem), singles
     left = left_by(chosen, problem, scales.omega, base)
     beam = _beam(singles)
+    if left is Left.STRUCTURE and chosen.model.terms:
+        chosen, singles, left = _with_free_form(chosen, singles, problem, scales, base)
+        rivals = singles
+        if left is not Left.STRUCTURE:
+            problem, best, singles = _renewed(problem, scales, chosen, singles, renew)
+            return Search(problem, under(base, problem), best, singles, singles, left, begun=alone.begun)
     while len(chosen.model.terms) < (MOST_TERMS.count if problem.pairs_searched else 1):
         step = extend(chosen, problem, scales) if left is Left.NOISE else to_an_end(chosen, problem, scales)
         least = against(chosen, problem) - second
@@ -186,6 +195,23 @@ def _search(problem: P, base: Fit, scales: Scales, renew: Renew[P], alone: Step)
         left = left_by(chosen, problem, scales.omega, base)
     without = less_each(chosen, without, (*singles, *rivals))
     return Search(problem, base, chosen, singles, rivals, left, without, begun=alone.begun)
+
+
+def _with_free_form(
+    chosen: Fit, singles: tuple[Fit, ...], problem: Problem, scales: Scales, base: Fit
+) -> tuple[Fit, tuple[Fit, ...], Left]:
+    """The first laws with their form free, beside all laws, and the one among them that is chosen with what it leaves.
+
+    One effect in another form than its name's takes two names to follow; a name with one number more comes first. It
+    stands where it leaves noise alone.
+    """
+    forms = [f for f in (freed(one, problem, scales) for one in singles[:_FREED]) if f is not None]
+    noise = [f for f in forms if f.bic < chosen.bic and left_by(f, problem, scales.omega, base) is Left.NOISE]
+    if not noise:
+        return chosen, singles, Left.STRUCTURE
+    names = {key_of(f) for f in noise}
+    both = in_turn((*noise, *(f for f in singles if key_of(f) not in names)), problem)
+    return both[0], both, Left.NOISE
 
 
 def less_each(chosen: Fit, fitted: Sequence[Fit | None], searched: Sequence[Fit]) -> tuple[Fit | None, ...]:

@@ -1,0 +1,203 @@
+"""Forms of laws that have a shape of their own, one number each: tried where a law takes most but not all.
+
+What hides has rarely the catalogue's own formula. Before a second name is added to a first its form is freed, so that
+one effect in another form stays one name.
+"""
+
+import math
+from collections.abc import Callable
+from dataclasses import replace
+from typing import Any
+
+from harness.core.arrays import FloatArray
+from harness.model.law import D_FREE, D_LEVEL, D_PARAMETER, D_STIFFNESS, D_T, D_V, D_X, KINETIC, STIFFNESS, VALUE
+from harness.model.term import FreedFrom, Parameter, Probe, Term
+from harness.model.terms import (
+    cubic_stiffness,
+    end_stop,
+    friction_drift,
+    quadratic_drag,
+    regularised_friction,
+    stiffness_drift,
+    stribeck,
+)
+
+
+def law_smooth(v: float, a: float, level: float, theta: FloatArray, o: int, out: FloatArray) -> None:
+    """f_k ((1 - s) tanh u + s u/sqrt(1 + u^2)), u = (v + lead a0)/v_r, a0 the acceleration without friction."""
+    v_r, lead, s = theta[o], theta[o + 1], theta[o + 2]
+    u = (v + lead * a) / v_r
+    soft, root = math.tanh(u), math.sqrt(1.0 + u * u)
+    round_ = u / root
+    ratio = (1.0 - s) * soft + s * round_
+    slope = level * ((1.0 - s) * (1.0 - soft * soft) + s / (root * root * root))
+    out[VALUE] = level * ratio
+    out[D_V] = slope / v_r
+    out[D_FREE] = slope * lead / v_r
+    out[D_LEVEL] = ratio
+    out[D_PARAMETER] = -slope * u / v_r
+    out[D_PARAMETER + 1] = slope * a / v_r
+    out[D_PARAMETER + 2] = level * (round_ - soft)
+
+
+def law_stribeck(v: float, theta: FloatArray, o: int, out: FloatArray) -> None:
+    """f_k + (f_s - f_k) exp(-|v/v_s|^p); break-away at f_s."""
+    f_s, v_s, p = theta[o], theta[o + 1], theta[o + 2]
+    u, excess = abs(v) / v_s, theta[o] - theta[KINETIC]
+    power = u**p if u > 0.0 else 0.0
+    # exactly f_s at v = 0, where it is held against the break-away level
+    fallen = math.expm1(-power)
+    left = 1.0 + fallen
+    out[VALUE] = f_s + excess * fallen
+    out[D_LEVEL] = -fallen
+    out[D_PARAMETER] = left
+    if u > 0.0:
+        out[D_V] = -excess * left * p * power / v
+        out[D_PARAMETER + 1] = excess * left * p * power / v_s
+        out[D_PARAMETER + 2] = -excess * left * power * math.log(u)
+
+
+def law_drag(x: float, v: float, theta: FloatArray, o: int, out: FloatArray) -> None:
+    """c2 |v|^p sgn v."""
+    c2, p, s = theta[o], theta[o + 1], abs(v)
+    if s > 0.0:
+        power = s**p
+        side = 1.0 if v > 0.0 else -1.0
+        out[VALUE] = c2 * power * side
+        out[D_V] = c2 * p * power / s
+        out[D_PARAMETER] = power * side
+        out[D_PARAMETER + 1] = c2 * power * side * math.log(s)
+
+
+def law_hardening(x: float, v: float, theta: FloatArray, o: int, out: FloatArray) -> None:
+    """k3 |x|^p sgn x."""
+    k3, p, s = theta[o], theta[o + 1], abs(x)
+    if s > 0.0:
+        power = s**p
+        side = 1.0 if x > 0.0 else -1.0
+        out[VALUE] = k3 * power * side
+        out[D_X] = k3 * p * power / s
+        out[D_PARAMETER] = power * side
+        out[D_PARAMETER + 1] = k3 * power * side * math.log(s)
+
+
+def law_stop(x: float, v: float, theta: FloatArray, o: int, out: FloatArray) -> None:
+    """k_stop (x - gap)^p beyond +gap, on the positive side."""
+    gap, k_stop, p = theta[o], theta[o + 1], theta[o + 2]
+    if x > gap:
+        deep = x - gap
+        power = deep**p
+        out[VALUE] = k_stop * power
+        out[D_X] = k_stop * p * power / deep
+        out[D_PARAMETER] = -k_stop * p * power / deep
+        out[D_PARAMETER + 1] = power
+        out[D_PARAMETER + 2] = k_stop * power * math.log(deep)
+
+
+def law_stop_negative(x: float, v: float, theta: FloatArray, o: int, out: FloatArray) -> None:
+    """-k_stop (-x - gap)^p beyond -gap, on the negative side."""
+    gap, k_stop, p = theta[o], theta[o + 1], theta[o + 2]
+    if x < -gap:
+        deep = -x - gap
+        power = deep**p
+        out[VALUE] = -k_stop * power
+        out[D_X] = k_stop * p * power / deep
+        out[D_PARAMETER] = k_stop * p * power / deep
+        out[D_PARAMETER + 1] = -power
+        out[D_PARAMETER + 2] = -k_stop * power * math.log(deep)
+
+
+def law_stop_both(x: float, v: float, theta: FloatArray, o: int, out: FloatArray) -> None:
+    """k_stop (|x| - gap)^p sgn x beyond the gap, on both sides."""
+    gap, k_stop, p = theta[o], theta[o + 1], theta[o + 2]
+    if abs(x) > gap:
+        side = 1.0 if x > 0.0 else -1.0
+        deep = abs(x) - gap
+        power = deep**p
+        out[VALUE] = side * k_stop * power
+        out[D_X] = k_stop * p * power / deep
+        out[D_PARAMETER] = -side * k_stop * p * power / deep
+        out[D_PARAMETER + 1] = side * power
+        out[D_PARAMETER + 2] = side * k_stop * power * math.log(deep)
+
+
+def law_warming(x: float, v: float, t: float, theta: FloatArray, o: int, out: FloatArray) -> None:
+    """k rate (1 - exp(-b t))/b x: a change that slows down, or speeds up where b is below 0."""
+    rate, b, k = theta[o], theta[o + 1], theta[STIFFNESS]
+    if abs(b * t) > 1e-4:
+        passed = -math.expm1(-b * t) / b
+        by_b = (t * math.exp(-b * t) - passed) / b
+    else:
+        passed = t * (1.0 - 0.5 * b * t)
+        by_b = -t * t * (0.5 - b * t / 3.0)
+    out[VALUE] = k * rate * passed * x
+    out[D_X] = k * rate * passed
+    out[D_T] = k * rate * math.exp(-b * t) * x
+    out[D_STIFFNESS] = rate * passed * x
+    out[D_PARAMETER] = k * passed * x
+    out[D_PARAMETER + 1] = k * rate * by_b * x
+
+
+def law_wear(x: float, v: float, t: float, theta: FloatArray, o: int, out: FloatArray) -> None:
+    """Factor 1 + rate (1 - exp(-b t))/b: a change that slows down, or speeds up where b is below 0."""
+    rate, b = theta[o], theta[o + 1]
+    if abs(b * t) > 1e-4:
+        passed = -math.expm1(-b * t) / b
+        by_b = (t * math.exp(-b * t) - passed) / b
+    else:
+        passed = t * (1.0 - 0.5 * b * t)
+        by_b = -t * t * (0.5 - b * t / 3.0)
+    out[VALUE] = 1.0 + rate * passed
+    out[D_T] = rate * math.exp(-b * t)
+    out[D_PARAMETER] = passed
+    out[D_PARAMETER + 1] = rate * by_b
+
+
+def _of(law: Term, form: Callable[..., None], shape: Parameter, starts: FreedFrom, **other: Any) -> Term:
+    """The entry of a law whose form is freed."""
+    variant = f"{law.variant}-free" if law.variant else "free"
+    kept = ("name", "family", "slot", "parameters", "corner", "place", "as_named", "needs", "told_from")
+    said: dict[str, Any] = {name: getattr(law, name) for name in kept} | other
+    said["parameters"] = (*said["parameters"], shape)
+    said["sentence"] = f"{said.get('sentence', law.sentence[:-1])}, {shape.name} = {{{shape.name}}}."
+    return Term(**said, law=form, variant=variant, searched=False, frees=law.key, freed=starts, order=law.order + 1)
+
+
+def _from(*shapes: float) -> FreedFrom:
+    """From the law's own numbers, with these shapes."""
+    return lambda values, span: [(*values, one) for one in shapes]
+
+
+def _slowing(values: Probe, span: float) -> list[Probe]:
+    """At the same pace all along, and three times as fast at first."""
+    return [(*values, 0.0), (3.0 * values[0], 3.0 / span)]
+
+
+def _stop(stop: Term, form: Callable[..., None]) -> Term:
+    gap, k_stop = stop.parameters
+    return _of(
+        stop, form, Parameter("exponent", "1", 1.0, 4.0), _from(1.0, 1.5), example=(0.53, 200.0, 1.5),
+        parameters=(gap, replace(k_stop, unit="N/m^p")),
+    )  # fmt: skip
+
+
+SMOOTH = _of(
+    regularised_friction.TERM, law_smooth, Parameter("roundness", "1", -1.0, 3.0),
+    lambda values, span: [(0.8 * values[0], values[1], s) for s in (0.0, 1.0)], example=(0.6, 0.02, 0.4), corner=False,
+)  # fmt: skip
+STRIBECK = _of(
+    stribeck.TERM, law_stribeck, Parameter("exponent", "1", 0.5, 4.0), _from(2.0, 1.0), example=(5.0, 0.8, 1.3)
+)
+DRAG = _of(
+    quadratic_drag.TERM, law_drag, Parameter("exponent", "1", 1.2, 5.0), _from(2.0), example=(0.2, 2.6),
+    parameters=(Parameter("c2", "N (s/m)^p", 0.0),), sentence="A drag grows with a power of the speed: c2 = {c2}",
+)  # fmt: skip
+HARDENING = _of(
+    cubic_stiffness.TERM, law_hardening, Parameter("exponent", "1", 1.3, 8.0), _from(3.0), example=(20.0, 2.4),
+    parameters=(Parameter("k3", "N/m^p"),), sentence="The spring is not linear: a force k3 |x|^p, k3 = {k3}",
+)  # fmt: skip
+STOP = _stop(end_stop.TERM, law_stop_both)
+STOP_POSITIVE = _stop(end_stop.TERM_POSITIVE, law_stop)
+STOP_NEGATIVE = _stop(end_stop.TERM_NEGATIVE, law_stop_negative)
+WARMING = _of(stiffness_drift.TERM, law_warming, Parameter("slowing", "1/s"), _slowing, example=(-0.1, 0.3))
+WEAR = _of(friction_drift.TERM, law_wear, Parameter("slowing", "1/s"), _slowing, example=(-0.2, 0.3))
