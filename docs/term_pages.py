@@ -44,6 +44,8 @@ def _law(term: Term) -> Iterator[str]:
 def _signature(term: Term, known: dict[str, Any]) -> Iterator[str]:
     if not draws(term):
         why = "It is fitted where nothing that has a name explains a recording."
+        if term.frees:
+            why = "Its form is free: it is fitted where the law of this name leaves structure."
         yield "A free decay does not show it." if term.searched else why
         yield ""
         return

@@ -34,8 +34,10 @@ from harness.estimate.noise import Noise
 from harness.fit.autocorrelation import ENOUGH
 from harness.kernels.solve import Drive, Scales
 from harness.model.model import ModelTerm, Restoring
+from harness.model.registry import NAMED
 
-PUSH = "constant-force"
+_PUSH = next(term for term in NAMED if term.push is not None and len(term.parameters) == 1)
+"""The term that does nothing but push."""
 _LOOKED_AT = 5
 """Names that are extended by a further one."""
 
@@ -132,7 +134,7 @@ def _pushed(base: ForceFit, measured: Measured, problem: InverseDynamics, judge:
     """
     if problem.restoring is not Restoring.NONE or problem.alone:
         return None
-    model = replace(base.model, terms=(ModelTerm.named(PUSH, force=0.0),))
+    model = replace(base.model, terms=(ModelTerm(_PUSH, (0.0,)),))
     try:
         found = fit_force(model, measured, free_of(model, base_of(base.free)))
     except SimulationError:
