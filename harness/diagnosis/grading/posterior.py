@@ -33,8 +33,7 @@ def of_search(found: Search) -> tuple[Hypothesis, ...]:
     best: dict[tuple[str, ...], float] = {(): gain(found.base)}
     for one in (*found.singles, *found.rivals, found.chosen):
         names = key_of(one)
-        if one.explains_as_named or one is found.chosen:
-            best[names] = max(best.get(names, -math.inf), gain(one) - 2.0 * len(names) * math.log(NAMES))
+        best[names] = max(best.get(names, -math.inf), gain(one) - 2.0 * len(names) * math.log(NAMES))
     most = max(best.values())
     weight = {names: math.exp(0.5 * (size - most)) for names, size in best.items()}
     whole = sum(weight.values())
