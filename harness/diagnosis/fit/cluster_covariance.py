@@ -22,7 +22,7 @@ def clustered_covariance(found: Fit, problem: Problem, omega: float) -> FloatArr
     """
     t, q = problem.t, len(found.free)
     block = ((t - t[0]) * omega / math.pi).astype(np.int64)
-    count = int(block[-1]) + 1
+    count = half_swings(problem, omega)
     if count <= q + 1:
         return np.full((q, q), math.inf)
     scores = np.zeros((count, q))
@@ -33,3 +33,8 @@ def clustered_covariance(found: Fit, problem: Problem, omega: float) -> FloatArr
     bread = found.covariance()
     # the fit has taken q numbers' worth of the blocks
     return np.asarray(bread @ (scores.T @ scores) @ bread * (count / (count - q)), dtype=np.float64)
+
+
+def half_swings(problem: Problem, omega: float) -> int:
+    """Blocks of a recording, one begun among them; omega of the swing, rad/s."""
+    return int((problem.t[-1] - problem.t[0]) * omega / math.pi) + 1

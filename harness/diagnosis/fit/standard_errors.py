@@ -1,7 +1,7 @@
 """Fitted numbers with standard errors that are honest: from the curvature, withheld on a bound, inflated on misfit.
 
-Where a model does not explain its recording, a number's variance is the largest of three: by curvature, by curvature
-times chi-square per point, and by the scatter of what half-swings say of it.
+A number's variance is the largest of three: by curvature, by curvature times chi-square per point, and by the scatter
+of what half-swings say of it, which coloured noise, a jittered clock and coarse steps of an encoder make larger.
 """
 
 import math
@@ -12,7 +12,7 @@ import numpy as np
 from harness.core.angular import about_an_axis
 from harness.core.arrays import FloatArray
 from harness.core.quantity import Quantity
-from harness.diagnosis.fit.cluster_covariance import clustered_covariance
+from harness.diagnosis.fit.cluster_covariance import clustered_covariance, half_swings
 from harness.diagnosis.fit.model_fit import Fit
 from harness.diagnosis.problem import Problem
 from harness.model.covariate import Acts, Covariate
@@ -22,6 +22,8 @@ _ON_BOUND = "the estimate lies on a bound of what is possible"
 AT_LEAST = "at least this: what is larger the recording cannot show"
 _NOT_FITTED = "not fitted: given, or too small for the force to show it"
 _NOT_SEEN = "the recording does not determine it"
+_ENOUGH = 2
+"""Half-swings for each fitted number from which their scatter tells of noise."""
 _NO_SPRING = 1e3
 """Standard errors of a stiffness, in itself, beyond which nothing of a spring was seen."""
 _SPRING_NOT_SEEN = "the recording shows no spring: --restoring none leaves it out"
@@ -64,12 +66,16 @@ def _unit_given(covariate: Covariate, name: str, problem: Problem) -> str:
 def covariances(found: Fit, problem: Problem, omega: float, explained: bool) -> tuple[FloatArray, ...]:
     """Covariances (q, q) of the fitted numbers, of which the larger variance counts; omega of the swing, rad/s.
 
-    explained : whether the fit leaves nothing that its own covariance does not count.
+    explained : whether the fit leaves nothing but noise, whose scatter from half-swing to half-swing then counts where
+    there are enough of these to tell it. Two standard errors hold 94.0 % of 300 numbers of controls with coloured,
+    quantised and jittered noise, by curvature alone 89.7 %.
     """
     inflated = found.covariance() * inflation(found) ** 2
-    if explained or problem.errors_allow_for_misfit:
+    if problem.errors_allow_for_misfit:
         return (inflated,)
-    return inflated, clustered_covariance(found, problem, omega)
+    scatter = clustered_covariance(found, problem, omega)
+    few = explained and half_swings(problem, omega) < _ENOUGH * len(found.free)
+    return (inflated,) if few else (inflated, scatter)
 
 
 def _variances(matrices: tuple[FloatArray, ...], gradient: FloatArray) -> list[float]:
