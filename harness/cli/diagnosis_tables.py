@@ -1,5 +1,6 @@
 """What harness diagnose says at a terminal."""
 
+from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal
 
@@ -10,6 +11,7 @@ if TYPE_CHECKING:
     from rich.table import Table
 
     from harness.app.diagnose.many import Many
+    from harness.results.common import RepeatedResult
     from harness.results.diagnosis import (
         AttributionResult,
         DiagnosisResult,
@@ -29,6 +31,7 @@ def say_diagnosis(result: "DiagnosisResult") -> None:
     show(_fits(result))
     if result.own:
         show(_own(result))
+        show(repeated_table(result.together))
         for one in result.own:
             for line in one.differs:
                 say(f"- {Path(one.file).name}: {line}")
@@ -187,6 +190,19 @@ def _own(result: "DiagnosisResult") -> "Table":
         cells += [f"{one.zero.value:.4g} {one.zero.unit}"] if one.zero else []
         cells += [noise if isinstance(noise, str) else f"{noise:.3g}", f"{one.baseline_rmse[channel]:.3g}"]
         table.add_row(*cells, *([f"{one.rmse[channel]:.3g}"] if result.mechanisms else []))
+    return table
+
+
+def repeated_table(together: Mapping[str, "RepeatedResult"]) -> "Table":
+    """A line a parameter: value from all recordings, error of one, spread beyond it, who stands out."""
+    from rich.table import Table
+
+    table = Table()
+    for heading in ("parameter", "of all", "error of one", "spread between", "stands out"):
+        table.add_column(heading, justify="left" if heading in ("parameter", "stands out") else "right")
+    for name, one in together.items():
+        out = ", ".join(Path(file).name for file in one.outliers)
+        table.add_row(name, with_error(one.value), f"{one.within:.2g}", f"{one.between:.2g}", out or "-")
     return table
 
 

@@ -45,6 +45,15 @@ class P(Result):
         )
 
 
+class RepeatedResult(Result):
+    """A parameter as several recordings of one machine say it, each by itself."""
+
+    value: P = Field(description="of all; its error counts the spread between them")
+    within: float = Field(description="standard error of a single recording's, root mean square")
+    between: float = Field(description="standard deviation of what they differ by beyond their errors")
+    outliers: list[str] = Field(description="files whose value stands out from the others'")
+
+
 Span = Annotated[list[float], Field(min_length=2, max_length=2, description="[t0, t1] in s")]
 
 

@@ -4,7 +4,7 @@ from typing import Annotated, Any, ClassVar, Literal
 
 from pydantic import Field, RootModel
 
-from harness.results.common import Machine, P, RecordingInfo, Result, Span, Where
+from harness.results.common import Machine, P, RecordingInfo, RepeatedResult, Result, Span, Where
 from harness.results.compare import ChannelPair
 from harness.results.model import ModelDocument
 from harness.results.robot import RobotResult
@@ -308,6 +308,11 @@ class DiagnosisResult(Result):
     )
     read: ReadResult | None = Field(
         default=None, description="of a file that is no .rrd", exclude_if=lambda value: value is None
+    )
+    together: dict[str, RepeatedResult] = Field(
+        default_factory=dict,
+        description="with --together: the refined model's parameters, fitted to each recording by itself",
+        exclude_if=lambda value: not value,
     )
     verdict: Verdict
     statement: str = Field(description="the verdict in a sentence")

@@ -59,6 +59,17 @@ def test_each_has_its_own_and_the_second_is_heavier(done: Done) -> None:
     assert result.engines["mujoco"].refined_rmse["x"] == pytest.approx(1e-4, rel=0.3)
 
 
+def test_every_parameter_has_its_error_within_and_its_spread_between(done: Done) -> None:
+    """5 % more inertia is 2.4 % less omega_n and zeta; x_k, friction over stiffness, is the same."""
+    result, _ = done
+    omega, x_k = result.together["omega_n"], result.together["x_k"]
+    assert omega.between == pytest.approx(10.0 * (1.0 - 1.05**-0.5) / 2.0**0.5, rel=0.05)
+    assert omega.within < 0.05 * omega.between < (omega.value.stderr or 0.0)
+    assert x_k.between < 3.0 * x_k.within
+    assert not omega.outliers
+    assert not x_k.outliers
+
+
 def test_what_is_left_is_whole_and_valid(done: Done) -> None:
     result, folder = done
     document = json.loads((folder / "out" / "result.json").read_text())

@@ -19,6 +19,7 @@ from harness.app.shared.journal import NAME as LOG
 from harness.app.shared.journal import journal
 from harness.app.shared.progress import SILENT, Progress
 from harness.app.shared.reading import read_as, recording_info
+from harness.app.shared.repeated import repeated_results
 from harness.app.shared.thinned import thinned
 from harness.core.errors import InputError
 from harness.core.recording import Recording
@@ -28,11 +29,13 @@ from harness.diagnosis.baseline.base_fit import dominant_frequency
 from harness.diagnosis.outcome import Outcome
 from harness.diagnosis.pipeline import diagnose as conclude
 from harness.diagnosis.pipeline import prepare_together
+from harness.diagnosis.pooling.repeated import alone_under, parameters_of
 from harness.diagnosis.prepare.driven import is_driven
 from harness.diagnosis.problems.forces_together import ForcesTogether
 from harness.diagnosis.problems.together import Together
 from harness.diagnosis.request import Asked
 from harness.io.store import output_folder
+from harness.results.common import RepeatedResult
 from harness.results.diagnosis import DiagnosisResult
 
 
@@ -90,11 +93,20 @@ def investigate_together(
     result = result_of(laid, ready, outcome, options, Configured(), command)
     own = own_results(recordings, outcome)
     each = [recording_info(one, alone.noise) for one, alone in zip(recordings, problem.alone, strict=True)]
-    result = result.model_copy(update={"recordings": each, "own": own})
+    result = result.model_copy(update={"recordings": each, "own": own, "together": _repeated(recordings, outcome)})
     other = validation(recordings[0], options)
     if other is not None:
         result = result.model_copy(update={"validation": validated(other, outcome, options)})
     return Diagnosed(laid, outcome, simulated(laid, outcome), result)
+
+
+def _repeated(recordings: Sequence[Recording], outcome: Outcome) -> dict[str, RepeatedResult]:
+    """Every parameter of the refined model, as each recording says it by itself."""
+    problem = outcome.problem
+    assert isinstance(problem, Together | ForcesTogether)
+    assert outcome.pooled is not None
+    each = alone_under(outcome.refined, problem, outcome.scales, outcome.pooled.compared.alone)
+    return repeated_results([one.file for one in recordings], [parameters_of(one) for one in each])
 
 
 def _refuse_options(options: DiagnoseOptions) -> None:

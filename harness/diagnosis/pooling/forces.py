@@ -120,6 +120,11 @@ def _parted(
     return problem, base
 
 
+def force_alone(problem: InverseDynamics, model: Model, scales: Scales) -> Alone:
+    """A recording by itself with the terms of a model. Raises SimulationError."""
+    return _alone(problem, fit_force(model, Measured.of(problem), free_of(model, problem.base_names)), scales)
+
+
 def _alone(problem: InverseDynamics, found: ForceFit, scales: Scales) -> Alone:
     measured = Measured.of(problem)
     shown = simulated(found, problem, scales)

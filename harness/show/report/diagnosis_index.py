@@ -97,6 +97,7 @@ class Own(Section):
             "tables": [
                 Table("recording", columns, [self._row(one, channels) for one in own]),
                 Table("recording", alone, rows, "Viscous and Coulomb friction fitted to each by itself."),
+                *repeated_tables(self.result.get("together", {})),
             ]
         }
 
@@ -108,6 +109,29 @@ class Own(Section):
             cells += [Cell(noise if isinstance(noise, str) else number(noise, 3)), Cell(before)]
             cells += [Cell(number(one["rmse"][c], 3))] if self.result["mechanisms"] else []
         return Row(_name(one), cells, "; ".join(one["differs"]))
+
+
+def repeated_tables(together: Mapping[str, Any]) -> list[Table]:
+    """What recordings say together of each parameter; none of one recording."""
+    columns = [
+        Column("of all", "", "its error counts the spread between recordings"),
+        Column("error of one", "", "standard error of a single recording's value"),
+        Column("spread between", "", "standard deviation beyond those errors"),
+        Column("stands out"),
+    ]
+    rows = [
+        Row(
+            f"{name}, {one['value']['unit']}",
+            [
+                _cell(one["value"]),
+                Cell(number(one["within"], 2)),
+                Cell(number(one["between"], 2)),
+                Cell(", ".join(PurePath(file).name for file in one["outliers"]) or "none"),
+            ],
+        )
+        for name, one in together.items()
+    ]
+    return [Table("parameter", columns, rows, "The model above fitted to each by itself.")] if rows else []
 
 
 def _name(one: Mapping[str, Any]) -> str:

@@ -1,0 +1,68 @@
+"""What several measurements of one number say together: value, error within, spread between, and which stands out.
+
+Each measurement has the error of its recording; what they differ by more is the spread between them (a random effect:
+DerSimonian and Laird 1986), and the value's own error counts both.
+"""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.special import stdtr
+
+from harness.core.arrays import FloatArray
+
+_STANDS_OUT = 0.05
+"""Chance, over all of them, of lying so far from the others, below which one stands out: 6 errors of five, 38 of three
+(two that agree by chance would make the third stand out)."""
+_FEWEST = 3
+"""Measurements from which one can stand out: of two either could."""
+
+
+@dataclass(frozen=True, slots=True)
+class Repeated:
+    """value, stderr : of the number. within : error of a typical one. between : standard deviation of what they differ
+    by beside their errors. outliers : indices of those that stand out.
+    """
+
+    value: float
+    stderr: float
+    within: float
+    between: float
+    outliers: tuple[int, ...] = ()
+
+
+def repeated(values: Sequence[float], errors: Sequence[float]) -> Repeated:
+    """Measurements (n,) of one number with their standard errors (n,), n >= 2, all finite, errors above zero."""
+    y, e = np.asarray(values, dtype=np.float64), np.asarray(errors, dtype=np.float64)
+    between = _between(y, e)
+    mean, error = _mean(y, e, between)
+    within = math.sqrt(float(np.mean(e**2)))
+    out = tuple(i for i in range(y.size) if _chance(y, e, i) * y.size < _STANDS_OUT) if y.size >= _FEWEST else ()
+    return Repeated(mean, error, within, between, out)
+
+
+def _mean(y: FloatArray, e: FloatArray, between: float) -> tuple[float, float]:
+    weight = 1.0 / (e**2 + between**2)
+    return float(weight @ y / np.sum(weight)), float(np.sum(weight) ** -0.5)
+
+
+def _squares(y: FloatArray, e: FloatArray) -> float:
+    return float(np.sum(((y - _mean(y, e, 0.0)[0]) / e) ** 2))
+
+
+def _between(y: FloatArray, e: FloatArray) -> float:
+    weight = e**-2.0
+    scale = float(np.sum(weight) - np.sum(weight**2) / np.sum(weight))
+    return math.sqrt(max(_squares(y, e) - (y.size - 1), 0.0) / scale)
+
+
+def _chance(y: FloatArray, e: FloatArray, i: int) -> float:
+    """That a measurement lies so far from the others, whose spread is known from them alone (Student's t)."""
+    rest = np.arange(y.size) != i
+    others, theirs = y[rest], e[rest]
+    between = _between(others, theirs)
+    mean, error = _mean(others, theirs, between)
+    far = abs(float(y[i]) - mean) / math.sqrt(float(e[i]) ** 2 + between**2 + error**2)
+    return 2.0 * float(stdtr(others.size - 1, -far))
