@@ -11,6 +11,7 @@ from harness.diagnosis.kinds.free_decay import based
 from harness.diagnosis.kinds.kind import Kind
 from harness.diagnosis.outcome import Holdout
 from harness.diagnosis.pooling.pooled import Pooled, shared_by, unmasked
+from harness.diagnosis.pooling.repeated import own_of_each
 from harness.diagnosis.pooling.said import sentences
 from harness.diagnosis.prepare.together import together
 from harness.diagnosis.problem import Problem
@@ -50,6 +51,7 @@ class DecaysTogether(Kind[Together]):
         while more is not None:
             shared, found = more, search(more.problem, more.base, scales)
             more = unmasked(found, shared)
+        found, shared = own_of_each(found, shared)
         found = _said(found, shared)
         if based.problem.t.size < based.whole.t.size:
             levels = [one.problem.noise for one in shared.compared.alone]

@@ -26,7 +26,7 @@ from harness.model.elsewhere import named
 S = TypeVar("S", bound=Together | ForcesTogether)
 
 MOST = 2
-"""Parameters that may differ before a law is known; where more do, it is another machine. Beside a law one more."""
+"""Parameters that may differ; where more do, it is another machine."""
 _SHOWN = 2.0
 """Standard errors from which a recording is said to differ from the first."""
 
@@ -104,14 +104,8 @@ def _parted(found: Pooled[Together]) -> Pooled[Together]:
 
 
 def unmasked(found: Search, before: Pooled[Together]) -> Pooled[Together] | None:
-    """Recordings with one more parameter of their own, where one shows beside the law that explains the rest.
-
-    Where that law leaves more than noise, with as many as it takes until it does not: repetitions differ a little in
-    each of their parameters, which is no reason to doubt a law.
-    """
-    if not found.explained:
-        return _until_noise(found, before)
-    if len(before.own) >= MOST:
+    """Recordings with one more parameter of their own, where one shows beside the law that explains the rest."""
+    if len(before.own) >= MOST or not found.explained:
         return None
     problem, scales, best = found.problem, before.scales, found.chosen
     assert isinstance(problem, Together)
@@ -120,27 +114,6 @@ def unmasked(found: Search, before: Pooled[Together]) -> Pooled[Together] | None
         return None
     base = _first(freed(before.base, before.problem, scales, ratios_of(before.compared)), one.stem)
     return None if base is None else _less(before, base)
-
-
-def _until_noise(found: Search, before: Pooled[Together]) -> Pooled[Together] | None:
-    """With what more differs, most evidence first, where a law leaves noise alone beside it."""
-    problem, scales, best = found.problem, before.scales, found.chosen
-    assert isinstance(problem, Together)
-    if not best.model.terms:
-        return None
-    while left_by(best, problem, scales.omega, under(found.base, problem)) is Left.STRUCTURE:
-        each = freed(best, problem, scales, [1.0] * len(problem.starts.stretches[1:]))
-        one = min(each, key=lambda one: one.fit.bic, default=None)
-        if one is None or len(problem.starts.own) > MOST or one.fit.bic > best.bic - DECISIVE.value:
-            return None
-        problem = one.problem
-        best = settle(one.fit, problem, scales)
-    for stem in problem.starts.own[len(before.own) :]:
-        base = _first(freed(before.base, before.problem, scales, ratios_of(before.compared)), stem)
-        if base is None:
-            return None
-        before = _less(before, base)
-    return before
 
 
 def _first(each: Sequence[Freed], stem: str | None = None) -> Freed | None:

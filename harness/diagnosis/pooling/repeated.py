@@ -3,21 +3,28 @@
 from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import replace
+from typing import Any
+
+import numpy as np
 
 from harness.core.errors import SimulationError
 from harness.core.quantity import Quantity
 from harness.diagnosis.fit.model_fit import Fit, fit
 from harness.diagnosis.fit.parameters import free_of
 from harness.diagnosis.fit.standard_errors import base_parameters, term_parameters
-from harness.diagnosis.pooling.compared import Alone
+from harness.diagnosis.pooling.compared import PHYSICS, Alone
 from harness.diagnosis.pooling.forces import force_alone
+from harness.diagnosis.pooling.pooled import Pooled
 from harness.diagnosis.problem import Problem
 from harness.diagnosis.problems.forces_together import ForcesTogether
 from harness.diagnosis.problems.free_decay import FreeDecay
 from harness.diagnosis.problems.inverse_dynamics import InverseDynamics
 from harness.diagnosis.problems.together import Together
 from harness.diagnosis.residual_tests.structure import Left, left_by
+from harness.diagnosis.search.extend import extend, settle
+from harness.diagnosis.search.search import Search, noise_of, search, under
 from harness.kernels.solve import Scales
+from harness.model.elsewhere import Elsewhere
 from harness.model.model import Model
 
 
@@ -39,6 +46,64 @@ def alone_under(found: Fit, problem: Together | ForcesTogether, scales: Scales, 
             elif isinstance(one, InverseDynamics):
                 read[i] = force_alone(one, model, scales)
     return read
+
+
+def own_of_each(found: Search, before: Pooled[Together]) -> tuple[Search, Pooled[Together]]:
+    """A search with what repetitions differ in, where the law that was found does not explain all of them as they are.
+
+    They differ a little in spring, damping and friction, which is no reason to doubt a law: as many of these as it
+    takes until noise is left become each one's own. Where the numbers of the law differ as well, it stands if it
+    explains each recording by itself, as it would alone; the misfit of all together then widens the errors.
+    """
+    whole, scales, law = found.problem, before.scales, found.chosen
+    assert isinstance(whole, Together)
+    problem = whole
+    if found.explained or not law.model.terms:
+        return found, before
+    alone = alone_under(law, problem, scales, before.compared.alone)
+    reference, stems = under(found.base, problem), _differing(alone)
+    with suppress(SimulationError):
+        for count in range(1, len(stems) + 1):
+            problem = problem.with_own(tuple(stems[:count]))
+            law = _jointly(law.model, problem, scales, alone)
+            if left_by(law, problem, scales.omega, reference) is Left.NOISE:
+                base = _jointly(before.base.model, problem, scales, before.compared.alone)
+                problem = replace(problem, noise=noise_of(base, problem, scales.omega))
+                base = settle(under(base, problem), problem, scales)
+                again = search(problem, base, scales, alone=extend(base, problem, scales, also=[law.model]))
+                if again.explained:
+                    return again, replace(before, problem=problem, base=base)
+                break
+    apart = alone_under(law, whole, scales, alone)
+    needed = not any(one.explained for one in before.compared.alone)
+    if needed and all(one.explained for one in apart):
+        found = replace(found, left=Left.NOISE)
+    return found, before
+
+
+def _differing(alone: Sequence[Alone]) -> list[str]:
+    """Base parameters of which each recording may have its own, the one they differ in most first."""
+    far: dict[str, float] = {}
+    for stem in PHYSICS:
+        at = [[f.name for f in one.fit.free].index(stem) for one in alone]
+        values = np.array([one.fit.values[i] for one, i in zip(alone, at, strict=True)])
+        variance = np.array([float(one.fit.covariance()[i, i]) for one, i in zip(alone, at, strict=True)])
+        told = variance > 0.0
+        far[stem] = float(np.sum((values - np.mean(values))[told] ** 2 / variance[told]))
+    return sorted(far, key=lambda stem: -far[stem])
+
+
+def _jointly(model: Model, problem: Together, scales: Scales, alone: Sequence[Alone]) -> Fit:
+    """A model fitted to all, begun where each recording ends alone: with its own numbers, and the mean of what is
+    shared.
+    """
+    each = [one.fit.model for one in alone]
+    shared = {stem: float(np.mean([getattr(m, stem) for m in each])) for stem in PHYSICS}
+    own = [{stem: float(getattr(m, stem)) for stem in problem.own_names} for m in each]
+    elsewhere = tuple(Elsewhere(tuple(values.items())) for values in own[1:])
+    first: dict[str, Any] = {**shared, **own[0]}
+    begun = replace(model, **first, elsewhere=elsewhere)
+    return fit(begun, problem, free_of(begun, problem.base_names), scales)
 
 
 def _decay(problem: FreeDecay, model: Model, scales: Scales) -> Alone:
