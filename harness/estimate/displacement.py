@@ -12,6 +12,7 @@ import numpy as np
 
 from harness.core.arrays import FloatArray
 from harness.estimate.channel import ChannelFit
+from harness.estimate.loss import loss_of
 from harness.estimate.result import Estimate, Reversal, quantity
 from harness.estimate.sequence import Model, SequenceFit, fit_sequence, powers, whitening
 from harness.estimate.tied import OMEGA
@@ -88,6 +89,14 @@ def displacement(fit: ChannelFit, unit: str = "m") -> Estimate:
     if q <= 0.0:
         return Estimate.refused("the turning points do not decay as eq. 6 says", unit)
     beta, beta_error = -math.log(q) / math.pi, math.sqrt(covariance[0, 0]) / (q * math.pi)
+    x_k_error = math.sqrt(covariance[1, 1])
+    notes = []
+    loss = loss_of(turning, variance * max(found.scatter, 1.0), beta_error)
+    if loss is not None:
+        beta, beta_error = loss.of(loss.beta)
+        x_k, x_k_error = loss.of(loss.size)
+        q, shifted = math.exp(-math.pi * beta), False
+        notes.append(loss.said)
     root = math.sqrt(1.0 + beta * beta)
     omega_n = omega_d * root
     offset = float(found.theta[3]) if shifted else 0.0
@@ -110,7 +119,6 @@ def displacement(fit: ChannelFit, unit: str = "m") -> Estimate:
                     zeta=zeta,
                 )
             )
-    notes = []
     if shifted:
         notes.append(
             f"x is measured from {offset:.4g} {unit} off the rest position of the spring (eq. 8 rules, eq. 7 cannot)"
@@ -118,7 +126,7 @@ def displacement(fit: ChannelFit, unit: str = "m") -> Estimate:
     return Estimate(
         quantity(omega_n, math.hypot(omega_error * root, omega_d * beta / root * beta_error), "rad/s"),
         quantity(beta / root, beta_error / root**3, "1"),
-        quantity(x_k, math.sqrt(covariance[1, 1]), unit),
+        quantity(x_k, x_k_error, unit),
         count - 1,
         tuple(rows),
         notes=tuple(notes),

@@ -1,7 +1,7 @@
 """All estimators on one recording: arrays in, a figure or a reason out for every method."""
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 
 import numpy as np
 
@@ -20,6 +20,7 @@ from harness.estimate.paper import acceleration_paper
 from harness.estimate.phase import sensor_lead
 from harness.estimate.result import Estimate, Estimation
 from harness.estimate.reversals import Kind, NoDecay
+from harness.estimate.tied import OFFSET
 from harness.estimate.turning import all_edges, first_and_last_seen, reversal_times, turning_points
 
 METHODS = (
@@ -33,6 +34,10 @@ METHODS = (
 
 _KINDS = {"x": Kind.DISPLACEMENT, "v": Kind.VELOCITY, "a": Kind.ACCELERATION}
 _FEWEST = 16
+_CLEARLY = 5.0
+"""Standard errors from which x has a zero of its own."""
+_DIGITS = 1e-12
+"""Share of an amplitude that sixteen digits leave to a fit, at best: no standard error claims more."""
 
 
 def _checked(t: object, channels: dict[str, object]) -> tuple[FloatArray, dict[str, FloatArray]]:
@@ -62,7 +67,7 @@ def _sizes(fit: ChannelFit) -> tuple[FloatArray, FloatArray, FloatArray]:
         points = turning_points(fit)
         times, turning, variance = points.merged()
         known = np.isfinite(turning)
-        return times[known], turning[known], variance[known]
+        return times[known], turning[known] - _zero(fit), variance[known]
     separate = as_acceleration(fit.separate)
     count = len(separate)
     keep = separate.known
@@ -72,6 +77,12 @@ def _sizes(fit: ChannelFit) -> tuple[FloatArray, FloatArray, FloatArray]:
     variance = np.einsum("ki,kij,kj->k", basis, separate.inverse, basis) * fit.variance
     per = -1.0 / (fit.sigma**2 + fit.omega**2)
     return separate.edges[:-1][keep], value[keep] * per, variance[keep] * per * per
+
+
+def _zero(fit: ChannelFit) -> float:
+    """What the sensor of x shows at rest without friction, where the fit of the whole says that it is not nought."""
+    zero, variance = float(fit.tied.theta[OFFSET]), float(fit.tied.covariance[OFFSET, OFFSET]) * fit.variance
+    return zero if fit.holds and abs(zero) > _CLEARLY * math.sqrt(max(variance, 0.0)) else 0.0
 
 
 def _acceleration_methods(
@@ -176,7 +187,7 @@ def estimate_all(
     if "a" in fits and "x" in fits:
         phase, lag = sensor_lead(fits["a"], fits["x"])
     best = next(fits[name] for name in ("v", "a", "x") if name in fits)
-    return Estimation(
+    estimation = Estimation(
         methods,
         phase,
         lag,
@@ -184,3 +195,14 @@ def estimate_all(
         all_edges(best),
         (*whys.values(), *_warnings(time, fits)),
     )
+    return estimation.floored(*_rounding(fits))
+
+
+def _rounding(fits: Mapping[str, ChannelFit]) -> tuple[float, float]:
+    """Share of an amplitude that rounding hides, more where it is small beside an offset; the amplitude, m."""
+    shares, sizes = [], []
+    for name, fit in fits.items():
+        half = 0.5 * float(np.ptp(fit.y))
+        shares.append(_DIGITS * float(np.max(np.abs(fit.y + fit.offset))) / half)
+        sizes.append(half / fit.omega ** {"x": 0, "v": 1, "a": 2}[name])
+    return max(shares), max(sizes)

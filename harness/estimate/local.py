@@ -11,6 +11,7 @@ import math
 import numpy as np
 
 from harness.core.arrays import FloatArray
+from harness.estimate.loss import loss_of
 from harness.estimate.result import Estimate, Reversal, quantity
 from harness.estimate.sequence import Model, fit_sequence, powers
 
@@ -94,6 +95,11 @@ def acceleration_local(
     if q_found <= 0.0:
         return Estimate.refused("the samples beside the reversals do not decay", unit)
     beta, beta_error = -math.log(q_found) / math.pi, math.sqrt(spread) / (q_found * math.pi)
+    notes = ["one sample on each side of a reversal, no guard: what acts at the reversal itself is in the figure"]
+    loss = loss_of(sign[:-1] * start, np.full(count, sigma**2) * max(found.scatter, 1.0), beta_error)
+    if loss is not None:
+        beta, beta_error = loss.of(loss.beta)
+        notes.append(loss.said)
     root = math.sqrt(1.0 + beta * beta)
     omega_n = omega_d[0] * root
     jumps = sign[1:-1] * (after[1:-1] - before[1:-1])
@@ -111,5 +117,5 @@ def acceleration_local(
         quantity(x_k, max(error, scatter) / math.sqrt(jumps.size), unit),
         jumps.size,
         rows,
-        notes=("one sample on each side of a reversal, no guard: what acts at the reversal itself is in the figure",),
+        notes=tuple(notes),
     )

@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -84,8 +84,28 @@ class Estimation:
     edges: FloatArray = field(default_factory=lambda: np.empty(0))
     warnings: tuple[str, ...] = ()
 
+    def floored(self, rounding: float, size: float) -> "Estimation":
+        """With no standard error below what rounding leaves: of omega_n this share, of zeta so much, of x_k so much of
+        a size (m): an amplitude.
+        """
+        least = {"omega_n": rounding, "zeta": rounding, "x_k": rounding * size}
+        methods = {
+            method: replace(
+                one,
+                omega_n=_at_least(one.omega_n, least["omega_n"] * abs(one.omega_n.value or 0.0)),
+                zeta=_at_least(one.zeta, least["zeta"]),
+                x_k=_at_least(one.x_k, least["x_k"]),
+            )
+            for method, one in self.methods.items()
+        }
+        return replace(self, methods=methods)
+
     def __getitem__(self, method: str) -> Estimate:
         return self.methods[method]
+
+
+def _at_least(one: Quantity, error: float) -> Quantity:
+    return one if one.stderr is None or one.stderr >= error else replace(one, stderr=error)
 
 
 def quantity(value: float, stderr: float, unit: str) -> Quantity:
