@@ -26,13 +26,15 @@ _FLAT = 1e-9
 
 @dataclass(frozen=True, slots=True)
 class Part:
-    """A joint's guarded samples: torque (m,) beyond the rigid model, its base columns (m, 3), and its noise.
+    """A joint's guarded samples: torque (m,) beyond the rigid model, its base columns (m, p), and its noise.
 
-    floor : standard deviation below which no noise is believed.
+    Coulomb, viscous and offset come first; spread (p,) : what each number is expected to be, inf for these. floor :
+    standard deviation below which no noise is believed.
     """
 
     torque: FloatArray
     base: FloatArray
+    spread: FloatArray
     stretches: Stretches
     noise: Noise
     floor: float
@@ -132,7 +134,7 @@ class Design:
         ends = np.concatenate(([0], np.cumsum(sizes)))
         self.at = [slice(int(ends[j]), int(ends[j + 1])) for j in range(len(parts))]
         blocks: list[tuple[dict[int, FloatArray], FloatArray]] = [
-            ({j: part.white(part.base)}, np.full(part.base.shape[1], np.inf)) for j, part in enumerate(parts)
+            ({j: part.white(part.base)}, part.spread) for j, part in enumerate(parts)
         ]
         blocks += [(one.columns, one.candidate.spread) for one in self.named]
         self.places, columns = [], 0

@@ -5,13 +5,15 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.ndimage import maximum_filter1d, minimum_filter1d
 
 from harness.core.arrays import BoolArray, FloatArray
 from harness.core.errors import InputError
 from harness.core.robot.joint_log import JointLog
 from harness.robot.arm import Arm
 from harness.robot.whole_arm.band import Band
-from harness.robot.whole_arm.noise import white_level
+from harness.robot.whole_arm.noise import MEDIAN_OF_NORMAL, white_level
+from harness.robot.whole_arm.rules import STICKS
 
 LEAST_SECONDS = 3.0
 """Shorter logs leave nothing between the ends of the filter and the reversals."""
@@ -25,6 +27,8 @@ _MOTION = 25.0
 """Hz: what is faster is no motion of an arm."""
 _OFF, _STEPPED = 0.1, 0.9
 """Of a step: nearer to a whole multiple, more than this share of changes are an encoder's."""
+_NOISES = 3.0
+"""Standard deviations of a position that scatters about one place."""
 _COLUMNS, _FIT = 9.0, 3.0
 """Samples a second at which columns are formed and at which torque is fitted, in f_lowpass."""
 
@@ -37,7 +41,8 @@ class Filtered:
     torque (m, k) : N m or N. good (m,) : away from gaps. band : of the recording. fine : band of t_fine, q_fine, v_fine
     (M, nv), from which columns are formed. out : band of the m samples before the ends were cut. velocity_noise (k,) :
     standard deviation of v. position_step (k,) : rad, the encoder's. torque_noise (k,) : what white noise of the
-    recorded torque leaves after the filter, N m.
+    recorded torque leaves after the filter, N m. rests : by joint, (r, 2), s, from when to when it stayed within its
+    encoder's steps and noise for longer than a reversal takes (rule sticks).
     seconds : of the log. notes : what was done, one sentence each.
     """
 
@@ -58,6 +63,7 @@ class Filtered:
     velocity_noise: FloatArray
     position_step: FloatArray
     torque_noise: FloatArray
+    rests: tuple[FloatArray, ...]
     seconds: float
     notes: tuple[str, ...]
 
@@ -133,6 +139,9 @@ def differentiate(
         np.array([_velocity_noise(q[:, i], x, rate, cut) for i, x in zip(dof, steps, strict=True)]),
         steps,
         np.array([math.sqrt(white_level(y, rate) * cut) for y in torque.T]),
+        tuple(
+            _resting(even, q[:, i], _scatter(q[:, i], x), STICKS.value / cut) for i, x in zip(dof, steps, strict=True)
+        ),
         seconds,
         tuple(notes),
     )
@@ -184,6 +193,21 @@ def _quantum(q: FloatArray) -> float:
     least = float(np.quantile(steps, 0.01))
     whole = np.abs(steps / least - np.round(steps / least)) < _OFF
     return least if float(np.mean(whole)) > _STEPPED else 0.0
+
+
+def _scatter(q: FloatArray, quantum: float) -> float:
+    """Range within which a position at rest lies, by its noise and its steps."""
+    noise = float(np.median(np.abs(np.diff(q, 2)))) / (MEDIAN_OF_NORMAL * math.sqrt(6.0))
+    return 2.0 * max(quantum, _NOISES * noise)
+
+
+def _resting(t: FloatArray, q: FloatArray, within: float, least: float) -> FloatArray:
+    """From when to when (r, 2), s, a position (n,) stays within a range for at least so long."""
+    width = max(int(least / (t[1] - t[0])), 1)
+    flat = maximum_filter1d(q, width + 1) - minimum_filter1d(q, width + 1) <= within
+    edges = np.flatnonzero(np.diff(np.concatenate(([0], flat.astype(np.int8), [0]))))
+    first, last = edges[::2] - width // 2, edges[1::2] - 1 + width // 2
+    return np.column_stack((t[np.maximum(first, 0)], t[np.minimum(last, t.size - 1)])).reshape(-1, 2)
 
 
 def _good(stamps: FloatArray, t: FloatArray, reach: float) -> BoolArray:

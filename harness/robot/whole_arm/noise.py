@@ -113,9 +113,9 @@ def white_level(series: FloatArray, rate: float) -> float:
 
     Motion bends little from sample to sample, and the few differences across a jump do not move the middle.
     """
-    sigma = float(np.median(np.abs(np.diff(series, n=2)))) / (_MEDIAN_OF_NORMAL * math.sqrt(6.0))
+    sigma = float(np.median(np.abs(np.diff(series, n=2)))) / (MEDIAN_OF_NORMAL * math.sqrt(6.0))
     return 2.0 * sigma**2 / rate
 
 
-_MEDIAN_OF_NORMAL = 0.6745
+MEDIAN_OF_NORMAL = 0.6745
 """Median size of a normal number of deviation one; second differences of white noise have six times its variance."""

@@ -72,7 +72,9 @@ def prepare(filtered: Filtered, arm: Arm, known: Known) -> Problem:
         width, kept = _guarded(filtered, j, torque, base, floor)
         guards.append(width)
         candidates += list(friction_candidates(filtered, j, gravity[:, j], kept))
-        parts.append(Part(torque, base, Stretches.of(kept), _plain(torque, base, kept, floor)[1], floor))
+        numbers, noise = _plain(torque, base, kept, floor)
+        base, spread = _timed(filtered, j, base, float(numbers[1]))
+        parts.append(Part(torque, base, spread, Stretches.of(kept), noise, floor))
     candidates += list(model_candidates(filtered, arm, known.payload, known.sensor, known.gain))
     learnt = tuple(beside_everything(part, j, candidates) for j, part in enumerate(parts))
     return Problem(filtered, learnt, np.array(guards), rigid, weight, tuple(candidates))
@@ -84,13 +86,13 @@ def _guarded(
     """Width, s, and samples of the guard that stands when Coulomb friction moves by less than its error."""
     width = GUARD.value / filtered.band.lowpass
     kept = away(filtered, joint, width)
-    coulomb, _ = _plain(torque, base, kept, floor)
+    coulomb = _plain(torque, base, kept, floor)[0][0]
     for _ in range(_WIDEST):
         wider = away(filtered, joint, width * _WIDER)
         if np.sum(wider) < max(LEAST_SAMPLES.value, 0.5 * np.sum(kept)):
             break
-        next_coulomb, next_noise = _plain(torque, base, wider, floor)
-        part = Part(torque, base, Stretches.of(wider), next_noise, floor)
+        (next_coulomb, *_), next_noise = _plain(torque, base, wider, floor)
+        part = Part(torque, base, np.full(base.shape[1], np.inf), Stretches.of(wider), next_noise, floor)
         white = part.white(base)
         error = float(np.sqrt(np.linalg.pinv(white.T @ white)[0, 0]))
         if abs(next_coulomb - coulomb) < error:
@@ -99,7 +101,20 @@ def _guarded(
     return width, kept
 
 
-def _plain(torque: FloatArray, base: FloatArray, kept: BoolArray, floor: float) -> tuple[float, Noise]:
-    """Coulomb friction by plain least squares, and the noise of what is left."""
+def _timed(filtered: Filtered, joint: int, base: FloatArray, viscous: float) -> tuple[FloatArray, FloatArray]:
+    """The base with what viscous friction does that acts some time after the rest of the torque, N m/s, and spreads.
+
+    Within one sample a log tells no order of what happened: a controller holds its torque, an integrator takes friction
+    from the speed at the end of its step. Left out, this is an inertia of viscous friction times that time.
+    """
+    column = viscous * filtered.a[:, filtered.dof[joint]]
+    spread = np.append(np.full(base.shape[1], np.inf), 1.0 / filtered.band.rate)
+    return np.column_stack((base, column)), spread
+
+
+def _plain(torque: FloatArray, base: FloatArray, kept: BoolArray, floor: float) -> tuple[FloatArray, Noise]:
+    """Coulomb, viscous friction and offset by plain least squares, and the noise of what is left."""
     numbers = np.linalg.lstsq(base[kept], torque[kept], rcond=None)[0]
-    return float(numbers[0]), Noise.learnt(torque - base @ numbers, Stretches.of(kept), base.shape[1], floor)
+    return np.asarray(numbers, dtype=np.float64), Noise.learnt(
+        torque - base @ numbers, Stretches.of(kept), base.shape[1], floor
+    )

@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.special import betainc
 
-from harness.core.arrays import FloatArray, IntArray
+from harness.core.arrays import BoolArray, FloatArray, IntArray
 from harness.model.terms import backlash, presliding, static_friction
 from harness.robot.whole_arm.candidate import FRICTION, MODEL, Candidate, Setting, free
 from harness.robot.whole_arm.correct import Solved
@@ -26,11 +26,13 @@ from harness.robot.whole_arm.rules import (
     AT_EDGE,
     COVERED,
     ENOUGH_TURNS,
+    GUARD,
     HELD_LEAST,
     HELD_MOST,
     LONGEST_SLIP,
     NAMED,
     RIVAL,
+    STICKS,
 )
 from harness.robot.whole_arm.search import Chosen, left_over, polished
 
@@ -62,18 +64,25 @@ def at_reversals(solved: Solved) -> Iterator[Turned]:
     for j, part in enumerate(design.parts):
         dof = filtered.dof[j]
         v = filtered.v_fine[:, dof]
-        turns = reversals(v, sure_speed(filtered, j))
+        turns, free = _sliding(filtered, j, reversals(v, sure_speed(filtered, j)))
         if turns.size < ENOUGH_TURNS.value:
             continue
-        whole = replace(part, torque=_own(design, j), stretches=Stretches.of(filtered.good))
+        whole = replace(part, torque=_own(design, j), stretches=Stretches.of(filtered.good & free))
         local = [n for n in design.named if n.candidate.joint == j]
         held = tuple(Named(Whitened.of(_alone(n.candidate), (whole,)), n.setting) for n in local)
         nearest = _nearest(filtered, turns)[whole.stretches.kept]
-        base = Design((whole,), held)
+        plain = Design((whole,), held)
         coulomb, viscous = abs(float(design.numbers[design.places[j]][0])), float(design.numbers[design.places[j]][1])
         rigid = solved.problem.rigid[:, j]
-        tried = [_try(base, c, nearest) for c in _candidates(filtered, j, turns, (coulomb, viscous), rigid)]
-        found = [t for t in tried if t is not None and _plausible(t.named, t.number, coulomb)]
+        *shapes, late = _candidates(filtered, j, turns, (coulomb, viscous), rigid)
+        # how friction changes within a rest too short to be seen is not known, and looks like a time
+        unseen = 0.5 * STICKS.value / filtered.band.lowpass
+        timing = Named(Whitened.of(replace(late, spread=np.array([unseen])), (whole,)), 0)
+        moved = plain.score(timing.whitened).gain
+        held = (*held, timing)
+        base = Design((whole,), held)
+        tried = [_try(base, shape, nearest, moved) for shape in shapes] + [_try(plain, late, nearest)]
+        found = [t for t in tried if t is not None and _plausible(t, coulomb, unseen)]
         found.sort(key=lambda one: -one.gain)
         sure = [one for one in found if one.evidence >= NAMED.value]
         if sure and sure[0] is found[0]:
@@ -85,16 +94,51 @@ def at_reversals(solved: Solved) -> Iterator[Turned]:
                     continue
                 held = tuple(n for n in held if n.candidate.name != STRIBECK)
                 base = Design((whole,), held)
+            if found[0].named.candidate.name == DELAY:
+                held, base = held[:-1], plain
             named, fitted = polished((whole,), held, found[0].named)
             count = named.candidate.spread.size
             errors = np.sqrt(np.diag(fitted.covariance()))[-count:]
             errors[0] = max(errors[0], found[0].error)
+            if named.candidate.name == PRESLIDING and _too_short(filtered, j, named, float(errors[-1])):
+                continue
             turning = filtered.good & ~part.stretches.kept
             squares = [float(np.sum(left_over(one, 0)[0][turning] ** 2)) for one in (base, fitted)]
             floor = float(np.sum(turning)) * float(filtered.torque_noise[j]) ** 2
             share = float(np.clip((squares[0] - squares[1]) / max(squares[0] - floor, 1e-300), 0.0, 1.0))
             chosen = Chosen(named, found[0].evidence, rivals)
             yield Turned(j, chosen, turns.size, fitted.numbers[-count:], errors, share, sharper)
+
+
+def _sliding(filtered: Filtered, joint: int, turns: FloatArray) -> tuple[FloatArray, BoolArray]:
+    """Reversals in which a joint does not rest, and the samples (m,) that no rest comes near.
+
+    At rest friction is whatever holds the joint, and says nothing of the law by which it slides. One that creeps, as in
+    engines, rests too: it is slow for half longer than a reversal's acceleration takes through such speeds.
+    """
+    reach, slowest = GUARD.value / filtered.band.lowpass, sure_speed(filtered, joint)
+    turning = float(np.quantile(np.abs(filtered.a[:, filtered.dof[joint]]), 0.75))
+    slow = np.pad(np.abs(filtered.v_fine[:, filtered.dof[joint]]) < slowest, 1).astype(np.int8)
+    spans = filtered.t_fine[np.minimum(np.flatnonzero(np.diff(slow)), filtered.t_fine.size - 1)].reshape(-1, 2)
+    longest = max(STICKS.value / filtered.band.lowpass, 1.5 * 2.0 * slowest / max(turning, 1e-12))
+    crept = spans[spans[:, 1] - spans[:, 0] > longest]
+    resting = np.zeros(filtered.t.size, dtype=np.bool_)
+    for first, last in (*filtered.rests[joint], *crept):
+        resting |= (filtered.t > first - reach) & (filtered.t < last + reach)
+    at = filtered.t_fine[0] + turns / filtered.fine.rate
+    near = np.clip(np.searchsorted(filtered.t, at), 0, filtered.t.size - 1)
+    return turns[~resting[near]], ~resting
+
+
+def _within(filtered: Filtered, joint: int) -> float:
+    """How far, rad, a joint goes of its own reversal in the time in which nothing of it is seen (rule sticks)."""
+    turning = float(np.median(np.abs(filtered.a[:, filtered.dof[joint]])))
+    return 0.5 * turning * (STICKS.value / filtered.band.lowpass) ** 2
+
+
+def _too_short(filtered: Filtered, joint: int, named: Named, error: float) -> bool:
+    """Whether a length of presliding is not surely above what a reversal's own rest makes."""
+    return named.candidate.settings[named.setting].values[0][2] < _within(filtered, joint) + 2.0 * error
 
 
 def _covered(filtered: Filtered, joint: int, part: Part) -> float:
@@ -136,7 +180,9 @@ def _candidates(
     sign = signs(v)
     sliding = filtered.column(sign, jumps=True)
     quantum = float(filtered.position_step[joint])
-    lengths = np.geomspace(max(4.0 * quantum, 1e-4 * np.ptp(q)), LONGEST_SLIP.value * np.ptp(q), _LENGTHS)
+    turning = float(np.median(np.abs(filtered.a[:, dof])))
+    least = max(4.0 * quantum, 1e-4 * np.ptp(q), _within(filtered, joint))
+    lengths = np.geomspace(least, max(LONGEST_SLIP.value * np.ptp(q), 2.0 * least), _LENGTHS)
 
     def settings(what: str, unit: str, values: FloatArray, columns: list[FloatArray]) -> tuple[Setting, ...]:
         return tuple(Setting(((what, unit, float(x)),), {0: c[:, None]}) for x, c in zip(values, columns, strict=True))
@@ -147,7 +193,6 @@ def _candidates(
     tried = settings("length", "rad", lengths, [held(float(length))[:, 0] for length in lengths])
     yield Candidate(PRESLIDING, FRICTION, joint, tried, (("held", "N m"),), free(1), shape=held)
     # within one step of the encoder a reversal has no speed of its own, and within one sample no shape
-    turning = float(np.median(np.abs(filtered.a[:, dof])))
     least = max(2.0 * math.sqrt(2.0 * turning * quantum), 3.0 * turning / filtered.fine.rate)
     speeds = np.geomspace(least, max(float(np.quantile(np.abs(v), 0.15)), 2.0 * least), _LENGTHS)
 
@@ -197,8 +242,11 @@ class _Tried:
     error: float
 
 
-def _try(base: Design, candidate: Candidate, nearest: IntArray) -> _Tried | None:
-    """A candidate at its best setting, as sure as the reversals agree on it."""
+def _try(base: Design, candidate: Candidate, nearest: IntArray, before: float = 0.0) -> _Tried | None:
+    """A candidate at its best setting, as sure as the reversals agree on it.
+
+    before : gain that the base has already.
+    """
     whitened = Whitened.of(candidate, base.parts)
     score = base.score(whitened)
     if score.gain <= 0.0:
@@ -214,14 +262,15 @@ def _try(base: Design, candidate: Candidate, nearest: IntArray) -> _Tried | None
     t = (number / error) ** 2 if error > 0.0 else 1e12
     chance = float(betainc((turns - 1) / 2.0, 0.5, (turns - 1) / (turns - 1 + t)))
     agreed = evidence_of_chance(math.log(max(chance, 1e-300)), whitened.looks, t)
-    return _Tried(score.named, score.gain, min(agreed, score.evidence), number, error)
+    return _Tried(score.named, score.gain + before, min(agreed, score.evidence), number, error)
 
 
-def _plausible(named: Named, number: float, coulomb: float) -> bool:
+def _plausible(tried: _Tried, coulomb: float, unseen: float) -> bool:
     """Whether the size fits the name."""
+    named, number = tried.named, tried.number
     least, most = HELD_LEAST.value, HELD_MOST.value
     if named.candidate.name == PRESLIDING:
         return least * coulomb < number < most * coulomb
     if named.candidate.name == BACKLASH:
         return least < number < most
-    return number > 0.0 or named.candidate.name == DELAY
+    return abs(number) > unseen + 2.0 * tried.error if named.candidate.name == DELAY else number > 0.0

@@ -22,7 +22,7 @@ from harness.robot.whole_arm.model_columns import DELAY, MOTOR
 from harness.robot.whole_arm.perturb import with_load, without_armature
 from harness.robot.whole_arm.prepare import Known
 from harness.robot.whole_arm.result import Effect, Grade, JointFriction, Left, ModelError, WholeArm
-from harness.robot.whole_arm.rules import EXPLAINED, HELD_NEAR, MAIN, RULES, UNSMOOTHED
+from harness.robot.whole_arm.rules import EXPLAINED, MAIN, RULES, UNSMOOTHED, WITHIN
 from harness.robot.whole_arm.search import Chosen, left_over, of_joint
 from harness.robot.whole_arm.sentences import of_base, of_effect, of_error
 from harness.robot.whole_arm.turning import Turned, at_reversals
@@ -113,7 +113,8 @@ def _base(
     numbers: FloatArray, covariance: FloatArray, place: slice, gain: float, words: "_Units"
 ) -> tuple[Quantity, Quantity, Quantity]:
     """Coulomb, viscous and offset of a joint, with their errors."""
-    errors, units = np.sqrt(np.diag(covariance)[place]), ("N m", "N m s/rad", "N m")
+    units = ("N m", "N m s/rad", "N m")
+    errors, numbers = np.sqrt(np.diag(covariance)[place])[: len(units)], numbers[: len(units)]
     first, second, third = (
         Quantity(float(x / gain), float(e / gain), words.of(unit))
         for x, e, unit in zip(numbers, errors, units, strict=True)
@@ -251,7 +252,7 @@ def _errors(solved: Solved, covariance: FloatArray) -> Iterator[ModelError]:
         alone = Design(first.parts, [Whitened.of(as_found, first.parts).at(0)])
         share = _share(Design(first.parts, ()), alone, joints, solved)
         joint = None if candidate.joint is None else solved.problem.filtered.joints[candidate.joint]
-        if candidate.name == DELAY and joint is None and is_hold(solved, parameters[0][1]):
+        if candidate.name == DELAY and joint is None and within_sample(solved, parameters[0][1]):
             continue
         said = of_error(candidate.name, joint, parameters, candidate.partner, chosen.rivals)
         grade = _graded(chosen.rivals, share, None, False)
@@ -261,16 +262,15 @@ def _errors(solved: Solved, covariance: FloatArray) -> Iterator[ModelError]:
         )  # fmt: skip
 
 
-def is_hold(solved: Solved, delay: Quantity) -> bool:
-    """Whether a delay is that of a torque that acts from each sample to the next: half an interval ahead of its mean.
+def within_sample(solved: Solved, delay: Quantity) -> bool:
+    """Whether a delay is within one sample of the log, where it is no error of that.
 
-    That is how a sampled controller drives, and no error of the log (zero-order hold; Franklin, Powell and Workman
-    1998, Digital Control of Dynamic Systems, section 6.4).
+    A sampled controller drives from each sample to the next (zero-order hold; Franklin, Powell and Workman 1998,
+    Digital Control of Dynamic Systems, section 6.4), and a bus hands on what it has.
     """
     if delay.value is None or delay.stderr is None:
         return False
-    half = 0.5 / solved.first.filtered.band.rate
-    return abs(delay.value + half) < max(HELD_NEAR.value * half, 2.0 * delay.stderr)
+    return abs(delay.value) < WITHIN.value / solved.first.filtered.band.rate + 2.0 * delay.stderr
 
 
 def _holds(solved: Solved, covariance: FloatArray) -> Iterator[str]:
@@ -281,8 +281,8 @@ def _holds(solved: Solved, covariance: FloatArray) -> Iterator[str]:
             place = _place(solved.model.design, chosen)
             numbers = total(solved, DELAY, solved.model.design.numbers[place])
             delay = Quantity(float(numbers[0]), float(np.sqrt(np.diag(covariance)[place])[0]), "s")
-            if is_hold(solved, delay):
-                yield f"The torque acts from each sample to the next, as a sampled controller's does: {delay}."
+            if within_sample(solved, delay):
+                yield f"Torque and position are {abs(delay.value or 0.0):.2g} s apart, less than a sample: allowed for."
 
 
 class _Hinge(_Units):

@@ -1,0 +1,2 @@
+"""Clean logs of arms in closed loop, from a plant that sticks and from engines themselves: ``python -m
+benchmarks.robot_logs``."""
