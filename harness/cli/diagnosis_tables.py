@@ -83,6 +83,8 @@ def _print_robot(found: "RobotResult") -> None:
         _print_simulated(found.simulated)
     if not found.paste.mjcf:
         return
+    if found.paste.warning:
+        say(found.paste.warning)
     say("to paste into your model (MJCF; URDF with PyBullet's calls):")
     for line in (found.paste.mjcf, *found.paste.urdf.splitlines()):
         say_as_it_is(f"  {line}")

@@ -29,6 +29,7 @@ class PasteResult(Result):
 
     mjcf: str
     urdf: str
+    warning: str = Field(default="", description="why it is not to be pasted yet; empty where it helps")
 
 
 class MatchResult(Result):

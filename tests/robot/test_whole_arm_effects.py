@@ -48,6 +48,16 @@ def test_an_effect_is_named_with_its_numbers_in_its_joint_alone(name: str) -> No
     found = whole_arm(log_of(with_effect(plant, JOINT, effect), motion), arm(), lowpass=LOWPASS)
     assert found.named == ((name, f"joint{JOINT + 1}"),)
     (told,) = found.joints[JOINT].effects
+    # what is pasted is the line through all of the friction that acts, whatever its law
+    t = np.linspace(0.0, 12.0, 3000)
+    q, v, _ = motion.at(t)
+    slides = np.abs(v[:, JOINT]) > 0.15
+    friction = with_effect(plant, JOINT, effect).friction(t, q, v)[slides, JOINT]
+    columns = np.column_stack((np.sign(v[slides, JOINT]), v[slides, JOINT], np.ones(int(slides.sum()))))
+    best = np.linalg.lstsq(columns, friction, rcond=None)[0]
+    line = found.joints[JOINT].line
+    assert line is not None
+    assert [one.value for one in line] == pytest.approx(best[:2], abs=0.06 * COULOMB)
     values = dict(told.parameters)
     for what, truth in numbers.items():
         assert values[what].value == pytest.approx(truth, rel=0.1)

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
+from harness.app.diagnose.joint_doubts import doubted, with_forward_run
 from harness.app.diagnose.joint_log import read_log
 from harness.app.diagnose.joint_words import named
 from harness.app.diagnose.one import Diagnosed, deliver
@@ -27,6 +28,7 @@ from harness.robot.coupling import Coupling, coupling, moving
 from harness.robot.match.compared import Compared, compare
 from harness.robot.paste import copies
 from harness.robot.recording import OneJoint, one_joint
+from harness.robot.slips import slips
 
 LOGGER = logging.getLogger(__name__)
 STEPS = 4
@@ -130,9 +132,11 @@ def _finish(
     def finish(done: Diagnosed, folder: Path) -> tuple[Diagnosed, dict[str, str]]:
         result, paste = named(done, arm, found, one, asked.file)
         shown = tried(arm, log, paste, asked, {paste.joint: _left(done, one)}, 0.0, options.engines)
+        torque = float(np.std(log.effort[paste.joint])) if paste.joint in log.effort else 0.0
+        result = doubted(result, done.result.statement, slips(log, found.reduced), shown.results, torque)
+        result = with_forward_run(result, shown.results)
         assert result.robot is not None
-        update = {"simulated": list(shown.results), "match": match_results(compared.matches)}
-        robot = result.robot.model_copy(update=update)
+        robot = result.robot.model_copy(update={"match": match_results(compared.matches)})
         result = result.model_copy(update={"settings": {**result.settings, **settings}, "robot": robot})
         files = {}
         for name, text in copies(asked.file, paste).items():

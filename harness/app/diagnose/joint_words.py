@@ -4,13 +4,13 @@ from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
 
+from harness.app.diagnose.joint_doubts import surely
 from harness.app.diagnose.one import Diagnosed
 from harness.app.shared.reduction import reduction_of
 from harness.core.quantity import Quantity
 from harness.diagnosis.fit.model_fit import Fit
 from harness.diagnosis.fit.standard_errors import plain_parameters
 from harness.diagnosis.outcome import Outcome
-from harness.model.model import Model
 from harness.results.common import P
 from harness.results.diagnosis import DiagnosisResult, FitResult
 from harness.results.robot import PasteResult, RobotResult
@@ -34,7 +34,10 @@ def named(done: Diagnosed, arm: Arm, found: Coupling, one: OneJoint, file: Path)
     result, outcome, joint = done.result, done.outcome, found.reduced.joint
     base = _parameters(outcome.base, outcome, one, outcome.verdict == "adequate")
     refined = _parameters(outcome.refined, outcome, one, outcome.verdict != "unexplained")
-    paste = _paste(refined, outcome.refined.model, arm, found)
+    shapes = [entry.term.name for entry in outcome.refined.model.terms if entry.term.family == "friction"]
+    # beside a law of its own f_k and c are coefficients; the base's are the line through friction
+    line = base if shapes else refined
+    paste = _paste(line, refined["inertia"], arm, found)
     terms = [entry.term.name for entry in outcome.refined.model.terms]
     left_out = [*paste.cannot_say("mjcf", terms), *paste.cannot_say("urdf", terms)]
     update = {
@@ -80,13 +83,13 @@ def _with(fitted: FitResult, more: Mapping[str, Quantity]) -> FitResult:
     return fitted.model_copy(update={"parameters": {**own, **kept}})
 
 
-def _paste(fitted: Mapping[str, Quantity], model: Model, arm: Arm, found: Coupling) -> JointPaste:
-    """The refined model's friction; a rotor where the inertia is clearly more than the model's, else the file's own."""
-    own, inertia = found.reduced, fitted["inertia"]
+def _paste(line: Mapping[str, Quantity], inertia: Quantity, arm: Arm, found: Coupling) -> JointPaste:
+    """Friction that is surely there; a rotor where the inertia is clearly more than the model's, else the file's."""
+    own = found.reduced
     armature = own.armature
     if inertia.value is not None and inertia.stderr and inertia.value - own.moved > _CLEARLY * inertia.stderr:
         armature = inertia.value - own.inertia
-    return JointPaste(own.joint, model.f_k, model.c, armature, float(arm.model.opt.timestep))
+    return JointPaste(own.joint, surely(line["f_k"]), surely(line["c"]), armature, float(arm.model.opt.timestep))
 
 
 def _statement(statement: str, fitted: Mapping[str, Quantity], arm: Arm, found: Coupling, one: OneJoint) -> str:

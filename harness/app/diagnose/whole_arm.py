@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
+from harness.app.diagnose.joint_doubts import surely, with_forward_run
 from harness.app.diagnose.options import DiagnoseOptions
 from harness.app.diagnose.robot_options import RobotOptions
 from harness.app.diagnose.robot_shown import tried
@@ -115,9 +116,7 @@ def diagnose_arm(
         result = _result(arms, paste, command, {kind: output.at(file) for kind, file in files.items()})
         left = _left(found)
         own = tried(arm, log, paste, asked, left, arms.joint.offset.value or 0.0, options.engines)
-        assert result.robot is not None
-        robot = result.robot.model_copy(update={"simulated": list(own.results)})
-        result = result.model_copy(update={"robot": robot})
+        result = with_forward_run(result, own.results)
         header = "t,q,v,before,after"
         np.savetxt(output / FILES["residual_torque"], left[joint], "%.9g", ",", header=header, comments="")
         (output / FILES["result"]).write_text(to_json(result), encoding="utf-8")
@@ -137,9 +136,9 @@ def _left(found: WholeArm) -> dict[str, np.ndarray[tuple[int, int], np.dtype[np.
 
 
 def _paste(arms: Arms) -> JointPaste:
-    """Friction that is below none is pasted as none."""
+    """The line through friction; nothing that is not surely above none."""
     i = arms.arm.index(arms.joint.joint)
-    f_k, c = (max(q.value or 0.0, 0.0) for q in (arms.joint.coulomb, arms.joint.viscous))
+    f_k, c = (surely(q) for q in arms.joint.line or (arms.joint.coulomb, arms.joint.viscous))
     return JointPaste(arms.joint.joint, f_k, c, float(arms.arm.armature[i]), float(arms.arm.model.opt.timestep))
 
 
@@ -179,7 +178,7 @@ def _result(arms: Arms, paste: JointPaste, command: str, files: dict[str, str]) 
     return DiagnosisResult(
         recording=recording_info(log, joint.joint),
         verdict=verdict,  # type: ignore[arg-type]
-        statement=_statement(joint, own),
+        statement=_statement(joint, own, paste),
         baseline=plain,
         where=[],
         mechanisms=mechanisms,
@@ -241,10 +240,17 @@ def _model(paste: JointPaste, inertia: float) -> Model:
     return Model(inertia, paste.c, 0.0, paste.f_k, restoring=Restoring.NONE)
 
 
-def _statement(joint: JointFriction, own: Sequence[EntryResult]) -> str:
+def _statement(joint: JointFriction, own: Sequence[EntryResult], paste: JointPaste) -> str:
     """Friction, and what is found beside it, the largest share first."""
     more = [one.statement for one in sorted(own, key=lambda one: -one.share)]
     none = [] if more or joint.left is None else ["Nothing is named beside it."]
+    shapes = [effect.name for effect in joint.effects]
+    if shapes:
+        force = joint.coulomb.unit
+        none = [
+            f"Pasted is the line that comes nearest: {paste.f_k:.4g} {force} and {paste.c:.4g} {joint.viscous.unit}"
+            f" stand for {', '.join(shapes)} at the speeds and loads of this log."
+        ]
     return " ".join((f"The whole arm moves. {joint.statement}", *more, *none))
 
 

@@ -79,7 +79,8 @@ class JointFriction:
     held_out : rms of the torque left over in blocks of time that were not fitted, by the base and by the model, N m.
     remainder : rms of what the model leaves over that of the recorded torque's noise, None where that
     shows none. guard : s. samples : guarded. base : Coulomb, viscous and offset with nothing else in the model.
-    left : the torque itself. Both are None where the joint hardly moves.
+    left : the torque itself. line : Coulomb and viscous friction that come nearest to all of the friction that was
+    found, at the speeds and loads of the log. All are None where the joint hardly moves.
     """
 
     joint: str
@@ -94,6 +95,7 @@ class JointFriction:
     statement: str
     base: tuple[Quantity, Quantity, Quantity] | None = None
     left: Left | None = None
+    line: tuple[Quantity, Quantity] | None = None
 
 
 @dataclass(frozen=True, slots=True)

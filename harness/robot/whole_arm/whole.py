@@ -89,7 +89,7 @@ def _result(solved: Solved, arm: Arm, known: Known) -> WholeArm:
         guard = float(solved.problem.guard[j])
         found[name] = JointFriction(
             name, coulomb, viscous, offset, effects, held_out, remainder, guard, samples, statement, first,
-            _left(solved, plain, j),
+            _left(solved, plain, j), _line(solved, j, gain, spread[plain.places[j], plain.places[j]], words),
         )  # fmt: skip
     for name in solved.still:
         words = _Units(arm, arm.joints.index(name))
@@ -120,6 +120,31 @@ def _base(
         for x, e, unit in zip(numbers, errors, units, strict=True)
     )
     return first, second, third
+
+
+def _line(
+    solved: Solved, joint: int, gain: float, covariance: FloatArray, words: "_Units"
+) -> tuple[Quantity, Quantity]:
+    """The line through a joint's friction over its speed, at the guarded samples; covariance : of the base alone.
+
+    Numbers of columns that nearly cancel mean nothing by themselves; what they come to at these speeds and loads does.
+    """
+    design = solved.model.design
+    part, place = design.parts[joint], design.places[joint]
+    friction = part.base[:, :2] @ design.numbers[place][:2]
+    for chosen in of_joint(solved.model.chosen, joint):
+        candidate = chosen.named.candidate
+        columns = candidate.settings[chosen.named.setting].columns[joint]
+        friction = friction + columns @ design.numbers[_place(design, chosen)]
+    kept = part.stretches.kept
+    errors = np.sqrt(np.diag(covariance)) / abs(gain)
+    found = np.linalg.lstsq(part.base[kept, :3], friction[kept], rcond=None)[0] / gain
+    if found[1] < 2.0 * errors[1]:
+        # no model takes a damping below none: then dry friction is what stands for all of it
+        found[[0, 2]] = np.linalg.lstsq(part.base[kept][:, [0, 2]], friction[kept], rcond=None)[0] / gain
+    units = ("N m", "N m s/rad")
+    first, second = (Quantity(float(found[i]), float(errors[i]), words.of(unit)) for i, unit in enumerate(units))
+    return first, second
 
 
 def _left(solved: Solved, plain: Design, joint: int) -> Left:
