@@ -699,6 +699,14 @@ TRACES_LOUD = Rule(
     "chance moves the mean square of N samples by sqrt(2/N), 0.2 at the least of 50, and an estimated noise by as"
     " much: two of these",
 )
+CLOCK_DRIFT = Rule(
+    "clock-drift",
+    0.03,
+    "relative",
+    "a drift of stiffness is listed beside a drift of the recording's clock, the frequency changing by so much at most",
+    "rates of cameras and of controllers without a crystal change by 1 to 3 % with temperature and load; a spring and a"
+    " clock change one channel of a free decay alike, so that only its size speaks for the spring",
+)
 CHANGED = Rule(
     "changed",
     3.0,

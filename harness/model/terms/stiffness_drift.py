@@ -34,5 +34,6 @@ TERM = Term(
     needs=("spring",),
     example=(-0.1,),
     place=always("late", "in proportion to t"),
+    told_from={"clock-drift": "the same decay with its acceleration measured besides, or by a clock that is known"},
     order=180,
 )
