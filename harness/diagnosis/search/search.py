@@ -181,6 +181,11 @@ def _search(problem: P, base: Fit, scales: Scales, renew: Renew[P], alone: Step)
         found = in_turn(found, problem)
         if not found or against(found[0], problem) > least:
             break
+        if len(chosen.model.terms) == 1:
+            free, alike, rest = _with_free_form(chosen, (chosen,), problem, scales, base)
+            if rest is not Left.STRUCTURE and against(found[0], problem) > against(free, problem) - second:
+                chosen, left, rivals = free, rest, in_turn((*alike, *singles[1:]), problem)
+                break
         problem, best, found = _renewed(problem, scales, found[0], found, renew)
         found = in_turn((*(f for f in found if key_of(f) != key_of(best)), best), problem)
         base = under(base, problem)
