@@ -45,11 +45,6 @@ OUTSIDE = {
 PLANT = "proof/plant"
 """The independent check of the diagnosis: it sees core and nothing else, not even the rest of its room."""
 
-MOST_FILES = 24
-"""Python files of one folder; more are a list to search, not a place to know."""
-MANY = {"harness/model/terms"}
-"""Folders whose files are members of one kind, found by name."""
-
 HEAVY = ("numba", "scipy", "mujoco", "pybullet", "rerun", "pydantic", "rich", "pint", "numpy", "pyarrow", "h5py")
 FILES = sorted(PACKAGE.rglob("*.py"))
 
@@ -150,13 +145,6 @@ def circling(graph: dict[str, set[str]]) -> set[str]:
 def test_packages_import_each_other_in_no_circle() -> None:
     assert circling({"a": {"b"}, "b": {"c"}, "c": {"b"}, "d": set()}) == {"a", "b", "c"}
     assert not circling(arrows())
-
-
-def test_no_folder_is_too_long_to_know() -> None:
-    folders: dict[str, int] = {}
-    for path in FILES:
-        folders[name(path.parent)] = folders.get(name(path.parent), 0) + 1
-    assert not {folder: count for folder, count in folders.items() if count > MOST_FILES and folder not in MANY}
 
 
 def test_every_room_is_in_the_document_and_the_other_way_round() -> None:

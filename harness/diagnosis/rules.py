@@ -700,7 +700,7 @@ TRACES_LOUD = Rule(
     " much: two of these",
 )
 CLOCK_DRIFT = Rule(
-    "clock-drift",
+    "clock-or-spring",
     0.03,
     "relative",
     "a drift of stiffness is listed beside a drift of the recording's clock, the frequency changing by so much at most",

@@ -86,20 +86,24 @@ def displacement(fit: ChannelFit, unit: str = "m") -> Estimate:
     times, turning, variance = points.merged()
     omega_d, omega_error = half_cycle_frequency(fit, times)
     q, x_k = float(found.theta[0]), float(found.theta[1])
-    if q <= 0.0:
-        return Estimate.refused("the turning points do not decay as eq. 6 says", unit)
-    beta, beta_error = -math.log(q) / math.pi, math.sqrt(covariance[0, 0]) / (q * math.pi)
+    beta, beta_error = math.inf, math.inf
+    if q > 0.0:
+        beta, beta_error = -math.log(q) / math.pi, math.sqrt(covariance[0, 0]) / (q * math.pi)
     x_k_error = math.sqrt(covariance[1, 1])
+    offset = float(found.theta[3]) if shifted else 0.0
     notes = []
     loss = loss_of(turning, variance * max(found.scatter, 1.0), beta_error)
     if loss is not None:
         beta, beta_error = loss.of(loss.beta)
         x_k, x_k_error = loss.of(loss.size)
+        # a constant is told from a decay only by a decay that is seen: here it is half way between turning points
+        offset = float(np.nanmean(turning[1:] + turning[:-1])) / 2.0 if shifted else 0.0
         q, shifted = math.exp(-math.pi * beta), False
         notes.append(loss.said)
+    elif q <= 0.0:
+        return Estimate.refused("the turning points do not decay as eq. 6 says", unit)
     root = math.sqrt(1.0 + beta * beta)
     omega_n = omega_d * root
-    offset = float(found.theta[3]) if shifted else 0.0
     rows = []
     for i in range(1, count + 1):
         side = float(sides[i - 1])  # of the turning point before

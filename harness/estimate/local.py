@@ -92,14 +92,16 @@ def acceleration_local(
     found = fit_sequence(values, whiten, _two_sequences(count), guess)
     spread = found.covariance[0, 0] * max(found.scatter, 1.0)
     q_found = float(found.theta[0])
-    if q_found <= 0.0:
-        return Estimate.refused("the samples beside the reversals do not decay", unit)
-    beta, beta_error = -math.log(q_found) / math.pi, math.sqrt(spread) / (q_found * math.pi)
+    beta, beta_error = math.inf, math.inf
+    if q_found > 0.0:
+        beta, beta_error = -math.log(q_found) / math.pi, math.sqrt(spread) / (q_found * math.pi)
     notes = ["one sample on each side of a reversal, no guard: what acts at the reversal itself is in the figure"]
     loss = loss_of(sign[:-1] * start, np.full(count, sigma**2) * max(found.scatter, 1.0), beta_error)
     if loss is not None:
         beta, beta_error = loss.of(loss.beta)
         notes.append(loss.said)
+    elif q_found <= 0.0:
+        return Estimate.refused("the samples beside the reversals do not decay", unit)
     root = math.sqrt(1.0 + beta * beta)
     omega_n = omega_d[0] * root
     jumps = sign[1:-1] * (after[1:-1] - before[1:-1])

@@ -45,7 +45,9 @@ def test_which_model_is_shown(
     monkeypatch.setattr(room, "_ranked", lambda *_: [(f, f.fit) for f in finalists])
     monkeypatch.setattr(room, "decided", lambda found: replace(found, grade=grade, named=(found.finalists[1],)))
     chosen = a_fit(*kept)
-    fitted: Any = SimpleNamespace(base=a_fit(), reference=chosen, measured=None, seen=lambda one: one)
+    fitted: Any = SimpleNamespace(
+        base=a_fit(), reference=chosen, measured=None, seen=lambda one: one, counted=lambda one: one
+    )
     over: Any = SimpleNamespace(noise=0.0)
     found = room.graded(fitted, chosen, [], over, judged=False)
     assert found.refined.model.terms[0].term.name == shown

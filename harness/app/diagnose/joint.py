@@ -29,6 +29,7 @@ from harness.robot.match.compared import Compared, compare
 from harness.robot.paste import copies
 from harness.robot.recording import OneJoint, one_joint
 from harness.robot.slips import slips
+from harness.robot.whole_arm.differentiate import long_enough
 
 LOGGER = logging.getLogger(__name__)
 STEPS = 4
@@ -57,13 +58,14 @@ def diagnose_joint(
         said = f"no effort of it is logged, and {', '.join(found.moving)} move{'s' * (len(found.moving) == 1)} too"
         accepted = "a log with its effort, or one in which the others stand still, is accepted"
         raise InputError(f"{log.file}: {joint}", said, accepted)
+    if found.mode == "whole-arm":
+        long_enough(log)
+    one = None if found.mode == "whole-arm" else _alone(log, found, asked)
     compared = compare(arm, log, _gains(asked, arm))
     if not compared.fits(joint):
         return unmatched(arm, log, asked, options, found, compared, out, command)
-    if found.mode == "whole-arm":
+    if one is None:
         return diagnose_arm(arm, log, joint, compared, asked, options, out, progress, command)
-    _check_locked(asked)
-    one = one_joint(log, found.reduced)
     settings = {"robot": asked.settings()}
     return deliver(
         one.recording,
@@ -102,10 +104,12 @@ def _joint(arm: Arm, log: JointLog, asked: RobotOptions) -> str:
     return those[0]
 
 
-def _check_locked(asked: RobotOptions) -> None:
+def _alone(log: JointLog, found: Coupling, asked: RobotOptions) -> OneJoint:
+    """A log in which one joint moves, as a recording; refuses options of a whole arm."""
     for name, value in (("--payload", asked.payload), ("--sensor", asked.sensor)):
         if value is not None:
             raise InputError(name, "given, but one joint alone moves", "it is accepted where the whole arm moves")
+    return one_joint(log, found.reduced)
 
 
 def _options(options: DiagnoseOptions, one: OneJoint) -> DiagnoseOptions:

@@ -5,7 +5,6 @@ from dataclasses import replace
 
 import numpy as np
 
-from harness.core.arrays import FloatArray
 from harness.core.errors import SimulationError
 from harness.diagnosis.fit.model_fit import Fit, fit
 from harness.diagnosis.fit.observe import observe
@@ -16,34 +15,12 @@ from harness.diagnosis.rules import CLOCK_DRIFT
 from harness.diagnosis.search.search import Search, under
 from harness.kernels.solve import Scales
 from harness.model.model import ModelTerm
-from harness.model.place import always
-from harness.model.sensor import Sensor, Shown
-from harness.model.term import Parameter, Probe, Slot, Term
+from harness.model.terms import clock_drift, stiffness_drift
 
 _TRIED = (0.5, 1.0, 1.5)
 """Of the rate that stands for the stiffness's."""
 _SHARE = 1e-3
 """Of a rate, over which a slope by it is taken."""
-
-
-def read(values: Probe, t: FloatArray, y: FloatArray, rate: FloatArray) -> Shown:
-    """x(t + rate t^2/2)."""
-    return Shown(y + 0.5 * values[0] * t**2 * rate, np.ones(t.size), (0.5 * t**2 * rate,))
-
-
-CLOCK = Term(
-    "clock-drift",
-    "sensor",
-    Slot.OBSERVATION,
-    (Parameter("rate", "1/s", none=0.0),),
-    "The clock of the recording drifts: its rate changes by {rate}.",
-    needs=("one-clock",),
-    example=(-2e-3,),
-    place=always("late", "in proportion to t"),
-    sensor=Sensor("x", read),
-    searched=False,
-)
-"""Not among the names that are looked for: a stand-in for one of them."""
 
 
 def with_clock(found: Search, scales: Scales) -> Search:
@@ -53,7 +30,11 @@ def with_clock(found: Search, scales: Scales) -> Search:
     its position, the clock leaves more, and is no rival.
     """
     problem, terms = found.problem, found.chosen.model.terms
-    if not found.explained or [e.term.name for e in terms] != ["stiffness-drift"] or not isinstance(problem, FreeDecay):
+    if (
+        not found.explained
+        or [e.term.name for e in terms] != [stiffness_drift.TERM.name]
+        or not isinstance(problem, FreeDecay)
+    ):
         return found
     # a frequency goes with the root of a stiffness
     slope = 0.5 * terms[0].values[0]
@@ -87,6 +68,6 @@ def _as_law(base: Fit, problem: Problem, slope: float, scales: Scales) -> Fit:
         c: np.column_stack([partials, (beside[c] - here.shown.y[c]) / (_SHARE * slope)])
         for c, partials in here.shown.dy.items()
     }
-    model = here.model.with_terms(ModelTerm(CLOCK, (slope,)))
+    model = here.model.with_terms(ModelTerm(clock_drift.TERM, (slope,)))
     free = (*here.free, *free_of(model, ()))
     return under(replace(here, model=model, free=free, shown=replace(here.shown, dy=dy)), problem)

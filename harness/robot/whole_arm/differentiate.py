@@ -91,9 +91,7 @@ def differentiate(
     the arm needs; or where ``lowpass``, Hz, is not below a quarter of the log's rate.
     """
     names = _effort_joints(log, arm, joints)
-    seconds = float(log.t[-1] - log.t[0])
-    if seconds < LEAST_SECONDS:
-        raise InputError(log.file, f"{seconds:.3g} s", f"a log of at least {LEAST_SECONDS:g} s is accepted")
+    seconds = long_enough(log)
     step = np.diff(log.t)
     rate = (log.t.size - 1) / seconds if np.ptp(step) < _JITTER * np.median(step) else 1.0 / float(np.median(step))
     even = log.t[0] + np.arange(int(seconds * rate * (1 + 1e-12)) + 1) / rate
@@ -145,6 +143,14 @@ def differentiate(
         seconds,
         tuple(notes),
     )
+
+
+def long_enough(log: JointLog) -> float:
+    """Duration of a log, s. Raises InputError where it is too short to say anything of an arm."""
+    seconds = float(log.t[-1] - log.t[0])
+    if seconds < LEAST_SECONDS:
+        raise InputError(log.file, f"{seconds:.3g} s", f"a log of at least {LEAST_SECONDS:g} s is accepted")
+    return seconds
 
 
 def _effort_joints(log: JointLog, arm: Arm, joints: Sequence[str] | None) -> tuple[str, ...]:

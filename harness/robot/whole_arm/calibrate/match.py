@@ -20,7 +20,10 @@ from harness.robot.whole_arm.calibrate.plant import JOINTS, Motion, Plant, seven
 from harness.robot.whole_arm.perturb import moving_bodies, with_load, with_mass
 
 _SECONDS, _RATE = 20.0, 250.0
+"""s and Hz: of each log."""
 _DEGREE = math.radians(1.0)
+_SCALE = 0.1
+"""Share to which a scale is right."""
 _NAMES = [f"joint{i + 1}" for i in range(JOINTS)]
 _LOADED = (1, 2, 3, 4, 5)
 """Joints whose zero gravity tells; it does little to the last one, whose centre of mass is near its axis."""
@@ -42,7 +45,9 @@ def _scaled(scale: FloatArray | float) -> Kind:
     def change(rng: np.random.Generator, q: FloatArray, u: FloatArray) -> Changed:
         def right(options: Mapping[str, str]) -> bool:
             wanted = 1.0 / (np.asarray(scale) * np.ones(JOINTS))
-            return set(options) == {"--gain"} and bool(np.all(np.abs(_gains(options["--gain"]) / wanted - 1.0) < 0.1))
+            return set(options) == {"--gain"} and bool(
+                np.all(np.abs(_gains(options["--gain"]) / wanted - 1.0) < _SCALE)
+            )
 
         return Changed(q, u * scale, right)
 
