@@ -41,7 +41,9 @@ def test_what_no_law_explains_is_fitted_by_its_force(monkeypatch: pytest.MonkeyP
     outcome = diagnose(problem)
     assert isinstance(outcome.problem, InverseDynamics)
     assert NOTE in outcome.warnings
-    assert outcome.verdict in ("main_effect", "one_of", "unexplained")
+    # what a force that was never measured leaves of it hides the weaker of the two
+    assert outcome.verdict != "adequate"
+    assert {m.name for m in outcome.mechanisms} <= {"force-ripple", "quadratic-drag"}
 
 
 def test_a_law_that_explains_is_followed_however_much_the_base_misses(monkeypatch: pytest.MonkeyPatch) -> None:

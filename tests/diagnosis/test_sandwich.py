@@ -37,21 +37,19 @@ def test_on_noise_alone_blocks_say_what_the_curvature_says() -> None:
     assert np.all(mean < 2.0)
 
 
-def test_with_a_misfit_the_truth_lies_within_two_standard_errors_and_not_by_curvature() -> None:
+def test_with_a_misfit_the_truth_lies_within_two_standard_errors() -> None:
     """A hum of any frequency and phase left out: zeta of the base model errs by what the hum happens to do."""
     random = np.random.default_rng(3)
-    draws, inside = 20, {True: 0, False: 0}
+    draws, inside = 20, 0
     for seed in range(draws):
         hum = ModelTerm.named("harmonic-force", A=0.4, Omega=random.uniform(3.0, 30.0), phase=random.uniform(0.0, 6.0))
         problem, _ = prepare(recorded(slider(hum), seed), Asked())
         found, scales = baseline(problem)
-        for curvature_alone in inside:
-            zeta = base_parameters(found, problem, scales.omega, curvature_alone)["zeta"]
-            assert zeta.value is not None
-            assert zeta.stderr is not None
-            inside[curvature_alone] += abs(zeta.value - 0.015) < 2.0 * zeta.stderr
-    assert inside[False] >= 0.8 * draws
-    assert inside[True] <= 0.6 * draws
+        zeta = base_parameters(found, problem, scales.omega, explained=False)["zeta"]
+        assert zeta.value is not None
+        assert zeta.stderr is not None
+        inside += abs(zeta.value - 0.015) < 2.0 * zeta.stderr
+    assert inside >= 0.8 * draws
 
 
 @pytest.mark.parametrize("span", [40, 100])

@@ -45,6 +45,7 @@ def test_break_away_is_the_last_torque_before_a_slip(seed: int) -> None:
     assert broken is not None
     assert broken.value == pytest.approx(f_s, rel=0.06)
     assert broken.stderr is not None
+    assert broken.value is not None
     assert abs(broken.value - f_s) < 3.0 * broken.stderr
 
 

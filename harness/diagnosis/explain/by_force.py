@@ -20,12 +20,13 @@ from harness.diagnosis.search.search import Search
 
 def mechanisms_of(found: Search, graded: ForceGraded, omega: float) -> tuple[Mechanism, ...]:
     """What is named, the main one first; then what else the search kept beside it. omega : rad/s."""
+    of_base = _of_base(found, graded, omega)
     if not graded.kept:
-        return tuple(_alone(found, graded, f, omega) for f in graded.named)
+        return (*(_alone(found, graded, f, omega) for f in graded.named), *of_base)
     fit, finalists = graded.refined, {f.name: f for f in graded.finalists}
     first = {f.name: i for i, f in enumerate(graded.named)}
     said: list[tuple[int, Mechanism]] = []
-    for i, entry in enumerate(fit.model.terms):
+    for i, entry in enumerate(fit.model.terms[len(of_base) :], len(of_base)):
         one = mechanism(found, i, entry, omega, place_of(entry, fit, found.problem, omega))
         again = any(m.name == one.name for _, m in said)
         if one.name in first and not again:
@@ -37,7 +38,18 @@ def mechanisms_of(found: Search, graded: ForceGraded, omega: float) -> tuple[Mec
         said.append((len(first), replace(beside, grade=Grade.MINOR, share=_share_beside(found, i, graded))))
     also = [_alone(found, graded, f, omega) for f in graded.named if f.name not in {m.name for _, m in said}]
     ranked = sorted([*said, *((first[m.name], m) for m in also)], key=lambda one: (one[0], -one[1].delta_bic))
-    return tuple(m for _, m in ranked)
+    return (*(m for _, m in ranked), *of_base)
+
+
+def _of_base(found: Search, graded: ForceGraded, omega: float) -> tuple[Mechanism, ...]:
+    """What the base has besides friction: it is there whatever else is, and the shares of others are of what it leaves.
+
+    A constant force of an axis that nothing pulls back.
+    """
+    fit = graded.refined
+    entries = fit.model.terms[: len(graded.base.model.terms)]
+    said = (mechanism(found, i, e, omega, place_of(e, fit, found.problem, omega)) for i, e in enumerate(entries))
+    return tuple(replace(one, grade=Grade.EXPLAINS, share=None) for one in said)
 
 
 def _share_beside(found: Search, index: int, graded: ForceGraded) -> float:

@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 
-from harness.diagnosis.outcome import Grade, Outcome
+from harness.diagnosis.outcome import Grade, Mechanism, Outcome
 from harness.diagnosis.rules import MOST_LIKELY
 
 _NOTHING = "Viscous and Coulomb friction explain {} to {} noise: nothing is left out that {} could show."
@@ -27,7 +27,11 @@ def _verdict(outcome: Outcome, has: Sequence[str]) -> str:
     # beside the names that share a verdict a model may hold small parts
     parts = (Grade.TABULATED, Grade.MINOR) if outcome.verdict == "one_of" else (Grade.TABULATED,)
     it, its, they, _ = _SEVERAL if outcome.problem.alone else _ONE
-    words = [m.name.replace("-", " ") for m in outcome.mechanisms if m.grade not in parts]
+    graded = outcome.verdict in ("main_effect", "one_of", "unexplained")
+    # a constant force that the base has
+    own = [m for m in outcome.mechanisms if graded and m.grade is Grade.EXPLAINS]
+    named = [m for m in outcome.mechanisms if m.grade not in parts and m not in own]
+    words = [m.name.replace("-", " ") for m in named]
     if outcome.verdict == "adequate":
         return _NOTHING.format(it, its, they)
     if outcome.verdict == "missing_physics":
@@ -37,19 +41,21 @@ def _verdict(outcome: Outcome, has: Sequence[str]) -> str:
             return f"Most likely missing: {words[0]}{_had(outcome, has)} {sure}: {said}"
         return f"{_left_out([m.name for m in outcome.mechanisms], has)}: {said}"
     left = "" if outcome.remainder is None else f" {_capital(outcome.remainder.looks_like)}."
-    return f"{_graded(outcome, words, has)}{_tabulated(outcome)}{left}"
+    beside = "".join(f" Beside it: {m.statement}" for m in own)
+    return f"{_graded(outcome, named, has)}{beside}{_tabulated(outcome)}{left}"
 
 
-def _graded(outcome: Outcome, words: Sequence[str], has: Sequence[str]) -> str:
+def _graded(outcome: Outcome, named: Sequence[Mechanism], has: Sequence[str]) -> str:
     """Which names are how much of what is left out."""
+    words = [m.name.replace("-", " ") for m in named]
     it, its, _, these = _SEVERAL if outcome.problem.alone else _ONE
-    share = _percent(outcome.mechanisms[0].share) if words else ""
+    share = _percent(named[0].share) if words else ""
     leaves = "viscous and Coulomb friction leave" if has else "the simulation leaves"
     if outcome.verdict == "main_effect":
         over = 1.0 if outcome.remainder is None else outcome.remainder.over_noise
         return (
             f"Most likely missing: {words[0]}{_had(outcome, has)} ({_likely(outcome)}{share} of the misfit):"
-            f" {outcome.mechanisms[0].statement} The residual is {over:.2g} times the sensors' noise."
+            f" {named[0].statement} The residual is {over:.2g} times the sensors' noise."
         )
     if outcome.verdict == "one_of":
         one_of = f"one of {', '.join(words[:-1])} or {words[-1]}"

@@ -68,33 +68,13 @@ def search_driven(problem: InverseDynamics, judge: Judge | None = None) -> Force
     Raises SimulationError when not even the base model can be fitted.
     """
     measured, base, scales = force_baseline(problem)
-    pushed = _pushed(base, measured, problem, judge)
-    chosen = base if pushed is None else pushed
-    ground, singles, rivals, path = chosen, [chosen], [chosen], [base, *([] if pushed is None else [pushed])]
-    further = partial(extended, problem=problem, scales=scales, done=ROUGHLY)
-    least = min(MOVES.value, _followed(base, problem, scales))
-    for _ in range(MOST_FORCE_TERMS.count):
-        found = extended(chosen, measured, problem, scales)
-        if chosen is ground:
-            singles = found or singles
-        if not found:
-            break
-        rivals = found
-        independent = found[0].memory.independent
-        most = chosen.bic(independent) - (AMONG_NAMES if chosen is ground else DECISIVE).value
-        better = [f for f in found[:_LOOKED_AT] if f.bic(independent) < most]
-        if judge is not None:
-            better = [f for f in better if judge.confirms(chosen.model, f.model)]
-        elif better:
-            chance = taken_by_chance(chosen, problem, scales, further)
-            better = [f for f in better if f.bic(independent, chance) < most]
-        # what moves otherwise or cannot be followed is no model of the motion, however well it says the force
-        kept = next((f for f in better if _moves(f, least, problem, scales)), None)
-        if kept is None:
-            break
-        chosen = kept
-        path.append(kept)
-    if chosen is pushed:
+    ground = _pushed(base, measured, problem, judge) or base
+    chosen, singles, rivals, path = _grown(ground, base, measured, problem, scales, judge)
+    if chosen is not ground is not base and not _pushes(chosen, measured):
+        # what pushed is in the law that was found besides
+        ground = base
+        chosen, singles, rivals, path = _grown(ground, base, measured, problem, scales, judge)
+    if chosen is ground is not base:
         # nothing is left beside the push, which is then what is missing
         ground, singles = base, extended(base, measured, problem, scales) or [base]
     over = left_over(chosen, problem, scales)
@@ -124,6 +104,48 @@ def search_driven(problem: InverseDynamics, judge: Judge | None = None) -> Force
     as_well = 100.0 - PREDICTS_WORSE.value * (100.0 - _followed(base, problem, scales))
     laws = [f for f in singles if f is not ground and _moves(f, as_well, problem, scales)]
     return ForceSearch(search, scales, over, graded(fitted_to, last, laws, over, judge is not None))
+
+
+def _grown(
+    ground: ForceFit,
+    base: ForceFit,
+    measured: Measured,
+    problem: InverseDynamics,
+    scales: Scales,
+    judge: Judge | None,
+) -> tuple[ForceFit, list[ForceFit], list[ForceFit], list[ForceFit]]:
+    """The model that the search comes to, one law more at a time; single laws, the last step's rivals, and the path."""
+    chosen, singles, rivals, path = ground, [ground], [ground], [base, *([] if ground is base else [ground])]
+    further = partial(extended, problem=problem, scales=scales, done=ROUGHLY)
+    least = min(MOVES.value, _followed(base, problem, scales))
+    for _ in range(MOST_FORCE_TERMS.count):
+        found = extended(chosen, measured, problem, scales)
+        if chosen is ground:
+            singles = found or singles
+        if not found:
+            break
+        rivals = found
+        independent = found[0].memory.independent
+        most = chosen.bic(independent) - (AMONG_NAMES if chosen is ground else DECISIVE).value
+        better = [f for f in found[:_LOOKED_AT] if f.bic(independent) < most]
+        if judge is not None:
+            better = [f for f in better if judge.confirms(chosen.model, f.model)]
+        elif better:
+            chance = taken_by_chance(chosen, problem, scales, further)
+            better = [f for f in better if f.bic(independent, chance) < most]
+        # what moves otherwise or cannot be followed is no model of the motion, however well it says the force
+        kept = next((f for f in better if _moves(f, least, problem, scales)), None)
+        if kept is None:
+            break
+        chosen = kept
+        path.append(kept)
+    return chosen, singles, rivals, path
+
+
+def _pushes(found: ForceFit, measured: Measured) -> bool:
+    """Whether a model that begins with a constant force is worse without it."""
+    bare, independent = next(_refitted(found, measured)), found.memory.independent
+    return bare is None or bare.bic(independent) > found.bic(independent) + AMONG_NAMES.value
 
 
 def _pushed(base: ForceFit, measured: Measured, problem: InverseDynamics, judge: Judge | None) -> ForceFit | None:
