@@ -49,7 +49,7 @@ def test_every_option_of_a_command_is_an_argument_with_its_default(name: str) ->
     elsewhere = {"no_shift", "json_to", "quiet", "recordings", "jobs", "resume", "together", "sim_trace"}
     elsewhere |= {"sim_columns", "sim_skip_rows", "sim_rate"}
     # of a robot's joint: diagnose_joint and run_joint
-    elsewhere |= {"robot", "joint", "gravity", "gain", "payload", "sensor", "names", "flip", "offset"}
+    elsewhere |= {"robot", "joint", "gravity", "gain", "payload", "sensor", "names", "flip", "offset", "angle_unit"}
     # of many recordings in one call: the library leaves the loop over them to its user
     elsewhere |= {"cluster", "conditions"}
     for option in command.params:

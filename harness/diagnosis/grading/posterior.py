@@ -49,7 +49,8 @@ def probability(of: tuple[Hypothesis, ...], name: str) -> float:
 def _gain(found: Search) -> Callable[[Fit], float]:
     """Evidence of a fit over the base, twice a log likelihood."""
     base, problem = found.base, found.problem
-    if found.by_force or not problem.zero_free:
+    # several amplitudes part a law from what small effects could do in its place
+    if found.by_force or not problem.zero_free or problem.parts_amplitude_from_time:
         return lambda one: against(base, problem) - against(one, problem)
     words = words_beside(base, strokes_of(found.chosen, problem))
     return lambda one: evidence(base.chi2, one.chi2, words, len(one.free) - len(base.free), 1.0)
