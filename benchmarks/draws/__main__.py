@@ -1,0 +1,48 @@
+"""``python -m benchmarks.draws KIND --draws N --seed S``: fresh draws, how many answers are right, which are not.
+
+KIND: pairs (two effects that hide in a free decay), sensor-pairs (one of them a sensor's), together (repetitions of one
+rig, each with a zero of its own), simulations (a right simulation by MuJoCo beside a recording), wrong-simulations (one
+parameter of it is wrong).
+"""
+
+import argparse
+import sys
+import time
+from collections.abc import Sequence
+from functools import partial
+
+from benchmarks.draws import pairs, simulations, together
+from benchmarks.draws.shared import Draw, interval
+
+KINDS: dict[str, Draw] = {
+    "pairs": partial(pairs.answer, sensor=False),
+    "sensor-pairs": partial(pairs.answer, sensor=True),
+    "together": together.answer,
+    "simulations": partial(simulations.answer, wrong=False),
+    "wrong-simulations": partial(simulations.answer, wrong=True),
+}
+
+
+def main(argv: Sequence[str] | None = None) -> int:
+    """Draw, ask and print; exit code."""
+    parser = argparse.ArgumentParser(prog="python -m benchmarks.draws", description=__doc__)
+    parser.add_argument("kind", choices=KINDS)
+    parser.add_argument("--draws", type=int, default=20)
+    parser.add_argument("--first", type=int, default=0)
+    parser.add_argument("--seed", type=int, default=1)
+    told = parser.parse_args(argv)
+    right, longest = 0, 0.0
+    for number in range(told.first, told.first + told.draws):
+        began = time.process_time()
+        one = KINDS[told.kind](told.seed, number)
+        took = time.process_time() - began
+        right, longest = right + one.right, max(longest, took)
+        print(f"{number:4d} {'ok   ' if one.right else 'WRONG'} {took:5.1f} s  {one.said}", flush=True)
+    low, high = interval(right, told.draws)
+    rate = f"{right} of {told.draws} right ({low:.0%} to {high:.0%})"
+    print(f"{told.kind}, seed {told.seed}: {rate}; slowest {longest:.0f} s")
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
