@@ -43,13 +43,14 @@ def friction_is_right(found: WholeArm, share: float = 0.01) -> None:
 
 def test_a_load_at_the_end_is_a_pair_with_the_last_link_and_its_place_is_found() -> None:
     plant, motion = machine()
-    wrong = replace(plant, arm=with_load(arm(), 0.5, np.array([0.01, -0.02, 0.05])))
+    wrong = replace(plant, arm=with_load(arm(), 2.8, np.array([0.05, -0.06, 0.1])))
     found = whole_arm(log_of(wrong, motion), arm(), lowpass=LOWPASS)
     told = only(found, PAYLOAD)
     assert (told.pair, told.members) == (MASS_AT_END, (PAYLOAD, "mass of the last link"))
     values = {what: value.value for what, value in told.parameters}
-    assert values["mass"] == pytest.approx(0.5, abs=0.003)
-    assert values["moment z"] == pytest.approx(0.025, abs=0.002)
+    assert values["mass"] == pytest.approx(2.8, abs=0.02)
+    moments = [values[f"moment {axis}"] for axis in "xyz"]
+    assert moments == pytest.approx([0.14, -0.168, 0.28], abs=0.005)
     assert "last link" in told.statement
     friction_is_right(found)
 

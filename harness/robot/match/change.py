@@ -42,10 +42,12 @@ class Change:
     joints: tuple[str, ...]
 
 
-def mended(sampled: Sampled, arm: Arm, shares: FloatArray) -> tuple[Sampled, tuple[Change, ...]]:
-    """The log with the changes by which the model explains it, and these; as it is where none do.
+def mended(
+    sampled: Sampled, arm: Arm, shares: FloatArray, rival: FloatArray | None = None
+) -> tuple[Sampled, tuple[Change, ...]]:
+    """The log with the changes by which the model explains it, and these; as it is where none do, or a rival as well.
 
-    shares (k,) : unexplained of each joint's torque as it is.
+    shares, rival (k,) : unexplained of each joint's torque as it is, and with another explanation than a change.
     """
     found: list[Change] = []
     other, now = sampled, _score(shares)
@@ -56,10 +58,10 @@ def mended(sampled: Sampled, arm: Arm, shares: FloatArray) -> tuple[Sampled, tup
             break
         change = min(tried, key=lambda one: one[0])[1]
         change, changed = _refined(change, other, thin, arm)
-        after = _score(unexplained(changed, arm))
-        if now - after < WORTH:
+        then = _score(unexplained(changed, arm))
+        if now - then < WORTH:
             break
-        other, now = changed, after
+        other, now = changed, then
         found.append(change)
     zeros = [change for change in found if change.option == "--offset"]
     if len(zeros) > 1:
@@ -68,7 +70,8 @@ def mended(sampled: Sampled, arm: Arm, shares: FloatArray) -> tuple[Sampled, tup
             name, i = change.joints[0], [one.joints for one in found].index(change.joints)
             more, other = _refined(_zero(name, 0.0), other, _thin(other), arm)
             found[i] = _zero(name, _offset(found[i]) + _offset(more))
-    if not found or float(np.max(unexplained(other, arm))) > MENDED:
+    after = unexplained(other, arm)
+    if not found or float(np.max(after)) > MENDED or (rival is not None and _score(rival) <= _score(after)):
         return sampled, ()
     return other, tuple(found)
 

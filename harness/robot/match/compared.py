@@ -116,10 +116,11 @@ def compare(arm: Arm, log: JointLog, gains: Mapping[str, float] = MappingProxyTy
     joints = _looked_at(sampled, arm)
     shares = unexplained(sampled, arm)
     if _strange(joints) or _some_turned(joints) or float(np.max(shares)) > LARGE_SHARE.value:
-        other, changes = mended(sampled, arm, shares)
+        heavier = with_load_of(sampled, arm)
+        # a load turns torques as a zero offset does: whichever explains more
+        other, changes = mended(sampled, arm, shares, None if heavier is None else unexplained(sampled, heavier))
         if changes:
             return _judged(_looked_at(other, arm), changes, gains)
-        heavier = with_load_of(sampled, arm)
         if heavier is not None and _judged(_looked_at(sampled, heavier), (), gains).fits(""):
             # a load that the model has not is named later, and is no mismatch
             return Compared(tuple(_match(one, (), {}, "", (), "") for one in joints))

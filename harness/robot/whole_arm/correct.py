@@ -53,14 +53,16 @@ def solve(log: JointLog, arm: Arm, joints: Sequence[str] | None, lowpass: float 
         rest = _rest(model)
         if not model.again and (steady or not rest):
             break
-        # what is left of a correction is taken up once more
+        # what is left of a correction is taken up once more, by itself: it is no other error beside
         steady = 0 if model.again else steady + 1
         for name, numbers in rest.items():
             applied[name] = applied.get(name, np.zeros(numbers.size)) + numbers
         forced = [one for one in model.chosen if one.named.candidate.name in CORRECTED]
         now, late = _corrected(arm, applied)
         problem = prepare(differentiate(log, now, names, everything.band.lowpass, late), now, known)
-        model = search(problem.parts, problem.candidates, problem.filtered.t, forced)
+        keys = {one.named.candidate.key for one in forced}
+        offered = [one for one in problem.candidates if steady or one.key in keys]
+        model = search(problem.parts, offered, problem.filtered.t, forced)
     return Solved(model, problem, first, applied, still)
 
 

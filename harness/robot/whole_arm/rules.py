@@ -200,8 +200,8 @@ AT_EDGE = Rule(
 )
 MASS_SPREAD = Rule("mass-spread", 0.1, "1", "masses of the model are expected to be right to this share",
                    "masses of published models differ from weighed ones by so much")  # fmt: skip
-MOMENT_SPREAD = Rule("moment-spread", 0.05, "kg m", "a load is expected so near to the last body's centre of mass",
-                     "half a kilogram at ten centimetres")  # fmt: skip
+MOMENT_SPREAD = Rule("moment-spread", 0.3, "kg m", "a load is expected so near to the last body's centre of mass",
+                     "load-spread (3 kg) at the ten centimetres of a gripper or tool")  # fmt: skip
 LOAD_SPREAD = Rule("load-spread", 3.0, "kg", "loads of this size are expected", "what arms of 20 kg carry")
 GAIN_SPREAD = Rule("gain-spread", 0.2, "1", "scales of torque are expected to be right to this share",
                    "motor constants fall by so much when hot")  # fmt: skip
