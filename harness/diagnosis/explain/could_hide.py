@@ -67,7 +67,7 @@ def said(numbers: Mapping[str, Quantity], hidden: tuple[Hidden, ...]) -> tuple[s
     if not largest:
         return ()
     laws = " or ".join(f"{h.name} with {h.number} up to {h.most:.2g} {h.unit}".removesuffix(" 1") for h in largest)
-    return (f"adequate, but {laws} could hide in it: beside each number stands what that could shift it by",)
+    return (f"{laws} could hide in it: beside each number stands what that could shift it by",)
 
 
 def _of_fit(one: Fit, base: Fit, problem: Problem) -> Hidden | None:

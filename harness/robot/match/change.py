@@ -41,6 +41,18 @@ class Change:
     said: str
     joints: tuple[str, ...]
 
+    def beside(self, others: Sequence["Change"]) -> "Change":
+        """Said with others by which the model explains the log as well."""
+        if not others:
+            return self
+        more = ", ".join(f"or {one.said} ({one.option} {one.value})" for one in others)
+        return replace(self, said=f"{self.said}, {more}: the log does not tell which")
+
+
+def worth_trying(shares: FloatArray) -> bool:
+    """Whether so much of joints' torques (k,) is unexplained that a change could be worth it."""
+    return _score(shares) - _score(np.zeros_like(shares)) > WORTH
+
 
 def mended(
     sampled: Sampled, arm: Arm, shares: FloatArray, rival: FloatArray | None = None
@@ -56,13 +68,17 @@ def mended(
         tried = [(_score(unexplained(one, arm)), change) for change, one in _changes(thin, arm)]
         if not tried:
             break
-        change = min(tried, key=lambda one: one[0])[1]
+        best, change = min(tried, key=lambda one: one[0])
         change, changed = _refined(change, other, thin, arm)
-        then = _score(unexplained(changed, arm))
-        if now - then < WORTH:
+        left = unexplained(changed, arm)
+        if now - _score(left) < WORTH:
             break
-        other, now = changed, then
-        found.append(change)
+        near = {(one.option, one.joints): one for score, one in tried if score - best < WORTH}
+        near.pop((change.option, change.joints))
+        twins = [_refined(one, other, thin, arm) for one in near.values()]
+        alike = [one for one, log in twins if float(np.max(unexplained(log, arm) - left)) < _FLOOR]
+        other, now = changed, _score(left)
+        found.append(change.beside(alike))
     zeros = [change for change in found if change.option == "--offset"]
     if len(zeros) > 1:
         # each was found beside the error of those found after it

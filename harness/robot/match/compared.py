@@ -10,8 +10,8 @@ import numpy as np
 from harness.core.arrays import FloatArray
 from harness.core.robot.joint_log import JointLog
 from harness.robot.arm import Arm
-from harness.robot.match.change import Change, mended, with_load_of
-from harness.robot.match.rules import BY_FRICTION, CORRELATED, LARGE_SHARE, LARGEST_SCALE, UNIT_NEAR
+from harness.robot.match.change import Change, mended, with_load_of, worth_trying
+from harness.robot.match.rules import BY_FRICTION, CORRELATED, LARGEST_SCALE, UNIT_NEAR
 from harness.robot.match.sampled import FEWEST, SURE, Sampled, Slope, loss, slope, unexplained
 
 UNITS: Mapping[str, float] = {
@@ -81,8 +81,11 @@ class _Joint:
     @property
     def turned(self) -> bool:
         """Whether the torque's sign is the other one: against the model, and friction would drive."""
-        if self.told:
-            return self.against and self.lost < SURE * self.lost_error
+        return self.against and self.lost < SURE * self.lost_error if self.told else self.driving
+
+    @property
+    def driving(self) -> bool:
+        """Whether friction surely drives, which none does."""
         return self.lost < -SURE * self.lost_error
 
     @property
@@ -115,13 +118,14 @@ def compare(arm: Arm, log: JointLog, gains: Mapping[str, float] = MappingProxyTy
         return Compared(())
     joints = _looked_at(sampled, arm)
     shares = unexplained(sampled, arm)
-    if _strange(joints) or _some_turned(joints) or float(np.max(shares)) > LARGE_SHARE.value:
+    if _strange(joints) or _some_turned(joints) or worth_trying(shares):
         heavier = with_load_of(sampled, arm)
         # a load turns torques as a zero offset does: whichever explains more
         other, changes = mended(sampled, arm, shares, None if heavier is None else unexplained(sampled, heavier))
         if changes:
             return _judged(_looked_at(other, arm), changes, gains)
-        if heavier is not None and _judged(_looked_at(sampled, heavier), (), gains).fits(""):
+        loaded = () if heavier is None else _looked_at(sampled, heavier)
+        if loaded and not any(one.driving for one in loaded) and _judged(loaded, (), gains).fits(""):
             # a load that the model has not is named later, and is no mismatch
             return Compared(tuple(_match(one, (), {}, "", (), "") for one in joints))
     return _judged(joints, (), gains)

@@ -17,13 +17,6 @@ BY_FRICTION = Rule(
     "friction explains a joint's torque, so that it need not follow the model's",
     "a judgement: the rest is what a motor's ripple and the noise of a current are",
 )
-LARGE_SHARE = Rule(
-    "large-share",
-    0.1,
-    "share",
-    "where neither friction nor the model explains so much of a joint's torque, zeros, axes and names are tried",
-    "a judgement: it costs a second, and what is tried counts only where it leaves half of this of no joint",
-)
 LARGEST_SCALE = Rule(
     "largest-scale",
     2.0,

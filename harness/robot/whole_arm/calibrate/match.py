@@ -1,11 +1,13 @@
 """python -m harness.robot.whole_arm.calibrate.match --draws N: logs that do not go together with their model.
 
 Each log of the plant is compared as it is, and changed in every way below. Right is an answer whose option undoes the
-change: with the columns that it gives, the log is the one before, up to a degree and a tenth of a scale.
+change: with the columns that it gives, the log is the one before, up to a degree and a tenth of a scale. Where two
+changes do the same to this arm, both are said, and one of them has to.
 """
 
 import argparse
 import math
+import re
 import sys
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -179,7 +181,9 @@ def main(argv: Sequence[str] | None = None) -> int:
         for name, kind in KINDS.items():
             changed = kind(rng, q, u)
             found = compare(arm, _of(log, changed.q, changed.u))
-            count.setdefault(name, []).append(changed.right(_options(found.option)))
+            twins = re.findall(r"\((--\S+ \S+)\)", found.statement)
+            undone = any(changed.right(_options(option)) for option in (found.option, *twins))
+            count.setdefault(name, []).append(undone)
         found = compare(_another(rng, seven_joints()), log)
         count.setdefault("another robot, refused", []).append(bool(found.statement))
     for name, right in count.items():
