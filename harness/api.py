@@ -87,7 +87,7 @@ def identify(
     from harness.app.identify.identify import deliver, result_of
 
     found = _recording(recording)
-    return result_of(found, restoring=restoring) if out is None else deliver(found, Path(out), restoring=restoring)
+    return result_of(found, restoring=restoring)[0] if out is None else deliver(found, Path(out), restoring=restoring)
 
 
 def compare(

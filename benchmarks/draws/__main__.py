@@ -2,7 +2,8 @@
 
 KIND: pairs (two effects that hide in a free decay), sensor-pairs (one of them a sensor's), together (repetitions of one
 rig, each with a zero of its own), simulations (a right simulation by MuJoCo beside a recording), wrong-simulations (one
-parameter of it is wrong).
+parameter of it is wrong), FAULT:COMMAND (a recording at rest, or with a fault that is to be told, by each command),
+whole (recordings against which nothing is to be said).
 """
 
 import argparse
@@ -11,7 +12,7 @@ import time
 from collections.abc import Sequence
 from functools import partial
 
-from benchmarks.draws import pairs, simulations, together
+from benchmarks.draws import faults, pairs, simulations, together
 from benchmarks.draws.shared import Draw, interval
 
 KINDS: dict[str, Draw] = {
@@ -20,6 +21,12 @@ KINDS: dict[str, Draw] = {
     "together": together.answer,
     "simulations": partial(simulations.answer, wrong=False),
     "wrong-simulations": partial(simulations.answer, wrong=True),
+    "whole": faults.whole,
+    **{
+        f"{fault}:{command}": partial(faults.answer, fault=fault, command=command)
+        for fault in faults.FAULTS
+        for command in faults.COMMANDS
+    },
 }
 
 

@@ -1,19 +1,23 @@
 """Whether two matched traces differ by more than their noise, and where."""
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
 
+from harness.core.errors import InputError
 from harness.core.recording import Recording
 from harness.diagnosis.alignment.consistency import Consistency, consistency
 from harness.diagnosis.alignment.match import Match, match, swing_of
+from harness.diagnosis.baseline.residual_noise import residual_noise
+from harness.diagnosis.baseline.swing_seen import motion_evidence
 from harness.diagnosis.explain.locate import Place, locate
 from harness.diagnosis.motion import motion_of
 from harness.diagnosis.residual_tests.cleaned import isolated
 from harness.diagnosis.residual_tests.lack_of_fit import LackOfFit, lack_of_fit
-from harness.diagnosis.rules import ONE_CHANNEL, TRACES_LOUD, TRACES_STRUCTURE
+from harness.diagnosis.rules import DECISIVE, ONE_CHANNEL, TRACES_LOUD, TRACES_STRUCTURE
 
 
 @dataclass(frozen=True, slots=True)
@@ -53,13 +57,15 @@ def compared(sim: Recording, real: Recording, shift: float | None = None) -> Com
     judged = dict(found.whitened)
     if found.interpolated:
         judged = {c: np.where(isolated(r), 0.0, r) for c, r in judged.items()}
-    loud = {c: float(np.mean(np.square(r))) for c, r in judged.items()}
+    loud = {c: min(float(np.mean(np.square(r))), _over_own(found, c)) for c, r in judged.items()}
     # a trace in which nothing swings has no channels to hold against each other
     checks = (
         consistency(sim.t, sim.channels, found.found[0], swing_of(sim), sim.angular),
         consistency(real.t, real.channels, found.found[1], found.omega, real.angular),
     )
     same = Comparison(found, doubted, loud, (), checks)
+    if same.verdict == "same within noise":
+        _refuse_rest(found, sim.file, real.file)
     if same.verdict != "different":
         return same
     located = locate(judged, found.t, motion, unit="rad" if real.angular else "m")
@@ -68,6 +74,28 @@ def compared(sim: Recording, real: Recording, shift: float | None = None) -> Com
         Place(whole, "throughout", "the whole of both traces", 1.0, 0.0),
     )
     return Comparison(found, doubted, loud, places, checks)
+
+
+def _over_own(found: Match, channel: str) -> float:
+    """Mean square of a difference over the noise that short windows of itself show.
+
+    A trace of some hundred samples tells its noise to a factor of two in power; what two traces leave of each other is
+    far smoother than either, and tells it better.
+    """
+    left = found.difference[channel]
+    own = residual_noise(found.t, left, found.real[channel], 2.0 * math.pi / found.omega)
+    return float(np.mean(np.square(own.whitened(left))))
+
+
+def _refuse_rest(found: Match, sim: str, real: str) -> None:
+    """Raise InputError where the first trace says no more of the second than that it is at rest: nothing is compared.
+
+    Shift and rate were fitted, and each channel has a level and a size.
+    """
+    numbers = 2 + 2 * len(found.real)
+    if motion_evidence(found.real, found.difference, numbers) < DECISIVE.value:
+        what = f"no motion in common: noise about a level explains it as well as {sim} does"
+        raise InputError(real, what, "two traces in which something moves are accepted")
 
 
 def _channel_alone(loud: Mapping[str, float], whole: tuple[tuple[float, float], ...]) -> tuple[Place, ...]:

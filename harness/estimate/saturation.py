@@ -71,6 +71,23 @@ def saturated(t: FloatArray, y: FloatArray, noise: Noise) -> BoolArray:
     return found
 
 
+def limits(t: FloatArray, y: FloatArray, noise: Noise) -> tuple[float, ...]:
+    """Ends of the range at which a sensor of acceleration stood; none where it did not. y, t as for ``saturated``.
+
+    An acceleration neither rests at its extremes nor comes to them slowly: friction makes it jump there. So where noise
+    is seen in more than steps, equal extreme values one after another are the sensor's. Reversals lie beyond them.
+    """
+    if noise.step > 0.0 or not noise.found:
+        return tuple(np.unique(y[saturated(t, y, noise)]).tolist())
+    return tuple(end for end in (float(y.min()), float(y.max())) if next(_runs(y == end), None) is not None)
+
+
+def limit_said(ends: Sequence[float], angular: bool) -> str:
+    """That an acceleration's sensor stood at these ends, in words."""
+    unit = "rad/s^2" if angular else "m/s^2"
+    return f"acceleration stops at {' and '.join(f'{end:.4g}' for end in ends)} {unit}, as a sensor at its limit does"
+
+
 def _runs(at: BoolArray) -> Iterator[tuple[int, int]]:
     """Begin and end of the runs that are long enough."""
     edges = np.flatnonzero(np.diff(np.concatenate(([False], at, [False])).astype(np.int8)))

@@ -5,6 +5,7 @@ from typing import Literal
 from pydantic import Field
 
 from harness.results.common import Machine, P, RecordingInfo, Result
+from harness.results.diagnosis import FitResult
 from harness.results.run import Estimates
 
 Swing = Literal["spring", "pendulum"]
@@ -19,6 +20,9 @@ class IdentifyResult(Result):
     estimates: dict[str, Estimates]
     sensor_phase_rad: P
     restoring: Swing = Field(default="spring", description="a pendulum is read as the spring that it would be")
+    baseline: FitResult | None = Field(
+        default=None, description="viscous and Coulomb friction fitted to all channels at once, as a diagnosis has it"
+    )
     warnings: list[str]
     command: str = Field(default="", description="the line that makes it again")
     machine: Machine

@@ -6,8 +6,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from harness.app.identify.identify import estimate, result_of
+from harness.app.identify.identify import result_of
 from harness.app.run.run import RunOptions, run
+from harness.app.shared.estimates import estimate
 from harness.core.errors import InputError
 from harness.core.recording import Recording
 from harness.kernels.solve import solve
@@ -62,7 +63,7 @@ def test_an_angle_is_asked_for_and_the_result_says_how_it_was_read() -> None:
     plain = swing(0.5, 3)
     with pytest.raises(InputError, match="holds no angle"):
         estimate(Recording(plain.t, plain.channels, "cart.csv"), "pendulum")
-    result = result_of(plain, restoring="pendulum")
+    result, _ = result_of(plain, restoring="pendulum")
     assert result.restoring == "pendulum"
     assert result.estimates["displacement"].x_k.unit == "rad"
     assert any(line.startswith("Read as a pendulum") for line in result.warnings)

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from harness.app.identify.identify import estimate
+from harness.app.shared.estimates import estimate
 from harness.core.arrays import FloatArray
 from harness.core.errors import InputError
 from harness.core.recording import Recording

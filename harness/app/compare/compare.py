@@ -23,6 +23,7 @@ from harness.diagnosis.alignment.one_kind import of_one_kind
 from harness.diagnosis.alignment.pair import Clock
 from harness.diagnosis.comparison import Comparison, compared
 from harness.diagnosis.fit.rmse import percent_followed
+from harness.estimate.saturation import limit_said, limits
 from harness.io.options import ReadOptions
 from harness.io.store import output_folder
 from harness.results.common import P
@@ -121,7 +122,7 @@ def result_of(
         machine=this_machine(),
         outputs=outputs or {},
     )
-    said = compare_sentences(result, _limits(comparison, real))
+    said = compare_sentences(result, _limits(comparison, sim, real))
     return result.model_copy(update={"sentences": said}), found
 
 
@@ -152,10 +153,14 @@ def _largest(found: Match, angular: bool) -> Largest:
     return Largest(channel=c, value=float(apart[i]), unit=(ANGULAR if angular else UNITS)[c], time_s=float(found.t[i]))
 
 
-def _limits(comparison: Comparison, real: Recording) -> list[str]:
+def _limits(comparison: Comparison, sim: Recording, real: Recording) -> list[str]:
     """What limits the comparison, in sentences."""
     found = comparison.match
     said = [comparison.doubted.sentence] if comparison.verdict == "same within noise" else []
+    for name, trace, noise in zip(names_of(sim.file, real.file), (sim, real), found.found, strict=True):
+        # beside another channel their pair says so
+        if "a" in trace and len(noise) == 1 and (ends := limits(trace.t, trace["a"], noise["a"])):
+            said.append(f"{name}: {limit_said(ends, trace.angular)}")
     silent = [c for c, noise in found.noise.items() if not noise.found]
     if silent and not found.identical:
         said.append(f"no noise was found in {', '.join(silent)}: 1e-5 of the channel's rms is taken for it")

@@ -5,7 +5,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from harness.app.identify.identify import estimate
+from harness.app.shared.estimates import estimate
 from harness.core.errors import InputError
 from harness.core.quantity import Quantity
 from harness.core.recording import Recording

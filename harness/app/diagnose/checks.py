@@ -1,5 +1,6 @@
 """Recordings that cannot be diagnosed, refused with the reason; and units that look wrong, said in a sentence."""
 
+import shlex
 from collections.abc import Sequence
 
 import numpy as np
@@ -15,8 +16,8 @@ _SWING = 0.03
 """Smallest swing that counts as a half-cycle, as a share of the channel's range."""
 _RAIL, _RAILS = 0.15, 0.6
 """Share of the samples at each end of a saturated channel's range, and at both together."""
-_SUSPECT = 3.0
-"""Ratio of one channel to the derivative of another from which a unit is doubted rather than a gain."""
+_SUSPECT = 1.1
+"""Ratio of one channel to the derivative of another from which it is told: calibrations are better than a tenth."""
 
 
 def half_cycles(y: FloatArray, sigma: float) -> int:
@@ -73,13 +74,21 @@ def _refuse_mixed_units(recording: Recording) -> None:
             raise InputError(recording.file, found, "both as angles or both as lengths is accepted")
 
 
-def refuse_unrelated(file: str, found: Sequence[Consistency]) -> tuple[str, ...]:
-    """Raise InputError for channels that are not of one motion; sentences on units that look wrong."""
+def refuse_unrelated(recording: Recording, found: Sequence[Consistency]) -> tuple[str, ...]:
+    """Raise InputError for channels that are not of one motion; sentences on units and scales that look wrong."""
     said = []
     for one in found:
         if not one.related:
-            pair = " and ".join(one.pair)
-            raise InputError(f"{file}: channels {pair}", one.sentence, "channels of one motion are accepted")
-        if one.gain.value is not None and max(one.gain.value, 1.0 / one.gain.value) > _SUSPECT:
+            accepted = _turned(recording, one.pair[1]) if one.mirrored else "channels of one motion are accepted"
+            raise InputError(f"{recording.file}: channels {' and '.join(one.pair)}", one.sentence, accepted)
+        gain = one.gain.value
+        if gain is not None and not one.consistent and max(gain, 1.0 / gain) > _SUSPECT:
             said.append(one.sentence)
     return tuple(said)
+
+
+def _turned(recording: Recording, channel: str) -> str:
+    """What to paste so that a channel has the other sign."""
+    columns = {c: f"-1*{of}" if c == channel else of for c, of in recording.columns.items()}
+    told = ",".join(f"{c}={of}" for c, of in columns.items()) or f"{channel}=-1*{channel}"
+    return f"try: --columns {shlex.quote(told)}"

@@ -15,6 +15,7 @@ from harness.diagnosis.pooling.own import SAID
 from harness.diagnosis.problem import Problem
 from harness.engines import model_files
 from harness.io.store import write_text
+from harness.kernels.solve import Scales
 from harness.model.document import to_document
 from harness.model.model import Model
 
@@ -22,13 +23,16 @@ from harness.model.model import Model
 def simulated(recording: Recording, outcome: Outcome) -> tuple[Trajectory, Trajectory]:
     """Motion of both models at every time of the recording; extra "shown x" and the like: what their sensors show."""
     whole = outcome.problem.at_every_sample(recording.t, recording.channels)
-    return _motion("baseline", outcome.base.model, whole, outcome), _motion(
-        "refined", outcome.refined.model, whole, outcome
+    scales = outcome.scales
+    return (
+        motion_of("baseline", outcome.base.model, whole, scales),
+        motion_of("refined", outcome.refined.model, whole, scales),
     )
 
 
-def _motion(name: str, model: Model, whole: Problem, outcome: Outcome) -> Trajectory:
-    seen = observe(model, whole, (), outcome.scales)
+def motion_of(name: str, model: Model, whole: Problem, scales: Scales) -> Trajectory:
+    """A model's motion at every time of a problem, with what its sensors show as extra "shown x" and the like."""
+    seen = observe(model, whole, (), scales)
     extra = {f"shown {channel}": values for channel, values in seen.y.items()}
     return Trajectory(
         whole.t, seen.x, seen.v, seen.a, Source("reference", name), mode=seen.mode, extra=extra, events=seen.events

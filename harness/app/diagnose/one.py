@@ -12,7 +12,7 @@ from harness.app.diagnose.attribution import Configured
 from harness.app.diagnose.files import of_first_alone, runs_of, simulated, write_model, write_trace_csv
 from harness.app.diagnose.mismatch import left_over
 from harness.app.diagnose.options import DiagnoseOptions
-from harness.app.diagnose.problem import prepared
+from harness.app.diagnose.problem import errors_of, prepared
 from harness.app.diagnose.result import result_of
 from harness.app.diagnose.show import write_diagnosis_page, write_diagnosis_trace
 from harness.app.diagnose.validation import validated, validation
@@ -22,7 +22,6 @@ from harness.app.shared.journal import journal
 from harness.app.shared.progress import SILENT, Progress
 from harness.app.shared.reading import read_as
 from harness.app.shared.thinned import thinned
-from harness.core.errors import InputError, SimulationError
 from harness.core.recording import Recording
 from harness.core.telling import listening
 from harness.core.trajectory import Trajectory
@@ -83,7 +82,7 @@ def investigate(
     progress("base fit and search", 1, STEPS)
     recording = thinned(recording)
     # a fit tries values far out, sees that they overflow, and turns back: nothing to tell anybody
-    with np.errstate(over="ignore", invalid="ignore"), listening(progress), _of(recording):
+    with np.errstate(over="ignore", invalid="ignore"), listening(progress), errors_of(recording):
         ready = prepared(recording, options)
         other, user = validation(recording, options), Configured.of(options, recording)
         outcome = conclude(ready.problem, None if other is None else other.judge, options.seconds)
@@ -95,19 +94,6 @@ def investigate(
     own = user.motion(outcome, outcome.problem.at_every_sample(recording.t, recording.channels))
     motions = (*simulated(recording, outcome), *(() if own is None else (own,)))
     return Diagnosed(recording, outcome, motions, result)
-
-
-@contextmanager
-def _of(recording: Recording) -> Iterator[None]:
-    """What could not be simulated, as an error of its recording that says what else may be asked."""
-    try:
-        yield
-    except InputError as error:
-        where = recording.file if error.where == "recording" else error.where
-        raise InputError(where, error.found, error.accepted) from error
-    except SimulationError as error:
-        accepted = "a part of it (--from, --to), or another --restoring or --zero, may be accepted"
-        raise SimulationError(f"{recording.file}: {error}; {accepted}") from error
 
 
 def diagnose(

@@ -1,10 +1,12 @@
 """A recording made ready to be diagnosed, or refused with the reason."""
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 
 from harness.app.diagnose.checks import refuse, refuse_few, refuse_unrelated
 from harness.app.diagnose.options import DiagnoseOptions
-from harness.core.errors import InputError
+from harness.core.errors import InputError, SimulationError
 from harness.core.recording import Recording
 from harness.diagnosis.alignment.consistency import Consistency, consistency
 from harness.diagnosis.baseline.base_fit import dominant_frequency
@@ -47,4 +49,17 @@ def prepared(recording: Recording, options: DiagnoseOptions) -> Prepared:
     channels = (
         consistency(problem.t, problem.channels, problem.noise, omega, problem.angular) if 0.0 < omega < 1e300 else ()
     )
-    return Prepared(problem, notes, refuse_unrelated(recording.file, channels), channels)
+    return Prepared(problem, notes, refuse_unrelated(recording, channels), channels)
+
+
+@contextmanager
+def errors_of(recording: Recording) -> Iterator[None]:
+    """What could not be simulated, as an error of its recording that says what else may be asked."""
+    try:
+        yield
+    except InputError as error:
+        where = recording.file if error.where == "recording" else error.where
+        raise InputError(where, error.found, error.accepted) from error
+    except SimulationError as error:
+        accepted = "a part of it (--from, --to), or another --restoring or --zero, may be accepted"
+        raise SimulationError(f"{recording.file}: {error}; {accepted}") from error

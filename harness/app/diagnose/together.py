@@ -132,7 +132,7 @@ def _prepared(recordings: Sequence[Recording], options: DiagnoseOptions) -> Prep
         omega = dominant_frequency(alone.t, next(iter(alone.channels.values())))
         if 0.0 < omega < 1e300:
             found = consistency(alone.t, alone.channels, alone.noise, omega, alone.angular)
-            warnings += [f"{one.file}: {said}" for said in refuse_unrelated(one.file, found)]
+            warnings += [f"{one.file}: {said}" for said in refuse_unrelated(one, found)]
             channels = channels or found
     return Prepared(problem, notes, tuple(warnings), channels)
 

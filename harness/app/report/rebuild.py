@@ -63,10 +63,9 @@ def _run_again(stored: StoredTrace, data: Any, page: Path) -> RunResult:
 
 def _identify_again(stored: StoredTrace, data: Any, page: Path) -> IdentifyResult:
     kept = IdentifyResult.model_validate(data)
-    result = result_of(stored.recordings[0], kept.command, kept.files, kept.restoring).model_copy(
-        update={"machine": kept.machine}
-    )
-    write_recording_page(page, result, stored.recordings[0])
+    result, base = result_of(stored.recordings[0], kept.command, kept.files, kept.restoring)
+    result = result.model_copy(update={"machine": kept.machine})
+    write_recording_page(page, result, stored.recordings[0], base.motion)
     return result
 
 

@@ -1,9 +1,18 @@
-"""Estimates of the estimators' room in the form of the results."""
+"""The estimators on a recording, and their estimates in the form of the results."""
 
 from collections.abc import Container, Mapping
+from dataclasses import replace
 
+import numpy as np
+
+from harness.app.shared.pendulum import as_spring
+from harness.core.errors import InputError
+from harness.core.recording import Recording
+from harness.estimate.believed import believed, without_limited
+from harness.estimate.every import estimate_all
 from harness.estimate.result import Estimate, Estimation
 from harness.results.common import P
+from harness.results.identify import Swing
 from harness.results.run import Estimates
 
 
@@ -35,3 +44,35 @@ def why_no_decay(methods: Mapping[str, Estimate], channels: Container[str]) -> s
     if any(estimate.zeta.value is not None and estimate.x_k.value is not None for estimate in tried):
         return None
     return "; ".join(dict.fromkeys(estimate.x_k.why or "" for estimate in tried))
+
+
+FREE = "a free decay of at least three half-cycles is accepted"
+
+
+def estimate(recording: Recording, restoring: Swing = "spring") -> Estimation:
+    """The estimates from a recording; a pendulum is read as the spring that it would be.
+
+    Samples at which a sensor stood at the end of its range, or that stray, are left out, and a warning says so.
+
+    Raises InputError with the reason when it is driven, or shows no free decay.
+    """
+    refuse_driven(recording)
+    recording, unused = without_limited(recording)
+    recording, beyond = believed(recording, ("x", "v"))
+    beyond = (*unused, *beyond)
+    if restoring == "pendulum":
+        recording = as_spring(recording)
+    x, v, a = (recording.channels.get(name) for name in ("x", "v", "a"))
+    estimation = estimate_all(recording.t, x, v, a, unit="rad" if recording.angular else "m")
+    why = why_no_decay(estimation.methods, recording.channels)
+    if why is not None:
+        raise InputError(recording.file, f"no estimate is possible: {why}", FREE)
+    return replace(estimation, warnings=(*beyond, *estimation.warnings)) if beyond else estimation
+
+
+def refuse_driven(recording: Recording) -> None:
+    """Raise InputError when a measured force acts: that is no free decay."""
+    if "u" in recording and np.any(recording["u"] != 0.0):
+        largest = float(np.max(np.abs(recording["u"])))
+        found = f"a driven recording (a force of up to {largest:.3g} N acts), which is no free decay"
+        raise InputError(f"{recording.file}: channel u", found, FREE)

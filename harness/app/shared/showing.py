@@ -61,10 +61,12 @@ def _reversals(result: IdentifyResult) -> list[tuple[float, str]]:
     return []
 
 
-def write_recording_page(path: Path, result: IdentifyResult, recording: Recording) -> None:
-    """Write the page of a recording; raises StoreError."""
+def write_recording_page(
+    path: Path, result: IdentifyResult, recording: Recording, fitted: Trajectory | None = None
+) -> None:
+    """Write the page of a recording; fitted : the base model's motion. Raises StoreError."""
     data = result.model_dump(mode="json", by_alias=True)
-    write_report(path, *identify_title(data), identify_sections(recording, data, result.command))
+    write_report(path, *identify_title(data), identify_sections(recording, data, result.command, fitted))
 
 
 def write_joint_page(

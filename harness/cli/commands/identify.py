@@ -73,12 +73,18 @@ def _print(result: "IdentifyResult") -> None:
     refused = []
     for method, estimate in result.estimates.items():
         numbers = (estimate.omega_n, estimate.zeta, estimate.x_k)
+        if all(number.value is None for number in numbers):
+            refused.append(f"not used: {method}: {next(number.why for number in numbers)}")
+            continue
         table.add_row(method, *(with_error(number, "rad/s") for number in numbers), str(estimate.reversals))
         reasons = dict.fromkeys(number.why for number in numbers if number.value is None and number.why)
         refused += [f"{method}: {reason}" for reason in reasons]
     show(table)
     if result.sensor_phase_rad.value is not None:
         say(f"the accelerometer leads the displacement sensor by {with_error(result.sensor_phase_rad)}")
-    for line in [*found.notes, *refused, *result.warnings]:
+    if result.baseline is not None:
+        chi2 = result.baseline.chi2_per_point
+        say(f"viscous and Coulomb friction fitted to all channels: chi2 {chi2:.3g} a point (1 is the noise)")
+    for line in [*result.warnings, *found.notes, *refused]:
         say(f"- {line}")
     say_as_it_is(f"report: {result.files['report']}")

@@ -6,7 +6,7 @@ are a least-squares line through many windows.
 """
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -15,6 +15,7 @@ from harness.core.arrays import FloatArray
 from harness.core.quantity import Quantity
 from harness.diagnosis.rules import CHANNELS_AGREE, CHANNELS_RELATED
 from harness.estimate.noise import Noise
+from harness.estimate.saturation import limit_said, limits
 from harness.fit.covariance import inverse_of
 from harness.fit.least_squares import Bounds, Until, least_squares
 
@@ -45,6 +46,8 @@ _UNITS = {
     math.radians(1.0): "pi/180",
 }
 """Factors that come of a unit taken for another."""
+_FAR = 1.1
+"""Of a gain, from which its inverse is told too."""
 _ORDER = {("x", "v"): 1, ("v", "a"): 1, ("x", "a"): 2}
 _NAMES = {"x": "displacement", "v": "velocity", "a": "acceleration"}
 _SI = {"x": "m", "v": "m/s", "a": "m/s^2"}
@@ -56,7 +59,7 @@ class Consistency:
 
     pair : ("x", "a"). gain : of the second over the derivative of the first; lag : s, by which the first is late
     against the second; offset : of the second, its unit. related : whether they move together at all. consistent :
-    gain 1, lag 0, offset 0 within three standard errors each. sentence : plainly.
+    gain 1, lag 0, offset 0 within three standard errors each. sentence : plainly. mirrored : related but for the sign.
     """
 
     pair: tuple[str, str]
@@ -66,6 +69,7 @@ class Consistency:
     related: bool
     consistent: bool
     sentence: str
+    mirrored: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -125,7 +129,22 @@ def consistency(
 ) -> tuple[Consistency, ...]:
     """Every pair of x, v, a (n,) against each other; t in s, omega of the swing in rad/s. Linear in samples."""
     pairs = [pair for pair in _ORDER if pair[0] in channels and pair[1] in channels]
-    return tuple(_pair(t, channels, noise, omega, pair, angular) for pair in pairs)
+    ends = limits(t, channels["a"], noise["a"]) if "a" in channels else ()
+    return tuple(
+        _at_limit(pair, ends, angular) if "a" in pair and ends else _pair(t, channels, noise, omega, pair, angular)
+        for pair in pairs
+    )
+
+
+def _at_limit(pair: tuple[str, str], ends: Sequence[float], angular: bool) -> Consistency:
+    """Of an acceleration whose sensor stood at its limit: a gain of what is left of it would say nothing."""
+    unit, said = _unit(pair[1], angular), limit_said(ends, angular)
+    none = Quantity.refused("1", said)
+    return Consistency(pair, none, Quantity.refused("s", said), Quantity.refused(unit, said), True, False, said)
+
+
+def _unit(channel: str, angular: bool) -> str:
+    return _SI[channel].replace("m", "rad", 1) if angular else _SI[channel]
 
 
 def _late(t: FloatArray, y: FloatArray, windows: _Windows, order: int, lag: float, further: int) -> FloatArray:
@@ -172,7 +191,7 @@ def _pair(
 ) -> Consistency:
     first, second = pair
     order = _ORDER[pair]
-    unit = _SI[second].replace("m", "rad", 1) if angular else _SI[second]
+    unit = _unit(second, angular)
     windows = _windows(t, _WINDOW * 2.0 * math.pi / omega)
     if windows.centre.size < _FEWEST:
         why = f"{windows.centre.size} windows without a gap; {_FEWEST} are needed"
@@ -195,7 +214,7 @@ def _pair(
     jumps = _jumps(t, channels[second], noise[second], windows)
     errors = _standard_errors(design, left, covariance, jumps)
     swing = y - one * (one @ y) / (one @ one)
-    related = float(left @ left) < CHANNELS_RELATED.value * float(swing @ swing) and gain > 0.0
+    related = float(left @ left) < CHANNELS_RELATED.value * float(swing @ swing)
     quantities = (
         Quantity(gain, float(errors[0]), "1"),
         Quantity(lag, float(errors[1]) / (abs(gain) or 1.0), "s"),
@@ -242,6 +261,7 @@ def _judged(pair: tuple[str, str], found: tuple[Quantity, Quantity, Quantity], r
     gain, lag, offset = found
     first, second = (_NAMES[c] for c in pair)
     value = gain.value or 0.0
+    mirrored, related = related and value < 0.0, related and value > 0.0
     factor = next((text for f, text in _UNITS.items() if abs(math.log(max(value, 1e-300) / f)) < _A_UNIT), None)
     if related and factor is not None:
         sentence = f"{second} does not match {first} by a factor of about {factor}; are the units right?"
@@ -249,10 +269,11 @@ def _judged(pair: tuple[str, str], found: tuple[Quantity, Quantity, Quantity], r
     if not related:
         opposite = " (they move against each other)" if value < 0.0 else ""
         sentence = f"{second} and {first} do not belong together{opposite}"
-        return Consistency(pair, gain, lag, offset, False, False, sentence)
+        return Consistency(pair, gain, lag, offset, False, False, sentence, mirrored)
     said = []
     if _off(gain, 1.0):
-        said.append(f"is {value:.4g} times what {first} says")
+        small = f" ({1.0 / value:.4g} times too small)" if value < 1.0 / _FAR else ""
+        said.append(f"is {value:.4g} times what {first} says{small}")
     if _off(lag, 0.0):
         said.append(f"is {'early' if (lag.value or 0.0) > 0.0 else 'late'} by {abs(lag.value or 0.0):.3g} s")
     if _off(offset, 0.0):

@@ -7,6 +7,7 @@ frequency (Box and Jenkins 1976, chapter 3).
 """
 
 import math
+from collections.abc import Mapping
 
 import numpy as np
 from scipy.optimize import minimize
@@ -36,14 +37,23 @@ def swing_evidence(base: Fit, problem: Problem) -> float:
 
     Both leave noise of unknown level and colour, fitted to what each leaves of every channel.
     """
+    left = {c: problem.even(c, y - base.shown.y[c]) for c, y in problem.channels.items()}
+    return motion_evidence(problem.channels, left, len(base.free))
+
+
+def motion_evidence(channels: Mapping[str, FloatArray], left: Mapping[str, FloatArray], numbers: int) -> float:
+    """By how much BIC prefers a motion to rest under noise of unknown level and colour.
+
+    channels (n,) : as recorded. left (n,) : what the motion leaves of each. numbers : fitted, of the motion.
+    """
     gain, samples = 0.0, 0
-    for c, y in problem.channels.items():
-        moving = _innovations(problem.even(c, y - base.shown.y[c]))
+    for c, y in channels.items():
+        moving = _innovations(left[c])
         if moving <= 0.0:
             return math.inf
         gain += y.size * math.log(_innovations(y - np.mean(y)) / moving)
         samples += y.size
-    return gain - (len(base.free) - len(problem.channels)) * math.log(samples)
+    return gain - (numbers - len(channels)) * math.log(samples)
 
 
 def _innovations(left: FloatArray) -> float:

@@ -131,3 +131,10 @@ def upright_lines(times: FloatArray) -> list[dict[str, Any]]:
         }
         for t in times
     ]
+
+
+def noise_band(level: float) -> list[dict[str, Any]]:
+    """Dashed lines at plus and minus a level of noise."""
+    line = {"color": "muted", "width": 1, "dash": "dash"}
+    place = {"type": "line", "x0": 0, "x1": 1, "xref": "paper", "line": line}
+    return [place | {"y0": level, "y1": level}, place | {"y0": -level, "y1": -level}]

@@ -21,7 +21,7 @@ from harness.show.diagnosis_scene import (
     shown,
     yours,
 )
-from harness.show.report.curves import upright_lines
+from harness.show.report.curves import noise_band, upright_lines
 from harness.show.report.figure import Figure
 from harness.show.report.identify import ANGLES, CHANNELS
 from harness.show.report.motion import GROUP, zoom_buttons
@@ -189,19 +189,13 @@ class Mismatch(_Curves):
             sigma = self.result["recording"]["noise"].get(name)
             caption = "Recording minus simulation."
             if isinstance(sigma, (int, float)):
-                shapes = [*shapes, *_noise_band(2.0 * sigma * factor)]
+                shapes = [*shapes, *noise_band(2.0 * sigma * factor)]
                 level = f"{2.0 * sigma * factor:.3g} {unit}"
                 caption = f"Recording minus simulation; dashed: two standard deviations of the noise ({level})."
             figures.append(
                 Figure(f"residual-{name}", traces, _axes(f"residual of {label}", unit, shapes), caption, GROUP, 260)
             )
         return {"figures": figures}
-
-
-def _noise_band(level: float) -> list[dict[str, Any]]:
-    line = {"color": "muted", "width": 1, "dash": "dash"}
-    place = {"type": "line", "x0": 0, "x1": 1, "xref": "paper", "line": line}
-    return [place | {"y0": level, "y1": level}, place | {"y0": -level, "y1": -level}]
 
 
 @dataclass(frozen=True)

@@ -7,11 +7,12 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from harness.core.arrays import FloatArray
+from harness.core.arrays import FloatArray, IntArray
 from harness.core.recording import Recording
+from harness.core.trajectory import Trajectory
 from harness.show.decimate import keep
 from harness.show.numbers import quantity, sentence_quantity
-from harness.show.report.curves import POINTS, upright_lines
+from harness.show.report.curves import POINTS, noise_band, upright_lines
 from harness.show.report.estimates import METHODS, QUANTITIES, cell, footnotes
 from harness.show.report.figure import Figure
 from harness.show.report.motion import GROUP, zoom_buttons
@@ -38,12 +39,18 @@ _APART = 0.006
 """Shift of each method's points, as a share of the time shown, so that bars do not hide one another."""
 
 
-def identify_sections(recording: Recording, result: Mapping[str, Any], command: str = "") -> list[Section]:
-    """Sections of a recording. result : IdentifyResult.model_dump(by_alias=True) (harness.identify/1)."""
+def identify_sections(
+    recording: Recording, result: Mapping[str, Any], command: str = "", fitted: Trajectory | None = None
+) -> list[Section]:
+    """Sections of a recording.
+
+    result : IdentifyResult.model_dump(by_alias=True) (harness.identify/1). fitted : the base model's motion, with extra
+    "shown x" and the like.
+    """
     return [
         Verdict(identify_headline(result), [*result["warnings"], *result["recording"]["notes"]]),
         Methods(result["estimates"], result["sensor_phase_rad"]),
-        Channels(recording, result["estimates"]),
+        Channels(recording, result, fitted),
         PerReversal(result["estimates"]),
         MadeWith(result["machine"], result["files"], command),
     ]
@@ -90,7 +97,13 @@ class Methods(Section):
         """What the template shows."""
         reasons: list[str] = []
         rows = []
-        for method, estimate in self.estimates.items():
+        usable = {method: one for method, one in self.estimates.items() if _usable(one)}
+        unused = {
+            method: next((one[n]["why"] for n in QUANTITIES if one[n].get("why")), "")
+            for method, one in self.estimates.items()
+            if method not in usable
+        }
+        for method, estimate in usable.items():
             cells = [cell(estimate, name, None, reasons) for name in QUANTITIES]
             rows.append(Row(method, cells, f"{estimate['reversals']} reversals"))
         units = {name: next((quantity(e[name])[2] for e in self.estimates.values()), "") for name in QUANTITIES}
@@ -105,8 +118,14 @@ class Methods(Section):
         return {
             "tables": [
                 Table("method", columns, rows, f"Below each value: one standard error. {lead}", "", footnotes(reasons))
-            ]
+            ],
+            "folded": [f"{method}: {why}" for method, why in unused.items()],
         }
+
+
+def _usable(estimate: Mapping[str, Any]) -> bool:
+    """Whether a method gives any number."""
+    return any(estimate[name]["value"] is not None for name in QUANTITIES)
 
 
 def reversal_figures(estimates: Mapping[str, Mapping[str, Any]]) -> FloatArray:
@@ -120,20 +139,21 @@ def reversal_figures(estimates: Mapping[str, Mapping[str, Any]]) -> FloatArray:
 
 @dataclass(frozen=True)
 class Channels(Section):
-    """The recording's channels with the reversals marked."""
+    """The recording's channels with the reversals marked, the base fit, and what that leaves."""
 
     template: ClassVar[str] = "motion.html.j2"
     recording: Recording
-    estimates: Mapping[str, Mapping[str, Any]]
+    result: Mapping[str, Any]
+    fitted: Trajectory | None
 
     @property
     def title(self) -> str:
         """The heading."""
-        return "The recording"
+        return "The recording and the fit" if self.fitted is not None else "The recording"
 
     def context(self) -> Mapping[str, Any]:
         """What the template shows."""
-        times = reversal_figures(self.estimates)
+        times = reversal_figures(self.result["estimates"])
         channels = list(self.recording.channels)
         chosen = keep(
             self.recording.t, [self.recording[name] for name in channels], times[:64], POINTS // (1 + len(channels))
@@ -159,8 +179,33 @@ class Channels(Section):
                 "shapes": upright_lines(times),
                 "showlegend": False,
             }
-            figures.append(Figure(f"channel-{name}", [trace], layout, "", GROUP, 300))
+            fit, residual = self._fit(name, chosen, trace, layout)
+            figures.append(Figure(f"channel-{name}", [trace, *fit], layout, "", GROUP, 300))
+            figures += residual
         return {"figures": figures, "buttons": zoom_buttons(times.tolist(), self.recording.duration), "group": GROUP}
+
+    def _fit(
+        self, name: str, chosen: IntArray, trace: Mapping[str, Any], layout: Mapping[str, Any]
+    ) -> tuple[list[dict[str, Any]], list[Figure]]:
+        """The fit of a channel as a curve, and its residual as a figure; chosen (n,) : samples that are drawn."""
+        if self.fitted is None or f"shown {name}" not in self.fitted.extra:
+            return [], []
+        _, unit, factor = (ANGLES if self.recording.angular else CHANNELS)[name]
+        at = chosen[self.recording.t[chosen] >= self.fitted.t[0]]
+        t, y = self.recording.t[at], self.recording[name][at]
+        model = np.interp(t, self.fitted.t, self.fitted.extra[f"shown {name}"])
+        line = {"color": _HUES[0], "width": 1.2}
+        fit = {**trace, "name": "viscous and Coulomb", "x": t, "y": model * factor, "line": line}
+        left = {**fit, "name": "residual", "y": (y - model) * factor}
+        title = f"residual / {f'({unit})' if '/' in unit else unit}"
+        caption, shapes = "Recording minus fit.", [*layout["shapes"]]
+        sigma = self.result["recording"]["noise"].get(name)
+        if isinstance(sigma, float):
+            level = 2.0 * sigma * factor
+            shapes += noise_band(level)
+            caption = f"Recording minus fit; dashed: two standard deviations of the noise ({level:.3g} {unit})."
+        below = {**layout, "yaxis": {"title": {"text": title}}, "shapes": shapes}
+        return [fit], [Figure(f"residual-{name}", [left], below, caption, GROUP, 220)]
 
 
 @dataclass(frozen=True)
