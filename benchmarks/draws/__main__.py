@@ -3,7 +3,8 @@
 KIND: pairs (two effects that hide in a free decay), sensor-pairs (one of them a sensor's), together (repetitions of one
 rig, each with a zero of its own), simulations (a right simulation by MuJoCo beside a recording), wrong-simulations (one
 parameter of it is wrong), FAULT:COMMAND (a recording at rest, or with a fault that is to be told, by each command),
-whole (recordings against which nothing is to be said).
+whole (recordings against which nothing is to be said), slips (a robot's joint that sticks), pastes (what is pasted of
+one that swings), and files of engines by name (cap-rk4 and others: a joint of a file as it is).
 """
 
 import argparse
@@ -12,7 +13,7 @@ import time
 from collections.abc import Sequence
 from functools import partial
 
-from benchmarks.draws import faults, pairs, simulations, together
+from benchmarks.draws import engine_cases, faults, pairs, robot_joints, simulations, together
 from benchmarks.draws.shared import Draw, interval
 
 KINDS: dict[str, Draw] = {
@@ -27,6 +28,9 @@ KINDS: dict[str, Draw] = {
         for fault in faults.FAULTS
         for command in faults.COMMANDS
     },
+    "slips": robot_joints.slips,
+    "pastes": robot_joints.pastes,
+    **{kind: partial(engine_cases.answer, kind=kind) for kind in engine_cases.KINDS},
 }
 
 
