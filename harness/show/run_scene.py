@@ -16,6 +16,7 @@ from harness.show.decimate import keep, reversal_times
 from harness.show.motion_units import SLIDES, TURNS, MotionUnits, units_of
 from harness.show.pack import pack_trajectories
 from harness.show.palette import colors
+from harness.show.sentences.words import AT_REST
 
 DRAWN = 50_000
 """Samples drawn for one source. All are stored; beyond this number the curves are decimated (harness.show.decimate)."""
@@ -29,6 +30,7 @@ RAIL = 1.15
 MODE_LOOKS = {
     "slip+": ("slips forwards", "#e4632d"),
     "stick": ("sticks", "#5b6470"),
+    "creep": ("creeps", "#b08d57"),
     "slip-": ("slips backwards", "#2b7fd6"),
 }
 _MODES = {int(Mode.SLIP_POSITIVE): "slip+", int(Mode.STICK): "stick", int(Mode.SLIP_NEGATIVE): "slip-"}
@@ -52,6 +54,8 @@ def run_scene(
     scale = _phase_scale(trajectories)
     items: list[s.Item] = []
     errors = []
+    action = scenario.get("action") or {}
+    floor = float(action["speed"]) if action.get("kind") == "Belt" else 0.0
     for trajectory, slug, color in zip(trajectories, slugs, palette, strict=True):
         label = trajectory.source.label
         chosen = keep(trajectory.t, (trajectory.x, trajectory.a), reversal_times(trajectory), DRAWN)
@@ -65,7 +69,7 @@ def run_scene(
             errors.append(error)
             items.append(s.Line(f"/error/{slug}", label, t, error * 1e3, color))
         if trajectory.mode is not None:
-            items.append(mode_lane(trajectory, f"/contact/{slug}"))
+            items.append(mode_lane(trajectory, f"/contact/{slug}", floor))
     units = units_of(scenario)
     items += reversal_marks(reference, units)
     items.append(_plane(trajectories, units))
@@ -92,12 +96,21 @@ def _slugs(trajectories: Sequence[Trajectory]) -> list[str]:
     return found
 
 
-def mode_lane(trajectory: Trajectory, path: str) -> s.Lane:
-    """Stick and slip as a lane: one state for every stretch of equal mode."""
+def mode_lane(trajectory: Trajectory, path: str, floor: float = 0.0) -> s.Lane:
+    """Stick and slip as a lane: one state for every stretch of equal mode; floor : speed of what it lies on, m/s.
+
+    Friction below its limit is no rest by itself: an engine's soft friction gives way all the while.
+    """
     assert trajectory.mode is not None
-    mode = trajectory.mode
+    mode, slip = trajectory.mode, trajectory.v - floor
     starts = np.concatenate([[0], np.flatnonzero(np.diff(mode)) + 1])
-    return s.Lane(path, trajectory.t[starts], [_MODES[int(mode[i])] for i in starts], MODE_LOOKS)
+    states = []
+    for first, end in zip(starts, [*starts[1:], mode.size], strict=True):
+        settled = slip[(first + end) // 2 : end]
+        one_way = abs(int(np.sum(np.sign(settled)))) == settled.size
+        creeps = mode[first] == Mode.STICK and one_way and float(np.median(np.abs(settled))) > AT_REST
+        states.append("creep" if creeps else _MODES[int(mode[first])])
+    return s.Lane(path, trajectory.t[starts], states, MODE_LOOKS)
 
 
 def reversal_marks(reference: Trajectory, units: MotionUnits = SLIDES) -> list[s.Item]:

@@ -12,6 +12,7 @@ import pytest
 from show_examples import SCENARIO, make_sources
 
 from harness.core.errors import HarnessError, InputError, StoreError
+from harness.core.events import Mode
 from harness.core.recording import Recording
 from harness.core.trajectory import Source, Trajectory
 from harness.show import scene
@@ -101,12 +102,19 @@ def test_the_drawn_motion_of_a_small_slider_is_magnified(sources: list[Trajector
     assert body.values[0] == pytest.approx(1.0)
 
 
-@pytest.mark.parametrize("speed", [0.0, 1e-3])
-def test_a_slider_that_rests_can_be_shown(tmp_path: Path, urdf: Path, speed: float) -> None:
+@pytest.mark.parametrize(("speed", "said"), [(0.0, "stick"), (1e-3, "creep")])
+def test_a_slider_that_rests_can_be_shown_and_one_that_creeps_is_told(
+    tmp_path: Path, urdf: Path, speed: float, said: str
+) -> None:
     t = np.linspace(0.0, 1.0, 101)
     held = Trajectory(t, np.zeros(101), np.zeros(101), np.zeros(101), Source("reference", "exact"))
-    creeping = Trajectory(t, speed * t, np.full(101, speed), np.zeros(101), Source("mujoco", "as-shipped"))
-    write_trace(tmp_path / "hold.rrd", run_scene([held, creeping], {"name": "hold-50"}, {}, "", urdf))
+    held_back = np.full(101, int(Mode.STICK), dtype=np.int8)
+    source = Source("mujoco", "as-shipped")
+    creeping = Trajectory(t, speed * t, np.full(101, speed), np.zeros(101), source, mode=held_back)
+    drawing = run_scene([held, creeping], {"name": "hold-50"}, {}, "", urdf)
+    (lane,) = (item for item in drawing.items if isinstance(item, scene.Lane))
+    assert lane.states == [said]
+    write_trace(tmp_path / "hold.rrd", drawing)
     assert len(read_trace(tmp_path / "hold.rrd").trajectories) == 2
 
 
