@@ -232,6 +232,7 @@ def test_columns_and_gain_are_taken(tmp_path: Path) -> None:
     taken = read_joint_log(csv(tmp_path / "c.csv", {"t": ONE.t, **ONE.columns()}), gain=3.0)
     np.testing.assert_allclose(taken.effort["elbow"], 3.0 * ONE.effort["elbow"], rtol=1e-12)
     assert any("logged as effort is taken as current" in note for note in taken.notes)
+    assert any("One --gain for 2 joints" in note for note in taken.notes)
 
 
 def test_an_episode_of_a_data_set_is_read(tmp_path: Path) -> None:

@@ -44,6 +44,13 @@ def test_a_slow_drift_of_another_does_not_matter() -> None:
     assert found.mode == "locked"
 
 
+def test_a_constant_column_does_not_move_whatever_its_digits_say() -> None:
+    log = excited(ARM, FRICTION, ("shoulder",), duration=5.0)
+    digits = 0.7 + 1e-16 * np.random.default_rng(1).standard_normal(log.t.size)
+    found = coupling(ARM, replace(log, position={**log.position, "elbow": digits}), "shoulder")
+    assert found.moving == ()
+
+
 def _log(**position: float) -> JointLog:
     t = np.linspace(0.0, 2.0, 200)
     return JointLog(t, {name: scale * np.sin(3.0 * t) for name, scale in position.items()}, file="log.csv")

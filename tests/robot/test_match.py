@@ -99,9 +99,18 @@ def test_the_option_mends_it_and_amperes_are_told_by_joint(motion: tuple[np.ndar
         assert not one.suspicion
 
 
-def test_another_robot_is_refused_without_an_option(motion: tuple[np.ndarray, ...], tmp_path: Path) -> None:
+STRANGE: dict[str, Change] = {
+    "another robot": (lambda q, u: (q, np.roll(u, 600, axis=0))),
+    "no torque of an arm": (lambda q, u: (q, 40.0 * np.sin(np.arange(u.size) / 11.0).reshape(u.shape))),
+}
+
+
+@pytest.mark.parametrize("change", STRANGE)
+def test_a_torque_that_nothing_explains_is_refused_without_an_option(
+    change: str, motion: tuple[np.ndarray, ...], tmp_path: Path
+) -> None:
     t, q, torque = motion
-    log = _written(tmp_path, t, q, np.roll(torque, 600, axis=0))
+    log = _written(tmp_path, t, *STRANGE[change](q, torque))
     found = harness.diagnose_joint(log, tmp_path / "arm.xml", "elbow", engines=())
     assert not found.mechanisms
     assert "does not follow the model's" in found.statement

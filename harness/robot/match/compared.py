@@ -67,7 +67,8 @@ class Compared:
 @dataclass(frozen=True, slots=True)
 class _Joint:
     """What a joint's torque says. slope : by gravity, or by inertia where that does not show. whole : by both. friction
-    : by friction alone is so large a share explained. lost, lost_error : power of friction, W."""
+    : by friction alone is so large a share explained; left : and such a share by neither friction nor the model. lost,
+    lost_error : power of friction, W."""
 
     name: str
     by: str
@@ -75,6 +76,7 @@ class _Joint:
     whole: Slope | None
     offset: float
     friction: float
+    left: float
     lost: float
     lost_error: float
 
@@ -101,7 +103,7 @@ class _Joint:
     def strange(self, scale: float) -> bool:
         """Whether the model's torque times a scale would show, and does not."""
         found = self.whole
-        if self.against and not self.turned:
+        if (self.against and not self.turned) or self.left > 1.0 - CORRELATED.value**2:
             return True
         if found is None or self.told or found.follows or self.friction > BY_FRICTION.value:
             return False
@@ -141,17 +143,18 @@ def _look(sampled: Sampled, j: int, held: FloatArray, moved: FloatArray) -> _Joi
     kept, name = sampled.moves(j), sampled.joints[j]
     u, friction, rigid = sampled.torque[kept, j], sampled.friction(j)[kept], (held + moved)[kept]
     if u.size < FEWEST or float(np.ptp(u)) == 0.0:
-        return _Joint(name, "", None, None, 0.0, 0.0, 0.0, math.inf)
+        return _Joint(name, "", None, None, 0.0, 0.0, 0.0, 0.0, math.inf)
     by, found = "gravity", slope(u, held[kept], np.column_stack((friction, moved[kept])))
     if found is None or not found.seen:
         turning = slope(u, moved[kept], np.column_stack((friction, held[kept])))
         if turning is not None and (found is None or turning.seen or turning.size > found.size):
             by, found = "inertia", turning
-    numbers = np.linalg.lstsq(np.column_stack((rigid, friction)), u, rcond=1e-10)[0]
-    left = u - friction @ np.linalg.lstsq(friction, u, rcond=1e-10)[0]
-    alone = 1.0 - float(np.var(left) / np.var(u))
+    both = np.column_stack((rigid, friction))
+    numbers = np.linalg.lstsq(both, u, rcond=1e-10)[0]
+    left = float(np.var(u - both @ numbers) / np.var(u))
+    alone = 1.0 - float(np.var(u - friction @ np.linalg.lstsq(friction, u, rcond=1e-10)[0]) / np.var(u))
     whole = slope(u, rigid, friction)
-    return _Joint(name, by if found else "", found, whole, float(numbers[-1]), alone, *loss(u, rigid, friction))
+    return _Joint(name, by if found else "", found, whole, float(numbers[-1]), alone, left, *loss(u, rigid, friction))
 
 
 def _scale(joints: Sequence[_Joint]) -> float:
