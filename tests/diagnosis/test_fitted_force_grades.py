@@ -82,6 +82,29 @@ def test_a_sound_model_leaves_no_more_than_noise(truth: Model, noise: Mapping[st
     assert over.noise == pytest.approx(base.squares / base.residual.size, rel=0.5)
 
 
+def test_beside_a_stand_friction_is_not_known() -> None:
+    """A slider that is pushed to and fro with rests: what smoothing reaches into one says nothing of friction."""
+    t = np.arange(3000) / 50.0
+    legs, stiff = np.clip(np.mod(t, 6.0) / 2.5, 0.0, 1.0), 400.0
+    eased = legs**3 * (10.0 - 15.0 * legs + 6.0 * legs**2)
+    way = np.where(np.floor(t / 6.0) % 2 == 0, eased, 1.0 - eased)
+    run = solve(Model(20.0, 3.0, stiff, 15.0), t, drive=Drive(t, stiff * way))
+    read = run.x + 1e-6 * np.random.default_rng(1).standard_normal(t.size)
+    problem = by_force(Recording(t, {"x": read, "u": stiff * (way - run.x)}))
+    _, base, _ = force_baseline(problem)
+    assert math.sqrt(base.squares / base.residual.size) < 15.0 / 30.0
+    assert base.model.m == pytest.approx(20.0, rel=0.02)
+
+
+def test_equal_readings_of_an_encoder_are_one_word() -> None:
+    t = np.arange(2000) / 250.0
+    read = 2e-3 * np.round(50.0 * np.sin(3.0 * t))
+    problem, _ = prepare(Recording(t, {"x": read, "u": np.cos(3.0 * t)}), Asked(Restoring.NONE))
+    alike = (read[1:-1] == read[:-2]) & (read[1:-1] == read[2:])
+    assert 0.1 < np.mean(alike) < 0.9
+    assert np.array_equal(problem.weight["x"][1:-1] == 0.0, alike)
+
+
 def test_a_law_whose_motion_has_nothing_to_do_with_the_recording_is_not_looked_at(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:

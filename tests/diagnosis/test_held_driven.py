@@ -11,7 +11,7 @@ from harness.diagnosis.pipeline import prepare
 from harness.diagnosis.prepare.held_driven import held_driven
 from harness.diagnosis.problems.driven import Forced
 from harness.diagnosis.request import Asked, AskedCovariate
-from harness.diagnosis.rules import ZERO_REACH
+from harness.diagnosis.rules import LARGE_ANGLE, ZERO_REACH
 from harness.kernels.solve import Drive, Solution, solve
 from harness.model.model import Model, Restoring
 
@@ -70,6 +70,18 @@ def test_a_large_swing_is_a_pendulum_wherever_it_is_measured_from(zero: float) -
     assert any(note.startswith("held by a pendulum and measured from an unknown zero") for note in notes)
     assert problem.first.offset == pytest.approx(zero, abs=0.02)
     assert problem.first.k == pytest.approx(ARM.k, rel=0.02)
+
+
+def test_a_small_swing_is_a_pendulum_where_its_motion_says_so() -> None:
+    """An encoder's scatter hides from a force of smoothed accelerations what the motion itself shows."""
+    run = solve(ARM, T, drive=Drive(T, 0.2 * U))
+    assert float(np.ptp(run.x)) < 2.0 * LARGE_ANGLE.value
+    seen = run.x + 2e-4 * np.random.default_rng(4).standard_normal(T.size)
+    for angular, held in ((True, Restoring.PENDULUM), (False, Restoring.SPRING)):
+        problem, notes = prepare(Recording(T, {"x": seen, "u": 0.2 * U}, angular=angular), Asked())
+        assert isinstance(problem, Forced)
+        assert problem.restoring is held
+        assert any("pendulum" in note for note in notes) is angular
 
 
 @pytest.mark.parametrize(

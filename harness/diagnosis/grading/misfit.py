@@ -67,8 +67,9 @@ class Misfit:
         A word is said over many samples, over which noise averages out: what it leaves beside the words is taken off.
         """
         beside = sum(self._left_by(c, n) * (1.0 - self._in_words(c, n)) for c, n in noise.items())
-        left = max(one.chi2, self.floor(noise)) - beside
-        return evidence(self.base.chi2 - beside, left, self.words, len(one.free) - len(self.base.free), cells)
+        least = self.floor(noise)
+        before, left = (max(found.chi2, least) - beside for found in (self.base, one))
+        return evidence(before, left, self.words, len(one.free) - len(self.base.free), cells)
 
     def _left_by(self, channel: str, noise: Noise) -> float:
         """What a channel's noise leaves of chi-square."""

@@ -6,7 +6,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from harness.core.arrays import BoolArray, FloatArray
+from harness.core.arrays import BoolArray, FloatArray, IntArray
 from harness.core.errors import SimulationError
 from harness.diagnosis.fit.parameters import Free, in_recording
 from harness.diagnosis.inverse_dynamics.asked import Path, asked
@@ -90,6 +90,8 @@ class Measured:
             at_rest |= np.abs(v) <= slow * math.sqrt(float(np.mean(v**2)))
             at_rest[1:] |= np.sign(v[1:]) != np.sign(v[:-1])
             at_rest = widened(at_rest, int(np.max(half)) + 1)
+        # a value there has its own reach, and two differences
+        at_rest |= widened(_stands(at_rest), half + 2)
         slides = ~at_rest[:kept].reshape(-1, BLOCK)
         whole = np.max(np.diff(t[:kept].reshape(-1, BLOCK), axis=1), axis=1) <= longest
         central = inner(t, longest, half)[:kept].reshape(-1, BLOCK)
@@ -183,8 +185,17 @@ def _least(problem: Problem, channel: str) -> float:
     return noise.sigma if noise.found else noise.step / math.sqrt(12.0)
 
 
-def widened(mask: BoolArray, reach: int) -> BoolArray:
-    """A mask (n,) with so many samples more on either side of what it holds."""
+def _stands(at_rest: BoolArray) -> BoolArray:
+    """Where at least a block of samples is at rest (n,): friction has any value there, and not that of a turn."""
+    edges = np.flatnonzero(np.diff(np.concatenate(([False], at_rest, [False])).astype(np.int8)))
+    found = np.zeros(at_rest.size, dtype=np.bool_)
+    for begin, end in edges.reshape(-1, 2):
+        found[begin:end] = end - begin >= BLOCK
+    return found
+
+
+def widened(mask: BoolArray, reach: int | IntArray) -> BoolArray:
+    """A mask (n,) with so many samples more on either side of what it holds, or (n,) as many as reach each."""
     total = np.concatenate(([0], np.cumsum(mask)))
     at = np.arange(mask.size)
     return np.asarray(total[np.minimum(at + reach + 1, mask.size)] > total[np.maximum(at - reach, 0)])

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from harness.core.arrays import FloatArray
+from harness.core.arrays import BoolArray, FloatArray
 from harness.core.errors import InputError, SimulationError
 from harness.core.recording import Recording
 from harness.diagnosis.baseline.driven_base_fit import driven_scales, own_scales
@@ -24,7 +24,7 @@ from harness.diagnosis.problems.driven import Driven, Forced
 from harness.diagnosis.problems.inverse_dynamics import InverseDynamics
 from harness.diagnosis.problems.starts import OneStart, Windows
 from harness.diagnosis.request import Asked
-from harness.diagnosis.rules import DECISIVE
+from harness.diagnosis.rules import DECISIVE, FORCE_HELD
 from harness.diagnosis.smoothed_state.inverse_start import inverse_start
 from harness.diagnosis.smoothed_state.state import Course
 from harness.diagnosis.smoothed_state.unsaid_spring import Beside
@@ -34,6 +34,7 @@ from harness.estimate.stray import stray_in
 from harness.model.model import Model, Restoring
 
 ALL_FELT = "the scatter of the force is a controller's own, which the slider has felt: none of it is noise"
+HANGS = "held by a pendulum: its motion comes nearer to the recorded one than a spring's"
 HORIZON = 1.0
 """Default length of the windows where the force is fitted, s."""
 _FEWEST_IN_WINDOW = 20
@@ -94,10 +95,11 @@ def _seen(recording: Recording, asked: Asked) -> tuple[Driven, Course, tuple[str
         seen = ", ".join(f"{c} to {noise[c].sigma:.3g}" for c in channels)
         raise InputError(where, f"a slider that does not move beyond its noise ({seen})", "a driven motion is accepted")
     course = Course.of(t, channels, noise)
+    unsaid = asked.restoring is None
     asked, held = held_driven(asked, course.state, u, recording.angular) if "x" in channels else (asked, ())
     restoring = asked.restoring or Restoring.SPRING
     first = inverse_start(course.state, u, restoring, asked.mass, bool(asked.zero_free))
-    unsaid = _spring_unsaid(course, u, asked, recording.angular) if restoring is Restoring.NONE else ()
+    spring = _spring_unsaid(course, u, asked, recording.angular) if restoring is Restoring.NONE else ()
     x, v, _ = course.state
     first = replace(first, x0=float(x[0]) - first.offset, v0=float(v[0]), t0=float(t[0]))
     gaps = float(np.max(np.diff(t))) > course.longest
@@ -105,7 +107,7 @@ def _seen(recording: Recording, asked: Asked) -> tuple[Driven, Course, tuple[str
         t,
         channels,
         noise,
-        weight={c: np.where(off == 0.0, 1.0, 0.0) for c, off in stray.items()},
+        weight={c: np.where((stray.get(c, 0.0) == 0.0) & ~_repeats(y), 1.0, 0.0) for c, y in channels.items()},
         drive=between_samples(t, u, course.longest),
         mass=asked.mass,
         restoring=restoring,
@@ -113,9 +115,17 @@ def _seen(recording: Recording, asked: Asked) -> tuple[Driven, Course, tuple[str
         angular=recording.angular,
         first=first,
         guarded=asked.guarded,
+        pulled=(Restoring.PENDULUM,) if unsaid and recording.angular and restoring is Restoring.SPRING else (),
         starts=course.anew(math.inf) if gaps else OneStart(),
     )
-    return problem, course, (*held, *said, *unsaid)
+    return problem, course, (*held, *said, *spring)
+
+
+def _repeats(y: FloatArray) -> BoolArray:
+    """Readings (n,) of an encoder that say again what both neighbours say: rounded alike, they are one word."""
+    same = np.zeros(y.size, dtype=np.bool_)
+    same[1:-1] = (y[1:-1] == y[:-2]) & (y[1:-1] == y[2:])
+    return same
 
 
 def _spring_unsaid(course: Course, u: FloatArray, asked: Asked, angular: bool) -> tuple[str, ...]:
@@ -140,6 +150,11 @@ def _followed(problem: Driven, course: Course, u: FloatArray, asked: Asked) -> t
         with suppress(SimulationError):
             problem = _allowing(problem, first, noise_u)
     force = acting(problem, u)
+    hangs: tuple[str, ...] = ()
+    for other in problem.pulled:
+        otherwise = problem.pulled_by(other)
+        if (follows := acting(otherwise, u)).chi2 < FORCE_HELD.value * force.chi2:
+            problem, force, hangs = otherwise, follows, (HANGS,)
     problem = replace(problem, drive=force.drive, otherwise=force.otherwise)
     horizon = asked.horizon
     if not force.follows:
@@ -148,13 +163,14 @@ def _followed(problem: Driven, course: Course, u: FloatArray, asked: Asked) -> t
         how = f"the force is fitted, and simulations run over {_said(windows)} of at most {horizon:g} s, each"
         return InverseDynamics.of(problem, windows), (
             f"driven: {how} restarted from the smoothed recorded state",
+            *hangs,
             *([ACTS_HELD] if force.held else []),
         )
     if horizon is not None:
         problem = replace(problem, starts=course.anew(horizon))
     problem = begun(problem, force.model, driven_scales(problem, force.model))
     allowed = _allowing(problem, force.model, noise_u)
-    notes = []
+    notes = [*hangs]
     if force.held and _felt(problem, allowed, force.model):
         notes.append(ALL_FELT)
     else:

@@ -1,5 +1,6 @@
 """How a recorded force acts between samples: smoothly, as straight lines, or held until the next as a controller's."""
 
+import math
 from contextlib import suppress
 from dataclasses import dataclass, replace
 
@@ -35,7 +36,7 @@ def held(t: FloatArray, u: FloatArray) -> Drive:
 @dataclass(frozen=True, slots=True)
 class Acting:
     """How a force acts. otherwise : the other ways. held : until the next sample. follows : whether the base model,
-    fitted to a first part, does so from one start.
+    fitted to a first part, does so from one start. chi2 : that it leaves there.
     """
 
     drive: Drive
@@ -43,6 +44,7 @@ class Acting:
     held: bool
     follows: bool
     model: Model
+    chi2: float
 
 
 def acting(problem: Driven, u: FloatArray) -> Acting:
@@ -62,7 +64,7 @@ def acting(problem: Driven, u: FloatArray) -> Acting:
 
     usual, ways = followed(problem.drive), [stepped]
     if usual is None:
-        return Acting(problem.drive, (), held=False, follows=False, model=problem.first)
+        return Acting(problem.drive, (), held=False, follows=False, model=problem.first, chi2=math.inf)
     if lines.t.size != problem.drive.t.size and _seen(lines, usual, part):
         ways.append(lines)
     fits = [(one, way) for way in ways if (one := followed(way)) is not None]
@@ -70,7 +72,7 @@ def acting(problem: Driven, u: FloatArray) -> Acting:
     if found.chi2 >= FORCE_HELD.value * usual.chi2:
         found, drive = usual, problem.drive
     others = tuple(way for way in (problem.drive, *(way for _, way in fits)) if way is not drive)
-    return Acting(drive, others, drive.held, found.chi2 < _STRAYS**2 * found.points, found.model)
+    return Acting(drive, others, drive.held, found.chi2 < _STRAYS**2 * found.points, found.model, found.chi2)
 
 
 def _seen(lines: Drive, usual: Fit, problem: Driven) -> bool:

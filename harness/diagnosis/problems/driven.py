@@ -11,7 +11,7 @@ from harness.core.recording import Recording
 from harness.diagnosis.problem import Problem
 from harness.diagnosis.problems.starts import Windows
 from harness.kernels.solve import Drive
-from harness.model.model import Model
+from harness.model.model import Model, Restoring
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -82,18 +82,24 @@ class Forced(Problem):
 class Driven(Forced):
     """A driven recording followed in its channels, from one start or window after window.
 
-    otherwise : the drive as it acts in other ways: held between samples, smoothly or as straight lines.
+    otherwise : the drive as it acts in other ways: held between samples, smoothly or as straight lines. pulled : what
+    else may pull it back, where nobody says.
     """
 
     otherwise: tuple[Drive, ...] = ()
+    pulled: tuple[Restoring, ...] = ()
 
     @property
     def other_ways(self) -> tuple[Self, ...]:
-        """With the force acting in each of the other ways."""
+        """With the force acting in each of the other ways, and pulled back by what else it may be in each of all."""
         ways = (self.drive, *self.otherwise)
-        return tuple(
-            replace(self, drive=way, otherwise=tuple(w for w in ways if w is not way)) for way in self.otherwise
-        )
+        each = [replace(self, drive=way, otherwise=tuple(w for w in ways if w is not way)) for way in ways]
+        return (*each[1:], *(one.pulled_by(other) for other in self.pulled for one in each))
+
+    def pulled_by(self, other: Restoring) -> Self:
+        """Pulled back by something else."""
+        pulled = tuple(self.restoring if one is other else one for one in self.pulled)
+        return replace(self, restoring=other, first=replace(self.first, restoring=other), pulled=pulled)
 
     @property
     def is_held(self) -> bool:
