@@ -21,11 +21,15 @@ from harness.diagnosis.problems.free_decay import FreeDecay
 from harness.diagnosis.problems.inverse_dynamics import InverseDynamics
 from harness.diagnosis.problems.together import Together
 from harness.diagnosis.residual_tests.structure import Left, left_by
-from harness.diagnosis.search.extend import extend, settle
+from harness.diagnosis.search.against import in_turn
+from harness.diagnosis.search.extend import extend, key_of, settle
 from harness.diagnosis.search.search import Search, noise_of, search, under
 from harness.kernels.solve import Scales
 from harness.model.elsewhere import Elsewhere
 from harness.model.model import Model
+
+_LAWS = 3
+"""Laws that are tried with numbers of each recording's own: what recordings differ in puts another first."""
 
 
 def alone_under(found: Fit, problem: Together | ForcesTogether, scales: Scales, base: Sequence[Alone]) -> list[Alone]:
@@ -55,30 +59,41 @@ def own_of_each(found: Search, before: Pooled[Together]) -> tuple[Search, Pooled
     takes until noise is left become each one's own. Where the numbers of the law differ as well, it stands if it
     explains each recording by itself, as it would alone; the misfit of all together then widens the errors.
     """
-    whole, scales, law = found.problem, before.scales, found.chosen
+    whole, scales = found.problem, before.scales
     assert isinstance(whole, Together)
-    problem = whole
-    if found.explained or not law.model.terms:
+    if found.explained:
         return found, before
-    alone = alone_under(law, problem, scales, before.compared.alone)
-    reference, stems = under(found.base, problem), _differing(alone)
-    with suppress(SimulationError):
-        for count in range(1, len(stems) + 1):
-            problem = problem.with_own(tuple(stems[:count]))
-            law = _jointly(law.model, problem, scales, alone)
-            if left_by(law, problem, scales.omega, reference) is Left.NOISE:
-                base = _jointly(before.base.model, problem, scales, before.compared.alone)
-                problem = replace(problem, noise=noise_of(base, problem, scales.omega))
-                base = settle(under(base, problem), problem, scales)
-                again = search(problem, base, scales, alone=extend(base, problem, scales, also=[law.model]))
-                if again.explained:
-                    return again, replace(before, problem=problem, base=base)
-                break
-    apart = alone_under(law, whole, scales, alone)
+    first = (found.chosen, *in_turn(found.singles, whole)) if found.chosen.model.terms else found.singles
+    laws = [f for i, f in enumerate(first) if key_of(f) not in map(key_of, first[:i])][:_LAWS]
+    apart = [alone_under(law, whole, scales, before.compared.alone) for law in laws]
+    for law, alone in zip(laws, apart, strict=True):
+        with suppress(SimulationError):
+            again = _with_own(law, found, before, alone)
+            if again is not None:
+                return again
     needed = not any(one.explained for one in before.compared.alone)
-    if needed and all(one.explained for one in apart):
+    if needed and found.chosen.model.terms and all(one.explained for one in apart[0]):
         found = replace(found, left=Left.NOISE)
     return found, before
+
+
+def _with_own(
+    law: Fit, found: Search, before: Pooled[Together], alone: Sequence[Alone]
+) -> tuple[Search, Pooled[Together]] | None:
+    """The search with as few own numbers of each as it takes for a law to leave noise; None where it never does."""
+    problem, scales = found.problem, before.scales
+    assert isinstance(problem, Together)
+    reference, stems = under(found.base, problem), _differing(alone)
+    for count in range(1, len(stems) + 1):
+        problem = problem.with_own(tuple(stems[:count]))
+        law = _jointly(law.model, problem, scales, alone)
+        if left_by(law, problem, scales.omega, reference) is Left.NOISE:
+            base = _jointly(before.base.model, problem, scales, before.compared.alone)
+            problem = replace(problem, noise=noise_of(base, problem, scales.omega))
+            base = settle(under(base, problem), problem, scales)
+            again = search(problem, base, scales, alone=extend(base, problem, scales, also=[law.model]))
+            return (again, replace(before, problem=problem, base=base)) if again.explained else None
+    return None
 
 
 def _differing(alone: Sequence[Alone]) -> list[str]:
@@ -95,14 +110,19 @@ def _differing(alone: Sequence[Alone]) -> list[str]:
 
 def _jointly(model: Model, problem: Together, scales: Scales, alone: Sequence[Alone]) -> Fit:
     """A model fitted to all, begun where each recording ends alone: with its own numbers, and the mean of what is
-    shared.
+    shared. Numbers of laws too: beside what recordings differ in, those of all together are far from any of them.
     """
     each = [one.fit.model for one in alone]
     shared = {stem: float(np.mean([getattr(m, stem) for m in each])) for stem in PHYSICS}
     own = [{stem: float(getattr(m, stem)) for stem in problem.own_names} for m in each]
     elsewhere = tuple(Elsewhere(tuple(values.items())) for values in own[1:])
     first: dict[str, Any] = {**shared, **own[0]}
-    begun = replace(model, **first, elsewhere=elsewhere)
+    terms = []
+    for entry in model.terms:
+        same = [other.values for m in each for other in m.terms if other.term is entry.term]
+        values = tuple(np.median(same, axis=0).tolist()) if same else entry.values
+        terms.append(replace(entry, values=values))
+    begun = replace(model, **first, terms=tuple(terms), elsewhere=elsewhere)
     return fit(begun, problem, free_of(begun, problem.base_names), scales)
 
 
