@@ -198,7 +198,7 @@ def _worth(rig: _Rig, p: Array, sigma: float, sigma_u: float) -> float:
     The force that base numbers cannot say, as it moves the slider within a twelfth of the recording each (position and
     speed at the beginning of each unknown), under the sensors' noise; and that force itself beside its noise.
     """
-    x, u = rig.run(p)
+    x, _ = rig.run(p)
     m, k, swings = rig.b[0], rig.b[2], rig.b[4]
     v = np.gradient(x, rig.dt)
     a = np.gradient(v, rig.dt)
@@ -207,7 +207,9 @@ def _worth(rig: _Rig, p: Array, sigma: float, sigma_u: float) -> float:
     usual = np.array([plant._wet(x[i], v[i], t[i], rig.b, bare) for i in range(x.size)])
     extra = np.array([plant._wet(x[i], v[i], t[i], rig.b, p) for i in range(x.size)]) - usual
     if p[plant.BRISTLE] != 0.0 or p[plant.CREEP] != 0.0:
-        extra = u - m * a - usual - np.sign(v) * rig.b[3]
+        # beside bristles that do not give, which turn with the same samples
+        rigid = np.where(np.arange(p.size) == plant.BRISTLE, 1e-9 * p, 0.0)
+        extra = plant.carried(x, rig.dt, rig.b[3], p) - plant.carried(x, rig.dt, rig.b[3], rigid)
     else:
         extra += np.sign(v) * np.array([plant._dry(x[i], v[i], t[i], rig.b[3], p) - rig.b[3] for i in range(x.size)])
     place = np.sin(x) if swings else x

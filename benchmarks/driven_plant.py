@@ -90,6 +90,24 @@ def _inside(x: float, x0: float, z: Array, f_k: float, p: Array) -> float:
 
 
 @_compiled
+def carried(x: Array, dt: float, f_k: float, p: Array) -> Array:
+    """Force (n,) of bristles and creep, which remember the way x (n,) that a slider went."""
+    found, z, y = np.zeros(x.size), np.zeros(_ELEMENTS), np.zeros(2)
+    for i in range(x.size):
+        way = x[i] - x[i - 1] if i else 0.0
+        if p[BRISTLE] != 0.0:
+            found[i] += _inside(x[i], x[i] - way, z, f_k, p)
+            for j in range(_ELEMENTS):
+                most = f_k / _ELEMENTS
+                z[j] = min(max(z[j] + most * (j + 1.0) / p[BRISTLE] * way, -most), most)
+        if p[CREEP] != 0.0:
+            y[0] = y[0] * math.exp(-dt / p[CREEP_1]) + way
+            y[1] = y[1] * math.exp(-dt / p[CREEP_2]) + way
+            found[i] += p[CREEP] * (y[0] + 0.5 * y[1])
+    return found
+
+
+@_compiled
 def _acc(
     x: float, v: float, t: float, u: float, side: float, x0: float, z: Array, y: Array, b: Array, p: Array
 ) -> float:
