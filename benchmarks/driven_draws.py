@@ -18,7 +18,7 @@ EFFECTS = {
     "cogging": (("force-ripple",), (AXIS, PUSHED)),
     "sides": (("asymmetric-viscous",), KINDS),
     "slope": (("position-dependent-friction",), KINDS),
-    "dip": (("load-dependent-friction", "position-dependent-friction:periodic"), KINDS),
+    "dip": (("load-dependent-friction", "position-dependent-friction"), KINDS),
     "warm": (("friction-drift",), KINDS),
     "bristle": (("presliding",), KINDS),
     "hum": (("harmonic-force",), (SPRING, AXIS, PENDULUM)),
