@@ -1,0 +1,89 @@
+"""Free decays with viscous and Coulomb friction alone and the nuisances of real recordings: do errors hold the truth?
+
+python -m benchmarks.coverage [--draws 300] [--seed S]
+
+Clocks that jitter, noise that is coloured, quantised, a zero that is off; a plant of scipy's that shares no kernel.
+"""
+
+import argparse
+import math
+import sys
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.integrate import solve_ivp
+from scipy.interpolate import CubicSpline
+
+from harness import Recording, diagnose
+
+Array = NDArray[np.float64]
+NUMBERS = ("omega_n", "zeta", "x_k")
+
+
+def decay(t: Array, omega: float, zeta: float, x_k: float, x: float) -> Array:
+    """Position (n,) at t (n,), s, of a slider that is let go at x and may come to rest."""
+    out, at, i = np.empty_like(t), float(t[0]), 0
+    while abs(x) > x_k:
+        side = math.copysign(1.0, x)
+
+        def moved(_: float, y: Array, side: float = side) -> tuple[float, float]:
+            return y[1], -(omega**2) * (y[0] - side * x_k) - 2.0 * zeta * omega * y[1]
+
+        # half a damped period, in which the speed keeps its sign
+        end = at + math.pi / (omega * math.sqrt(1.0 - zeta**2))
+        run = solve_ivp(moved, (at, end), (x, 0.0), method="DOP853", rtol=1e-10, atol=1e-13, dense_output=True)
+        j = int(np.searchsorted(t, end, side="right"))
+        out[i:j] = run.sol(t[i:j])[0]
+        at, x, i = end, float(run.y[0, -1]), j
+        if i >= t.size:
+            return out
+    out[i:] = x
+    return out
+
+
+def recorded(rng: np.random.Generator) -> tuple[Recording, dict[str, float]]:
+    """A recording, and its true numbers."""
+    omega, zeta, cycles = 2.0 * math.pi * rng.uniform(0.8, 3.0), rng.uniform(0.003, 0.02), rng.uniform(9.0, 22.0)
+    size = rng.uniform(0.03, 0.3) * rng.choice([-1.0, 1.0])
+    x_k = abs(size) / (4.0 * cycles * rng.uniform(1.5, 4.0))
+    t = np.arange(0.0, cycles * 2.0 * math.pi / omega, 2.0 * math.pi / omega / rng.integers(30, 60))
+    fine = np.linspace(0.0, t[-1], 8 * t.size)
+    late = rng.uniform(0.0, 0.1) * t[1] * rng.standard_normal(t.size) if rng.random() < 0.5 else np.zeros(t.size)
+    x = CubicSpline(fine, decay(fine, omega, zeta, x_k, size))(np.clip(t + late, 0.0, t[-1]))
+    phi = rng.uniform(0.5, 0.95) if rng.random() < 0.5 else 0.0
+    sigma, noise = abs(size) * 10.0 ** rng.uniform(-3.7, -2.3), rng.standard_normal(t.size)
+    for n in range(1, t.size):
+        noise[n] = phi * noise[n - 1] + math.sqrt(1.0 - phi**2) * noise[n]
+    x = x + sigma * noise + abs(size) * rng.uniform(-0.3, 0.3)
+    if rng.random() < 0.5:
+        step = sigma * rng.uniform(1.0, 8.0)
+        x = step * np.round(x / step)
+    return Recording(t, {"x": x}, "decay.csv"), {"omega_n": omega, "zeta": zeta, "x_k": x_k}
+
+
+def main(arguments: list[str]) -> int:
+    """The command."""
+    parser = argparse.ArgumentParser(prog="python -m benchmarks.coverage", description=__doc__)
+    parser.add_argument("--draws", type=int, default=300)
+    parser.add_argument("--seed", type=int, default=1)
+    given = parser.parse_args(arguments)
+    off: dict[str, list[float]] = {name: [] for name in NUMBERS}
+    named = 0
+    for i in range(given.draws):
+        recording, true = recorded(np.random.default_rng([given.seed, i]))
+        result = diagnose(recording, engines=(), restoring="spring", zero="free")
+        named += result.verdict != "adequate"
+        for name in NUMBERS:
+            one = result.baseline.parameters[name]
+            if one.stderr and one.value is not None:
+                off[name].append(abs(one.value - true[name]) / one.stderr)
+    for name, each in off.items():
+        held = sum(z <= 2.0 for z in each)
+        share = 100.0 * held / max(len(each), 1)
+        print(f"{name}: two standard errors hold the truth in {held} of {len(each)} ({share:.1f} %)")
+    print(f"not adequate: {named} of {given.draws}")
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))
