@@ -22,7 +22,7 @@ from harness.diagnosis.fit.place import place_of
 from harness.diagnosis.fit.standard_errors import base_parameters
 from harness.diagnosis.grading.beginning import from_the_beginning
 from harness.diagnosis.grading.begun import from_within
-from harness.diagnosis.grading.clock_drift import with_clock
+from harness.diagnosis.grading.clock_drift import off_the_clock, with_clock
 from harness.diagnosis.grading.first_turn import after_first_turn
 from harness.diagnosis.grading.grade import Graded, grade
 from harness.diagnosis.grading.misfit import misfit
@@ -110,6 +110,10 @@ def judge(found: Found) -> Judged:
     if found.by_force is not None:
         return Judged(found, verdict_of(found.search, found.by_force))
     found = replace(found, search=with_clock(weighed(found.search, found.scales.omega), found.scales))
+    clocked = off_the_clock(found.search, found.scales)
+    if clocked is not None:
+        search, note = clocked
+        found = replace(found, search=search, coarse=search, notes=(*found.notes, note))
     graded = _graded(found.search, found.scales)
     later = None if graded is None else _after_first_turn(graded)
     if later is not None:

@@ -30,8 +30,6 @@ from harness.results.identify import Swing
 
 _CLEARLY = 5.0
 """Standard errors by which two methods differ, or a number has a sign that it cannot have."""
-_BIASED = 1.5
-"""Times the noise from which what a model leaves moves its numbers by more than their errors, and not only may."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -79,10 +77,8 @@ def base_of(recording: Recording, restoring: Swing, estimation: Estimation, comm
 
 
 def _missed(chi2: float, line: str) -> str:
-    times = math.sqrt(chi2)
-    bias = "are biased" if times > _BIASED else "may be biased"
     return (
-        f"this model leaves {times:.3g} times the noise (chi2 {chi2:.3g} a point): these numbers {bias}."
+        f"this model leaves {math.sqrt(chi2):.3g} times the noise (chi2 {chi2:.3g} a point): these numbers are biased."
         f" What it misses: {line}"
     )
 

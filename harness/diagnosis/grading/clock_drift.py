@@ -1,24 +1,30 @@
 """A recording's clock whose rate drifts: one channel does not tell it from a spring whose stiffness does."""
 
+from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import replace
 
 import numpy as np
 
+from harness.core.arrays import FloatArray
 from harness.core.errors import SimulationError
 from harness.diagnosis.fit.model_fit import Fit, fit
 from harness.diagnosis.fit.observe import observe
 from harness.diagnosis.fit.parameters import free_of
-from harness.diagnosis.problem import Problem
+from harness.diagnosis.problem import P, Problem
 from harness.diagnosis.problems.free_decay import FreeDecay
+from harness.diagnosis.residual_tests.structure import Left, left_by
 from harness.diagnosis.rules import CLOCK_DRIFT
-from harness.diagnosis.search.search import Search, under
+from harness.diagnosis.search.extend import settle
+from harness.diagnosis.search.search import Search, noise_of, under
 from harness.kernels.solve import Scales
 from harness.model.model import ModelTerm
 from harness.model.terms import clock_drift, stiffness_drift
 
-_TRIED = (0.5, 1.0, 1.5)
-"""Of the rate that stands for the stiffness's."""
+_WITHIN = (0.5, 0.05, 0.005)
+"""Of a rate, how far from it others are tried, turn by turn, beginning at the one that stands for the stiffness's."""
+_APART = (0.1, 0.02)
+"""Of half of it and of its square: how far pairs of rate and bend are tried, turn by turn."""
 _SHARE = 1e-3
 """Of a rate, over which a slope by it is taken."""
 
@@ -41,14 +47,72 @@ def with_clock(found: Search, scales: Scales) -> Search:
     if abs(slope) * problem.duration > CLOCK_DRIFT.value:
         return found
     with suppress(SimulationError):
-        tried = [(by * slope, _under_clock(found.base, problem, by * slope, scales)) for by in _TRIED]
-        low, middle, high = (one.chi2 for _, one in tried)
-        bend = low - 2.0 * middle + high
-        best = slope * (1.0 + 0.25 * (low - high) / bend) if bend > 0.0 else min(tried, key=lambda one: one[1].chi2)[0]
-        rival = _as_law(found.base, problem, best, scales)
+        rival = _as_law(found.base, problem, _rate(found.base, problem, slope, scales), scales)
         rivals = sorted((*found.rivals, rival), key=lambda one: one.bic)
         return replace(found, rivals=tuple(rivals))
     return found
+
+
+def off_the_clock(found: Search, scales: Scales) -> tuple[Search, str] | None:
+    """The search on a clock that drifts as clocks do, and a sentence on it, where viscous and Coulomb friction then
+    meet the noise and no law did by the recording's own; None else.
+
+    Where two channels are measured, a stiffness that drifts leaves what such a clock explains.
+    """
+    problem = found.problem
+    if found.explained or not isinstance(problem, FreeDecay) or not found.singles:
+        return None
+    nearest = found.singles[0]
+    if [e.term.name for e in nearest.model.terms] != [stiffness_drift.TERM.name]:
+        return None
+    slope = 0.5 * nearest.model.terms[0].values[0]
+    if abs(slope) * problem.duration > CLOCK_DRIFT.value:
+        return None
+    with suppress(SimulationError):
+        slope, bend = _bend(found.base, problem, _rate(found.base, problem, slope, scales), scales)
+        timed = _timed(found.base, problem, slope, bend)
+        here = fit(found.base.model, timed, found.base.free, scales)
+        timed = replace(timed, noise=noise_of(here, timed, scales.omega), clock=(problem.t, timed.t - problem.t))
+        here = settle(under(here, timed), timed, scales)
+        if left_by(here, timed, scales.omega, here) is Left.NOISE:
+            percent = 100.0 * slope * problem.duration
+            note = f"the recording's clock drifts: its rate changes by {percent:.2g} % from begin to end, allowed for"
+            return Search(timed, here, here, (), (), Left.NOISE), note
+    return None
+
+
+def _rate(base: Fit, problem: Problem, slope: float, scales: Scales) -> float:
+    """The rate (1/s) near ``slope`` by which the clock drifts that leaves least."""
+    for within in _WITHIN:
+        slope = _least(lambda rate: _under_clock(base, problem, rate, scales).chi2, slope, within * abs(slope))
+    return slope
+
+
+def _bend(base: Fit, problem: Problem, slope: float, scales: Scales) -> tuple[float, float]:
+    """The same with the rate's own change beside (1/s^2): in which time the rate changes evenly, nobody knows."""
+
+    def chi2(at: FloatArray) -> float:
+        return fit(base.model, _timed(base, problem, float(at[0]), float(at[1])), base.free, scales).chi2
+
+    best = np.array([slope, 0.0])
+    for within in _APART:
+        one, other = np.diag([0.5 * abs(slope), slope**2]) * within
+        here, up, down, right, left = map(chi2, (best, best + one, best - one, best + other, best - other))
+        cross = chi2(best + one + other) - up - right + here
+        curved = np.array([[up - 2.0 * here + down, cross], [cross, right - 2.0 * here + left]])
+        if np.linalg.det(curved) <= 0.0 or curved[0, 0] <= 0.0:
+            break
+        step = -np.linalg.solve(curved, 0.5 * np.array([up - down, right - left]))
+        best = best + step[0] * one + step[1] * other
+    return float(best[0]), float(best[1])
+
+
+def _least(chi2: Callable[[float], float], middle: float, apart: float) -> float:
+    """Where a parabola through three numbers beside each other is least; the best of them where it has no bottom."""
+    tried = [(at, chi2(at)) for at in (middle - apart, middle, middle + apart)]
+    low, here, high = (value for _, value in tried)
+    curved = low - 2.0 * here + high
+    return middle + 0.5 * apart * (low - high) / curved if curved > 0.0 else min(tried, key=lambda one: one[1])[0]
 
 
 def _under_clock(base: Fit, problem: Problem, slope: float, scales: Scales) -> Fit:
@@ -56,8 +120,9 @@ def _under_clock(base: Fit, problem: Problem, slope: float, scales: Scales) -> F
     return fit(base.model, _timed(base, problem, slope), base.free, scales)
 
 
-def _timed(base: Fit, problem: Problem, slope: float) -> Problem:
-    return replace(problem, t=problem.t + 0.5 * slope * (problem.t - base.model.t0) ** 2)
+def _timed(base: Fit, problem: P, slope: float, bend: float = 0.0) -> P:
+    since = problem.t - base.model.t0
+    return replace(problem, t=problem.t + 0.5 * slope * since**2 + bend * since**3)
 
 
 def _as_law(base: Fit, problem: Problem, slope: float, scales: Scales) -> Fit:

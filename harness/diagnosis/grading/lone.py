@@ -2,11 +2,21 @@
 
 from harness.diagnosis.baseline.words import evidence, few_words, margin_of, strokes_of, words_beside
 from harness.diagnosis.fit.model_fit import Fit
-from harness.diagnosis.rules import DECISIVE, EVEN, LEAST_CYCLES, LEAST_RATIO, MARGIN, SHARE_OF_MISFIT, Rule
+from harness.diagnosis.rules import (
+    CLOCK_DRIFT,
+    DECISIVE,
+    EVEN,
+    LEAST_CYCLES,
+    LEAST_RATIO,
+    MARGIN,
+    SHARE_OF_MISFIT,
+    Rule,
+)
 from harness.diagnosis.search.extend import key_of
 from harness.diagnosis.search.search import Search
 from harness.model.model import ModelTerm
 from harness.model.registry import not_parted
+from harness.model.terms import clock_drift
 
 
 def undecided(found: Search) -> tuple[Rule, ...]:
@@ -18,6 +28,9 @@ def undecided(found: Search) -> tuple[Rule, ...]:
     """
     if not _lone(found):
         return ()
+    if any(f.bic < found.chosen.bic + DECISIVE.value for f in _others(found) if key_of(f) == (clock_drift.TERM.name,)):
+        # nothing but the size of one channel parts the two, and whose clock it is, is not known
+        return (CLOCK_DRIFT,)
     if not found.problem.zero_free:
         return (EVEN,) if any(f.bic < found.chosen.bic + EVEN.value for f in _others(found)) else ()
     taken = 1.0 - found.chosen.chi2 / found.base.chi2

@@ -1,6 +1,7 @@
 """A free decay: released by a hand, simulated as a whole from one start, disturbed by its sensors alone."""
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import ClassVar, Self
 
@@ -18,15 +19,26 @@ _FEWEST_TURNS = 3
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class FreeDecay(Problem):
-    """See Problem. enters : how covariates were found to enter, one sentence each."""
+    """See Problem.
+
+    enters : how covariates were found to enter, one sentence each. clock : by how much t is ahead of the recording's
+    own times (m,), s, (m,), where its clock drifts.
+    """
 
     enters: tuple[str, ...] = ()
+    clock: tuple[FloatArray, FloatArray] | None = None
     provides: ClassVar[frozenset[str]] = frozenset({"one-clock"})
 
     @property
     def choices(self) -> tuple[str, ...]:
         """How covariates enter."""
         return self.enters
+
+    def at_every_sample(self, t: FloatArray, channels: Mapping[str, FloatArray]) -> Problem:
+        """See Problem; t (m,) by the recording's own clock."""
+        return super(FreeDecay, self).at_every_sample(
+            t if self.clock is None else t + np.interp(t, *self.clock), channels
+        )
 
     def of_hand_free(self, fewest: int) -> tuple[Self, float]:
         """See Problem: a hand at the release acts before the first turning point."""
