@@ -4,7 +4,8 @@ KIND: pairs (two effects that hide in a free decay), sensor-pairs (one of them a
 rig, each with a zero of its own), simulations (a right simulation by MuJoCo beside a recording), wrong-simulations (one
 parameter of it is wrong), FAULT:COMMAND (a recording at rest, or with a fault that is to be told, by each command),
 whole (recordings against which nothing is to be said), faster (a simulation whose frequency is off), drifting-clock,
-misfit (identify of a hidden law), undamped (identify of nearly no damping), slips (a robot's joint that sticks), pastes
+misfit (identify of a hidden law), undamped (identify of nearly no damping), layouts (files of
+loggers), goals (a commanded position in one), slips (a robot's joint that sticks), pastes
 (what is pasted of one that swings), and files of engines by name (cap-rk4 and others: a joint of a file as it is).
 """
 
@@ -14,7 +15,7 @@ import time
 from collections.abc import Sequence
 from functools import partial
 
-from benchmarks.draws import engine_cases, faults, pairs, rates, robot_joints, simulations, together
+from benchmarks.draws import engine_cases, faults, layouts, pairs, rates, robot_joints, simulations, together
 from benchmarks.draws.shared import Draw, interval
 
 KINDS: dict[str, Draw] = {
@@ -28,6 +29,8 @@ KINDS: dict[str, Draw] = {
     "drifting-clock": rates.drifting_clock,
     "misfit": rates.misfit,
     "undamped": rates.undamped,
+    "layouts": layouts.answer,
+    "goals": layouts.goals,
     **{
         f"{fault}:{command}": partial(faults.answer, fault=fault, command=command)
         for fault in faults.FAULTS

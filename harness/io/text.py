@@ -31,6 +31,7 @@ _LOOKED, _ROWS = 60, 3
 """Lines at the beginning in which a table's first is looked for, and rows that make one."""
 _COMMENT = ("#", "%")
 _BRACKETS = re.compile(r"^[\[(]\s*([^\[\]()]*?)\s*[\])]$")
+_DECIMAL_COMMA = re.compile(r"^[+-]?\d+,\d+([eE][+-]?\d+)?$")
 _FORTRAN = re.compile(r"^([+-]?\d*\.?\d+|[+-]?\d+\.)[dD]([+-]?\d{1,3})$")
 _MISSING = ("na", "n/a", "null", "none")
 """What loggers write for no value, besides nothing and nan."""
@@ -80,11 +81,19 @@ def _cells(where: str, line: str, separator: str) -> list[str]:
 def _separator(lines: Sequence[str]) -> tuple[str, str]:
     """The separator and decimal mark of these lines."""
     last = lines[-1]
+    if "," not in lines[0] and _is_text(lines[0]) and all(map(_DECIMAL_COMMA.match, lines[1:])):
+        # one name above each pair of digits: a single column
+        return ";", ","
     for separator in (";", "\t", ","):
         if separator in last:
             comma_decimal = separator != "," and "," in last and "." not in last
             return separator, "," if comma_decimal else "."
-    return "", "."
+    # a single column's name may have blanks
+    return "" if len(last.split()) > 1 else ";", "."
+
+
+def _is_text(line: str) -> bool:
+    return any(character.isalpha() for character in line)
 
 
 def _layout(path: Path, data: bytes | bytearray, skip_rows: int) -> _Layout:
@@ -101,7 +110,9 @@ def _layout(path: Path, data: bytes | bytearray, skip_rows: int) -> _Layout:
     for number, raw in enumerate(lines[skip_rows:], skip_rows + 1):
         text = _decode(raw).strip()
         if text:
-            shown.append((number, offset, text))
+            # an empty last cell, where tabs part the names
+            tabbed = any("\t" in one for _, _, one in shown)
+            shown.append((number, offset, _decode(raw).strip(" \r") if tabbed else text))
         offset += len(raw) + 1
     body = [entry for entry in shown if not entry[2].startswith(_COMMENT)]
     if not body:

@@ -25,6 +25,9 @@ _MODEL = "model.mjb"
 _WORD = 8
 """Bytes of a number."""
 
+_LEAST_STEP = 1e-6
+"""Of a model, s: a swing of twenty seconds takes as many steps as any run may."""
+
 
 def compiled(
     path: Path, edited: Mapping[Path, str] = MappingProxyType({}), looks: str = "", fixed: bool = False
@@ -83,4 +86,7 @@ def compile_text(file: str, text: bytes, meshes: dict[str, bytes]) -> Any:
         raise InputError(file, f"MuJoCo does not compile it ({said})", "a model that it compiles is accepted") from None
     if any("NaN" in one for one in warnings):
         raise InputError(file, "a value that is no number (nan)", "finite numbers are accepted")
+    if model.opt.timestep < _LEAST_STEP:
+        found = f"a timestep of {model.opt.timestep:.3g} s, with which a second takes for ever"
+        raise InputError(file, found, f"at least {_LEAST_STEP:g} s is accepted")
     return model
