@@ -21,6 +21,7 @@ _NOISE = (2e-5, 0.02)
 _BROKEN = 0.06
 """Share to which break-away is read, or within three of its errors."""
 _ERRORS = 2.0
+_LINE = {"f_k": "dry friction", "c": "damping"}
 Friction = Callable[[float, float], float]
 """N m at a speed, rad/s, above nought, and under a load, N m."""
 
@@ -157,6 +158,8 @@ def _pasted(found: DiagnosisResult) -> dict[str, float]:
 
 def _sure(found: DiagnosisResult, name: str, value: float) -> bool:
     """Whether a fitted number of this value stands two errors above none."""
-    fits = [one.parameters[name] for one in (found.baseline, found.refined) if name in one.parameters]
-    own = [one for one in fits if one.value is not None and math.isclose(one.value, value, rel_tol=1e-6)]
-    return any(value >= _ERRORS * (one.stderr or 0.0) for one in own)
+    line = re.search(rf"{_LINE[name]} (\S+) \+- (\S+) N m", found.statement.partition("nearest:")[2])
+    if line:
+        return float(line[1]) >= _ERRORS * float(line[2])
+    own = found.refined.parameters[name]
+    return math.isclose(own.value or 0.0, value, rel_tol=1e-6) and value >= _ERRORS * (own.stderr or 0.0)

@@ -17,7 +17,7 @@ from harness.core.recording import Recording
 from harness.core.robot.joint_log import JointLog
 from harness.engines.models import folder
 from harness.kernels.solve import simulate
-from harness.model.model import Model, Restoring
+from harness.model.model import Model, ModelTerm, Restoring
 from harness.results.diagnosis import DiagnosisResult
 from harness.robot.arm import load_arm
 from harness.robot.example import FRICTION, Friction, excited, write
@@ -67,11 +67,11 @@ def test_known_friction_comes_out_of_a_servos_log(tmp_path: Path, joint: str, fi
         assert "gravity" not in result.baseline.parameters
 
 
-def _swing(f_k: float = 0.03, c: float = 0.05, seed: int = 0) -> JointLog:
+def _swing(f_k: float = 0.03, c: float = 0.05, seed: int = 0, terms: tuple[ModelTerm, ...] = ()) -> JointLog:
     """The shoulder let go 1.2 rad from where it hangs, exactly, with noise of an encoder."""
     own = reduced(ARM, "shoulder", {"elbow": 0.5})
     t = np.arange(0.0, 8.0, 0.005)
-    moved = simulate(Model(own.moved, c, own.gravity, f_k, x0=1.2, restoring=Restoring.PENDULUM), t)
+    moved = simulate(Model(own.moved, c, own.gravity, f_k, x0=1.2, restoring=Restoring.PENDULUM, terms=terms), t)
     seen = own.q_eq + moved.x + 1e-4 * np.random.default_rng(seed).normal(size=t.size)
     still = {"base": np.zeros_like(t), "elbow": np.full_like(t, 0.5)}
     return JointLog(t, {**still, "shoulder": seen}, file="swing")
@@ -91,6 +91,19 @@ def test_a_free_swing_without_torques_takes_its_inertia_from_the_model(tmp_path:
     assert ["f_k", "inertia"] in result.robot.confounded
     assert result.robot.reduction is not None
     assert result.robot.reduction.held["elbow"] == pytest.approx(0.5)
+
+
+def test_what_is_pasted_stands_for_a_law_that_no_model_has(tmp_path: Path) -> None:
+    """Beside drag: over the swing the pasted line takes as much power."""
+    c2 = 0.3 * reduced(ARM, "shoulder", {"elbow": 0.5}).moved
+    log = _swing(terms=(ModelTerm.named("quadratic-drag", c2=c2),))
+    result = _diagnosed(log, tmp_path)
+    assert [one.name for one in result.mechanisms] == ["quadratic-drag"]
+    assert "line that comes nearest" in result.statement
+    copy, i = load_arm(Path(result.files["robot_mjcf"])), ARM.index("shoulder")
+    v = np.abs(np.gradient(log.position["shoulder"], log.t))
+    pasted, lost = copy.frictionloss[i] * v + copy.damping[i] * v**2, 0.03 * v + 0.05 * v**2 + c2 * v**3
+    assert np.mean(pasted) == pytest.approx(np.mean(lost), rel=0.15)
 
 
 def test_a_log_in_turns_of_its_own_is_counted_from_the_nearest_rest() -> None:

@@ -24,6 +24,17 @@ def surely(found: Quantity) -> float:
     return value if value > max(_SURE * error, 0.0) else 0.0
 
 
+def stands_for(f_k: Quantity, c: Quantity, names: Sequence[str]) -> str:
+    """A sentence, a blank before it, on the line that is pasted in place of laws that no model has; "" without any."""
+    if not names:
+        return ""
+    dry, viscous = (str(q) if surely(q) else "none" for q in (f_k, c))
+    return (
+        f" Pasted is the line that comes nearest: dry friction {dry} and damping {viscous} stand for"
+        f" {', '.join(names)} at the speeds and loads of this log."
+    )
+
+
 def with_forward_run(result: DiagnosisResult, simulated: Sequence[SimulatedResult]) -> DiagnosisResult:
     """The result with what the copy does in engines, and the sentence that belongs to one that makes it worse."""
     assert result.robot is not None

@@ -4,7 +4,8 @@ from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
 
-from harness.app.diagnose.joint_doubts import surely
+from harness.app.diagnose.joint_doubts import stands_for, surely
+from harness.app.diagnose.joint_line import line, shapes
 from harness.app.diagnose.one import Diagnosed
 from harness.app.shared.reduction import reduction_of
 from harness.core.quantity import Quantity
@@ -34,14 +35,15 @@ def named(done: Diagnosed, arm: Arm, found: Coupling, one: OneJoint, file: Path)
     result, outcome, joint = done.result, done.outcome, found.reduced.joint
     base = _parameters(outcome.base, outcome, one, outcome.verdict == "adequate")
     refined = _parameters(outcome.refined, outcome, one, outcome.verdict != "unexplained")
-    shapes = [entry.term.name for entry in outcome.refined.model.terms if entry.term.family == "friction"]
-    # beside a law of its own f_k and c are coefficients; the base's are the line through friction
-    line = base if shapes else refined
-    paste = _paste(line, refined["inertia"], arm, found)
+    curved = shapes(outcome)
+    nearest = refined["f_k"], refined["c"]
+    if curved:
+        nearest = line(outcome, (refined["f_k"].unit, refined["c"].unit))
+    paste = _paste(nearest, refined["inertia"], arm, found)
     terms = [entry.term.name for entry in outcome.refined.model.terms]
     left_out = [*paste.cannot_say("mjcf", terms), *paste.cannot_say("urdf", terms)]
     update = {
-        "statement": _statement(result.statement, refined, arm, found, one),
+        "statement": _statement(result.statement, refined, arm, found, one) + stands_for(*nearest, curved),
         "baseline": _with(result.baseline, base),
         "refined": _with(result.refined, refined),
         "mechanisms": [m.model_copy(update={"statement": f"{joint}: {m.statement}"}) for m in result.mechanisms],
@@ -83,13 +85,14 @@ def _with(fitted: FitResult, more: Mapping[str, Quantity]) -> FitResult:
     return fitted.model_copy(update={"parameters": {**own, **kept}})
 
 
-def _paste(line: Mapping[str, Quantity], inertia: Quantity, arm: Arm, found: Coupling) -> JointPaste:
+def _paste(nearest: tuple[Quantity, Quantity], inertia: Quantity, arm: Arm, found: Coupling) -> JointPaste:
     """Friction that is surely there; a rotor where the inertia is clearly more than the model's, else the file's."""
     own = found.reduced
     armature = own.armature
     if inertia.value is not None and inertia.stderr and inertia.value - own.moved > _CLEARLY * inertia.stderr:
         armature = inertia.value - own.inertia
-    return JointPaste(own.joint, surely(line["f_k"]), surely(line["c"]), armature, float(arm.model.opt.timestep))
+    f_k, c = map(surely, nearest)
+    return JointPaste(own.joint, f_k, c, armature, float(arm.model.opt.timestep))
 
 
 def _statement(statement: str, fitted: Mapping[str, Quantity], arm: Arm, found: Coupling, one: OneJoint) -> str:

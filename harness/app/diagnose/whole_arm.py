@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
-from harness.app.diagnose.joint_doubts import surely, with_forward_run
+from harness.app.diagnose.joint_doubts import stands_for, surely, with_forward_run
 from harness.app.diagnose.options import DiagnoseOptions
 from harness.app.diagnose.robot_options import RobotOptions
 from harness.app.diagnose.robot_shown import tried
@@ -178,7 +178,7 @@ def _result(arms: Arms, paste: JointPaste, command: str, files: dict[str, str]) 
     return DiagnosisResult(
         recording=recording_info(log, joint.joint),
         verdict=verdict,  # type: ignore[arg-type]
-        statement=_statement(joint, own, paste),
+        statement=_statement(joint, own),
         baseline=plain,
         where=[],
         mechanisms=mechanisms,
@@ -240,18 +240,12 @@ def _model(paste: JointPaste, inertia: float) -> Model:
     return Model(inertia, paste.c, 0.0, paste.f_k, restoring=Restoring.NONE)
 
 
-def _statement(joint: JointFriction, own: Sequence[EntryResult], paste: JointPaste) -> str:
+def _statement(joint: JointFriction, own: Sequence[EntryResult]) -> str:
     """Friction, and what is found beside it, the largest share first."""
     more = [one.statement for one in sorted(own, key=lambda one: -one.share)]
     none = [] if more or joint.left is None else ["Nothing is named beside it."]
-    shapes = [effect.name for effect in joint.effects]
-    if shapes:
-        force = joint.coulomb.unit
-        none = [
-            f"Pasted is the line that comes nearest: {paste.f_k:.4g} {force} and {paste.c:.4g} {joint.viscous.unit}"
-            f" stand for {', '.join(shapes)} at the speeds and loads of this log."
-        ]
-    return " ".join((f"The whole arm moves. {joint.statement}", *more, *none))
+    line = stands_for(*(joint.line or (joint.coulomb, joint.viscous)), [effect.name for effect in joint.effects])
+    return " ".join((f"The whole arm moves. {joint.statement}", *more, *none)) + line
 
 
 def _robot(arms: Arms, paste: JointPaste, every: list[EntryResult]) -> RobotResult:
