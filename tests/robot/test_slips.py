@@ -5,6 +5,7 @@ import math
 import numpy as np
 import pytest
 
+from benchmarks.draws import robot_joints
 from harness.core.robot.joint_log import JointLog
 from harness.robot.reduction import Reduced
 from harness.robot.slips import slips
@@ -47,6 +48,11 @@ def test_break_away_is_the_last_torque_before_a_slip(seed: int) -> None:
     assert broken.stderr is not None
     assert broken.value is not None
     assert abs(broken.value - f_s) < 3.0 * broken.stderr
+
+
+def test_a_joint_that_slides_too_shortly_to_be_fitted_is_told_by_its_slips() -> None:
+    told = robot_joints.slips(1, 0)
+    assert told.right, told.said
 
 
 def test_a_joint_that_swings_has_no_slips() -> None:

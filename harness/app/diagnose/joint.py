@@ -7,18 +7,18 @@ from pathlib import Path
 
 import numpy as np
 
-from harness.app.diagnose.joint_doubts import doubted, with_forward_run
+from harness.app.diagnose.joint_doubts import breaking, doubted, with_forward_run
 from harness.app.diagnose.joint_log import read_log
 from harness.app.diagnose.joint_words import named
 from harness.app.diagnose.one import Diagnosed, deliver
 from harness.app.diagnose.options import DiagnoseOptions, Zero
 from harness.app.diagnose.robot_options import RobotOptions
 from harness.app.diagnose.robot_shown import tried
-from harness.app.diagnose.unmatched import match_results, unmatched
+from harness.app.diagnose.unmatched import match_results, unfitted
 from harness.app.diagnose.whole_arm import diagnose_arm
 from harness.app.shared.progress import SILENT, Progress
 from harness.core.arrays import FloatArray
-from harness.core.errors import InputError
+from harness.core.errors import InputError, SimulationError
 from harness.core.robot.joint_log import JointLog
 from harness.diagnosis.kinds.known import kind_of
 from harness.model.model import Restoring
@@ -63,19 +63,27 @@ def diagnose_joint(
     one = None if found.mode == "whole-arm" else _alone(log, found, asked)
     compared = compare(arm, log, _gains(asked, arm))
     if not compared.fits(joint):
-        return unmatched(arm, log, asked, options, found, compared, out, command)
+        return unfitted(arm, log, asked, options, found, compared, out, command)
     if one is None:
         return diagnose_arm(arm, log, joint, compared, asked, options, out, progress, command)
     settings = {"robot": asked.settings()}
-    return deliver(
-        one.recording,
-        _options(options, one),
-        out,
-        f"{path.name.split('.')[0]}-{joint}",
-        progress,
-        command,
-        _finish(arm, log, asked, options, found, one, settings, compared),
-    )
+    try:
+        return deliver(
+            one.recording,
+            _options(options, one),
+            out,
+            f"{path.name.split('.')[0]}-{joint}",
+            progress,
+            command,
+            _finish(arm, log, asked, options, found, one, settings, compared),
+        )
+    except (InputError, SimulationError):
+        # what slides too shortly to be fitted may break away clearly all the same
+        slipping = slips(log, found.reduced)
+        broken = None if slipping is None else breaking(slipping, None)
+        if broken is None:
+            raise
+        return unfitted(arm, log, asked, options, found, compared, out, command, broken)
 
 
 def _gains(asked: RobotOptions, arm: Arm) -> dict[str, float]:
@@ -134,10 +142,10 @@ def _finish(
     """What is said of the joint besides, and the copy of the model, once it is diagnosed."""
 
     def finish(done: Diagnosed, folder: Path) -> tuple[Diagnosed, dict[str, str]]:
-        result, paste = named(done, arm, found, one, asked.file)
+        result, paste, sliding = named(done, arm, found, one, asked.file)
         shown = tried(arm, log, paste, asked, {paste.joint: _left(done, one)}, 0.0, options.engines)
         torque = float(np.std(log.effort[paste.joint])) if paste.joint in log.effort else 0.0
-        result = doubted(result, done.result.statement, slips(log, found.reduced), shown.results, torque)
+        result = doubted(result, done.result.statement, slips(log, found.reduced), sliding, shown.results, torque)
         result = with_forward_run(result, shown.results)
         assert result.robot is not None
         robot = result.robot.model_copy(update={"match": match_results(compared.matches)})

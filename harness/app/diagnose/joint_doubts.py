@@ -53,14 +53,20 @@ def with_forward_run(result: DiagnosisResult, simulated: Sequence[SimulatedResul
 
 
 def doubted(
-    result: DiagnosisResult, outcome: str, found: Slips | None, simulated: Sequence[SimulatedResult], torque: float
+    result: DiagnosisResult,
+    outcome: str,
+    found: Slips | None,
+    sliding: Quantity,
+    simulated: Sequence[SimulatedResult],
+    torque: float,
 ) -> DiagnosisResult:
     """The result with the break-away that slips show, and never adequate where the log does not say that much.
 
-    outcome : the sentence of the fit's own verdict. torque : standard deviation of the log's, N m or N.
+    outcome : the sentence of the fit's own verdict. sliding : dry friction as it slides. torque : standard deviation of
+    the log's, N m or N.
     """
     assert result.robot is not None
-    slipping = None if found is None else _slipping(result, found)
+    slipping = None if found is None else breaking(found, sliding)
     reasons = list(_reasons(result, simulated, torque))
     update: dict[str, object] = {}
     said = outcome
@@ -76,19 +82,26 @@ def doubted(
     return result.model_copy(update=update)
 
 
-def _slipping(result: DiagnosisResult, found: Slips) -> MechanismResult | None:
-    """Static friction, where the torques before slips are surely above what the joint slides with."""
-    broken, f_k = found.break_away, result.refined.parameters["f_k"]
-    if broken is None or broken.value is None or f_k.value is None:
+def breaking(found: Slips, sliding: Quantity | None) -> MechanismResult | None:
+    """Static friction, where the torques before slips are surely above what the joint slides with.
+
+    sliding : None where the joint slides too shortly for it to be told.
+    """
+    broken = found.break_away
+    if broken is None or broken.value is None:
         return None
-    if broken.value - f_k.value < _SURE * math.hypot(broken.stderr or 0.0, f_k.stderr or 0.0):
-        return None
+    more = ", too shortly each time for what it slides with to be told"
+    if sliding is not None:
+        more = ", more than it slides with"
+        error = math.hypot(broken.stderr or 0.0, sliding.stderr or 0.0)
+        if sliding.value is None or broken.value - sliding.value < _SURE * error:
+            return None
     return MechanismResult(
         name=static_friction.TERM.name,
         family=static_friction.TERM.family,
         statement=(
-            f"It stands still {found.still:.0%} of the time and breaks away {found.torques.size} times at {broken},"
-            " more than it slides with."
+            f"It stands still {found.still:.0%} of the time and breaks away {found.torques.size} times at"
+            f" {broken}{more}."
         ),
         parameters={"f_s": P.of(broken)},
         grade="main",

@@ -30,8 +30,11 @@ _UNSEEN = "the torque does not show it: taken as large as it could be unseen"
 _FREE = "not fitted: a constant force is tried as a mechanism of its own"
 
 
-def named(done: Diagnosed, arm: Arm, found: Coupling, one: OneJoint, file: Path) -> tuple[DiagnosisResult, JointPaste]:
-    """The result with the joint's parameters, sentences and text to paste, and that text's numbers."""
+def named(
+    done: Diagnosed, arm: Arm, found: Coupling, one: OneJoint, file: Path
+) -> tuple[DiagnosisResult, JointPaste, Quantity]:
+    """The result with the joint's parameters, sentences and text to paste, that text's numbers, and dry friction as it
+    slides."""
     result, outcome, joint = done.result, done.outcome, found.reduced.joint
     base = _parameters(outcome.base, outcome, one, outcome.verdict == "adequate")
     refined = _parameters(outcome.refined, outcome, one, outcome.verdict != "unexplained")
@@ -58,7 +61,7 @@ def named(done: Diagnosed, arm: Arm, found: Coupling, one: OneJoint, file: Path)
         "model_left_out": [*result.model_left_out, *left_out],
         "warnings": [*one.warnings, *_scale(refined, found), *arm.notes, *result.warnings],
     }
-    return result.model_copy(update=update), paste
+    return result.model_copy(update=update), paste, nearest[0]
 
 
 def _parameters(fitted: Fit, outcome: Outcome, one: OneJoint, explained: bool) -> dict[str, Quantity]:

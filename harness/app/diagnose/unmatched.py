@@ -1,4 +1,4 @@
-"""A log that does not go together with its robot's model: which option mends it, and nothing is named."""
+"""A log that is not fitted: it does not go together with its robot's model, or shows how a joint breaks away alone."""
 
 from collections.abc import Sequence
 from pathlib import Path
@@ -16,7 +16,7 @@ from harness.io.store import output_folder
 from harness.model.document import to_document
 from harness.model.model import Model, Restoring
 from harness.results.common import P, RecordingInfo
-from harness.results.diagnosis import DiagnosisResult, FitResult, HoldoutResult, RuleResult
+from harness.results.diagnosis import DiagnosisResult, FitResult, HoldoutResult, MechanismResult, RuleResult
 from harness.results.model import ModelDocument
 from harness.results.robot import MatchResult, PasteResult, RobotResult
 from harness.robot.arm import Arm
@@ -26,6 +26,7 @@ from harness.robot.match.rules import RULES
 
 FILES = {"result": "result.json", "report": "report.html", "log": LOG}
 _WHY = "the log does not go together with the model"
+_SHORT = "the joint slides too shortly"
 
 
 def match_results(matches: Sequence[Match]) -> list[MatchResult]:
@@ -61,7 +62,7 @@ def recording_info(log: JointLog, joint: str) -> RecordingInfo:
     )
 
 
-def unmatched(
+def unfitted(
     arm: Arm,
     log: JointLog,
     asked: RobotOptions,
@@ -70,12 +71,16 @@ def unmatched(
     compared: Compared,
     out: Path | None,
     command: str,
+    broken: MechanismResult | None = None,
 ) -> DiagnosisResult:
-    """The answer to such a log, with its page. Raises StoreError."""
+    """The answer to such a log, with its page; broken : how the joint breaks away, None where the model is another.
+
+    Raises StoreError.
+    """
     joint = found.reduced.joint
     with output_folder(f"diagnose-{Path(log.file).name.split('.')[0]}-{joint}", out) as output, journal(output / LOG):
         files = {kind: output.at(file) for kind, file in FILES.items()}
-        result = _result(arm, log, asked, options, found, compared, command, files)
+        result = _result(arm, log, asked, options, found, compared, command, files, broken)
         (output / FILES["result"]).write_text(to_json(result), encoding="utf-8")
         write_match_page(output / FILES["report"], result)
         output.commit()
@@ -91,27 +96,31 @@ def _result(
     compared: Compared,
     command: str,
     files: dict[str, str],
+    broken: MechanismResult | None,
 ) -> DiagnosisResult:
-    own = found.reduced
+    own, why = found.reduced, _WHY if broken is None else _SHORT
     force, place = ("N", "m") if own.slides else ("N m", "rad")
     nothing = FitResult(
         parameters={
-            "c": P.of(Quantity.refused(f"{force} s/{place}", _WHY)),
-            "f_k": P.of(Quantity.refused(force, _WHY)),
-            "offset": P.of(Quantity.refused(force, _WHY)),
+            "c": P.of(Quantity.refused(f"{force} s/{place}", why)),
+            "f_k": P.of(Quantity.refused(force, why)),
+            "offset": P.of(Quantity.refused(force, why)),
         },
         rmse={},
         chi2_per_point=None,
     )
     document = ModelDocument.model_validate(to_document(Model(own.moved, 0.0, 0.0, 0.0, restoring=Restoring.NONE)))
     mend = f" Try: {compared.option}" if compared.option else " No option mends that: look for another model or log."
+    said = f"Log and model do not go together: {compared.statement}.{mend}"
+    if broken is not None:
+        said = f"{own.joint}, the others still: {broken.statement}"
     return DiagnosisResult(
         recording=recording_info(log, own.joint),
-        verdict="unexplained",
-        statement=f"Log and model do not go together: {compared.statement}.{mend}",
+        verdict="unexplained" if broken is None else "main_effect",
+        statement=said,
         baseline=nothing,
         where=[],
-        mechanisms=[],
+        mechanisms=[] if broken is None else [broken],
         refined=nothing,
         rules=[RuleResult(name=r.name, value=r.value, unit=r.unit, origin=r.origin) for r in RULES],
         holdout=HoldoutResult(spans_s=[], baseline_rmse={}, refined_rmse={}),
