@@ -59,4 +59,6 @@ def _fitted(columns: FloatArray, y: FloatArray) -> tuple[FloatArray, FloatArray]
         ]
     )
     spread = np.sum((without - without.mean(axis=0)) ** 2, axis=0)
-    return np.linalg.lstsq(columns, y, rcond=None)[0], np.sqrt((_PARTS - 1) / _PARTS * spread)
+    found = np.linalg.lstsq(columns, y, rcond=None)[0]
+    errors = np.sqrt((_PARTS - 1) / _PARTS * spread)
+    return np.asarray(found, dtype=np.float64), np.asarray(errors, dtype=np.float64)
