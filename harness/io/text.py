@@ -89,7 +89,8 @@ def _separator(lines: Sequence[str]) -> tuple[str, str]:
             comma_decimal = separator != "," and "," in last and "." not in last
             return separator, "," if comma_decimal else "."
     # a single column's name may have blanks
-    return "" if len(last.split()) > 1 else ";", "."
+    single = len(last.split()) == 1 and not any("," in line for line in lines)
+    return ";" if single else "", "."
 
 
 def _is_text(line: str) -> bool:
