@@ -2,12 +2,14 @@
 
 from dataclasses import replace
 from functools import reduce
+from pathlib import Path
 
 import mujoco
 import numpy as np
 import pytest
 from whole_arm_logs import LOWPASS, arm, log_of, machine
 
+from harness.robot.arm import load_arm
 from harness.robot.whole_arm.model_columns import (
     ARMATURE,
     DELAY,
@@ -53,6 +55,17 @@ def test_a_load_at_the_end_is_a_pair_with_the_last_link_and_its_place_is_found()
     assert moments == pytest.approx([0.14, -0.168, 0.28], abs=0.005)
     assert "last link" in told.statement
     friction_is_right(found)
+
+
+def test_a_load_beside_a_wheel_turns_with_it(tmp_path: Path) -> None:
+    """I + kg r^2 about the axis, where the wheel's own centre of mass is on it."""
+    (tmp_path / "wheel.xml").write_text(
+        '<mujoco><worldbody><body><joint name="j" axis="0 0 1"/><inertial pos="0 0 0" mass="2"'
+        ' diaginertia=".3 .3 .4"/></body></worldbody></mujoco>'
+    )
+    loaded = with_load(load_arm(tmp_path / "wheel.xml"), 1.5, np.array([0.2, 0.0, 0.0]))
+    turning = loaded.inverse(np.zeros((1, 1)), np.zeros((1, 1)), np.ones((1, 1)))
+    assert turning[0, 0] == pytest.approx(0.4 + 1.5 * 0.2**2)
 
 
 def test_a_load_that_is_known_is_not_looked_for() -> None:

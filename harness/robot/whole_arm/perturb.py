@@ -56,6 +56,10 @@ def with_load(arm: Arm, kg: float, beside: FloatArray | None = None) -> Arm:
     axes[:, 2] *= np.sign(np.linalg.det(axes))
     mujoco.mju_mat2Quat(model.body_iquat[body], np.ascontiguousarray(axes).ravel())
     model.body_mass[body], model.body_ipos[body], model.body_inertia[body] = mass + kg, both, principal
+    # a body whose centre of mass was its origin was compiled by a shorter way, which leaves the new one out
+    model.body_sameframe[body] = model.body_simple[body] = 0
+    first, count = int(model.body_dofadr[body]), int(model.body_dofnum[body])
+    model.dof_simplenum[first : first + count] = 0
     return _settled(arm, model)
 
 
