@@ -7,7 +7,6 @@ from harness import stages
 from harness.core.arrays import FloatArray
 from harness.core.recording import Recording
 from harness.diagnosis.inverse_dynamics.unseen_mass import with_unseen_mass
-from harness.diagnosis.outcome import Outcome
 from harness.diagnosis.pipeline import diagnose
 from harness.diagnosis.problems.inverse_dynamics import InverseDynamics
 
@@ -29,14 +28,8 @@ def recorded(push: float = PUSH) -> Recording:
     return Recording(t=t, channels={"x": x + 2e-5 * random.standard_normal(t.size), "u": u})
 
 
-def outcome_of(restoring: str | None) -> Outcome:
-    ready = stages.prepare(recorded(), restoring=restoring)
-    return diagnose(ready.problem)
-
-
-@pytest.mark.parametrize("restoring", [None, "none"])
-def test_a_push_is_named(restoring: str | None) -> None:
-    outcome = outcome_of(restoring)
+def test_a_push_is_named() -> None:
+    outcome = diagnose(stages.prepare(recorded()).problem)
     (push,) = (m for m in outcome.mechanisms if m.name == "constant-force")
     assert push.grade is not None
     assert push.grade.value in ("main", "one-of", "explains")
