@@ -29,7 +29,7 @@ from harness.diagnosis.search.release_transient import after_hand, over_by
 from harness.diagnosis.search.search import Search, noise_of, search, under
 from harness.diagnosis.stages import Based, Found, Judged
 from harness.kernels.solve import Scales
-from harness.model.model import Model, ModelTerm
+from harness.model.model import Model, ModelTerm, Restoring
 from harness.model.place import Place
 
 
@@ -60,11 +60,17 @@ class FreeDecays(Kind[FreeDecay]):
         if otherwise is not None:
             based = otherwise
             found = search(based.problem, based.fit, scales)
+        zeroed = self._from_a_zero(found, based)
+        if zeroed is not None:
+            based, scales = zeroed, zeroed.scales
+            found = search(based.problem, based.fit, scales)
+            notes = ("measured from an unknown zero: what was found asks for it, where the base fit did not",)
         over = over_by(found.chosen, found.problem, scales) if found.explained else None
         free = after_hand(found.problem, scales, over) if over is not None or not found.explained else None
         if free is not None:
             found, scales, touched = free
-            notes = (f"the first {touched:.4g} s are left out: no free decay, as if a hand had not yet been off",)
+            left_out = f"the first {touched:.4g} s are left out: no free decay, as if a hand had not yet been off"
+            notes = (*notes, left_out)
         elif over is not None:
             # what is over while a hand lets go is the hand's: nothing of what follows is explained by it
             found = replace(found, chosen=found.base, left=Left.STRUCTURE, without=())
@@ -75,6 +81,20 @@ class FreeDecays(Kind[FreeDecay]):
         if trace is None:
             return Found(every, scales, found, None, notes)
         return Found(trace[0], scales, trace[0], trace[1], notes)
+
+    def _from_a_zero(self, found: Search, based: Based[FreeDecay]) -> Based[FreeDecay] | None:
+        """The base fit from an unknown zero, where nobody said and a constant force was found: on a spring it is one.
+
+        What is missing may hide from the base fit where the zero is. None where a constant force is no such thing.
+        """
+        whole = based.whole
+        pushed = any(entry.term.name == "constant-force" for entry in found.chosen.model.terms)
+        open_to = whole.zero_chosen and not whole.zero_free and whole.restoring is Restoring.SPRING
+        if not (pushed and open_to and "x" in whole.channels):
+            return None
+        with suppress(SimulationError, InputError):
+            return self.fit_base(replace(whole, zero_free=True))
+        return None
 
     def hold_out(self, problem: FreeDecay, judged: Judged, acting: Sequence[tuple[ModelTerm, Place]]) -> Holdout:
         """Every second full period."""

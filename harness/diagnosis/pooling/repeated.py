@@ -41,15 +41,37 @@ def alone_under(found: Fit, problem: Together | ForcesTogether, scales: Scales, 
     if not terms:
         return list(base)
     read = list(base)
-    alone: Sequence[Problem] = problem.each if isinstance(problem, ForcesTogether) else problem.alone
-    for i, one in enumerate(alone):
+    each: Sequence[Problem] = problem.each if isinstance(problem, ForcesTogether) else problem.alone
+    for i, one in enumerate(each):
         model = replace(found.model.of_recording(i), terms=terms)
         with suppress(SimulationError):
             if isinstance(one, FreeDecay):
                 read[i] = _decay(one, model, scales)
             elif isinstance(one, InverseDynamics):
                 read[i] = force_alone(one, model, scales)
+    return _as_the_others(read)
+
+
+def _as_the_others(read: list[Alone]) -> list[Alone]:
+    """Decays that a law does not explain, tried again with the numbers of those that it does: a fit may stray."""
+    explained = [one.fit.model for one in read if one.explained and one.fit.model.terms]
+    for i, one in enumerate(read):
+        if explained and not one.explained and isinstance(one.problem, FreeDecay):
+            with suppress(SimulationError):
+                again = _decay(one.problem, _median(one.fit.model, explained), one.scales)
+                read[i] = min(one, again, key=lambda tried: tried.fit.chi2)
     return read
+
+
+def _median(model: Model, others: Sequence[Model]) -> Model:
+    """A model with the physics of others, every number of it and of its laws their median."""
+    base: dict[str, Any] = {stem: float(np.median([getattr(other, stem) for other in others])) for stem in PHYSICS}
+    terms = []
+    for entry in model.terms:
+        same = [one.values for other in others for one in other.terms if one.term is entry.term]
+        values = tuple(np.median(same, axis=0).tolist()) if same else entry.values
+        terms.append(replace(entry, values=values))
+    return replace(model, terms=tuple(terms), **base)
 
 
 def own_of_each(found: Search, before: Pooled[Together]) -> tuple[Search, Pooled[Together]]:
@@ -109,20 +131,14 @@ def _differing(alone: Sequence[Alone]) -> list[str]:
 
 
 def _jointly(model: Model, problem: Together, scales: Scales, alone: Sequence[Alone]) -> Fit:
-    """A model fitted to all, begun where each recording ends alone: with its own numbers, and the mean of what is
-    shared. Numbers of laws too: beside what recordings differ in, those of all together are far from any of them.
+    """A model fitted to all, begun where each recording ends alone: with its own numbers, and the median of what
+    is shared. Numbers of laws too: beside what recordings differ in, those of all together are far from any of them.
     """
     each = [one.fit.model for one in alone]
-    shared = {stem: float(np.mean([getattr(m, stem) for m in each])) for stem in PHYSICS}
     own = [{stem: float(getattr(m, stem)) for stem in problem.own_names} for m in each]
+    first: dict[str, Any] = own[0]
     elsewhere = tuple(Elsewhere(tuple(values.items())) for values in own[1:])
-    first: dict[str, Any] = {**shared, **own[0]}
-    terms = []
-    for entry in model.terms:
-        same = [other.values for m in each for other in m.terms if other.term is entry.term]
-        values = tuple(np.median(same, axis=0).tolist()) if same else entry.values
-        terms.append(replace(entry, values=values))
-    begun = replace(model, **first, terms=tuple(terms), elsewhere=elsewhere)
+    begun = replace(_median(model, each), **first, elsewhere=elsewhere)
     return fit(begun, problem, free_of(begun, problem.base_names), scales)
 
 
