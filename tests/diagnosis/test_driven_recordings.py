@@ -87,12 +87,12 @@ def test_unknown_zero_is_found() -> None:
 
 
 def test_force_is_fitted_over_windows_within_errors_that_allow_for_colour() -> None:
-    """A force that nobody measured, correlated over 40 samples: every number within four of its standard errors."""
-    t = np.arange(12000) / 1000.0
+    """A force that nobody measured, correlated over 20 samples: every number within four of its standard errors."""
+    t = np.arange(6000) / 500.0
     draw = np.random.default_rng(7)
     unseen = np.zeros(t.size)
     for i in range(1, t.size):
-        unseen[i] = 0.975 * unseen[i - 1] + 0.1 * draw.standard_normal()
+        unseen[i] = 0.95 * unseen[i - 1] + 0.14 * draw.standard_normal()
     u = 6.0 * np.sin(3.1 * t) + 4.0 * np.sin(7.3 * t + 1.1) + 3.0 * np.sin(14.0 * t + 2.0)
     x = solve(TRUTH, t, drive=Drive(t, u + unseen)).x
     recording = Recording(t, {"x": x + 1e-7 * draw.standard_normal(t.size), "u": u})

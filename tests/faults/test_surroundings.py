@@ -12,6 +12,7 @@ import pytest
 from killing import COMMAND, ROOT, ended
 
 from harness.cli.main import run
+from harness.core.jit import cache_folder
 
 T = np.arange(400) / 200.0
 X = np.exp(-0.5 * T) * np.cos(10.0 * T)
@@ -38,6 +39,8 @@ def read_only(place: Path) -> Iterator[Path]:
 def test_an_empty_environment_and_a_locale_of_letters_alone(place: Path) -> None:
     line = [*COMMAND, "identify", "d.csv", "--out", "out", "--json", "-"]
     plain = {"LC_ALL": "C", "PYTHONUTF8": "0", "PYTHONCOERCECLOCALE": "0", "PYTHONPATH": str(ROOT)}
+    # without a home what is compiled has a folder of its own, and is compiled there for a minute
+    plain["NUMBA_CACHE_DIR"] = str(cache_folder())
     done = subprocess.run(line, cwd=place, env=plain, capture_output=True, check=False)
     assert (done.returncode, done.stderr) == (0, b"")
     assert json.loads(done.stdout.decode("ascii"))["schema"] == "harness.identify/1"
