@@ -83,12 +83,12 @@ class FreeDecays(Kind[FreeDecay]):
         return Found(trace[0], scales, trace[0], trace[1], notes)
 
     def _from_a_zero(self, found: Search, based: Based[FreeDecay]) -> Based[FreeDecay] | None:
-        """The base fit from an unknown zero, where nobody said and a constant force was found: on a spring it is one.
+        """The base fit from an unknown zero, where nobody said and a push was found: on a spring they are one.
 
-        What is missing may hide from the base fit where the zero is. None where a constant force is no such thing.
+        What is missing may hide from the base fit where the zero is. None where a push is no such thing.
         """
         whole = based.whole
-        pushed = any(entry.term.name == "constant-force" for entry in found.chosen.model.terms)
+        pushed = any(entry.term.push is not None for entry in found.chosen.model.terms)
         open_to = whole.zero_chosen and not whole.zero_free and whole.restoring is Restoring.SPRING
         if not (pushed and open_to and "x" in whole.channels):
             return None
