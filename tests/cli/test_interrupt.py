@@ -6,8 +6,8 @@ import sys
 
 import pytest
 
-# a mutex that is locked twice holds its thread where no signal is looked at, as a compiled loop does; a shell that starts
-# tests in the background has them ignore the first signal
+# a mutex that is locked twice holds its thread where no signal is looked at, as a compiled loop does; a shell that
+# starts tests in the background has them ignore the first signal
 _DEAF = """
 import ctypes, signal, threading
 from harness.cli import interrupt
