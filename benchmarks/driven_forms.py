@@ -5,7 +5,6 @@ python -m benchmarks.driven_forms --draws 60 [--controls] [--seed S] [--first I]
 
 import argparse
 import json
-import math
 import sys
 import tempfile
 import time
@@ -13,6 +12,7 @@ from pathlib import Path
 from typing import Any
 
 import harness
+from benchmarks.draws.shared import interval
 from benchmarks.driven_draws import RIGHT, Drawn, drawn
 from benchmarks.driven_plant import SPRING
 from harness.core.errors import HarnessError
@@ -55,15 +55,6 @@ def right(row: dict[str, Any], one: Drawn) -> bool:
     if not one.truth:
         return not names and row["verdict"] != "error"
     return len(names) <= MOST and any(name in one.truth or name.split(":")[0] in one.truth for name in names)
-
-
-def interval(k: int, n: int) -> tuple[float, float]:
-    """Wilson's interval at 95 %."""
-    if n == 0:
-        return 0.0, 1.0
-    z, p = 1.96, k / n
-    middle, half = p + z * z / (2 * n), z * math.sqrt(p * (1 - p) / n + z * z / (4 * n * n))
-    return (middle - half) / (1 + z * z / n), (middle + half) / (1 + z * z / n)
 
 
 def main(arguments: list[str]) -> int:
