@@ -192,6 +192,10 @@ def test_a_term_is_named_in_its_own_file_alone() -> None:
     assert found == []
 
 
+def test_what_is_installed_imports_nothing_that_is_not() -> None:
+    assert importers("benchmarks", "tests") == set()
+
+
 def test_one_file_alone_imports_rerun() -> None:
     assert importers("rerun") <= {"harness/show/trace.py"}
 

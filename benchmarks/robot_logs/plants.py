@@ -17,11 +17,11 @@ from dataclasses import dataclass, replace
 import mujoco
 import numpy as np
 
+from benchmarks.robot_calibrate.plant import JOINTS, Motion, Plant, seven_joints
 from harness.core.arrays import FloatArray
 from harness.core.robot.joint_log import JointLog
 from harness.robot.arm import Arm
 from harness.robot.replay.as_urdf import of_model
-from harness.robot.whole_arm.calibrate.plant import JOINTS, Motion, Plant, seven_joints
 
 BRISTLE = 2e-5
 """rad."""

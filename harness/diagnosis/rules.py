@@ -66,7 +66,7 @@ SECOND_TERM = Rule(
     "far above what the best second term takes off where one effect is hidden and its law fitted: nothing in 130 of"
     " 133 free decays, 0.42, 3.5 and 41 in the others, so that 99 % are below 2.5; the 41 belong to a law whose own fit"
     " stopped beside its best (1.08 chi-square a point, of which another start leaves 1.01). What is above 2.5 is"
-    " caution (python -m harness.app.calibrate second-term --draws 144)",
+    " caution (python -m benchmarks.calibrate second-term --draws 144)",
 )
 MOST_TERMS = Rule(
     "most-terms",
@@ -98,7 +98,7 @@ APART = Rule(
     f"decisive and 2 ln of the number of pairs ({DECISIVE.value + 2.0 * math.log(_PAIRS):.3g}), and what chance adds"
     " between rivals where an effect of no catalogue is followed. Draws leave room: of 12 searches where such a pair is"
     " hidden 9 end at one, all at least 86 from the next of another family; of 11 with an effect of no catalogue none"
-    " ends at one (python -m harness.app.calibrate pairs-apart --draws 23)",
+    " ends at one (python -m benchmarks.calibrate pairs-apart --draws 23)",
 )
 STRUCTURE = Rule(
     "structure",
@@ -153,7 +153,7 @@ AS_FAST = Rule(
     "of the power",
     "the whole residual is taken for coloured noise only where windows of a quarter of a swing see so much of it",
     "of 19,736 residuals that are such noise, of 300 to 4,000 samples, none shows less, the least 0.73"
-    " (python -m harness.app.calibrate colours --draws 400 --seed 1)",
+    " (python -m benchmarks.calibrate colours --draws 400 --seed 1)",
 )
 PREDICTS_WORSE = Rule(
     "predicts-worse",
@@ -229,7 +229,7 @@ FORCE_HELD = Rule(
     "a measured force counts as held between its samples",
     "chance alone moves the ratio by 1/sqrt(N): 2 % are two of these at the least of 2,500 values; asked again beside"
     " what comes nearest, 78 of 80 effects on driven plants are named or listed, none called another family, 40 of 40"
-    " controls quiet (python -m harness.app.calibrate driven --draws 120 --seed 20261125)",
+    " controls quiet (python -m benchmarks.calibrate driven --draws 120 --seed 20261125)",
 )
 GUARD_SPEED = Rule(
     "guard-speed",
@@ -238,7 +238,7 @@ GUARD_SPEED = Rule(
     "of a robot's joint, a fitted force does not count within the smoothing's reach of a slower sample",
     "30 logs of one joint under a servo, with viscous and Coulomb friction alone: f_k is at most 0.22 % off,"
     " and nothing is named in any; where only speeds without a sure sign are left out it is 0.18 % off at most"
-    " (python -m harness.app.calibrate guard-speed --draws 30)",
+    " (python -m benchmarks.calibrate guard-speed --draws 30)",
 )
 INPUT_NOISE_DRAWS = Rule(
     "input-noise-draws",
@@ -375,8 +375,8 @@ SCREEN_SHARE = Rule(
     "share of the best",
     "a law of two or more parameters is fitted at all; any law beside one that leaves structure",
     "a third of the least share of the best promise that a true effect had in the screen: 0.117 (attached-mode), of"
-    " 45 free decays (python -m harness.app.calibrate screen-share --draws 45), and a true second one beside the first:"
-    " 0.123 (python -m harness.app.calibrate pair-promise --draws 67)",
+    " 45 free decays (python -m benchmarks.calibrate screen-share --draws 45), and a true second one beside the first:"
+    " 0.123 (python -m benchmarks.calibrate pair-promise --draws 67)",
 )
 
 PAIR_PROMISE = Rule(
@@ -386,7 +386,7 @@ PAIR_PROMISE = Rule(
     "a model that explains nothing is extended by a second term only if one promises to come so near the noise, and"
     " only by those that do",
     "above all that a true second term promises to first order: of 51 half promise 1.05 at most, one in ten more than"
-    " 2.4, one in twenty more than 5.7, the worst 11.2 (python -m harness.app.calibrate pair-promise --draws 67); what"
+    " 2.4, one in twenty more than 5.7, the worst 11.2 (python -m benchmarks.calibrate pair-promise --draws 67); what"
     " promises more is not searched, and its pair not named",
 )
 FRICTION_GONE = Rule(
@@ -402,7 +402,7 @@ MOST_WORDS = Rule(
     "words",
     "a misfit is counted as so many independent words at most",
     "not settled by draws: of 144 main effects of machines 30, 60 and 120 name 51, and of 72 controls claim none"
-    " (python -m harness.app.calibrate main-effect --draws 240 --seed 20261125)",
+    " (python -m benchmarks.calibrate main-effect --draws 240 --seed 20261125)",
 )
 HAS_BEGUN = Rule(
     "has-begun",
@@ -441,7 +441,7 @@ LEAST_RATIO = Rule(
     "another term must leave so much more, however many cycles there are",
     "at sixty words a margin of 6 is a ratio of 1.1, which unmodelled small effects shift by themselves; not settled by"
     " draws: of 144 main effects of machines 1.05, 1.1, 1.15 and 1.25 name 51, none wrongly, and claim no control"
-    " (python -m harness.app.calibrate main-effect --draws 240 --seed 20261125)",
+    " (python -m benchmarks.calibrate main-effect --draws 240 --seed 20261125)",
 )
 CHANCE = Rule(
     "chance",
@@ -452,7 +452,7 @@ CHANCE = Rule(
     " name that stands apart in 298 (another one in 9), and one stands apart in 47 of 650 controls; by weights made of"
     " the other draws a chance of .5 names 291, 7 wrongly, and claims 32 controls, .7 names 265, 4 wrongly, and claims"
     " 19, .85 names 218, 3 wrongly, and claims 10; what is said to be right at .52, .68, .84 and .96 is so at .54, .67,"
-    " .85 and .96 (python -m harness.app.calibrate chance --draws 1300 --seed 20261129, which makes the weights)",
+    " .85 and .96 (python -m benchmarks.calibrate chance --draws 1300 --seed 20261129, which makes the weights)",
 )
 _CHANCE_DRAWS = "a logistic regression on the draws of chance, each feature with a prior of unit variance"
 CHANCE_INTERCEPT = Rule(
@@ -507,7 +507,7 @@ FORCE_CHANCE = Rule(
     "apart in 13 of 171 controls; by weights made of the other draws a chance of .5 names 37, 3 wrongly, and claims 3"
     " controls, .7 names 34, 3 wrongly, and claims 2, .85 names 23, 1 wrongly, and claims 2; what is said to be right"
     " at .24, .49, .83 and .94 is so at .26, .50, .87 and .82 (the last of 21 draws, whose standard error is .05, so "
-    "that the command says that it falls short) (python -m harness.app.calibrate force-chance --draws 900 --seed "
+    "that the command says that it falls short) (python -m benchmarks.calibrate force-chance --draws 900 --seed "
     "20261130, which makes the weights)",
 )
 _FORCE_CHANCE_DRAWS = "a logistic regression on the draws of force-chance, each feature with a prior of unit variance"
@@ -575,7 +575,7 @@ SHARE_OF_EXCESS = Rule(
     "one term is the main part of the misfit beyond the sensors' noise",
     "more than the rest together, by half: of 144 main effects of machines .5 names 51 and lists 114, .6 names 51 and"
     " lists 113, .7 names 49 and lists 107"
-    " (python -m harness.app.calibrate main-effect --draws 240 --seed 20261125)",
+    " (python -m benchmarks.calibrate main-effect --draws 240 --seed 20261125)",
 )
 SHARE_OF_MISFIT = Rule(
     "share-of-misfit",
@@ -585,7 +585,7 @@ SHARE_OF_MISFIT = Rule(
     "with share-of-excess: then noise is at most a third of what is left (1 - .4/.6), and the rest of it is a misfit to"
     " speak of; of 144 main effects of machines .4 names 51 and lists 113, .5 names 50 and lists 111; of 72 controls"
     " neither claims one"
-    " (python -m harness.app.calibrate main-effect --draws 240 --seed 20261125)",
+    " (python -m benchmarks.calibrate main-effect --draws 240 --seed 20261125)",
 )
 HELD_OUT = Rule(
     "held-out",
@@ -594,7 +594,7 @@ HELD_OUT = Rule(
     "a term predicts blocks that it was not fitted to better than the base",
     "a tenth less than without it: a guard, which the draws do not settle; of 144 main effects of machines .8 names 51"
     " and lists 111, .9 names 51 and lists 113, 1 names 52 and lists 116, none wrongly"
-    " (python -m harness.app.calibrate main-effect --draws 240 --seed 20261125)",
+    " (python -m benchmarks.calibrate main-effect --draws 240 --seed 20261125)",
 )
 PREDICTS_BETTER = Rule(
     "predicts-better",
@@ -610,7 +610,7 @@ RUN_BETTER = Rule(
     "a free run of the last 40 %, from a fit of the first 60 %, is so much better that a term counts though it takes"
     " little off where it was fitted",
     "half of the squares (.7^2); not settled by draws: of 144 main effects of machines .5 lists 112, .7 and .85 113"
-    " (python -m harness.app.calibrate main-effect --draws 240 --seed 20261125)",
+    " (python -m benchmarks.calibrate main-effect --draws 240 --seed 20261125)",
 )
 RUNS_ON_BETTER = Rule(
     "runs-on-better",
@@ -619,7 +619,7 @@ RUNS_ON_BETTER = Rule(
     "another name that takes most of the misfit runs on so much better than the first that both are listed",
     "half of the squares, as run-better; not settled by draws: of 144 main effects of machines it names 51 and lists"
     " 113, no such rule names 51 and lists 114, .85 names 51 and lists 114; none claims a control of 72"
-    " (python -m harness.app.calibrate main-effect --draws 240 --seed 20261125)",
+    " (python -m benchmarks.calibrate main-effect --draws 240 --seed 20261125)",
 )
 AMONG_ALIKE = Rule(
     "among-alike",
@@ -652,7 +652,7 @@ SAME_CLOCK = Rule(
     " swing itself, by one so slow, or by two so near is graded as one that does not",
     "two frequencies nearer than one over the length of the recording are one (Rayleigh), and half of that again for"
     " a period that changes with the swing; of 93 such laws that could be listed, of 240 machines, 5 are true"
-    " (python -m harness.app.calibrate main-effect --draws 240 --seed 20261125)",
+    " (python -m benchmarks.calibrate main-effect --draws 240 --seed 20261125)",
 )
 LEAST_CYCLES = Rule(
     "least-cycles",
@@ -664,8 +664,8 @@ LEAST_CYCLES = Rule(
     " of ten would pass gain and share at four cycles in 100 %, at five in 73 %, at six in 34 %, at eight in 5 % (of"
     " twelve: 100, 80, 39, 6 %). That is the cautious figure: of 213 simulated decays with a misfit of random amplitude"
     " and phase in each stroke 0.9 % pass at four cycles, none from five on"
-    " (python -m harness.app.calibrate few-cycles --draws 213); of 144 main effects of machines 8 names 51 and 6 names"
-    " 56, none wrongly (python -m harness.app.calibrate main-effect --draws 240 --seed 20261125)",
+    " (python -m benchmarks.calibrate few-cycles --draws 213); of 144 main effects of machines 8 names 51 and 6 names"
+    " 56, none wrongly (python -m benchmarks.calibrate main-effect --draws 240 --seed 20261125)",
 )
 MOST_LISTED = Rule(
     "most-listed",
@@ -755,9 +755,9 @@ TABLE_BETTER = Rule(
     0.9,
     "ratio of rmse",
     "a table stays: it predicts blocks that took no part in its fit so much better than the model without it",
-    "as for a term (held-out); measured with python -m harness.app.calibrate tables; of fitted forces 20 of 20 with a"
+    "as for a term (held-out); measured with python -m benchmarks.calibrate tables; of fitted forces 20 of 20 with a"
     " law of no catalogue predict at .7 of the base's error or better, and of 10 without one none gets a table"
-    " (python -m harness.app.calibrate force-tables --draws 40 --seed 5)",
+    " (python -m benchmarks.calibrate force-tables --draws 40 --seed 5)",
 )
 TABLE_ERRORS = Rule(
     "table-errors",
@@ -766,7 +766,7 @@ TABLE_ERRORS = Rule(
     "a table stays: its better prediction is no chance",
     "one-sided level of .6 %, by Student's distribution for few blocks: of 132 controls whose misfit is random one gets"
     " a table, and 311 of 375 static laws of no catalogue one that predicts at .7 of the base's error or better"
-    " (python -m harness.app.calibrate tables --draws 330 --seed 20261125, and --seed 777)",
+    " (python -m benchmarks.calibrate tables --draws 330 --seed 20261125, and --seed 777)",
 )
 TABLE_BAND = Rule(
     "table-band",
@@ -774,7 +774,7 @@ TABLE_BAND = Rule(
     "of a standard error",
     "one standard error that is drawn about a table, and that its words must exceed",
     "two of what the fit itself says hold the true force on 90 % of the range in 271 of 310 tables, two of these in 282"
-    " (python -m harness.app.calibrate tables --draws 330 --seed 20261125, and --seed 777), and in 147 of 155 of other"
+    " (python -m benchmarks.calibrate tables --draws 330 --seed 20261125, and --seed 777), and in 147 of 155 of other"
     " draws (--seed 4243)",
 )
 TABLE_WORDS = Rule(
@@ -799,7 +799,7 @@ PATH_AGAIN = Rule(
     "a driven path comes back, so that a force over position and speed at once is tried: so much of it is spent in"
     " cells (eight along each side) that are seen again",
     "24 motions that fade to .7 or less spend .78 of it there at most, those of 24 machines along waves .95 at least"
-    " (python -m harness.app.calibrate force-tables --draws 24)",
+    " (python -m benchmarks.calibrate force-tables --draws 24)",
 )
 
 COVARIATE_VARIES = Rule(
@@ -835,8 +835,8 @@ POOLED = Rule(
     "several recordings differ in their base parameters, so that what differs is looked for",
     "one in a thousand where noise is all that differs: of 41 sliders let go twice with nothing hidden 2 are below .05,"
     " 1 below .01, none below .001; of 21 machines in which something is missing 13 are, so that the parameter must"
-    " also say more than the catalogue does (own) (python -m harness.app.calibrate together --draws 41); of 15 driven"
-    " pairs with nothing hidden 2 are below .05, none below .01 (python -m harness.app.calibrate forces-together"
+    " also say more than the catalogue does (own) (python -m benchmarks.calibrate together --draws 41); of 15 driven"
+    " pairs with nothing hidden 2 are below .05, none below .01 (python -m benchmarks.calibrate forces-together"
     " --draws 60)",
 )
 OWN = Rule(
@@ -846,9 +846,9 @@ OWN = Rule(
     "a base parameter becomes each recording's own, if it also says more than a law that all share",
     'Kass and Raftery 1995, section 3.2: "strong" evidence; of 21 machines let go twice, as they were, none is said to'
     " differ, of 20 with 5 % more inertia the second time 19, all in inertia"
-    " (python -m harness.app.calibrate together --draws 41); of 30 driven pairs, as they were, none, of 30 with 10 %"
+    " (python -m benchmarks.calibrate together --draws 41); of 30 driven pairs, as they were, none, of 30 with 10 %"
     " more inertia or 20 % less friction 23, 22 in what it is"
-    " (python -m harness.app.calibrate forces-together --draws 60)",
+    " (python -m benchmarks.calibrate forces-together --draws 60)",
 )
 AMPLITUDES_APART = Rule(
     "amplitudes-apart",
@@ -858,7 +858,7 @@ AMPLITUDES_APART = Rule(
     "a decay to a fifth from two thirds of the amplitude passes each one a quarter of its length earlier"
     " (ln 1.5 / ln 5). Not settled by draws: of 10 machines with small effects besides, 6 of them so far apart, the law"
     " is named in 2 by the larger decay alone and in 4 by both, and another is named or listed without it in 1 and in 3"
-    " (python -m harness.app.calibrate amplitudes --draws 10)",
+    " (python -m benchmarks.calibrate amplitudes --draws 10)",
 )
 POOLING = (POOLED, OWN, AMPLITUDES_APART)
 """Those that decide what several recordings share."""
@@ -869,8 +869,9 @@ RULES: tuple[Rule, ...] = tuple(value for value in list(globals().values()) if i
 def document() -> str:
     """docs/rules.md."""
     head = (
-        "# Rules\n\nEvery number that moves a verdict, where it comes from, and what repeats it. Made from\n"
-        "harness/diagnosis/rules.py by `python -m harness.diagnosis.rules`; a result carries those that decided it.\n\n"
+        "# Rules\n\nEvery number that moves a verdict, where it comes from, and what repeats it (`benchmarks` is in a\n"
+        "checkout). Made from harness/diagnosis/rules.py by `python -m harness.diagnosis.rules`; a result carries\n"
+        "those that decided it.\n\n"
         "| rule | value | what it decides | origin |\n|---|---|---|---|\n"
     )
     rows = (f"| {r.name} | {r.value:.4g} {r.unit if r.unit != '1' else ''} | {r.moves} | {r.origin} |\n" for r in RULES)

@@ -3,13 +3,14 @@
 import math
 import subprocess
 import sys
+from pathlib import Path
 
 import numpy as np
 import pytest
 
-from harness.app.calibrate.__main__ import CALIBRATIONS, main
-from harness.app.calibrate.few_cycles import by_words
-from harness.app.calibrate.main_effect import Answer, Counts, Row, settings
+from benchmarks.calibrate.__main__ import CALIBRATIONS, main
+from benchmarks.calibrate.few_cycles import by_words
+from benchmarks.calibrate.main_effect import Answer, Counts, Row, settings
 from harness.diagnosis.outcome import Grade
 from harness.diagnosis.rules import GAIN, RULES, SHARE_OF_EXCESS
 
@@ -62,7 +63,7 @@ SEED = 3
 
 def _asked() -> set[str]:
     """Names of calibrations that origins of rules ask for."""
-    command = "python -m harness.app.calibrate "
+    command = "python -m benchmarks.calibrate "
     return {word.strip("();,.") for r in RULES for word in [r.origin.partition(command)[2].split(" ")[0]] if word}
 
 
@@ -131,8 +132,7 @@ def test_counts_tell_named_listed_wrong_and_claimed() -> None:
 
 
 def test_the_command_is_one_line_where_a_name_is_none() -> None:
-    done = subprocess.run(
-        [sys.executable, "-m", "harness.app.calibrate", "nothing"], capture_output=True, text=True, check=False
-    )
+    command = [sys.executable, "-m", "benchmarks.calibrate", "nothing"]
+    done = subprocess.run(command, cwd=Path(__file__).parents[2], capture_output=True, text=True, check=False)
     assert done.returncode == 2
     assert "Traceback" not in done.stderr

@@ -10,7 +10,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from harness.app.calibrate import chance as calibration
+from benchmarks.calibrate import chance as calibration
 from harness.core.quantity import Quantity
 from harness.diagnosis.fit import standard_errors
 from harness.diagnosis.fit.standard_errors import loosest

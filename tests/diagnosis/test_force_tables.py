@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 from scipy.stats import binom
 
-from harness.app.calibrate.calibration import measured as drawn
-from harness.app.calibrate.force_tables import BOTH, Moved, Row, left_of, measure, moved, said
+from benchmarks.calibrate.calibration import measured as drawn
+from benchmarks.calibrate.force_tables import BOTH, Moved, Row, left_of, measure, moved, said
 from harness.core.arrays import BoolArray, FloatArray
 from harness.core.recording import Recording
 from harness.diagnosis.baseline.driven_base_fit import driven_baseline

@@ -6,7 +6,7 @@ from functools import cache
 import numpy as np
 import pytest
 
-from harness.app.calibrate.tables import Row, measure, said
+from benchmarks.calibrate.tables import Row, measure, said
 from harness.core.arrays import FloatArray
 from harness.diagnosis.baseline.base_fit import baseline
 from harness.diagnosis.explain.verdict_sentence import sentence_of

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from whole_arm_logs import machine
 
-from harness.robot.whole_arm.calibrate.__main__ import main
-from harness.robot.whole_arm.calibrate.limit import Limit, Path
+from benchmarks.robot_calibrate.__main__ import main
+from benchmarks.robot_calibrate.limit import Limit, Path
 from harness.robot.whole_arm.rules import RULES
 
 

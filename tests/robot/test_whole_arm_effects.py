@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from whole_arm_logs import LOWPASS, arm, log_of, machine, with_effect
 
-from harness.robot.whole_arm.calibrate.draws import loose
-from harness.robot.whole_arm.calibrate.plant import Friction
+from benchmarks.robot_calibrate.draws import loose
+from benchmarks.robot_calibrate.plant import Friction
 from harness.robot.whole_arm.friction_columns import (
     ASYMMETRIC,
     DRIFT,

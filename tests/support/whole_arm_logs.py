@@ -5,10 +5,10 @@ from functools import cache
 
 import numpy as np
 
+from benchmarks.robot_calibrate.plant import JOINTS, Friction, Motion, Plant, seven_joints
 from harness.core.arrays import FloatArray
 from harness.core.robot.joint_log import JointLog
 from harness.robot.arm import Arm
-from harness.robot.whole_arm.calibrate.plant import JOINTS, Friction, Motion, Plant, seven_joints
 
 SECONDS, RATE, LOWPASS = 12.0, 500.0, 15.0
 NAMES = tuple(f"joint{i + 1}" for i in range(JOINTS))

@@ -3,7 +3,7 @@
 Small effects sum up to one law or another by chance; where other laws take nearly as much off, where the law takes
 less beside another, where its own numbers are loose, and where there are many cycles to see small effects in, that is
 likely. How likely, a logistic regression says (Cox 1958, J. R. Stat. Soc. B 20, 215) on simulated machines, of which
-half have a main effect: ``python -m harness.app.calibrate chance`` makes its weights, and ``force-chance`` those of a
+half have a main effect: ``python -m benchmarks.calibrate chance`` makes its weights, and ``force-chance`` those of a
 fitted force, whose path comes back to the same places at other speeds, so that sums are parted more often.
 """
 

@@ -2,7 +2,7 @@
 
 from harness.robot.whole_arm.rules import Rule
 
-_ORIGIN = "python -m harness.robot.whole_arm.calibrate --only match"
+_ORIGIN = "python -m benchmarks.robot_calibrate --only match"
 CORRELATED = Rule(
     "correlated",
     0.5,

@@ -24,7 +24,7 @@ NAMED = Rule(
     "evidence",
     "an effect or an error of the model is named",
     "some 85 candidates an arm: by chance alone one in a hundred clean arms has one this sure; of 140 simulated ones"
-    " one had, the best of the others was at 10.9 (python -m harness.robot.whole_arm.calibrate --only clean,"
+    " one had, the best of the others was at 10.9 (python -m benchmarks.robot_calibrate --only clean,"
     " --draws 60 --seed 4 and --draws 80 --seed 8)",
 )
 RIVAL = Rule(

@@ -4,8 +4,8 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
-from harness.app.calibrate.calibration import Calibration, head, quantiles, stands
-from harness.app.calibrate.plant_cases import NAMES, case_of, start_of, with_term
+from benchmarks.calibrate.calibration import Calibration, head, quantiles, stands
+from benchmarks.calibrate.plant_cases import NAMES, case_of, start_of, with_term
 from harness.diagnosis.rules import SECOND_TERM
 from harness.diagnosis.search.extend import extend
 

@@ -2,9 +2,9 @@
 
 from functools import partial
 
-from harness.app.calibrate.calibration import Calibration
-from harness.app.calibrate.chance import Row, said
-from harness.app.calibrate.machine_draws import asked_of, drawn
+from benchmarks.calibrate.calibration import Calibration
+from benchmarks.calibrate.chance import Row, said
+from benchmarks.calibrate.machine_draws import asked_of, drawn
 from harness.app.diagnose.problem import prepared
 from harness.diagnosis.grading.chance import OF_FORCES
 from harness.diagnosis.inverse_dynamics.search import search_driven

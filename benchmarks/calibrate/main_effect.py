@@ -9,10 +9,10 @@ from itertools import product
 from pathlib import Path
 from typing import Any
 
-from harness.app.calibrate.calibration import Calibration, stands
-from harness.app.calibrate.machine_draws import based, drawn
-from harness.app.calibrate.plant_cases import seen
-from harness.app.calibrate.plant_folder import measured
+from benchmarks.calibrate.calibration import Calibration, stands
+from benchmarks.calibrate.machine_draws import based, drawn
+from benchmarks.calibrate.plant_cases import seen
+from benchmarks.calibrate.plant_folder import measured
 from harness.core.recording import Recording
 from harness.diagnosis.baseline import words
 from harness.diagnosis.grading import grade as grading

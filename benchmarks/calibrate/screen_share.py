@@ -4,8 +4,8 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
-from harness.app.calibrate.calibration import Calibration, head, quantiles, stands
-from harness.app.calibrate.plant_cases import NAMES, case_of, start_of, terms_of
+from benchmarks.calibrate.calibration import Calibration, head, quantiles, stands
+from benchmarks.calibrate.plant_cases import NAMES, case_of, start_of, terms_of
 from harness.diagnosis.fit.model_fit import fit
 from harness.diagnosis.rules import SCREEN_SHARE
 from harness.diagnosis.search.screen import screen

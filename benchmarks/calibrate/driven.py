@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from harness.app.calibrate.calibration import Calibration, stands
+from benchmarks.calibrate.calibration import Calibration, stands
 from harness.core.recording import Recording
 from harness.diagnosis.outcome import Grade
 from harness.diagnosis.pipeline import diagnose, prepare

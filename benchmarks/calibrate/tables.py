@@ -13,10 +13,10 @@ from typing import Any
 
 import numpy as np
 
-from harness.app.calibrate.calibration import Calibration, stands
-from harness.app.calibrate.machine_draws import based, drawn
-from harness.app.calibrate.plant_cases import seen as begun
-from harness.app.calibrate.plant_folder import measured
+from benchmarks.calibrate.calibration import Calibration, stands
+from benchmarks.calibrate.machine_draws import based, drawn
+from benchmarks.calibrate.plant_cases import seen as begun
+from benchmarks.calibrate.plant_folder import measured
 from harness.core.arrays import FloatArray
 from harness.core.recording import Recording
 from harness.diagnosis.baseline.base_fit import baseline

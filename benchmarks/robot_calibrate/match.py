@@ -1,4 +1,4 @@
-"""python -m harness.robot.whole_arm.calibrate.match --draws N: logs that do not go together with their model.
+"""python -m benchmarks.robot_calibrate.match --draws N: logs that do not go together with their model.
 
 Each log of the plant is compared as it is, and changed in every way below. Right is an answer whose option undoes the
 change: with the columns that it gives, the log is the one before, up to a degree and a tenth of a scale. Where two
@@ -14,11 +14,11 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from benchmarks.robot_calibrate.plant import JOINTS, Motion, Plant, seven_joints
 from harness.core.arrays import FloatArray
 from harness.core.robot.joint_log import JointLog
 from harness.robot.arm import Arm
 from harness.robot.match.compared import UNITS, compare
-from harness.robot.whole_arm.calibrate.plant import JOINTS, Motion, Plant, seven_joints
 from harness.robot.whole_arm.perturb import moving_bodies, with_load, with_mass
 
 _SECONDS, _RATE = 20.0, 250.0
@@ -156,7 +156,7 @@ def _options(text: str) -> dict[str, str]:
 
 def main(argv: Sequence[str] | None = None) -> int:
     """Draw, and print; exit code."""
-    parser = argparse.ArgumentParser(prog="python -m harness.robot.whole_arm.calibrate.match")
+    parser = argparse.ArgumentParser(prog="python -m benchmarks.robot_calibrate.match")
     parser.add_argument("--draws", type=int, default=30)
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--clean", action="store_true", help="unchanged logs alone")

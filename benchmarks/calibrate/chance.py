@@ -11,9 +11,9 @@ import numpy as np
 from scipy.optimize import minimize
 from scipy.special import expit
 
-from harness.app.calibrate.calibration import Calibration, stands
-from harness.app.calibrate.machine_draws import drawn
-from harness.app.calibrate.main_effect import graded_of
+from benchmarks.calibrate.calibration import Calibration, stands
+from benchmarks.calibrate.machine_draws import drawn
+from benchmarks.calibrate.main_effect import graded_of
 from harness.core.arrays import BoolArray, FloatArray
 from harness.diagnosis.grading.chance import FEATURES, OF_MOTION, Odds
 from harness.diagnosis.grading.grade import Contest

@@ -7,8 +7,8 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
-from harness.app.calibrate.calibration import Calibration, head, quantiles, stands
-from harness.app.calibrate.plant_cases import NAMES, case_of, pair_of, start_of, terms_of
+from benchmarks.calibrate.calibration import Calibration, head, quantiles, stands
+from benchmarks.calibrate.plant_cases import NAMES, case_of, pair_of, start_of, terms_of
 from harness.diagnosis.fit.model_fit import Fit
 from harness.diagnosis.rules import APART, FLEXIBLE
 from harness.diagnosis.search.search import search

@@ -9,8 +9,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from harness.app.calibrate.calibration import Calibration, stands
-from harness.app.calibrate.pairs_of_one import two
+from benchmarks.calibrate.calibration import Calibration, stands
+from benchmarks.calibrate.pairs_of_one import two
 from harness.diagnosis.outcome import Outcome
 from harness.diagnosis.pipeline import diagnose, prepare, prepare_together
 from harness.diagnosis.rules import AMPLITUDES_APART

@@ -1,11 +1,11 @@
-"""python -m harness.app.calibrate NAME --draws N --seed S --jobs J: the simulation that a rule comes from."""
+"""python -m benchmarks.calibrate NAME --draws N --seed S --jobs J: the simulation that a rule comes from."""
 
 import argparse
 import sys
 from collections.abc import Sequence
 from pathlib import Path
 
-from harness.app.calibrate import (
+from benchmarks.calibrate import (
     amplitudes,
     chance,
     colours,
@@ -24,7 +24,7 @@ from harness.app.calibrate import (
     tables,
     together,
 )
-from harness.app.calibrate.calibration import Calibration, measured
+from benchmarks.calibrate.calibration import Calibration, measured
 from harness.core.errors import HarnessError, InputError
 
 CALIBRATIONS: dict[str, Calibration] = {
@@ -53,7 +53,7 @@ _OF_PLANT = {"main-effect": main_effect.of_plant, "tables": tables.of_plant}
 def main(argv: Sequence[str] | None = None) -> int:
     """Print a calibration; exit code."""
     about = "; ".join(f"{name}: {one.about}" for name, one in CALIBRATIONS.items())
-    parser = argparse.ArgumentParser(prog="python -m harness.app.calibrate", description=about)
+    parser = argparse.ArgumentParser(prog="python -m benchmarks.calibrate", description=about)
     parser.add_argument("name", choices=CALIBRATIONS)
     parser.add_argument("--draws", type=int, default=100)
     parser.add_argument("--seed", type=int, default=1)

@@ -10,8 +10,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from harness.app.calibrate.calibration import Calibration, stands
-from harness.app.calibrate.pairs_of_one import SMALLER, two
+from benchmarks.calibrate.calibration import Calibration, stands
+from benchmarks.calibrate.pairs_of_one import SMALLER, two
 from harness.core.recording import Recording
 from harness.diagnosis.pipeline import fit_base, prepare_together
 from harness.diagnosis.pooling.compared import alone, compared

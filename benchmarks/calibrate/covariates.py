@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from harness.app.calibrate.calibration import Calibration, head, quantiles, stands
+from benchmarks.calibrate.calibration import Calibration, head, quantiles, stands
 from harness.core.arrays import FloatArray
 from harness.core.recording import Recording
 from harness.diagnosis.fit.observe import observe

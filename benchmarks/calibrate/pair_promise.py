@@ -9,8 +9,8 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
-from harness.app.calibrate.calibration import Calibration, head, quantiles, stands
-from harness.app.calibrate.plant_cases import Start, case_of, pair_of, start_of, with_term
+from benchmarks.calibrate.calibration import Calibration, head, quantiles, stands
+from benchmarks.calibrate.plant_cases import Start, case_of, pair_of, start_of, with_term
 from harness.diagnosis.residual_tests.structure import Left, left_by
 from harness.diagnosis.rules import PAIR_PROMISE, SCREEN_SHARE
 from harness.diagnosis.search.extend import opening

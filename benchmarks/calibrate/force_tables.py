@@ -12,8 +12,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from harness.app.calibrate.calibration import Calibration, stands
-from harness.app.calibrate.tables import GOAL, WITHIN, number_of, rate_of, within
+from benchmarks.calibrate.calibration import Calibration, stands
+from benchmarks.calibrate.tables import GOAL, WITHIN, number_of, rate_of, within
 from harness.core.arrays import FloatArray
 from harness.core.recording import Recording
 from harness.diagnosis.baseline.driven_base_fit import driven_scales

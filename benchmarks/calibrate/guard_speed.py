@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from harness.app.calibrate.calibration import Calibration, head, quantiles, stands
+from benchmarks.calibrate.calibration import Calibration, head, quantiles, stands
 from harness.diagnosis.fit.parameters import free_of
 from harness.diagnosis.inverse_dynamics.force_fit import fit_force
 from harness.diagnosis.inverse_dynamics.measured import Measured

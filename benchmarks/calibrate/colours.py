@@ -4,7 +4,7 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
-from harness.app.calibrate.calibration import Calibration, head, quantiles, stands
+from benchmarks.calibrate.calibration import Calibration, head, quantiles, stands
 from harness.diagnosis.baseline.residual_noise import coloured_whole, share_in_windows
 from harness.diagnosis.rules import AS_FAST
 from harness.estimate.noise import Noise

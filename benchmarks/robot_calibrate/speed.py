@@ -1,4 +1,4 @@
-"""python -m harness.robot.whole_arm.calibrate.speed: seconds and memory of a whole arm's log, by its length."""
+"""python -m benchmarks.robot_calibrate.speed: seconds and memory of a whole arm's log, by its length."""
 
 import argparse
 import sys
@@ -8,13 +8,13 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from harness.robot.whole_arm.calibrate.plant import Motion, Plant, seven_joints
+from benchmarks.robot_calibrate.plant import Motion, Plant, seven_joints
 from harness.robot.whole_arm.whole import whole_arm
 
 
 def main(argv: Sequence[str] | None = None) -> int:
     """Print a line for each length; exit code."""
-    parser = argparse.ArgumentParser(prog="python -m harness.robot.whole_arm.calibrate.speed")
+    parser = argparse.ArgumentParser(prog="python -m benchmarks.robot_calibrate.speed")
     parser.add_argument("--seconds", type=float, nargs="+", default=[20.0, 40.0, 80.0])
     told = parser.parse_args(argv)
     arm, rng = seven_joints(), np.random.default_rng(3)

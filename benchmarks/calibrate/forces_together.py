@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from harness.app.calibrate.calibration import Calibration, stands
+from benchmarks.calibrate.calibration import Calibration, stands
 from harness.core.arrays import FloatArray
 from harness.core.recording import Recording
 from harness.diagnosis.inverse_dynamics.together import forces_together

@@ -1,4 +1,4 @@
-"""python -m harness.robot.whole_arm.calibrate --draws N --seed S: the figures of friction from a whole arm's log."""
+"""python -m benchmarks.robot_calibrate --draws N --seed S: the figures of friction from a whole arm's log."""
 
 import argparse
 import sys
@@ -7,8 +7,8 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
+from benchmarks.robot_calibrate.draws import KINDS, NOISE, Draw, Found, draw
 from harness.core.arrays import BoolArray
-from harness.robot.whole_arm.calibrate.draws import KINDS, NOISE, Draw, Found, draw
 
 _COULOMB, _VISCOUS = 0.01, 0.05
 """Shares of the true value within which friction is asked for."""
@@ -17,7 +17,7 @@ _BINS = ((20.0, 50.0), (50.0, 200.0), (200.0, np.inf))
 
 def main(argv: Sequence[str] | None = None) -> int:
     """Draw, and print; exit code."""
-    parser = argparse.ArgumentParser(prog="python -m harness.robot.whole_arm.calibrate")
+    parser = argparse.ArgumentParser(prog="python -m benchmarks.robot_calibrate")
     parser.add_argument("--draws", type=int, default=40)
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--first", type=int, default=0, help="number of the first draw")

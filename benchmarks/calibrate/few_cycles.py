@@ -11,7 +11,7 @@ from collections.abc import Iterator, Mapping, Sequence
 import numpy as np
 from scipy.stats import beta
 
-from harness.app.calibrate.calibration import Calibration, stands
+from benchmarks.calibrate.calibration import Calibration, stands
 from harness.diagnosis.baseline.base_fit import baseline
 from harness.diagnosis.baseline.words import Strokes, evidence
 from harness.diagnosis.grading.misfit import misfit

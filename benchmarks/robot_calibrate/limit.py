@@ -5,8 +5,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from benchmarks.robot_calibrate.plant import JOINTS, Motion, Plant
 from harness.core.arrays import FloatArray
-from harness.robot.whole_arm.calibrate.plant import JOINTS, Motion, Plant
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,0 +1,1 @@
+"""Simulations that rules of a verdict come from: ``python -m benchmarks.calibrate NAME`` repeats one."""
