@@ -175,5 +175,5 @@ def test_the_published_report_is_small_and_whole() -> None:
     links = re.findall(r'href="(traces/[^"]+)"', page)
     assert links
     assert all((PUBLISHED / link).is_file() for link in links)
-    assert "python -m harness.app.sweep.publish" in page
+    assert "python -m benchmarks.publish fidelity" in page
     assert len(LABELS) == len(set(LABELS))

@@ -8,10 +8,10 @@ import pytest
 from bad_input import refuses
 from prove_stub import __file__ as stub
 
+from benchmarks.controls import controls
+from benchmarks.publish.proof import place_of, publish
 from harness.app.prove import verify
-from harness.app.prove.controls import controls
 from harness.app.prove.prove import ProveOptions, prove
-from harness.app.prove.publish import place_of, publish
 from harness.app.prove.verify import verify_proof
 from harness.cli.main import run
 from harness.core.errors import HarnessError

@@ -10,7 +10,7 @@ import pytest
 from harness.core.recording import Recording
 from harness.core.trajectory import Trajectory
 from harness.show.report.identify import identify_sections, identify_title
-from harness.show.report.page import write_report
+from harness.show.report.page import share, whole, write_report
 from harness.show.report.run import run_sections, run_title
 
 if TYPE_CHECKING:
@@ -75,9 +75,16 @@ def drawn(page: "Page") -> dict[str, int]:
     return found
 
 
-@pytest.mark.parametrize("scheme", ["light", "dark"])
-def test_the_page_of_a_run_is_drawn_without_a_word(browser: "Browser", run_page: Path, scheme: str) -> None:
-    page, said = open_page(browser, run_page, scheme)
+@pytest.mark.parametrize(("scheme", "alone"), [("light", True), ("dark", False)])
+def test_the_page_of_a_run_is_drawn_without_a_word(
+    browser: "Browser", run_page: Path, scheme: str, alone: bool, tmp_path: Path
+) -> None:
+    published = tmp_path / "run" / "report.html"
+    published.parent.mkdir()
+    share(run_page, published)
+    assert published.stat().st_size < 0.5 * run_page.stat().st_size
+    assert whole(published) == run_page.read_bytes()
+    page, said = open_page(browser, run_page if alone else published, scheme)
     counts = drawn(page)
     assert set(counts) == {"reversal", "position", "error", "acceleration", "phase"}
     assert counts["position"] >= 3

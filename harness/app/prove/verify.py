@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from harness.app.prove.finish import RESULT, all_verdicts
+from harness.app.prove.finish import PAGE, RESULT, all_verdicts
 from harness.app.prove.worker import DrawTask, draw_failed, draw_one
 from harness.app.shared.completed import completed
 from harness.app.shared.machine import cores, this_machine
@@ -17,7 +17,7 @@ from harness.core.visible import visible
 from harness.io.recording import sha256
 from harness.proof.drawing import Drawn
 from harness.proof.plan import SHORT, Job, Sizes
-from harness.proof.seal import PUBLISHED, STEPS, Ledger, file_of
+from harness.proof.seal import PUBLISHED, STEPS, Ledger, digest, file_of
 from harness.proof.tally import OURS, tally
 from harness.proof.verify import (
     Redrawn,
@@ -31,6 +31,7 @@ from harness.proof.verify import (
     too_many_elsewhere,
 )
 from harness.results.prove import ProofCheck, ProofResult
+from harness.show.report.page import whole
 
 SAMPLE = SHORT.total
 """Recordings that are drawn again by a short verification."""
@@ -90,13 +91,12 @@ def _files(folder: Path, ledger: Ledger) -> list[str]:
     for name, known in sorted(ledger.content(PUBLISHED)["files"].items()):
         try:
             file = file_of(folder, name)
+            if not file.is_file():
+                wrong.append(f"{name} is missing")
+            elif (digest(whole(file)) if name == PAGE else sha256(file)) != known:
+                wrong.append(f"{name} was changed")
         except InputError as error:
             wrong.append(str(error))
-            continue
-        if not file.is_file():
-            wrong.append(f"{name} is missing")
-        elif sha256(file) != known:
-            wrong.append(f"{name} was changed")
     for file in sorted((folder / "recordings").glob("*.csv")):
         case = ledger.content(STEPS[1])["cases"].get(file.stem)
         if case is None or file.is_symlink() or sha256(file) != case["recording"]:

@@ -10,12 +10,18 @@ from typing import Any
 from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup, escape
 
+from harness.core.bounded import MOST_DOCUMENT_BYTES, read_bytes
 from harness.core.writing import replacing
 from harness.show.report.figure import Figure, Pool, script_json
 from harness.show.report.section import Section
 
 LARGEST = 5_000_000
 """Bytes a page may have."""
+_BUNDLE = "plotly-cartesian.min.js"
+_SHARED = Path("..", _BUNDLE)
+"""Where published pages have their plotting library together, seen from each."""
+_ALLOWED, _ALLOWED_SHARED = "script-src 'unsafe-inline';", "script-src 'unsafe-inline' 'self' file:;"
+_SCRIPT_SHARED = f'<script src="{_SHARED.as_posix()}"></script>'
 
 
 @cache
@@ -69,7 +75,7 @@ def render(title: str, subtitle: str, sections: Sequence[Section]) -> str:
         parts=parts,
         style=Markup(environment.get_template("page.css").render()),
         script=Markup(environment.get_template("page.js").render()),
-        plotly=_vendored("plotly-cartesian.min.js"),
+        plotly=_vendored(_BUNDLE),
         figures=Markup(script_json(figures)),
         arrays=Markup(script_json(pool.arrays)),
     )
@@ -86,3 +92,22 @@ def write_report(path: Path, title: str, subtitle: str, sections: Sequence[Secti
         raise ValueError(f"the page {path.name} would take {len(data)} bytes; at most {LARGEST} are allowed")
     with replacing(path) as part:
         part.write_bytes(data)
+
+
+def share(page: Path, into: Path) -> None:
+    """Put a page at ``into`` without its plotting library, which stands once beside the folder of ``into``."""
+    bundle = str(_vendored(_BUNDLE))
+    text = page.read_text(encoding="utf-8").replace(f"<script>{bundle}</script>", _SCRIPT_SHARED)
+    into.write_text(text.replace(_ALLOWED, _ALLOWED_SHARED, 1), encoding="utf-8")
+    (into.parent / _SHARED).write_text(bundle, encoding="utf-8")
+
+
+def whole(page: Path) -> bytes:
+    """A page as it was made: with its plotting library, where it shares that with others."""
+    data = read_bytes(page, MOST_DOCUMENT_BYTES)
+    shared = _SCRIPT_SHARED.encode()
+    if shared not in data or not (page.parent / _SHARED).is_file():
+        return data
+    bundle = read_bytes(page.parent / _SHARED, MOST_DOCUMENT_BYTES)
+    alone = data.replace(shared, b"<script>" + bundle + b"</script>")
+    return alone.replace(_ALLOWED_SHARED.encode(), _ALLOWED.encode(), 1)

@@ -1,14 +1,20 @@
-"""What controls say of the base fit of a diagnosis, against the slider and the noise that the plant put in.
+"""What a proof's controls say of the base fit: ``python -m benchmarks.controls DIR`` (reports/proof).
 
 Nothing that the diagnosis estimated is believed: three numbers of every control's slider, and what is left of each
-channel.
+channel, are held against the slider and the noise that the plant put in.
 """
 
+import sys
 from collections.abc import Mapping
+from pathlib import Path
 
+from harness.app.prove.store import VERDICTS, published_verdicts
+from harness.core.errors import HarnessError
 from harness.proof.plan import CONTROL
 from harness.proof.score import Result, Truth
+from harness.proof.seal import Ledger
 from harness.proof.statistics import Rate, is_noise
+from harness.proof.tally import OURS, parsed
 
 _SLIDER = ("omega_n", "zeta", "x_k")
 _ERRORS = 2.0
@@ -41,3 +47,26 @@ def base_fit(truths: Mapping[str, Truth], verdicts: Mapping[str, Result]) -> dic
         **{f"{parameter} within two standard errors": Rate.of(hits) for parameter, hits in held.items()},
         "all three within two standard errors": Rate.of([hit for hits in held.values() for hit in hits]),
     }
+
+
+def controls(folder: Path) -> dict[str, Rate]:
+    """Rates over the controls of a proof, by what they are the rate of. Raises HarnessError where there is no proof."""
+    answers = Ledger.load(folder).content("opened")["answers"]
+    truths = {name: answer["value"] for name, answer in answers.items()}
+    verdicts = parsed(published_verdicts(folder / VERDICTS / f"{OURS}.jsonl.gz"))
+    return base_fit(truths, verdicts)
+
+
+def main(folder: Path) -> None:
+    """Print the rates, one a line."""
+    for what, rate in controls(folder).items():
+        if rate.value is not None and rate.low is not None and rate.high is not None:
+            interval = f"{100.0 * rate.low:.1f} to {100.0 * rate.high:.1f} %"
+            print(f"{what}: {100.0 * rate.value:.1f} % of {rate.cases} ({interval})")
+
+
+if __name__ == "__main__":
+    try:
+        main(Path(sys.argv[1] if len(sys.argv) > 1 else "reports/proof"))
+    except HarnessError as error:
+        sys.exit(f"harness: {error}")

@@ -1,10 +1,9 @@
-"""Puts a finished full proof where it is published: ``python -m harness.app.prove.publish DIR``.
+"""Puts a finished full proof where it is published: ``python -m benchmarks.publish proof DIR``.
 
 A proof on recordings of machines goes to reports/proof-machines, any other to reports/proof.
 """
 
 import shutil
-import sys
 from pathlib import Path
 
 from harness.app.prove.finish import PAGE, RESULT
@@ -13,6 +12,7 @@ from harness.app.prove.verify import verify_proof
 from harness.core.errors import HarnessError
 from harness.proof.seal import LEDGER
 from harness.results.prove import ProofResult
+from harness.show.report.page import share
 
 LARGEST = 10_000_000
 """Bytes of everything that is published; recordings are not, they follow from the seed."""
@@ -47,14 +47,5 @@ def publish(proof: Path, into: Path) -> int:
     (into / VERDICTS).mkdir(parents=True)
     for file in files:
         shutil.copyfile(file, into / file.relative_to(proof))
+    share(proof / PAGE, into / PAGE)
     return size
-
-
-if __name__ == "__main__":
-    try:
-        if len(sys.argv) != 2:
-            raise HarnessError("the folder of one finished proof is accepted")
-        into = place_of(Path(sys.argv[1]))
-        print(f"{into}: {publish(Path(sys.argv[1]), into)} bytes")
-    except HarnessError as error:
-        sys.exit(f"harness: {error}")

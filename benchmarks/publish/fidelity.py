@@ -1,7 +1,6 @@
-"""The published fidelity report: ``python -m harness.app.sweep.publish [NAME@PYTHON ...]`` makes reports/fidelity."""
+"""The published fidelity report: ``python -m benchmarks.publish fidelity [NAME@PYTHON ...]`` makes reports/fidelity."""
 
 import shutil
-import sys
 import tempfile
 from collections.abc import Sequence
 from dataclasses import replace
@@ -13,12 +12,13 @@ from harness.app.sweep.sweep import PAGE, TRACES, Sweep, SweepOptions, sweep
 from harness.core.errors import HarnessError
 from harness.engines import registry
 from harness.fidelity.compare import kept
+from harness.show.report.page import share
 
 WORST = 5
 """Traces of the worst rows; fewer where more would be too large."""
 LARGEST = 5_000_000
 """Bytes of everything that is published."""
-COMMAND = "python -m harness.app.sweep.publish"
+COMMAND = "python -m benchmarks.publish fidelity"
 
 
 def publish(into: Path, elsewhere: Sequence[str] = ()) -> int:
@@ -50,6 +50,7 @@ def publish(into: Path, elsewhere: Sequence[str] = ()) -> int:
         (into / TRACES).mkdir(parents=True)
         for file in files:
             shutil.copyfile(file, into / file.relative_to(result.folder))
+        share(result.folder / PAGE, into / PAGE)
     return size
 
 
@@ -65,10 +66,3 @@ def _by_folder(engine: str) -> str:
     """NAME@PYTHON with no more of the path than the environment's own folder."""
     name, _, python = engine.partition("@")
     return f"{name}@{'/'.join(Path(python).parts[-3:])}"
-
-
-if __name__ == "__main__":
-    try:
-        print(f"reports/fidelity: {publish(Path('reports/fidelity'), sys.argv[1:])} bytes")
-    except HarnessError as error:
-        sys.exit(f"harness: {error}")

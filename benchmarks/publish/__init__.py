@@ -1,0 +1,1 @@
+"""What stands in reports/, made anew: ``python -m benchmarks.publish``."""
