@@ -31,7 +31,14 @@ RESOLVED = 2.0
 TURNS = 4.0 * np.pi
 """rad; positions beyond two turns either way are looked at."""
 TOUCHES = 0.02
-"""An effort that never is negative and comes nearer to 0 than this share of its largest has no sign."""
+"""An effort that never is negative and comes nearer to 0 than this share of its largest may have no sign."""
+FOLDED = 0.5
+"""Of the squares that a line through place and way leaves of an effort: the absolute value of one leaves less than this
+share of one that has lost its sign."""
+STARTS = (0.0, 0.125, 0.25, 0.375, 0.5, 0.625, 0.75, 0.875)
+"""Half turns by which the zero of an arm's angle may be off where its signs are begun."""
+TURNED = 10
+"""Times that signs are taken from the line before, at most."""
 MOVES = 0.05
 """A joint goes both ways when its smaller way is more than this share of the larger."""
 COARSE, FEW = 0.05, 0.1
@@ -112,7 +119,7 @@ def _both_ways(q: FloatArray) -> bool:
 
 
 def unsigned(position: Joints, effort: Joints) -> list[str]:
-    """Joints whose effort is a magnitude: it never is negative, although they move both ways and it comes to 0.
+    """Joints whose effort is a magnitude: never negative, although they move both ways, and folded where it comes to 0.
 
     A driver that gives magnitudes does so of every joint: one effort that changes its sign clears all.
     """
@@ -120,7 +127,31 @@ def unsigned(position: Joints, effort: Joints) -> list[str]:
         return []
     moving = [name for name, u in effort.items() if name in position and np.ptp(u) > 0.0 and _both_ways(position[name])]
     touching = [name for name in moving if effort[name].min() <= TOUCHES * effort[name].max()]
-    return list(effort) if touching and touching == moving else []
+    folded = [name for name in touching if _folded(position[name], effort[name])]
+    return list(effort) if folded and folded == moving else []
+
+
+def _folded(q: FloatArray, u: FloatArray) -> bool:
+    """Whether an effort u (n,) follows place and way of a position q (n,) better as a magnitude than with its sign.
+
+    Gravity, a spring, friction and damping are linear in these; the signs of a magnitude are taken from the line that
+    is fitted, again and again, from a friction's, a gravity's and a spring's.
+    """
+    v = np.gradient(q)
+    to = np.column_stack([np.ones_like(q), q, np.cos(q), np.sin(q), v, np.sign(v)])
+
+    def line(y: FloatArray) -> FloatArray:
+        return np.asarray(to @ np.linalg.lstsq(to, y, rcond=None)[0], dtype=np.float64)
+
+    def left(signs: FloatArray) -> float:
+        for _ in range(TURNED):
+            signs, before = np.sign(line(signs * u)), signs
+            if np.array_equal(signs, before):
+                break
+        return float(np.sum((u - np.abs(line(signs * u))) ** 2))
+
+    begun = (v, q - q.mean(), *(np.sin(q + np.pi * share) for share in STARTS))
+    return min(left(np.sign(one)) for one in begun) < FOLDED * float(np.sum((u - line(u)) ** 2))
 
 
 def step_of(values: FloatArray) -> float | None:
