@@ -1,55 +1,43 @@
 """The page of real machines: what each recording comes to, shares and predictions, and what other fits said."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, ClassVar
+from typing import Any
 
 from harness.show.report.diagnosis_index import VERDICTS
 from harness.show.report.page import write_report
 from harness.show.report.section import Section
-from harness.show.report.sources import MadeWith
+from harness.show.report.sources import made_with_section
 from harness.show.report.table import Cell, Column, Row, Table
-from harness.show.report.verdict import Verdict
+from harness.show.report.verdict import verdict_section
 
 
-@dataclass(frozen=True)
-class Machines(Section):
+def machines_section(rows: Sequence[Mapping[str, Any]]) -> Section:
     """rows : as in harness.machines/1."""
+    found = Table(
+        "machine",
+        [
+            Column("named or listed"),
+            Column("takes off", "%", "of the misfit beyond the noise, alone"),
+            Column("held out", "", "error after over before, blocks left out of the fit"),
+            Column("free run", "", "the same of the last 40 %, from a fit of the rest"),
+            Column("left", "times noise"),
+        ],
+        [Row(row["name"], _cells(row), VERDICTS[row["verdict"]]) for row in rows],
+        "Nobody knows the truth of these machines; what others said is what fits of a handful of laws came to.",
+    )
+    return Section("Recording by recording", "table.html.j2", {"tables": [found]})
 
-    template: ClassVar[str] = "table.html.j2"
-    rows: Sequence[Mapping[str, Any]]
 
-    @property
-    def title(self) -> str:
-        """The heading."""
-        return "Recording by recording"
-
-    def context(self) -> Mapping[str, Any]:
-        """What the template shows."""
-        found = Table(
-            "machine",
-            [
-                Column("named or listed"),
-                Column("takes off", "%", "of the misfit beyond the noise, alone"),
-                Column("held out", "", "error after over before, blocks left out of the fit"),
-                Column("free run", "", "the same of the last 40 %, from a fit of the rest"),
-                Column("left", "times noise"),
-            ],
-            [Row(row["name"], self._cells(row), VERDICTS[row["verdict"]]) for row in self.rows],
-            "Nobody knows the truth of these machines; what others said is what fits of a handful of laws came to.",
-        )
-        return {"tables": [found]}
-
-    def _cells(self, row: Mapping[str, Any]) -> list[Cell]:
-        lines = row["found"]
-        return [
-            _lines([f"{m['name']} ({m['grade']})" for m in lines]),
-            _lines(["-" if m["share"] is None else f"{100.0 * m['share']:.0f}" for m in lines]),
-            _lines([_ratio(m["holdout"]) for m in lines]),
-            _lines([_ratio(m["forward"]) for m in lines]),
-            Cell("-" if row["over_noise"] is None else f"{row['over_noise']:.2g}"),
-        ]
+def _cells(row: Mapping[str, Any]) -> list[Cell]:
+    lines = row["found"]
+    return [
+        _lines([f"{m['name']} ({m['grade']})" for m in lines]),
+        _lines(["-" if m["share"] is None else f"{100.0 * m['share']:.0f}" for m in lines]),
+        _lines([_ratio(m["holdout"]) for m in lines]),
+        _lines([_ratio(m["forward"]) for m in lines]),
+        Cell("-" if row["over_noise"] is None else f"{row['over_noise']:.2g}"),
+    ]
 
 
 def _lines(said: Sequence[str]) -> Cell:
@@ -83,9 +71,9 @@ def write_machines_page(path: Path, result: Mapping[str, Any]) -> None:
     if result["absent"]:
         sentences.append(f"Not in the folder: {', '.join(result['absent'])}.")
     sections: list[Section] = [
-        Verdict(headline, [], heading="Real machines"),
-        Machines(rows),
-        Verdict("", sentences, [row["name"] for row in rows], heading="In sentences"),
-        MadeWith(result["machine"], result["files"], result["command"]),
+        verdict_section(headline, [], heading="Real machines"),
+        machines_section(rows),
+        verdict_section("", sentences, [row["name"] for row in rows], heading="In sentences"),
+        made_with_section(result["machine"], result["files"], result["command"]),
     ]
     write_report(path, "Real machines", "Published recordings, diagnosed by one command", sections)

@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from harness.show.report.diagnosis_force import Tables
+from harness.show.report.diagnosis_force import tables_section
 from harness.show.report.figure import Pool
 
 SIDE = [-1.0, 0.0, 1.0]
@@ -36,7 +36,7 @@ PLANE = {
 
 
 def figures(result: dict[str, Any]) -> list[Any]:
-    return list(Tables(result).context()["figures"])
+    return list(tables_section(result).context["figures"])
 
 
 def test_a_curve_is_drawn_with_its_band_and_what_comes_near() -> None:

@@ -18,7 +18,7 @@ from harness.show.report.curves import turning
 from harness.show.report.estimates import percent, true_values
 from harness.show.report.figure import script_json
 from harness.show.report.identify import identify_headline, identify_sections, identify_title
-from harness.show.report.motion import Reversal
+from harness.show.report.motion import reversal_section
 from harness.show.report.page import render, symbols, write_report
 from harness.show.report.run import run_sections, run_title
 from harness.show.report.table import grade
@@ -108,7 +108,7 @@ def test_the_answer_and_its_plots_come_before_tables(page: str) -> None:
 
 
 def test_one_reversal_is_shown_with_both_sides_of_the_exact_jump(sources: list[Trajectory]) -> None:
-    context = Reversal(sources).context()
+    context = reversal_section(sources).context
     (figure,) = context["figures"]
     (low, high), (bottom, top) = figure.layout["xaxis"]["range"], figure.layout["yaxis"]["range"]
     event = turning(sources[0].events)
@@ -128,7 +128,7 @@ def test_one_reversal_is_shown_with_both_sides_of_the_exact_jump(sources: list[T
 def test_what_never_turns_has_no_reversal_to_show(sources: list[Trajectory]) -> None:
     still = [replace(one, events=Events()) for one in sources]
     result = make_run_result(sources)
-    assert not [one for one in run_sections(still, result) if isinstance(one, Reversal)]
+    assert not [one for one in run_sections(still, result) if one.title == "Acceleration at one reversal"]
 
 
 def test_the_page_has_what_a_reader_needs(page: str) -> None:

@@ -3,7 +3,7 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import PurePath
-from typing import Any, ClassVar
+from typing import Any
 
 import numpy as np
 
@@ -17,9 +17,9 @@ from harness.show.report.figure import Figure
 from harness.show.report.identify import ANGLES, CHANNELS
 from harness.show.report.motion import GROUP
 from harness.show.report.section import Section
-from harness.show.report.sources import MadeWith
+from harness.show.report.sources import made_with_section
 from harness.show.report.table import Cell, Column, Row, Table
-from harness.show.report.verdict import Verdict
+from harness.show.report.verdict import verdict_section
 from harness.show.sentences.compare import SHOWS, difference_words, faster_words, figure_words, shows, telling
 
 FIRST = "#e4632d"
@@ -54,13 +54,13 @@ def compare_title(result: Mapping[str, Any]) -> tuple[str, str]:
 def compare_sections(shown: Shown, result: Mapping[str, Any]) -> list[Section]:
     """Sections of a comparison. result : CompareResult.model_dump(by_alias=True)."""
     return [
-        Verdict(compare_headline(result), result["sentences"], tuple(result["traces"])),
-        Readings(result),
-        Overlay(shown, result["where"]),
-        Phase(shown),
-        EventTable(result),
-        Places(result),
-        MadeWith(result["machine"], result["outputs"], result["command"]),
+        verdict_section(compare_headline(result), result["sentences"], tuple(result["traces"])),
+        readings_section(result),
+        overlay_section(shown, result["where"]),
+        phase_section(shown),
+        event_table_section(result),
+        places_section(result),
+        made_with_section(result["machine"], result["outputs"], result["command"]),
     ]
 
 
@@ -97,150 +97,114 @@ def rows_of(result: Mapping[str, Any]) -> list[tuple[str, list[str]]]:
     return rows
 
 
-@dataclass(frozen=True)
-class Readings(Section):
+def readings_section(result: Mapping[str, Any]) -> Section:
     """What the estimators read from each."""
-
-    template: ClassVar[str] = "table.html.j2"
-    result: Mapping[str, Any]
-
-    @property
-    def title(self) -> str:
-        """The heading."""
-        return "Side by side"
-
-    def context(self) -> Mapping[str, Any]:
-        """What the template shows."""
-        rows = [
-            Row(label, [Cell(cell) for cell in cells], note="differs" if self._shows(label) else "")
-            for label, cells in rows_of(self.result)
-        ]
-        fits = [f"{value:.1f} % of {c}" for c, value in self.result["fit_percent"].items()]
-        columns = [Column(name) for name in self.result["traces"]]
-        columns.append(Column("apart", "", "in standard errors of the difference"))
-        notes = [
-            f"{name}, {what}: {one[what]['why']}"
-            for name, one in self.result["traces"].items()
-            for what in _LABELS
-            if one[what]["value"] is None
-        ]
-        caption = f"With one standard error each. Fit: {', '.join(fits)} (NRMSE)."
-        return {"tables": [Table("figure", columns, rows, caption, "", list(dict.fromkeys(notes)))]}
-
-    def _shows(self, label: str) -> bool:
-        differences = (Difference.model_validate(one) for one in self.result["differences"])
-        return any(one.what == label and shows(one) for one in differences)
+    rows = [
+        Row(label, [Cell(cell) for cell in cells], note="differs" if _shows(result, label) else "")
+        for label, cells in rows_of(result)
+    ]
+    fits = [f"{value:.1f} % of {c}" for c, value in result["fit_percent"].items()]
+    columns = [Column(name) for name in result["traces"]]
+    columns.append(Column("apart", "", "in standard errors of the difference"))
+    notes = [
+        f"{name}, {what}: {one[what]['why']}"
+        for name, one in result["traces"].items()
+        for what in _LABELS
+        if one[what]["value"] is None
+    ]
+    caption = f"With one standard error each. Fit: {', '.join(fits)} (NRMSE)."
+    return Section(
+        "Side by side",
+        "table.html.j2",
+        {"tables": [Table("figure", columns, rows, caption, "", list(dict.fromkeys(notes)))]},
+    )
 
 
-@dataclass(frozen=True)
-class Overlay(Section):
+def _shows(result: Mapping[str, Any], label: str) -> bool:
+    differences = (Difference.model_validate(one) for one in result["differences"])
+    return any(one.what == label and shows(one) for one in differences)
+
+
+def overlay_section(shown: Shown, where: Sequence[Mapping[str, Any]]) -> Section:
     """Both traces, and their difference below in units, with the places shaded."""
-
-    template: ClassVar[str] = "motion.html.j2"
-    shown: Shown
-    where: Sequence[Mapping[str, Any]]
-
-    @property
-    def title(self) -> str:
-        """The heading."""
-        return "The two traces, and their difference"
-
-    def context(self) -> Mapping[str, Any]:
-        """What the template shows."""
-        figures = []
-        shades, shown = self._shades(), self.shown
-        budget = POINTS // (5 * len(shown.channels))
-        names = shown.names
-        for channel, (first, second) in shown.channels.items():
-            name, unit, factor = (ANGLES if shown.angular else CHANNELS)[channel]
-            written = f"({unit})" if "/" in unit else unit
-            chosen = keep(shown.t, (first, second, second - first), np.empty(0), budget)
-            t = shown.t[chosen]
-            layout = {
-                "xaxis": {"title": {"text": "time / s"}, "anchor": "y2"},
-                "yaxis": {"title": {"text": f"{name} / {written}"}, "domain": [0.42, 1.0]},
-                "yaxis2": {"title": {"text": f"difference / {written}"}, "domain": [0.0, 0.33], "zeroline": True},
-                "hovermode": "closest",
-                "shapes": shades,
-                "showlegend": True,
-            }
-            traces = [
-                _line(names[1], t, second[chosen] * factor, "ink", unit),
-                _line(names[0], t, first[chosen] * factor, FIRST, unit),
-                _line(f"{names[1]} minus {names[0]}", t, (second - first)[chosen] * factor, _APART, unit)
-                | {"yaxis": "y2"},
-            ]
-            caption = f"Below: {names[1]} minus {names[0]}, in {unit}."
-            caption += " The shaded stretches hold the mismatch." * bool(shades)
-            figures.append(Figure(f"compare-{channel}", traces, layout, caption, GROUP, 520))
-        return {"figures": figures, "buttons": [], "group": GROUP}
-
-    def _shades(self) -> list[dict[str, Any]]:
-        local = [one for one in self.where if one["regime"] not in ("throughout", "channel")]
-        spans = local[0]["time_s"][:_MOST_SHADES] if local else []
-        looks = {"type": "rect", "y0": 0, "y1": 1, "yref": "paper", "fillcolor": _SHADE, "layer": "below"}
-        return [looks | {"x0": a, "x1": b, "line": {"width": 0}} for a, b in spans]
-
-
-@dataclass(frozen=True)
-class Phase(Section):
-    """Speed over position of both."""
-
-    template: ClassVar[str] = "figures.html.j2"
-    shown: Shown
-
-    @property
-    def title(self) -> str:
-        """The heading."""
-        return "Phase portrait"
-
-    def context(self) -> Mapping[str, Any]:
-        """What the template shows."""
-        table = ANGLES if self.shown.angular else CHANNELS
-        (place, unit, factor), (speed, per, speed_factor) = table["x"], table["v"]
-        chosen = keep(self.shown.t, [y for pair in self.shown.motion for y in pair], np.empty(0), POINTS // 10)
-        traces = [
-            _line(name, x[chosen] * factor, v[chosen] * speed_factor, color, per, unit)
-            for name, (x, v), color in zip(self.shown.names, self.shown.motion, (FIRST, "ink"), strict=True)
-        ]
+    figures = []
+    shades = _shades(where)
+    budget = POINTS // (5 * len(shown.channels))
+    names = shown.names
+    for channel, (first, second) in shown.channels.items():
+        name, unit, factor = (ANGLES if shown.angular else CHANNELS)[channel]
+        written = f"({unit})" if "/" in unit else unit
+        chosen = keep(shown.t, (first, second, second - first), np.empty(0), budget)
+        t = shown.t[chosen]
         layout = {
-            "xaxis": {"title": {"text": f"{place} / {unit}"}},
-            "yaxis": {"title": {"text": f"{speed} / ({per})"}},
+            "xaxis": {"title": {"text": "time / s"}, "anchor": "y2"},
+            "yaxis": {"title": {"text": f"{name} / {written}"}, "domain": [0.42, 1.0]},
+            "yaxis2": {"title": {"text": f"difference / {written}"}, "domain": [0.0, 0.33], "zeroline": True},
+            "hovermode": "closest",
+            "shapes": shades,
             "showlegend": True,
         }
-        measured = [c for c in ("x", "v") if c in self.shown.channels]
-        caption = "" if len(measured) == len("xv") else "What was not measured is smoothed or summed from what was."
-        return {"figures": [Figure("compare-phase", traces, layout, caption, "", 480)]}
-
-
-@dataclass(frozen=True)
-class EventTable(Section):
-    """Release, reversals and stop of both, one beside the other."""
-
-    template: ClassVar[str] = "table.html.j2"
-    result: Mapping[str, Any]
-
-    @property
-    def title(self) -> str:
-        """The heading."""
-        return "Events"
-
-    def context(self) -> Mapping[str, Any]:
-        """What the template shows."""
-        names, readings = list(self.result["traces"]), list(self.result["traces"].values())
-        events = [one["events"] for one in readings]
-        if not any(events):
-            return {"tables": []}
-        unit = readings[0]["rest"]["unit"]
-        rows = [
-            Row(str(i + 1), [cell for one in events for cell in _event_cells(one[i] if i < len(one) else None, unit)])
-            for i in range(min(max(map(len, events)), _MOST_EVENTS))
+        traces = [
+            _line(names[1], t, second[chosen] * factor, "ink", unit),
+            _line(names[0], t, first[chosen] * factor, FIRST, unit),
+            _line(f"{names[1]} minus {names[0]}", t, (second - first)[chosen] * factor, _APART, unit) | {"yaxis": "y2"},
         ]
-        shown_unit = quantity({"value": 0.0, "stderr": None, "unit": unit})[2]
-        columns = [column for name in names for column in (Column(name, "s"), Column("at", shown_unit))]
-        more = max(map(len, events)) - _MOST_EVENTS
-        caption = "Times by the clock of the second trace."
-        return {"tables": [Table("event", columns, rows, caption, "", [f"{more} more"] if more > 0 else [])]}
+        caption = f"Below: {names[1]} minus {names[0]}, in {unit}."
+        caption += " The shaded stretches hold the mismatch." * bool(shades)
+        figures.append(Figure(f"compare-{channel}", traces, layout, caption, GROUP, 520))
+    return Section(
+        "The two traces, and their difference", "motion.html.j2", {"figures": figures, "buttons": [], "group": GROUP}
+    )
+
+
+def _shades(where: Sequence[Mapping[str, Any]]) -> list[dict[str, Any]]:
+    local = [one for one in where if one["regime"] not in ("throughout", "channel")]
+    spans = local[0]["time_s"][:_MOST_SHADES] if local else []
+    looks = {"type": "rect", "y0": 0, "y1": 1, "yref": "paper", "fillcolor": _SHADE, "layer": "below"}
+    return [looks | {"x0": a, "x1": b, "line": {"width": 0}} for a, b in spans]
+
+
+def phase_section(shown: Shown) -> Section:
+    """Speed over position of both."""
+    table = ANGLES if shown.angular else CHANNELS
+    (place, unit, factor), (speed, per, speed_factor) = table["x"], table["v"]
+    chosen = keep(shown.t, [y for pair in shown.motion for y in pair], np.empty(0), POINTS // 10)
+    traces = [
+        _line(name, x[chosen] * factor, v[chosen] * speed_factor, color, per, unit)
+        for name, (x, v), color in zip(shown.names, shown.motion, (FIRST, "ink"), strict=True)
+    ]
+    layout = {
+        "xaxis": {"title": {"text": f"{place} / {unit}"}},
+        "yaxis": {"title": {"text": f"{speed} / ({per})"}},
+        "showlegend": True,
+    }
+    measured = [c for c in ("x", "v") if c in shown.channels]
+    caption = "" if len(measured) == len("xv") else "What was not measured is smoothed or summed from what was."
+    return Section(
+        "Phase portrait", "figures.html.j2", {"figures": [Figure("compare-phase", traces, layout, caption, "", 480)]}
+    )
+
+
+def event_table_section(result: Mapping[str, Any]) -> Section:
+    """Release, reversals and stop of both, one beside the other."""
+    names, readings = list(result["traces"]), list(result["traces"].values())
+    events = [one["events"] for one in readings]
+    if not any(events):
+        return Section("Events", "table.html.j2", {"tables": []})
+    unit = readings[0]["rest"]["unit"]
+    rows = [
+        Row(str(i + 1), [cell for one in events for cell in _event_cells(one[i] if i < len(one) else None, unit)])
+        for i in range(min(max(map(len, events)), _MOST_EVENTS))
+    ]
+    shown_unit = quantity({"value": 0.0, "stderr": None, "unit": unit})[2]
+    columns = [column for name in names for column in (Column(name, "s"), Column("at", shown_unit))]
+    more = max(map(len, events)) - _MOST_EVENTS
+    caption = "Times by the clock of the second trace."
+    return Section(
+        "Events",
+        "table.html.j2",
+        {"tables": [Table("event", columns, rows, caption, "", [f"{more} more"] if more > 0 else [])]},
+    )
 
 
 def _event_cells(event: Mapping[str, Any] | None, unit: str) -> list[Cell]:
@@ -250,51 +214,39 @@ def _event_cells(event: Mapping[str, Any] | None, unit: str) -> list[Cell]:
     return [Cell(number(event["time_s"]), [event["kind"]]), Cell(at)]
 
 
-@dataclass(frozen=True)
-class Places(Section):
+def places_section(result: Mapping[str, Any]) -> Section:
     """Where they part, and whether the channels of each trace agree with one another."""
-
-    template: ClassVar[str] = "table.html.j2"
-    result: Mapping[str, Any]
-
-    @property
-    def title(self) -> str:
-        """The heading."""
-        return "Where they part"
-
-    def context(self) -> Mapping[str, Any]:
-        """What the template shows."""
-        tables = []
-        rows = [
-            Row(
-                one["condition"],
-                [
-                    Cell(one["regime"]),
-                    Cell(NONE if one["share"] is None else f"{100.0 * one['share']:.0f}"),
-                    Cell(str(len(one["time_s"]))),
-                    Cell(number(sum(b - a for a, b in one["time_s"]))),
-                ],
-            )
-            for one in self.result["where"]
-        ]
-        if rows:
-            hint = "of the mean square mismatch above noise"
-            columns = [Column("regime"), Column("share", "%", hint), Column("spans"), Column("together", "s")]
-            tables.append(Table("condition", columns, rows))
-        pairs = [
-            Row(
-                f"{name}: {pair.replace('-', ' and ')}",
-                [Cell(sentence_quantity(found[key])) for key in ("gain", "lag_s", "offset")]
-                + [Cell("yes" if found["consistent"] else "no", [found["sentence"]])],
-            )
-            for name, members in self.result["consistent_channels"].items()
-            for pair, found in members.items()
-        ]
-        if pairs:
-            columns = [Column("gain"), Column("lag"), Column("offset"), Column("agree")]
-            caption = "What one channel of a trace says of another, from the data alone, with one standard error."
-            tables.append(Table("channels", columns, pairs, caption))
-        return {"tables": tables}
+    tables = []
+    rows = [
+        Row(
+            one["condition"],
+            [
+                Cell(one["regime"]),
+                Cell(NONE if one["share"] is None else f"{100.0 * one['share']:.0f}"),
+                Cell(str(len(one["time_s"]))),
+                Cell(number(sum(b - a for a, b in one["time_s"]))),
+            ],
+        )
+        for one in result["where"]
+    ]
+    if rows:
+        hint = "of the mean square mismatch above noise"
+        columns = [Column("regime"), Column("share", "%", hint), Column("spans"), Column("together", "s")]
+        tables.append(Table("condition", columns, rows))
+    pairs = [
+        Row(
+            f"{name}: {pair.replace('-', ' and ')}",
+            [Cell(sentence_quantity(found[key])) for key in ("gain", "lag_s", "offset")]
+            + [Cell("yes" if found["consistent"] else "no", [found["sentence"]])],
+        )
+        for name, members in result["consistent_channels"].items()
+        for pair, found in members.items()
+    ]
+    if pairs:
+        columns = [Column("gain"), Column("lag"), Column("offset"), Column("agree")]
+        caption = "What one channel of a trace says of another, from the data alone, with one standard error."
+        tables.append(Table("channels", columns, pairs, caption))
+    return Section("Where they part", "table.html.j2", {"tables": tables})
 
 
 def _line(name: str, x: FloatArray, y: FloatArray, color: str, unit: str, x_unit: str = "s") -> dict[str, Any]:

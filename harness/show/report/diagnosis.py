@@ -7,14 +7,20 @@ from typing import Any
 from harness.core.recording import Recording
 from harness.core.trajectory import Trajectory
 from harness.show.numbers import number
-from harness.show.report.diagnosis_bars import Evidence, Left, Shares
-from harness.show.report.diagnosis_figures import Before, Mismatch, PhasePlane
-from harness.show.report.diagnosis_force import Tables
-from harness.show.report.diagnosis_index import Own
-from harness.show.report.diagnosis_tables import Engines, Heldout, Mechanisms, Models, Rules
+from harness.show.report.diagnosis_bars import evidence_section, left_section, shares_section
+from harness.show.report.diagnosis_figures import Curves, before_section, mismatch_section, phase_plane_section
+from harness.show.report.diagnosis_force import tables_section
+from harness.show.report.diagnosis_index import own_section
+from harness.show.report.diagnosis_tables import (
+    engines_section,
+    heldout_section,
+    mechanisms_section,
+    models_section,
+    rules_section,
+)
 from harness.show.report.section import Section
-from harness.show.report.sources import MadeWith
-from harness.show.report.verdict import Verdict
+from harness.show.report.sources import made_with_section
+from harness.show.report.verdict import verdict_section
 
 
 def diagnosis_sections(
@@ -26,34 +32,34 @@ def diagnosis_sections(
     show, and behind them the user's own simulation where there is one.
     result : DiagnosisResult.model_dump(by_alias=True) (harness.diagnosis/2).
     """
-    answer = result["statement"].replace("+-", "\u00b1")
+    seen, answer = Curves(recording, simulated, result), result["statement"].replace("+-", "\u00b1")
     sections: list[Section] = [
-        Verdict(answer, gained(result), heading="Verdict"),
-        Before(recording, simulated, result),
+        verdict_section(answer, gained(result), heading="Verdict"),
+        before_section(seen),
     ]
     if result.get("own"):
-        sections.append(Own(result))
+        sections.append(own_section(result))
     if result["mechanisms"]:
-        sections.append(Mechanisms(result))
+        sections.append(mechanisms_section(result))
     if result["remainder"] is not None:
-        sections.append(Left(result))
+        sections.append(left_section(result))
     if result["tables"] or result.get("surface"):
-        sections.append(Tables(result))
-    sections.append(Models(result))
+        sections.append(tables_section(result))
+    sections.append(models_section(result))
     if result["evidence"]:
-        sections.append(Evidence(result))
-    sections += [Mismatch(recording, simulated, result), PhasePlane(recording, simulated, result), Heldout(result)]
+        sections.append(evidence_section(result))
+    sections += [mismatch_section(seen), phase_plane_section(seen), heldout_section(result)]
     if more := said(result):
-        sections.append(Verdict("", more, heading="What to know besides"))
+        sections.append(verdict_section("", more, heading="What to know besides"))
     if result["attribution"] is not None:
-        sections.append(Shares(result["attribution"]))
+        sections.append(shares_section(result["attribution"]))
         if change := to_change(result["attribution"]):
-            sections.append(Verdict("", change, heading="What to change in your simulation"))
+            sections.append(verdict_section("", change, heading="What to change in your simulation"))
     if result["engines"]:
-        sections.append(Engines(result))
+        sections.append(engines_section(result))
     if result["rules"]:
-        sections.append(Rules(result))
-    sections.append(MadeWith(result["machine"], result["files"], result["command"]))
+        sections.append(rules_section(result))
+    sections.append(made_with_section(result["machine"], result["files"], result["command"]))
     return sections
 
 

@@ -2,8 +2,7 @@
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
-from typing import Any, ClassVar
+from typing import Any
 
 from harness.show.diagnosis_scene import AFTER, BEFORE, best_terms
 from harness.show.numbers import NONE, number
@@ -52,75 +51,72 @@ def _percents(
     return Figure(name, [trace], layout, caption, "", 110 + 30 * len(labels))
 
 
-@dataclass(frozen=True)
-class Evidence(Section):
+def evidence_section(result: Mapping[str, Any]) -> Section:
     """result : as in harness.diagnosis/2."""
-
-    template: ClassVar[str] = "figures.html.j2"
-    result: Mapping[str, Any]
-
-    @property
-    def title(self) -> str:
-        """The heading."""
-        return "Evidence over the catalogue"
-
-    def context(self) -> Mapping[str, Any]:
-        """What the template shows."""
-        chosen = {mechanism["name"] for mechanism in self.result["mechanisms"]}
-        if self.result["evidence"] and all(one.get("share") is not None for one in self.result["evidence"]):
-            return {"figures": [self._shares(chosen)]}
-        ordered = sorted(self.result["evidence"], key=lambda one: float(one["delta_bic"]))
-        better = [one for one in ordered if one["delta_bic"] > 1.0]
-        others = [one["name"] for one in reversed(ordered) if one["delta_bic"] <= 1.0]
-        none = f" No better than the base model alone: {', '.join(others)}." if others else ""
-        if not better:
-            return {
+    chosen = {mechanism["name"] for mechanism in result["mechanisms"]}
+    if result["evidence"] and all(one.get("share") is not None for one in result["evidence"]):
+        return Section("Evidence over the catalogue", "figures.html.j2", {"figures": [_shares(result, chosen)]})
+    ordered = sorted(result["evidence"], key=lambda one: float(one["delta_bic"]))
+    better = [one for one in ordered if one["delta_bic"] > 1.0]
+    others = [one["name"] for one in reversed(ordered) if one["delta_bic"] <= 1.0]
+    none = f" No better than the base model alone: {', '.join(others)}." if others else ""
+    if not better:
+        return Section(
+            "Evidence over the catalogue",
+            "figures.html.j2",
+            {
                 "figures": [
                     Figure("evidence", [], {}, f"No catalogue name does better than the base model.{none}", "", 40)
                 ]
-            }
-        trace = {
-            "type": "bar",
-            "orientation": "h",
-            "x": [float(one["delta_bic"]) for one in better],
-            "y": [one["name"] for one in better],
-            "marker": {"color": [AFTER if one["name"] in chosen else _GREY for one in better]},
-            "text": [f"{one['delta_bic']:.0f}" for one in better],
-            "textposition": "auto",
-            "hovertemplate": "%{y}: %{x:.5g}<extra></extra>",
-        }
-        layout = {
-            "xaxis": {
-                "title": {"text": "BIC gained"},
-                "type": "log",
-                "range": [0.0, math.log10(1.3 * float(better[-1]["delta_bic"]))],
-                "dtick": 1,
             },
-            "yaxis": {"ticks": ""},
-            "showlegend": False,
-            "bargap": 0.35,
-        }
-        caption = (
-            "Each catalogue name tried alone against viscous and Coulomb friction; 10 is decisive. Blue: in the "
-            f"refined model. With two effects, a name that explains neither alone can still do well here.{none}"
         )
-        return {"figures": [Figure("evidence", [trace], layout, caption, "", 110 + 24 * len(better))]}
+    trace = {
+        "type": "bar",
+        "orientation": "h",
+        "x": [float(one["delta_bic"]) for one in better],
+        "y": [one["name"] for one in better],
+        "marker": {"color": [AFTER if one["name"] in chosen else _GREY for one in better]},
+        "text": [f"{one['delta_bic']:.0f}" for one in better],
+        "textposition": "auto",
+        "hovertemplate": "%{y}: %{x:.5g}<extra></extra>",
+    }
+    layout = {
+        "xaxis": {
+            "title": {"text": "BIC gained"},
+            "type": "log",
+            "range": [0.0, math.log10(1.3 * float(better[-1]["delta_bic"]))],
+            "dtick": 1,
+        },
+        "yaxis": {"ticks": ""},
+        "showlegend": False,
+        "bargap": 0.35,
+    }
+    caption = (
+        "Each catalogue name tried alone against viscous and Coulomb friction; 10 is decisive. Blue: in the "
+        f"refined model. With two effects, a name that explains neither alone can still do well here.{none}"
+    )
+    return Section(
+        "Evidence over the catalogue",
+        "figures.html.j2",
+        {"figures": [Figure("evidence", [trace], layout, caption, "", 110 + 24 * len(better))]},
+    )
 
-    def _shares(self, chosen: set[str]) -> Figure:
-        """Where names are graded: the share of the misfit, which says more than a BIC that counts samples."""
-        ordered = sorted(self.result["evidence"], key=lambda one: -float(one["share"]))
-        caption = (
-            "Each catalogue name tried alone against viscous and Coulomb friction: share of the mean square misfit "
-            "beyond noise that it takes off. Blue: named."
-        )
-        return _percents(
-            "evidence",
-            [one["name"] for one in ordered],
-            [100.0 * float(one["share"]) for one in ordered],
-            [AFTER if one["name"] in chosen else _GREY for one in ordered],
-            "share of the misfit / %",
-            caption,
-        )
+
+def _shares(result: Mapping[str, Any], chosen: set[str]) -> Figure:
+    """Where names are graded: the share of the misfit, which says more than a BIC that counts samples."""
+    ordered = sorted(result["evidence"], key=lambda one: -float(one["share"]))
+    caption = (
+        "Each catalogue name tried alone against viscous and Coulomb friction: share of the mean square misfit "
+        "beyond noise that it takes off. Blue: named."
+    )
+    return _percents(
+        "evidence",
+        [one["name"] for one in ordered],
+        [100.0 * float(one["share"]) for one in ordered],
+        [AFTER if one["name"] in chosen else _GREY for one in ordered],
+        "share of the misfit / %",
+        caption,
+    )
 
 
 _DEPENDS = {
@@ -132,83 +128,65 @@ _DEPENDS = {
 }
 
 
-@dataclass(frozen=True)
-class Left(Section):
+def left_section(result: Mapping[str, Any]) -> Section:
     """What the best model found leaves. result : as in harness.diagnosis/2, with a remainder."""
-
-    template: ClassVar[str] = "left.html.j2"
-    result: Mapping[str, Any]
-
-    @property
-    def title(self) -> str:
-        """The heading."""
-        return "What is left"
-
-    def context(self) -> Mapping[str, Any]:
-        """What the template shows."""
-        rest = self.result["remainder"]
-        said = rest["looks_like"]
-        best = f"with {best_terms(self.result)}" if self.result["mechanisms"] else "viscous and Coulomb"
-        sentence = (
-            f"The best model found ({best}) leaves {number(100.0 * rest['share'], 3)} % of the misfit; its residual is "
-            f"{number(rest['over_noise'], 3)} times the sensors' noise. {said[0].upper()}{said[1:]}."
-        )
-        percent = [100.0 * float(rest["depends_on"].get(name, 0.0)) for name in _DEPENDS]
-        caption = (
-            "Share of the residual that is a function of one quantity alone; the bars overlap and need not add up to "
-            "100 %. What is a function of none of them is no law of this motion, or of several together."
-        )
-        colors = ["#b58900"] * len(percent)
-        title = "share of the residual / %"
-        return {
+    rest = result["remainder"]
+    said = rest["looks_like"]
+    best = f"with {best_terms(result)}" if result["mechanisms"] else "viscous and Coulomb"
+    sentence = (
+        f"The best model found ({best}) leaves {number(100.0 * rest['share'], 3)} % of the misfit; its residual is "
+        f"{number(rest['over_noise'], 3)} times the sensors' noise. {said[0].upper()}{said[1:]}."
+    )
+    percent = [100.0 * float(rest["depends_on"].get(name, 0.0)) for name in _DEPENDS]
+    caption = (
+        "Share of the residual that is a function of one quantity alone; the bars overlap and need not add up to "
+        "100 %. What is a function of none of them is no law of this motion, or of several together."
+    )
+    colors = ["#b58900"] * len(percent)
+    title = "share of the residual / %"
+    return Section(
+        "What is left",
+        "left.html.j2",
+        {
             "sentence": sentence,
             "figures": [_percents("remainder", list(_DEPENDS.values()), percent, colors, title, caption)],
-        }
+        },
+    )
 
 
-@dataclass(frozen=True)
-class Shares(Section):
+def shares_section(attribution: Mapping[str, Any]) -> Section:
     """attribution : as in harness.diagnosis/2."""
-
-    template: ClassVar[str] = "shares.html.j2"
-    attribution: Mapping[str, Any]
-
-    @property
-    def title(self) -> str:
-        """The heading."""
-        return "Whose mismatch it is"
-
-    def context(self) -> Mapping[str, Any]:
-        """What the template shows."""
-        found, stderr = self.attribution, self.attribution.get("stderr") or {}
-        names = [name for name in _PARTS if found[name] is not None and not (name == "engine" and found.get("why"))]
-        called = {name: name.replace("_", " ") for name in names}
-        if found.get("why"):
-            called["parameters"] = "engine and parameters"
-        bars = found.get("bars") or [{"of": [n], "name": called[n], "share": found[n]} for n in names]
-        caption = f"Compared with the recording: {found['configuration']}, in windows of about a period."
-        if any(len(bar["of"]) > 1 for bar in bars):
-            caption += " Errors that make up for each other are one bar."
-        if found.get("why"):
-            caption += f" Engine and parameters are one: {found['why']}."
-        figure = _percents(
-            "attribution",
-            [bar["name"] for bar in bars],
-            [100.0 * float(bar["share"]) for bar in bars],
-            [_PARTS[bar["of"][0]] for bar in bars],
-            "part of the mean square mismatch / %",
-            caption,
-        )
-        rows = []
-        for name in names:
-            error = NONE if name not in stderr else number(100.0 * float(stderr[name]), 2)
-            rows.append(Row(called[name], [Cell(number(100.0 * float(found[name]), 3)), Cell(error)]))
-        note = (
-            "What each brings when all are put right in turn, averaged over the orders; below 0: its error hides that"
-            " of another."
-        )
-        columns = [Column("share", "%"), Column("standard error", "points")]
-        return {"figures": [figure], "table": Table("part", columns, rows, note)}
+    found, stderr = attribution, attribution.get("stderr") or {}
+    names = [name for name in _PARTS if found[name] is not None and not (name == "engine" and found.get("why"))]
+    called = {name: name.replace("_", " ") for name in names}
+    if found.get("why"):
+        called["parameters"] = "engine and parameters"
+    bars = found.get("bars") or [{"of": [n], "name": called[n], "share": found[n]} for n in names]
+    caption = f"Compared with the recording: {found['configuration']}, in windows of about a period."
+    if any(len(bar["of"]) > 1 for bar in bars):
+        caption += " Errors that make up for each other are one bar."
+    if found.get("why"):
+        caption += f" Engine and parameters are one: {found['why']}."
+    figure = _percents(
+        "attribution",
+        [bar["name"] for bar in bars],
+        [100.0 * float(bar["share"]) for bar in bars],
+        [_PARTS[bar["of"][0]] for bar in bars],
+        "part of the mean square mismatch / %",
+        caption,
+    )
+    rows = []
+    for name in names:
+        error = NONE if name not in stderr else number(100.0 * float(stderr[name]), 2)
+        rows.append(Row(called[name], [Cell(number(100.0 * float(found[name]), 3)), Cell(error)]))
+    note = (
+        "What each brings when all are put right in turn, averaged over the orders; below 0: its error hides that"
+        " of another."
+    )
+    columns = [Column("share", "%"), Column("standard error", "points")]
+    return Section(
+        "Whose mismatch it is", "shares.html.j2", {"figures": [figure], "table": Table("part", columns, rows, note)}
+    )
 
 
 _PARTS = {

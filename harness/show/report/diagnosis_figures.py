@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, ClassVar
+from typing import Any
 
 import numpy as np
 
@@ -67,8 +67,8 @@ def _axes(label: str, unit: str, shapes: list[dict[str, Any]]) -> dict[str, Any]
 
 
 @dataclass(frozen=True)
-class _Curves(Section):
-    """recording, simulated, result : as in diagnosis_sections."""
+class Curves:
+    """What the figures of a diagnosis show. recording, simulated, result : as in diagnosis_sections."""
 
     recording: Recording
     simulated: Sequence[Trajectory]
@@ -118,140 +118,116 @@ class _Curves(Section):
         return _shades(shaded_spans(self.result)) + upright_lines(self.times)
 
 
-@dataclass(frozen=True)
-class Before(_Curves):
+def before_section(seen: Curves) -> Section:
     """Every channel as recorded and as both models have it."""
-
-    template: ClassVar[str] = "motion.html.j2"
-
-    @property
-    def title(self) -> str:
-        """The heading."""
-        return "Recording against simulation"
-
-    def context(self) -> Mapping[str, Any]:
-        """What the template shows."""
-        figures = []
-        for name in self.channels:
-            label, unit, factor = self.words(name)
-            sims = [shown(model, name) for _, _, model in self.models]
-            at = self.chosen(self.recording[name], *sims)
-            free, t = self.free(at), self.recording.t
-            traces = [_curve("recording", t[at], self.recording[name][at] * factor, "ink", unit, 2.4)]
-            traces += [
-                _curve(said, t[free], y[free] * factor, color, unit)
-                for (said, color, _), y in zip(self.models, sims, strict=True)
-            ]
-            own = yours(self.simulated)
-            if own is not None and f"shown {name}" in own.extra:
-                y = shown(own, name)
-                at = keep(own.t, [y], self.times, POINTS)
-                traces.append(_curve(YOUR_SIMULATION, own.t[at], y[at] * factor, YOURS, unit))
-            figures.append(
-                Figure(f"channel-{name}", traces, _axes(label, unit, self.shapes), self._caption(), GROUP, 320)
-            )
-        return {
+    figures = []
+    for name in seen.channels:
+        label, unit, factor = seen.words(name)
+        sims = [shown(model, name) for _, _, model in seen.models]
+        at = seen.chosen(seen.recording[name], *sims)
+        free, t = seen.free(at), seen.recording.t
+        traces = [_curve("recording", t[at], seen.recording[name][at] * factor, "ink", unit, 2.4)]
+        traces += [
+            _curve(said, t[free], y[free] * factor, color, unit)
+            for (said, color, _), y in zip(seen.models, sims, strict=True)
+        ]
+        own = yours(seen.simulated)
+        if own is not None and f"shown {name}" in own.extra:
+            y = shown(own, name)
+            at = keep(own.t, [y], seen.times, POINTS)
+            traces.append(_curve(YOUR_SIMULATION, own.t[at], y[at] * factor, YOURS, unit))
+        figures.append(
+            Figure(f"channel-{name}", traces, _axes(label, unit, seen.shapes), _caption(seen.result), GROUP, 320)
+        )
+    return Section(
+        "Recording against simulation",
+        "motion.html.j2",
+        {
             "figures": figures,
-            "buttons": zoom_buttons(self.times.tolist(), self.recording.duration),
+            "buttons": zoom_buttons(seen.times.tolist(), seen.recording.duration),
             "group": GROUP,
-        }
-
-    def _caption(self) -> str:
-        if not shaded_spans(self.result):
-            return "Fits that look alike here differ below: what counts is the residual against the noise."
-        return "Shaded: where simulation and recording part. Dotted: reversals of the better model."
+        },
+    )
 
 
-@dataclass(frozen=True)
-class Mismatch(_Curves):
+def _caption(result: Mapping[str, Any]) -> str:
+    if not shaded_spans(result):
+        return "Fits that look alike here differ below: what counts is the residual against the noise."
+    return "Shaded: where simulation and recording part. Dotted: reversals of the better model."
+
+
+def mismatch_section(seen: Curves) -> Section:
     """Recording minus simulation over time, before and after, with the noise."""
-
-    template: ClassVar[str] = "figures.html.j2"
-
-    @property
-    def title(self) -> str:
-        """The heading."""
-        return "Residual by time"
-
-    def context(self) -> Mapping[str, Any]:
-        """What the template shows."""
-        figures = []
-        for name in self.channels:
-            label, unit, factor = self.words(name)
-            residuals = [self.residual(model, name) * factor for _, _, model in self.models]
-            at = self.free(self.chosen(*residuals))
-            t = self.recording.t[at]
-            traces = [
-                _curve(f"{said}", t, r[at], color, unit, 1.2)
-                for (said, color, _), r in zip(self.models, residuals, strict=True)
-            ]
-            shapes = self.shapes
-            sigma = self.result["recording"]["noise"].get(name)
-            caption = "Recording minus simulation."
-            if isinstance(sigma, (int, float)):
-                shapes = [*shapes, *noise_band(2.0 * sigma * factor)]
-                level = f"{2.0 * sigma * factor:.3g} {unit}"
-                caption = f"Recording minus simulation; dashed: two standard deviations of the noise ({level})."
-            figures.append(
-                Figure(f"residual-{name}", traces, _axes(f"residual of {label}", unit, shapes), caption, GROUP, 260)
-            )
-        return {"figures": figures}
+    figures = []
+    for name in seen.channels:
+        label, unit, factor = seen.words(name)
+        residuals = [seen.residual(model, name) * factor for _, _, model in seen.models]
+        at = seen.free(seen.chosen(*residuals))
+        t = seen.recording.t[at]
+        traces = [
+            _curve(f"{said}", t, r[at], color, unit, 1.2)
+            for (said, color, _), r in zip(seen.models, residuals, strict=True)
+        ]
+        shapes = seen.shapes
+        sigma = seen.result["recording"]["noise"].get(name)
+        caption = "Recording minus simulation."
+        if isinstance(sigma, (int, float)):
+            shapes = [*shapes, *noise_band(2.0 * sigma * factor)]
+            level = f"{2.0 * sigma * factor:.3g} {unit}"
+            caption = f"Recording minus simulation; dashed: two standard deviations of the noise ({level})."
+        figures.append(
+            Figure(f"residual-{name}", traces, _axes(f"residual of {label}", unit, shapes), caption, GROUP, 260)
+        )
+    return Section("Residual by time", "figures.html.j2", {"figures": figures})
 
 
-@dataclass(frozen=True)
-class PhasePlane(_Curves):
+def phase_plane_section(seen: Curves) -> Section:
     """The residual where it happens: along the motion in the plane of position and speed, before and after."""
-
-    template: ClassVar[str] = "figures.html.j2"
-
-    @property
-    def title(self) -> str:
-        """The heading."""
-        return "Residual over the phase plane"
-
-    def context(self) -> Mapping[str, Any]:
-        """What the template shows."""
-        name = "a" if "a" in self.channels else self.channels[0]
-        label, unit, factor = self.words(name)
-        position, length, scale = self.words("x")
-        speed, per_second, _ = self.words("v")
-        best = self.best
-        at = self.free(np.linspace(0, len(best) - 1, min(DOTS, len(best))).astype(np.int64))
-        residuals = [self.residual(model, name)[at] * factor for _, _, model in self.models]
-        # a few samples on the wrong side of a jump would else decide the colours
-        limit = max(float(np.percentile(np.abs(residuals[0]), 98.0)), 1e-300)
-        traces, layout = [], dict[str, Any]({"showlegend": False, "annotations": []})
-        for i, ((said, _, _), residual) in enumerate(zip(self.models, residuals, strict=True)):
-            own = "" if i == 0 else str(i + 1)
-            low = 0.53 * i
-            high = low + (0.47 if len(self.models) > 1 else 1.0)
-            marker = {
-                "size": 5,
-                "color": residual,
-                "colorscale": [[0.0, "#2b7fd6"], [0.5, "#c9ccd1"], [1.0, "#e4632d"]],
-                "cmin": -limit,
-                "cmax": limit,
-                "showscale": i == 0,
-                "colorbar": {"title": {"text": unit}, "thickness": 12, "outlinewidth": 0},
+    name = "a" if "a" in seen.channels else seen.channels[0]
+    label, unit, factor = seen.words(name)
+    position, length, scale = seen.words("x")
+    speed, per_second, _ = seen.words("v")
+    best = seen.best
+    at = seen.free(np.linspace(0, len(best) - 1, min(DOTS, len(best))).astype(np.int64))
+    residuals = [seen.residual(model, name)[at] * factor for _, _, model in seen.models]
+    # a few samples on the wrong side of a jump would else decide the colours
+    limit = max(float(np.percentile(np.abs(residuals[0]), 98.0)), 1e-300)
+    traces, layout = [], dict[str, Any]({"showlegend": False, "annotations": []})
+    for i, ((said, _, _), residual) in enumerate(zip(seen.models, residuals, strict=True)):
+        own = "" if i == 0 else str(i + 1)
+        low = 0.53 * i
+        high = low + (0.47 if len(seen.models) > 1 else 1.0)
+        marker = {
+            "size": 5,
+            "color": residual,
+            "colorscale": [[0.0, "#2b7fd6"], [0.5, "#c9ccd1"], [1.0, "#e4632d"]],
+            "cmin": -limit,
+            "cmax": limit,
+            "showscale": i == 0,
+            "colorbar": {"title": {"text": unit}, "thickness": 12, "outlinewidth": 0},
+        }
+        traces.append(
+            {
+                "type": "scatter",
+                "mode": "markers",
+                "name": said,
+                "x": best.x[at] * scale,
+                "y": best.v[at],
+                "xaxis": f"x{own}",
+                "yaxis": f"y{own}",
+                "marker": marker,
+                "text": [f"{value:.4g} {unit}" for value in residual.tolist()],
+                "hovertemplate": f"%{{x:.5g}} {length}, %{{y:.5g}} {per_second}<br>%{{text}}<extra></extra>",
+                "meta": {"curve": False},
             }
-            traces.append(
-                {
-                    "type": "scatter",
-                    "mode": "markers",
-                    "name": said,
-                    "x": best.x[at] * scale,
-                    "y": best.v[at],
-                    "xaxis": f"x{own}",
-                    "yaxis": f"y{own}",
-                    "marker": marker,
-                    "text": [f"{value:.4g} {unit}" for value in residual.tolist()],
-                    "hovertemplate": f"%{{x:.5g}} {length}, %{{y:.5g}} {per_second}<br>%{{text}}<extra></extra>",
-                    "meta": {"curve": False},
-                }
-            )
-            layout[f"xaxis{own}"] = {"title": {"text": f"{position} / {length}"}, "domain": [low, high]}
-            layout[f"yaxis{own}"] = {"title": {"text": f"{speed} / ({per_second})"}, "anchor": f"x{own}"}
-            place = {"xref": "paper", "yref": "paper", "x": low, "y": 1.0, "xanchor": "left", "yanchor": "bottom"}
-            layout["annotations"].append({"text": said, "showarrow": False, **place})
-        caption = f"Residual of {label} along the motion, in one scale of colours."
-        return {"figures": [Figure("plane", traces, layout, caption, "", 430)]}
+        )
+        layout[f"xaxis{own}"] = {"title": {"text": f"{position} / {length}"}, "domain": [low, high]}
+        layout[f"yaxis{own}"] = {"title": {"text": f"{speed} / ({per_second})"}, "anchor": f"x{own}"}
+        place = {"xref": "paper", "yref": "paper", "x": low, "y": 1.0, "xanchor": "left", "yanchor": "bottom"}
+        layout["annotations"].append({"text": said, "showarrow": False, **place})
+    caption = f"Residual of {label} along the motion, in one scale of colours."
+    return Section(
+        "Residual over the phase plane",
+        "figures.html.j2",
+        {"figures": [Figure("plane", traces, layout, caption, "", 430)]},
+    )

@@ -1,8 +1,7 @@
 """Forces without a name, drawn: each table with its band over the range that was swept."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
-from typing import Any, ClassVar
+from typing import Any
 
 import numpy as np
 
@@ -14,24 +13,12 @@ _ERRORS = 2.0
 """Standard errors of a band."""
 
 
-@dataclass(frozen=True)
-class Tables(Section):
+def tables_section(result: Mapping[str, Any]) -> Section:
     """What has no name, as curves. result : as in harness.diagnosis/2, with tables."""
-
-    template: ClassVar[str] = "figures.html.j2"
-    result: Mapping[str, Any]
-
-    @property
-    def title(self) -> str:
-        """The heading."""
-        return "Force without a name"
-
-    def context(self) -> Mapping[str, Any]:
-        """What the template shows."""
-        figures = [_figure(i, table) for i, table in enumerate(self.result["tables"])]
-        if (surface := self.result.get("surface")) is not None:
-            figures.append(_plane(surface))
-        return {"figures": figures}
+    figures = [_figure(i, table) for i, table in enumerate(result["tables"])]
+    if (surface := result.get("surface")) is not None:
+        figures.append(_plane(surface))
+    return Section("Force without a name", "figures.html.j2", {"figures": figures})
 
 
 def _figure(number: int, table: Mapping[str, Any]) -> Figure:

@@ -2,14 +2,13 @@
 
 from collections import Counter
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from pathlib import PurePath
-from typing import Any, ClassVar
+from typing import Any
 
 from harness.show.numbers import number, quantity
 from harness.show.report.section import Section
 from harness.show.report.table import Cell, Column, Row, Table
-from harness.show.report.verdict import Verdict
+from harness.show.report.verdict import verdict_section
 
 VERDICTS = {
     "missing_physics": "physics left out",
@@ -36,79 +35,59 @@ def index_sections(answers: Sequence[Mapping[str, Any]], command: str) -> list[S
     sentences = [
         f"{answer['recording']['file']}: {answer['error']}" for answer in answers if answer["verdict"] == "error"
     ]
-    return [Verdict(headline, sentences, heading="Over all recordings"), Recordings(answers, command)]
+    return [verdict_section(headline, sentences, heading="Over all recordings"), recordings_section(answers, command)]
 
 
-@dataclass(frozen=True)
-class Recordings(Section):
+def recordings_section(answers: Sequence[Mapping[str, Any]], command: str) -> Section:
     """answers : entries with "link". command : the line that makes it again."""
-
-    template: ClassVar[str] = "recordings.html.j2"
-    answers: Sequence[Mapping[str, Any]]
-    command: str
-
-    @property
-    def title(self) -> str:
-        """The heading."""
-        return "Recordings"
-
-    def context(self) -> Mapping[str, Any]:
-        """What the template shows."""
-        rows = [
-            {
-                "name": PurePath(answer["recording"]["file"]).name,
-                "link": answer["link"],
-                "verdict": VERDICTS[answer["verdict"]],
-                "names": ", ".join(m["name"] for m in answer["mechanisms"]),
-                "others": ", ".join(a["name"] for m in answer["mechanisms"] for a in m["alternatives"]),
-                "before": number((answer.get("baseline") or {}).get("chi2_per_point"), 4),
-                "after": number((answer.get("refined") or {}).get("chi2_per_point"), 4),
-            }
-            for answer in self.answers
-        ]
-        return {"rows": rows, "command": self.command}
-
-
-@dataclass(frozen=True, slots=True)
-class Own(Section):
-    """A row a recording. result : as in harness.diagnosis/2, of several recordings."""
-
-    template: ClassVar[str] = "table.html.j2"
-    result: Mapping[str, Any]
-
-    @property
-    def title(self) -> str:
-        """The heading."""
-        return "Recordings of one machine"
-
-    def context(self) -> Mapping[str, Any]:
-        """What the template shows."""
-        own = self.result["own"]
-        channels = list(own[0]["rmse"])
-        length = own[0]["start"]["x0"]["unit"]
-        zero = [Column("zero", length)] if own[0]["zero"] else []
-        columns = [Column("begins at", "s", "on the axis of time on which all lie"), Column("start", length), *zero]
-        for c in channels:
-            columns += [Column(f"noise of {c}"), Column(f"rmse of {c}", "", "viscous and Coulomb")]
-            columns += [Column("refined", "", f"rmse of {c}")] if self.result["mechanisms"] else []
-        alone = [Column(name, p["unit"]) for name, p in own[0]["alone"].items()]
-        rows = [Row(_name(one), [_cell(p) for p in one["alone"].values()]) for one in own]
-        return {
-            "tables": [
-                Table("recording", columns, [self._row(one, channels) for one in own]),
-                Table("recording", alone, rows, "Viscous and Coulomb friction fitted to each by itself."),
-                *repeated_tables(self.result.get("together", {})),
-            ]
+    rows = [
+        {
+            "name": PurePath(answer["recording"]["file"]).name,
+            "link": answer["link"],
+            "verdict": VERDICTS[answer["verdict"]],
+            "names": ", ".join(m["name"] for m in answer["mechanisms"]),
+            "others": ", ".join(a["name"] for m in answer["mechanisms"] for a in m["alternatives"]),
+            "before": number((answer.get("baseline") or {}).get("chi2_per_point"), 4),
+            "after": number((answer.get("refined") or {}).get("chi2_per_point"), 4),
         }
+        for answer in answers
+    ]
+    return Section("Recordings", "recordings.html.j2", {"rows": rows, "command": command})
 
-    def _row(self, one: Mapping[str, Any], channels: list[str]) -> Row:
-        cells = [Cell(number(one["begins_s"], 4)), _cell(one["start"]["x0"])]
-        cells += [_cell(one["zero"])] if one["zero"] else []
-        for c in channels:
-            noise, before = one["noise"][c], number(one["baseline_rmse"][c], 3)
-            cells += [Cell(noise if isinstance(noise, str) else number(noise, 3)), Cell(before)]
-            cells += [Cell(number(one["rmse"][c], 3))] if self.result["mechanisms"] else []
-        return Row(_name(one), cells, "; ".join(one["differs"]))
+
+def own_section(result: Mapping[str, Any]) -> Section:
+    """A row a recording. result : as in harness.diagnosis/2, of several recordings."""
+    own = result["own"]
+    channels = list(own[0]["rmse"])
+    length = own[0]["start"]["x0"]["unit"]
+    zero = [Column("zero", length)] if own[0]["zero"] else []
+    columns = [Column("begins at", "s", "on the axis of time on which all lie"), Column("start", length), *zero]
+    for c in channels:
+        columns += [Column(f"noise of {c}"), Column(f"rmse of {c}", "", "viscous and Coulomb")]
+        columns += [Column("refined", "", f"rmse of {c}")] if result["mechanisms"] else []
+    alone = [Column(name, p["unit"]) for name, p in own[0]["alone"].items()]
+    rows = [Row(_name(one), [_cell(p) for p in one["alone"].values()]) for one in own]
+    return Section(
+        "Recordings of one machine",
+        "table.html.j2",
+        {
+            "tables": [
+                Table("recording", columns, [_row(result, one, channels) for one in own]),
+                Table("recording", alone, rows, "Viscous and Coulomb friction fitted to each by itself."),
+                *repeated_tables(result.get("together", {})),
+            ]
+        },
+    )
+
+
+def _row(result: Mapping[str, Any], one: Mapping[str, Any], channels: list[str]) -> Row:
+    cells = [Cell(number(one["begins_s"], 4)), _cell(one["start"]["x0"])]
+    cells += [_cell(one["zero"])] if one["zero"] else []
+    for c in channels:
+        noise, before = one["noise"][c], number(one["baseline_rmse"][c], 3)
+        cells += [Cell(noise if isinstance(noise, str) else number(noise, 3)), Cell(before)]
+        cells += [Cell(number(one["rmse"][c], 3))] if result["mechanisms"] else []
+    return Row(_name(one), cells, "; ".join(one["differs"]))
 
 
 def repeated_tables(together: Mapping[str, Any]) -> list[Table]:

@@ -2,8 +2,7 @@
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
-from typing import Any, ClassVar
+from typing import Any
 
 from harness.show.numbers import MINUS, quantity
 from harness.show.report.section import Section
@@ -23,44 +22,46 @@ SHOWN_FACTOR = {"mm": 1e3, "rad": 1.0, "rad/s": 1.0, "": 1.0}
 QUANTITIES = {"x_k": "Friction displacement x_k", "zeta": "Damping ratio zeta", "omega_n": "Natural frequency omega_n"}
 
 
-@dataclass(frozen=True)
-class Estimates(Section):
+def estimates_section(
+    traces: Sequence[Mapping[str, Any]], scenario: Mapping[str, Any], palette: Sequence[str]
+) -> Section:
     """traces : as in harness.run/1. scenario : its slider gives the true values where it is known."""
+    found = dict.fromkeys(method for trace in traces for method in trace["estimates"])
+    methods = [m for m in METHODS if m in found] + [m for m in found if m not in METHODS]
+    explained = [{"name": method, "what": METHODS[method]} for method in methods if method in METHODS]
+    return Section(
+        "Friction and damping as the estimators read them",
+        "estimates.html.j2",
+        {
+            "tables": [_table(traces, scenario, palette, name, methods) for name in QUANTITIES] if methods else [],
+            "methods": explained,
+        },
+    )
 
-    template: ClassVar[str] = "estimates.html.j2"
-    traces: Sequence[Mapping[str, Any]]
-    scenario: Mapping[str, Any]
-    palette: Sequence[str]
 
-    @property
-    def title(self) -> str:
-        """The heading."""
-        return "Friction and damping as the estimators read them"
-
-    def context(self) -> Mapping[str, Any]:
-        """What the template shows."""
-        found = dict.fromkeys(method for trace in self.traces for method in trace["estimates"])
-        methods = [m for m in METHODS if m in found] + [m for m in found if m not in METHODS]
-        explained = [{"name": method, "what": METHODS[method]} for method in methods if method in METHODS]
-        return {"tables": [self._table(name, methods) for name in QUANTITIES] if methods else [], "methods": explained}
-
-    def _table(self, name: str, methods: Sequence[str]) -> Table:
-        truth = true_values(self.scenario).get(name)
-        reasons: list[str] = []
-        rows = [
-            Row(
-                f"{trace['source']} {trace['preset']}".strip(),
-                [cell(trace["estimates"].get(method), name, truth, reasons) for method in methods],
-                color=color,
-            )
-            for trace, color in zip(self.traces, self.palette, strict=True)
-        ]
-        unit = _unit(self.traces, name)
-        put_in = ""
-        if truth is not None:
-            put_in = f", put in as {truth * SHOWN_FACTOR[unit]:.6g} {unit}".rstrip()
-        columns = [Column(method, unit, METHODS.get(method, "")) for method in methods]
-        return Table("source", columns, rows, "", QUANTITIES[name] + put_in, footnotes(reasons))
+def _table(
+    traces: Sequence[Mapping[str, Any]],
+    scenario: Mapping[str, Any],
+    palette: Sequence[str],
+    name: str,
+    methods: Sequence[str],
+) -> Table:
+    truth = true_values(scenario).get(name)
+    reasons: list[str] = []
+    rows = [
+        Row(
+            f"{trace['source']} {trace['preset']}".strip(),
+            [cell(trace["estimates"].get(method), name, truth, reasons) for method in methods],
+            color=color,
+        )
+        for trace, color in zip(traces, palette, strict=True)
+    ]
+    unit = _unit(traces, name)
+    put_in = ""
+    if truth is not None:
+        put_in = f", put in as {truth * SHOWN_FACTOR[unit]:.6g} {unit}".rstrip()
+    columns = [Column(method, unit, METHODS.get(method, "")) for method in methods]
+    return Table("source", columns, rows, "", QUANTITIES[name] + put_in, footnotes(reasons))
 
 
 def true_values(scenario: Mapping[str, Any]) -> Mapping[str, float]:

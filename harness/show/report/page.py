@@ -67,7 +67,7 @@ def render(title: str, subtitle: str, sections: Sequence[Section]) -> str:
     environment = _environment()
     parts: list[dict[str, Any]] = []
     for index, section in enumerate(sections):
-        body = environment.get_template(section.template).render(section=section, register=figure, **section.context())
+        body = environment.get_template(section.template).render(register=figure, **section.context)
         parts.append({"id": f"section-{index}", "title": section.title, "body": Markup(body)})
     return environment.get_template("page.html.j2").render(
         title=title,

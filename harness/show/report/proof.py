@@ -1,82 +1,79 @@
 """The page of a sealed proof: what came out, figure by figure, name by name, and how it was sealed."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, ClassVar
+from typing import Any
 
 from harness.show.numbers import number
 from harness.show.report.page import write_report
-from harness.show.report.proof_figures import BAD, GOOD, ByName, Confusion, DetectionCurve, interval_figure
+from harness.show.report.proof_figures import (
+    BAD,
+    GOOD,
+    by_name_section,
+    confusion_section,
+    detection_curve_section,
+    interval_figure,
+)
 from harness.show.report.section import Section
-from harness.show.report.sources import MadeWith
+from harness.show.report.sources import made_with_section
 from harness.show.report.table import Cell, Column, Row, Table
-from harness.show.report.verdict import Verdict
+from harness.show.report.verdict import verdict_section
 
 Data = Mapping[str, Any]
 MOST_ROWS = 200
 """Rows of a table on the page; the rest is in result.json."""
 
 
-@dataclass(frozen=True)
-class Figures(Section):
+def figures_section(figures: Sequence[Data], forced: Data, by_source: Mapping[str, Sequence[Data]]) -> Section:
     """figures : those of harness.proof/1. forced : controls with a term forced in. heading : of the section."""
+    columns = [
+        Column("found"),
+        Column("95 % interval", hint="exact (Clopper-Pearson) for a share, resampled for a median"),
+        Column("cases"),
+        Column("asked"),
+    ]
+    rows = [
+        Row(
+            figure["label"],
+            [
+                Cell(_value(figure, "value"), grade=_grade(figure["met"])),
+                Cell(_interval(figure)),
+                Cell(str(figure["cases"])),
+                Cell(figure["asked"]),
+            ],
+        )
+        for figure in figures
+    ]
+    worst = forced["worst"]
+    met = None if worst is None else worst <= 1.05
+    asked = "at most 1.05"
+    cells = [Cell(number(worst, 4), grade=_grade(met)), Cell(""), Cell(str(forced["cases"])), Cell(asked)]
+    # recordings of machines alone have no such controls
+    rows += [Row("held-out rmse of controls, a term forced in, largest", cells)] if by_source else []
+    table = Table("figure", columns, rows, "Green: reached. Red: falls short. No colour: nothing is asked.")
+    shares = [
+        {**figure, "note": f"{figure['hits']} of {figure['cases']}", "color": _color(figure["met"])}
+        for figure in figures
+        if figure["share"]
+    ]
+    caption = "Shares with their exact 95 % intervals."
+    return Section(
+        "Figures",
+        "proof_figures.html.j2",
+        {"tables": [table, *_sources(by_source)], "figures": [interval_figure("figures", shares, caption)]},
+    )
 
-    template: ClassVar[str] = "proof_figures.html.j2"
-    figures: Sequence[Data]
-    forced: Data
-    by_source: Mapping[str, Sequence[Data]]
 
-    @property
-    def title(self) -> str:
-        """The heading."""
-        return "Figures"
-
-    def context(self) -> Mapping[str, Any]:
-        """What the template shows."""
-        columns = [
-            Column("found"),
-            Column("95 % interval", hint="exact (Clopper-Pearson) for a share, resampled for a median"),
-            Column("cases"),
-            Column("asked"),
-        ]
-        rows = [
-            Row(
-                figure["label"],
-                [
-                    Cell(_value(figure, "value"), grade=_grade(figure["met"])),
-                    Cell(_interval(figure)),
-                    Cell(str(figure["cases"])),
-                    Cell(figure["asked"]),
-                ],
-            )
-            for figure in self.figures
-        ]
-        worst = self.forced["worst"]
-        met = None if worst is None else worst <= 1.05
-        asked = "at most 1.05"
-        cells = [Cell(number(worst, 4), grade=_grade(met)), Cell(""), Cell(str(self.forced["cases"])), Cell(asked)]
-        # recordings of machines alone have no such controls
-        rows += [Row("held-out rmse of controls, a term forced in, largest", cells)] if self.by_source else []
-        table = Table("figure", columns, rows, "Green: reached. Red: falls short. No colour: nothing is asked.")
-        shares = [
-            {**figure, "note": f"{figure['hits']} of {figure['cases']}", "color": _color(figure["met"])}
-            for figure in self.figures
-            if figure["share"]
-        ]
-        caption = "Shares with their exact 95 % intervals."
-        return {"tables": [table, *self._sources()], "figures": [interval_figure("figures", shares, caption)]}
-
-    def _sources(self) -> list[Table]:
-        """Figures by what made the recordings, where that differs."""
-        if len(self.by_source) < 2:
-            return []
-        heads = [figure["label"] for figure in next(iter(self.by_source.values()))]
-        rows = [
-            Row(name, [Cell(_value(one, "value"), (f"of {one['cases']}",)) for one in figures])
-            for name, figures in self.by_source.items()
-        ]
-        return [Table("recordings made by", [Column(head) for head in heads], rows, title="By source")]
+def _sources(by_source: Mapping[str, Sequence[Data]]) -> list[Table]:
+    """Figures by what made the recordings, where that differs."""
+    if len(by_source) < 2:
+        return []
+    heads = [figure["label"] for figure in next(iter(by_source.values()))]
+    rows = [
+        Row(name, [Cell(_value(one, "value"), (f"of {one['cases']}",)) for one in figures])
+        for name, figures in by_source.items()
+    ]
+    return [Table("recordings made by", [Column(head) for head in heads], rows, title="By source")]
 
 
 def _color(met: bool | None) -> str:
@@ -101,22 +98,9 @@ def _interval(figure: Data) -> str:
     return f"{low.removesuffix(' %')} to {high}"
 
 
-@dataclass(frozen=True)
-class Tables(Section):
+def tables_section(heading: str, tables: Sequence[Table]) -> Section:
     """heading, tables : tables under a heading of its own."""
-
-    template: ClassVar[str] = "table.html.j2"
-    heading: str
-    tables: Sequence[Table]
-
-    @property
-    def title(self) -> str:
-        """The heading."""
-        return self.heading
-
-    def context(self) -> Mapping[str, Any]:
-        """What the template shows."""
-        return {"tables": self.tables}
+    return Section(heading, "table.html.j2", {"tables": tables})
 
 
 GROUPS = {
@@ -130,7 +114,7 @@ GROUPS = {
 }
 
 
-def missed_section(cases: Sequence[Data]) -> Tables:
+def missed_section(cases: Sequence[Data]) -> Section:
     """Every recording that was not answered right, group by group."""
     columns = [
         Column("said"),
@@ -150,7 +134,7 @@ def missed_section(cases: Sequence[Data]) -> Tables:
         caption = f"{len(here) - len(wrong)} of {len(here)} answered right.{more}"
         rows = [_missed(case) for case in wrong[:MOST_ROWS]]
         tables.append(Table("hidden", columns, rows, caption, title))
-    return Tables("What was not answered right", tables)
+    return tables_section("What was not answered right", tables)
 
 
 def _missed(case: Data) -> Row:
@@ -248,21 +232,9 @@ LIMITS = (
 )
 
 
-@dataclass(frozen=True)
-class SealedBy(Section):
+def sealed_by_section(transcript: Sequence[Data]) -> Section:
     """transcript : ("step", "at", "hash") of each entry."""
-
-    template: ClassVar[str] = "proof_sealed.html.j2"
-    transcript: Sequence[Data]
-
-    @property
-    def title(self) -> str:
-        """The heading."""
-        return "How it was sealed"
-
-    def context(self) -> Mapping[str, Any]:
-        """What the template shows."""
-        return {"told": TOLD, "entries": self.transcript, "limits": LIMITS}
+    return Section("How it was sealed", "proof_sealed.html.j2", {"told": TOLD, "entries": transcript, "limits": LIMITS})
 
 
 def _headline(result: Data) -> str:
@@ -297,22 +269,22 @@ def proof_sections(result: Data) -> list[Section]:
         sentences.append(f"{drawn}{sizes['outside']} one that no catalogue holds.")
     sentences += [f"Given up: {line}" for line in result["given_up"]]
     sections: list[Section] = [
-        Verdict(_headline(result), sentences),
-        Figures(result["figures"], result["forced"], result["by_source"]),
+        verdict_section(_headline(result), sentences),
+        figures_section(result["figures"], result["forced"], result["by_source"]),
     ]
     if result["confusion"]:
-        sections.append(Confusion(result["confusion"], result["order"]))
-        sections.append(ByName(result["by_name"], result["not_tested"]))
+        sections.append(confusion_section(result["confusion"], result["order"]))
+        sections.append(by_name_section(result["by_name"], result["not_tested"]))
     if result["detection"] is not None:
-        sections.append(DetectionCurve(result["detection"]))
+        sections.append(detection_curve_section(result["detection"]))
     others = [baselines_table(result["baselines"])] if result["baselines"] else []
     others += [must_fail_table(result["must_fail"])] if result["must_fail"] else []
     if others:
-        sections.append(Tables("Beside others", others))
+        sections.append(tables_section("Beside others", others))
     sections += [
         missed_section(result["cases"]),
-        SealedBy(result["transcript"]),
-        MadeWith(result["machine"], result["files"], result["command"]),
+        sealed_by_section(result["transcript"]),
+        made_with_section(result["machine"], result["files"], result["command"]),
     ]
     return sections
 

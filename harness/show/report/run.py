@@ -8,12 +8,12 @@ from harness.show.decimate import reversal_times
 from harness.show.motion_units import TURNS, units_of, without_step
 from harness.show.palette import colors
 from harness.show.report.curves import turning
-from harness.show.report.estimates import Estimates
-from harness.show.report.motion import Motion, Phase, Reversal
-from harness.show.report.scorecard import Scorecard
+from harness.show.report.estimates import estimates_section
+from harness.show.report.motion import motion_section, phase_section, reversal_section
+from harness.show.report.scorecard import scorecard_section
 from harness.show.report.section import Section
-from harness.show.report.sources import MadeWith, Sources
-from harness.show.report.verdict import Verdict, headline
+from harness.show.report.sources import made_with_section, sources_section
+from harness.show.report.verdict import headline, verdict_section
 
 _SLIDING = (("m", "m", "kg"), ("k", "k", "N/m"), ("c", "c", "N s/m"), ("f_k", "f_k", "N"))
 _TURNING = (("J", "m", "kg m²"), ("k", "k", "N m/rad"), ("c", "c", "N m s/rad"), ("f_k", "f_k", "N m"))
@@ -39,15 +39,15 @@ def run_sections(trajectories: Sequence[Trajectory], result: Mapping[str, Any], 
     turns = len(turning(trajectories[0].events)) > 0 and reversal_times(trajectories[0]).size > 0
     conclusions = result["conclusions"]
     return [
-        Verdict(headline(traces, units), failed),
-        *([Reversal(trajectories, units)] if turns else []),
-        Motion(trajectories, units),
-        *([Verdict("", conclusions, labels, "Engine by engine")] if conclusions else []),
-        Scorecard(traces, result["scenario"], palette),
-        *([Estimates(traces, result["scenario"], palette)] if decays else []),
-        Phase(trajectories, decays, units),
-        Sources(traces, palette, without_step(result["scenario"])),
-        MadeWith(result["machine"], result["files"], command),
+        verdict_section(headline(traces, units), failed),
+        *([reversal_section(trajectories, units)] if turns else []),
+        motion_section(trajectories, units),
+        *([verdict_section("", conclusions, labels, "Engine by engine")] if conclusions else []),
+        scorecard_section(traces, result["scenario"], palette),
+        *([estimates_section(traces, result["scenario"], palette)] if decays else []),
+        phase_section(trajectories, decays, units),
+        sources_section(traces, palette, without_step(result["scenario"])),
+        made_with_section(result["machine"], result["files"], command),
     ]
 
 

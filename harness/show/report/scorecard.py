@@ -3,8 +3,7 @@
 import math
 import re
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
-from typing import Any, ClassVar
+from typing import Any
 
 from harness.show.headings import DECAY, heading
 from harness.show.motion_units import units_of, without_step
@@ -14,65 +13,66 @@ from harness.show.report.section import Section
 from harness.show.report.table import Cell, Column, Row, Table, grade
 
 
-@dataclass(frozen=True)
-class Scorecard(Section):
+def scorecard_section(
+    traces: Sequence[Mapping[str, Any]], scenario: Mapping[str, Any], palette: Sequence[str]
+) -> Section:
     """traces : as in harness.run/1, the exact reference first. palette : a CSS colour each."""
-
-    template: ClassVar[str] = "folded.html.j2"
-    traces: Sequence[Mapping[str, Any]]
-    scenario: Mapping[str, Any]
-    palette: Sequence[str]
-
-    @property
-    def title(self) -> str:
-        """The heading."""
-        return "Scorecard"
-
-    def context(self) -> Mapping[str, Any]:
-        """What the template shows."""
-        shown = measured(self.traces, self.scenario)
-        headings = [heading(metric) for metric in shown]
-        small = units_of(self.scenario).small
-        columns = [Column(one.head, re.sub(r"^mm\b", small, one.unit), one.hint) for one in headings]
-        columns.append(Column("run time", "ms", "wall clock time of the simulation"))
-        rows = [self._row(trace, color, shown) for trace, color in zip(self.traces, self.palette, strict=True)]
-        caption = (
-            "Colours run from green (as good as exact) to red (off by more than 5 % of the start, the friction "
-            "displacement x_k or the period, whichever the figure belongs to). A dash: there is no such figure."
-        )
-        return {
+    shown = measured(traces, scenario)
+    headings = [heading(metric) for metric in shown]
+    small = units_of(scenario).small
+    columns = [Column(one.head, re.sub(r"^mm\b", small, one.unit), one.hint) for one in headings]
+    columns.append(Column("run time", "ms", "wall clock time of the simulation"))
+    rows = [_row(traces, scenario, trace, color, shown) for trace, color in zip(traces, palette, strict=True)]
+    caption = (
+        "Colours run from green (as good as exact) to red (off by more than 5 % of the start, the friction "
+        "displacement x_k or the period, whichever the figure belongs to). A dash: there is no such figure."
+    )
+    return Section(
+        "Scorecard",
+        "folded.html.j2",
+        {
             "tables": [Table("source", columns, rows, caption)],
             "summary": "Each source by each figure",
             "open": True,
-        }
+        },
+    )
 
-    def _row(self, trace: Mapping[str, Any], color: str, shown: Sequence[str]) -> Row:
-        cells = [self._cell(trace, metric) for metric in shown]
-        cells.append(Cell(number(None if trace["wall_s"] is None else trace["wall_s"] * 1e3, 3)))
-        step = without_step(self.scenario) if trace["dt_s"] is None else f"step {trace['dt_s'] * 1e3:.4g} ms"
-        return Row(
-            f"{trace['source']} {trace['preset']}".strip(), cells, f"{trace['version']}, {step}".lstrip(", "), color
-        )
 
-    def _cell(self, trace: Mapping[str, Any], metric: str) -> Cell:
-        """A metric, graded by its distance from the exact motion's own."""
-        value, exact = trace["metrics"].get(metric), self.traces[0]["metrics"].get(metric)
-        if metric == "half_cycles":
-            same = None if value is None or exact is None else 4 * (value != exact)
-            return Cell(number(None) if value is None else str(value), grade=same)
-        if metric == "stick_time_s":
-            if value is None and exact is not None:
-                return Cell("never", grade=4)
-            return Cell(number(value, 5), grade=self._graded(metric, value, exact))
-        digits = 2 if metric == "energy_error" else 4
-        shown = number(None if value is None else value * heading(metric).factor, digits)
-        return Cell(shown, grade=self._graded(metric, value, 0.0 if metric in DECAY else exact))
+def _row(
+    traces: Sequence[Mapping[str, Any]],
+    scenario: Mapping[str, Any],
+    trace: Mapping[str, Any],
+    color: str,
+    shown: Sequence[str],
+) -> Row:
+    cells = [_cell(traces, scenario, trace, metric) for metric in shown]
+    cells.append(Cell(number(None if trace["wall_s"] is None else trace["wall_s"] * 1e3, 3)))
+    step = without_step(scenario) if trace["dt_s"] is None else f"step {trace['dt_s'] * 1e3:.4g} ms"
+    return Row(f"{trace['source']} {trace['preset']}".strip(), cells, f"{trace['version']}, {step}".lstrip(", "), color)
 
-    def _graded(self, metric: str, value: float | None, exact: float | None) -> int | None:
-        scale = scales(self.scenario).get(metric)
-        if scale is None and exact is not None:
-            scale = 1.0 if metric.endswith("fraction") else abs(exact)
-        return None if value is None or exact is None or not scale else grade((value - exact) / scale)
+
+def _cell(
+    traces: Sequence[Mapping[str, Any]], scenario: Mapping[str, Any], trace: Mapping[str, Any], metric: str
+) -> Cell:
+    """A metric, graded by its distance from the exact motion's own."""
+    value, exact = trace["metrics"].get(metric), traces[0]["metrics"].get(metric)
+    if metric == "half_cycles":
+        same = None if value is None or exact is None else 4 * (value != exact)
+        return Cell(number(None) if value is None else str(value), grade=same)
+    if metric == "stick_time_s":
+        if value is None and exact is not None:
+            return Cell("never", grade=4)
+        return Cell(number(value, 5), grade=_graded(scenario, metric, value, exact))
+    digits = 2 if metric == "energy_error" else 4
+    shown = number(None if value is None else value * heading(metric).factor, digits)
+    return Cell(shown, grade=_graded(scenario, metric, value, 0.0 if metric in DECAY else exact))
+
+
+def _graded(scenario: Mapping[str, Any], metric: str, value: float | None, exact: float | None) -> int | None:
+    scale = scales(scenario).get(metric)
+    if scale is None and exact is not None:
+        scale = 1.0 if metric.endswith("fraction") else abs(exact)
+    return None if value is None or exact is None or not scale else grade((value - exact) / scale)
 
 
 def measured(traces: Sequence[Mapping[str, Any]], scenario: Mapping[str, Any]) -> list[str]:

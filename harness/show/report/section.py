@@ -1,24 +1,17 @@
 """What a page is made of."""
 
-from abc import ABC, abstractmethod
 from collections.abc import Mapping
-from typing import Any, ClassVar
+from dataclasses import dataclass
+from typing import Any
 
 
-class Section(ABC):
-    """A part of a page: a template and what it is filled with.
+@dataclass(frozen=True, slots=True)
+class Section:
+    """A part of a page: its heading, and in the table of contents; a template and what that shows.
 
-    template : a file in ``templates``. title : its heading and its entry in the table of contents.
-    Templates get ``section`` and the names of ``context``; the macros of ``macros.html.j2`` show tables and figures.
+    template : a file in ``templates``, filled with ``context``; ``macros.html.j2`` shows tables and figures.
     """
 
-    template: ClassVar[str]
-
-    @property
-    @abstractmethod
-    def title(self) -> str:
-        """The heading."""
-
-    @abstractmethod
-    def context(self) -> Mapping[str, Any]:
-        """What the template shows."""
+    title: str
+    template: str
+    context: Mapping[str, Any]

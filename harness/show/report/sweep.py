@@ -1,19 +1,18 @@
 """The page of a sweep: scorecard, error against cost, convergence, creep, lift, worst traces."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
-from typing import Any, ClassVar
+from typing import Any
 
 import numpy as np
 
 from harness.core.arrays import FloatArray
 from harness.show.numbers import number
-from harness.show.report.fidelity.known import Servos, silent_words
+from harness.show.report.fidelity.known import servos_section, silent_words
 from harness.show.report.figure import Figure
 from harness.show.report.section import Section
-from harness.show.report.sources import MadeWith
+from harness.show.report.sources import made_with_section
 from harness.show.report.table import Cell, Column, Row, Table, grade
-from harness.show.report.verdict import Verdict
+from harness.show.report.verdict import verdict_section
 
 Data = Mapping[str, Any]
 
@@ -28,103 +27,78 @@ STEPS = (1e-4, 2e-3, 1e-2, 5e-2)
 """Relative distances from exact at which the colour changes."""
 
 
-@dataclass(frozen=True)
-class SweepScorecard(Section):
+def sweep_scorecard_section(cards: Sequence[Data], figures: Sequence[Data]) -> Section:
     """cards : a line each ("engine", "version", "route", "preset", "step", "settings", "values", "physical", "errors").
 
     figures : a column each ("label", "good").
     """
+    caption = (
+        "Distance from the exact answer, relative, as shipped beside tuned: green is as good as exact (below "
+        "0.01 %), red is off by more than 5 %. Small, below it, the measured value. What a column means, and every "
+        "setting behind a figure, shows on hovering."
+    )
+    tables: list[Table] = []
+    for route, title in ROUTES.items():
+        lines = [card for card in cards if card["route"] == route]
+        used = [one for one in figures if any(card["values"].get(one["label"]) is not None for card in lines)]
+        if lines:
+            notes = [f"{card['engine']} {card['preset']}: {text}" for card in lines for text in card["errors"]]
+            for group in dict.fromkeys(one["group"] for one in used):
+                here = [one for one in used if one["group"] == group]
+                rows = [_row(card, here) for card in lines]
+                columns = [Column(one["label"], hint=one["good"]) for one in here]
+                above = "" if tables else caption
+                tables.append(Table("engine", columns, rows, above, f"{title}: {group}", notes))
+                notes = []
+    return Section("Scorecard", "table.html.j2", {"tables": tables})
 
-    template: ClassVar[str] = "table.html.j2"
-    cards: Sequence[Data]
-    figures: Sequence[Data]
 
-    @property
-    def title(self) -> str:
-        """The heading."""
-        return "Scorecard"
-
-    def context(self) -> Mapping[str, Any]:
-        """What the template shows."""
-        caption = (
-            "Distance from the exact answer, relative, as shipped beside tuned: green is as good as exact (below "
-            "0.01 %), red is off by more than 5 %. Small, below it, the measured value. What a column means, and every "
-            "setting behind a figure, shows on hovering."
-        )
-        tables: list[Table] = []
-        for route, title in ROUTES.items():
-            lines = [card for card in self.cards if card["route"] == route]
-            used = [one for one in self.figures if any(card["values"].get(one["label"]) is not None for card in lines)]
-            if lines:
-                notes = [f"{card['engine']} {card['preset']}: {text}" for card in lines for text in card["errors"]]
-                for group in dict.fromkeys(one["group"] for one in used):
-                    here = [one for one in used if one["group"] == group]
-                    rows = [self._row(card, here) for card in lines]
-                    columns = [Column(one["label"], hint=one["good"]) for one in here]
-                    above = "" if tables else caption
-                    tables.append(Table("engine", columns, rows, above, f"{title}: {group}", notes))
-                    notes = []
-        return {"tables": tables}
-
-    @staticmethod
-    def _row(card: Data, used: Sequence[Data]) -> Row:
-        cells = []
-        for one in used:
-            value = card["values"].get(one["label"])
-            text = number(None if value is None else 100.0 * value, 2)
-            shown = f"{text} %" if value is not None else text
-            cells.append(Cell(shown, _lines(card["physical"].get(one["label"])), grade(value, STEPS), card["settings"]))
-        return Row(f"{card['engine']} {card['preset']}", cells, f"{card['version']}, {card['step']}", card["color"])
+def _row(card: Data, used: Sequence[Data]) -> Row:
+    cells = []
+    for one in used:
+        value = card["values"].get(one["label"])
+        text = number(None if value is None else 100.0 * value, 2)
+        shown = f"{text} %" if value is not None else text
+        cells.append(Cell(shown, _lines(card["physical"].get(one["label"])), grade(value, STEPS), card["settings"]))
+    return Row(f"{card['engine']} {card['preset']}", cells, f"{card['version']}, {card['step']}", card["color"])
 
 
 def _lines(text: str | None) -> tuple[str, ...]:
     return (text,) if text else ()
 
 
-@dataclass(frozen=True)
-class Pareto(Section):
+def pareto_section(points: Sequence[Data]) -> Section:
     """points : ("engine", "version", "route", "preset", "settings", "cost", "error", "best") each."""
-
-    template: ClassVar[str] = "figures.html.j2"
-    points: Sequence[Data]
-
-    @property
-    def title(self) -> str:
-        """The heading."""
-        return "Error against cost"
-
-    def context(self) -> Mapping[str, Any]:
-        """What the template shows."""
-        figures = []
-        for route, title in ROUTES.items():
-            here = [point for point in self.points if point["route"] == route]
-            if not here:
-                continue
-            best = sorted((point for point in here if point["best"]), key=lambda point: float(point["cost"]))
-            traces = [_points(here, engine, "cost", "error") for engine in _engines(here)]
-            traces.append(
-                {
-                    "type": "scatter",
-                    "mode": "lines",
-                    "name": "nothing is both cheaper and better",
-                    "x": np.array([point["cost"] for point in best]),
-                    "y": np.array([point["error"] for point in best]),
-                    "line": {"color": "muted", "width": 1, "dash": "dot", "shape": "hv"},
-                    "hoverinfo": "skip",
-                }
-            )
-            layout = {
-                "title": {"text": title, "font": {"size": 13}, "x": 0.01, "y": 0.99},
-                "xaxis": {"title": {"text": "wall time for one second of motion / s"}, **_LOG},
-                "yaxis": {"title": {"text": "score"}, **_LOG},
-                "margin": {"l": 70, "r": 16, "t": 64, "b": 44},
+    figures = []
+    for route, title in ROUTES.items():
+        here = [point for point in points if point["route"] == route]
+        if not here:
+            continue
+        best = sorted((point for point in here if point["best"]), key=lambda point: float(point["cost"]))
+        traces = [_points(here, engine, "cost", "error") for engine in _engines(here)]
+        traces.append(
+            {
+                "type": "scatter",
+                "mode": "lines",
+                "name": "nothing is both cheaper and better",
+                "x": np.array([point["cost"] for point in best]),
+                "y": np.array([point["error"] for point in best]),
+                "line": {"color": "muted", "width": 1, "dash": "dot", "shape": "hv"},
+                "hoverinfo": "skip",
             }
-            caption = (
-                "The score is the geometric mean of the figures of the scorecard over all scenarios of a setting "
-                "(each at least 1e-6): lower is better. Open circles ship, diamonds are tuned, dots are other settings."
-            )
-            figures.append(Figure(f"pareto-{route}", traces, layout, caption, height=400))
-        return {"figures": figures}
+        )
+        layout = {
+            "title": {"text": title, "font": {"size": 13}, "x": 0.01, "y": 0.99},
+            "xaxis": {"title": {"text": "wall time for one second of motion / s"}, **_LOG},
+            "yaxis": {"title": {"text": "score"}, **_LOG},
+            "margin": {"l": 70, "r": 16, "t": 64, "b": 44},
+        }
+        caption = (
+            "The score is the geometric mean of the figures of the scorecard over all scenarios of a setting "
+            "(each at least 1e-6): lower is better. Open circles ship, diamonds are tuned, dots are other settings."
+        )
+        figures.append(Figure(f"pareto-{route}", traces, layout, caption, height=400))
+    return Section("Error against cost", "figures.html.j2", {"figures": figures})
 
 
 _LOG = {"type": "log", "exponentformat": "power", "dtick": 1}
@@ -157,86 +131,63 @@ def _points(here: Sequence[Data], engine: str, x: str, y: str) -> dict[str, Any]
     }
 
 
-@dataclass(frozen=True)
-class Orders(Section):
+def orders_section(orders: Sequence[Data]) -> Section:
     """orders : as in harness.sweep/1, with "color"."""
-
-    template: ClassVar[str] = "sweep_orders.html.j2"
-    orders: Sequence[Data]
-
-    @property
-    def title(self) -> str:
-        """The heading."""
-        return "Convergence in the step"
-
-    def context(self) -> Mapping[str, Any]:
-        """What the template shows."""
-        figures = []
-        for scenario, what in (("free-decay-no-friction", "without friction"), ("free-decay", "with friction")):
-            here = [one for one in self.orders if one["scenario"] == scenario and one["route"] == "joint"]
-            traces = [
-                {
-                    "type": "scatter",
-                    "mode": "lines+markers",
-                    "name": f"{one['engine']} {one['preset']}, {one['integrator']}",
-                    "x": np.array(one["dt_s"]) * 1e3,
-                    "y": np.array(one["error"]) * 1e3,
-                    "line": {"color": one["color"], "dash": "dash" if one["preset"] == "as-shipped" else "solid"},
-                    "hovertemplate": f"{one['version']}, order {one['order']:.2f}<br>%{{x:.3g}} ms: %{{y:.3g}} mm",
-                }
-                for one in here
-            ]
-            layout = {
-                "xaxis": {"title": {"text": "step / ms"}, "type": "log"},
-                "yaxis": {"title": {"text": "largest position error / mm"}, **_LOG},
-                "margin": {"l": 70, "r": 16, "t": 90, "b": 44},
+    figures = []
+    for scenario, what in (("free-decay-no-friction", "without friction"), ("free-decay", "with friction")):
+        here = [one for one in orders if one["scenario"] == scenario and one["route"] == "joint"]
+        traces = [
+            {
+                "type": "scatter",
+                "mode": "lines+markers",
+                "name": f"{one['engine']} {one['preset']}, {one['integrator']}",
+                "x": np.array(one["dt_s"]) * 1e3,
+                "y": np.array(one["error"]) * 1e3,
+                "line": {"color": one["color"], "dash": "dash" if one["preset"] == "as-shipped" else "solid"},
+                "hovertemplate": f"{one['version']}, order {one['order']:.2f}<br>%{{x:.3g}} ms: %{{y:.3g}} mm",
             }
-            if traces:
-                figures.append(
-                    Figure(f"order-{scenario}", traces, layout, f"Free decay {what}, joint route.", height=420)
-                )
-        columns = [Column(head) for head in ("scenario", "metric", "order", "scatter", "finest error")]
-        rows = [
-            Row(
-                f"{one['engine']} {one['preset']}",
-                [
-                    Cell(one["scenario"]),
-                    Cell(one["metric"]),
-                    Cell(number(one["order"], 3)),
-                    Cell(f"x{one['spread']:.2g}"),
-                    Cell(number(one["error"][-1], 2)),
-                ],
-                f"{one['version']}, {one['route']}, {one['integrator']}",
-                one["color"],
-            )
-            for one in self.orders
+            for one in here
         ]
-        caption = (
-            "error ~ step^order. Without friction the order is the scheme's; with friction a reversal falls somewhere "
-            "between two steps, which leaves order 1 and a scatter: the largest factor between an error and the line."
+        layout = {
+            "xaxis": {"title": {"text": "step / ms"}, "type": "log"},
+            "yaxis": {"title": {"text": "largest position error / mm"}, **_LOG},
+            "margin": {"l": 70, "r": 16, "t": 90, "b": 44},
+        }
+        if traces:
+            figures.append(Figure(f"order-{scenario}", traces, layout, f"Free decay {what}, joint route.", height=420))
+    columns = [Column(head) for head in ("scenario", "metric", "order", "scatter", "finest error")]
+    rows = [
+        Row(
+            f"{one['engine']} {one['preset']}",
+            [
+                Cell(one["scenario"]),
+                Cell(one["metric"]),
+                Cell(number(one["order"], 3)),
+                Cell(f"x{one['spread']:.2g}"),
+                Cell(number(one["error"][-1], 2)),
+            ],
+            f"{one['version']}, {one['route']}, {one['integrator']}",
+            one["color"],
         )
-        return {"figures": figures, "table": Table("setting", columns, rows, caption)}
+        for one in orders
+    ]
+    caption = (
+        "error ~ step^order. Without friction the order is the scheme's; with friction a reversal falls somewhere "
+        "between two steps, which leaves order 1 and a scatter: the largest factor between an error and the line."
+    )
+    return Section(
+        "Convergence in the step",
+        "sweep_orders.html.j2",
+        {"figures": figures, "table": Table("setting", columns, rows, caption)},
+    )
 
 
-@dataclass(frozen=True)
-class Plain(Section):
+def plain_section(heading: str, table: Table) -> Section:
     """heading, table : one table under a heading of its own."""
-
-    template: ClassVar[str] = "table.html.j2"
-    heading: str
-    table: Table
-
-    @property
-    def title(self) -> str:
-        """The heading."""
-        return self.heading
-
-    def context(self) -> Mapping[str, Any]:
-        """What the template shows."""
-        return {"tables": [self.table]}
+    return Section(heading, "table.html.j2", {"tables": [table]})
 
 
-def creep_section(rows: Sequence[Data]) -> Plain:
+def creep_section(rows: Sequence[Data]) -> Section:
     """Creep at both loads; rows : ("engine", "version", "route", "settings", "half", "most", "color"), m/s."""
     columns = [
         Column("at 50 %", "µm/s", "creep at half of the break-away force"),
@@ -252,7 +203,7 @@ def creep_section(rows: Sequence[Data]) -> Plain:
         for row in rows
     ]
     caption = "A slider held below break-away does not move; what moves here is the engine's. Colour: against 1 µm/s."
-    return Plain("Creep under a static load", Table("engine, route", columns, lines, caption))
+    return plain_section("Creep under a static load", Table("engine, route", columns, lines, caption))
 
 
 def _creep_cell(speed: float | None) -> Cell:
@@ -260,7 +211,7 @@ def _creep_cell(speed: float | None) -> Cell:
     return Cell(number(None if speed is None else speed * 1e6, 3), grade=grade(speed, steps))
 
 
-def lift_section(rows: Sequence[Data]) -> Plain:
+def lift_section(rows: Sequence[Data]) -> Section:
     """Where a box stays on its floor; rows : ("engine", "settings", "speed", "lift", "normal", "ratio", ...)."""
     columns = [
         Column("release", "m"),
@@ -288,40 +239,28 @@ def lift_section(rows: Sequence[Data]) -> Plain:
         "A friction cone that is solved as one turns sliding into lift, at a rate of mu v against gravity. The same "
         "free decay at one, three and ten times the size: a box stays on the floor where lift stays green."
     )
-    return Plain("Contact: lift against mu v", Table("engine", columns, lines, caption))
+    return plain_section("Contact: lift against mu v", Table("engine", columns, lines, caption))
 
 
-@dataclass(frozen=True)
-class Worst(Section):
+def worst_section(traces: Sequence[Data]) -> Section:
     """traces : ("name", "file", "settings", "badness", "t", "x", "exact") each, times in s, positions in m."""
-
-    template: ClassVar[str] = "sweep_worst.html.j2"
-    traces: Sequence[Data]
-
-    @property
-    def title(self) -> str:
-        """The heading."""
-        return "Worst rows"
-
-    def context(self) -> Mapping[str, Any]:
-        """What the template shows."""
-        shown = []
-        for place, trace in enumerate(self.traces, 1):
-            t: FloatArray = trace["t"]
-            curves = [
-                _line("exact", t, trace["exact"], {"color": "ink", "width": 2.4}),
-                _line("engine", t, trace["x"], {"color": trace["color"], "width": 1.5}),
-            ]
-            layout = {"xaxis": {"title": {"text": "time / s"}}, "yaxis": {"title": {"text": "position / mm"}}}
-            shown.append(
-                {
-                    "figure": Figure(f"worst-{place}", curves, layout, height=260),
-                    "file": trace["file"],
-                    "head": f"{place}. {trace['head']}",
-                    "line": f"{trace['settings']}: worst figure off by {number(100.0 * trace['badness'], 3)} %",
-                }
-            )
-        return {"shown": shown}
+    shown = []
+    for place, trace in enumerate(traces, 1):
+        t: FloatArray = trace["t"]
+        curves = [
+            _line("exact", t, trace["exact"], {"color": "ink", "width": 2.4}),
+            _line("engine", t, trace["x"], {"color": trace["color"], "width": 1.5}),
+        ]
+        layout = {"xaxis": {"title": {"text": "time / s"}}, "yaxis": {"title": {"text": "position / mm"}}}
+        shown.append(
+            {
+                "figure": Figure(f"worst-{place}", curves, layout, height=260),
+                "file": trace["file"],
+                "head": f"{place}. {trace['head']}",
+                "line": f"{trace['settings']}: worst figure off by {number(100.0 * trace['badness'], 3)} %",
+            }
+        )
+    return Section("Worst rows", "sweep_worst.html.j2", {"shown": shown})
 
 
 def _line(name: str, t: FloatArray, x: FloatArray, line: Data) -> dict[str, Any]:
@@ -331,16 +270,16 @@ def _line(name: str, t: FloatArray, x: FloatArray, line: Data) -> dict[str, Any]
 def sweep_sections(data: Data) -> list[Section]:
     """Sections of the page; data : as harness.app.sweep.report makes it."""
     sections: list[Section] = [
-        Verdict(data["headline"], (), (), "Conclusions"),
-        SweepScorecard(data["cards"], data["figures"]),
-        Verdict("", data["sentences"], data["about"], "What to change, and what stays wrong"),
-        Pareto(data["points"]),
-        Orders(data["orders"]),
+        verdict_section(data["headline"], (), (), "Conclusions"),
+        sweep_scorecard_section(data["cards"], data["figures"]),
+        verdict_section("", data["sentences"], data["about"], "What to change, and what stays wrong"),
+        pareto_section(data["points"]),
+        orders_section(data["orders"]),
         creep_section(data["creep"]),
     ]
     if data["lift"]:
         sections.append(lift_section(data["lift"]))
     if data["worst"]:
-        sections.append(Worst(data["worst"]))
-    sections += [Servos(**data["servo"]), silent_words(data["silent"])]
-    return [*sections, MadeWith(data["machine"], data["files"], data["command"])]
+        sections.append(worst_section(data["worst"]))
+    sections += [servos_section(**data["servo"]), silent_words(data["silent"])]
+    return [*sections, made_with_section(data["machine"], data["files"], data["command"])]

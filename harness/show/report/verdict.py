@@ -1,8 +1,7 @@
 """What came out, in sentences, before anything else."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
-from typing import Any, ClassVar
+from typing import Any
 
 from harness.show.motion_units import SLIDES, MotionUnits
 from harness.show.numbers import number
@@ -10,35 +9,22 @@ from harness.show.report.section import Section
 from harness.show.sentences.words import engine_name
 
 
-@dataclass(frozen=True)
-class Verdict(Section):
+def verdict_section(
+    headline: str, sentences: Sequence[str], about: Sequence[str] = (), heading: str = "What came out"
+) -> Section:
     """headline : one or two sentences. sentences : what differs and why.
 
     about : names; sentences that begin with one of them and a colon are put together.
     """
-
-    template: ClassVar[str] = "verdict.html.j2"
-    headline: str
-    sentences: Sequence[str]
-    about: Sequence[str] = ()
-    heading: str = "What came out"
-
-    @property
-    def title(self) -> str:
-        """The heading."""
-        return self.heading
-
-    def context(self) -> Mapping[str, Any]:
-        """What the template shows."""
-        grouped: dict[str, list[str]] = {}
-        rest = []
-        for sentence in self.sentences:
-            about, colon, said = sentence.partition(": ")
-            if colon and about in self.about:
-                grouped.setdefault(about, []).append(_capital(said))
-            else:
-                rest.append(sentence)
-        return {"headline": self.headline, "grouped": grouped, "sentences": rest}
+    grouped: dict[str, list[str]] = {}
+    rest = []
+    for sentence in sentences:
+        who, colon, said = sentence.partition(": ")
+        if colon and who in about:
+            grouped.setdefault(who, []).append(_capital(said))
+        else:
+            rest.append(sentence)
+    return Section(heading, "verdict.html.j2", {"headline": headline, "grouped": grouped, "sentences": rest})
 
 
 def headline(traces: Sequence[Mapping[str, Any]], units: MotionUnits = SLIDES) -> str:

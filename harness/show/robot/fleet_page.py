@@ -1,16 +1,15 @@
 """What logs of one robot say together: which joint's friction is not the same in all."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from pathlib import PurePath
-from typing import Any, ClassVar
+from typing import Any
 
 from harness.show.numbers import number, quantity
 from harness.show.palette import of_names
 from harness.show.report.figure import Figure
 from harness.show.report.section import Section
 from harness.show.report.table import Cell, Column, Row, Table
-from harness.show.report.verdict import Verdict
+from harness.show.report.verdict import verdict_section
 
 _NAMES = {"f_k": "Coulomb", "c": "viscous"}
 
@@ -18,42 +17,28 @@ _NAMES = {"f_k": "Coulomb", "c": "viscous"}
 def fleet_sections(fleet: Mapping[str, Any]) -> list[Section]:
     """Sections. fleet : FleetResult.model_dump(mode="json", by_alias=True) (harness.fleet/1)."""
     first, *more = (said.replace("+-", "\u00b1") for said in fleet["statements"])
-    return [Verdict(first, more, heading="Over all logs"), Joints(fleet), Spread(fleet)]
+    return [verdict_section(first, more, heading="Over all logs"), joints_section(fleet), spread_section(fleet)]
 
 
-@dataclass(frozen=True)
-class Joints(Section):
+def joints_section(fleet: Mapping[str, Any]) -> Section:
     """Every parameter of every joint, a column a log."""
-
-    template: ClassVar[str] = "table.html.j2"
-    fleet: Mapping[str, Any]
-
-    @property
-    def title(self) -> str:
-        """The heading."""
-        return "Joints over logs"
-
-    def context(self) -> Mapping[str, Any]:
-        """What the template shows."""
-        logs = [PurePath(log["file"]).name for log in self.fleet["logs"]]
-        trends = list(dict.fromkeys(t["name"] for row in self.fleet["rows"] for t in row["trends"]))
-        columns = [
-            *(Column(name) for name in logs),
-            Column("the same?", "", "probability of such a scatter where it is"),
-            *(Column(f"per {name}") for name in trends),
-        ]
-        rows = []
-        for row in self.fleet["rows"]:
-            slopes = {trend["name"]: trend for trend in row["trends"]}
-            cells = [_cell(p) for p in row["values"]]
-            cells.append(
-                Cell("differs" if row["differs"] else number(row["chance"], 2), (), 4 if row["differs"] else 0)
-            )
-            for name in trends:
-                one = slopes.get(name)
-                cells.append(Cell("-") if one is None else _cell(one["slope"], 4 if one["differs"] else None))
-            rows.append(Row(f"{row['joint']}, {_NAMES[row['parameter']]}", cells, row["mean"]["unit"]))
-        return {"tables": [Table("joint", columns, rows)]}
+    logs = [PurePath(log["file"]).name for log in fleet["logs"]]
+    trends = list(dict.fromkeys(t["name"] for row in fleet["rows"] for t in row["trends"]))
+    columns = [
+        *(Column(name) for name in logs),
+        Column("the same?", "", "probability of such a scatter where it is"),
+        *(Column(f"per {name}") for name in trends),
+    ]
+    rows = []
+    for row in fleet["rows"]:
+        slopes = {trend["name"]: trend for trend in row["trends"]}
+        cells = [_cell(p) for p in row["values"]]
+        cells.append(Cell("differs" if row["differs"] else number(row["chance"], 2), (), 4 if row["differs"] else 0))
+        for name in trends:
+            one = slopes.get(name)
+            cells.append(Cell("-") if one is None else _cell(one["slope"], 4 if one["differs"] else None))
+        rows.append(Row(f"{row['joint']}, {_NAMES[row['parameter']]}", cells, row["mean"]["unit"]))
+    return Section("Joints over logs", "table.html.j2", {"tables": [Table("joint", columns, rows)]})
 
 
 def _cell(p: Mapping[str, Any] | None, grade: int | None = None) -> Cell:
@@ -63,45 +48,38 @@ def _cell(p: Mapping[str, Any] | None, grade: int | None = None) -> Cell:
     return Cell(value, [f"\u00b1 {error}"] if error else [], grade)
 
 
-@dataclass(frozen=True)
-class Spread(Section):
+def spread_section(fleet: Mapping[str, Any]) -> Section:
     """Coulomb friction of every joint over its mean, with two errors."""
-
-    template: ClassVar[str] = "figures.html.j2"
-    fleet: Mapping[str, Any]
-
-    @property
-    def title(self) -> str:
-        """The heading."""
-        return "How far each log is from the mean"
-
-    def context(self) -> Mapping[str, Any]:
-        """What the template shows."""
-        logs = [PurePath(log["file"]).name for log in self.fleet["logs"]]
-        figures = []
-        for parameter, said in _NAMES.items():
-            rows = [row for row in self.fleet["rows"] if row["parameter"] == parameter and row["mean"]["value"]]
-            traces = [self._trace(row, logs, color) for row, color in zip(rows, of_names(len(rows)), strict=True)]
-            layout = {
-                "xaxis": {"title": {"text": "log"}, "type": "category"},
-                "yaxis": {"title": {"text": f"{said} friction over the mean"}},
-                "showlegend": True,
-            }
-            caption = "Bars are two standard errors." if traces else ""
-            figures.append(Figure(f"fleet-{parameter}", traces, layout, caption, "", 320))
-        return {"figures": [figure for figure in figures if figure.traces]}
-
-    def _trace(self, row: Mapping[str, Any], logs: list[str], color: str) -> dict[str, Any]:
-        mean = row["mean"]["value"]
-        there = [(name, p) for name, p in zip(logs, row["values"], strict=True) if p is not None]
-        return {
-            "type": "scatter",
-            "mode": "markers",
-            "name": row["joint"],
-            "x": [name for name, _ in there],
-            "y": [p["value"] / mean for _, p in there],
-            "error_y": {"type": "data", "array": [2.0 * abs(p["stderr"] / mean) for _, p in there]},
-            "marker": {"size": 8, "color": color},
-            "hovertemplate": "%{y:.4f}<br>%{x}",
-            "meta": {"curve": False},
+    logs = [PurePath(log["file"]).name for log in fleet["logs"]]
+    figures = []
+    for parameter, said in _NAMES.items():
+        rows = [row for row in fleet["rows"] if row["parameter"] == parameter and row["mean"]["value"]]
+        traces = [_trace(row, logs, color) for row, color in zip(rows, of_names(len(rows)), strict=True)]
+        layout = {
+            "xaxis": {"title": {"text": "log"}, "type": "category"},
+            "yaxis": {"title": {"text": f"{said} friction over the mean"}},
+            "showlegend": True,
         }
+        caption = "Bars are two standard errors." if traces else ""
+        figures.append(Figure(f"fleet-{parameter}", traces, layout, caption, "", 320))
+    return Section(
+        "How far each log is from the mean",
+        "figures.html.j2",
+        {"figures": [figure for figure in figures if figure.traces]},
+    )
+
+
+def _trace(row: Mapping[str, Any], logs: list[str], color: str) -> dict[str, Any]:
+    mean = row["mean"]["value"]
+    there = [(name, p) for name, p in zip(logs, row["values"], strict=True) if p is not None]
+    return {
+        "type": "scatter",
+        "mode": "markers",
+        "name": row["joint"],
+        "x": [name for name, _ in there],
+        "y": [p["value"] / mean for _, p in there],
+        "error_y": {"type": "data", "array": [2.0 * abs(p["stderr"] / mean) for _, p in there]},
+        "marker": {"size": 8, "color": color},
+        "hovertemplate": "%{y:.4f}<br>%{x}",
+        "meta": {"curve": False},
+    }

@@ -1,8 +1,7 @@
 """The page of a robot's joint in the engines."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
-from typing import Any, ClassVar
+from typing import Any
 
 import numpy as np
 
@@ -11,10 +10,10 @@ from harness.show.numbers import number
 from harness.show.palette import of_engines
 from harness.show.report.figure import Figure
 from harness.show.report.section import Section
-from harness.show.report.sources import MadeWith
+from harness.show.report.sources import made_with_section
 from harness.show.report.table import Cell, Column, Row, Table
-from harness.show.report.verdict import Verdict
-from harness.show.robot.to_paste import ToPaste
+from harness.show.report.verdict import verdict_section
+from harness.show.robot.to_paste import to_paste_section
 
 _POINTS = 2000
 
@@ -24,81 +23,67 @@ def joint_sections(
 ) -> list[Section]:
     """Sections. result : JointRunResult.model_dump(by_alias=True) (harness.joint/1). held, swings : its motions."""
     first, *rest = result["conclusions"]
-    sections: list[Section] = [Verdict(first, rest)]
+    sections: list[Section] = [verdict_section(first, rest)]
     if result["scores"]:
-        sections.append(Scores(result, held, swings))
+        sections.append(scores_section(result, held, swings))
     if result["servo"] is not None:
-        sections.append(Servo(result))
-    return [*sections, ToPaste(result["paste"]), MadeWith(result["machine"], result["files"], result["command"])]
+        sections.append(servo_section(result))
+    return [
+        *sections,
+        to_paste_section(result["paste"]),
+        made_with_section(result["machine"], result["files"], result["command"]),
+    ]
 
 
-@dataclass(frozen=True)
-class Scores(Section):
+def scores_section(result: Mapping[str, Any], held: Sequence[Trajectory], swings: Sequence[Trajectory]) -> Section:
     """Creep and lead, in numbers and as motions."""
-
-    template: ClassVar[str] = "in_engines.html.j2"
-    result: Mapping[str, Any]
-    held: Sequence[Trajectory]
-    swings: Sequence[Trajectory]
-
-    @property
-    def title(self) -> str:
-        """The heading."""
-        return "Creep and lead"
-
-    def context(self) -> Mapping[str, Any]:
-        """What the template shows."""
-        slides = self.result["slides"]
-        unit, scale = ("mm", 1e3) if slides else ("deg", float(np.degrees(1.0)))
-        columns = [
-            Column("creep", f"{unit}/s", "under the load; a real joint does not move"),
-            Column("lead", "ms", "by which friction turns round before the speed"),
-        ]
-        rows, notes = [], []
-        for one in self.result["scores"]:
-            if one["error"]:
-                notes.append(f"{one['engine']} {one['preset']}: {one['error']}")
-                continue
-            values = ((one["creep"], scale), (one["reversal_lead_s"], 1e3))
-            cells = [Cell(_or_none(value, times)) for value, times in values]
-            rows.append(Row(f"{one['engine']} {one['preset']}", cells, f"step {1e3 * (one['dt_s'] or 0.0):.3g} ms"))
-        for one in self.result["as_it_is"]:
-            creep = "it diverges" if one["diverges_after"] else _or_none(one["creep"], scale)
-            label = f"your file itself, {one['engine']} {one['preset']}"
-            rows.append(Row(label, [Cell(creep), Cell("-")], f"step {1e3 * one['dt_s']:.3g} ms"))
-        figures = [
-            _figure("creep", f"creep / {unit}", [(m, (m.x - m.x[0]) * scale) for m in self.held]),
-            _figure("swing", f"swing / {unit}", [(m, m.x * scale) for m in self.swings]),
-        ]
-        return {
+    slides = result["slides"]
+    unit, scale = ("mm", 1e3) if slides else ("deg", float(np.degrees(1.0)))
+    columns = [
+        Column("creep", f"{unit}/s", "under the load; a real joint does not move"),
+        Column("lead", "ms", "by which friction turns round before the speed"),
+    ]
+    rows, notes = [], []
+    for one in result["scores"]:
+        if one["error"]:
+            notes.append(f"{one['engine']} {one['preset']}: {one['error']}")
+            continue
+        values = ((one["creep"], scale), (one["reversal_lead_s"], 1e3))
+        cells = [Cell(_or_none(value, times)) for value, times in values]
+        rows.append(Row(f"{one['engine']} {one['preset']}", cells, f"step {1e3 * (one['dt_s'] or 0.0):.3g} ms"))
+    for one in result["as_it_is"]:
+        creep = "it diverges" if one["diverges_after"] else _or_none(one["creep"], scale)
+        label = f"your file itself, {one['engine']} {one['preset']}"
+        rows.append(Row(label, [Cell(creep), Cell("-")], f"step {1e3 * one['dt_s']:.3g} ms"))
+    figures = [
+        _figure("creep", f"creep / {unit}", [(m, (m.x - m.x[0]) * scale) for m in held]),
+        _figure("swing", f"swing / {unit}", [(m, m.x * scale) for m in swings]),
+    ]
+    return Section(
+        "Creep and lead",
+        "in_engines.html.j2",
+        {
             "tables": [Table("engine", columns, rows, footnotes=notes)],
             "figures": [f for f in figures if f.traces],
-        }
+        },
+    )
 
 
-@dataclass(frozen=True)
-class Servo(Section):
+def servo_section(result: Mapping[str, Any]) -> Section:
     """What a step does to the servo of the joint."""
-
-    template: ClassVar[str] = "table.html.j2"
-    result: Mapping[str, Any]
-
-    @property
-    def title(self) -> str:
-        """The heading."""
-        return "What the step does to its servo"
-
-    def context(self) -> Mapping[str, Any]:
-        """What the template shows."""
-        servo = self.result["servo"]
-        unit = "N s/m" if self.result["slides"] else "N m s/rad"
-        columns = [Column("false damping", unit, "beyond what was asked for"), Column("zeta")]
-        rows = [
-            Row(one["who"], [Cell(_or_diverges(one[name], one["stable"])) for name in ("false_damping", "zeta")])
-            for one in servo["scores"]
-        ]
-        caption = f"It has zeta {_or_none(servo['zeta'], 1.0)}; the step is {1e3 * servo['step_s']:.3g} ms."
-        return {"tables": [Table("who computes it", columns, rows, caption)]}
+    servo = result["servo"]
+    unit = "N s/m" if result["slides"] else "N m s/rad"
+    columns = [Column("false damping", unit, "beyond what was asked for"), Column("zeta")]
+    rows = [
+        Row(one["who"], [Cell(_or_diverges(one[name], one["stable"])) for name in ("false_damping", "zeta")])
+        for one in servo["scores"]
+    ]
+    caption = f"It has zeta {_or_none(servo['zeta'], 1.0)}; the step is {1e3 * servo['step_s']:.3g} ms."
+    return Section(
+        "What the step does to its servo",
+        "table.html.j2",
+        {"tables": [Table("who computes it", columns, rows, caption)]},
+    )
 
 
 def _or_diverges(value: float | None, stable: bool) -> str:
