@@ -9,10 +9,10 @@ from harness.core.arrays import FloatArray
 from harness.core.recording import Recording
 from harness.core.trajectory import Trajectory
 from harness.show import scene as s
-from harness.show.axes import padded, plane_grid, roomy
 from harness.show.decimate import keep, reversal_times
 from harness.show.pack import pack_recording, pack_trajectories
 from harness.show.run_scene import DRAWN
+from harness.show.scene import padded, plane_grid, roomy
 
 RECORDED, BEFORE, AFTER, YOURS = "#8a93a0", "#e4632d", "#2b7fd6", "#1f9e77"
 YOUR_SIMULATION = "your simulation"

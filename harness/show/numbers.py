@@ -1,8 +1,69 @@
-"""Numbers for people: as many digits as the uncertainty carries, units of a size to read."""
+"""How what is shown is written: numbers, units, headings, colours, names of engines."""
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from typing import Any
+
+from harness.core.trajectory import Source
+
+REFERENCE = "#8a93a0"
+_PAIRS = (  # (tuned and the like, as shipped): hues that stay apart for most colour-blind readers
+    ("#e4632d", "#f2b087"),
+    ("#2b7fd6", "#93c3f2"),
+    ("#1f9e77", "#8fd3bd"),
+    ("#a45bc2", "#d6b1e4"),
+    ("#b58900", "#e3cf7c"),
+)
+
+
+def colors(sources: Sequence[Source]) -> list[str]:
+    """Hex colours: grey for the first (the reference), a hue for each engine, pale for its as-shipped preset."""
+    names = list(dict.fromkeys(source.name for source in sources[1:]))
+    found = [REFERENCE]
+    for source in sources[1:]:
+        strong, pale = _PAIRS[names.index(source.name) % len(_PAIRS)]
+        found.append(pale if source.preset == "as-shipped" else strong)
+    return found[: len(sources)]
+
+
+def of_engines(sources: Sequence[Source]) -> list[str]:
+    """The same where there is no reference."""
+    return colors([Source("reference"), *sources])[1:]
+
+
+def of_names(count: int) -> list[str]:
+    """So many hues, strong ones first; they begin anew where there are too few."""
+    hues = [strong for strong, _ in _PAIRS] + [pale for _, pale in _PAIRS]
+    return [hues[i % len(hues)] for i in range(count)]
+
+
+@dataclass(frozen=True, slots=True)
+class MotionUnits:
+    """name, x, factor : of the position and what it is multiplied by. small : of a difference, times 1e3. v, a : SI."""
+
+    name: str
+    x: str
+    factor: float
+    small: str
+    v: str
+    a: str
+
+
+SLIDES = MotionUnits("position", "mm", 1e3, "mm", "m/s", "m/s²")
+TURNS = MotionUnits("angle", "rad", 1.0, "mrad", "rad/s", "rad/s²")
+
+
+def units_of(scenario: Mapping[str, Any]) -> MotionUnits:
+    """Those of a scenario's result: a pendulum turns."""
+    turns = (scenario.get("model") or {}).get("restoring") == "pendulum"
+    return TURNS if turns else SLIDES
+
+
+def without_step(scenario: Mapping[str, Any]) -> str:
+    """How the reference of a scenario's result moves: a slider by closed forms, any other model from event to event."""
+    return "exact from event to event" if scenario.get("model") else "closed form"
+
 
 MINUS = "\u2212"
 NONE = "\u2013"
@@ -71,3 +132,74 @@ def shown_value(value: float, unit: str, digits: int = 3) -> str:
     """A value in SI with its unit, in the unit shown: "12.3 mm"."""
     name, factor = SHOWN.get(unit, ("" if unit == "1" else unit, 1.0))
     return f"{number(value * factor, digits)} {name}".strip()
+
+
+@dataclass(frozen=True, slots=True)
+class Heading:
+    """head : name. unit : shown. factor : how many of it one SI unit is. hint : what it means, in a sentence."""
+
+    head: str
+    unit: str = ""
+    factor: float = 1.0
+    hint: str = ""
+
+
+_KNOWN = {
+    "max_error_m": Heading("largest position error", "mm", 1e3, "largest |x - exact x| over the run"),
+    "rest_error_m": Heading("error at rest", "mm", 1e3, "last position minus the exact rest position"),
+    "stick_time_s": Heading("stops at", "s", 1.0, "time from which the slider does not move any more"),
+    "creep_m_s": Heading("creep", "mm/s", 1e3, "mean speed while the exact slider rests"),
+    "half_cycles": Heading("half-cycles", "", 1.0, "until it rests"),
+    "reversal_lead_s": Heading("friction leads by", "ms", 1e3, "by how much friction reverses before the speed does"),
+    "energy_error": Heading("energy error", "", 1.0, "largest error of the energy balance over the starting energy"),
+    "lift_m": Heading("lift", "mm", 1e3, "largest height of the box above the floor"),
+    "drift_m": Heading("drift", "mm", 1e3, "distance from the start at the end, elastic give included"),
+    "period_s": Heading("period", "s", 1.0, "mean time from slip to slip"),
+    "stick_fraction": Heading("share that sticks", "", 1.0, "share of whole periods with friction below its limit"),
+    "near_belt_fraction": Heading("share that rides", "", 1.0, "share of whole periods within 1 % of the belt's speed"),
+    "stick_deviation_m_s": Heading("slip while it sticks", "mm/s", 1e3, "median |v - belt speed| over what sticks"),
+    "amplitude_m": Heading("amplitude", "mm", 1e3, "half of the distance between the turning points"),
+    "stop_fraction": Heading("share that stops", "", 1.0, "share of the last periods with friction below its limit"),
+    "normal_error": Heading("normal force error", "", 1.0, "largest |N/(m g) - 1|; 1: the box leaves the floor"),
+    "mu_v_over_g_s": Heading("mu v / g", "ms", 1e3, "friction coefficient x largest speed / g"),
+}
+_UNITS = {"_m_s": ("mm/s", 1e3), "_m": ("mm", 1e3), "_s": ("s", 1.0)}
+DECAY = tuple(_KNOWN)[:7]
+"""Metrics of a free decay, shown even where there is no such figure."""
+
+
+def heading(metric: str) -> Heading:
+    """What a metric is called; one that is not known here is called by its name, in the unit at its end."""
+    if metric in _KNOWN:
+        return _KNOWN[metric]
+    for ending, (unit, factor) in _UNITS.items():
+        if metric.endswith(ending):
+            return Heading(metric.removesuffix(ending).replace("_", " "), unit, factor)
+    return Heading(metric.replace("_", " "))
+
+
+AT_REST = 1e-6
+"""Creep below this speed in m/s is rest."""
+
+
+def mm(metres: float, angular: bool = False) -> str:
+    """A length (m) in mm; an angle (rad) in mrad."""
+    unit = "mrad" if angular else "mm"
+    return f"{metres * 1e3:.3g} {unit}" if abs(metres) >= 1e-6 else f"less than 0.001 {unit}"
+
+
+_ENGINES = {
+    "mujoco": "MuJoCo",
+    "pybullet": "PyBullet",
+    "dart": "DART",
+    "rapier": "Rapier",
+    "drake": "Drake",
+    "physx": "PhysX",
+    "newton": "Newton",
+    "reference": "the reference",
+}
+
+
+def engine_name(name: str) -> str:
+    """An engine as its makers write it; one that is not known here by its own name."""
+    return _ENGINES.get(name, name)

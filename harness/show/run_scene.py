@@ -10,13 +10,10 @@ from harness.core.arrays import FloatArray, IntArray
 from harness.core.events import EventKind, Mode
 from harness.core.trajectory import Trajectory
 from harness.show import scene as s
-from harness.show.axes import padded, plane_grid, roomy
-from harness.show.compare import position_error
-from harness.show.decimate import keep, reversal_times
-from harness.show.motion_units import SLIDES, TURNS, MotionUnits, units_of
+from harness.show.decimate import keep, position_error, reversal_times
+from harness.show.numbers import AT_REST, SLIDES, TURNS, MotionUnits, colors, units_of
 from harness.show.pack import pack_trajectories
-from harness.show.palette import colors
-from harness.show.sentences.words import AT_REST
+from harness.show.scene import padded, plane_grid, roomy
 
 DRAWN = 50_000
 """Samples drawn for one source. All are stored; beyond this number the curves are decimated (harness.show.decimate)."""

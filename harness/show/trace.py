@@ -4,6 +4,7 @@ import json
 import sys
 import warnings
 from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
 from functools import singledispatch
 from pathlib import Path
 from typing import Any, cast
@@ -12,6 +13,7 @@ import numpy as np
 import rerun as rr
 import rerun.blueprint as rrb
 import rerun_bindings
+from lxml import etree
 from rerun.chunk import RrdReader
 from rerun.error_utils import RerunWarning
 from rerun.experimental import ViewerClient
@@ -23,10 +25,40 @@ from harness.core.errors import InputError, StoreError
 from harness.core.robot.bodies import Shape
 from harness.core.writing import replacing
 from harness.show import scene as s
-from harness.show.coil import Coil
 from harness.show.pack import plain, unpack
-from harness.show.pour import Pipe, poured
-from harness.show.stored import ACCEPTED, stored_of
+from harness.show.stored import ACCEPTED, Pipe, poured, stored_of
+
+_THINNEST = 0.05
+
+
+@dataclass(frozen=True, slots=True)
+class Coil:
+    """visuals : which of the fixed link's visuals are rings. anchor : left end, m. length : to the body at x = 0, m."""
+
+    visuals: tuple[int, ...]
+    anchor: float
+    length: float
+
+    @classmethod
+    def of(cls, urdf: Path, fixed: str, body: str) -> "Coil | None":
+        """The coil drawn in this file, None when there is none. Raises OSError when the file cannot be read."""
+        root = etree.parse(str(urdf)).getroot()
+        rings, places = [], []
+        for index, visual in enumerate(root.xpath("link[@name=$name]/visual", name=fixed)):
+            if visual.xpath("material/@name") == ["spring"]:
+                rings.append(index)
+                places.append(float(visual.xpath("string(origin/@xyz)").split()[0]))
+        if not rings:
+            return None
+        boxes = root.xpath("link[@name=$name]/visual/geometry/box/@size", name=body)
+        half = 0.5 * max((float(size.split()[0]) for size in boxes), default=0.0)
+        anchor = min(places)
+        return cls(tuple(rings), anchor, -half - anchor)
+
+    def stretch(self, x: FloatArray) -> FloatArray:
+        """Length over free length when the body is at ``x``; never turned inside out."""
+        return np.maximum(1.0 + x / self.length, _THINNEST)
+
 
 APPLICATION = "friction-harness"
 TIMELINE = "time"

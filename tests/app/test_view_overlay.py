@@ -12,8 +12,8 @@ from harness.app.report.view import overlay
 from harness.cli.commands.view import command
 from harness.core.errors import InputError
 from harness.show import scene as s
+from harness.show.numbers import REFERENCE, of_engines
 from harness.show.overlay_scene import named, overlay_scene
-from harness.show.palette import REFERENCE, of_engines
 from harness.show.stored import read_trace
 
 

@@ -5,8 +5,8 @@ from typing import Any
 
 import numpy as np
 
-from harness.show.report.diagnosis_force import tables_section
-from harness.show.report.figure import Pool
+from harness.show.report.diagnosis_figures import tables_section
+from harness.show.report.section import Pool
 
 SIDE = [-1.0, 0.0, 1.0]
 CURVE = {

@@ -10,8 +10,8 @@ import pytest
 from harness.core.errors import StoreError
 from harness.core.scenario import FREE_DECAY
 from harness.exact.decay import free_decay
-from harness.show.pour import poured
 from harness.show.run_scene import run_scene
+from harness.show.stored import poured
 from harness.show.trace import write_trace
 
 PIECE = bytes(range(256)) * 4096
@@ -59,10 +59,10 @@ def test_a_trace_on_a_full_disk_ends_with_one_line(tmp_path: Path, room: int, mo
             Disk.left -= taken
             return taken
 
-    from harness.show import pour
+    from harness.show import stored
 
-    whole = pour.Pipe
-    monkeypatch.setattr(pour, "Pipe", lambda file: whole(Disk()))  # type: ignore[arg-type]
+    whole = stored.Pipe
+    monkeypatch.setattr(stored, "Pipe", lambda file: whole(Disk()))  # type: ignore[arg-type]
     scene = run_scene([free_decay(FREE_DECAY, np.linspace(0.0, 3.0, 20_001))], {"name": "free-decay"}, {}, "A test.")
     with pytest.raises(StoreError, match=r"t\.rrd: no space left on the device") as caught:
         write_trace(tmp_path / "t.rrd", scene)

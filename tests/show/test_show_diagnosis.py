@@ -29,8 +29,7 @@ from harness.results.diagnosis import (
 )
 from harness.results.model import ModelEntry
 from harness.show.diagnosis_scene import diagnosis_scene, lane, shaded_spans
-from harness.show.report.diagnosis import diagnosis_sections, diagnosis_title, gained
-from harness.show.report.diagnosis_index import index_sections, index_title
+from harness.show.report.diagnosis import diagnosis_sections, diagnosis_title, gained, index_sections, index_title
 from harness.show.report.page import render, write_report
 from harness.show.scene import Line
 from harness.show.stored import read_trace

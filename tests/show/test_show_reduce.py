@@ -4,8 +4,7 @@ import numpy as np
 import pytest
 
 from harness.core.trajectory import Source, Trajectory
-from harness.show.compare import position_at, position_error
-from harness.show.decimate import keep, reversal_times
+from harness.show.decimate import keep, position_at, position_error, reversal_times
 
 
 def motion(t: np.ndarray) -> Trajectory:

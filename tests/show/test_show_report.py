@@ -14,14 +14,11 @@ from harness.core.events import Events
 from harness.core.recording import Recording
 from harness.core.trajectory import Trajectory
 from harness.show.numbers import number, quantity, sentence_quantity, with_error
-from harness.show.report.curves import turning
-from harness.show.report.estimates import percent, true_values
-from harness.show.report.figure import script_json
 from harness.show.report.identify import identify_headline, identify_sections, identify_title
-from harness.show.report.motion import reversal_section
+from harness.show.report.motion import reversal_section, turning
 from harness.show.report.page import render, symbols, write_report
-from harness.show.report.run import run_sections, run_title
-from harness.show.report.table import grade
+from harness.show.report.run import percent, run_sections, run_title, true_values
+from harness.show.report.section import grade, script_json
 
 
 @pytest.fixture(scope="module")

@@ -16,9 +16,9 @@ from harness.core.events import Mode
 from harness.core.recording import Recording
 from harness.core.trajectory import Source, Trajectory
 from harness.show import scene
-from harness.show.axes import roomy
-from harness.show.recording_scene import recording_scene
+from harness.show.overlay_scene import recording_scene
 from harness.show.run_scene import run_scene
+from harness.show.scene import roomy
 from harness.show.stored import read_trace
 from harness.show.trace import write_trace
 
@@ -189,7 +189,7 @@ def test_a_folder_that_is_not_there_is_said_and_nothing_is_left(tmp_path: Path, 
 
 def test_the_page_and_the_scene_do_not_load_the_viewer() -> None:
     code = (
-        "import sys; import harness.show.run_scene, harness.show.recording_scene, harness.show.report.run, "
+        "import sys; import harness.show.run_scene, harness.show.overlay_scene, harness.show.report.run, "
         "harness.show.report.identify, harness.show.report.page, harness.show.screenshot; "
         "sys.exit('rerun' in sys.modules)"
     )

@@ -8,7 +8,7 @@ import pytest
 
 from harness.core.recording import Recording
 from harness.show import screenshot
-from harness.show.recording_scene import recording_scene
+from harness.show.overlay_scene import recording_scene
 from harness.show.trace import write_trace
 
 needs_driver = pytest.mark.skipif(screenshot.driver() is not None, reason=screenshot.driver() or "")

@@ -6,7 +6,7 @@ from harness.core.recording import Recording
 from harness.diagnosis.alignment.match import Match
 from harness.diagnosis.motion import motion_of
 from harness.results.compare import CompareResult
-from harness.show.compare_scene import compare_scene
+from harness.show.overlay_scene import compare_scene
 from harness.show.report.compare import Shown, compare_sections, compare_title
 from harness.show.report.page import write_report
 from harness.show.trace import write_trace

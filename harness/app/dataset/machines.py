@@ -17,7 +17,7 @@ from harness.io.options import ReadOptions
 from harness.io.store import growing_folder, write_text
 from harness.results.diagnosis import DiagnosisResult, MechanismResult
 from harness.results.machines import FoundResult, MachineRow, MachinesResult
-from harness.show.machines_page import write_machines_page
+from harness.show.report.dataset import write_machines_page
 
 LIST = "machines.toml"
 FILES = {"result": "result.json", "page": "report.html"}

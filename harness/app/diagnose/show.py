@@ -9,8 +9,15 @@ from harness.core.trajectory import Trajectory
 from harness.results.diagnosis import DiagnosisResult, FailedDiagnosis
 from harness.results.fleet import FleetResult
 from harness.show.diagnosis_scene import diagnosis_scene
-from harness.show.report.diagnosis import diagnosis_sections, diagnosis_title, gained, said, to_change
-from harness.show.report.diagnosis_index import index_sections, index_title
+from harness.show.report.diagnosis import (
+    diagnosis_sections,
+    diagnosis_title,
+    gained,
+    index_sections,
+    index_title,
+    said,
+    to_change,
+)
 from harness.show.report.page import write_report
 from harness.show.robot.fleet_page import fleet_sections
 from harness.show.robot.page import arm_sections, match_sections, robot_sections

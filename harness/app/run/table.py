@@ -4,8 +4,8 @@ from collections.abc import Callable
 
 from harness.results.common import P
 from harness.results.run import RunResult, TraceResult
-from harness.show.headings import heading
-from harness.show.report.scorecard import measured
+from harness.show.numbers import heading
+from harness.show.report.run import measured
 
 Lines = list[list[str]]
 

@@ -10,12 +10,12 @@ from harness.core.trajectory import Trajectory
 from harness.results.identify import IdentifyResult
 from harness.results.joint import JointRunResult
 from harness.results.run import RunResult
-from harness.show.recording_scene import recording_scene
+from harness.show.overlay_scene import recording_scene
 from harness.show.report.identify import identify_headline, identify_sections, identify_title
 from harness.show.report.page import write_report
 from harness.show.report.run import run_sections, run_title
-from harness.show.robot.joint_page import joint_sections
-from harness.show.robot.joint_scene import joint_scene
+from harness.show.robot.page import joint_sections
+from harness.show.robot.scene import joint_scene
 from harness.show.run_scene import run_scene
 from harness.show.trace import write_trace
 

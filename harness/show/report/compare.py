@@ -12,14 +12,10 @@ from harness.results.common import P
 from harness.results.compare import CompareResult, Difference
 from harness.show.decimate import keep
 from harness.show.numbers import NONE, number, quantity, sentence_quantity, shown_value
-from harness.show.report.curves import POINTS
-from harness.show.report.figure import Figure
 from harness.show.report.identify import ANGLES, CHANNELS
-from harness.show.report.motion import GROUP
-from harness.show.report.section import Section
-from harness.show.report.sources import made_with_section
-from harness.show.report.table import Cell, Column, Row, Table
-from harness.show.report.verdict import verdict_section
+from harness.show.report.motion import GROUP, POINTS
+from harness.show.report.section import Cell, Column, Figure, Row, Section, Table
+from harness.show.report.verdict import made_with_section, verdict_section
 from harness.show.sentences.compare import SHOWS, difference_words, faster_words, figure_words, shows, telling
 
 FIRST = "#e4632d"

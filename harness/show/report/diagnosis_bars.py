@@ -6,9 +6,7 @@ from typing import Any
 
 from harness.show.diagnosis_scene import AFTER, BEFORE, best_terms
 from harness.show.numbers import NONE, number
-from harness.show.report.figure import Figure
-from harness.show.report.section import Section
-from harness.show.report.table import Cell, Column, Row, Table
+from harness.show.report.section import Cell, Column, Figure, Row, Section, Table
 
 _GREY = "#b9c0c9"
 _ROOM = 0.12

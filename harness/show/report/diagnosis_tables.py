@@ -5,9 +5,8 @@ from typing import Any
 
 from harness.show.diagnosis_scene import model_names
 from harness.show.numbers import NONE, number, quantity
-from harness.show.report.section import Section
-from harness.show.report.sources import setting
-from harness.show.report.table import Cell, Column, Row, Table
+from harness.show.report.section import Cell, Column, Row, Section, Table
+from harness.show.report.verdict import setting
 
 _GRADES = {
     "explains": "explains it",

@@ -11,14 +11,10 @@ from harness.core.recording import Recording
 from harness.core.trajectory import Trajectory
 from harness.show.decimate import keep
 from harness.show.numbers import quantity, sentence_quantity
-from harness.show.report.curves import POINTS, noise_band, upright_lines
-from harness.show.report.estimates import METHODS, QUANTITIES, cell, footnotes
-from harness.show.report.figure import Figure
-from harness.show.report.motion import GROUP, zoom_buttons
-from harness.show.report.section import Section
-from harness.show.report.sources import made_with_section
-from harness.show.report.table import Column, Row, Table
-from harness.show.report.verdict import verdict_section
+from harness.show.report.motion import GROUP, POINTS, noise_band, upright_lines, zoom_buttons
+from harness.show.report.run import METHODS, QUANTITIES, cell, footnotes
+from harness.show.report.section import Column, Figure, Row, Section, Table
+from harness.show.report.verdict import made_with_section, verdict_section
 
 CHANNELS = {
     "x": ("position", "mm", 1e3),

@@ -12,8 +12,7 @@ from markupsafe import Markup, escape
 
 from harness.core.bounded import MOST_DOCUMENT_BYTES, read_bytes
 from harness.core.writing import replacing
-from harness.show.report.figure import Figure, Pool, script_json
-from harness.show.report.section import Section
+from harness.show.report.section import Figure, Pool, Section, script_json
 
 LARGEST = 5_000_000
 """Bytes a page may have."""

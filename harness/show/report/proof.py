@@ -14,10 +14,8 @@ from harness.show.report.proof_figures import (
     detection_curve_section,
     interval_figure,
 )
-from harness.show.report.section import Section
-from harness.show.report.sources import made_with_section
-from harness.show.report.table import Cell, Column, Row, Table
-from harness.show.report.verdict import verdict_section
+from harness.show.report.section import Cell, Column, Row, Section, Table
+from harness.show.report.verdict import made_with_section, verdict_section
 
 Data = Mapping[str, Any]
 MOST_ROWS = 200

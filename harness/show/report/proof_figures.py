@@ -5,8 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from harness.show.report.figure import Figure
-from harness.show.report.section import Section
+from harness.show.report.section import Figure, Section
 
 Data = Mapping[str, Any]
 GOOD, BAD = "#1f9e77", "#d1495b"

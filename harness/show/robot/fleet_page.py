@@ -4,11 +4,8 @@ from collections.abc import Mapping
 from pathlib import PurePath
 from typing import Any
 
-from harness.show.numbers import number, quantity
-from harness.show.palette import of_names
-from harness.show.report.figure import Figure
-from harness.show.report.section import Section
-from harness.show.report.table import Cell, Column, Row, Table
+from harness.show.numbers import number, of_names, quantity
+from harness.show.report.section import Cell, Column, Figure, Row, Section, Table
 from harness.show.report.verdict import verdict_section
 
 _NAMES = {"f_k": "Coulomb", "c": "viscous"}

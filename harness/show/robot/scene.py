@@ -1,6 +1,6 @@
 """What a trace shows of a robot: itself, moving as the log, and the torque that is left of its joints."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -8,9 +8,25 @@ import numpy as np
 
 from harness.core.arrays import FloatArray
 from harness.core.robot.bodies import Bodies
+from harness.core.trajectory import Trajectory
 from harness.show import scene as s
-from harness.show.axes import padded, plane_grid, roomy
-from harness.show.robot.shown import AFTER, AFTER_NAME, BEFORE, BEFORE_NAME, Left, Shown, binned, moved_in, packed, slug
+from harness.show.numbers import of_engines
+from harness.show.robot.shown import (
+    AFTER,
+    AFTER_NAME,
+    BEFORE,
+    BEFORE_NAME,
+    HELD,
+    SWING,
+    Left,
+    Shown,
+    binned,
+    kept,
+    moved_in,
+    packed,
+    slug,
+)
+from harness.show.scene import padded, plane_grid, roomy
 
 _CORNER = np.array([0.62, -0.7, 0.36])
 """The direction from which a robot is looked at."""
@@ -144,3 +160,30 @@ def _engines(result: Mapping[str, Any], shown: Shown) -> tuple[list[s.Item], lis
             items.append(s.Line(f"{path}/{key}", name, motion.t, sides[-1], color))
         plots.append(s.Plot(f"{motion.engine} minus log / {place}", [path], roomy(sides)))
     return items, [s.Rows(plots, name="in engines")] if plots else []
+
+
+_PLACES = {False: ("deg", np.degrees(1.0)), True: ("mm", 1e3)}
+
+
+def joint_scene(
+    result: Mapping[str, Any], held: Sequence[Trajectory], swings: Sequence[Trajectory], robot: Bodies, notes: str
+) -> s.Scene:
+    """held, swings : one an engine and preset. robot : moves as the first swing. notes : Markdown."""
+    items, space = robot_view(robot, "the robot, swinging" if swings else "the robot")
+    items.append(s.Page("/notes", notes))
+    unit, scale = _PLACES[result["slides"]]
+    plots: list[s.Layout] = []
+    for path, title, motions in (
+        ("/creep", f"creep under the load / {unit}", held),
+        ("/swing", f"swing / {unit}", swings),
+    ):
+        curves = [(one.x - (one.x[0] if path == "/creep" else 0.0)) * scale for one in motions]
+        for one, y, color in zip(motions, curves, of_engines([m.source for m in motions]), strict=True):
+            items.append(s.Line(f"{path}/{one.source.name}-{one.source.preset}", one.source.label, one.t, y, color))
+        if motions:
+            plots.append(s.Plot(title, [path], roomy(curves)))
+    right = [s.Rows(plots)] if plots else []
+    layout = s.Columns([s.Rows([space, s.Words("what engines make of it", "/notes")]), *right])
+    blobs = kept(HELD, held) | kept(SWING, swings)
+    properties = {"result": dict(result), "notes": {"text": notes}}
+    return s.Scene(f"{result['joint']} in engines", items, layout, blobs, properties)

@@ -4,9 +4,70 @@ from collections.abc import Sequence
 
 from harness.core.scenario import Scenario
 from harness.results.run import TraceResult
-from harness.show.headings import heading
-from harness.show.sentences.decay import decay_sentences
-from harness.show.sentences.words import AT_REST, mm
+from harness.show.numbers import AT_REST, heading, mm
+
+SMEARED = 0.9
+"""An estimate at the reversal below this share of the guarded one means that the jump is spread out."""
+CLOSE = 0.02
+"""Estimates within this share of the truth are right for most purposes."""
+
+
+def decay_sentences(trace: TraceResult, scenario: Scenario) -> list[str]:
+    """Friction at the reversals, damping, rest: what there is to say of one engine's trace."""
+    return [text for say in (_friction, _damping, _rest) if (text := say(trace, scenario)) is not None]
+
+
+def _x_k(trace: TraceResult, method: str) -> float | None:
+    estimate = trace.estimates.get(method)
+    return None if estimate is None else estimate.x_k.value
+
+
+def _friction(trace: TraceResult, scenario: Scenario) -> str | None:
+    """Whether friction jumps at the reversal or is spread around it."""
+    true, step, lead = scenario.slider.x_k, trace.dt_s, trace.metrics.reversal_lead_s
+    guarded, local = _x_k(trace, "acceleration"), _x_k(trace, "acceleration-local")
+    if true == 0.0 or guarded is None or local is None or step is None:
+        return None
+    numbers = f"x_k is {mm(local)} read at the reversal itself, {mm(guarded)} read outside a guard, {mm(true)} put in"
+    if abs(local) >= SMEARED * abs(guarded):
+        return f"friction jumps at the reversal, as dry friction does: {numbers}."
+    if lead is None or abs(lead) <= step:
+        return f"friction reverses within one step of {step * 1e3:.3g} ms: {numbers}."
+    return (
+        "friction is no jump at the reversal but a steep, continuous function of the speed and of the acceleration to"
+        f" come, and passes zero {lead * 1e3:.2g} ms before the speed does: {numbers}. The estimator at the reversal"
+        " sees the last sample before it and the first after, between which only part of the jump 2 x_k has happened;"
+        " away from the reversal the force is the right one."
+    )
+
+
+def _rest(trace: TraceResult, scenario: Scenario) -> str | None:
+    """Whether it comes to rest."""
+    creep, error = trace.metrics.creep_m_s, trace.metrics.rest_error_m
+    if creep is None or error is None:
+        return None
+    if abs(creep) > AT_REST:
+        return f"it never sticks, but creeps at {mm(abs(creep))}/s towards where the spring is relaxed."
+    return f"it comes to rest {mm(abs(error))} from the exact place."
+
+
+def _damping(trace: TraceResult, scenario: Scenario) -> str | None:
+    """Damping that the engine or its integrator adds."""
+    estimate, true = trace.estimates.get("acceleration"), scenario.slider.zeta
+    if estimate is None or estimate.zeta.value is None:
+        return None
+    found, x_k = estimate.zeta.value, estimate.x_k.value
+    if abs(found - true) <= max(CLOSE * true, 1e-5):
+        return None
+    own = trace.settings.get("linearDamping")
+    if isinstance(own, float) and own > 0.0 and found > true:
+        why = f"its own linear damping of {own:g} (with a quadratic part) acts beside the damper"
+    else:
+        why = f"its integrator {'adds' if found > true else 'takes away'} damping"
+    wrong = x_k is not None and abs(x_k - scenario.slider.x_k) > CLOSE * scenario.slider.x_k
+    also = f", which also makes x_k read {mm(x_k)} where {mm(scenario.slider.x_k)} was put in" if wrong and x_k else ""
+    return f"zeta reads {found:.4f} where {true:.4f} was put in: {why}{also}."
+
 
 EXACT = 1e-5
 """A figure within this share of the exact one is called exact."""

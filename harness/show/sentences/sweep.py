@@ -3,7 +3,7 @@
 from collections.abc import Mapping, Sequence
 from typing import Any, Protocol
 
-from harness.show.sentences.words import engine_name
+from harness.show.numbers import engine_name
 
 ROUTES = {"joint": "joint friction", "contact": "contact friction", "law": "the clipped force law"}
 WORDS = {"dt": "the step (s)", "leapfrog": "leapfrog (start half a step back, read speeds as means of two)"}
