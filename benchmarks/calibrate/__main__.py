@@ -22,6 +22,7 @@ from benchmarks.calibrate import (
     screen_share,
     second_term,
     tables,
+    taken,
     together,
 )
 from benchmarks.calibrate.calibration import Calibration, measured
@@ -45,6 +46,7 @@ CALIBRATIONS: dict[str, Calibration] = {
     "amplitudes": amplitudes.CALIBRATION,
     "covariates": covariates.CALIBRATION,
     "colours": colours.CALIBRATION,
+    "taken": taken.CALIBRATION,
 }
 _OF_PLANT = {"main-effect": main_effect.of_plant, "tables": tables.of_plant}
 """Those that can be measured on recordings that are there."""

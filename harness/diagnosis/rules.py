@@ -427,6 +427,14 @@ GAIN = Rule(
     "a term improves on the base model where the misfit is not noise",
     'Kass and Raftery 1995, section 3.2: "strong" evidence',
 )
+TAKEN = Rule(
+    "taken",
+    0.04,
+    "1",
+    "a law that more often than this takes most of a motion's misfit which it has not made has less evidence, by twice"
+    " the logarithm of how much more often",
+    "half of the laws do so on fewer of the simulated machines without them: `python -m benchmarks.calibrate taken`",
+)
 MARGIN = Rule(
     "margin",
     6.0,

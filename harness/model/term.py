@@ -150,6 +150,8 @@ class Term:
     those times shows it. words : more words of the sentence, from values and k. elements : see harness.model.elements.
     as_named : whether values are what the name says; a law bent beyond it is not named.
     searched : whether it is looked for as a name; a table is none, and neither is a law whose form is freed.
+    taken : share of the simulated machines without it of whose misfit it takes most all the same; 0 where that is no
+    more than an ordinary law's. ``python -m benchmarks.calibrate taken`` counts it.
     frees : key of the law whose form it frees, by one number more; freed : from where it is fitted then.
     known : where a table is known, None for a law that
     holds everywhere. told_from : what recording would tell it from another name. steps_alike : whether the steps of an
@@ -186,6 +188,7 @@ class Term:
     told_from: Mapping[str, str] = field(default_factory=dict)
     steps_alike: bool = False
     searched: bool = True
+    taken: float = 0.0
     frees: str = ""
     freed: FreedFrom | None = None
     known: Known | None = None

@@ -48,5 +48,6 @@ TERM = Term(
     corner=True,
     place=place,
     elements=made_of,
+    taken=0.05,
     order=170,
 )

@@ -40,5 +40,6 @@ TERM = Term(
     place=always("large-displacement", "as x^3"),
     elements=made_of,
     told_from={"end-stop": LARGER, "stiffness-drift": LARGER},
+    taken=0.13,
     order=130,
 )

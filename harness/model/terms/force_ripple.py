@@ -55,5 +55,6 @@ TERM = Term(
     example=(4.0, 0.35, 0.4),
     push=0,
     as_named=repeats,
+    taken=0.1,
     order=200,
 )

@@ -42,5 +42,6 @@ TERM = Term(
     example=(-0.2,),
     place=place,
     told_from={"position-dependent-friction": AGAIN, "quadratic-drag": AGAIN},
+    taken=0.08,
     order=70,
 )

@@ -39,5 +39,6 @@ TERM = Term(
     only_there=True,
     formula="At the given time v jumps by impulse/m.",
     needs=("one-clock",),
+    taken=0.06,
     order=220,
 )

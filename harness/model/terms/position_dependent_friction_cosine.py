@@ -44,5 +44,6 @@ TERM = Term(
     phase=2,
     variant="periodic",
     example=(0.4, 0.3, 0.3),
+    taken=0.08,
     order=60,
 )

@@ -101,5 +101,6 @@ TERM = Term(
     implied=bent,
     place=always("reversal", "after each reversal, until the bristles slide"),
     told_from={"regularised-friction": REST},
+    taken=0.1,
     order=30,
 )

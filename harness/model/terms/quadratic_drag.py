@@ -38,5 +38,6 @@ TERM = Term(
     example=(0.2,),
     place=always("high-speed", "as v^2"),
     elements=made_of,
+    taken=0.05,
     order=90,
 )

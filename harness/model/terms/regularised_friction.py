@@ -55,5 +55,6 @@ TERM = Term(
     place=place,
     as_named=near_rest,
     steps_alike=True,
+    taken=0.07,
     order=40,
 )

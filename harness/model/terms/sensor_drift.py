@@ -31,5 +31,6 @@ TERM = Term(
     example=(0.01,),
     place=always("channel", "channel x"),
     sensor=Sensor("x", read),
+    taken=0.07,
     order=270,
 )

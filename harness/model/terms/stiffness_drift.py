@@ -35,5 +35,6 @@ TERM = Term(
     example=(-0.1,),
     place=always("late", "in proportion to t"),
     told_from={"clock-drift": "the same decay with its acceleration measured besides, or by a clock that is known"},
+    taken=0.14,
     order=180,
 )
