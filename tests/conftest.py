@@ -59,7 +59,8 @@ class BesideShared(LoadScopeScheduling):  # type: ignore[misc, unused-ignore]
 
 @cache
 def _shares(file: Path) -> bool:
-    return 'scope="module"' in file.read_text(encoding="utf-8")
+    text = file.read_text(encoding="utf-8")
+    return 'scope="module"' in text or "cache" in text
 
 
 @pytest.hookimpl(optionalhook=True)

@@ -2,14 +2,13 @@
 
 import json
 from collections.abc import Callable
-from functools import cache
 from typing import Any
 
 import pytest
 
-from harness.core.errors import InputError
-from harness.proof import verify
-from harness.proof.drawing import Drawn, drawn, probes_of
+from harness.core.errors import InputError, SimulationError
+from harness.proof import drawing, verify
+from harness.proof.drawing import Drawn, probes_of
 from harness.proof.machines.plan import CONTROL, MAIN
 from harness.proof.machines.sealed import Sealed
 from harness.proof.plan import MACHINE, PLANT, SINGLE, Job
@@ -19,11 +18,33 @@ from harness.proof.verify import Redrawn, check_recording, too_many_elsewhere
 SEED = 2**101 + 7
 WHEEL = Job(5, MAIN, MACHINE, ("quadratic-drag",), "torsion-wheel", "")
 BESIDE = Job(8, CONTROL, MACHINE, (), "rubber-stage", "")
+STAGE = Job(2, MAIN, MACHINE, ("quadratic-drag",), "rubber-stage", "")
 BEAD = Job(8, SINGLE, PLANT, ("cubic-stiffness",), "decay", "mixed")
 Answer = dict[str, Any]
 
 
-@cache
+_DRAWN: dict[str, Drawn | SimulationError] = {}
+
+
+def drawn(seed: int, job: Job, sealed: Sealed | None = None) -> Drawn:
+    """A job drawn once in this file: that it is the same every time is another file's to say."""
+    key = repr((seed, job, sealed))
+    if key not in _DRAWN:
+        try:
+            _DRAWN[key] = drawing.drawn(seed, job, sealed)
+        except SimulationError as error:
+            _DRAWN[key] = error
+    found = _DRAWN[key]
+    if isinstance(found, SimulationError):
+        raise found
+    return found
+
+
+@pytest.fixture(autouse=True)
+def drawn_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(verify, "drawn", drawn)
+
+
 def own_of(job: Job) -> Drawn:
     return drawn(SEED, job)
 
@@ -58,11 +79,13 @@ def ledger_of(job: Job, case: Drawn) -> Ledger:
     return ledger
 
 
-@pytest.mark.parametrize("job", [WHEEL, BESIDE], ids=["main", "control"])
 @pytest.mark.parametrize(
-    "moved",
-    [lambda answer: stronger(answer, 1.02), lambda answer: noisier(answer, 1.02), lambda answer: stronger(answer, 0.6)],
-    ids=["a strength", "a noise", "a strength by far"],
+    ("job", "moved"),
+    [
+        pytest.param(WHEEL, lambda answer: stronger(answer, 1.02), id="a strength of a main effect"),
+        pytest.param(WHEEL, lambda answer: noisier(answer, 1.02), id="a noise"),
+        pytest.param(BESIDE, lambda answer: stronger(answer, 0.6), id="a strength of a control by far"),
+    ],
 )
 def test_a_machine_whose_fits_end_elsewhere_is_the_sealed_one(job: Job, moved: Callable[[Answer], Answer]) -> None:
     own = own_of(job)
@@ -77,8 +100,9 @@ def test_a_draw_that_is_not_taken_here_is_the_sealed_one(monkeypatch: pytest.Mon
     there = own_of(BESIDE)
     # a first draw that just passed there does not pass here: another one comes out
     monkeypatch.setattr("harness.proof.machines.cases.TOGETHER", sum(there.answer["minor"].values()) + 1e-3)
-    own = drawn(SEED, BESIDE)
+    own = drawing.drawn(SEED, BESIDE)
     assert own.answer["omega_n"] != there.answer["omega_n"]
+    monkeypatch.setattr(verify, "drawn", drawing.drawn)
     found = check_recording(ledger_of(BESIDE, there), own, BESIDE)
     assert found == Redrawn(own.name, False, "", elsewhere=True)
 
@@ -96,12 +120,14 @@ def test_a_draw_that_is_not_taken_here_is_the_sealed_one(monkeypatch: pytest.Mon
     ],
     ids=["too strong", "too noisy", "an effect less", "one more", "another machine", "no effects", "no noise"],
 )
-def test_what_fits_cannot_decide_is_wrong(forged: Callable[[Answer], Answer]) -> None:
-    own = own_of(BESIDE)
+def test_what_fits_cannot_decide_is_wrong(forged: Callable[[Answer], Answer], monkeypatch: pytest.MonkeyPatch) -> None:
+    # that others are drawn where the first is not taken is stated above, and takes four times as long
+    monkeypatch.setattr("harness.proof.machines.made.ATTEMPTS", 1)
+    own = own_of(STAGE)
     there = Drawn(own.name, own.recording.replace(b"1", b"2"), forged(dict(own.answer)))
-    found = check_recording(ledger_of(BESIDE, there), own, BESIDE)
+    found = check_recording(ledger_of(STAGE, there), own, STAGE)
     assert found.wrong == f"{own.name}: the recording is not the one that follows from the seed"
-    found = check_recording(ledger_of(BESIDE, Drawn(own.name, own.recording, there.answer)), own, BESIDE)
+    found = check_recording(ledger_of(STAGE, Drawn(own.name, own.recording, there.answer)), own, STAGE)
     assert found.wrong == f"{own.name}: the answer is not the one that follows from the seed"
 
 
