@@ -13,8 +13,17 @@ from harness.diagnosis.problems.free_decay import FreeDecay
 from harness.estimate.noise import channel_noise
 from harness.proof.plant import Case, draw
 
-SHORT = ("sensor-lag", "quadratic-drag", "asymmetric-viscous")
-LONG = ("cubic-stiffness", "sensor-gain", "stribeck", "presliding", "friction-drift", "end-stop", "impulse")
+SHORT = ("sensor-lag", "quadratic-drag")
+LONG = (
+    "asymmetric-viscous",
+    "cubic-stiffness",
+    "sensor-gain",
+    "stribeck",
+    "presliding",
+    "friction-drift",
+    "end-stop",
+    "impulse",
+)
 
 
 def _problem(case: Case) -> Problem:
@@ -37,7 +46,7 @@ def _named(outcome: Outcome) -> set[str]:
     return {m.name for m in outcome.mechanisms}
 
 
-@pytest.mark.parametrize("seed", [0, 1, *(pytest.param(s, marks=pytest.mark.full) for s in range(2, 40))])
+@pytest.mark.parametrize("seed", [0, *(pytest.param(s, marks=pytest.mark.full) for s in range(1, 40))])
 def test_nothing_is_named_where_nothing_is_hidden(seed: int) -> None:
     outcome = _outcome("control", seed)
     assert outcome.verdict == "adequate"

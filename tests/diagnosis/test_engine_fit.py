@@ -134,20 +134,21 @@ def test_a_driven_recording_is_simulated_window_by_window(name: str) -> None:
     model = Model(
         1.5, 2.0, 0.0, 3.0, restoring=Restoring.NONE, terms=(ModelTerm.named("asymmetric-viscous", c_diff=1.0),)
     )
-    t = np.linspace(0.0, 4.0, 1601)
+    t = np.linspace(0.0, 2.0, 801)
     drive = Drive(t, 12.0 * np.sin(3.0 * t) + 6.0 * np.sin(7.3 * t))
     true = solve(model, t, drive=drive)
-    starts = range(0, 1600, 400)
+    starts = range(0, 800, 400)
     windows = tuple(Window(i, i + 400, float(t[i]), true.x[i], true.v[i], 1e-9, 1e-9) for i in starts)
     random = np.random.default_rng(3)
-    noise = {"x": Noise(1e-5, True)}
+    sigma = 1e-4
+    noise = {"x": Noise(sigma, True)}
     base = model.with_terms()
-    x = true.x[:1600] + 1e-5 * random.standard_normal(1600)
-    problem = Driven(t[:1600], {"x": x}, noise, drive=drive, first=base, starts=Windows(windows, t, true.v))
+    x = true.x[:800] + sigma * random.standard_normal(800)
+    problem = Driven(t[:800], {"x": x}, noise, drive=drive, first=base, starts=Windows(windows, t, true.v))
     found = engine_fit(EngineSimulator.named(name), base, model, problem, Scales(1.0, 3.0, 3.0))
     assert found.improved
-    assert found.refined_rmse["x"] < 2e-5
-    assert found.baseline_rmse["x"] > 1e-3
+    assert found.refined_rmse["x"] < 2.0 * sigma
+    assert found.baseline_rmse["x"] > 10.0 * sigma
 
 
 def test_the_step_divides_the_interval_of_the_recording() -> None:

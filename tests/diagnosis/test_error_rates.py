@@ -29,11 +29,11 @@ from harness.proof.statistics import is_noise
 _CHANCE = 1e-3
 """Probability with which a sound diagnosis may fail one of these tests."""
 _NOISES = ("white", "coloured", "quantised")
-DRAWS, LONG = 8, 100
+DRAWS, LONG = 4, 100
 """Draws of the base fit alone, and of whole diagnoses with -m full."""
 THIN = 2
 """Of those draws one sample in so many is kept: what is stated holds at any rate."""
-SIZES = (6, pytest.param(500, marks=pytest.mark.full))
+SIZES = (3, pytest.param(500, marks=pytest.mark.full))
 
 
 @functools.cache

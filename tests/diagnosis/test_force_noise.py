@@ -167,7 +167,7 @@ def test_nothing_is_missing_where_only_the_force_is_noisy(model: Model, share: f
 
 def test_numbers_hold_that_a_noisy_force_tells() -> None:
     off = []
-    for seed in range(8):
+    for seed in range(4):
         problem, _ = prepare(recorded(SPRING, 1e-2, "x", seed, 2000, 0.005), Asked())
         assert isinstance(problem, Driven)
         base, scales = driven_baseline(problem)
@@ -182,14 +182,14 @@ def test_numbers_hold_that_a_noisy_force_tells() -> None:
 
 def test_what_is_missing_is_named_beside_a_noisy_force() -> None:
     drag = ModelTerm.named("quadratic-drag", c2=6.0)
-    problem, _ = prepare(recorded(replace(SPRING, terms=(drag,)), 1e-2), Asked())
+    problem, _ = prepare(recorded(replace(SPRING, terms=(drag,)), 1e-2, n=500), Asked())
     assert [m.name for m in diagnose(problem).mechanisms] == ["quadratic-drag"]
 
 
 def test_what_noise_does_beyond_first_order_is_told() -> None:
     told = []
     for share in (1e-3, 1e-1):
-        problem, _ = prepare(recorded(SPRING, share), Asked())
+        problem, _ = prepare(recorded(SPRING, share, n=500), Asked())
         assert isinstance(problem, Driven)
         base, scales = driven_baseline(problem)
         problem, _ = along(base, problem, scales)

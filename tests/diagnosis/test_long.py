@@ -13,7 +13,7 @@ from harness.estimate.noise import channel_noise
 from harness.kernels.solve import solve
 from harness.model.model import Model, ModelTerm
 
-STEP, SAMPLES = 0.001, 12_000
+STEP, SAMPLES = 0.002, 6_000
 CUBIC = ModelTerm.named("cubic-stiffness", k3=3.0)
 
 

@@ -15,7 +15,7 @@ PUSH, MASS = 150.0, 0.1
 
 def recorded(push: float = PUSH) -> Recording:
     """Strokes of 36 mm in about 4 s each, of which no two are alike; the force that they take beside what pushes."""
-    t: FloatArray = np.arange(8000.0) / 100.0
+    t: FloatArray = np.arange(4000.0) / 100.0
     phase = 0.77 * t + 0.25 * np.sin(0.23 * t) + 0.1 * np.sin(0.41 * t + 1.0)
     x = 0.018 * np.tanh(1.6 * np.sin(phase)) / np.tanh(1.6) + 0.017
     v, random = np.gradient(x, t), np.random.default_rng(5)

@@ -11,11 +11,12 @@ from harness.app.shared.estimates import estimate
 from harness.core.arrays import FloatArray
 from harness.core.errors import InputError
 from harness.core.recording import Recording
+from harness.diagnosis.fit.model_fit import fit
 from harness.diagnosis.pipeline import diagnose, prepare
 from harness.diagnosis.request import Asked
 from harness.estimate.noise import Noise
 from harness.estimate.stray import beside_cubic, stray, without_stray
-from harness.kernels.solve import Drive, simulate, solve
+from harness.kernels.solve import Drive, Scales, simulate, solve
 from harness.model.model import Model, ModelTerm, Restoring
 
 DRAG = Model(1.0, 0.05, 100.0, 0.05, x0=0.1, terms=(ModelTerm.named("quadratic-drag", c2=2.0),))
@@ -147,8 +148,9 @@ def test_what_is_left_is_diagnosed_as_if_nothing_had_strayed() -> None:
     assert [m.name for m in outcome.mechanisms] == ["quadratic-drag"]
     assert outcome.refined.model.terms[0].values[0] == pytest.approx(2.0, rel=2e-3)
     assert outcome.refined.chi2 / outcome.refined.points == pytest.approx(1.0, abs=0.1)
-    clean = diagnose(prepare(decay(), asked)[0])
-    assert outcome.refined.model.terms[0].values[0] == pytest.approx(clean.refined.model.terms[0].values[0], rel=1e-3)
+    found, clean = outcome.refined, prepare(decay(), asked)[0]
+    same = fit(found.model, clean, found.free, Scales.of(found.model))
+    assert found.model.terms[0].values[0] == pytest.approx(same.model.terms[0].values[0], rel=1e-3)
 
 
 def test_an_identification_says_it_too() -> None:

@@ -32,9 +32,8 @@ def _rms(difference: FloatArray) -> float:
 
 
 @pytest.mark.parametrize("engine", ENGINES)
-@pytest.mark.parametrize("seed", [0, 1])
-def test_a_control_of_an_engine_is_the_plant_s_to_a_tenth_of_its_noise(engine: EngineName, seed: int) -> None:
-    case = draw_engine("control", np.random.default_rng(seed), engine)
+def test_a_control_of_an_engine_is_the_plant_s_to_a_tenth_of_its_noise(engine: EngineName) -> None:
+    case = draw_engine("control", np.random.default_rng(0), engine)
     exact = simulate(case.base.model(), case.base.times)
     for channel, values in (("x", exact.x), ("a", exact.a)):
         assert _rms(case.clean[channel] - values) < 0.1 * case.noise.total(channel)

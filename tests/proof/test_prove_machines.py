@@ -54,7 +54,10 @@ def test_a_machine_is_drawn_again_from_seed_and_place() -> None:
     assert (first.answer["group"], first.answer["source"], first.answer["setting"]) == (MAIN, MACHINE, "torsion-wheel")
 
 
-def test_a_proof_of_machines_is_sealed_and_verified(tmp_path: Path, one_version: None) -> None:
+def test_a_proof_of_machines_is_sealed_and_verified(
+    tmp_path: Path, one_version: None, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("harness.proof.plan.FREE", {"rubber-stage": FREE["rubber-stage"]})  # the soonest drawn
     options = ProveOptions(Sizes(0, 0, 0, 0, machines=2), jobs=1, baselines=(), blind=STUB)
     result = prove(options, tmp_path / "machines")
     assert not result.evidence

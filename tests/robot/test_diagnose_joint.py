@@ -45,7 +45,7 @@ def _near(result: DiagnosisResult, side: str, name: str, truth: float, share: fl
     [pytest.param("shoulder", "arm.xml", marks=pytest.mark.full), ("base", "arm.urdf"), ("elbow", "arm.xml")],
 )
 def test_known_friction_comes_out_of_a_servos_log(tmp_path: Path, joint: str, file: str) -> None:
-    log = excited(ARM, FRICTION, (joint,), duration=10.0)
+    log = excited(ARM, FRICTION, (joint,), duration=6.0)
     result = _diagnosed(log, tmp_path, FILE.with_name(file))
     assert result.verdict == "adequate"
     own, truth = reduced(ARM, joint), FRICTION[joint]

@@ -10,7 +10,7 @@ from harness.core.arrays import FloatArray
 from harness.core.robot.joint_log import JointLog
 from harness.robot.arm import Arm
 
-SECONDS, RATE, LOWPASS = 12.0, 500.0, 15.0
+SECONDS, RATE, LOWPASS = 12.0, 250.0, 15.0
 NAMES = tuple(f"joint{i + 1}" for i in range(JOINTS))
 
 
