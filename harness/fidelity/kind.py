@@ -1,16 +1,60 @@
-"""What the suite knows of a scenario; a file in harness/fidelity/scenarios makes one."""
+"""What the suite knows of a scenario, and its figures: a metric as a distance from exact."""
 
+import math
 from abc import ABC, abstractmethod
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import TypeAlias
+from typing import Any, TypeAlias
 
 from harness.core.arrays import FloatArray
 from harness.core.scenario import Scenario
 from harness.core.trajectory import Trajectory
 from harness.engines.base import ROUTES, Route
-from harness.fidelity.figure import Figure
 from harness.fidelity.sliders import Sliders
+
+Row = Mapping[str, Any]
+Scale = Callable[[Row], float]
+
+
+@dataclass(frozen=True, slots=True)
+class Figure:
+    """One column: which metric, against what, and what a good value is. A row's slider, setup and exact are read."""
+
+    label: str
+    metric: str
+    scale: Scale
+    good: str
+
+
+def release(row: Row) -> float:
+    """Distance of the release from x = 0, m."""
+    return abs(float(row["setup"]["release"]["x0"]))
+
+
+def x_k(row: Row) -> float:
+    """Friction displacement f_k/k, m."""
+    return float(row["slider"]["f_k"]) / float(row["slider"]["k"])
+
+
+def period(row: Row) -> float:
+    """Period without friction and damping, s."""
+    return 2.0 * math.pi / math.sqrt(float(row["slider"]["k"]) / float(row["slider"]["m"]))
+
+
+def speed_of_belt(row: Row) -> float:
+    """Speed of the belt, m/s."""
+    return float(row["setup"]["action"]["speed"])
+
+
+def exact(metric: str) -> Scale:
+    """The exact value of a metric."""
+    return lambda row: float(row["exact"][metric])
+
+
+def one(row: Row) -> float:
+    """A figure that is a share already."""
+    return 1.0
+
 
 Answers: TypeAlias = dict[str, float]
 Metrics: TypeAlias = dict[str, float | None]

@@ -24,7 +24,8 @@ GROUP = "harness.scenarios"
 def kinds() -> Mapping[str, Kind]:
     """Every scenario by its name, in the order in which they are shown. Raises InputError for a name that is taken."""
     modules = pkgutil.iter_modules(scenarios.__path__)
-    own = [import_module(f"{scenarios.__name__}.{found.name}").SCENARIO for found in modules]
+    files = [import_module(f"{scenarios.__name__}.{found.name}") for found in modules]
+    own = [one for file in files for one in vars(file).values() if isinstance(one, Kind)]
     found: dict[str, Kind] = {}
     others = (k for _, k in registered(GROUP, Kind, "scenario"))  # type: ignore[type-abstract]  # only asked for
     for one in sorted((*own, *others), key=lambda kind: kind.place):

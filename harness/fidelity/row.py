@@ -13,8 +13,7 @@ from harness.core.trajectory import Trajectory
 from harness.engines.base import Engine, Preset, Route, Task
 from harness.fidelity.describe import describe
 from harness.fidelity.kind import Metrics
-from harness.fidelity.metrics.contact import measure_contact
-from harness.fidelity.metrics.estimated import recovered
+from harness.fidelity.metrics import measure_contact, recovered
 from harness.fidelity.registry import kind_of
 
 

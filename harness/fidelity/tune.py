@@ -10,9 +10,9 @@ import numpy as np
 from harness.core.errors import HarnessError
 from harness.core.scenario import Scenario
 from harness.engines.base import Engine, Preset, Route
-from harness.fidelity.pareto import Point
 from harness.fidelity.registry import suite
 from harness.fidelity.row import Row, Spec, run_row, task
+from harness.fidelity.scores import Point
 from harness.fidelity.sliders import Sliders, drawn
 from harness.fidelity.spaces import Choice, Space
 

@@ -24,7 +24,8 @@ BAGS = (".bag", ".db3", ".mcap")
 @cache
 def by_suffix() -> Mapping[str, Reader]:
     """Every reader by each of its suffixes. Raises InputError for a suffix that is taken."""
-    own = (import_module(f"{readers.__name__}.{found.name}").READER for found in pkgutil.iter_modules(readers.__path__))
+    files = [import_module(f"{readers.__name__}.{found.name}") for found in pkgutil.iter_modules(readers.__path__)]
+    own = (one for file in files for one in vars(file).values() if isinstance(one, Reader))
     found: dict[str, Reader] = {}
     for reader in (
         *sorted(own, key=lambda r: (not r.text, r.name)),

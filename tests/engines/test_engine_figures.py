@@ -15,7 +15,7 @@ from harness.core.trajectory import Trajectory
 from harness.engines.base import Preset, Task
 from harness.estimate.every import estimate_all
 from harness.exact.decay import free_decay
-from harness.fidelity.metrics.decay import creep_m_s, max_error_m, reversal_lead_s
+from harness.fidelity.metrics import creep_m_s, max_error_m, reversal_lead_s
 
 
 @dataclass(frozen=True)

@@ -11,10 +11,10 @@ from harness.core.errors import InputError
 from harness.core.scenario import Belt, Harmonic, Scenario
 from harness.core.slider import PAPER, Slider
 from harness.fidelity.describe import describe, scenario_of
-from harness.fidelity.kinds.harmonic import PERIODS
 from harness.fidelity.registry import kind_of, suite
 from harness.fidelity.row import measure_row
 from harness.fidelity.scenarios import belt, harmonic
+from harness.fidelity.scenarios.harmonic import PERIODS
 from harness.fidelity.sliders import OWN
 
 DRAWN = list(drawn_suites(31, 6))
@@ -33,9 +33,9 @@ def test_metrics_of_the_exact_motion_are_the_exact_answers(scenario: Scenario) -
     # a run long enough for every metric, sampled as an engine would at a fine step
     longer = scenario
     if isinstance(scenario.action, Belt):
-        longer = belt.SCENARIO.ride(scenario.slider, scenario.action.speed)
+        longer = belt.BELT.ride(scenario.slider, scenario.action.speed)
     if isinstance(scenario.action, Harmonic):
-        longer = replace(harmonic.SCENARIO.shake(scenario.slider, scenario.action), name=scenario.name)
+        longer = replace(harmonic.HARMONIC.shake(scenario.slider, scenario.action), name=scenario.name)
     t = np.linspace(0.0, longer.duration, 40_001)
     step = float(t[1])
     found = measure_row(kind_of(longer).exact(longer, t), longer)
@@ -86,7 +86,7 @@ def test_contact_scenarios_are_those_of_the_joint_on_a_smaller_scale() -> None:
 )
 def test_a_belt_without_a_cycle_is_refused(slider: Slider, speed: float, message: str) -> None:
     with pytest.raises(InputError, match=message.replace("(", r"\(").replace(")", r"\)")):
-        belt.SCENARIO.ride(slider, speed)
+        belt.BELT.ride(slider, speed)
 
 
 def test_a_run_that_does_not_start_riding_has_no_exact_motion_here() -> None:

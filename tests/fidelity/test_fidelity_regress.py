@@ -17,10 +17,9 @@ from harness.app.sweep.traces import SCHEMA, keep_worst, recomputed
 from harness.cli.commands.regress import command
 from harness.core.errors import InputError
 from harness.engines import registry
-from harness.fidelity.compare import kept, moves
+from harness.fidelity.compare import TOLERANCES, kept, moves
 from harness.fidelity.matrix import Matrix
 from harness.fidelity.row import Spec, run_row
-from harness.fidelity.tolerances import TOLERANCES
 from harness.results.generate import schema_text
 from harness.results.regress import Baseline, RegressResult
 
@@ -178,7 +177,7 @@ def test_stored_traces_gate_against_the_baseline_without_an_engine(
 
 
 def test_a_change_of_a_metric_is_seen_in_stored_traces(traces: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    from harness.fidelity.metrics import hold as hold_metrics
+    from harness.fidelity.scenarios import hold as hold_metrics
 
     monkeypatch.setattr(hold_metrics, "drift_m", lambda trace: 1.0)
     monkeypatch.setattr("harness.fidelity.row.recovered", lambda trace, scenario: {"zeta": 0.06})

@@ -11,8 +11,7 @@ from harness.app.sweep.sweep import Sweep, SweepOptions, settings_of, sweep
 from harness.app.sweep.traces import worst_rows
 from harness.fidelity.convergence import Ladder, slope
 from harness.fidelity.known import SERVOS, WITHOUT_EFFECT
-from harness.fidelity.pareto import FLOOR, front, points
-from harness.fidelity.scores import LABELS, badness, cards, distance, figures_of
+from harness.fidelity.scores import FLOOR, LABELS, badness, cards, distance, figures_of, front, points
 from harness.show.sentences.sweep import headline, percent, sentences
 
 PUBLISHED = Path(__file__).resolve().parents[2] / "reports" / "fidelity"

@@ -23,9 +23,8 @@ from jsonschema import Draft202012Validator
 from harness.app.shared.completed import completed
 from harness.app.shared.pool import Cluster, LocalPool
 from harness.app.sweep import sweep as room
-from harness.app.sweep.parts import Parts
+from harness.app.sweep.parts import Parts, failed_row
 from harness.app.sweep.sweep import SweepOptions, sweep
-from harness.app.sweep.worker import failed_row
 from harness.core.errors import HarnessError, InputError, StoreError
 from harness.core.writing import explained
 from harness.engines import registry

@@ -10,8 +10,8 @@ from harness.core.scenario import FREE_DECAY, Scenario
 from harness.core.slider import PAPER, Slider
 from harness.core.trajectory import Source, Trajectory
 from harness.exact.decay import free_decay
-from harness.fidelity.metrics import decay as metrics
-from harness.fidelity.metrics.contact import lift_m
+from harness.fidelity import metrics
+from harness.fidelity.metrics import lift_m
 
 DT = 1e-3
 T: FloatArray = np.arange(3001, dtype=np.float64) * DT

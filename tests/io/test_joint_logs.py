@@ -20,7 +20,7 @@ from joint_logs import HOLED, ONE, Message, Motion, bag1, bag2, csv, lerobot, me
 from harness.cli.main import run
 from harness.core.errors import InputError
 from harness.core.robot.joint_log import JointLog
-from harness.io.logs.layout import layout_of
+from harness.io.logs.messages import layout_of
 from harness.io.logs.needs import effort_of
 from harness.io.logs.read import read_joint_log
 from harness.io.logs.rules import named

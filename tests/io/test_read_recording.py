@@ -13,9 +13,9 @@ import scipy.io
 
 from harness.core.errors import InputError
 from harness.core.recording import Recording
-from harness.io.dates import Clock
 from harness.io.options import ReadOptions
 from harness.io.recording import read_recording, sha256
+from harness.io.times import Clock
 
 N = 400
 T = np.arange(N) / 200.0

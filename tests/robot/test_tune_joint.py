@@ -8,7 +8,7 @@ import pytest
 from click.testing import CliRunner
 from lxml import etree
 
-from harness.app.sweep.tune_joint import TuneJoint, tune_joint
+from harness.app.sweep.tune import TuneJoint, tune_joint
 from harness.cli.main import cli
 from harness.core.errors import InputError
 from harness.engines.models import folder

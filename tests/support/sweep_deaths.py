@@ -6,7 +6,7 @@ import time
 from pathlib import Path
 from typing import Any
 
-from harness.app.sweep.worker import compute
+from harness.app.sweep.parts import compute
 from harness.core.scenario import FREE_DECAY
 from harness.fidelity.row import Spec, failed
 

@@ -13,8 +13,7 @@ from harness.engines.base import Engine, Preset, Task
 from harness.estimate.every import estimate_all
 from harness.estimate.result import Estimation
 from harness.fidelity.describe import describe
-from harness.fidelity.metrics.contact import measure_contact
-from harness.fidelity.metrics.decay import max_error_m
+from harness.fidelity.metrics import max_error_m, measure_contact
 from harness.fidelity.registry import kind_of
 from harness.results.run import Metrics, TraceResult
 from harness.show.sentences.run import conclusions

@@ -10,8 +10,8 @@ from harness.core.slider import Slider
 from harness.core.trajectory import Trajectory
 from harness.engines import registry
 from harness.engines.base import Preset, Settings, Task
-from harness.fidelity.metrics.decay import reversal_lead_s
-from harness.fidelity.metrics.hold import creep_m_s
+from harness.fidelity.metrics import reversal_lead_s
+from harness.fidelity.scenarios.hold import creep_m_s
 from harness.results.joint import JointScore
 from harness.robot.arm import Arm
 from harness.robot.reduction import Reduced

@@ -14,8 +14,7 @@ from harness.app.shared.journal import journal
 from harness.app.shared.machine import cores, this_machine
 from harness.app.shared.pool import Cluster, LocalPool, Workers
 from harness.app.shared.progress import SILENT, Progress
-from harness.app.sweep.parts import Parts, check_new
-from harness.app.sweep.worker import compute, failed_row
+from harness.app.sweep.parts import Parts, check_new, compute, failed_row
 from harness.core.checks import positive
 from harness.core.errors import HarnessError, InputError, SimulationError, StoreError
 from harness.core.writing import replacing

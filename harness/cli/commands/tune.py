@@ -59,7 +59,7 @@ def command(
             if route not in (None, "joint"):
                 raise InputError("--route", f"{route}, given with --robot", "joint is accepted with it")
             check_file(robot)
-            from harness.app.sweep.tune_joint import TuneJoint, tune_joint
+            from harness.app.sweep.tune import TuneJoint, tune_joint
 
             result = tune_joint(engine, TuneJoint(robot, joint, gravity, dt), max_cost, progress)
     emit_json(result, json_to)

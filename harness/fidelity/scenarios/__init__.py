@@ -1,1 +1,1 @@
-"""The scenarios of the suite: every file here defines SCENARIO, named as the file, and is found by import."""
+"""The scenarios of the suite: every Kind that a file here makes is one, and is found by import."""

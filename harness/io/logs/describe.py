@@ -21,7 +21,7 @@ from harness.io.logs.read import (
     topic_of,
 )
 from harness.io.logs.rules import CHANNEL, SI_UNITS, Field
-from harness.io.sampling import GAP
+from harness.io.times import GAP
 from harness.io.units import parse_unit
 
 FIELDS: tuple[Field, ...] = ("position", "velocity", "effort", "current", "magnitude")

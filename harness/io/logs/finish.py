@@ -12,7 +12,7 @@ from harness.core.robot.joint_log import JointLog
 from harness.io.logs.raw import Fields, LogOptions, Raw, one_of
 from harness.io.logs.rules import Field
 from harness.io.logs.suspicions import called, coarse, degrees, odd_velocity, unsigned
-from harness.io.sampling import sampling_notes
+from harness.io.times import sampling_notes
 
 Gain = float | Mapping[str, float]
 

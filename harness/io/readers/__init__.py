@@ -1,1 +1,1 @@
-"""The formats of recordings: every file here defines READER and is found by import."""
+"""The formats of recordings: every Reader that a file here makes is one, and is found by import."""

@@ -1,9 +1,348 @@
-"""Text tables."""
+"""Tables in text: CSV with any usual separator, plain whitespace tables, both also gzipped."""
 
+import csv
+import math
+import re
+from array import array
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from harness.core.arrays import FloatArray
+from harness.core.bounded import read_bytes, unpacked
+from harness.core.errors import InputError
+from harness.io.guess import candidates
+from harness.io.options import RefusedError
 from harness.io.reader import Reader
-from harness.io.text import TextTable
+from harness.io.table import Table
+from harness.io.times import Clock
+from harness.io.units import split_header
 
-READER = Reader(
+_HEAD = 1 << 16
+MOST_ROWS = 20_000_000
+"""Of a text table: with the bound on its bytes, what keeps the memory it takes below 2 GiB."""
+_BLOCK = 1 << 22
+"""Bytes that are read at a time."""
+_LONGEST_LINE = 1 << 20
+_UTF_16 = (b"\xff\xfe", b"\xfe\xff")
+"""Its mark, in either order of bytes."""
+_LOOKED, _ROWS = 60, 3
+"""Lines at the beginning in which a table's first is looked for, and rows that make one."""
+_COMMENT = ("#", "%")
+_BRACKETS = re.compile(r"^[\[(]\s*([^\[\]()]*?)\s*[\])]$")
+_DECIMAL_COMMA = re.compile(r"^[+-]?\d+,\d+([eE][+-]?\d+)?$")
+_FORTRAN = re.compile(r"^([+-]?\d*\.?\d+|[+-]?\d+\.)[dD]([+-]?\d{1,3})$")
+_MISSING = ("na", "n/a", "null", "none")
+"""What loggers write for no value, besides nothing and nan."""
+
+
+@dataclass(frozen=True, slots=True)
+class _Layout:
+    """How a text table is laid out: separator and decimal mark, header fields, units of their own line, its numbers."""
+
+    separator: str  # "" for runs of blanks
+    decimal: str
+    fields: tuple[str, ...]
+    offset: int  # of the first data row, in bytes
+    line: int  # number of that line, from 1
+    units: tuple[str, ...] = ()  # "" where that line says none
+
+
+def _number(cell: str, decimal: str = ".") -> float | None:
+    """The value of a cell; nan when it is empty, None when it is text."""
+    text = cell.strip()
+    if not text or text.lower() in _MISSING:
+        return float("nan")
+    if "_" in text:
+        return None
+    try:
+        return float(text.replace(",", ".") if decimal == "," else text)
+    except ValueError:
+        plain = _plain(text)
+        return None if plain == text else _number(plain, decimal)
+
+
+def _plain(text: str) -> str:
+    """A number as typesetters (a true minus) and Fortran (5.0D-02) write it, as everybody else does."""
+    return _FORTRAN.sub(r"\1e\2", text.replace("\N{MINUS SIGN}", "-"))
+
+
+def _cells(where: str, line: str, separator: str) -> list[str]:
+    if not separator:
+        return line.split()
+    try:
+        return [cell.strip() for cell in next(csv.reader([line], delimiter=separator))]
+    except csv.Error as error:
+        accepted = f"cells of at most {csv.field_size_limit()} characters are accepted"
+        raise InputError(where, f"unreadable ({error})", accepted) from None
+
+
+def _separator(lines: Sequence[str]) -> tuple[str, str]:
+    """The separator and decimal mark of these lines."""
+    last = lines[-1]
+    if "," not in lines[0] and _is_text(lines[0]) and all(map(_DECIMAL_COMMA.match, lines[1:])):
+        # one name above each pair of digits: a single column
+        return ";", ","
+    for separator in (";", "\t", ","):
+        if separator in last:
+            comma_decimal = separator != "," and "," in last and "." not in last
+            return separator, "," if comma_decimal else "."
+    # a single column's name may have blanks
+    single = len(last.split()) == 1 and not any("," in line for line in lines)
+    return ";" if single else "", "."
+
+
+def _is_text(line: str) -> bool:
+    return any(character.isalpha() for character in line)
+
+
+def _layout(path: Path, data: bytes | bytearray, skip_rows: int) -> _Layout:
+    head = bytes(data[:_HEAD])
+    lines = head.split(b"\n")
+    if len(data) > _HEAD and len(lines) > 1:
+        lines.pop()
+    if skip_rows >= len(lines) and skip_rows > 0:
+        raise InputError(
+            f"{path}: --skip-rows", f"{skip_rows} of {len(lines)} lines", "fewer than there are is accepted"
+        )
+    offset = sum(len(line) + 1 for line in lines[:skip_rows])
+    shown: list[tuple[int, int, str]] = []
+    for number, raw in enumerate(lines[skip_rows:], skip_rows + 1):
+        text = _decode(raw).strip()
+        if text:
+            # an empty last cell, where tabs part the names
+            tabbed = any("\t" in one for _, _, one in shown)
+            shown.append((number, offset, _decode(raw).strip(" \r") if tabbed else text))
+        offset += len(raw) + 1
+    body = [entry for entry in shown if not entry[2].startswith(_COMMENT)]
+    if not body:
+        raise InputError(str(path), "no rows", "a header and at least 50 rows are accepted")
+    sample = [text for _, _, text in body[:20]]
+    separator, decimal = _separator(sample)
+    number, start, first = body[0]
+    where = f"{path}: line {number}"
+    _refuse_preamble(path, [(n, text) for n, _, text in body[:_LOOKED]], separator, decimal)
+    cells = _cells(where, first, separator)
+    if _has_number(cells, decimal):
+        comments = [text.lstrip("#% ") for n, _, text in shown if n < number]
+        named = _header(where, comments[-1], separator) if comments else []
+        fields = tuple(named) if len(named) == len(cells) else ("",) * len(cells)
+        return _Layout(separator, decimal, fields, start, number)
+    cells = _header(where, first, separator)
+    if len(body) == 1:
+        raise InputError(str(path), "0 rows under the header", "at least 50 are accepted")
+    units = _units(cells, [_cells(f"{path}: line {n}", text, separator) for n, _, text in body[1:3]], decimal)
+    number, start, _ = body[2] if units else body[1]
+    return _Layout(separator, decimal, tuple(cells), start, number, units)
+
+
+def _refuse_preamble(path: Path, lines: Sequence[tuple[int, str]], separator: str, decimal: str) -> None:
+    """Raise RefusedError, with the --skip-rows that passes over them, for lines of another width before the table.
+
+    lines : number and text of each of the first ones that are no comment.
+    """
+    rows = [_cells(f"{path}: line {n}", text, separator) for n, text in lines]
+    width = len(rows[-1])
+
+    def of_names(i: int) -> list[str]:
+        return _header(f"{path}: line {lines[i][0]}", lines[i][1], separator)
+
+    full = _is_all_numbers(rows[-1], decimal)
+    # numbers and words in one line, where the rows have numbers alone: limits, scales, settings
+    mixed = full and _has_number(rows[0], decimal) and not _is_all_numbers(rows[0], decimal)
+    begin, is_row = len(rows), _is_all_numbers if mixed else _has_number
+    while begin > 0 and len(rows[begin - 1]) == width and is_row(rows[begin - 1], decimal):
+        begin -= 1
+    if (not mixed and width in (len(rows[0]), len(of_names(0)))) or len(rows) - begin < _ROWS:
+        return
+    above = [i for i in (begin - 1, begin - 2) if i >= 0 and len(of_names(i)) == width]
+    channels = [i for i in above if candidates([split_header(name)[0] for name in of_names(i)])]
+    first = min(channels or above[:1], default=begin)
+    count = "text" if mixed else f"{len(rows[0])} cell{'s' if len(rows[0]) > 1 else ''}"
+    numbers = "numbers" if mixed else str(width)
+    found = f"{count}, where the rows from line {lines[begin][0]} on have {numbers}"
+    accepted = "a header, and rows of as many cells, are accepted"
+    raise RefusedError(f"{path}: line {lines[0][0]}", found, accepted, [{"skip_rows": lines[first][0] - 1}])
+
+
+def _is_all_numbers(cells: Sequence[str], decimal: str) -> bool:
+    return all(_number(cell, decimal) is not None for cell in cells)
+
+
+def _has_number(cells: Sequence[str], decimal: str) -> bool:
+    return any(_number(cell, decimal) is not None and cell for cell in cells)
+
+
+def _units(fields: Sequence[str], below: Sequence[Sequence[str]], decimal: str) -> tuple[str, ...]:
+    """Units that stand in a line of their own between names and numbers; () where the line below is none of units.
+
+    fields : the names, of which none says a unit itself. below : cells of the next two lines.
+    """
+    if len(below) < 2 or any(split_header(field)[1] is not None for field in fields):
+        return ()
+    said, numbers = below
+    of_text = any(said) and all(_number(cell, decimal) is None or not cell for cell in said)
+    if len(said) != len(fields) or not of_text or any(Clock().seconds(cell) is not None for cell in said):
+        return ()
+    if not all(_number(cell, decimal) is not None or Clock().seconds(cell) is not None for cell in numbers):
+        return ()
+    return tuple(_BRACKETS.sub(r"\1", cell.strip()) for cell in said)
+
+
+def _header(where: str, line: str, separator: str) -> list[str]:
+    """The fields of a header; between blanks, ``x [mm]`` stays together."""
+    if separator:
+        return _cells(where, line, separator)
+    # a unit's text holds no second bracket: what is searched for its end ends at the next one
+    return re.findall(r"[^\s\[(]+(?:\s?[\[(][^\[\]()]*[\])])*", " ".join(line.split()))
+
+
+def _decode(raw: bytes | bytearray) -> str:
+    try:
+        return raw.decode("utf-8-sig")
+    except UnicodeDecodeError:
+        return raw.decode("latin-1")
+
+
+def _bytes(path: Path) -> bytes | bytearray:
+    """The content, unpacked, its lines ended by a line feed whatever system wrote them."""
+    try:
+        with path.open("rb") as file:
+            packed = file.read(2) == b"\x1f\x8b"
+            file.seek(0)
+            data = unpacked(path, file) if packed else read_bytes(path)
+    except OSError as error:
+        raise InputError(str(path), error.strerror or "unreadable", "a file that can be read is accepted") from None
+    if data[:2] in _UTF_16:
+        data = _from_utf_16(path, data)
+    if b"\x00" in data[:_HEAD]:
+        raise InputError(str(path), "binary content", "a text table in UTF-8, or in UTF-16 with its mark, is accepted")
+    if b"\r" in data:
+        data = data.replace(b"\r\n", b"\n").replace(b"\r", b"\n")
+    rows = data.count(b"\n")
+    if rows > MOST_ROWS:
+        raise InputError(str(path), f"{rows} lines", f"at most {MOST_ROWS} are accepted")
+    return data
+
+
+def _from_utf_16(path: Path, data: bytes | bytearray) -> bytes:
+    """The same text in UTF-8: spreadsheets save "Unicode text" so."""
+    try:
+        return data.decode("utf-16").encode("utf-8")
+    except UnicodeError:
+        raise InputError(str(path), "UTF-16 that is damaged", "a text table in UTF-8 or UTF-16 is accepted") from None
+
+
+def _single_blanks(data: bytes | bytearray) -> bytes:
+    """Lines without blanks at their ends, and one blank between cells."""
+    found = bytes(data).replace(b"\t", b" ")
+    while b"  " in found:
+        found = found.replace(b"  ", b" ")
+    return found.replace(b" \n", b"\n").replace(b"\n ", b"\n").strip(b" ")
+
+
+class TextTable(Table):
+    """A text table, kept as bytes until its columns are asked for."""
+
+    def __init__(self, path: Path, skip_rows: int = 0) -> None:
+        self._data = _bytes(path)
+        self._layout = _layout(path, self._data, skip_rows)
+        split = [split_header(field) for field in self._layout.fields]
+        units = {i: u for i, (_, u) in enumerate(split) if u is not None}
+        units |= {i: unit for i, unit in enumerate(self._layout.units) if unit}
+        super().__init__(path, [name for name, _ in split], units, self._layout.fields)
+
+    def read(self, positions: Sequence[int]) -> list[FloatArray]:
+        """See Table."""
+        import pyarrow as pa
+        from pyarrow import csv as pacsv
+
+        layout, data = self._layout, memoryview(self._data)[self._layout.offset :]
+        if not layout.separator:
+            data = memoryview(_single_blanks(self._data[layout.offset :]))
+        names = [f"#{i}" for i in range(len(self.names))]
+        wanted = list(dict.fromkeys(names[i] for i in positions))
+        try:
+            table = pacsv.read_csv(
+                pa.BufferReader(pa.py_buffer(data)),
+                # a pool of threads that a process leaves as soon as it is made may abort it
+                read_options=pacsv.ReadOptions(column_names=names, block_size=_BLOCK, use_threads=len(data) > _BLOCK),
+                parse_options=pacsv.ParseOptions(delimiter=layout.separator or " "),
+                convert_options=pacsv.ConvertOptions(
+                    include_columns=wanted,
+                    column_types={name: pa.float64() for name in wanted},
+                    decimal_point=layout.decimal,
+                    null_values=[""],
+                    check_utf8=False,
+                ),
+            )
+        except pa.ArrowException:
+            return self._read_slowly(positions)
+        return [np.asarray(table.column(names[i]).to_numpy(), dtype=np.float64) for i in positions]
+
+    def _rows(self) -> Iterator[tuple[int, list[str]]]:
+        """Line number and cells of every row but those that hold no number at all, and a last one that is cut short."""
+        start, line, begun = self._layout.offset, self._layout.line, False
+        while start < len(self._data):
+            end = self._data.find(b"\n", start)
+            end = len(self._data) if end < 0 else end
+            where = f"{self.path}: line {line}"
+            if end - start > _LONGEST_LINE:
+                raise InputError(where, f"{end - start} bytes", f"lines of at most {_LONGEST_LINE} are accepted")
+            text = _decode(self._data[start:end]).strip(" ")
+            if text.strip() and not text.startswith(_COMMENT):
+                cells = _cells(where, text, self._layout.separator)
+                if len(cells) < len(self.names) and not self._data[end:].strip():
+                    self._leave_out(f"Line {line}, the last one, is cut short: left out.")
+                elif not begun or self._is_row(cells):
+                    begun = True
+                    yield line, cells
+                else:
+                    self._leave_out(f"Line {line} holds text and no number: left out.")
+            start, line = end + 1, line + 1
+
+    def _is_row(self, cells: Sequence[str]) -> bool:
+        """Whether any cell is a number, a time, or empty."""
+        return any(
+            _number(cell, self._layout.decimal) is not None or Clock().seconds(cell) is not None for cell in cells
+        )
+
+    def _leave_out(self, said: str) -> None:
+        if said not in self.mended:
+            self.mended.append(said)
+
+    def _read_slowly(self, positions: Sequence[int]) -> list[FloatArray]:
+        """Cell by cell: to say where the fast reader stumbled, or to read what only it could not."""
+        columns, clocks = [array("d") for _ in positions], [Clock() for _ in positions]
+        width = len(self.names)
+        for row, (line, cells) in enumerate(self._rows(), 1):
+            if len(cells) != width:
+                where = f"{self.path}: row {row} (line {line})"
+                raise InputError(where, f"{len(cells)} cells", f"{width}, as in the first row, are accepted")
+            for column, clock, i in zip(columns, clocks, positions, strict=True):
+                value = _number(cells[i], self._layout.decimal)
+                if value is None and (clock.first or not column):
+                    value = clock.seconds(cells[i])
+                elif clock.first and value is not None and not math.isnan(value):
+                    value = None
+                if value is None:
+                    where = f"{self.path}: row {row} (line {line}), column {self.names[i] or f'#{i + 1}'}"
+                    raise InputError(where, f"the text '{cells[i][:40]}'", "a number is accepted")
+                column.append(value)
+        self.dated |= {i: clock.first for i, clock in zip(positions, clocks, strict=True) if clock.first}
+        return [np.asarray(column, dtype=np.float64) for column in columns]
+
+    def row(self, index: int) -> str:
+        """See Table; the line of the file beside it."""
+        for row, (line, _) in enumerate(self._rows()):
+            if row == index:
+                return f"row {index + 1} (line {line})"
+        return f"row {index + 1}"
+
+
+TEXT = Reader(
     name="text tables, also gzipped",
     suffixes=(".csv", ".txt", ".dat", ".tsv", ".asc", ".tab"),
     open=TextTable,

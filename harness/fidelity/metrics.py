@@ -1,13 +1,34 @@
-"""Metrics of a free decay against the exact one; each is one small function that says what a good value is."""
+"""Metrics of a trace: of a free decay against the exact motion, as estimators read it, and of a contact."""
 
 import numpy as np
 
 from harness.core.arrays import FloatArray
+from harness.core.errors import InputError
 from harness.core.events import EventKind, Mode
 from harness.core.scenario import Scenario
 from harness.core.slider import Slider
 from harness.core.trajectory import Trajectory
+from harness.estimate.every import estimate_all
+from harness.estimate.result import Estimation
 from harness.exact.decay import free_decay
+
+
+def falling(t: FloatArray, y: FloatArray) -> FloatArray:
+    """Times at which y goes from above 0 to 0 or below, by linear interpolation."""
+    i = np.flatnonzero((y[:-1] > 0.0) & (y[1:] <= 0.0))
+    found: FloatArray = t[i] + y[i] * (t[i + 1] - t[i]) / (y[i] - y[i + 1])
+    return found
+
+
+def highest(y: FloatArray) -> float:
+    """Largest value of evenly sampled y, by a parabola through the largest sample and its neighbours."""
+    i = int(np.argmax(y))
+    if i in (0, y.size - 1):
+        return float(y[i])
+    before, at, after = (float(value) for value in y[i - 1 : i + 2])
+    bend = before - 2.0 * at + after
+    return at if bend >= 0.0 else at - 0.125 * (after - before) ** 2 / bend
+
 
 STILL = 1e-6
 """Slower than this share of the speed scale of the start is rest."""
@@ -138,3 +159,64 @@ def energy_error(trace: Trajectory, slider: Slider) -> float | None:
     path[turns] = v[turns] ** 2 / np.abs(2.0 * a[turns]) + v[turns + 1] ** 2 / np.abs(2.0 * a[turns + 1])
     lost = np.concatenate([[0.0], np.cumsum(slider.c * squares + slider.f_k * path)])
     return float(np.max(np.abs(energy + lost - energy[0])) / energy[0])
+
+
+GRAVITY = 9.81
+"""Gravity of the contact models, m/s^2."""
+
+
+def measure_contact(trace: Trajectory, slider: Slider) -> dict[str, float | None]:
+    """Every metric of the contact itself; empty for a trace without one."""
+    if "normal_force" not in trace.extra:
+        return {}
+    return {
+        "lift_m": lift_m(trace),
+        "normal_error": normal_error(trace, slider),
+        "mu_v_over_g_s": mu_v_over_g(trace, slider),
+    }
+
+
+def lift_m(trace: Trajectory) -> float:
+    """Largest height above where it rested at the start, m; a soft floor lets it rest below 0. Good: below 1e-6."""
+    height = trace.extra["lift"]
+    return float(np.max(height) - height[0])
+
+
+def normal_error(trace: Trajectory, slider: Slider) -> float:
+    """Largest |N/(m g) - 1|. Good: below 1e-3; 1 means that the box leaves the floor."""
+    return float(np.max(np.abs(trace.extra["normal_force"] / (slider.m * GRAVITY) - 1.0)))
+
+
+def mu_v_over_g(trace: Trajectory, slider: Slider) -> float:
+    """Largest coefficient of friction x speed / g in s: a cone solved as one lifts a box at its rate."""
+    return float(slider.f_k / (slider.m * GRAVITY) * np.max(np.abs(trace.v)) / GRAVITY)
+
+
+WIDE, NARROW = "acceleration", "acceleration-local"
+"""Read outside a guard on each side of a reversal, and at the reversal itself."""
+
+
+def recovered(trace: Trajectory, scenario: Scenario) -> dict[str, float | None]:
+    """What the estimators read against what was put in; None where they refuse.
+
+    Good: x_k_rel_error and zeta_rel_error below 1e-3. x_k_local_rel_error near 0 means that friction jumps at the
+    reversal; near -1, that the engine spreads the jump so far that a sample before and one after do not see it.
+    """
+    slider = scenario.slider
+    try:
+        estimates = estimate_all(trace.t, trace.x, trace.v, trace.a)
+    except InputError:  # nothing that an estimator could read
+        return dict.fromkeys(("x_k_m", "zeta", "x_k_local_m"))
+    x_k, local = _x_k(estimates, WIDE), _x_k(estimates, NARROW)
+    zeta = estimates[WIDE].zeta.value
+    found = {"x_k_m": x_k, "zeta": zeta, "x_k_local_m": local}
+    if slider.zeta > 0.0:
+        found["zeta_rel_error"] = None if zeta is None else zeta / slider.zeta - 1.0
+    if slider.x_k > 0.0:
+        found["x_k_rel_error"] = None if x_k is None else x_k / slider.x_k - 1.0
+        found["x_k_local_rel_error"] = None if local is None else local / slider.x_k - 1.0
+    return found
+
+
+def _x_k(estimates: Estimation, method: str) -> float | None:
+    return estimates[method].x_k.value

@@ -13,11 +13,28 @@ from harness.core.scenario import Hold, Scenario
 from harness.core.slider import Slider
 from harness.core.trajectory import Source, Trajectory
 from harness.exact import hold
-from harness.fidelity import figure
-from harness.fidelity.figure import Row
-from harness.fidelity.kind import Answers, Kind, Metrics
-from harness.fidelity.metrics.hold import measure_hold
+from harness.fidelity.kind import Answers, Figure, Kind, Metrics, Row, period, x_k
 from harness.fidelity.sliders import OWN, VALUES, Sliders, only, plain, with_values
+
+
+def measure_hold(trace: Trajectory) -> dict[str, float | None]:
+    """Every metric of a hold."""
+    return {"creep_m_s": creep_m_s(trace), "drift_m": drift_m(trace)}
+
+
+def creep_m_s(trace: Trajectory) -> float:
+    """Mean velocity in m/s over the later half of the hold, when what a soft contact needs to build up is over.
+
+    Good: 0. MuJoCo creeps at F (1 - d0)/(d0 b m), in proportion to the load.
+    """
+    half = len(trace) // 2
+    return float((trace.x[-1] - trace.x[half]) / (trace.t[-1] - trace.t[half]))
+
+
+def drift_m(trace: Trajectory) -> float:
+    """Distance in m from the start at the end, elastic give included. Good: 0."""
+    return float(trace.x[-1] - trace.x[0])
+
 
 SOFT = 0.01
 """Stiffness of a hold over that of the free decay: creep must not unload it."""
@@ -27,7 +44,7 @@ def creep_scale(row: Row) -> float:
     """x_k in a period of the free decay, to which the soft spring does not belong, m/s."""
     k = float(row["slider"]["k"]) / SOFT
     slider = {**row["slider"], "k": k}
-    return figure.x_k({"slider": slider}) / figure.period({"slider": slider})
+    return x_k({"slider": slider}) / period({"slider": slider})
 
 
 @final
@@ -73,3 +90,20 @@ class HoldKind(Kind):
     def measure(self, trace: Trajectory, scenario: Scenario) -> Metrics:
         """See Kind.measure."""
         return measure_hold(trace)
+
+
+HOLD_50 = HoldKind(
+    name="hold-50",
+    place=2,
+    share=0.5,
+    figures=(Figure("creep 50 %", "creep_m_s", creep_scale, "creep in one period at half of break-away, over x_k"),),
+)
+"""A load of half of break-away."""
+
+HOLD_97 = HoldKind(
+    name="hold-97",
+    place=3,
+    share=0.97,
+    figures=(Figure("creep 97 %", "creep_m_s", creep_scale, "creep in one period at 97 % of break-away, over x_k"),),
+)
+"""A load of 97 % of break-away."""

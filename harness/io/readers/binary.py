@@ -13,6 +13,7 @@ import numpy as np
 
 from harness.core.arrays import FloatArray
 from harness.core.errors import InputError
+from harness.io.reader import Reader
 from harness.io.table import ArrayTable, Held, Table, held, table_of_arrays
 from harness.io.units import split_header
 
@@ -177,3 +178,8 @@ def _npy_arrays(path: Path) -> dict[str, Held]:
 def _npy_array(path: Path, name: str) -> Any:
     with np.load(path, allow_pickle=False) as archive:
         return archive[name]
+
+
+MAT = Reader(name="MATLAB", suffixes=(".mat",), open=open_mat)
+NPZ = Reader(name="NumPy", suffixes=(".npz",), open=open_npz)
+PARQUET = Reader(name="Parquet", suffixes=(".parquet", ".pq"), open=ParquetTable)

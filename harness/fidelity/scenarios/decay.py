@@ -10,8 +10,8 @@ from harness.core.slider import Slider
 from harness.core.trajectory import Trajectory
 from harness.exact.decay import Decay, free_decay, never_sticks, schedule
 from harness.exact.duration import until_rest
-from harness.fidelity.kind import Answers, Kind, Metrics
-from harness.fidelity.metrics.decay import measure_decay
+from harness.fidelity.kind import Answers, Figure, Kind, Metrics, one, period, release, x_k
+from harness.fidelity.metrics import measure_decay
 from harness.fidelity.sliders import OWN, VALUES, Sliders, only, plain, scale_of, scaled, with_values
 
 
@@ -68,3 +68,54 @@ class DecayKind(Kind):
     def measure(self, trace: Trajectory, scenario: Scenario) -> Metrics:
         """See Kind.measure."""
         return measure_decay(trace, scenario)
+
+
+FREE_DECAY = DecayKind(
+    name="free-decay",
+    place=0,
+    duration=3.5,
+    shown=3.0,
+    figures=(
+        Figure("position", "max_error_m", release, "position error, over the release; at best the integrator's"),
+        Figure("x_k wide", "x_k_rel_error", one, "friction as read outside a guard at each reversal"),
+        Figure("x_k narrow", "x_k_local_rel_error", one, "friction as read at the reversal itself"),
+        Figure("zeta", "zeta_rel_error", one, "damping ratio as the estimator reads it"),
+        Figure("lead", "reversal_lead_s", period, "friction reverses before the speed, over the period"),
+        Figure("rest", "rest_error_m", x_k, "place of rest, over x_k"),
+        Figure("energy", "energy_error", one, "largest error of the energy balance, over the start's"),
+        Figure("lift", "lift_m", release, "contact: height over the floor, over the release"),
+    ),
+)
+"""The paper's case: a release with viscous and dry friction."""
+
+FREE_DECAY_NO_FRICTION = DecayKind(
+    name="free-decay-no-friction",
+    place=1,
+    duration=3.0,
+    shown=3.0,
+    friction=0.0,
+    figures=(Figure("integrator", "max_error_m", release, "position error without friction, over the release"),),
+)
+"""The same slider without dry friction: what the integrator alone gets wrong."""
+
+FREE_DECAY_X3 = DecayKind(
+    name="free-decay-x3",
+    place=7,
+    duration=3.5,
+    shown=3.5,
+    friction=3.0,
+    reach=3.0,
+    routes=("contact",),
+)
+"""A box on the floor, let go three times as far away with three times the friction, until it lifts."""
+
+FREE_DECAY_X10 = DecayKind(
+    name="free-decay-x10",
+    place=8,
+    duration=3.5,
+    shown=3.5,
+    friction=10.0,
+    reach=10.0,
+    routes=("contact",),
+)
+"""A box on the floor, let go ten times as far away with ten times the friction, until it lifts."""

@@ -1,0 +1,140 @@
+"""Times as loggers write them: dates, stamps since 1970, repeated or late ones; what their spacing is like."""
+
+import re
+from datetime import UTC, date, datetime
+
+import numpy as np
+
+from harness.core.arrays import BoolArray, FloatArray
+from harness.core.errors import InputError
+from harness.io.columns import Mapping
+from harness.io.table import Table
+from harness.io.units import Unit
+
+_DAY, _HOUR, _MINUTE = 86_400.0, 3600.0, 60.0
+_STAMP = re.compile(
+    r"(?:(?P<day>\d{4}-\d\d-\d\d)[T ])?(?P<h>\d\d?):(?P<m>\d\d):(?P<s>\d\d(?:[.,]\d{1,12})?)"
+    r"(?P<zone>Z|[+-]\d\d:?\d\d)?"
+)
+
+
+class Clock:
+    """Turns stamps into seconds from the first."""
+
+    def __init__(self) -> None:
+        self.first = ""
+        self._day, self._seconds = 0, 0.0
+
+    def seconds(self, text: str) -> float | None:
+        """From the first stamp that was asked for; None for what is no date with a time of day, nor a time of day.
+
+        Days and seconds are subtracted apart: seconds since 1970 have no more than seven digits behind the point.
+        """
+        found = _STAMP.fullmatch(text.strip())
+        if found is None:
+            return None
+        try:
+            day = date.fromisoformat(found["day"]).toordinal() if found["day"] else 0
+        except ValueError:
+            return None
+        seconds = _HOUR * int(found["h"]) + _MINUTE * int(found["m"]) + float(found["s"].replace(",", "."))
+        if found["zone"] not in (None, "Z"):
+            zone = found["zone"].replace(":", "")
+            ahead = _HOUR * int(zone[1:3]) + _MINUTE * int(zone[3:5])
+            seconds += -ahead if zone[0] == "+" else ahead
+        if not self.first:
+            self.first, self._day, self._seconds = text.strip(), day, seconds
+        return (day - self._day) * _DAY + (seconds - self._seconds)
+
+
+def counted_from(table: Table, mappings: dict[str, Mapping]) -> str | None:
+    """The first stamp, where times are dates; None where they are numbers. Raises InputError for dates elsewhere."""
+    first = None
+    for channel, mapping in mappings.items():
+        dated = [table.dated[i] for i in map(table.position, mapping.names) if i in table.dated]
+        if dated and (channel != "t" or len(mapping.names) > 1):
+            where = f"{table.path}: channel {channel}"
+            raise InputError(where, f"the time '{dated[0]}'", "numbers are accepted; times are for t alone")
+        first = dated[0] if dated else first
+    return first
+
+
+_EPOCHS: tuple[tuple[float, float, str, float], ...] = (
+    (3e8, 1e10, "s", 1.0),
+    (3e11, 1e13, "ms", 1e-3),
+    (3e14, 1e16, "us", 1e-6),
+    (3e17, 1e19, "ns", 1e-9),
+)
+"""Stamps of 1979 to 2286 in each unit; no two overlap, and no experiment lasts ten years."""
+
+_OFF, _COARSE = 2.0, 0.9
+"""Steps of a coarse clock that its stamps of even samples lie apart at most, half of one at either side and as much
+again; and the quantile of the steps that is the clock's, above which there may be gaps."""
+
+
+def since_first(t: FloatArray, unit: Unit) -> tuple[FloatArray, str | None]:
+    """Stamps of shape (n,) as read, in s: from the first where they count from 1970, and the sentence that says so.
+
+    unit : what the header says; where it says nothing, the size of the stamps tells.
+    """
+    first = float(t[0]) if t.size else 0.0
+    for low, high, name, factor in _EPOCHS:
+        told = not unit.text or np.isclose(unit.factor, factor, rtol=1e-9, atol=0.0)
+        if told and low <= first < high:
+            when = datetime.fromtimestamp(first * factor, UTC).strftime("%Y-%m-%d %H:%M:%S")
+            said = f"Stamps count {name} since 1970: t is counted from the first, {when} UTC."
+            return (t - first) * factor, said
+    return t * unit.factor, None
+
+
+def rising(t: FloatArray) -> BoolArray:
+    """Which of the times (n,) come after all before them: a row that was written twice and a clock that was set back
+    leave few that do not.
+    """
+    before = np.maximum.accumulate(np.concatenate(([-np.inf], t[:-1])))
+    found: BoolArray = t > before
+    return found
+
+
+def even_rate(t: FloatArray) -> float | None:
+    """The rate in Hz of samples whose times (n,), s, stand still but never go back; None where they are not even.
+
+    A clock that is too coarse is never further off an even one than its own step; a gap is.
+    """
+    steps = np.diff(t)
+    if not np.any(steps == 0.0) or float(steps.min()) < 0.0 or t[-1] <= t[0]:
+        return None
+    coarse = float(np.quantile(steps[steps > 0.0], _COARSE))
+    count = np.arange(t.size) - 0.5 * (t.size - 1)
+    interval = float(count @ t) / float(count @ count)
+    return 1.0 / interval if float(np.ptp(t - interval * count)) <= _OFF * coarse else None
+
+
+def whole_numbers(t: FloatArray, unit: Unit) -> str | None:
+    """A caution where times without a unit are whole numbers and count no seconds, as samples or ms would."""
+    if unit.text or t.size < 2 or float(np.median(np.diff(t))) < 1.0 or np.any(t != np.round(t)):
+        return None
+    return "Times are whole numbers without a unit, read as s; --columns with t=NAME[ms], or --rate, says otherwise."
+
+
+GAP = 5.0
+"""An interval longer than this many medians is a gap."""
+UNEVEN = 0.01
+"""Intervals that vary by less than this share of their median are even."""
+
+
+def sampling_notes(t: FloatArray) -> tuple[str, ...]:
+    """Say what is irregular about times of shape (n,) in s, n >= 2; nothing when they are even."""
+    steps = np.diff(t)
+    median = float(np.median(steps))
+    gaps = np.flatnonzero(steps > GAP * median)
+    rest = steps[steps <= GAP * median]
+    notes = []
+    if rest.size and float(rest.max() - rest.min()) > UNEVEN * median + 4.0 * float(np.spacing(np.abs(t).max())):
+        low, high = rest.min() * 1e3, rest.max() * 1e3
+        notes.append(f"Sampling is irregular: intervals of {low:.3g} to {high:.3g} ms, median {median * 1e3:.3g} ms.")
+    if gaps.size:
+        longest = gaps[np.argmax(steps[gaps])]
+        count = "is 1 gap" if gaps.size == 1 else f"are {gaps.size} gaps"
+        notes.append(f"There {count} in time, the longest of {steps[longest]:.3g} s at t = {t[longest]:.4g} s.")
+    return tuple(notes)
