@@ -13,13 +13,9 @@ from harness.diagnosis.fit import model_fit
 from harness.diagnosis.fit.model_fit import Fit, fit
 from harness.diagnosis.fit.observe import Observation, observe
 from harness.diagnosis.fit.parameters import base_of, free_of
-from harness.diagnosis.problem import Problem
 from harness.diagnosis.problems.free_decay import FreeDecay
 from harness.diagnosis.residual_tests.structure import Left
-from harness.diagnosis.rules import AMONG_NAMES, DECISIVE, PAIR_PROMISE, SCREEN_SHARE
-from harness.diagnosis.search import look
 from harness.diagnosis.search.extend import extend, prune
-from harness.diagnosis.search.look import Look
 from harness.diagnosis.search.search import Search
 from harness.diagnosis.search.start_evidence import frequencies
 from harness.diagnosis.search.within_recording import Recorded, within
@@ -28,43 +24,6 @@ from harness.kernels.solve import Scales, simulate, solve
 from harness.model.model import Model, ModelTerm
 from harness.model.place import Place
 from harness.model.registry import NAMED
-
-
-def decay() -> Problem:
-    t = np.linspace(0.0, 8.0, 1200)
-    x = simulate(Model(1.0, 0.3, 100.0, 0.4, x0=0.1), t).x + 1e-4 * np.random.default_rng(1).standard_normal(t.size)
-    return FreeDecay(t, {"x": x}, {"x": channel_noise(t, x)})
-
-
-def test_a_law_too_stiff_for_a_first_look_is_nothing_to_build_on(monkeypatch: pytest.MonkeyPatch) -> None:
-    def too_stiff(*_: object) -> list[Fit]:
-        raise SimulationError("the model could not be followed")
-
-    problem = decay()
-    base, scales = baseline(problem)
-    monkeypatch.setattr(look, "screen", too_stiff)
-    assert extend(base, problem, scales).fits == ()
-
-
-def test_a_law_ends_a_search_only_if_it_promises_to_come_near_the_noise_and_a_share_of_the_best() -> None:
-    t = np.linspace(0.0, 8.0, 1200)
-    terms = (ModelTerm.named("cubic-stiffness", k3=200.0), ModelTerm.named("quadratic-drag", c2=1.0))
-    noise = 1e-4 * np.random.default_rng(1).standard_normal(t.size)
-    x = simulate(Model(1.0, 0.3, 100.0, 0.4, x0=0.1, terms=terms), t).x + noise
-    problem = FreeDecay(t, {"x": x}, {"x": channel_noise(t, x)})
-    base, scales = baseline(problem)
-    with_cubic = extend(base, problem, scales, [term for term in NAMED if term.name == "cubic-stiffness"]).fits[0]
-    seen = Look.at(with_cubic, problem, scales, NAMED)
-    ending = [c for c in seen.ending() if c.term.amplitude is not None]
-    assert seen.promises_an_end
-    assert "quadratic-drag" in {c.term.name for c in ending}
-    assert all(with_cubic.chi2 - c.gain <= PAIR_PROMISE.value * with_cubic.points for c in ending)
-    assert all(c.gain >= SCREEN_SHARE.value * seen.most for c in ending)
-    assert len(ending) < len([c for c in seen.worthy() if c.term.amplitude is not None])
-    step = extend(with_cubic, problem, scales, look=seen)
-    assert {f.model.terms[-1].term.name for f in step.fits} <= {c.term.name for c in seen.ending()}
-    (drag,) = (f for f in step.fits if f.model.terms[-1].term.name == "quadratic-drag")
-    assert drag.chi2 < 1.2 * drag.points
 
 
 def test_where_partials_cannot_be_followed_no_descent_goes(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -91,10 +50,6 @@ def test_where_partials_cannot_be_followed_no_descent_goes(monkeypatch: pytest.M
     assert np.isfinite(found.covariance()).all()
     with pytest.raises(SimulationError, match="what the fitted numbers change"):
         begun(400.0)
-
-
-def test_a_name_must_stand_out_among_all_that_were_tried() -> None:
-    assert pytest.approx(DECISIVE.value + 2.0 * np.log(len({term.name for term in NAMED}))) == AMONG_NAMES.value
 
 
 @pytest.mark.parametrize(

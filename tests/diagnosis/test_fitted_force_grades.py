@@ -4,7 +4,6 @@ import math
 from collections.abc import Mapping
 from dataclasses import replace
 from functools import cache
-from typing import Any
 
 import numpy as np
 import pytest
@@ -12,10 +11,8 @@ import pytest
 from harness.core.arrays import FloatArray
 from harness.core.recording import Recording
 from harness.diagnosis.explain.by_force import cautions_of_force, mechanisms_of
-from harness.diagnosis.fit.observe import Observation
 from harness.diagnosis.grading.chance import Odds
 from harness.diagnosis.grading.grade import decided
-from harness.diagnosis.inverse_dynamics import force_fit, search
 from harness.diagnosis.inverse_dynamics.force_fit import ForceFit
 from harness.diagnosis.inverse_dynamics.left_over import left_over
 from harness.diagnosis.inverse_dynamics.measured import BLOCK, Measured
@@ -104,24 +101,6 @@ def test_equal_readings_of_an_encoder_are_one_word() -> None:
     alike = (read[1:-1] == read[:-2]) & (read[1:-1] == read[2:])
     assert 0.1 < np.mean(alike) < 0.9
     assert np.array_equal(problem.weight["x"][1:-1] == 0.0, alike)
-
-
-def test_a_law_whose_motion_has_nothing_to_do_with_the_recording_is_not_looked_at(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    """However well it says the force: here each law of this name comes with a push that no slider withstands."""
-    problem = by_force(recorded(replace(AXIS, terms=(TURNED,)), 1500, 1e-6))
-    true_motion = force_fit.simulated
-
-    def pushed(fit: ForceFit, *rest: Any) -> Observation:
-        strayed = any(entry.term.name == "asymmetric-viscous" for entry in fit.model.terms)
-        push = (ModelTerm.named("constant-force", force=1e6),) if strayed else ()
-        return true_motion(replace(fit, model=replace(fit.model, terms=(*fit.model.terms, *push))), *rest)
-
-    monkeypatch.setattr(search, "simulated", pushed)
-    found = search_driven(problem)
-    assert "asymmetric-viscous" not in {entry.term.name for entry in found.search.chosen.model.terms}
-    assert found.graded is None or "asymmetric-viscous" not in {f.name for f in found.graded.finalists}
 
 
 @cache

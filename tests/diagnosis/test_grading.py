@@ -24,18 +24,11 @@ from harness.diagnosis.outcome import Grade
 from harness.diagnosis.pipeline import fit_base, search
 from harness.diagnosis.problems.free_decay import FreeDecay
 from harness.diagnosis.rules import (
-    AMONG_ALIKE,
     BEGINS_ALIKE,
-    CHANCE,
     GAIN,
     HELD_OUT,
-    LEAST_CYCLES,
     LEAST_RATIO,
     MARGIN,
-    MOST_LIKELY,
-    MOST_LISTED,
-    NEARLY_AS_MUCH,
-    RUN_BETTER,
     SAME_CLOCK,
     SHARE_OF_EXCESS,
     SHARE_OF_MISFIT,
@@ -148,16 +141,6 @@ def test_a_name_is_told_apart_by_a_margin_that_grows_with_the_words(graded: Grad
     assert len(near.named) == 2
 
 
-def test_a_clock_on_the_swing_is_no_name_but_what_is_beside_it_does_not_stand_apart(graded: Graded) -> None:
-    ahead = moved(graded, -20.0, clock=True)
-    assert [f.clock for f in ahead.named] == [False]
-    assert SAME_CLOCK in ahead.rules
-    beside = in_step(ahead)
-    assert beside is not None
-    assert beside.clock
-    assert moved(graded, 100.0, clock=True).grade is Grade.MAIN
-
-
 def test_a_clock_on_the_swing_alone_is_nothing_and_it_is_said_why(graded: Graded) -> None:
     alone = decided(replace(graded, finalists=(replace(graded.finalists[0], clock=True),)))
     assert (alone.grade, alone.named) == (None, ())
@@ -167,86 +150,6 @@ def test_a_clock_on_the_swing_alone_is_nothing_and_it_is_said_why(graded: Graded
     assert said.startswith(f"{alone.finalists[0].name} takes {share} of the misfit off and is no name: it keeps time")
     assert in_step(graded) is None
     assert keeping_time(graded) == ()
-
-
-def test_a_name_that_runs_on_far_better_is_listed_beside_the_first(graded: Graded) -> None:
-    first = next(f for f in graded.finalists if f.name == "quadratic-drag")
-    assert first.run is not None
-    half = replace(first.run, squares={c: 0.25 * s for c, s in first.run.squares.items()})
-    assert moved(graded, 100.0).grade is Grade.MAIN
-    far = replace(graded, base_run=None, finalists=(replace(first, gain=first.gain + 100.0), replace(first, run=half)))
-    assert decided(far).grade is Grade.ONE_OF
-
-
-def test_few_cycles_are_told_beside_the_name(graded: Graded) -> None:
-    strokes = replace(graded.misfit.strokes, count=int(2 * LEAST_CYCLES.value) - 1)
-    few = decided(replace(graded, misfit=replace(graded.misfit, strokes=strokes)))
-    assert (few.grade, len(few.named)) == (Grade.MAIN, 1)
-    assert LEAST_CYCLES in few.rules
-
-
-@pytest.mark.parametrize("likely", [MOST_LIKELY.value, MOST_LIKELY.value - 1e-9])
-def test_a_lone_name_is_never_a_list(graded: Graded, likely: float, monkeypatch: pytest.MonkeyPatch) -> None:
-    """It is the most likely one, or the largest part; with any other that has evidence it is a list."""
-    monkeypatch.setattr(Graded, "chance_of", lambda self, first: likely)
-    first = graded.finalists[0]
-    alone = decided(replace(graded, finalists=(first,)))
-    assert alone.grade is (Grade.MAIN if likely >= MOST_LIKELY.value else Grade.MINOR)
-    assert alone.chance == likely
-    listed = decided(replace(graded, finalists=(first, replace(first, gain=GAIN.value, share=0.1))))
-    assert (listed.grade, len(listed.named)) == (Grade.ONE_OF, 2)
-    nothing = decided(replace(graded, finalists=(first, replace(first, gain=GAIN.value - 1e-6, share=0.1))))
-    assert nothing.grade is alone.grade
-
-
-def test_a_name_that_surely_predicts_one_channel_worse_than_the_base_is_not_listed(graded: Graded) -> None:
-    first = graded.finalists[0]
-    assert first.held is not None
-    assert graded.base_held is not None
-
-    def beside(one: Predicted, rms: float) -> Predicted:
-        """With a second channel, loud in squares and of no weight in the sum."""
-        return replace(
-            one,
-            squares={**one.squares, "a": rms**2 * graded.base_held.by_span},  # type: ignore[union-attr]
-            sigma={**one.sigma, "a": 1e6},
-        )
-
-    def named(rms: float) -> tuple[Grade | None, int]:
-        other = replace(first, gain=first.gain - 0.1, held=beside(first.held, rms))  # type: ignore[arg-type]
-        pair = (replace(first, held=beside(first.held, 0.5)), other)  # type: ignore[arg-type]
-        found = decided(replace(graded, finalists=pair, base_held=beside(graded.base_held, 1.0)))  # type: ignore[arg-type]
-        return found.grade, len(found.named)
-
-    assert named(0.9) == (Grade.ONE_OF, 2)
-    assert named(1.2) == (Grade.MAIN, 1)
-
-
-def test_a_list_is_short(graded: Graded) -> None:
-    first = graded.finalists[0]
-    many = replace(graded, finalists=tuple(replace(first, gain=first.gain - 0.1 * i) for i in range(9)))
-    assert len(decided(many).named) == MOST_LISTED.count
-
-
-@pytest.mark.parametrize("likely", [CHANCE.value, CHANCE.value - 1e-9])
-def test_what_several_small_effects_may_come_to_is_listed_with_what_takes_nearly_as_much(
-    graded: Graded, likely: float, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """However far behind the others are in evidence: none of them need be there."""
-    monkeypatch.setattr(Graded, "chance_of", lambda self, first: likely)
-    first = replace(graded.finalists[0], share=0.9)
-    shares = (NEARLY_AS_MUCH.value * 0.9, NEARLY_AS_MUCH.value * 0.9 - 1e-9)
-    others = [replace(first, gain=first.gain - 50.0 - i, share=share) for i, share in enumerate(shares)]
-    found = decided(replace(graded, finalists=(first, *others)))
-    assert found.grade is (Grade.MAIN if likely >= CHANCE.value else Grade.ONE_OF)
-    assert found.named == ((first,) if likely >= CHANCE.value else (first, others[0]))
-    assert found.chance == likely
-    assert CHANCE in found.rules
-
-
-def test_a_list_of_near_rivals_is_asked_for_no_chance(graded: Graded) -> None:
-    assert graded.chance is not None
-    assert moved(graded, 0.1).chance is None
 
 
 def test_a_law_that_stands_for_friction_is_found_without_it() -> None:
@@ -299,10 +202,6 @@ def test_what_follows_a_hand_is_explained() -> None:
     assert search.chosen.model.f_k == pytest.approx(0.3, rel=0.05)
 
 
-def test_structure_after_the_first_turning_point_is_no_hand(graded: Graded) -> None:
-    assert after_first_turn(graded) is None
-
-
 def by_share(graded: Graded, **changed: object) -> Graded:
     """The grade of drag alone, changed so."""
     first = next(f for f in graded.finalists if f.name == "quadratic-drag")
@@ -336,50 +235,6 @@ def test_a_main_effect_predicts_blocks_that_were_left_out(graded: Graded) -> Non
     assert by_share(alone, held=scaled(graded.base_held, HELD_OUT.value - 1e-6)).grade is Grade.MAIN
     assert by_share(alone, held=scaled(graded.base_held, HELD_OUT.value + 1e-6)).grade is not Grade.MAIN
     assert by_share(alone, held=None).grade is not Grade.MAIN
-
-
-def by_run(graded: Graded, *runs: float, **changed: object) -> Graded:
-    """The grade of names that take little off, and whose free runs miss so many times what the base's does."""
-    first = next(f for f in graded.finalists if f.name == "quadratic-drag")
-    small = replace(first, share=0.1, **changed)  # type: ignore[arg-type]
-    return decided(replace(graded, finalists=tuple(replace(small, run=scaled(graded.base_run, r)) for r in runs)))
-
-
-def test_a_free_run_far_better_than_the_bases_is_listed_and_never_the_main_effect(graded: Graded) -> None:
-    # enough words in the last part for any better run to be sure
-    strokes = graded.misfit.strokes
-    assert graded.words_run > 1.0
-    far = by_run(graded, 0.01)
-    # alone it is no list
-    assert (far.grade, len(far.named)) == (Grade.MINOR, 1)
-    assert by_run(graded, 0.01, 0.011).grade is Grade.ONE_OF
-    assert by_run(graded, *[RUN_BETTER.value + 1e-3] * 2).grade is not Grade.ONE_OF
-    assert by_run(graded, 0.01, 0.01, clock=True).grade is not Grade.ONE_OF
-    assert by_run(graded, 0.01, 0.01, gain=0.0).grade is not Grade.ONE_OF
-    # the nearest first, and those that miss a quarter more in squares are not told apart from it
-    listed = by_run(graded, 0.0111, 0.01, 0.0113)
-    assert [scaled(f.run, 1.0).total for f in listed.named] == [
-        pytest.approx(r**2 * scaled(graded.base_run, 1.0).total) for r in (0.01, 0.0111)
-    ]
-    assert by_run(graded, *[0.01] * (MOST_LISTED.count + 1)).grade is not Grade.ONE_OF
-    assert strokes.cycles > LEAST_CYCLES.value
-
-
-def test_a_run_is_better_only_with_evidence_for_it(graded: Graded) -> None:
-    words = graded.words_run
-    # words ln(ratio of squares) - ln(names) = what a name needs
-    just = float(np.exp(-(GAIN.value + np.log(AMONG_ALIKE.value)) / words / 2.0))
-    assert just < RUN_BETTER.value
-    assert by_run(graded, *[just * (1.0 - 1e-9)] * 2).grade is Grade.ONE_OF
-    assert by_run(graded, *[just * (1.0 + 1e-6)] * 2).grade is not Grade.ONE_OF
-
-
-def test_what_is_not_headline_is_the_largest_part_that_is_sure(graded: Graded) -> None:
-    alone = replace(graded, base_run=None)
-    sure = by_share(alone, share=0.1)
-    assert (sure.grade, len(sure.named)) == (Grade.MINOR, 1)
-    unsure = by_share(alone, share=0.1, gain=GAIN.value - 1e-6)
-    assert (unsure.grade, unsure.named) == (None, ())
 
 
 def test_noise_is_what_is_left_within_short_windows(graded: Graded) -> None:

@@ -8,11 +8,9 @@ import pytest
 
 from harness.core.recording import Recording
 from harness.diagnosis.explain.verdict_sentence import sentence_of
-from harness.diagnosis.grading.lone import undecided
 from harness.diagnosis.pipeline import diagnose, prepare
 from harness.diagnosis.request import Asked
 from harness.diagnosis.residual_tests.structure import Left
-from harness.diagnosis.rules import EVEN, LEAST_CYCLES, MARGIN, SHARE_OF_MISFIT
 from harness.diagnosis.search.search import Search
 from harness.kernels.solve import solve
 from harness.model.model import Model, ModelTerm, Restoring
@@ -44,39 +42,6 @@ def search(
     chosen = fit(1000.0, 0.0, *("stribeck", "end-stop")[:count])
     rivals = (fit(1000.0, 0.5, "stribeck"), fit(1000.0 * leaves, near, "presliding"))
     return Search(problem, fit(base, 9.0), chosen, (), rivals, changed.pop("left", Left.NOISE), **changed)
-
-
-@pytest.mark.parametrize(
-    ("found", "rules"),
-    [
-        (search(), ()),
-        # 15 strokes less 6 of the base: 9 ln r - 2 ln 9 = 10 at r = 4.95
-        (search(turns=14, base=4900.0), (LEAST_CYCLES,)),
-        (search(turns=14, base=5000.0), ()),
-        (search(turns=15, base=4900.0), ()),
-        (search(near=9.9), (MARGIN,)),
-        (search(near=10.1), ()),
-        (search(near=9.9, named=False), ()),
-        # 35 words ask for a quarter more of squares, 18 for a margin of 6: 18 ln r = 6 at r = 1.396
-        (search(leaves=1.24), (MARGIN,)),
-        (search(leaves=1.26), ()),
-        (search(leaves=1.01, parted=True), ()),
-        (search(near=9.9, parted=True), (MARGIN,)),
-        (search(turns=23, leaves=1.39), (MARGIN,)),
-        (search(turns=23, leaves=1.40), ()),
-        (search(base=1650.0), (SHARE_OF_MISFIT,)),
-        (search(base=1680.0), ()),
-        (search(base=1650.0, turns=14, near=1.0), (LEAST_CYCLES, SHARE_OF_MISFIT, MARGIN)),
-        (search(free=False, turns=8, base=1100.0, near=2.1, leaves=1.0), ()),
-        (search(free=False, near=1.9), (EVEN,)),
-        (search(count=2, turns=8, near=0.0), ()),
-        (search(count=0, turns=8, near=0.0), ()),
-        (search(turns=8, left=Left.STRUCTURE), ()),
-        (search(turns=8, by_force=True), ()),
-    ],
-)
-def test_which_rules_list_a_lone_law(found: Search, rules: tuple[Any, ...]) -> None:
-    assert undecided(found) == rules
 
 
 def recorded(seconds: float) -> Recording:

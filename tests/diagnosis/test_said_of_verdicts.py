@@ -7,20 +7,11 @@ from typing import Any
 import numpy as np
 import pytest
 
-from harness.core.quantity import Quantity
-from harness.diagnosis.explain import next_experiment as experiments
-from harness.diagnosis.explain.cautions import cautions, cautions_of_misfit
-from harness.diagnosis.explain.next_experiment import Open, left_open, left_open_by_grade, next_experiment, to_be_sure
-from harness.diagnosis.explain.other_release import Release
+from harness.diagnosis.explain.cautions import cautions
 from harness.diagnosis.explain.verdict_sentence import sentence_of
 from harness.diagnosis.motion import motion_of
 from harness.diagnosis.outcome import Grade, Verdict
-from harness.diagnosis.pooling import said as pooled_said
-from harness.diagnosis.pooling.pooled import Differs
-from harness.diagnosis.pooling.said import sentences
-from harness.diagnosis.rules import CHANCE, EVEN, LEAST_CYCLES, MOST_LIKELY, SHARE_OF_MISFIT, Rule
-from harness.diagnosis.search.search import _beam, _merged
-from harness.model.experiments import LARGER
+from harness.diagnosis.rules import LEAST_CYCLES, MOST_LIKELY, Rule
 from harness.model.model import Model, ModelTerm
 from harness.model.registry import TERMS
 
@@ -153,42 +144,6 @@ def test_cautions_of_what_nothing_explains_name_the_closest_with_their_shares() 
     )
 
 
-def test_why_a_law_that_explains_all_is_not_named_and_what_would_decide() -> None:
-    found = search(base=of(chi2=600.0), chosen=of(STRIBECK, chi2=500.0))
-    found.chosen.shown = SimpleNamespace(v=np.zeros(900))
-    found.problem.t, found.problem.turns = np.arange(900.0), lambda v: np.arange(1, 10) * 90
-    few, small = cautions(found, judged("one_of", None, LEAST_CYCLES, SHARE_OF_MISFIT), NONE_HELD)
-    assert few.startswith("it explains the recording to its noise, but 5 cycles are few")
-    assert small.startswith("noise is 83 % of what viscous and Coulomb friction leave")
-    assert cautions(found, judged("one_of", None, EVEN), NONE_HELD) == ()
-    sure = "To be sure of stribeck: "
-    likely = named("stribeck", Grade.MAIN)
-    assert to_be_sure([likely, MINOR], (LEAST_CYCLES,), False).startswith(f"{sure}a decay of 8 cycles or more")
-    assert to_be_sure([likely], (MOST_LIKELY,), False).startswith(f"{sure}releases from displacements")
-    assert to_be_sure([likely], (), False) == to_be_sure([LISTED, LISTED], (LEAST_CYCLES,), False) == ""
-    # nothing is let go where a force drives
-    assert to_be_sure([likely], (LEAST_CYCLES,), True) == f"{sure}a recording of 16 independent strokes or more."
-    assert to_be_sure([likely], (MOST_LIKELY,), True).startswith(f"{sure}drives whose speeds differ")
-    assert "stays where it is" in to_be_sure([named("force-ripple", Grade.MAIN)], (MOST_LIKELY,), False)
-    near = search(chosen=of(DRAG), rivals=(of(DRAG), of(STRIBECK)))
-    both = left_open([named("quadratic-drag", Grade.ONE_OF), LISTED], near)
-    assert both is not None
-    assert (both.names, both.rival) == (("quadratic-drag", "stribeck"), near.rivals[1])
-    # where the search went on to pairs, a listed law stands among those fitted alone; where nowhere, nothing is shown
-    pairs, alone = (of(DRAG, STRIBECK),), of(STRIBECK)
-    for singles, rival in (((alone,), alone), ((), None)):
-        both = left_open([named("quadratic-drag", Grade.ONE_OF), LISTED], search(rivals=pairs, singles=singles))
-        assert both is not None
-        assert both.rival is rival
-
-
-def test_a_pair_that_another_pair_matches_is_told_so() -> None:
-    (said,) = cautions(
-        search(chosen=of(DRAG, STRIBECK, bic=10.0)), judged("unexplained", of(STRIBECK, bic=13.0)), NONE_HELD
-    )
-    assert said.startswith("quadratic-drag with stribeck would explain it, but stribeck nearly as well (BIC 3 worse)")
-
-
 def test_a_model_that_predicts_worse_is_told_so() -> None:
     held: Any = SimpleNamespace(refined_rmse={"x": 3.0, "a": 1.0}, baseline_rmse={"x": 1.0, "a": 1.0})
     assert cautions(search(), judged("missing_physics"), held) == (
@@ -197,100 +152,6 @@ def test_a_model_that_predicts_worse_is_told_so() -> None:
     even: Any = SimpleNamespace(refined_rmse={"x": 0.5}, baseline_rmse={"x": 1.0})
     assert cautions(search(), judged("missing_physics"), even) == ()
     assert cautions(search(), judged("adequate"), NONE_HELD) == ()
-
-
-def test_cautions_of_a_graded_misfit() -> None:
-    def graded(left_out: float, cycles: float, grade: Grade | None, pairs: bool = True) -> Any:
-        problem = SimpleNamespace(pairs_searched=pairs, given=())
-        misfit = SimpleNamespace(left_out=left_out, strokes=SimpleNamespace(cycles=cycles), problem=problem)
-        named = SimpleNamespace(name="harmonic-force", clock=False, share=0.5, run=SimpleNamespace(total=0.9025))
-        return SimpleNamespace(
-            misfit=misfit,
-            grade=grade,
-            named=(named,),
-            base_run=SimpleNamespace(total=1.0),
-            chance=None,
-            odds=SimpleNamespace(least=CHANCE),
-            rules=(),
-            finalists=(named,),
-        )
-
-    (said,) = cautions_of_misfit(graded(0.0, 20.0, Grade.MAIN))
-    assert said.startswith("no entry or pair of the catalogue")
-    (said,) = cautions_of_misfit(graded(0.0, 20.0, Grade.MAIN, pairs=False))
-    assert said.startswith("no entry of the catalogue")
-    (said,) = cautions_of_misfit(graded(0.0, 20.0, Grade.MAIN), of(DRAG, STRIBECK))
-    assert said.startswith("quadratic-drag with stribeck would leave noise alone, but")
-    crowd = graded(0.0, 20.0, Grade.ONE_OF)
-    crowd.chance = 0.377
-    assert "look like this one 38 % have harmonic-force as their main effect" in cautions_of_misfit(crowd)[1]
-    all_said = cautions_of_misfit(graded(0.31, 4.5, Grade.ONE_OF))
-    for words in ("the first 0.31 s", "4.5 cycles are few"):
-        assert any(words in one for one in all_said)
-
-
-def test_what_a_recording_leaves_open_and_what_would_decide(monkeypatch: pytest.MonkeyPatch) -> None:
-    rival = of(STRIBECK)
-    found = left_open([named("presliding"), named("quadratic-drag", Grade.EXPLAINS, 1.0, "stribeck")],
-                      search(chosen=of(DRAG), rivals=(rival,)))  # fmt: skip
-    assert found is not None
-    assert (found.names, found.rival) == (("quadratic-drag", "stribeck"), rival)
-    assert left_open([named("presliding")], search()) is None
-    graded: Any = SimpleNamespace(finalists=[SimpleNamespace(name="quadratic-drag", fit=of(DRAG))])
-    assert left_open_by_grade([], graded) is None
-    assert left_open_by_grade([MAIN], graded) is None
-    first = named("quadratic-drag", Grade.ONE_OF)
-    open_ = left_open_by_grade([first, MINOR, LISTED], graded)
-    assert open_ is not None
-    assert open_.names == ("quadratic-drag", "stribeck")
-    assert open_.rival is None
-    driven: Any = SimpleNamespace(given=("driven",))
-    stops = Open(("cubic-stiffness", "end-stop"), "stiffness", of(), None)
-    for asked, words in ((open_, "drives whose speeds"), (stops, "a drive over a longer way")):
-        assert f": {words}" in next_experiment(asked, driven, SimpleNamespace())  # type: ignore[arg-type]
-    free: Any = SimpleNamespace(given=(), covariates={}, angular=False, channels={"x": np.zeros(3), "a": np.zeros(3)})
-    scales: Any = SimpleNamespace()
-    assert next_experiment(None, free, scales) == ""
-    assert next_experiment(open_, free, scales).startswith("To tell quadratic-drag from stribeck: ")
-    sensor = Open(("sensor-gain", "sensor-lag"), "sensor", of(), None)
-    assert next_experiment(sensor, free, scales) == f"To tell sensor-gain from sensor-lag: {LARGER}."
-
-    def each(*_: Any) -> list[Release]:
-        return [Release(factor=f, amplitude=a, apart=d) for f, a, d in
-                ((3.0, 3.0, 0.4), (2.0, 2.0, 1.5), (0.5, 0.5, 4.0))]  # fmt: skip
-
-    monkeypatch.setattr(experiments, "releases", each)
-    monkeypatch.setattr(experiments, "under", lambda found, problem: found)
-    both = Open(("quadratic-drag", "stribeck"), "damping", of(DRAG), rival)
-    said = next_experiment(both, free, scales)
-    assert (
-        "let it go from 0.5 m (0.5 times as far, where the two differ by 4 times what is left now) or from 2 m" in said
-    )
-    assert said.endswith("and diagnose both recordings with --together.")
-    monkeypatch.setattr(experiments, "releases", lambda *_: [])
-    assert "let it go" not in next_experiment(both, free, scales)
-
-
-def test_recordings_that_are_pooled_and_that_are_not(monkeypatch: pytest.MonkeyPatch) -> None:
-    alone = [SimpleNamespace(parameters={"omega_n": Quantity(v, 0.01, "rad/s"), "zeta": Quantity(0.02, 0.01, "1")})
-             for v in (9.0, 9.1, 9.5, 9.2)]  # fmt: skip
-    problem: Any = SimpleNamespace(starts=SimpleNamespace(stretches=range(4)))
-
-    def before(chance: float, own: tuple[str, ...] = ()) -> Any:
-        compared = SimpleNamespace(chance=chance, alone=alone)
-        return SimpleNamespace(compared=compared, own=own, scales=SimpleNamespace(omega=9.0))
-
-    (agree,) = sentences(of(), problem, before(0.4), True)
-    assert agree == "The 4 recordings are pooled: alone they agree in their base parameters (chance 0.4)."
-    (differ,) = sentences(of(), problem, before(1e-9), True)
-    assert "read alone they differ (omega_n 9 and 9.5)" in differ
-    rows = [[], [Differs("m", Quantity(1.25, 0.01, "1"))], [Differs("m", Quantity(1.001, 0.01, "1"))]]
-    monkeypatch.setattr(pooled_said, "differences", lambda *_: rows)
-    (own,) = sentences(of(), problem, before(1e-9, ("m",)), True)
-    assert own.startswith("The recordings differ in ")
-    assert "recording 2 has " in own
-    assert "above that of the first" in own
-    assert "recording 3" not in own
 
 
 def test_the_motion_is_told_by_any_channel() -> None:
@@ -308,12 +169,3 @@ def test_the_motion_is_told_by_any_channel() -> None:
     rests = motion_of(t, {"x": np.where(t < 3.0, x, x[750]), "v": np.where(t < 3.0, v, 0.0)}, omega)
     assert rests.stuck[t > 3.01].all()
     assert not rests.stuck[t < 2.9].any()
-
-
-def test_pairs_are_built_on_the_best_and_on_the_best_plain_laws() -> None:
-    flexible, plain = of(STRIBECK, bic=1.0), of(DRAG, bic=5.0)
-    other = of(ModelTerm.named("viscoelastic", k_m=1.0, tau=0.1), bic=2.0)
-    assert [one.bic for one in _beam((flexible, other, plain))][:2] == [1.0, 5.0]
-    worse = of(DRAG, bic=9.0)
-    steps: Any = [SimpleNamespace(fits=(worse, flexible)), SimpleNamespace(fits=(plain,))]
-    assert [one.bic for one in _merged(steps)] == [1.0, 5.0]

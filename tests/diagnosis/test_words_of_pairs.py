@@ -6,7 +6,6 @@ from typing import Any
 import numpy as np
 import pytest
 
-from harness.diagnosis import pipeline
 from harness.diagnosis.residual_tests.structure import Left
 from harness.diagnosis.search.search import Search
 from harness.diagnosis.verdict import weighed
@@ -66,11 +65,6 @@ def force(rate: float) -> ModelTerm:
     return ModelTerm.named("harmonic-force", A=1.0, Omega=rate, phase=0.3)
 
 
-@pytest.mark.parametrize("terms", [1, 2])
-def test_a_law_bent_beyond_its_name_explains_nothing(terms: int) -> None:
-    assert weighed(search(terms, 50000.0, 99, named=False), OMEGA).left is Left.STRUCTURE
-
-
 # a second of recording: 3 pi rad/s is a period and a half of it
 @pytest.mark.parametrize(
     ("terms", "left"),
@@ -93,15 +87,3 @@ def test_a_force_in_step_with_the_swing_or_with_another_explains_nothing(
     found = search(len(terms), 50000.0, 99)
     found.chosen.model.terms = terms  # type: ignore[misc]
     assert weighed(found, OMEGA).left is left
-
-
-@pytest.mark.parametrize(("rate", "explains"), [(OMEGA, False), (2.0 * OMEGA, True)])
-def test_what_explains_what_follows_the_first_turn_is_weighed_too(
-    rate: float, explains: bool, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    found = search(1, 50000.0, 99)
-    found.chosen.model.terms = (force(rate),)  # type: ignore[misc]
-    later: Any = (found, SimpleNamespace(omega=OMEGA), 0.3)
-    monkeypatch.setattr(pipeline, "after_first_turn", lambda graded: later)
-    unread: Any = None
-    assert pipeline._after_first_turn(unread) == (later if explains else None)
