@@ -32,7 +32,9 @@ def trace(samples: int, late: float = 0.0, seed: int | None = None, span: float 
     return Trace(t + late, {c: y + size * NOISE[c].drawn(samples, random) for c, y in channels.items()})
 
 
-@pytest.mark.parametrize("samples", [900, 2000, pytest.param(5000, marks=pytest.mark.full)])
+@pytest.mark.parametrize(
+    "samples", [900, pytest.param(2000, marks=pytest.mark.full), pytest.param(5000, marks=pytest.mark.full)]
+)
 def test_a_shift_is_found_with_an_honest_error(samples: int) -> None:
     apart = []
     for seed in range(12):

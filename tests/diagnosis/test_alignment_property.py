@@ -1,11 +1,12 @@
 """Any recording against itself: shifted by up to 80 % of its length, resampled, cropped, with noise."""
 
 import pytest
-from aligning import figures, outcome
 from scipy.stats import binom
 
+from benchmarks.aligned import figures, outcome
 
-@pytest.mark.parametrize("count", [20, pytest.param(500, marks=pytest.mark.full)])
+
+@pytest.mark.parametrize("count", [8, pytest.param(500, marks=pytest.mark.full)])
 def test_a_recording_finds_itself(count: int) -> None:
     """Within three standard errors in 97 %, slipped a period in silence in 1 %: as chance allows of so many draws."""
     found = [outcome(seed) for seed in range(count)]

@@ -12,7 +12,7 @@ from harness.estimate.every import METHODS, estimate_all
 from harness.estimate.isolated import log_decrement
 from harness.estimate.phase import sensor_lead
 from harness.estimate.result import Estimation
-from harness.estimate.reversals import Kind, _crossings
+from harness.estimate.reversals import Kind
 from harness.estimate.turning import all_edges, reversal_times
 from harness.exact.decay import Decay, free_decay
 
@@ -121,14 +121,6 @@ def test_turning_points_are_the_same_from_the_acceleration() -> None:
 def test_an_offset_leaves_the_figures_of_each_reversal() -> None:
     rows = estimate_all(T, x=CLEAN.x + 0.2)["displacement"].per_reversal
     assert [row.x_k for row in rows[:4]] == pytest.approx([0.03] * 4, abs=1e-9)
-
-
-def test_a_crossing_is_where_the_sign_changes_however_small_or_bent() -> None:
-    """Steeper beyond 0.374 s than before, in mm and in km."""
-    t = np.arange(0.0, 1.0, 0.01)
-    bent = (t - 0.374) ** 3 * np.where(t < 0.374, 1.0, 50.0)
-    for size in (1e-3, 1.0, 1e3):
-        assert _crossings(t, size * bent, 0.2**3 * size) == pytest.approx([0.374], abs=0.01)
 
 
 def test_the_error_of_the_frequency_is_that_of_the_half_cycles() -> None:
@@ -261,7 +253,7 @@ def _oddity(rng: np.random.Generator) -> tuple[FloatArray, FloatArray]:
 
 def test_anything_gets_figures_or_reasons() -> None:
     rng = np.random.default_rng(12)
-    for _ in range(250):
+    for _ in range(100):
         t, y = _oddity(rng)
         x, a = ((y, None), (None, y), (y, -y))[rng.integers(3)]
         found = estimate_all(t, x=x, a=a)

@@ -9,13 +9,12 @@ import pytest
 from harness.core.arrays import FloatArray
 from harness.core.scenario import FREE_DECAY
 from harness.core.slider import EXPERIMENT
-from harness.estimate.channel import _tied_start, fit_channel
+from harness.estimate.channel import fit_channel
 from harness.estimate.jumps import as_acceleration
 from harness.estimate.noise import _compiled_residuals, channel_noise
 from harness.estimate.projection import compiled_inverse
 from harness.estimate.reversals import Kind
 from harness.estimate.table1 import Setup, table
-from harness.estimate.tied import OMEGA, P0, SIGMA, T0, D
 from harness.estimate.turning import _near
 from harness.exact.decay import free_decay
 
@@ -34,14 +33,6 @@ def test_a_small_inverse_is_the_librarys(size: int, seed: int) -> None:
     known = np.zeros((3, 3))
     known[:size, :size] = np.linalg.inv(gram[:size, :size])
     assert found == pytest.approx(known, rel=1e-8, abs=1e-12)
-
-
-def test_what_cannot_be_inverted_is_nothing() -> None:
-    found = np.full((3, 3), np.nan)
-    compiled_inverse(np.ones((3, 3)), 3, found)
-    assert np.all(found == 0.0)
-    compiled_inverse(np.ones((3, 3)), 2, found)
-    assert np.all(found == 0.0)
 
 
 @pytest.mark.parametrize(("width", "degree"), [(8, 6), (20, 5)])
@@ -77,20 +68,6 @@ def test_coloured_noise_has_its_colour() -> None:
     noise = channel_noise(t, np.cos(5.0 * t) + 1e-2 * e, 1.26)
     assert noise.phi == pytest.approx(0.6, abs=0.05)
     assert noise.sigma == pytest.approx(1e-2, rel=0.05)
-
-
-@pytest.mark.parametrize("kind", list(Kind))
-def test_the_tied_fit_begins_near_where_it_ends(kind: Kind) -> None:
-    y = {Kind.DISPLACEMENT: DECAY.x, Kind.VELOCITY: DECAY.v, Kind.ACCELERATION: DECAY.a}[kind]
-    fit = fit_channel(T, y + 1e-5 * np.ptp(y) * np.random.default_rng(0).standard_normal(T.size), kind)
-    assert fit.holds
-    begun, ended = _tied_start(fit.separate), fit.tied.theta
-    omega = FREE_DECAY.slider.omega_n
-    assert begun[OMEGA] == pytest.approx(ended[OMEGA], rel=2e-3)
-    assert begun[SIGMA] == pytest.approx(FREE_DECAY.slider.zeta * omega, rel=0.05)
-    assert begun[T0] == pytest.approx(ended[T0], abs=0.02 / omega)
-    assert begun[P0] == pytest.approx(ended[P0], rel=0.02)
-    assert begun[D] == pytest.approx(ended[D], rel=0.1)
 
 
 def test_a_speed_fit_as_acceleration_is_its_derivative() -> None:

@@ -1,4 +1,4 @@
-"""Recordings against themselves: shifted, resampled, cropped, with noise; python tests/support/aligning.py 500."""
+"""Recordings against themselves: shifted, resampled, cropped, with noise; python -m benchmarks.aligned 500."""
 
 import math
 import sys
