@@ -17,8 +17,8 @@ from harness.diagnosis.baseline.words import Strokes, evidence
 from harness.diagnosis.grading.misfit import misfit
 from harness.diagnosis.problems.free_decay import FreeDecay
 from harness.diagnosis.rules import GAIN, LEAST_CYCLES, SHARE_OF_EXCESS
+from harness.diagnosis.search.look import evidence as starting_evidence
 from harness.diagnosis.search.screen import screen
-from harness.diagnosis.search.start_evidence import evidence as starting_evidence
 from harness.estimate.noise import channel_noise
 from harness.model.registry import NAMED
 from harness.proof.plant.base import Base

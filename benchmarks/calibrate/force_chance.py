@@ -8,7 +8,7 @@ from benchmarks.calibrate.machine_draws import asked_of, drawn
 from harness.app.diagnose.problem import prepared
 from harness.diagnosis.grading.chance import OF_FORCES
 from harness.diagnosis.inverse_dynamics.search import search_driven
-from harness.diagnosis.problems.inverse_dynamics import InverseDynamics
+from harness.diagnosis.problems.driven import InverseDynamics
 from harness.proof.machines.kinds import DRIVEN
 from harness.proof.machines.plan import CONTROL, MAIN
 

@@ -16,21 +16,21 @@ from benchmarks.calibrate.calibration import Calibration, stands
 from benchmarks.calibrate.tables import GOAL, WITHIN, number_of, rate_of, within
 from harness.core.arrays import FloatArray
 from harness.core.recording import Recording
-from harness.diagnosis.baseline.driven_base_fit import driven_scales
+from harness.diagnosis.baseline.base_fit import driven_scales
 from harness.diagnosis.fit.parameters import free_of
 from harness.diagnosis.grading.prediction import ratio
-from harness.diagnosis.inverse_dynamics.force import inverse_force
+from harness.diagnosis.inverse_dynamics.asked import inverse_force
 from harness.diagnosis.inverse_dynamics.force_fit import fit_force
 from harness.diagnosis.inverse_dynamics.measured import Measured
 from harness.diagnosis.inverse_dynamics.strokes import force_words
 from harness.diagnosis.pipeline import prepare
-from harness.diagnosis.problems.inverse_dynamics import InverseDynamics
+from harness.diagnosis.problems.driven import InverseDynamics
 from harness.diagnosis.request import Asked
 from harness.diagnosis.rules import PATH_AGAIN, TABLE_BETTER, TABLE_ERRORS, TABLE_WORDS
 from harness.diagnosis.tables.curve import table_of
 from harness.diagnosis.tables.drawn import curves
-from harness.diagnosis.tables.force_tables import ForceLeft
-from harness.diagnosis.tables.path import time_again
+from harness.diagnosis.tables.force_step import ForceLeft
+from harness.diagnosis.tables.selection import time_again
 from harness.model.model import Model, ModelTerm, Restoring
 from harness.model.registry import NAMED
 from harness.model.term import Slot

@@ -8,8 +8,8 @@ from benchmarks.calibrate.calibration import Calibration, head, quantiles, stand
 from benchmarks.calibrate.plant_cases import NAMES, case_of, start_of, terms_of
 from harness.diagnosis.fit.model_fit import fit
 from harness.diagnosis.rules import SCREEN_SHARE
+from harness.diagnosis.search.look import evidence
 from harness.diagnosis.search.screen import screen
-from harness.diagnosis.search.start_evidence import evidence
 from harness.model.registry import NAMED
 
 _EARLY = 0.5

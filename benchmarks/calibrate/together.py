@@ -14,7 +14,7 @@ from benchmarks.calibrate.calibration import Calibration, stands
 from benchmarks.calibrate.pairs_of_one import SMALLER, two
 from harness.core.recording import Recording
 from harness.diagnosis.pipeline import fit_base, prepare_together
-from harness.diagnosis.pooling.compared import alone, compared
+from harness.diagnosis.pooling.own import alone, compared
 from harness.diagnosis.pooling.pooled import shared_by
 from harness.diagnosis.problems.together import Together
 from harness.diagnosis.request import Asked

@@ -1,4 +1,7 @@
-"""What a diagnosis comes to."""
+"""What a diagnosis comes to.
+
+A hypothesis on what is missing, and how likely it is.
+"""
 
 import math
 from collections.abc import Mapping
@@ -9,7 +12,6 @@ from typing import Any, Literal, TypeAlias
 from harness.core.arrays import BoolArray, FloatArray
 from harness.core.quantity import Quantity
 from harness.diagnosis.fit.model_fit import Fit
-from harness.diagnosis.hypothesis import Hypothesis
 from harness.diagnosis.integrator_maps.maps import Stepping
 from harness.diagnosis.pooling.pooled import Pooled
 from harness.diagnosis.problem import Problem
@@ -17,6 +19,15 @@ from harness.diagnosis.rules import Rule
 from harness.kernels.solve import Scales
 from harness.model.model import ModelTerm
 from harness.model.place import Place, Spans
+
+
+@dataclass(frozen=True, slots=True)
+class Hypothesis:
+    """names : what is missing; none where it is nothing, or no name by itself. probability : that it is so."""
+
+    names: tuple[str, ...]
+    probability: float
+
 
 Verdict: TypeAlias = Literal["adequate", "missing_physics", "main_effect", "one_of", "unexplained"]
 

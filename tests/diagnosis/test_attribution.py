@@ -7,11 +7,16 @@ import pytest
 from sim_cases import SimCase, sim_case
 
 from harness.core.recording import Recording
-from harness.diagnosis.attribution.attribute import Attribution, NoSharesError, attribute_model, attribute_trace
-from harness.diagnosis.attribution.game import saved
-from harness.diagnosis.attribution.mixed import in_masses_of
-from harness.diagnosis.attribution.nearby import errors_of, nearby_of
-from harness.diagnosis.attribution.reading import aligned
+from harness.diagnosis.attribution.attribute import (
+    Attribution,
+    NoSharesError,
+    attribute_model,
+    attribute_trace,
+    errors_of,
+    nearby_of,
+    saved,
+)
+from harness.diagnosis.attribution.reading import aligned, in_masses_of
 from harness.diagnosis.fit.model_fit import fit
 from harness.diagnosis.fit.parameters import free_of, values_of
 from harness.diagnosis.pipeline import diagnose

@@ -7,8 +7,7 @@ from hypothesis import strategies as st
 from scipy.integrate import cumulative_trapezoid
 
 from harness.core.arrays import FloatArray
-from harness.diagnosis.prepare.intersample_curve import between_samples, curve
-from harness.diagnosis.prepare.intersample_kinks import kinks_of
+from harness.diagnosis.prepare.intersample_curve import between_samples, curve, kinks_of
 
 
 def test_smooth_force_is_followed_smoothly_and_noise_straight() -> None:

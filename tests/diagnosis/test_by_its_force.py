@@ -11,8 +11,7 @@ from harness.core.arrays import FloatArray
 from harness.core.recording import Recording
 from harness.diagnosis.kinds import driven
 from harness.diagnosis.pipeline import diagnose
-from harness.diagnosis.problems.driven import Driven
-from harness.diagnosis.problems.inverse_dynamics import InverseDynamics
+from harness.diagnosis.problems.driven import Driven, InverseDynamics
 from harness.diagnosis.rules import FOLLOWED
 from harness.kernels.solve import Drive, solve
 from harness.model.model import Model, ModelTerm, Restoring

@@ -7,7 +7,7 @@ import pytest
 
 from harness.core.arrays import FloatArray
 from harness.diagnosis.grading.clocks import in_step, on_the_swing, unresolved
-from harness.diagnosis.inverse_dynamics.ripple import periods
+from harness.diagnosis.inverse_dynamics.protocol import periods
 from harness.model.model import ModelTerm
 
 SWING, SPAN = 5.0, 60.0

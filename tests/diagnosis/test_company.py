@@ -9,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from harness.core.arrays import FloatArray
-from harness.diagnosis.search.company import in_company
+from harness.diagnosis.search.against import in_company
 
 N = 40
 E = np.eye(N)

@@ -15,13 +15,13 @@ from harness.core.errors import InputError
 from harness.core.recording import Recording
 from harness.diagnosis.fit.observe import observe
 from harness.diagnosis.fit.parameters import free_of
-from harness.diagnosis.inverse_dynamics.force import given_force, inverse_force
+from harness.diagnosis.inverse_dynamics.asked import given_force, inverse_force
 from harness.diagnosis.inverse_dynamics.force_fit import ForceFit, fit_force
 from harness.diagnosis.inverse_dynamics.measured import Measured
 from harness.diagnosis.inverse_dynamics.search import force_baseline
 from harness.diagnosis.pipeline import prepare
+from harness.diagnosis.problems.driven import InverseDynamics
 from harness.diagnosis.problems.free_decay import FreeDecay
-from harness.diagnosis.problems.inverse_dynamics import InverseDynamics
 from harness.diagnosis.request import Asked, AskedCovariate
 from harness.estimate.noise import Noise
 from harness.io.options import ReadOptions

@@ -12,21 +12,19 @@ from harness.app.dataset.emps import PUBLISHED_DIRECTED_ERROR, PUBLISHED_SYMMETR
 from harness.core.arrays import FloatArray
 from harness.core.errors import InputError
 from harness.core.recording import Recording
-from harness.diagnosis.baseline.driven_base_fit import driven_baseline
+from harness.diagnosis.baseline.base_fit import driven_baseline
 from harness.diagnosis.fit.model_fit import fit
 from harness.diagnosis.fit.observe import observe
 from harness.diagnosis.fit.parameters import free_of
-from harness.diagnosis.inverse_dynamics.bootstrap_null import taken_by_chance
-from harness.diagnosis.inverse_dynamics.force import inverse_force
+from harness.diagnosis.inverse_dynamics.asked import inverse_force
 from harness.diagnosis.inverse_dynamics.force_fit import fit_force
+from harness.diagnosis.inverse_dynamics.left_over import taken_by_chance
 from harness.diagnosis.inverse_dynamics.measured import Measured
-from harness.diagnosis.inverse_dynamics.protocol import DIRECTED, PUBLISHED, SYMMETRIC
-from harness.diagnosis.inverse_dynamics.ripple import find_ripple, periods
+from harness.diagnosis.inverse_dynamics.protocol import DIRECTED, PUBLISHED, SYMMETRIC, find_ripple, periods
 from harness.diagnosis.inverse_dynamics.search import extended, search_driven
 from harness.diagnosis.inverse_dynamics.validate import Judge
 from harness.diagnosis.pipeline import prepare
-from harness.diagnosis.problems.driven import Driven, Forced
-from harness.diagnosis.problems.inverse_dynamics import InverseDynamics
+from harness.diagnosis.problems.driven import Driven, Forced, InverseDynamics
 from harness.diagnosis.problems.starts import Windows
 from harness.diagnosis.request import Asked
 from harness.diagnosis.rules import AMONG_NAMES

@@ -20,8 +20,7 @@ from harness.diagnosis.problem import Problem
 from harness.diagnosis.problems.driven import Driven
 from harness.diagnosis.problems.free_decay import FreeDecay
 from harness.diagnosis.problems.starts import Window, Windows
-from harness.diagnosis.sensors.resample import motion_at
-from harness.diagnosis.sensors.sensor_model import sensed
+from harness.diagnosis.sensors.sensor_model import motion_at, sensed
 from harness.engines.simulator import EngineSimulator
 from harness.estimate.noise import Noise
 from harness.kernels.solve import Drive, Scales, simulate, solve

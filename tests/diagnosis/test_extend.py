@@ -14,11 +14,10 @@ from harness.diagnosis.fit.model_fit import Fit, fit
 from harness.diagnosis.fit.observe import Observation, observe
 from harness.diagnosis.fit.parameters import base_of, free_of
 from harness.diagnosis.problems.free_decay import FreeDecay
-from harness.diagnosis.residual_tests.structure import Left
+from harness.diagnosis.residual_tests.lack_of_fit import Left
 from harness.diagnosis.search.extend import extend, prune
+from harness.diagnosis.search.look import Recorded, frequencies, within
 from harness.diagnosis.search.search import Search
-from harness.diagnosis.search.start_evidence import frequencies
-from harness.diagnosis.search.within_recording import Recorded, within
 from harness.estimate.noise import Noise, channel_noise
 from harness.kernels.solve import Scales, simulate, solve
 from harness.model.model import Model, ModelTerm

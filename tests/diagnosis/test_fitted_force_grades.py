@@ -20,11 +20,10 @@ from harness.diagnosis.inverse_dynamics.search import ForceSearch, force_baselin
 from harness.diagnosis.inverse_dynamics.strokes import force_words, period_of
 from harness.diagnosis.outcome import Grade, Outcome
 from harness.diagnosis.pipeline import diagnose, prepare
-from harness.diagnosis.problems.driven import Driven
-from harness.diagnosis.problems.inverse_dynamics import InverseDynamics
+from harness.diagnosis.problems.driven import Driven, InverseDynamics
 from harness.diagnosis.problems.starts import Windows
 from harness.diagnosis.request import Asked
-from harness.diagnosis.residual_tests.structure import Left
+from harness.diagnosis.residual_tests.lack_of_fit import Left
 from harness.diagnosis.rules import FORCE_CHANCE, PERIODS_COUNTED
 from harness.kernels.solve import Drive, solve
 from harness.model.model import Model, ModelTerm, Restoring

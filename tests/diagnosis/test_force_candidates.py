@@ -6,7 +6,7 @@ import pytest
 from harness import stages
 from harness.core.arrays import FloatArray
 from harness.core.recording import Recording
-from harness.diagnosis.inverse_dynamics.candidates import by_the_force
+from harness.diagnosis.inverse_dynamics.search import by_the_force
 from harness.diagnosis.problems.driven import Driven
 from harness.kernels.solve import Drive, solve
 from harness.model.model import Model, ModelTerm, Restoring

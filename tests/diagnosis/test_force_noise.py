@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from harness.core.arrays import FloatArray
 from harness.core.events import EventKind, Mode
 from harness.core.recording import Recording
-from harness.diagnosis.baseline.driven_base_fit import driven_baseline
+from harness.diagnosis.baseline.base_fit import driven_baseline
 from harness.diagnosis.fit.observe import Observation, observe
 from harness.diagnosis.input_noise.noisy_base_fit import along
 from harness.diagnosis.input_noise.propagation import force_noise

@@ -7,7 +7,7 @@ import pytest
 
 from harness.core.arrays import FloatArray
 from harness.diagnosis.fit.parameters import Free, free_of, values_of, with_values
-from harness.diagnosis.inverse_dynamics.force import given_force
+from harness.diagnosis.inverse_dynamics.asked import given_force
 from harness.diagnosis.inverse_dynamics.force_screen import sayable
 from harness.diagnosis.inverse_dynamics.measured import BLOCK, Laid, Measured
 from harness.model.covariate import Acts, Covariate

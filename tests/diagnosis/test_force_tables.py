@@ -12,7 +12,7 @@ from benchmarks.calibrate.calibration import measured as drawn
 from benchmarks.calibrate.force_tables import BOTH, Moved, Row, left_of, measure, moved, said
 from harness.core.arrays import BoolArray, FloatArray
 from harness.core.recording import Recording
-from harness.diagnosis.baseline.driven_base_fit import driven_baseline
+from harness.diagnosis.baseline.base_fit import driven_baseline
 from harness.diagnosis.explain.verdict_sentence import sentence_of
 from harness.diagnosis.fit.parameters import base_of
 from harness.diagnosis.grading.misfit import misfit
@@ -23,15 +23,12 @@ from harness.diagnosis.problems.driven import Driven
 from harness.diagnosis.problems.free_decay import FreeDecay
 from harness.diagnosis.problems.together import Together
 from harness.diagnosis.request import Asked
-from harness.diagnosis.tables.basis import basis_of, partials
+from harness.diagnosis.tables.basis import RUNGS, Rung, basis_of, over_plane, partials, roughness
 from harness.diagnosis.tables.curve import table_of
+from harness.diagnosis.tables.drawn import plane_described, surface_of
 from harness.diagnosis.tables.fitted import TableFit
-from harness.diagnosis.tables.force_tables import ForceLeft
-from harness.diagnosis.tables.path import comes_back, returns
-from harness.diagnosis.tables.plane import described, surface_of
-from harness.diagnosis.tables.roughness import roughness
-from harness.diagnosis.tables.rungs import RUNGS, Rung, over_plane
-from harness.diagnosis.tables.selection import tabulated
+from harness.diagnosis.tables.force_step import ForceLeft
+from harness.diagnosis.tables.selection import comes_back, returns, tabulated
 from harness.estimate.noise import Noise
 from harness.kernels.solve import Drive, solve
 from harness.model.beyond import beyond
@@ -249,7 +246,7 @@ def test_a_plane_is_said_in_words(force: object, words: str) -> None:
     assert callable(force)
     side = np.linspace(-1.0, 1.0, 21)
     x, v = np.meshgrid(side, side)
-    assert words in described(side, side, force(x, v), np.ones(x.shape, dtype=np.bool_), "m")
+    assert words in plane_described(side, side, force(x, v), np.ones(x.shape, dtype=np.bool_), "m")
 
 
 def test_figures_of_the_calibration_are_said() -> None:

@@ -8,7 +8,7 @@ import pytest
 
 from harness.core.arrays import BoolArray
 from harness.core.recording import Recording
-from harness.diagnosis.baseline.driven_base_fit import driven_baseline
+from harness.diagnosis.baseline.base_fit import driven_baseline
 from harness.diagnosis.fit.fitted_states import begun
 from harness.diagnosis.fit.model_fit import Fit, fit
 from harness.diagnosis.fit.observe import observe

@@ -9,13 +9,12 @@ from harness.core.arrays import FloatArray
 from harness.core.errors import InputError
 from harness.diagnosis.baseline.base_fit import baseline
 from harness.diagnosis.baseline.words import evidence
+from harness.diagnosis.explain.by_force import told
 from harness.diagnosis.explain.cautions import keeping_time
-from harness.diagnosis.explain.graded import told
 from harness.diagnosis.fit.model_fit import fit
 from harness.diagnosis.fit.parameters import free_of
-from harness.diagnosis.grading.beginning import from_the_beginning
+from harness.diagnosis.grading.beginning import after_first_turn, from_the_beginning
 from harness.diagnosis.grading.clocks import on_the_swing
-from harness.diagnosis.grading.first_turn import after_first_turn
 from harness.diagnosis.grading.friction_split import _others, resplit
 from harness.diagnosis.grading.grade import Finalist, Graded, decided, grade, in_step
 from harness.diagnosis.grading.misfit import misfit

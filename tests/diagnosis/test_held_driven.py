@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 from harness.core.arrays import FloatArray
 from harness.core.recording import Recording
 from harness.diagnosis.pipeline import prepare
-from harness.diagnosis.prepare.held_driven import held_driven
+from harness.diagnosis.prepare.held import held_driven
 from harness.diagnosis.problems.driven import Forced
 from harness.diagnosis.request import Asked, AskedCovariate
 from harness.diagnosis.rules import LARGE_ANGLE, ZERO_REACH

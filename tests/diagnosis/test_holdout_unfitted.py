@@ -10,7 +10,7 @@ from harness.core.recording import Recording
 from harness.diagnosis.explain import holdout as periods
 from harness.diagnosis.inverse_dynamics import holdout as windows
 from harness.diagnosis.pipeline import diagnose, explain, fit_base, judge, prepare, search
-from harness.diagnosis.problems.inverse_dynamics import InverseDynamics
+from harness.diagnosis.problems.driven import InverseDynamics
 from harness.diagnosis.request import Asked
 from harness.kernels.solve import Drive, solve
 from harness.model.model import Model, ModelTerm, Restoring

@@ -8,7 +8,7 @@ import pytest
 from harness.api import compare
 from harness.core.errors import InputError
 from harness.core.recording import Recording
-from harness.diagnosis.alignment.one_kind import as_kind_of, of_one_kind
+from harness.diagnosis.alignment.match import as_kind_of, of_one_kind
 
 T = np.linspace(0.0, 4.0, 800)
 X = 0.1 * np.exp(-0.2 * T) * np.cos(9.0 * T)

@@ -8,7 +8,7 @@ from harness.core.arrays import FloatArray
 from harness.core.recording import Recording
 from harness.diagnosis.inverse_dynamics.unseen_mass import with_unseen_mass
 from harness.diagnosis.pipeline import diagnose
-from harness.diagnosis.problems.inverse_dynamics import InverseDynamics
+from harness.diagnosis.problems.driven import InverseDynamics
 
 PUSH, MASS = 150.0, 0.1
 

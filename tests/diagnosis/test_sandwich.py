@@ -5,8 +5,7 @@ import pytest
 
 from harness.core.recording import Recording
 from harness.diagnosis.baseline.base_fit import baseline
-from harness.diagnosis.fit.cluster_covariance import clustered_covariance
-from harness.diagnosis.fit.standard_errors import base_parameters
+from harness.diagnosis.fit.standard_errors import base_parameters, clustered_covariance
 from harness.diagnosis.pipeline import prepare
 from harness.diagnosis.request import Asked
 from harness.kernels.solve import solve

@@ -4,11 +4,11 @@ import numpy as np
 import pytest
 
 from harness.core.recording import Recording
-from harness.diagnosis.grading.second import with_second
+from harness.diagnosis.grading.beginning import with_second
 from harness.diagnosis.outcome import Grade
 from harness.diagnosis.pipeline import explain, fit_base, judge, prepare, search
 from harness.diagnosis.request import Asked
-from harness.diagnosis.residual_tests.structure import Left
+from harness.diagnosis.residual_tests.lack_of_fit import Left
 from harness.diagnosis.rules import SECOND_TERM
 from harness.diagnosis.stages import Found, Judged
 from harness.kernels.solve import solve

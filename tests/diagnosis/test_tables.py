@@ -16,18 +16,15 @@ from harness.diagnosis.grading.prediction import blocks_of, held_out, ratio
 from harness.diagnosis.outcome import Grade, Table
 from harness.diagnosis.pipeline import explain, judge
 from harness.diagnosis.problems.free_decay import FreeDecay
-from harness.diagnosis.residual_tests.structure import Left
+from harness.diagnosis.residual_tests.lack_of_fit import Left
 from harness.diagnosis.search.search import Search
 from harness.diagnosis.stages import Found
-from harness.diagnosis.tables.basis import Basis, basis_of, partials
-from harness.diagnosis.tables.curve import table_of
+from harness.diagnosis.tables.basis import RUNGS, Basis, basis_of, partials
+from harness.diagnosis.tables.curve import Blocks, table_of
 from harness.diagnosis.tables.describe import described, gauge_of
-from harness.diagnosis.tables.fitted import TableFit
-from harness.diagnosis.tables.nearest import ungauged
-from harness.diagnosis.tables.penalised import fit_tables
-from harness.diagnosis.tables.rungs import RUNGS
+from harness.diagnosis.tables.drawn import ungauged
+from harness.diagnosis.tables.fitted import TableFit, fit_tables
 from harness.diagnosis.tables.selection import finished, tabulated
-from harness.diagnosis.tables.smoothness import Blocks
 from harness.estimate.noise import Noise
 from harness.kernels.solve import simulate
 from harness.model.model import Model, ModelTerm

@@ -8,7 +8,7 @@ import pytest
 from harness.core.arrays import FloatArray
 from harness.core.errors import InputError
 from harness.core.recording import Recording
-from harness.diagnosis.explain.other_release import releases
+from harness.diagnosis.explain.next_experiment import releases
 from harness.diagnosis.fit.observe import observe
 from harness.diagnosis.fit.parameters import free_of, values_of, with_values
 from harness.diagnosis.fit.standard_errors import base_parameters

@@ -7,7 +7,7 @@ import pytest
 
 from harness.diagnosis.baseline.base_fit import dominant_frequency
 from harness.diagnosis.baseline.residual_noise import coloured_whole
-from harness.diagnosis.problems.turning_points import first_turn, turning_points
+from harness.diagnosis.problems.free_decay import first_turn, turning_points
 from harness.estimate.noise import Noise
 from harness.kernels.solve import simulate
 from harness.model.model import Model

@@ -9,8 +9,8 @@ from hypothesis import strategies as st
 
 from harness.core.recording import Recording
 from harness.diagnosis.pipeline import prepare
+from harness.diagnosis.prepare.held import Beside
 from harness.diagnosis.request import Asked
-from harness.diagnosis.smoothed_state.unsaid_spring import Beside
 from harness.kernels.solve import Drive, solve
 from harness.model.model import Model, Restoring
 

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from harness.diagnosis.residual_tests.structure import Left
+from harness.diagnosis.residual_tests.lack_of_fit import Left
 from harness.diagnosis.search.search import Search
 from harness.diagnosis.verdict import weighed
 from harness.model.model import ModelTerm

@@ -18,8 +18,7 @@ from harness.app.shared.thinned import thinned
 from harness.core.recording import Recording
 from harness.diagnosis.alignment.align import GIVEN
 from harness.diagnosis.alignment.consistency import Consistency
-from harness.diagnosis.alignment.match import Match
-from harness.diagnosis.alignment.one_kind import of_one_kind
+from harness.diagnosis.alignment.match import Match, of_one_kind
 from harness.diagnosis.alignment.pair import Clock
 from harness.diagnosis.comparison import Comparison, compared
 from harness.diagnosis.fit.rmse import percent_followed

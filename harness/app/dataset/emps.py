@@ -10,8 +10,7 @@ from harness.app.shared.progress import SILENT, Progress
 from harness.app.shared.reading import ReadOptions, read
 from harness.core.errors import InputError
 from harness.core.recording import Recording
-from harness.diagnosis.inverse_dynamics.protocol import DIRECTED, PUBLISHED, SYMMETRIC
-from harness.diagnosis.inverse_dynamics.ripple import Ripple, find_ripple
+from harness.diagnosis.inverse_dynamics.protocol import DIRECTED, PUBLISHED, SYMMETRIC, Ripple, find_ripple
 from harness.diagnosis.inverse_dynamics.validate import Judge, without_ripple
 from harness.io.recording import sha256
 from harness.io.store import growing_folder, write_text

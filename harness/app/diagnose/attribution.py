@@ -15,18 +15,18 @@ from harness.core.errors import SimulationError
 from harness.core.quantity import Quantity
 from harness.core.recording import Recording
 from harness.core.trajectory import Source, Trajectory
-from harness.diagnosis.alignment.one_kind import as_kind_of
+from harness.diagnosis.alignment.match import as_kind_of
 from harness.diagnosis.attribution.attribute import (
     Attribution,
+    Nearby,
     NoSharesError,
     attribute_engine,
     attribute_model,
     attribute_trace,
+    nearby_of,
 )
-from harness.diagnosis.attribution.mixed import in_masses_of
-from harness.diagnosis.attribution.nearby import Nearby, nearby_of
-from harness.diagnosis.attribution.reading import Reading, aligned, trace_channels
-from harness.diagnosis.explain.advice import left_beside, unadvised
+from harness.diagnosis.attribution.reading import Reading, aligned, in_masses_of, trace_channels
+from harness.diagnosis.explain.cautions import left_beside, unadvised
 from harness.diagnosis.explain.engines import shown_by
 from harness.diagnosis.fit.observe import observe
 from harness.diagnosis.fit.standard_errors import covariances

@@ -4,7 +4,7 @@ import math
 
 from harness.core.quantity import Quantity
 from harness.diagnosis.attribution.attribute import Attribution
-from harness.diagnosis.attribution.mixed import BASE
+from harness.diagnosis.attribution.reading import BASE
 from harness.diagnosis.fit.model_fit import Fit
 from harness.diagnosis.fit.standard_errors import inflation, unit_of
 from harness.diagnosis.outcome import Outcome

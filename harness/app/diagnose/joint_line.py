@@ -7,7 +7,7 @@ import numpy as np
 
 from harness.core.arrays import FloatArray, IntArray
 from harness.core.quantity import Quantity
-from harness.diagnosis.inverse_dynamics.force import inverse_force
+from harness.diagnosis.inverse_dynamics.asked import inverse_force
 from harness.diagnosis.kinds.known import kind_of
 from harness.diagnosis.outcome import Outcome
 

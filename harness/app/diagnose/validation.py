@@ -8,7 +8,7 @@ from harness.app.diagnose.problem import prepared
 from harness.app.shared.reading import read
 from harness.core.errors import InputError
 from harness.core.recording import Recording
-from harness.diagnosis.alignment.one_kind import as_kind_of
+from harness.diagnosis.alignment.match import as_kind_of
 from harness.diagnosis.inverse_dynamics.validate import Judge
 from harness.diagnosis.kinds.known import kind_of
 from harness.diagnosis.outcome import Outcome

@@ -1,6 +1,6 @@
 """Where a named effect acts, as results say it: spans of time, a regime, a plain condition."""
 
-from harness.diagnosis.explain.share import share_within
+from harness.diagnosis.explain.locate import share_within
 from harness.diagnosis.outcome import Mechanism, Outcome
 from harness.results.common import Where
 

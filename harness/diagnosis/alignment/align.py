@@ -3,6 +3,10 @@
 Every shift is looked at (coarse), the best few are refined, and so are their neighbours a period away. Two traces of
 the same motion lie over each other to within the noise at one of them. Two that differ are laid release on release,
 since a motion that decays too fast looks like a later piece of the other.
+
+Where two traces may lie over each other: every shift at once, by sums of products over bins of time.
+
+Where a trace begins to move: the event that a simulation and a recording of a free decay have in common.
 """
 
 import math
@@ -14,12 +18,126 @@ import numpy as np
 from harness.core.arrays import BoolArray, FloatArray
 from harness.core.errors import InputError
 from harness.core.quantity import Quantity
-from harness.diagnosis.alignment.candidate import Candidate, refined
-from harness.diagnosis.alignment.coarse import candidates
+from harness.diagnosis.alignment.candidate import Candidate, beyond_clocks, rated, refined
 from harness.diagnosis.alignment.pair import Clock, Pair, Signals
-from harness.diagnosis.alignment.rate import beyond_clocks, rated
-from harness.diagnosis.alignment.release import release
 from harness.estimate.noise import Noise
+
+BINS = 40
+"""Bins a period: two curves half a bin apart differ by 0.3 % of their power."""
+_MOST_BINS = 4_000_000
+"""Bounds the memory of the transforms: 32 MB a channel."""
+_LEAST_SHARED = 0.15
+"""Share of the shorter trace that must lie over the other."""
+_CANDIDATES = 9
+"""Shifts that are refined: bounds the work."""
+_APART = 0.3
+"""Share of a period between candidates."""
+
+
+def candidates(first: Signals, second: Signals, noise: Mapping[str, Noise], period: float) -> list[float]:
+    """Shifts (s, of the first's times) at which the traces differ least, the best first.
+
+    A shift saves n log((s^2 + e) / (s0^2 + e)) a channel: n bins overlap, s^2 is the mean square difference, offset
+    apart, s0^2 that of two strangers with the variances seen there, e the noise of a bin. So a long overlap is worth as
+    much as a close one, and two traces at rest, or hiding from each other, are worth nothing.
+    Raises InputError for traces too long for their period.
+    """
+    width = period / BINS
+    total = sum(float(one.t[-1] - one.t[0]) for one in (first, second)) / width
+    if total > _MOST_BINS:
+        found = f"{total / BINS:.3g} periods that the shift may be anywhere in"
+        accepted = f"traces of at most {_MOST_BINS / BINS:.0e} periods together are accepted"
+        raise InputError("time alignment", found, accepted)
+    # imported when it is needed: it brings half of its library along
+    from scipy.signal import correlate
+
+    sizes = [max(int((one.t[-1] - one.t[0]) / width), 1) for one in (first, second)]
+    lags = np.arange(1 - sizes[0], sizes[1])
+    low, high = np.maximum(0, -lags), np.minimum(sizes[0], sizes[1] - lags)
+    count = (high - low).astype(np.float64)
+    saved = np.zeros(lags.size)
+    for c, level in noise.items():
+        f, y = (_binned(one.t, one.channels[c], width, n) for one, n in zip((first, second), sizes, strict=True))
+        middle, size = 0.5 * (f.mean() + y.mean()), math.sqrt(0.5 * (f.var() + y.var())) or 1.0
+        f, y = (f - middle) / size, (y - middle) / size
+        sums = [_between(values, low + d, high + d) for values, d in ((f, 0), (y, lags), (f * f, 0), (y * y, lags))]
+        product = correlate(y, f, method="fft")
+        strangers = sums[2] + sums[3] - (sums[0] ** 2 + sums[1] ** 2) / count
+        apart = sums[2] + sums[3] - 2.0 * product - (sums[0] - sums[1]) ** 2 / count
+        interval = max(float(np.median(np.diff(one.t))) for one in (first, second))
+        e = count * ((level.sigma / size) ** 2 * min(1.0, interval / width) + 1e-6)
+        saved += count * np.log((np.maximum(apart, 0.0) + e) / (np.maximum(strangers, 0.0) + e))
+    least = max(_LEAST_SHARED * min(sizes), min(BINS, *sizes))
+    saved[count < least] = math.inf
+    shifts = np.asarray(float(second.t[0] - first.t[0]) + lags * width, dtype=np.float64)
+    return _lowest(shifts, saved, _APART * period)
+
+
+def _binned(t: FloatArray, y: FloatArray, width: float, count: int) -> FloatArray:
+    """Means (count,) of a channel over bins, from its first sample on."""
+    area = np.concatenate([[0.0], np.cumsum(0.5 * (y[1:] + y[:-1]) * np.diff(t))])
+    return np.asarray(np.diff(np.interp(t[0] + width * np.arange(count + 1), t, area)) / width)
+
+
+def _between(values: FloatArray, low: np.ndarray, high: np.ndarray) -> FloatArray:
+    """Sums of values[low:high] for many ranges."""
+    total = np.concatenate([[0.0], np.cumsum(values)])
+    return np.asarray(total[high] - total[low])
+
+
+def _lowest(shifts: FloatArray, saved: FloatArray, apart: float) -> list[float]:
+    """The lowest places of a curve that are no neighbours."""
+    padded = np.concatenate([[math.inf], saved, [math.inf]])
+    dips = np.flatnonzero((saved <= padded[:-2]) & (saved <= padded[2:]) & np.isfinite(saved))
+    found: list[float] = []
+    for i in dips[np.argsort(saved[dips], kind="stable")]:
+        if all(abs(shifts[i] - one) > apart for one in found):
+            found.append(float(shifts[i]))
+        if len(found) == _CANDIDATES:
+            break
+    return found
+
+
+_LEAVES, _SIGMAS = 0.02, 6.0
+"""A channel has left its first value when it is this share of its range, and so many sigma, away."""
+_IN_A_ROW = 3
+"""Samples in a row that must be away: a stray one is none."""
+_HELD = 0.15
+"""Periods after which a channel that has not left its first value was held: from a turning point it leaves by 2 % of
+the range within arccos(0.96) / (2 pi) = 0.045 of a period."""
+_SLOW = 0.02
+"""In full motion it leaves within 0.006 of a period; a trace that takes longer began at a turning point."""
+
+
+@dataclass(frozen=True, slots=True)
+class Release:
+    """time : s. held : the trace rests before it, so that the event is seen and not taken to be the first sample."""
+
+    time: float
+    held: bool
+
+
+def release(trace: Signals, noise: Mapping[str, Noise], period: float) -> Release | None:
+    """The release, None for a trace that begins in full motion; period in s."""
+    leaves = [_leaves(trace, c, noise[c], period) for c in ("x", "v", "a") if c in noise]
+    if not leaves:
+        return None
+    start = float(trace.t[0])
+    first, last = min(leaves), max(leaves)
+    if first - start > _HELD * period:
+        return Release(first, True)
+    return Release(start, False) if last - start > _SLOW * period else None
+
+
+def _leaves(trace: Signals, c: str, noise: Noise, period: float) -> float:
+    """Last time, s, at which a channel still is where it began."""
+    y = trace.channels[c]
+    begin = max(int(np.searchsorted(trace.t, trace.t[0] + period / 40.0)), 1)
+    away = np.abs(y - np.median(y[:begin])) > max(_SIGMAS * noise.sigma, _LEAVES * float(np.ptp(y)))
+    run = np.convolve(away.astype(np.int64), np.ones(_IN_A_ROW, dtype=np.int64), "valid") == _IN_A_ROW
+    found = np.flatnonzero(run)
+    return float(trace.t[max(int(found[0]) - 1, 0)] if found.size else trace.t[-1])
+
 
 GIVEN = "given"
 """Why a shift has no error."""

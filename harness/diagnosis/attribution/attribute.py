@@ -2,26 +2,100 @@
 
 Noise, and what the refined model leaves beyond it, are taken off first: what is divided is the distance of a simulation
 from the refined model, in windows of about a period restarted from the recording's smoothed state.
+
+Shapley values: what each player brings, averaged over all orders in which the players may come.
+
+L. S. Shapley, A value for n-person games, Contributions to the Theory of Games II (1953) 307-317.
+
+How sure shares are: the same game with the refined model moved by what the recording leaves open of it.
+
+A share is a function of the refined model's numbers. Its variance is the sum, over the principal axes of their
+covariance, of the squares of what one standard deviation along the axis does to it: the first order of propagation.
 """
 
-from collections.abc import Callable, Mapping
+import math
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cache
+from itertools import combinations
+
+import numpy as np
 
 from harness.core.arrays import FloatArray
-from harness.core.errors import InputError
+from harness.core.errors import InputError, SimulationError
 from harness.core.recording import Recording
-from harness.diagnosis.attribution.game import saved
-from harness.diagnosis.attribution.mixed import BASE, in_masses_of, mixed, moved
-from harness.diagnosis.attribution.nearby import Nearby, errors_of
-from harness.diagnosis.attribution.reading import Reading, aligned, read_trace
+from harness.diagnosis.attribution.reading import BASE, Reading, aligned, in_masses_of, mixed, moved, read_trace
 from harness.diagnosis.attribution.restarted import Restarted, restarted
 from harness.diagnosis.explain.engines import Simulator, shown_by
-from harness.diagnosis.fit.model_fit import whitened
+from harness.diagnosis.fit.model_fit import Fit, whitened
 from harness.diagnosis.fit.observe import observe
+from harness.diagnosis.fit.parameters import with_values
 from harness.diagnosis.problem import Problem
 from harness.kernels.solve import Scales
 from harness.model.model import Model
+
+Value = Callable[[frozenset[str]], float]
+"""What is left when these players have been put right; asked for the same players many times."""
+
+
+def saved(players: Sequence[str], left: Value) -> Mapping[str, float]:
+    """What putting each player right takes off what is left, averaged over all orders; sums to left({}) - left(all).
+
+    Negative for a player whose error hides those of others.
+    """
+    count = len(players)
+    found = {}
+    for player in players:
+        others = [other for other in players if other != player]
+        total = 0.0
+        for size in range(count):
+            weight = math.factorial(size) * math.factorial(count - size - 1) / math.factorial(count)
+            for before in map(frozenset, combinations(others, size)):
+                total += weight * (left(before) - left(before | {player}))
+        found[player] = total
+    return found
+
+
+Nearby = Sequence[Sequence[Model]]
+"""For each covariance the models one standard deviation along its axes; the larger error counts."""
+
+
+def nearby_of(found: Fit, matrices: Sequence[FloatArray]) -> Nearby:
+    """Models beside a fit, for each covariance (q, q) of its numbers; what a recording does not tell stays as it is."""
+    return [[_moved(found, step) for step in _axes(matrix).T] for matrix in matrices]
+
+
+def _axes(covariance: FloatArray) -> FloatArray:
+    """Steps (q, r) whose squares sum to a covariance, of numbers of any units."""
+    variance = np.diag(covariance)
+    known = np.flatnonzero(np.isfinite(variance) & (variance > 0.0))
+    scale = np.sqrt(variance[known])
+    values, vectors = np.linalg.eigh(covariance[np.ix_(known, known)] / np.outer(scale, scale))
+    steps: FloatArray = np.zeros((variance.size, known.size))
+    steps[known] = scale[:, None] * vectors * np.sqrt(np.maximum(values, 0.0))
+    return steps
+
+
+def _moved(found: Fit, step: FloatArray) -> Model:
+    values = [min(max(v, f.lower), f.upper) for f, v in zip(found.free, found.values + step, strict=True)]
+    return with_values(found.model, found.free, np.array(values))
+
+
+def errors_of(
+    shares: Callable[[Model], Mapping[str, float]], found: Mapping[str, float], nearby: Nearby
+) -> Mapping[str, float] | None:
+    """Standard errors of shares that were found; None where nothing is nearby, or a model there cannot be played."""
+    if not any(nearby):
+        return None
+    try:
+        played = [[shares(model) for model in models] for models in nearby]
+    except SimulationError:
+        return None
+    return {
+        name: max(math.sqrt(sum((one[name] - value) ** 2 for one in models)) for models in played)
+        for name, value in found.items()
+    }
+
 
 ENGINE, PARAMETERS, TERMS = "engine", "parameters", "missing_physics"
 MOST_SLIPPING = 1.0 / 3.0

@@ -4,6 +4,8 @@ A base fit follows noise as well as it can and leaves noise, so that a test of w
 that hangs on the bench. The rival moves nothing: of every channel a level, with noise about it that may wander. That is
 an ARMA(1, 1) process, whose root is real: white noise, a random walk, all between and both together. It swings at no
 frequency (Box and Jenkins 1976, chapter 3).
+
+Peaks of a spectrum.
 """
 
 import math
@@ -13,11 +15,20 @@ import numpy as np
 from scipy.optimize import minimize
 from scipy.signal import lfilter
 
-from harness.core.arrays import FloatArray
+from harness.core.arrays import FloatArray, IntArray
 from harness.core.errors import InputError
 from harness.diagnosis.fit.model_fit import Fit
 from harness.diagnosis.problem import Problem
 from harness.diagnosis.rules import DECISIVE
+
+
+def peaks(power: FloatArray) -> IntArray:
+    """Indices (k,) of the local maxima of a spectrum (n,), strongest first; its ends are none."""
+    inner = power[1:-1]
+    tops = np.flatnonzero((inner > power[:-2]) & (inner >= power[2:])) + 1
+    strongest: IntArray = tops[np.argsort(power[tops])[::-1]]
+    return strongest
+
 
 _STARTS = ((0.0, 0.0), (0.7, 0.0), (0.97, 0.0), (0.97, 0.7), (0.999, 0.95))
 """Of memory and of what noise beside it takes off: white, coloured, wandering, and wandering under white noise."""

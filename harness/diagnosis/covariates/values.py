@@ -1,5 +1,10 @@
-"""The columns that were asked for as covariates, or why one says nothing."""
+"""The columns that were asked for as covariates, or why one says nothing.
 
+Ways in which a covariate may enter, side by side: what was chosen, by how much, and what is not told apart.
+"""
+
+import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -8,8 +13,9 @@ from harness.core.arrays import FloatArray
 from harness.core.errors import InputError
 from harness.core.recording import Recording
 from harness.diagnosis.request import AskedCovariate
-from harness.diagnosis.rules import COVARIATE_VARIES
+from harness.diagnosis.rules import COVARIATE_APART, COVARIATE_VARIES, DECISIVE
 from harness.estimate.noise import channel_noise
+from harness.fit.autocorrelation import memory
 from harness.model.covariate import Acts, Covariate
 
 
@@ -51,3 +57,46 @@ def values_in(recording: Recording, asked: tuple[AskedCovariate, ...]) -> dict[s
             raise InputError(where, found_too, accepted)
         found[one.name] = values
     return found
+
+
+NAMED = {Acts.FORCE: "a force", Acts.FRICTION: "friction", Acts.DAMPING: "damping"}
+
+
+@dataclass(frozen=True, slots=True)
+class Rival:
+    """One way in, and what it leaves (m,)."""
+
+    covariate: Covariate
+    left: FloatArray
+
+
+def said(found: Sequence[Rival], without: FloatArray, asked: bool, refused: tuple[Acts, ...]) -> str:
+    """Which rival was chosen, the first, and by how much, in BIC; without (m,) : what is left where it does not act.
+
+    refused : ways that follow from the base model and time.
+    """
+    best = found[0]
+    name, independent = best.covariate.name, memory(best.left).independent
+
+    def behind(left: FloatArray) -> float:
+        return independent * math.log(float(left @ left) / max(float(best.left @ best.left), 1e-300))
+
+    gained = behind(without) - math.log(independent)
+    parts = [f"BIC {gained:.0f} better than without it"]
+    parts += [f"{behind(r.left):.0f} better than as {NAMED[r.covariate.acts]}" for r in found[1:]]
+    parts += [f"{NAMED[acts]} was not tried, as that follows from the base model and time" for acts in refused]
+    text = f"{name} enters as {best.covariate.said}{', as asked' if asked else ''}: {', '.join(parts)}."
+    near = [NAMED[r.covariate.acts] for r in found[1:] if behind(r.left) < DECISIVE.value]
+    if near:
+        text += f" Below {DECISIVE.value:g} it is not told from {' or '.join(near)}."
+    if gained < DECISIVE.value:
+        text += f" Below {DECISIVE.value:g} nothing shows that {name} acts at all."
+    return f"{text} Held-out figures are given {name}; it is not predicted."
+
+
+def little(name: str, share: float) -> str:
+    """A caution where little of a covariate decides its gain; share : of its squares that nothing else says."""
+    if share * COVARIATE_APART.value >= 1.0:
+        return ""
+    found = f"The base model and time say {100.0 * (1.0 - share):.3g} % of what {name} does"
+    return f" {found}: the rest decides the gain, and a law that is left out moves it easily."

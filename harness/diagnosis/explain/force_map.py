@@ -16,7 +16,7 @@ import numpy as np
 from harness.core.arrays import BoolArray, FloatArray, IntArray
 from harness.core.jit import compiled
 from harness.diagnosis.motion import Motion
-from harness.diagnosis.smoothed_state.three import at, over, times, times_turned
+from harness.diagnosis.smoothed_state.local_cubics import at, over, times, times_turned
 
 _CHANNELS = ("x", "v", "a")
 _CELLS = 15

@@ -22,9 +22,9 @@ from harness.diagnosis.fit.place import place_of
 from harness.diagnosis.fit.rmse import rmse
 from harness.diagnosis.outcome import Forced, Holdout
 from harness.diagnosis.problem import Problem
+from harness.diagnosis.search.look import evidence
 from harness.diagnosis.search.screen import screen
 from harness.diagnosis.search.search import Search
-from harness.diagnosis.search.start_evidence import evidence
 from harness.diagnosis.verdict import Judgement
 from harness.kernels.solve import Scales
 from harness.model.model import Model, ModelTerm

@@ -1,4 +1,7 @@
-"""What of a model is fitted, and in which coordinates."""
+"""What of a model is fitted, and in which coordinates.
+
+Friction that a fit has lost to damping, given back a share of it, so that what acts on friction finds some.
+"""
 
 import math
 from dataclasses import dataclass, replace
@@ -7,8 +10,9 @@ from typing import Any
 import numpy as np
 
 from harness.core.arrays import FloatArray
+from harness.diagnosis.rules import FRICTION_GONE
 from harness.fit.least_squares import Bounds
-from harness.kernels.solve import By
+from harness.kernels.solve import By, Scales
 from harness.model.elsewhere import parted
 from harness.model.model import Model, ModelTerm
 
@@ -142,3 +146,14 @@ def in_recording(f: Free, model: Model, recording: int) -> Free | None:
         return replace(f, by=stem)
     own = model.elsewhere[recording - 1].names if recording else ()
     return f if of == 0 and stem not in own else None
+
+
+def with_friction(model: Model, base: tuple[str, ...], scales: Scales) -> Model | None:
+    """A model whose friction, which is fitted, has vanished, with half of its damping as friction; None for others.
+
+    base : names of what is fitted. Equal energy over a cycle of half the amplitude: 4 f_k X = pi c omega X^2.
+    """
+    as_friction = math.pi / 4.0 * model.c * scales.omega * 0.5 * scales.x
+    if "f_k" not in base or model.f_k > FRICTION_GONE.value * as_friction:
+        return None
+    return replace(model, c=0.5 * model.c, f_k=0.5 * as_friction)

@@ -2,6 +2,12 @@
 
 A number's variance is the largest of three: by curvature, by curvature times chi-square per point, and by the scatter
 of what half-swings say of it, which coloured noise, a jittered clock and coarse steps of an encoder make larger.
+
+Covariance of fitted numbers when the model leaves more than noise: a misfit says one thing for half a swing.
+
+The curvature alone, and the curvature times chi-square per point, count every sample of a misfit as a word of its own.
+Here the scores are summed over blocks as long as half a swing, and their scatter is taken as it is: the sandwich
+estimator with clusters (Liang and Zeger 1986, Biometrika 73, 13).
 """
 
 import math
@@ -12,11 +18,37 @@ import numpy as np
 from harness.core.angular import about_an_axis
 from harness.core.arrays import FloatArray
 from harness.core.quantity import Quantity
-from harness.diagnosis.fit.cluster_covariance import clustered_covariance, half_swings
 from harness.diagnosis.fit.model_fit import Fit
 from harness.diagnosis.problem import Problem
 from harness.model.covariate import Acts, Covariate
 from harness.model.model import Restoring
+
+
+def clustered_covariance(found: Fit, problem: Problem, omega: float) -> FloatArray:
+    """Covariance (q, q) of the fitted numbers by blocks of half a swing; omega of the swing, rad/s.
+
+    Of a free decay: residuals stand channel after channel, each with a row for every time. Too few blocks for the
+    numbers fitted give infinite variances.
+    """
+    t, q = problem.t, len(found.free)
+    block = ((t - t[0]) * omega / math.pi).astype(np.int64)
+    count = half_swings(problem, omega)
+    if count <= q + 1:
+        return np.full((q, q), math.inf)
+    scores = np.zeros((count, q))
+    for i in range(len(problem.channels)):
+        rows = slice(i * t.size, (i + 1) * t.size)
+        each = found.jacobian[rows] * found.residual[rows, None]
+        scores += np.column_stack([np.bincount(block, each[:, j], count) for j in range(q)])
+    bread = found.covariance()
+    # the fit has taken q numbers' worth of the blocks
+    return np.asarray(bread @ (scores.T @ scores) @ bread * (count / (count - q)), dtype=np.float64)
+
+
+def half_swings(problem: Problem, omega: float) -> int:
+    """Blocks of a recording, one begun among them; omega of the swing, rad/s."""
+    return int((problem.t[-1] - problem.t[0]) * omega / math.pi) + 1
+
 
 _ON_BOUND = "the estimate lies on a bound of what is possible"
 AT_LEAST = "at least this: what is larger the recording cannot show"

@@ -15,7 +15,7 @@ from scipy import sparse
 
 from harness.core.arrays import BoolArray, ComplexArray, FloatArray
 from harness.diagnosis.fit.bounds import within
-from harness.diagnosis.fit.downhill import downhill
+from harness.diagnosis.fit.model_fit import downhill
 from harness.diagnosis.fit.observe import COARSE, Observation, observe
 from harness.diagnosis.fit.parameters import Free
 from harness.diagnosis.problem import Problem

@@ -43,10 +43,10 @@ from harness.diagnosis.rules import (
     TAKEN,
     Rule,
 )
-from harness.diagnosis.search.company import in_company
+from harness.diagnosis.search.against import in_company
 from harness.diagnosis.search.extend import extend
+from harness.diagnosis.search.look import evidence as starting_evidence
 from harness.diagnosis.search.search import under
-from harness.diagnosis.search.start_evidence import evidence as starting_evidence
 from harness.model.evidence import Evidence
 from harness.model.model import Model
 from harness.model.registry import NAMED

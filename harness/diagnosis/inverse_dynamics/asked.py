@@ -2,6 +2,8 @@
 
 As means over blocks of samples; one look at a sample gives the force and all its partials, which the laws write
 together.
+
+The force a model asks for to move as recorded, sample by sample.
 """
 
 from collections.abc import Mapping
@@ -12,7 +14,7 @@ import numpy as np
 
 from harness.core.arrays import BoolArray, FloatArray, IntArray
 from harness.core.jit import compiled
-from harness.diagnosis.fit.given import factor, frictionless, frictionless_terms, pushed
+from harness.diagnosis.fit.observe import factor, frictionless, frictionless_terms, pushed
 from harness.diagnosis.fit.parameters import Free
 from harness.kernels.integrate import mode_moving
 from harness.kernels.layout import Layout, lay_out
@@ -206,3 +208,18 @@ def _without_friction(model: Model, free: tuple[Free | None, ...]) -> tuple[Free
         return None if f.by == "f_k" else f
 
     return tuple(there(f) for f in free)
+
+
+def given_force(
+    model: Model, t: FloatArray, x: FloatArray, v: FloatArray, a: FloatArray, given: Mapping[str, FloatArray]
+) -> FloatArray:
+    """Force (n,), N, that moves the model through x (as its sensor shows it), v, a (n,) at t (s).
+
+    given : the model's covariates as they were measured, by name, (n,).
+    """
+    return asked(model, Path(t, x, v, a, given, np.ones(t.size, dtype=np.bool_)))[0]
+
+
+def inverse_force(model: Model, t: FloatArray, x: FloatArray, v: FloatArray, a: FloatArray) -> FloatArray:
+    """The same, covariates apart."""
+    return given_force(replace(model, covariates=()), t, x, v, a, {})

@@ -7,14 +7,14 @@ from dataclasses import replace
 import numpy as np
 
 from harness.core.arrays import FloatArray
-from harness.diagnosis.baseline.spectral_peaks import peaks
+from harness.diagnosis.baseline.swing_seen import peaks
 from harness.diagnosis.fit.parameters import free_of
 from harness.diagnosis.inverse_dynamics.force_fit import ForceFit
 from harness.diagnosis.inverse_dynamics.measured import Measured
-from harness.diagnosis.inverse_dynamics.ripple import periods
+from harness.diagnosis.inverse_dynamics.protocol import periods
 from harness.diagnosis.problem import Problem
+from harness.diagnosis.search.look import Recorded, within
 from harness.diagnosis.search.screen import applicable, with_amplitudes
-from harness.diagnosis.search.within_recording import Recorded, within
 from harness.kernels.solve import Scales
 from harness.model.evidence import Evidence
 from harness.model.model import Model, ModelTerm

@@ -17,14 +17,14 @@ from harness.diagnosis.grading.grade import Contest, Finalist, cells_of, decided
 from harness.diagnosis.grading.prediction import Predicted, blocks_of
 from harness.diagnosis.inverse_dynamics.force_fit import ForceFit, as_fit, fit_force, simulated
 from harness.diagnosis.inverse_dynamics.force_screen import seen_in
-from harness.diagnosis.inverse_dynamics.left_out import left_out
+from harness.diagnosis.inverse_dynamics.holdout import left_out
 from harness.diagnosis.inverse_dynamics.left_over import LeftOver
 from harness.diagnosis.inverse_dynamics.measured import Measured
 from harness.diagnosis.inverse_dynamics.strokes import ForceWords, force_words
 from harness.diagnosis.outcome import Grade
-from harness.diagnosis.problems.inverse_dynamics import InverseDynamics
+from harness.diagnosis.problems.driven import InverseDynamics
 from harness.diagnosis.rules import CONFIRMED, GAIN, SHARE_OF_EXCESS
-from harness.diagnosis.search.company import in_company
+from harness.diagnosis.search.against import in_company
 from harness.kernels.solve import Scales
 from harness.model.model import Model
 

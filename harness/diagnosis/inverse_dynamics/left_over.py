@@ -1,17 +1,113 @@
-"""Is what a fitted force leaves no more than noise leaves of a true model? Compared with simulated draws of that."""
+"""Is what a fitted force leaves no more than noise leaves of a true model? Compared with simulated draws of that.
 
-from dataclasses import dataclass
+A fitted force where nothing is left out: the model's own motion, seen as it was measured.
+
+Smoothing rounds off what friction does at reversals, noise is amplified by two differences, and some law of a whole
+catalogue always fits what comes of both. How well, and how much stays, is simulated: the fitted model moves as the
+slider did, its motion and the force get the noise that was found and pass the same smoothing, the same fit and the same
+search (a parametric bootstrap; Davison and Hinkley 1997, ch. 4).
+"""
+
+import math
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import suppress
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from harness.core.arrays import FloatArray
 from harness.core.errors import SimulationError
-from harness.diagnosis.inverse_dynamics.bootstrap_null import draws
-from harness.diagnosis.inverse_dynamics.force_fit import ForceFit
-from harness.diagnosis.problems.inverse_dynamics import InverseDynamics
-from harness.diagnosis.residual_tests.structure import Left
+from harness.diagnosis.fit.observe import COARSE, observe
+from harness.diagnosis.fit.rmse import motion_followed
+from harness.diagnosis.inverse_dynamics.force_fit import ForceFit, fit_force
+from harness.diagnosis.inverse_dynamics.measured import Measured
+from harness.diagnosis.problems.driven import InverseDynamics
+from harness.diagnosis.residual_tests.lack_of_fit import Left
 from harness.diagnosis.rules import NULL_DRAWS, OVER_SIMULATED
-from harness.kernels.solve import Scales
+from harness.diagnosis.smoothed_state.state import Course
+from harness.estimate.noise import Noise, channel_noise
+from harness.kernels.solve import Drive, Scales
+from harness.model.model import Model, Restoring
+
+_HANDS = (0.03, 0.1, 0.3)
+"""Rates of the hand that leads a slider, times the sampling interval: the slowest that keeps it on its way is taken,
+for a fast one passes on noise."""
+_ON_THE_WAY = 99.0
+"""% of the motion (NRMSE)."""
+
+
+def draws(
+    current: ForceFit, problem: InverseDynamics, scales: Scales, count: int
+) -> Iterator[tuple[ForceFit, Measured]]:
+    """A fitted model as the truth, recorded and fitted again, so many times. Raises SimulationError."""
+    parts = problem.alone or (problem,)
+    each = [_Moved.by(current.model.of_recording(r), one, scales) for r, one in enumerate(parts)]
+    # of the same way the same blocks
+    same = Measured.of(problem).moving if problem.restoring is Restoring.NONE else None
+    random = np.random.default_rng(0)
+    for _ in range(count):
+        drawn = Measured.of_several([Measured.of(one.drawn(random)) for one in each], problem)
+        if same is not None:
+            drawn = drawn.part(same)
+        yield fit_force(current.model, drawn, current.free), drawn
+
+
+@dataclass(frozen=True, slots=True)
+class _Moved:
+    """A recording as a model moves. shown (n,) : by channel, without noise. drive, noise : of its force."""
+
+    problem: InverseDynamics
+    shown: Mapping[str, FloatArray]
+    drive: Drive
+    noise: Noise
+
+    @classmethod
+    def by(cls, model: Model, problem: InverseDynamics, scales: Scales) -> "_Moved":
+        """Under the recorded force, and where nothing pulls back led along the recorded way. Raises SimulationError."""
+        # over each stretch without a gap from one start: no window's edge is in the motion
+        course = Course.of(problem.t, problem.channels, problem.noise)
+        whole = replace(problem, starts=course.anew(math.inf))
+        noise = channel_noise(problem.t, problem.drive.at(problem.t), rests=True)
+        if model.restoring is not Restoring.NONE:
+            return cls(problem, observe(model, whole, (), scales, COARSE).y, problem.drive, noise)
+        x, v, _ = course.state
+        u, interval = problem.drive.felt(problem.t), float(np.median(np.diff(problem.t)))
+        for rate in (share / interval for share in _HANDS):
+            # a hand beside the recorded force: the slider turns and rests where the recorded one does
+            k, c = model.m * rate**2, 2.0 * model.m * rate
+            led = replace(model, k=k, c=model.c + c, restoring=Restoring.SPRING)
+            hand = replace(whole, drive=Drive(problem.t, u + k * x + c * v))
+            shown = observe(led, hand, (), Scales(scales.x, scales.v, rate), COARSE)
+            if motion_followed(shown.y, problem) >= _ON_THE_WAY:
+                break
+        return cls(problem, shown.y, Drive(problem.t, u + k * (x - shown.x) + c * (v - shown.v)), noise)
+
+    def drawn(self, random: np.random.Generator) -> InverseDynamics:
+        """The recording with noise anew."""
+        problem, drive = self.problem, self.drive
+        channels = {c: problem.noise[c].over(self.shown[c], random) for c in problem.channels}
+        force = drive.u
+        if self.noise.found:
+            force = force + np.interp(drive.t, problem.t, self.noise.drawn(problem.t.size, random))
+        return replace(problem, channels=channels, drive=replace(drive, u=force))
+
+
+def taken_by_chance(
+    current: ForceFit, problem: InverseDynamics, scales: Scales, further: Callable[[ForceFit, Measured], list[ForceFit]]
+) -> float:
+    """Squares of force, N^2 a value, that the best of ``further`` takes off a true model: the most of some draws.
+
+    0 where the model cannot be simulated: then it says nothing of what chance does.
+    """
+    most = 0.0
+    with suppress(SimulationError):
+        for before, drawn in draws(current, problem, scales, NULL_DRAWS.count):
+            after = further(before, drawn)
+            if after:
+                squares = min(f.squares for f in after)
+                most = max(most, (before.squares - squares) / before.residual.size)
+    return most
+
 
 _WIDER = 4
 """Each length of means is so many times the one before."""

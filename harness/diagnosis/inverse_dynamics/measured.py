@@ -9,13 +9,12 @@ import numpy as np
 from harness.core.arrays import BoolArray, FloatArray, IntArray
 from harness.core.errors import SimulationError
 from harness.diagnosis.fit.parameters import Free, in_recording
-from harness.diagnosis.inverse_dynamics.asked import Path, asked
-from harness.diagnosis.inverse_dynamics.force import given_force, inverse_force
+from harness.diagnosis.inverse_dynamics.asked import Path, asked, given_force, inverse_force
 from harness.diagnosis.problem import Problem
 from harness.diagnosis.problems.driven import Forced
 from harness.diagnosis.rules import GUARD_SPEED
-from harness.diagnosis.smoothed_state.inverse_start import state_of
 from harness.diagnosis.smoothed_state.local_cubics import Smooth, inner, longest_interval, smoothed, smoothed_alike
+from harness.diagnosis.smoothed_state.state import state_of
 from harness.model.model import Model
 
 BLOCK = 10

@@ -3,37 +3,43 @@
 With another recording as judge a further law is kept only if the force error there falls too, by more than its own
 standard error explains; without one, only if it takes more off than a law does where none is needed. What is left of a
 real drive is never white, so that evidence counts independent values only.
+
+Laws as inverse dynamics show them, for a search that follows the motion.
+
+A first look at a motion that has gone astray says little: what a law would change is seen from where the slider is not.
+What is left of the force is told place by place and speed by speed, wherever a simulation may be.
 """
 
 import math
 from collections.abc import Iterator
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import partial
 
 import numpy as np
 
 from harness.core.errors import SimulationError
-from harness.diagnosis.baseline.driven_base_fit import driven_scales
+from harness.diagnosis.baseline.base_fit import driven_scales
 from harness.diagnosis.fit.model_fit import Fit
 from harness.diagnosis.fit.parameters import base_of, free_of
 from harness.diagnosis.fit.rmse import motion_followed
 from harness.diagnosis.fit.standard_errors import unit_of
-from harness.diagnosis.inverse_dynamics.bootstrap_null import taken_by_chance
 from harness.diagnosis.inverse_dynamics.force_fit import DONE, ROUGHLY, ForceFit, as_fit, fit_force, simulated
 from harness.diagnosis.inverse_dynamics.force_screen import starts, whole_in
 from harness.diagnosis.inverse_dynamics.grade import Fitted, ForceGraded, graded
-from harness.diagnosis.inverse_dynamics.left_over import LeftOver, left_over
+from harness.diagnosis.inverse_dynamics.left_over import LeftOver, left_over, taken_by_chance
 from harness.diagnosis.inverse_dynamics.measured import Measured
 from harness.diagnosis.inverse_dynamics.validate import Judge
 from harness.diagnosis.problem import Problem
-from harness.diagnosis.problems.inverse_dynamics import InverseDynamics
-from harness.diagnosis.residual_tests.structure import Left
+from harness.diagnosis.problems.driven import Driven, InverseDynamics
+from harness.diagnosis.residual_tests.lack_of_fit import Left
 from harness.diagnosis.rules import AMONG_NAMES, DECISIVE, MOST_FORCE_TERMS, MOVES, PREDICTS_WORSE
 from harness.diagnosis.search.search import Search, less_each
+from harness.diagnosis.smoothed_state.state import Course
 from harness.estimate.noise import Noise
 from harness.fit.autocorrelation import ENOUGH
 from harness.kernels.solve import Drive, Scales
-from harness.model.model import ModelTerm, Restoring
+from harness.model.model import Model, ModelTerm, Restoring
 from harness.model.registry import NAMED
 
 _PUSH = next(term for term in NAMED if term.push is not None and len(term.parameters) == 1)
@@ -237,3 +243,24 @@ def left_said(problem: Problem, drive: Drive, independent: int, over: LeftOver) 
         )
     rest = few if independent < ENOUGH else ""
     return f"{level:.3g} {unit} rms of the force ({share:.2g} %) are left over; {beside}{rest}"
+
+
+_LAWS = 6
+"""Laws that go on, of those that say most of the force: they bound the work."""
+
+
+def by_the_force(problem: Driven, base: Model) -> tuple[Model, ...]:
+    """The base model with one law each, and with numbers that its force asks for; none where too little moves.
+
+    base : fitted to the motion, released as these are.
+    """
+    with suppress(SimulationError):
+        forces = InverseDynamics.of(problem, Course.of(problem.t, problem.channels, problem.noise).anew(math.inf))
+        measured, found, scales = force_baseline(forces)
+        laws = extended(found, measured, forces, scales)[:_LAWS]
+        return tuple(_released_as(base, one.model) for one in laws)
+    return ()
+
+
+def _released_as(base: Model, model: Model) -> Model:
+    return replace(model, x0=base.x0 + base.offset - model.offset, v0=base.v0, t0=base.t0)

@@ -1,16 +1,52 @@
 """A mass that the force does not show: taken as so large as it could be unseen, for a motion that can be simulated.
 
 What is left out may look like a mass, so that the law which says the force best is asked beside the base model.
+
+Whether a fitted force is held between samples: told by the force, where a servo makes the slider stick often.
+
+A simulation from one start then hangs on every stick, and a torque that is right to its noise lets it stray.
+
+Several driven recordings of one machine made ready as one problem, whose force is fitted.
 """
 
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
 
-from harness.diagnosis.inverse_dynamics.force_fit import ROUGHLY
+from harness.core.arrays import FloatArray
+from harness.core.errors import InputError, SimulationError
+from harness.core.recording import Recording
+from harness.diagnosis.fit.parameters import free_of
+from harness.diagnosis.inverse_dynamics.force_fit import ROUGHLY, fit_force
+from harness.diagnosis.inverse_dynamics.measured import BLOCK, Measured
 from harness.diagnosis.inverse_dynamics.search import extended, force_baseline
-from harness.diagnosis.problems.inverse_dynamics import InverseDynamics
-from harness.diagnosis.rules import MASS_UNSEEN
+from harness.diagnosis.prepare.driven import forced_problem
+from harness.diagnosis.prepare.free_decay import in_common
+from harness.diagnosis.prepare.intersample_hold import ACTS_HELD, held
+from harness.diagnosis.problems.driven import InverseDynamics
+from harness.diagnosis.problems.forces_together import ForcesTogether
+from harness.diagnosis.request import Asked
+from harness.diagnosis.rules import FORCE_HELD, MASS_UNSEEN
+from harness.kernels.solve import Drive
+from harness.model.model import Restoring
+
+
+def as_it_acts(problem: InverseDynamics, u: FloatArray) -> tuple[InverseDynamics, tuple[str, ...]]:
+    """The problem with its force u (n,) held, and a sentence that says so, where the base model leaves less of it so.
+
+    Raises SimulationError where little moves.
+    """
+    stepped = held(problem.t, u)
+    if _left(problem, stepped) < FORCE_HELD.value * _left(problem, problem.drive):
+        return replace(problem, drive=stepped), (ACTS_HELD,)
+    return problem, ()
+
+
+def _left(problem: InverseDynamics, drive: Drive) -> float:
+    """Sum of squares of the force that the base model leaves, N^2."""
+    measured = Measured.of(replace(problem, drive=drive))
+    return fit_force(problem.first, measured, free_of(problem.first, problem.base_names)).squares
 
 
 def with_unseen_mass(problem: InverseDynamics) -> InverseDynamics:
@@ -35,3 +71,43 @@ def with_unseen_mass(problem: InverseDynamics) -> InverseDynamics:
     )
     first = replace(base.model, m=mass)
     return replace(problem, mass=mass, first=first, enters=(*problem.enters, said))
+
+
+_BY_FORCE = "driven, several: the force of all is fitted at once, whether or not the motion of each could be followed"
+
+
+def forces_together(recordings: Sequence[Recording], asked: Asked) -> tuple[ForcesTogether, tuple[str, ...]]:
+    """Driven recordings as one problem, and what was done to each, one sentence each.
+
+    On a spring each has a zero of its own, unless that is given. Raises InputError for fewer than two, for free decays
+    among them, for those that have no channel in common or hardly move; SimulationError.
+    """
+    common = in_common(recordings)
+    spring = (asked.restoring or Restoring.SPRING) is not Restoring.NONE
+    # smoothing rounds off reversals, of which each recording has its own share
+    alike = replace(asked, guarded=True, zero_free=spring if asked.zero_free is None else asked.zero_free)
+    notes, each = [_BY_FORCE], []
+    for one in recordings:
+        problem, done = _alone(one, alike, common)
+        each.append(problem)
+        notes += [f"in {one.file}: {note}" for note in done]
+        left_out = [c for c in ("x", "v", "a") if c in one and c not in common]
+        notes += [f"in {one.file}: {c} is left out, which not every recording has" for c in left_out]
+    laid = ForcesTogether.laid(each)
+    known = with_unseen_mass(laid)
+    if known.mass is not None and known.mass != laid.mass:
+        laid = laid.with_mass(known.mass, known.first, known.enters)
+    return laid, tuple(notes)
+
+
+def _alone(recording: Recording, asked: Asked, common: Sequence[str]) -> tuple[InverseDynamics, tuple[str, ...]]:
+    seen = {c: y for c, y in recording.channels.items() if c in (*common, "u")}
+    problem, notes = forced_problem(replace(recording, channels=seen), asked)
+    # whole blocks, so that none reaches over the seam
+    problem = problem.part(slice(0, problem.t.size // BLOCK * BLOCK))
+    try:
+        problem, said = as_it_acts(problem, recording["u"][: problem.t.size])
+    except SimulationError as error:
+        accepted = "recordings in which the slider moves most of the time are accepted"
+        raise InputError(recording.file, str(error), accepted) from error
+    return problem, (*notes, *said)

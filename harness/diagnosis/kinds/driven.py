@@ -9,17 +9,15 @@ import numpy as np
 
 from harness.core.errors import SimulationError
 from harness.core.recording import Recording
-from harness.diagnosis.baseline.driven_base_fit import driven_baseline
+from harness.diagnosis.baseline.base_fit import driven_baseline
 from harness.diagnosis.explain.holdout import periods_held_out
-from harness.diagnosis.fit.another import as_started, only_started
 from harness.diagnosis.fit.model_fit import Fit
-from harness.diagnosis.fit.rmse import motion_followed
+from harness.diagnosis.fit.rmse import as_started, motion_followed, only_started
 from harness.diagnosis.input_noise.noisy_base_fit import along, in_turn
 from harness.diagnosis.input_noise.propagation import unlikely
-from harness.diagnosis.inverse_dynamics.candidates import by_the_force
 from harness.diagnosis.inverse_dynamics.covariates import entered
-from harness.diagnosis.inverse_dynamics.held import as_it_acts
-from harness.diagnosis.inverse_dynamics.unseen_mass import with_unseen_mass
+from harness.diagnosis.inverse_dynamics.search import by_the_force
+from harness.diagnosis.inverse_dynamics.unseen_mass import as_it_acts, with_unseen_mass
 from harness.diagnosis.inverse_dynamics.validate import Judge
 from harness.diagnosis.kinds.inverse_dynamics import FittedForces
 from harness.diagnosis.kinds.kind import Kind
@@ -27,11 +25,10 @@ from harness.diagnosis.outcome import Holdout
 from harness.diagnosis.prepare.driven import ALL_FELT, by_its_force, driven_problem, is_driven
 from harness.diagnosis.prepare.intersample_hold import ACTS_HELD
 from harness.diagnosis.problem import Problem
-from harness.diagnosis.problems.driven import Driven, Forced
-from harness.diagnosis.problems.inverse_dynamics import InverseDynamics
+from harness.diagnosis.problems.driven import Driven, Forced, InverseDynamics
 from harness.diagnosis.problems.starts import Windows
 from harness.diagnosis.request import Asked
-from harness.diagnosis.residual_tests.structure import Left, left_by
+from harness.diagnosis.residual_tests.lack_of_fit import Left, left_by
 from harness.diagnosis.rules import AMONG_NAMES, FOLLOWED, FORCE_HELD
 from harness.diagnosis.search.extend import Step, extend, settle
 from harness.diagnosis.search.search import Again, noise_of, once, search, under

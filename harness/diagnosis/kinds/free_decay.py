@@ -1,4 +1,7 @@
-"""The steps of a free decay: a long one is searched in means, a hand may have let go late, an engine have made it."""
+"""The steps of a free decay: a long one is searched in means, a hand may have let go late, an engine have made it.
+
+The steps of several free decays of one machine: whether they share their physics comes before what is missing.
+"""
 
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
@@ -8,21 +11,23 @@ from harness.core.errors import InputError, SimulationError
 from harness.core.recording import Recording
 from harness.diagnosis.baseline.base_fit import baseline
 from harness.diagnosis.baseline.swing_seen import refuse_no_swing
-from harness.diagnosis.covariates.following import enter
-from harness.diagnosis.covariates.noise import allowing
+from harness.diagnosis.covariates.following import allowing, enter
 from harness.diagnosis.explain.holdout import periods_held_out
-from harness.diagnosis.fit.another import only_started
 from harness.diagnosis.fit.model_fit import fit
 from harness.diagnosis.fit.parameters import base_of, free_of
+from harness.diagnosis.fit.rmse import as_started, only_started
 from harness.diagnosis.integrator_maps.stepped import as_stepped
 from harness.diagnosis.inverse_dynamics.validate import Judge
 from harness.diagnosis.kinds.kind import Kind
 from harness.diagnosis.outcome import Holdout
-from harness.diagnosis.prepare.free_decay import free_decay_problem
-from harness.diagnosis.problem import P
+from harness.diagnosis.pooling.pooled import Pooled, shared_by, unmasked
+from harness.diagnosis.pooling.repeated import own_of_each, sentences
+from harness.diagnosis.prepare.free_decay import free_decay_problem, together
+from harness.diagnosis.problem import P, Problem
 from harness.diagnosis.problems.free_decay import FreeDecay
+from harness.diagnosis.problems.together import Together
 from harness.diagnosis.request import Asked
-from harness.diagnosis.residual_tests.structure import Left
+from harness.diagnosis.residual_tests.lack_of_fit import Left
 from harness.diagnosis.search.extend import settle
 from harness.diagnosis.search.long_recordings import lifted, shortened
 from harness.diagnosis.search.release_transient import after_hand, over_by
@@ -154,3 +159,52 @@ def based(problem: P) -> Based[P]:
     refuse_no_swing(base, short)
     short = replace(short, noise=noise_of(base, short, scales.omega))
     return Based(problem, short, settle(under(base, short), short, scales), scales)
+
+
+class DecaysTogether(Kind[Together]):
+    """See Kind."""
+
+    of = Together
+
+    def suits(self, recording: Recording) -> bool:
+        """No recording by itself."""
+        return False
+
+    def prepare(self, recording: Recording, asked: Asked) -> tuple[Problem, tuple[str, ...]]:
+        """Of one recording there is nothing to pool."""
+        return together([recording], asked)
+
+    def fit_base(self, problem: Together) -> Based[Together]:
+        """In means of neighbours where they are very long."""
+        return based(problem)
+
+    def search(self, based: Based[Together], other: Judge | None) -> Found:
+        """First what the recordings share; a difference may also show only beside what is missing in all of them."""
+        shared = shared_by(based.problem, based.fit, based.scales)
+        scales = shared.scales
+        found = search(shared.problem, shared.base, scales)
+        more = unmasked(found, shared)
+        while more is not None:
+            shared, found = more, search(more.problem, more.base, scales)
+            more = unmasked(found, shared)
+        found, shared = own_of_each(found, shared)
+        found = _said(found, shared)
+        if based.problem.t.size < based.whole.t.size:
+            levels = [one.problem.noise for one in shared.compared.alone]
+            whole = replace(based.whole.with_own(shared.own).under_levels(levels), said=found.problem.choices)
+            return Found(lifted(found, whole, scales), scales, found, pooled=shared)
+        return Found(found, scales, found, pooled=shared)
+
+    def hold_out(self, problem: Together, judged: Judged, acting: Sequence[tuple[ModelTerm, Place]]) -> Holdout:
+        """Every second full period."""
+        return periods_held_out(judged.found.coarse, judged.judgement, judged.found.scales, acting)
+
+    def tried(self, problem: Together, models: Sequence[Model], scales: Scales) -> list[Mapping[str, float]]:
+        """From their own starts."""
+        return [as_started(model, problem, scales) for model in models]
+
+
+def _said(found: Search, shared: Pooled[Together]) -> Search:
+    problem = found.problem
+    assert isinstance(problem, Together)
+    return replace(found, problem=replace(problem, said=sentences(found.chosen, problem, shared, found.explained)))

@@ -1,24 +1,32 @@
-"""The steps of a driven recording whose force is fitted."""
+"""The steps of a driven recording whose force is fitted.
+
+The steps of several driven recordings of one machine, whose force is fitted: whether they share it comes first.
+"""
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 
 import numpy as np
 
 from harness.core.recording import Recording
 from harness.diagnosis.explain.force_map import ForceMap, measured_map
-from harness.diagnosis.fit.another import as_started
 from harness.diagnosis.fit.model_fit import Fit
+from harness.diagnosis.fit.rmse import as_started
 from harness.diagnosis.inverse_dynamics.force_fit import as_fit, simulated
 from harness.diagnosis.inverse_dynamics.holdout import holdout_windows
 from harness.diagnosis.inverse_dynamics.measured import BLOCK, Measured
 from harness.diagnosis.inverse_dynamics.search import force_baseline, left_said, search_driven
+from harness.diagnosis.inverse_dynamics.unseen_mass import forces_together
 from harness.diagnosis.inverse_dynamics.validate import Judge
 from harness.diagnosis.kinds.kind import Kind
 from harness.diagnosis.motion import Motion
 from harness.diagnosis.outcome import Holdout
+from harness.diagnosis.pooling.forces import shared_forces, unmasked_forces
+from harness.diagnosis.pooling.pooled import Pooled
+from harness.diagnosis.pooling.repeated import sentences
 from harness.diagnosis.prepare.driven import driven_problem
-from harness.diagnosis.problems.driven import Forced
-from harness.diagnosis.problems.inverse_dynamics import InverseDynamics
+from harness.diagnosis.problems.driven import Forced, InverseDynamics
+from harness.diagnosis.problems.forces_together import ForcesTogether
 from harness.diagnosis.request import Asked
 from harness.diagnosis.stages import Based, Found, Judged
 from harness.estimate.noise import channel_noise
@@ -72,3 +80,34 @@ class FittedForces(Kind[InverseDynamics]):
         left = (measured.u - measured.needed(base.model)) / base.model.m
         motion = Motion(measured.x, measured.v, ~np.repeat(measured.moving, BLOCK), scales.omega)
         return measured_map(measured.t, left, channel_noise(measured.t, left).sigma, motion)
+
+
+class ForcesOfSeveral(FittedForces):
+    """See Kind."""
+
+    of: type[InverseDynamics] = ForcesTogether
+
+    def prepare(self, recording: Recording, asked: Asked) -> tuple[ForcesTogether, tuple[str, ...]]:
+        """Of one recording there is nothing to pool."""
+        return forces_together([recording], asked)
+
+    def search(self, based: Based[InverseDynamics], other: Judge | None) -> Found:
+        """First what the recordings share; a difference may also show only beside what is missing in all of them."""
+        assert isinstance(based.whole, ForcesTogether)
+        shared = shared_forces(based.whole)
+        found = self._searched(shared)
+        more = unmasked_forces(found.search.chosen.model, shared)
+        while more is not None:
+            shared = more
+            found = self._searched(shared)
+            more = unmasked_forces(found.search.chosen.model, shared)
+        problem = found.search.problem
+        assert isinstance(problem, ForcesTogether)
+        said = sentences(found.search.chosen, problem, shared, found.search.explained)
+        search = replace(found.search, problem=replace(problem, said=said))
+        return replace(found, search=search, coarse=search, pooled=shared)
+
+    def _searched(self, shared: Pooled[ForcesTogether]) -> Found:
+        problem: InverseDynamics = shared.problem
+        based = Based(problem, problem, shared.base, shared.scales)
+        return super().search(based, None)

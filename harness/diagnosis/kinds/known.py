@@ -4,11 +4,9 @@ from typing import Any
 
 from harness.core.recording import Recording
 from harness.diagnosis.kinds.driven import DrivenRecordings
-from harness.diagnosis.kinds.forces_together import ForcesOfSeveral
-from harness.diagnosis.kinds.free_decay import FreeDecays
-from harness.diagnosis.kinds.inverse_dynamics import FittedForces
+from harness.diagnosis.kinds.free_decay import DecaysTogether, FreeDecays
+from harness.diagnosis.kinds.inverse_dynamics import FittedForces, ForcesOfSeveral
 from harness.diagnosis.kinds.kind import Kind
-from harness.diagnosis.kinds.together import DecaysTogether
 from harness.diagnosis.problem import Problem
 
 KINDS: tuple[Kind[Any], ...] = (DrivenRecordings(), FittedForces(), FreeDecays(), DecaysTogether(), ForcesOfSeveral())

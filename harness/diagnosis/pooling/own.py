@@ -1,19 +1,115 @@
-"""Which base parameter recordings do not share: each in turn is made every recording's own, and fitted."""
+"""Which base parameter recordings do not share: each in turn is made every recording's own, and fitted.
 
-from collections.abc import Sequence
+What each of several recordings says alone of the base parameters, and whether they say the same.
+
+Viscous friction, spring and Coulomb friction are fitted to each by itself. Their differences are held against the
+errors of both, joint over the three: a recording's c and f_k are told apart poorly, and what one has more of the other
+has less. Errors are those of a single recording (harness.diagnosis.fit.standard_errors): by curvature, by curvature
+times what is left, and by what half-swings say; the one that lets most through decides.
+"""
+
+import math
+from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 
 import numpy as np
+from scipy.special import chdtrc, fdtrc
 
+from harness.core.arrays import FloatArray
 from harness.core.errors import SimulationError
+from harness.core.quantity import Quantity
+from harness.diagnosis.baseline.base_fit import baseline
 from harness.diagnosis.baseline.words import Strokes, evidence, words_of
 from harness.diagnosis.fit.model_fit import Fit, fit
 from harness.diagnosis.fit.parameters import base_of, free_of
+from harness.diagnosis.fit.standard_errors import base_parameters, covariances
+from harness.diagnosis.problem import Problem
 from harness.diagnosis.problems.together import Together
+from harness.diagnosis.residual_tests.lack_of_fit import Left, left_by
+from harness.diagnosis.search.extend import settle
+from harness.diagnosis.search.search import noise_of, under
 from harness.kernels.solve import Scales
 from harness.model.elsewhere import Elsewhere, named
 from harness.model.model import Model
+
+PHYSICS = ("c", "k", "f_k")
+
+
+@dataclass(frozen=True, slots=True)
+class Alone:
+    """A recording by itself. parameters : omega_n, zeta, x_k with standard errors."""
+
+    problem: Problem
+    fit: Fit
+    scales: Scales
+    explained: bool
+    parameters: Mapping[str, Quantity]
+
+
+@dataclass(frozen=True, slots=True)
+class Compared:
+    """What recordings say alone, and the chance that they would differ so much if they were of one machine as it was.
+
+    chi2, freedom : of all differences. values : independent ones that the errors rest on.
+    """
+
+    alone: tuple[Alone, ...]
+    chi2: float
+    freedom: int
+    values: float = math.inf
+
+    @property
+    def chance(self) -> float:
+        """That recordings which agree differ so much."""
+        if not self.freedom:
+            return 1.0
+        if math.isinf(self.values):
+            return float(chdtrc(self.freedom, self.chi2))
+        return float(fdtrc(self.freedom, self.values, self.chi2 / self.freedom))
+
+
+def alone(problem: Problem) -> Alone:
+    """A recording with its base fit. Raises InputError, SimulationError."""
+    base, scales = baseline(problem)
+    problem = replace(problem, noise=noise_of(base, problem, scales.omega))
+    found = settle(under(base, problem), problem, scales)
+    explained = left_by(found, problem, scales.omega, found) is Left.NOISE
+    return Alone(problem, found, scales, explained, base_parameters(found, problem, scales.omega, explained))
+
+
+def compared(each: Sequence[Alone]) -> Compared:
+    """Whether they say the same."""
+    tests = [_differences(each, kind) for kind in range(min(len(_matrices(one)) for one in each))]
+    chi2, freedom = min(tests, key=lambda one: one[0])
+    return Compared(tuple(each), chi2, freedom)
+
+
+def _matrices(one: Alone) -> tuple[FloatArray, ...]:
+    return covariances(one.fit, one.problem, one.scales.omega, one.explained)
+
+
+def _differences(each: Sequence[Alone], kind: int) -> tuple[float, int]:
+    """Chi-square of what recordings say about what they say together, and its degrees of freedom."""
+    precision, weighed, seen = np.zeros((3, 3)), np.zeros(3), np.zeros(3, dtype=np.int64)
+    all_of_it = []
+    for one in each:
+        names = [f.name for f in one.fit.free]
+        at = [names.index(name) for name in PHYSICS]
+        matrices = _matrices(one)
+        covariance = matrices[min(kind, len(matrices) - 1)][np.ix_(at, at)]
+        values = one.fit.values[at]
+        # a number on its bound has no error and says nothing; what is infinite says nothing either
+        told = (np.diag(covariance) > 0.0) & np.isfinite(np.diag(covariance))
+        inverse = np.zeros((3, 3))
+        if np.any(told):
+            inverse[np.ix_(told, told)] = np.linalg.pinv(covariance[np.ix_(told, told)])
+        precision, weighed, seen = precision + inverse, weighed + inverse @ values, seen + told
+        all_of_it.append((values, inverse))
+    mean = np.linalg.pinv(precision) @ weighed
+    chi2 = sum(float((values - mean) @ inverse @ (values - mean)) for values, inverse in all_of_it)
+    return chi2, int(np.sum(np.maximum(seen - 1, 0)))
+
 
 CANDIDATES = ("m", "k", "c", "f_k")
 SAID = {"m": "inertia", "k": "stiffness", "c": "viscous damping", "f_k": "dry friction"}

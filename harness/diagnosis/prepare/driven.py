@@ -9,7 +9,7 @@ import numpy as np
 from harness.core.arrays import BoolArray, FloatArray
 from harness.core.errors import InputError, SimulationError
 from harness.core.recording import Recording
-from harness.diagnosis.baseline.driven_base_fit import driven_scales, own_scales
+from harness.diagnosis.baseline.base_fit import driven_scales, own_scales
 from harness.diagnosis.baseline.residual_noise import residual_noise
 from harness.diagnosis.fit.fitted_states import begun
 from harness.diagnosis.fit.model_fit import fit
@@ -17,17 +17,14 @@ from harness.diagnosis.fit.observe import COARSE, observe
 from harness.diagnosis.fit.parameters import free_of
 from harness.diagnosis.fit.standard_errors import unit_of
 from harness.diagnosis.input_noise.propagation import force_noise, left_of, unlikely
-from harness.diagnosis.prepare.held_driven import held_driven
+from harness.diagnosis.prepare.held import Beside, held_driven
 from harness.diagnosis.prepare.intersample_curve import between_samples
 from harness.diagnosis.prepare.intersample_hold import ACTS_HELD, acting
-from harness.diagnosis.problems.driven import Driven, Forced
-from harness.diagnosis.problems.inverse_dynamics import InverseDynamics
+from harness.diagnosis.problems.driven import Driven, Forced, InverseDynamics
 from harness.diagnosis.problems.starts import OneStart, Windows
 from harness.diagnosis.request import Asked
 from harness.diagnosis.rules import DECISIVE, FORCE_HELD
-from harness.diagnosis.smoothed_state.inverse_start import inverse_start
-from harness.diagnosis.smoothed_state.state import Course
-from harness.diagnosis.smoothed_state.unsaid_spring import Beside
+from harness.diagnosis.smoothed_state.state import Course, inverse_start
 from harness.estimate.noise import Noise, channel_noise
 from harness.estimate.saturation import within_range
 from harness.estimate.stray import stray_in

@@ -1,13 +1,185 @@
-"""How a recorded force runs between its samples where it is not held: straight, or smooth if that predicts better."""
+"""How a recorded force runs between its samples where it is not held: straight, or smooth if that predicts better.
+
+Where a sampled force kinks between its samples: the force of a loop does, whenever its slider turns.
+
+Without a spring nothing forgets: what one kink's interval is misread by, as momentum, moves the position ever after.
+Each side of a kink is continued by its own polynomial, and the kink lies where the two meet (Harten 1989, subcell
+resolution of essentially non-oscillatory schemes).
+"""
 
 import math
+from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
+from numpy.polynomial.polynomial import polyder, polyval
 
-from harness.core.arrays import FloatArray
-from harness.diagnosis.prepare.intersample_kinks import STENCIL, kinks_of, polynomials, smooth_stencils, value
+from harness.core.arrays import BoolArray, FloatArray, IntArray
 from harness.kernels.solve import Drive
+
+_NORMAL = 1.4826
+"""A standard deviation over the median size of normal noise."""
+STENCIL = 5
+"""Samples of a polynomial: fourth degree, so that a loop's transient of a few samples is followed."""
+_STANDS_OUT = 8.0
+"""Times the usual change of slope from which one is a kink's."""
+_ALONE = 3
+"""Samples within which only the strongest change of slope counts."""
+_BESIDE = 2
+"""Intervals to either side in which a kink that is seen may lie."""
+_SLACK, _LOOKED_AT = 0.02, 53
+"""How far past an interval's ends, in intervals, its sides may meet, and at how many places that is looked for."""
+_EDGE, _DOUBTED = 0.05, 4.0
+"""Sides that meet this near to a sample, in intervals, are believed only if they are so many times smoother."""
+_OFF = 2.0
+"""Times its roughness by which a side may miss a sample that it would continue to."""
+
+
+@dataclass(frozen=True, slots=True)
+class Kinks:
+    """Kinks of a sampled force, one at most in an interval.
+
+    cell (k,) : the interval after this sample. t (k,) : s. left, right (k, STENCIL) : polynomials of either side, by
+    powers of the time since the first of their samples.
+    """
+
+    cell: IntArray
+    t: FloatArray
+    left: FloatArray
+    right: FloatArray
+
+
+def polynomials(t: FloatArray, u: FloatArray, first: IntArray) -> FloatArray:
+    """Coefficients (k, STENCIL) through the samples from ``first`` (k,) on, by powers of the time since the first."""
+    at = first[:, None] + np.arange(STENCIL)
+    since = t[at] - t[first][:, None]
+    length = since[:, -1:]
+    powers = (since / length)[:, :, None] ** np.arange(STENCIL)
+    found: FloatArray = np.linalg.solve(powers, u[at][:, :, None])[:, :, 0] / length ** np.arange(STENCIL)
+    return found
+
+
+def value(coefficients: FloatArray, since: FloatArray, derivative: int = 0) -> FloatArray:
+    """Polynomials (k, STENCIL), or a derivative of them, at (k, j) times since their first samples."""
+    return np.asarray(polyval(since.T, polyder(coefficients.T, derivative), tensor=False), dtype=np.float64).T
+
+
+def _suspects(t: FloatArray, u: FloatArray) -> IntArray:
+    """Samples next to which the slope changes by far more than it does elsewhere."""
+    n = t.size
+    bend = np.zeros(n)
+    bend[1:-1] = np.diff(np.diff(u) / np.diff(t))
+    i = np.arange(_ALONE, n - _ALONE - 1)
+    both = bend[i] + bend[i + 1]
+    level = both - (bend[i - 1] + bend[i + 2])
+    slanted = both - (2.0 * bend[i - 1] - bend[i - 2] + 2.0 * bend[i + 2] - bend[i + 3])
+    jump = np.minimum(np.abs(level), np.abs(slanted))
+    keep: BoolArray = jump > _STANDS_OUT * _NORMAL * float(np.median(jump))
+    peak = np.where(keep, jump, 0.0)
+    for shift in range(1, _ALONE + 1):
+        keep[shift:] &= peak[shift:] > peak[:-shift]
+        keep[:-shift] &= peak[:-shift] >= peak[shift:]
+    return i[keep]
+
+
+def _meeting(t: FloatArray, u: FloatArray, cell: IntArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Where (k,) the sides of intervals meet, NaN where not once, and the polynomials of the left and of the right."""
+    left, right = polynomials(t, u, cell - STENCIL + 1), polynomials(t, u, cell + 1)
+    width = t[cell + 1] - t[cell]
+    place = np.linspace(-_SLACK, 1.0 + _SLACK, _LOOKED_AT)
+    at = t[cell][:, None] + width[:, None] * place
+    apart = value(left, at - t[cell - STENCIL + 1][:, None]) - value(right, at - t[cell + 1][:, None])
+    crosses = apart[:, :-1] * apart[:, 1:] <= 0.0
+    i, row = np.argmax(crosses, axis=1), np.arange(cell.size)
+    before, after = apart[row, i], apart[row, i + 1]
+    share = before / np.where(before == after, 1.0, before - after)
+    met = np.clip(at[row, i] + share * (at[row, i + 1] - at[row, i]), t[cell], t[cell + 1])
+    return np.where(np.count_nonzero(crosses, axis=1) == 1, met, np.nan), left, right
+
+
+def _roughness(t: FloatArray, u: FloatArray, first: IntArray) -> FloatArray:
+    """The most (k,) by which the bend changes from sample to sample of a stencil: a kink within shows."""
+    at = first[:, None] + np.arange(STENCIL)
+    bend = np.diff(np.diff(u[at]) / np.diff(t[at]))
+    most: FloatArray = np.max(np.abs(np.diff(bend)), axis=1)
+    return most
+
+
+def _whose(t: FloatArray, u: FloatArray, sample: IntArray) -> IntArray:
+    """The interval (k,) that a kink beside a sample lies in: after it if the sample continues the left side.
+
+    The smoother of the two sides decides, which misses its own next sample by less.
+    """
+    before, after = sample - STENCIL, sample + 1
+    left, right = polynomials(t, u, before), polynomials(t, u, after)
+    rough_left, rough_right = _roughness(t, u, before), _roughness(t, u, after)
+    width = 0.5 * (t[sample + 1] - t[sample - 1])
+    off_left = np.abs(value(left, (t[sample] - t[before])[:, None])[:, 0] - u[sample]) / width
+    off_right = np.abs(value(right, (t[sample] - t[after])[:, None])[:, 0] - u[sample]) / width
+    is_lefts = np.where(rough_left <= rough_right, off_left <= _OFF * rough_left, off_right > _OFF * rough_right)
+    return np.where(is_lefts, sample, sample - 1)
+
+
+def _beside_samples(t: FloatArray, u: FloatArray, kinks: Kinks) -> None:
+    """Kinks that seem to lie at a sample, put into the interval that they lie in."""
+    inside = (kinks.t - t[kinks.cell]) / (t[kinks.cell + 1] - t[kinks.cell])
+    sample = kinks.cell + np.rint(inside).astype(np.int64)
+    fits = (sample >= STENCIL) & (sample + STENCIL < t.size)
+    near = np.flatnonzero(fits & (np.minimum(inside, 1.0 - inside) < _EDGE))
+    cell = _whose(t, u, sample[near])
+    met, left, right = _meeting(t, u, cell)
+    there = np.isfinite(met)
+    for old, new in ((kinks.cell, cell), (kinks.t, met), (kinks.left, left), (kinks.right, right)):
+        old[near[there]] = new[there]
+
+
+def kinks_of(t: FloatArray, u: FloatArray) -> Kinks:
+    """Kinks of a force u (n,) at t (n,), s, in order of time.
+
+    Of the intervals in which a kink may lie it is the one whose sides are the smoothest: a polynomial across a kink is
+    rough.
+    """
+    n = t.size
+    seen = _suspects(t, u) if n > 2 * (STENCIL + _ALONE) else np.empty(0, np.int64)
+    best = Kinks(seen.copy(), np.full(seen.size, np.nan), *np.zeros((2, seen.size, STENCIL)))
+    smoothest = np.full(seen.size, np.inf)
+    for shift in range(-_BESIDE, _BESIDE + 1):
+        cell = np.clip(seen + shift, STENCIL - 1, n - STENCIL - 1)
+        met, left, right = _meeting(t, u, cell)
+        rough = _roughness(t, u, cell - STENCIL + 1) + _roughness(t, u, cell + 1)
+        # next to the true interval a side that holds one sample of the other meets it at that sample
+        inside = (met - t[cell]) / (t[cell + 1] - t[cell])
+        rough = np.where((inside > _EDGE) & (inside < 1.0 - _EDGE), rough, _DOUBTED * rough)
+        better = np.isfinite(met) & (rough < smoothest)
+        smoothest[better] = rough[better]
+        best.cell[better], best.t[better] = cell[better], met[better]
+        best.left[better], best.right[better] = left[better], right[better]
+    found = np.isfinite(best.t)
+    best = Kinks(best.cell[found], best.t[found], best.left[found], best.right[found])
+    _beside_samples(t, u, best)
+    cells, once = np.unique(best.cell, return_index=True)
+    return Kinks(cells, best.t[once], best.left[once], best.right[once])
+
+
+def smooth_stencils(n: int, kinks: Kinks) -> IntArray:
+    """First sample (n - 1,) of the stencil of each interval that no kink lies in; -1 where none fits.
+
+    The most central one: a kink within is the only reason for another.
+    """
+    broken = np.zeros(n - 1, dtype=np.bool_)
+    broken[kinks.cell] = True
+    count = np.concatenate(([0], np.cumsum(broken)))
+    first = np.full(n - 1, -1, dtype=np.int64)
+    cell = np.arange(n - 1)
+    middle = -(STENCIL - 2) / 2.0
+    for shift in sorted(range(2 - STENCIL, 1), key=lambda s: abs(s - middle)):
+        start = cell + shift
+        inside = (first < 0) & (start >= 0) & (start + STENCIL <= n)
+        begin = start[inside]
+        clean = count[begin + STENCIL - 1] == count[begin]
+        first[cell[inside][clean]] = begin[clean]
+    return first
+
 
 _SAME_TIME = 1e-9
 """Sampling intervals: rounding alone parts times that are nearer."""

@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 
 from harness.core.arrays import FloatArray
 from harness.core.errors import SimulationError
-from harness.diagnosis.baseline.driven_base_fit import driven_scales, own_scales
+from harness.diagnosis.baseline.base_fit import driven_scales, own_scales
 from harness.diagnosis.fit.model_fit import Fit, fit, whitened
 from harness.diagnosis.fit.observe import COARSE, observe
 from harness.diagnosis.fit.parameters import free_of

@@ -11,9 +11,8 @@ from typing import ClassVar, Self
 import numpy as np
 
 from harness.diagnosis.problem import Problem
-from harness.diagnosis.problems.inverse_dynamics import InverseDynamics
-from harness.diagnosis.problems.several_windows import Driven, SeveralWindows
-from harness.diagnosis.problems.starts import Start
+from harness.diagnosis.problems.driven import InverseDynamics
+from harness.diagnosis.problems.starts import Driven, SeveralWindows, Start
 from harness.diagnosis.problems.together import typical
 from harness.kernels.solve import Drive
 from harness.model.elsewhere import Elsewhere, named

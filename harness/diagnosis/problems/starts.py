@@ -1,6 +1,10 @@
 """From where a recording is simulated: as a whole from the model's own start, or window after window.
 
 A window starts with position and speed as recorded, and internal states as the motion before it has left them.
+
+From where several recordings of one slider are simulated: each from its own start, on its own clock.
+
+From where several driven recordings of one slider are simulated: window after window, each on its own clock.
 """
 
 from collections.abc import Callable, Mapping
@@ -11,6 +15,7 @@ import numpy as np
 
 from harness.core.arrays import FloatArray
 from harness.kernels.solve import By
+from harness.model.elsewhere import named, parted
 from harness.model.history import History, States
 from harness.model.model import Model, ModelTerm
 
@@ -188,3 +193,123 @@ class Windows:
         """With each window started anew."""
         starts = zip(self.windows, self.of(model), strict=True)
         return replace(self, windows=tuple(anew(w, start.model) for w, start in starts))
+
+
+@dataclass(frozen=True, slots=True)
+class Stretch:
+    """A recording on the axis on which all lie one behind the other.
+
+    start, stop : its samples. clock : s, where its own time is zero. t0 : of its start, in its own time, s.
+    starts : how its internal states begin.
+    """
+
+    start: int
+    stop: int
+    clock: float
+    t0: float
+    starts: OneStart
+
+
+@dataclass(frozen=True, slots=True)
+class Several:
+    """A start for each recording; own : base parameters that each has of its own besides."""
+
+    stretches: tuple[Stretch, ...]
+    own: tuple[str, ...] = ()
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Position and speed of each."""
+        return tuple(named(stem, r) for r in range(len(self.stretches)) for stem in ("x0", "v0"))
+
+    @property
+    def taken(self) -> int:
+        """None: they are parameters."""
+        return 0
+
+    def of(self, model: Model) -> list[Start]:
+        """The model at the start of every recording, with what that has of its own."""
+        theirs = sorted({name for one in model.elsewhere for name in one.names})
+        found = []
+        for r, s in enumerate(self.stretches):
+            own: dict[By, str | None] = {}
+            for stem in theirs:
+                for other in range(len(self.stretches)):
+                    own[named(stem, other)] = stem if other == r else None
+            (start,) = s.starts.of(replace(model.of_recording(r), t0=s.t0))
+            found.append(replace(start, samples=slice(s.start, s.stop), clock=s.clock, own=own))
+        return found
+
+    def part(self, keep: range) -> "Several":
+        """The recordings as they lie in these samples; one that is not among them keeps its place."""
+
+        def place(sample: int) -> int:
+            return min(max(-((keep.start - sample) // keep.step), 0), len(keep))
+
+        return replace(
+            self, stretches=tuple(replace(s, start=place(s.start), stop=place(s.stop)) for s in self.stretches)
+        )
+
+    def moved(self, anew: Callable[[Window, Model], Window], model: Model) -> "Several":
+        """The same: starts are parameters."""
+        return self
+
+
+def stem_of(name: str) -> str:
+    """A base parameter whichever recording it is of."""
+    return parted(name)[0]
+
+
+@dataclass(frozen=True, slots=True)
+class Driven:
+    """A recording on the axis on which all lie one behind the other.
+
+    start, stop : its samples. low, high : its samples of the speed that starts are taken from. clock : s, where its own
+    time is zero.
+    """
+
+    start: int
+    stop: int
+    low: int
+    high: int
+    clock: float
+
+
+@dataclass(frozen=True, slots=True)
+class SeveralWindows(Windows):
+    """Windows of all recordings on the common axis, none over a seam; own : base parameters that each has of its own.
+
+    What was before a recording's first sample is not known: no motion of another one says how its states begin.
+    """
+
+    stretches: tuple[Driven, ...]
+    own: tuple[str, ...] = ()
+
+    def of(self, model: Model) -> list[Start]:
+        """The model at the start of every window, with what its recording has of its own."""
+        theirs = sorted({name for one in model.elsewhere for name in one.names})
+        count = len(self.stretches)
+        found = []
+        for r, s in enumerate(self.stretches):
+            own: dict[By, str | None] = {
+                named(stem, other): stem if other == r else None for stem in theirs for other in range(count)
+            }
+            for start in self.alone(r).of(model.of_recording(r)):
+                found.append(replace(start, clock=s.clock, own=own))
+        return found
+
+    def alone(self, recording: int) -> Windows:
+        """The windows of one recording, on its own clock; samples are those of the common axis."""
+        s = self.stretches[recording]
+        mine = tuple(replace(w, t0=w.t0 - s.clock) for w in self.windows if s.start <= w.start < s.stop)
+        return Windows(mine, self.t[s.low : s.high] - s.clock, self.v[s.low : s.high])
+
+    def part(self, keep: range) -> "SeveralWindows":
+        """The windows and the recordings as they lie in these samples."""
+
+        def place(sample: int) -> int:
+            return min(max(-((keep.start - sample) // keep.step), 0), len(keep))
+
+        kept = Windows.part(self, keep)
+        stretches = tuple(replace(s, start=place(s.start), stop=place(s.stop)) for s in self.stretches)
+        return replace(self, windows=kept.windows, stretches=stretches)

@@ -13,8 +13,7 @@ import numpy as np
 from harness.core.arrays import BoolArray, FloatArray, IntArray
 from harness.diagnosis.problem import Problem
 from harness.diagnosis.problems.free_decay import FreeDecay
-from harness.diagnosis.problems.several import Several, Stretch
-from harness.diagnosis.problems.starts import OneStart
+from harness.diagnosis.problems.starts import OneStart, Several, Stretch
 from harness.diagnosis.rules import AMPLITUDES_APART
 from harness.estimate.noise import Noise
 from harness.model.elsewhere import named

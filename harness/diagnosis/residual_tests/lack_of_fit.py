@@ -4,20 +4,102 @@ The total chi-square says little then. So each test compares something a misfit 
 fills: low frequencies with the band above them, one spectral line with its surroundings, one stretch of time or one
 part of the swing with the same floor. What a fit has already taken from the residual is accounted for by its Jacobian.
 Single samples on the wrong side of a jump are set aside: they are flat in frequency but many.
+
+How rare a mean square is over a floor that was itself estimated.
+
+Do the parts of a recording ask for the same parameters as the whole (Nyblom 1989, in blocks)?
+
+To first order a part's own fit takes from its residual what lies along the partials there. These are few directions,
+and a model that only mimics an effect fails in them first, long before its residual looks structured.
+
+Does anything but noise stay in a fit? The calibrated test of lackfit, on a fit.
 """
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from enum import Enum
 from functools import partial
 
 import numpy as np
+from scipy.special import fdtrc
 
-from harness.core.arrays import BoolArray, FloatArray
+from harness.core.arrays import BoolArray, FloatArray, IntArray
+from harness.core.events import Mode
+from harness.diagnosis.fit.model_fit import Fit
 from harness.diagnosis.motion import Motion
+from harness.diagnosis.problem import Problem
 from harness.diagnosis.residual_tests.cleaned import BANDS, Channel, channels_of
-from harness.diagnosis.residual_tests.constancy import constancy
-from harness.diagnosis.residual_tests.floor import over_floor, spared
+from harness.diagnosis.rules import LAW_KNOWN, STRUCTURE, STRUCTURE_NAMED
+
+
+def over_floor(chi2: float, k: float, m: float) -> float:
+    """Chance of a mean square this large over a floor that has m degrees of freedom."""
+    return float(fdtrc(k, m, chi2 / k)) if k >= 1.0 else 1.0
+
+
+def spared(chance: Callable[[float], float], chi2: float, spare: float) -> float:
+    """Chance of a chi-square of which ``spare`` may be left besides by what is no structure, all of it here.
+
+    chance : of a chi-square. What is spared makes a test say nothing, never that there is too little.
+    """
+    plain = chance(chi2)
+    return plain if spare <= 0.0 else max(plain, min(chance(max(chi2 - spare, 0.0)), 0.5))
+
+
+_MOST_STRETCHES = 8
+"""Of equal numbers of half-cycles, which are held against each other."""
+_SEEN = 1e-6
+"""Share of its power in a part from which a fitted direction is seen there."""
+
+
+def constancy(
+    channels: Mapping[str, Channel], t: FloatArray, motion: Motion, spare: float = 0.0
+) -> list[tuple[str, float, float]]:
+    """Tests of whether parameters depend on the part of a recording: what is tested, its p-value, mean square.
+
+    t (n,) : s. spare : chi-square that may be left besides by what is no structure.
+    """
+    freedom = float(sum(one.freedom for one in channels.values()))
+    out = []
+    for name, part in _parts(t, motion).items():
+        chi2, k = _taken(channels, part)
+        if k >= 1.0:
+            p = spared(partial(over_floor, k=k, m=freedom), chi2, spare)
+            out.append((f"parameters that differ from {name} to {name}", p, chi2 / k))
+    return out
+
+
+def _parts(t: FloatArray, motion: Motion) -> dict[str, IntArray]:
+    """The number of its part for every sample (n,), for each way to part a recording."""
+    n = t.size
+    turns = (t - t[0]) * motion.omega / (2.0 * math.pi)
+    stretch = turns * _MOST_STRETCHES / max(float(turns[-1]), _MOST_STRETCHES)
+    return {
+        "half": 2 * np.arange(n) // n,
+        "quarter": 4 * np.arange(n) // n,
+        "cycle": np.minimum(stretch.astype(np.int64), _MOST_STRETCHES - 1),
+        "direction": (motion.v > 0.0).astype(np.int64),
+        "side": (motion.x > 0.0).astype(np.int64),
+    }
+
+
+def _taken(channels: Mapping[str, Channel], part: IntArray) -> tuple[float, float]:
+    """Chi-square that the parts' own fits would take besides the common one, and its degrees of freedom."""
+    fitted = next(iter(channels.values())).basis.shape[1]
+    chi2, k = 0.0, -float(fitted)
+    for number in range(int(part.max()) + 1):
+        score, gram = np.zeros(fitted), np.zeros((fitted, fitted))
+        for one in channels.values():
+            inside = part[one.kept] == number
+            score += one.basis[inside].T @ one.r[inside]
+            gram += one.basis[inside].T @ one.basis[inside]
+        values, vectors = np.linalg.eigh(gram)
+        seen = values > _SEEN
+        chi2 += float(np.sum((vectors.T @ score)[seen] ** 2 / values[seen]))
+        k += float(np.count_nonzero(seen))
+    return chi2, k
+
 
 _STRETCHES = (4, 16, 64)
 """Equal stretches of a recording, the strongest of which is tested: one event, or many cycles."""
@@ -202,3 +284,36 @@ def lack_of_fit(
     else:
         sentence = f"what is left looks like noise (p = {p:.2g})"
     return LackOfFit(p, ratio, sentence, tuple((test[0], test[1]) for test in tests))
+
+
+def structure(found: Fit, problem: Problem, omega: float, gain: float = 0.0) -> LackOfFit:
+    """Structure left in a fit's residual, its own parameters allowed for; gain : chi-square its terms explain.
+
+    What noise of a force leaves beyond first order is allowed for, where that could be simulated, and of what terms
+    explain the little that no law is known to.
+    """
+    n = problem.t.size
+    parts = {c: slice(i * n, (i + 1) * n) for i, c in enumerate(problem.channels)}
+    motion = Motion(found.shown.x, found.shown.v, found.shown.mode == Mode.STICK, omega)
+    return lack_of_fit(
+        {c: found.residual[at] for c, at in parts.items()},
+        problem.t,
+        omega,
+        jacobian={c: found.jacobian[at] for c, at in parts.items()},
+        motion=motion,
+        spare=(problem.spare if math.isfinite(problem.spare) else 0.0) + LAW_KNOWN.value * gain,
+    )
+
+
+class Left(Enum):
+    """What a model leaves of a recording."""
+
+    NOISE = "noise"
+    STRUCTURE = "structure"
+
+
+def left_by(found: Fit, problem: Problem, omega: float, base: Fit) -> Left:
+    """What a fit leaves; base : the fit without terms under the same noise, which may be the fit."""
+    gain = max(base.chi2 - found.chi2, 0.0)
+    level = STRUCTURE_NAMED if found.model.terms else STRUCTURE
+    return Left.NOISE if structure(found, problem, omega, gain).p_value > level.value else Left.STRUCTURE

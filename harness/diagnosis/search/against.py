@@ -1,9 +1,17 @@
-"""What speaks against a model, by which models of one recording are held against each other."""
+"""What speaks against a model, by which models of one recording are held against each other.
+
+What a law takes off a misfit in company: beside the other law with which it leaves least.
+
+Several small effects that sum up to one law are told as well by two others, or by one other and less of that law; a
+main effect keeps what it takes.
+"""
 
 from collections.abc import Sequence
+from typing import Protocol
 
 import numpy as np
 
+from harness.core.arrays import FloatArray
 from harness.diagnosis.fit.model_fit import Fit
 from harness.diagnosis.problem import Problem
 from harness.diagnosis.problems.force_noise import FAR
@@ -28,3 +36,55 @@ def far_out(found: Fit) -> float:
 def in_turn(fits: Sequence[Fit], problem: Problem) -> tuple[Fit, ...]:
     """The one that least speaks against first."""
     return tuple(sorted(fits, key=lambda f: against(f, problem)))
+
+
+class Fitted(Protocol):
+    """residual (N,) of a fit, and its partials (N, q) by what is free."""
+
+    @property
+    def residual(self) -> FloatArray:
+        """Data minus model."""
+
+    @property
+    def jacobian(self) -> FloatArray:
+        """Of the model."""
+
+
+def in_company(law: Fitted, others: Sequence[Fitted], base: Fitted) -> float:
+    """Squares that a law takes off a base model's, in units of the residual, beside the other it leaves least with.
+
+    Each fitted law counts with what it changes of the motion times a size that is free, the base model's numbers being
+    free besides, to first order. Of what the two take together the law's is the mean of what it takes first and of what
+    it takes last (Lindeman, Merenda and Gold 1980; Groemping 2006, J. Stat. Softw. 17, 1); without others it is all
+    that it takes. law, others : fits to the same samples under the same noise as ``base``.
+    """
+    changes = [base.residual - one.residual for one in (law, *others)]
+    left, *seen = _beside(base, np.column_stack([base.residual, *changes])).T
+    alone, *each = (_taken(left, [one]) for one in seen)
+    if not each:
+        return alone
+    both = [_taken(left, [seen[0], one]) for one in seen[1:]]
+    best = int(np.argmax(both))
+    return 0.5 * (alone + both[best] - each[best])
+
+
+def taken_by_two(laws: Sequence[Fitted], base: Fitted) -> FloatArray:
+    """Squares (m, m) that each two of m laws take off a base model's together, as ``in_company`` counts them."""
+    left, *seen = _beside(base, np.column_stack([base.residual, *(base.residual - one.residual for one in laws)])).T
+    return np.array([[_taken(left, [one, other]) for other in seen] for one in seen])
+
+
+def _beside(base: Fitted, columns: FloatArray) -> FloatArray:
+    """What of columns (N, m) the base model's numbers cannot do."""
+    size = np.linalg.norm(base.jacobian, axis=0)
+    partials = base.jacobian[:, size > 0.0] / size[size > 0.0]
+    found: FloatArray = columns - partials @ np.linalg.lstsq(partials, columns, rcond=None)[0]
+    return found
+
+
+def _taken(left: FloatArray, changes: Sequence[FloatArray]) -> float:
+    """Squares of ``left`` (N,) that columns (N,) of free sizes take together."""
+    size = [float(np.linalg.norm(one)) for one in changes]
+    a = np.column_stack([one / s for one, s in zip(changes, size, strict=True) if s > 0.0] or [np.zeros(left.size)])
+    along = a.T @ left
+    return float(along @ np.linalg.lstsq(a.T @ a, along, rcond=1e-9)[0])

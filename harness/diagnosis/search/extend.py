@@ -9,18 +9,16 @@ from harness.core.budget import counted
 from harness.core.cores import each
 from harness.core.errors import SimulationError
 from harness.diagnosis.baseline.base_fit import at_rest
-from harness.diagnosis.fit.friction_back import with_friction
 from harness.diagnosis.fit.model_fit import Fit, chi2_of, fit
 from harness.diagnosis.fit.observe import COARSE
-from harness.diagnosis.fit.parameters import base_of, free_of
+from harness.diagnosis.fit.parameters import base_of, free_of, with_friction
 from harness.diagnosis.fit.swing_fit import Swing, swung
 from harness.diagnosis.problem import Problem
 from harness.diagnosis.rules import DECISIVE, PERIOD_SEEN
 from harness.diagnosis.search.against import far_out
 from harness.diagnosis.search.few_pieces import for_looks
-from harness.diagnosis.search.look import Look
+from harness.diagnosis.search.look import Look, Recorded, within
 from harness.diagnosis.search.screen import Candidate
-from harness.diagnosis.search.within_recording import Recorded, within
 from harness.kernels.solve import Scales
 from harness.model.model import Model
 from harness.model.registry import NAMED

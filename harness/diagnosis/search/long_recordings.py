@@ -12,8 +12,8 @@ from harness.diagnosis.baseline.base_fit import baseline
 from harness.diagnosis.fit.model_fit import Fit, fit
 from harness.diagnosis.fit.observe import observe
 from harness.diagnosis.problem import P, Problem
-from harness.diagnosis.search.decimation import condensed
 from harness.diagnosis.search.extend import key_of
+from harness.diagnosis.search.few_pieces import condensed
 from harness.diagnosis.search.search import Search, noise_of
 from harness.kernels.solve import Scales
 

@@ -2,10 +2,12 @@
 
 BIC with known noise rules. Held-out prediction is reported beside it; where the two disagree BIC stands, because a
 stretch that is left out says little of what acts elsewhere, and a warning says so.
+
+The form of a law freed by one number, before a second name is looked for: one effect in another form is one name.
 """
 
 import math
-from collections.abc import Callable, Collection, Sequence
+from collections.abc import Callable, Collection, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from itertools import zip_longest
@@ -13,21 +15,41 @@ from typing import TypeAlias
 
 import numpy as np
 
+from harness.core.errors import SimulationError
 from harness.diagnosis.baseline.residual_noise import coloured_whole, residual_noise, window_of
-from harness.diagnosis.fit.model_fit import Fit, whitened
+from harness.diagnosis.fit.model_fit import Fit, fit, whitened
+from harness.diagnosis.fit.parameters import base_of, free_of
 from harness.diagnosis.problem import P, Problem
-from harness.diagnosis.residual_tests.structure import Left, left_by, structure
+from harness.diagnosis.residual_tests.lack_of_fit import Left, left_by, structure
 from harness.diagnosis.rules import AMONG_NAMES, COLOUR_ALONE, DECISIVE, MOST_TERMS, SECOND_TERM
-from harness.diagnosis.search.against import against, in_turn
-from harness.diagnosis.search.company import taken_by_two
+from harness.diagnosis.search.against import against, in_turn, taken_by_two
 from harness.diagnosis.search.extend import Step, extend, key_of, pair_up, prune, settle
-from harness.diagnosis.search.freed_form import freed
 from harness.diagnosis.search.look import Look
 from harness.diagnosis.search.screen import applicable
 from harness.estimate.noise import Noise
 from harness.kernels.solve import Scales
-from harness.model.model import Model
-from harness.model.registry import NAMED
+from harness.model.model import Model, ModelTerm
+from harness.model.registry import NAMED, forms_of
+
+
+def freed(found: Fit, problem: Problem, scales: Scales) -> Fit | None:
+    """A model of one law with its form free, fitted from where that law ended; None where its form is its name."""
+    best = min(_fitted(found, problem, scales), key=lambda f: f.bic, default=None)
+    return None if best is None else settle(best, problem, scales)
+
+
+def _fitted(found: Fit, problem: Problem, scales: Scales) -> Iterator[Fit]:
+    (entry,) = found.model.terms
+    base = base_of(found.free)
+    for form in forms_of(entry.term.key):
+        assert form.freed is not None
+        for values in form.freed(entry.values, problem.duration):
+            model = replace(found.model, terms=(ModelTerm(form, values),))
+            try:
+                yield fit(model, problem, free_of(model, base), scales, thorough=False)
+            except SimulationError:
+                continue
+
 
 _BEAM = 4
 """First terms that are extended by a second."""

@@ -1,14 +1,143 @@
-"""The smoothed course of a driven recording, and the windows that start on it."""
+"""The smoothed course of a driven recording, and the windows that start on it.
 
+The inverse dynamics of a driven recording: force from smoothed motion, by least squares; a start for the fit.
+
+A driven recording cut into windows, each with its start from the smoothed channels.
+"""
+
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from harness.core.arrays import FloatArray
-from harness.diagnosis.problems.starts import Windows
-from harness.diagnosis.smoothed_state.inverse_start import state_of
-from harness.diagnosis.smoothed_state.local_cubics import Smooth, longest_interval, smoothed
-from harness.diagnosis.smoothed_state.windows import windows_of
+import numpy as np
+
+from harness.core.arrays import BoolArray, FloatArray, IntArray
+from harness.core.errors import InputError
+from harness.diagnosis.problems.starts import Window, Windows
+from harness.diagnosis.smoothed_state.local_cubics import Smooth, longest_interval, smoothed, stretches
 from harness.estimate.noise import Noise
+from harness.model.model import Model, Restoring
+
+_MOVING = 0.02
+"""Share of the largest speed below which friction may have any value."""
+_FEWEST = 20
+"""Moving samples: four to each of five numbers."""
+_LEAST = 1e-3
+"""Share that a parameter which must not vanish is given where least squares makes it negative."""
+
+
+def state_of(t: FloatArray, smooth: Mapping[str, Smooth]) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Position, speed and acceleration (n,) from smoothed x or v; x from v alone counts from its first sample."""
+    if "x" in smooth:
+        x = smooth["x"]
+        v = smooth["v"].value if "v" in smooth else x.slope
+        a = smooth["v"].slope if "v" in smooth else x.bend
+        return x.value, v, a
+    v = smooth["v"].value
+    steps = 0.5 * (v[1:] + v[:-1]) * np.diff(t)
+    return np.concatenate(([0.0], np.cumsum(steps))), v, smooth["v"].slope
+
+
+def in_motion(v: FloatArray) -> BoolArray:
+    """Which samples (n,) move: slower, friction may have any value."""
+    return np.asarray(np.abs(v) > _MOVING * float(np.max(np.abs(v))))
+
+
+def inverse_start(
+    state: tuple[FloatArray, FloatArray, FloatArray],
+    u: FloatArray,
+    restoring: Restoring,
+    mass: float | None,
+    zero_free: bool,
+) -> Model:
+    """Base model by least squares of m a + c v + k R(x) + f_k sgn(v) + constant = u over the samples in motion.
+
+    The constant takes up what would bias the others; it gives the sensor's zero with ``zero_free``. Raises InputError
+    when the slider hardly moves.
+    """
+    x, v, a = state
+    moving = in_motion(v)
+    count = int(np.count_nonzero(moving))
+    if count < _FEWEST:
+        found = f"a slider that hardly moves ({count} of {v.size} samples show motion)"
+        raise InputError("recording", found, f"a driven motion of at least {_FEWEST} samples is accepted")
+    pull = {Restoring.SPRING: x, Restoring.PENDULUM: np.sin(x), Restoring.NONE: None}[restoring]
+    # beside an angle's sine its cosine says from where it is measured: k sin(x - o) = k cos o sin x - k sin o cos x
+    turned = restoring is Restoring.PENDULUM and zero_free
+    columns = {"m": a, "c": v, "f_k": np.sign(v), "one": np.cos(x) if turned else np.ones_like(v)}
+    if pull is not None:
+        columns["k"] = pull
+    right = u.copy()
+    if mass is not None:
+        right -= mass * columns.pop("m")
+    table = np.column_stack([y[moving] for y in columns.values()])
+    size = np.sqrt(np.mean(table**2, axis=0))
+    found = np.linalg.lstsq(table / size, right[moving], rcond=None)[0] / size
+    value = dict(zip(columns, found.tolist(), strict=True))
+    force = math.sqrt(float(np.mean(u**2)))
+    m = mass if mass is not None else max(value["m"], _LEAST * force / (math.sqrt(float(np.mean(a**2))) + 1e-300))
+    speed = math.sqrt(float(np.mean(v**2)))
+    k, offset = 0.0, 0.0
+    if turned:
+        offset = math.atan2(-value["one"], value["k"])
+        value["k"] = math.hypot(value["one"], value["k"])
+    if pull is not None:
+        k = max(value["k"], _LEAST * force / (math.sqrt(float(np.mean(x**2))) + 1e-300))
+    return Model(
+        m,
+        max(value["c"], _LEAST * force / speed),
+        k,
+        max(value["f_k"], _LEAST * force),
+        restoring=restoring,
+        mass_known=True,
+        offset=-value["one"] / k if zero_free and not turned and k > 0.0 else offset,
+    )
+
+
+FEWEST = 8
+"""Samples below which a window is not worth a start."""
+_AWAY = 8
+"""Samples either side of a start in which the slider should not turn round."""
+
+
+def windows_of(
+    t: FloatArray, state: tuple[FloatArray, FloatArray, FloatArray], smooth: Mapping[str, Smooth], horizon: float,
+    longest: float,
+) -> tuple[Window, ...]:  # fmt: skip
+    """Windows no longer than ``horizon`` (s) that cover all samples; none spans an interval beyond ``longest`` (s).
+
+    A start next to a reversal, where smoothing rounds off what friction does, is moved forward out of its way.
+    """
+    x, v, _ = state
+    one = smooth["x"] if "x" in smooth else smooth["v"]
+    x_sd = one.value_sd if "x" in smooth else np.full(t.size, float(np.ptp(x)))
+    v_sd = smooth["v"].value_sd if "v" in smooth else one.slope_sd
+    _, last = stretches(t, longest)
+    turns = np.zeros(t.size, dtype=np.int64)
+    turns[1:] = np.cumsum(np.sign(v[1:]) != np.sign(v[:-1]))
+    found = []
+    start = 0
+    while start < t.size:
+        stop = min(int(np.searchsorted(t, t[start] + horizon, side="left")), int(last[start]))
+        if stop < last[start]:
+            stop = _clear_of_turns(turns, start, stop)
+            # nothing is left behind that is too short to be a window of its own
+            stop = int(last[start]) if last[start] - stop < FEWEST else stop
+        found.append(
+            Window(
+                start, stop, float(t[start]), float(x[start]), float(v[start]), float(x_sd[start]), float(v_sd[start])
+            )
+        )
+        start = stop
+    return tuple(found)
+
+
+def _clear_of_turns(turns: IntArray, start: int, stop: int) -> int:
+    """The latest sample up to ``stop``, within the last fifth of the window, with no reversal close by."""
+    for at in range(stop, max(start + FEWEST, stop - (stop - start) // 5), -1):
+        if turns[min(at + _AWAY, turns.size - 1)] == turns[max(at - _AWAY, 0)]:
+            return at
+    return stop
 
 
 @dataclass(frozen=True, slots=True)

@@ -2,21 +2,109 @@
 
 The gauge says what is not the table's: what the spring, the damping, the friction, the zero and the named terms of the
 model say themselves. Over the samples of the motion the table has none of it.
+
+What is tabulated: a force by position, by speed, by a sum of both, a resistance by position, a force over both.
+
+How rough tables are: integrals of squared second derivatives, knots of a curve one apart.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from harness.core.arrays import FloatArray, IntArray
-from harness.diagnosis.tables.roughness import roughness
-from harness.diagnosis.tables.rungs import Rung
 from harness.kernels.layout import lay_out
 from harness.kernels.solve import Scales
 from harness.model.law import D_PARAMETER, INTERNAL_COLUMNS, VALUE
 from harness.model.model import Model, ModelTerm, Restoring
-from harness.model.spline import SIDE
+from harness.model.registry import TERMS
+from harness.model.spline import BENDING, KNOTS, SIDE, weight
 from harness.model.term import Slot, Term
+
+
+@dataclass(frozen=True, slots=True)
+class Rung:
+    """Tables that are fitted together.
+
+    said : in words. on : rungs that it holds, and must improve on.
+    """
+
+    said: str
+    terms: tuple[Term, ...]
+    on: tuple[str, ...] = ()
+
+
+def _table(of: str, slot: Slot = Slot.SMOOTH) -> Term:
+    return next(t for t in TERMS if t.known is not None and t.known.of == of and t.slot is slot)
+
+
+_BY_PLACE, _BY_SPEED = _table("x"), _table("|v|")
+_RUBS, _BOTH = "g(x) sgn v", "f(x, v)"
+RUNGS = (
+    Rung("f(x)", (_BY_PLACE,)),
+    Rung("f(|v|) sgn v", (_BY_SPEED,)),
+    Rung(_RUBS, (_table("x", Slot.FRICTION_MODULATION),)),
+    Rung("f(v)", (_table("v"), _table("-v")), ("f(|v|) sgn v",)),
+    Rung("f(x) + f(v)", (_BY_PLACE, _BY_SPEED), ("f(x)", "f(|v|) sgn v")),
+)
+"""Simple ones first."""
+_PLANE = _table("x, v")
+
+
+def over_plane(kept: Sequence[Rung]) -> tuple[Rung, ...]:
+    """The last rungs, on those that stay, the best of them first: a force of position and speed that no sum says.
+
+    Beside it stand the tables of the best sum, and friction by position only where that stays and adds to it.
+    """
+    total = next((r.terms for r in kept if r.said != _RUBS), ())
+    rubs = next((r.terms for r in kept if r.said == _RUBS), ())
+    on = tuple(r.said for r in kept)
+    alone = Rung(_BOTH, (*total, _PLANE), on)
+    return (alone, Rung(f"{_BOTH} + {_RUBS}", (*total, *rubs, _PLANE), (*on, _BOTH))) if rubs else (alone,)
+
+
+_FINE = 40
+"""Places between two knots at which a plane's integrals are summed."""
+
+
+def roughness(counts: list[int]) -> FloatArray:
+    """Rows whose squares add up to the roughness of all tables, of so many values each."""
+    parts = [_of_plane() if count == SIDE * SIDE else _of_curve(count) for count in counts]
+    found, row, at = np.zeros((sum(p.shape[0] for p in parts), sum(counts))), 0, 0
+    for part in parts:
+        found[row : row + part.shape[0], at : at + part.shape[1]] = part
+        row, at = row + part.shape[0], at + part.shape[1]
+    return found
+
+
+def _of_curve(count: int) -> FloatArray:
+    """Rows (KNOTS, count) of a curve; one of fewer values than knots begins with a value that is 0."""
+    mass = np.diag(np.full(KNOTS, 2.0 / 3.0)) + np.diag(np.full(KNOTS - 1, 1.0 / 6.0), 1)
+    mass += np.diag(np.full(KNOTS - 1, 1.0 / 6.0), -1)
+    return np.asarray((np.linalg.cholesky(mass).T @ BENDING)[:, KNOTS - count :], dtype=np.float64)
+
+
+def _of_plane() -> FloatArray:
+    """Rows (3 SIDE^2, SIDE^2) of a plane: second derivatives along both sides, and twice the mixed one.
+
+    In the units of curves of KNOTS knots, and a mean along the other side, so that a plane without one is a curve.
+    """
+    places = (np.arange((SIDE - 1) * _FINE) + 0.5) / _FINE
+    pairs = np.array([[weight(float(u), j) for j in range(SIDE)] for u in places])
+    value, slope = pairs[:, :, 0] / np.sqrt(_FINE), pairs[:, :, 1] / np.sqrt(_FINE)
+    bend = np.gradient(pairs[:, :, 1], 1.0 / _FINE, axis=0) / np.sqrt(_FINE)
+    g, s, r = (_root(y.T @ y) for y in (value, slope, bend))
+    ratio = (SIDE - 1.0) / (KNOTS - 1.0)
+    unit = ratio / np.sqrt(KNOTS - 1.0)
+    return np.asarray(unit * np.vstack((np.kron(r, g), np.sqrt(2.0) * np.kron(s, s), np.kron(g, r))))
+
+
+def _root(square: FloatArray) -> FloatArray:
+    """A matrix whose square is a symmetric one."""
+    values, vectors = np.linalg.eigh(square)
+    return np.asarray(np.sqrt(np.maximum(values, 0.0))[:, None] * vectors.T, dtype=np.float64)
+
 
 _MARGIN = 0.01
 """Of the swept range, by which a table reaches beyond it on each side: a fit moves its ends a little."""

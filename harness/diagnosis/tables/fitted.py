@@ -1,6 +1,8 @@
 """Tables as they were fitted, and the one way of fitting them: least squares with a penalty on roughness.
 
 The penalty stands as rows below the recording's own (Craven and Wahba 1979, Numer. Math. 31, 377).
+
+Tables fitted to a motion that is followed: each step of the fit is a simulation with its partials.
 """
 
 from collections.abc import Callable
@@ -9,11 +11,14 @@ from dataclasses import dataclass
 import numpy as np
 
 from harness.core.arrays import FloatArray
-from harness.diagnosis.fit.observe import Observation
+from harness.diagnosis.fit.model_fit import evaluate
+from harness.diagnosis.fit.observe import COARSE, Observation
 from harness.diagnosis.fit.parameters import Free, bounds_of, coordinates_of, with_coordinates
+from harness.diagnosis.problem import Problem
 from harness.diagnosis.tables.basis import Basis
 from harness.fit.covariance import inverse_of
 from harness.fit.least_squares import Bounds, Until, least_squares
+from harness.kernels.solve import Effort, Scales
 from harness.model.model import Model
 
 FIRST = 1e-2
@@ -177,3 +182,28 @@ def scaled_penalty(basis: Basis, jacobian: FloatArray) -> FloatArray:
     rows = basis.rough @ basis.free
     weight = float(np.trace(jacobian.T @ jacobian)) / max(float(np.trace(rows.T @ rows)), 1e-300)
     return np.asarray(np.sqrt(weight) * rows, dtype=np.float64)
+
+
+def fit_tables(
+    basis: Basis,
+    start: Model,
+    at: FloatArray,
+    free: tuple[Free, ...],
+    problem: Problem,
+    scales: Scales,
+    strength: float,
+    penalty: FloatArray | None = None,
+    iterations: int = 12,
+    effort: Effort = COARSE,
+) -> TableFit:
+    """Fit base parameters and tables from a start; see ``minimised``.
+
+    Raises SimulationError when the start cannot be simulated.
+    """
+    tables = tuple(Free(place, f"table {i}", -np.inf, np.inf, False) for i, place in enumerate(basis.places))
+
+    def seen(model: Model) -> Look:
+        residual, jacobian, shown = evaluate(model, problem, (*free, *tables), scales, effort)
+        return Look(residual, jacobian, shown.x, shown.v, shown)
+
+    return minimised(basis, start, at, free, seen, strength, penalty, iterations)

@@ -2,6 +2,8 @@
 
 Outer blocks judge; how smooth a table is was chosen by inner ones, anew for each fold, so that no block takes part in
 what predicts it. The first cycle, with the largest swings, is in every fit.
+
+Whether a path through the plane of position and speed comes back, so that a force over it is told from a drift.
 """
 
 from collections.abc import Callable, Mapping
@@ -10,22 +12,53 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from harness.core.arrays import BoolArray, FloatArray
+from harness.core.arrays import BoolArray, FloatArray, IntArray
 from harness.core.errors import SimulationError
-from harness.diagnosis.fit.friction_back import with_friction
 from harness.diagnosis.fit.observe import COARSE, FINE, observe
-from harness.diagnosis.fit.parameters import free_of
+from harness.diagnosis.fit.parameters import free_of, with_friction
 from harness.diagnosis.grading.misfit import Misfit
 from harness.diagnosis.grading.prediction import Predicted, blocks_of, by_blocks, ratio, surely_less
-from harness.diagnosis.rules import TABLE_BETTER, TABLE_ERRORS, TABLE_WORDS
-from harness.diagnosis.tables.basis import basis_of
-from harness.diagnosis.tables.fitted import FIRST, TableFit
-from harness.diagnosis.tables.path import returns
-from harness.diagnosis.tables.penalised import fit_tables
-from harness.diagnosis.tables.rungs import RUNGS, Rung, over_plane
-from harness.diagnosis.tables.smoothness import strength_by_blocks
+from harness.diagnosis.problem import Problem
+from harness.diagnosis.rules import PATH_AGAIN, PATH_APART, TABLE_BETTER, TABLE_ERRORS, TABLE_WORDS
+from harness.diagnosis.tables.basis import RUNGS, Rung, basis_of, over_plane
+from harness.diagnosis.tables.curve import strength_by_blocks
+from harness.diagnosis.tables.fitted import FIRST, TableFit, fit_tables
 from harness.model.model import Model
 from harness.model.term import Slot
+
+_CELLS = 8
+"""Cells along each side of the plane that was swept."""
+
+
+def comes_back(t: FloatArray, x: FloatArray, v: FloatArray) -> bool:
+    """Whether most of the time is spent in cells that are seen again at clearly different times; each (n,)."""
+    return time_again(t, x, v) >= PATH_AGAIN.value
+
+
+def time_again(t: FloatArray, x: FloatArray, v: FloatArray) -> float:
+    """Share of the samples whose cell of the plane is seen at times so far apart; each (n,)."""
+    if float(np.ptp(x)) == 0.0 or float(np.ptp(v)) == 0.0:
+        return 0.0
+    cell = _CELLS * _part(x) + _part(v)
+    first, last = np.full(_CELLS**2, np.inf), np.full(_CELLS**2, -np.inf)
+    np.minimum.at(first, cell, t)
+    np.maximum.at(last, cell, t)
+    return float(np.mean((last - first)[cell] >= PATH_APART.value * float(t[-1] - t[0])))
+
+
+def _part(y: FloatArray) -> IntArray:
+    return np.asarray(np.minimum(_CELLS * (y - y.min()) / np.ptp(y), _CELLS - 1), dtype=np.int64)
+
+
+def returns(problem: Problem, x: FloatArray, v: FloatArray) -> bool:
+    """Whether the path of a motion x, v (n,) that is followed comes back: several amplitudes, or a drive that does it.
+
+    A free decay passes each place of the plane once, and two alike pass the same ones.
+    """
+    if problem.drive is None:
+        return problem.parts_amplitude_from_time
+    return comes_back(problem.t, x, v)
+
 
 _AGAIN = 8
 """Steps of a refit that starts from the fit to all."""
