@@ -14,7 +14,9 @@ from benchmarks.calibrate.pairs_of_one import two
 from harness.diagnosis.outcome import Outcome
 from harness.diagnosis.pipeline import diagnose, prepare, prepare_together
 from harness.diagnosis.rules import AMPLITUDES_APART
-from harness.proof.machines.catalogue import PARTED_BY_AMPLITUDE
+
+PARTED_BY_AMPLITUDE = (("quadratic-drag", "load-dependent-friction"), ("stiffness-drift", "cubic-stiffness"))
+"""Effects that a single decay does not tell apart once small ones are beside them."""
 
 RIVAL = {one: other for pair in PARTED_BY_AMPLITUDE for one, other in (pair, pair[::-1])}
 """Each law, and the one that follows a single decay of it alike."""

@@ -13,7 +13,7 @@ from harness.diagnosis.request import Asked
 from harness.diagnosis.rules import FORCE_HELD, MOST_LISTED
 from harness.model.model import Restoring
 from harness.model.registry import NAMED
-from harness.proof.machines.catalogue import FAMILY
+from harness.proof.machines.effects import FAMILY
 from harness.proof.plant import KINDS, draw
 from harness.proof.statistics import Rate
 

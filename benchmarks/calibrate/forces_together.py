@@ -7,7 +7,7 @@ law is looked for once more when that is found.
 """
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -22,7 +22,13 @@ from harness.diagnosis.request import Asked
 from harness.diagnosis.rules import OWN, POOLED
 from harness.kernels.solve import Drive, solve
 from harness.model.model import Model, ModelTerm, Restoring
-from harness.proof.machines.catalogue import OF_A_DRIVE
+
+OF_A_DRIVE: Mapping[str, Mapping[str, float]] = {
+    "stribeck": {"f_s": 2.5, "v_s": 0.1},
+    "quadratic-drag": {"c2": 2.0},
+    "asymmetric-viscous": {"c_diff": 1.2},
+}
+"""Effects of a slider of 2 kg under some 10 N, at strengths that leave some per cent of that; parameters in SI."""
 
 DIFFERS = {"m": 1.1, "f_k": 0.8}
 """What is another number in the second recording, over the first's."""

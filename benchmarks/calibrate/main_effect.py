@@ -36,7 +36,7 @@ from harness.diagnosis.rules import (
     SHARE_OF_MISFIT,
     Rule,
 )
-from harness.proof.machines.catalogue import FAMILY
+from harness.proof.machines.effects import FAMILY
 from harness.proof.machines.plan import CONTROL, MAIN, UNNAMED
 from harness.proof.statistics import Rate
 

@@ -17,7 +17,7 @@ from harness.kernels.solve import Scales
 from harness.model.registry import NAMED
 from harness.model.term import Term
 from harness.proof.plant import KINDS, Case, draw
-from harness.proof.plant.catalogue import NEEDS, compatible
+from harness.proof.plant.effects import BENCH, compatible
 
 NOISES = ("white", "coloured", "quantised")
 NAMES = tuple(name for name in KINDS if any(term.name == name and "driven" not in term.needs for term in NAMED))
@@ -45,7 +45,7 @@ def pair_of(rng: np.random.Generator, among: Sequence[str] = NAMES) -> tuple[str
     """Two effects that can act together, one of them of ``among``, seen without a channel that the other forbids."""
     while True:
         first, second = str(rng.choice(list(among))), str(rng.choice(list(NAMES)))
-        if compatible(first, second) and len({NEEDS.get(name, "") for name in (first, second)} - {""}) < 2:
+        if compatible(first, second) and len({BENCH[name].needs for name in (first, second)} - {""}) < 2:
             return first, second
 
 

@@ -17,6 +17,7 @@ from benchmarks.calibrate.calibration import Calibration, stands
 from benchmarks.calibrate.machine_draws import based, drawn
 from benchmarks.calibrate.plant_cases import seen as begun
 from benchmarks.calibrate.plant_folder import measured
+from benchmarks.calibrate.static_force import static_force
 from harness.core.arrays import FloatArray
 from harness.core.recording import Recording
 from harness.diagnosis.baseline.base_fit import baseline
@@ -32,7 +33,6 @@ from harness.diagnosis.tables.selection import finished, tabulated
 from harness.kernels.solve import Scales
 from harness.model.model import Model
 from harness.proof.machines.plan import CONTROL, TABLE
-from harness.proof.machines.static_force import static_force
 from harness.proof.statistics import Median, Rate
 
 RANDOM = "random"

@@ -17,8 +17,8 @@ from harness.core.arrays import FloatArray
 from harness.core.errors import InputError
 from harness.proof.plant.base_fit import fit_decay
 from harness.proof.plant.cases import Case, draw, record, truth
-from harness.proof.plant.catalogue import FAMILY
-from harness.proof.plant.sensors import Noise
+from harness.proof.plant.effects import FAMILY
+from harness.proof.plant.hidden import Noise
 from harness.proof.score import Answer, Result, Truth
 from harness.proof.statistics import LEVEL, RESAMPLES, Rate
 

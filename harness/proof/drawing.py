@@ -14,8 +14,7 @@ from harness.proof.machines import plan as machines
 from harness.proof.machines.made import made
 from harness.proof.machines.sealed import Sealed as SealedMachine
 from harness.proof.plan import DETECTION, MACHINE, PAIR, PLANT, Job, possible_pairs
-from harness.proof.plant.cases import Case, draw, truth
-from harness.proof.plant.records import csv_text
+from harness.proof.plant.cases import Case, csv_text, draw, truth
 from harness.proof.seal import Sealed, digest
 
 ATTEMPTS = 5

@@ -13,7 +13,7 @@ from harness.proof.detection import LOSSES
 from harness.proof.engine_source import ENGINE_KINDS, ENGINES
 from harness.proof.machines import plan as machines
 from harness.proof.machines.kinds import FREE
-from harness.proof.plant.catalogue import ALIENS, KINDS, compatible
+from harness.proof.plant.effects import ALIENS, KINDS, compatible
 
 SINGLE, CONTROL, PAIR, OUTSIDE, DETECTION = "single", "control", "pair", "outside", "detection"
 PLANT, MACHINE = "plant", "machine"

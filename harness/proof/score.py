@@ -5,15 +5,117 @@ What is withheld counts against: no result, no refined fit, no standard error, a
 
 import math
 from collections import Counter
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import asdict, dataclass, field
 from typing import Any
 
 import numpy as np
 
-from harness.proof.figures import figures
-from harness.proof.plant.catalogue import FAMILY
+from harness.proof.machines.score import LABELS, MachineScores
+from harness.proof.plant.effects import FAMILY
 from harness.proof.statistics import Median, Rate
+
+
+@dataclass(frozen=True, slots=True)
+class Figure:
+    """A figure of the scores.
+
+    label : what it counts. asked : what is asked of it, "" for one that is only shown. met : None where nothing is
+    asked. share : whether it is a share of cases.
+    """
+
+    key: str
+    label: str
+    asked: str
+    found: Rate | Median
+    met: bool | None
+
+    @property
+    def share(self) -> bool:
+        """Whether it is a share of cases, and not a median."""
+        return isinstance(self.found, Rate)
+
+    @property
+    def sentence(self) -> str:
+        """What falls short, in a sentence."""
+        low = self.found.low if self.key == "named" else self.found.value
+        shown = "unknown" if low is None else f"{100.0 * low:.1f} %" if self.share else f"{low:.3g}"
+        bound = "lower bound " if self.key == "named" else ""
+        return f"{self.label}: {bound}{shown}, {self.asked} is asked"
+
+
+def _within(value: float | None, low: float, high: float) -> bool:
+    return value is not None and low <= value <= high
+
+
+def figures(scores: "Scores") -> list[Figure]:
+    """Every figure in the order in which it is shown."""
+    rows: list[tuple[str, str, str, Callable[[Rate | Median], bool] | None]] = [
+        ("named", "single effects named", "lower bound above 88 %", lambda f: _within(f.low, 0.88, 1.0)),
+        ("listed", "single effects named or not ruled out", "", None),
+        ("both_named", "pairs, both named", "", None),
+        ("false_alarms", "false alarms", "at most 2 %", lambda f: _within(f.value, -1.0, 0.02)),
+        (
+            "wrong_family",
+            "outside the catalogue, called a wrong family",
+            "at most 10 %",
+            lambda f: _within(f.value, -1.0, 0.1),
+        ),
+        (
+            "misled",
+            "outside the catalogue, called that or nothing",
+            "at most 10 %",
+            lambda f: _within(f.value, -1.0, 0.1),
+        ),
+        (
+            "covered",
+            "true values within two standard errors",
+            "92.5 to 98 %",
+            lambda f: _within(f.value, 0.925, 0.98),
+        ),
+        ("parameter_error", "relative error of parameters, median", "", None),
+        ("overlap", "overlap of the place with the true one, median", "", None),
+        (
+            "holdout",
+            "held-out rmse after over before, median",
+            "at most 0.5",
+            lambda f: _within(f.value, -1.0, 0.5),
+        ),
+        (
+            "engines_improved",
+            "fit improved in MuJoCo and PyBullet",
+            "at least 95 %",
+            lambda f: _within(f.value, 0.95, 1.0),
+        ),
+    ]
+    made = []
+    for key, label, asked, holds in rows:
+        found: Rate | Median = getattr(scores, key)
+        made.append(Figure(key, label, asked, found, None if holds is None else holds(found)))
+    return made
+
+
+_LEAST = {"listed": 0.8, "better": 0.6}
+_MOST = {"wrong": 0.04, "claimed": 0.03}
+_CONTROLS = ("claimed", "unfounded", "small")
+_SHOWN = ("listed", "named", "wrong", "silent", *_CONTROLS, "misled", "better", "holdout", "share_error")
+
+
+def machine_figures(scores: MachineScores) -> list[Figure]:
+    """Every figure in the order in which it is shown."""
+    return [_figure(name, getattr(scores, name)) for name in _SHOWN]
+
+
+def _figure(name: str, found: Rate | Median) -> Figure:
+    asked, met = "", None
+    if name in _LEAST:
+        asked = f"at least {100.0 * _LEAST[name]:.0f} %"
+        met = found.value is not None and found.value >= _LEAST[name]
+    elif name in _MOST:
+        asked = f"at most {100.0 * _MOST[name]:.0f} %"
+        met = found.value is not None and found.value <= _MOST[name]
+    return Figure(f"machines_{name}", LABELS[name], asked, found, met)
+
 
 Truth = Mapping[str, Any]
 Result = Mapping[str, Any]
@@ -180,3 +282,75 @@ def _measure(
             miss = abs(p["value"] - value)
             values["error"].append(miss / abs(value - NEUTRAL.get(parameter, 0.0)))
             outcomes["covered"].append(p.get("stderr") is not None and miss <= 2.0 * p["stderr"])
+
+
+LARGEST = 1.05
+"""Held-out rmse after over before that is still accepted."""
+
+
+@dataclass(frozen=True, slots=True)
+class Forced:
+    """Held-out rmse after over before, the worst channel of each control.
+
+    cases : controls called adequate with a term forced in. worst, worst_file : the largest ratio, None without a case.
+    above : files above ``LARGEST``. withheld : controls called adequate that did not say. named : controls in which
+    something was named, or that gave no result: false alarms are counted elsewhere.
+    """
+
+    cases: int
+    worst: float | None
+    worst_file: str | None
+    above: tuple[str, ...]
+    withheld: tuple[str, ...]
+    named: tuple[str, ...]
+
+    def shortfalls(self) -> list[str]:
+        """What is not reached, one sentence each; a withheld ratio counts as one that is too large."""
+        missed = []
+        if self.worst is None:
+            missed.append("no control with a term forced in")
+        elif self.worst > LARGEST:
+            missed.append(
+                f"a control with a term forced in is predicted {self.worst:.3f} times worse, {LARGEST} at most"
+            )
+        if self.withheld:
+            missed.append(f"{len(self.withheld)} controls do not say what a term forced in does")
+        return missed
+
+    def as_dict(self) -> dict[str, Any]:
+        """For JSON; an infinite ratio becomes null."""
+        worst = self.worst if self.worst is not None and math.isfinite(self.worst) else None
+        return {**asdict(self), "worst": worst}
+
+
+def forced_ratio(result: Result, truth: Truth) -> float | None:
+    """The ratio of the worst channel; None when the result does not say, infinite when it leaves out a channel."""
+    block = (result.get("holdout") or {}).get("forced")
+    return None if block is None else max(rmse_ratio(block, channel) for channel in truth["channels"])
+
+
+def forced(truths: Mapping[str, Truth], results: Mapping[str, Result]) -> Forced:
+    """Collect the ratios of all controls among the truths."""
+    ratios: dict[str, float] = {}
+    withheld, named = [], []
+    for file, truth in sorted(truths.items()):
+        if truth["mechanisms"]:
+            continue
+        result = results.get(file)
+        if result is None or result.get("verdict") != "adequate":
+            named.append(file)
+            continue
+        ratio = forced_ratio(result, truth)
+        if ratio is None:
+            withheld.append(file)
+        else:
+            ratios[file] = ratio
+    worst = max(ratios, key=lambda file: ratios[file], default=None)
+    return Forced(
+        cases=len(ratios),
+        worst=None if worst is None else ratios[worst],
+        worst_file=worst,
+        above=tuple(file for file, ratio in ratios.items() if ratio > LARGEST),
+        withheld=tuple(withheld),
+        named=tuple(named),
+    )

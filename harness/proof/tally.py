@@ -8,15 +8,12 @@ from typing import Any
 
 from harness.proof.beside import ABOUT, beside, shortfalls
 from harness.proof.detection import curve
-from harness.proof.figures import Figure, figures
-from harness.proof.forced import forced
-from harness.proof.machine_figures import machine_figures
 from harness.proof.machines.plan import GROUPS as MACHINE_GROUPS
 from harness.proof.machines.score import right as right_of_machine
 from harness.proof.machines.score import score as score_machines
 from harness.proof.plan import CONTROL, DETECTION, OUTSIDE, PAIR, SINGLE
-from harness.proof.plant.catalogue import FAMILY, KINDS
-from harness.proof.score import Answer, Result, Truth, score
+from harness.proof.plant.effects import FAMILY, KINDS
+from harness.proof.score import Answer, Figure, Result, Truth, figures, forced, machine_figures, score
 
 OURS = "harness"
 GROUPS = (SINGLE, CONTROL, PAIR, OUTSIDE)

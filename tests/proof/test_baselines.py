@@ -9,7 +9,7 @@ from harness.proof.baselines.r2 import name_by_r2
 from harness.proof.baselines.sparse import name_by_sindy
 from harness.proof.baselines.sysid import held_out, holdout_by_sysid, start_of
 from harness.proof.plant.base import Base
-from harness.proof.plant.catalogue import FAMILY
+from harness.proof.plant.effects import FAMILY
 from harness.proof.plant.hidden import build
 
 BASE_CASE = Base(1.0, 20.0, 0.015, 0.001, 0.1, 0.0, 0.1, 4.0, 1200)

@@ -9,7 +9,7 @@ import pytest
 from harness.core.errors import InputError
 from harness.proof.detection import KINDS, LOSSES, clean_loss, curve, draw_series, free_numbers
 from harness.proof.plant.cases import draw
-from harness.proof.plant.catalogue import FAMILY
+from harness.proof.plant.effects import FAMILY
 
 
 def test_only_the_noise_grows_and_the_loss_falls_with_its_square() -> None:

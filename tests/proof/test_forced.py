@@ -5,7 +5,7 @@ from typing import Any
 
 import pytest
 
-from harness.proof.forced import LARGEST, forced
+from harness.proof.score import LARGEST, forced
 
 CONTROL: dict[str, Any] = {"mechanisms": [], "channels": "xa"}
 

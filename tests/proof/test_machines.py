@@ -19,19 +19,14 @@ from harness.core.arrays import FloatArray
 from harness.core.errors import InputError, SimulationError
 from harness.proof.machines import score as scorer
 from harness.proof.machines.__main__ import main
+from harness.proof.machines.base_fit import swing
 from harness.proof.machines.cases import SHARES, SMALL, TABLE_SHARES, Messy, _control, draw
-from harness.proof.machines.catalogue import ALIENS, FAMILY, NAMES, STATIC, families
 from harness.proof.machines.drawing import draw_rig
+from harness.proof.machines.effects import ALIENS, EFFECTS, FAMILY, KNOWN, STATIC, scaled
 from harness.proof.machines.kinds import DRIVEN, FREE, KINDS
-from harness.proof.machines.laws import CURVES, LAWS
-from harness.proof.machines.made import Made, made
-from harness.proof.machines.pendulum import swing
+from harness.proof.machines.made import Made, csv_text, made, truth
 from harness.proof.machines.plan import CONTROL, MAIN, TABLE, UNNAMED, Job, chosen_kinds, plan, possible
-from harness.proof.machines.records import csv_text
-from harness.proof.machines.shares import fitted_share, read
-from harness.proof.machines.strengths import draw_strength, scaled
-from harness.proof.machines.summed import summed_up
-from harness.proof.machines.truth import truth
+from harness.proof.machines.shares import fitted_share, read, summed_up
 from harness.proof.plant.base_fit import decay_motion
 from harness.proof.plant.integrate import simulate
 
@@ -77,17 +72,16 @@ def test_machines_import_core_and_the_proof_alone() -> None:
 
 
 def test_every_name_can_be_built_and_drawn() -> None:
-    assert set(LAWS) == set(NAMES) | set(ALIENS)
-    assert set(CURVES) == set(STATIC)
+    assert set(EFFECTS) == set(KNOWN) | set(ALIENS)
     assert len(FREE) >= 8
-    assert {name for kind in FREE.values() for name in kind.names} >= set(NAMES) - {"static-friction"}
-    assert {name for kind in DRIVEN.values() for name in kind.names} >= set(NAMES) - {"pendulum-stiffness"}
+    assert {name for kind in FREE.values() for name in kind.names} >= set(KNOWN) - {"static-friction"}
+    assert {name for kind in DRIVEN.values() for name in kind.names} >= set(KNOWN) - {"pendulum-stiffness"}
     rng, base = np.random.default_rng(0), case_of("arm").rig.base
-    for name in LAWS:
-        values = draw_strength(name, base, rng)
+    for name in EFFECTS:
+        values = EFFECTS[name].draw(base, rng)
         assert set(scaled(name, values, 0.5, base)) == set(values)
         assert json.loads(json.dumps(values)) == values
-        assert families(name)[0] in set(FAMILY.values())
+        assert EFFECTS[name].families[0] in set(FAMILY.values())
 
 
 def test_a_draw_is_the_same_to_the_bit() -> None:
@@ -148,7 +142,7 @@ def test_a_control_has_no_main_effect_and_none_above_half() -> None:
 
 def test_the_law_of_what_is_left_sums_it_up_and_one_of_another_kind_does_not() -> None:
     rig = case_of("arm").rig
-    whole = read(rig, {"quadratic-drag": draw_strength("quadratic-drag", rig.base, np.random.default_rng(1))})
+    whole = read(rig, {"quadratic-drag": EFFECTS["quadratic-drag"].draw(rig.base, np.random.default_rng(1))})
     shares = summed_up(rig, whole, {"x": 1.0}, frozenset(), np.random.default_rng(2))
     # a form-fixed law differs from itself at another strength by second order alone
     assert shares["quadratic-drag"] > 0.95
@@ -195,7 +189,7 @@ def test_the_answer_says_what_is_in_the_file(name: str) -> None:
     assert told["--restoring"] in ("spring", "pendulum", "none")
     assert told.get("--zero", "free") in ("spring", "free")
     assert set(told) <= {"--restoring", "--zero"}
-    assert ("table" in answer) == (answer["dominant"] in CURVES)
+    assert ("table" in answer) == (answer["dominant"] in STATIC)
     if answer["dominant"]:
         assert answer["family"] in answer["families"]
         assert set(answer["plant"]) == {answer["dominant"], *answer["minor"]}
@@ -276,7 +270,7 @@ def test_kinds_take_turns_and_every_name_has_its_machine() -> None:
         here = [job.kind for job in jobs if job.group == group]
         assert len(here) == count
         assert {here.count(kind) for kind in FREE} <= {count // 8, count // 8 + 1}
-    assert {job.main for job in jobs if job.group == MAIN} == set(NAMES) - {"static-friction"}
+    assert {job.main for job in jobs if job.group == MAIN} == set(KNOWN) - {"static-friction"}
     assert all(job.main in possible(KINDS[job.kind], job.group) for job in jobs)
 
 

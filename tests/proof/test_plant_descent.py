@@ -7,7 +7,7 @@ import pytest
 from scipy.optimize import least_squares
 
 from harness.core.arrays import FloatArray
-from harness.proof.plant.descent import descend
+from harness.proof.plant.base_fit import descend
 
 T = np.linspace(0.0, 4.0, 300)
 TRUE = np.array([1.0, 0.4, 5.0, 0.3])

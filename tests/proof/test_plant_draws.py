@@ -13,17 +13,14 @@ import pytest
 
 import harness.proof.plant as plant_package
 from harness.core.errors import InputError
-from harness.proof.plant import ALIENS, FAMILY, KINDS, draw
+from harness.proof.plant import ALIENS, KINDS, draw
 from harness.proof.plant.__main__ import main, plan
 from harness.proof.plant.base import Base
-from harness.proof.plant.base_fit import fit_decay, whiten
+from harness.proof.plant.base_fit import fit_decay, fit_simulated, replayed, whiten
 from harness.proof.plant.cases import Case, truth
-from harness.proof.plant.catalogue import HEADLINE, compatible
-from harness.proof.plant.hidden import BUILD, build, regions
+from harness.proof.plant.effects import BENCH, compatible
+from harness.proof.plant.hidden import Noise, build, regions
 from harness.proof.plant.integrate import simulate
-from harness.proof.plant.sensors import Noise
-from harness.proof.plant.simulated_fit import fit_simulated, replayed
-from harness.proof.plant.strengths import STRENGTH
 
 BASE = Base(1.0, 20.0, 0.02, 0.002, 0.1, 0.0, 0.1, 3.0, 1500)
 
@@ -55,8 +52,7 @@ def test_running_the_plant_loads_nothing_of_the_fitting_side() -> None:
 
 
 def test_every_name_can_be_drawn_built_and_judged() -> None:
-    assert set(STRENGTH) == set(BUILD) == set(KINDS) | set(ALIENS)
-    assert set(HEADLINE) == set(FAMILY)
+    assert set(BENCH) == set(KINDS) | set(ALIENS)
     assert len(KINDS) == 27
     assert len(ALIENS) >= 4
     assert all(name.startswith("alien-") for name in ALIENS)

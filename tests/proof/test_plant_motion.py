@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -10,20 +11,18 @@ from hypothesis import strategies as st
 
 from harness.core.errors import InputError
 from harness.proof.plant import PlantModel, simulate
+from harness.proof.plant.base import Base
 from harness.proof.plant.base_fit import decay
+from harness.proof.plant.effects import BENCH
 from harness.proof.plant.friction import Bristle, Coulomb, Level, Regularised
-from harness.proof.plant.model import base_model
-from harness.proof.plant.pieces import Drive, Force, Knock
-from harness.proof.plant.smooth import (
-    asymmetric_viscous,
-    backlash,
-    constant_force,
-    cubic_stiffness,
-    end_stop,
-    harmonic_force,
-    pendulum_stiffness,
-    quadratic_stiffness,
-)
+from harness.proof.plant.model import Drive, Force, Knock, base_model
+
+
+def force_of(name: str, **parameters: Any) -> Force:
+    """The force of an effect on a slider of 1 kg and 100 N/m."""
+    (force,) = BENCH[name].build(parameters, Base(1.0, 10.0, 0.0, 0.0, 1.0, 0.0, 1.0, 1.0, 2)).forces
+    return force
+
 
 PAPER_TURNS = [
     1.0,
@@ -74,7 +73,10 @@ def test_base_agrees_with_the_closed_form(zeta: float, x_k: float, omega: float,
 
 
 def test_error_falls_with_tolerance() -> None:
-    model = replace(paper(), forces=(cubic_stiffness(20.0), harmonic_force(2.0, 23.0, 0.4)))
+    model = replace(
+        paper(),
+        forces=(force_of("cubic-stiffness", k3=20.0), force_of("harmonic-force", amplitude=2.0, Omega=23.0, phase=0.4)),
+    )
     t = np.linspace(0.0, 2.5, 200)
     best = simulate(model, t, tolerance=1e-13).x
     errors = [float(np.max(np.abs(simulate(model, t, tolerance=tol).x - best))) for tol in (1e-4, 1e-7, 1e-10)]
@@ -94,20 +96,20 @@ def test_error_falls_with_tolerance() -> None:
     ids=["coulomb-stribeck", "lugre", "regularised"],
 )
 def test_other_solvers_agree(solver: str, friction: Coulomb | Bristle | Regularised) -> None:
-    model = replace(paper(), friction=friction, forces=(end_stop(0.8, 30.0, "both"),))
+    model = replace(paper(), friction=friction, forces=(force_of("end-stop", gap=0.8, k_stop=30.0, side="both"),))
     t = np.linspace(0.0, 1.5, 300)
     assert simulate(model, t, solver=solver, tolerance=1e-9).x == pytest.approx(simulate(model, t).x, abs=2e-6)
 
 
 def test_a_constant_push_shifts_the_whole_motion() -> None:
     t = np.linspace(0.0, 3.0, 500)
-    pushed = simulate(replace(paper(), x0=1.02, forces=(constant_force(2.0),)), t)
+    pushed = simulate(replace(paper(), x0=1.02, forces=(force_of("constant-force", force=2.0),)), t)
     assert pushed.x == pytest.approx(simulate(paper(), t).x + 0.02, abs=1e-9)
 
 
 def test_direction_dependent_damping_is_another_zeta_each_way() -> None:
     t = np.linspace(0.0, 0.62, 400)
-    run = simulate(replace(paper(), forces=(asymmetric_viscous(0.4),)), t, tolerance=1e-12)
+    run = simulate(replace(paper(), forces=(force_of("asymmetric-viscous", c_diff=0.4),)), t, tolerance=1e-12)
     back, _ = decay(t, 10.0, 0.03, 0.03, 1.0, 0.0)
     turn = run.reversals[0]
     first = t <= turn
@@ -120,13 +122,13 @@ def test_direction_dependent_damping_is_another_zeta_each_way() -> None:
 @pytest.mark.parametrize(
     ("force", "potential"),
     [
-        (cubic_stiffness(30.0), lambda x: 30.0 * x**4 / 4),
-        (quadratic_stiffness(-20.0), lambda x: -20.0 * x**3 / 3),
-        (pendulum_stiffness(100.0), lambda x: 100.0 * (1.0 - np.cos(x)) - 50.0 * x**2),
-        (end_stop(0.6, 80.0, "upper"), lambda x: 40.0 * np.maximum(x - 0.6, 0.0) ** 2),
-        (end_stop(0.6, 80.0, "lower"), lambda x: 40.0 * np.maximum(-x - 0.6, 0.0) ** 2),
+        (force_of("cubic-stiffness", k3=30.0), lambda x: 30.0 * x**4 / 4),
+        (force_of("quadratic-stiffness", k2=-20.0), lambda x: -20.0 * x**3 / 3),
+        (force_of("pendulum-stiffness"), lambda x: 100.0 * (1.0 - np.cos(x)) - 50.0 * x**2),
+        (force_of("end-stop", gap=0.6, k_stop=80.0, side="upper"), lambda x: 40.0 * np.maximum(x - 0.6, 0.0) ** 2),
+        (force_of("end-stop", gap=0.6, k_stop=80.0, side="lower"), lambda x: 40.0 * np.maximum(-x - 0.6, 0.0) ** 2),
         (
-            backlash(100.0, 0.05),
+            force_of("backlash", gap=0.05),
             lambda x: 50.0 * np.maximum(np.abs(x) - 0.05, 0.0) ** 2 - 50.0 * x**2,
         ),
     ],
@@ -144,7 +146,10 @@ def test_harmonic_response_without_friction_is_the_textbooks() -> None:
     omega, drive = 10.0, 17.0
     response = 4.0 / (omega**2 - drive**2)
     # started on the forced solution, it stays on it
-    model = replace(base_model(1.0, 0.0, omega**2, 0.0, response), forces=(harmonic_force(4.0, drive, 0.0),))
+    model = replace(
+        base_model(1.0, 0.0, omega**2, 0.0, response),
+        forces=(force_of("harmonic-force", amplitude=4.0, Omega=drive, phase=0.0),),
+    )
     t = np.linspace(0.0, 5.0, 300)
     assert simulate(model, t).x == pytest.approx(response * np.cos(drive * t), abs=1e-10)
 

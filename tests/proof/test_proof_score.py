@@ -9,7 +9,7 @@ from typing import Any
 
 import pytest
 
-from harness.proof.plant.catalogue import ALIENS, FAMILY, HEADLINE, KINDS
+from harness.proof.plant.effects import ALIENS, FAMILY, HEADLINE, KINDS
 from harness.proof.score import Scores, score, spans_overlap
 from harness.proof.statistics import Median, Rate
 

@@ -11,7 +11,7 @@ from harness.core.errors import InputError
 from harness.proof.detection import LOSSES
 from harness.proof.drawing import drawn, name_of, probes_of, sealed_answers
 from harness.proof.plan import CONTROL, DETECTION, FULL, OUTSIDE, PAIR, SHORT, SINGLE, Job, Sizes, plan
-from harness.proof.plant.catalogue import ALIENS, KINDS, compatible
+from harness.proof.plant.effects import ALIENS, KINDS, compatible
 
 SEED = 2**127 + 12345
 KNOCK = Job(3, SINGLE, "plant", ("impulse",), "decay", "mixed")

@@ -5,8 +5,8 @@ from typing import Any
 import numpy as np
 import pytest
 
+from benchmarks.calibrate.static_force import static_force
 from harness.core.arrays import FloatArray
-from harness.proof.machines.static_force import static_force
 
 OMEGA, LENGTH, X_K = 10.0, 0.5, 0.02
 """m = 1 kg, so that k = 100 N/m, the scale of the speed is 5 m/s and f_k = 2 N."""

@@ -8,7 +8,7 @@ from harness.app.shared.deliver import to_json
 from harness.app.shared.machine import this_machine
 from harness.app.shared.progress import SILENT, Progress
 from harness.proof.plan import Sizes
-from harness.proof.plant.catalogue import KINDS
+from harness.proof.plant.effects import KINDS
 from harness.proof.seal import LEDGER, PUBLISHED, STEPS, Ledger, digest, file_of
 from harness.proof.tally import OURS, tally
 from harness.results.prove import ProofResult

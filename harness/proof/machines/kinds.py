@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 
-from harness.proof.machines.catalogue import DRY, NEEDS
+from harness.proof.machines.effects import DRY, NEEDS
 
 Range = tuple[float, float]
 _FRICTION = (

@@ -8,7 +8,7 @@ from itertools import cycle, islice
 import numpy as np
 
 from harness.core.errors import InputError
-from harness.proof.machines.catalogue import STATIC, UNKNOWN
+from harness.proof.machines.effects import STATIC, UNKNOWN
 from harness.proof.machines.kinds import DRIVEN, FREE, KINDS, Kind
 
 MAIN, CONTROL, UNNAMED, TABLE = "main", "machine-control", "unknown", "table"

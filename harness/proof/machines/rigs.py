@@ -10,14 +10,13 @@ from scipy.signal import lfilter
 
 from harness.core.arrays import FloatArray
 from harness.core.errors import SimulationError
+from harness.proof.machines.effects import ECCENTRIC, EFFECTS
 from harness.proof.machines.kinds import IRREGULAR, JITTER, ROUNDED, Kind
-from harness.proof.machines.laws import ECCENTRIC, LAWS
 from harness.proof.machines.stepped import step_through
 from harness.proof.plant.base import Base
 from harness.proof.plant.hidden import build
 from harness.proof.plant.integrate import PlantRun, simulate
-from harness.proof.plant.model import PlantModel
-from harness.proof.plant.pieces import Force
+from harness.proof.plant.model import Force, PlantModel
 
 TOLERANCE = 1e-8
 PIECES = 400
@@ -98,7 +97,7 @@ class Rig:
 
         quick : at a fixed step, where that serves. Raises SimulationError when the motion has no end of events.
         """
-        model, sensors = build(self.base, effects, LAWS)
+        model, sensors = build(self.base, effects, EFFECTS)
         model = self._held(model)
         run, clean = sensors.read(model, self.t + self.cut, _stepped if quick else _simulated)
         before = run.t < self.hand.until

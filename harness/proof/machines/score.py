@@ -15,7 +15,7 @@ from pathlib import Path
 from typing import Any
 
 from harness.core.errors import HarnessError, InputError
-from harness.proof.machines.catalogue import FAMILY
+from harness.proof.machines.effects import FAMILY
 from harness.proof.machines.plan import CONTROL, MAIN, TABLE, UNNAMED
 from harness.proof.statistics import Median, Rate
 

@@ -12,9 +12,10 @@ from dataclasses import dataclass
 from typing import Any, Self
 
 from harness.core.errors import InputError
+from harness.proof.machines.effects import scaled
 from harness.proof.machines.rigs import Effects
-from harness.proof.machines.strengths import Values, scaled
 from harness.proof.plant.base import Base
+from harness.proof.plant.effects import Values
 
 MOST_MOVED = 2.0
 """Factor within which a strength, or a noise, is the same on two processors."""

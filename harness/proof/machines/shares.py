@@ -3,12 +3,18 @@
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
 from harness.core.arrays import FloatArray
+from harness.core.errors import SimulationError
 from harness.proof.machines.base_fit import BaseFit, fit_base
+from harness.proof.machines.effects import DRY, EFFECTS, KNOWN, NEEDS, STATIC, UNKNOWN, scaled, three_digits
+from harness.proof.machines.kinds import KINDS
 from harness.proof.machines.rigs import Effects, Rig
+from harness.proof.plant.base import Base
+from harness.proof.plant.effects import compatible
 from harness.proof.plant.integrate import PlantRun
 
 
@@ -81,3 +87,131 @@ def _rest(design: FloatArray, target: FloatArray) -> float:
     length[length == 0.0] = 1.0
     rest = target - design @ (np.linalg.lstsq(design / length, target, rcond=1e-10)[0] / length)
     return float(rest @ rest)
+
+
+MOST_FACTOR = 10.0
+"""How much stronger than at first an effect is made at most: one that hardly shows stays so."""
+MOST_PART = 0.4
+"""Part of the misfit that a small effect is meant to have at most."""
+NOT_SMALL = (
+    *("constant-force", "pendulum-stiffness", "sensor-clipping"),
+    *("static-friction", "end-stop", "backlash", "presliding"),
+)
+"""Effects that have no strength to make small, or are not there at all when they are."""
+NOT_SMALL_DRIVEN = (*NOT_SMALL, "sensor-lag")
+LEAST_DRY = 0.004
+"""Friction, as x_k over the amplitude, below which laws of it are nothing."""
+
+
+def _others(rig: Rig, main: str, count: int, rng: np.random.Generator) -> list[str]:
+    """Names of small effects that this machine may have besides."""
+    none = NOT_SMALL_DRIVEN if rig.kind.driven else NOT_SMALL
+    own = [n for n in rig.kind.names if n not in none]
+    outside = [n for n in (*UNKNOWN, *STATIC) if rig.kind.restoring == "spring" or "stiffness" not in n]
+    possible = [n for n in (*own, *outside) if set(NEEDS.get(n, "")) <= set(rig.channels)]
+    if rig.base.x_k < LEAST_DRY * rig.base.length:
+        possible = [n for n in possible if n not in DRY]
+    chosen: list[str] = []
+    for place in rng.permutation(len(possible)):
+        name = possible[int(place)]
+        if all(compatible(name, other) for other in (main, *chosen)):
+            chosen.append(name)
+        if len(chosen) == count:
+            break
+    return chosen
+
+
+@dataclass(frozen=True, slots=True)
+class Small:
+    """Small effects with what the base leaves of each alone, mean squares by channel.
+
+    What they leave at a strength near by is in proportion.
+    """
+
+    effects: Effects
+    left: Mapping[str, Mapping[str, float]]
+
+    def times(self, factors: Mapping[str, float], base: Base) -> "Small":
+        """Each stronger by its factor."""
+        effects = {name: scaled(name, one, factors[name], base) for name, one in self.effects.items()}
+        left = {name: {c: m * factors[name] ** 2 for c, m in one.items()} for name, one in self.left.items()}
+        return Small(effects, left)
+
+    def shares(self, whole: Reading, weight: Mapping[str, float]) -> dict[str, float]:
+        """Part of the whole misfit that each makes alone."""
+        total = sum(w * whole.misfit[c] for c, w in weight.items())
+        return {name: sum(w * one[c] for c, w in weight.items()) / total for name, one in self.left.items()}
+
+
+def draw_small(
+    rig: Rig, main: str, goal: float, count: int, rng: np.random.Generator
+) -> tuple[Small, dict[str, Reading]]:
+    """Small effects that together make the base leave about ``goal``, and the recordings they were first seen in."""
+    names = _others(rig, main, count, rng)
+    effects, alone = {}, {}
+    for name in names:
+        values = EFFECTS[name].draw(rig.base, rng)
+        found = read(rig, {name: values}, quick=True)
+        if 1e-6 < relative(rig, found) < 2.0:
+            effects[name], alone[name] = values, found
+    parts = np.minimum(rng.dirichlet(np.full(max(len(effects), 1), 1.5)), MOST_PART)
+    for name, part in zip(tuple(effects), parts, strict=False):
+        factor = three_digits(min(goal * math.sqrt(part) / relative(rig, alone[name]), MOST_FACTOR))
+        effects[name] = scaled(name, effects[name], factor, rig.base)
+        alone[name] = read(rig, {name: effects[name]}, quick=True)
+    return Small(effects, {name: one.misfit for name, one in alone.items()}), alone
+
+
+TRIES = 4
+"""Draws of a law's shape (a speed, a place, a frequency) of which the best counts: its strength is fitted."""
+FAINT, HUGE, NEAR = 1e-6, 2.0, (0.6, 1.6)
+"""What a law leaves of the motion that is nothing, that is another motion; over the goal, that is near enough."""
+
+
+def summed_up(
+    rig: Rig, whole: Reading, weight: Mapping[str, float], hidden: frozenset[str], rng: np.random.Generator
+) -> dict[str, float]:
+    """Share of the misfit of a free decay that each law which is not in it takes off when it is fitted, at least.
+
+    whole : the recording without noise. weight : of the channels. hidden : what is in it. Laws that take nothing off
+    are left out.
+    """
+    goal = relative(rig, whole)
+    shares = {}
+    for name in _possible(rig, hidden):
+        parts = (_alone(rig, name, goal, rng) for _ in range(TRIES))
+        found = max((fitted_share(part, whole, weight) for part in parts if part is not None), default=0.0)
+        if found > 0.0:
+            shares[name] = found
+    return shares
+
+
+def _possible(rig: Rig, hidden: frozenset[str]) -> list[str]:
+    """Laws that may be claimed of such a recording: those that any machine with such a restoring force may have."""
+    alike = {name for kind in KINDS.values() if kind.restoring == rig.base.restoring for name in kind.names}
+    dry = rig.base.x_k >= LEAST_DRY * rig.base.length
+    return [
+        name
+        for name in KNOWN
+        if name in alike - hidden and set(NEEDS.get(name, "")) <= set(rig.channels) and (dry or name not in DRY)
+    ]
+
+
+def _alone(rig: Rig, name: str, goal: float, rng: np.random.Generator) -> Reading | None:
+    """The recording with this law alone, about as strong as leaves ``goal``; None where it leaves nothing."""
+    values = EFFECTS[name].draw(rig.base, rng)
+    try:
+        # a law as it is drawn first may be far stronger than any machine has: its base fit goes astray, and it is left
+        with np.errstate(over="ignore", invalid="ignore"):
+            return _about(rig, name, values, goal)
+    except (SimulationError, np.linalg.LinAlgError):
+        return None
+
+
+def _about(rig: Rig, name: str, values: Mapping[str, Any], goal: float) -> Reading | None:
+    found = read(rig, {name: values}, quick=True)
+    left = relative(rig, found)
+    if FAINT < left < HUGE and not NEAR[0] < left / goal < NEAR[1]:
+        found = read(rig, {name: scaled(name, values, three_digits(goal / left), rig.base)}, quick=True)
+        left = relative(rig, found)
+    return found if FAINT < left < HUGE else None

@@ -4,7 +4,7 @@ Imports harness.core, numpy and scipy alone, so that agreement between plant and
 """
 
 from harness.proof.plant.cases import Case, draw
-from harness.proof.plant.catalogue import ALIENS, FAMILY, KINDS
+from harness.proof.plant.effects import ALIENS, FAMILY, KINDS
 from harness.proof.plant.integrate import PlantRun, simulate
 from harness.proof.plant.model import PlantModel
 

@@ -14,9 +14,8 @@ from typing import Any
 import numpy as np
 
 from harness.core.errors import HarnessError, InputError
-from harness.proof.plant.cases import SETTINGS, draw, truth
-from harness.proof.plant.catalogue import ALIENS, KINDS, compatible
-from harness.proof.plant.records import write_csv
+from harness.proof.plant.cases import SETTINGS, draw, truth, write_csv
+from harness.proof.plant.effects import ALIENS, KINDS, compatible
 
 Job = tuple[str, tuple[str, ...], int, int, str, str]
 

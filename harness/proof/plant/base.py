@@ -7,8 +7,7 @@ import numpy as np
 
 from harness.core.arrays import FloatArray
 from harness.proof.plant.friction import Coulomb, Level
-from harness.proof.plant.model import PlantModel
-from harness.proof.plant.pieces import Drive
+from harness.proof.plant.model import Drive, PlantModel
 
 MOST_SAMPLES = 6000
 

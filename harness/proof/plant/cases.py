@@ -3,6 +3,8 @@
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from io import StringIO
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -10,14 +12,11 @@ import numpy as np
 from harness.core.arrays import FloatArray
 from harness.core.errors import InputError, SimulationError
 from harness.proof.plant.base import Base, draw_axis, draw_decay, draw_driven, log_uniform
-from harness.proof.plant.base_fit import BaseFit, fit_decay, whiten
-from harness.proof.plant.catalogue import ALIENS, FAMILY, HEADLINE, NEEDS, compatible, families
+from harness.proof.plant.base_fit import BaseFit, fit_decay, fit_simulated, whiten
 from harness.proof.plant.decrement import decrement
-from harness.proof.plant.hidden import build, regions
+from harness.proof.plant.effects import ALIENS, BENCH, FAMILY, HEADLINE, compatible, families
+from harness.proof.plant.hidden import Motion, Noise, build, regions
 from harness.proof.plant.integrate import simulate
-from harness.proof.plant.sensors import Motion, Noise
-from harness.proof.plant.simulated_fit import fit_simulated
-from harness.proof.plant.strengths import STRENGTH
 
 CONCEALED = 0.98
 DECIDABLE, PART_DECIDABLE = 100.0, 60.0
@@ -71,7 +70,7 @@ def _base(rng: np.random.Generator, setting: str, kinds: tuple[str, ...]) -> Bas
 
 
 def _channels(rng: np.random.Generator, setting: str, kinds: tuple[str, ...]) -> str:
-    needed = set("".join(NEEDS.get(kind, "") for kind in kinds))
+    needed = set("".join(BENCH[kind].needs for kind in kinds))
     if setting != "decay":
         needed.add("x")
     while True:
@@ -105,9 +104,9 @@ def draw(
     Raises InputError for a name that is not one, SimulationError when no draw was concealed and decidable.
     """
     kinds: tuple[str, ...] = () if kind == "control" else (kind,) if isinstance(kind, str) else tuple(kind)
-    unknown = [name for name in kinds if name not in STRENGTH]
+    unknown = [name for name in kinds if name not in BENCH]
     if unknown:
-        raise InputError("kind", unknown[0], f"control or one of {', '.join(STRENGTH)} is accepted")
+        raise InputError("kind", unknown[0], f"control or one of {', '.join(BENCH)} is accepted")
     if len(kinds) == 2 and not compatible(*kinds):
         raise InputError("kind", " + ".join(kinds), "two effects that can act together are accepted")
     if setting not in SETTINGS:
@@ -116,7 +115,7 @@ def draw(
         setting = "driven"
     for _ in range(MOST_TRIES):
         base = _base(rng, setting, kinds)
-        effects = {name: STRENGTH[name](base, rng) for name in kinds}
+        effects = {name: BENCH[name].draw(base, rng) for name in kinds}
         try:
             found = record(base, effects, setting, _channels(rng, setting, kinds), _noise(rng, base, noise), rng)
             case = accepted(found)
@@ -293,3 +292,21 @@ def arguments(case: Case) -> list[str]:
 
 
 __all__ = ["ALIENS", "Case", "accepted", "arguments", "draw", "record", "truth"]
+
+
+def csv_text(case: Case) -> str:
+    """t, the channels and u where driven, in SI with nine significant digits; an angle says so in its header."""
+    angular = case.base.restoring == "pendulum" or "pendulum-stiffness" in case.mechanisms
+    names = ["t", *(c for c in ("x", "a", "u") if c in case.recorded)]
+    unit = {"x": " [rad]", "a": " [rad/s^2]"} if angular else {}
+    header = ",".join(name + unit.get(name, "") for name in names)
+    text = StringIO()
+    np.savetxt(
+        text, np.column_stack([case.recorded[n] for n in names]), fmt="%.9g", delimiter=",", header=header, comments=""
+    )
+    return text.getvalue()
+
+
+def write_csv(case: Case, path: Path) -> None:
+    """Write ``csv_text`` to a file."""
+    path.write_text(csv_text(case), encoding="utf-8")

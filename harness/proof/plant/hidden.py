@@ -1,102 +1,90 @@
-"""From the name and the parameters of an effect to the pieces it adds to a plant."""
+"""From the names and the parameters of effects to a plant and its sensors, and where in a recording they act."""
 
 import math
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
+from scipy.signal import lfilter
 
-from harness.proof.plant import branches, modulations, smooth
+from harness.core.arrays import BoolArray, FloatArray
 from harness.proof.plant.base import Base
-from harness.proof.plant.friction import Bristle, Coulomb, DryFriction, Level, Modulation, Regularised
+from harness.proof.plant.effects import BENCH, Effect, Values
+from harness.proof.plant.friction import Coulomb, Level
+from harness.proof.plant.integrate import PlantRun, simulate
 from harness.proof.plant.model import PlantModel
-from harness.proof.plant.pieces import Branch, Force, Knock
-from harness.proof.plant.random_force import random_walk
-from harness.proof.plant.sensors import Sensors
 
-Values = Mapping[str, Any]
+Motion = Callable[[PlantModel, FloatArray], PlantRun]
+"""What makes the motion of a plant at given times: SciPy's solvers, or an engine."""
 
 
 @dataclass(frozen=True, slots=True)
-class Pieces:
-    """What one effect adds to the plant or to its sensors."""
+class Sensors:
+    """x: late by ``lag`` (s), gains ``drift`` t (m/s).
 
-    forces: tuple[Force, ...] = ()
-    branches: tuple[Branch, ...] = ()
-    knocks: tuple[Knock, ...] = ()
-    modulations: tuple[Modulation, ...] = ()
-    kinks: tuple[float, ...] = ()
-    level: Mapping[str, float] = field(default_factory=dict)
-    law: Callable[[Level], DryFriction] | None = None
-    sensors: Mapping[str, float] = field(default_factory=dict)
+    a: scaled by ``gain``, plus ``bias`` (m/s^2), held within +-``limit`` (m/s^2).
+    """
 
+    lag: float = 0.0
+    drift: float = 0.0
+    gain: float = 1.0
+    bias: float = 0.0
+    limit: float = math.inf
 
-def _friction_along(p: Values, b: Base) -> Pieces:
-    if "slope" in p:
-        return Pieces(modulations=(modulations.along_slope(p["slope"]),))
-    return Pieces(modulations=(modulations.along_cosine(p["depth"], p["period"], p["phase"]),))
+    def read(
+        self, model: PlantModel, t: FloatArray, motion: Motion = simulate
+    ) -> tuple[PlantRun, dict[str, FloatArray]]:
+        """The true motion at t and the noise-free channels x, v, a, u. Before the lag has passed a late x shows x_0."""
+        if self.lag > 0.0:
+            late = np.maximum(t - self.lag, t[0])
+            grid, where = np.unique(np.concatenate([t, late]), return_inverse=True)
+            both = motion(model, grid)
+            run, x = both.at(where[: t.size]), both.x[where[t.size :]]
+        else:
+            run = motion(model, t)
+            x = run.x
+        a = np.clip(self.gain * run.a + self.bias, -self.limit, self.limit)
+        return run, {"x": x + self.drift * t, "v": run.v, "a": a, "u": run.u}
 
-
-def _random(p: Values, b: Base) -> Pieces:
-    law, rate = random_walk(p["size"], p["interval"], b.duration, int(p["seed"]))
-    return Pieces(forces=(Force(law, rate=rate),))
-
-
-Law = Callable[[Values, Base], Pieces]
-
-BUILD: dict[str, Law] = {
-    "stribeck": lambda p, b: Pieces(level={"f_s": p["f_s"], "v_s": p["v_s"]}),
-    "static-friction": lambda p, b: Pieces(level={"f_s": p["f_s"]}),
-    "presliding": lambda p, b: Pieces(law=lambda level: Bristle(level, p["sigma0"], p["sigma1"])),
-    "regularised-friction": lambda p, b: Pieces(law=lambda level: Regularised(level, p["v_r"], p["lead"])),
-    "position-dependent-friction": _friction_along,
-    "friction-drift": lambda p, b: Pieces(modulations=(modulations.drifting(p["rate"]),)),
-    "normal-load-variation": lambda p, b: Pieces(
-        modulations=(modulations.pulsing(p["depth"], p["Omega"], p["phase"]),)
-    ),
-    "quadratic-drag": lambda p, b: Pieces(forces=(smooth.quadratic_drag(p["c2"]),)),
-    "asymmetric-viscous": lambda p, b: Pieces(forces=(smooth.asymmetric_viscous(p["c_diff"]),)),
-    "power-law-damping": lambda p, b: Pieces(forces=(smooth.power_law_damping(p["c_p"], p["exponent"]),)),
-    "viscoelastic": lambda p, b: Pieces(branches=(branches.maxwell(p["k_m"], p["tau"]),)),
-    "cubic-stiffness": lambda p, b: Pieces(forces=(smooth.cubic_stiffness(p["k3"]),)),
-    "quadratic-stiffness": lambda p, b: Pieces(forces=(smooth.quadratic_stiffness(p["k2"]),)),
-    "pendulum-stiffness": lambda p, b: Pieces(forces=(smooth.pendulum_stiffness(b.k),)),
-    "end-stop": lambda p, b: Pieces(forces=(smooth.end_stop(p["gap"], p["k_stop"], p["side"]),)),
-    "backlash": lambda p, b: Pieces(forces=(smooth.backlash(b.k, p["gap"]),)),
-    "stiffness-drift": lambda p, b: Pieces(forces=(smooth.stiffness_drift(b.k, p["rate"]),)),
-    "constant-force": lambda p, b: Pieces(forces=(smooth.constant_force(p["force"]),)),
-    "force-ripple": lambda p, b: Pieces(forces=(smooth.force_ripple(p["amplitude"], p["period"], p["phase"]),)),
-    "harmonic-force": lambda p, b: Pieces(forces=(smooth.harmonic_force(p["amplitude"], p["Omega"], p["phase"]),)),
-    "impulse": lambda p, b: Pieces(knocks=(Knock(p["time"], p["impulse"]),)),
-    "attached-mode": lambda p, b: Pieces(
-        branches=(branches.attached_mode(b.m, p["omega_2"], p["mass_ratio"], p["zeta_2"]),)
-    ),
-    "sensor-lag": lambda p, b: Pieces(sensors={"lag": p["lag"]}),
-    "sensor-gain": lambda p, b: Pieces(sensors={"gain": p["gain"]}),
-    "sensor-bias": lambda p, b: Pieces(sensors={"bias": p["bias"]}),
-    "sensor-drift": lambda p, b: Pieces(sensors={"drift": p["rate"]}),
-    "sensor-clipping": lambda p, b: Pieces(sensors={"limit": p["limit"]}),
-    "alien-inertial-load": lambda p, b: Pieces(modulations=(modulations.loaded_by_inertia(p["gain"], b.force),)),
-    "alien-structural-damping": lambda p, b: Pieces(
-        modulations=(modulations.growing_outwards(p["gain"], b.length),), kinks=(0.0,)
-    ),
-    "alien-heating": lambda p, b: Pieces(modulations=(modulations.heated(p["gain"], b.f_k * b.length),)),
-    "alien-random-force": _random,
-    "alien-rattle": lambda p, b: Pieces(
-        branches=(branches.rattle(b.m, p["mass_ratio"], p["clearance"], p["omega_c"], p["zeta_c"]),)
-    ),
-    "alien-speed-stiffness": lambda p, b: Pieces(forces=(_speed_stiffness(b.k, p["gain"], b.speed),)),
-}
+    def saturated(self, run: PlantRun) -> BoolArray:
+        """Where a stands at its limit, shape (n,)."""
+        return np.asarray(np.abs(self.gain * run.a + self.bias) >= self.limit)
 
 
-def _speed_stiffness(k: float, gain: float, speed: float) -> Force:
-    return Force(lambda t, x, v, d: k * gain * (v / speed) ** 2 * x)
+@dataclass(frozen=True, slots=True)
+class Noise:
+    """Sensor noise. sigma : standard deviation of a channel. correlation : of neighbouring samples (first order).
+
+    step : resolution of a channel; the value is rounded to it after the noise was added.
+    """
+
+    sigma: dict[str, float]
+    correlation: float = 0.0
+    step: dict[str, float] | None = None
+
+    def spoil(self, channel: str, clean: FloatArray, rng: np.random.Generator) -> FloatArray:
+        """The channel as recorded."""
+        white = rng.standard_normal(clean.size)
+        r = self.correlation
+        if r != 0.0:
+            shaped = white * math.sqrt(1.0 - r * r)
+            shaped[0] = white[0]
+            white = lfilter([1.0], [1.0, -r], shaped)
+        noisy = clean + self.sigma[channel] * white
+        if self.step and channel in self.step:
+            noisy = np.round(noisy / self.step[channel]) * self.step[channel]
+        return np.asarray(noisy)
+
+    def total(self, channel: str) -> float:
+        """Standard deviation of all the error in a channel, rounding included."""
+        step = (self.step or {}).get(channel, 0.0)
+        return math.hypot(self.sigma[channel], step / math.sqrt(12.0))
 
 
-def build(base: Base, effects: Mapping[str, Values], laws: Mapping[str, Law] = BUILD) -> tuple[PlantModel, Sensors]:
-    """The plant and its sensors with these effects, each a name with its parameters (SI); laws : what a name builds."""
-    parts: Sequence[Pieces] = [laws[name](values, base) for name, values in effects.items()]
+def build(base: Base, effects: Mapping[str, Values], known: Mapping[str, Effect] = BENCH) -> tuple[PlantModel, Sensors]:
+    """The plant and its sensors with these effects, each a name with its parameters (SI); known : what a name is."""
+    parts = [known[name].build(values, base) for name, values in effects.items()]
     level: dict[str, float] = {}
     sensors: dict[str, float] = {}
     for part in parts:

@@ -11,10 +11,10 @@ from typing import Any
 import numpy as np
 
 from harness.core.arrays import FloatArray
-from harness.proof.machines.laws import LAWS
+from harness.proof.machines.effects import EFFECTS
 from harness.proof.plant.base import Base
 from harness.proof.plant.friction import Level, Modulation
-from harness.proof.plant.pieces import ForceLaw
+from harness.proof.plant.model import ForceLaw
 
 _ELSE = ((0.3, 0.7), (1.9, -0.4))
 """What else is varied, in units of the machine's own scales."""
@@ -42,7 +42,7 @@ def base_of(truth: Mapping[str, Any]) -> Base:
 def static_force(truth: Mapping[str, Any]) -> FloatArray:
     """All static forces (n,) in N of the form of ``truth["table"]`` at its places: of x, of v, or friction by x."""
     base, form, at = base_of(truth), truth["table"]["form"], np.array(truth["table"]["at"])
-    parts = [LAWS[name](values, base) for name, values in truth["plant"].items()]
+    parts = [EFFECTS[name].build(values, base) for name, values in truth["plant"].items()]
     if form == "g(x) sgn v":
         modulations = tuple(m for one in parts for m in one.modulations if _is_curve(_modulation(m, base), at))
         level = Level(base.f_k, base.f_k, modulations=modulations)
