@@ -17,13 +17,12 @@ from harness.core.recording import Recording
 from harness.core.robot.joint_log import JointLog
 from harness.core.trajectory import Trajectory
 from harness.model.model import Model
+from harness.results.common import ModelDocument
 from harness.results.compare import CompareResult
 from harness.results.diagnosis import DiagnosisResult
 from harness.results.identify import IdentifyResult
-from harness.results.joint import JointRunResult
-from harness.results.log import LogResult
-from harness.results.model import ModelDocument
-from harness.results.run import RunResult
+from harness.results.robot import LogResult
+from harness.results.run import JointRunResult, RunResult
 
 __all__ = [
     "CompareResult",

@@ -1,6 +1,6 @@
-"""Pieces that several results share: P (a number), WHERE (a place in a recording)."""
+"""Pieces that several results share; a model as a file (harness.model/1); an installation (harness.doctor/1)."""
 
-from typing import Annotated, Any
+from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
@@ -90,3 +90,60 @@ class RecordingInfo(Result):
 
 
 Json = dict[str, Any]
+
+
+class Check(Result):
+    """One thing that works or does not."""
+
+    name: str
+    ok: bool
+    found: str = Field(description="a version, a path, or what is wrong")
+    needed_for: str = Field(description="what does not work without it")
+    remedy: str | None = Field(default=None, description="what to do when it is not there")
+
+
+class DoctorResult(Result):
+    """harness doctor."""
+
+    schema_: Literal["harness.doctor/1"] = Field(default="harness.doctor/1", alias="schema")
+    checks: list[Check]
+    machine: Machine
+
+
+class BaseParameters(Result):
+    """m x'' + c x' + k R(x) + terms + f = u, in SI units; per unit mass (m = 1) where the mass is unknown."""
+
+    m: float = Field(gt=0.0, description="mass, kg")
+    c: float = Field(ge=0.0, description="viscous damping, N s/m")
+    k: float = Field(ge=0.0, description="stiffness, N/m; 0 with restoring none")
+    f_k: float = Field(ge=0.0, description="kinetic friction, N")
+    f_s: float | None = Field(default=None, description="break-away force, N; f_k when absent")
+
+
+class Release(Result):
+    """How it starts."""
+
+    x0: float = Field(default=0.0, description="m")
+    v0: float = Field(default=0.0, description="m/s")
+    t0: float = Field(default=0.0, description="time of the release, s")
+
+
+class ModelEntry(Result):
+    """One catalogue entry with values for its parameters."""
+
+    name: str
+    variant: str = Field(default="", description="which of the laws that share the name")
+    parameters: dict[str, float]
+    internal: list[float] = Field(default_factory=list, description="start of the internal states; 0 when absent")
+
+
+class ModelDocument(Result):
+    """model.json; harness.model.document turns it into a model and back."""
+
+    schema_: Literal["harness.model/1"] = Field(default="harness.model/1", alias="schema")
+    base: BaseParameters
+    restoring: Literal["spring", "pendulum", "none"] = "spring"
+    release: Release = Field(default_factory=Release)
+    terms: list[ModelEntry] = Field(default_factory=list)
+    mass_known: bool = True
+    offset: float = Field(default=0.0, description="what the sensor of x shows where the restoring force is nil, m")

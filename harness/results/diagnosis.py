@@ -4,9 +4,8 @@ from typing import Annotated, Any, ClassVar, Literal
 
 from pydantic import Field, RootModel
 
-from harness.results.common import Machine, P, RecordingInfo, RepeatedResult, Result, Span, Where
+from harness.results.common import Machine, ModelDocument, P, RecordingInfo, RepeatedResult, Result, Span, Where
 from harness.results.compare import ChannelPair
-from harness.results.model import ModelDocument
 from harness.results.robot import RobotResult
 
 Verdict = Literal["adequate", "missing_physics", "main_effect", "one_of", "unexplained"]

@@ -1,10 +1,10 @@
-"""What a diagnosis says of a robot's joint besides: its own equation, what cannot be told apart, what to paste."""
+"""Results of robots: what a diagnosis says of a joint besides, and what a log holds (harness.log/1)."""
 
 from typing import Annotated, Literal
 
 from pydantic import Field
 
-from harness.results.common import P, Result
+from harness.results.common import P, Result, Span
 
 Pair = Annotated[list[str], Field(min_length=2, max_length=2)]
 
@@ -111,3 +111,30 @@ class RobotResult(Result):
     match: list[MatchResult] = Field(default_factory=list, description="the log against its model, before a fit")
     simulated: list[SimulatedResult] = Field(default_factory=list, description="the copy of the model in engines")
     arm: ArmResult | None = Field(default=None, exclude_if=lambda value: value is None)
+
+
+class Topic(Result):
+    """A topic of a bag, an episode of a data set, or a table."""
+
+    name: str
+    type: str = Field(description='the type of its messages, "table" or "episode"')
+    count: int = Field(description="messages or rows")
+    rate_hz: float | None = Field(description="by the median interval; null where no times are read")
+    joints: list[str]
+    fields: list[str] = Field(
+        description="position, velocity, effort; current (A); magnitude, an effort without its sign"
+    )
+    units_guessed: dict[str, str] = Field(description="the unit each field is read in")
+    gaps_s: list[Span] = Field(description="[from, to], where more than five intervals are missing")
+    ranges: dict[str, dict[str, list[float]]] = Field(
+        default_factory=dict, description="by joint and field, from the least to the largest value, in these units"
+    )
+    notes: list[str] = Field(default_factory=list, description="what was done and what is odd, one sentence each")
+
+
+class LogResult(Result):
+    """harness log."""
+
+    schema_: Literal["harness.log/1"] = Field(default="harness.log/1", alias="schema")
+    file: str
+    topics: list[Topic]

@@ -1,4 +1,4 @@
-"""The result of a sweep: harness.sweep/1."""
+"""Results of the fidelity suite: a sweep, baselines and what is compared with them, a search of settings."""
 
 from typing import Any, Literal
 
@@ -60,3 +60,91 @@ class SweepResult(Result):
     files: dict[str, str] = Field(default_factory=dict)
     rows: list[SweepRow]
     convergence: list[Convergence]
+
+
+class BaselineRow(Result):
+    """What a baseline keeps of a row of the matrix; never how fast it was."""
+
+    engine: str
+    version: str
+    environment: str = Field(default="", description="where the engine ran, empty for the environment of the program")
+    route: str
+    scenario: str
+    dt_s: float | None
+    metrics: dict[str, float | None]
+    exact: dict[str, float]
+    error: str | None
+
+
+class Baseline(Result):
+    """Rows by name, to compare later ones with."""
+
+    schema_: Literal["harness.baseline/1"] = Field(default="harness.baseline/1", alias="schema")
+    machine: Machine
+    rows: dict[str, BaselineRow]
+
+
+class Moved(Result):
+    """One thing that is not as it was."""
+
+    name: str
+    metric: str = Field(description="empty when the whole row changed")
+    before: float | None
+    after: float | None
+    verdict: Literal["worse", "better", "lost", "gained", "fails", "works", "missing", "new"]
+    why: str
+
+
+class RegressResult(Result):
+    """harness regress."""
+
+    schema_: Literal["harness.regress/1"] = Field(default="harness.regress/1", alias="schema")
+    baseline: str
+    rows: int = Field(description="rows that were compared")
+    moved: list[Moved]
+    regressions: int
+    not_run: list[str] = Field(default_factory=list, description="engines of the baseline that are not installed here")
+    versions: dict[str, Any] = Field(default_factory=dict, description="engine versions, baseline's and these")
+    machine: Machine
+
+
+class TunedFigure(Result):
+    """One figure of the scorecard on sliders that were not searched on, relative distances from exact, means."""
+
+    name: str
+    before: float | None
+    after: float | None
+
+
+class TunedJoint(Result):
+    """A robot's joint that settings were searched for."""
+
+    file: str = Field(description="of the model, absolute")
+    joint: str
+    inertia: list[float] = Field(description="kg m^2 or kg that it moves, a pose of the others each: searched, scored")
+    gravity: list[float] = Field(description="largest torque of gravity in each, N m; of a slide its force, N")
+
+
+class TuneResult(Result):
+    """harness tune."""
+
+    schema_: Literal["harness.tune/1"] = Field(default="harness.tune/1", alias="schema")
+    engine: str
+    version: str
+    route: Literal["joint", "contact", "law"]
+    dt_s: float
+    max_cost: float | None = Field(description="allowed wall time over that of what ships at the same step")
+    changed: dict[str, Any] = Field(description="settings that differ from what ships")
+    settings: dict[str, Any] = Field(description="every setting in force")
+    paste: str = Field(description="XML or calls that make these settings")
+    score_before: float = Field(description="what ships, on sliders that were not searched on; lower is better")
+    score_after: float
+    score_preset: float = Field(description="the preset tuned, for comparison")
+    cost: float = Field(description="measured wall time over that of what ships at the same step")
+    figures: list[TunedFigure]
+    searched: int = Field(description="sets of settings that were scored")
+    sliders: dict[str, list[int]] = Field(
+        description="numbers of the random suites, or of a robot's poses: searched on, scored on"
+    )
+    robot: TunedJoint | None = Field(default=None, exclude_if=lambda value: value is None)
+    machine: Machine

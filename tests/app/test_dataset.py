@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from bad_input import refuses
 
-from harness.app.dataset.download import download_emps
+from harness.app.dataset.emps import download_emps
 from harness.app.dataset.machines import dataset_machines, listed
 from harness.cli.main import run
 from harness.core.errors import InputError

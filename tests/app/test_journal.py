@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from harness.app.shared.journal import journal
+from harness.app.shared.progress import journal
 
 CHECKOUT = Path(__file__).resolve().parents[2]
 
@@ -37,7 +37,7 @@ def test_streams_come_back_after_a_failure(tmp_path: Path, capfd: pytest.Capture
 
 def test_what_c_has_buffered_does_not_come_out_later(tmp_path: Path) -> None:
     program = (
-        "import ctypes, sys\nfrom pathlib import Path\nfrom harness.app.shared.journal import journal\n"
+        "import ctypes, sys\nfrom pathlib import Path\nfrom harness.app.shared.progress import journal\n"
         f"with journal(Path({str(tmp_path / 'log.txt')!r})):\n    ctypes.CDLL(None).puts(b'late')\n"
         "print('{}')\n"
     )
@@ -48,7 +48,7 @@ def test_what_c_has_buffered_does_not_come_out_later(tmp_path: Path) -> None:
 
 def test_a_closed_standard_output_does_no_harm(tmp_path: Path) -> None:
     program = (
-        "import os\nos.close(1)\nfrom pathlib import Path\nfrom harness.app.shared.journal import journal\n"
+        "import os\nos.close(1)\nfrom pathlib import Path\nfrom harness.app.shared.progress import journal\n"
         f"with journal(Path({str(tmp_path / 'log.txt')!r})):\n    os.write(2, b'x')\n"
     )
     done = subprocess.run([sys.executable, "-c", program], stderr=subprocess.PIPE, text=True, check=False, cwd=CHECKOUT)

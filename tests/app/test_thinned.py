@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from harness.app.shared import thinned as room
+from harness.app.shared import reading as room
 from harness.core.recording import Recording
 
 T = np.arange(20_000, dtype=np.float64) / 2000.0

@@ -21,7 +21,7 @@ from harness.fidelity.compare import TOLERANCES, kept, moves
 from harness.fidelity.matrix import Matrix
 from harness.fidelity.row import Spec, run_row
 from harness.results.generate import schema_text
-from harness.results.regress import Baseline, RegressResult
+from harness.results.sweep import Baseline, RegressResult
 
 pytest_plugins = ["pytester"]
 

@@ -18,7 +18,7 @@ from harness.fidelity.paste import paste
 from harness.fidelity.spaces import SHIPPED, space, tunable
 from harness.fidelity.tune import HELD_OUT, SEARCH, Trial, search
 from harness.results.generate import schema_text
-from harness.results.tune import TuneResult
+from harness.results.sweep import TuneResult
 
 KNOWN: dict[str, list[dict[str, Any]]] = {
     "mujoco": [

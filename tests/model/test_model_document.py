@@ -15,7 +15,7 @@ from harness.model.model import Model, ModelTerm, Restoring
 from harness.model.registry import TERMS
 from harness.model.term import Slot
 from harness.results import generate
-from harness.results.model import ModelDocument
+from harness.results.common import ModelDocument
 
 NAMED = ModelTerm.named
 FULL = Model(

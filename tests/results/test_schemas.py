@@ -10,9 +10,8 @@ from pydantic import ValidationError
 
 from harness.core.quantity import Quantity
 from harness.results import generate
-from harness.results.common import Machine, P, RecordingInfo, Result
+from harness.results.common import Check, DoctorResult, Machine, P, RecordingInfo, Result
 from harness.results.compare import Aligned, CompareResult, Difference, Event, Largest, OtherShift, Reading
-from harness.results.doctor import Check, DoctorResult
 from harness.results.identify import IdentifyResult
 from harness.results.run import Estimates, Metrics, RunResult, TraceResult
 

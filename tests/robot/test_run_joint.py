@@ -15,7 +15,7 @@ from harness.cli.main import cli
 from harness.core.errors import InputError
 from harness.engines.models import folder
 from harness.fidelity.laws import half_implicit
-from harness.results.joint import JointRunResult
+from harness.results.run import JointRunResult
 from harness.robot.arm import load_arm
 from harness.robot.reduction import reduced
 from harness.robot.servo import words

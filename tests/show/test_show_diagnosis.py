@@ -13,7 +13,7 @@ from harness.cli.diagnosis_tables import say_diagnosis as print_diagnosis
 from harness.core.recording import Recording
 from harness.core.trajectory import Source, Trajectory
 from harness.kernels.solve import simulate
-from harness.results.common import P, Where
+from harness.results.common import ModelEntry, P, Where
 from harness.results.diagnosis import (
     AttributionResult,
     ChangeResult,
@@ -27,7 +27,6 @@ from harness.results.diagnosis import (
     UnreadRecording,
     read_diagnosis,
 )
-from harness.results.model import ModelEntry
 from harness.show.diagnosis_scene import diagnosis_scene, lane, shaded_spans
 from harness.show.report.diagnosis import diagnosis_sections, diagnosis_title, gained, index_sections, index_title
 from harness.show.report.page import render, write_report

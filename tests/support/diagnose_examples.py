@@ -7,7 +7,7 @@ import numpy as np
 from harness.app.shared.machine import this_machine
 from harness.kernels.solve import simulate
 from harness.model.model import Model, ModelTerm
-from harness.results.common import P, RecordingInfo, Where
+from harness.results.common import BaseParameters, ModelDocument, P, RecordingInfo, Where
 from harness.results.diagnosis import (
     AlternativeResult,
     DiagnosisResult,
@@ -16,7 +16,6 @@ from harness.results.diagnosis import (
     HoldoutResult,
     MechanismResult,
 )
-from harness.results.model import BaseParameters, ModelDocument
 
 STOP = Model(
     1.0, 0.4, 100.0, 0.3, x0=0.1, terms=(ModelTerm.named("end-stop:positive", gap=0.05, k_stop=60.0),), mass_known=False

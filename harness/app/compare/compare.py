@@ -6,15 +6,12 @@ from typing import Any
 import numpy as np
 
 from harness.app.compare.reading import ANGULAR, UNITS, differences, reading
-from harness.app.compare.showing import write_compare_page, write_compare_trace
 from harness.app.shared.deliver import to_json
-from harness.app.shared.journal import NAME as LOG
-from harness.app.shared.journal import journal
 from harness.app.shared.machine import this_machine
 from harness.app.shared.places import where_of_place
-from harness.app.shared.progress import SILENT, Progress
-from harness.app.shared.reading import read, read_sim, recording_info
-from harness.app.shared.thinned import thinned
+from harness.app.shared.progress import NAME as LOG
+from harness.app.shared.progress import SILENT, Progress, journal
+from harness.app.shared.reading import read, read_sim, recording_info, thinned
 from harness.core.recording import Recording
 from harness.diagnosis.alignment.align import GIVEN
 from harness.diagnosis.alignment.consistency import Consistency
@@ -22,13 +19,50 @@ from harness.diagnosis.alignment.match import Match, of_one_kind
 from harness.diagnosis.alignment.pair import Clock
 from harness.diagnosis.comparison import Comparison, compared
 from harness.diagnosis.fit.rmse import percent_followed
+from harness.diagnosis.motion import motion_of
 from harness.estimate.saturation import limit_said, limits
 from harness.io.options import ReadOptions
 from harness.io.store import output_folder
 from harness.results.common import P
 from harness.results.compare import Aligned, ChannelPair, CompareResult, Largest, OtherShift
+from harness.show.overlay_scene import compare_scene
+from harness.show.report.compare import Shown, compare_headline, compare_sections, compare_title, rows_of
+from harness.show.report.page import write_report
 from harness.show.sentences.compare import compare_sentences
 from harness.show.stored import StoredTrace
+from harness.show.trace import write_trace
+
+
+def _shown(result: CompareResult, found: Match, angular: bool) -> Shown:
+    """What both show at shared times, with position and speed of each, smoothed where they were not measured."""
+    names = (*result.traces,)
+    motions = [motion_of(found.t, channels, found.omega) for channels in (found.sim, found.real)]
+    return Shown(
+        found.t,
+        {c: (found.sim[c], found.real[c]) for c in found.real},
+        ((motions[0].x, motions[0].v), (motions[1].x, motions[1].v)),
+        (names[0], names[1]),
+        angular,
+    )
+
+
+def write_compare_page(path: Path, result: CompareResult, found: Match, angular: bool) -> None:
+    """Write the page; raises StoreError."""
+    data = result.model_dump(mode="json", by_alias=True)
+    write_report(path, *compare_title(data), compare_sections(_shown(result, found, angular), data))
+
+
+def write_compare_trace(path: Path, result: CompareResult, sim: Recording, real: Recording, found: Match) -> None:
+    """Write trace.rrd, with both traces as they were read; raises StoreError."""
+    data = result.model_dump(mode="json", by_alias=True)
+    write_trace(path, compare_scene(sim, real, found.clock.onto(sim.t), _shown(result, found, real.angular), data))
+
+
+def summary(result: CompareResult) -> tuple[str, list[tuple[str, list[str]]]]:
+    """The verdict in a sentence, and the figures side by side: a label, the first's, the second's, their distance."""
+    data = result.model_dump(by_alias=True)
+    return compare_headline(data), rows_of(data)
+
 
 FILES = {"result": "result.json", "report": "report.html", "rrd": "trace.rrd", "log": LOG}
 

@@ -1,6 +1,7 @@
 """The published drive-axis case: the diagnosis with its cross-validation, published figures beside ours."""
 
 from dataclasses import dataclass
+from importlib import import_module
 from pathlib import Path
 
 from harness.app.diagnose.one import deliver
@@ -8,7 +9,7 @@ from harness.app.diagnose.options import DiagnoseOptions
 from harness.app.shared.deliver import to_json
 from harness.app.shared.progress import SILENT, Progress
 from harness.app.shared.reading import ReadOptions, read
-from harness.core.errors import InputError
+from harness.core.errors import HarnessError, InputError
 from harness.core.recording import Recording
 from harness.diagnosis.inverse_dynamics.protocol import DIRECTED, PUBLISHED, SYMMETRIC, Ripple, find_ripple
 from harness.diagnosis.inverse_dynamics.validate import Judge, without_ripple
@@ -19,6 +20,31 @@ from harness.model.model import Restoring
 from harness.results.dataset import DatasetResult, FigureRow, RippleResult
 from harness.results.diagnosis import DiagnosisResult
 from harness.show.report.dataset import write_dataset_page
+
+
+class DownloadError(HarnessError):
+    """Nothing could be downloaded."""
+
+
+def download_emps(into: Path) -> Path:
+    """Download both files below ``into``, which is made; returns their folder. What is there is not fetched again.
+
+    Raises InputError without the extra, DownloadError when the download fails. Nothing is checked here: the reader
+    compares the files with the published ones.
+    """
+    try:
+        fetch = import_module("nonlinear_benchmarks").EMPS
+    except ModuleNotFoundError:
+        accepted = "the extra is accepted: pip install 'friction-harness[emps]'; or --from with a folder of the files"
+        raise InputError("--download", "the package nonlinear_benchmarks is not installed", accepted) from None
+    try:
+        into.mkdir(parents=True, exist_ok=True)
+        files = [Path(file) for file in fetch(data_file_locations=True, dir_placement=str(into))]
+    except Exception as error:  # whatever a network, an archive or a disk may raise
+        said = " ".join(str(error).split()) or type(error).__name__
+        raise DownloadError(f"the download into {into} failed: {said}") from None
+    return files[0].parent
+
 
 FILES = {"result": "result.json", "page": "report.html", "diagnosis": "diagnosis"}
 FITTED, OTHER = "DATA_EMPS.mat", "DATA_EMPS_PULSES.mat"

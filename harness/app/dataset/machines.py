@@ -15,8 +15,8 @@ from harness.app.shared.progress import SILENT, Progress
 from harness.core.errors import InputError
 from harness.io.options import ReadOptions
 from harness.io.store import growing_folder, write_text
+from harness.results.dataset import FoundResult, MachineRow, MachinesResult
 from harness.results.diagnosis import DiagnosisResult, MechanismResult
-from harness.results.machines import FoundResult, MachineRow, MachinesResult
 from harness.show.report.dataset import write_machines_page
 
 LIST = "machines.toml"

@@ -17,11 +17,9 @@ from harness.app.diagnose.result import result_of
 from harness.app.diagnose.show import write_diagnosis_page, write_diagnosis_trace
 from harness.app.diagnose.validation import validated, validation
 from harness.app.shared.deliver import to_json
-from harness.app.shared.journal import NAME as LOG
-from harness.app.shared.journal import journal
-from harness.app.shared.progress import SILENT, Progress
-from harness.app.shared.reading import read_as
-from harness.app.shared.thinned import thinned
+from harness.app.shared.progress import NAME as LOG
+from harness.app.shared.progress import SILENT, Progress, journal
+from harness.app.shared.reading import read_as, thinned
 from harness.core.recording import Recording
 from harness.core.telling import listening
 from harness.core.trajectory import Trajectory

@@ -28,7 +28,7 @@ from harness.diagnosis.problem import Problem
 from harness.diagnosis.tables.describe import gauge_of
 from harness.model.document import to_document
 from harness.model.model import Model
-from harness.results.common import P, RecordingInfo
+from harness.results.common import ModelDocument, P, RecordingInfo
 from harness.results.diagnosis import (
     AlternativeResult,
     DiagnosisResult,
@@ -48,7 +48,6 @@ from harness.results.diagnosis import (
     SurfaceResult,
     TableResult,
 )
-from harness.results.model import ModelDocument
 
 LOGGER = logging.getLogger(__name__)
 _NOT_GIVEN = "whose mismatch it is, was not divided: an engine is not given covariates"

@@ -15,12 +15,10 @@ from harness.app.diagnose.own import own_results
 from harness.app.diagnose.problem import Prepared
 from harness.app.diagnose.result import result_of
 from harness.app.diagnose.validation import validated, validation
-from harness.app.shared.journal import NAME as LOG
-from harness.app.shared.journal import journal
-from harness.app.shared.progress import SILENT, Progress
-from harness.app.shared.reading import read_as, recording_info
+from harness.app.shared.progress import NAME as LOG
+from harness.app.shared.progress import SILENT, Progress, journal
+from harness.app.shared.reading import read_as, recording_info, thinned
 from harness.app.shared.repeated import repeated_results
-from harness.app.shared.thinned import thinned
 from harness.core.errors import InputError
 from harness.core.recording import Recording
 from harness.core.telling import listening

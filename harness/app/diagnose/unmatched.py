@@ -7,17 +7,16 @@ from harness.app.diagnose.options import DiagnoseOptions
 from harness.app.diagnose.robot_options import RobotOptions
 from harness.app.diagnose.show import write_match_page
 from harness.app.shared.deliver import to_json
-from harness.app.shared.journal import NAME as LOG
-from harness.app.shared.journal import journal
 from harness.app.shared.machine import this_machine
+from harness.app.shared.progress import NAME as LOG
+from harness.app.shared.progress import journal
 from harness.core.quantity import Quantity
 from harness.core.robot.joint_log import JointLog
 from harness.io.store import output_folder
 from harness.model.document import to_document
 from harness.model.model import Model, Restoring
-from harness.results.common import P, RecordingInfo
+from harness.results.common import ModelDocument, P, RecordingInfo
 from harness.results.diagnosis import DiagnosisResult, FitResult, HoldoutResult, MechanismResult, RuleResult
-from harness.results.model import ModelDocument
 from harness.results.robot import MatchResult, PasteResult, RobotResult
 from harness.robot.arm import Arm
 from harness.robot.coupling import Coupling

@@ -15,17 +15,16 @@ from harness.app.diagnose.robot_shown import tried
 from harness.app.diagnose.show import write_arm_page, write_arm_trace
 from harness.app.diagnose.unmatched import match_results, recording_info
 from harness.app.shared.deliver import to_json
-from harness.app.shared.journal import NAME as LOG
-from harness.app.shared.journal import journal
 from harness.app.shared.machine import this_machine
-from harness.app.shared.progress import Progress
+from harness.app.shared.progress import NAME as LOG
+from harness.app.shared.progress import Progress, journal
 from harness.core.errors import InputError
 from harness.core.quantity import Quantity
 from harness.core.robot.joint_log import JointLog
 from harness.io.store import output_folder
 from harness.model.document import to_document
 from harness.model.model import Model, Restoring
-from harness.results.common import P, Where
+from harness.results.common import ModelDocument, P, Where
 from harness.results.diagnosis import (
     AlternativeResult,
     DiagnosisResult,
@@ -34,7 +33,6 @@ from harness.results.diagnosis import (
     MechanismResult,
     RuleResult,
 )
-from harness.results.model import ModelDocument
 from harness.results.robot import ArmResult, EntryResult, JointResult, PasteResult, RobotResult
 from harness.robot.arm import Arm
 from harness.robot.match.compared import Compared, Match

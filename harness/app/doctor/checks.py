@@ -7,9 +7,9 @@ import tempfile
 from collections.abc import Callable
 from pathlib import Path
 
-from harness.app.shared.journal import journal
 from harness.app.shared.machine import package_version, this_machine
-from harness.results.doctor import Check, DoctorResult
+from harness.app.shared.progress import journal
+from harness.results.common import Check, DoctorResult
 
 BROWSERS = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable", "firefox")
 ALWAYS = ("python", "engine mujoco", "models", "numba cache", "rerun viewer")

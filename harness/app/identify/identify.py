@@ -1,24 +1,140 @@
 """The estimators on a recording of a free decay."""
 
+import math
+import shlex
 from collections.abc import Mapping
+from dataclasses import dataclass
 from pathlib import Path
 
-from harness.app.identify.base import Base, base_of
+import numpy as np
+
+from harness.app.diagnose.files import motion_of
+from harness.app.diagnose.options import DiagnoseOptions
+from harness.app.diagnose.problem import errors_of, prepared
 from harness.app.shared.deliver import to_json
-from harness.app.shared.estimates import estimate, estimates_of
-from harness.app.shared.journal import NAME as LOG
-from harness.app.shared.journal import journal
+from harness.app.shared.estimates import NOTE, WHOLE, estimate, estimates_of
 from harness.app.shared.machine import this_machine
-from harness.app.shared.pendulum import NOTE
-from harness.app.shared.progress import SILENT, Progress
-from harness.app.shared.reading import read, recording_info
+from harness.app.shared.progress import NAME as LOG
+from harness.app.shared.progress import SILENT, Progress, journal
+from harness.app.shared.reading import read, recording_info, thinned
 from harness.app.shared.showing import write_recording_page, write_recording_trace
+from harness.core.errors import SimulationError
 from harness.core.recording import Recording
+from harness.core.trajectory import Trajectory
+from harness.diagnosis.fit.rmse import rmse
+from harness.diagnosis.fit.standard_errors import base_parameters
+from harness.diagnosis.pipeline import fit_base
+from harness.diagnosis.residual_tests.lack_of_fit import Left, left_by
 from harness.estimate.believed import without_limited
+from harness.estimate.result import Estimate, Estimation
 from harness.io.options import ReadOptions
 from harness.io.store import output_folder
 from harness.results.common import P
+from harness.results.diagnosis import FitResult
 from harness.results.identify import IdentifyResult, Swing
+
+_CLEARLY = 5.0
+"""Standard errors by which two methods differ, or a number has a sign that it cannot have."""
+
+
+@dataclass(frozen=True, slots=True)
+class Base:
+    """The base model, fitted.
+
+    fit : None where the model could not be simulated. motion : of it, from its release on. warnings : what is to be
+    known before the estimates are believed.
+    """
+
+    fit: FitResult | None
+    motion: Trajectory | None
+    warnings: tuple[str, ...]
+
+
+def base_of(recording: Recording, restoring: Swing, estimation: Estimation, command: str = "") -> Base:
+    """The base model fitted, and what it says against the estimates. command : the line that estimates.
+
+    Raises InputError where nothing swings, or channels are not of one motion.
+    """
+    doubts = _impossible(estimation)
+    recording = thinned(recording)
+    options = DiagnoseOptions.chosen(ReadOptions(), restoring, engines=())
+    with np.errstate(over="ignore", invalid="ignore"), errors_of(recording):
+        ready = prepared(recording, options)
+        try:
+            based = fit_base(ready.problem)
+            free = recording.cut(recording.t >= based.fit.model.t0)
+            whole = based.whole.at_every_sample(free.t, free.channels)
+            motion = motion_of("base fit", based.fit.model, whole, based.scales)
+        except SimulationError as error:
+            return Base(None, None, (f"the base fit failed, so nothing checks these numbers: {error}", *doubts))
+    found, problem, omega = based.fit, based.problem, based.scales.omega
+    adequate = left_by(found, problem, omega, found) is Left.NOISE
+    numbers = base_parameters(found, problem, omega, adequate)
+    chi2 = found.chi2 / found.points
+    fit = FitResult(
+        parameters={name: P.of(one) for name, one in numbers.items()},
+        rmse=rmse(found.shown.y, problem),
+        chi2_per_point=chi2,
+    )
+    missed = () if adequate else (_missed(chi2, _diagnose(command, recording.file)),)
+    differ = () if ready.warnings else _disagreeing(estimation)
+    return Base(fit, motion, (*ready.warnings, *missed, *differ, *doubts))
+
+
+def _missed(chi2: float, line: str) -> str:
+    return (
+        f"this model leaves {math.sqrt(chi2):.3g} times the noise (chi2 {chi2:.3g} a point): these numbers are biased."
+        f" What it misses: {line}"
+    )
+
+
+def _diagnose(command: str, file: str) -> str:
+    """The line that diagnoses what a line identifies; outputs are not written over."""
+    words = shlex.split(command)
+    if "identify" not in words:
+        return f"harness diagnose {shlex.quote(file)}"
+    words[words.index("identify")] = "diagnose"
+    kept = [
+        word
+        for before, word in zip(["", *words], words, strict=False)
+        if not {before, word, word.partition("=")[0]} & {"--out", "--json"}
+    ]
+    return shlex.join(kept)
+
+
+def _impossible(estimation: Estimation) -> tuple[str, ...]:
+    """Numbers that are clearly negative, which neither damping nor friction is."""
+    said = []
+    for method, found in estimation.methods.items():
+        for name in ("zeta", "x_k"):
+            one = getattr(found, name)
+            if one.value is not None and one.stderr is not None and one.value < -_CLEARLY * one.stderr:
+                errors = -one.value / one.stderr
+                said.append(f"{method}: {name} is negative by {errors:.2g} standard errors, which is impossible")
+    return tuple(said)
+
+
+def _disagreeing(estimation: Estimation) -> tuple[str, ...]:
+    """Methods of the whole model that differ by more than their errors."""
+    first, second = (estimation.methods[name] for name in WHOLE)
+    far = {name: _apart(first, second, name) for name in ("x_k", "zeta", "omega_n")}
+    name = max(far, key=lambda one: far[one])
+    if far[name] <= _CLEARLY:
+        return ()
+    values = [f"{getattr(one, name).value:.4g}" for one in (first, second)]
+    return (
+        f"{name} {values[0]} by {' and '.join(WHOLE)} {values[1]} differ by {far[name]:.2g} standard errors:"
+        " channels or model are wrong",
+    )
+
+
+def _apart(first: Estimate, second: Estimate, name: str) -> float:
+    one, other = getattr(first, name), getattr(second, name)
+    if one.value is None or other.value is None:
+        return 0.0
+    error = math.hypot(one.stderr or 0.0, other.stderr or 0.0)
+    return abs(one.value - other.value) / error if error > 0.0 else 0.0
+
 
 FILES = {"result": "result.json", "report": "report.html", "rrd": "trace.rrd", "log": LOG}
 

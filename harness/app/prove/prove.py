@@ -26,11 +26,10 @@ from harness.app.prove.worker import (
     draw_one,
 )
 from harness.app.shared.completed import completed
-from harness.app.shared.journal import NAME as LOG
-from harness.app.shared.journal import journal
 from harness.app.shared.machine import cores, this_machine
 from harness.app.shared.pool import Cluster, LocalPool, Workers
-from harness.app.shared.progress import SILENT, Progress
+from harness.app.shared.progress import NAME as LOG
+from harness.app.shared.progress import SILENT, Progress, journal
 from harness.app.sweep.sweep import InterruptionError
 from harness.core.errors import HarnessError, InputError
 from harness.io.store import growing_folder, held

@@ -9,7 +9,7 @@ from pydantic import ValidationError
 from harness.app.compare.compare import again as compare_again
 from harness.app.diagnose.show import write_arm_page, write_diagnosis_page
 from harness.app.identify.identify import result_of
-from harness.app.report.place import find_trace
+from harness.app.report.view import find_trace
 from harness.app.run.model import case_of_json
 from harness.app.run.run import measured
 from harness.app.shared.showing import write_joint_page, write_recording_page, write_run_page
@@ -17,8 +17,7 @@ from harness.core.errors import InputError, StoreError
 from harness.results.compare import CompareResult
 from harness.results.diagnosis import DiagnosisResult, read_diagnosis
 from harness.results.identify import IdentifyResult
-from harness.results.joint import JointRunResult
-from harness.results.run import RunResult
+from harness.results.run import JointRunResult, RunResult
 from harness.show.robot.shown import HELD, LEFT, MOTION, SWING, unpacked
 from harness.show.stored import StoredTrace, read_trace
 

@@ -6,7 +6,7 @@ from pathlib import Path
 
 from harness.core.errors import InputError
 from harness.engines.base import Preset
-from harness.results.joint import AsItIsResult, JointScore, StopResult
+from harness.results.run import AsItIsResult, JointScore, StopResult
 from harness.robot.as_it_is import AsItIs, Gravity
 from harness.robot.reduction import Reduced
 

@@ -5,7 +5,7 @@ from collections.abc import Callable
 
 from harness.engines.mujoco.presets import INTEGRATORS
 from harness.fidelity import laws
-from harness.results.joint import ServoCure, ServoResult, ServoScore
+from harness.results.run import ServoCure, ServoResult, ServoScore
 from harness.robot.as_it_is import AsItIs
 
 _SUBSTEPS = 4

@@ -2,7 +2,7 @@
 
 import math
 
-from harness.results.joint import AsItIsResult, JointRunResult, JointScore, ServoCure, StopResult
+from harness.results.run import AsItIsResult, JointRunResult, JointScore, ServoCure, StopResult
 
 _COMPENSATED = 0.99
 """Of gravity's torque, below which what is left is told."""

@@ -10,7 +10,7 @@ from typing import Any, final
 import numpy as np
 
 from harness.app.run.case import Case, SuiteCase
-from harness.app.shared.pendulum import as_spring
+from harness.app.shared.estimates import as_spring
 from harness.core.arrays import FloatArray
 from harness.core.checks import positive
 from harness.core.errors import InputError

@@ -16,10 +16,9 @@ from harness.app.run.model import ModelScenario, case_of
 from harness.app.run.simulate import Given, model_of
 from harness.app.shared.deliver import to_json
 from harness.app.shared.estimates import estimates_of
-from harness.app.shared.journal import NAME as LOG
-from harness.app.shared.journal import journal
 from harness.app.shared.machine import this_machine
-from harness.app.shared.progress import SILENT, Progress
+from harness.app.shared.progress import NAME as LOG
+from harness.app.shared.progress import SILENT, Progress, journal
 from harness.app.shared.showing import write_run_page, write_run_trace
 from harness.core.checks import positive
 from harness.core.errors import InputError, SimulationError

@@ -13,7 +13,7 @@ from harness.core.trajectory import Trajectory
 from harness.kernels.solve import simulate
 from harness.model.document import from_document, load
 from harness.model.model import Model
-from harness.results.model import ModelDocument
+from harness.results.common import ModelDocument
 
 Given: TypeAlias = Model | ModelDocument | Mapping[str, Any] | str | PathLike[str]
 

@@ -1,8 +1,13 @@
 """How a use case tells how far it is; light, since the command imports it."""
 
+import logging
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
 from typing import TypeAlias
+
+from harness.core.divert import diverted
 
 Progress: TypeAlias = Callable[[str, int, int], None]
 """Called with what is being done, how many are done, and how many there are; 0 where nobody knows."""
@@ -61,3 +66,32 @@ class Pace:
             return None
         each = (self._told - self._began) / done
         return max((self._total - self._done) * each - (self._now() - self._told), 0.0)
+
+
+NAME = "log.txt"
+"""Name of the log in the output folder."""
+
+
+@contextmanager
+def journal(path: Path) -> Iterator[None]:
+    """Send logging, and everything written to descriptors 1 and 2, to the file ``path`` while the block runs.
+
+    Not for use in several threads at once: descriptors belong to the whole process.
+    """
+    log, warned = logging.getLogger("harness"), logging.getLogger("py.warnings")
+    level, propagate = log.level, log.propagate
+    handler = logging.FileHandler(path, encoding="utf-8")
+    handler.setFormatter(logging.Formatter("%(asctime)s %(name)s %(levelname)s %(message)s"))
+    log.addHandler(handler)
+    warned.addHandler(handler)
+    log.setLevel(logging.DEBUG)
+    log.propagate = False
+    try:
+        with open(path, "ab") as file, diverted(file.fileno()):
+            yield
+    finally:
+        log.removeHandler(handler)
+        warned.removeHandler(handler)
+        handler.close()
+        log.setLevel(level)
+        log.propagate = propagate

@@ -8,8 +8,7 @@ from harness.core.recording import Recording
 from harness.core.robot.bodies import Bodies
 from harness.core.trajectory import Trajectory
 from harness.results.identify import IdentifyResult
-from harness.results.joint import JointRunResult
-from harness.results.run import RunResult
+from harness.results.run import JointRunResult, RunResult
 from harness.show.overlay_scene import recording_scene
 from harness.show.report.identify import identify_headline, identify_sections, identify_title
 from harness.show.report.page import write_report

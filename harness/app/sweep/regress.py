@@ -18,7 +18,7 @@ from harness.core.errors import InputError
 from harness.engines import registry
 from harness.fidelity.compare import REGRESSIONS, kept, moves
 from harness.io.store import write_text
-from harness.results.regress import Baseline, BaselineRow, Moved, RegressResult
+from harness.results.sweep import Baseline, BaselineRow, Moved, RegressResult
 
 Rows = dict[str, dict[str, Any]]
 Version = tuple[str, str, str]

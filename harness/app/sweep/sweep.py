@@ -9,11 +9,10 @@ from pathlib import Path
 from typing import Any, NoReturn
 
 from harness.app.shared.completed import completed
-from harness.app.shared.journal import NAME as LOG
-from harness.app.shared.journal import journal
 from harness.app.shared.machine import cores, this_machine
 from harness.app.shared.pool import Cluster, LocalPool, Workers
-from harness.app.shared.progress import SILENT, Progress
+from harness.app.shared.progress import NAME as LOG
+from harness.app.shared.progress import SILENT, Progress, journal
 from harness.app.sweep.parts import Parts, check_new, compute, failed_row
 from harness.core.checks import positive
 from harness.core.errors import HarnessError, InputError, SimulationError, StoreError

@@ -20,7 +20,7 @@ from harness.fidelity.scores import COLUMNS, distance
 from harness.fidelity.sliders import Sliders
 from harness.fidelity.spaces import space, tunable
 from harness.fidelity.tune import HELD_OUT, SEARCH, Subject, Trial, score_of, search
-from harness.results.tune import TunedFigure, TunedJoint, TuneResult
+from harness.results.sweep import TunedFigure, TunedJoint, TuneResult
 from harness.robot.arm import Arm, load_arm
 from harness.robot.paste import JointPaste
 from harness.robot.reduction import Reduced, reduced

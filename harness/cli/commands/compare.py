@@ -87,7 +87,7 @@ def command(
 def _print(result: "CompareResult") -> None:
     from rich.table import Table
 
-    from harness.app.compare.table import summary
+    from harness.app.compare.compare import summary
 
     headline, rows = summary(result)
     say(headline)

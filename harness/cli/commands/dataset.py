@@ -12,8 +12,7 @@ from harness.cli.tables import show
 from harness.core.errors import InputError
 
 if TYPE_CHECKING:
-    from harness.results.dataset import DatasetResult
-    from harness.results.machines import FoundResult, MachinesResult
+    from harness.results.dataset import DatasetResult, FoundResult, MachinesResult
 
 
 @click.command(short_help="Published recordings: what others found beside ours.")
@@ -50,8 +49,7 @@ def command(
         return _machines(folder, into, jobs, out, json_to, quiet)
     if jobs is not None:
         raise InputError("--jobs", "given with emps, which is one recording", "it is accepted with machines")
-    from harness.app.dataset.download import download_emps
-    from harness.app.dataset.emps import dataset_emps
+    from harness.app.dataset.emps import dataset_emps, download_emps
 
     if (folder is None) == (into is None):
         raise InputError("--from, --download", "neither" if into is None else "both", "one of the two is accepted")

@@ -11,7 +11,7 @@ from harness.cli.tables import show
 from harness.core.errors import InputError
 
 if TYPE_CHECKING:
-    from harness.results.log import LogResult, Topic
+    from harness.results.robot import LogResult, Topic
 
 _MOST = 20
 """Topics that a table for people shows; --json has all of them."""

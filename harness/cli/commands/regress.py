@@ -13,7 +13,7 @@ from harness.core.bounded import check_file
 from harness.core.errors import InputError
 
 if TYPE_CHECKING:
-    from harness.results.regress import RegressResult
+    from harness.results.sweep import RegressResult
 
 
 @click.command(short_help="A sweep against a baseline: what moved, and whether that is a regression.")

@@ -22,7 +22,7 @@ def command(place: Path, out: Path | None, json_to: str | None, quiet: bool) -> 
     Example: harness report reports/free-decay-20260101-120000
              harness report trace.rrd --out page.html
     """
-    from harness.app.report.place import find_trace
+    from harness.app.report.view import find_trace
 
     find_trace(place)  # before what reads it is loaded
     check_json(json_to)

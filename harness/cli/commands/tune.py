@@ -13,7 +13,7 @@ from harness.core.bounded import check_file
 from harness.core.errors import InputError
 
 if TYPE_CHECKING:
-    from harness.results.tune import TuneResult
+    from harness.results.sweep import TuneResult
 
 
 @click.command(short_help="Search an engine's settings for fidelity at a cost; prints what to paste.")
