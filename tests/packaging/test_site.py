@@ -6,11 +6,14 @@ import runpy
 import subprocess
 import sys
 from collections.abc import Iterator
+from contextlib import redirect_stdout
+from io import StringIO
 from pathlib import Path
 from typing import Any, get_args
 
 import pytest
 
+from harness.cli.main import run
 from harness.model.registry import TERMS
 from harness.results.diagnosis import Grade, Verdict
 
@@ -49,6 +52,18 @@ def alike(new: str, old: str, rel: float, within: float, command: str) -> None:
     assert first == pytest.approx(second, rel=rel, abs=within), f"run {command}"
 
 
+def here(call: list[str], cwd: Path, env: dict[str, str], **given: Any) -> "subprocess.CompletedProcess[str]":
+    """A command in this process, which has loaded already what it needs; of other programs, a process."""
+    if call[1:3] != ["-m", "harness.cli"]:
+        with subprocess.Popen(call, cwd=cwd, env=env, stdout=subprocess.PIPE, text=True) as other:
+            return subprocess.CompletedProcess(call, 0, other.communicate()[0], "")
+    with pytest.MonkeyPatch.context() as patch, redirect_stdout(StringIO()) as said:
+        patch.chdir(cwd)
+        for name in ("COLUMNS", "NO_COLOR"):
+            patch.setenv(name, env[name])
+        return subprocess.CompletedProcess(call, run(call[3:]), said.getvalue(), "")
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize(
     "page",
@@ -61,9 +76,10 @@ def alike(new: str, old: str, rel: float, within: float, command: str) -> None:
         ),
     ],
 )
-def test_a_page_shows_what_its_commands_print(page: str) -> None:
+def test_a_page_shows_what_its_commands_print(page: str, monkeypatch: pytest.MonkeyPatch) -> None:
     pytest.importorskip("pybullet")
     pytest.importorskip("rosbags")
+    monkeypatch.setattr(subprocess, "run", here)
     shown = made("shown.py")
     assert page in shown["PAGES"]
     alike(shown["text"](page), (DOCS / page).read_text(encoding="utf-8"), 0.02, LOOSE, f"python docs/shown.py {page}")
