@@ -5,9 +5,19 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
-from small_proof import SIZES, STUB, unchanged_sources
+from small_proof import SIZES, STUB, in_this_process, unchanged_sources
 
 from harness.app.prove.prove import ProveOptions, prove
+
+
+@pytest.fixture(autouse=True)
+def without_processes(request: pytest.FixtureRequest) -> Iterator[None]:
+    """But where it is the processes that are looked at."""
+    if request.path.name == "test_prove_blind.py":
+        yield
+    else:
+        with in_this_process():
+            yield
 
 
 @pytest.fixture
@@ -21,7 +31,7 @@ def one_version() -> Iterator[None]:
 def published(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A small proof of a diagnosis that says of everything that nothing is left out."""
     folder = tmp_path_factory.mktemp("proof") / "done"
-    with unchanged_sources():
+    with unchanged_sources(), in_this_process():
         prove(ProveOptions(SIZES, jobs=1, blind=STUB), folder)
     return folder
 
