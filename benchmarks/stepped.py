@@ -22,7 +22,7 @@ def _whole(engine: Engine, task: Task) -> Callable[[], object]:
 
 
 def _bare_rapier(task: Task) -> Callable[[], object]:
-    from harness.engines.own_spring import own_or_pushed
+    from harness.engines.momentum import own_or_pushed
     from harness.engines.rapier import RapierEngine, RapierJoint
 
     settings = resolve(RapierEngine(), task)
@@ -81,7 +81,7 @@ def _bare_physx(task: Task) -> Callable[[], object]:
     """Beside the engine in this process: what a process of its own costs is in the row."""
     import warnings
 
-    from harness.engines.own_spring import own_or_pushed
+    from harness.engines.momentum import own_or_pushed
     from harness.engines.physx_world import PhysxBody, PhysxHere
 
     settings = resolve(PhysxHere(), task)

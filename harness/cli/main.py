@@ -2,26 +2,67 @@
 
 import io
 import logging
+import multiprocessing
 import os
 import pkgutil
+import signal
 import sys
+import threading
+import time
 import traceback
 from collections.abc import Sequence
 from contextlib import suppress
 from datetime import datetime
 from importlib import import_module
+from types import FrameType
 from typing import NoReturn
 
 import click
 from click.shell_completion import shell_complete
 
 import harness
-from harness.cli import commands, interrupt
+from harness.cli import commands
 from harness.core.cores import one_thread
-from harness.core.errors import HarnessError, InputError
-from harness.core.near import did_you_mean
+from harness.core.errors import HarnessError, InputError, did_you_mean, visible
 from harness.core.registered import names, registered
-from harness.core.visible import visible
+
+INTERRUPTED = 130
+NOTHING_WRITTEN = "interrupted; nothing was written"
+_GRACE = 1.5
+"""Seconds in which a command may end by itself, and keep what it has done."""
+_SIGNALS = frozenset({signal.SIGINT, signal.SIGTERM})
+
+told = threading.Event()
+"""Set once a person has read how the command ended."""
+
+
+def heed() -> None:
+    """Take both signals for an interruption from now on; only the main thread may, and elsewhere nothing is done."""
+    if threading.current_thread() is not threading.main_thread():
+        return
+    signal.signal(signal.SIGTERM, _interrupted)
+    here, there = os.pipe()
+    os.set_blocking(there, False)
+    signal.set_wakeup_fd(there, warn_on_full_buffer=False)
+    threading.Thread(target=_wait, args=(here,), name="interrupt", daemon=True).start()
+
+
+def _interrupted(signum: int, frame: FrameType | None) -> NoReturn:
+    raise KeyboardInterrupt
+
+
+def _wait(pipe: int) -> None:
+    """End this process some time after an interruption was heard."""
+    while not _SIGNALS.intersection(os.read(pipe, 64)):
+        pass
+    time.sleep(_GRACE)
+    for child in multiprocessing.active_children():
+        child.kill()
+    if not told.is_set():
+        with suppress(OSError):
+            os.write(2, f"harness: {NOTHING_WRITTEN}\n".encode())
+    os._exit(INTERRUPTED)
+
 
 COMPLETION = "_HARNESS_COMPLETE"
 """The variable by which a shell asks for completions, or for the script that makes it ask; its name is click's."""
@@ -86,7 +127,7 @@ def main(args: Sequence[str] | None = None) -> NoReturn:
         if isinstance(stream, io.TextIOWrapper):  # a locale without the letter in question shows its number
             stream.reconfigure(errors="backslashreplace")
     logging.captureWarnings(True)  # what libraries warn of goes to the log, where one is kept
-    interrupt.heed()
+    heed()
     sys.exit(run(args))
 
 
@@ -144,7 +185,7 @@ def _explained(error: BaseException) -> tuple[str, int]:
         case click.ClickException():
             return error.format_message(), error.exit_code
         case KeyboardInterrupt() | click.Abort():
-            return interrupt.NOTHING_WRITTEN, interrupt.INTERRUPTED
+            return NOTHING_WRITTEN, INTERRUPTED
     return f"internal error, {type(error).__name__}: {error}; the details are in {_details(error)}", 1
 
 
@@ -161,7 +202,7 @@ def _stream(error: OSError) -> int:
 
 
 def _say(text: str, code: int) -> int:
-    interrupt.told.set()
+    told.set()
     with suppress(OSError):
         click.echo("harness: " + visible(" ".join(text.split())), err=True)
     return code

@@ -8,7 +8,7 @@ from contextlib import contextmanager, suppress
 from typing import TextIO
 
 from harness.app.shared.progress import SILENT, Pace, Progress
-from harness.core.visible import visible
+from harness.core.errors import visible
 
 PATIENCE_S = 2.0
 """What takes less says nothing."""

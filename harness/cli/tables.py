@@ -2,8 +2,8 @@
 
 from typing import TYPE_CHECKING, Any
 
-from harness.cli.width import line_width, wrapped
-from harness.core.visible import visible
+from harness.cli.output import line_width, wrapped
+from harness.core.errors import visible
 
 if TYPE_CHECKING:
     from rich.console import Console

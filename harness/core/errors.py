@@ -1,6 +1,8 @@
-"""Errors for people: what was found, where, and what would be accepted."""
+"""Errors that are told to a person in one line, and what makes such a line plain: what was meant, what can be seen."""
 
-from harness.core.visible import visible
+import unicodedata
+from collections.abc import Iterable
+from difflib import get_close_matches
 
 _LONGEST = 400
 """Characters of what was found that a message repeats."""
@@ -45,3 +47,27 @@ class StoreError(HarnessError):
     """A result that could not be written: full disk, no permission, path taken."""
 
     exit_code = 2
+
+
+def did_you_mean(name: str, known: Iterable[str]) -> str:
+    """The end of a message, "; did you mean NAME?", with the known name nearest to ``name``; "" where none is near."""
+    near = get_close_matches(name.lower(), list(known), n=1)
+    return f"; did you mean {near[0]}?" if near else ""
+
+
+_KEPT = "\n\t"
+
+
+def visible(text: str) -> str:
+    """``text`` with every character that a terminal or an editor would obey, not show, as its escape.
+
+    Those are control characters (ESC begins a command to the terminal), marks that turn the direction of writing, and
+    the halves of characters that stand for bytes which are no UTF-8. New lines and tabs stay.
+    """
+    if text.isprintable():
+        return text
+    return "".join(_escaped(c) if c not in _KEPT and unicodedata.category(c)[0] == "C" else c for c in text)
+
+
+def _escaped(character: str) -> str:
+    return character.encode("unicode_escape").decode("ascii")

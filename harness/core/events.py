@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass, field
 from enum import IntEnum
+from typing import Literal, TypeAlias
 
 import numpy as np
 
@@ -77,3 +78,18 @@ class Events:
 
     def _kept(self, keep: BoolArray) -> "Events":
         return Events(self.t[keep], self.kind[keep], self.x[keep], self.a_before[keep], self.a_after[keep])
+
+
+Regime: TypeAlias = Literal[
+    "reversal",
+    "stick",
+    "low-speed",
+    "high-speed",
+    "large-displacement",
+    "one-direction",
+    "one-side",
+    "early",
+    "late",
+    "throughout",
+    "channel",
+]

@@ -1,12 +1,44 @@
 """Catch what C libraries print: both streams, at the level of file descriptors, into the log."""
 
+import ctypes
 import logging
+import os
+import sys
 import tempfile
 import threading
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 
-from harness.core.divert import diverted
+
+@contextmanager
+def diverted(target: int) -> Iterator[None]:
+    """Send both descriptors to the open descriptor ``target`` while the block runs.
+
+    Python's streams and C's buffers are flushed on the way in and out; a stream that is closed is left closed.
+    Descriptors belong to the whole process: not for several threads at once.
+    """
+    saved: dict[int, int] = {}
+    _flush()
+    for descriptor in (1, 2):
+        with suppress(OSError):
+            saved[descriptor] = os.dup(descriptor)
+    try:
+        for descriptor in saved:
+            os.dup2(target, descriptor)
+        yield
+    finally:
+        _flush()
+        for descriptor, copy in saved.items():
+            os.dup2(copy, descriptor)
+            os.close(copy)
+
+
+def _flush() -> None:
+    ctypes.CDLL(None).fflush(None)  # the C library keeps its own buffer when the stream is no terminal
+    for stream in (sys.stdout, sys.stderr):
+        with suppress(OSError, ValueError, AttributeError):
+            stream.flush()
+
 
 _lock = threading.RLock()
 

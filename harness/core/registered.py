@@ -1,6 +1,8 @@
 """What other installed packages add: the objects that their entry points name."""
 
 from collections.abc import Iterator
+from functools import cache
+from importlib import metadata
 from importlib.metadata import entry_points
 from typing import TypeVar
 
@@ -32,3 +34,9 @@ def registered(group: str, kind: type[T], what: str, name: str | None = None) ->
             accepted = f"a {kind.__module__}.{kind.__qualname__} is accepted"
             raise InputError(f"{what} {point.name}", f"{point.value} is {found!r}", accepted)
         yield point.name, found
+
+
+@cache
+def version(package: str) -> str:
+    """Version of an installed package; raises importlib.metadata.PackageNotFoundError for one that is not."""
+    return metadata.version(package)

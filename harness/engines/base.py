@@ -8,8 +8,7 @@ from types import MappingProxyType
 from typing import Any, ClassVar, Literal, TypeAlias, get_args
 
 from harness.core.checks import positive
-from harness.core.errors import InputError, SimulationError
-from harness.core.near import did_you_mean
+from harness.core.errors import InputError, SimulationError, did_you_mean
 from harness.core.scenario import Scenario
 from harness.core.trajectory import Trajectory
 from harness.engines.joint_words import JointWords, Kinds

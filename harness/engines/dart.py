@@ -7,8 +7,8 @@ from typing import Any, ClassVar, final
 import dartpy
 
 from harness.core.quiet import quiet
+from harness.core.registered import version
 from harness.core.trajectory import Trajectory
-from harness.core.versions import version
 from harness.engines.base import TUNED_DT, Engine, Preset, Route, Task, resolve
 from harness.engines.samples import trajectory
 from harness.engines.stepping import Native, Plan, Stepped, stepped_through

@@ -13,12 +13,12 @@ from pydrake.systems.framework import DiagramBuilder
 
 from harness.core.errors import SimulationError
 from harness.core.quiet import quiet
+from harness.core.registered import version
 from harness.core.trajectory import Trajectory
-from harness.core.versions import version
 from harness.engines.base import TUNED_DT, Engine, Preset, Route, Task, choice, resolve
+from harness.engines.joint_words import GRAVITY, coefficient
 from harness.engines.samples import trajectory
 from harness.engines.stepping import Native, Plan, Stepped, moved
-from harness.engines.weight import GRAVITY, coefficient
 
 SHIPPED_DT = 1e-3
 """Step of Drake's MultibodyPlantConfig, s."""

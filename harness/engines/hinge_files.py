@@ -9,8 +9,7 @@ from typing import Any
 from lxml import etree
 
 from harness.engines import models
-from harness.engines.joint_words import JOINT, JointWords, elements, words_of
-from harness.engines.weight import GRAVITY
+from harness.engines.joint_words import GRAVITY, JOINT, JointWords, elements, words_of
 from harness.model.model import Model, Restoring
 
 NAME = "pendulum"

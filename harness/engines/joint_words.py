@@ -11,6 +11,7 @@ from typing import Final, TypeAlias
 import numpy as np
 
 from harness.core.arrays import FloatArray
+from harness.core.slider import Slider
 from harness.model.elements import Element, Polynomial, Zone
 from harness.model.model import ModelTerm
 
@@ -62,3 +63,12 @@ def words_of(terms: Iterable[ModelTerm], k: float) -> JointWords:
                     within = replace(element, low=max(element.low, -FAR), high=min(element.high, FAR))
                     zones.append((f"{entry.term.name.replace('-', '_')}_{i}", within))
     return JointWords((stiffness[0], stiffness[1], stiffness[2]), (damping[0], damping[1], damping[2]), tuple(zones))
+
+
+GRAVITY = 9.81
+"""Gravity of the contact models, m/s^2."""
+
+
+def coefficient(slider: Slider, force: float | None = None) -> float:
+    """Coefficient of friction that turns weight into ``force`` (N), f_k when not given: f / (m g)."""
+    return (slider.f_k if force is None else force) / (slider.m * GRAVITY)

@@ -13,8 +13,7 @@ from harness.core.errors import StoreError
 from harness.core.slider import Slider
 from harness.engines import hinge_files, models
 from harness.engines.base import choice
-from harness.engines.joint_words import JOINT, JointWords, Kinds, elements, words_of
-from harness.engines.weight import GRAVITY
+from harness.engines.joint_words import GRAVITY, JOINT, JointWords, Kinds, elements, words_of
 from harness.model.elements import Push
 from harness.model.model import Model, Restoring
 from harness.model.term import Slot

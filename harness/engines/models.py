@@ -9,7 +9,7 @@ from harness.core.errors import StoreError
 from harness.core.slider import Slider
 from harness.core.writing import replacing
 from harness.engines.base import Restoring, choice
-from harness.engines.weight import coefficient
+from harness.engines.joint_words import coefficient
 
 if TYPE_CHECKING:
     import mujoco

@@ -12,8 +12,8 @@ import numpy as np
 import warp
 
 from harness.core.quiet import quiet
+from harness.core.registered import version
 from harness.core.trajectory import Trajectory
-from harness.core.versions import version
 from harness.engines.base import TUNED_DT, Engine, Preset, Route, Task, choice, resolve
 from harness.engines.momentum import Momentum
 from harness.engines.samples import trajectory

@@ -8,8 +8,8 @@ from dataclasses import replace
 from importlib.util import find_spec
 from typing import Any, ClassVar, final
 
+from harness.core.registered import version
 from harness.core.trajectory import Trajectory
-from harness.core.versions import version
 from harness.engines.base import TUNED_DT, Engine, Preset, Route, Task, choice, resolve
 from harness.engines.elsewhere.remote import HERE, worker
 

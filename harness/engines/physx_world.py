@@ -14,12 +14,11 @@ import ovstage
 from ovphysx.types import GlobalConfigKey, TensorType
 
 from harness.core.quiet import quiet
+from harness.core.registered import version
 from harness.core.trajectory import Trajectory
-from harness.core.versions import version
 from harness.engines import physx
 from harness.engines.base import Engine, Preset, Route, Task, resolve
-from harness.engines.momentum import Momentum
-from harness.engines.own_spring import own_or_pushed
+from harness.engines.momentum import Momentum, own_or_pushed
 from harness.engines.samples import trajectory
 from harness.engines.stepping import Plan, Stepped, moved
 

@@ -6,15 +6,14 @@ from typing import Any, ClassVar, final
 import rapier3d
 from rapier3d.loaders import mjcf
 
+from harness.core.registered import version
 from harness.core.slider import Slider
 from harness.core.trajectory import Trajectory
-from harness.core.versions import version
 from harness.engines.base import TUNED_DT, Engine, Preset, Route, Task, choice, resolve
-from harness.engines.momentum import Momentum
-from harness.engines.own_spring import own_or_pushed
+from harness.engines.joint_words import GRAVITY, coefficient
+from harness.engines.momentum import Momentum, own_or_pushed
 from harness.engines.samples import trajectory
 from harness.engines.stepping import Plan, Stepped, moved
-from harness.engines.weight import GRAVITY, coefficient
 
 SHIPPED_DT = 1.0 / 60.0
 """Rapier's own step, s."""

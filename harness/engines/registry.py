@@ -7,8 +7,7 @@ import sys
 from importlib.metadata import EntryPoint, entry_points
 from importlib.util import find_spec
 
-from harness.core.errors import InputError, SimulationError
-from harness.core.near import did_you_mean
+from harness.core.errors import InputError, SimulationError, did_you_mean
 from harness.engines.base import Engine
 from harness.engines.elsewhere.remote import engine_in
 

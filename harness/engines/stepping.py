@@ -9,8 +9,8 @@ import numpy as np
 from harness.core.arrays import FloatArray
 from harness.engines.actions import acceleration_at_start, belt_speed, driving_force, held_at_start, restoring_force
 from harness.engines.base import Task
+from harness.engines.joint_words import GRAVITY
 from harness.engines.samples import UNSATURATED, Motion
-from harness.engines.weight import GRAVITY
 
 
 @dataclass(frozen=True, slots=True)

@@ -12,9 +12,8 @@ import numpy as np
 
 from harness.core.arrays import FloatArray
 from harness.estimate.channel import ChannelFit
-from harness.estimate.loss import loss_of
 from harness.estimate.result import Estimate, Reversal, quantity
-from harness.estimate.sequence import Model, SequenceFit, fit_sequence, powers, whitening
+from harness.estimate.sequence import Model, SequenceFit, fit_sequence, loss_of, powers, whitening
 from harness.estimate.tied import OMEGA
 from harness.estimate.turning import TurningPoints, turning_points
 

@@ -11,9 +11,8 @@ import math
 import numpy as np
 
 from harness.core.arrays import FloatArray
-from harness.estimate.loss import loss_of
 from harness.estimate.result import Estimate, Reversal, quantity
-from harness.estimate.sequence import Model, fit_sequence, powers
+from harness.estimate.sequence import Model, fit_sequence, loss_of, powers
 
 
 def samples_beside(

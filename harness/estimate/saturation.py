@@ -11,8 +11,8 @@ import numpy as np
 
 from harness.core.arrays import BoolArray, FloatArray
 from harness.core.recording import Recording
-from harness.estimate.left_out import without
 from harness.estimate.noise import Noise, channel_noise
+from harness.estimate.stray import without
 
 _FEWEST = 3
 """Equal samples that show a limit: of a free motion without quantisation no two are equal."""

@@ -11,11 +11,27 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from harness.core.arrays import FloatArray, IntArray
+from harness.core.arrays import BoolArray, FloatArray, IntArray
+from harness.core.errors import InputError
 from harness.core.jit import compiled
-from harness.core.recording import Recording
-from harness.estimate.left_out import without
+from harness.core.recording import MINIMUM_SAMPLES, Recording
 from harness.estimate.noise import Noise, channel_noise
+
+
+def without(recording: Recording, lost: BoolArray, notes: Sequence[str], which: str) -> Recording:
+    """The samples that are not ``lost`` (n,).
+
+    notes : a sentence on each kind of them. which : those that are accepted, "within the sensor's range".
+    Raises InputError where too few are left.
+    """
+    if not lost.any():
+        return recording
+    kept = int(np.count_nonzero(~lost))
+    if kept < MINIMUM_SAMPLES:
+        found = f"{notes[0]}, and {kept} stay"
+        raise InputError(recording.file, found, f"at least {MINIMUM_SAMPLES} {which} are accepted")
+    return recording.cut(~lost)
+
 
 _LONGEST = 6
 """Samples in a row that may stray: what lasts longer may be motion."""

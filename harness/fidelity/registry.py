@@ -8,8 +8,7 @@ from collections.abc import Mapping
 from functools import cache
 from importlib import import_module
 
-from harness.core.errors import InputError
-from harness.core.near import did_you_mean
+from harness.core.errors import InputError, did_you_mean
 from harness.core.registered import registered
 from harness.core.scenario import Scenario
 from harness.engines.base import Route

@@ -7,7 +7,7 @@ from typing import TypeAlias
 import numpy as np
 
 from harness.core.arrays import BoolArray, FloatArray
-from harness.core.regime import Regime
+from harness.core.events import Regime
 
 Spans: TypeAlias = tuple[tuple[float, float], ...]
 

@@ -7,8 +7,7 @@ import importlib
 import pkgutil
 from collections.abc import Iterator
 
-from harness.core.errors import InputError
-from harness.core.near import did_you_mean
+from harness.core.errors import InputError, did_you_mean
 from harness.core.registered import registered
 from harness.model import terms
 from harness.model.term import Slot, Term

@@ -4,8 +4,8 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
+from harness.core.events import Regime
 from harness.core.quantity import Quantity
-from harness.core.regime import Regime
 
 
 class Result(BaseModel):

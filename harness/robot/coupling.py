@@ -9,8 +9,8 @@ import numpy as np
 from harness.core.arrays import FloatArray
 from harness.core.robot.joint_log import JointLog
 from harness.robot.arm import Arm
-from harness.robot.matching import check_joint, moves
 from harness.robot.reduction import Reduced, reduced
+from harness.robot.slips import check_joint, moves
 from harness.robot.smooth import Even
 
 QUARTER = 0.25

@@ -17,8 +17,7 @@ import mujoco
 import numpy as np
 
 from harness.core.arrays import FloatArray
-from harness.core.errors import InputError
-from harness.core.near import did_you_mean
+from harness.core.errors import InputError, did_you_mean
 from harness.robot.arm import Arm
 
 _ANGLES = 72

@@ -10,8 +10,7 @@ import click
 import pytest
 
 from harness.cli.main import COMPLETION, cli, run
-from harness.core.errors import InputError
-from harness.core.near import did_you_mean
+from harness.core.errors import InputError, did_you_mean
 from harness.engines import registry
 from harness.engines.base import PRESETS, choice
 from harness.fidelity.registry import kind

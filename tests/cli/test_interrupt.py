@@ -10,9 +10,9 @@ import pytest
 # starts tests in the background has them ignore the first signal
 _DEAF = """
 import ctypes, signal, threading
-from harness.cli import interrupt
+from harness.cli import main
 signal.signal(signal.SIGINT, signal.default_int_handler)
-interrupt.heed()
+main.heed()
 lock, mutex = ctypes.CDLL(None).pthread_mutex_lock, ctypes.create_string_buffer(64)
 threading.Timer(0.3, print, ("deaf",), {"flush": True}).start()
 lock(mutex)

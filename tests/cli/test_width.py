@@ -3,9 +3,8 @@
 import pytest
 from rich.table import Table
 
-from harness.cli.output import say, say_as_it_is
+from harness.cli.output import line_width, say, say_as_it_is, wrapped
 from harness.cli.tables import show
-from harness.cli.width import line_width, wrapped
 
 NUMBERS = ["0.05000000 +- 0.00000032", "10.760 +- 0.021", "0.0123188 +- 0.0000041 rad", "1.234567e-12", "-231.4"]
 

@@ -4,8 +4,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from harness.core.errors import InputError
-from harness.core.visible import visible
+from harness.core.errors import InputError, visible
 
 
 @pytest.mark.parametrize(

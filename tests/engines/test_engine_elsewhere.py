@@ -113,7 +113,7 @@ def test_a_version_is_held_against_itself_or_the_newest(
 _WITHOUT_LXML = """
 import sys
 sys.modules["lxml"] = None
-import harness.engines.elsewhere.worker, harness.engines.own_spring, harness.engines.samples, harness.engines.stepping
+import harness.engines.elsewhere.worker, harness.engines.momentum, harness.engines.samples, harness.engines.stepping
 """
 
 

@@ -10,7 +10,7 @@ from lxml import etree
 from harness.core.errors import InputError, StoreError
 from harness.core.slider import PAPER, Slider
 from harness.engines import models
-from harness.engines.weight import coefficient
+from harness.engines.joint_words import coefficient
 
 ODD = Slider(2.4213579246, 4.7912345678, 2310.9876543, 0.35123456789, 0.5)
 

@@ -8,7 +8,7 @@ import pytest
 
 from harness.core.arrays import FloatArray
 from harness.engines import model_files
-from harness.engines.weight import GRAVITY
+from harness.engines.joint_words import GRAVITY
 from harness.kernels.solve import simulate
 from harness.model.model import Model, ModelTerm, Restoring
 

@@ -8,9 +8,8 @@ import pytest
 from harness.core.arrays import FloatArray
 from harness.core.errors import InputError
 from harness.estimate.channel import fit_channel
-from harness.estimate.every import METHODS, estimate_all
+from harness.estimate.every import METHODS, estimate_all, sensor_lead
 from harness.estimate.isolated import log_decrement
-from harness.estimate.phase import sensor_lead
 from harness.estimate.result import Estimation
 from harness.estimate.reversals import Kind
 from harness.estimate.turning import all_edges, reversal_times

@@ -11,8 +11,7 @@ from lxml import etree
 from harness.core.errors import InputError
 from harness.engines.models import folder
 from harness.robot.arm import load_arm
-from harness.robot.paste import JointPaste, copies
-from harness.robot.tags import tags
+from harness.robot.paste import JointPaste, copies, tags
 
 ARM = folder() / "arm"
 OURS = JointPaste("shoulder", 1.25, 0.375, 0.0625, 0.002)

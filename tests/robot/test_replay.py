@@ -15,7 +15,7 @@ from harness.engines.models import folder
 from harness.robot.arm import Arm, load_arm
 from harness.robot.example import FRICTION, excited
 from harness.robot.paste import JointPaste
-from harness.robot.replay import in_mujoco
+from harness.robot.replay import replay
 from harness.robot.replay.as_urdf import of_file, of_model
 from harness.robot.replay.drive import WINDOW, Drive, drive_of
 from harness.robot.replay.replay import MUJOCO, PYBULLET, replayed
@@ -65,7 +65,7 @@ def test_the_inverse_dynamics_torque_keeps_a_random_chain_on_its_log(tmp_path: P
     arm = load_arm(file)
     joint = next(name for name in reversed(arm.joints) if not arm.slides(name))
     free, drive = _right(arm, joint, seed)
-    _near(drive, in_mujoco.replay(free, drive))
+    _near(drive, replay.replay(free, drive))
     text = of_model(free, joint, float(free.armature[drive.at]))
     _near(drive, in_pybullet.replay(free, drive, text, np.array(free.model.qpos0)))
 

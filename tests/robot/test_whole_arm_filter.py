@@ -10,10 +10,10 @@ from scipy.signal import lfilter
 from scipy.stats import chi2
 
 from harness.core.arrays import FloatArray
-from harness.robot.whole_arm.band import Band
-from harness.robot.whole_arm.evidence import evidence, looks
-from harness.robot.whole_arm.guard import reversals, widened
+from harness.robot.whole_arm.design import evidence, looks
+from harness.robot.whole_arm.differentiate import Band
 from harness.robot.whole_arm.noise import Noise, Stretches, white_level
+from harness.robot.whole_arm.prepare import reversals, widened
 
 BAND = Band(15.0, 10_001, 1000.0)
 T = np.arange(BAND.size) / BAND.rate

@@ -12,8 +12,7 @@ from harness.app.shared.machine import cores, this_machine
 from harness.app.shared.pool import LocalPool
 from harness.app.shared.progress import SILENT, Progress
 from harness.core.bounded import MOST_DOCUMENT_BYTES, read_bytes
-from harness.core.errors import InputError
-from harness.core.visible import visible
+from harness.core.errors import InputError, visible
 from harness.io.recording import sha256
 from harness.proof.drawing import Drawn
 from harness.proof.plan import SHORT, Job, Sizes

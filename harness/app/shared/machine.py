@@ -4,7 +4,7 @@ import os
 import platform
 from importlib.metadata import PackageNotFoundError
 
-from harness.core.versions import version
+from harness.core.registered import version
 from harness.results.common import Machine
 
 PACKAGES = (

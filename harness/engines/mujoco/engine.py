@@ -7,20 +7,45 @@ from typing import Any, ClassVar, final
 import mujoco
 import numpy as np
 from mujoco.rollout import rollout
+from scipy.optimize import brentq
 
 from harness.core.arrays import FloatArray
 from harness.core.errors import SimulationError
+from harness.core.registered import version
 from harness.core.trajectory import Trajectory
-from harness.core.versions import version
 from harness.engines.base import Engine, Preset, Route, Task, resolve
-from harness.engines.joint_words import JOINT, Kinds
+from harness.engines.joint_words import GRAVITY, JOINT, Kinds, coefficient
 from harness.engines.mujoco import presets as table
-from harness.engines.mujoco.build import compile_model
-from harness.engines.mujoco.depth import rest_height
-from harness.engines.mujoco.forces import Forces
+from harness.engines.mujoco.build import Forces, compile_model
 from harness.engines.mujoco.warned import warned
 from harness.engines.samples import UNSATURATED, Motion, newton_friction, trajectory
-from harness.engines.weight import GRAVITY, coefficient
+
+_DEEPEST = 0.1
+"""m; a floor softer than this is no floor."""
+
+
+def rest_height(model: Any) -> float:
+    """Height (m, below 0) of the joint "lift" at which the contact carries the box at rest without acceleration.
+
+    A run that started at height 0 would begin with a fall, and with friction that falls short and then overshoots.
+    Raises SimulationError when the contact carries the box nowhere.
+    """
+    data = mujoco.MjData(model)
+    lift = model.joint("lift").qposadr[0]
+
+    def rising(height: float) -> float:
+        mujoco.mj_resetData(model, data)
+        data.qpos[lift] = height
+        mujoco.mj_forward(model, data)
+        return float(data.qacc[model.joint("lift").dofadr[0]])
+
+    shallow, deep = -1e-12, -1e-9
+    while rising(deep) < 0.0:
+        shallow, deep = deep, 2.0 * deep
+        if deep < -_DEEPEST:
+            raise SimulationError("mujoco: the contact is too soft to carry the box")
+    return float(brentq(rising, shallow, deep, xtol=1e-15, rtol=1e-12)) if rising(shallow) < 0.0 else shallow
+
 
 _STATE = mujoco.mjtState.mjSTATE_FULLPHYSICS
 # callbacks of MuJoCo belong to the process, not to a model

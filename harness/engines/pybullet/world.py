@@ -12,8 +12,8 @@ from lxml import etree
 from harness.core.slider import Slider
 from harness.engines import models
 from harness.engines.base import Route
+from harness.engines.joint_words import GRAVITY, coefficient
 from harness.engines.pybullet.client import pybullet
-from harness.engines.weight import GRAVITY, coefficient
 
 SLIDE, LIFT = 0, 1
 """Joint (and link) numbers in both models."""

@@ -1,8 +1,7 @@
 """What somebody needs of a log that does not have it, in one helpful line."""
 
 from harness.core.arrays import FloatArray
-from harness.core.errors import InputError
-from harness.core.near import did_you_mean
+from harness.core.errors import InputError, did_you_mean
 from harness.core.robot.joint_log import JointLog
 
 

@@ -6,8 +6,7 @@ from typing import Any
 
 from harness.core.apart import Found
 from harness.core.arrays import FloatArray
-from harness.core.errors import InputError
-from harness.core.near import did_you_mean
+from harness.core.errors import InputError, did_you_mean
 from harness.io.logs.rules import CHANNEL, Field
 
 Fields = dict[Field, dict[str, FloatArray]]

@@ -2,7 +2,7 @@
 
 import math
 
-from harness.core.regime import Regime
+from harness.core.events import Regime
 from harness.model.evidence import Evidence
 from harness.model.place import Place, Seen
 from harness.model.term import Parameter, Probe, Slot, Term

@@ -8,7 +8,7 @@ from harness.core.arrays import BoolArray, FloatArray, IntArray
 from harness.core.robot.joint_log import JointLog
 from harness.robot.arm import Arm
 from harness.robot.match.rules import CORRELATED
-from harness.robot.matching import moves
+from harness.robot.slips import moves
 from harness.robot.smooth import Even
 
 _SAMPLES = 2500

@@ -15,13 +15,12 @@ from harness.core.arrays import BoolArray, FloatArray, IntArray
 from harness.model.terms import backlash, presliding, static_friction
 from harness.robot.whole_arm.candidate import FRICTION, MODEL, Candidate, Setting, free
 from harness.robot.whole_arm.correct import Solved
-from harness.robot.whole_arm.design import Design, Named, Part, Whitened
+from harness.robot.whole_arm.design import Design, Named, Part, Whitened, evidence_of_chance
 from harness.robot.whole_arm.differentiate import Filtered
-from harness.robot.whole_arm.evidence import evidence_of_chance
 from harness.robot.whole_arm.friction_columns import STRIBECK, signs
-from harness.robot.whole_arm.guard import reversals, sure_speed
 from harness.robot.whole_arm.model_columns import DELAY, WHICH_IS_LATE
 from harness.robot.whole_arm.noise import Stretches
+from harness.robot.whole_arm.prepare import reversals, sure_speed
 from harness.robot.whole_arm.rules import (
     AT_EDGE,
     COVERED,
