@@ -16,10 +16,15 @@ from hypothesis import settings
 from xdist.remote import Producer
 from xdist.scheduler import LoadScopeScheduling
 
+from harness.core.apart import read_apart
 from harness.engines.registry import NO_PYBULLET
 
 settings.register_profile("stable", derandomize=True, deadline=None, max_examples=60, print_blob=False)
 settings.load_profile("stable")
+
+# what reads a file apart reads the next one too, as it does for a folder of them: each start loads a library anew
+assert read_apart.__kwdefaults__ is not None
+read_apart.__kwdefaults__["kept"] = True
 
 CHECKOUT = Path(__file__).resolve().parents[1]
 

@@ -18,6 +18,7 @@ def file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """A file to be read, with the readers of these tests within reach of the other process."""
     monkeypatch.setenv("PYTHONPATH", str(Path(apart_readers.__file__).parent))
     monkeypatch.setattr(apart, "LEAST_S", 2)
+    monkeypatch.setitem(read_apart.__kwdefaults__ or {}, "kept", False)
     (tmp_path / "a.bin").write_bytes(b"1")
     return tmp_path / "a.bin"
 

@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 
 from harness.cli.main import run
+from harness.core import apart
 from harness.core.arrays import FloatArray
 from harness.core.errors import InputError
 from harness.core.recording import Recording
@@ -62,6 +63,7 @@ def _points(groups: Mapping[str, Mapping[str, str]]) -> str:
 
 
 def _forget() -> None:
+    apart.dismiss()  # whoever reads for others knows their readers alone
     scenarios.kinds.cache_clear()
     readers.by_suffix.cache_clear()
 
