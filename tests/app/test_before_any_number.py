@@ -47,15 +47,18 @@ def at_rest(kind: str) -> Recording:
         "white noise": 1e-3 * rng.standard_normal(600),
         "stuck": np.full(600, 0.02) + 1e-3 * (np.arange(600) == 100),
         "drift": np.linspace(0.0, 0.1, 600) + 1e-3 * rng.standard_normal(600),
+        "relaxing": 0.1 * (1.0 - np.exp(-np.linspace(0.0, 4.0, 600))) + 2e-3 * rng.standard_normal(600),
     }[kind]
     return Recording(np.linspace(0.0, 6.0, 600), {"x": y}, "rec.csv")
 
 
-@pytest.mark.parametrize("kind", ["white noise", "stuck", "drift"])
+@pytest.mark.parametrize("kind", ["white noise", "stuck", "drift", "relaxing"])
 def test_what_does_not_move_gets_no_number(kind: str) -> None:
     still = at_rest(kind)
     with pytest.raises(InputError):
         harness.identify(still)
+    with pytest.raises(InputError):
+        harness.diagnose(still, engines=())
     noise = Recording(still.t, {"x": 1e-3 * np.random.default_rng(2).standard_normal(still.t.size)}, "sim.csv")
     for simulation in (swing("x"), noise):
         with suppress(InputError):

@@ -9,9 +9,9 @@ from harness.core.arrays import FloatArray
 from harness.core.errors import InputError
 from harness.core.recording import Recording
 from harness.diagnosis.alignment.consistency import Consistency
+from harness.diagnosis.baseline.swing_seen import FEWEST_HALF_CYCLES
 from harness.diagnosis.problem import Problem
 
-FEWEST_HALF_CYCLES = 3
 _SWING = 0.03
 """Smallest swing that counts as a half-cycle, as a share of the channel's range."""
 _RAIL, _RAILS = 0.15, 0.6

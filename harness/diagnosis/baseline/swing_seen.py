@@ -17,6 +17,7 @@ from scipy.signal import lfilter
 
 from harness.core.arrays import FloatArray, IntArray
 from harness.core.errors import InputError
+from harness.diagnosis.baseline.words import Strokes
 from harness.diagnosis.fit.model_fit import Fit
 from harness.diagnosis.problem import Problem
 from harness.diagnosis.rules import DECISIVE
@@ -30,17 +31,27 @@ def peaks(power: FloatArray) -> IntArray:
     return strongest
 
 
+FEWEST_HALF_CYCLES = 3
+"""Of a free decay: its decrement takes two, and what is missing one more."""
 _STARTS = ((0.0, 0.0), (0.7, 0.0), (0.97, 0.0), (0.97, 0.7), (0.999, 0.95))
 """Of memory and of what noise beside it takes off: white, coloured, wandering, and wandering under white noise."""
 
 
 def refuse_no_swing(base: Fit, problem: Problem) -> None:
-    """Raise InputError where the base model says no more of the channels than a slider at rest does."""
+    """Raise InputError where the base model says no more of the channels than a slider at rest does, or does not swing.
+
+    A sensor that drifts is followed by a slider that creeps: noise turns round more often than that does.
+    """
+    accepted = "a slider let go, or the force that moves it as a column u, is accepted"
+    strokes = Strokes.by(base.shown.v).count
+    if strokes < FEWEST_HALF_CYCLES:
+        found = f"no free decay: the slider that explains it best swings {0.5 * strokes:.2g} cycles, as a drift does"
+        raise InputError("recording", found, accepted)
     if swing_evidence(base, problem) >= DECISIVE.value:
         return
     seen = ", ".join(f"{c} {float(np.std(y)):.3g}" for c, y in problem.channels.items())
     found = f"no free decay: a swinging slider explains it no better than noise about a level does (rms: {seen})"
-    raise InputError("recording", found, "a slider let go, or the force that moves it as a column u, is accepted")
+    raise InputError("recording", found, accepted)
 
 
 def swing_evidence(base: Fit, problem: Problem) -> float:
