@@ -4,9 +4,10 @@ KIND: pairs (two effects that hide in a free decay), sensor-pairs (one of them a
 rig, each with a zero of its own), simulations (a right simulation by MuJoCo beside a recording), wrong-simulations (one
 parameter of it is wrong), FAULT:COMMAND (a recording at rest, or with a fault that is to be told, by each command),
 whole (recordings against which nothing is to be said), faster (a simulation whose frequency is off), drifting-clock,
-misfit (identify of a hidden law), undamped (identify of nearly no damping), layouts (files of
-loggers), goals (a commanded position in one), slips (a robot's joint that sticks), pastes
-(what is pasted of one that swings), and files of engines by name (cap-rk4 and others: a joint of a file as it is).
+misfit (identify of a hidden law), undamped (identify of nearly no damping), layouts (files of loggers), goals (a
+commanded position in one), still (an axis at rest most of the time, slowly and irregularly sampled), wrapped (an angle
+within a turn), loads (an arm that carries a load unsaid), slips (a robot's joint that sticks), pastes (what is pasted
+of one that swings), and files of engines by name (cap-rk4 and others: a joint of a file as it is).
 """
 
 import argparse
@@ -15,7 +16,7 @@ import time
 from collections.abc import Sequence
 from functools import partial
 
-from benchmarks.draws import engine_cases, faults, layouts, pairs, rates, robot_joints, simulations, together
+from benchmarks.draws import engine_cases, faults, layouts, logs, pairs, rates, robot_joints, simulations, together
 from benchmarks.draws.shared import Draw, interval
 
 KINDS: dict[str, Draw] = {
@@ -36,6 +37,9 @@ KINDS: dict[str, Draw] = {
         for fault in faults.FAULTS
         for command in faults.COMMANDS
     },
+    "still": logs.still,
+    "wrapped": logs.wrapped,
+    "loads": logs.loads,
     "slips": robot_joints.slips,
     "pastes": robot_joints.pastes,
     **{kind: partial(engine_cases.answer, kind=kind) for kind in engine_cases.KINDS},

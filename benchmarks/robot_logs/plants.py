@@ -22,6 +22,7 @@ from harness.core.arrays import FloatArray
 from harness.core.robot.joint_log import JointLog
 from harness.robot.arm import Arm
 from harness.robot.replay.as_urdf import of_model
+from harness.robot.whole_arm.perturb import with_load
 
 BRISTLE = 2e-5
 """rad."""
@@ -217,11 +218,16 @@ class Clean:
     said: str
 
 
-def clean(seed: int, number: int, kind: str) -> Clean:
-    """The clean log of this number; the torque has noise of 1 % in one of two, and is rounded as a bus does."""
+def clean(seed: int, number: int, kind: str, kg: float = 0.0, beside: FloatArray | None = None) -> Clean:
+    """The clean log of this number; the torque has noise of 1 % in one of two, and is rounded as a bus does.
+
+    kg, beside (3,), m : of a load that the arm carries beside its last body's centre of mass, unknown to its user.
+    """
     rng = np.random.default_rng((seed, number, KINDS.index(kind)))
     arm = seven_joints(0.0 if kind == "pybullet" else 0.1)
     plant = Plant.drawn(rng, arm)
+    if kg > 0.0:
+        plant = replace(plant, arm=with_load(arm, kg, beside))
     motion = Motion.drawn(rng, fast=bool(rng.integers(2)))
     if kind == "pybullet":
         # its joints' damping is explicit, and runs away from twice the inertia a step on
