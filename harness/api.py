@@ -83,7 +83,7 @@ def identify(
     trace, as the command leaves them. Raises InputError with the reason when the recording cannot be read, is driven,
     or shows no free decay; StoreError when ``out`` cannot be written.
     """
-    from harness.app.identify.identify import deliver, result_of
+    from harness.app.identify import deliver, result_of
 
     found = _recording(recording)
     return result_of(found, restoring=restoring)[0] if out is None else deliver(found, Path(out), restoring=restoring)
@@ -318,8 +318,8 @@ def log(
     file : a table, a LeRobot data set, a bag of ROS 1 or 2. The options are those of ``load_log``. Raises InputError
     for a file that holds no joints.
     """
-    from harness.app.log.log import LogOptions
-    from harness.app.log.log import log as answer
+    from harness.app.log import LogOptions
+    from harness.app.log import log as answer
 
     options = LogOptions(columns, None, topic, angle_unit, skip_rows, rate, start, stop, drop_nan)
     return answer(Path(file), options, gain)
@@ -347,7 +347,7 @@ def load_log(
     lines before the header. rate : Hz, where no column gives the time. start, stop : s, the part to keep. drop_nan :
     leave out rows in which a joint has no value. Raises InputError naming what is wrong, and where.
     """
-    from harness.app.log.log import read
+    from harness.app.log import read
 
     return read(
         Path(path),

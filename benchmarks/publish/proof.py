@@ -6,8 +6,7 @@ A proof on recordings of machines goes to reports/proof-machines, any other to r
 import shutil
 from pathlib import Path
 
-from harness.app.prove.finish import PAGE, RESULT
-from harness.app.prove.store import VERDICTS
+from harness.app.prove.store import PAGE, RESULT, VERDICTS
 from harness.app.prove.verify import verify_proof
 from harness.core.errors import HarnessError
 from harness.proof.seal import LEDGER

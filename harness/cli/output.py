@@ -108,7 +108,7 @@ def say_as_it_is(text: str) -> None:
 
 def say_left_out() -> None:
     """Name the engines that are usually taken and that this Python cannot have."""
-    from harness.app.shared.usual import left_out
+    from harness.app.shared.machine import left_out
 
     for sentence in left_out():
         say(f"- {sentence}")

@@ -3,7 +3,7 @@
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 
-from harness.engines.base import PRESETS, ROUTES, Engine, Preset, Route
+from harness.engines.base import PRESETS, ROUTES, Engine, Route
 from harness.fidelity import sliders
 from harness.fidelity.registry import suite
 from harness.fidelity.row import Spec
@@ -85,8 +85,3 @@ def preset_names(engines: Mapping[str, Engine], routes: tuple[Route, ...] = ROUT
         variant.name for engine in engines.values() for route in routes for variant in variants(engine.name, route)
     ]
     return tuple(dict.fromkeys([*PRESETS, *found]))
-
-
-def is_shipped(base: Preset, changed: Mapping[str, object], dt: float | None) -> bool:
-    """Whether a row is exactly what ships."""
-    return base == "as-shipped" and not changed and dt is OWN

@@ -36,11 +36,6 @@ def canonical(value: Any) -> bytes:
     return json.dumps(value, sort_keys=True, separators=(",", ":"), allow_nan=False).encode()
 
 
-def random_name() -> str:
-    """A file name that tells nothing."""
-    return secrets.token_hex(8)
-
-
 @dataclass(frozen=True, slots=True)
 class Sealed:
     """A secret and the salt it was sealed with."""

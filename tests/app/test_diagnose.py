@@ -10,10 +10,9 @@ import numpy as np
 import pytest
 from diagnose_examples import STOP, stopped
 
-from harness.app.diagnose.checks import half_cycles
 from harness.app.diagnose.one import deliver, diagnose
 from harness.app.diagnose.options import DiagnoseOptions
-from harness.app.diagnose.problem import prepared
+from harness.app.diagnose.problem import half_cycles, prepared
 from harness.app.report.rebuild import rebuild
 from harness.app.shared.reading import ReadOptions, read, read_as, spooled
 from harness.core.errors import InputError

@@ -7,7 +7,7 @@ import jsonschema
 import numpy as np
 import pytest
 
-from harness.app.identify.identify import identify
+from harness.app.identify import identify
 from harness.app.report.rebuild import rebuild
 from harness.core.errors import InputError
 from harness.core.slider import PAPER

@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from harness.app.identify.identify import result_of
+from harness.app.identify import result_of
 from harness.app.run.run import RunOptions, run
 from harness.app.shared.estimates import estimate
 from harness.core.errors import InputError

@@ -7,8 +7,8 @@ from pathlib import Path
 import pytest
 from packaging.requirements import Requirement
 
+from harness.app import doctor
 from harness.app.diagnose.options import DiagnoseOptions
-from harness.app.doctor import checks
 from harness.app.run.run import RunOptions
 from harness.app.shared.reading import ReadOptions
 from harness.cli.main import run
@@ -54,7 +54,7 @@ def test_the_usual_engines_are_those_that_can_be_had() -> None:
 @pytest.mark.usefixtures("hidden")
 def test_a_broken_installation_is_no_reason_to_leave_it_out() -> None:
     assert registry.usual() == ("mujoco", "pybullet")
-    assert not checks.healthy(checks.doctor())
+    assert not doctor.healthy(doctor.doctor())
 
 
 @pytest.mark.usefixtures("hidden")
@@ -67,14 +67,14 @@ def test_asked_for_by_name_it_is_said_to_be_missing() -> None:
 
 @pytest.mark.usefixtures("later")
 def test_the_doctor_says_so_and_is_content(monkeypatch: pytest.MonkeyPatch) -> None:
-    found = checks.doctor()
+    found = doctor.doctor()
     (check,) = [one for one in found.checks if one.name == "engine pybullet"]
     assert not check.ok
     assert "not installed" in check.found
     assert check.remedy is not None
     assert "Python 3.11" in check.remedy
     assert "optional" in check.needed_for
-    assert checks.healthy(found)
+    assert doctor.healthy(found)
 
 
 @pytest.mark.usefixtures("later")

@@ -1,6 +1,7 @@
 """Sealing: any change is seen; a process that looks for the answers finds none."""
 
 import json
+import secrets
 import sys
 from collections.abc import Callable
 from pathlib import Path
@@ -14,7 +15,6 @@ from harness.proof.seal import (
     Sealed,
     diagnose_blind,
     open_all,
-    random_name,
     seal_recordings,
     seal_seed,
     seal_verdicts,
@@ -44,7 +44,7 @@ def published(folder: Path) -> Path:
     """The transcript of a small proof."""
     ledger = Ledger()
     seed = seal_seed(ledger, {"harness": "0"})
-    names = [random_name() for _ in range(3)]
+    names = [secrets.token_hex(8) for _ in range(3)]
     recordings = {name: f"t,x\n0,{i}\n".encode() for i, name in enumerate(names)}
     answers = {name: Sealed({"mechanisms": ["stribeck"] if i else []}) for i, name in enumerate(names)}
     seal_recordings(ledger, recordings, answers)
@@ -141,7 +141,7 @@ def test_a_cheater_finds_nothing(tmp_path: Path, monkeypatch: pytest.MonkeyPatch
     monkeypatch.setenv("ANSWER", "stribeck")
     script = CHEATER.replace("FOLDER", repr(str(tmp_path))).replace("SECRET", repr(str(seed.value)))
     # the cheater's own text names what it looks for, so it is given on a path and not as an argument
-    program = tmp_path.parent / f"{random_name()}.py"
+    program = tmp_path.parent / f"{secrets.token_hex(8)}.py"
     program.write_text(script)
     said = json.loads(diagnose_blind([sys.executable, str(program)], b"t,x\n0,1\n", timeout=60.0))
     assert said["files"] == 1

@@ -13,8 +13,8 @@ import pytest
 from interruptible import listening
 from small_proof import SIZES, STUB
 
-from harness.app.prove.finish import RESULT
 from harness.app.prove.prove import ProveOptions, prove
+from harness.app.prove.store import RESULT
 from harness.app.prove.verify import verify_proof
 from harness.core.errors import InputError
 from harness.proof.plan import Sizes

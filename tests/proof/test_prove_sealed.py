@@ -9,8 +9,8 @@ import pytest
 from dask_cluster import two_workers
 from small_proof import SIZES, STUB, VERDICTS
 
-from harness.app.prove.finish import PAGE, RESULT
 from harness.app.prove.prove import ProveOptions, prove
+from harness.app.prove.store import PAGE, RESULT
 from harness.app.prove.verify import verify_proof
 from harness.core.errors import InputError, StoreError
 from harness.proof.seal import LEDGER

@@ -9,8 +9,7 @@ from typing import Any
 import pytest
 from small_proof import BASELINE, VERDICTS
 
-from harness.app.prove.finish import PAGE, RESULT
-from harness.app.prove.store import Store, published_verdicts
+from harness.app.prove.store import PAGE, RESULT, Store, published_verdicts
 from harness.app.prove.verify import verify_proof
 from harness.proof.seal import LEDGER, Ledger, digest
 

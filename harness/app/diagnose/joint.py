@@ -1,14 +1,13 @@
 """One joint of a robot, diagnosed from a log of its joints: the others stand still, and its own equation is known."""
 
 import logging
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 
 from harness.app.diagnose.joint_doubts import breaking, doubted, with_forward_run
-from harness.app.diagnose.joint_log import read_log
 from harness.app.diagnose.joint_words import named
 from harness.app.diagnose.one import Diagnosed, deliver
 from harness.app.diagnose.options import DiagnoseOptions, Zero
@@ -21,6 +20,8 @@ from harness.core.arrays import FloatArray
 from harness.core.errors import InputError, SimulationError
 from harness.core.robot.joint_log import JointLog
 from harness.diagnosis.kinds.known import kind_of
+from harness.io.logs.read import read_joint_log
+from harness.io.options import ReadOptions
 from harness.model.model import Restoring
 from harness.results.diagnosis import DiagnosisResult
 from harness.robot.arm import Arm, load_arm
@@ -30,6 +31,32 @@ from harness.robot.paste import copies
 from harness.robot.recording import OneJoint, one_joint
 from harness.robot.slips import slips
 from harness.robot.whole_arm.differentiate import long_enough
+
+
+def read_log(path: Path, joints: Sequence[str], asked: RobotOptions, reading: ReadOptions) -> JointLog:
+    """Read a log; joints : those of the model, in its order. Raises InputError naming what is wrong, and where."""
+    gain = asked.gain
+    if isinstance(gain, tuple):
+        if len(gain) != len(joints):
+            found = f"{len(gain)} numbers, and the model has {len(joints)} joints"
+            raise InputError("--gain", found, f"one each of {', '.join(joints)}, or NAME=NUMBER,... is accepted")
+        gain = dict(zip(joints, gain, strict=True))
+    return read_joint_log(
+        path,
+        columns=reading.columns,
+        joints=joints,
+        gain=gain,
+        angle_unit=asked.angle_unit,
+        names=asked.names,
+        flip=asked.flip,
+        offset=asked.offset,
+        skip_rows=reading.skip_rows,
+        rate=reading.rate,
+        start=reading.start,
+        stop=reading.stop,
+        drop_nan=reading.drop_nan,
+    )
+
 
 LOGGER = logging.getLogger(__name__)
 STEPS = 4

@@ -1,19 +1,104 @@
 """A recording made ready to be diagnosed, or refused with the reason."""
 
-from collections.abc import Iterator
+import shlex
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 
-from harness.app.diagnose.checks import refuse, refuse_few, refuse_unrelated
+import numpy as np
+
 from harness.app.diagnose.options import DiagnoseOptions
+from harness.core.arrays import FloatArray
 from harness.core.errors import InputError, SimulationError
 from harness.core.recording import Recording
 from harness.diagnosis.alignment.consistency import Consistency, consistency
 from harness.diagnosis.baseline.base_fit import dominant_frequency
+from harness.diagnosis.baseline.swing_seen import FEWEST_HALF_CYCLES
 from harness.diagnosis.pipeline import prepare
 from harness.diagnosis.prepare.driven import is_driven
 from harness.diagnosis.problem import Problem
 from harness.diagnosis.request import Asked
+
+_SWING = 0.03
+"""Smallest swing that counts as a half-cycle, as a share of the channel's range."""
+_RAIL, _RAILS = 0.15, 0.6
+"""Share of the samples at each end of a saturated channel's range, and at both together."""
+_SUSPECT = 1.1
+"""Ratio of one channel to the derivative of another from which it is told: calibrations are better than a tenth."""
+
+
+def half_cycles(y: FloatArray, sigma: float) -> int:
+    """Swings of a channel (n,) between turning points, those larger than 3 % of its range and than the noise."""
+    swing = max(_SWING * float(np.ptp(y)), 6.0 * sigma)
+    count, sign = 0, 0
+    low = high = float(y[0])
+    for value in y.tolist():
+        if sign <= 0 and value > low + swing:
+            count, sign, high = count + 1, 1, value
+        elif sign >= 0 and value < high - swing:
+            count, sign, low = count + 1, -1, value
+        # while it rises only its top matters, and the other way round
+        low, high = min(low, value), max(high, value)
+    return count
+
+
+def refuse(recording: Recording) -> None:
+    """Raise InputError for channels that hold no motion, or units that exclude each other."""
+    _refuse_saturated(recording)
+    _refuse_mixed_units(recording)
+
+
+def refuse_few(file: str, problem: Problem) -> None:
+    """Raise InputError for a free decay of fewer than three half-cycles."""
+    name, y = next(iter(problem.channels.items()))
+    found = half_cycles(y, problem.noise[name].sigma)
+    if found < FEWEST_HALF_CYCLES:
+        what = f"{found} half-cycle{'' if found == 1 else 's'}"
+        raise InputError(f"{file}: channel {name}", what, f"at least {FEWEST_HALF_CYCLES} are accepted")
+
+
+def _refuse_saturated(recording: Recording) -> None:
+    for name in ("x", "v", "a"):
+        if name not in recording:
+            continue
+        y = recording[name]
+        low, high = float(np.mean(y == y.min())), float(np.mean(y == y.max()))
+        if min(low, high) > _RAIL and low + high > _RAILS:
+            found = (
+                f"saturated throughout ({100.0 * (low + high):.0f} % of its samples at {y.min():.4g} or {y.max():.4g})"
+            )
+            raise InputError(
+                f"{recording.file}: channel {name}", found, "a channel mostly within its range is accepted"
+            )
+
+
+def _refuse_mixed_units(recording: Recording) -> None:
+    given = {c: recording.units[c] for c in ("x", "a") if recording.units.get(c)}
+    if len(given) == 2:
+        angles = {c: "rad" in unit or "deg" in unit or "°" in unit for c, unit in given.items()}
+        if angles["x"] != angles["a"]:
+            found = f"x in {given['x']} with a in {given['a']}, which cannot belong together"
+            raise InputError(recording.file, found, "both as angles or both as lengths is accepted")
+
+
+def refuse_unrelated(recording: Recording, found: Sequence[Consistency]) -> tuple[str, ...]:
+    """Raise InputError for channels that are not of one motion; sentences on units and scales that look wrong."""
+    said = []
+    for one in found:
+        if not one.related:
+            accepted = _turned(recording, one.pair[1]) if one.mirrored else "channels of one motion are accepted"
+            raise InputError(f"{recording.file}: channels {' and '.join(one.pair)}", one.sentence, accepted)
+        gain = one.gain.value
+        if gain is not None and not one.consistent and max(gain, 1.0 / gain) > _SUSPECT:
+            said.append(one.sentence)
+    return tuple(said)
+
+
+def _turned(recording: Recording, channel: str) -> str:
+    """What to paste so that a channel has the other sign."""
+    columns = {c: f"-1*{of}" if c == channel else of for c, of in recording.columns.items()}
+    told = ",".join(f"{c}={of}" for c, of in columns.items()) or f"{channel}=-1*{channel}"
+    return f"try: --columns {shlex.quote(told)}"
 
 
 @dataclass(frozen=True, slots=True)

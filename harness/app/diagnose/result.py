@@ -11,7 +11,6 @@ from harness.app.diagnose.attribution import Configured, Shared, attribution_of,
 from harness.app.diagnose.mismatch import places
 from harness.app.diagnose.options import DiagnoseOptions
 from harness.app.diagnose.problem import Prepared
-from harness.app.diagnose.where import where_of
 from harness.app.shared.machine import this_machine
 from harness.app.shared.reading import recording_info
 from harness.core.arrays import FloatArray
@@ -19,6 +18,7 @@ from harness.core.errors import SimulationError
 from harness.core.quantity import Quantity
 from harness.core.recording import Recording
 from harness.diagnosis.explain.engines import engine_fit
+from harness.diagnosis.explain.locate import share_within
 from harness.diagnosis.explain.verdict_sentence import sentence_of
 from harness.diagnosis.fit.model_fit import Fit
 from harness.diagnosis.fit.rmse import fit_percent, rmse
@@ -28,7 +28,7 @@ from harness.diagnosis.problem import Problem
 from harness.diagnosis.tables.describe import gauge_of
 from harness.model.document import to_document
 from harness.model.model import Model
-from harness.results.common import ModelDocument, P, RecordingInfo
+from harness.results.common import ModelDocument, P, RecordingInfo, Where
 from harness.results.diagnosis import (
     AlternativeResult,
     DiagnosisResult,
@@ -254,3 +254,11 @@ def _in_engine(name: str, outcome: Outcome, options: DiagnoseOptions) -> EngineR
 def _plain(settings: Any) -> dict[str, Any]:
     """Settings as JSON has them."""
     return {k: list(v) if isinstance(v, tuple) else v for k, v in settings.items()}
+
+
+def where_of(mechanism: Mechanism, outcome: Outcome) -> Where:
+    """Place of a mechanism; its share is of the baseline's mean square mismatch, in units of the noise."""
+    place = mechanism.place
+    share = share_within(place, outcome.base, outcome.problem)
+    time_s = [[low, high] for low, high in place.spans]
+    return Where(time_s=time_s, regime=place.regime, condition=place.condition, share=share)

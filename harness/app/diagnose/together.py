@@ -1,40 +1,109 @@
 """Several recordings of one machine as one: what they share, what each has of its own, and the physics left out."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 
 from harness.app.diagnose.attribution import Configured
-from harness.app.diagnose.checks import refuse, refuse_few, refuse_unrelated
 from harness.app.diagnose.files import simulated
 from harness.app.diagnose.one import STEPS, Diagnosed, leave, unkept
 from harness.app.diagnose.options import DiagnoseOptions
-from harness.app.diagnose.own import own_results
-from harness.app.diagnose.problem import Prepared
+from harness.app.diagnose.problem import Prepared, refuse, refuse_few, refuse_unrelated
 from harness.app.diagnose.result import result_of
 from harness.app.diagnose.validation import validated, validation
 from harness.app.shared.progress import NAME as LOG
 from harness.app.shared.progress import SILENT, Progress, journal
 from harness.app.shared.reading import read_as, recording_info, thinned
-from harness.app.shared.repeated import repeated_results
 from harness.core.errors import InputError
+from harness.core.quantity import Quantity
 from harness.core.recording import Recording
 from harness.core.telling import listening
 from harness.diagnosis.alignment.consistency import Consistency, consistency
 from harness.diagnosis.baseline.base_fit import dominant_frequency
+from harness.diagnosis.fit.rmse import rmse
+from harness.diagnosis.fit.standard_errors import numbers_of
 from harness.diagnosis.outcome import Outcome
 from harness.diagnosis.pipeline import diagnose as conclude
 from harness.diagnosis.pipeline import prepare_together
+from harness.diagnosis.pooling.pooled import differences
 from harness.diagnosis.pooling.repeated import alone_under, parameters_of
 from harness.diagnosis.prepare.driven import is_driven
 from harness.diagnosis.problems.forces_together import ForcesTogether
 from harness.diagnosis.problems.together import Together
 from harness.diagnosis.request import Asked
+from harness.estimate.repeated import repeated
 from harness.io.store import output_folder
-from harness.results.common import RepeatedResult
-from harness.results.diagnosis import DiagnosisResult
+from harness.model.elsewhere import named
+from harness.results.common import P, RepeatedResult
+from harness.results.diagnosis import DiagnosisResult, OwnResult
+
+
+def own_results(recordings: Sequence[Recording], outcome: Outcome) -> list[OwnResult]:
+    """Start, zero, noise and errors of each recording, and in what it differs from the first."""
+    problem, refined, pooled = outcome.problem, outcome.refined, outcome.pooled
+    assert isinstance(problem, Together | ForcesTogether)
+    assert pooled is not None
+    explained = outcome.verdict in ("adequate", "missing_physics")
+    length = "rad" if problem.angular else "m"
+    numbers = numbers_of(refined, problem, outcome.scales.omega, explained)
+    differ = differences(refined, problem, outcome.scales.omega, explained)
+    first = recordings[0].file
+    errors = _of_starts(problem)
+    found = []
+    runs = problem.runs(refined.model)
+    for r, (one, at, alone) in enumerate(zip(recordings, problem.places, problem.alone, strict=True)):
+        inside = np.zeros(problem.t.size, dtype=bool)
+        inside[at] = True
+        own, clock = runs[r].model, runs[r].clock
+        values = {"x0": (own.x0, length), "v0": (own.v0, f"{length}/s"), "offset": (own.offset, length)}
+        said = {}
+        for name, (value, unit) in values.items():
+            error = numbers.get(named(name, r), errors[r].get(name))
+            why = None if error else "given, not fitted" if name != "v0" else "released from rest"
+            said[name] = P.of(Quantity(value, error, unit, why))
+        found.append(
+            OwnResult(
+                file=one.file,
+                begins_s=clock + (0.0 if isinstance(problem, Together) else runs[r].model.t0),
+                start={name: said[name] for name in ("x0", "v0")},
+                zero=said["offset"] if problem.zero_free and "x" in problem.channels else None,
+                noise={c: n.said for c, n in alone.noise.items()},
+                baseline_rmse=rmse(outcome.base.shown.y, problem, inside),
+                rmse=rmse(refined.shown.y, problem, inside),
+                alone={name: P.of(q) for name, q in pooled.compared.alone[r].parameters.items()},
+                differs=[d.said(first) for d in differ[r] if d.clearly],
+            )
+        )
+    return found
+
+
+def _of_starts(problem: Together | ForcesTogether) -> list[dict[str, float]]:
+    """Standard errors of the starts of recordings that are not fitted but smoothed, by name."""
+    if isinstance(problem, Together):
+        return [{} for _ in problem.alone]
+    firsts = [one.starts.windows[0] for one in problem.each]
+    return [{"x0": w.x_sd, "v0": w.v_sd} for w in firsts]
+
+
+def repeated_results(files: Sequence[str], each: Sequence[Mapping[str, Quantity]]) -> dict[str, RepeatedResult]:
+    """Every number by name that two recordings or more tell with an error; files and each in the same order."""
+    found = {}
+    for name in dict.fromkeys(name for one in each for name in one):
+        told = [(file, one[name]) for file, one in zip(files, each, strict=True) if name in one]
+        known = [(f, q.value, q.stderr, q.unit) for f, q in told if q.value is not None and q.stderr is not None]
+        known = [one for one in known if one[2] > 0.0]
+        if len(known) < 2:
+            continue
+        seen = repeated([value for _, value, _, _ in known], [error for _, _, error, _ in known])
+        found[name] = RepeatedResult(
+            value=P(value=seen.value, stderr=seen.stderr, unit=known[0][3]),
+            within=seen.within,
+            between=seen.between,
+            outliers=[known[i][0] for i in seen.outliers],
+        )
+    return found
 
 
 def diagnose_together(

@@ -13,9 +13,8 @@ from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
 
-from harness.app.prove.finish import finish
 from harness.app.prove.keeper import keeping
-from harness.app.prove.store import Store
+from harness.app.prove.store import Store, finish
 from harness.app.prove.worker import (
     COMMAND,
     BlindTask,

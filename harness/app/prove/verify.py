@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from harness.app.prove.finish import PAGE, RESULT, all_verdicts
+from harness.app.prove.store import PAGE, RESULT, all_verdicts
 from harness.app.prove.worker import DrawTask, draw_failed, draw_one
 from harness.app.shared.completed import completed
 from harness.app.shared.machine import cores, this_machine

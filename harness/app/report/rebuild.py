@@ -8,7 +8,7 @@ from pydantic import ValidationError
 
 from harness.app.compare.compare import again as compare_again
 from harness.app.diagnose.show import write_arm_page, write_diagnosis_page
-from harness.app.identify.identify import result_of
+from harness.app.identify import result_of
 from harness.app.report.view import find_trace
 from harness.app.run.model import case_of_json
 from harness.app.run.run import measured

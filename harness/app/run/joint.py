@@ -6,8 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
-from harness.app.run.joint_itself import itself_in
-from harness.app.run.joint_servo import servo_scores
+from harness.app.run.joint_servo import itself_in, servo_scores
 from harness.app.run.joint_words import conclusions
 from harness.app.shared.deliver import to_json
 from harness.app.shared.machine import this_machine

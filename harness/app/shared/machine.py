@@ -5,6 +5,7 @@ import platform
 from importlib.metadata import PackageNotFoundError
 
 from harness.core.registered import version
+from harness.engines import registry
 from harness.results.common import Machine
 
 PACKAGES = (
@@ -43,4 +44,13 @@ def this_machine(seeds: dict[str, int] | None = None) -> Machine:
         system=f"{platform.system()} {platform.release()} {platform.machine()}",
         cores=cores(),
         seeds=seeds or {},
+    )
+
+
+def left_out() -> tuple[str, ...]:
+    """A sentence for each engine that is usually taken and that this Python cannot have."""
+    return tuple(
+        f"{name} is left out: it has no wheel for this Python; harness doctor says what to do"
+        for name in registry.USUAL
+        if name not in registry.usual()
     )

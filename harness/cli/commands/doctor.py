@@ -19,7 +19,7 @@ def command(json_to: str | None, quiet: bool) -> int:
     Example: harness doctor
              harness doctor --json -
     """
-    from harness.app.doctor.checks import doctor, healthy
+    from harness.app.doctor import doctor, healthy
 
     check_json(json_to)
     result = doctor()

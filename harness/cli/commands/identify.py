@@ -50,7 +50,7 @@ def command(
     """
     check_file(recording)
     check_json(json_to)
-    from harness.app.identify.identify import identify
+    from harness.app.identify import identify
     from harness.app.shared.reading import ReadOptions
 
     options = ReadOptions(columns, skip_rows, rate, start, stop, drop_nan)

@@ -52,7 +52,7 @@ def command(
     check_json(json_to)
     if not file.exists():
         raise InputError(str(file), "no such file", "a file or folder that can be read is accepted")
-    from harness.app.log.log import LogOptions, log
+    from harness.app.log import LogOptions, log
 
     options = LogOptions(columns, None, topic, angle_unit, skip_rows, rate, start, stop, drop_nan)
     result = log(file, options, gain)

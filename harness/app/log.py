@@ -1,4 +1,4 @@
-"""Logs of a robot's joints: what one holds, as a result, and the log itself."""
+"""What a log of a robot's joints holds: harness log."""
 
 from pathlib import Path
 

@@ -1,4 +1,4 @@
-"""The estimators on a recording of a free decay."""
+"""What the estimators, and a fit of viscous and Coulomb friction, say of a recording: harness identify."""
 
 import math
 import shlex

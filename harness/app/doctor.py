@@ -1,4 +1,4 @@
-"""What is installed, what works, and why what does not work does not."""
+"""What works on this machine and what does not: harness doctor."""
 
 import shutil
 import subprocess

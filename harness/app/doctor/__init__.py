@@ -1,1 +1,0 @@
-"""harness doctor: what works on this machine."""

@@ -1,1 +1,0 @@
-"""harness identify: the estimators on a recording."""

@@ -1,1 +1,0 @@
-"""harness log: what a log of a robot's joints holds."""
