@@ -15,7 +15,7 @@ ROOT = Path(__file__).resolve().parents[1]
 TARGET = ROOT / "docs" / "architecture.md"
 BEGIN, END = "<!-- written by python docs/ways.py -->\n", "<!-- end -->"
 WAYS = {
-    "a recording": ("harness.app.diagnose.one.diagnose",),
+    "a recording": ("harness.app.diagnose.many.diagnose",),
     "a slider": (
         "harness.app.run.run.RunOptions.named",
         "harness.app.run.case.SuiteCase.exact",

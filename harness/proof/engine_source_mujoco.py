@@ -4,7 +4,7 @@ from typing import final
 
 import mujoco
 
-from harness.proof.engine_source import Body, Task
+from harness.proof.engine_source_motion import Body, Task
 
 IMPEDANCE = 0.9999
 XML = """

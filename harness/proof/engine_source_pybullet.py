@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import final
 
 from harness.core.quiet import quiet
-from harness.proof.engine_source import Body, Task
+from harness.proof.engine_source_motion import Body, Task
 
 log = logging.getLogger(__name__)
 

@@ -10,7 +10,8 @@ import numpy as np
 import pytest
 from diagnose_examples import STOP, stopped
 
-from harness.app.diagnose.one import deliver, diagnose
+from harness.app.diagnose.many import diagnose
+from harness.app.diagnose.one import deliver
 from harness.app.diagnose.options import DiagnoseOptions
 from harness.app.diagnose.problem import half_cycles, prepared
 from harness.app.report.rebuild import rebuild

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from harness.app.diagnose import one
+from harness.app.diagnose.many import diagnose
 from harness.app.diagnose.options import DiagnoseOptions
 from harness.core.errors import SimulationError
 
@@ -19,7 +20,7 @@ def test_the_file_and_what_may_be_asked_are_named(tmp_path: Path, monkeypatch: p
     file = tmp_path / "a.csv"
     file.write_text("t,x\n" + "".join(f"{s},{0.1 * np.exp(-0.5 * s) * np.cos(10.0 * s)}\n" for s in t))
     with pytest.raises(SimulationError) as caught:
-        one.diagnose(file, DiagnoseOptions(), tmp_path / "out")
+        diagnose(file, DiagnoseOptions(), tmp_path / "out")
     assert str(caught.value) == (
         f"{file}: the model could not be followed beyond t = 0.3 s: it diverged; a part of it (--from, --to), or"
         " another --restoring or --zero, may be accepted"

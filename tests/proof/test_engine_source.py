@@ -13,7 +13,8 @@ import pytest
 import harness.proof
 from harness.core.arrays import FloatArray
 from harness.core.errors import InputError, SimulationError
-from harness.proof.engine_source import ENGINE_KINDS, ENGINES, STATEFUL, EngineName, Task, draw_engine, engine_motion
+from harness.proof.engine_source import ENGINE_KINDS, ENGINES, STATEFUL, EngineName, draw_engine, engine_motion
+from harness.proof.engine_source_motion import Task
 from harness.proof.plant.base import draw_decay
 from harness.proof.plant.cases import draw, truth
 from harness.proof.plant.effects import ALIENS, BENCH, KINDS

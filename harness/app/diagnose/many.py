@@ -10,7 +10,7 @@ from pathlib import Path
 from pydantic import ValidationError
 
 from harness.app.diagnose.fleet import Conditions, fleet_of
-from harness.app.diagnose.one import FILES, diagnose
+from harness.app.diagnose.one import FILES, STEPS, deliver
 from harness.app.diagnose.options import DiagnoseOptions
 from harness.app.diagnose.show import write_index
 from harness.app.shared.completed import completed
@@ -18,6 +18,7 @@ from harness.app.shared.deliver import to_json
 from harness.app.shared.machine import cores, package_version
 from harness.app.shared.pool import Cluster, LocalPool
 from harness.app.shared.progress import SILENT, Progress
+from harness.app.shared.reading import read_as
 from harness.app.sweep.sweep import InterruptionError
 from harness.core.errors import HarnessError, InputError, StoreError
 from harness.core.writing import sweep
@@ -64,6 +65,30 @@ class Many:
     def json(self) -> str:
         """The array, as files hold it."""
         return json_array(self.answers)
+
+
+def diagnose(
+    path: Path,
+    options: DiagnoseOptions,
+    out: Path | None = None,
+    progress: Progress = SILENT,
+    command: str = "",
+    label: str | None = None,
+) -> DiagnosisResult:
+    """Diagnose a file, and leave result, report, trace, models and the log in a folder.
+
+    out : new or empty folder, None for reports/NAME-TIME here. label : what to call the file, where it stands in for
+    another ("-"). Raises InputError, SimulationError, StoreError.
+    """
+    if options.robot is not None:
+        from harness.app.diagnose.joint import diagnose_joint
+
+        return diagnose_joint(path, options.robot, options, out, progress, command, label)
+    label = str(path) if label is None else label
+    progress("reading", 0, STEPS)
+    recording = read_as(label, path, options.reading, options.trace)
+    name = "stdin" if label == "-" else path.name.split(".")[0]
+    return deliver(recording, options, out, name, progress, command)
 
 
 def json_array(answers: Sequence[Answer]) -> str:

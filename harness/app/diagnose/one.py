@@ -19,7 +19,7 @@ from harness.app.diagnose.validation import validated, validation
 from harness.app.shared.deliver import to_json
 from harness.app.shared.progress import NAME as LOG
 from harness.app.shared.progress import SILENT, Progress, journal
-from harness.app.shared.reading import read_as, thinned
+from harness.app.shared.reading import thinned
 from harness.core.recording import Recording
 from harness.core.telling import listening
 from harness.core.trajectory import Trajectory
@@ -94,30 +94,6 @@ def investigate(
     return Diagnosed(recording, outcome, motions, result)
 
 
-def diagnose(
-    path: Path,
-    options: DiagnoseOptions,
-    out: Path | None = None,
-    progress: Progress = SILENT,
-    command: str = "",
-    label: str | None = None,
-) -> DiagnosisResult:
-    """Diagnose a file, and leave result, report, trace, models and the log in a folder.
-
-    out : new or empty folder, None for reports/NAME-TIME here. label : what to call the file, where it stands in for
-    another ("-"). Raises InputError, SimulationError, StoreError.
-    """
-    if options.robot is not None:
-        from harness.app.diagnose.joint import diagnose_joint
-
-        return diagnose_joint(path, options.robot, options, out, progress, command, label)
-    label = str(path) if label is None else label
-    progress("reading", 0, STEPS)
-    recording = read_as(label, path, options.reading, options.trace)
-    name = "stdin" if label == "-" else path.name.split(".")[0]
-    return deliver(recording, options, out, name, progress, command)
-
-
 def deliver(
     recording: Recording,
     options: DiagnoseOptions,
@@ -127,7 +103,11 @@ def deliver(
     command: str = "",
     finish: Finish = as_it_is,
 ) -> DiagnosisResult:
-    """Diagnose a recording and leave everything in a folder, as ``diagnose`` does. name : of the default folder."""
+    """Diagnose a recording, and leave result, report, trace, models and the log in a folder.
+
+    out : new or empty folder, None for reports/NAME-TIME here. name : of that folder. Raises InputError,
+    SimulationError, StoreError.
+    """
     with output_folder(f"diagnose-{name}", out) as output, journal(output / LOG):
         found = investigate(recording, options, progress, command)
         return leave(output, found, progress, finish)

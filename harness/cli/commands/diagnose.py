@@ -213,7 +213,7 @@ def _named(recordings: tuple[Path, ...]) -> Iterator[list[tuple[Path, str]]]:
 def _one(
     named: tuple[Path, str], options: "DiagnoseOptions", out: Path | None, json_to: str | None, quiet: bool
 ) -> int:
-    from harness.app.diagnose.one import diagnose
+    from harness.app.diagnose.many import diagnose
 
     with shown(quiet) as progress:
         result = diagnose(named[0], options, out, progress, this_line(), named[1])
