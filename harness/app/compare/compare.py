@@ -6,9 +6,9 @@ from typing import Any
 import numpy as np
 
 from harness.app.compare.reading import ANGULAR, UNITS, differences, reading
-from harness.app.diagnose.mismatch import where_of_place
 from harness.app.shared.deliver import to_json
 from harness.app.shared.machine import this_machine
+from harness.app.shared.parts import where_of_place
 from harness.app.shared.progress import NAME as LOG
 from harness.app.shared.progress import SILENT, Progress, journal
 from harness.app.shared.reading import read, read_sim, recording_info, thinned

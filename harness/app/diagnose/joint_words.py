@@ -9,7 +9,7 @@ import numpy as np
 
 from harness.app.diagnose.joint_doubts import stands_for, surely
 from harness.app.diagnose.one import Diagnosed
-from harness.app.shared.reduction import reduction_of
+from harness.app.shared.parts import reduction_of
 from harness.core.arrays import FloatArray, IntArray
 from harness.core.quantity import Quantity
 from harness.diagnosis.fit.model_fit import Fit

@@ -1,5 +1,6 @@
 """Where the base model and a recording part, and the force it leaves over: both without a law for it."""
 
+from harness.app.shared.parts import where_of_place
 from harness.core.events import Mode
 from harness.diagnosis.explain.force_map import ForceMap
 from harness.diagnosis.explain.locate import Place, locate
@@ -7,19 +8,6 @@ from harness.diagnosis.kinds.known import kind_of
 from harness.diagnosis.motion import Motion
 from harness.diagnosis.outcome import Outcome
 from harness.results.common import Where
-
-
-def where_of_place(place: Place) -> Where:
-    """Spans, regime, condition and share."""
-    return Where.model_validate(
-        {
-            "time_s": [list(span) for span in place.spans],
-            "regime": place.regime,
-            "condition": place.condition,
-            "share": place.share,
-        }
-    )
-
 
 _EVERYWHERE = "no part of the motion stands out"
 

@@ -10,9 +10,9 @@ from harness.app.run.joint_servo import itself_in, servo_scores
 from harness.app.run.joint_words import conclusions
 from harness.app.shared.deliver import to_json
 from harness.app.shared.machine import this_machine
+from harness.app.shared.parts import reduction_of
 from harness.app.shared.progress import NAME as LOG
 from harness.app.shared.progress import SILENT, Progress, journal
-from harness.app.shared.reduction import reduction_of
 from harness.app.shared.showing import write_joint_page, write_joint_trace
 from harness.core.checks import positive
 from harness.core.errors import InputError, SimulationError

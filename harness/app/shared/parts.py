@@ -1,5 +1,7 @@
-"""A robot's joint with the others still, in the form of the results."""
+"""Places of a mismatch, and a robot's joint with the others still, in the form of the results."""
 
+from harness.diagnosis.explain.locate import Place
+from harness.results.common import Where
 from harness.results.robot import ReductionResult
 from harness.robot.arm import Arm
 from harness.robot.reduction import Reduced
@@ -19,4 +21,16 @@ def reduction_of(arm: Arm, own: Reduced) -> ReductionResult:
         damping=float(arm.damping[i]),
         held=dict(own.held),
         said=own.sentence,
+    )
+
+
+def where_of_place(place: Place) -> Where:
+    """Spans, regime, condition and share."""
+    return Where.model_validate(
+        {
+            "time_s": [list(span) for span in place.spans],
+            "regime": place.regime,
+            "condition": place.condition,
+            "share": place.share,
+        }
     )
