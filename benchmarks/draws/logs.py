@@ -48,8 +48,8 @@ def still(seed: int, number: int) -> Answer:
     except InputError as error:
         return Answer(False, f"refused: {error}")
     told = found.baseline.parameters.get("f_k")
-    value, error = (told.value, told.stderr) if told else (None, None)
-    near = value is not None and abs(value - friction) <= max(3.0 * (error or 0.0), 0.05 * friction)
+    value, stderr = (told.value, told.stderr) if told else (None, None)
+    near = value is not None and abs(value - friction) <= max(3.0 * (stderr or 0.0), 0.05 * friction)
     return Answer(
         found.verdict == "adequate" and near, f"{found.verdict}, f_k {value} of {friction:.4g}, {rate:.0f} Hz"
     )
