@@ -1,10 +1,13 @@
 """Shared fixtures: the long forms stay out of the default run, recordings are found where they are."""
 
 import os
+import shutil
 import sys
+from collections.abc import Iterator
 from functools import cache
 from importlib.util import find_spec
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 # a worker has one core: threads of its linear algebra, and its own, would only wait for each other
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
@@ -21,6 +24,9 @@ from harness.engines.registry import NO_PYBULLET
 
 settings.register_profile("stable", derandomize=True, deadline=None, max_examples=60, print_blob=False)
 settings.load_profile("stable")
+
+if TYPE_CHECKING:
+    from playwright.sync_api import Browser
 
 # what reads a file apart reads the next one too, as it does for a folder of them: each start loads a library anew
 assert read_apart.__kwdefaults__ is not None
@@ -72,6 +78,21 @@ def _shares(file: Path) -> bool:
 def pytest_xdist_make_scheduler(config: pytest.Config, log: Producer) -> BesideShared:
     """See the class."""
     return BesideShared(config, log)
+
+
+@pytest.fixture(scope="session")
+def browser() -> Iterator["Browser"]:
+    """Chromium without a screen, where it is installed."""
+    chromium = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
+    if chromium is None:
+        pytest.skip("no Chromium on this machine (apt-get install chromium)")
+    playwright = pytest.importorskip("playwright.sync_api", reason="playwright is not installed")
+    flags = "headless no-sandbox disable-gpu disable-quic no-first-run disable-background-networking"
+    flags += " disable-component-update disable-sync"
+    with playwright.sync_playwright() as driver:
+        found = driver.chromium.launch(executable_path=chromium, args=[f"--{flag}" for flag in flags.split()])
+        yield found
+        found.close()
 
 
 @pytest.fixture(scope="session")

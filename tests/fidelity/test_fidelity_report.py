@@ -2,9 +2,10 @@
 
 import re
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import pytest
+from browsed import open_page
 
 from harness.app.sweep.report import finish, one_step_each, summary
 from harness.app.sweep.sweep import Sweep, SweepOptions, settings_of, sweep
@@ -13,6 +14,9 @@ from harness.fidelity.convergence import Ladder, slope
 from harness.fidelity.known import SERVOS, WITHOUT_EFFECT
 from harness.fidelity.scores import FLOOR, LABELS, badness, cards, distance, figures_of, front, points
 from harness.show.sentences.sweep import headline, percent, sentences
+
+if TYPE_CHECKING:
+    from playwright.sync_api import Browser
 
 PUBLISHED = Path(__file__).resolve().parents[2] / "reports" / "fidelity"
 OPTIONS = SweepOptions(("mujoco", "pybullet"), ("joint",), ("as-shipped", "tuned"), (2e-3, 1e-3), jobs=1, keep=2)
@@ -41,27 +45,10 @@ def test_page_is_one_file_without_network(swept: Sweep) -> None:
     assert all((swept.folder / file).is_file() for file in files)
 
 
-def test_page_draws_without_an_error(swept: Sweep) -> None:
-    sync = pytest.importorskip("playwright.sync_api")
-    import shutil
-
-    browser = shutil.which("chromium") or shutil.which("chromium-browser")
-    if browser is None:
-        pytest.skip("no chromium here")
-    with sync.sync_playwright() as play:
-        chromium = play.chromium.launch(executable_path=browser, args=["--no-sandbox"])
-        page = chromium.new_page()
-        said: list[str] = []
-        page.on("console", lambda message: said.append(message.text) if message.type == "error" else None)
-        page.on("pageerror", lambda error: said.append(str(error)))
-        page.goto((swept.folder / "report.html").as_uri())
-        page.wait_for_function(
-            "document.querySelectorAll('.plot .main-svg').length >= document.querySelectorAll('.plot').length"
-        )
-        plots = page.evaluate(
-            "[...document.querySelectorAll('.plot')].map(plot => plot.querySelectorAll('.trace').length)"
-        )
-        chromium.close()
+def test_page_draws_without_an_error(swept: Sweep, browser: "Browser") -> None:
+    page, said = open_page(browser, swept.folder / "report.html")
+    plots = page.evaluate("[...document.querySelectorAll('.plot')].map(plot => plot.querySelectorAll('.trace').length)")
+    page.close()
     assert said == []
     assert len(plots) >= 5
     assert all(count > 0 for count in plots)

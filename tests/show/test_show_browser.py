@@ -1,11 +1,10 @@
 """The page in a browser: no error, no request, every plot drawn, a zoom that shows the samples."""
 
-import shutil
-from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import pytest
+from browsed import open_page
 
 from harness.core.recording import Recording
 from harness.core.trajectory import Trajectory
@@ -16,46 +15,12 @@ from harness.show.report.run import run_sections, run_title
 if TYPE_CHECKING:
     from playwright.sync_api import Browser, Page
 
-FLAGS = [
-    "--headless",
-    "--no-sandbox",
-    "--disable-gpu",
-    "--disable-quic",
-    "--no-first-run",
-    "--disable-background-networking",
-    "--disable-component-update",
-    "--disable-sync",
-]
-
-
-@pytest.fixture(scope="module")
-def browser() -> Iterator["Browser"]:
-    chromium = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
-    if chromium is None:
-        pytest.skip("no Chromium on this machine (apt-get install chromium)")
-    playwright = pytest.importorskip("playwright.sync_api", reason="playwright is not installed")
-    with playwright.sync_playwright() as driver:
-        found = driver.chromium.launch(executable_path=chromium, args=FLAGS)
-        yield found
-        found.close()
-
 
 @pytest.fixture(scope="module")
 def run_page(tmp_path_factory: pytest.TempPathFactory, sources: list[Trajectory], run_result: dict[str, Any]) -> Path:
     path = tmp_path_factory.mktemp("page") / "report.html"
     write_report(path, *run_title(run_result), run_sections(sources, run_result))
     return path
-
-
-def open_page(browser: "Browser", path: Path, scheme: str) -> tuple["Page", list[str]]:
-    page = browser.new_page(viewport={"width": 1366, "height": 800}, color_scheme=scheme)  # type: ignore[arg-type]
-    said: list[str] = []
-    page.on("console", lambda message: said.append(f"{message.type}: {message.text}"))
-    page.on("pageerror", lambda error: said.append(f"error: {error}"))
-    page.on("request", lambda request: said.append(request.url) if not request.url.startswith("file:") else None)
-    page.goto(path.as_uri())
-    page.wait_for_selector("html[data-ready='true']", state="attached", timeout=60_000)
-    return page, said
 
 
 def wait_for_mode(page: "Page", mode: str) -> None:

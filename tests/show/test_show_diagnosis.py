@@ -1,12 +1,11 @@
 """The pages and the trace of a diagnosis: what they say, and that a browser draws them without a word."""
 
-import shutil
-from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pytest
+from browsed import open_page
 from diagnose_examples import STOP, example
 
 from harness.cli.diagnosis_tables import say_diagnosis as print_diagnosis
@@ -143,39 +142,20 @@ def test_the_page_of_many_has_a_row_and_a_link_each() -> None:
     assert "1 physics left out, 1 could not be diagnosed" in page
 
 
-@pytest.fixture(scope="module")
-def browser() -> Iterator["Browser"]:
-    chromium = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
-    if chromium is None:
-        pytest.skip("no Chromium on this machine (apt-get install chromium)")
-    playwright = pytest.importorskip("playwright.sync_api", reason="playwright is not installed")
-    with playwright.sync_playwright() as driver:
-        found = driver.chromium.launch(executable_path=chromium, args=["--headless", "--no-sandbox", "--disable-gpu"])
-        yield found
-        found.close()
-
-
 def test_a_browser_draws_every_figure_without_a_word(browser: "Browser", case: Case, tmp_path: Path) -> None:
     path, many = tmp_path / "report.html", tmp_path / "index.html"
     write_report(path, *diagnosis_title(case[2]), diagnosis_sections(*case))
     write_report(many, *index_title(index_data()), index_sections(index_data(), "harness diagnose"))
-    page = browser.new_page(viewport={"width": 1366, "height": 800}, color_scheme="dark")
-    said: list[str] = []
-    page.on("console", lambda message: said.append(message.text))
-    page.on("pageerror", lambda error: said.append(str(error)))
-    page.on("request", lambda request: said.append(request.url) if not request.url.startswith("file:") else None)
     for file, wanted in (
         (path, {"channel-x", "channel-a", "residual-x", "residual-a", "plane", "evidence", "attribution"}),
         (many, set[str]()),
     ):
-        page.goto(file.as_uri())
-        page.wait_for_selector("html[data-ready='true']", state="attached", timeout=60_000)
+        page, said = open_page(browser, file, "dark")
         marks = ".scatterlayer .trace path, .barlayer .point path"
         plots = "[...document.querySelectorAll('.plot')]"
         script = f"{plots}.filter((p) => p.querySelectorAll('{marks}').length).map((p) => p.dataset.figure)"
-        assert set(page.evaluate(script)) == wanted
-    assert said == []
-    page.close()
+        assert (set(page.evaluate(script)), said) == (wanted, [])
+        page.close()
 
 
 def graded(case: Case, verdict: str, grade: str) -> dict[str, Any]:
