@@ -6,14 +6,16 @@ import time
 from pathlib import Path
 
 import jsonschema
+import numpy as np
 import pytest
 from diagnose_examples import example
 
-from harness.app.diagnose.many import Answer, Work, compute, diagnose_all, failed, folder_names
+from harness.app.diagnose import one
+from harness.app.diagnose.many import Answer, Work, compute, diagnose, diagnose_all, failed, folder_names
 from harness.app.diagnose.one import FILES
 from harness.app.diagnose.options import DiagnoseOptions
 from harness.app.shared.reading import ReadOptions
-from harness.core.errors import InputError, StoreError
+from harness.core.errors import InputError, SimulationError, StoreError
 from harness.io.recording import sha256
 from harness.results import generate
 from harness.results.diagnosis import DiagnosisResult, FailedDiagnosis
@@ -120,4 +122,21 @@ def test_a_file_that_cannot_be_read_is_an_entry(tmp_path: Path) -> None:
     answer = compute(Work(tmp_path / "two.csv", "two.csv", tmp_path / "out"))
     assert not isinstance(answer, DiagnosisResult)
     assert answer.error == "two.csv: 2 samples; at least 50 are accepted"
+    assert not (tmp_path / "out").exists()
+
+
+def test_the_file_and_what_may_be_asked_are_named(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def unfollowed(*_: object) -> None:
+        raise SimulationError("the model could not be followed beyond t = 0.3 s: it diverged")
+
+    monkeypatch.setattr(one, "conclude", unfollowed)
+    t = np.arange(400.0) / 200.0
+    file = tmp_path / "a.csv"
+    file.write_text("t,x\n" + "".join(f"{s},{0.1 * np.exp(-0.5 * s) * np.cos(10.0 * s)}\n" for s in t))
+    with pytest.raises(SimulationError) as caught:
+        diagnose(file, DiagnoseOptions(), tmp_path / "out")
+    assert str(caught.value) == (
+        f"{file}: the model could not be followed beyond t = 0.3 s: it diverged; a part of it (--from, --to), or"
+        " another --restoring or --zero, may be accepted"
+    )
     assert not (tmp_path / "out").exists()

@@ -1,12 +1,15 @@
-"""Numbers for people, and text as it is."""
+"""The command's output: tables within a width, streams, and an interruption."""
 
+import signal
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
 from rich.table import Table
 
 from harness.app.report.view import viewer_command
-from harness.cli.output import say, with_error
+from harness.cli.output import line_width, say, say_as_it_is, with_error, wrapped
 from harness.cli.tables import show
 from harness.results.common import P
 
@@ -50,3 +53,114 @@ def test_the_viewer_listens_on_this_machine_alone() -> None:
     command = viewer_command("rerun", Path("-trace.rrd"), web=True)
     assert command[1:4] == ["--bind", "127.0.0.1", "--web-viewer"]
     assert command[-1] == str(Path.cwd() / "-trace.rrd")
+
+
+NUMBERS = ["0.05000000 +- 0.00000032", "10.760 +- 0.021", "0.0123188 +- 0.0000041 rad", "1.234567e-12", "-231.4"]
+
+
+def table(rows: int, columns: int) -> Table:
+    made = Table(title="what was found, by every method there is, in a title that is wider than a narrow table")
+    for place in range(columns):
+        made.add_column(f"quantity {place}" if place else "", no_wrap=True)
+    for row in range(rows):
+        made.add_row(f"row {row}", *(NUMBERS[(row + place) % len(NUMBERS)] for place in range(1, columns)))
+    return made
+
+
+@pytest.mark.parametrize("width", [40, 80, 120])
+@pytest.mark.parametrize(("rows", "columns"), [(2, 3), (2, 9), (9, 2), (12, 12), (1, 1), (0, 4)])
+def test_no_line_runs_over_and_no_number_is_cut(
+    rows: int, columns: int, width: int, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setenv("COLUMNS", str(width))
+    show(table(rows, columns))
+    shown = capsys.readouterr().out
+    assert max(map(len, shown.splitlines()), default=0) <= width
+    assert "\N{HORIZONTAL ELLIPSIS}" not in shown
+    for place in range(1, columns):
+        for row in range(rows):
+            assert NUMBERS[(row + place) % len(NUMBERS)] in shown
+            assert f"quantity {place}" in shown
+
+
+def test_a_table_is_turned_before_it_becomes_a_list(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setenv("COLUMNS", "80")
+    wide = Table()
+    for heading in ("method", *(f"a long heading {place}" for place in range(5))):
+        wide.add_column(heading)
+    wide.add_row("free decay", "1", "2", "3", "4", "5")
+    show(wide)
+    said = [line.split() for line in capsys.readouterr().out.replace("\u2502", " ").replace("\u2503", " ").splitlines()]
+    assert ["method", "free", "decay"] in said
+    assert ["a", "long", "heading", "4", "5"] in said
+
+
+def test_without_a_width_a_table_is_as_wide_as_it_needs_to_be(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.delenv("COLUMNS", raising=False)
+    show(table(2, 12))
+    assert all(number in capsys.readouterr().out for number in NUMBERS[:1])
+    say(long := "word " * 60)
+    assert capsys.readouterr().out == f"{long}\n"
+
+
+def test_sentences_are_wrapped_at_words_and_a_value_stays_with_its_error() -> None:
+    text = "- the friction found is f_k = 0.351 +- 0.012 N, which is 17 % or 3 mN more than the maker says it is"
+    for width in range(28, 100):
+        lines = wrapped(text, width).split("\n")
+        assert max(map(len, lines)) <= width
+        assert " ".join(line.strip() for line in lines) == text
+        assert all(line.startswith("  ") for line in lines[1:])
+        for whole in ("f_k = 0.351 +- 0.012", "17 %", "3 mN"):
+            assert any(whole in line for line in lines), width
+
+
+def test_a_path_is_never_cut_and_what_is_to_be_copied_stays(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setenv("COLUMNS", "40")
+    path = "/home/somebody/" + "folder-of-results/" * 4
+    say(f"report: {path}")
+    assert capsys.readouterr().out == f"report:\n{path}\n"
+    say_as_it_is(f'<option a="1"  b="{path}"/>')
+    assert capsys.readouterr().out == f'<option a="1"  b="{path}"/>\n'
+
+
+@pytest.mark.parametrize(("said", "width"), [("80", 80), ("0", None), ("wide", None), ("", None)])
+def test_the_width_is_that_of_columns(
+    said: str, width: int | None, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setenv("COLUMNS", said)
+    assert line_width() == width
+
+
+# a mutex that is locked twice holds its thread where no signal is looked at, as a compiled loop does; a shell that
+# starts tests in the background has them ignore the first signal
+_DEAF = """
+import ctypes, signal, threading
+from harness.cli import main
+signal.signal(signal.SIGINT, signal.default_int_handler)
+main.heed()
+lock, mutex = ctypes.CDLL(None).pthread_mutex_lock, ctypes.create_string_buffer(64)
+threading.Timer(0.3, print, ("deaf",), {"flush": True}).start()
+lock(mutex)
+lock(mutex)
+"""
+
+
+@pytest.mark.parametrize("stop", [signal.SIGINT, signal.SIGTERM])
+def test_a_call_that_looks_up_at_nothing_is_ended(stop: signal.Signals) -> None:
+    with subprocess.Popen(
+        [sys.executable, "-c", _DEAF], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
+    ) as deaf:
+        try:
+            assert deaf.stdout is not None
+            assert deaf.stdout.readline() == "deaf\n"
+            deaf.send_signal(stop)
+            _, err = deaf.communicate(timeout=60)
+        finally:
+            deaf.kill()
+    assert (deaf.returncode, err) == (130, "harness: interrupted; nothing was written\n")

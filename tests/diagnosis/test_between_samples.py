@@ -1,4 +1,7 @@
-"""A force between its samples: straight, smooth, or with a kink wherever a loop's slider turns."""
+"""A force between its samples: a curve with kinks, few straight pieces, and gaps of which nothing is known."""
+
+import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -6,8 +9,24 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.integrate import cumulative_trapezoid
 
-from harness.core.arrays import FloatArray
+from harness.core.arrays import BoolArray, FloatArray
+from harness.core.recording import Recording
+from harness.diagnosis.baseline.base_fit import driven_baseline
+from harness.diagnosis.fit.fitted_states import begun
+from harness.diagnosis.fit.model_fit import Fit, fit
+from harness.diagnosis.fit.observe import COARSE, observe
+from harness.diagnosis.fit.parameters import free_of
+from harness.diagnosis.input_noise.noisy_base_fit import along
+from harness.diagnosis.pipeline import diagnose, prepare
 from harness.diagnosis.prepare.intersample_curve import between_samples, curve, kinks_of
+from harness.diagnosis.problems.driven import Driven
+from harness.diagnosis.problems.starts import OneStart, Windows
+from harness.diagnosis.request import Asked
+from harness.diagnosis.search.few_pieces import in_few_pieces, projected
+from harness.diagnosis.search.search import noise_of
+from harness.estimate.noise import Noise
+from harness.kernels.solve import Drive, Scales, solve
+from harness.model.model import Model, ModelTerm, Restoring
 
 
 def test_smooth_force_is_followed_smoothly_and_noise_straight() -> None:
@@ -55,3 +74,179 @@ def test_kinks_between_samples_are_found_and_the_momentum_is_kept(shift: float, 
     # a straight line over a kink in its middle misses 3 step^2 / 8, of one sign after the other
     lost = np.abs(np.cumsum(np.interp(fine, drive.t, drive.u) - truth)).max() * fine[1]
     assert lost < 0.02 * turns.size * 3.0 * step**2 / 8.0
+
+
+SLIDER = Model(1.3, 0.9, 45.0, 0.6)
+T: FloatArray = np.arange(2400.0) / 300.0
+U: FloatArray = np.asarray(6.0 * np.sin(4.0 * T) + 3.0 * np.sin(9.3 * T + 0.4), dtype=np.float64)
+SCALES = Scales(0.3, 2.0, 6.0)
+
+
+def driven(u: FloatArray, noise: float = 1e-4) -> Driven:
+    """A slider under a smooth force, as its fit begins."""
+    drive = curve(T, u)
+    x = solve(SLIDER, T, drive=drive).x + noise * np.random.default_rng(1).standard_normal(T.size)
+    return Driven(T, {"x": x}, {"x": Noise(noise, True)}, drive=drive, first=SLIDER)
+
+
+@settings(max_examples=30)
+@given(st.integers(2, 60), st.floats(-5.0, 5.0), st.floats(-5.0, 5.0))
+def test_a_straight_force_stays_what_it_is(count: int, level: float, slope: float) -> None:
+    """However uneven its knots are, and where there are none."""
+    t = np.unique(np.random.default_rng(count).uniform(0.0, 3.0, 200))
+    t = t[(t < 1.0) | (t > 1.4)]
+    found = projected(Drive(t, level + slope * t), count)
+    assert found.t.size == count
+    assert (found.t[0], found.t[-1]) == (t[0], t[-1])
+    assert np.interp(t, found.t, found.u) == pytest.approx(level + slope * t, abs=1e-6)
+
+
+def test_what_is_left_out_is_even() -> None:
+    """The nearest force by its mean square leaves nothing along any piece, so that the momentum stays; the error of
+    straight pieces falls with their square.
+    """
+    whole = curve(T, U)
+    weight = np.gradient(whole.t)
+    errors = []
+    for count in (80, 160):
+        few = projected(whole, count)
+        left = whole.u - np.interp(whole.t, few.t, few.u)
+        assert abs(weight @ left) < 1e-9 * float(weight @ np.abs(whole.u))
+        errors.append(float(np.sqrt(weight @ left**2)))
+    assert errors[0] / errors[1] == pytest.approx(4.0, rel=0.1)
+
+
+def test_a_fitted_model_leaves_what_it_left_in_a_fifth_of_the_pieces() -> None:
+    """Sample by sample but for the integrator's error, and its partials are the same but for a hundredth."""
+    problem = driven(U)
+    few = in_few_pieces(problem, SLIDER, SCALES)
+    assert few.drive is not None
+    assert problem.drive is not None
+    assert 5 * few.drive.t.size < problem.drive.t.size
+    by = tuple(f.by for f in free_of(SLIDER, ("m", "c", "k", "f_k")))
+    here, there = (observe(SLIDER, one, by, SCALES, COARSE) for one in (problem, few))
+    left, left_few = problem.channels["x"] - here.y["x"], few.channels["x"] - there.y["x"]
+    assert left_few == pytest.approx(left, abs=COARSE.tolerance * SCALES.x)
+    size = np.linalg.norm(here.dy["x"], axis=0)
+    assert np.linalg.norm(there.dy["x"] - here.dy["x"], axis=0) / size == pytest.approx(0.0, abs=0.01)
+
+
+def test_a_force_that_few_pieces_do_not_follow_stays_whole() -> None:
+    """Nothing is gained of few samples, of none that move, and where the motion would be another."""
+    problem = driven(U)
+    coarse = replace(problem, drive=Drive(T[::20], U[::20]))
+    assert in_few_pieces(coarse, SLIDER, SCALES) is coarse
+    buzz = driven(np.asarray(U + 4000.0 * np.sin(700.0 * T), dtype=np.float64))
+    assert in_few_pieces(buzz, SLIDER, Scales(0.3, 2.0, 0.5)) is buzz
+    stiff = replace(SLIDER, k=1e14)
+    assert in_few_pieces(problem, stiff, SCALES) is problem
+
+
+AXIS = Model(2.0, 3.0, 0.0, 1.5, restoring=Restoring.NONE)
+SPRING = replace(AXIS, k=80.0, restoring=Restoring.SPRING)
+GAPS = ((1.1, 1.16), (2.5, 2.9), (4.2, 4.23))
+SIGMA = 2e-5
+
+
+def recorded(model: Model, gaps: tuple[tuple[float, float], ...] = GAPS, n: int = 3000) -> Recording:
+    """A recording of a model pushed by a sum of slow waves, without its samples in the gaps (s)."""
+    t, fine = np.arange(n) / 500.0, np.arange(16 * n) / 8000.0
+    waves = ((6.0, 3.1, 0.3), (4.0, 7.3, 1.1), (3.0, 14.0, 2.0))
+    u = np.sum([a * np.sin(w * fine + p) for a, w, p in waves], axis=0)
+    x = solve(model, t, drive=Drive(fine, u)).x + SIGMA * np.random.default_rng(4).standard_normal(n)
+    keep: BoolArray = np.all([(t < low) | (t > high) for low, high in gaps], axis=0) if gaps else np.ones(n, dtype=bool)
+    return Recording(t[keep], {"x": x[keep], "u": u[::16][keep]})
+
+
+def fitted(recording: Recording, asked: Asked) -> tuple[Driven, Fit, Scales]:
+    """The base model along its own motion, under the noise that it leaves."""
+    problem, _ = prepare(recording, asked)
+    assert isinstance(problem, Driven)
+    base, scales = driven_baseline(problem)
+    problem, base = along(base, problem, scales)
+    problem = replace(problem, noise=noise_of(base, problem, scales.omega))
+    return problem, fit(base.model, problem, base.free, scales), scales
+
+
+@pytest.mark.parametrize("truth", [AXIS, SPRING], ids=["free axis", "spring"])
+@pytest.mark.parametrize(
+    ("gaps", "horizon", "windows"), [(GAPS, None, 4), ((), 1.0, 6), (GAPS, 1.0, 8)], ids=["gaps", "horizon", "both"]
+)
+def test_a_control_is_recovered_to_its_noise(
+    truth: Model, gaps: tuple[tuple[float, float], ...], horizon: float | None, windows: int
+) -> None:
+    problem, found, _ = fitted(recorded(truth, gaps), Asked(truth.restoring, horizon=horizon))
+    assert isinstance(problem, Driven)
+    assert isinstance(problem.starts, Windows)
+    assert len(problem.starts.windows) == windows
+    assert problem.noise["x"].sigma == pytest.approx(SIGMA, rel=0.05)
+    assert abs(found.chi2 / found.points - 1.0) < 4.0 * math.sqrt(2.0 / found.points)
+    errors = np.sqrt(np.diag(found.covariance()))
+    for f, value, error in zip(found.free, found.values, errors, strict=True):
+        assert abs(value - getattr(truth, f.name)) < 4.0 * error, f.name
+        assert error < 0.05 * getattr(truth, f.name), f.name
+
+
+def test_starts_are_found_from_what_follows_them() -> None:
+    truth = SPRING
+    problem, _ = prepare(recorded(truth), Asked())
+    assert isinstance(problem.starts, Windows)
+    windows = problem.starts.windows
+    moved = tuple(replace(w, x0=w.x0 + 3e-4, v0=w.v0 - 3e-3, x_sd=1e-3, v_sd=1e-2) for w in windows)
+    again = begun(
+        replace(problem, starts=replace(problem.starts, windows=moved)), truth, Scales.of(truth, problem.drive)
+    )
+    exact = solve(truth, np.array([0.0, *(w.t0 for w in windows[1:])]), drive=_drive())
+    assert isinstance(again.starts, Windows)
+    for i, w in enumerate(again.starts.windows):
+        assert abs(w.x0 - exact.x[i]) < 4.0 * w.x_sd < 1e-4
+        assert abs(w.v0 - exact.v[i]) < 4.0 * w.v_sd
+        assert w.v_sd < 2.5e-3 or w.v0 == exact.v[i] == 0.0
+
+
+def _drive() -> Drive:
+    fine = np.arange(16 * 3000) / 8000.0
+    waves = ((6.0, 3.1, 0.3), (4.0, 7.3, 1.1), (3.0, 14.0, 2.0))
+    return Drive(fine, np.sum([a * np.sin(w * fine + p) for a, w, p in waves], axis=0))
+
+
+def test_where_a_window_starts_counts_for_nothing() -> None:
+    problem, found, scales = fitted(recorded(SPRING), Asked())
+    assert isinstance(problem.starts, Windows)
+    assert problem.force_noise is not None
+    w = problem.starts.windows[1]
+    model = replace(found.model, x0=w.x0, v0=w.v0, t0=w.t0)
+    part = replace(problem.part(slice(w.start, w.stop)), starts=OneStart(), force_noise=None)
+    by_start = observe(model, part, ("x0", "v0"), scales).dy["x"]
+    out = np.zeros((problem.t.size, 2))
+    out[w.start : w.stop] = by_start / np.abs(by_start).max(axis=0)
+    white, _ = problem.force_noise.whitened(problem.t, problem.noise, problem.weight, {"x": out})
+    # as good as nothing, next to what white noise would make of them
+    assert np.linalg.norm(white["x"], axis=0) * SIGMA == pytest.approx(np.zeros(2), abs=0.01)
+    assert np.all(np.linalg.norm(out, axis=0) > 1.0)
+
+
+@pytest.mark.slow
+def test_an_effect_is_named_over_gaps() -> None:
+    truth = replace(AXIS, terms=(ModelTerm.named("asymmetric-viscous", c_diff=0.4),))
+    dense = recorded(truth)
+    thin = Recording(dense.t[::4], {c: dense[c][::4] for c in ("x", "u")})
+    outcome = diagnose(prepare(thin, Asked(Restoring.NONE))[0])
+    assert outcome.verdict == "missing_physics"
+    (named,) = outcome.mechanisms
+    assert named.entry.term.name == "asymmetric-viscous"
+    c_diff = named.parameters["c_diff"]
+    assert c_diff.value is not None
+    assert c_diff.stderr is not None
+    assert abs(c_diff.value - 0.4) < 4.0 * c_diff.stderr
+
+
+def test_a_force_is_straight_where_nobody_recorded_it() -> None:
+    t = np.concatenate((np.arange(100) * 0.01, 3.0 + np.arange(100) * 0.01))
+    u = np.sin(3.0 * t)
+    drive = between_samples(t, u, 0.05)
+    within = np.linspace(t[99], t[100], 7)
+    assert np.interp(within, drive.t, drive.u) == pytest.approx(np.interp(within, t, u), abs=1e-5)
+    fine = np.concatenate((np.linspace(0.0, 0.99, 999), np.linspace(3.0, 3.99, 999)))
+    # pieces of a curve: a quarter of an interval's chord is missed by h^2 / 8 of its bend
+    assert np.max(np.abs(np.interp(fine, drive.t, drive.u) - np.sin(3.0 * fine))) < 9.0 * 0.0025**2 / 4.0

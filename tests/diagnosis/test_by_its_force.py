@@ -1,17 +1,24 @@
-"""Where the base model shows another motion and no law explains the recording, the force is fitted, not the motion."""
+"""What is fitted by its force: laws that no motion shows, a push, a spring that nobody spoke of."""
 
+import re
 from dataclasses import replace
 from typing import Any
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from harness import stages
 from harness.core.arrays import FloatArray
 from harness.core.recording import Recording
+from harness.diagnosis.inverse_dynamics.search import by_the_force
+from harness.diagnosis.inverse_dynamics.unseen_mass import with_unseen_mass
 from harness.diagnosis.kinds import driven
-from harness.diagnosis.pipeline import diagnose
+from harness.diagnosis.pipeline import diagnose, prepare
+from harness.diagnosis.prepare.held import Beside
 from harness.diagnosis.problems.driven import Driven, InverseDynamics
+from harness.diagnosis.request import Asked
 from harness.diagnosis.rules import FOLLOWED
 from harness.kernels.solve import Drive, solve
 from harness.model.model import Model, ModelTerm, Restoring
@@ -54,3 +61,118 @@ def test_a_law_that_explains_is_followed_however_much_the_base_misses(monkeypatc
     assert k3.value is not None
     assert k3.stderr is not None
     assert abs(k3.value - 40.0) < 5.0 * k3.stderr
+
+
+_PERIOD = 0.014
+
+
+def _rippled() -> Recording:
+    """A free axis that is drawn into the wells of a ripple as it turns: a model without it stops elsewhere."""
+    t: FloatArray = np.arange(2500.0) * 5e-3
+    random = np.random.default_rng(5)
+    sines = zip((0.35, 0.3, 0.2), (1.7, 2.9, 4.7), random.uniform(0.0, 6.0, 3), strict=True)
+    u: FloatArray = np.sum([size * np.sin(rate * t + phase) for size, rate, phase in sines], axis=0)
+    terms = (ModelTerm.named("force-ripple", amplitude=0.03, period=_PERIOD, phase=1.0),)
+    model = Model(m=1.0, c=0.8, k=0.0, f_k=0.12, restoring=Restoring.NONE, terms=terms)
+    x = solve(model, t, drive=Drive(t, u)).x + 5e-5 * random.standard_normal(t.size)
+    return Recording(t=t, channels={"x": x, "u": u})
+
+
+def test_the_force_shows_a_ripple_wherever_the_model_has_gone() -> None:
+    problem = stages.prepare(_rippled(), restoring="none").problem
+    assert isinstance(problem, Driven)
+    based = stages.fit_base(problem)
+    assert based.fit.chi2 > 30.0 * based.fit.points
+    laws = by_the_force(problem, based.fit.model)
+    ripple = next(model.terms[0] for model in laws if model.terms[0].term.name == "force-ripple")
+    assert ripple.value("period") == pytest.approx(_PERIOD, rel=0.02)
+    assert {(model.x0 + model.offset, model.v0, model.t0) for model in laws} == {
+        (based.fit.model.x0, based.fit.model.v0, based.fit.model.t0)
+    }
+    found = stages.search(based).search
+    (law,) = found.chosen.model.terms
+    assert found.explained
+    assert law.term.name == "force-ripple"
+    assert law.value("period") == pytest.approx(_PERIOD, rel=1e-3)
+    assert abs(law.value("amplitude")) == pytest.approx(0.03, rel=1e-2)
+
+
+PUSH, MASS = 150.0, 0.1
+
+
+def recorded(push: float = PUSH) -> Recording:
+    """Strokes of 36 mm in about 4 s each, of which no two are alike; the force that they take beside what pushes."""
+    t: FloatArray = np.arange(4000.0) / 100.0
+    phase = 0.77 * t + 0.25 * np.sin(0.23 * t) + 0.1 * np.sin(0.41 * t + 1.0)
+    x = 0.018 * np.tanh(1.6 * np.sin(phase)) / np.tanh(1.6) + 0.017
+    v, random = np.gradient(x, t), np.random.default_rng(5)
+    a = np.gradient(v, t)
+    own = np.zeros(t.size)
+    for i in range(1, t.size):
+        # what a seal does that nobody models, correlated over a tenth of a second
+        own[i] = 0.9 * own[i - 1] + 0.1 * random.standard_normal()
+    u = MASS * a + 300.0 * v + 4.0 * np.tanh(v / 1e-3) + push + own
+    return Recording(t=t, channels={"x": x + 2e-5 * random.standard_normal(t.size), "u": u})
+
+
+def test_a_push_is_named() -> None:
+    outcome = diagnose(stages.prepare(recorded()).problem)
+    (push,) = (m for m in outcome.mechanisms if m.name == "constant-force")
+    assert push.grade is not None
+    assert push.grade.value in ("main", "one-of", "explains")
+    (force,) = push.parameters.values()
+    assert force.value is not None
+    # as the equation of motion has it: on the side of what drives
+    assert force.value == pytest.approx(-PUSH, rel=0.01)
+    assert [m.name for m in outcome.mechanisms].count("harmonic-force") <= 1
+
+
+def test_its_mass_is_not_seen() -> None:
+    problem = stages.prepare(recorded(), restoring="none").problem
+    assert isinstance(problem, InverseDynamics)
+    known = with_unseen_mass(problem)
+    # a tenth of what the best law leaves, by far not of what the base does
+    assert known.mass is not None
+    assert MASS < known.mass < 10.0
+    assert any("does not show the mass" in said for said in known.choices)
+
+
+T = np.linspace(0.0, 4.0, 2001)
+U = 3.0 * np.sin(2.0 * np.pi * 1.1 * T) + 1.5 * np.sin(2.0 * np.pi * 0.37 * T + 1.0)
+
+
+@given(st.floats(10.0, 300.0), st.floats(0.0, 1.0), st.booleans())
+def test_a_spring_is_found_with_its_stiffness(k: float, f_k: float, mass_known: bool) -> None:
+    run = solve(Model(m=1.0, c=1.2, k=k, f_k=f_k), T, drive=Drive(T, U))
+    beside = Beside.of((run.x, run.v, run.a), U, 1.0 if mass_known else None)
+    assert beside.k == pytest.approx(k, rel=1e-6)
+    assert beside.share == pytest.approx(1.0, abs=1e-6)
+    assert beside.is_unsaid
+
+
+@given(st.floats(0.0, 1.0), st.floats(0.1, 5.0))
+def test_where_none_is_none_is_found(f_k: float, c: float) -> None:
+    run = solve(Model(m=1.0, c=c, k=0.0, f_k=f_k, restoring=Restoring.NONE), T, drive=Drive(T, U))
+    assert abs(Beside.of((run.x, run.v, run.a), U, 1.0).k) < 1e-6
+
+
+def said(k: float, angular: bool = False) -> list[str]:
+    model = Model(m=1.0, c=1.2, k=k, f_k=0.5, restoring=Restoring.SPRING if k > 0.0 else Restoring.NONE)
+    x = solve(model, T, drive=Drive(T, U)).x
+    noisy = x + 2e-6 * np.random.default_rng(3).standard_normal(T.size)
+    _, notes = prepare(Recording(T, {"x": noisy, "u": U}, "spring", angular=angular), Asked(Restoring.NONE))
+    return [note for note in notes if "spring" in note]
+
+
+@pytest.mark.parametrize(("angular", "unit"), [(False, "N/m"), (True, "N m/rad")])
+def test_the_user_is_told_what_has_it(angular: bool, unit: str) -> None:
+    (sentence,) = said(60.0, angular)
+    words = rf"a spring of (\S+) {unit} takes (\S+) % off what is left of the force: --restoring spring has it"
+    found = re.fullmatch(words, sentence)
+    assert found is not None, sentence
+    # the state is smoothed from x alone
+    assert [float(n) for n in found.groups()] == pytest.approx([60.0, 100.0], rel=0.01)
+
+
+def test_an_axis_is_told_of_none() -> None:
+    assert said(0.0) == []

@@ -1,10 +1,24 @@
-"""Two laws that bend the base model's numbers towards each other: both are named, and advice is theirs."""
+"""Two laws, a second one on a machine, and a pair that needs evidence in words of the motion."""
+
+from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
 
 import harness
-from harness.model.model import Model, ModelTerm
+from harness.core.recording import Recording
+from harness.diagnosis.grading.beginning import with_second
+from harness.diagnosis.outcome import Grade
+from harness.diagnosis.pipeline import explain, fit_base, judge, prepare, search
+from harness.diagnosis.request import Asked
+from harness.diagnosis.residual_tests.lack_of_fit import Left
+from harness.diagnosis.rules import SECOND_TERM
+from harness.diagnosis.search.search import Search
+from harness.diagnosis.stages import Found, Judged
+from harness.diagnosis.verdict import weighed
+from harness.kernels.solve import solve
+from harness.model.model import Model, ModelTerm, Restoring
 from harness.results.diagnosis import DiagnosisResult
 
 BASE = Model(1.0, 0.3, 150.0, 0.1, x0=0.05, mass_known=False)
@@ -39,3 +53,153 @@ def test_advice_is_to_add_both_and_to_give_the_damping_back(both: DiagnosisResul
     to = {change.name: change.after for change in both.attribution.changes}
     assert to["stribeck"] == to["quadratic-drag"] == "present"
     assert to["c"] == pytest.approx(0.3, rel=0.1)
+
+
+SIGMA = 4e-5
+
+
+def recorded(drag: float, bend: float, zero: float = 0.013) -> Recording:
+    """A spring of 1.5 Hz, let go from .1 m; x at 200 Hz, noise 40 um."""
+    terms = (ModelTerm.named("quadratic-drag", c2=drag), ModelTerm.named("quadratic-stiffness", k2=bend))
+    t = np.arange(0.0, 9.0, 0.005)
+    x = solve(Model(1.0, 0.1, 90.0, 0.03, x0=0.1, terms=terms), t).x
+    return Recording(t, {"x": x + zero + SIGMA * np.random.default_rng(8).standard_normal(t.size)}, "two.csv")
+
+
+def searched(recording: Recording, zero_free: bool) -> Found:
+    return search(fit_base(prepare(recording, Asked(Restoring.SPRING, zero_free))[0]))
+
+
+@pytest.fixture(scope="module")
+def found() -> Found:
+    """A drag that makes most of the misfit, a spring that is bent a little."""
+    return searched(recorded(0.6, 12.0), zero_free=True)
+
+
+@pytest.fixture(scope="module")
+def main_and_small(found: Found) -> Judged:
+    return judge(found)
+
+
+def test_the_main_effect_comes_first_and_the_small_one_with_its_numbers(main_and_small: Judged) -> None:
+    outcome = explain(main_and_small)
+    assert outcome.verdict == "missing_physics"
+    first, second = outcome.mechanisms
+    assert (first.name, second.name) == ("quadratic-drag", "quadratic-stiffness")
+    for one, name, true in ((first, "c2", 0.6), (second, "k2", 12.0)):
+        value, error = one.parameters[name].value, one.parameters[name].stderr
+        assert value is not None
+        assert error is not None
+        assert abs(value - true) < 4.0 * error < 0.2 * true
+    assert first.share is not None
+    assert second.share is not None
+    assert first.share > 0.6 > second.share
+    pair = main_and_small.found.search
+    assert all(one is not None and one.bic > pair.chosen.bic + SECOND_TERM.value for one in pair.without)
+
+
+def test_no_pair_is_looked_for_on_a_machine(found: Found, main_and_small: Judged) -> None:
+    assert len(found.search.chosen.model.terms) == 1
+    assert found.search.left is Left.STRUCTURE
+    assert main_and_small.found.search.left is Left.NOISE
+
+
+def test_a_second_law_that_another_follows_is_not_told() -> None:
+    """Bent by 4 N/m^2: a zero that drifts leaves 1.33 times what it leaves; 20 words ask for exp(6/20) = 1.35."""
+    told = judge(searched(recorded(0.6, 4.0), zero_free=True))
+    assert told.judgement.verdict == "main_effect"
+    assert [entry.term.name for entry in told.judgement.refined.model.terms] == ["quadratic-drag"]
+
+
+def test_two_that_are_alike_are_a_crowd_on_a_machine() -> None:
+    free = judge(searched(recorded(0.19, 12.0), zero_free=True))
+    assert free.graded is not None
+    assert free.graded.grade is not Grade.MAIN
+    assert with_second(free.graded) is None
+    assert free.judgement.verdict not in ("missing_physics", "main_effect")
+
+
+@pytest.mark.full
+def test_two_that_are_alike_are_a_pair_on_a_bench() -> None:
+    known = judge(searched(recorded(0.19, 12.0, zero=0.0), zero_free=False))
+    assert known.judgement.verdict == "missing_physics"
+    names = {entry.term.name for entry in known.judgement.refined.model.terms}
+    assert names == {"quadratic-drag", "quadratic-stiffness"}
+
+
+DRAG = ModelTerm.named("quadratic-drag", c2=0.2)
+OMEGA = 60.0
+
+
+def by_hand(
+    terms: int, base: float, turns: int, left: Left = Left.NOISE, named: bool = True, bench: bool = True
+) -> Search:
+    """A search by hand: ``terms`` laws of two numbers each meet 1000 points, the base leaves chi-square ``base``."""
+    t = np.arange(1000) * 1e-3
+
+    def fit(chi2: float, count: int) -> Any:
+        model = SimpleNamespace(terms=(DRAG,) * count)
+        return SimpleNamespace(
+            model=model, chi2=chi2, free=range(6 + 2 * count), shown=SimpleNamespace(v=t), explains_as_named=named
+        )
+
+    problem: Any = SimpleNamespace(
+        t=t, duration=1.0, turns=lambda v: np.linspace(1, 998, turns).astype(np.int64), on_bench=bench
+    )
+    return Search(problem, fit(base, 0), fit(1000.0, terms), (), (), left)
+
+
+def test_few_words_of_a_small_misfit_do_not_carry_a_pair() -> None:
+    """9 words, chi-square 1.57 a point: 9 ln 1.57 - 4 ln 9 = -4.7; at 60, the most that count, 10.7."""
+    assert weighed(by_hand(2, 1570.0, 8), OMEGA).left is Left.STRUCTURE
+    assert weighed(by_hand(2, 1570.0, 99), OMEGA).left is Left.NOISE
+
+
+@pytest.mark.parametrize("terms", [0, 1])
+def test_a_lone_law_and_none_are_judged_by_samples_alone(terms: int) -> None:
+    assert weighed(by_hand(terms, 1100.0, 8), OMEGA).left is Left.NOISE
+
+
+def test_a_large_misfit_carries_a_pair_in_few_cycles() -> None:
+    """12 words, chi-square 50 a point: 12 ln 50 - 4 ln 12 = 37."""
+    assert weighed(by_hand(2, 50000.0, 11), OMEGA).left is Left.NOISE
+
+
+@pytest.mark.parametrize(
+    ("bench", "turns", "left"),
+    [(True, 8, Left.NOISE), (False, 8, Left.STRUCTURE), (False, 11, Left.NOISE), (False, 99, Left.NOISE)],
+)
+def test_where_nobody_knows_the_zero_the_base_takes_its_words_first(bench: bool, turns: int, left: Left) -> None:
+    """9 words less six, chi-square 50 a point: 3 ln 50 - 4 ln 3 = 7.3; of 12 words 6 ln 50 - 4 ln 6 = 16."""
+    found = weighed(by_hand(2, 50000.0, turns, bench=bench), OMEGA)
+    assert found.left is left
+    assert (found.doubted is None) is (left is Left.NOISE)
+
+
+def force(rate: float) -> ModelTerm:
+    """A harmonic force at so many rad/s."""
+    return ModelTerm.named("harmonic-force", A=1.0, Omega=rate, phase=0.3)
+
+
+# a second of recording: 3 pi rad/s is a period and a half of it
+@pytest.mark.parametrize(
+    ("terms", "left"),
+    [
+        ((force(OMEGA + 9.4),), Left.STRUCTURE),
+        ((force(OMEGA + 9.5),), Left.NOISE),
+        ((force(OMEGA - 9.4),), Left.STRUCTURE),
+        ((force(9.4),), Left.STRUCTURE),
+        ((force(9.5),), Left.NOISE),
+        ((force(2.0 * OMEGA),), Left.NOISE),
+        ((DRAG, force(OMEGA)), Left.STRUCTURE),
+        ((force(150.0), force(159.3)), Left.STRUCTURE),
+        ((force(150.0), force(159.5)), Left.NOISE),
+        ((ModelTerm.named("normal-load-variation", depth=0.5, Omega=OMEGA, phase=0.3),), Left.NOISE),
+    ],
+)
+def test_a_force_in_step_with_the_swing_or_with_another_explains_nothing(
+    terms: tuple[ModelTerm, ...], left: Left
+) -> None:
+    found = by_hand(len(terms), 50000.0, 99)
+    found.chosen.model.terms = terms  # type: ignore[misc]
+    assert weighed(found, OMEGA).left is left

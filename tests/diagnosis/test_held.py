@@ -1,18 +1,20 @@
-"""What holds a driven slider, and from where its position is measured, where nobody says."""
+"""What holds a driven slider, where its zero is, and whether anything swings."""
 
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+import harness
 from harness.core.arrays import FloatArray
+from harness.core.errors import InputError
 from harness.core.recording import Recording
-from harness.diagnosis.pipeline import prepare
+from harness.diagnosis.pipeline import prepare, prepare_together
 from harness.diagnosis.prepare.held import held_driven
 from harness.diagnosis.problems.driven import Forced
 from harness.diagnosis.request import Asked, AskedCovariate
 from harness.diagnosis.rules import LARGE_ANGLE, ZERO_REACH
-from harness.kernels.solve import Drive, Solution, solve
+from harness.kernels.solve import Drive, Solution, simulate, solve
 from harness.model.model import Model, Restoring
 
 T: FloatArray = np.arange(4000.0) / 200.0
@@ -97,3 +99,67 @@ def test_a_small_swing_is_a_pendulum_where_its_motion_says_so() -> None:
 def test_what_was_asked_rules(asked: Asked) -> None:
     run = moved()
     assert chosen(run.x + 0.3, run, asked) == asked
+
+
+NINE_CYCLES = np.linspace(0.0, 4.0, 900)
+
+
+def decay(zero: float = 0.0, x0: float = 0.1) -> Recording:
+    """About nine cycles, read from so far beside the rest."""
+    noise = 1e-5 * np.random.default_rng(7).standard_normal(NINE_CYCLES.size)
+    return Recording(
+        NINE_CYCLES, {"x": simulate(Model(m=1.0, c=0.2, k=200.0, f_k=0.1, x0=x0), NINE_CYCLES).x + zero + noise}
+    )
+
+
+@pytest.mark.parametrize(
+    ("zero", "told", "free", "bench"),
+    [
+        (0.0, None, False, False),
+        (0.0, False, False, True),
+        (0.0, True, True, False),
+        (0.01, None, True, False),
+        (0.01, False, False, True),
+    ],
+)
+def test_a_zero_is_of_a_bench_only_where_it_is_told(zero: float, told: bool | None, free: bool, bench: bool) -> None:
+    problem, _ = prepare(decay(zero), Asked(Restoring.SPRING, told))
+    assert (problem.zero_free, problem.on_bench) == (free, bench)
+
+
+@pytest.mark.parametrize(("told", "bench"), [(None, False), (False, True)])
+def test_recordings_together_and_each_of_them_know_what_was_told(told: bool | None, bench: bool) -> None:
+    # the second swings further, so that the zero is chosen at it and taken over by the first
+    both, _ = prepare_together([decay(), decay(x0=0.15)], Asked(Restoring.SPRING, told))
+    assert not both.zero_free
+    assert [both.on_bench, *(one.on_bench for one in both.alone)] == [bench] * 3
+
+
+SAMPLES = 400
+FOUR_S = np.arange(SAMPLES) / 100.0
+
+
+def bench(kind: str, random: np.random.Generator) -> np.ndarray:
+    """A slider at rest as a sensor shows it, 1 mm rms."""
+    white = 1e-3 * random.standard_normal(SAMPLES)
+    if kind == "coloured":
+        for i in range(1, SAMPLES):
+            white[i] += 0.8 * white[i - 1]
+    if kind == "wandering":
+        white = white + np.cumsum(3e-4 * random.standard_normal(SAMPLES))
+    if kind == "moved once":
+        white = white + np.where(FOUR_S < 1.7, 0.0, 0.02)
+    return 0.1 + white
+
+
+@pytest.mark.parametrize("kind", ["white", "coloured", "wandering", "moved once"])
+def test_noise_about_a_level_is_no_swing(kind: str) -> None:
+    x = bench(kind, np.random.default_rng(0))
+    with pytest.raises(InputError, match=r"bench: no free decay|half-cycle"):
+        harness.diagnose(harness.Recording(FOUR_S, {"x": x}, "bench"), engines=())
+
+
+def test_a_swing_under_noise_as_large_is_a_motion() -> None:
+    t = np.arange(3000) / 100.0
+    x = np.exp(-0.05 * t) * np.cos(9.0 * t) + 0.5 * np.random.default_rng(1).standard_normal(t.size)
+    assert harness.diagnose(harness.Recording(t, {"x": x}), engines=()).verdict == "adequate"

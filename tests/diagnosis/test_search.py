@@ -1,0 +1,221 @@
+"""What a law takes beside others, laws that keep time, a search with a budget, and one in means of samples."""
+
+import math
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+import harness
+from harness.core.arrays import FloatArray
+from harness.core.budget import Budget, allowed, counted, spend
+from harness.core.budget import given as within
+from harness.core.cores import each
+from harness.core.errors import InputError, SimulationError
+from harness.diagnosis.grading.clocks import in_step, on_the_swing, unresolved
+from harness.diagnosis.inverse_dynamics.protocol import periods
+from harness.diagnosis.outcome import Outcome
+from harness.diagnosis.pipeline import diagnose
+from harness.diagnosis.problem import Problem
+from harness.diagnosis.problems.free_decay import FreeDecay
+from harness.diagnosis.search import long_recordings as long
+from harness.diagnosis.search.against import in_company
+from harness.estimate.noise import channel_noise
+from harness.kernels.solve import solve
+from harness.model.model import Model, ModelTerm
+
+N = 40
+E = np.eye(N)
+
+
+def base(residual: FloatArray, partials: FloatArray | None = None) -> Any:
+    return SimpleNamespace(residual=residual, jacobian=np.zeros((N, 1)) if partials is None else partials)
+
+
+def law(before: Any, change: FloatArray) -> Any:
+    return SimpleNamespace(residual=before.residual - change)
+
+
+def test_alone_it_takes_all_that_it_takes() -> None:
+    before = base(3.0 * E[0] + 4.0 * E[1])
+    assert in_company(law(before, 3.0 * E[0]), [], before) == pytest.approx(9.0)
+
+
+def test_what_nothing_else_takes_it_keeps() -> None:
+    """3 and 4 across each other: each keeps its own, 9 and 16."""
+    before = base(3.0 * E[0] + 4.0 * E[1])
+    one, other = law(before, 3.0 * E[0]), law(before, 4.0 * E[1])
+    assert in_company(one, [other], before) == pytest.approx(9.0)
+    assert in_company(other, [one], before) == pytest.approx(16.0)
+
+
+def test_a_sum_of_two_shares_with_each_of_them() -> None:
+    """The sum takes 2 first and 1 after one of its halves: 3/2; the half 1 first and nothing last: 1/2."""
+    before = base(E[0] + E[1])
+    both, half = law(before, E[0] + E[1]), law(before, E[0])
+    assert in_company(both, [half], before) == pytest.approx(1.5)
+    assert in_company(half, [both], before) == pytest.approx(0.5)
+
+
+def test_of_several_others_the_one_counts_with_which_it_leaves_least() -> None:
+    """Beside a part of itself it would keep 1.125; beside what it leaves, and nothing is left then, 1.25."""
+    before = base(E[0] + 2.0 * E[1] + 0.5 * E[2])
+    one, part, rest = (law(before, change) for change in (E[0] + 0.5 * E[2], E[2], 2.0 * E[1]))
+    assert in_company(one, [part], before) == pytest.approx(1.125)
+    assert in_company(one, [part, rest], before) == pytest.approx(1.25)
+
+
+def test_sizes_are_free() -> None:
+    before = base(3.0 * E[0] + 4.0 * E[1])
+    one, other = law(before, E[0] + E[1]), law(before, E[1])
+    assert in_company(law(before, -7.0 * (E[0] + E[1])), [law(before, 0.01 * E[1])], before) == pytest.approx(
+        in_company(one, [other], before)
+    )
+
+
+def test_what_the_base_can_do_itself_is_not_counted() -> None:
+    before = base(3.0 * E[0], partials=np.column_stack([E[1], 2.0 * E[1], np.zeros(N)]))
+    assert in_company(law(before, 3.0 * E[0] + 5.0 * E[1]), [], before) == pytest.approx(9.0)
+    assert in_company(law(before, E[1]), [], before) == pytest.approx(0.0, abs=1e-20)
+
+
+def test_a_law_that_changes_nothing_takes_nothing() -> None:
+    before = base(E[0])
+    assert in_company(law(before, np.zeros(N)), [law(before, E[0])], before) == pytest.approx(0.0, abs=1e-12)
+    assert in_company(law(before, E[0]), [law(before, np.zeros(N))], before) == pytest.approx(1.0)
+
+
+@given(seed=st.integers(0, 2**31), others=st.integers(0, 5), partials=st.integers(1, 6))
+def test_it_is_between_nothing_and_all(seed: int, others: int, partials: int) -> None:
+    rng = np.random.default_rng(seed)
+    before = base(rng.standard_normal(N), rng.standard_normal((N, partials)))
+    laws = [law(before, rng.standard_normal(N)) for _ in range(others + 1)]
+    taken = in_company(laws[0], laws[1:], before)
+    assert -1e-9 <= taken <= float(before.residual @ before.residual) + 1e-9
+
+
+SWING, SPAN = 5.0, 60.0
+
+
+@pytest.mark.parametrize(
+    ("omega_2", "zeta_2", "follows"),
+    [
+        (5.05, 0.001, True),  # on the swing
+        (7.0, 0.5, True),  # its band reaches it
+        (40.0, 1.0, True),  # damped as strongly as it swings: a delay
+        (0.05, 0.01, True),  # slower than the recording shows
+        (7.0, 0.02, False),
+        (40.0, 0.3, False),
+    ],
+)
+def test_a_resonator_that_the_swing_reaches_follows_anything(omega_2: float, zeta_2: float, follows: bool) -> None:
+    mode = ModelTerm.named("attached-mode", omega_2=omega_2, mass_ratio=0.001, zeta_2=zeta_2)
+    assert on_the_swing(mode, SWING, SPAN) is follows
+    assert unresolved((mode,), SWING, SPAN) is follows
+
+
+@pytest.mark.parametrize(("times", "follows"), [(1.0, True), (7.0, True), (31.0, True), (7.5, False), (0.5, False)])
+def test_a_push_to_and_fro_keeps_time_and_place_together(times: float, follows: bool) -> None:
+    period = 6.0
+    hum = ModelTerm.named("harmonic-force", A=1.0, Omega=times * 2.0 * math.pi / period, phase=0.0)
+    assert in_step(hum, period, 10.0 * period) is follows
+
+
+@pytest.mark.parametrize("cycles", [1.75, 2.5, 4.4, 7.0, 12.0, 80.0])
+def test_a_ripple_of_few_cycles_is_looked_for(cycles: float) -> None:
+    x: FloatArray = 0.3 * np.sin(np.arange(6000.0) / 300.0)
+    force = 0.2 * np.cos(2.0 * math.pi * x * cycles / 0.6 + 0.4) + 0.05 * np.random.default_rng(2).standard_normal(
+        x.size
+    )
+    assert min(abs(0.6 / period - cycles) for period in periods(x, force)) < 0.5
+
+
+def test_what_pieces_beside_one_another_may_do_does_not_hang_on_threads(monkeypatch: pytest.MonkeyPatch) -> None:
+    def work(size: int) -> int:
+        done = 0
+        try:
+            for _ in range(size):
+                allowed(1)
+                spend(10)
+                done += 10
+        except SimulationError:
+            pass
+        return done
+
+    found = {}
+    for threads in ("1", "2"):
+        monkeypatch.setenv("HARNESS_THREADS", threads)
+        budget = Budget(1000.0)
+        with within(budget), counted():
+            found[threads] = (each(work, [1, 2, 90, 3, 90, 4, 5, 6]), each(work, [90, 1]), budget.spent, budget.ended)
+    assert found["1"] == found["2"]
+    assert found["1"][0] == [10, 20, 500, 30, 500, 40, 50, 60]
+    assert found["1"][1] == [0, 0]
+    assert found["1"][3]
+
+
+def test_nothing_is_counted_where_no_search_is() -> None:
+    budget = Budget(0.0)
+    with within(budget):
+        harness.simulate(Model(1.0, 0.3, 150.0, 0.1, x0=0.05), np.linspace(0.0, 1.0, 50))
+    assert (budget.spent, budget.ended) == (0, False)
+
+
+def test_a_search_that_its_budget_ended_gives_the_best_so_far_and_says_so() -> None:
+    t = np.arange(0.0, 5.0, 1.0 / 80.0)
+    drag = ModelTerm.named("quadratic-drag", c2=2.0)
+    x = harness.simulate(Model(1.0, 0.3, 150.0, 0.1, x0=0.05, terms=(drag,), mass_known=False), t).x
+    recording = harness.Recording(t, {"x": x + 2e-5 * np.random.default_rng(5).standard_normal(t.size)}, "made")
+    found = harness.diagnose(recording, zero="spring", engines=(), budget=0.05)
+    assert found.bounded
+    assert "--budget" in found.warnings[0]
+    assert found.settings["budget_s"] == 0.05
+
+
+def test_a_budget_is_positive() -> None:
+    recording = harness.Recording(np.arange(60.0), {"x": np.cos(np.arange(60.0))}, "made")
+    with pytest.raises(InputError, match="--budget"):
+        harness.diagnose(recording, budget=0.0)
+
+
+STEP, SAMPLES = 0.002, 6_000
+CUBIC = ModelTerm.named("cubic-stiffness", k3=3.0)
+
+
+def decay(terms: tuple[ModelTerm, ...]) -> Problem:
+    t: FloatArray = STEP * np.arange(float(SAMPLES))
+    run = solve(Model(1.0, 0.12, 40.0, 0.06, x0=1.0, terms=terms), t)
+    draw = np.random.default_rng(4)
+    channels: dict[str, FloatArray] = {
+        "x": run.x + 2e-3 * draw.standard_normal(t.size),
+        "a": run.a + 0.2 * draw.standard_normal(t.size),
+    }
+    return FreeDecay(t, channels, {c: channel_noise(t, y) for c, y in channels.items()})
+
+
+def told(problem: Problem, monkeypatch: pytest.MonkeyPatch, samples: int) -> Outcome:
+    monkeypatch.setattr(long, "LONG", samples)
+    return diagnose(problem)
+
+
+@pytest.mark.parametrize(
+    "terms", [pytest.param((), id="nothing", marks=pytest.mark.full), pytest.param((CUBIC,), id="cubic-stiffness")]
+)
+def test_means_of_samples_tell_what_all_of_them_tell(
+    terms: tuple[ModelTerm, ...], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    problem = decay(terms)
+    whole, short = (told(problem, monkeypatch, samples) for samples in (SAMPLES, 1500))
+    assert [m.name for m in short.mechanisms] == [m.name for m in whole.mechanisms] == [e.term.name for e in terms]
+    assert short.verdict == whole.verdict
+    assert short.problem.t.size == whole.problem.t.size == SAMPLES
+    for name, quantity in whole.refined_parameters.items():
+        assert quantity.stderr is not None
+        assert short.refined_parameters[name].value == pytest.approx(quantity.value, abs=0.2 * quantity.stderr + 1e-12)
+    for mine, theirs in zip(short.mechanisms, whole.mechanisms, strict=True):
+        assert mine.delta_bic == pytest.approx(theirs.delta_bic, rel=0.05)
+    for channel, level in {"x": 2e-3, "a": 0.2}.items():
+        assert short.problem.noise[channel].sigma == pytest.approx(level, rel=0.03)
