@@ -14,8 +14,7 @@ from harness.engines.mujoco import MujocoEngine
 from harness.engines.mujoco.build import compile_model
 from harness.engines.pybullet import PybulletEngine
 from harness.engines.pybullet import loop as stepping
-from harness.engines.pybullet.client import log
-from harness.engines.pybullet.world import SLIDE, opened
+from harness.engines.pybullet.world import SLIDE, log, opened
 
 
 def _whole(engine: Engine, task: Task) -> Callable[[], object]:

@@ -15,7 +15,7 @@ import numpy as np
 
 from benchmarks.draws.shared import Answer
 from harness.app.run.joint_servo import servo_scores
-from harness.engines.mujoco.warned import warned
+from harness.engines.mujoco.presets import warned
 from harness.robot.as_it_is import as_it_is
 from harness.robot.as_it_is_bullet import in_bullet
 

@@ -14,7 +14,7 @@ from harness.core.errors import InputError
 from harness.core.recording import Recording
 from harness.core.slider import Slider
 from harness.exact.decay import Decay, free_decay
-from harness.robot.whole_arm.model_columns import PAYLOAD
+from harness.robot.whole_arm.columns import PAYLOAD
 from harness.robot.whole_arm.whole import whole_arm
 
 _STEP = 1e-3

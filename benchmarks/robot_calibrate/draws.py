@@ -10,8 +10,19 @@ from benchmarks.robot_calibrate.limit import Limit, Path
 from benchmarks.robot_calibrate.plant import JOINTS, Friction, Motion, Plant, seven_joints
 from harness.core.arrays import FloatArray
 from harness.robot.arm import Arm
-from harness.robot.whole_arm.friction_columns import ASYMMETRIC, DRIFT, LOAD, POSITION, QUADRATIC, RIPPLE, STRIBECK
-from harness.robot.whole_arm.model_columns import DELAY, INERTIA, MOTOR, PAYLOAD
+from harness.robot.whole_arm.columns import (
+    ASYMMETRIC,
+    DELAY,
+    DRIFT,
+    INERTIA,
+    LOAD,
+    MOTOR,
+    PAYLOAD,
+    POSITION,
+    QUADRATIC,
+    RIPPLE,
+    STRIBECK,
+)
 from harness.robot.whole_arm.perturb import moving_bodies, with_load, with_mass
 from harness.robot.whole_arm.result import WholeArm
 from harness.robot.whole_arm.turning import BACKLASH, PRESLIDING, STATIC, bristles

@@ -14,7 +14,7 @@ import numpy as np
 from harness.core.apart import Found, read_apart
 from harness.core.bounded import check_file
 from harness.core.errors import InputError
-from harness.engines.mujoco.warned import warned
+from harness.engines.mujoco.presets import warned
 from harness.robot import mjcf, shapes, urdf
 from harness.robot.xml import with_included
 

@@ -18,8 +18,7 @@ from harness.core.apart import Found, read_apart
 from harness.core.arrays import FloatArray
 from harness.core.bounded import check_file
 from harness.core.errors import InputError
-from harness.engines.mujoco.presets import INTEGRATORS
-from harness.engines.mujoco.warned import warned
+from harness.engines.mujoco.presets import INTEGRATORS, warned
 from harness.robot.apart import ACCEPTED, compile_text, prepared
 from harness.robot.compiled import HINGE_OR_SLIDE
 

@@ -12,7 +12,7 @@ import numpy as np
 
 from harness.core.apart import Found, read_apart
 from harness.core.errors import InputError
-from harness.engines.pybullet.client import pybullet
+from harness.engines.pybullet.world import pybullet
 from harness.robot.apart import ACCEPTED
 from harness.robot.as_it_is import HELD, HELD_FOR, AsItIs, Gravity
 from harness.robot.urdf import bare

@@ -12,10 +12,9 @@ from harness.core.scenario import FREE_DECAY, Hold
 from harness.engines import registry
 from harness.exact.decay import Decay, schedule
 from harness.fidelity import scenarios
-from harness.fidelity.describe import describe, scenario_of
 from harness.fidelity.matrix import Matrix
 from harness.fidelity.registry import chosen, kinds
-from harness.fidelity.row import run_row
+from harness.fidelity.row import describe, run_row, scenario_of
 
 
 def test_without_parameters_it_is_the_papers_case() -> None:

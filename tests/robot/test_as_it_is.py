@@ -10,7 +10,7 @@ import pytest
 
 from harness.app.run.joint import JointRun, run_joint
 from harness.app.run.joint_servo import servo_scores
-from harness.engines.mujoco.warned import warned
+from harness.engines.mujoco.presets import warned
 from harness.fidelity import laws
 from harness.results.run import JointRunResult, ServoResult
 from harness.robot.as_it_is import as_it_is

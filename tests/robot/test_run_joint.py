@@ -17,8 +17,8 @@ from harness.engines.models import folder
 from harness.fidelity.laws import half_implicit
 from harness.results.run import JointRunResult
 from harness.robot.arm import load_arm
+from harness.robot.own_model import words
 from harness.robot.reduction import reduced
-from harness.robot.servo import words
 from harness.show import screenshot
 
 FILE = folder() / "arm" / "arm.xml"

@@ -13,7 +13,7 @@ from harness.cli.main import cli
 from harness.core.errors import InputError
 from harness.engines.models import folder
 from harness.fidelity import tune as room
-from harness.robot.servo import loosened
+from harness.robot.own_model import loosened
 
 FILE = folder() / "arm" / "arm.xml"
 

@@ -12,7 +12,7 @@ from whole_arm_logs import LOWPASS, NAMES, arm, log_of, machine, of_joints
 from harness.core.errors import InputError
 from harness.core.robot.joint_log import JointLog
 from harness.robot.arm import Arm, load_arm
-from harness.robot.whole_arm.model_columns import PAYLOAD, TILT
+from harness.robot.whole_arm.columns import PAYLOAD, TILT
 from harness.robot.whole_arm.result import WholeArm
 from harness.robot.whole_arm.whole import whole_arm
 

@@ -13,27 +13,25 @@ from whole_arm_logs import LOWPASS, arm, log_of, machine, with_effect
 from benchmarks.robot_calibrate.draws import loose
 from benchmarks.robot_calibrate.plant import Friction
 from harness.robot.arm import load_arm
-from harness.robot.whole_arm.friction_columns import (
+from harness.robot.whole_arm.columns import (
+    ARMATURE,
     ASYMMETRIC,
+    DELAY,
     DRIFT,
+    INERTIA,
     LOAD,
     LOAD_OR_POSITION,
-    POSITION,
-    QUADRATIC,
-    RIPPLE,
-    STRIBECK,
-)
-from harness.robot.whole_arm.model_columns import (
-    ARMATURE,
-    DELAY,
-    INERTIA,
     MASS_AT_END,
     MOTOR,
     PAYLOAD,
+    POSITION,
+    QUADRATIC,
+    RIPPLE,
     ROTOR_OR_AXIS,
     ROTOR_OR_SENSOR,
     SCALE_OR_MASS,
     SENSOR,
+    STRIBECK,
     TILT,
     WHICH_IS_LATE,
 )

@@ -12,7 +12,7 @@ from harness.app.diagnose.joint_words import named
 from harness.app.diagnose.one import Diagnosed, deliver
 from harness.app.diagnose.options import DiagnoseOptions, Zero
 from harness.app.diagnose.robot_options import RobotOptions
-from harness.app.diagnose.robot_shown import tried
+from harness.app.diagnose.show import tried
 from harness.app.diagnose.unmatched import match_results, unfitted
 from harness.app.diagnose.whole_arm import diagnose_arm
 from harness.app.shared.progress import SILENT, Progress

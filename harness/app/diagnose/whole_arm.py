@@ -11,8 +11,7 @@ import numpy as np
 from harness.app.diagnose.joint_doubts import stands_for, surely, with_forward_run
 from harness.app.diagnose.options import DiagnoseOptions
 from harness.app.diagnose.robot_options import RobotOptions
-from harness.app.diagnose.robot_shown import tried
-from harness.app.diagnose.show import write_arm_page, write_arm_trace
+from harness.app.diagnose.show import tried, write_arm_page, write_arm_trace
 from harness.app.diagnose.unmatched import match_results, recording_info
 from harness.app.shared.deliver import to_json
 from harness.app.shared.machine import this_machine

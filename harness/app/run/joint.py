@@ -28,10 +28,10 @@ from harness.results.robot import PasteResult
 from harness.results.run import JointRunResult, JointScore
 from harness.robot.arm import Arm, load_arm
 from harness.robot.as_it_is import as_it_is
+from harness.robot.own_model import words
 from harness.robot.paste import JointPaste, copies
 from harness.robot.pictured import moved
 from harness.robot.reduction import Reduced, reduced
-from harness.robot.servo import words
 
 LOGGER = logging.getLogger(__name__)
 MUJOCO = "mujoco"

@@ -26,7 +26,7 @@ from harness.estimate.every import estimate_all
 from harness.estimate.result import Estimation
 from harness.exact.duration import rounded_up
 from harness.fidelity import metrics as figures
-from harness.fidelity.describe import scenario_of
+from harness.fidelity.row import scenario_of
 from harness.kernels.solve import Scales, simulate
 from harness.model import document
 from harness.model.beyond import beyond

@@ -22,9 +22,9 @@ from harness.fidelity.spaces import space, tunable
 from harness.fidelity.tune import HELD_OUT, SEARCH, Subject, Trial, score_of, search
 from harness.results.sweep import TunedFigure, TunedJoint, TuneResult
 from harness.robot.arm import Arm, load_arm
+from harness.robot.own_model import loosened, looseness, words
 from harness.robot.paste import JointPaste
 from harness.robot.reduction import Reduced, reduced
-from harness.robot.servo import loosened, looseness, words
 
 MUJOCO, PYBULLET = "mujoco", "pybullet"
 SCENARIOS = ("free-decay", "hold-50", "hold-97", "harmonic")

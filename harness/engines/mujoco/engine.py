@@ -17,7 +17,7 @@ from harness.engines.base import Engine, Preset, Route, Task, resolve
 from harness.engines.joint_words import GRAVITY, JOINT, Kinds, coefficient
 from harness.engines.mujoco import presets as table
 from harness.engines.mujoco.build import Forces, compile_model
-from harness.engines.mujoco.warned import warned
+from harness.engines.mujoco.presets import warned
 from harness.engines.samples import UNSATURATED, Motion, newton_friction, trajectory
 
 _DEEPEST = 0.1

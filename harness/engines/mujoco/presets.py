@@ -1,6 +1,10 @@
 """Settings of MuJoCo: what there is, what ships, and what we found best."""
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from typing import Any
+
+import mujoco
 
 from harness.engines.base import TUNED_DT, Preset, Route, choice
 
@@ -85,3 +89,15 @@ def unused(settings: dict[str, Any], shipped: dict[str, Any], route: Route) -> t
     elif route == "contact" and settings["cone"] == "elliptic":
         reasons["noslip_iterations"] = "does nothing with an elliptic cone unless the box can also move sideways"
     return tuple(f"{name}: {reason}" for name, reason in reasons.items() if settings[name] != shipped[name])
+
+
+@contextmanager
+def warned() -> Iterator[list[str]]:
+    """The warnings of the block, as they come."""
+    found: list[str] = []
+    previous = mujoco.get_mju_user_warning()
+    mujoco.set_mju_user_warning(found.append)
+    try:
+        yield found
+    finally:
+        mujoco.set_mju_user_warning(previous)

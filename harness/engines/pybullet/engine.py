@@ -8,8 +8,7 @@ from harness.core.registered import version
 from harness.core.trajectory import Trajectory
 from harness.engines.base import TUNED_DT, Engine, Preset, Route, Task, resolve
 from harness.engines.pybullet import loop
-from harness.engines.pybullet.client import log
-from harness.engines.pybullet.world import opened
+from harness.engines.pybullet.world import log, opened
 from harness.engines.samples import trajectory
 
 SHIPPED_DT = 1.0 / 240.0

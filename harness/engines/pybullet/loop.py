@@ -7,8 +7,7 @@ import numpy as np
 
 from harness.core.slider import Slider
 from harness.engines.base import Task
-from harness.engines.pybullet.client import pybullet
-from harness.engines.pybullet.world import LIFT, SLIDE, World
+from harness.engines.pybullet.world import LIFT, SLIDE, World, pybullet
 from harness.engines.samples import Motion, newton_friction
 from harness.engines.stepping import Native, Plan, Stepped, stepped_through
 

@@ -4,16 +4,25 @@ import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
+from logging import Logger, getLogger
 from pathlib import Path
 from typing import Any
 
 from lxml import etree
 
+from harness.core.quiet import quiet
 from harness.core.slider import Slider
 from harness.engines import models
 from harness.engines.base import Route
 from harness.engines.joint_words import GRAVITY, coefficient
-from harness.engines.pybullet.client import pybullet
+
+log: Logger = getLogger("harness.engines.pybullet")
+
+with quiet(log):
+    import pybullet
+
+__all__ = ["log", "pybullet"]
+
 
 SLIDE, LIFT = 0, 1
 """Joint (and link) numbers in both models."""

@@ -11,7 +11,7 @@ import numpy as np
 from harness.core.arrays import FloatArray
 from harness.core.errors import SimulationError
 from harness.core.quiet import quiet
-from harness.engines.pybullet.client import log, pybullet
+from harness.engines.pybullet.world import log, pybullet
 from harness.robot.arm import Arm
 from harness.robot.replay.as_urdf import ForBullet
 from harness.robot.replay.drive import Drive

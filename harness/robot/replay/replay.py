@@ -16,7 +16,7 @@ import numpy as np
 from harness.core.arrays import FloatArray
 from harness.core.errors import SimulationError
 from harness.core.robot.joint_log import JointLog
-from harness.engines.mujoco.warned import warned
+from harness.engines.mujoco.presets import warned
 from harness.robot.arm import Arm, load_arm
 from harness.robot.paste import JointPaste, written
 from harness.robot.replay.as_urdf import ForBullet, of_file, of_model

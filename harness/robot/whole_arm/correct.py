@@ -9,8 +9,8 @@ from harness.core.arrays import FloatArray
 from harness.core.errors import InputError
 from harness.core.robot.joint_log import JointLog
 from harness.robot.arm import Arm
+from harness.robot.whole_arm.columns import DELAY, PAYLOAD, TILT
 from harness.robot.whole_arm.differentiate import differentiate
-from harness.robot.whole_arm.model_columns import DELAY, PAYLOAD, TILT
 from harness.robot.whole_arm.perturb import tilted, with_load
 from harness.robot.whole_arm.prepare import Known, Problem, moving, prepare
 from harness.robot.whole_arm.search import CORRECTED, Chosen, Model, search

@@ -10,7 +10,7 @@ from scipy.special import gammaincc, gammaln, ndtri_exp
 
 from harness.core.arrays import FloatArray
 from harness.fit.autocorrelation import memory
-from harness.robot.whole_arm.candidate import Candidate
+from harness.robot.whole_arm.columns import Candidate
 from harness.robot.whole_arm.noise import Noise, Stretches
 
 _FAR = 300.0

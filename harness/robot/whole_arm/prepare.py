@@ -6,11 +6,9 @@ import numpy as np
 
 from harness.core.arrays import BoolArray, FloatArray
 from harness.robot.arm import Arm
-from harness.robot.whole_arm.candidate import Candidate
+from harness.robot.whole_arm.columns import Candidate, base_columns, friction_candidates, model_candidates
 from harness.robot.whole_arm.design import Part
 from harness.robot.whole_arm.differentiate import Filtered
-from harness.robot.whole_arm.friction_columns import base_columns, friction_candidates
-from harness.robot.whole_arm.model_columns import model_candidates
 from harness.robot.whole_arm.noise import Noise, Stretches
 from harness.robot.whole_arm.rules import EITHER_WAY, GUARD, LEAST_SAMPLES, RESTING, SURE
 from harness.robot.whole_arm.search import beside_everything

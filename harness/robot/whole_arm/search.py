@@ -6,9 +6,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from harness.core.arrays import FloatArray, IntArray
-from harness.robot.whole_arm.candidate import FRICTION, Candidate
+from harness.robot.whole_arm.columns import DELAY, FRICTION, PAYLOAD, TILT, Candidate
 from harness.robot.whole_arm.design import Design, Named, Part, Score, Whitened
-from harness.robot.whole_arm.model_columns import DELAY, PAYLOAD, TILT
 from harness.robot.whole_arm.noise import Noise
 from harness.robot.whole_arm.rules import MOST, NAMED, RIVAL, SIZE
 

@@ -13,12 +13,20 @@ from scipy.special import betainc
 
 from harness.core.arrays import BoolArray, FloatArray, IntArray
 from harness.model.terms import backlash, presliding, static_friction
-from harness.robot.whole_arm.candidate import FRICTION, MODEL, Candidate, Setting, free
+from harness.robot.whole_arm.columns import (
+    DELAY,
+    FRICTION,
+    MODEL,
+    STRIBECK,
+    WHICH_IS_LATE,
+    Candidate,
+    Setting,
+    free,
+    signs,
+)
 from harness.robot.whole_arm.correct import Solved
 from harness.robot.whole_arm.design import Design, Named, Part, Whitened, evidence_of_chance
 from harness.robot.whole_arm.differentiate import Filtered
-from harness.robot.whole_arm.friction_columns import STRIBECK, signs
-from harness.robot.whole_arm.model_columns import DELAY, WHICH_IS_LATE
 from harness.robot.whole_arm.noise import Stretches
 from harness.robot.whole_arm.prepare import reversals, sure_speed
 from harness.robot.whole_arm.rules import (

@@ -12,20 +12,26 @@ from harness.core.errors import InputError
 from harness.core.quantity import Quantity
 from harness.core.robot.joint_log import JointLog
 from harness.robot.arm import Arm
-from harness.robot.whole_arm.candidate import FRICTION
-from harness.robot.whole_arm.correct import Solved, solve, total
-from harness.robot.whole_arm.design import Design, Part, Whitened
-from harness.robot.whole_arm.friction_columns import (
+from harness.robot.whole_arm.columns import (
+    ARMATURE,
     ASYMMETRIC,
+    DELAY,
     DRIFT,
+    FRICTION,
+    INERTIA,
     LOAD,
     LOAD_OR_POSITION,
+    MOTOR,
+    PAYLOAD,
     POSITION,
     QUADRATIC,
     RIPPLE,
+    SENSOR,
     STRIBECK,
+    TILT,
 )
-from harness.robot.whole_arm.model_columns import ARMATURE, DELAY, INERTIA, MOTOR, PAYLOAD, SENSOR, TILT
+from harness.robot.whole_arm.correct import Solved, solve, total
+from harness.robot.whole_arm.design import Design, Part, Whitened
 from harness.robot.whole_arm.perturb import with_load, without_armature
 from harness.robot.whole_arm.prepare import Known, Problem
 from harness.robot.whole_arm.result import Effect, Grade, JointFriction, Left, ModelError, WholeArm
