@@ -67,20 +67,9 @@ def test_the_cache_of_kernels_needs_no_home() -> None:
 @pytest.mark.parametrize("stop", [signal.SIGINT, signal.SIGTERM])
 def test_an_interruption_leaves_nothing(tmp_path: Path, stop: signal.Signals) -> None:
     line = [
-        *COMMAND,
-        "run",
-        "--engine",
-        "mujoco",
-        "--preset",
-        "tuned",
-        "--duration",
-        "200",
-        "--dt",
-        "1e-4",
-        "--json",
-        "-",
-        "--quiet",
-    ]
+        *COMMAND, "run", "--engine", "mujoco", "--preset", "tuned", "--duration", "200", "--dt", "1e-4", "--json",
+        "-", "--quiet",
+    ]  # fmt: skip
     with subprocess.Popen(
         line,
         stdout=subprocess.PIPE,

@@ -15,15 +15,9 @@ from harness.proof.plant import Case, draw
 
 SHORT = ("sensor-lag", "quadratic-drag")
 LONG = (
-    "asymmetric-viscous",
-    "cubic-stiffness",
-    "sensor-gain",
-    "stribeck",
-    "presliding",
-    "friction-drift",
-    "end-stop",
+    "asymmetric-viscous", "cubic-stiffness", "sensor-gain", "stribeck", "presliding", "friction-drift", "end-stop",
     "impulse",
-)
+)  # fmt: skip
 
 
 def _problem(case: Case) -> Problem:

@@ -15,16 +15,9 @@ from harness.core.slider import PAPER, Slider
 from harness.exact.decay import Decay, fill_at, fill_uniform, free_decay, never_sticks, schedule
 
 PAPER_TURNING_POINTS = [
-    1,
-    -0.7988338562165538,
-    0.6269438451936182,
-    -0.48006934964594244,
-    0.35456980889888967,
-    -0.24733448074343986,
-    0.15570533583856455,
-    -0.07741117345368495,
-    0.01051132548594804,
-]
+    1, -0.7988338562165538, 0.6269438451936182, -0.48006934964594244, 0.35456980889888967, -0.24733448074343986,
+    0.15570533583856455, -0.07741117345368495, 0.01051132548594804,
+]  # fmt: skip
 
 
 def draw(rng: np.random.Generator, kind: str) -> Decay:

@@ -70,7 +70,7 @@ class Case:
 
 DIAGNOSE = ("diagnose", "d0.csv", "d1.csv", "--engine", "mujoco", "--jobs", "2", "--quiet", "--out", "out")
 ONE_STEP = ("--engine", "mujoco", "--route", "joint", "--preset", "tuned", "--dt", "0.004")
-SWEEP = ("sweep", *ONE_STEP, "--jobs", "2", "--quiet", "--out", "out")
+SWEEP = ("sweep", *ONE_STEP, "--jobs", "1", "--quiet", "--out", "out")
 PROVE = ("prove", "--singles", "1", "--controls", "1", "--pairs", "0", "--outside", "0", "--quiet", "--out", "out")
 CASES = {
     "run": Case(

@@ -188,19 +188,9 @@ JSON = st.recursive(
     max_leaves=6,
 )
 FIELDS = [
-    *MODEL,
-    *BASE,
-    "f_s",
-    "restoring",
-    "terms",
-    "mass_known",
-    "x0",
-    "t0",
-    "name",
-    "parameters",
-    "internal",
+    *MODEL, *BASE, "f_s", "restoring", "terms", "mass_known", "x0", "t0", "name", "parameters", "internal",
     "variant",
-]
+]  # fmt: skip
 TERM = st.fixed_dictionaries(
     {"name": st.sampled_from(["stribeck", "backlash", "viscoelastic", "cubic-stiffness", "no-such"])},
     optional={

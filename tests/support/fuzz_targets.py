@@ -42,29 +42,8 @@ XML_TEXTS = (
     *(b"<?xml version='1.0' encoding='utf-16'?>", b"\x00", b"'", b'"', b"<", b"-1", b"0", b"<tendon/>", b"<robot>"),
     *(b"<composite type='cable' count='9999999'/>", b"<plugin plugin='a'/>", b"<default/>", b"<mimic joint='j1'/>"),
 )
-EXPRESSIONS = (
-    *(
-        b"t",
-        b"x",
-        b"v",
-        b"a",
-        b"u",
-        b"=",
-        b"*",
-        b",",
-        b"[",
-        b"]",
-        b"#1",
-        b"#0",
-        b"1e308",
-        b"-",
-        b"(",
-        b")",
-        b"**",
-        b"^2",
-    ),
-    *(b"m", b"mm", b"deg", b"'", b'"', "²".encode(), "µ".encode(), b"/", b"s", b"lbf", b"%", b"9" * 60, b"degC", b" "),
-)
+_SIGNS = "t x v a u = * , [ ] #1 #0 1e308 - ( ) ** ^2 m mm deg ' \" ² µ / s lbf % degC"
+EXPRESSIONS = (*(sign.encode() for sign in _SIGNS.split()), b"9" * 60, b" ")
 
 
 @dataclass(frozen=True, slots=True)

@@ -6,22 +6,9 @@ import struct
 from hypothesis import strategies as st
 
 NUMBERS = (
-    0,
-    1,
-    2,
-    7,
-    0x7F,
-    0x80,
-    0xFF,
-    0x7FFF,
-    0xFFFF,
-    0x7FFFFFFF,
-    0x80000000,
-    0xFFFFFFFF,
-    1 << 40,
-    (1 << 63) - 1,
+    0, 1, 2, 7, 0x7F, 0x80, 0xFF, 0x7FFF, 0xFFFF, 0x7FFFFFFF, 0x80000000, 0xFFFFFFFF, 1 << 40, (1 << 63) - 1,
     (1 << 64) - 1,
-)
+)  # fmt: skip
 """What lengths and counts break at."""
 TEXTS = (
     b"",
