@@ -7,6 +7,7 @@ from typing import Literal
 
 import numpy as np
 
+from harness.core.arrays import FloatArray
 from harness.core.errors import InputError
 from harness.core.recording import Recording
 from harness.diagnosis.alignment.consistency import Consistency, consistency
@@ -51,7 +52,7 @@ def compared(sim: Recording, real: Recording, shift: float | None = None) -> Com
     nothing in common.
     """
     found = match(sim, real, shift)
-    motion = motion_of(found.t, found.real, found.omega)
+    motion = motion_of(found.t, _between(found), found.omega)
     jacobian = {c: d[:, None] for c, d in found.partial.items()}
     doubted = lack_of_fit(found.whitened, found.t, found.omega, jacobian=jacobian, motion=motion)
     judged = dict(found.whitened)
@@ -74,6 +75,16 @@ def compared(sim: Recording, real: Recording, shift: float | None = None) -> Com
         Place(whole, "throughout", "the whole of both traces", 1.0, 0.0),
     )
     return Comparison(found, doubted, loud, places, checks)
+
+
+def _between(found: Match) -> dict[str, FloatArray]:
+    """Both traces in one, each by its precision: the motion whose noise has nothing in common with the difference.
+
+    By a trace's own noise the parts of its swing would be told by what is then looked for in them.
+    """
+    power = [{c: noise[c].sigma ** 2 if noise[c].found else 0.0 for c in found.real} for noise in found.found]
+    share = {c: power[0][c] / max(power[0][c] + power[1][c], 1e-300) for c in found.real}
+    return {c: found.sim[c] + share[c] * left for c, left in found.difference.items()}
 
 
 def _over_own(found: Match, channel: str) -> float:
