@@ -227,11 +227,8 @@ def test_a_table_holds_the_true_curve_over_the_swept_range() -> None:
 
 
 def test_a_hand_holds_then_gives_way() -> None:
-    rng = np.random.default_rng(3)
-    while True:
-        case = draw(KINDS["spring-arm"], "quadratic-drag", rng)
-        if case.rig.release == "gives-way":
-            break
+    case = draw(KINDS["spring-arm"], "quadratic-drag", np.random.default_rng(23))
+    assert case.rig.release == "gives-way"
     rig, clean = case.rig, case.whole.clean
     assert 0.005 <= rig.hand.fades <= 0.05
     held = rig.t < rig.hand.until
