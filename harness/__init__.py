@@ -6,6 +6,8 @@ They are loaded when they are first used: importing the package itself costs not
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
+from harness.core import __version__
+
 if TYPE_CHECKING:
     from harness import stages
     from harness.api import (
@@ -33,7 +35,6 @@ else:
         return getattr(import_module("harness.api"), name)
 
 
-__version__ = "0.1.0"
 __all__ = [
     "JointLog",
     "Model",

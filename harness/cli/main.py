@@ -20,8 +20,8 @@ from typing import NoReturn
 import click
 from click.shell_completion import shell_complete
 
-import harness
 from harness.cli import commands
+from harness.core import __version__
 from harness.core.cores import one_thread
 from harness.core.errors import HarnessError, InputError, did_you_mean, visible
 from harness.core.registered import names, registered
@@ -107,7 +107,7 @@ class Commands(click.Group):
     cls=Commands,
     context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 100},
 )
-@click.version_option(harness.__version__, prog_name="harness")
+@click.version_option(__version__, prog_name="harness")
 def cli() -> None:
     """Cross-validation of dry friction: exact reference, MuJoCo, PyBullet, and your own recording.
 

@@ -3,6 +3,7 @@
 A package adds a term by an entry point of group ``harness.terms`` whose value is the Term ("package.module:TERM").
 """
 
+import copyreg
 import importlib
 import pkgutil
 from collections.abc import Iterator
@@ -50,6 +51,10 @@ def term(key: str) -> Term:
         accepted = f"one of {', '.join(_BY_KEY)} is accepted{did_you_mean(key, _BY_KEY)}"
         raise InputError("term", f"{key!r} is not in the catalogue", accepted)
     return found
+
+
+# there is one of each: between processes it goes by its key
+copyreg.pickle(Term, lambda one: (term, (one.key,)))
 
 
 def of_slot(slot: Slot) -> tuple[Term, ...]:

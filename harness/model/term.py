@@ -210,12 +210,6 @@ class Term:
             if wrong:
                 raise TypeError(f"term {self.key}: {why}")
 
-    def __reduce__(self) -> tuple[Callable[[str], "Term"], tuple[str]]:
-        # there is one of each: between processes it goes by its key
-        from harness.model.registry import term
-
-        return term, (self.key,)
-
     @property
     def key(self) -> str:
         """Unique name: the catalogue's, with the variant where one name has several laws."""

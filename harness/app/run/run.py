@@ -10,7 +10,6 @@ from pathlib import Path
 
 import numpy as np
 
-import harness
 from harness.app.run.case import Case
 from harness.app.run.model import ModelScenario, case_of
 from harness.app.run.simulate import Given, model_of
@@ -20,6 +19,7 @@ from harness.app.shared.machine import this_machine
 from harness.app.shared.progress import NAME as LOG
 from harness.app.shared.progress import SILENT, Progress, journal
 from harness.app.shared.showing import write_run_page, write_run_trace
+from harness.core import __version__
 from harness.core.checks import positive
 from harness.core.errors import InputError, SimulationError
 from harness.core.scenario import FREE_DECAY, Scenario
@@ -234,7 +234,7 @@ def _reference(options: RunOptions, case: Case) -> Trajectory:
     source = Source(
         "reference",
         "exact",
-        harness.__version__,
+        __version__,
         settings={"sample_interval_s": options.interval},
         wall_s=time.perf_counter() - started,
     )

@@ -13,7 +13,7 @@ from functools import cache
 from pathlib import Path
 from typing import Any, ClassVar
 
-import harness
+import harness.core
 from harness.core.errors import InputError, SimulationError
 from harness.core.trajectory import Trajectory
 from harness.engines.base import Engine, Preset, Route, Task
@@ -70,7 +70,7 @@ class Worker:
     def _running(self) -> subprocess.Popen[bytes]:
         if self._process is None:
             self._said = tempfile.TemporaryFile()  # noqa: SIM115  (open as long as the process)
-            folder = str(Path(harness.__file__).resolve().parent)
+            folder = str(Path(harness.core.__file__).resolve().parents[1])
             self._process = subprocess.Popen(
                 [self._python, "-P", "-c", START, folder, self._where],
                 stdin=subprocess.PIPE,
