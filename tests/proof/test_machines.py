@@ -89,12 +89,12 @@ def test_a_draw_is_the_same_to_the_bit() -> None:
 
 
 def test_a_draw_is_the_same_in_another_process_and_another_with_another_seed(tmp_path: Path) -> None:
-    told = ["--count", "1", "--controls", "1", "--kind", "rubber-stage", "--jobs", "1", "--seed"]
+    told = ["--count", "1", "--controls", "0", "--kind", "rubber-stage", "--jobs", "1", "--seed"]
     outs = [tmp_path / "here", tmp_path / "there"]
     assert main([*told, "7", "--out", str(outs[0])]) == 0
     command = [sys.executable, "-m", "harness.proof.machines", *told, "7", "--out", str(outs[1])]
     subprocess.run(command, check=True, capture_output=True)
-    for name in ("000.csv", "001.csv", "truth.json"):
+    for name in ("000.csv", "truth.json"):
         assert (outs[0] / name).read_bytes() == (outs[1] / name).read_bytes()
     assert made(SEED + 1, DRAWN["wheel"]).recording != job_made("wheel").recording
 
