@@ -80,9 +80,9 @@ def pytest_xdist_make_scheduler(config: pytest.Config, log: Producer) -> BesideS
     return BesideShared(config, log)
 
 
-@pytest.fixture(scope="session")
+@pytest.fixture(scope="module")
 def browser() -> Iterator["Browser"]:
-    """Chromium without a screen, where it is installed."""
+    """Chromium without a screen, where it is installed; its event loop is not there for the tests of other files."""
     chromium = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
     if chromium is None:
         pytest.skip("no Chromium on this machine (apt-get install chromium)")
