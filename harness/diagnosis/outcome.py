@@ -18,7 +18,7 @@ from harness.diagnosis.problem import Problem
 from harness.diagnosis.rules import Rule
 from harness.kernels.solve import Scales
 from harness.model.model import ModelTerm
-from harness.model.place import Place, Spans
+from harness.model.term import Place, Spans
 
 
 @dataclass(frozen=True, slots=True)

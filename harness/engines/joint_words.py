@@ -12,8 +12,8 @@ import numpy as np
 
 from harness.core.arrays import FloatArray
 from harness.core.slider import Slider
-from harness.model.elements import Element, Polynomial, Zone
 from harness.model.model import ModelTerm
+from harness.model.term import Element, Polynomial, Zone
 
 FAR: Final = 1e6
 """m; a spring length that is never reached."""

@@ -14,9 +14,8 @@ from harness.core.slider import Slider
 from harness.engines import hinge_files, models
 from harness.engines.base import choice
 from harness.engines.joint_words import GRAVITY, JOINT, JointWords, Kinds, elements, words_of
-from harness.model.elements import Push
 from harness.model.model import Model, Restoring
-from harness.model.term import Slot
+from harness.model.term import Push, Slot
 
 _PUSH: Kinds = frozenset({Push})
 

@@ -1,20 +1,189 @@
-"""What a catalogue entry says of itself: all there is to know of a term stands in its file."""
+"""What a catalogue entry says of itself: all there is to know of a term stands in its file.
+
+Units SI, forces on the left-hand side of m x'' + c x' + k x + f = u.
+"""
 
 import inspect
+import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from enum import StrEnum
 from functools import cache
-from typing import Any, Literal
+from typing import Any, Final, Literal, TypeAlias
 
 import numpy as np
 
-from harness.core.arrays import FloatArray
-from harness.model.elements import MadeOf
-from harness.model.evidence import Evidence
-from harness.model.history import Implied
-from harness.model.place import Placed, always
-from harness.model.sensor import Sensor
+from harness.core.arrays import BoolArray, FloatArray
+from harness.core.events import Regime
+
+
+@dataclass(frozen=True, slots=True)
+class Evidence:
+    """The fitted motion and where the residual stands out, from which terms choose their starting values.
+
+    x_scale (m), v_scale (m/s), peak_a (m/s^2): largest values. low, high : smallest and largest position, m.
+    f_k, k, omega : of the fitted model (per unit mass where the mass is unknown), omega in rad/s. duration : s.
+    frequencies : angular frequencies (rad/s) at which the residual stands out. knock_times : times (s) worth a look.
+    periods : of travel (m) at which the force left over stands out, empty where no force is looked at.
+    driven : whether a force is recorded. angular : whether the unit of a channel was an angle.
+    """
+
+    x_scale: float
+    v_scale: float
+    peak_a: float
+    low: float
+    high: float
+    f_k: float
+    k: float
+    omega: float
+    duration: float
+    frequencies: FloatArray
+    knock_times: FloatArray
+    driven: bool = False
+    angular: bool = False
+    periods: tuple[float, ...] = ()
+
+
+Spans: TypeAlias = tuple[tuple[float, float], ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Seen:
+    """A fitted motion at the times of a recording.
+
+    t (n,), s. x (n,), m. channels : what the sensors show of it, each (n,). omega : its angular frequency, rad/s.
+    """
+
+    t: FloatArray
+    x: FloatArray
+    channels: Mapping[str, FloatArray]
+    omega: float
+
+    def where(self, inside: BoolArray) -> Spans:
+        """Time spans (s) in which ``inside`` (n,) holds: each ends midway to the sample that is outside."""
+        t = self.t
+        edges = np.flatnonzero(np.diff(np.concatenate(([False], inside, [False])).astype(np.int8)))
+        between = np.concatenate((t[:1], 0.5 * (t[1:] + t[:-1]), t[-1:]))
+        return tuple((float(between[a]), float(between[b])) for a, b in zip(edges[::2], edges[1::2], strict=True))
+
+    @property
+    def whole(self) -> Spans:
+        """The whole recording, s."""
+        return ((float(self.t[0]), float(self.t[-1])),)
+
+
+@dataclass(frozen=True, slots=True)
+class Place:
+    """Where an effect acts: times (s), regime, and the condition in words."""
+
+    regime: Regime
+    condition: str
+    spans: Spans
+
+
+Placed: TypeAlias = Callable[[tuple[float, ...], Seen], Place]
+"""From the values of a term's parameters and the motion to the place."""
+
+
+def always(regime: Regime = "throughout", condition: str = "always") -> Placed:
+    """An effect that is bound to no part of the recording; regime and condition say where it shows most."""
+    return lambda values, seen: Place(regime, condition, seen.whole)
+
+
+@dataclass(frozen=True, slots=True)
+class History:
+    """The recorded motion up to the times asked for.
+
+    t (n,), s, v (n,), m/s : recorded speed. at (m,), s : times asked for. v_at (m,) : speed there, 0 at rest. f_k : N.
+    """
+
+    t: FloatArray
+    v: FloatArray
+    at: FloatArray
+    v_at: FloatArray
+    f_k: float
+
+
+@dataclass(frozen=True, slots=True)
+class States:
+    """Internal states (m, internal) at the times asked for, speeds relative to the slider's, and their partials.
+
+    by : partials (m, internal) by the index of a parameter of the term or the name of a base parameter.
+    """
+
+    values: FloatArray
+    by: Mapping[int | str, FloatArray] = field(default_factory=dict)
+
+
+Implied: TypeAlias = Callable[[tuple[float, ...], History], States]
+"""From the values of a term's parameters and the motion to its internal states."""
+
+
+@dataclass(frozen=True, slots=True)
+class Shown:
+    """A channel behind a sensor, y (n,); by_y (n,) : its partial by what came in. by : partials (n,) by parameters."""
+
+    y: FloatArray
+    by_y: FloatArray
+    by: tuple[FloatArray, ...]
+
+
+Read: TypeAlias = Callable[[tuple[float, ...], FloatArray, FloatArray, FloatArray], Shown]
+"""From the values of a term's parameters, times t (n,), the channel (n,) and its rate (n,), zeros for a."""
+
+
+@dataclass(frozen=True, slots=True)
+class Sensor:
+    """The law of a term in slot O. channel : which one it changes. Those of a channel act in catalogue order.
+
+    delays : the term's first parameter is by how much x is late, s; ``read`` is then given the channel of that moment.
+    """
+
+    channel: Literal["x", "a"]
+    read: Read
+    delays: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class Polynomial:
+    """A restoring force a x + b x^2 + c x^3 and a damping force a v + b v|v| + c v^3."""
+
+    stiffness: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    damping: tuple[float, float, float] = (0.0, 0.0, 0.0)
+
+
+@dataclass(frozen=True, slots=True)
+class Zone:
+    """A spring of this stiffness (N/m) that acts below ``low`` and above ``high`` (m)."""
+
+    stiffness: float
+    low: float = -math.inf
+    high: float = math.inf
+
+
+@dataclass(frozen=True, slots=True)
+class Push:
+    """A constant force (N) in the direction of x."""
+
+    force: float
+
+
+Element: TypeAlias = Polynomial | Zone | Push
+MadeOf: TypeAlias = Callable[[tuple[float, ...], float], tuple[Element, ...]]
+"""From the values of a term's parameters and the spring's stiffness k (N/m) to elements that say the whole term."""
+
+
+LARGER: Final = "a release from a larger displacement"
+REST: Final = "a recording that starts before the release and goes on well after rest"
+SLOW: Final = "a slow to-and-fro drive with the force recorded, so that it breaks away several times"
+AGAIN: Final = "the same release repeated after a pause"
+DRIVEN: Final = {
+    LARGER: "a drive over a longer way",
+    REST: "a drive that pauses, long enough to see where it stays",
+    SLOW: SLOW,
+    AGAIN: "the same drive repeated after a pause",
+}
+"""What stands for each of them where nothing is let go but a force drives."""
 
 
 class Slot(StrEnum):
@@ -147,7 +316,7 @@ class Term:
     needs : "driven" (a recorded force), "angle", "spring", "zero" (a sensor of x whose zero is the spring's),
     "one-clock" (a phase or a moment in time of its own, which several recordings do not share).
     several : whether a model may have more than one. place : where it acts. only_there : whether nothing outside of
-    those times shows it. words : more words of the sentence, from values and k. elements : see harness.model.elements.
+    those times shows it. words : more words of the sentence, from values and k. elements : see harness.model.term.
     as_named : whether values are what the name says; a law bent beyond it is not named.
     searched : whether it is looked for as a name; a table is none, and neither is a law whose form is freed.
     taken : share of the simulated machines without it of whose misfit it takes most all the same; 0 where that is no

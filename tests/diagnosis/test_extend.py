@@ -21,8 +21,8 @@ from harness.diagnosis.search.search import Search
 from harness.estimate.noise import Noise, channel_noise
 from harness.kernels.solve import Scales, simulate, solve
 from harness.model.model import Model, ModelTerm
-from harness.model.place import Place
 from harness.model.registry import NAMED
+from harness.model.term import Place
 
 
 def test_where_partials_cannot_be_followed_no_descent_goes(monkeypatch: pytest.MonkeyPatch) -> None:

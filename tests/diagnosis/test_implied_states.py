@@ -16,7 +16,7 @@ from harness.diagnosis.motion import Motion, motion_of
 from harness.diagnosis.smoothed_state.local_cubics import longest_interval, smoothed
 from harness.estimate.noise import Noise
 from harness.exact.decay import Decay, free_decay
-from harness.model.history import History
+from harness.model.term import History
 from harness.model.terms.attached_mode import ridden
 from harness.model.terms.presliding import bent
 

@@ -7,12 +7,11 @@ import pytest
 from scipy.interpolate import CubicSpline
 
 from harness.model.beyond import beyond
-from harness.model.elements import Polynomial
 from harness.model.law import D_PARAMETER, INTERNAL_COLUMNS, VALUE
 from harness.model.model import Model, ModelTerm
 from harness.model.registry import NAMED, TERMS
 from harness.model.spline import KNOTS, SIDE, curve, surface
-from harness.model.term import Slot
+from harness.model.term import Polynomial, Slot
 
 TABLES = [t for t in TERMS if t.known is not None]
 VALUES = np.array([1.0, -2.0, 0.5, 4.0, 3.0, -1.0, 0.0, 2.0, 5.0, -3.0, 1.5, 2.5])

@@ -3,10 +3,8 @@
 import math
 
 from harness.core.arrays import FloatArray
-from harness.model.evidence import Evidence
 from harness.model.law import D_LEVEL, D_PARAMETER, D_V, D_X, VALUE
-from harness.model.place import Place, Seen
-from harness.model.term import Parameter, Probe, Slot, Term
+from harness.model.term import Evidence, Parameter, Place, Probe, Seen, Slot, Term
 
 
 def law(x: float, v: float, theta: FloatArray, o: int, out: FloatArray) -> None:

@@ -28,8 +28,8 @@ from harness.diagnosis.search.search import Search
 from harness.diagnosis.verdict import Judgement
 from harness.kernels.solve import Scales
 from harness.model.model import Model, ModelTerm
-from harness.model.place import Place, Spans
 from harness.model.registry import NAMED
+from harness.model.term import Place, Spans
 
 _TURNS = 5
 """Of five cycles one is held out, each in its turn."""

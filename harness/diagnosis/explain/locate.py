@@ -21,8 +21,8 @@ from harness.diagnosis.fit.model_fit import Fit
 from harness.diagnosis.motion import Motion
 from harness.diagnosis.problem import Problem
 from harness.fit.autocorrelation import memory
-from harness.model import place as acting
-from harness.model.place import Spans
+from harness.model import term as acting
+from harness.model.term import Spans
 
 
 def share_within(place: acting.Place, base: Fit, problem: Problem) -> float | None:

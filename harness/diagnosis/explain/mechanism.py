@@ -22,7 +22,7 @@ from harness.diagnosis.problem import Problem
 from harness.diagnosis.search.extend import key_of
 from harness.diagnosis.search.search import Search
 from harness.model.model import ModelTerm
-from harness.model.place import Place
+from harness.model.term import Place
 
 _PARTS = 6
 """Parts of equal counts that a quantity's range is cut into."""

@@ -26,9 +26,9 @@ from harness.diagnosis.search.extend import key_of
 from harness.diagnosis.search.search import Search, under
 from harness.kernels.solve import By, Scales
 from harness.model.elsewhere import parted
-from harness.model.experiments import DRIVEN, LARGER, SLOW
 from harness.model.model import Model, Restoring
 from harness.model.registry import TERMS
+from harness.model.term import DRIVEN, LARGER, SLOW
 
 _FACTORS = (0.25, 0.35, 0.5, 0.7, 1.4, 2.0)
 """Amplitudes that are tried, over the largest at hand: what a rig that was let go from there can mostly do."""

@@ -3,7 +3,7 @@
 from harness.diagnosis.fit.model_fit import Fit
 from harness.diagnosis.problem import Problem
 from harness.model.model import ModelTerm
-from harness.model.place import Place, Seen
+from harness.model.term import Place, Seen
 
 
 def place_of(entry: ModelTerm, found: Fit, problem: Problem, omega: float) -> Place:

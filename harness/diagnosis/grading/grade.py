@@ -47,9 +47,9 @@ from harness.diagnosis.search.against import in_company
 from harness.diagnosis.search.extend import extend
 from harness.diagnosis.search.look import evidence as starting_evidence
 from harness.diagnosis.search.search import under
-from harness.model.evidence import Evidence
 from harness.model.model import Model
 from harness.model.registry import NAMED
+from harness.model.term import Evidence
 
 _FINALISTS = 4
 """Names whose predictions are computed."""

@@ -16,7 +16,7 @@ from harness.diagnosis.fit.model_fit import Fit, fit
 from harness.diagnosis.fit.observe import FINE, observe
 from harness.diagnosis.problem import Problem
 from harness.kernels.solve import Scales
-from harness.model.place import Spans
+from harness.model.term import Spans
 
 _FOLDS = 4
 """Refits, each without every fourth block."""

@@ -22,9 +22,9 @@ from harness.kernels.rhs import rhs
 from harness.kernels.solve import By
 from harness.kernels.work import SPARE, Work, workspace
 from harness.model.covariate import Acts
-from harness.model.history import History
 from harness.model.law import MASS
 from harness.model.model import Model
+from harness.model.term import History
 
 NOWHERE: Final = -1
 """Of a number that the force does not hang on."""

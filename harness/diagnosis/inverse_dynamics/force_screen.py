@@ -16,10 +16,9 @@ from harness.diagnosis.problem import Problem
 from harness.diagnosis.search.look import Recorded, within
 from harness.diagnosis.search.screen import applicable, with_amplitudes
 from harness.kernels.solve import Scales
-from harness.model.evidence import Evidence
 from harness.model.model import Model, ModelTerm
 from harness.model.registry import NAMED
-from harness.model.term import Probe, Slot, Term
+from harness.model.term import Evidence, Probe, Slot, Term
 
 _SLOTS = frozenset({Slot.SMOOTH, Slot.FRICTION_LAW, Slot.FRICTION_LEVEL, Slot.FRICTION_MODULATION, Slot.INTERNAL})
 _PEAKS = 24

@@ -35,7 +35,7 @@ from harness.diagnosis.search.search import Again, noise_of, once, search, under
 from harness.diagnosis.stages import Based, Found, Judged
 from harness.kernels.solve import Scales
 from harness.model.model import Model, ModelTerm
-from harness.model.place import Place
+from harness.model.term import Place
 
 _BY_FORCE = (
     "followed, the base model misses more than half of the motion and no law explains it: the force is fitted instead"

@@ -35,7 +35,7 @@ from harness.diagnosis.search.search import Search, noise_of, search, under
 from harness.diagnosis.stages import Based, Found, Judged
 from harness.kernels.solve import Scales
 from harness.model.model import Model, ModelTerm, Restoring
-from harness.model.place import Place
+from harness.model.term import Place
 
 
 class FreeDecays(Kind[FreeDecay]):

@@ -32,7 +32,7 @@ from harness.diagnosis.stages import Based, Found, Judged
 from harness.estimate.noise import channel_noise
 from harness.kernels.solve import Scales
 from harness.model.model import Model, ModelTerm
-from harness.model.place import Place
+from harness.model.term import Place
 
 _JUDGED = (
     "terms were kept because the force error on the other recording falls with them, so that its errors took part in"

@@ -19,7 +19,7 @@ from harness.diagnosis.request import Asked
 from harness.diagnosis.stages import Based, Found, Judged
 from harness.kernels.solve import Scales
 from harness.model.model import Model, ModelTerm, Restoring
-from harness.model.place import Place
+from harness.model.term import Place
 
 
 class Kind(ABC, Generic[P]):

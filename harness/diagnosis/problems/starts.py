@@ -16,8 +16,8 @@ import numpy as np
 from harness.core.arrays import FloatArray
 from harness.kernels.solve import By
 from harness.model.elsewhere import named, parted
-from harness.model.history import History, States
 from harness.model.model import Model, ModelTerm
+from harness.model.term import History, States
 
 _AT_REST = 3.0
 """Standard errors below which a speed is none."""

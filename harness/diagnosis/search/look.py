@@ -27,9 +27,8 @@ from harness.diagnosis.rules import (
 )
 from harness.diagnosis.search.screen import Candidate, direct, screen
 from harness.kernels.solve import Scales
-from harness.model.evidence import Evidence
 from harness.model.model import ModelTerm
-from harness.model.term import Term
+from harness.model.term import Evidence, Term
 
 
 @dataclass(frozen=True, slots=True)

@@ -21,9 +21,8 @@ from harness.diagnosis.fit.parameters import free_of, with_values
 from harness.diagnosis.problem import Problem
 from harness.diagnosis.search.few_pieces import for_looks
 from harness.kernels.solve import By, Scales
-from harness.model.evidence import Evidence
 from harness.model.model import Model, ModelTerm
-from harness.model.term import SINGLE, Slot, Term
+from harness.model.term import SINGLE, Evidence, Slot, Term
 from harness.model.term import Probe as TermProbe
 
 _SAMPLES = 2000

@@ -20,10 +20,9 @@ from harness.diagnosis.tables.describe import described
 from harness.diagnosis.tables.fitted import TableFit
 from harness.diagnosis.tables.selection import Tabulated
 from harness.kernels.solve import Scales
-from harness.model.evidence import Evidence
 from harness.model.model import Model, ModelTerm
 from harness.model.registry import NAMED
-from harness.model.term import Slot, Term
+from harness.model.term import Evidence, Slot, Term
 
 POINTS = 41
 """Along each side of a surface."""

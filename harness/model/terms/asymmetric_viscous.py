@@ -1,9 +1,8 @@
 """Viscous damping that depends on the direction: c +- c_diff."""
 
 from harness.core.arrays import FloatArray
-from harness.model.evidence import Evidence
 from harness.model.law import D_PARAMETER, D_V, VALUE
-from harness.model.term import Parameter, Probe, Slot, Term
+from harness.model.term import Evidence, Parameter, Probe, Slot, Term
 
 
 def law(x: float, v: float, theta: FloatArray, o: int, out: FloatArray) -> None:

@@ -7,10 +7,8 @@ from functools import cache
 import numpy as np
 
 from harness.core.arrays import FloatArray
-from harness.model.evidence import Evidence
-from harness.model.history import History, States
 from harness.model.law import D_INTERNAL, D_MASS, D_PARAMETER, D_V, MASS, VALUE
-from harness.model.term import Parameter, Probe, Slot, Term
+from harness.model.term import Evidence, History, Parameter, Probe, Slot, States, Term
 
 _CRITICAL = 1e-12
 """1 - zeta^2 at least: the critical case is the limit of this one."""

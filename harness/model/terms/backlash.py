@@ -3,11 +3,8 @@
 import numpy as np
 
 from harness.core.arrays import FloatArray
-from harness.model.elements import Element, Polynomial, Zone
-from harness.model.evidence import Evidence
 from harness.model.law import D_PARAMETER, D_STIFFNESS, D_X, STIFFNESS, VALUE
-from harness.model.place import Place, Seen
-from harness.model.term import Parameter, Probe, Slot, Term
+from harness.model.term import Element, Evidence, Parameter, Place, Polynomial, Probe, Seen, Slot, Term, Zone
 
 
 def law(x: float, v: float, theta: FloatArray, o: int, out: FloatArray) -> None:

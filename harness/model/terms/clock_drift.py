@@ -3,9 +3,7 @@
 import numpy as np
 
 from harness.core.arrays import FloatArray
-from harness.model.place import always
-from harness.model.sensor import Sensor, Shown
-from harness.model.term import Parameter, Probe, Slot, Term
+from harness.model.term import Parameter, Probe, Sensor, Shown, Slot, Term, always
 
 
 def read(values: Probe, t: FloatArray, y: FloatArray, rate: FloatArray) -> Shown:

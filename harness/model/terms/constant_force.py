@@ -3,11 +3,8 @@
 from collections.abc import Mapping
 
 from harness.core.arrays import FloatArray
-from harness.model.elements import Element, Push
-from harness.model.evidence import Evidence
-from harness.model.experiments import LARGER, REST
 from harness.model.law import D_PARAMETER, VALUE
-from harness.model.term import Parameter, Probe, Slot, Term
+from harness.model.term import LARGER, REST, Element, Evidence, Parameter, Probe, Push, Slot, Term
 
 
 def law(x: float, v: float, theta: FloatArray, o: int, out: FloatArray) -> None:

@@ -6,12 +6,8 @@ from collections.abc import Callable
 import numpy as np
 
 from harness.core.arrays import FloatArray
-from harness.model.elements import Element, Zone
-from harness.model.evidence import Evidence
-from harness.model.experiments import LARGER
 from harness.model.law import D_PARAMETER, D_X, VALUE
-from harness.model.place import Place, Seen
-from harness.model.term import Extent, Parameter, Probe, Slot, Term
+from harness.model.term import LARGER, Element, Evidence, Extent, Parameter, Place, Probe, Seen, Slot, Term, Zone
 
 
 def law(x: float, v: float, theta: FloatArray, o: int, out: FloatArray) -> None:

@@ -1,11 +1,8 @@
 """Friction that changes with time: wear, warm-up."""
 
 from harness.core.arrays import FloatArray
-from harness.model.evidence import Evidence
-from harness.model.experiments import AGAIN
 from harness.model.law import D_PARAMETER, D_T, VALUE
-from harness.model.place import Place, Seen, always
-from harness.model.term import Parameter, Probe, Slot, Term
+from harness.model.term import AGAIN, Evidence, Parameter, Place, Probe, Seen, Slot, Term, always
 
 
 def law(x: float, v: float, t: float, theta: FloatArray, o: int, out: FloatArray) -> None:

@@ -3,9 +3,7 @@
 import math
 
 from harness.core.events import Regime
-from harness.model.evidence import Evidence
-from harness.model.place import Place, Seen
-from harness.model.term import Parameter, Probe, Slot, Term
+from harness.model.term import Evidence, Parameter, Place, Probe, Seen, Slot, Term
 
 
 def probes(e: Evidence) -> list[Probe]:

@@ -3,11 +3,8 @@
 import math
 
 from harness.core.arrays import FloatArray
-from harness.model.evidence import Evidence
-from harness.model.experiments import AGAIN, LARGER
 from harness.model.law import D_PARAMETER, D_X, VALUE
-from harness.model.place import always
-from harness.model.term import Parameter, Probe, Slot, Term
+from harness.model.term import AGAIN, LARGER, Evidence, Parameter, Probe, Slot, Term, always
 
 
 def law(x: float, v: float, theta: FloatArray, o: int, out: FloatArray) -> None:

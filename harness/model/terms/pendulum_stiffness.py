@@ -4,8 +4,7 @@ import math
 
 from harness.core.arrays import FloatArray
 from harness.model.law import D_STIFFNESS, D_X, STIFFNESS, VALUE
-from harness.model.place import always
-from harness.model.term import Slot, Term
+from harness.model.term import Slot, Term, always
 
 
 def law(x: float, v: float, theta: FloatArray, o: int, out: FloatArray) -> None:

@@ -1,9 +1,8 @@
 """Friction that changes along the rail: 1 + slope x."""
 
 from harness.core.arrays import FloatArray
-from harness.model.evidence import Evidence
 from harness.model.law import D_PARAMETER, D_X, VALUE
-from harness.model.term import Parameter, Probe, Slot, Term
+from harness.model.term import Evidence, Parameter, Probe, Slot, Term
 
 
 def law(x: float, v: float, theta: FloatArray, o: int, out: FloatArray) -> None:

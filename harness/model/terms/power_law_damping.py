@@ -3,9 +3,8 @@
 import math
 
 from harness.core.arrays import FloatArray
-from harness.model.evidence import Evidence
 from harness.model.law import D_PARAMETER, D_V, V_SCALE, VALUE
-from harness.model.term import Parameter, Probe, Slot, Term
+from harness.model.term import Evidence, Parameter, Probe, Slot, Term
 
 SMOOTHING = 1e-4
 """Fraction of the speed scale below which the law is rounded: its slope at rest is infinite."""

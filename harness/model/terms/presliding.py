@@ -7,12 +7,8 @@ from functools import cache
 import numpy as np
 
 from harness.core.arrays import FloatArray
-from harness.model.evidence import Evidence
-from harness.model.experiments import REST
-from harness.model.history import History, States
 from harness.model.law import D_INTERNAL, D_LEVEL, D_PARAMETER, D_V, VALUE
-from harness.model.place import always
-from harness.model.term import Parameter, Probe, Slot, Term
+from harness.model.term import REST, Evidence, History, Parameter, Probe, Slot, States, Term, always
 
 
 def law(v: float, side: int, z: float, level: float, theta: FloatArray, o: int, out: FloatArray) -> None:

@@ -1,11 +1,8 @@
 """A spring whose two sides differ: k2 x^2."""
 
 from harness.core.arrays import FloatArray
-from harness.model.elements import Element, Polynomial
-from harness.model.evidence import Evidence
 from harness.model.law import D_PARAMETER, D_X, VALUE
-from harness.model.place import always
-from harness.model.term import Parameter, Probe, Slot, Term
+from harness.model.term import Element, Evidence, Parameter, Polynomial, Probe, Slot, Term, always
 
 
 def law(x: float, v: float, theta: FloatArray, o: int, out: FloatArray) -> None:

@@ -1,10 +1,8 @@
 """Friction that is smoothed over a speed: no stick, creep, reversal ahead of v = 0."""
 
 from harness.core.arrays import FloatArray
-from harness.model.evidence import Evidence
 from harness.model.law import D_FREE, D_LEVEL, D_PARAMETER, D_V, VALUE
-from harness.model.place import Place, Seen
-from harness.model.term import Extent, Parameter, Probe, Slot, Term
+from harness.model.term import Evidence, Extent, Parameter, Place, Probe, Seen, Slot, Term
 
 
 def law(v: float, a: float, level: float, theta: FloatArray, o: int, out: FloatArray) -> None:

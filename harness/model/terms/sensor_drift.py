@@ -3,10 +3,7 @@
 import numpy as np
 
 from harness.core.arrays import FloatArray
-from harness.model.evidence import Evidence
-from harness.model.place import always
-from harness.model.sensor import Sensor, Shown
-from harness.model.term import Parameter, Probe, Slot, Term
+from harness.model.term import Evidence, Parameter, Probe, Sensor, Shown, Slot, Term, always
 
 
 def probes(e: Evidence) -> list[Probe]:

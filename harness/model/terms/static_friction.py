@@ -1,9 +1,6 @@
 """A break-away force above the sliding friction."""
 
-from harness.model.evidence import Evidence
-from harness.model.experiments import SLOW
-from harness.model.place import always
-from harness.model.term import Parameter, Probe, Slot, Term
+from harness.model.term import SLOW, Evidence, Parameter, Probe, Slot, Term, always
 
 
 def probes(e: Evidence) -> list[Probe]:

@@ -1,10 +1,8 @@
 """A spring whose stiffness changes with time: k rate t x."""
 
 from harness.core.arrays import FloatArray
-from harness.model.evidence import Evidence
 from harness.model.law import D_PARAMETER, D_STIFFNESS, D_T, D_X, STIFFNESS, VALUE
-from harness.model.place import always
-from harness.model.term import Parameter, Probe, Slot, Term
+from harness.model.term import Evidence, Parameter, Probe, Slot, Term, always
 
 
 def law(x: float, v: float, t: float, theta: FloatArray, o: int, out: FloatArray) -> None:

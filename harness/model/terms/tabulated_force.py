@@ -2,9 +2,8 @@
 
 from harness.core.arrays import FloatArray
 from harness.model.law import D_PARAMETER, D_V, D_X, VALUE
-from harness.model.place import always
 from harness.model.spline import SIDE, surface
-from harness.model.term import Known, Parameter, Slot, Term
+from harness.model.term import Known, Parameter, Slot, Term, always
 
 _LOW, _HIGH, _FAST, _REACH = range(SIDE * SIDE, SIDE * SIDE + 4)
 

@@ -3,9 +3,8 @@
 from harness.core.arrays import FloatArray
 from harness.core.jit import compiled
 from harness.model.law import D_PARAMETER, D_V, D_X, VALUE
-from harness.model.place import always
 from harness.model.spline import KNOTS, curve
-from harness.model.term import Known, Parameter, Slot, Term
+from harness.model.term import Known, Parameter, Slot, Term, always
 
 _HIGH = KNOTS - 1
 """Place of the fastest speed known: the value at rest is 0 and no parameter."""

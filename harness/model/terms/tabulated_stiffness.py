@@ -3,11 +3,9 @@
 import numpy as np
 
 from harness.core.arrays import FloatArray
-from harness.model.elements import Element, Polynomial
 from harness.model.law import COLUMNS, D_PARAMETER, D_X, VALUE
-from harness.model.place import always
 from harness.model.spline import KNOTS, curve
-from harness.model.term import Known, Parameter, Probe, Slot, Term
+from harness.model.term import Element, Known, Parameter, Polynomial, Probe, Slot, Term, always
 
 _LOW, _HIGH = KNOTS, KNOTS + 1
 _POINTS = 8 * KNOTS

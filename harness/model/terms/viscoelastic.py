@@ -7,10 +7,8 @@ from functools import cache
 import numpy as np
 
 from harness.core.arrays import FloatArray
-from harness.model.evidence import Evidence
-from harness.model.history import History, States
 from harness.model.law import D_INTERNAL, D_PARAMETER, D_V, VALUE
-from harness.model.term import Parameter, Probe, Slot, Term
+from harness.model.term import Evidence, History, Parameter, Probe, Slot, States, Term
 
 
 def law(x: float, v: float, w0: float, w1: float, theta: FloatArray, o: int, out: FloatArray) -> None:
