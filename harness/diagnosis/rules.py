@@ -168,7 +168,8 @@ LOOSE = Rule(
     "loose",
     1.0,
     "standard errors over the number",
-    "a law of a fitted force whose leading number is looser than itself is no name",
+    "a law of a fitted force whose leading number is looser than itself is no name, nor is one that explains a motion"
+    " at a rate in time that is",
     "below one standard error nothing says that there is any of it: zero is as near as the number",
 )
 HAND_SHOWN = Rule(

@@ -1,7 +1,10 @@
 """The verdict: the one place that decides what a search has come to."""
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
+
+import numpy as np
 
 from harness.diagnosis.baseline.words import evidence, few_words, strokes_of, words_of
 from harness.diagnosis.fit.model_fit import Fit
@@ -16,6 +19,7 @@ from harness.diagnosis.rules import (
     APART,
     FLEXIBLE,
     GAIN,
+    LOOSE,
     MOST_LIKELY,
     NULL_DRAWS,
     OVER_SIMULATED,
@@ -79,15 +83,16 @@ def _has_rivals(found: Search) -> bool:
 def weighed(found: Search, omega: float) -> Search:
     """A search whose model may meet the noise by following what it does not say, as one that explains nothing.
 
-    A law with a clock on the swing, or bent beyond its name, follows any other. Samples of one swing say one thing; two
-    laws that meet the noise together may do so by following it, where their evidence in words of the motion is small.
+    A law with a clock on the swing, or on any that would do, or bent beyond its name, follows any other. Samples of one
+    swing say one thing; two laws that meet the noise together may do so by following it, where their evidence in words
+    of the motion is small.
     omega : of the motion, rad/s.
     """
     terms = found.chosen.model.terms
     if not terms or found.by_force or found.left is Left.STRUCTURE:
         return found
     problem, base, chosen = found.problem, found.base, found.chosen
-    if not chosen.explains_as_named or unresolved(terms, omega, problem.duration):
+    if not chosen.explains_as_named or unresolved(terms, omega, problem.duration) or _without_a_rate(chosen):
         return replace(found, chosen=base, left=Left.STRUCTURE, without=())
     if len(terms) < 2:
         return found
@@ -97,6 +102,17 @@ def weighed(found: Search, omega: float) -> Search:
     if evidence(base.chi2, chosen.chi2, words, more, 1.0) >= GAIN.value and not crowd:
         return found
     return replace(found, chosen=base, left=Left.STRUCTURE, without=(), doubted=chosen)
+
+
+def _without_a_rate(chosen: Fit) -> bool:
+    """Whether a law that repeats in time does so at a rate that is looser than itself."""
+    variance = np.diag(chosen.covariance())
+    rates = [
+        (abs(value), math.sqrt(max(variance[i], 0.0)))
+        for i, (f, value) in enumerate(zip(chosen.free, chosen.values.tolist(), strict=True))
+        if isinstance(f.by, tuple) and chosen.model.terms[f.by[0]].term.parameters[f.by[1]].repeats == "time"
+    ]
+    return any(error >= LOOSE.value * rate for rate, error in rates)
 
 
 def _tested(found: Search, named: bool) -> tuple[Rule, ...]:
