@@ -71,20 +71,33 @@ def _asked(r: np.random.Generator) -> FloatArray:
 def _served(
     way: FloatArray, inertia: float, damping: float, friction: float, r: np.random.Generator
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Position, speed and torque (n,) of an axis that follows a way under a controller, and sticks."""
+    """Position, speed and torque (n,) of an axis that follows a way under a controller, and sticks.
+
+    Its torque is held for a step, in which the motion is exact.
+    """
     fast = np.gradient(way, _STEP)
     ahead, own = inertia * np.gradient(fast, _STEP), 2.0 * math.pi * r.uniform(3.0, 6.0)
     x, v, u = np.zeros(way.size), np.zeros(way.size), np.zeros(way.size)
     for k in range(way.size - 1):
         u[k] = inertia * (own**2 * (way[k] - x[k]) + 2.0 * own * (fast[k] - v[k])) + ahead[k]
-        x[k + 1] = x[k]
-        if v[k] == 0.0 and abs(u[k]) <= friction:
-            continue
-        side = np.sign(v[k]) if v[k] != 0.0 else np.sign(u[k])
-        after = v[k] + _STEP * (u[k] - damping * v[k] - friction * side) / inertia
-        v[k + 1] = 0.0 if after * v[k] < 0.0 else after
-        x[k + 1] += _STEP * v[k + 1]
+        x[k + 1], v[k + 1] = _after(x[k], v[k], u[k], inertia, damping, friction)
+    u[-1] = u[-2]
     return x, v, u
+
+
+def _after(x: float, v: float, u: float, inertia: float, damping: float, friction: float) -> tuple[float, float]:
+    """Position and speed a step later, under a torque that is held."""
+    left, rate = _STEP, damping / inertia
+    while left > 0.0 and not (v == 0.0 and abs(u) <= friction):
+        side = math.copysign(1.0, v if v != 0.0 else u)
+        end = (u - friction * side) / damping
+        stops = math.log1p(-v / end) / rate if v * end < 0.0 else math.inf
+        t = min(left, stops)
+        fade = -math.expm1(-rate * t)
+        x, v, left = x + end * t + (v - end) * fade / rate, v + (end - v) * fade, left - t
+        if t == stops:
+            v = 0.0
+    return x, v
 
 
 def wrapped(seed: int, number: int) -> Answer:
