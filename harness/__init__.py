@@ -6,8 +6,6 @@ They are loaded when they are first used: importing the package itself costs not
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
-from harness.core import __version__
-
 if TYPE_CHECKING:
     from harness import stages
     from harness.api import (
@@ -25,6 +23,7 @@ if TYPE_CHECKING:
         run_joint,
         simulate,
     )
+    from harness.core import __version__
 else:
     # out of sight of type checkers, which would take any name for granted
     def __getattr__(name: str) -> Any:
@@ -32,6 +31,8 @@ else:
             raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
         if name == "stages":
             return import_module("harness.stages")
+        if name == "__version__":
+            return import_module("harness.core").__version__
         return getattr(import_module("harness.api"), name)
 
 

@@ -44,6 +44,7 @@ JUDGES = {
     "amplitudes": {"amplitudes-apart"},
     "covariates": {"decisive"},
     "colours": {"as-fast"},
+    "taken": {"taken"},
 }
 LONG = {
     "amplitudes",

@@ -139,9 +139,11 @@ def by_hand(
 
     def fit(chi2: float, count: int) -> Any:
         model = SimpleNamespace(terms=(DRAG,) * count)
+        free = (SimpleNamespace(by="c"),) * (6 + 2 * count)
         return SimpleNamespace(
-            model=model, chi2=chi2, free=range(6 + 2 * count), shown=SimpleNamespace(v=t), explains_as_named=named
-        )
+            model=model, chi2=chi2, free=free, shown=SimpleNamespace(v=t), explains_as_named=named,
+            values=np.ones(len(free)), covariance=lambda: np.zeros((len(free), len(free))),
+        )  # fmt: skip
 
     problem: Any = SimpleNamespace(
         t=t, duration=1.0, turns=lambda v: np.linspace(1, 998, turns).astype(np.int64), on_bench=bench
