@@ -15,7 +15,7 @@ import numpy as np
 from benchmarks.calibrate.calibration import Calibration, stands
 from harness.core.arrays import FloatArray
 from harness.core.recording import Recording
-from harness.diagnosis.inverse_dynamics.unseen_mass import forces_together
+from harness.diagnosis.inverse_dynamics.prepare import forces_together
 from harness.diagnosis.pooling.forces import shared_forces
 from harness.diagnosis.pooling.pooled import differences
 from harness.diagnosis.request import Asked

@@ -20,7 +20,7 @@ from harness.diagnosis.grading.grade import Graded, decided, grade
 from harness.diagnosis.grading.misfit import misfit
 from harness.diagnosis.grading.prediction import ratio
 from harness.diagnosis.outcome import Grade
-from harness.diagnosis.residual_tests.lack_of_fit import Left, left_by
+from harness.diagnosis.residual_tests.structure import Left, left_by
 from harness.diagnosis.rules import (
     CHANCE,
     GAIN,

@@ -11,7 +11,7 @@ import numpy as np
 
 from benchmarks.calibrate.calibration import Calibration, head, quantiles, stands
 from benchmarks.calibrate.plant_cases import Start, case_of, pair_of, start_of, with_term
-from harness.diagnosis.residual_tests.lack_of_fit import Left, left_by
+from harness.diagnosis.residual_tests.structure import Left, left_by
 from harness.diagnosis.rules import PAIR_PROMISE, SCREEN_SHARE
 from harness.diagnosis.search.extend import opening
 from harness.diagnosis.search.look import Look

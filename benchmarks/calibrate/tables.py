@@ -26,7 +26,7 @@ from harness.diagnosis.grading.misfit import misfit
 from harness.diagnosis.grading.prediction import held_out, ratio
 from harness.diagnosis.outcome import Table
 from harness.diagnosis.problem import Problem
-from harness.diagnosis.residual_tests.lack_of_fit import Left, left_by
+from harness.diagnosis.residual_tests.structure import Left, left_by
 from harness.diagnosis.rules import TABLE_BAND, TABLE_BETTER, TABLE_ERRORS, TABLE_WORDS
 from harness.diagnosis.tables.curve import table_of
 from harness.diagnosis.tables.selection import finished, tabulated

@@ -9,7 +9,7 @@ from benchmarks.calibrate.machine_draws import based, drawn
 from benchmarks.calibrate.plant_cases import seen
 from harness.diagnosis.grading.grade import ranked
 from harness.diagnosis.grading.misfit import misfit
-from harness.diagnosis.residual_tests.lack_of_fit import Left, left_by
+from harness.diagnosis.residual_tests.structure import Left, left_by
 from harness.diagnosis.rules import GAIN, SHARE_OF_EXCESS, TAKEN
 from harness.model.registry import NAMED
 from harness.proof.machines.plan import CONTROL, MAIN, UNNAMED

@@ -11,7 +11,7 @@ import numpy as np
 from scipy.signal import lfilter
 
 import harness
-from benchmarks.draws.shared import Answer
+from benchmarks.draws.shared import Answer, log_uniform
 from harness.core.arrays import FloatArray
 from harness.core.errors import InputError
 from harness.core.recording import Recording
@@ -30,19 +30,15 @@ _TOLD = {
 """Of what is said, what tells the fault."""
 
 
-def _log(r: np.random.Generator, low: float, high: float) -> float:
-    return float(np.exp(r.uniform(math.log(low), math.log(high))))
-
-
 def decay(r: np.random.Generator, channels: str, damping: float = 1.0) -> tuple[Recording, Recording]:
     """A recording of a free decay, and a simulation of it with positive damping. damping : times a usual ratio."""
-    w, x0 = _log(r, 4.0, 20.0), _log(r, 5e-3, 1.0)
-    zeta, x_k = damping * _log(r, 0.005, 0.06), x0 * _log(r, 0.002, 0.03)
-    span, rate = 2.0 * math.pi / w * r.uniform(6.0, 14.0), w / (2.0 * math.pi) * _log(r, 40.0, 160.0)
+    w, x0 = log_uniform(r, 4.0, 20.0), log_uniform(r, 5e-3, 1.0)
+    zeta, x_k = damping * log_uniform(r, 0.005, 0.06), x0 * log_uniform(r, 0.002, 0.03)
+    span, rate = 2.0 * math.pi / w * r.uniform(6.0, 14.0), w / (2.0 * math.pi) * log_uniform(r, 40.0, 160.0)
     t = np.arange(int(span * rate)) / rate
     clean = _exact(w, zeta, x_k, x0, t)
     zeta = abs(zeta)
-    level = _log(r, 3e-4, 5e-3)
+    level = log_uniform(r, 3e-4, 5e-3)
     noisy = {c: clean[c] + level * 0.5 * np.ptp(clean[c]) * r.standard_normal(t.size) for c in channels}
     dense = np.arange(int(span * 1.5 * rate)) / (1.5 * rate)
     there = _exact(w, zeta, x_k, x0, dense)
@@ -73,7 +69,7 @@ def _exact(w: float, zeta: float, x_k: float, x0: float, t: FloatArray) -> dict[
 def at_rest(r: np.random.Generator, kind: str) -> Recording:
     """What a sensor shows that nothing moves."""
     n, rate = int(r.integers(300, 3000)), float(r.choice([20, 50, 100, 200, 500]))
-    t, fresh, level = np.arange(n) / rate, r.standard_normal(n), _log(r, 1e-4, 1e-1)
+    t, fresh, level = np.arange(n) / rate, r.standard_normal(n), log_uniform(r, 1e-4, 1e-1)
     name = str(r.choice(["x", "x", "v", "a"]))
     if kind == "white":
         y = level * (r.uniform(-5.0, 5.0) + lfilter([1.0], [1.0, -r.choice([0.0, 0.0, r.uniform(0.2, 0.9)])], fresh))

@@ -7,7 +7,7 @@ from tempfile import TemporaryDirectory
 import numpy as np
 
 import harness
-from benchmarks.draws.shared import Answer
+from benchmarks.draws.shared import Answer, log_uniform
 from benchmarks.robot_logs.plants import clean
 from harness.core.arrays import FloatArray
 from harness.core.errors import InputError
@@ -20,17 +20,13 @@ from harness.robot.whole_arm.whole import whole_arm
 _STEP = 1e-3
 
 
-def _log(r: np.random.Generator, low: float, high: float) -> float:
-    return float(np.exp(r.uniform(math.log(low), math.log(high))))
-
-
 def still(seed: int, number: int) -> Answer:
     """A servo's axis at 10 to 40 Hz, irregularly sampled, at rest for most of the time, with friction alone.
 
     Right where it is adequate and dry friction lies within three of its errors, or a twentieth.
     """
     r = np.random.default_rng([seed, number, 77])
-    inertia = _log(r, 3e-3, 0.3)
+    inertia = log_uniform(r, 3e-3, 0.3)
     damping, friction = inertia / r.uniform(0.3, 1.5), inertia * r.uniform(1.0, 6.0)
     x, v, u = _served(_asked(r), inertia, damping, friction, r)
     rate = r.uniform(10.0, 40.0)
@@ -106,10 +102,10 @@ def wrapped(seed: int, number: int) -> Answer:
     Right where it is adequate and zeta lies within three of its errors.
     """
     r = np.random.default_rng([seed, number, 78])
-    w, x0, zeta = _log(r, 2.0, 10.0), 2.0 * math.pi * r.uniform(0.6, 3.0), _log(r, 0.005, 0.05)
-    rate = w / (2.0 * math.pi) * _log(r, 60.0, 200.0)
+    w, x0, zeta = log_uniform(r, 2.0, 10.0), 2.0 * math.pi * r.uniform(0.6, 3.0), log_uniform(r, 0.005, 0.05)
+    rate = w / (2.0 * math.pi) * log_uniform(r, 60.0, 200.0)
     t = np.arange(int(2.0 * math.pi / w * r.uniform(8.0, 16.0) * rate)) / rate
-    moved = free_decay(Decay.of(Slider(1.0, 2.0 * zeta * w, w * w, x0 * _log(r, 0.002, 0.02) * w * w), x0), t)
+    moved = free_decay(Decay.of(Slider(1.0, 2.0 * zeta * w, w * w, x0 * log_uniform(r, 0.002, 0.02) * w * w), x0), t)
     x = moved.x + 3e-3 * r.standard_normal(t.size)
     channels = {"x": (x + math.pi) % (2.0 * math.pi) - math.pi}
     if number % 2:
@@ -131,7 +127,7 @@ def wrapped(seed: int, number: int) -> Answer:
 def loads(seed: int, number: int) -> Answer:
     """An arm in closed loop that carries what its user does not say: right where that is told within a twentieth."""
     r = np.random.default_rng([seed, number, 79])
-    kg, beside = _log(r, 0.5, 5.0), r.uniform(-0.1, 0.1, 3)
+    kg, beside = log_uniform(r, 0.5, 5.0), r.uniform(-0.1, 0.1, 3)
     one = clean(seed, number, ("mujoco", "sticking")[number % 2], kg, beside)
     found = whole_arm(one.log, one.arm)
     named = [name for name, _ in found.named]

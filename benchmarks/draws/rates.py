@@ -6,7 +6,7 @@ import numpy as np
 
 import harness
 from benchmarks.draws.faults import decay
-from benchmarks.draws.shared import Answer
+from benchmarks.draws.shared import Answer, log_uniform
 from harness.core.errors import HarnessError, InputError
 from harness.core.recording import Recording
 from harness.estimate.every import estimate_all
@@ -21,7 +21,7 @@ def faster(seed: int, number: int) -> Answer:
     """A simulation whose frequency is 1 to 30 % off: right where it is different, and its rate is told."""
     r = np.random.default_rng([seed, number, 1])
     real, sim = decay(r, str(r.choice(["x", "xa", "xv", "a"])))
-    by = 1.0 + float(r.choice([-1.0, 1.0])) * math.exp(r.uniform(math.log(0.01), math.log(0.3)))
+    by = 1.0 + float(r.choice([-1.0, 1.0])) * log_uniform(r, 0.01, 0.3)
     power = {"x": 0, "v": 1, "a": 2}
     quick = Recording(sim.t / by, {c: y * by ** power[c] for c, y in sim.channels.items()}, "sim.csv")
     found = harness.compare(quick, real)
@@ -56,7 +56,7 @@ def misfit(seed: int, number: int) -> Answer:
     r = np.random.default_rng([seed, number, 3])
     w, x0, zeta = math.exp(r.uniform(1.5, 3.0)), math.exp(r.uniform(-5.0, 0.0)), math.exp(r.uniform(-5.5, -3.0))
     x_k, law = x0 * math.exp(r.uniform(-6.0, -3.5)), str(r.choice(list(_LAWS)))
-    force, size = w * w * x0, math.exp(r.uniform(math.log(1e-3), math.log(0.2)))
+    force, size = w * w * x0, log_uniform(r, 1e-3, 0.2)
     numbers = {
         "quadratic-drag": {"c2": size * force / (w * x0) ** 2},
         "cubic-stiffness": {"k3": size * force / x0**3},
@@ -69,7 +69,7 @@ def misfit(seed: int, number: int) -> Answer:
     model = Model(1.0, 2.0 * zeta * w, w * w, w * w * x_k, x0=x0, terms=(ModelTerm.named(law, **numbers),))
     t = np.arange(int(r.uniform(300, 1500))) / 1.0
     t *= 2.0 * math.pi / w * r.uniform(6.0, 14.0) / t[-1]
-    level, channels = math.exp(r.uniform(math.log(3e-4), math.log(5e-3))), str(r.choice(["x", "xa"]))
+    level, channels = log_uniform(r, 3e-4, 5e-3), str(r.choice(["x", "xa"]))
     try:
         real = harness.simulate(model, t)
         noisy = {

@@ -4,6 +4,8 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass
 
+import numpy as np
+
 
 @dataclass(frozen=True, slots=True)
 class Answer:
@@ -11,6 +13,11 @@ class Answer:
 
     right: bool
     said: str
+
+
+def log_uniform(r: np.random.Generator, low: float, high: float) -> float:
+    """Between two numbers, their decades alike."""
+    return float(np.exp(r.uniform(math.log(low), math.log(high))))
 
 
 Draw = Callable[[int, int], Answer]

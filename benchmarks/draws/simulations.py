@@ -1,12 +1,13 @@
 """A recording of a slider with noise, beside a simulation of the same slider by MuJoCo with settings as they come."""
 
 import math
+from functools import partial
 from typing import Any
 
 import numpy as np
 
 import harness
-from benchmarks.draws.shared import Answer
+from benchmarks.draws.shared import Answer, log_uniform
 from harness.core.errors import HarnessError
 from harness.core.recording import Recording
 
@@ -21,10 +22,7 @@ def drawn(seed: int, number: int, *, wrong: bool) -> tuple[Recording, Recording,
     import mujoco
 
     r = np.random.default_rng([seed, number])
-
-    def log(low: float, high: float) -> float:
-        return float(np.exp(r.uniform(math.log(low), math.log(high))))
-
+    log = partial(log_uniform, r)
     m, w, x0 = r.uniform(0.4, 3.0), r.uniform(5.0, 25.0), r.uniform(0.02, 0.1)
     k, period = m * w * w, 2.0 * math.pi / w
     own = {"k": k, "c": 2.0 * log(0.005, 0.05) * w * m, "f": x0 * log(0.004, 0.03) * k}

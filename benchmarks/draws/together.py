@@ -1,13 +1,14 @@
 """Repetitions of one rig, each with an encoder's zero of its own, by an integrator that shares no code with ours."""
 
 import math
+from functools import partial
 from typing import Any
 
 import numpy as np
 from numba import njit
 
 import harness
-from benchmarks.draws.shared import Answer
+from benchmarks.draws.shared import Answer, log_uniform
 from harness.core.errors import HarnessError
 from harness.core.recording import Recording
 
@@ -65,10 +66,7 @@ def _let_go(x: float, n: int, dt: float, law: Any) -> Any:
 def drawn(seed: int, number: int) -> tuple[str, list[Recording]]:
     """What hides, and three to five recordings; in half of the draws spring and friction differ a little each time."""
     r = np.random.default_rng([seed, number])
-
-    def log(low: float, high: float) -> float:
-        return float(np.exp(r.uniform(math.log(low), math.log(high))))
-
+    log = partial(log_uniform, r)
     effect = EFFECTS[number % len(EFFECTS)]
     w, size = log(5.0, 30.0), log(0.02, 0.08)
     k, zeta, x_k = w * w, log(0.003, 0.03), size * log(0.008, 0.03)

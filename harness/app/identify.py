@@ -24,7 +24,7 @@ from harness.core.trajectory import Trajectory
 from harness.diagnosis.fit.rmse import rmse
 from harness.diagnosis.fit.standard_errors import base_parameters
 from harness.diagnosis.pipeline import fit_base
-from harness.diagnosis.residual_tests.lack_of_fit import Left, left_by
+from harness.diagnosis.residual_tests.structure import Left, left_by
 from harness.estimate.believed import without_limited
 from harness.estimate.result import Estimate, Estimation
 from harness.io.options import ReadOptions

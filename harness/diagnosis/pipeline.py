@@ -11,10 +11,10 @@ from typing import Any
 from harness.core.budget import USUAL, Budget, given
 from harness.core.errors import SimulationError
 from harness.core.recording import Recording
-from harness.diagnosis.explain.by_force import cautions_of_force, mechanisms_of, remainder_of, told
 from harness.diagnosis.explain.cautions import cautions, cautions_of_misfit
 from harness.diagnosis.explain.could_hide import could_hide, with_systematic
 from harness.diagnosis.explain.could_hide import said as hiding
+from harness.diagnosis.explain.graded import cautions_of_force, mechanisms_of, remainder_of, told
 from harness.diagnosis.explain.mechanism import each_of, mechanism
 from harness.diagnosis.explain.next_experiment import left_open, left_open_by_grade, next_experiment, to_be_sure
 from harness.diagnosis.fit.place import place_of
@@ -24,7 +24,7 @@ from harness.diagnosis.grading.clock_drift import off_the_clock, with_clock
 from harness.diagnosis.grading.grade import Graded, grade
 from harness.diagnosis.grading.misfit import misfit
 from harness.diagnosis.grading.posterior import of_contest, of_search, probability
-from harness.diagnosis.inverse_dynamics.unseen_mass import forces_together
+from harness.diagnosis.inverse_dynamics.prepare import forces_together
 from harness.diagnosis.inverse_dynamics.validate import Judge
 from harness.diagnosis.kinds.known import kind_for, kind_of
 from harness.diagnosis.outcome import Grade, Outcome, Tried
@@ -32,7 +32,7 @@ from harness.diagnosis.prepare.driven import is_driven
 from harness.diagnosis.prepare.free_decay import together
 from harness.diagnosis.problem import Problem
 from harness.diagnosis.request import Asked
-from harness.diagnosis.residual_tests.lack_of_fit import Left
+from harness.diagnosis.residual_tests.structure import Left
 from harness.diagnosis.rules import COVARIATES, POOLING
 from harness.diagnosis.search.against import against
 from harness.diagnosis.search.extend import key_of

@@ -1,6 +1,5 @@
 """The verdict: the one place that decides what a search has come to."""
 
-import math
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
@@ -13,7 +12,7 @@ from harness.diagnosis.grading.grade import Contest
 from harness.diagnosis.grading.lone import next_best, stand_ins, undecided
 from harness.diagnosis.grading.posterior import of_search, probability
 from harness.diagnosis.outcome import Grade, Verdict
-from harness.diagnosis.residual_tests.lack_of_fit import Left
+from harness.diagnosis.residual_tests.structure import Left
 from harness.diagnosis.rules import (
     AMONG_NAMES,
     APART,
@@ -106,13 +105,13 @@ def weighed(found: Search, omega: float) -> Search:
 
 def _without_a_rate(chosen: Fit) -> bool:
     """Whether a law that repeats in time does so at a rate that is looser than itself."""
-    variance = np.diag(chosen.covariance())
-    rates = [
-        (abs(value), math.sqrt(max(variance[i], 0.0)))
-        for i, (f, value) in enumerate(zip(chosen.free, chosen.values.tolist(), strict=True))
-        if isinstance(f.by, tuple) and chosen.model.terms[f.by[0]].term.parameters[f.by[1]].repeats == "time"
-    ]
-    return any(error >= LOOSE.value * rate for rate, error in rates)
+    error, terms = np.sqrt(np.maximum(np.diag(chosen.covariance()), 0.0)), chosen.model.terms
+    return any(
+        isinstance(f.by, tuple)
+        and f.by[1] == terms[f.by[0]].term.repeating("time")
+        and error[i] >= LOOSE.value * abs(chosen.values[i])
+        for i, f in enumerate(chosen.free)
+    )
 
 
 def _tested(found: Search, named: bool) -> tuple[Rule, ...]:

@@ -68,10 +68,10 @@ def test_a_motion_and_its_noisy_recording_are_the_same(tmp_path: Path, samples: 
 def test_same_within_noise_is_said_at_the_promised_rate(tmp_path: Path) -> None:
     wrong = 0
     sim = trace(tmp_path / "sim.csv", samples=800)
-    for seed in range(8):
+    for seed in range(20):
         real = trace(tmp_path / f"real{seed}.csv", samples=800, noise=GOOD, seed=seed)
         wrong += harness.compare(sim, real).verdict == "different"
-    assert wrong <= 1
+    assert wrong <= 2
 
 
 def test_three_per_cent_of_friction_make_a_difference(tmp_path: Path) -> None:

@@ -12,8 +12,8 @@ from hypothesis import strategies as st
 from harness import stages
 from harness.core.arrays import FloatArray
 from harness.core.recording import Recording
+from harness.diagnosis.inverse_dynamics.prepare import with_unseen_mass
 from harness.diagnosis.inverse_dynamics.search import by_the_force
-from harness.diagnosis.inverse_dynamics.unseen_mass import with_unseen_mass
 from harness.diagnosis.kinds import driven
 from harness.diagnosis.pipeline import diagnose, prepare
 from harness.diagnosis.prepare.held import Beside

@@ -18,7 +18,7 @@ from harness.diagnosis.problem import Problem
 from harness.diagnosis.problems.free_decay import FreeDecay
 from harness.diagnosis.problems.starts import Windows
 from harness.diagnosis.request import Asked
-from harness.diagnosis.residual_tests.lack_of_fit import structure
+from harness.diagnosis.residual_tests.structure import structure
 from harness.diagnosis.rules import STRUCTURE
 from harness.estimate.noise import channel_noise
 from harness.model.model import Restoring

@@ -14,7 +14,7 @@ from harness.diagnosis.fit.model_fit import Fit, fit
 from harness.diagnosis.fit.observe import Observation, observe
 from harness.diagnosis.fit.parameters import base_of, free_of
 from harness.diagnosis.problems.free_decay import FreeDecay
-from harness.diagnosis.residual_tests.lack_of_fit import Left
+from harness.diagnosis.residual_tests.structure import Left
 from harness.diagnosis.search.extend import extend, prune
 from harness.diagnosis.search.look import Recorded, frequencies, within
 from harness.diagnosis.search.search import Search

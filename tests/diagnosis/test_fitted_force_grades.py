@@ -10,7 +10,7 @@ import pytest
 
 from harness.core.arrays import FloatArray
 from harness.core.recording import Recording
-from harness.diagnosis.explain.by_force import cautions_of_force, mechanisms_of
+from harness.diagnosis.explain.graded import cautions_of_force, mechanisms_of
 from harness.diagnosis.grading.chance import Odds
 from harness.diagnosis.grading.grade import decided
 from harness.diagnosis.inverse_dynamics.force_fit import ForceFit
@@ -23,7 +23,7 @@ from harness.diagnosis.pipeline import diagnose, prepare
 from harness.diagnosis.problems.driven import Driven, InverseDynamics
 from harness.diagnosis.problems.starts import Windows
 from harness.diagnosis.request import Asked
-from harness.diagnosis.residual_tests.lack_of_fit import Left
+from harness.diagnosis.residual_tests.structure import Left
 from harness.diagnosis.rules import FORCE_CHANCE, PERIODS_COUNTED
 from harness.kernels.solve import Drive, solve
 from harness.model.model import Model, ModelTerm, Restoring

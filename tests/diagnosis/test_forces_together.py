@@ -17,8 +17,8 @@ from harness.diagnosis.fit.observe import observe
 from harness.diagnosis.fit.parameters import Free, free_of
 from harness.diagnosis.inverse_dynamics.force_fit import ForceFit, fit_force
 from harness.diagnosis.inverse_dynamics.measured import BLOCK, Measured
+from harness.diagnosis.inverse_dynamics.prepare import forces_together
 from harness.diagnosis.inverse_dynamics.strokes import force_words
-from harness.diagnosis.inverse_dynamics.unseen_mass import forces_together
 from harness.diagnosis.outcome import Outcome
 from harness.diagnosis.pipeline import diagnose, prepare_together
 from harness.diagnosis.pooling.forces import shared_forces

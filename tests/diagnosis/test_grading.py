@@ -9,8 +9,8 @@ from harness.core.arrays import FloatArray
 from harness.core.errors import InputError
 from harness.diagnosis.baseline.base_fit import baseline
 from harness.diagnosis.baseline.words import evidence
-from harness.diagnosis.explain.by_force import told
 from harness.diagnosis.explain.cautions import keeping_time
+from harness.diagnosis.explain.graded import told
 from harness.diagnosis.fit.model_fit import fit
 from harness.diagnosis.fit.parameters import free_of
 from harness.diagnosis.grading.beginning import after_first_turn, from_the_beginning

@@ -10,7 +10,7 @@ from harness.core.recording import Recording
 from harness.diagnosis.explain.verdict_sentence import sentence_of
 from harness.diagnosis.pipeline import diagnose, prepare
 from harness.diagnosis.request import Asked
-from harness.diagnosis.residual_tests.lack_of_fit import Left
+from harness.diagnosis.residual_tests.structure import Left
 from harness.diagnosis.search.search import Search
 from harness.kernels.solve import solve
 from harness.model.model import Model, ModelTerm, Restoring

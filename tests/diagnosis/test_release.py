@@ -12,7 +12,7 @@ from harness.diagnosis.baseline.base_fit import baseline
 from harness.diagnosis.pipeline import diagnose, prepare
 from harness.diagnosis.problem import Problem
 from harness.diagnosis.request import Asked
-from harness.diagnosis.residual_tests.lack_of_fit import structure
+from harness.diagnosis.residual_tests.structure import structure
 from harness.diagnosis.rules import STRUCTURE
 from harness.diagnosis.search.release_transient import after_hand
 from harness.kernels.solve import Drive, simulate, solve

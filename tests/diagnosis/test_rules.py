@@ -15,7 +15,7 @@ ROOT = Path(__file__).resolve().parents[2]
 FILES = sorted((ROOT / "harness" / "diagnosis").rglob("*.py"))
 ARM = sorted((ROOT / "harness" / "robot" / "whole_arm").rglob("*.py"))
 LOGS = [ROOT / "harness" / "io" / "logs" / "suspicions.py"]
-GATES = ("verdict.py", "search/search.py", "search/release_transient.py")
+GATES = ("verdict.py", "search/search.py", "search/release_transient.py", "residual_tests/structure.py")
 """Files that decide and nothing else: they hold no constant of their own."""
 PLAIN = frozenset({0.0, 1.0, 2.0})
 """Numbers that are no threshold: nothing, a whole, a pair."""

@@ -16,7 +16,7 @@ from harness.diagnosis.integrator_maps.stepped import as_stepped
 from harness.diagnosis.outcome import Outcome
 from harness.diagnosis.pipeline import diagnose, explain, judge, prepare
 from harness.diagnosis.request import Asked
-from harness.diagnosis.residual_tests.lack_of_fit import Left
+from harness.diagnosis.residual_tests.structure import Left
 from harness.diagnosis.search.search import Search
 from harness.diagnosis.stages import Found
 from harness.engines.simulator import EngineSimulator

@@ -16,7 +16,7 @@ from harness.diagnosis.grading.prediction import blocks_of, held_out, ratio
 from harness.diagnosis.outcome import Grade, Table
 from harness.diagnosis.pipeline import explain, judge
 from harness.diagnosis.problems.free_decay import FreeDecay
-from harness.diagnosis.residual_tests.lack_of_fit import Left
+from harness.diagnosis.residual_tests.structure import Left
 from harness.diagnosis.search.search import Search
 from harness.diagnosis.stages import Found
 from harness.diagnosis.tables.basis import RUNGS, Basis, basis_of, partials

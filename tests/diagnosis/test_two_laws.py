@@ -12,7 +12,7 @@ from harness.diagnosis.grading.beginning import with_second
 from harness.diagnosis.outcome import Grade
 from harness.diagnosis.pipeline import explain, fit_base, judge, prepare, search
 from harness.diagnosis.request import Asked
-from harness.diagnosis.residual_tests.lack_of_fit import Left
+from harness.diagnosis.residual_tests.structure import Left
 from harness.diagnosis.rules import SECOND_TERM
 from harness.diagnosis.search.search import Search
 from harness.diagnosis.stages import Found, Judged

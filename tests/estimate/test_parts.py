@@ -10,7 +10,7 @@ from scipy.stats import linregress
 from harness.core.arrays import FloatArray
 from harness.core.scenario import FREE_DECAY
 from harness.core.slider import EXPERIMENT
-from harness.estimate.channel import ChannelFit, fit_channel
+from harness.estimate.channel import ChannelFit, _tied_start, fit_channel
 from harness.estimate.displacement import half_cycle_frequency
 from harness.estimate.jumps import as_acceleration
 from harness.estimate.noise import Noise, _compiled_residuals, channel_noise
@@ -18,6 +18,7 @@ from harness.estimate.projection import compiled_inverse
 from harness.estimate.reversals import Kind, NoDecay
 from harness.estimate.saturation import saturated
 from harness.estimate.table1 import Setup, table
+from harness.estimate.tied import OMEGA, P0, SIGMA, T0, D
 from harness.estimate.turning import _locally, _near
 from harness.exact.decay import Decay, free_decay
 
@@ -216,3 +217,25 @@ def test_the_table_is_of_five_releases_about_5_2_mm_at_1_khz() -> None:
     assert setup.rate == 1000.0
     assert np.mean(setup.starts) == pytest.approx(5.2e-3)
     assert np.allclose(np.diff(sorted(setup.starts)), 1e-4)
+
+
+def test_what_cannot_be_inverted_is_nothing() -> None:
+    found = np.full((3, 3), np.nan)
+    compiled_inverse(np.ones((3, 3)), 3, found)
+    assert np.all(found == 0.0)
+    compiled_inverse(np.ones((3, 3)), 2, found)
+    assert np.all(found == 0.0)
+
+
+@pytest.mark.parametrize("kind", list(Kind))
+def test_the_tied_fit_begins_near_where_it_ends(kind: Kind) -> None:
+    y = {Kind.DISPLACEMENT: DECAY.x, Kind.VELOCITY: DECAY.v, Kind.ACCELERATION: DECAY.a}[kind]
+    fit = fit_channel(T, y + 1e-5 * np.ptp(y) * np.random.default_rng(0).standard_normal(T.size), kind)
+    assert fit.holds
+    begun, ended = _tied_start(fit.separate), fit.tied.theta
+    omega = FREE_DECAY.slider.omega_n
+    assert begun[OMEGA] == pytest.approx(ended[OMEGA], rel=2e-3)
+    assert begun[SIGMA] == pytest.approx(FREE_DECAY.slider.zeta * omega, rel=0.05)
+    assert begun[T0] == pytest.approx(ended[T0], abs=0.02 / omega)
+    assert begun[P0] == pytest.approx(ended[P0], rel=0.02)
+    assert begun[D] == pytest.approx(ended[D], rel=0.1)

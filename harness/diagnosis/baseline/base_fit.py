@@ -16,9 +16,8 @@ from itertools import product
 
 import numpy as np
 
-from harness.core.arrays import FloatArray
+from harness.core.arrays import FloatArray, IntArray
 from harness.core.errors import InputError, SimulationError
-from harness.diagnosis.baseline.swing_seen import peaks
 from harness.diagnosis.covariates.following import enter
 from harness.diagnosis.fit.model_fit import Fit, fit
 from harness.diagnosis.fit.observe import COARSE
@@ -53,6 +52,14 @@ _MANY_CYCLES = 20.0
 """A phase that is off by a hundredth, as a spectrum gives it, has then slipped by a radian."""
 _ABOVE_NOISE = 0.15
 """Of the first peak: smaller ones may be noise or rest, and do not count for the decay that a fit starts from."""
+
+
+def peaks(power: FloatArray) -> IntArray:
+    """Indices (k,) of the local maxima of a spectrum (n,), strongest first; its ends are none."""
+    inner = power[1:-1]
+    tops = np.flatnonzero((inner > power[:-2]) & (inner >= power[2:])) + 1
+    strongest: IntArray = tops[np.argsort(power[tops])[::-1]]
+    return strongest
 
 
 def dominant_frequency(t: FloatArray, y: FloatArray) -> float:

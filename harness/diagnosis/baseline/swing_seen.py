@@ -4,8 +4,6 @@ A base fit follows noise as well as it can and leaves noise, so that a test of w
 that hangs on the bench. The rival moves nothing: of every channel a level, with noise about it that may wander. That is
 an ARMA(1, 1) process, whose root is real: white noise, a random walk, all between and both together. It swings at no
 frequency (Box and Jenkins 1976, chapter 3).
-
-Peaks of a spectrum.
 """
 
 import math
@@ -15,24 +13,15 @@ import numpy as np
 from scipy.optimize import minimize
 from scipy.signal import lfilter
 
-from harness.core.arrays import FloatArray, IntArray
+from harness.core.arrays import FloatArray
 from harness.core.errors import InputError
 from harness.diagnosis.baseline.words import Strokes
 from harness.diagnosis.fit.model_fit import Fit
 from harness.diagnosis.problem import Problem
 from harness.diagnosis.rules import DECISIVE
 
-
-def peaks(power: FloatArray) -> IntArray:
-    """Indices (k,) of the local maxima of a spectrum (n,), strongest first; its ends are none."""
-    inner = power[1:-1]
-    tops = np.flatnonzero((inner > power[:-2]) & (inner >= power[2:])) + 1
-    strongest: IntArray = tops[np.argsort(power[tops])[::-1]]
-    return strongest
-
-
 FEWEST_HALF_CYCLES = 3
-"""Of a free decay: its decrement takes two, and what is missing one more."""
+"""Of a free decay: its damping and its friction are two numbers, which take three amplitudes."""
 _STARTS = ((0.0, 0.0), (0.7, 0.0), (0.97, 0.0), (0.97, 0.7), (0.999, 0.95))
 """Of memory and of what noise beside it takes off: white, coloured, wandering, and wandering under white noise."""
 
@@ -40,12 +29,13 @@ _STARTS = ((0.0, 0.0), (0.7, 0.0), (0.97, 0.0), (0.97, 0.7), (0.999, 0.95))
 def refuse_no_swing(base: Fit, problem: Problem) -> None:
     """Raise InputError where the base model says no more of the channels than a slider at rest does, or does not swing.
 
-    A sensor that drifts is followed by a slider that creeps: noise turns round more often than that does.
+    A sensor that drifts is followed by a slider that creeps.
     """
     accepted = "a slider let go, or the force that moves it as a column u, is accepted"
-    strokes = Strokes.by(base.shown.v).count
-    if strokes < FEWEST_HALF_CYCLES:
-        found = f"no free decay: the slider that explains it best swings {0.5 * strokes:.2g} cycles, as a drift does"
+    count = Strokes.by(base.shown.v).count
+    if count < FEWEST_HALF_CYCLES:
+        half = f"{count} half-cycle{'' if count == 1 else 's'}"
+        found = f"no free decay: the best fit has {half}, not {FEWEST_HALF_CYCLES}; a drifting sensor looks like this"
         raise InputError("recording", found, accepted)
     if swing_evidence(base, problem) >= DECISIVE.value:
         return

@@ -1,7 +1,4 @@
-"""What a reader of a verdict is warned of.
-
-Whether the model that was found is good enough to change a simulation by.
-"""
+"""What a reader of a verdict is warned of, and whether its model is good enough to change a simulation by."""
 
 import math
 

@@ -31,7 +31,7 @@ from harness.diagnosis.grading.grade import Graded, grade
 from harness.diagnosis.grading.misfit import misfit
 from harness.diagnosis.outcome import Grade
 from harness.diagnosis.problem import Problem
-from harness.diagnosis.residual_tests.lack_of_fit import Left, left_by
+from harness.diagnosis.residual_tests.structure import Left, left_by
 from harness.diagnosis.rules import BEGINS_ALIKE, GAIN, LEAST_RATIO, SECOND_TERM
 from harness.diagnosis.search.extend import extend, key_of, prune, settle
 from harness.diagnosis.search.release_transient import of_a_hand

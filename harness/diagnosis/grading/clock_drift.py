@@ -13,7 +13,7 @@ from harness.diagnosis.fit.observe import observe
 from harness.diagnosis.fit.parameters import free_of
 from harness.diagnosis.problem import P, Problem
 from harness.diagnosis.problems.free_decay import FreeDecay
-from harness.diagnosis.residual_tests.lack_of_fit import Left, left_by
+from harness.diagnosis.residual_tests.structure import Left, left_by
 from harness.diagnosis.rules import CLOCK_DRIFT
 from harness.diagnosis.search.extend import settle
 from harness.diagnosis.search.search import Search, noise_of, under

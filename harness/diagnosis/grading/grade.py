@@ -225,16 +225,17 @@ def ranked(misfit: Misfit, begun: Sequence[Model] = ()) -> list[Finalist]:
         return []
     noise = misfit.noise_left(min(fits, key=lambda f: f.chi2))
     excess = base.chi2 - misfit.floor(noise)
-    easily = _easily()
-    cells = {n: places * easily[n] ** 2 for n, places in cells_of(starting_evidence(base, problem, scales)).items()}
+    cells = cells_of(starting_evidence(base, problem, scales))
     span = problem.duration
     best: dict[str, Finalist] = {}
     for one in fits:
         entry = one.model.terms[-1]
         taken = base.chi2 - one.chi2
+        # evidence is twice a logarithm: what takes a misfit by chance so many times more often counts that squared
+        easily = max(1.0, entry.term.taken / TAKEN.value) ** 2
         found = Finalist(
             one,
-            misfit.evidence_of(one, noise, cells[entry.term.name]),
+            misfit.evidence_of(one, noise, easily * cells[entry.term.name]),
             min(taken / excess, 1.0) if excess > 0.0 else 0.0,
             taken / base.chi2,
             on_the_swing(entry, scales.omega, span),
@@ -257,15 +258,6 @@ def cells_of(seen: Evidence) -> dict[str, float]:
         probes = len(term.probes(seen)) / (1.0 if term.phase is None else 2.0)
         cells[term.name] = cells.get(term.name, 0.0) + max(probes, 1.0)
     return cells
-
-
-def _easily() -> dict[str, float]:
-    """How many times more often than a law ordinarily does each name takes a misfit of motion that it has not made.
-
-    As evidence is twice a logarithm, its square counts like places that are scanned.
-    """
-    names = {term.name for term in NAMED}
-    return {n: max(1.0, max(t.taken for t in NAMED if t.name == n) / TAKEN.value) for n in names}
 
 
 def _alike(first: Finalist, found: Contest) -> list[Finalist]:

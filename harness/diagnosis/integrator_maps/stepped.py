@@ -18,7 +18,8 @@ from harness.diagnosis.fit.model_fit import Fit, fit, whitened
 from harness.diagnosis.fit.parameters import base_of, free_of
 from harness.diagnosis.integrator_maps.maps import SCHEMES, Scheme, Stepping, stepped
 from harness.diagnosis.problem import Problem
-from harness.diagnosis.residual_tests.lack_of_fit import Left, lack_of_fit
+from harness.diagnosis.residual_tests.lack_of_fit import lack_of_fit
+from harness.diagnosis.residual_tests.structure import Left
 from harness.diagnosis.rules import STEPPED, STEPPED_WITHIN, STRUCTURE
 from harness.diagnosis.search.extend import key_of
 from harness.diagnosis.search.search import Search, under

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from harness.core.arrays import FloatArray
-from harness.diagnosis.baseline.swing_seen import peaks
+from harness.diagnosis.baseline.base_fit import peaks
 from harness.diagnosis.fit.parameters import free_of
 from harness.diagnosis.inverse_dynamics.force_fit import ForceFit
 from harness.diagnosis.inverse_dynamics.measured import Measured

@@ -22,7 +22,7 @@ from harness.diagnosis.fit.rmse import motion_followed
 from harness.diagnosis.inverse_dynamics.force_fit import ForceFit, fit_force
 from harness.diagnosis.inverse_dynamics.measured import Measured
 from harness.diagnosis.problems.driven import InverseDynamics
-from harness.diagnosis.residual_tests.lack_of_fit import Left
+from harness.diagnosis.residual_tests.structure import Left
 from harness.diagnosis.rules import NULL_DRAWS, OVER_SIMULATED
 from harness.diagnosis.smoothed_state.state import Course
 from harness.estimate.noise import Noise, channel_noise

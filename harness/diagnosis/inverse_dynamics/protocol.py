@@ -12,7 +12,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from harness.core.arrays import FloatArray
-from harness.diagnosis.baseline.swing_seen import peaks
+from harness.diagnosis.baseline.base_fit import peaks
 from harness.diagnosis.inverse_dynamics.asked import inverse_force
 from harness.model.model import Model
 

@@ -32,7 +32,7 @@ from harness.diagnosis.inverse_dynamics.measured import Measured
 from harness.diagnosis.inverse_dynamics.validate import Judge
 from harness.diagnosis.problem import Problem
 from harness.diagnosis.problems.driven import Driven, InverseDynamics
-from harness.diagnosis.residual_tests.lack_of_fit import Left
+from harness.diagnosis.residual_tests.structure import Left
 from harness.diagnosis.rules import AMONG_NAMES, DECISIVE, MOST_FORCE_TERMS, MOVES, PREDICTS_WORSE
 from harness.diagnosis.search.search import Search, less_each
 from harness.diagnosis.smoothed_state.state import Course

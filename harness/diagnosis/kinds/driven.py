@@ -16,8 +16,8 @@ from harness.diagnosis.fit.rmse import as_started, motion_followed, only_started
 from harness.diagnosis.input_noise.noisy_base_fit import along, in_turn
 from harness.diagnosis.input_noise.propagation import unlikely
 from harness.diagnosis.inverse_dynamics.covariates import entered
+from harness.diagnosis.inverse_dynamics.prepare import as_it_acts, with_unseen_mass
 from harness.diagnosis.inverse_dynamics.search import by_the_force
-from harness.diagnosis.inverse_dynamics.unseen_mass import as_it_acts, with_unseen_mass
 from harness.diagnosis.inverse_dynamics.validate import Judge
 from harness.diagnosis.kinds.inverse_dynamics import FittedForces
 from harness.diagnosis.kinds.kind import Kind
@@ -28,7 +28,7 @@ from harness.diagnosis.problem import Problem
 from harness.diagnosis.problems.driven import Driven, Forced, InverseDynamics
 from harness.diagnosis.problems.starts import Windows
 from harness.diagnosis.request import Asked
-from harness.diagnosis.residual_tests.lack_of_fit import Left, left_by
+from harness.diagnosis.residual_tests.structure import Left, left_by
 from harness.diagnosis.rules import AMONG_NAMES, FOLLOWED, FORCE_HELD
 from harness.diagnosis.search.extend import Step, extend, settle
 from harness.diagnosis.search.search import Again, noise_of, once, search, under

@@ -27,7 +27,7 @@ from harness.diagnosis.problem import P, Problem
 from harness.diagnosis.problems.free_decay import FreeDecay
 from harness.diagnosis.problems.together import Together
 from harness.diagnosis.request import Asked
-from harness.diagnosis.residual_tests.lack_of_fit import Left
+from harness.diagnosis.residual_tests.structure import Left
 from harness.diagnosis.search.extend import settle
 from harness.diagnosis.search.long_recordings import lifted, shortened
 from harness.diagnosis.search.release_transient import after_hand, over_by

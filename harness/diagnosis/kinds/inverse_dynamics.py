@@ -15,8 +15,8 @@ from harness.diagnosis.fit.rmse import as_started
 from harness.diagnosis.inverse_dynamics.force_fit import as_fit, simulated
 from harness.diagnosis.inverse_dynamics.holdout import holdout_windows
 from harness.diagnosis.inverse_dynamics.measured import BLOCK, Measured
+from harness.diagnosis.inverse_dynamics.prepare import forces_together
 from harness.diagnosis.inverse_dynamics.search import force_baseline, left_said, search_driven
-from harness.diagnosis.inverse_dynamics.unseen_mass import forces_together
 from harness.diagnosis.inverse_dynamics.validate import Judge
 from harness.diagnosis.kinds.kind import Kind
 from harness.diagnosis.motion import Motion

@@ -26,7 +26,7 @@ from harness.diagnosis.fit.parameters import base_of, free_of
 from harness.diagnosis.fit.standard_errors import base_parameters, covariances
 from harness.diagnosis.problem import Problem
 from harness.diagnosis.problems.together import Together
-from harness.diagnosis.residual_tests.lack_of_fit import Left, left_by
+from harness.diagnosis.residual_tests.structure import Left, left_by
 from harness.diagnosis.search.extend import settle
 from harness.diagnosis.search.search import noise_of, under
 from harness.kernels.solve import Scales

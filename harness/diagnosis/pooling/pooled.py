@@ -15,7 +15,7 @@ from harness.diagnosis.fit.standard_errors import covariances
 from harness.diagnosis.pooling.own import SAID, Compared, Freed, alone, compared, freed
 from harness.diagnosis.problems.forces_together import ForcesTogether
 from harness.diagnosis.problems.together import Together
-from harness.diagnosis.residual_tests.lack_of_fit import Left, left_by
+from harness.diagnosis.residual_tests.structure import Left, left_by
 from harness.diagnosis.rules import DECISIVE, OWN, POOLED
 from harness.diagnosis.search.extend import extend, settle
 from harness.diagnosis.search.search import Search, noise_of, under

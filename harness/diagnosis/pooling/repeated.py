@@ -23,7 +23,7 @@ from harness.diagnosis.problems.driven import InverseDynamics
 from harness.diagnosis.problems.forces_together import ForcesTogether
 from harness.diagnosis.problems.free_decay import FreeDecay
 from harness.diagnosis.problems.together import Together
-from harness.diagnosis.residual_tests.lack_of_fit import Left, left_by
+from harness.diagnosis.residual_tests.structure import Left, left_by
 from harness.diagnosis.rules import POOLED
 from harness.diagnosis.search.against import in_turn
 from harness.diagnosis.search.extend import extend, key_of, settle

@@ -11,26 +11,19 @@ Do the parts of a recording ask for the same parameters as the whole (Nyblom 198
 
 To first order a part's own fit takes from its residual what lies along the partials there. These are few directions,
 and a model that only mimics an effect fails in them first, long before its residual looks structured.
-
-Does anything but noise stay in a fit? The calibrated test of lackfit, on a fit.
 """
 
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from enum import Enum
 from functools import partial
 
 import numpy as np
 from scipy.special import fdtrc
 
 from harness.core.arrays import BoolArray, FloatArray, IntArray
-from harness.core.events import Mode
-from harness.diagnosis.fit.model_fit import Fit
 from harness.diagnosis.motion import Motion
-from harness.diagnosis.problem import Problem
 from harness.diagnosis.residual_tests.cleaned import BANDS, Channel, channels_of
-from harness.diagnosis.rules import LAW_KNOWN, STRUCTURE, STRUCTURE_NAMED
 
 
 def over_floor(chi2: float, k: float, m: float) -> float:
@@ -284,36 +277,3 @@ def lack_of_fit(
     else:
         sentence = f"what is left looks like noise (p = {p:.2g})"
     return LackOfFit(p, ratio, sentence, tuple((test[0], test[1]) for test in tests))
-
-
-def structure(found: Fit, problem: Problem, omega: float, gain: float = 0.0) -> LackOfFit:
-    """Structure left in a fit's residual, its own parameters allowed for; gain : chi-square its terms explain.
-
-    What noise of a force leaves beyond first order is allowed for, where that could be simulated, and of what terms
-    explain the little that no law is known to.
-    """
-    n = problem.t.size
-    parts = {c: slice(i * n, (i + 1) * n) for i, c in enumerate(problem.channels)}
-    motion = Motion(found.shown.x, found.shown.v, found.shown.mode == Mode.STICK, omega)
-    return lack_of_fit(
-        {c: found.residual[at] for c, at in parts.items()},
-        problem.t,
-        omega,
-        jacobian={c: found.jacobian[at] for c, at in parts.items()},
-        motion=motion,
-        spare=(problem.spare if math.isfinite(problem.spare) else 0.0) + LAW_KNOWN.value * gain,
-    )
-
-
-class Left(Enum):
-    """What a model leaves of a recording."""
-
-    NOISE = "noise"
-    STRUCTURE = "structure"
-
-
-def left_by(found: Fit, problem: Problem, omega: float, base: Fit) -> Left:
-    """What a fit leaves; base : the fit without terms under the same noise, which may be the fit."""
-    gain = max(base.chi2 - found.chi2, 0.0)
-    level = STRUCTURE_NAMED if found.model.terms else STRUCTURE
-    return Left.NOISE if structure(found, problem, omega, gain).p_value > level.value else Left.STRUCTURE

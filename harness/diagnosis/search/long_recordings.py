@@ -1,6 +1,6 @@
 """A free decay of very many samples: searched in means of neighbours, told on all of its samples.
 
-Means of what a fitted model leaves keep nearly all that a recording says of slower things (decimation.py), so that a
+Means of what a fitted model leaves keep nearly all that a recording says of slower things, so that a
 search costs no more for a hundred times the samples; the models it ends at are fitted to every sample.
 """
 

@@ -13,7 +13,7 @@ import numpy as np
 
 from harness.core.arrays import FloatArray
 from harness.core.errors import SimulationError
-from harness.diagnosis.baseline.swing_seen import peaks
+from harness.diagnosis.baseline.base_fit import peaks
 from harness.diagnosis.fit.model_fit import Fit
 from harness.diagnosis.problem import Problem
 from harness.diagnosis.rules import (

@@ -10,7 +10,7 @@ from harness.diagnosis.fit.model_fit import Fit
 from harness.diagnosis.fit.place import place_of
 from harness.diagnosis.prepare.release import without_hand
 from harness.diagnosis.problem import Problem
-from harness.diagnosis.residual_tests.lack_of_fit import Left, left_by
+from harness.diagnosis.residual_tests.structure import Left, left_by
 from harness.diagnosis.rules import AMONG_NAMES, HAND_KNOCKS, HAND_SHOWN, HAND_TURNS, HAND_UNSEEN
 from harness.diagnosis.search.extend import extend, settle
 from harness.diagnosis.search.search import Search, noise_of, under

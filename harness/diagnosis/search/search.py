@@ -20,7 +20,7 @@ from harness.diagnosis.baseline.residual_noise import coloured_whole, residual_n
 from harness.diagnosis.fit.model_fit import Fit, fit, whitened
 from harness.diagnosis.fit.parameters import base_of, free_of
 from harness.diagnosis.problem import P, Problem
-from harness.diagnosis.residual_tests.lack_of_fit import Left, left_by, structure
+from harness.diagnosis.residual_tests.structure import Left, left_by, structure
 from harness.diagnosis.rules import AMONG_NAMES, COLOUR_ALONE, DECISIVE, MOST_TERMS, SECOND_TERM
 from harness.diagnosis.search.against import against, in_turn, taken_by_two
 from harness.diagnosis.search.extend import Step, extend, key_of, pair_up, prune, settle

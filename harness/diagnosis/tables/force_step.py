@@ -16,7 +16,7 @@ import numpy as np
 
 from harness.core.arrays import BoolArray, FloatArray
 from harness.core.errors import SimulationError
-from harness.diagnosis.explain.by_force import prediction, remainder_of
+from harness.diagnosis.explain.graded import prediction, remainder_of
 from harness.diagnosis.fit.observe import Observation
 from harness.diagnosis.fit.parameters import base_of, free_of, with_friction
 from harness.diagnosis.grading.prediction import Predicted, blocks_of, ratio

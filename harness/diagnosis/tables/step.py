@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from harness.core.quantity import Quantity
-from harness.diagnosis.explain.by_force import prediction
+from harness.diagnosis.explain.graded import prediction
 from harness.diagnosis.explain.mechanism import remainder
 from harness.diagnosis.fit.model_fit import Fit, whitened
 from harness.diagnosis.fit.parameters import base_of

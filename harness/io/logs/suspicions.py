@@ -34,7 +34,7 @@ TOUCHES = 0.02
 """An effort that never is negative and comes nearer to 0 than this share of its largest may have no sign."""
 FOLDED = 0.5
 """Of the squares that a line through place and way leaves of an effort: the absolute value of one leaves less than this
-share of one that has lost its sign."""
+share of one that has lost its sign (pytest tests/io/test_effort_without_a_sign.py)."""
 STARTS = (0.0, 0.125, 0.25, 0.375, 0.5, 0.625, 0.75, 0.875)
 """Half turns by which the zero of an arm's angle may be off where its signs are begun."""
 TURNED = 10
@@ -138,10 +138,10 @@ def _folded(q: FloatArray, u: FloatArray) -> bool:
     is fitted, again and again, from a friction's, a gravity's and a spring's.
     """
     v = np.gradient(q)
-    to = np.column_stack([np.ones_like(q), q, np.cos(q), np.sin(q), v, np.sign(v)])
+    to, _ = np.linalg.qr(np.column_stack([np.ones_like(q), q, np.cos(q), np.sin(q), v, np.sign(v)]))
 
     def line(y: FloatArray) -> FloatArray:
-        return np.asarray(to @ np.linalg.lstsq(to, y, rcond=None)[0], dtype=np.float64)
+        return np.asarray(to @ (to.T @ y), dtype=np.float64)
 
     def left(signs: FloatArray) -> float:
         for _ in range(TURNED):

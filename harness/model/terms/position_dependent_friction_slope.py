@@ -28,5 +28,6 @@ TERM = Term(
     probes,
     amplitude=0,
     example=(0.4,),
+    taken=0.08,
     order=50,
 )

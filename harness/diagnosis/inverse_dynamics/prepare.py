@@ -1,12 +1,8 @@
-"""A mass that the force does not show: taken as so large as it could be unseen, for a motion that can be simulated.
+"""What a force needs before it is fitted: a mass that can be simulated, how it acts between samples, several as one.
 
-What is left out may look like a mass, so that the law which says the force best is asked beside the base model.
-
-Whether a fitted force is held between samples: told by the force, where a servo makes the slider stick often.
-
-A simulation from one start then hangs on every stick, and a torque that is right to its noise lets it stray.
-
-Several driven recordings of one machine made ready as one problem, whose force is fitted.
+What is left out may look like a mass, so that the law which says the force best is asked beside the base model. Whether
+a force is held between samples the force itself tells where a servo makes the slider stick often: a simulation from one
+start then hangs on every stick, and a torque that is right to its noise lets it stray.
 """
 
 from collections.abc import Sequence

@@ -1,7 +1,4 @@
-"""A graded force, said: mechanisms with shares and predictions, and what is left beside noise.
-
-A graded misfit, said: fits under the sensors' noise, mechanisms with shares and predictions, what is left.
-"""
+"""A graded misfit or force, said: fits under the noise, mechanisms with shares and predictions, what is left."""
 
 import math
 from dataclasses import dataclass, replace
@@ -18,7 +15,7 @@ from harness.diagnosis.grading.prediction import Predicted
 from harness.diagnosis.inverse_dynamics.grade import ForceGraded
 from harness.diagnosis.outcome import Alternative, Grade, Holdout, Mechanism, Prediction, Remainder, Tried
 from harness.diagnosis.problem import Problem
-from harness.diagnosis.residual_tests.lack_of_fit import Left
+from harness.diagnosis.residual_tests.structure import Left
 from harness.diagnosis.rules import DECISIVE, LEAST_CYCLES
 from harness.diagnosis.search.search import Search, under
 from harness.model.registry import not_parted
