@@ -1,8 +1,5 @@
 """A lone law that meets the noise is named on a bench; on a machine it needs what names a main effect."""
 
-from types import SimpleNamespace
-from typing import Any
-
 import numpy as np
 import pytest
 
@@ -10,38 +7,8 @@ from harness.core.recording import Recording
 from harness.diagnosis.explain.verdict_sentence import sentence_of
 from harness.diagnosis.pipeline import diagnose, prepare
 from harness.diagnosis.request import Asked
-from harness.diagnosis.residual_tests.structure import Left
-from harness.diagnosis.search.search import Search
 from harness.kernels.solve import solve
 from harness.model.model import Model, ModelTerm, Restoring
-
-
-def search(
-    *,
-    free: bool = True,
-    turns: int = 40,
-    base: float = 9000.0,
-    near: float = 99.0,
-    leaves: float = 2.0,
-    count: int = 1,
-    **changed: Any,
-) -> Search:
-    """A law that leaves 1000 of ``base``; another name leaves so many times as much and is worse by ``near`` of BIC."""
-    t = np.arange(1000) * 1e-3
-
-    named, parted = changed.pop("named", True), changed.pop("parted", False)
-
-    def fit(chi2: float, bic: float, *names: str) -> Any:
-        terms = tuple(SimpleNamespace(term=SimpleNamespace(name=name)) for name in names)
-        shown, free = SimpleNamespace(v=t), range(6 + 2 * len(terms))
-        model = SimpleNamespace(terms=terms)
-        return SimpleNamespace(model=model, chi2=chi2, bic=bic, shown=shown, free=free, explains_as_named=named)
-
-    at = np.linspace(1, 998, turns).astype(np.int64)
-    problem: Any = SimpleNamespace(t=t, turns=lambda v: at, zero_free=free, parts_amplitude_from_time=parted)
-    chosen = fit(1000.0, 0.0, *("stribeck", "end-stop")[:count])
-    rivals = (fit(1000.0, 0.5, "stribeck"), fit(1000.0 * leaves, near, "presliding"))
-    return Search(problem, fit(base, 9.0), chosen, (), rivals, changed.pop("left", Left.NOISE), **changed)
 
 
 def recorded(seconds: float) -> Recording:

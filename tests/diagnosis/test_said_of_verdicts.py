@@ -7,16 +7,12 @@ from typing import Any
 import numpy as np
 import pytest
 
-from harness.diagnosis.explain.cautions import cautions
 from harness.diagnosis.explain.verdict_sentence import sentence_of
 from harness.diagnosis.motion import motion_of
 from harness.diagnosis.outcome import Grade, Verdict
 from harness.diagnosis.rules import LEAST_CYCLES, MOST_LIKELY, Rule
 from harness.model.model import Model, ModelTerm
 from harness.model.registry import TERMS
-
-DRAG = ModelTerm.named("quadratic-drag", c2=0.2)
-STRIBECK = ModelTerm.named("stribeck", f_s=0.5, v_s=0.1)
 
 
 def named(name: str, grade: Grade = Grade.EXPLAINS, share: float | None = None, *others: str) -> Any:
@@ -116,42 +112,6 @@ class Fake:
 
 def of(*terms: ModelTerm, chi2: float = 500.0, bic: float = 0.0) -> Any:
     return Fake(Model(m=1.0, k=50.0, c=0.1, f_k=0.2, x0=1.0, terms=terms), chi2, bic)
-
-
-def search(spare: float = 0.0, **changed: Any) -> Any:
-    problem = SimpleNamespace(spare=spare, given=())
-    known = {"base": of(chi2=1100.0), "chosen": of(), "singles": (of(DRAG, chi2=600.0), of(STRIBECK, chi2=850.0))}
-    return SimpleNamespace(**{**known, "problem": problem, "rivals": (), "doubted": None, **changed})
-
-
-def judged(verdict: Verdict, rival: Any = None, *rules: Rule) -> Any:
-    return SimpleNamespace(verdict=verdict, rival=rival, rules=rules)
-
-
-NONE_HELD: Any = SimpleNamespace(refined_rmse={}, baseline_rmse={})
-
-
-def test_cautions_of_what_nothing_explains_name_the_closest_with_their_shares() -> None:
-    first, closest = cautions(search(), judged("unexplained"), NONE_HELD)
-    assert first.startswith("no entry or pair of the catalogue explains it")
-    assert "quadratic-drag 50 %, stribeck 25 %; none is named" in closest
-    assert len(cautions(search(singles=()), judged("unexplained"), NONE_HELD)) == 1
-    followed = cautions(search(doubted=of(DRAG, STRIBECK)), judged("unexplained"), NONE_HELD)[0]
-    assert followed.startswith("quadratic-drag with stribeck would leave noise alone, but")
-    assert len(cautions(search(base=of(chi2=90.0)), judged("unexplained"), NONE_HELD)) == 1
-    assert (
-        "a force measured with less noise would decide" in cautions(search(1e4), judged("unexplained"), NONE_HELD)[-1]
-    )
-
-
-def test_a_model_that_predicts_worse_is_told_so() -> None:
-    held: Any = SimpleNamespace(refined_rmse={"x": 3.0, "a": 1.0}, baseline_rmse={"x": 1.0, "a": 1.0})
-    assert cautions(search(), judged("missing_physics"), held) == (
-        "BIC decides for the refined model although it predicts x worse",
-    )
-    even: Any = SimpleNamespace(refined_rmse={"x": 0.5}, baseline_rmse={"x": 1.0})
-    assert cautions(search(), judged("missing_physics"), even) == ()
-    assert cautions(search(), judged("adequate"), NONE_HELD) == ()
 
 
 def test_the_motion_is_told_by_any_channel() -> None:

@@ -181,7 +181,7 @@ def test_a_budget_is_positive() -> None:
         harness.diagnose(recording, budget=0.0)
 
 
-STEP, SAMPLES = 0.002, 6_000
+STEP, SAMPLES = 0.004, 3_000
 CUBIC = ModelTerm.named("cubic-stiffness", k3=3.0)
 
 
@@ -208,7 +208,7 @@ def test_means_of_samples_tell_what_all_of_them_tell(
     terms: tuple[ModelTerm, ...], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     problem = decay(terms)
-    whole, short = (told(problem, monkeypatch, samples) for samples in (SAMPLES, 1500))
+    whole, short = (told(problem, monkeypatch, samples) for samples in (SAMPLES, SAMPLES // 4))
     assert [m.name for m in short.mechanisms] == [m.name for m in whole.mechanisms] == [e.term.name for e in terms]
     assert short.verdict == whole.verdict
     assert short.problem.t.size == whole.problem.t.size == SAMPLES
