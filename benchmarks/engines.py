@@ -13,7 +13,7 @@ from harness.engines.base import Engine, Preset, Task, resolve
 from harness.engines.mujoco import MujocoEngine
 from harness.engines.mujoco.build import compile_model
 from harness.engines.pybullet import PybulletEngine
-from harness.engines.pybullet import loop as stepping
+from harness.engines.pybullet import engine as stepping
 from harness.engines.pybullet.world import SLIDE, log, opened
 
 

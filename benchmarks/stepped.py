@@ -14,7 +14,7 @@ from harness.core.scenario import FREE_DECAY
 from harness.engines import registry
 from harness.engines.base import Engine, Task, resolve
 from harness.engines.pybullet.world import log
-from harness.fidelity.registry import suite
+from harness.fidelity.kind import suite
 
 
 def _whole(engine: Engine, task: Task) -> Callable[[], object]:
@@ -22,8 +22,8 @@ def _whole(engine: Engine, task: Task) -> Callable[[], object]:
 
 
 def _bare_rapier(task: Task) -> Callable[[], object]:
-    from harness.engines.momentum import own_or_pushed
     from harness.engines.rapier import RapierEngine, RapierJoint
+    from harness.engines.stepping import own_or_pushed
 
     settings = resolve(RapierEngine(), task)
     plan, _ = own_or_pushed(task, settings)
@@ -81,8 +81,8 @@ def _bare_physx(task: Task) -> Callable[[], object]:
     """Beside the engine in this process: what a process of its own costs is in the row."""
     import warnings
 
-    from harness.engines.momentum import own_or_pushed
     from harness.engines.physx_world import PhysxBody, PhysxHere
+    from harness.engines.stepping import own_or_pushed
 
     settings = resolve(PhysxHere(), task)
     plan, _ = own_or_pushed(task, settings)

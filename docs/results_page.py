@@ -4,7 +4,7 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
-from harness.fidelity.registry import kinds
+from harness.fidelity.kind import kinds
 from harness.results.generate import file_name, models
 
 TARGET = Path(__file__).resolve().parent / "results.md"

@@ -2,9 +2,9 @@
 
 from pathlib import Path
 
-from harness.io.logs.describe import TopicInfo, describe_log
 from harness.io.logs.finish import Gain
 from harness.io.logs.raw import LogOptions
+from harness.io.logs.read import TopicInfo, describe_log
 from harness.io.logs.read import read_joint_log as read
 from harness.results.robot import LogResult, Topic
 

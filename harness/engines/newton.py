@@ -15,9 +15,8 @@ from harness.core.quiet import quiet
 from harness.core.registered import version
 from harness.core.trajectory import Trajectory
 from harness.engines.base import TUNED_DT, Engine, Preset, Route, Task, choice, resolve
-from harness.engines.momentum import Momentum
 from harness.engines.samples import trajectory
-from harness.engines.stepping import Native, Plan, Stepped, moved
+from harness.engines.stepping import Momentum, Native, Plan, Stepped, moved
 
 SHIPPED_DT = 1.0 / 60.0
 """Step of Newton's examples, s."""

@@ -18,9 +18,8 @@ from harness.core.registered import version
 from harness.core.trajectory import Trajectory
 from harness.engines import physx
 from harness.engines.base import Engine, Preset, Route, Task, resolve
-from harness.engines.momentum import Momentum, own_or_pushed
 from harness.engines.samples import trajectory
-from harness.engines.stepping import Plan, Stepped, moved
+from harness.engines.stepping import Momentum, Plan, Stepped, moved, own_or_pushed
 
 _log = logging.getLogger("harness.engines.physx")
 

@@ -11,9 +11,8 @@ from harness.core.slider import Slider
 from harness.core.trajectory import Trajectory
 from harness.engines.base import TUNED_DT, Engine, Preset, Route, Task, choice, resolve
 from harness.engines.joint_words import GRAVITY, coefficient
-from harness.engines.momentum import Momentum, own_or_pushed
 from harness.engines.samples import trajectory
-from harness.engines.stepping import Plan, Stepped, moved
+from harness.engines.stepping import Momentum, Plan, Stepped, moved, own_or_pushed
 
 SHIPPED_DT = 1.0 / 60.0
 """Rapier's own step, s."""

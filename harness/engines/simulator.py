@@ -5,11 +5,10 @@ from typing import final
 
 from harness.core.trajectory import Trajectory
 from harness.engines import registry
-from harness.engines.base import Engine, Preset, Settings
+from harness.engines.base import Drive, Engine, Preset, Settings
 from harness.engines.joint_words import Kinds, elements
-from harness.engines.law import Drive
 from harness.engines.realise import task_of
-from harness.kernels.conditions import Drive as Measured
+from harness.kernels.solve import Drive as Measured
 from harness.model.model import Model, ModelTerm
 from harness.model.term import Slot
 

@@ -4,18 +4,170 @@ Where the whole decay is one motion of the base model, that is what is fitted: e
 equation, the jump ties it to the next (Liang, eqs. 6, 9 to 11), and least squares weights all of it by its covariance.
 Where it is not (friction that reverses early or is smeared), half-cycles are fitted apart, the jumps between them give
 x_k and the decay inside them zeta.
+
+The jumps of the acceleration at the reversals, from half-cycles fitted apart and continued to the reversal.
+
+A jump shares each half-cycle with its neighbour, so jumps are correlated: a plain mean wastes what they say together.
 """
 
 import math
+from dataclasses import dataclass, replace
 
 import numpy as np
 
-from harness.core.arrays import FloatArray
+from harness.core.arrays import FloatArray, IntArray
+from harness.core.jit import compiled
 from harness.estimate.channel import ChannelFit
-from harness.estimate.jumps import Jumps, as_acceleration, combine, find_jumps
+from harness.estimate.halfcycles import SeparateFit
 from harness.estimate.result import Estimate, Reversal, quantity, rates_to_modal
 from harness.estimate.reversals import Kind
 from harness.estimate.tied import OMEGA, SIGMA, D
+
+
+@dataclass(frozen=True, slots=True)
+class Jumps:
+    """Jumps at the inner edges of K half-cycles; arrays have shape (K-1,) unless said.
+
+    t : s. before, after : acceleration either side, m/s^2. size : omega_n^2 2 x_k as this jump shows it, m/s^2,
+    positive
+    for friction. variance, neighbour : variance of each size and covariance with the next (K-2,), per unit of variance.
+    by_rates : (K-1,2) change of size with sigma and omega. lead : s by which the jump precedes ``t``.
+    """
+
+    t: FloatArray
+    before: FloatArray
+    after: FloatArray
+    size: FloatArray
+    variance: FloatArray
+    neighbour: FloatArray
+    by_rates: FloatArray
+    lead: FloatArray
+
+
+def as_acceleration(fit: SeparateFit) -> SeparateFit:
+    """The same half-cycles as accelerations, from a fit to the acceleration or the speed."""
+    if fit.kind is Kind.ACCELERATION:
+        return fit
+    rate = np.array([[-fit.sigma, fit.omega, 0.0], [-fit.omega, -fit.sigma, 0.0], [0.0, 0.0, 0.0]])
+    slope = np.einsum("ij,kjm->kim", rate, fit.slope)
+    slope[:, :2, 0] -= fit.c[:, :2]
+    slope[:, 0, 1] += fit.c[:, 1]
+    slope[:, 1, 1] -= fit.c[:, 0]
+    return replace(fit, kind=Kind.ACCELERATION, c=fit.c @ rate.T, inverse=rate @ fit.inverse @ rate.T, slope=slope)
+
+
+def find_jumps(fit: SeparateFit, side: int, follow: bool) -> Jumps:
+    """Jumps of an acceleration fit; side is the sign of x at the start.
+
+    follow : look for the jump where both sides have one speed, which is where friction reversed, not where the speed
+    did.
+    """
+    edges = fit.edges[1:-1]
+    k = np.arange(edges.size)
+    sign = side * (-1.0) ** (k + 1)
+    sigma, omega = fit.sigma, fit.omega
+    reach = 0.2 * math.pi / omega
+
+    def difference(time: FloatArray) -> FloatArray:
+        """Change of speed between the forms of the two half-cycles at ``time`` (K-1,)."""
+        out = np.zeros(k.size)
+        for shift, weight in ((1, 1.0), (0, -1.0)):
+            c1, c2 = fit.c[k + shift, 0], fit.c[k + shift, 1]
+            i1, i2 = (-sigma * c1 - omega * c2), (-sigma * c2 + omega * c1)
+            s = time - fit.edges[k + shift]
+            out += weight * np.exp(-sigma * s) * (i1 * np.cos(omega * s) + i2 * np.sin(omega * s))
+        return out / (sigma**2 + omega**2)
+
+    time = edges.copy()
+    if follow:
+        for _ in range(6):  # Newton: the slope of the difference in speed is the jump itself
+            slope = _values(fit, k + 1, time)[0] - _values(fit, k, time)[0]
+            step = difference(time) / np.where(np.abs(slope) > 0.0, slope, 1.0)
+            time = np.clip(time - step, edges - reach, edges + reach)
+    before, late = _values(fit, k, time)
+    after, early = _values(fit, k + 1, time)
+    size = sign * (after - before)
+    variance = np.einsum("ki,kij,kj->k", late, fit.inverse[k], late)
+    variance += np.einsum("ki,kij,kj->k", early, fit.inverse[k + 1], early)
+    shared = k[:-1] + 1
+    neighbour = np.einsum("ki,kij,kj->k", early[:-1], fit.inverse[shared], late[1:])
+    by_rates = sign[:, None] * (
+        _rates(fit, k + 1, time, early, sigma, omega) - _rates(fit, k, time, late, sigma, omega)
+    )
+    known = fit.known[:-1] & fit.known[1:]
+    if not np.all(known):  # only the outermost half-cycles can hold too few samples
+        neighbour = neighbour[known[:-1] & known[1:]]
+    return Jumps(
+        edges[known],
+        before[known],
+        after[known],
+        size[known],
+        variance[known],
+        neighbour,
+        by_rates[known],
+        (edges - time)[known],
+    )
+
+
+def _values(fit: SeparateFit, k: IntArray, time: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Forms of the half-cycles k (n,) at ``time`` (n,), and their basis (n,3)."""
+    s = time - fit.edges[k]
+    e = np.exp(-fit.sigma * s)
+    basis = np.stack([e * np.cos(fit.omega * s), e * np.sin(fit.omega * s), np.zeros(s.size)], axis=1)
+    return np.sum(basis * fit.c[k], axis=1), basis
+
+
+def _rates(
+    fit: SeparateFit, k: IntArray, time: FloatArray, basis: FloatArray, sigma: float, omega: float
+) -> FloatArray:
+    """Total change (n,2) of those values with sigma and omega, amplitudes following."""
+    s = time - fit.edges[k]
+    direct = np.stack(
+        [-s * np.sum(basis * fit.c[k], axis=1), s * (fit.c[k, 1] * basis[:, 0] - fit.c[k, 0] * basis[:, 1])], axis=1
+    )
+    return np.asarray(direct + np.einsum("ki,kim->km", basis, fit.slope[k]), dtype=np.float64)
+
+
+def _solve_chain(diagonal: FloatArray, beside: FloatArray, right: FloatArray, out: FloatArray) -> None:
+    """Solve a symmetric tridiagonal system (n,) by elimination."""
+    n = diagonal.size
+    work = np.empty(n)
+    pivot = diagonal[0]
+    out[0] = right[0] / pivot
+    for i in range(1, n):
+        work[i] = beside[i - 1] / pivot
+        pivot = diagonal[i] - beside[i - 1] * work[i]
+        out[i] = (right[i] - beside[i - 1] * out[i - 1]) / pivot
+    for i in range(n - 2, -1, -1):
+        out[i] -= work[i + 1] * out[i + 1]
+
+
+_compiled_chain = compiled(_solve_chain)
+
+
+@dataclass(frozen=True, slots=True)
+class WeightedJump:
+    """The common size of all jumps, m/s^2; variance as stated by the weights; by_rates (2,); scatter chi-square per
+    degree.
+    """
+
+    size: float
+    variance: float
+    by_rates: FloatArray
+    scatter: float
+
+
+def combine(jumps: Jumps, variance: float) -> WeightedJump:
+    """Generalised least squares of one size through all jumps; variance is that of one sample."""
+    n = jumps.size.size
+    ones, weighted, scaled = np.ones(n), np.empty(n), np.empty(n)
+    _compiled_chain(jumps.variance, jumps.neighbour, ones, weighted)
+    total = float(weighted.sum())
+    size = float(weighted @ jumps.size) / total
+    left = jumps.size - size
+    _compiled_chain(jumps.variance, jumps.neighbour, left, scaled)
+    scatter = float(left @ scaled) / (n - 1) / variance if n > 1 and variance > 0.0 else 1.0
+    return WeightedJump(size, variance / total, weighted @ jumps.by_rates / total, scatter)
 
 
 def _rows(jumps: Jumps, omega_n: float, x_k: float, variance: float) -> tuple[Reversal, ...]:

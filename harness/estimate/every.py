@@ -9,18 +9,23 @@ from harness.core.arrays import FloatArray
 from harness.core.checks import increasing, vector
 from harness.core.errors import InputError
 from harness.core.quantity import Quantity
-from harness.estimate.acceleration import acceleration
+from harness.estimate.acceleration import acceleration, as_acceleration
 from harness.estimate.channel import ChannelFit, fit_channel
-from harness.estimate.displacement import displacement, half_cycle_frequency
+from harness.estimate.displacement import (
+    all_edges,
+    displacement,
+    first_and_last_seen,
+    half_cycle_frequency,
+    reversal_times,
+    turning_points,
+)
 from harness.estimate.isolated import constant_decrement, log_decrement
-from harness.estimate.jumps import as_acceleration
 from harness.estimate.local import acceleration_local
 from harness.estimate.noise import channel_noise
 from harness.estimate.paper import acceleration_paper
 from harness.estimate.result import Estimate, Estimation, quantity
 from harness.estimate.reversals import Kind, NoDecay
 from harness.estimate.tied import OFFSET, OMEGA, T0
-from harness.estimate.turning import all_edges, first_and_last_seen, reversal_times, turning_points
 
 
 def _time_error(fit: ChannelFit, index: float) -> float:

@@ -1,6 +1,10 @@
 """Free decay of any slider, exact: turning points, events and samples.
 
 Source: Liang, eqs. 2 to 6, extended to any start, f_s > f_k, and every damping ratio.
+
+How long a run should last.
+
+A constant load on a slider at rest with its spring relaxed: below break-away nothing moves, for ever.
 """
 
 import math
@@ -12,13 +16,13 @@ from harness.core.arrays import FloatArray, ModeArray
 from harness.core.checks import finite, increasing, not_negative, positive, vector
 from harness.core.errors import InputError
 from harness.core.events import EventKind, Events
-from harness.core.scenario import Scenario
+from harness.core.scenario import Hold, Scenario
 from harness.core.slider import Slider
 from harness.core.trajectory import Source, Trajectory
 from harness.exact import segments
+from harness.exact.fill import disorder
+from harness.exact.fill import fill_at as _fill_at
 from harness.exact.fill import fill_uniform as _fill_uniform
-from harness.exact.fill_at import disorder
-from harness.exact.fill_at import fill_at as _fill_at
 from harness.exact.segments import CENTRE, DIRECTION, POSITION, SPEED, START
 
 _MOST_HALF_CYCLES = 10_000_000
@@ -213,3 +217,33 @@ def free_decay(start: Decay | Scenario, t: FloatArray) -> Trajectory:
     fill_at(decay, times, x, v, a)
     plan = schedule(decay, max(float(times[-1]), 0.0))
     return Trajectory(times, x, v, a, Source("reference", "exact"), mode=plan.mode(times), events=plan.events)
+
+
+MOST_PERIODS = 200.0
+"""Nothing that is worth watching lasts longer."""
+
+
+def until_rest(decay: Decay) -> float:
+    """A fifth longer than a free decay takes to stick, ten periods where that never comes, s; two digits."""
+    period = 2.0 * math.pi / decay.omega_n
+    if never_sticks(decay):
+        return rounded_up(10.0 * period)
+    time = schedule(decay, MOST_PERIODS * period).stick_time
+    return rounded_up(MOST_PERIODS * period if time is None else 1.2 * time or period)
+
+
+def rounded_up(value: float) -> float:
+    """A positive number with two digits, not below ``value``."""
+    exponent = math.floor(math.log10(value)) - 1
+    return float(f"{math.ceil(value / 10.0**exponent)}e{exponent}")
+
+
+def creep(slider: Slider, hold: Hold) -> float:
+    """Speed in m/s at which the load moves the slider: exactly 0.
+
+    Raises InputError when the load exceeds the break-away force f_s, and the slider does not hold.
+    """
+    if abs(hold.force) > slider.break_away:
+        accepted = f"a load of at most f_s = {slider.break_away:g} N is accepted"
+        raise InputError("hold: force", f"{hold.force:g} N", accepted)
+    return 0.0

@@ -2,13 +2,18 @@
 
 On a uniform grid the motion is advanced by a table of C and S at multiples of dt, which the compiler turns into vector
 instructions; every block starts again from the closed form, so errors do not accumulate.
+
+Samples of the free decay at arbitrary times, written into arrays the caller owns.
+
+Where there are many samples, C and S come from a table on a fine grid and a short Taylor step from its nearest point,
+arithmetic alone, which the compiler turns into vector instructions; elsewhere they come from the closed form.
 """
 
 import math
 
 import numpy as np
 
-from harness.core.arrays import FloatArray
+from harness.core.arrays import FloatArray, IntArray
 from harness.core.jit import compiled
 from harness.exact.flow import discriminant, flow
 from harness.exact.segments import CENTRE, DIRECTION, POSITION, SPEED, START, half_cycles
@@ -118,3 +123,181 @@ def _fill_uniform(
 
 
 fill_uniform = compiled(_fill_uniform)
+
+
+_GRID = 16.0  # table points a time of 1/omega_n: the step is at most 1/32 of it, and its eighth power over 8! is 2e-17
+_LONGEST = 128
+_CHUNK = 256
+_ORDER = 8  # coefficients of the Taylor step
+
+
+def _disorder(t: FloatArray) -> int:
+    """Index of the first time that is not a number or lies before the one ahead of it; -1 when there is none."""
+    wrong = 0 if t.size and not math.isfinite(t[0]) else -1
+    for j in range(1, t.size):
+        if not t[j] >= t[j - 1]:
+            return j if wrong < 0 else wrong
+    return wrong
+
+
+disorder = compiled(_disorder)
+
+
+def _taylor(value: float, slope: float, omega_n: float, sigma: float, out: FloatArray) -> None:
+    """Coefficients of the solution of y'' + 2 sigma y' + omega_n^2 y = 0 with this value and slope at 0."""
+    out[0], out[1] = value, slope
+    for k in range(out.size - 2):
+        out[k + 2] = -(2.0 * sigma * (k + 1) * out[k + 1] + omega_n * omega_n * out[k]) / ((k + 1) * (k + 2))
+
+
+taylor = compiled(_taylor)
+
+
+def _nearest(t: FloatArray, begin: float, step: float, index: IntArray, rest: FloatArray) -> None:
+    """The table point nearest to each time, and what is left over, s."""
+    rate = 1.0 / step
+    for j in range(t.size):
+        tau = t[j] - begin
+        index[j] = int(tau * rate + 0.5)
+        rest[j] = tau - index[j] * step
+
+
+def _step_from(c: FloatArray, s: FloatArray, rest: FloatArray, disc: float, series: FloatArray) -> None:
+    """Carry C and S from the table point on by ``rest`` (s), in place, with the Taylor coefficients of both."""
+    c0, c1, c2, c3 = series[0, 0], series[0, 1], series[0, 2], series[0, 3]
+    c4, c5, c6, c7 = series[0, 4], series[0, 5], series[0, 6], series[0, 7]
+    s1, s2, s3, s4 = series[1, 1], series[1, 2], series[1, 3], series[1, 4]
+    s5, s6, s7 = series[1, 5], series[1, 6], series[1, 7]
+    for j in range(rest.size):
+        r = rest[j]
+        by_c = c0 + r * (c1 + r * (c2 + r * (c3 + r * (c4 + r * (c5 + r * (c6 + r * c7))))))
+        by_s = r * (s1 + r * (s2 + r * (s3 + r * (s4 + r * (s5 + r * (s6 + r * s7))))))
+        grid_c, grid_s = c[j], s[j]
+        c[j] = grid_c * by_c - disc * (grid_s * by_s)
+        s[j] = grid_s * by_c + grid_c * by_s
+
+
+def _combine(
+    x: FloatArray,
+    v: FloatArray,
+    a: FloatArray,
+    c: FloatArray,
+    s: FloatArray,
+    start: tuple[float, float, float],
+    omega2: float,
+    sigma: float,
+) -> None:
+    """x, v, a from C and S; start is y, y' and the centre."""
+    y0, dy0, centre = start
+    push, drop = dy0 + sigma * y0, omega2 * y0 + sigma * dy0
+    ddy0 = -2.0 * sigma * dy0 - omega2 * y0
+    bend = omega2 * dy0 + sigma * ddy0
+    for j in range(x.size):
+        x[j] = centre + (y0 * c[j] + push * s[j])
+        v[j] = dy0 * c[j] - drop * s[j]
+        a[j] = ddy0 * c[j] - bend * s[j]
+
+
+nearest = compiled(_nearest, fastmath=True)
+step_from = compiled(_step_from, fastmath=True)
+combine = compiled(_combine, fastmath=True)
+
+
+def _by_table(
+    t: FloatArray,
+    x: FloatArray,
+    v: FloatArray,
+    a: FloatArray,
+    begin: float,
+    start: tuple[float, float, float],
+    motion: tuple[float, float, float],
+    table: FloatArray,
+    step: float,
+    series: FloatArray,
+) -> None:
+    """x, v, a at times within the table after ``begin`` (s); start is y, y', centre, motion omega_n^2, sigma, disc.
+
+    The look-up is a loop of its own: mixed with the arithmetic it would keep all of it from being vector code.
+    """
+    omega2, sigma, disc = motion
+    index, rest = np.empty(_CHUNK, np.int64), np.empty(_CHUNK)
+    c, s = np.empty(_CHUNK), np.empty(_CHUNK)
+    for first in range(0, t.size, _CHUNK):
+        n = min(_CHUNK, t.size - first)
+        span = slice(first, first + n)
+        nearest(t[span], begin, step, index, rest)
+        for j in range(n):
+            c[j], s[j] = table[0, index[j]], table[1, index[j]]
+        step_from(c[:n], s[:n], rest[:n], disc, series)
+        combine(x[span], v[span], a[span], c[:n], s[:n], start, omega2, sigma)
+
+
+by_table = compiled(_by_table)
+
+
+def _fill_at(
+    omega_n: float,
+    zeta: float,
+    x_k: float,
+    x_s: float,
+    x0: float,
+    v0: float,
+    t: FloatArray,
+    x: FloatArray,
+    v: FloatArray,
+    a: FloatArray,
+) -> None:
+    """The kernel of ``decay.fill_at``: x, v, a at times ``t`` (s) that do not decrease."""
+    n = t.size
+    if n == 0:
+        return
+    sigma, omega2 = zeta * omega_n, omega_n * omega_n
+    disc = discriminant(omega_n, zeta)
+    rows = half_cycles(omega_n, zeta, x_k, x_s, x0, v0, t[n - 1])
+    step = 1.0 / (_GRID * omega_n)
+    # overdamped motion is left to the closed form: its fast root would need a finer grid
+    size = 0 if disc < 0.0 else _LONGEST
+    if disc > 0.0:
+        size = min(size, int(math.pi / (math.sqrt(disc) * step)) + 2)
+    if n < 4 * size:
+        size = 0
+    table, series = np.empty((2, size)), np.empty((2, _ORDER))
+    for k in range(size):
+        table[0, k], table[1, k] = flow(k * step, omega_n, sigma, disc)
+    taylor(1.0, -sigma, omega_n, sigma, series[0])
+    taylor(0.0, 1.0, omega_n, sigma, series[1])
+    first = int(np.searchsorted(t, 0.0))
+    hold(x, v, a, 0, first, x0)
+    for i in range(rows.shape[0]):
+        last = int(np.searchsorted(t, rows[i + 1, START])) if i + 1 < rows.shape[0] else n
+        if rows[i, DIRECTION] == 0.0:
+            hold(x, v, a, first, last, rows[i, POSITION])
+            first = last
+            continue
+        begin, centre, speed = rows[i, START], rows[i, CENTRE], rows[i, SPEED]
+        y0 = rows[i, POSITION] - centre
+        if size > 0:
+            upto = min(last, int(np.searchsorted(t, begin + (size - 1) * step)))
+            span = slice(first, upto)
+            by_table(
+                t[span],
+                x[span],
+                v[span],
+                a[span],
+                begin,
+                (y0, speed, centre),
+                (omega2, sigma, disc),
+                table,
+                step,
+                series,
+            )
+            first = max(first, upto)
+        for j in range(first, last):
+            c, s = flow(t[j] - begin, omega_n, sigma, disc)
+            y = y0 * c + (speed + sigma * y0) * s
+            dy = speed * c - (omega2 * y0 + sigma * speed) * s
+            x[j], v[j], a[j] = centre + y, dy, -2.0 * sigma * dy - omega2 * y
+        first = last
+
+
+fill_at = compiled(_fill_at)

@@ -1,13 +1,190 @@
-"""The matrix: engines x routes x settings x steps x scenarios, one Spec at a time."""
+"""The matrix: engines x routes x settings x steps x scenarios, one Spec at a time.
 
-from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, replace
+Settings worth knowing about, engine by engine: what ships, what changes it, what repairs it.
+"""
 
-from harness.engines.base import PRESETS, ROUTES, Engine, Route
-from harness.fidelity import sliders
-from harness.fidelity.registry import suite
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+from harness.engines.base import PRESETS, ROUTES, Engine, Preset, Route
+from harness.fidelity.kind import OWN as OWN_SLIDERS
+from harness.fidelity.kind import drawn, suite
 from harness.fidelity.row import Spec
-from harness.fidelity.variants import COARSE, FINE, FINEST, HUNDRED, OWN, WARP, Variant, variants
+
+Settings = Mapping[str, Any]
+STIFF = 0.9999
+"""Largest impedance MuJoCo accepts."""
+OWN: float | None = None
+"""The step that the engine ships with."""
+
+
+def _nothing(dt: float) -> Settings:
+    return {}
+
+
+@dataclass(frozen=True, slots=True)
+class Variant:
+    """A named change of settings.
+
+    name : as the column "preset" shows it. base : preset it starts from. steps : s, OWN for the preset's own.
+    settings : overrides for a step of dt (s); a variant with overrides that depend on dt never runs at OWN.
+    """
+
+    name: str
+    base: Preset
+    steps: tuple[float | None, ...]
+    settings: Callable[[float], Settings] = field(default=_nothing)
+
+
+def _fixed(**settings: Any) -> Callable[[float], Settings]:
+    return lambda dt: settings
+
+
+def _stiff_joint(integrator: str) -> Callable[[float], Settings]:
+    """A friction that is reached in two steps, with the largest impedance."""
+    return lambda dt: {
+        "integrator": integrator,
+        "solreffriction": (2.0 * dt, 1.0),
+        "solimpfriction": (STIFF, STIFF, 0.001, 0.5, 2.0),
+    }
+
+
+def _stiff_contact(cone: str) -> Callable[[float], Settings]:
+    return lambda dt: {"cone": cone, "solref": (2.0 * dt, 1.0), "solimp": (STIFF, STIFF, 0.001, 0.5, 2.0)}
+
+
+COARSE, MIDDLE, FINE, FINEST = 4e-3, 2e-3, 1e-3, 5e-4
+LADDER = (COARSE, MIDDLE, FINE, FINEST)
+"""Steps from which the order of convergence is measured, s."""
+HUNDRED = 1e-4
+
+_EVERY: tuple[Variant, ...] = (
+    Variant("as-shipped", "as-shipped", (OWN, FINE)),
+    Variant("tuned", "tuned", LADDER),
+)
+"""What every engine is asked for, a third party's too."""
+
+_MUJOCO_JOINT = (
+    Variant("as-shipped", "as-shipped", (OWN, COARSE, FINE, FINEST)),
+    *(
+        Variant("as-shipped", "as-shipped", (MIDDLE, FINE), _fixed(integrator=name))
+        for name in ("implicit", "implicitfast", "discrete")
+    ),
+    Variant("as-shipped", "as-shipped", (MIDDLE, FINE, HUNDRED), _fixed(integrator="RK4")),
+    Variant("as-shipped", "as-shipped", (MIDDLE,), _fixed(solver="PGS")),
+    Variant("as-shipped", "as-shipped", (MIDDLE,), _fixed(solver="CG")),
+    Variant("noslip", "as-shipped", (MIDDLE,), _fixed(noslip_iterations=50)),
+    Variant("stiff", "as-shipped", (FINE,), _stiff_joint("implicitfast")),
+    Variant("stiff", "as-shipped", (FINE, HUNDRED), _stiff_joint("RK4")),
+    Variant("stiff", "as-shipped", (FINE,), _stiff_joint("discrete")),
+    Variant("tuned", "tuned", LADDER),
+)
+_MUJOCO_LAW = (
+    Variant("as-shipped", "as-shipped", (OWN, FINE)),
+    Variant("as-shipped", "as-shipped", (FINE,), _fixed(integrator="implicitfast")),
+    Variant("tuned", "tuned", (MIDDLE, FINE)),
+)
+_MUJOCO_CONTACT = (
+    Variant("as-shipped", "as-shipped", (OWN, FINE)),
+    *(
+        Variant("elliptic", "as-shipped", (FINE,), _fixed(cone="elliptic", impratio=ratio))
+        for ratio in (1.0, 10.0, 100.0)
+    ),
+    Variant("pyramidal", "as-shipped", (FINE,), _fixed(impratio=100.0)),
+    Variant("noslip", "as-shipped", (FINE,), _fixed(noslip_iterations=50)),
+    Variant("noslip", "as-shipped", (FINE,), _fixed(cone="elliptic", noslip_iterations=50)),
+    Variant("stiff", "as-shipped", (FINE,), _stiff_contact("pyramidal")),
+    Variant("stiff", "as-shipped", (FINE,), _stiff_contact("elliptic")),
+    Variant("tuned", "tuned", (MIDDLE, FINE, FINEST)),
+)
+SEMI_IMPLICIT = Variant("undamped", "tuned", (1.0 / 240.0, FINE, HUNDRED), _fixed(leapfrog=False))
+"""PyBullet without its own damping, each step read as it stands."""
+
+_PYBULLET_JOINT = (
+    Variant("as-shipped", "as-shipped", (OWN, FINE)),
+    SEMI_IMPLICIT,
+    Variant("tuned", "tuned", (1.0 / 240.0, *LADDER)),
+)
+_PYBULLET_LAW = (Variant("as-shipped", "as-shipped", (OWN, FINE)), Variant("tuned", "tuned", (MIDDLE, FINE)))
+_PYBULLET_CONTACT = (
+    Variant("as-shipped", "as-shipped", (OWN, FINE)),
+    *(
+        Variant("undamped", "tuned", (1.0 / 240.0,), _fixed(leapfrog=False, numSolverIterations=count, **more))
+        for count, more in (
+            (10, {"solverResidualThreshold": 1e-7}),
+            (50, {"solverResidualThreshold": 1e-7}),
+            (50, {"solverResidualThreshold": 0.0}),
+            (500, {"solverResidualThreshold": 0.0}),
+        )
+    ),
+    Variant("anchored", "tuned", (1.0 / 240.0,), _fixed(frictionAnchor=True)),
+    Variant("tuned", "tuned", (1.0 / 240.0, MIDDLE)),
+)
+
+_PUSHED = Variant("pushed", "as-shipped", (FINE,), _fixed(own_spring=False))
+"""Spring and damper as a force held over the step, sub-steps as shipped."""
+_OFF_FLOOR_LAW = (Variant("as-shipped", "as-shipped", (OWN, FINE)), Variant("tuned", "tuned", (MIDDLE, FINE)))
+_RAPIER_JOINT = (
+    Variant("as-shipped", "as-shipped", (OWN, FINE)),
+    _PUSHED,
+    Variant("pushed", "as-shipped", (FINE,), _fixed(own_spring=False, num_solver_iterations=1)),
+    Variant("tuned", "tuned", LADDER),
+)
+_RAPIER_CONTACT = (
+    Variant("as-shipped", "as-shipped", (OWN, FINE)),
+    Variant("coulomb", "as-shipped", (FINE,), _fixed(friction_model="COULOMB")),
+    Variant("tuned", "tuned", (MIDDLE, FINE)),
+)
+_PHYSX_JOINT = (
+    Variant("as-shipped", "as-shipped", (OWN, FINE)),
+    _PUSHED,
+    Variant("viscous", "as-shipped", (FINE,), _fixed(own_spring=False, own_viscous=True, solverType="PGS")),
+    Variant("switched", "as-shipped", (FINE,), _fixed(own_break_away=False)),
+    Variant("once a step", "as-shipped", (FINE,), _fixed(own_spring=False, enableExternalForcesEveryIteration=False)),
+    Variant("pushed", "as-shipped", (FINE,), _fixed(own_spring=False, solverType="PGS")),
+    Variant("tuned", "tuned", LADDER),
+)
+_DRAKE_CONTACT = (
+    Variant("as-shipped", "as-shipped", (OWN,)),
+    *(
+        Variant(name[1:].lower(), "as-shipped", (FINE,), _fixed(contact_approximation=name))
+        for name in ("kTamsi", "kSimilar", "kSap")
+    ),
+    Variant("lagged", "as-shipped", (FINE,), _fixed(stiction_tolerance=1e-6)),
+    Variant("tuned", "tuned", (MIDDLE, FINE)),
+)
+WARP = "warp"
+"""Newton as it ships to the letter: many times the cost without a GPU, and the same motion to six digits."""
+_NEWTON = (
+    Variant("as-shipped", "as-shipped", (OWN, FINE)),
+    Variant(WARP, "as-shipped", (OWN,), _fixed(use_mujoco_cpu=False)),
+    Variant("tuned", "tuned", (FINE,)),
+)
+
+_TABLE: dict[tuple[str, Route], tuple[Variant, ...]] = {
+    ("rapier", "joint"): _RAPIER_JOINT,
+    ("rapier", "contact"): _RAPIER_CONTACT,
+    ("rapier", "law"): _OFF_FLOOR_LAW,
+    ("physx", "joint"): _PHYSX_JOINT,
+    ("physx", "law"): _OFF_FLOOR_LAW,
+    ("drake", "contact"): _DRAKE_CONTACT,
+    ("drake", "law"): (Variant("as-shipped", "as-shipped", (OWN,)), Variant("tuned", "tuned", (MIDDLE, FINE))),
+    ("newton", "joint"): _NEWTON,
+    ("newton", "law"): (Variant("as-shipped", "as-shipped", (OWN,)), Variant("tuned", "tuned", (COARSE,))),
+    ("mujoco", "joint"): _MUJOCO_JOINT,
+    ("mujoco", "law"): _MUJOCO_LAW,
+    ("mujoco", "contact"): _MUJOCO_CONTACT,
+    ("pybullet", "joint"): _PYBULLET_JOINT,
+    ("pybullet", "law"): _PYBULLET_LAW,
+    ("pybullet", "contact"): _PYBULLET_CONTACT,
+}
+
+
+def variants(engine: str, route: Route) -> tuple[Variant, ...]:
+    """The variants of an engine on a route; every engine has at least what ships and what is tuned."""
+    return _TABLE.get((engine, route), _EVERY)
+
 
 SHORT_SCENARIOS = ("free-decay", "free-decay-no-friction", "hold-97", "belt", "harmonic")
 
@@ -46,7 +223,7 @@ class Matrix:
 
     def _of(self, name: str, engine: Engine, route: Route, draw: int) -> Iterator[Spec]:
         version, place = engine.version(), engine.place
-        scenarios = suite(route, sliders.drawn(draw) if draw else sliders.OWN)
+        scenarios = suite(route, drawn(draw) if draw else OWN_SLIDERS)
         for variant in variants(engine.name, route):
             if self.presets and variant.name not in self.presets:
                 continue

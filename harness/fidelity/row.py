@@ -12,9 +12,8 @@ from harness.core.scenario import Belt, Harmonic, Hold, Scenario
 from harness.core.slider import Slider
 from harness.core.trajectory import Trajectory
 from harness.engines.base import Engine, Preset, Route, Task
-from harness.fidelity.kind import Metrics
+from harness.fidelity.kind import Metrics, kind_of
 from harness.fidelity.metrics import measure_contact, recovered
-from harness.fidelity.registry import kind_of
 
 
 def describe(scenario: Scenario) -> dict[str, Any]:

@@ -6,9 +6,8 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from harness.engines.base import PRESETS
-from harness.fidelity.kind import Figure, Row
-from harness.fidelity.registry import kind, kinds
-from harness.fidelity.variants import FINE
+from harness.fidelity.kind import Figure, Row, kind, kinds
+from harness.fidelity.matrix import FINE
 
 
 def figures_of(scenario: str) -> tuple[Figure, ...]:

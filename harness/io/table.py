@@ -11,7 +11,7 @@ import numpy as np
 
 from harness.core.arrays import FloatArray
 from harness.core.errors import InputError
-from harness.io.guess import quoted
+from harness.io.columns import quoted
 
 
 class Table(ABC):

@@ -8,8 +8,16 @@ import math
 
 from harness.core.arrays import FloatArray, ModeArray
 from harness.core.jit import compiled
-from harness.kernels.events import break_away_jump, break_away_share, knock_jump, to_reversal, turning_share
-from harness.kernels.interpolate import coefficients, interpolate, interpolate_sensitivities
+from harness.kernels.events import (
+    break_away_jump,
+    break_away_share,
+    coefficients,
+    interpolate,
+    interpolate_sensitivities,
+    knock_jump,
+    to_reversal,
+    turning_share,
+)
 from harness.kernels.layout import (
     BRISTLE,
     CHANGES_IN_TIME,

@@ -10,9 +10,8 @@ from typing import Final
 from harness.core.arrays import FloatArray
 from harness.core.jit import compiled
 from harness.kernels.dispatch import bristle_law, smoothed_law
-from harness.kernels.forces import net_force
+from harness.kernels.forces import break_away_at, curve, level_partials, modulated, net_force
 from harness.kernels.layout import BRISTLE, FRICTION, FRICTION_AT, FRICTION_LAW, FRICTION_SIZE, N_STATE, REGULARISED
-from harness.kernels.level import break_away_at, curve, level_partials, modulated
 from harness.kernels.work import PLACES, ROW_BRISTLE, ROW_V, SPARE, Work, plain
 from harness.model.law import (
     D_FREE,

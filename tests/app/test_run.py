@@ -15,7 +15,7 @@ from harness.core.trajectory import Trajectory
 from harness.engines.base import Task
 from harness.engines.mujoco import MujocoEngine
 from harness.exact.decay import free_decay
-from harness.fidelity.registry import kind, kinds
+from harness.fidelity.kind import kind, kinds
 from harness.results import generate
 from harness.results.run import RunResult, TraceResult
 from harness.show.stored import read_trace

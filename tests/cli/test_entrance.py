@@ -13,7 +13,7 @@ from harness.cli.main import COMPLETION, cli, run
 from harness.core.errors import InputError, did_you_mean
 from harness.engines import registry
 from harness.engines.base import PRESETS, choice
-from harness.fidelity.registry import kind
+from harness.fidelity.kind import kind
 from harness.model.registry import term
 
 CHECKOUT = Path(__file__).resolve().parents[2]

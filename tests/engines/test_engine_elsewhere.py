@@ -15,9 +15,8 @@ from harness.app.sweep.regress import counterpart
 from harness.app.sweep.sweep import SweepOptions, engines_for, sweep
 from harness.core.errors import InputError, SimulationError
 from harness.engines import registry
-from harness.engines.base import Engine, Task
+from harness.engines.base import Drive, Engine, Task
 from harness.engines.elsewhere.remote import Worker
-from harness.engines.law import Drive
 
 HERE = sys.executable
 
@@ -113,7 +112,7 @@ def test_a_version_is_held_against_itself_or_the_newest(
 _WITHOUT_LXML = """
 import sys
 sys.modules["lxml"] = None
-import harness.engines.elsewhere.worker, harness.engines.momentum, harness.engines.samples, harness.engines.stepping
+import harness.engines.elsewhere.worker, harness.engines.stepping, harness.engines.samples, harness.engines.stepping
 """
 
 

@@ -15,8 +15,7 @@ from harness.core.events import Mode
 from harness.core.jit import compiled
 from harness.core.scenario import Harmonic, Hold, Scenario
 from harness.core.slider import PAPER, Slider
-from harness.engines.base import Task
-from harness.engines.law import Drive, ForceLaw
+from harness.engines.base import Drive, ForceLaw, Task
 from harness.exact.decay import free_decay
 
 FREE = Slider(1.0, 1.0, 100.0, 0.0)

@@ -5,8 +5,8 @@ import pytest
 from engine_cases import JOINTED, engine
 
 from harness.core.errors import SimulationError
+from harness.engines.base import Drive
 from harness.engines.joint_words import JOINT, elements, words_of
-from harness.engines.law import Drive
 from harness.engines.realise import task_of
 from harness.engines.simulator import EngineSimulator
 from harness.kernels.solve import simulate

@@ -9,8 +9,8 @@ from hypothesis import strategies as st
 from sample_decays import draw, half_cycles, half_time
 
 from harness.core.arrays import FloatArray
+from harness.estimate.acceleration import Jumps, combine
 from harness.estimate.every import estimate_all
-from harness.estimate.jumps import Jumps, combine
 from harness.exact.decay import Decay, free_decay
 
 

@@ -8,11 +8,11 @@ import pytest
 from harness.core.arrays import FloatArray
 from harness.core.errors import InputError
 from harness.estimate.channel import fit_channel
+from harness.estimate.displacement import all_edges, reversal_times
 from harness.estimate.every import METHODS, estimate_all, sensor_lead
 from harness.estimate.isolated import log_decrement
 from harness.estimate.result import Estimation
 from harness.estimate.reversals import Kind
-from harness.estimate.turning import all_edges, reversal_times
 from harness.exact.decay import Decay, free_decay
 
 PAPER = Decay(10.0, 0.05, 0.03, 1.0)

@@ -11,13 +11,12 @@ import pytest
 from harness.core.arrays import FloatArray
 from harness.estimate import displacement as by_turning_points
 from harness.estimate.channel import ChannelFit, _refuse_driven, fit_channel
-from harness.estimate.displacement import displacement
+from harness.estimate.displacement import TurningPoints, _near, displacement
 from harness.estimate.every import _warnings
 from harness.estimate.halfcycles import Windows
 from harness.estimate.noise import Noise
 from harness.estimate.paper import _ratios
 from harness.estimate.reversals import Kind, NoDecay, _crossings, _train
-from harness.estimate.turning import TurningPoints, _near
 from harness.exact.decay import Decay, free_decay
 
 T = np.linspace(0.0, 3.2, 640)

@@ -9,7 +9,7 @@ from harness.core.events import EventKind, Mode
 from harness.core.scenario import Hold
 from harness.core.slider import PAPER, Slider
 from harness.exact.belt import LimitCycle, SteadySliding, limit_cycle
-from harness.exact.hold import creep
+from harness.exact.decay import creep
 
 CHECKED = Slider(m=1.0, c=0.2, k=100.0, f_k=3.0, f_s=4.0)
 

@@ -10,11 +10,10 @@ from fidelity_draws import drawn_suites, integrated
 from harness.core.errors import InputError
 from harness.core.scenario import Belt, Harmonic, Scenario
 from harness.core.slider import PAPER, Slider
-from harness.fidelity.registry import kind_of, suite
+from harness.fidelity.kind import OWN, kind_of, suite
 from harness.fidelity.row import describe, measure_row, scenario_of
 from harness.fidelity.scenarios import belt, harmonic
 from harness.fidelity.scenarios.harmonic import PERIODS
-from harness.fidelity.sliders import OWN
 
 DRAWN = list(drawn_suites(31, 6))
 

@@ -8,9 +8,8 @@ import pytest
 from harness.app.sweep.regress import load_baseline
 from harness.engines import registry
 from harness.engines.base import Preset, Route
-from harness.fidelity.convergence import slope
-from harness.fidelity.kind import Metrics
-from harness.fidelity.registry import suite
+from harness.fidelity.compare import slope
+from harness.fidelity.kind import Metrics, suite
 from harness.fidelity.row import Spec, run_row
 
 PUBLISHED = Path(__file__).resolve().parents[2] / "reports" / "fidelity" / "baseline.json"

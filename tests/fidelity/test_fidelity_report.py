@@ -10,8 +10,8 @@ from browsed import open_page
 from harness.app.sweep.report import finish, one_step_each, summary
 from harness.app.sweep.sweep import Sweep, SweepOptions, settings_of, sweep
 from harness.app.sweep.traces import worst_rows
-from harness.fidelity.convergence import Ladder, slope
-from harness.fidelity.known import SERVOS, WITHOUT_EFFECT
+from harness.fidelity.compare import Ladder, slope
+from harness.fidelity.laws import SERVOS, WITHOUT_EFFECT
 from harness.fidelity.scores import FLOOR, LABELS, badness, cards, distance, figures_of, front, points
 from harness.show.sentences.sweep import headline, percent, sentences
 

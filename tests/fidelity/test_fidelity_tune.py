@@ -15,8 +15,7 @@ from harness.engines import registry
 from harness.engines.base import Route
 from harness.fidelity import tune as room
 from harness.fidelity.paste import paste
-from harness.fidelity.spaces import SHIPPED, space, tunable
-from harness.fidelity.tune import HELD_OUT, SEARCH, Trial, search
+from harness.fidelity.tune import HELD_OUT, SEARCH, SHIPPED, Trial, search, space, tunable
 from harness.results.generate import schema_text
 from harness.results.sweep import TuneResult
 

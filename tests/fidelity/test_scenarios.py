@@ -12,8 +12,8 @@ from harness.core.scenario import FREE_DECAY, Hold
 from harness.engines import registry
 from harness.exact.decay import Decay, schedule
 from harness.fidelity import scenarios
+from harness.fidelity.kind import chosen, kinds
 from harness.fidelity.matrix import Matrix
-from harness.fidelity.registry import chosen, kinds
 from harness.fidelity.row import describe, run_row, scenario_of
 
 

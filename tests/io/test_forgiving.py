@@ -9,7 +9,7 @@ import pytest
 
 from harness.core.errors import InputError
 from harness.core.recording import Recording
-from harness.io.guess import Meaning, meaning
+from harness.io.columns import Meaning, meaning
 from harness.io.options import ReadOptions
 from harness.io.recording import read_recording
 

@@ -16,8 +16,7 @@ from harness.core.errors import InputError, SimulationError
 from harness.core.events import EventKind
 from harness.core.slider import PAPER, Slider
 from harness.exact.decay import Decay, free_decay
-from harness.kernels.conditions import Drive, Effort, Scales
-from harness.kernels.solve import simulate, solve
+from harness.kernels.solve import Drive, Effort, Scales, simulate, solve
 from harness.model.model import Model, Restoring
 
 ROOT = Path(__file__).resolve().parents[2]

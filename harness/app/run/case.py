@@ -12,8 +12,8 @@ from harness.engines import models
 from harness.engines.base import Engine, Preset, Task
 from harness.estimate.every import estimate_all
 from harness.estimate.result import Estimation
+from harness.fidelity.kind import kind_of
 from harness.fidelity.metrics import max_error_m, measure_contact
-from harness.fidelity.registry import kind_of
 from harness.fidelity.row import describe
 from harness.results.run import Metrics, TraceResult
 from harness.show.sentences.run import conclusions

@@ -24,7 +24,7 @@ from harness.engines.base import Engine, Preset
 from harness.engines.simulator import EngineSimulator
 from harness.estimate.every import estimate_all
 from harness.estimate.result import Estimation
-from harness.exact.duration import rounded_up
+from harness.exact.decay import rounded_up
 from harness.fidelity import metrics as figures
 from harness.fidelity.row import scenario_of
 from harness.kernels.solve import Scales, simulate

@@ -26,7 +26,7 @@ from harness.core.scenario import FREE_DECAY, Scenario
 from harness.core.trajectory import Source, Trajectory
 from harness.engines import registry
 from harness.engines.base import PRESETS, TUNED_DT, Preset, choice
-from harness.fidelity import registry as suite
+from harness.fidelity import kind as suite
 from harness.io.store import OutputFolder, output_folder
 from harness.model.model import Model, Restoring
 from harness.results.run import Metrics, RunResult, TraceResult

@@ -10,7 +10,7 @@ import numpy as np
 from harness.app.shared.progress import SILENT, Progress
 from harness.app.sweep.sweep import PAGE, TRACES, Sweep, SweepOptions, settings_of, write_result
 from harness.app.sweep.traces import keep_worst, overlay
-from harness.fidelity.known import DAMPING, MASS, SERVOS, STEP, STIFFNESS, WITHOUT_EFFECT
+from harness.fidelity.laws import DAMPING, MASS, SERVOS, STEP, STIFFNESS, WITHOUT_EFFECT
 from harness.fidelity.scores import COLUMNS, FIGURES, Card, badness, cards, front, points
 from harness.show.report.page import write_report
 from harness.show.report.sweep import engine_color, sweep_sections

@@ -19,7 +19,7 @@ from harness.core.errors import HarnessError, InputError, SimulationError, Store
 from harness.core.writing import replacing
 from harness.engines import registry
 from harness.engines.base import ROUTES, Engine, choice
-from harness.fidelity.convergence import Ladder
+from harness.fidelity.compare import Ladder
 from harness.fidelity.matrix import Matrix, preset_names
 from harness.fidelity.row import Spec
 from harness.io.store import growing_folder, held

@@ -12,7 +12,7 @@ from harness.app.shared.progress import SILENT, Progress
 from harness.app.sweep.sweep import TRACES, Sweep, SweepOptions, engines_for, settings_of
 from harness.core.errors import HarnessError, InputError
 from harness.core.writing import explained
-from harness.fidelity.registry import kind_of
+from harness.fidelity.kind import kind_of
 from harness.fidelity.row import Spec, describe, measure_row, scenario_of, task
 from harness.fidelity.scores import badness
 from harness.show.run_scene import run_scene

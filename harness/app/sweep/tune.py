@@ -14,12 +14,11 @@ from harness.core.scenario import Harmonic
 from harness.core.slider import Slider
 from harness.engines import registry
 from harness.engines.base import ROUTES, TUNED_DT, Route, choice
+from harness.fidelity.kind import Sliders
 from harness.fidelity.paste import paste
 from harness.fidelity.row import Row
 from harness.fidelity.scores import COLUMNS, distance
-from harness.fidelity.sliders import Sliders
-from harness.fidelity.spaces import space, tunable
-from harness.fidelity.tune import HELD_OUT, SEARCH, Subject, Trial, score_of, search
+from harness.fidelity.tune import HELD_OUT, SEARCH, Subject, Trial, score_of, search, space, tunable
 from harness.results.sweep import TunedFigure, TunedJoint, TuneResult
 from harness.robot.arm import Arm, load_arm
 from harness.robot.own_model import loosened, looseness, words

@@ -17,8 +17,7 @@ import harness.core
 from harness.core.errors import InputError, SimulationError
 from harness.core.trajectory import Trajectory
 from harness.engines.base import Engine, Preset, Route, Task
-from harness.engines.elsewhere.wire import receive, send
-from harness.engines.elsewhere.worker import START
+from harness.engines.elsewhere.worker import START, receive, send
 
 PATIENCE_S = 5.0
 """How long a worker may take to end before it is ended."""

@@ -10,9 +10,8 @@ from harness.core.errors import SimulationError
 from harness.core.scenario import Harmonic, Hold
 from harness.engines import models
 from harness.engines.actions import belt_speed, held_at_start
-from harness.engines.base import Task
+from harness.engines.base import ForceLaw, Task
 from harness.engines.joint_words import GRAVITY, JointWords, coefficient
-from harness.engines.law import ForceLaw
 from harness.engines.mujoco.callback import SLOTS, Slot
 
 _STAGES = {"RK4": 4}
@@ -78,7 +77,7 @@ class Forces:
             self.words[[Slot.DRIVE_T, Slot.DRIVE_U]] = self._keep(task.drive.t), self._keep(task.drive.u)
 
     def _law(self, law: ForceLaw) -> None:
-        from harness.engines.mujoco.native import advance_address, law_address
+        from harness.engines.mujoco.callback import advance_address, law_address
 
         state = law.state.copy()
         self.words[Slot.FORCE] = law_address(law.force) if law.force else 0.0

@@ -110,8 +110,7 @@ def _sound(data: Any, warnings: list[str]) -> None:
 
 def install(data: Any) -> None:
     """Make MuJoCo call the compiled function at every stage; the caller takes it away again."""
-    from harness.engines.mujoco.callback import layout, passive
-    from harness.engines.mujoco.native import verify
+    from harness.engines.mujoco.callback import layout, passive, verify
 
     verify(data, layout())
     mujoco.set_mjcb_passive(passive())

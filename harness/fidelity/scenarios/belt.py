@@ -13,9 +13,21 @@ from harness.core.scenario import Belt, Scenario
 from harness.core.slider import Slider
 from harness.core.trajectory import Trajectory
 from harness.exact.belt import LimitCycle, limit_cycle
-from harness.fidelity.kind import Answers, Figure, Kind, Metrics, exact, one, speed_of_belt
+from harness.fidelity.kind import (
+    OWN,
+    VALUES,
+    Answers,
+    Figure,
+    Kind,
+    Metrics,
+    Sliders,
+    exact,
+    one,
+    only,
+    speed_of_belt,
+    with_values,
+)
 from harness.fidelity.metrics import falling
-from harness.fidelity.sliders import OWN, VALUES, Sliders, only, with_values
 
 NEAR = 0.01
 """Speeds within this share of the belt's count as riding along (near_belt_fraction)."""

@@ -8,11 +8,26 @@ from harness.core.arrays import FloatArray
 from harness.core.scenario import Scenario
 from harness.core.slider import Slider
 from harness.core.trajectory import Trajectory
-from harness.exact.decay import Decay, free_decay, never_sticks, schedule
-from harness.exact.duration import until_rest
-from harness.fidelity.kind import Answers, Figure, Kind, Metrics, one, period, release, x_k
+from harness.exact.decay import Decay, free_decay, never_sticks, schedule, until_rest
+from harness.fidelity.kind import (
+    OWN,
+    VALUES,
+    Answers,
+    Figure,
+    Kind,
+    Metrics,
+    Sliders,
+    one,
+    only,
+    period,
+    plain,
+    release,
+    scale_of,
+    scaled,
+    with_values,
+    x_k,
+)
 from harness.fidelity.metrics import measure_decay
-from harness.fidelity.sliders import OWN, VALUES, Sliders, only, plain, scale_of, scaled, with_values
 
 
 @final

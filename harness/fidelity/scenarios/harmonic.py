@@ -13,9 +13,22 @@ from harness.core.scenario import Harmonic, Scenario
 from harness.core.slider import Slider
 from harness.core.trajectory import Trajectory
 from harness.exact.harmonic import driven, response
-from harness.fidelity.kind import Answers, Figure, Kind, Metrics, exact, one
+from harness.fidelity.kind import (
+    OWN,
+    VALUES,
+    Answers,
+    Figure,
+    Kind,
+    Metrics,
+    Sliders,
+    exact,
+    one,
+    only,
+    plain,
+    scaled,
+    with_values,
+)
 from harness.fidelity.metrics import highest
-from harness.fidelity.sliders import OWN, VALUES, Sliders, only, plain, scaled, with_values
 
 LAST = 4
 """Periods at the end of a run that are measured."""

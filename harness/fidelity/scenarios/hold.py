@@ -12,9 +12,22 @@ from harness.core.events import Mode
 from harness.core.scenario import Hold, Scenario
 from harness.core.slider import Slider
 from harness.core.trajectory import Source, Trajectory
-from harness.exact import hold
-from harness.fidelity.kind import Answers, Figure, Kind, Metrics, Row, period, x_k
-from harness.fidelity.sliders import OWN, VALUES, Sliders, only, plain, with_values
+from harness.exact.decay import creep
+from harness.fidelity.kind import (
+    OWN,
+    VALUES,
+    Answers,
+    Figure,
+    Kind,
+    Metrics,
+    Row,
+    Sliders,
+    only,
+    period,
+    plain,
+    with_values,
+    x_k,
+)
 
 
 def measure_hold(trace: Trajectory) -> dict[str, float | None]:
@@ -76,7 +89,7 @@ class HoldKind(Kind):
     def exact(self, scenario: Scenario, t: FloatArray) -> Trajectory:
         """See Kind.exact; nothing moves."""
         assert isinstance(scenario.action, Hold)
-        hold.creep(scenario.slider, scenario.action)
+        creep(scenario.slider, scenario.action)
         still = np.zeros_like(t)
         mode = np.full(t.size, int(Mode.STICK), dtype=np.int8)
         force = np.full(t.size, scenario.action.force)
@@ -85,7 +98,7 @@ class HoldKind(Kind):
     def answers(self, scenario: Scenario) -> Answers:
         """See Kind.answers."""
         assert isinstance(scenario.action, Hold)
-        return {"creep_m_s": hold.creep(scenario.slider, scenario.action)}
+        return {"creep_m_s": creep(scenario.slider, scenario.action)}
 
     def measure(self, trace: Trajectory, scenario: Scenario) -> Metrics:
         """See Kind.measure."""

@@ -9,8 +9,7 @@ from harness.core.arrays import BoolArray, FloatArray, IntArray
 from harness.core.errors import InputError
 from harness.core.recording import LARGEST, LONGEST_TIME
 from harness.core.robot.joint_log import JointLog
-from harness.io.logs.raw import Fields, LogOptions, Raw, one_of
-from harness.io.logs.rules import Field
+from harness.io.logs.raw import Field, Fields, LogOptions, Raw, one_of
 from harness.io.logs.suspicions import called, coarse, degrees, odd_velocity, unsigned
 from harness.io.times import sampling_notes
 

@@ -11,8 +11,7 @@ from harness.core.arrays import FloatArray
 from harness.core.bounded import MOST_DOCUMENT_BYTES, parse_json, read_bytes
 from harness.core.errors import InputError
 from harness.io.logs.arrow import ArrowTable
-from harness.io.logs.raw import LogOptions, Raw, one_of
-from harness.io.logs.rules import named
+from harness.io.logs.raw import LogOptions, Raw, named, one_of
 from harness.io.logs.tables import raw_of
 
 INFO = "meta/info.json"

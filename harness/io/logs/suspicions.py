@@ -8,7 +8,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from harness.core.arrays import FloatArray
-from harness.io.logs.rules import SI_UNITS, Field
+from harness.io.logs.raw import SI_UNITS, Field
 
 Joints = Mapping[str, FloatArray]
 

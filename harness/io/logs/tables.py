@@ -11,11 +11,9 @@ from harness.core.apart import Found
 from harness.core.arrays import FloatArray
 from harness.core.errors import InputError
 from harness.io.choose import products
-from harness.io.columns import Mapping, parse_columns
-from harness.io.guess import meaning, quoted
+from harness.io.columns import Mapping, meaning, parse_columns, quoted
 from harness.io.logs.arrow import ArrowTable
-from harness.io.logs.raw import Fields, LogOptions, Raw
-from harness.io.logs.rules import CHANNEL, SI_UNITS, WORDS, Field, Named, named
+from harness.io.logs.raw import CHANNEL, SI_UNITS, WORDS, Field, Fields, LogOptions, Named, Raw, named
 from harness.io.registry import formats, kind_of, reader_of
 from harness.io.table import Table
 from harness.io.times import since_first, whole_numbers

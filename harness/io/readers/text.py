@@ -13,9 +13,9 @@ import numpy as np
 from harness.core.arrays import FloatArray
 from harness.core.bounded import read_bytes, unpacked
 from harness.core.errors import InputError
-from harness.io.guess import candidates
+from harness.io.columns import candidates
 from harness.io.options import RefusedError
-from harness.io.reader import Reader
+from harness.io.registry import Reader
 from harness.io.table import Table
 from harness.io.times import Clock
 from harness.io.units import split_header
