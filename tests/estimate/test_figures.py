@@ -19,7 +19,7 @@ from harness.core.arrays import FloatArray
 from harness.core.errors import InputError
 from harness.core.recording import Recording
 from harness.core.slider import Slider
-from harness.estimate import paper as table1
+from harness.estimate import table1
 from harness.estimate.believed import within_range
 from harness.estimate.channel import fit_channel
 from harness.estimate.displacement import displacement

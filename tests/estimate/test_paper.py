@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from harness.core.slider import EXPERIMENT
-from harness.estimate.paper import PHASE, acceleration_paper, beside, by_eq_12, by_eq_13, run, table
+from harness.estimate.paper import acceleration_paper, beside, by_eq_12, by_eq_13
+from harness.estimate.table1 import PHASE, run, table
 from harness.exact.decay import Decay, free_decay
 
 OMEGA_D = 10.0 * math.sqrt(1.0 - 0.05**2)
