@@ -19,6 +19,7 @@ from benchmarks.calibrate import (
     main_effect,
     pair_promise,
     pairs_apart,
+    posterior,
     screen_share,
     second_term,
     tables,
@@ -47,6 +48,7 @@ CALIBRATIONS: dict[str, Calibration] = {
     "covariates": covariates.CALIBRATION,
     "colours": colours.CALIBRATION,
     "taken": taken.CALIBRATION,
+    "posterior": posterior.CALIBRATION,
 }
 _OF_PLANT = {"main-effect": main_effect.of_plant, "tables": tables.of_plant}
 """Those that can be measured on recordings that are there."""
