@@ -134,14 +134,15 @@ def counted(rows: Sequence[Row], answers: Sequence[tuple[tuple[str, ...], bool]]
     """Named, listed, wrong of those with a main effect; claimed and listed of controls and of unknown effects."""
     count: Counter[str] = Counter()
     for row, (names, claims) in zip(rows, answers, strict=True):
+        if not names:
+            continue
         if row.group == MAIN:
             there = row.right is not None and row.names[row.right] in names
-            count[
-                ("named " if there else "wrong ") if claims else ("listed " if there else "beside ") * bool(names)
-            ] += 1
-        elif names and not row.may_name & set(names):
+            right, wrong = ("named", "wrong") if claims else ("listed", "listed without it")
+            count[right if there else wrong] += 1
+        elif not row.may_name & set(names):
             count[f"{row.group} {'claimed' if claims else 'listed'}"] += 1
-    told = ", ".join(f"{key.strip()} {n}" for key, n in sorted(count.items()) if key.strip())
+    told = ", ".join(f"{key} {n}" for key, n in sorted(count.items()))
     groups = Counter(row.group for row in rows)
     return f"{told} (of {', '.join(f'{n} {group}' for group, n in sorted(groups.items()))})"
 
