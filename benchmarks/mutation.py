@@ -41,7 +41,7 @@ TARGETS = {
         f"harness/estimate/{file.name}": (HELD, ESTIMATE)
         for file in sorted((ROOT / "harness" / "estimate").glob("*.py"))
     },
-    "harness/estimate/believed.py": (HELD, _tests("estimate", "saturation")),
+    "harness/estimate/saturation.py": (HELD, _tests("estimate", "saturation")),
     "harness/diagnosis/rules.py": (_tests("diagnosis", "rules"), (*DECIDED, *_tests("diagnosis", "grading"))),
     **{f"harness/diagnosis/{name}.py": (DECIDED, RULES) for name in DECIDE},
 }

@@ -218,7 +218,7 @@ def chosen(table: Table, columns: str | None, rate: float | None) -> tuple[dict[
         if "t" not in mappings and rate is None and "t" in table.names:
             mappings["t"] = Mapping("t", ("t",))
     else:
-        mappings, guessed = _by_name_choose(table, rate)
+        mappings, guessed = _channels_named(table, rate)
     if not set(mappings) & {"x", "v", "a"}:
         hint = "columns named t and one or more of x, v, a, or a choice of them by --columns, is accepted"
         raise RefusedError(str(table.path), f"the columns {table.listed()}", hint, _others(table, rate))
@@ -240,7 +240,7 @@ def _others(table: Table, rate: float | None) -> list[dict[str, Any]]:
     return [{"columns": text, "rate": UNSAID} for text in islice(choices(table, timed=False), _MOST_CHOICES)]
 
 
-def _by_name_choose(table: Table, rate: float | None) -> tuple[dict[str, Mapping], frozenset[str]]:
+def _channels_named(table: Table, rate: float | None) -> tuple[dict[str, Mapping], frozenset[str]]:
     found = candidates(table.names)
     mappings, guessed = {}, set()
     for channel in (c for c in CHANNELS if c in found):

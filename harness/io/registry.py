@@ -1,13 +1,10 @@
 """Formats by the suffix of a file: those of harness.io.readers, then those that other packages register.
 
 A package adds one by an entry point of group ``harness.readers`` whose value is the Reader ("package.module:READER").
-
-What is known of a format of recordings; a file in harness/io/readers makes one.
 """
 
 import pkgutil
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from collections.abc import Mapping
 from functools import cache
 from importlib import import_module
 from pathlib import Path
@@ -15,29 +12,7 @@ from pathlib import Path
 from harness.core.errors import InputError
 from harness.core.registered import registered
 from harness.io import readers
-from harness.io.table import Table
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Reader:
-    """A format of recordings.
-
-    name : as messages say it. suffixes : of its files, in small letters, with the dot. open : from the path (and, for
-    text, the lines to skip before the header) to its columns; raises InputError for a file that is none of this format.
-    text : whether it is a table of lines. Such a file may be packed with gzip and is read in this process, so that
-    ``open`` must bear whatever is in it; any other is read in a process of its own (harness.core.apart).
-    """
-
-    name: str
-    suffixes: tuple[str, ...]
-    open: Callable[..., Table]
-    text: bool = False
-
-    @property
-    def said(self) -> str:
-        """Name and suffixes."""
-        return f"{self.name} ({', '.join(self.suffixes)})"
-
+from harness.io.reader import Reader
 
 GROUP = "harness.readers"
 OURS = ".rrd"

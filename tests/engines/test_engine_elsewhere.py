@@ -112,7 +112,7 @@ def test_a_version_is_held_against_itself_or_the_newest(
 _WITHOUT_LXML = """
 import sys
 sys.modules["lxml"] = None
-import harness.engines.elsewhere.worker, harness.engines.stepping, harness.engines.samples, harness.engines.stepping
+import harness.engines.elsewhere.worker, harness.engines.samples, harness.engines.stepping
 """
 
 

@@ -20,13 +20,13 @@ from harness.core.errors import InputError
 from harness.core.recording import Recording
 from harness.core.slider import Slider
 from harness.estimate import table1
-from harness.estimate.believed import within_range
 from harness.estimate.channel import fit_channel
 from harness.estimate.displacement import displacement
 from harness.estimate.every import estimate_all
 from harness.estimate.noise import channel_noise
 from harness.estimate.paper import displacement_paper
 from harness.estimate.reversals import Kind, NoDecay
+from harness.estimate.saturation import within_range
 from harness.exact.decay import Decay, free_decay
 
 FILE = Path(__file__).with_name("figures.json")

@@ -11,12 +11,12 @@ from harness.core.arrays import FloatArray
 from harness.core.scenario import FREE_DECAY
 from harness.core.slider import EXPERIMENT
 from harness.estimate.acceleration import as_acceleration
-from harness.estimate.believed import saturated
 from harness.estimate.channel import ChannelFit, _tied_start, fit_channel
 from harness.estimate.displacement import _locally, _near, half_cycle_frequency
 from harness.estimate.halfcycles import compiled_inverse
 from harness.estimate.noise import Noise, _compiled_residuals, channel_noise
 from harness.estimate.reversals import Kind, NoDecay
+from harness.estimate.saturation import saturated
 from harness.estimate.table1 import Setup, table
 from harness.estimate.tied import OMEGA, P0, SIGMA, T0, D
 from harness.exact.decay import Decay, free_decay

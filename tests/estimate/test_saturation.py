@@ -13,8 +13,8 @@ from harness.core.errors import InputError
 from harness.core.recording import Recording
 from harness.diagnosis.pipeline import diagnose, fit_base, prepare
 from harness.diagnosis.request import Asked
-from harness.estimate.believed import saturated, within_range
 from harness.estimate.noise import Noise, channel_noise
+from harness.estimate.saturation import saturated, within_range
 from harness.kernels.solve import Drive, simulate, solve
 from harness.model.model import Model, Restoring
 

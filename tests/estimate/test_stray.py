@@ -14,8 +14,8 @@ from harness.core.recording import Recording
 from harness.diagnosis.fit.model_fit import fit
 from harness.diagnosis.pipeline import diagnose, prepare
 from harness.diagnosis.request import Asked
-from harness.estimate.believed import beside_cubic, stray, without_stray
 from harness.estimate.noise import Noise
+from harness.estimate.stray import beside_cubic, stray, without_stray
 from harness.kernels.solve import Drive, Scales, simulate, solve
 from harness.model.model import Model, ModelTerm, Restoring
 

@@ -20,7 +20,7 @@ from harness.diagnosis.alignment.pair import Clock
 from harness.diagnosis.comparison import Comparison, compared
 from harness.diagnosis.fit.rmse import percent_followed
 from harness.diagnosis.motion import motion_of
-from harness.estimate.believed import limit_said, limits
+from harness.estimate.saturation import limit_said, limits
 from harness.io.options import ReadOptions
 from harness.io.store import output_folder
 from harness.results.common import P

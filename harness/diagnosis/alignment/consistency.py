@@ -14,8 +14,8 @@ import numpy as np
 from harness.core.arrays import FloatArray
 from harness.core.quantity import Quantity
 from harness.diagnosis.rules import CHANNELS_AGREE, CHANNELS_RELATED
-from harness.estimate.believed import limit_said, limits
 from harness.estimate.noise import Noise
+from harness.estimate.saturation import limit_said, limits
 from harness.fit.covariance import inverse_of
 from harness.fit.least_squares import Bounds, Until, least_squares
 

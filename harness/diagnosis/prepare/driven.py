@@ -25,8 +25,9 @@ from harness.diagnosis.problems.starts import OneStart, Windows
 from harness.diagnosis.request import Asked
 from harness.diagnosis.rules import DECISIVE, FORCE_HELD
 from harness.diagnosis.smoothed_state.state import Course, inverse_start
-from harness.estimate.believed import stray_in, within_range
 from harness.estimate.noise import Noise, channel_noise
+from harness.estimate.saturation import within_range
+from harness.estimate.stray import stray_in
 from harness.model.model import Model, Restoring
 
 ALL_FELT = "the scatter of the force is a controller's own, which the slider has felt: none of it is noise"

@@ -13,7 +13,7 @@ import numpy as np
 
 from harness.core.arrays import FloatArray
 from harness.core.errors import InputError
-from harness.io.registry import Reader
+from harness.io.reader import Reader
 from harness.io.table import ArrayTable, Held, Table, held, table_of_arrays
 from harness.io.units import split_header
 

@@ -15,7 +15,7 @@ from harness.core.bounded import read_bytes, unpacked
 from harness.core.errors import InputError
 from harness.io.columns import candidates
 from harness.io.options import RefusedError
-from harness.io.registry import Reader
+from harness.io.reader import Reader
 from harness.io.table import Table
 from harness.io.times import Clock
 from harness.io.units import split_header
