@@ -4,21 +4,37 @@ Nothing that the diagnosis estimated is believed: three numbers of every control
 channel, are held against the slider and the noise that the plant put in.
 """
 
+import math
 import sys
 from collections.abc import Mapping
 from pathlib import Path
+
+from scipy.stats import norm
 
 from harness.app.prove.store import VERDICTS, published_verdicts
 from harness.core.errors import HarnessError
 from harness.proof.plan import CONTROL
 from harness.proof.score import Result, Truth
 from harness.proof.seal import Ledger
-from harness.proof.statistics import Rate, is_noise
+from harness.proof.statistics import Rate
 from harness.proof.tally import OURS, parsed
 
 _SLIDER = ("omega_n", "zeta", "x_k")
 _ERRORS = 2.0
 """Standard errors within which a number counts as right: 95 % of honest ones."""
+_FITTED = 6.0
+"""Numbers that a base fit takes from a residual."""
+_SCATTER = float(norm.ppf(0.995))
+"""Standard deviations of a normal number that are left once in a hundred times."""
+
+
+def is_noise(ratio: float, points: int, correlation: float) -> bool:
+    """Whether a residual's rms over the true noise's is one, within what chance leaves 99 times of a hundred.
+
+    correlation : of first-order noise from one of its points to the next.
+    """
+    independent = points * (1.0 - correlation**2) / (1.0 + correlation**2)
+    return abs(ratio**2 - 1.0) <= _SCATTER * math.sqrt(2.0 / independent) + _FITTED / independent
 
 
 def base_fit(truths: Mapping[str, Truth], verdicts: Mapping[str, Result]) -> dict[str, Rate]:

@@ -63,7 +63,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--jobs", type=int, default=1, help="processes side by side")
     parser.add_argument(
-        "--plant", type=Path, help="main-effect, tables: a folder that python -m harness.proof.machines left"
+        "--plant", type=Path, help="main-effect, tables: a folder that python -m benchmarks.recordings machines left"
     )
     told = parser.parse_args(argv)
     try:

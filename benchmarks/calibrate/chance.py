@@ -17,7 +17,7 @@ from benchmarks.calibrate.main_effect import graded_of
 from harness.core.arrays import BoolArray, FloatArray
 from harness.diagnosis.grading.chance import FEATURES, OF_MOTION, Odds
 from harness.diagnosis.grading.grade import Contest
-from harness.proof.machines.plan import CONTROL, MAIN
+from harness.proof.machines.kinds import CONTROL, MAIN
 
 _FOLDS = 10
 _RIDGE = 1.0

@@ -13,8 +13,8 @@ from harness.diagnosis.request import Asked
 from harness.diagnosis.rules import FORCE_HELD, MOST_LISTED
 from harness.model.model import Restoring
 from harness.model.registry import NAMED
-from harness.proof.machines.effects import FAMILY
-from harness.proof.plant import KINDS, draw
+from harness.proof.plant.cases import draw
+from harness.proof.plant.effects import FAMILY_OF_MACHINES, KINDS
 from harness.proof.statistics import Rate
 
 SETTINGS = {"driven": Restoring.SPRING, "axis": Restoring.NONE}
@@ -46,7 +46,11 @@ class Told:
     @property
     def wrong(self) -> bool:
         """Whether what is said first is of another family, the effect nowhere."""
-        return bool(self.names) and not self.listed and FAMILY[self.names[0]] != FAMILY[self.hidden]
+        return (
+            bool(self.names)
+            and not self.listed
+            and FAMILY_OF_MACHINES[self.names[0]] != FAMILY_OF_MACHINES[self.hidden]
+        )
 
 
 def names_of(setting: str) -> tuple[str, ...]:

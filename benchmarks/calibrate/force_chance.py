@@ -5,12 +5,12 @@ from functools import partial
 from benchmarks.calibrate.calibration import Calibration
 from benchmarks.calibrate.chance import Row, said
 from benchmarks.calibrate.machine_draws import asked_of, drawn
+from benchmarks.recordings.driven import DRIVEN
 from harness.app.diagnose.problem import prepared
 from harness.diagnosis.grading.chance import OF_FORCES
 from harness.diagnosis.inverse_dynamics.search import search_driven
 from harness.diagnosis.problems.driven import InverseDynamics
-from harness.proof.machines.kinds import DRIVEN
-from harness.proof.machines.plan import CONTROL, MAIN
+from harness.proof.machines.kinds import CONTROL, MAIN
 
 
 def measure(seed: int, index: int) -> Row | None:

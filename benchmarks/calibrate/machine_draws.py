@@ -14,16 +14,15 @@ from harness.diagnosis.problem import Problem
 from harness.diagnosis.search.long_recordings import shortened
 from harness.kernels.solve import Scales
 from harness.model.model import Restoring
-from harness.proof.machines.kinds import FREE, Kind
-from harness.proof.machines.made import made_quickly
-from harness.proof.machines.plan import GROUPS, plan
+from harness.proof.machines.kinds import FREE, GROUPS, Kind, plan
+from harness.proof.machines.made import made
 
 
 def drawn(seed: int, index: int, group: str, kinds: Mapping[str, Kind] = FREE) -> tuple[Recording, Mapping[str, Any]]:
     """A recording of a group and its answer, by the number of a draw alone. Raises SimulationError for none."""
     mains, controls, unknown, tables = (int(group == one) for one in GROUPS)
     (job,) = plan(list(kinds.values()), mains, controls, unknown, tables, seed * 1_000_003 + index)
-    found = made_quickly(seed, replace(job, index=index))
+    found = made(seed, replace(job, index=index), sums=False)
     with spooled(BytesIO(found.recording.encode())) as path:
         return read(path, DiagnoseOptions().reading), found.answer
 

@@ -36,8 +36,8 @@ from harness.diagnosis.rules import (
     SHARE_OF_MISFIT,
     Rule,
 )
-from harness.proof.machines.effects import FAMILY
-from harness.proof.machines.plan import CONTROL, MAIN, UNNAMED
+from harness.proof.machines.kinds import CONTROL, MAIN, UNNAMED
+from harness.proof.plant.effects import FAMILY_OF_MACHINES
 from harness.proof.statistics import Rate
 
 Setting = tuple[float, ...]
@@ -159,7 +159,7 @@ _GROUPS = (MAIN, CONTROL, MAIN, MAIN, CONTROL, MAIN, UNNAMED, MAIN, CONTROL, MAI
 
 
 def of_plant(folder: Path) -> Calibration:
-    """The same for recordings that ``python -m harness.proof.machines`` left; the seed is not used."""
+    """The same for recordings that ``python -m benchmarks.recordings machines`` left; the seed is not used."""
     return Calibration(partial(measured, _row, folder), said, ABOUT)
 
 
@@ -189,7 +189,7 @@ class Counts:
             Rate.of([_main(a) not in ("", t["dominant"]) for t, a in mains]),
             Rate.of([a.grade not in (Grade.MAIN, Grade.ONE_OF) for _, a in mains]),
             Rate.of([bool(name) and name not in t["may_name"] for t, name in controls]),
-            Rate.of([bool(name) and FAMILY.get(name) not in t["families"] for t, name in alien]),
+            Rate.of([bool(name) and FAMILY_OF_MACHINES.get(name) not in t["families"] for t, name in alien]),
         )
 
     @property

@@ -12,7 +12,7 @@ from benchmarks.calibrate.plant_cases import NAMES, case_of, pair_of, start_of, 
 from harness.diagnosis.fit.model_fit import Fit
 from harness.diagnosis.rules import APART, FLEXIBLE
 from harness.diagnosis.search.search import search
-from harness.proof.plant import ALIENS
+from harness.proof.plant.effects import ALIENS
 
 TRUE, ALIEN = "true pair", "effect of no catalogue"
 _FLEXIBLE = tuple(name for name in NAMES if any(len(t.parameters) >= FLEXIBLE.value for t in terms_of(name)))

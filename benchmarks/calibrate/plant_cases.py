@@ -16,8 +16,8 @@ from harness.estimate.noise import channel_noise
 from harness.kernels.solve import Scales
 from harness.model.registry import NAMED
 from harness.model.term import Term
-from harness.proof.plant import KINDS, Case, draw
-from harness.proof.plant.effects import BENCH, compatible
+from harness.proof.plant.cases import Case, draw
+from harness.proof.plant.effects import BENCH, KINDS, compatible
 
 NOISES = ("white", "coloured", "quantised")
 NAMES = tuple(name for name in KINDS if any(term.name == name and "driven" not in term.needs for term in NAMED))

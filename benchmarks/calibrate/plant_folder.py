@@ -1,4 +1,4 @@
-"""Recordings that ``python -m harness.proof.machines`` left in a folder, measured one by one in place of new draws."""
+"""Recordings that ``python -m benchmarks.recordings`` left in a folder, measured one by one in place of new draws."""
 
 import json
 from collections.abc import Callable, Mapping

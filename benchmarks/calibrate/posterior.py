@@ -21,7 +21,7 @@ from harness.core.arrays import FloatArray
 from harness.diagnosis.grading.grade import Finalist, Graded
 from harness.diagnosis.outcome import Grade
 from harness.diagnosis.rules import TAKEN
-from harness.proof.machines.plan import CONTROL, MAIN, UNNAMED
+from harness.proof.machines.kinds import CONTROL, MAIN, UNNAMED
 
 FEATURES = ("none", "share", "company", "loose", "easily", "cycles", "behind")
 _GROUPS = (MAIN, CONTROL, MAIN, UNNAMED, CONTROL, MAIN)

@@ -11,10 +11,9 @@ from typing import Any
 import numpy as np
 
 from harness.core.arrays import FloatArray
-from harness.proof.machines.effects import EFFECTS
 from harness.proof.plant.base import Base
-from harness.proof.plant.friction import Level, Modulation
-from harness.proof.plant.model import ForceLaw
+from harness.proof.plant.effects import EFFECTS
+from harness.proof.plant.model import ForceLaw, Level, Modulation
 
 _ELSE = ((0.3, 0.7), (1.9, -0.4))
 """What else is varied, in units of the machine's own scales."""

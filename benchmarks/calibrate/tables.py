@@ -32,7 +32,7 @@ from harness.diagnosis.tables.curve import table_of
 from harness.diagnosis.tables.selection import finished, tabulated
 from harness.kernels.solve import Scales
 from harness.model.model import Model
-from harness.proof.machines.plan import CONTROL, TABLE
+from harness.proof.machines.kinds import CONTROL, TABLE
 from harness.proof.statistics import Median, Rate
 
 RANDOM = "random"
@@ -73,7 +73,7 @@ def measure(seed: int, index: int) -> Row:
 
 
 def of_plant(folder: Path) -> Calibration:
-    """The same for recordings that ``python -m harness.proof.machines`` left; the seed is not used."""
+    """The same for recordings that ``python -m benchmarks.recordings machines`` left; the seed is not used."""
     return Calibration(partial(measured, _row, folder), said, ABOUT)
 
 

@@ -12,7 +12,7 @@ from harness.diagnosis.grading.misfit import misfit
 from harness.diagnosis.residual_tests.structure import Left, left_by
 from harness.diagnosis.rules import GAIN, SHARE_OF_EXCESS, TAKEN
 from harness.model.registry import NAMED
-from harness.proof.machines.plan import CONTROL, MAIN, UNNAMED
+from harness.proof.machines.kinds import CONTROL, MAIN, UNNAMED
 from harness.proof.statistics import Rate
 
 _GROUPS = (MAIN, CONTROL, MAIN, MAIN, UNNAMED)

@@ -3,14 +3,12 @@
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
-from harness.core.arrays import FloatArray
 from harness.proof.plan import CONTROL, SINGLE
 from harness.proof.score import Answer, Result, Truth
-from harness.proof.statistics import LEVEL, RESAMPLES
+from harness.proof.statistics import resampled
 
 R2, SINDY, SYSID = "r2", "pysindy", "mujoco.sysid"
 ABOUT = {
@@ -58,7 +56,10 @@ def beside(
     for who, said in others.items():
         able = {name: truth for name, truth in answers.items() if (said.get(name) or {}).get("applies")}
         if not able:
-            found.append(Margin(who, "", 0, None, None, None, None, None, 0.0, True, _reason(said)))
+            # its most frequent reason
+            reasons = Counter(str(one.get("error") or one.get("why") or "") for one in said.values())
+            why = reasons.most_common(1)[0][0] if reasons else "it said nothing"
+            found.append(Margin(who, "", 0, None, None, None, None, None, 0.0, True, why))
             continue
         if who == SYSID:
             found.append(_held_out(who, able, ours, said))
@@ -66,14 +67,13 @@ def beside(
         for group, what in ((SINGLE, "single effects named"), (CONTROL, "nothing said where nothing is hidden")):
             names = sorted(name for name, truth in able.items() if truth["group"] == group)
             right = [[_right(able[name], by.get(name)) for name in names] for by in (ours, said)]
-            found.append(_shares(who, what, right[0], right[1]))
+            if not names:
+                found.append(Margin(who, what, 0, None, None, None, None, None, 0.0, True, "no such recording"))
+                continue
+            a, b = np.asarray(right, dtype=np.float64)
+            mean, (low, high) = float((a - b).mean()), resampled(a - b, lambda picks: np.mean(picks, axis=1))
+            found.append(Margin(who, what, a.size, float(a.mean()), float(b.mean()), mean, low, high, 0.0, True))
     return found
-
-
-def _reason(said: Mapping[str, Result]) -> str:
-    """Why a baseline says nothing of any recording: its most frequent reason."""
-    reasons = Counter(str(one.get("error") or one.get("why") or "") for one in said.values())
-    return reasons.most_common(1)[0][0] if reasons else "it said nothing"
 
 
 def _right(truth: Truth, result: Result | None) -> bool:
@@ -81,14 +81,6 @@ def _right(truth: Truth, result: Result | None) -> bool:
     if not truth["mechanisms"]:
         return answer.label == "nothing"
     return sorted(answer.said) == sorted(truth["mechanisms"])
-
-
-def _shares(who: str, what: str, ours: Sequence[bool], theirs: Sequence[bool]) -> Margin:
-    if not ours:
-        return Margin(who, what, 0, None, None, None, None, None, 0.0, True, "no such recording")
-    a, b = np.asarray(ours, dtype=np.float64), np.asarray(theirs, dtype=np.float64)
-    low, high = _interval((a - b), np.mean)
-    return Margin(who, what, a.size, float(a.mean()), float(b.mean()), float((a - b).mean()), low, high, 0.0, True)
 
 
 def _held_out(who: str, able: Mapping[str, Truth], ours: Mapping[str, Result], theirs: Mapping[str, Result]) -> Margin:
@@ -103,24 +95,15 @@ def _held_out(who: str, able: Mapping[str, Truth], ours: Mapping[str, Result], t
     what = "held-out rmse where an effect is hidden, theirs over ours, median"
     if not ratios:
         return Margin(who, what, 0, None, None, None, None, None, 1.0, False, "no such recording")
-    values = np.asarray(ratios, dtype=np.float64)
-    low, high = _interval(values, np.median)
-    middle = float(np.median(values))
-    return Margin(who, what, values.size, 1.0, middle, middle, low, high, 1.0, False)
-
-
-def _interval(values: FloatArray, statistic: Any) -> tuple[float, float]:
-    """Bootstrap interval, resampled with a fixed seed."""
-    picks = values[np.random.default_rng(0).integers(values.size, size=(RESAMPLES, values.size))]
-    low, high = np.quantile(statistic(picks, axis=1), [0.5 * (1.0 - LEVEL), 0.5 * (1.0 + LEVEL)])
-    return float(low), float(high)
+    low, high = resampled(np.asarray(ratios, dtype=np.float64), lambda picks: np.median(picks, axis=1))
+    middle = float(np.median(ratios))
+    return Margin(who, what, len(ratios), 1.0, middle, middle, low, high, 1.0, False)
 
 
 def shortfalls(margins: Sequence[Margin]) -> list[str]:
     """Baselines that are not beaten, one sentence each."""
-    missed = []
-    for one in margins:
-        if one.beaten or not one.cases:
-            continue
-        missed.append(f"{one.name}, {one.what}: {one.low:.3g} to {one.high:.3g}, above {one.none:g} is asked")
-    return missed
+    return [
+        f"{one.name}, {one.what}: {one.low:.3g} to {one.high:.3g}, above {one.none:g} is asked"
+        for one in margins
+        if one.cases and not one.beaten
+    ]

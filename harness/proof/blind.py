@@ -1,8 +1,8 @@
 """A sealed process that answers one recording after another, so that starting it costs once and not every time.
 
-What it gets is what ``seal.diagnose_blind`` gives: recordings on standard input, an empty working folder, an
-environment of what it takes to start. A request is a line of JSON ({"who", "arguments", "bytes"}) and the recording;
-an answer is a line with its length and the answer.
+It gets recordings on standard input and nothing else: its working folder is empty, its environment holds only what it
+takes to start, no file but the three standard ones is open. A request is a line of JSON ({"who", "arguments", "bytes"})
+and the recording; an answer is a line with its length and the answer.
 """
 
 import json
@@ -18,8 +18,9 @@ from pathlib import Path
 from typing import IO, final
 
 from harness.core.errors import HarnessError
-from harness.proof.seal import KEPT
 
+KEPT = ("PATH", "LD_LIBRARY_PATH", "LANG", "NUMBA_CACHE_DIR", "OMP_NUM_THREADS")
+"""Environment variables without which the diagnosis could not start; none of them tells."""
 RENEWED_AFTER = 64
 """Recordings after which a process is replaced, so that what libraries leak stays small."""
 ONE_THREAD = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS"), "1")

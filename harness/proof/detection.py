@@ -7,7 +7,7 @@ pays k ln N for them in BIC: well below that loss nobody who goes by BIC can nam
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass, replace
+from dataclasses import dataclass, replace
 from functools import lru_cache
 from typing import Any
 
@@ -15,10 +15,9 @@ import numpy as np
 
 from harness.core.arrays import FloatArray
 from harness.core.errors import InputError
-from harness.proof.plant.base_fit import fit_decay
+from harness.proof.plant.base_fit import Seen, fit_decay
 from harness.proof.plant.cases import Case, draw, record, truth
 from harness.proof.plant.effects import FAMILY
-from harness.proof.plant.hidden import Noise
 from harness.proof.score import Answer, Result, Truth
 from harness.proof.statistics import LEVEL, RESAMPLES, Rate
 
@@ -87,14 +86,10 @@ def _faintest(kind: str, seed: int, series: int) -> tuple[Case, float]:
 def clean_loss(case: Case) -> float:
     """Chi-square of the base fitted to the motion without noise, in units of the noise."""
     base, noise = case.base, case.noise
-    if not _white(noise):
+    if noise.correlation != 0.0 or noise.step is not None:
         raise InputError("noise", "coloured or quantised", "white is accepted")
-    start = (base.omega_n, base.zeta, base.x_k, base.x0, base.v0)
-    return fit_decay(base.times, {c: case.clean[c] for c in case.channels}, noise.sigma, start).chi2
-
-
-def _white(noise: Noise) -> bool:
-    return noise.correlation == 0.0 and noise.step is None
+    seen = Seen({c: case.clean[c] for c in case.channels}, noise.sigma)
+    return fit_decay(base.times, seen, (base.omega_n, base.zeta, base.x_k, base.x0, base.v0)).chi2
 
 
 def free_numbers(case: Case) -> int:
@@ -124,10 +119,6 @@ class Curve:
     low: float | None
     high: float | None
     limit: float | None
-
-    def as_dict(self) -> dict[str, Any]:
-        """For JSON."""
-        return asdict(self)
 
 
 def curve(answers: Mapping[str, Truth], results: Mapping[str, Result]) -> Curve:

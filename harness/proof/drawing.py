@@ -1,18 +1,18 @@
 """From a job of the plan to a recording and its answer: both follow from the seed and the job's place alone."""
 
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass, replace
-from functools import partial
-from typing import Any
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any, cast
 
 import numpy as np
 
 from harness.core.errors import SimulationError
 from harness.proof.detection import LOSSES, draw_series
-from harness.proof.engine_source import ENGINE_KINDS, ENGINES, EngineName, draw_engine
-from harness.proof.machines import plan as machines
+from harness.proof.engine_source import ENGINE_KINDS, EngineName, draw_engine
+from harness.proof.machines.cases import Sealed as SealedMachine
+from harness.proof.machines.kinds import FREE
+from harness.proof.machines.kinds import Job as MachineJob
 from harness.proof.machines.made import made
-from harness.proof.machines.sealed import Sealed as SealedMachine
 from harness.proof.plan import DETECTION, MACHINE, PAIR, PLANT, Job, possible_pairs
 from harness.proof.plant.cases import Case, csv_text, draw, truth
 from harness.proof.seal import Sealed, digest
@@ -21,24 +21,6 @@ ATTEMPTS = 5
 """Times a job is drawn before it is given up; a pair that does not come out is replaced by another."""
 PROBES = 12
 """Lines of a recording that a transcript holds."""
-
-Draw = Callable[[Job, np.random.Generator], Case]
-
-
-def _kind(job: Job) -> str | tuple[str, ...]:
-    return "control" if not job.kinds else job.kinds[0] if len(job.kinds) == 1 else job.kinds
-
-
-def _plant(job: Job, rng: np.random.Generator) -> Case:
-    return draw(_kind(job), rng, setting=job.setting, noise=job.noise)
-
-
-def _engine(job: Job, rng: np.random.Generator, engine: EngineName) -> Case:
-    return draw_engine(_kind(job), rng, engine, noise=job.noise)
-
-
-SOURCES: Mapping[str, Draw] = {PLANT: _plant, **{engine: partial(_engine, engine=engine) for engine in ENGINES}}
-"""What can make the motion of a recording."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -85,13 +67,17 @@ def drawn(seed: int, job: Job, sealed: SealedMachine | None = None) -> Drawn:
     if job.source == MACHINE:
         recording, answer = _machine(seed, job, sealed)
         return Drawn(name_of(seed, job.index), recording.encode(), {**answer, **about})
-    case, answer = _step(seed, job) if job.group == DETECTION else _case(seed, job)
+    if job.group == DETECTION:
+        (step,) = draw_series(job.kinds[0], seed, job.series, LOSSES[job.level : job.level + 1])
+        case, answer = step.case, step.answer()
+    else:
+        case, answer = _case(seed, job)
     return Drawn(name_of(seed, job.index), csv_text(case).encode(), {**answer, **about})
 
 
 def _machine(seed: int, job: Job, sealed: SealedMachine | None) -> tuple[str, dict[str, Any]]:
     """A recording of a machine, and its answer with what every answer of a proof holds."""
-    found = made(seed, machines.Job(job.index, job.group, job.setting, job.kinds[0] if job.kinds else ""), sealed)
+    found = made(seed, MachineJob(job.index, job.group, FREE[job.setting], "".join(job.kinds)), sealed)
     answer = found.answer
     loss = sum(answer["samples"] * (left / answer["noise"][c]) ** 2 for c, left in answer["base_rmse"].items())
     common = {
@@ -107,23 +93,20 @@ def _machine(seed: int, job: Job, sealed: SealedMachine | None) -> tuple[str, di
 
 def _case(seed: int, job: Job) -> tuple[Case, dict[str, Any]]:
     """A recording with its answer; drawn again when nothing came out, a pair as another pair."""
-    reason = ""
+    reason, kinds = "", job.kinds
     for attempt in range(ATTEMPTS):
         rng = np.random.default_rng([seed, 1, job.index, attempt])
-        chosen = job
         if attempt and job.group == PAIR:
             others = [pair for pair in possible_pairs() if job.source == PLANT or set(pair) <= set(ENGINE_KINDS)]
-            chosen = replace(job, kinds=others[int(rng.integers(len(others)))])
+            kinds = others[int(rng.integers(len(others)))]
+        kind = "control" if not kinds else kinds[0] if len(kinds) == 1 else kinds
         try:
-            case = SOURCES[job.source](chosen, rng)
+            if job.source == PLANT:
+                case = draw(kind, rng, setting=job.setting, noise=job.noise)
+            else:
+                case = draw_engine(kind, rng, cast(EngineName, job.source), noise=job.noise)
         except SimulationError as error:
             reason = str(error)
             continue
         return case, truth(case)
     raise SimulationError(reason)
-
-
-def _step(seed: int, job: Job) -> tuple[Case, dict[str, Any]]:
-    """One level of noise of a series of the detection curve."""
-    step = draw_series(job.kinds[0], seed, job.series, LOSSES[job.level : job.level + 1])[0]
-    return step.case, step.answer()

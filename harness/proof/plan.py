@@ -11,8 +11,8 @@ from harness.core.errors import InputError
 from harness.proof.detection import KINDS as CURVE
 from harness.proof.detection import LOSSES
 from harness.proof.engine_source import ENGINE_KINDS, ENGINES
-from harness.proof.machines import plan as machines
 from harness.proof.machines.kinds import FREE
+from harness.proof.machines.kinds import plan as plan_machines
 from harness.proof.plant.effects import ALIENS, KINDS, compatible
 
 SINGLE, CONTROL, PAIR, OUTSIDE, DETECTION = "single", "control", "pair", "outside", "detection"
@@ -100,12 +100,19 @@ def plan(sizes: Sizes, seed: int) -> list[Job]:
     chosen = rng.choice(len(pairs), sizes.pairs, replace=sizes.pairs > len(pairs))
     settings = [name for name, share in CONTROL_SETTINGS.items() for _ in range(int(share * sizes.controls))]
     settings += ["decay"] * (sizes.controls - len(settings))
-    drafts = [Job(0, SINGLE, PLANT, (kind,), _setting(kind), NOISE) for kind in _cycled(KINDS, sizes.singles, rng)]
+    drafts = [
+        Job(0, SINGLE, PLANT, (kind,), "driven" if kind in DRIVEN else "decay", NOISE)
+        for kind in _cycled(KINDS, sizes.singles, rng)
+    ]
     drafts += [Job(0, CONTROL, PLANT, (), setting, NOISE) for setting in settings]
     drafts += [Job(0, PAIR, PLANT, pairs[int(i)], "decay", NOISE) for i in chosen]
     drafts += [Job(0, OUTSIDE, PLANT, (kind,), "decay", NOISE) for kind in _cycled(tuple(ALIENS), sizes.outside, rng)]
     drafts = _sourced(drafts)
-    drafts += _machines(sizes.machines, seed)
+    # of machines half are controls, and one in twelve has a main effect that no catalogue holds
+    controls, unknown = sizes.machines // 2, sizes.machines // 12
+    mains = sizes.machines - controls - unknown
+    for one in plan_machines(list(FREE.values()), mains, controls, unknown, 0, seed):
+        drafts.append(Job(0, one.group, MACHINE, (one.main,) if one.main else (), one.kind.name, ""))
     if sizes.covers(FULL):
         drafts += [
             Job(0, DETECTION, PLANT, (kind,), "decay", "white", series, level)
@@ -113,17 +120,6 @@ def plan(sizes: Sizes, seed: int) -> list[Job]:
             for level in range(len(LOSSES))
         ]
     return [replace(drafts[int(place)], index=index) for index, place in enumerate(rng.permutation(len(drafts)))]
-
-
-def _machines(count: int, seed: int) -> list[Job]:
-    """Recordings of machines: half of them controls, one in twelve with a main effect that no catalogue holds."""
-    controls, unknown = count // 2, count // 12
-    jobs = machines.plan(list(FREE.values()), count - controls - unknown, controls, unknown, 0, seed)
-    return [Job(0, job.group, MACHINE, (job.main,) if job.main else (), job.kind, "") for job in jobs]
-
-
-def _setting(kind: str) -> str:
-    return "driven" if kind in DRIVEN else "decay"
 
 
 def _sourced(drafts: Sequence[Job]) -> list[Job]:

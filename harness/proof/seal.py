@@ -6,11 +6,8 @@ in (seed, answers) goes in as a salted hash first and is opened at the end. Secr
 
 import hashlib
 import json
-import os
 import re
 import secrets
-import subprocess
-import tempfile
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -22,8 +19,6 @@ from harness.core.writing import replacing
 
 LEDGER = "transcript.json"
 SCHEMA = "harness.proof-transcript/1"
-KEPT = ("PATH", "LD_LIBRARY_PATH", "LANG", "NUMBA_CACHE_DIR", "OMP_NUM_THREADS")
-"""Environment variables without which the diagnosis could not start; none of them tells."""
 
 
 def digest(data: bytes) -> str:
@@ -170,29 +165,3 @@ def open_all(ledger: Ledger, seed: Sealed, answers: Mapping[str, Sealed], given_
     ledger.add(
         STEPS[3], {"seed": seed.opened(), "answers": opened, **({"given_up": list(given_up)} if given_up else {})}
     )
-
-
-def diagnose_blind(command: Sequence[str], recording: bytes, timeout: float) -> bytes:
-    """Run a diagnosing command that gets the recording on standard input and nothing else; its standard output.
-
-    The working folder is new and empty, the environment holds only what it takes to start, no file but the three
-    standard ones is open. A command that fails or takes longer than ``timeout`` (s) has said nothing: b"".
-    """
-    kept = {name: os.environ[name] for name in KEPT if name in os.environ}
-    with tempfile.TemporaryDirectory(prefix="blind-") as folder:
-        try:
-            done = subprocess.run(
-                list(command),
-                input=recording,
-                stdout=subprocess.PIPE,
-                stderr=subprocess.DEVNULL,
-                cwd=folder,
-                env={**kept, "HOME": folder, "TMPDIR": folder},
-                timeout=timeout,
-                check=False,
-                close_fds=True,
-                start_new_session=True,
-            )
-        except subprocess.TimeoutExpired:
-            return b""
-    return done.stdout if done.returncode == 0 else b""

@@ -1,29 +1,17 @@
-"""Intervals for what a proof counts and measures."""
+"""Intervals for what a proof counts and measures, and figures of them with what is asked."""
 
-import math
-from collections.abc import Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, dataclass
+from typing import Any
 
 import numpy as np
-from scipy.stats import beta, norm
+from scipy.stats import beta
 
 from harness.core.arrays import FloatArray
 
 LEVEL = 0.95
 RESAMPLES = 2000
-_FITTED = 6.0
-"""Numbers that a base fit takes from a residual."""
-_SCATTER = float(norm.ppf(0.995))
-"""Standard deviations of a normal number that are left once in a hundred times."""
-
-
-def is_noise(ratio: float, points: int, correlation: float) -> bool:
-    """Whether a residual's rms over the true noise's is one, within what chance leaves 99 times of a hundred.
-
-    correlation : of first-order noise from one of its points to the next.
-    """
-    independent = points * (1.0 - correlation**2) / (1.0 + correlation**2)
-    return abs(ratio**2 - 1.0) <= _SCATTER * math.sqrt(2.0 / independent) + _FITTED / independent
+TAILS = (0.5 * (1.0 - LEVEL), 0.5 * (1.0 + LEVEL))
 
 
 @dataclass(frozen=True, slots=True)
@@ -66,14 +54,79 @@ class Median:
         """The median of the values; resampled with a fixed seed, so that it can be computed again."""
         if not values:
             return cls(0, None, None, None)
-        array: FloatArray = np.asarray(values, dtype=np.float64)
-        rng = np.random.default_rng(seed)
+        array = np.asarray(values, dtype=np.float64)
         # the upper of the two middle values: a mean of them would make infinity of one that was withheld
         middle = array.size // 2
-        picks = np.sort(array[rng.integers(array.size, size=(RESAMPLES, array.size))], axis=1)[:, middle]
-        low, high = np.quantile(picks, [0.5 * (1.0 - LEVEL), 0.5 * (1.0 + LEVEL)], method="nearest")
-        return cls(array.size, float(np.sort(array)[middle]), float(low), float(high))
+        low, high = resampled(array, lambda picks: np.sort(picks, axis=1)[:, middle], seed, method="nearest")
+        return cls(array.size, float(np.sort(array)[middle]), low, high)
 
     def as_dict(self) -> dict[str, float | int | None]:
         """For JSON; an infinite value becomes null."""
         return {k: v if v is not None and np.isfinite(v) else None for k, v in asdict(self).items()}
+
+
+def resampled(
+    values: FloatArray, statistic: Callable[[FloatArray], FloatArray], seed: int = 0, method: Any = "linear"
+) -> tuple[float, float]:
+    """Bootstrap interval of a statistic of each row of (resamples, n) values; the same whenever it is computed."""
+    picks = values[np.random.default_rng(seed).integers(values.size, size=(RESAMPLES, values.size))]
+    low, high = np.quantile(statistic(picks), TAILS, method=method)
+    return float(low), float(high)
+
+
+@dataclass(frozen=True, slots=True)
+class Asked:
+    """What a figure counts and what is asked of it: ``said``, the least and the largest value; "" for nothing.
+
+    of_low : the lower bound of the interval is asked for, and not the value.
+    """
+
+    label: str
+    said: str = ""
+    least: float = 0.0
+    most: float = 1.0
+    of_low: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class Figure:
+    """A figure of the scores."""
+
+    key: str
+    asked: Asked
+    found: Rate | Median
+
+    @property
+    def judged(self) -> float | None:
+        """What is asked for."""
+        return self.found.low if self.asked.of_low else self.found.value
+
+    @property
+    def met(self) -> bool | None:
+        """Whether it is reached; None where nothing is asked."""
+        if not self.asked.said:
+            return None
+        return self.judged is not None and self.asked.least <= self.judged <= self.asked.most
+
+    @property
+    def share(self) -> bool:
+        """Whether it is a share of cases, and not a median."""
+        return isinstance(self.found, Rate)
+
+    @property
+    def sentence(self) -> str:
+        """What falls short."""
+        value = self.judged
+        shown = "unknown" if value is None else f"{100.0 * value:.1f} %" if self.share else f"{value:.3g}"
+        bound = "lower bound " if self.asked.of_low else ""
+        return f"{self.asked.label}: {bound}{shown}, {self.asked.said} is asked"
+
+    def as_dict(self) -> dict[str, Any]:
+        """As results hold it."""
+        said = {"key": self.key, "label": self.asked.label, "asked": self.asked.said, "met": self.met}
+        return {**said, "share": self.share, "hits": None, **self.found.as_dict()}
+
+
+def figures(found: Mapping[str, Rate | Median], asked: Mapping[str, Asked], prefix: str = "") -> list[Figure]:
+    """Those that are shown, in the order of ``asked``."""
+    return [Figure(prefix + key, one, found[key]) for key, one in asked.items()]

@@ -2,18 +2,18 @@
 
 import json
 import random
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import asdict
 from typing import Any
 
 from harness.proof.beside import ABOUT, beside, shortfalls
 from harness.proof.detection import curve
-from harness.proof.machines.plan import GROUPS as MACHINE_GROUPS
-from harness.proof.machines.score import right as right_of_machine
-from harness.proof.machines.score import score as score_machines
+from harness.proof.machines import score as of_machines
+from harness.proof.machines.kinds import GROUPS as MACHINE_GROUPS
 from harness.proof.plan import CONTROL, DETECTION, OUTSIDE, PAIR, SINGLE
-from harness.proof.plant.effects import FAMILY, KINDS
-from harness.proof.score import Answer, Figure, Result, Truth, figures, forced, machine_figures, score
+from harness.proof.plant.effects import KINDS
+from harness.proof.score import Answer, Result, Truth, forced, of_another_family, score
+from harness.proof.statistics import figures
 
 OURS = "harness"
 GROUPS = (SINGLE, CONTROL, PAIR, OUTSIDE)
@@ -45,57 +45,30 @@ def tally(answers: Mapping[str, Truth], verdicts: Mapping[str, Verdicts], seed: 
     others = {who: parsed(said) for who, said in sorted(verdicts.items()) if who != OURS}
     margins = beside(scored, ours, others)
     machines = {name: truth for name, truth in answers.items() if truth["group"] in MACHINE_GROUPS}
-    rows = figures(scores) if scored else []
-    rows += machine_figures(score_machines(machines, ours)) if machines else []
+    steps = {name: truth for name, truth in answers.items() if truth["group"] == DETECTION}
+    rows = scores.figures if scored else []
+    if machines:
+        rows += figures(of_machines.score(machines, ours), of_machines.ASKED, "machines_")
     short = [row.sentence for row in rows if row.met is False]
-    short += [*(controls.shortfalls() if any_control(scored) else []), *shortfalls(margins)]
+    any_control = any(truth["group"] == CONTROL for truth in scored.values())
+    short += [*(controls.shortfalls() if any_control else []), *shortfalls(margins)]
+    by_source: dict[str, list[dict[str, Any]]] = {}
+    for source in sorted({str(truth["source"]) for truth in scored.values()}):
+        own = score({name: truth for name, truth in scored.items() if truth["source"] == source}, ours)
+        by_source[source] = [row.as_dict() for row in own.figures]
     return {
-        "figures": shown(rows),
+        "figures": [row.as_dict() for row in rows],
         "forced": controls.as_dict(),
         "confusion": {true: dict(sorted(said.items())) for true, said in sorted(scores.confusion.items())},
         "by_name": {name: rate.as_dict() for name, rate in scores.by_name.items()},
         "not_tested": list(scores.not_tested) if scored else [],
         "shortfalls": short,
-        "by_source": _by_source(scored, ours),
+        "by_source": by_source,
         "must_fail": _must_fail(scored, seed) if scored else [],
         "baselines": [{**asdict(one), "about": ABOUT[one.name], "beaten": one.beaten} for one in margins],
-        "detection": _detection(answers, ours),
+        "detection": asdict(curve(steps, ours)) if steps else None,
         "cases": [_case(name, answers[name], ours.get(name)) for name in sorted(answers)],
     }
-
-
-def _detection(answers: Mapping[str, Truth], ours: Mapping[str, Result]) -> dict[str, Any] | None:
-    """The detection curve, where there are recordings for one."""
-    steps = {name: truth for name, truth in answers.items() if truth["group"] == DETECTION}
-    return curve(steps, ours).as_dict() if steps else None
-
-
-def any_control(answers: Mapping[str, Truth]) -> bool:
-    """Whether there is a recording in which nothing is hidden."""
-    return any(truth["group"] == CONTROL for truth in answers.values())
-
-
-def shown(rows: Sequence[Figure]) -> list[dict[str, Any]]:
-    """Figures as results hold them."""
-    return [
-        {
-            "key": figure.key,
-            "label": figure.label,
-            "asked": figure.asked,
-            "met": figure.met,
-            "share": figure.share,
-            "hits": None,
-            **figure.found.as_dict(),
-        }
-        for figure in rows
-    ]
-
-
-def _by_source(answers: Mapping[str, Truth], ours: Mapping[str, Result]) -> dict[str, list[dict[str, Any]]]:
-    found = {}
-    for source in sorted({str(truth["source"]) for truth in answers.values()}):
-        found[source] = shown(figures(score({n: t for n, t in answers.items() if t["source"] == source}, ours)))
-    return found
 
 
 def _case(name: str, truth: Truth, result: Result | None) -> dict[str, Any]:
@@ -103,10 +76,9 @@ def _case(name: str, truth: Truth, result: Result | None) -> dict[str, Any]:
     answer = Answer.of(result)
     hidden = sorted(truth["mechanisms"])
     if truth["group"] == OUTSIDE:
-        families = {FAMILY.get(one, "") for one in answer.said}
-        right = answer.label not in ("nothing", "no result") and families <= set(truth["families"])
+        right = answer.label not in ("nothing", "no result") and not of_another_family(answer, truth)
     elif truth["group"] in MACHINE_GROUPS:
-        right = right_of_machine(truth, result)
+        right = of_machines.right(truth, result)
     elif hidden:
         right = sorted(answer.said) == hidden
     else:
@@ -138,17 +110,17 @@ def _must_fail(answers: Mapping[str, Truth], seed: int) -> list[dict[str, Any]]:
     ]
     found = []
     for (name, about), says in zip(MUST_FAIL.items(), answering, strict=True):
-        results = {file: _bare(says(truth)) for file, truth in sorted(answers.items())}
-        scores = score(answers, results)
-        found.append(
+        said = {file: says(truth) for file, truth in sorted(answers.items())}
+        scores = score(
+            answers,
             {
-                "name": name,
-                "about": about,
-                **{key: asdict(getattr(scores, key)) for key in ("named", "false_alarms", "misled")},
-            }
+                file: {
+                    "verdict": "missing_physics" if names else "adequate",
+                    "mechanisms": [{"name": one} for one in names],
+                }
+                for file, names in said.items()
+            },
         )
+        rates = {key: scores.found[key].as_dict() for key in ("named", "false_alarms", "misled")}
+        found.append({"name": name, "about": about, **rates})
     return found
-
-
-def _bare(names: list[str]) -> dict[str, Any]:
-    return {"verdict": "missing_physics" if names else "adequate", "mechanisms": [{"name": name} for name in names]}

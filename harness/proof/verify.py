@@ -2,13 +2,14 @@
 
 import json
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from typing import Any
 
 from harness.core.errors import InputError, SimulationError
 from harness.proof.drawing import Drawn, drawn, name_of, probes_of, sealed_answers
-from harness.proof.machines.sealed import Sealed as SealedMachine
+from harness.proof.machines.cases import Sealed as SealedMachine
 from harness.proof.plan import MACHINE, Job, Sizes, plan
 from harness.proof.seal import PUBLISHED, RESUMED, STEPS, Ledger, Sealed, digest
 
@@ -44,55 +45,49 @@ def check_transcript(ledger: Ledger) -> list[str]:
     steps = [entry.get("step") for entry in ledger.entries if entry.get("step") != RESUMED]
     if tuple(steps[:4]) != STEPS or steps[4:] not in ([], [PUBLISHED]):
         return ["the steps of the transcript are not in their order"]
-    return _tried(_commitments, ledger)
-
-
-def _tried(check: Callable[[Ledger], list[str]], ledger: Ledger) -> list[str]:
-    """What ``check`` finds wrong; a transcript that has not what it looks at is wrong too."""
-    try:
-        return check(ledger)
-    except (KeyError, TypeError, ValueError, AttributeError, InputError) as error:
-        return [f"the transcript does not hold what one holds ({type(error).__name__}: {error})"]
-
-
-def _commitments(ledger: Ledger) -> list[str]:
-    committed, sealed, said, opened = (ledger.content(step) for step in STEPS)
-    wrong = []
-    if Sealed(**opened["seed"]).commitment != committed["commitment"]:
-        wrong.append("the seed is not the one that was committed to")
-    names = set(sealed["cases"])
-    others = said.get("baselines", {})
-    if any(names != set(cases) for cases in (said["cases"], opened["answers"], *others.values())):
-        wrong.append("recordings, verdicts and answers are not of the same cases")
-        return wrong
-    for name in sorted(names):
-        if Sealed(**opened["answers"][name]).commitment != sealed["cases"][name]["answer"]:
-            wrong.append(f"{name}: the answer is not the one that was sealed")
+    with _holding() as wrong:
+        committed, sealed, said, opened = (ledger.content(step) for step in STEPS)
+        if Sealed(**opened["seed"]).commitment != committed["commitment"]:
+            wrong.append("the seed is not the one that was committed to")
+        names = set(sealed["cases"])
+        others = said.get("baselines", {})
+        if any(names != set(cases) for cases in (said["cases"], opened["answers"], *others.values())):
+            wrong.append("recordings, verdicts and answers are not of the same cases")
+            return wrong
+        for name in sorted(names):
+            if Sealed(**opened["answers"][name]).commitment != sealed["cases"][name]["answer"]:
+                wrong.append(f"{name}: the answer is not the one that was sealed")
     return wrong
+
+
+@contextmanager
+def _holding() -> Iterator[list[str]]:
+    """What is found wrong inside; a transcript that has not what is looked at is wrong too."""
+    wrong: list[str] = []
+    try:
+        yield wrong
+    except (KeyError, TypeError, ValueError, AttributeError, InputError) as error:
+        wrong[:] = [f"the transcript does not hold what one holds ({type(error).__name__}: {error})"]
 
 
 def check_plan(ledger: Ledger) -> list[str]:
     """Whether cases, names and salts are those that follow from the seed; jobs that were given up may be missing."""
-    return _tried(_planned, ledger)
-
-
-def _planned(ledger: Ledger) -> list[str]:
-    opened = ledger.content(STEPS[3])
-    seed, answers = int(opened["seed"]["value"]), opened["answers"]
-    have = len(answers) + len(opened.get("given_up", []))
-    sizes = Sizes.of(ledger.content(STEPS[0])["sizes"])
-    if sizes.total > have:  # said before anything of that size is made
-        return [f"{sizes.total - have} recordings of the plan are missing"]
-    planned = {job.index: name_of(seed, job.index) for job in planned_jobs(ledger)}
-    salts = sealed_answers(seed, {name: one["value"] for name, one in answers.items()})
-    wrong = []
-    for name, one in sorted(answers.items()):
-        if planned.get(one["value"]["index"]) != name:
-            wrong.append(f"{name}: no recording of the plan has this name")
-        elif salts[name].salt != one["salt"]:
-            wrong.append(f"{name}: its salt does not follow from the seed")
-    if len(planned) > have:
-        wrong.append(f"{len(planned) - have} recordings of the plan are missing")
+    with _holding() as wrong:
+        opened = ledger.content(STEPS[3])
+        seed, answers = int(opened["seed"]["value"]), opened["answers"]
+        have = len(answers) + len(opened.get("given_up", []))
+        sizes = Sizes.of(ledger.content(STEPS[0])["sizes"])
+        if sizes.total > have:  # said before anything of that size is made
+            return [f"{sizes.total - have} recordings of the plan are missing"]
+        planned = {job.index: name_of(seed, job.index) for job in planned_jobs(ledger)}
+        salts = sealed_answers(seed, {name: one["value"] for name, one in answers.items()})
+        for name, one in sorted(answers.items()):
+            if planned.get(one["value"]["index"]) != name:
+                wrong.append(f"{name}: no recording of the plan has this name")
+            elif salts[name].salt != one["salt"]:
+                wrong.append(f"{name}: its salt does not follow from the seed")
+        if len(planned) > have:
+            wrong.append(f"{len(planned) - have} recordings of the plan are missing")
     return wrong
 
 
@@ -130,8 +125,16 @@ def check_recording(ledger: Ledger, case: Drawn, job: Job) -> Redrawn:
     found = _checked(ledger, case)
     if not found.wrong:
         return found
-    again = _as_sealed(ledger, case.name, job) if job.source == MACHINE else case
-    but_for_fits = found if again is None else _checked(ledger, again, without=FITTED)
+    again = case
+    if job.source == MACHINE:
+        # drawn again with what fits decide as its answer has it
+        opened = ledger.content(STEPS[3])
+        try:
+            sealed = SealedMachine.of(opened["answers"].get(case.name, {}).get("value", {}))
+            again = drawn(int(opened["seed"]["value"]), job, sealed)
+        except (SimulationError, InputError):
+            return found
+    but_for_fits = _checked(ledger, again, without=FITTED)
     return found if but_for_fits.wrong else replace(but_for_fits, identical=False, elsewhere=True)
 
 
@@ -141,16 +144,6 @@ def too_many_elsewhere(found: Sequence[Redrawn]) -> list[str]:
     if len(elsewhere) <= max(FEW, MOST_ELSEWHERE * len(found)):
         return []
     return [f"{name}: what fits say of it is not what follows from the seed" for name in elsewhere]
-
-
-def _as_sealed(ledger: Ledger, name: str, job: Job) -> Drawn | None:
-    """A machine drawn again with what fits decide as its answer has it; None where there is none."""
-    opened = ledger.content(STEPS[3])
-    answer = opened["answers"].get(name, {}).get("value", {})
-    try:
-        return drawn(int(opened["seed"]["value"]), job, SealedMachine.of(answer))
-    except (SimulationError, InputError):
-        return None
 
 
 def _checked(ledger: Ledger, case: Drawn, without: Sequence[str] = ()) -> Redrawn:

@@ -11,7 +11,7 @@ from harness.diagnosis.pipeline import diagnose
 from harness.diagnosis.problem import Problem
 from harness.diagnosis.problems.free_decay import FreeDecay
 from harness.estimate.noise import channel_noise
-from harness.proof.plant import Case, draw
+from harness.proof.plant.cases import Case, draw
 
 SHORT = ("sensor-lag", "quadratic-drag")
 LONG = (

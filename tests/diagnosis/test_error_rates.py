@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 from scipy.stats import binom, kstest
 
+from benchmarks.controls import is_noise
 from harness.core.recording import Recording
 from harness.diagnosis.outcome import Outcome
 from harness.diagnosis.pipeline import diagnose, fit_base, prepare
@@ -22,9 +23,7 @@ from harness.diagnosis.residual_tests.structure import structure
 from harness.diagnosis.rules import STRUCTURE
 from harness.estimate.noise import channel_noise
 from harness.model.model import Restoring
-from harness.proof.plant import Case
-from harness.proof.plant.cases import control
-from harness.proof.statistics import is_noise
+from harness.proof.plant.cases import Case, control
 
 _CHANCE = 1e-3
 """Probability with which a sound diagnosis may fail one of these tests."""

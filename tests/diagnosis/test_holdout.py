@@ -17,7 +17,7 @@ from harness.diagnosis.request import Asked
 from harness.estimate.noise import channel_noise
 from harness.kernels.solve import Drive, solve
 from harness.model.model import Model, ModelTerm, Restoring
-from harness.proof.plant import draw
+from harness.proof.plant.cases import draw
 
 
 @pytest.mark.parametrize("seed", [3, 4])

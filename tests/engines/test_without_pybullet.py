@@ -4,6 +4,7 @@ import sys
 import tomllib
 from pathlib import Path
 
+import numpy as np
 import pytest
 from packaging.requirements import Requirement
 
@@ -14,7 +15,8 @@ from harness.app.shared.reading import ReadOptions
 from harness.cli.main import run
 from harness.core.errors import SimulationError
 from harness.engines import registry
-from harness.proof.engine_source import _body
+from harness.proof.engine_source import engine_motion
+from harness.proof.plant.model import base_model
 
 CHECKOUT = Path(__file__).resolve().parents[2]
 
@@ -23,7 +25,7 @@ CHECKOUT = Path(__file__).resolve().parents[2]
 def hidden(monkeypatch: pytest.MonkeyPatch) -> None:
     """An interpreter that cannot import pybullet."""
     for name in list(sys.modules):
-        if name == "pybullet" or name.startswith(("harness.engines.pybullet", "harness.proof.engine_source_pybullet")):
+        if name == "pybullet" or name.startswith("harness.engines.pybullet"):
             monkeypatch.delitem(sys.modules, name)
     monkeypatch.setitem(sys.modules, "pybullet", None)
 
@@ -62,7 +64,7 @@ def test_asked_for_by_name_it_is_said_to_be_missing() -> None:
     with pytest.raises(SimulationError, match="engine pybullet: not installed"):
         registry.load("pybullet")
     with pytest.raises(SimulationError, match="engine pybullet: not installed"):
-        _body(None, "pybullet")  # type: ignore[arg-type]
+        engine_motion(base_model(1.0, 1.0, 100.0, 3.0, 1.0), np.linspace(0.0, 1.0, 11), "pybullet")
 
 
 @pytest.mark.usefixtures("later")

@@ -4,9 +4,16 @@ import numpy as np
 import pytest
 
 from harness.core.arrays import FloatArray
-from harness.proof.baselines.laws import BASE, period_of, refusal, regressors, states_of
-from harness.proof.baselines.r2 import name_by_r2
-from harness.proof.baselines.sparse import name_by_sindy
+from harness.proof.baselines.regression import (
+    BASE,
+    States,
+    name_by_r2,
+    name_by_sindy,
+    period_of,
+    refusal,
+    regressors,
+    states_of,
+)
 from harness.proof.baselines.sysid import held_out, holdout_by_sysid, start_of
 from harness.proof.plant.base import Base
 from harness.proof.plant.effects import FAMILY
@@ -30,7 +37,7 @@ CONSTANT = {"constant-force": {"force": 1.5}}
 
 def test_regressors_are_names_of_the_catalogue_and_the_base_explains_a_control() -> None:
     states = states_of(recording())
-    assert states is not None
+    assert isinstance(states, States)
     laws = regressors(states)
     assert set(laws) - set(BASE) <= set(FAMILY)
     base = np.column_stack([states.smoothed(laws[name]) for name in BASE])

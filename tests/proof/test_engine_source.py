@@ -13,14 +13,14 @@ import pytest
 import harness.proof
 from harness.core.arrays import FloatArray
 from harness.core.errors import InputError, SimulationError
-from harness.proof.engine_source import ENGINE_KINDS, ENGINES, STATEFUL, EngineName, draw_engine, engine_motion
-from harness.proof.engine_source_motion import Task
+from harness.proof.engine_source import ENGINE_KINDS, ENGINES, STATEFUL, EngineName, Task, draw_engine, engine_motion
 from harness.proof.plant.base import draw_decay
 from harness.proof.plant.cases import draw, truth
-from harness.proof.plant.effects import ALIENS, BENCH, KINDS
+from harness.proof.plant.effects import ALIENS, KINDS
 from harness.proof.plant.hidden import build
 from harness.proof.plant.integrate import simulate
 from harness.proof.plant.model import base_model
+from harness.proof.plant.strengths import DRAWS
 
 SHORT = ("stribeck", "asymmetric-viscous", "impulse", "end-stop")
 LONG = tuple(k for k in ENGINE_KINDS if k not in SHORT and not k.startswith("sensor"))
@@ -44,7 +44,7 @@ def test_a_control_of_an_engine_is_the_plant_s_to_a_tenth_of_its_noise(engine: E
 def test_a_hidden_force_is_the_plant_s_to_a_tenth_of_the_least_noise(engine: EngineName, kind: str) -> None:
     rng = np.random.default_rng([3, len(kind)])
     base = draw_decay(rng, at_rest=False, length=0.3 if kind == "pendulum-stiffness" else None)
-    model = build(base, {kind: BENCH[kind].draw(base, rng)})[0]
+    model = build(base, {kind: DRAWS[kind](base, rng)})[0]
     said, exact = engine_motion(model, base.times, engine), simulate(model, base.times)
     assert _rms(said.x - exact.x) < 0.1 * 0.0005 * base.length
     # a sample beside a jump of the acceleration may lie on its other side

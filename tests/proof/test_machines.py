@@ -5,6 +5,7 @@ import json
 import math
 import subprocess
 import sys
+from collections.abc import Mapping
 from dataclasses import replace
 from functools import cache
 from pathlib import Path
@@ -15,32 +16,35 @@ import pytest
 from scipy.optimize import least_squares
 
 import harness.proof.machines as package
+from benchmarks.recordings import score as command
+from benchmarks.recordings.__main__ import chosen_kinds, main
+from benchmarks.recordings.driven import DRIVEN
 from harness.core.arrays import FloatArray
 from harness.core.errors import InputError, SimulationError
-from harness.proof.machines import score as scorer
-from harness.proof.machines.__main__ import main
-from harness.proof.machines.base_fit import swing
 from harness.proof.machines.cases import SHARES, SMALL, TABLE_SHARES, Messy, _control, draw
-from harness.proof.machines.drawing import draw_rig
-from harness.proof.machines.effects import ALIENS, EFFECTS, FAMILY, KNOWN, STATIC, scaled
-from harness.proof.machines.kinds import DRIVEN, FREE, KINDS
+from harness.proof.machines.kinds import CONTROL, FREE, MAIN, TABLE, UNNAMED, Job, plan, possible
 from harness.proof.machines.made import Made, csv_text, made, truth
-from harness.proof.machines.plan import CONTROL, MAIN, TABLE, UNNAMED, Job, chosen_kinds, plan, possible
+from harness.proof.machines.rigs import draw_rig
+from harness.proof.machines.score import Claim, right, score
 from harness.proof.machines.shares import fitted_share, read, summed_up
 from harness.proof.plant.base_fit import decay_motion
+from harness.proof.plant.effects import EFFECTS, FAMILY, OF_MACHINES, STATIC
 from harness.proof.plant.integrate import simulate
+from harness.proof.plant.stepped import swing
+from harness.proof.plant.strengths import DRAWS, scaled
+from harness.proof.statistics import Median, Rate
 
 SEED = 4711
 DRAWN = {
-    "cart": Job(0, MAIN, "cart", "viscoelastic"),
-    "arm": Job(1, MAIN, "spring-arm", "quadratic-drag"),
-    "wheel": Job(2, MAIN, "torsion-wheel", "quadratic-stiffness"),
-    "pendulum": Job(3, MAIN, "encoder-pendulum", "asymmetric-viscous"),
-    "control": Job(4, CONTROL, "spring-arm", ""),
-    "rubber": Job(5, CONTROL, "rubber-stage", ""),
-    "table": Job(6, TABLE, "spring-arm", "alien-magnet-well"),
-    "unknown": Job(7, UNNAMED, "servo-pendulum", "alien-parametric-stiffness"),
-    "axis": Job(8, MAIN, "spring-axis", "cubic-stiffness"),
+    "cart": Job(0, MAIN, FREE["cart"], "viscoelastic"),
+    "arm": Job(1, MAIN, FREE["spring-arm"], "quadratic-drag"),
+    "wheel": Job(2, MAIN, FREE["torsion-wheel"], "quadratic-stiffness"),
+    "pendulum": Job(3, MAIN, FREE["encoder-pendulum"], "asymmetric-viscous"),
+    "control": Job(4, CONTROL, FREE["spring-arm"], ""),
+    "rubber": Job(5, CONTROL, FREE["rubber-stage"], ""),
+    "table": Job(6, TABLE, FREE["spring-arm"], "alien-magnet-well"),
+    "unknown": Job(7, UNNAMED, FREE["servo-pendulum"], "alien-parametric-stiffness"),
+    "axis": Job(8, MAIN, DRIVEN["spring-axis"], "cubic-stiffness"),
 }
 
 
@@ -52,7 +56,7 @@ def job_made(name: str) -> Made:
 @cache
 def case_of(name: str) -> Messy:
     job = DRAWN[name]
-    return draw(KINDS[job.kind], job.main, np.random.default_rng([SEED, 1, job.index, 0]))
+    return draw(job.kind, job.main, np.random.default_rng([SEED, 1, job.index, 0]))
 
 
 def columns(text: str) -> tuple[list[str], FloatArray]:
@@ -72,13 +76,13 @@ def test_machines_import_core_and_the_proof_alone() -> None:
 
 
 def test_every_name_can_be_built_and_drawn() -> None:
-    assert set(EFFECTS) == set(KNOWN) | set(ALIENS)
+    assert set(EFFECTS) == set(DRAWS)
     assert len(FREE) >= 8
-    assert {name for kind in FREE.values() for name in kind.names} >= set(KNOWN) - {"static-friction"}
-    assert {name for kind in DRIVEN.values() for name in kind.names} >= set(KNOWN) - {"pendulum-stiffness"}
+    assert {name for kind in FREE.values() for name in kind.names} >= set(OF_MACHINES) - {"static-friction"}
+    assert {name for kind in DRIVEN.values() for name in kind.names} >= set(OF_MACHINES) - {"pendulum-stiffness"}
     rng, base = np.random.default_rng(0), case_of("arm").rig.base
     for name in EFFECTS:
-        values = EFFECTS[name].draw(base, rng)
+        values = DRAWS[name](base, rng)
         assert set(scaled(name, values, 0.5, base)) == set(values)
         assert json.loads(json.dumps(values)) == values
         assert EFFECTS[name].families[0] in set(FAMILY.values())
@@ -89,10 +93,10 @@ def test_a_draw_is_the_same_to_the_bit() -> None:
 
 
 def test_a_draw_is_the_same_in_another_process_and_another_with_another_seed(tmp_path: Path) -> None:
-    told = ["--count", "1", "--controls", "0", "--kind", "rubber-stage", "--jobs", "1", "--seed"]
+    told = ["machines", "--count", "1", "--controls", "0", "--kind", "rubber-stage", "--jobs", "1", "--seed"]
     outs = [tmp_path / "here", tmp_path / "there"]
     assert main([*told, "7", "--out", str(outs[0])]) == 0
-    command = [sys.executable, "-m", "harness.proof.machines", *told, "7", "--out", str(outs[1])]
+    command = [sys.executable, "-m", "benchmarks.recordings", *told, "7", "--out", str(outs[1])]
     subprocess.run(command, check=True, capture_output=True)
     for name in ("000.csv", "truth.json"):
         assert (outs[0] / name).read_bytes() == (outs[1] / name).read_bytes()
@@ -142,7 +146,7 @@ def test_a_control_has_no_main_effect_and_none_above_half() -> None:
 
 def test_the_law_of_what_is_left_sums_it_up_and_one_of_another_kind_does_not() -> None:
     rig = case_of("arm").rig
-    whole = read(rig, {"quadratic-drag": EFFECTS["quadratic-drag"].draw(rig.base, np.random.default_rng(1))})
+    whole = read(rig, {"quadratic-drag": DRAWS["quadratic-drag"](rig.base, np.random.default_rng(1))})
     shares = summed_up(rig, whole, {"x": 1.0}, frozenset(), np.random.default_rng(2))
     # a form-fixed law differs from itself at another strength by second order alone
     assert shares["quadratic-drag"] > 0.95
@@ -227,14 +231,14 @@ def test_a_table_holds_the_true_curve_over_the_swept_range() -> None:
 
 
 def test_a_hand_holds_then_gives_way() -> None:
-    case = draw(KINDS["spring-arm"], "quadratic-drag", np.random.default_rng(23))
+    case = draw(FREE["spring-arm"], "quadratic-drag", np.random.default_rng(23))
     assert case.rig.release == "gives-way"
     rig, clean = case.rig, case.whole.clean
     assert 0.005 <= rig.hand.fades <= 0.05
     held = rig.t < rig.hand.until
     assert np.all(clean["v"][held] == 0.0)
     # let go at once it would have moved by k x t^2/2; a hand that fades has let it go less far
-    going = (rig.t > rig.hand.until) & (rig.t < rig.hand.gone)
+    going = (rig.t > rig.hand.until) & (rig.t < rig.hand.until + rig.hand.fades)
     free = 0.5 * rig.base.omega_n**2 * rig.base.length * (rig.t[going] - rig.hand.until) ** 2
     assert np.all(np.abs(clean["x"][going] - rig.base.x0) <= free + 1e-12)
     assert rig.free_from == pytest.approx(rig.hand.until + rig.hand.fades)
@@ -264,20 +268,20 @@ def test_kinds_take_turns_and_every_name_has_its_machine() -> None:
     assert jobs == plan(list(FREE.values()), 240, 300, 60, 0, SEED) != plan(list(FREE.values()), 240, 300, 60, 0, 1)
     assert [job.index for job in jobs] == list(range(600))
     for group, count in ((MAIN, 240), (CONTROL, 300), (UNNAMED, 60)):
-        here = [job.kind for job in jobs if job.group == group]
+        here = [job.kind.name for job in jobs if job.group == group]
         assert len(here) == count
         assert {here.count(kind) for kind in FREE} <= {count // 8, count // 8 + 1}
-    assert {job.main for job in jobs if job.group == MAIN} == set(KNOWN) - {"static-friction"}
-    assert all(job.main in possible(KINDS[job.kind], job.group) for job in jobs)
+    assert {job.main for job in jobs if job.group == MAIN} == set(OF_MACHINES) - {"static-friction"}
+    assert all(job.main in possible(job.kind, job.group) for job in jobs)
 
 
 def test_bad_requests_are_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     with pytest.raises(InputError, match="effect: sensor-lag; one of stribeck"):
-        draw(KINDS["spring-arm"], "sensor-lag", np.random.default_rng(0))
+        draw(FREE["spring-arm"], "sensor-lag", np.random.default_rng(0))
     with pytest.raises(InputError, match="--kind: robot; free, driven or one of spring-arm"):
         chosen_kinds(["robot"])
     (tmp_path / "full").write_text("")
-    assert main(["--seed", "1", "--out", str(tmp_path)]) == 2
+    assert main(["machines", "--seed", "1", "--out", str(tmp_path)]) == 2
     assert "a new or empty folder is accepted" in capsys.readouterr().err
 
 
@@ -287,17 +291,21 @@ def result(verdict: str, *mechanisms: dict[str, Any], after: float = 0.5) -> dic
 
 
 def test_claims_are_read_in_both_forms() -> None:
-    old = scorer.Claim.of(result("missing_physics", {"name": "stribeck", "alternatives": [{"name": "presliding"}]}))
+    old = Claim.of(result("missing_physics", {"name": "stribeck", "alternatives": [{"name": "presliding"}]}))
     assert (old.main, old.near) == ("stribeck", frozenset({"stribeck", "presliding"}))
-    several = scorer.Claim.of(result("one_of", *({"name": n, "grade": "one-of"} for n in ("stribeck", "presliding"))))
+    several = Claim.of(result("one_of", *({"name": n, "grade": "one-of"} for n in ("stribeck", "presliding"))))
     assert (several.main, several.near) == ("", frozenset({"stribeck", "presliding"}))
-    small = scorer.Claim.of(result("unexplained", {"name": "stribeck", "grade": "minor"}))
+    small = Claim.of(result("unexplained", {"name": "stribeck", "grade": "minor"}))
     assert (small.main, small.near, small.minor) == ("", frozenset(), frozenset({"stribeck"}))
-    table = scorer.Claim.of(
-        result("main_effect", {"name": "impulse", "grade": "main"}, {"name": "f", "grade": "tabulated"})
-    )
+    table = Claim.of(result("main_effect", {"name": "impulse", "grade": "main"}, {"name": "f", "grade": "tabulated"}))
     assert (table.main, table.minor) == ("impulse", frozenset({"f"}))
-    assert scorer.Claim.of(None).main == ""
+    assert Claim.of(None).main == ""
+
+
+def hits(scores: Mapping[str, Rate | Median], name: str) -> int:
+    rate = scores[name]
+    assert isinstance(rate, Rate)
+    return rate.hits
 
 
 def test_figures_count_what_they_say() -> None:
@@ -320,8 +328,8 @@ def test_figures_count_what_they_say() -> None:
         "f": result("main_effect", {"name": "quadratic-drag", "grade": "main"}),
         "g": result("main_effect", {"name": "impulse", "grade": "main"}, after=0.6),
     }
-    scores = scorer.score(truths, said)
-    counted = {name: (rate.hits, rate.cases) for name, rate in vars_of(scores).items()}
+    scores = score(truths, said)
+    counted = {name: (rate.hits, rate.cases) for name, rate in scores.items() if isinstance(rate, Rate)}
     assert counted["named"] == (1, 3)
     assert counted["listed"] == (2, 3)
     assert counted["wrong"] == (0, 3)
@@ -331,26 +339,20 @@ def test_figures_count_what_they_say() -> None:
     assert counted["misled"] == (1, 2)
     assert counted["better"] == (1, 2)
     assert counted["table_better"] == (1, 1)
-    assert scores.share_error.value == pytest.approx(0.1)
-    assert scorer.score(truths, {}).silent.hits == 3
-    assert any(line.startswith("named or listed: 2 of 3, 66.7 %") for line in scorer.lines(scores))
-    assert list(scorer.misses(truths, said)) == [
+    assert scores["share_error"].value == pytest.approx(0.1)
+    assert hits(score(truths, {}), "silent") == 3
+    assert any(line.startswith("named or listed: 2 of 3, 66.7 %") for line in command.lines(scores))
+    assert list(command.misses(truths, said)) == [
         "b: impulse (80 %) on a cart called end-stop, impulse, presliding, stribeck (listed)",
         "c: backlash (80 %) on a cart called backlash, end-stop, impulse, presliding, stribeck",
         "e: control () called impulse",
     ]
-    in_it = scorer.score({**truths, "e": {**truths["e"], "minor": {"impulse": 0.45, "backlash": 0.45}}}, said)
-    assert (in_it.claimed.hits, in_it.unfounded.hits) == (1, 0)
+    in_it = score({**truths, "e": {**truths["e"], "minor": {"impulse": 0.45, "backlash": 0.45}}}, said)
+    assert (hits(in_it, "claimed"), hits(in_it, "unfounded")) == (1, 0)
     truths["e"] = {**truths["e"], "sums_up": {"impulse": 0.71}}
-    founded = scorer.score(truths, said)
-    assert (founded.claimed.hits, founded.unfounded.hits) == (1, 0)
-    assert list(scorer.misses(truths, said))[-1] == "e: control () called impulse (summed up by impulse 71 %)"
-
-
-def vars_of(scores: scorer.MachineScores) -> dict[str, Any]:
-    return {
-        name: getattr(scores, name) for name in scorer.LABELS if name not in ("holdout", "table_holdout", "share_error")
-    }
+    founded = score(truths, said)
+    assert (hits(founded, "claimed"), hits(founded, "unfounded")) == (1, 0)
+    assert list(command.misses(truths, said))[-1] == "e: control () called impulse (summed up by impulse 71 %)"
 
 
 def test_the_scorer_is_a_command(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -359,19 +361,18 @@ def test_the_scorer_is_a_command(tmp_path: Path, capsys: pytest.CaptureFixture[s
     answer = {"dominant": "impulse", "family": "environment", "share": 0.8, "minor": {}, "kind": "cart"}
     (tmp_path / "truth.json").write_text(json.dumps({"a.csv": answer}))
     told = [str(tmp_path / "results.json"), str(tmp_path / "truth.json")]
-    assert scorer.main([*told, "--json", str(tmp_path / "figures.json")]) == 0
+    assert command.main([*told, "--json", str(tmp_path / "figures.json")]) == 0
     assert "main effect named: 1 of 1, 100.0 % (2.5 to 100.0 %)" in capsys.readouterr().out
     assert json.loads((tmp_path / "figures.json").read_text())["named"]["hits"] == 1
-    assert scorer.main([str(tmp_path / "truth.json"), told[1]]) == 2
+    assert command.main([str(tmp_path / "truth.json"), told[1]]) == 2
     assert "no results; the JSON of harness diagnose" in capsys.readouterr().err
 
 
 def test_a_gain_that_is_all_of_a_control_may_be_named() -> None:
     rng = np.random.default_rng(3)
-    rig = replace(draw_rig(KINDS["cart"], "", rng), channels="xa", gain={"a": 1.004})
+    rig = replace(draw_rig(FREE["cart"], "", rng), channels="xa", gain={"a": 1.004})
     case = _control(rig, True, rng)
     assert case is not None
     assert case.fitted["sensor-gain"] == pytest.approx(1.0, abs=1e-6)
     assert truth(case)["may_name"] == ["sensor-gain"]
-    right = result("missing_physics", {"name": "sensor-gain", "grade": "explains"})
-    assert scorer.right(truth(case), right)
+    assert right(truth(case), result("missing_physics", {"name": "sensor-gain", "grade": "explains"}))

@@ -9,7 +9,7 @@ from scipy.optimize import least_squares
 
 from benchmarks.calibrate.static_force import static_force
 from harness.core.arrays import FloatArray
-from harness.proof.plant.base_fit import decay, descend
+from harness.proof.plant.base_fit import decay_motion, descend
 from harness.proof.plant.cases import draw
 from harness.proof.plant.decrement import Decrement, decrement
 from harness.proof.score import LARGEST, forced
@@ -20,7 +20,7 @@ T = np.linspace(0.0, 5.0, 3000)
 @pytest.mark.parametrize("sign", [1.0, -1.0])
 @pytest.mark.parametrize("channel", ["x", "a"])
 def test_a_decay_without_noise_gives_its_numbers(channel: str, sign: float) -> None:
-    x, a = decay(T, 20.0, 0.02, 0.02, sign, 0.0)
+    x, _, a = decay_motion(T, 20.0, 0.02, 0.02, sign, 0.0)
     found = decrement(T, x if channel == "x" else a, channel)
     assert found.omega_n == pytest.approx(20.0, rel=0.01)
     assert found.zeta == pytest.approx(0.02, rel=0.1)
@@ -53,7 +53,7 @@ def test_what_looks_odd_is_not_plausible(odd: Decrement) -> None:
 
 
 def test_too_few_half_cycles_say_nothing() -> None:
-    x, _ = decay(np.linspace(0.0, 0.4, 300), 20.0, 0.02, 0.02, 1.0, 0.0)
+    x, *_ = decay_motion(np.linspace(0.0, 0.4, 300), 20.0, 0.02, 0.02, 1.0, 0.0)
     assert math.isnan(decrement(np.linspace(0.0, 0.4, 300), x, "x").omega_n)
 
 

@@ -12,13 +12,12 @@ import numpy as np
 import pytest
 
 import harness.proof.plant as plant_package
+from benchmarks.recordings.__main__ import main, plan
 from harness.core.errors import InputError
-from harness.proof.plant import ALIENS, KINDS, draw
-from harness.proof.plant.__main__ import main, plan
 from harness.proof.plant.base import Base
-from harness.proof.plant.base_fit import fit_decay, fit_simulated, replayed, whiten
-from harness.proof.plant.cases import Case, truth
-from harness.proof.plant.effects import BENCH, compatible
+from harness.proof.plant.base_fit import Seen, fit_decay, fit_simulated, replayed, whiten
+from harness.proof.plant.cases import Case, draw, truth
+from harness.proof.plant.effects import ALIENS, BENCH, KINDS, compatible
 from harness.proof.plant.hidden import Noise, build, regions
 from harness.proof.plant.integrate import simulate
 
@@ -43,7 +42,7 @@ def test_plant_imports_core_numpy_and_scipy_alone() -> None:
 
 def test_running_the_plant_loads_nothing_of_the_fitting_side() -> None:
     code = (
-        "import sys, harness.proof.plant.__main__;"
+        "import sys, harness.proof.plant.cases;"
         "ours = ('harness.core', 'harness.proof');"
         "print([m for m in sys.modules if m.startswith('harness.') and not m.startswith(ours)])"
     )
@@ -101,8 +100,8 @@ def test_both_fits_find_the_same_minimum() -> None:
     noise = Noise({"x": 1e-4, "a": 0.3})
     clean = sensors.read(model, base.times)[1]
     seen = {c: noise.spoil(c, clean[c], np.random.default_rng(1)) for c in ("x", "a")}
-    closed = fit_decay(base.times, seen, noise.sigma, (20.0, 0.02, 0.002, 0.1, 0.4))
-    through = fit_simulated(base, {}, seen, noise.sigma)
+    closed = fit_decay(base.times, Seen(seen, noise.sigma), (20.0, 0.02, 0.002, 0.1, 0.4))
+    through = fit_simulated(base, {}, Seen(seen, noise.sigma))
     assert through.chi2 == pytest.approx(closed.chi2, rel=1e-3)
     assert through.parameters == pytest.approx(closed.parameters, rel=1e-3)
 
@@ -202,17 +201,8 @@ def test_the_plan_holds_what_was_asked_for_in_an_order_of_its_seed() -> None:
 
 
 def test_command_writes_recordings_and_answers(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    told = [
-        "--out",
-        str(tmp_path / "draws"),
-        "--seed",
-        "5",
-        "--kinds",
-        "impulse",
-        "pendulum-stiffness",
-        "--controls",
-        "1",
-    ]
+    kinds = ("--kinds", "impulse", "pendulum-stiffness", "--controls", "1")
+    told = ["bench", "--out", str(tmp_path / "draws"), "--seed", "5", *kinds]
     assert main([*told, "--jobs", "1"]) == 0
     answers = json.loads((tmp_path / "draws" / "truth.json").read_text())
     assert sorted(answers) == ["000.csv", "001.csv", "002.csv"]

@@ -10,12 +10,22 @@ from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from harness.core.errors import InputError
-from harness.proof.plant import PlantModel, simulate
 from harness.proof.plant.base import Base
-from harness.proof.plant.base_fit import decay
+from harness.proof.plant.base_fit import decay_motion
 from harness.proof.plant.effects import BENCH
-from harness.proof.plant.friction import Bristle, Coulomb, Level, Regularised
-from harness.proof.plant.model import Drive, Force, Knock, base_model
+from harness.proof.plant.integrate import simulate
+from harness.proof.plant.model import (
+    Drive,
+    DryFriction,
+    Force,
+    Knock,
+    Level,
+    PlantModel,
+    base_model,
+    bristle,
+    coulomb,
+    regularised,
+)
 
 
 def force_of(name: str, **parameters: Any) -> Force:
@@ -59,7 +69,7 @@ def test_base_agrees_with_the_closed_form(zeta: float, x_k: float, omega: float,
     t = np.linspace(0.0, 8.0 * math.pi / omega, 400)
     model = base_model(1.0, 2.0 * zeta * omega, omega**2, omega**2 * x_k, x0, v0 * omega)
     run = simulate(replace(model, length=1.0), t, tolerance=1e-11)
-    x, a = decay(t, omega, zeta, x_k, x0, v0 * omega)
+    x, _, a = decay_motion(t, omega, zeta, x_k, x0, v0 * omega)
     assert np.max(np.abs(run.x - x)) < 1e-8
     # a jumps at reversals: a sample beside one may fall on either side
     assert np.quantile(np.abs(run.a - a), 0.95) < 1e-7 * omega**2
@@ -82,13 +92,13 @@ def test_error_falls_with_tolerance() -> None:
 @pytest.mark.parametrize(
     "friction",
     [
-        Coulomb(Level(3.0, 5.0, 0.6)),
-        Bristle(Level(3.0, 5.0, 0.6), 400.0, 6.0),
-        Regularised(Level(3.0, 3.0), 0.3, 0.01),
+        coulomb(Level(3.0, 5.0, 0.6)),
+        bristle(Level(3.0, 5.0, 0.6), 400.0, 6.0),
+        regularised(Level(3.0, 3.0), 0.3, 0.01),
     ],
     ids=["coulomb-stribeck", "lugre", "regularised"],
 )
-def test_other_solvers_agree(solver: str, friction: Coulomb | Bristle | Regularised) -> None:
+def test_other_solvers_agree(solver: str, friction: DryFriction) -> None:
     model = replace(paper(), friction=friction, forces=(force_of("end-stop", gap=0.8, k_stop=30.0, side="both"),))
     t = np.linspace(0.0, 1.5, 300)
     assert simulate(model, t, solver=solver, tolerance=1e-9).x == pytest.approx(simulate(model, t).x, abs=2e-6)
@@ -103,12 +113,12 @@ def test_a_constant_push_shifts_the_whole_motion() -> None:
 def test_direction_dependent_damping_is_another_zeta_each_way() -> None:
     t = np.linspace(0.0, 0.62, 400)
     run = simulate(replace(paper(), forces=(force_of("asymmetric-viscous", c_diff=0.4),)), t, tolerance=1e-12)
-    back, _ = decay(t, 10.0, 0.03, 0.03, 1.0, 0.0)
+    back, *_ = decay_motion(t, 10.0, 0.03, 0.03, 1.0, 0.0)
     turn = run.reversals[0]
     first = t <= turn
     assert run.x[first] == pytest.approx(back[first], abs=1e-10)
-    lowest = decay(np.array([turn]), 10.0, 0.03, 0.03, 1.0, 0.0)[0][0]
-    forth, _ = decay(t[~first] - turn, 10.0, 0.07, 0.03, lowest, 0.0)
+    lowest = decay_motion(np.array([turn]), 10.0, 0.03, 0.03, 1.0, 0.0)[0][0]
+    forth, *_ = decay_motion(t[~first] - turn, 10.0, 0.07, 0.03, lowest, 0.0)
     assert run.x[~first] == pytest.approx(forth, abs=1e-9)
 
 
@@ -158,7 +168,7 @@ def test_a_knock_adds_its_momentum_and_frees_a_stuck_slider() -> None:
 
 def test_a_slow_ramp_breaks_away_at_f_s_exactly() -> None:
     model = replace(
-        base_model(1.0, 0.5, 100.0, 3.0, 0.0), friction=Coulomb(Level(3.0, 4.2)), drive=Drive(lambda t, x, v: 2.0 * t)
+        base_model(1.0, 0.5, 100.0, 3.0, 0.0), friction=coulomb(Level(3.0, 4.2)), drive=Drive(lambda t, x, v: 2.0 * t)
     )
     run = simulate(replace(model, length=0.1), np.linspace(0.0, 2.4, 2401))
     assert np.all(run.stuck[run.t <= 2.1])
@@ -169,7 +179,7 @@ def test_a_slow_ramp_breaks_away_at_f_s_exactly() -> None:
 
 def test_modulated_break_away_lets_go_when_the_level_has_fallen() -> None:
     level = Level(3.0, 3.0, None, (lambda t, x, net, work: 1.0 - 0.5 * t,))
-    model = replace(paper(), friction=Coulomb(level), x0=0.02)
+    model = replace(paper(), friction=coulomb(level), x0=0.02)
     run = simulate(model, np.linspace(0.0, 1.5, 1501))
     # 2 N of spring are held until 3 (1 - t/2) = 2
     assert run.stuck[run.t < 2.0 / 3.0].all()

@@ -9,7 +9,7 @@ from typing import Any
 
 import pytest
 
-from harness.proof.plant.effects import ALIENS, FAMILY, HEADLINE, KINDS
+from harness.proof.plant.effects import ALIENS, BENCH, FAMILY, KINDS
 from harness.proof.score import Scores, score, spans_overlap
 from harness.proof.statistics import Median, Rate
 
@@ -24,7 +24,7 @@ def truth_of(names: tuple[str, ...], r2: float) -> dict[str, Any]:
         "mechanisms": list(names),
         "families": families,
         "channels": "xa",
-        "headline": {n: dict.fromkeys(HEADLINE[n], 2.0) for n in names if n in FAMILY},
+        "headline": {n: dict.fromkeys(BENCH[n].headline, 2.0) for n in names if n in FAMILY},
         "region": [[1.0, 2.0]] if "impulse" in names else None,
         "duration": 10.0,
         "base_r2": [r2, r2],
@@ -46,7 +46,7 @@ def finding(names: list[str], rng: random.Random) -> Result:
         "mechanisms": [
             {
                 "name": n,
-                "parameters": {p: {"value": 2.0 + 0.1 * next(ERRORS), "stderr": 0.1} for p in HEADLINE[n]},
+                "parameters": {p: {"value": 2.0 + 0.1 * next(ERRORS), "stderr": 0.1} for p in BENCH[n].headline},
                 "where": {"time_s": [[1.0, 2.0]]},
                 "alternatives": [],
             }
@@ -60,6 +60,10 @@ def finding(names: list[str], rng: random.Random) -> Result:
 def answered(by: Callable[[dict[str, Any], random.Random], Result]) -> Scores:
     known, rng = truths(), random.Random(2)
     return score(known, {file: by(truth, rng) for file, truth in known.items()})
+
+
+def shortfalls(scores: Scores) -> list[str]:
+    return [figure.sentence for figure in scores.figures if figure.met is False]
 
 
 def knowing(truth: dict[str, Any], rng: random.Random) -> Result:
@@ -87,31 +91,31 @@ def by_r2_alone(truth: dict[str, Any], rng: random.Random) -> Result:
 
 def test_a_diagnosis_that_knows_passes() -> None:
     scores = answered(knowing)
-    assert scores.shortfalls() == []
-    assert scores.named.value == 1.0
+    assert shortfalls(scores) == []
+    assert scores.found["named"].value == 1.0
     assert scores.confusion["stribeck"] == {"stribeck": 4}
     assert scores.confusion["nothing"] == {"nothing": 60}
-    assert scores.overlap.value == 1.0
+    assert scores.found["overlap"].value == 1.0
     assert scores.not_tested == ()
 
 
 @pytest.mark.parametrize("diagnosis", [at_random, always_stribeck, lists_everything, by_r2_alone])
 def test_diagnoses_that_must_fail_are_condemned(diagnosis: Callable[[dict[str, Any], random.Random], Result]) -> None:
     scores = answered(diagnosis)
-    assert any(line.startswith("single effects named") for line in scores.shortfalls())
-    assert scores.named.high is not None
-    assert scores.named.high < 0.5
-    assert len(scores.shortfalls()) >= 2
+    assert any(line.startswith("single effects named") for line in shortfalls(scores))
+    assert scores.found["named"].high is not None
+    assert scores.found["named"].high < 0.5
+    assert len(shortfalls(scores)) >= 2
 
 
 def test_what_is_withheld_counts_against() -> None:
     scores = score(truths(), {})
-    assert scores.named.value == 0.0
-    assert scores.false_alarms.value == 1.0
-    assert scores.misled.value == 1.0
-    assert scores.wrong_family.value == 0.0
-    assert scores.holdout.value == math.inf
-    assert scores.holdout.as_dict()["value"] is None
+    assert scores.found["named"].value == 0.0
+    assert scores.found["false_alarms"].value == 1.0
+    assert scores.found["misled"].value == 1.0
+    assert scores.found["wrong_family"].value == 0.0
+    assert scores.found["holdout"].value == math.inf
+    assert scores.found["holdout"].as_dict()["value"] is None
 
 
 def test_names_that_do_not_occur_are_printed_as_not_tested() -> None:

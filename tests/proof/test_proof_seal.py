@@ -1,8 +1,7 @@
-"""Sealing: any change is seen; a process that looks for the answers finds none."""
+"""Sealing: any change is seen."""
 
 import json
 import secrets
-import sys
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -13,29 +12,12 @@ from harness.core.errors import InputError
 from harness.proof.seal import (
     Ledger,
     Sealed,
-    diagnose_blind,
     open_all,
     seal_recordings,
     seal_seed,
     seal_verdicts,
 )
 from harness.proof.verify import check_transcript, check_verdicts
-
-CHEATER = """
-import os, sys, json
-from pathlib import Path
-sys.stdin.buffer.read()
-seen = [" ".join(sys.argv), json.dumps(dict(os.environ)), os.getcwd(), " ".join(os.listdir("."))]
-for place in (f"/proc/{os.getppid()}/cmdline", f"/proc/{os.getppid()}/environ"):
-    try: seen.append(Path(place).read_bytes().decode(errors="replace"))
-    except OSError: pass
-folder = Path(FOLDER)
-for file in folder.rglob("*"):
-    if file.is_file(): seen.append(file.name + file.read_text(errors="replace"))
-guess = ["stribeck" in text or SECRET in text for text in seen]
-print(json.dumps({"guess": guess, "files": len(list(folder.rglob("*")))}))
-"""
-
 
 SAID = b'{"verdict": "adequate"}'
 
@@ -130,29 +112,3 @@ def test_no_transcript_is_an_input_error(tmp_path: Path) -> None:
 def test_a_commitment_tells_nothing_without_its_salt() -> None:
     # the same answer is sealed differently every time, so a list of all answers does not open it
     assert Sealed({"mechanisms": []}).commitment != Sealed({"mechanisms": []}).commitment
-
-
-def test_a_cheater_finds_nothing(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    ledger = Ledger()
-    seed = seal_seed(ledger, {})
-    answer = Sealed({"mechanisms": ["stribeck"]})
-    seal_recordings(ledger, {"case": b"t,x\n"}, {"case": answer})
-    ledger.save(tmp_path)
-    monkeypatch.setenv("ANSWER", "stribeck")
-    script = CHEATER.replace("FOLDER", repr(str(tmp_path))).replace("SECRET", repr(str(seed.value)))
-    # the cheater's own text names what it looks for, so it is given on a path and not as an argument
-    program = tmp_path.parent / f"{secrets.token_hex(8)}.py"
-    program.write_text(script)
-    said = json.loads(diagnose_blind([sys.executable, str(program)], b"t,x\n0,1\n", timeout=60.0))
-    assert said["files"] == 1
-    assert not any(said["guess"])
-
-
-def test_the_diagnosis_gets_the_recording_and_an_empty_folder() -> None:
-    code = "import os, sys; print(sys.stdin.read().strip(), os.listdir('.'), 'USER' in os.environ)"
-    assert diagnose_blind([sys.executable, "-c", code], b"t,x", timeout=60.0) == b"t,x [] False\n"
-
-
-def test_failing_or_hanging_says_nothing() -> None:
-    assert diagnose_blind([sys.executable, "-c", "print(1); raise SystemExit(1)"], b"", timeout=60.0) == b""
-    assert diagnose_blind([sys.executable, "-c", "import time; time.sleep(60)"], b"", timeout=0.5) == b""

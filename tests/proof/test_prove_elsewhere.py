@@ -9,8 +9,8 @@ import pytest
 from harness.core.errors import InputError, SimulationError
 from harness.proof import drawing, verify
 from harness.proof.drawing import Drawn, probes_of
-from harness.proof.machines.plan import CONTROL, MAIN
-from harness.proof.machines.sealed import Sealed
+from harness.proof.machines.cases import Sealed
+from harness.proof.machines.kinds import CONTROL, MAIN
 from harness.proof.plan import MACHINE, PLANT, SINGLE, Job
 from harness.proof.seal import STEPS, Ledger, digest
 from harness.proof.verify import Redrawn, check_recording, too_many_elsewhere

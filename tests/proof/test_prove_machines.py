@@ -10,8 +10,7 @@ from small_proof import STUB
 from harness.app.prove.prove import ProveOptions, prove
 from harness.app.prove.verify import verify_proof
 from harness.proof.drawing import drawn, name_of
-from harness.proof.machines.kinds import FREE
-from harness.proof.machines.plan import CONTROL, MAIN, UNNAMED
+from harness.proof.machines.kinds import CONTROL, FREE, MAIN, UNNAMED
 from harness.proof.plan import FULL, MACHINE, MACHINES, SHORT_MACHINES, Job, Sizes, plan
 from harness.proof.tally import OURS, tally
 

@@ -10,7 +10,7 @@ from typing import Any
 import prove_stub
 import pytest
 
-from harness.app.prove import prove, verify, worker
+from harness.app.prove import prove, worker
 from harness.proof.plan import Sizes
 
 
@@ -45,8 +45,7 @@ class Here:
 def in_this_process() -> Iterator[None]:
     """Recordings are drawn, and verdicts asked for, where the test is."""
     with pytest.MonkeyPatch.context() as patch:
-        for room in (prove, verify):
-            patch.setattr(room, "LocalPool", Here)
+        patch.setattr(worker, "LocalPool", Here)
         yield
 
 

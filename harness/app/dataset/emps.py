@@ -11,7 +11,7 @@ from harness.app.shared.progress import SILENT, Progress
 from harness.app.shared.reading import ReadOptions, read
 from harness.core.errors import HarnessError, InputError
 from harness.core.recording import Recording
-from harness.diagnosis.inverse_dynamics.protocol import DIRECTED, PUBLISHED, SYMMETRIC, Ripple, find_ripple
+from harness.diagnosis.inverse_dynamics.protocol import DIRECTED, PUBLISHED, SYMMETRIC, find_ripple
 from harness.diagnosis.inverse_dynamics.validate import Judge, without_ripple
 from harness.io.recording import sha256
 from harness.io.store import growing_folder, write_text
@@ -108,11 +108,14 @@ def _result(emps: Emps, diagnosis: DiagnosisResult, command: str, files: dict[st
     judge = Judge.of(emps.fitted, emps.other)
     assert judge is not None
     refined = without_ripple(from_document(diagnosis.refined_model.model_dump(by_alias=True, exclude_none=True)))
-    ripples = [
-        _ripple(name, find_ripple(refined, recording))
-        for name, recording in ((FITTED, judge.fitted), (OTHER, judge.other))
-    ]
+    ripples = []
+    for name, recording in ((FITTED, judge.fitted), (OTHER, judge.other)):
+        r = find_ripple(refined, recording)
+        ripples.append(
+            RippleResult(file=name, period_m=r.period, amplitude_n=r.amplitude, phase_rad=r.phase, contrast=r.contrast)
+        )
     fit, cross = judge.errors(refined)
+    along = " and ".join(f"{1e3 * r.period_m:.4g} mm with {r.amplitude_n:.2g} N in {r.file}" for r in ripples)
     return DatasetResult(
         name="emps",
         source=SOURCE,
@@ -120,7 +123,11 @@ def _result(emps: Emps, diagnosis: DiagnosisResult, command: str, files: dict[st
         found=[m.statement for m in diagnosis.mechanisms],
         verdict=diagnosis.verdict,
         ripples=ripples,
-        unexplained=_unexplained(fit, cross, ripples),
+        unexplained=(
+            f"{fit:.3g} % of the force on the fitted recording and {cross:.3g} % on the other are not explained. Part"
+            f" of it repeats along the screw: {along}; its phase differs between the files, so that it is no part of"
+            " the model."
+        ),
         diagnosis=diagnosis,
         command=command,
         files=files,
@@ -129,58 +136,43 @@ def _result(emps: Emps, diagnosis: DiagnosisResult, command: str, files: dict[st
 
 def _published(judge: Judge) -> list[FigureRow]:
     """What was published, and the same by the protocol as it stands here."""
-    rows = []
     mass, viscous, dry, offset, fit, cross = PUBLISHED_SYMMETRIC
-    rows.append(
+    rows = [
         FigureRow(
             label="published, symmetric friction", mass_kg=mass, viscous=[viscous], dry_n=dry, offset_n=offset,
             fit_error_percent=fit, cross_error_percent=cross,
-        )
-    )  # fmt: skip
-    rows.append(
+        ),
         FigureRow(
             label="published, direction-dependent friction", viscous=list(PUBLISHED_SPEEDS),
             fit_error_percent=PUBLISHED_DIRECTED_ERROR,
-        )
-    )  # fmt: skip
+        ),
+    ]  # fmt: skip
     for label, names in (("symmetric", SYMMETRIC), ("direction-dependent", DIRECTED)):
         value, errors = PUBLISHED.least_squares(names, judge.fitted, judge.other)
-        difference = value.get("Fv_diff")
-        viscous_now = [value["Fv"]] if difference is None else [value["Fv"] + difference, value["Fv"] - difference]
         rows.append(
             FigureRow(
-                label=f"inverse model by the protocol, {label}", mass_kg=value["M"], viscous=viscous_now,
-                dry_n=value["Fc"], offset_n=value["offset"], fit_error_percent=errors[0], cross_error_percent=errors[1],
+                label=f"inverse model by the protocol, {label}", mass_kg=value["M"],
+                viscous=_each_way(value["Fv"], value.get("Fv_diff")), dry_n=value["Fc"], offset_n=value["offset"],
+                fit_error_percent=errors[0], cross_error_percent=errors[1],
             )
         )  # fmt: skip
     return rows
 
 
+def _each_way(viscous: float, difference: float | None) -> list[float]:
+    """Viscous friction, N s/m: to and fro where the two differ."""
+    return [viscous] if difference is None else [viscous + difference, viscous - difference]
+
+
 def _ours(diagnosis: DiagnosisResult, fit: float, cross: float) -> FigureRow:
-    values = {name: p.value for name, p in diagnosis.refined.parameters.items()}
-    stderr = {name: p.stderr for name, p in diagnosis.refined.parameters.items()}
+    found = diagnosis.refined.parameters
     difference = next((m.parameters["c_diff"].value for m in diagnosis.mechanisms if "c_diff" in m.parameters), None)
-    c = values["c"] or 0.0
     return FigureRow(
         label="ours, by simulation: " + (" and ".join(m.name for m in diagnosis.mechanisms) or "nothing named"),
-        mass_kg=values["mass"],
-        mass_stderr_kg=stderr["mass"],
-        viscous=[c] if difference is None else [c + difference, c - difference],
-        dry_n=values["f_k"],
+        mass_kg=found["mass"].value,
+        mass_stderr_kg=found["mass"].stderr,
+        viscous=_each_way(found["c"].value or 0.0, difference),
+        dry_n=found["f_k"].value,
         fit_error_percent=fit,
         cross_error_percent=cross,
-    )
-
-
-def _ripple(file: str, found: Ripple) -> RippleResult:
-    return RippleResult(
-        file=file, period_m=found.period, amplitude_n=found.amplitude, phase_rad=found.phase, contrast=found.contrast
-    )
-
-
-def _unexplained(fit: float, cross: float, ripples: list[RippleResult]) -> str:
-    said = " and ".join(f"{1e3 * r.period_m:.4g} mm with {r.amplitude_n:.2g} N in {r.file}" for r in ripples)
-    return (
-        f"{fit:.3g} % of the force on the fitted recording and {cross:.3g} % on the other are not explained. Part of it"
-        f" repeats along the screw: {said}; its phase differs between the files, so that it is no part of the model."
     )

@@ -9,10 +9,10 @@ import json
 import os
 import signal
 import sys
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import asdict
-from typing import TYPE_CHECKING, Any, BinaryIO
+from typing import Any
 
 import numpy as np
 
@@ -24,26 +24,22 @@ from harness.core.errors import HarnessError
 from harness.proof.beside import R2, SINDY, SYSID
 from harness.proof.seal import canonical
 from harness.proof.tally import OURS
-from harness.results.diagnosis import DiagnosisResult
-
-if TYPE_CHECKING:
-    from harness.proof.baselines.laws import Named
 
 EVIDENCE = 5
 """Names tried alone that a verdict keeps."""
 
-Diagnoser = Callable[[bytes, Sequence[str]], dict[str, Any]]
-
 
 def diagnosed(recording: bytes, arguments: Sequence[str]) -> dict[str, Any]:
-    """The verdict of ``harness diagnose - ARGUMENTS`` on a recording, without what no score needs."""
-    options = _options(arguments)
+    """The verdict of ``harness diagnose - ARGUMENTS`` on a recording, without what no score needs.
+
+    arguments : as ("--restoring", "none", ...), how the machine is held.
+    """
+    named = dict(zip(arguments[::2], arguments[1::2], strict=True))
+    if "--restoring" not in named:
+        named |= {"--restoring": "spring", "--zero": "spring"}
+    options = DiagnoseOptions.chosen(ReadOptions(), **{name.removeprefix("--"): said for name, said in named.items()})
     with spooled(io.BytesIO(recording)) as path:
-        return compact(answer(read_as("-", path, options.reading), options))
-
-
-def compact(result: DiagnosisResult) -> dict[str, Any]:
-    """A harness.diagnosis/2 as a proof publishes it: no models, no settings, no files."""
+        result = answer(read_as("-", path, options.reading), options)
     full = json.loads(result.model_dump_json(by_alias=True))
     kept = ("verdict", "statement", "baseline", "mechanisms", "refined", "attribution", "warnings")
     engines = {
@@ -55,47 +51,20 @@ def compact(result: DiagnosisResult) -> dict[str, Any]:
     return {name: full[name] for name in kept} | rest
 
 
-def _options(arguments: Sequence[str]) -> DiagnoseOptions:
-    """Options from ["--restoring", "none", ...]: how the machine is held, as the command takes it."""
-    named = dict(zip(arguments[::2], arguments[1::2], strict=True))
-    if "--restoring" not in named:
-        named |= {"--restoring": "spring", "--zero": "spring"}
-    return DiagnoseOptions.chosen(ReadOptions(), **{name.removeprefix("--"): value for name, value in named.items()})
+def by_baseline(who: str, recording: bytes, arguments: Sequence[str]) -> dict[str, Any]:
+    """What a baseline names in the form of a verdict, or predicts.
 
+    arguments : of one that predicts, the spans that our own verdict left out, as JSON.
+    """
+    if who == SYSID:
+        from harness.proof.baselines.sysid import holdout_by_sysid
 
-def diagnosers() -> Mapping[str, Diagnoser]:
-    """Everybody who answers in a proof, by name."""
-    return {OURS: diagnosed, R2: _by_r2, SINDY: _by_sindy, SYSID: _by_sysid}
+        return asdict(holdout_by_sysid(columns(recording), json.loads(arguments[0])))
+    from harness.proof.baselines.regression import name_by_r2, name_by_sindy
 
-
-def _by_r2(recording: bytes, arguments: Sequence[str]) -> dict[str, Any]:
-    from harness.proof.baselines.r2 import name_by_r2
-
-    return _named(name_by_r2(columns(recording)))
-
-
-def _by_sindy(recording: bytes, arguments: Sequence[str]) -> dict[str, Any]:
-    from harness.proof.baselines.sparse import name_by_sindy
-
-    return _named(name_by_sindy(columns(recording)))
-
-
-def _by_sysid(recording: bytes, arguments: Sequence[str]) -> dict[str, Any]:
-    """arguments : the spans that our own verdict left out, as JSON."""
-    from harness.proof.baselines.sysid import holdout_by_sysid
-
-    return asdict(holdout_by_sysid(columns(recording), json.loads(arguments[0])))
-
-
-def _named(said: "Named") -> dict[str, Any]:
-    """What a baseline names in the form of a verdict."""
-    verdict = "missing_physics" if said.names else "adequate"
-    return {
-        "verdict": verdict,
-        "mechanisms": [{"name": n} for n in said.names],
-        "applies": said.applies,
-        "why": said.why,
-    }
+    said = {R2: name_by_r2, SINDY: name_by_sindy}[who](columns(recording))
+    verdict, named = "missing_physics" if said.names else "adequate", [{"name": name} for name in said.names]
+    return {"verdict": verdict, "mechanisms": named, "applies": said.applies, "why": said.why}
 
 
 def columns(recording: bytes) -> dict[str, FloatArray]:
@@ -109,7 +78,7 @@ def columns(recording: bytes) -> dict[str, FloatArray]:
 def answered(who: str, arguments: Sequence[str], recording: bytes) -> bytes:
     """The answer as it is hashed; what goes wrong is in it."""
     try:
-        said = diagnosers()[who](recording, arguments)
+        said = diagnosed(recording, arguments) if who == OURS else by_baseline(who, recording, arguments)
     except HarnessError as error:
         said = {"verdict": "error", "error": str(error)}
     except Exception as error:
@@ -117,25 +86,22 @@ def answered(who: str, arguments: Sequence[str], recording: bytes) -> bytes:
     return canonical(said)
 
 
-def serve(requests: BinaryIO, answers: BinaryIO) -> None:
-    """Answer until standard input ends."""
+def main() -> None:
+    """Answer until standard input ends.
+
+    Answers go to what was standard output; what libraries print goes nowhere.
+    """
+    with suppress(OSError, AttributeError):
+        set_parent_death_signal = 1
+        ctypes.CDLL(None).prctl(set_parent_death_signal, signal.SIGKILL)
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    requests, answers = sys.stdin.buffer, os.fdopen(os.dup(1), "wb")
+    os.dup2(os.open(os.devnull, os.O_WRONLY), 1)
     while line := requests.readline():
         head = json.loads(line)
         said = answered(head["who"], head["arguments"], requests.read(head["bytes"]))
         answers.write(b"%d\n" % len(said) + said)
         answers.flush()
-
-
-def main() -> None:
-    """Answers go to what was standard output; what libraries print goes nowhere."""
-    with suppress(OSError, AttributeError):
-        set_parent_death_signal = 1
-        ctypes.CDLL(None).prctl(set_parent_death_signal, signal.SIGKILL)
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
-    answers = os.fdopen(os.dup(1), "wb")
-    nowhere = os.open(os.devnull, os.O_WRONLY)
-    os.dup2(nowhere, 1)
-    serve(sys.stdin.buffer, answers)
 
 
 if __name__ == "__main__":

@@ -9,10 +9,10 @@ import os
 import subprocess
 import sys
 import time
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager, suppress
 from pathlib import Path
-from typing import Any, final
+from typing import Any
 
 from harness.core.errors import HarnessError
 from harness.core.writing import explained, replacing
@@ -31,59 +31,42 @@ def write_private(path: Path, value: Mapping[str, Any]) -> None:
         part.write_text(json.dumps(value), encoding="utf-8")
 
 
-@final
-class Keeper:
-    """A running keeper."""
-
-    def __init__(self, process: "subprocess.Popen[bytes]") -> None:
-        self._process = process
-
-    def release(self) -> None:
-        """The secrets are needed no more: the keeper ends and writes nothing."""
-        self._end(DONE)
-
-    def give_back(self) -> None:
-        """Have the secrets written down now, if they were not released."""
-        self._end(b"")
-
-    def _end(self, word: bytes) -> None:
-        stream = self._process.stdin
-        if stream is not None and not stream.closed:
-            with suppress(OSError):
-                stream.write(word)
-                stream.close()
-            with suppress(subprocess.TimeoutExpired):
-                self._process.wait(LONGEST_S)
-
-
 @contextmanager
-def keeping(path: Path, secrets: Mapping[str, Any], mark: int | None = None) -> Iterator[Keeper]:
-    """Keep ``secrets`` in another process; they are written to ``path`` unless released before the block ends.
+def keeping(path: Path, secrets: Mapping[str, Any], mark: int | None = None) -> Iterator[Callable[[], None]]:
+    """Keep ``secrets`` in another process; they are written to ``path`` unless what is yielded was called before.
 
     mark : a descriptor that the process holds until it has ended.
     """
-    code = str(Path(__file__).resolve().parents[2])
     process = subprocess.Popen(
         [sys.executable, "-P", "-m", __name__],
         stdin=subprocess.PIPE,
         stdout=subprocess.PIPE,
         stderr=subprocess.DEVNULL,
-        env={**os.environ, "PYTHONPATH": code},
+        env={**os.environ, "PYTHONPATH": str(Path(__file__).resolve().parents[3])},
         start_new_session=True,
         pass_fds=() if mark is None else (mark,),
     )
-    assert process.stdin is not None
-    assert process.stdout is not None
-    process.stdin.write(json.dumps({"path": str(path), "secrets": dict(secrets)}).encode() + b"\n")
-    process.stdin.flush()
-    if process.stdout.readline() != DONE:
+    told, answers = process.stdin, process.stdout
+    assert told is not None
+    assert answers is not None
+    told.write(json.dumps({"path": str(path), "secrets": dict(secrets)}).encode() + b"\n")
+    told.flush()
+    if answers.readline() != DONE:
         raise HarnessError("the process that keeps the answers could not be started")
-    keeper = Keeper(process)
+
+    def end(word: bytes) -> None:
+        if not told.closed:
+            with suppress(OSError):
+                told.write(word)
+                told.close()
+            with suppress(subprocess.TimeoutExpired):
+                process.wait(LONGEST_S)
+
     try:
-        yield keeper
+        yield lambda: end(DONE)
     finally:
-        keeper.give_back()
-        process.stdout.close()
+        end(b"")
+        answers.close()
 
 
 def main() -> None:

@@ -6,10 +6,10 @@ What must stay secret (seed and answers) is in no file while anything is diagnos
 import hashlib
 import json
 import tempfile
-from collections.abc import Callable, Iterable, Iterator, Mapping
-from contextlib import contextmanager
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, dataclass, field, replace
 from datetime import UTC, datetime
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -23,10 +23,9 @@ from harness.app.prove.worker import (
     answer_one,
     draw_failed,
     draw_one,
+    worked,
 )
-from harness.app.shared.completed import completed
-from harness.app.shared.machine import cores, this_machine
-from harness.app.shared.pool import Cluster, LocalPool, Workers
+from harness.app.shared.machine import this_machine
 from harness.app.shared.progress import NAME as LOG
 from harness.app.shared.progress import SILENT, Progress, journal
 from harness.app.sweep.sweep import InterruptionError
@@ -50,7 +49,7 @@ from harness.proof.seal import (
 from harness.proof.tally import OURS
 from harness.results.prove import ProofResult
 
-CODE = Path(__file__).resolve().parents[1]
+CODE = Path(__file__).resolve().parents[2]
 
 
 @dataclass(frozen=True, slots=True)
@@ -110,6 +109,7 @@ class _Proof:
         self._ledger = Ledger.load(folder) if options.resume else Ledger()
         self._sizes = options.sizes
         self._beside = options.baselines
+        self._worked = partial(worked, progress=progress, jobs=options.jobs, cluster=options.cluster)
 
     def run(self) -> ProofResult:
         """All phases; the result."""
@@ -168,14 +168,14 @@ class _Proof:
         have = self._store.drawn()
         jobs = plan(self._sizes, seed)
         tasks = [DrawTask(seed, job) for job in jobs if job.index not in have]
-        with self._workers(len(tasks)) as workers:
-            told = self._clock("recordings drawn", len(jobs), len(have))
-            for one in told(completed(tasks, workers, draw_one, draw_failed)):
+        with self._worked("recordings drawn", tasks, draw_one, draw_failed, had=len(have)) as rows:
+            for one in rows:
                 self._store.keep_drawn(one)
-        drawn = [one for one in self._store.drawn().values() if one["error"] is None]
+        found = self._store.drawn().values()
+        drawn = [one for one in found if one["error"] is None]
         if not drawn:
             raise HarnessError("no recording could be drawn")
-        given_up = [one["error"] for one in self._store.drawn().values() if one["error"] is not None]
+        given_up = [one["error"] for one in found if one["error"] is not None]
         recordings = {one["name"]: one["recording"].encode() for one in drawn}
         answers = {one["name"]: one["answer"] for one in drawn}
         salts = sealed_answers(seed, answers)
@@ -187,10 +187,10 @@ class _Proof:
     def _diagnose(self) -> None:
         """Every diagnoser on every recording, blind; then the verdicts are sealed and the answers opened."""
         secret = self._secret()
-        with keeping(self._store.secret, secret, self._mark) as keeper:
+        with keeping(self._store.secret, secret, self._mark) as release:
             if self._options.resume:
                 self._store.mend()
-                about = {"at": now(), "kept": sum(map(len, self._store.answers().values())), "secrets": SECRETS}
+                about = {"at": now(), "kept": len(self._store.lines()), "secrets": SECRETS}
                 self._ledger.add(RESUMED, about)
                 self._ledger.save(self._folder)
             self._store.forget()
@@ -201,39 +201,32 @@ class _Proof:
             seed = Sealed(**secret["seed"])
             open_all(self._ledger, seed, sealed_answers(int(seed.value), secret["answers"]), secret["given_up"])
             self._ledger.save(self._folder)
-            keeper.release()
+            release()
 
     def _answers(self, answers: Mapping[str, Any]) -> dict[str, dict[str, bytes]]:
         """What every diagnoser says, ours first; what has been said before is kept."""
         names = self._store.names()
-        total = len(names) * (1 + len(self._beside))
-        with tempfile.TemporaryDirectory(prefix="blind-") as place, self._workers(total) as workers:
+        with tempfile.TemporaryDirectory(prefix="blind-") as place:
 
-            def ask(tasks: list[BlindTask]) -> None:
-                told = self._clock("answers", total, sum(map(len, self._store.answers().values())))
-                for line in told(completed(tasks, workers, answer_one, answer_failed)):
-                    self._store.keep_answer(line)
-
-            ask([self._task(OURS, name, tuple(answers[name]["arguments"]), place) for name in self._left(OURS)])
-            ours = self._store.answers()[OURS]
-            ask(
-                [
-                    self._task(who, name, (spans_left_out(ours[name]),), place)
-                    for who in self._beside
-                    for name in self._left(who)
+            def ask(diagnosers: Sequence[str], arguments: Callable[[str], tuple[str, ...]]) -> None:
+                said = self._store.answers()
+                tasks = [
+                    BlindTask(name, who, arguments(name), self._store.recording(name), place, self._options.blind)
+                    for who in diagnosers
+                    for name in names
+                    if name not in said.get(who, {})
                 ]
-            )
+                had, total = sum(map(len, said.values())), len(names) * (1 + len(self._beside))
+                with self._worked("answers", tasks, answer_one, answer_failed, had=had, total=total) as lines:
+                    for line in lines:
+                        self._store.keep_answer(line)
+
+            ask([OURS], lambda name: tuple(answers[name]["arguments"]))
+            ours = self._store.answers()[OURS]
+            # baselines predict the spans that our verdict was not fitted to
+            ask(self._beside, lambda name: (spans_left_out(ours[name]),))
         said = self._store.answers()
-        everybody = (OURS, *self._beside)
-        return {who: {name: said[who][name].encode() for name in names} for who in everybody}
-
-    def _left(self, who: str) -> list[str]:
-        """Recordings on which this diagnoser has not said anything yet."""
-        have = self._store.answers().get(who, {})
-        return [name for name in self._store.names() if name not in have]
-
-    def _task(self, who: str, name: str, arguments: tuple[str, ...], place: str) -> BlindTask:
-        return BlindTask(name, who, arguments, self._store.recording(name), place, self._options.blind)
+        return {who: {name: said[who][name].encode() for name in names} for who in (OURS, *self._beside)}
 
     def _secret(self) -> dict[str, Any]:
         found = self._store.take_secret()
@@ -241,26 +234,6 @@ class _Proof:
             accepted = "a new proof is accepted"
             raise InputError("--resume", f"the seed of {self._folder.name} is lost, it was stopped too hard", accepted)
         return found
-
-    @contextmanager
-    def _workers(self, tasks: int) -> Iterator[Workers]:
-        wanted = max(1, min(self._options.jobs or cores(), tasks))
-        workers: Workers = LocalPool(wanted) if self._options.cluster is None else Cluster(self._options.cluster)
-        try:
-            yield workers
-        finally:
-            workers.close()
-
-    def _clock(self, what: str, total: int, had: int) -> Callable[[Iterable[dict[str, Any]]], Iterator[dict[str, Any]]]:
-        """Pass results on and tell how far it is."""
-
-        def told(results: Iterable[dict[str, Any]]) -> Iterator[dict[str, Any]]:
-            self._progress(what, had, total)
-            for done, one in enumerate(results, 1):
-                yield one
-                self._progress(what, had + done, total)
-
-        return told
 
 
 SECRETS = (

@@ -4,7 +4,7 @@ import gzip
 import json
 import os
 import shutil
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from contextlib import suppress
 from pathlib import Path
 from typing import Any
@@ -88,34 +88,41 @@ class Store:
 
     def keep_answer(self, line: Mapping[str, Any]) -> None:
         """Append an answer of a diagnoser to those there are."""
-        with explained(self.folder), self._working().open("a", encoding="utf-8") as file:
-            file.write(json.dumps(line) + "\n")
+        with explained(self.folder):
+            (self.folder / WORKING).mkdir(exist_ok=True)
+            with (self.folder / WORKING / ANSWERS).open("a", encoding="utf-8") as file:
+                file.write(json.dumps(line) + "\n")
 
     def mend(self) -> None:
         """Take off a line that was cut in two when an earlier call ended."""
         if (self.folder / WORKING / ANSWERS).exists():
-            self.write(f"{WORKING}/{ANSWERS}", "".join(json.dumps(line) + "\n" for line in self._lines()))
+            self.write(f"{WORKING}/{ANSWERS}", "".join(json.dumps(line) + "\n" for line in self.lines()))
 
     def answers(self) -> dict[str, dict[str, str]]:
-        """Answers so far: diagnoser -> recording -> what it said. A line that was cut off is left out."""
+        """Answers so far: diagnoser -> recording -> what it said."""
         found: dict[str, dict[str, str]] = {}
-        for line in self._lines():
+        for line in self.lines():
             found.setdefault(line["who"], {})[line["name"]] = line["said"]
         return found
 
-    def seconds(self) -> float:
-        """Time that all diagnoses took together, s; those of others do not count."""
-        return sum(float(line["seconds"]) for line in self._lines() if line["who"] == OURS)
+    def lines(self) -> list[dict[str, Any]]:
+        """Answers so far as they were kept; a line that was cut off is left out."""
+        found = []
+        with suppress(FileNotFoundError):
+            for line in (self.folder / WORKING / ANSWERS).read_text(encoding="utf-8").splitlines():
+                with suppress(ValueError):
+                    found.append(json.loads(line))
+        return found
 
-    def pack(self, who: str, verdicts: Mapping[str, bytes]) -> str:
-        """Write all verdicts of one diagnoser as they are published; the file's name in the folder."""
-        lines = [canonical({"name": name, "said": _parsed(verdicts[name])}) for name in sorted(verdicts)]
+    def pack(self, who: str, verdicts: Mapping[str, bytes]) -> None:
+        """Write all verdicts of one diagnoser as they are published."""
+        said = {name: json.loads(verdicts[name]) if verdicts[name] else None for name in sorted(verdicts)}
+        lines = [canonical({"name": name, "said": one}) for name, one in said.items()]
         path = self.folder / VERDICTS / f"{who}.jsonl.gz"
         with explained(path):
             path.parent.mkdir(exist_ok=True)
         with replacing(path) as beside:
             beside.write_bytes(gzip.compress(b"\n".join(lines) + b"\n", mtime=0))
-        return f"{VERDICTS}/{path.name}"
 
     def finish(self) -> None:
         """Remove what was kept for resuming."""
@@ -126,23 +133,6 @@ class Store:
     def write(self, name: str, text: str) -> None:
         """Write a file, whole or not at all."""
         write_text(self.folder / name, text)
-
-    def _working(self) -> Path:
-        (self.folder / WORKING).mkdir(exist_ok=True)
-        return self.folder / WORKING / ANSWERS
-
-    def _lines(self) -> Iterator[dict[str, Any]]:
-        try:
-            text = (self.folder / WORKING / ANSWERS).read_text(encoding="utf-8")
-        except FileNotFoundError:
-            return
-        for line in text.splitlines():
-            with suppress(ValueError):
-                yield json.loads(line)
-
-
-def _parsed(said: bytes) -> Any:
-    return json.loads(said) if said else None
 
 
 def published_verdicts(path: Path) -> dict[str, bytes]:
@@ -165,7 +155,13 @@ RESULT, PAGE = "result.json", "report.html"
 def finish(store: Store, ledger: Ledger, command: str = "", progress: Progress = SILENT) -> ProofResult:
     """Score an opened proof and write everything that is published; raises StoreError."""
     progress("scores and page", 0, 0)
-    seconds = _pack(store, ledger)
+    said, lines = store.answers(), store.lines()
+    for who, verdicts_of in said.items():
+        store.pack(who, {name: text.encode() for name, text in verdicts_of.items()})
+    # of a proof that was scored before, the time is what its result says; that of other diagnosers does not count
+    seconds = sum(float(line["seconds"]) for line in lines if line["who"] == OURS)
+    if not said:
+        seconds = ProofResult.model_validate_json((store.folder / RESULT).read_text()).diagnosis_s
     opened = ledger.content(STEPS[3])
     answers = {name: one["value"] for name, one in opened["answers"].items()}
     verdicts = all_verdicts(store.folder, ledger)
@@ -184,7 +180,12 @@ def finish(store: Store, ledger: Ledger, command: str = "", progress: Progress =
         files={"transcript": LEDGER, "result": RESULT, "report": PAGE, "verdicts": VERDICTS},
     )
     store.write(RESULT, to_json(result))
-    write_proof_page(store.folder / PAGE, page_data(result, ledger))
+    entries = [
+        {"step": entry["step"], "hash": entry["hash"], "at": entry["content"].get("at", "")} for entry in ledger.entries
+    ]
+    # the page shows the result, the transcript entry by entry, and the names in the catalogue's order
+    shown = {**result.model_dump(mode="json", by_alias=True), "transcript": entries, "order": list(KINDS)}
+    write_proof_page(store.folder / PAGE, shown)
     files = {name: digest((store.folder / name).read_bytes()) for name in (RESULT, PAGE, *packed)}
     ledger.add(PUBLISHED, {"files": files})
     ledger.save(store.folder)
@@ -192,25 +193,7 @@ def finish(store: Store, ledger: Ledger, command: str = "", progress: Progress =
     return result
 
 
-def page_data(result: ProofResult, ledger: Ledger) -> dict[str, Any]:
-    """What the page shows: the result, the transcript entry by entry, and the names in the catalogue's order."""
-    entries = [
-        {"step": entry["step"], "hash": entry["hash"], "at": entry["content"].get("at", "")} for entry in ledger.entries
-    ]
-    return {**result.model_dump(mode="json", by_alias=True), "transcript": entries, "order": list(KINDS)}
-
-
 def all_verdicts(folder: Path, ledger: Ledger) -> dict[str, dict[str, bytes]]:
     """Published verdicts by diagnoser; raises InputError for a file that is missing or none."""
     names = [OURS, *ledger.content(STEPS[2]).get("baselines", {})]
     return {who: published_verdicts(file_of(folder, f"{VERDICTS}/{who}.jsonl.gz")) for who in names}
-
-
-def _pack(store: Store, ledger: Ledger) -> float:
-    """Write the verdicts as they are published, if that was not done; the time they took, s."""
-    said = store.answers()
-    if not said:
-        return float(ProofResult.model_validate_json((store.folder / RESULT).read_text()).diagnosis_s)
-    for who, verdicts in said.items():
-        store.pack(who, {name: text.encode() for name, text in verdicts.items()})
-    return store.seconds()

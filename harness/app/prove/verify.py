@@ -6,10 +6,8 @@ from pathlib import Path
 from typing import Any
 
 from harness.app.prove.store import PAGE, RESULT, all_verdicts
-from harness.app.prove.worker import DrawTask, draw_failed, draw_one
-from harness.app.shared.completed import completed
-from harness.app.shared.machine import cores, this_machine
-from harness.app.shared.pool import LocalPool
+from harness.app.prove.worker import DrawTask, draw_failed, draw_one, worked
+from harness.app.shared.machine import this_machine
 from harness.app.shared.progress import SILENT, Progress
 from harness.core.bounded import MOST_DOCUMENT_BYTES, read_bytes
 from harness.core.errors import InputError, visible
@@ -55,7 +53,7 @@ def verify_proof(folder: Path, short: bool = False, jobs: int | None = None, pro
     chosen = planned_jobs(ledger)
     if short:
         chosen = random.SystemRandom().sample(chosen, min(SAMPLE, len(chosen)))
-    found = [check_recording(ledger, *one) for one in _drawn(ledger, chosen, jobs or cores(), progress)]
+    found = [check_recording(ledger, *one) for one in _drawn(ledger, chosen, jobs, progress)]
     wrong += [one.wrong for one in found if one.wrong] + too_many_elsewhere(found)
     return _said(folder, ledger, sorted(wrong), found)
 
@@ -140,19 +138,11 @@ def _scores(folder: Path, ledger: Ledger) -> list[str]:
     return wrong
 
 
-def _drawn(ledger: Ledger, chosen: list[Job], jobs: int, progress: Progress) -> list[tuple[Drawn, Job]]:
+def _drawn(ledger: Ledger, chosen: list[Job], jobs: int | None, progress: Progress) -> list[tuple[Drawn, Job]]:
     """Recordings drawn again from the revealed seed, with their jobs; those that were given up are left out."""
     seed = int(ledger.content(STEPS[3])["seed"]["value"])
-    tasks = [DrawTask(seed, job) for job in chosen]
     of = {job.index: job for job in chosen}
-    workers = LocalPool(max(1, min(jobs, len(tasks))))
-    found = []
-    try:
-        for done, one in enumerate(completed(tasks, workers, draw_one, draw_failed), 1):
-            progress("recordings drawn again", done, len(tasks))
-            if one["error"] is None:
-                case = Drawn(one["name"], one["recording"].encode(), one["answer"])
-                found.append((case, of[one["index"]]))
-    finally:
-        workers.close()
-    return found
+    tasks = [DrawTask(seed, job) for job in chosen]
+    with worked("recordings drawn again", tasks, draw_one, draw_failed, progress, jobs=jobs) as rows:
+        drawn = [one for one in rows if one["error"] is None]
+    return [(Drawn(one["name"], one["recording"].encode(), one["answer"]), of[one["index"]]) for one in drawn]

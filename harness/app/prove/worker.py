@@ -4,12 +4,18 @@ import os
 import sys
 import threading
 import time
-from collections.abc import Mapping
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
+from harness.app.shared.completed import completed
+from harness.app.shared.machine import cores
+from harness.app.shared.pool import Cluster, LocalPool, Workers
+from harness.app.shared.progress import Progress
 from harness.core.errors import SimulationError
+from harness.core.jit import cache_folder
 from harness.proof.blind import BlindProcess
 from harness.proof.drawing import drawn
 from harness.proof.plan import Job
@@ -57,13 +63,8 @@ def draw_one(task: DrawTask) -> dict[str, Any]:
         case = drawn(task.seed, task.job)
     except SimulationError as error:
         return draw_failed(task, str(error))
-    return {
-        "index": task.job.index,
-        "name": case.name,
-        "recording": case.recording.decode(),
-        "answer": dict(case.answer),
-        "error": None,
-    }
+    said = {"name": case.name, "recording": case.recording.decode(), "answer": dict(case.answer), "error": None}
+    return {"index": task.job.index, **said}
 
 
 def draw_failed(task: DrawTask, why: str) -> dict[str, Any]:
@@ -78,7 +79,14 @@ _own = threading.local()
 def answer_one(task: BlindTask) -> dict[str, Any]:
     """What a sealed process says of a recording, as text; "" when it said nothing."""
     began = time.perf_counter()
-    said = _process(task).ask(task.who, task.arguments, task.recording, task.timeout_s)
+    running: dict[tuple[str, ...], BlindProcess] = _own.__dict__.setdefault("running", {})
+    if task.command not in running:
+        # where the program and its compiled kernels are
+        code = str(Path(__file__).resolve().parents[3])
+        environment = {"PYTHONPATH": code, "NUMBA_CACHE_DIR": str(cache_folder())}
+        place = Path(task.place) if os.path.isdir(task.place) else None
+        running[task.command] = BlindProcess(task.command, environment, place)
+    said = running[task.command].ask(task.who, task.arguments, task.recording, task.timeout_s)
     seconds = round(time.perf_counter() - began, 3)
     return {"name": task.name, "who": task.who, "said": said.decode(), "seconds": seconds}
 
@@ -88,16 +96,38 @@ def answer_failed(task: BlindTask, why: str) -> dict[str, Any]:
     return {"name": task.name, "who": task.who, "said": "", "seconds": 0.0}
 
 
-def _process(task: BlindTask) -> BlindProcess:
-    running: dict[tuple[str, ...], BlindProcess] = _own.__dict__.setdefault("running", {})
-    if task.command not in running:
-        place = Path(task.place) if os.path.isdir(task.place) else None
-        running[task.command] = BlindProcess(task.command, _environment(), place)
-    return running[task.command]
+Task = TypeVar("Task", DrawTask, BlindTask)
+Row = dict[str, Any]
 
 
-def _environment() -> Mapping[str, str]:
-    """Where the program and its compiled kernels are."""
-    from harness.core.jit import cache_folder
+@contextmanager
+def worked(
+    what: str,
+    tasks: Sequence[Task],
+    compute: Callable[[Task], Row],
+    failed: Callable[[Task, str], Row],
+    progress: Progress,
+    *,
+    had: int = 0,
+    total: int | None = None,
+    jobs: int | None = None,
+    cluster: str | None = None,
+) -> Iterator[Iterator[Row]]:
+    """Rows of tasks as they are done, by processes or a cluster, which are gone when the block ends.
 
-    return {"PYTHONPATH": str(Path(__file__).resolve().parents[2]), "NUMBA_CACHE_DIR": str(cache_folder())}
+    what : as progress says it. had : rows there are already. total : rows there will be, None for these with the tasks.
+    """
+    wanted = max(1, min(jobs or cores(), len(tasks)))
+    workers: Workers = LocalPool(wanted) if cluster is None else Cluster(cluster)
+    there_will_be = had + len(tasks) if total is None else total
+
+    def rows() -> Iterator[Row]:
+        progress(what, had, there_will_be)
+        for done, one in enumerate(completed(tasks, workers, compute, failed), had + 1):
+            yield one
+            progress(what, done, there_will_be)
+
+    try:
+        yield rows()
+    finally:
+        workers.close()

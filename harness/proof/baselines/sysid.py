@@ -18,7 +18,7 @@ import numpy as np
 
 from harness.core.arrays import BoolArray, FloatArray
 from harness.core.errors import SimulationError
-from harness.proof.baselines.laws import Recording, period_of
+from harness.proof.baselines.regression import Recording, period_of, refusal
 from harness.proof.plant.decrement import decrement
 
 STEP = 0.01
@@ -62,8 +62,9 @@ def holdout_by_sysid(recording: Recording, spans_s: Sequence[Sequence[float]]) -
 
     Raises SimulationError when mujoco[sysid] is not installed.
     """
-    if "u" in recording or "x" not in recording:
-        return HeldOut({}, False, "a driven recording" if "u" in recording else "no position was recorded")
+    why = refusal(recording)
+    if why:
+        return HeldOut({}, False, why)
     mujoco, sysid = _packages()
     t, x = recording["t"] - recording["t"][0], recording["x"]
     spans = [(low - recording["t"][0], high - recording["t"][0]) for low, high in spans_s]

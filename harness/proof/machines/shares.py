@@ -9,13 +9,13 @@ import numpy as np
 
 from harness.core.arrays import FloatArray
 from harness.core.errors import SimulationError
-from harness.proof.machines.base_fit import BaseFit, fit_base
-from harness.proof.machines.effects import DRY, EFFECTS, KNOWN, NEEDS, STATIC, UNKNOWN, scaled, three_digits
-from harness.proof.machines.kinds import KINDS
+from harness.proof.machines.kinds import CLAIMED
 from harness.proof.machines.rigs import Effects, Rig
 from harness.proof.plant.base import Base
-from harness.proof.plant.effects import compatible
+from harness.proof.plant.base_fit import BaseFit
+from harness.proof.plant.effects import DRY, EFFECTS, OF_MACHINES, STATIC, UNKNOWN, compatible
 from harness.proof.plant.integrate import PlantRun
+from harness.proof.plant.strengths import DRAWS, scaled, three_digits
 
 
 @dataclass(frozen=True, slots=True)
@@ -29,20 +29,20 @@ class Reading:
     @property
     def misfit(self) -> dict[str, float]:
         """Mean square that the base leaves in each channel."""
-        return self.fit.mean_squares()
+        return {c: float(np.mean(r**2)) for c, r in self.fit.left.items()}
 
 
 def read(rig: Rig, effects: Effects, quick: bool = False) -> Reading:
     """The recording of a machine with these effects, computed at a fixed step if ``quick``; raises SimulationError."""
     run, clean = rig.motion(effects, quick)
-    return Reading(run, clean, fit_base(rig, run, clean, quick=quick))
+    return Reading(run, clean, rig.base_fit(run, clean, quick=quick))
 
 
 def refitted(rig: Rig, reading: Reading, weight: Mapping[str, float]) -> Reading:
     """The same with a base fit in which channels have these weights; one channel has none."""
     if rig.kind.driven or len(rig.channels) == 1:
         return reading
-    return replace(reading, fit=fit_base(rig, reading.run, reading.clean, weight))
+    return replace(reading, fit=rig.base_fit(reading.run, reading.clean, weight))
 
 
 def size(rig: Rig, reading: Reading, channel: str) -> float:
@@ -60,9 +60,14 @@ def weights(of: Reading, noise: Mapping[str, float]) -> dict[str, float]:
     return {c: 1.0 / max(m + noise[c] ** 2, 1e-300) for c, m in of.misfit.items()}
 
 
+def total(misfit: Mapping[str, float], weight: Mapping[str, float]) -> float:
+    """Misfit of all channels by their weights."""
+    return sum(w * misfit[c] for c, w in weight.items())
+
+
 def ratio(part: Reading, whole: Reading, weight: Mapping[str, float]) -> float:
-    """Misfit of one recording over that of another, channels weighted."""
-    return sum(w * part.misfit[c] for c, w in weight.items()) / sum(w * whole.misfit[c] for c, w in weight.items())
+    """Misfit of one recording over that of another."""
+    return total(part.misfit, weight) / total(whole.misfit, weight)
 
 
 def fitted_share(part: Reading, whole: Reading, weight: Mapping[str, float]) -> float:
@@ -71,14 +76,11 @@ def fitted_share(part: Reading, whole: Reading, weight: Mapping[str, float]) -> 
     part : the effect alone, whose misfit is the one more column of the linear problem. What the base's own parameters
     would still take off, where its fit ended before its minimum, is nobody's share.
     """
-    slopes, column, left = [], [], []
-    for c, w in weight.items():
-        slopes.append(math.sqrt(w) * whole.fit.slopes[c])
-        column.append(math.sqrt(w) * part.fit.left[c])
-        left.append(math.sqrt(w) * whole.fit.left[c])
-    design, target = np.vstack(slopes), np.concatenate(left)
-    base = _rest(design, target)
-    return 1.0 - _rest(np.column_stack([design, np.concatenate(column)]), target) / base
+    root = {c: math.sqrt(w) for c, w in weight.items()}
+    design = np.vstack([one * whole.fit.slopes[c] for c, one in root.items()])
+    column = np.concatenate([one * part.fit.left[c] for c, one in root.items()])
+    target = np.concatenate([one * whole.fit.left[c] for c, one in root.items()])
+    return 1.0 - _rest(np.column_stack([design, column]), target) / _rest(design, target)
 
 
 def _rest(design: FloatArray, target: FloatArray) -> float:
@@ -108,9 +110,7 @@ def _others(rig: Rig, main: str, count: int, rng: np.random.Generator) -> list[s
     none = NOT_SMALL_DRIVEN if rig.kind.driven else NOT_SMALL
     own = [n for n in rig.kind.names if n not in none]
     outside = [n for n in (*UNKNOWN, *STATIC) if rig.kind.restoring == "spring" or "stiffness" not in n]
-    possible = [n for n in (*own, *outside) if set(NEEDS.get(n, "")) <= set(rig.channels)]
-    if rig.base.x_k < LEAST_DRY * rig.base.length:
-        possible = [n for n in possible if n not in DRY]
+    possible = [name for name in (*own, *outside) if _shows(rig, name)]
     chosen: list[str] = []
     for place in rng.permutation(len(possible)):
         name = possible[int(place)]
@@ -119,6 +119,12 @@ def _others(rig: Rig, main: str, count: int, rng: np.random.Generator) -> list[s
         if len(chosen) == count:
             break
     return chosen
+
+
+def _shows(rig: Rig, name: str) -> bool:
+    """Whether its channels are recorded and, of a law of dry friction, there is some."""
+    dry = rig.base.x_k >= LEAST_DRY * rig.base.length
+    return set(EFFECTS[name].needs) <= set(rig.channels) and (dry or name not in DRY)
 
 
 @dataclass(frozen=True, slots=True)
@@ -131,16 +137,15 @@ class Small:
     effects: Effects
     left: Mapping[str, Mapping[str, float]]
 
-    def times(self, factors: Mapping[str, float], base: Base) -> "Small":
-        """Each stronger by its factor."""
-        effects = {name: scaled(name, one, factors[name], base) for name, one in self.effects.items()}
-        left = {name: {c: m * factors[name] ** 2 for c, m in one.items()} for name, one in self.left.items()}
+    def times(self, factor: float, base: Base) -> "Small":
+        """Each so many times as strong."""
+        effects = {name: scaled(name, one, factor, base) for name, one in self.effects.items()}
+        left = {name: {c: m * factor**2 for c, m in one.items()} for name, one in self.left.items()}
         return Small(effects, left)
 
     def shares(self, whole: Reading, weight: Mapping[str, float]) -> dict[str, float]:
         """Part of the whole misfit that each makes alone."""
-        total = sum(w * whole.misfit[c] for c, w in weight.items())
-        return {name: sum(w * one[c] for c, w in weight.items()) / total for name, one in self.left.items()}
+        return {name: total(one, weight) / total(whole.misfit, weight) for name, one in self.left.items()}
 
 
 def draw_small(
@@ -150,7 +155,7 @@ def draw_small(
     names = _others(rig, main, count, rng)
     effects, alone = {}, {}
     for name in names:
-        values = EFFECTS[name].draw(rig.base, rng)
+        values = DRAWS[name](rig.base, rng)
         found = read(rig, {name: values}, quick=True)
         if 1e-6 < relative(rig, found) < 2.0:
             effects[name], alone[name] = values, found
@@ -178,7 +183,9 @@ def summed_up(
     """
     goal = relative(rig, whole)
     shares = {}
-    for name in _possible(rig, hidden):
+    for name in OF_MACHINES:
+        if name not in CLAIMED[rig.base.restoring] - hidden or not _shows(rig, name):
+            continue
         parts = (_alone(rig, name, goal, rng) for _ in range(TRIES))
         found = max((fitted_share(part, whole, weight) for part in parts if part is not None), default=0.0)
         if found > 0.0:
@@ -186,32 +193,28 @@ def summed_up(
     return shares
 
 
-def _possible(rig: Rig, hidden: frozenset[str]) -> list[str]:
-    """Laws that may be claimed of such a recording: those that any machine with such a restoring force may have."""
-    alike = {name for kind in KINDS.values() if kind.restoring == rig.base.restoring for name in kind.names}
-    dry = rig.base.x_k >= LEAST_DRY * rig.base.length
-    return [
-        name
-        for name in KNOWN
-        if name in alike - hidden and set(NEEDS.get(name, "")) <= set(rig.channels) and (dry or name not in DRY)
-    ]
-
-
 def _alone(rig: Rig, name: str, goal: float, rng: np.random.Generator) -> Reading | None:
     """The recording with this law alone, about as strong as leaves ``goal``; None where it leaves nothing."""
-    values = EFFECTS[name].draw(rig.base, rng)
+    values = DRAWS[name](rig.base, rng)
     try:
         # a law as it is drawn first may be far stronger than any machine has: its base fit goes astray, and it is left
         with np.errstate(over="ignore", invalid="ignore"):
-            return _about(rig, name, values, goal)
+            found = about(rig, name, values, goal)
+            return found[1] if found is not None and FAINT < relative(rig, found[1]) < HUGE else None
     except (SimulationError, np.linalg.LinAlgError):
         return None
 
 
-def _about(rig: Rig, name: str, values: Mapping[str, Any], goal: float) -> Reading | None:
+def about(rig: Rig, name: str, values: Mapping[str, Any], goal: float) -> tuple[Mapping[str, Any], Reading] | None:
+    """An effect as strong as makes the base leave about ``goal`` alone, if it can, with the recording of it alone.
+
+    None where it leaves nothing, or makes another motion of it.
+    """
     found = read(rig, {name: values}, quick=True)
     left = relative(rig, found)
-    if FAINT < left < HUGE and not NEAR[0] < left / goal < NEAR[1]:
-        found = read(rig, {name: scaled(name, values, three_digits(goal / left), rig.base)}, quick=True)
-        left = relative(rig, found)
-    return found if FAINT < left < HUGE else None
+    if not FAINT < left < HUGE:
+        return None
+    if not NEAR[0] < left / goal < NEAR[1]:
+        values = scaled(name, values, three_digits(goal / left), rig.base)
+        found = read(rig, {name: values}, quick=True)
+    return values, found

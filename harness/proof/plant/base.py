@@ -6,8 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from harness.core.arrays import FloatArray
-from harness.proof.plant.friction import Coulomb, Level
-from harness.proof.plant.model import Drive, PlantModel
+from harness.proof.plant.model import Drive, Level, PlantModel, coulomb
 
 MOST_SAMPLES = 6000
 
@@ -65,7 +64,7 @@ class Base:
             m=self.m,
             c=2.0 * self.zeta * self.m * self.omega_n,
             k=self.k if self.restoring != "none" else 0.0,
-            friction=Coulomb(Level(self.f_k, self.f_k)),
+            friction=coulomb(Level(self.f_k, self.f_k)),
             x0=self.x0,
             v0=self.v0,
             restoring=self.restoring,
@@ -92,15 +91,6 @@ def log_uniform(rng: np.random.Generator, low: float, high: float) -> float:
     return float(math.exp(rng.uniform(math.log(low), math.log(high))))
 
 
-def half_cycles_to_rest(zeta: float, x_k: float) -> int:
-    """Half-cycles of a decay from 1 until it sticks."""
-    q = math.exp(-math.pi * zeta / math.sqrt(1.0 - zeta**2))
-    x, n = 1.0, 0
-    while x > x_k and n < 1000:
-        x, n = q * x - (1.0 + q) * x_k, n + 1
-    return n
-
-
 def draw_decay(
     rng: np.random.Generator, *, at_rest: bool, restoring: str = "spring", length: float | None = None
 ) -> Base:
@@ -108,11 +98,10 @@ def draw_decay(
 
     at_rest : released from rest; else one in three starts with a speed.
     """
-    while True:
+    n = 0
+    while not 10 <= n <= 40:
         zeta, x_k = log_uniform(rng, 0.005, 0.045), log_uniform(rng, 0.008, 0.045)
-        n = half_cycles_to_rest(zeta, x_k)
-        if 10 <= n <= 40:
-            break
+        n = _half_cycles(zeta, x_k)
     omega_n = log_uniform(rng, 4.0, 150.0)
     size = log_uniform(rng, 0.004, 0.28) if length is None else length
     x0 = size * float(rng.choice([-1.0, 1.0]))
@@ -123,38 +112,35 @@ def draw_decay(
     periods = 0.5 * n * rng.uniform(0.92, 1.2)
     per_period = log_uniform(rng, 30.0, 350.0)
     samples = int(min(periods * per_period, MOST_SAMPLES))
-    return Base(
-        m=1.0,
-        omega_n=omega_n,
-        zeta=zeta,
-        x_k=x_k * size,
-        x0=x0,
-        v0=v0,
-        length=size,
-        duration=periods * 2.0 * math.pi / omega_n,
-        samples=samples,
-        restoring=restoring,
-    )
+    duration = periods * 2.0 * math.pi / omega_n
+    return Base(1.0, omega_n, zeta, x_k * size, x0, v0, size, duration, samples, restoring)
+
+
+def _half_cycles(zeta: float, x_k: float) -> int:
+    """Of a decay from 1 until it sticks."""
+    q = math.exp(-math.pi * zeta / math.sqrt(1.0 - zeta**2))
+    x, n = 1.0, 0
+    while x > x_k and n < 1000:
+        x, n = q * x - (1.0 + q) * x_k, n + 1
+    return n
 
 
 def _multisine(
-    rng: np.random.Generator, low: float, high: float, lines: int
-) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Frequencies (rad/s), amplitudes (sum of squares 2) and phases of a multisine."""
+    rng: np.random.Generator, low: float, high: float, lines: int, size: float
+) -> list[tuple[float, float, float]]:
+    """Frequencies (rad/s), rising, amplitudes (squares add up to 2 size^2) and phases of a multisine."""
     omega = np.sort(np.exp(rng.uniform(math.log(low), math.log(high), lines)))
     amplitude = rng.uniform(0.5, 1.0, lines)
-    return omega, amplitude * math.sqrt(2.0 / np.sum(amplitude**2)), rng.uniform(0.0, 2.0 * math.pi, lines)
+    amplitude = size * (amplitude * math.sqrt(2.0 / np.sum(amplitude**2)))
+    phase = rng.uniform(0.0, 2.0 * math.pi, lines)
+    return list(zip(omega.tolist(), amplitude.tolist(), phase.tolist(), strict=True))
 
 
 def draw_driven(rng: np.random.Generator) -> Base:
     """A slider on its spring under a slow measured force, at rest at first: it sticks and breaks away many times."""
     omega_n, size = log_uniform(rng, 6.0, 60.0), log_uniform(rng, 0.01, 0.2)
-    omega, amplitude, phase = _multisine(rng, 0.12 * omega_n, 0.4 * omega_n, int(rng.integers(2, 5)))
+    lines = _multisine(rng, 0.12 * omega_n, 0.4 * omega_n, int(rng.integers(2, 5)), omega_n**2 * size)
     zeta, x_k = log_uniform(rng, 0.02, 0.1), log_uniform(rng, 0.03, 0.12) * size
-    force = omega_n**2 * size
-    lines: list[tuple[float, float, float]] = list(
-        zip(omega.tolist(), (force * amplitude).tolist(), phase.tolist(), strict=True)
-    )
     # faded in over a period of the slider, so that the start is at rest without a blow
     fade = 2.0 * math.pi / omega_n
 
@@ -162,7 +148,7 @@ def draw_driven(rng: np.random.Generator) -> Base:
         s = min(t / fade, 1.0)
         return s * s * (3.0 - 2.0 * s) * sum(b * math.cos(w * t + p) for w, b, p in lines)
 
-    duration = rng.uniform(2.5, 4.0) * 2.0 * math.pi / float(omega[0])
+    duration = rng.uniform(2.5, 4.0) * 2.0 * math.pi / lines[0][0]
     per_period = log_uniform(rng, 40.0, 160.0)
     samples = int(min(duration * omega_n / (2.0 * math.pi) * per_period, MOST_SAMPLES))
     return Base(1.0, omega_n, zeta, x_k, 0.0, 0.0, size, duration, samples, drive=Drive(law, rate=omega_n))
@@ -172,10 +158,7 @@ def draw_axis(rng: np.random.Generator, *, unit_mass: bool) -> Base:
     """A free axis in a position loop that follows a multisine; the force of the loop is what is measured."""
     m = 1.0 if unit_mass else log_uniform(rng, 0.5, 150.0)
     omega_n, size = log_uniform(rng, 3.0, 20.0), log_uniform(rng, 0.03, 0.3)
-    omega, amplitude, phase = _multisine(rng, 0.25 * omega_n, omega_n, 4)
-    lines: list[tuple[float, float, float]] = list(
-        zip(omega.tolist(), (size * amplitude / 2.0).tolist(), phase.tolist(), strict=True)
-    )
+    lines = _multisine(rng, 0.25 * omega_n, omega_n, 4, size / 2.0)
     start = sum(b * math.cos(p) for _, b, p in lines)
     k_p, k_d = m * (4.0 * omega_n) ** 2, 2.0 * m * 4.0 * omega_n
 

@@ -1,8 +1,13 @@
-"""The plant side's own viscous and Coulomb fits, in closed form or simulated: is an effect concealed and decidable?"""
+"""The plant side's own viscous and Coulomb fits: is an effect concealed and decidable, and what part is it of a misfit?
+
+Of a recording on a bench with its noise: ``fit_decay`` in closed form, ``fit_simulated`` otherwise. Of a machine, free
+of noise, with what is left and its partials, since shares are measured on them: ``fit_motion``, ``fit_force``. A decay
+on a spring has a closed form; a pendulum is stepped, since its period depends on its swing.
+"""
 
 import math
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from functools import partial
 from typing import Any
 
@@ -10,17 +15,36 @@ import numpy as np
 from scipy.interpolate import PPoly, make_interp_spline
 from scipy.optimize import least_squares
 
-from harness.core.arrays import FloatArray
+from harness.core.arrays import BoolArray, FloatArray
 from harness.core.errors import SimulationError
 from harness.proof.plant.base import Base
 from harness.proof.plant.hidden import build
-from harness.proof.plant.integrate import simulate
+from harness.proof.plant.integrate import PlantRun, simulate
 from harness.proof.plant.model import Drive
+from harness.proof.plant.stepped import swing
 
 Residual = Callable[[FloatArray], FloatArray]
+Channels = Mapping[str, FloatArray]
+"""By channel, shape (n,)."""
 FIRST_DAMPING, MOST_DAMPING = 1e-4, 1e6
 POOR = 0.25
 """Share of a promised gain below which partials that are not fresh are taken anew."""
+
+
+@dataclass(frozen=True, slots=True)
+class BaseFit:
+    """A fit.
+
+    parameters : (omega_n, zeta, x_k, x0, v0[, zero]) of a decay; (m, c, f_k[, k[, offset]]) of a force; or those of the
+    caller. chi2 : of the noise, r2 : of each channel, on a bench. left : what it leaves of each channel, slopes : its
+    partials there, shape (n, p), in the channel's unit, of a machine.
+    """
+
+    parameters: FloatArray
+    chi2: float = math.nan
+    r2: Mapping[str, float] = field(default_factory=dict)
+    left: Channels = field(default_factory=dict)
+    slopes: Channels = field(default_factory=dict)
 
 
 @dataclass(frozen=True, slots=True)
@@ -43,19 +67,17 @@ def descend(
     z: FloatArray,
     step: float,
     iterations: int,
-    slopes: FloatArray | None = None,
     bounds: tuple[float, float] = (-math.inf, math.inf),
 ) -> Descent:
     """Least squares from z; a step that promises less than half a unit of chi-square is the last.
 
-    step : of the differences. slopes : partials (N, q) near z, if they are known. bounds : chi-square below which there
-    is no point in going on, and chi-square above which a tenth of what lies above is not worth a step.
+    step : of the differences. bounds : chi-square below which there is no point in going on, and chi-square above which
+    a tenth of what lies above is not worth a step.
     """
     enough, plenty = bounds
     here = residual(z)
     chi2 = float(here @ here)
-    fresh = slopes is None
-    j = differences(residual, z, here, step) if slopes is None else slopes
+    j, fresh = differences(residual, z, here, step), True
     damping = FIRST_DAMPING
     for _ in range(iterations):
         if chi2 < enough:
@@ -91,31 +113,15 @@ def descend(
 MOST_HALF_CYCLES = 400
 _NONE = 1e-14
 """Share of the swing's speed below which a speed is none."""
-WHOLE, COARSE, FINE = (1.0,), (0.35, 0.7, 1.0), (0.15, 0.3, 0.45, 0.6, 0.75, 0.9, 1.0)
-"""Parts of a recording over which a fit grows."""
-
-
-@dataclass(frozen=True, slots=True)
-class BaseFit:
-    """A fit: parameters (omega_n, zeta, x_k, x0, v0) or those of the caller, chi-square, R^2 of each channel."""
-
-    parameters: FloatArray
-    chi2: float
-    r2: dict[str, float]
-
-
-def decay(
-    t: FloatArray, omega_n: float, zeta: float, x_k: float, x0: float, v0: float
-) -> tuple[FloatArray, FloatArray]:
-    """x (m) and a (m/s^2), shape (n,), of a unit mass on a spring with viscous and Coulomb friction, 0 <= zeta < 1."""
-    x, _, a = decay_motion(t, omega_n, zeta, x_k, x0, v0)
-    return x, a
 
 
 def decay_motion(
     t: FloatArray, omega_n: float, zeta: float, x_k: float, x0: float, v0: float
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """x (m), v (m/s) and a (m/s^2) of the same motion."""
+    """x (m), v (m/s) and a (m/s^2), shape (n,), of a unit mass on a spring with viscous and Coulomb friction.
+
+    0 <= zeta < 1.
+    """
     zeta, x_k = min(abs(zeta), 0.99), abs(x_k)
     omega_d, sigma = omega_n * math.sqrt(1.0 - zeta * zeta), zeta * omega_n
     start, amplitude, phase, centre = [], [], [], []
@@ -151,9 +157,9 @@ def decay_motion(
     i = np.clip(np.searchsorted(begun, t, side="right") - 1, 0, begun.size - 1)
     s = t - begun[i]
     angle = omega_d * s + np.asarray(phase)[i]
-    swing = np.asarray(amplitude)[i] * np.exp(-sigma * s)
-    y = swing * np.cos(angle)
-    y_rate = -sigma * y - omega_d * swing * np.sin(angle)
+    envelope = np.asarray(amplitude)[i] * np.exp(-sigma * s)
+    y = envelope * np.cos(angle)
+    y_rate = -sigma * y - omega_d * envelope * np.sin(angle)
     position = y + np.asarray(centre)[i]
     acceleration = -(omega_n**2) * y - 2.0 * sigma * y_rate
     still = t >= rest
@@ -171,57 +177,62 @@ def whiten(residual: FloatArray, sigma: float, correlation: float) -> FloatArray
     return innovation / sigma
 
 
-def r_squared(seen: FloatArray, said: FloatArray) -> float:
-    """Coefficient of determination of one channel."""
-    return 1.0 - float(np.sum((seen - said) ** 2) / np.sum((seen - seen.mean()) ** 2))
+@dataclass(frozen=True, slots=True)
+class Seen:
+    """The channels x, a of a recording, shape (n,), with the noise in them."""
+
+    channels: Channels
+    sigma: Mapping[str, float]
+    correlation: float = 0.0
+
+    def misses(self, said: Channels, n: int) -> FloatArray:
+        """What a motion leaves of the first n samples, in units of the noise, shape (n channels,)."""
+        seen = self.channels
+        return np.concatenate([whiten(seen[c][:n] - said[c], self.sigma[c], self.correlation) for c in seen])
+
+    def r2(self, said: Channels) -> dict[str, float]:
+        """Coefficient of determination of each channel."""
+        return {
+            c: 1.0 - float(np.sum((y - said[c]) ** 2) / np.sum((y - y.mean()) ** 2)) for c, y in self.channels.items()
+        }
 
 
-def fit_decay(
-    t: FloatArray,
-    seen: Mapping[str, FloatArray],
-    noise: Mapping[str, float],
-    start: tuple[float, float, float, float, float],
-    correlation: float = 0.0,
-) -> BaseFit:
-    """Best base fit of the channels "x" and "a" in ``seen``, started at the truth and beside it."""
+WHOLE, COARSE, FINE = (1.0,), (0.35, 0.7, 1.0), (0.15, 0.3, 0.45, 0.6, 0.75, 0.9, 1.0)
+"""Parts of a recording over which a fit grows."""
+
+
+def fit_decay(t: FloatArray, seen: Seen, start: Sequence[float]) -> BaseFit:
+    """Best base fit in closed form; start : the truth (omega_n, zeta, x_k, x0, v0), from which and beside which."""
     scale = np.array(
         [start[0], max(start[1], 1e-3), max(start[2], 1e-4 * abs(start[3])), abs(start[3]), abs(start[3]) * start[0]]
     )
 
-    def residual(z: FloatArray, n: int) -> FloatArray:
-        x, a = decay(t[:n], *(np.append(z, np.zeros(5 - z.size)) * scale))
-        said = {"x": x, "a": a}
-        return np.concatenate([whiten(seen[c][:n] - said[c], noise[c], correlation) for c in seen])
+    def said(z: FloatArray, n: int) -> dict[str, FloatArray]:
+        x, _, a = decay_motion(t[:n], *(np.append(z, np.zeros(5 - z.size)) * scale))
+        return {"x": x, "a": a}
 
-    best: tuple[float, FloatArray] | None = None
+    def residual(z: FloatArray, n: int) -> FloatArray:
+        return seen.misses(said(z, n), n)
+
+    found = []
     # from rest, v0 = 0 is held once: a speed of the wrong sign turns friction round at the first sample, a step in the
     # error. The first part alone knows nothing of sticking, where the error is not smooth in x_k: then it comes first
     # and how the parts grow decides which minimum is met
     for parts, held in ((WHOLE, start[4] == 0.0), (COARSE, False), (FINE, False)):
         z = (np.asarray(start) / scale)[: 4 if held else 5]
         for part in parts:
-            n = max(50, int(part * t.size))
-            z = least_squares(residual, z, method="lm", args=(n,), max_nfev=60).x
+            z = least_squares(residual, z, method="lm", args=(max(50, int(part * t.size)),), max_nfev=60).x
         z = np.append(z, np.zeros(5 - z.size))
-        chi2 = float(np.sum(residual(z, t.size) ** 2))
-        if best is None or chi2 < best[0]:
-            best = (chi2, z)
-    assert best is not None
-    x, a = decay(t, *(best[1] * scale))
-    said = {"x": x, "a": a}
-    return BaseFit(best[1] * scale, best[0], {c: r_squared(seen[c], said[c]) for c in seen})
+        found.append((float(np.sum(residual(z, t.size) ** 2)), z))
+    chi2, z = min(found, key=lambda one: one[0])
+    return BaseFit(z * scale, chi2, seen.r2(said(z, t.size)))
 
 
-FIT_TOLERANCE = 1e-7
-STEP = 1e-4
-ITERATIONS = 30
+FIT_TOLERANCE, SIMULATED_STEP, SIMULATED_ITERATIONS = 1e-7, 1e-4, 30
 PART = 0.4
 """Share of a recording over which the second of two fits begins."""
-
 FAR = 1e6
 """Residual of parameters that are not worth a simulation."""
-
-
 quick = partial(simulate, tolerance=FIT_TOLERANCE)
 
 
@@ -250,14 +261,12 @@ def replayed(t: FloatArray, u: FloatArray, rate: float) -> Drive:
 def fit_simulated(
     base: Base,
     effects: Mapping[str, Mapping[str, Any]],
-    seen: Mapping[str, FloatArray],
-    noise: Mapping[str, float],
-    correlation: float = 0.0,
+    seen: Seen,
     u: FloatArray | None = None,
     bounds: tuple[float, float] = (-math.inf, math.inf),
     least_r2: float = -math.inf,
 ) -> BaseFit:
-    """Best fit of base parameters, start and the numbers in ``effects`` to the channels x, a in ``seen``.
+    """Best fit of base parameters, start and the numbers in ``effects``.
 
     u : the recorded force, replayed; needed when the drive closes a loop over the true motion.
     bounds : chi-square below which the recording is of no use, and chi-square beyond all doubt about that: only between
@@ -271,7 +280,6 @@ def fit_simulated(
     scale = np.abs(start)
     scale[:5] = np.maximum(scale[:5], [0.0, 1e-3, 1e-4 * base.length, base.length, base.speed])
     order = np.append(np.delete(np.arange(start.size), 4), 4)
-
     # how far the first parameter, damping and friction, the start, and the numbers of the effects may go from the truth
     reach = np.array([0.3, 30.0, 30.0, 1.0, *[0.9] * len(free), 1.0])
 
@@ -290,30 +298,113 @@ def fit_simulated(
         model, sensors = build(base.moved(p[:5]), changed)
         return sensors.read(model, t[:n], quick)[1]
 
-    def residual(z: FloatArray, n: int) -> FloatArray:
+    def residual(z: FloatArray, n: int = t.size) -> FloatArray:
         if np.any(np.abs(z) > reach[: z.size]):
-            return np.full(n * len(seen), FAR)
+            return np.full(n * len(seen.channels), FAR)
         try:
-            said = predicted(z, n)
+            return seen.misses(predicted(z, n), n)
         except (SimulationError, ArithmeticError, ValueError):
             # a step into parameters that no plant can have
-            return np.full(n * len(seen), FAR)
-        return np.concatenate([whiten(seen[c][:n] - said[c], noise[c], correlation) for c in seen])
+            return np.full(n * len(seen.channels), FAR)
+
+    def fitted(found: Descent) -> BaseFit:
+        return BaseFit(parameters(found.z), found.chi2, seen.r2(predicted(found.z, t.size)))
 
     # as for the closed form: from the truth at once, and over growing parts, which knows nothing of sticking at first;
     # v0 = 0 is held in the one, as its sign turns friction round, and in both where the slider is stuck at first
     still = base.v0 == 0.0
-    best = descend(lambda z: residual(z, t.size), np.zeros(start.size - still), STEP, ITERATIONS, bounds=bounds)
-    held = still and base.drive is not None
+    downhill = partial(descend, step=SIMULATED_STEP, iterations=SIMULATED_ITERATIONS)
+    best = downhill(residual, np.zeros(start.size - still), bounds=bounds)
+    first = fitted(best)
+    if not bounds[0] < best.chi2 < bounds[1] or min(first.r2.values()) < least_r2:
+        return first
+    part = partial(residual, n=max(50, int(PART * t.size)))
+    other = downhill(part, np.zeros(start.size - (still and base.drive is not None)))
+    other = downhill(residual, other.z, bounds=bounds)
+    return first if best.chi2 <= other.chi2 else fitted(other)
 
-    def fitted(z: FloatArray, chi2: float) -> BaseFit:
-        said = predicted(z, t.size)
-        return BaseFit(parameters(z), chi2, {c: r_squared(seen[c], said[c]) for c in seen})
 
-    found = fitted(best.z, best.chi2)
-    if not bounds[0] < best.chi2 < bounds[1] or min(found.r2.values()) < least_r2:
-        return found
-    n = max(50, int(PART * t.size))
-    z = descend(lambda z: residual(z, n), np.zeros(start.size - held), STEP, ITERATIONS).z
-    other = descend(lambda z: residual(z, t.size), z, STEP, ITERATIONS, bounds=bounds)
-    return found if best.chi2 <= other.chi2 else fitted(other.z, other.chi2)
+SETTLED = 0.12
+"""Of a period: how long after the hand is gone the fit begins, so that the first speed has a sign."""
+STEP, ITERATIONS = 1e-6, 20
+FINENESS = 1e-4
+"""Of a channel's size: residuals are counted in this, so that the descent ends where nothing is left to gain."""
+PLAIN = 0.008
+"""What a quick fit leaves, of a channel's size, from which it is done as thoroughly as any other."""
+PARTS, FEWEST = (0.1, 0.2, 0.3, 0.5, 0.7), 30
+"""Parts of the recording over which a fit grows, and least samples."""
+OTHERWISE = (0.4, 2.0)
+"""Factors on friction from which it is fitted once more."""
+LEAST_SLIDING = 50
+"""Samples in motion without which a driven recording says nothing."""
+
+
+def fit_motion(
+    base: Base, t: FloatArray, clean: Channels, unit: Mapping[str, float], free_zero: bool, quick: bool
+) -> BaseFit:
+    """Of a free decay without noise.
+
+    t : s, shape (n,), from ``SETTLED`` on. clean : its channels and x, v. unit : of each channel that is fitted, in
+    which its residual counts. quick : from one start, where that does well.
+    """
+    t = t - t[0]
+    motion = swing if base.restoring == "pendulum" else decay_motion
+    scale = np.array(
+        [base.omega_n, max(base.zeta, 1e-3), max(base.x_k, 1e-3 * base.length), base.length, base.speed, base.length]
+    )
+
+    def residual(z: FloatArray, n: int = t.size) -> FloatArray:
+        p = z * scale[: z.size]
+        x, v, a = motion(t[:n], *(float(one) for one in p[:5]))
+        said = {"x": x + (float(p[5]) if z.size > 5 else 0.0), "v": v, "a": a}
+        return np.concatenate([(clean[c][:n] - said[c]) / one for c, one in unit.items()])
+
+    first = [base.omega_n, base.zeta, base.x_k, float(clean["x"][0]), float(clean["v"][0]), 0.0]
+    start = (np.array(first) / scale)[: 6 if free_zero else 5]
+    best = descend(residual, start, STEP, ITERATIONS)
+    # far from the truth's parameters the phase may have been lost on the way, and where a decay ends the misfit is not
+    # smooth in its friction
+    if not quick or best.chi2 > t.size * len(unit) * (PLAIN / FINENESS) ** 2:
+        z = start
+        for part in PARTS:
+            z = descend(partial(residual, n=max(int(part * t.size), FEWEST)), z, STEP, ITERATIONS).z
+        others = [z] if quick else [z, *(best.z * np.where(np.arange(start.size) == 2, f, 1.0) for f in OTHERWISE)]
+        best = min((best, *(descend(residual, z, STEP, ITERATIONS) for z in others)), key=lambda found: found.chi2)
+    slopes = differences(residual, best.z, best.residual, STEP)
+    back = np.repeat([-one for one in unit.values()], t.size)
+    left = np.split(-back * best.residual, len(unit))
+    columns = np.split(back[:, None] * slopes, len(unit))
+    return BaseFit(
+        best.z * scale[: best.z.size],
+        left=dict(zip(unit, left, strict=True)),
+        slopes=dict(zip(unit, columns, strict=True)),
+    )
+
+
+def fit_force(run: PlantRun, clean: Channels, laws: Sequence[FloatArray], also: str) -> BaseFit:
+    """Of the measured force: m a + c v + f_k sgn v and ``laws`` (n,) beside, with the motion that x tells.
+
+    While it sticks, friction may be anything up to f_k: what is left is what lies beyond. An accelerometer beside it
+    (``also``, "a" or "") is held against the motion that x tells.
+    """
+    u = clean["u"]
+    # what sensors add to the motion is smooth: its differences are good enough
+    v = run.v + np.gradient(clean["x"] - run.x, run.t)
+    a = run.a + np.gradient(v - run.v, run.t)
+    sliding: BoolArray = ~run.stuck
+    design = np.column_stack([a, v, np.where(sliding, np.sign(np.where(v == 0.0, a, v)), 0.0), *laws])
+    size = np.sqrt(np.mean(design**2, axis=0))
+    if not size.all() or np.count_nonzero(sliding) < LEAST_SLIDING:
+        raise SimulationError("machines: it hardly moves")
+
+    def residual(z: FloatArray) -> FloatArray:
+        r = u - design @ (z / size)
+        level = abs(z[2]) / size[2]
+        return np.asarray(np.where(sliding, r, r - np.clip(r, -level, level)))
+
+    start = np.linalg.lstsq(design[sliding] / size, u[sliding], rcond=None)[0]
+    found = least_squares(residual, start, method="lm", diff_step=STEP)
+    left, slopes = {"u": found.fun}, {"u": found.jac}
+    if also:
+        left[also], slopes[also] = clean[also] - a, np.zeros_like(found.jac)
+    return BaseFit(found.x / size, left=left, slopes=slopes)

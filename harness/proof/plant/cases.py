@@ -2,9 +2,8 @@
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from io import StringIO
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -12,11 +11,12 @@ import numpy as np
 from harness.core.arrays import FloatArray
 from harness.core.errors import InputError, SimulationError
 from harness.proof.plant.base import Base, draw_axis, draw_decay, draw_driven, log_uniform
-from harness.proof.plant.base_fit import BaseFit, fit_decay, fit_simulated, whiten
+from harness.proof.plant.base_fit import BaseFit, Seen, fit_decay, fit_simulated, whiten
 from harness.proof.plant.decrement import decrement
-from harness.proof.plant.effects import ALIENS, BENCH, FAMILY, HEADLINE, compatible, families
+from harness.proof.plant.effects import BENCH, EFFECTS, FAMILY, compatible
 from harness.proof.plant.hidden import Motion, Noise, build, regions
 from harness.proof.plant.integrate import simulate
+from harness.proof.plant.strengths import DRAWS
 
 CONCEALED = 0.98
 DECIDABLE, PART_DECIDABLE = 100.0, 60.0
@@ -27,19 +27,24 @@ MOST_TRIES = 200
 SETTINGS = ("decay", "driven", "axis", "axis-unit-mass", "pendulum")
 FROM_REST = ("presliding", "viscoelastic", "attached-mode", "sensor-lag", "alien-rattle", "sensor-clipping")
 """Kinds with states inside, or of whom the first sample tells: released from rest."""
+ARGUMENTS = {
+    "spring": (),
+    "pendulum": ("--restoring", "pendulum", "--zero", "free"),
+    "none": ("--restoring", "none"),
+}
+"""What a user who knows his machine would tell the diagnosis: how it is held, never what is hidden."""
 
 
 @dataclass(frozen=True, slots=True)
 class Case:
     """One recording with its answer.
 
-    mechanisms : names of what is hidden. effects : their parameters, SI. channels : "x", "a" or "xa".
+    effects : what is hidden, with its parameters, SI. channels : "x", "a" or "xa".
     recorded : t and the channels, shape (n,) each (and u when driven). region : spans in s, or None.
     base : parameters of the slider. noise : total standard deviation by channel (both channels, recorded or not).
     source : what made the motion. Losses of chi-square are those found, exact where they are near their bounds.
     """
 
-    mechanisms: tuple[str, ...]
     effects: Mapping[str, Mapping[str, Any]]
     channels: str
     recorded: Mapping[str, FloatArray]
@@ -48,35 +53,42 @@ class Case:
     noise: Noise
     setting: str
     region: list[list[float]] | None
-    base_chi2_excess: float
-    base_r2: tuple[float, ...]
-    part_chi2_excess: Mapping[str, float]
     source: str = "plant"
+    base_chi2_excess: float = math.nan
+    base_r2: tuple[float, ...] = ()
+    part_chi2_excess: Mapping[str, float] = field(default_factory=dict)
+
+    @property
+    def mechanisms(self) -> tuple[str, ...]:
+        """Names of what is hidden."""
+        return tuple(self.effects)
+
+    @property
+    def seen(self) -> Seen:
+        """What a fit is given."""
+        channels = {c: self.recorded[c] for c in self.channels}
+        return Seen(channels, {c: self.noise.total(c) for c in self.channels}, self.noise.correlation)
 
 
 def _base(rng: np.random.Generator, setting: str, kinds: tuple[str, ...]) -> Base:
     if setting == "driven":
         return draw_driven(rng)
-    if setting == "axis":
-        return draw_axis(rng, unit_mass=False)
-    if setting == "axis-unit-mass":
-        return draw_axis(rng, unit_mass=True)
+    if setting in ("axis", "axis-unit-mass"):
+        return draw_axis(rng, unit_mass=setting == "axis-unit-mass")
     at_rest = any(kind in FROM_REST for kind in kinds)
     if setting == "pendulum":
         return draw_decay(rng, at_rest=at_rest, restoring="pendulum", length=float(rng.uniform(0.1, 1.2)))
-    if "pendulum-stiffness" in kinds:
-        return draw_decay(rng, at_rest=at_rest, length=log_uniform(rng, 0.08, 0.7))
-    return draw_decay(rng, at_rest=at_rest)
+    # one that swings is as large as makes its sine show
+    length = log_uniform(rng, 0.08, 0.7) if "pendulum-stiffness" in kinds else None
+    return draw_decay(rng, at_rest=at_rest, length=length)
 
 
 def _channels(rng: np.random.Generator, setting: str, kinds: tuple[str, ...]) -> str:
-    needed = set("".join(BENCH[kind].needs for kind in kinds))
-    if setting != "decay":
-        needed.add("x")
-    while True:
+    needed = set("".join(BENCH[kind].needs for kind in kinds)) | ({"x"} if setting != "decay" else set())
+    channels = ""
+    while not channels or not needed <= set(channels):
         channels = str(rng.choice(["x", "a", "xa"], p=[0.3, 0.25, 0.45]))
-        if needed <= set(channels):
-            return channels
+    return channels
 
 
 def _noise(rng: np.random.Generator, base: Base, style: str) -> Noise:
@@ -115,7 +127,7 @@ def draw(
         setting = "driven"
     for _ in range(MOST_TRIES):
         base = _base(rng, setting, kinds)
-        effects = {name: BENCH[name].draw(base, rng) for name in kinds}
+        effects = {name: DRAWS[name](base, rng) for name in kinds}
         try:
             found = record(base, effects, setting, _channels(rng, setting, kinds), _noise(rng, base, noise), rng)
             case = accepted(found)
@@ -126,6 +138,32 @@ def draw(
     raise SimulationError(
         f"plant: no concealed and decidable draw of {' + '.join(kinds) or 'control'} in {MOST_TRIES} tries"
     )
+
+
+def control(rng: np.random.Generator, *, setting: str = "decay", noise: str = "white") -> Case:
+    """What ``draw`` gives of a control, without its base fit, which on a driven one takes ten times as long."""
+    base = _base(rng, setting, ())
+    return measured(base, {}, setting, _channels(rng, setting, ()), _noise(rng, base, noise), rng)
+
+
+def measured(
+    base: Base,
+    effects: Mapping[str, Mapping[str, Any]],
+    setting: str,
+    channels: str,
+    noise: Noise,
+    rng: np.random.Generator,
+    motion: Motion = simulate,
+    source: str = "plant",
+) -> Case:
+    """Simulate and spoil; see ``record``."""
+    model, sensors = build(base, effects)
+    run, clean = sensors.read(model, base.times, motion)
+    recorded = {"t": base.times, **{c: noise.spoil(c, clean[c], rng) for c in channels}}
+    if base.drive is not None:
+        recorded["u"] = run.u
+    region = regions(effects, base, run.x, sensors.saturated(run))
+    return Case(effects, channels, recorded, clean, base, noise, setting, region, source)
 
 
 def record(
@@ -150,45 +188,6 @@ def record(
     return replace(case, base_chi2_excess=excess, base_r2=tuple(fit.r2.values()), part_chi2_excess=parts)
 
 
-def control(rng: np.random.Generator, *, setting: str = "decay", noise: str = "white") -> Case:
-    """What ``draw`` gives of a control, without its base fit, which on a driven one takes ten times as long."""
-    base = _base(rng, setting, ())
-    return measured(base, {}, setting, _channels(rng, setting, ()), _noise(rng, base, noise), rng)
-
-
-def measured(
-    base: Base,
-    effects: Mapping[str, Mapping[str, Any]],
-    setting: str,
-    channels: str,
-    noise: Noise,
-    rng: np.random.Generator,
-    motion: Motion = simulate,
-    source: str = "plant",
-) -> Case:
-    """Simulate and spoil; see ``record``."""
-    t = base.times
-    model, sensors = build(base, effects)
-    run, clean = sensors.read(model, t, motion)
-    recorded = {c: noise.spoil(c, clean[c], rng) for c in channels}
-    u = run.u if base.drive is not None else None
-    return Case(
-        mechanisms=tuple(effects),
-        effects=effects,
-        channels=channels,
-        recorded={"t": t, **recorded, **({"u": u} if u is not None else {})},
-        clean=clean,
-        base=base,
-        noise=noise,
-        setting=setting,
-        region=regions(effects, base, run.x, sensors.saturated(run)),
-        base_chi2_excess=math.nan,
-        base_r2=(),
-        part_chi2_excess={},
-        source=source,
-    )
-
-
 def accepted(case: Case) -> Case | None:
     """The case, with the loss of each part of a pair; None when what is hidden shows too plainly or not at all.
 
@@ -200,14 +199,11 @@ def accepted(case: Case) -> Case | None:
         return None
     if len(case.effects) == 1:
         return case
-    sigma = {c: case.noise.total(c) for c in case.channels}
-    seen = {c: case.recorded[c] for c in case.channels}
     at_truth, parts = _chi2_truth(case), {}
     for name in case.effects:
         # the model without this part but with all the others, refitted
         left = {other: values for other, values in case.effects.items() if other != name}
-        bounds = _bounds(at_truth, PART_DECIDABLE)
-        refit = fit_simulated(case.base, left, seen, sigma, case.noise.correlation, case.recorded.get("u"), bounds)
+        refit = fit_simulated(case.base, left, case.seen, case.recorded.get("u"), _bounds(at_truth, PART_DECIDABLE))
         # the base is a special case of what is left, so its loss is never below this one's
         parts[name] = min(refit.chi2 - at_truth, case.base_chi2_excess)
         if parts[name] < PART_DECIDABLE:
@@ -224,22 +220,19 @@ def _plausible(case: Case) -> bool:
 
 
 def _chi2_truth(case: Case) -> float:
-    correlation = case.noise.correlation
-    left = {c: case.recorded[c] - case.clean[c] for c in case.channels}
-    return sum(float(np.sum(whiten(left[c], case.noise.total(c), correlation) ** 2)) for c in case.channels)
+    seen = case.seen
+    left = {c: whiten(y - case.clean[c], seen.sigma[c], seen.correlation) for c, y in seen.channels.items()}
+    return sum(float(np.sum(one**2)) for one in left.values())
 
 
 def _fit_base(case: Case, chi2_truth: float) -> BaseFit:
-    base, correlation, u = case.base, case.noise.correlation, case.recorded.get("u")
-    seen = {c: case.recorded[c] for c in case.channels}
-    sigma = {c: case.noise.total(c) for c in case.channels}
+    base, seen, u = case.base, case.seen, case.recorded.get("u")
     if base.restoring == "spring" and base.drive is None:
-        start = (base.omega_n, base.zeta, base.x_k, base.x0, base.v0)
-        return fit_decay(base.times, seen, sigma, start, correlation)
+        return fit_decay(base.times, seen, (base.omega_n, base.zeta, base.x_k, base.x0, base.v0))
     if not case.effects:
         # of a control every fit is of use, of the others one that is concealed and decidable
-        return fit_simulated(base, {}, seen, sigma, correlation, u)
-    return fit_simulated(base, {}, seen, sigma, correlation, u, _bounds(chi2_truth, DECIDABLE), CONCEALED)
+        return fit_simulated(base, {}, seen, u)
+    return fit_simulated(base, {}, seen, u, _bounds(chi2_truth, DECIDABLE), CONCEALED)
 
 
 def _bounds(chi2_truth: float, loss: float) -> tuple[float, float]:
@@ -248,65 +241,46 @@ def _bounds(chi2_truth: float, loss: float) -> tuple[float, float]:
 
 def truth(case: Case) -> dict[str, Any]:
     """The answer of a case as it is written down."""
-    known = [name for name in case.mechanisms if name in FAMILY]
+    base, noise, effects = case.base, case.noise, case.effects
+
+    def judged(name: str) -> dict[str, Any]:
+        # a stop on the lower side alone has no agreed sign of its gap
+        lower = effects[name].get("side") == "lower"
+        return {p: effects[name][p] for p in BENCH[name].headline if p in effects[name] and not lower}
+
     return {
-        "mechanisms": list(case.mechanisms),
-        "families": families(case.mechanisms),
+        "mechanisms": list(effects),
+        "families": list(dict.fromkeys(family for name in effects for family in EFFECTS[name].families)),
         "channels": case.channels,
-        "noise": {c: case.noise.total(c) for c in ("x", "a")},
-        "noise_correlation": case.noise.correlation,
-        "noise_step": case.noise.step,
+        "noise": {c: noise.total(c) for c in ("x", "a")},
+        "noise_correlation": noise.correlation,
+        "noise_step": noise.step,
         "setting": case.setting,
         "source": case.source,
-        "restoring": case.base.restoring,
-        "m": case.base.m,
-        "omega_n": case.base.omega_n,
-        "zeta": case.base.zeta,
-        "x_k": case.base.x_k,
-        "x0": case.base.x0,
-        "v0": case.base.v0,
-        "headline": {
-            name: {p: case.effects[name][p] for p in HEADLINE[name] if _judged(case, name, p)} for name in known
-        }
-        or {"none": {}},
+        **{name: getattr(base, name) for name in ("restoring", "m", "omega_n", "zeta", "x_k", "x0", "v0")},
+        "headline": {name: judged(name) for name in effects if name in FAMILY} or {"none": {}},
         "base_chi2_excess": case.base_chi2_excess,
         "base_r2": list(case.base_r2),
         "part_chi2_excess": dict(case.part_chi2_excess),
-        "points": case.base.samples,
-        "parameters": {name: dict(values) for name, values in case.effects.items()},
+        "points": base.samples,
+        "parameters": {name: dict(values) for name, values in effects.items()},
         "duration": float(case.recorded["t"][-1]),
         "region": case.region,
-        "arguments": arguments(case),
+        "arguments": list(ARGUMENTS[base.restoring]),
     }
 
 
-def _judged(case: Case, name: str, parameter: str) -> bool:
-    # a stop on the lower side alone has no agreed sign of its gap
-    return parameter in case.effects[name] and case.effects[name].get("side") != "lower"
-
-
-def arguments(case: Case) -> list[str]:
-    """What a user who knows his machine would tell the diagnosis: how it is held, never what is hidden."""
-    said = {"spring": [], "pendulum": ["--restoring", "pendulum", "--zero", "free"], "none": ["--restoring", "none"]}
-    return said[case.base.restoring]
-
-
-__all__ = ["ALIENS", "Case", "accepted", "arguments", "draw", "record", "truth"]
-
-
 def csv_text(case: Case) -> str:
-    """t, the channels and u where driven, in SI with nine significant digits; an angle says so in its header."""
-    angular = case.base.restoring == "pendulum" or "pendulum-stiffness" in case.mechanisms
-    names = ["t", *(c for c in ("x", "a", "u") if c in case.recorded)]
+    """t, the channels and u where driven, in SI; an angle says so in its header."""
+    angular = case.base.restoring == "pendulum" or "pendulum-stiffness" in case.effects
     unit = {"x": " [rad]", "a": " [rad/s^2]"} if angular else {}
-    header = ",".join(name + unit.get(name, "") for name in names)
+    return as_csv({c + unit.get(c, ""): case.recorded[c] for c in ("t", "x", "a", "u") if c in case.recorded})
+
+
+def as_csv(columns: Mapping[str, FloatArray]) -> str:
+    """Columns by their heading, shape (n,) each, with nine significant digits."""
     text = StringIO()
     np.savetxt(
-        text, np.column_stack([case.recorded[n] for n in names]), fmt="%.9g", delimiter=",", header=header, comments=""
+        text, np.column_stack(list(columns.values())), fmt="%.9g", delimiter=",", header=",".join(columns), comments=""
     )
     return text.getvalue()
-
-
-def write_csv(case: Case, path: Path) -> None:
-    """Write ``csv_text`` to a file."""
-    path.write_text(csv_text(case), encoding="utf-8")

@@ -10,10 +10,9 @@ from scipy.signal import lfilter
 
 from harness.core.arrays import BoolArray, FloatArray
 from harness.proof.plant.base import Base
-from harness.proof.plant.effects import BENCH, Effect, Values
-from harness.proof.plant.friction import Coulomb, Level
+from harness.proof.plant.effects import EFFECTS, Values
 from harness.proof.plant.integrate import PlantRun, simulate
-from harness.proof.plant.model import PlantModel
+from harness.proof.plant.model import Level, PlantModel, coulomb
 
 Motion = Callable[[PlantModel, FloatArray], PlantRun]
 """What makes the motion of a plant at given times: SciPy's solvers, or an engine."""
@@ -82,30 +81,21 @@ class Noise:
         return math.hypot(self.sigma[channel], step / math.sqrt(12.0))
 
 
-def build(base: Base, effects: Mapping[str, Values], known: Mapping[str, Effect] = BENCH) -> tuple[PlantModel, Sensors]:
-    """The plant and its sensors with these effects, each a name with its parameters (SI); known : what a name is."""
-    parts = [known[name].build(values, base) for name, values in effects.items()]
-    level: dict[str, float] = {}
+def build(base: Base, effects: Mapping[str, Values]) -> tuple[PlantModel, Sensors]:
+    """The plant and its sensors with these effects, each a name with its parameters (SI)."""
+    parts = [EFFECTS[name].build(values, base) for name, values in effects.items()]
+    level: dict[str, Any] = {"f_s": base.f_k}
     sensors: dict[str, float] = {}
     for part in parts:
         level |= part.level
         sensors |= part.sensors
-    changed = Level(
-        f_k=base.f_k,
-        f_s=level.get("f_s", base.f_k),
-        v_s=level.get("v_s"),
-        modulations=tuple(m for part in parts for m in part.modulations),
-    )
-    law = next((part.law for part in parts if part.law is not None), Coulomb)
-    model = replace(
-        base.model(),
-        friction=law(changed),
-        forces=tuple(f for part in parts for f in part.forces),
-        branches=tuple(f for part in parts for f in part.branches),
-        knocks=tuple(f for part in parts for f in part.knocks),
-        kinks=tuple(f for part in parts for f in part.kinks),
-    )
-    return model, Sensors(**sensors)
+    of: dict[str, Any] = {
+        kind: tuple(one for part in parts for one in getattr(part, kind))
+        for kind in ("forces", "branches", "knocks", "kinks", "modulations")
+    }
+    changed = Level(base.f_k, **level, modulations=of.pop("modulations"))
+    law = next((part.law for part in parts if part.law is not None), coulomb)
+    return replace(base.model(), friction=law(changed), **of), Sensors(**sensors)
 
 
 def regions(effects: Mapping[str, Values], base: Base, x: Any, saturated: Any) -> list[list[float]] | None:
