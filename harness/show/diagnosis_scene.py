@@ -1,18 +1,18 @@
 """The scene of a diagnosis: recording and both simulations, residuals, and where they part as a lane of states."""
 
-from collections.abc import Mapping, Sequence
-from typing import Any
+from collections.abc import Sequence
 
 import numpy as np
 
 from harness.core.arrays import FloatArray
 from harness.core.recording import Recording
 from harness.core.trajectory import Trajectory
+from harness.results.diagnosis import DiagnosisResult
 from harness.show import scene as s
 from harness.show.decimate import keep, reversal_times
 from harness.show.pack import pack_recording, pack_trajectories
 from harness.show.run_scene import DRAWN
-from harness.show.scene import padded, plane_grid, roomy
+from harness.show.scene import kept, padded, plane_grid, roomy
 
 RECORDED, BEFORE, AFTER, YOURS = "#8a93a0", "#e4632d", "#2b7fd6", "#1f9e77"
 YOUR_SIMULATION = "your simulation"
@@ -33,33 +33,33 @@ def yours(simulated: Sequence[Trajectory]) -> Trajectory | None:
     return simulated[2] if len(simulated) > 2 else None
 
 
-def model_names(result: Mapping[str, Any]) -> list[str]:
+def model_names(result: DiagnosisResult) -> list[str]:
     """What both models are called; one when nothing was found that helps."""
-    mechanisms = result["mechanisms"]
+    base, mechanisms = "viscous and Coulomb", result.mechanisms
     if not mechanisms:
-        return ["viscous and Coulomb"]
-    return ["viscous and Coulomb", "refined" if mechanisms[0]["grade"] == "explains" else f"with {best_terms(result)}"]
+        return [base]
+    return [base, "refined" if mechanisms[0].grade == "explains" else f"with {best_terms(result)}"]
 
 
-def best_terms(result: Mapping[str, Any]) -> str:
+def best_terms(result: DiagnosisResult) -> str:
     """Catalogue names of the best model found."""
-    return " and ".join(dict.fromkeys(term["name"] for term in result["refined_model"]["terms"]))
+    return " and ".join(dict.fromkeys(term.name for term in result.refined_model.terms))
 
 
-def shaded_spans(result: Mapping[str, Any]) -> list[list[float]]:
+def shaded_spans(result: DiagnosisResult) -> list[list[float]]:
     """Where simulation and recording part, s: the places found, else those of the effects; none for the whole of it."""
-    found = [*result["where"], *(mechanism["where"] for mechanism in result["mechanisms"])]
-    places = [place["time_s"] for place in found if place["regime"] != "throughout"]
+    found = [*result.where, *(mechanism.where for mechanism in result.mechanisms)]
+    places = [place.time_s for place in found if place.regime != "throughout"]
     for spans in places:
         covered = sum(high - low for low, high in spans)
-        if spans and covered < _MOST_OF_IT * float(result["recording"]["duration_s"]):
+        if spans and covered < _MOST_OF_IT * result.recording.duration_s:
             return [list(span) for span in spans]
     return []
 
 
-def begins(result: Mapping[str, Any]) -> float:
+def begins(result: DiagnosisResult) -> float:
     """When the models are let go, s: before that nothing of them is to be seen."""
-    return float(result["refined_model"]["release"].get("t0", 0.0))
+    return result.refined_model.release.t0
 
 
 def lane(spans: Sequence[Sequence[float]], start: float, stop: float) -> tuple[FloatArray, list[str]]:
@@ -76,13 +76,12 @@ def lane(spans: Sequence[Sequence[float]], start: float, stop: float) -> tuple[F
 
 
 def diagnosis_scene(
-    recording: Recording, simulated: Sequence[Trajectory], result: Mapping[str, Any], notes: str
+    recording: Recording, simulated: Sequence[Trajectory], result: DiagnosisResult, notes: str
 ) -> s.Scene:
     """Scene of a diagnosis.
 
     simulated : base model and refined model at the recording's times, behind them the user's own simulation where
-    there is one. result : JSON-able, stored as a property.
-    notes : Markdown.
+    there is one. notes : Markdown.
     """
     channels = [c for c in ("x", "v", "a") if c in recording and f"shown {c}" in simulated[0].extra]
     names = _ANGLES if recording.angular else _NAMES
@@ -91,7 +90,7 @@ def diagnosis_scene(
     everything, own = simulated, yours(simulated)
     simulated = simulated[:2]
     models = list(zip(looks, simulated, strict=False))
-    leaves = (labels[0], labels[-1] if result["remainder"] is None else f"remainder, {labels[-1]}")
+    leaves = (labels[0], labels[-1] if result.remainder is None else f"remainder, {labels[-1]}")
     around = reversal_times(simulated[-1])
     items: list[s.Item] = [s.Page("/notes", notes)]
     curves: list[s.Layout] = []
@@ -144,5 +143,5 @@ def diagnosis_scene(
         items,
         layout,
         blobs,
-        {"result": dict(result), "notes": {"text": notes}},
+        {"result": kept(result), "notes": {"text": notes}},
     )

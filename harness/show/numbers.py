@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from harness.core.trajectory import Source
+from harness.results.common import P
 
 REFERENCE = "#8a93a0"
 _PAIRS = (  # (tuned and the like, as shipped): hues that stay apart for most colour-blind readers
@@ -112,16 +113,16 @@ def with_error(value: float, stderr: float | None) -> tuple[str, str]:
     return plain(f"{value:.{decimals}f}"), plain(shown) if float(shown) else number(stderr, 2)
 
 
-def quantity(p: Mapping[str, Any]) -> tuple[str, str, str]:
-    """Value, standard error and unit of a P, in the unit shown; value "\u2013" when it was refused."""
-    unit, factor = SHOWN.get(p["unit"], ("" if p["unit"] == "1" else p["unit"], 1.0))
-    if p["value"] is None:
+def quantity(p: P) -> tuple[str, str, str]:
+    """Value, standard error and unit, in the unit shown; value "\u2013" when it was refused."""
+    unit, factor = SHOWN.get(p.unit, ("" if p.unit == "1" else p.unit, 1.0))
+    if p.value is None:
         return NONE, "", unit
-    value, stderr = with_error(p["value"] * factor, None if p["stderr"] is None else p["stderr"] * factor)
+    value, stderr = with_error(p.value * factor, None if p.stderr is None else p.stderr * factor)
     return value, stderr, unit
 
 
-def sentence_quantity(p: Mapping[str, Any]) -> str:
+def sentence_quantity(p: P) -> str:
     """For running text: "30.00 \u00b1 0.02 mm"."""
     value, stderr, unit = quantity(p)
     shown = f"{value} \u00b1 {stderr}" if stderr else value

@@ -2,7 +2,6 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
 
@@ -10,13 +9,15 @@ from harness.core.arrays import FloatArray
 from harness.core.errors import InputError
 from harness.core.recording import Recording
 from harness.core.trajectory import Trajectory
+from harness.results.compare import CompareResult
+from harness.results.identify import IdentifyResult
 from harness.show import scene as s
 from harness.show.decimate import keep, position_error
 from harness.show.numbers import REFERENCE, SLIDES, TURNS, of_engines, of_names, units_of
 from harness.show.pack import pack_recording
 from harness.show.report.compare import Shown, compare_headline
 from harness.show.run_scene import DRAWN
-from harness.show.scene import padded, plane_grid, roomy
+from harness.show.scene import kept, padded, plane_grid, roomy
 from harness.show.stored import StoredTrace
 
 NAMES = {"x": "position / m", "v": "speed / (m/s)", "a": "acceleration / (m/s²)", "u": "force / N"}
@@ -25,11 +26,11 @@ _COLORS = {"x": "#e4632d", "v": "#1f9e77", "a": "#2b7fd6", "u": "#a45bc2"}
 
 
 def recording_scene(
-    recording: Recording, result: Mapping[str, Any], notes: str, reversals: Sequence[tuple[float, str]] = ()
+    recording: Recording, result: IdentifyResult, notes: str, reversals: Sequence[tuple[float, str]] = ()
 ) -> s.Scene:
     """Scene of a recording.
 
-    result : JSON-able, stored as a property. notes : Markdown. reversals : time in s and a sentence, in order.
+    notes : Markdown. reversals : time in s and a sentence, in order.
     """
     channels = list(recording.channels)
     values = [recording[name] for name in channels]
@@ -50,7 +51,7 @@ def recording_scene(
         items,
         s.Columns([s.Rows(views), s.Rows(side)], [3.0, 2.0]),
         {"recording-000": pack_recording(recording)},
-        {"result": dict(result), "notes": {"text": notes}},
+        {"result": kept(result), "notes": {"text": notes}},
     )
 
 
@@ -58,13 +59,10 @@ _PAIR = ("#e4632d", "#8a93a0")
 _APART = "#2b7fd6"
 
 
-def compare_scene(
-    sim: Recording, real: Recording, moved: FloatArray, shown: Shown, result: Mapping[str, Any]
-) -> s.Scene:
+def compare_scene(sim: Recording, real: Recording, moved: FloatArray, shown: Shown, result: CompareResult) -> s.Scene:
     """Scene of a comparison.
 
-    moved : times of ``sim`` (n,) by the clock of ``real``, s. shown : both at shared times. result : JSON-able, kept as
-    a property.
+    moved : times of ``sim`` (n,) by the clock of ``real``, s. shown : both at shared times.
     """
     labels = ANGLES if shown.angular else NAMES
     items: list[s.Item] = []
@@ -83,7 +81,7 @@ def compare_scene(
         views.append(s.Plot(f"difference of {labels[channel]}", [path], roomy([apart]) if np.ptp(apart) else None))
     phase, plane = _phase(shown)
     notes = "\n".join(
-        [f"# {result['verdict']}", "", compare_headline(result), "", *(f"- {line}" for line in result["sentences"])]
+        [f"# {result.verdict}", "", compare_headline(result), "", *(f"- {line}" for line in result.sentences)]
     )
     items += [*phase, s.Page("/notes", notes)]
     return s.Scene(
@@ -91,7 +89,7 @@ def compare_scene(
         items,
         s.Columns([s.Rows(views), s.Rows([plane, s.Words("notes", "/notes")])], [3.0, 2.0]),
         {"recording-000": pack_recording(sim), "recording-001": pack_recording(real)},
-        {"result": dict(result), "notes": {"text": notes}},
+        {"result": kept(result), "notes": {"text": notes}},
     )
 
 

@@ -9,6 +9,7 @@ import numpy as np
 
 from harness.core.arrays import FloatArray
 from harness.core.robot.bodies import Bodies
+from harness.results.common import Result
 
 
 @dataclass(frozen=True, slots=True)
@@ -214,6 +215,11 @@ class Scene:
     layout: Layout
     blobs: Mapping[str, bytes] = field(default_factory=dict)
     properties: Mapping[str, Any] = field(default_factory=dict)
+
+
+def kept(result: Result) -> dict[str, Any]:
+    """A result as a trace has it among its properties."""
+    return result.model_dump(mode="json", by_alias=True)
 
 
 def padded(values: Sequence[FloatArray], share: float) -> tuple[float, float]:

@@ -1,7 +1,6 @@
 """Fixtures of example data; what they are made of is in show_examples."""
 
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
@@ -10,6 +9,7 @@ from show_examples import MACHINE, SCENARIO, estimate, make_run_result, make_sou
 from harness.core.recording import Recording
 from harness.core.trajectory import Trajectory
 from harness.results.identify import IdentifyResult
+from harness.results.run import RunResult
 
 
 @pytest.fixture(scope="session")
@@ -18,7 +18,7 @@ def sources() -> list[Trajectory]:
 
 
 @pytest.fixture(scope="session")
-def run_result(sources: list[Trajectory]) -> dict[str, Any]:
+def run_result(sources: list[Trajectory]) -> RunResult:
     return make_run_result(sources)
 
 
@@ -34,12 +34,12 @@ def recording(sources: list[Trajectory]) -> Recording:
 
 
 @pytest.fixture(scope="session")
-def identify_result(sources: list[Trajectory]) -> dict[str, Any]:
+def identify_result(sources: list[Trajectory]) -> IdentifyResult:
     per_reversal = [
         {"t": float(t), "X": 0.5, "a_before": 1.0, "a_after": 7.0, "x_k": 0.03 + 1e-5 * i, "stderr": 2e-5, "zeta": 0.05}
         for i, t in enumerate(sources[0].events.t[:-1])
     ]
-    result = IdentifyResult.model_validate(
+    return IdentifyResult.model_validate(
         {
             "schema": "harness.identify/1",
             "recording": {
@@ -59,7 +59,6 @@ def identify_result(sources: list[Trajectory]) -> dict[str, Any]:
             "files": {},
         }
     )
-    return result.model_dump(by_alias=True)
 
 
 @pytest.fixture(scope="session")
@@ -69,11 +68,12 @@ def urdf() -> Path:
 
 @pytest.fixture(scope="session")
 def trace_file(
-    tmp_path_factory: pytest.TempPathFactory, sources: list[Trajectory], run_result: dict[str, Any], urdf: Path
+    tmp_path_factory: pytest.TempPathFactory, sources: list[Trajectory], run_result: RunResult, urdf: Path
 ) -> Path:
     from harness.show.run_scene import run_scene
+    from harness.show.scene import kept
     from harness.show.trace import write_trace
 
     path = tmp_path_factory.mktemp("trace") / "trace.rrd"
-    write_trace(path, run_scene(sources, SCENARIO, run_result, "# Notes\n\nThe grey curve is exact.", urdf))
+    write_trace(path, run_scene(sources, SCENARIO, kept(run_result), "# Notes\n\nThe grey curve is exact.", urdf))
     return path

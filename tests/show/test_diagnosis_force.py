@@ -4,12 +4,15 @@ import json
 from typing import Any
 
 import numpy as np
+from diagnose_examples import example
 
-from harness.show.report.diagnosis_figures import tables_section
-from harness.show.report.section import Pool
+from harness.results.diagnosis import SurfaceResult, TableResult
+from harness.show.blocks import Figure
+from harness.show.report.diagnosis_figures import nameless
+from harness.show.report.page import Pool
 
 SIDE = [-1.0, 0.0, 1.0]
-CURVE = {
+CURVE: dict[str, Any] = {
     "form": "f(x)",
     "of": "x",
     "at": SIDE,
@@ -21,7 +24,7 @@ CURVE = {
     "described": "odd",
     "nearest": [{"name": "cubic-stiffness", "share": 0.8}],
 }
-PLANE = {
+PLANE: dict[str, Any] = {
     "form": "f(x, v)",
     "x": SIDE,
     "x_unit": "m",
@@ -35,19 +38,22 @@ PLANE = {
 }
 
 
-def figures(result: dict[str, Any]) -> list[Any]:
-    return list(tables_section(result).context["figures"])
+def figures(curves: int, plane: bool) -> list[Figure]:
+    tables = [TableResult.model_validate(CURVE)] * curves
+    surface = SurfaceResult.model_validate(PLANE) if plane else None
+    found = nameless(example("bench.csv", tables=tables, surface=surface)).blocks
+    return [block for block in found if isinstance(block, Figure)]
 
 
 def test_a_curve_is_drawn_with_its_band_and_what_comes_near() -> None:
-    (figure,) = figures({"tables": [CURVE]})
+    (figure,) = figures(1, False)
     assert len(figure.traces) == 3
     assert np.allclose(figure.traces[1]["y"] - figure.traces[0]["y"], 0.04)
     assert "cubic-stiffness (80 % of it)" in figure.caption
 
 
 def test_a_plane_is_blank_where_nothing_is_known() -> None:
-    curve, plane = figures({"tables": [CURVE], "surface": PLANE})
+    curve, plane = figures(1, True)
     assert curve.name != plane.name
     assert plane.traces[0]["z"][0] == [None, -0.5, None]
     assert (plane.traces[0]["zmin"], plane.traces[0]["zmax"]) == (-0.5, 0.5)
@@ -58,5 +64,5 @@ def test_a_plane_is_blank_where_nothing_is_known() -> None:
 
 
 def test_a_plane_stands_alone() -> None:
-    (plane,) = figures({"tables": [], "surface": PLANE})
+    (plane,) = figures(0, True)
     assert plane.layout["yaxis"]["title"]["text"] == "speed / (m/s)"

@@ -1,25 +1,27 @@
 """The page in a browser: no error, no request, every plot drawn, a zoom that shows the samples."""
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import pytest
 from browsed import open_page
 
 from harness.core.recording import Recording
 from harness.core.trajectory import Trajectory
-from harness.show.report.identify import identify_sections, identify_title
+from harness.results.identify import IdentifyResult
+from harness.results.run import RunResult
+from harness.show.report.identify import identify_page
 from harness.show.report.page import share, whole, write_report
-from harness.show.report.run import run_sections, run_title
+from harness.show.report.run import run_page
 
 if TYPE_CHECKING:
     from playwright.sync_api import Browser, Page
 
 
 @pytest.fixture(scope="module")
-def run_page(tmp_path_factory: pytest.TempPathFactory, sources: list[Trajectory], run_result: dict[str, Any]) -> Path:
+def drawn_run(tmp_path_factory: pytest.TempPathFactory, sources: list[Trajectory], run_result: RunResult) -> Path:
     path = tmp_path_factory.mktemp("page") / "report.html"
-    write_report(path, *run_title(run_result), run_sections(sources, run_result))
+    write_report(path, run_page(run_result, sources))
     return path
 
 
@@ -42,14 +44,14 @@ def drawn(page: "Page") -> dict[str, int]:
 
 @pytest.mark.parametrize(("scheme", "alone"), [("light", True), ("dark", False)])
 def test_the_page_of_a_run_is_drawn_without_a_word(
-    browser: "Browser", run_page: Path, scheme: str, alone: bool, tmp_path: Path
+    browser: "Browser", drawn_run: Path, scheme: str, alone: bool, tmp_path: Path
 ) -> None:
     published = tmp_path / "run" / "report.html"
     published.parent.mkdir()
-    share(run_page, published)
-    assert published.stat().st_size < 0.5 * run_page.stat().st_size
-    assert whole(published) == run_page.read_bytes()
-    page, said = open_page(browser, run_page if alone else published, scheme)
+    share(drawn_run, published)
+    assert published.stat().st_size < 0.5 * drawn_run.stat().st_size
+    assert whole(published) == drawn_run.read_bytes()
+    page, said = open_page(browser, drawn_run if alone else published, scheme)
     counts = drawn(page)
     assert set(counts) == {"reversal", "position", "error", "acceleration", "phase"}
     assert counts["position"] >= 3
@@ -62,8 +64,8 @@ def test_the_page_of_a_run_is_drawn_without_a_word(
     page.close()
 
 
-def test_no_button_of_a_plot_shares_anything(browser: "Browser", run_page: Path) -> None:
-    page, _ = open_page(browser, run_page, "light")
+def test_no_button_of_a_plot_shares_anything(browser: "Browser", drawn_run: Path) -> None:
+    page, _ = open_page(browser, drawn_run, "light")
     titles = page.evaluate(
         "[...document.querySelectorAll('.modebar-btn')].map((one) => one.getAttribute('data-title').toLowerCase())"
     )
@@ -74,8 +76,8 @@ def test_no_button_of_a_plot_shares_anything(browser: "Browser", run_page: Path)
     page.close()
 
 
-def test_a_zoom_to_a_jump_shows_single_samples(browser: "Browser", run_page: Path, sources: list[Trajectory]) -> None:
-    page, said = open_page(browser, run_page, "light")
+def test_a_zoom_to_a_jump_shows_single_samples(browser: "Browser", drawn_run: Path, sources: list[Trajectory]) -> None:
+    page, said = open_page(browser, drawn_run, "light")
     page.click(".zoom button:nth-of-type(2)")
     wait_for_mode(page, "lines+markers")
     event = float(sources[0].events.t[0])
@@ -93,10 +95,10 @@ def test_a_zoom_to_a_jump_shows_single_samples(browser: "Browser", run_page: Pat
 
 
 def test_the_page_of_a_recording_is_drawn(
-    browser: "Browser", tmp_path: Path, recording: Recording, identify_result: dict[str, Any]
+    browser: "Browser", tmp_path: Path, recording: Recording, identify_result: IdentifyResult
 ) -> None:
     path = tmp_path / "report.html"
-    write_report(path, *identify_title(identify_result), identify_sections(recording, identify_result))
+    write_report(path, identify_page(identify_result, recording))
     page, said = open_page(browser, path, "light")
     counts = drawn(page)
     assert set(counts) == {"channel-x", "channel-a", "reversals-x_k", "reversals-zeta"}

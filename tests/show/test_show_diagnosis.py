@@ -1,7 +1,7 @@
 """The pages and the trace of a diagnosis: what they say, and that a browser draws them without a word."""
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 import pytest
@@ -26,10 +26,11 @@ from harness.results.diagnosis import (
     UnreadRecording,
     read_diagnosis,
 )
+from harness.show.blocks import Page
 from harness.show.diagnosis_scene import diagnosis_scene, lane, shaded_spans
-from harness.show.report.diagnosis import diagnosis_sections, diagnosis_title, gained, index_sections, index_title
+from harness.show.report.diagnosis import diagnosis_page, gained, index_page
 from harness.show.report.page import render, write_report
-from harness.show.scene import Line
+from harness.show.scene import Line, kept
 from harness.show.stored import read_trace
 from harness.show.trace import write_trace
 
@@ -37,7 +38,7 @@ if TYPE_CHECKING:
     from playwright.sync_api import Browser
 
 T = np.linspace(0.0, 4.0, 500)
-Case = tuple[Recording, list[Trajectory], dict[str, Any]]
+Case = tuple[DiagnosisResult, Recording, list[Trajectory]]
 
 
 def motion(name: str, terms: bool) -> Trajectory:
@@ -68,11 +69,11 @@ def case() -> Case:
             "warnings": ["</script><b>no markup</b>"],
         }
     )
-    return Recording(T, channels, "bench.csv"), simulated, result.model_dump(mode="json", by_alias=True)
+    return result, Recording(T, channels, "bench.csv"), simulated
 
 
 def test_the_verdict_comes_first_and_nothing_of_a_file_becomes_markup(case: Case) -> None:
-    page = render(*diagnosis_title(case[2]), diagnosis_sections(*case))
+    page = render(diagnosis_page(*case))
     order = ["leaves out a stop.", "<h2>Recording against simulation", "<h2>Evidence over the catalogue"]
     places = [page.index(text) for text in order]
     assert places == sorted(places)
@@ -83,29 +84,29 @@ def test_the_verdict_comes_first_and_nothing_of_a_file_becomes_markup(case: Case
 
 
 def test_spans_are_shaded_and_a_place_everywhere_is_none(case: Case) -> None:
-    spans = shaded_spans(case[2])
+    spans = shaded_spans(case[0])
     assert spans == [[0.0, 0.5], [1.0, 1.2]]
     times, states = lane(spans, 0.0, 4.0)
     assert times.tolist() == [0.0, 0.5, 1.0, 1.2]
     assert states == ["parts", "elsewhere", "parts", "elsewhere"]
     # the example's effect acts throughout
-    assert shaded_spans(case[2] | {"where": []}) == []
+    assert shaded_spans(case[0].model_copy(update={"where": []})) == []
     assert lane([], 0.0, 4.0)[1] == ["elsewhere"]
 
 
 def test_the_trace_holds_recording_and_simulations_bit_for_bit(case: Case, tmp_path: Path) -> None:
-    recording, simulated, result = case
+    result, recording, simulated = case
     write_trace(tmp_path / "trace.rrd", diagnosis_scene(recording, simulated, result, "# Verdict"))
     stored = read_trace(tmp_path / "trace.rrd")
-    assert stored.properties["result"] == result
+    assert stored.properties["result"] == result.model_dump(mode="json", by_alias=True)
     np.testing.assert_array_equal(stored.recordings[0]["x"], recording["x"])
-    for kept, made in zip(stored.trajectories, simulated, strict=True):
-        assert kept.source == made.source
-        np.testing.assert_array_equal(kept.extra["shown a"], made.extra["shown a"])
+    for stored_one, made in zip(stored.trajectories, simulated, strict=True):
+        assert stored_one.source == made.source
+        np.testing.assert_array_equal(stored_one.extra["shown a"], made.extra["shown a"])
 
 
 def test_a_users_own_simulation_is_a_third_curve_as_far_as_it_reaches(case: Case, tmp_path: Path) -> None:
-    recording, simulated, result = case
+    result, recording, simulated = case
     part = simulated[0].t[10:200]
     shown_x = np.cos(part)
     own = Trajectory(part, shown_x, 0.0 * part, 0.0 * part, Source("yours", "as given"), extra={"shown x": shown_x})
@@ -114,29 +115,25 @@ def test_a_users_own_simulation_is_a_third_curve_as_far_as_it_reaches(case: Case
         engine=0.0, why="a trace alone", parameters=-0.4, missing_physics=1.4, unexplained=0.0, noise=0.0,
         changes=[changed], sentences=["The parameters hide the missing term: c 0.8 stands for 0.4 and end-stop."],
     )  # fmt: skip
-    result = result | {"attribution": told.model_dump(mode="json", by_alias=True)}
+    result = result.model_copy(update={"attribution": told})
     scene = diagnosis_scene(recording, [*simulated, own], result, "# Verdict")
     assert "/channels/x/yours" in {getattr(item, "path", "") for item in scene.items}
     write_trace(tmp_path / "trace.rrd", scene)
     assert [len(kept) for kept in read_trace(tmp_path / "trace.rrd").trajectories][2] == part.size
-    page = render(*diagnosis_title(result), diagnosis_sections(recording, [*simulated, own], result))
+    page = render(diagnosis_page(result, recording, [*simulated, own]))
     assert "your simulation" in page
     assert "c: 0.8 to 0.4 N s/m." in page
     assert "engine and parameters" in page
     assert "stands for 0.4 and end-stop" in page
 
 
-def index_data() -> list[dict[str, Any]]:
+def index() -> Page:
     failed = FailedDiagnosis(recording=UnreadRecording(file="bad.csv"), error="bad.csv: 2 samples; at least 50 are")
-    answers = [example("a.csv"), failed]
-    return [
-        one.model_dump(mode="json", by_alias=True) | {"link": link}
-        for one, link in zip(answers, ("a/r.html", ""), strict=True)
-    ]
+    return index_page([example("a.csv"), failed], ["a/r.html", ""], "harness diagnose")
 
 
 def test_the_page_of_many_has_a_row_and_a_link_each() -> None:
-    page = render(*index_title(index_data()), index_sections(index_data(), "harness diagnose"))
+    page = render(index())
     assert '<a href="a/r.html">a.csv</a>' in page
     assert "bad.csv: 2 samples; at least 50 are" in page
     assert "1 physics left out, 1 could not be diagnosed" in page
@@ -144,8 +141,8 @@ def test_the_page_of_many_has_a_row_and_a_link_each() -> None:
 
 def test_a_browser_draws_every_figure_without_a_word(browser: "Browser", case: Case, tmp_path: Path) -> None:
     path, many = tmp_path / "report.html", tmp_path / "index.html"
-    write_report(path, *diagnosis_title(case[2]), diagnosis_sections(*case))
-    write_report(many, *index_title(index_data()), index_sections(index_data(), "harness diagnose"))
+    write_report(path, diagnosis_page(*case))
+    write_report(many, index())
     for file, wanted in (
         (path, {"channel-x", "channel-a", "residual-x", "residual-a", "plane", "evidence", "attribution"}),
         (many, set[str]()),
@@ -158,12 +155,11 @@ def test_a_browser_draws_every_figure_without_a_word(browser: "Browser", case: C
         page.close()
 
 
-def graded(case: Case, verdict: str, grade: str) -> dict[str, Any]:
+def graded(result: DiagnosisResult, verdict: str, grade: str) -> DiagnosisResult:
     """The example with a misfit that its mechanism takes off in part."""
     told = PredictionResult(
         baseline_rmse={"x": 2e-3, "a": 0.0}, refined_rmse={"x": 1e-3, "a": 0.0}, blocks=[0.25], spans_s=[[1.0, 2.0]]
     )
-    result = DiagnosisResult.model_validate(case[2])
     named = {"grade": grade, "share": 0.72, "holdout": told, "forward": told}
     depends = {"x": 0.3, "v": 0.0, "t": 0.41, "direction": 0.0, "amplitude": 0.4}
     ended = ModelEntry(name="end-stop", variant="positive", parameters={"gap": 0.1, "k_s": 900.0})
@@ -176,7 +172,7 @@ def graded(case: Case, verdict: str, grade: str) -> dict[str, Any]:
         "evidence": [EvidenceResult(name="end-stop", delta_bic=9e6, share=0.72)],
         "rules": [RuleResult(name="least-ratio", value=1.25, unit="ratio of squares", origin="a simulation")],
     }
-    return result.model_copy(update=changed).model_dump(mode="json", by_alias=True)
+    return result.model_copy(update=changed)
 
 
 @pytest.mark.parametrize(
@@ -190,12 +186,12 @@ def graded(case: Case, verdict: str, grade: str) -> dict[str, Any]:
 def test_a_graded_verdict_says_how_much_it_takes_and_what_it_leaves(
     case: Case, verdict: str, grade: str, words: str
 ) -> None:
-    recording, simulated, _ = case
-    result = graded(case, verdict, grade)
-    sections = diagnosis_sections(recording, simulated, result)
-    titles = [section.title for section in sections]
+    result, recording, simulated = case
+    result = graded(result, verdict, grade)
+    found = diagnosis_page(result, recording, simulated)
+    titles = [section.title for section in found.sections]
     assert titles[:4] == ["Verdict", "Recording against simulation", "What was left out", "What is left"]
-    page = render(*diagnosis_title(result), sections)
+    page = render(found)
     for text in (
         f"<td>{words}</td>",
         "<td>72.0</td>",
@@ -215,26 +211,25 @@ def test_a_graded_verdict_says_how_much_it_takes_and_what_it_leaves(
 
 
 def test_a_page_of_an_older_result_lacks_what_that_did_not_say(case: Case) -> None:
-    recording, simulated, result = case
+    result, recording, simulated = case
     new = ("remainder", "fit_percent", "rules")
-    older = {key: value for key, value in result.items() if key not in new} | {"schema": "harness.diagnosis/1"}
+    older = {key: value for key, value in kept(result).items() if key not in new} | {"schema": "harness.diagnosis/1"}
     older["mechanisms"] = [
         {key: value for key, value in one.items() if key not in ("grade", "share", "holdout", "forward")}
         for one in older["mechanisms"]
     ]
-    data = read_diagnosis(older).model_dump(mode="json", by_alias=True)
-    titles = [section.title for section in diagnosis_sections(recording, simulated, data)]
-    assert not {"What is left", "Rules that decided"} & set(titles)
-    assert "BIC gained" in render(*diagnosis_title(data), diagnosis_sections(recording, simulated, data))
+    page = diagnosis_page(read_diagnosis(older), recording, simulated)
+    assert not {"What is left", "Rules that decided"} & {section.title for section in page.sections}
+    assert "BIC gained" in render(page)
 
 
 def test_eighty_columns_hold_every_digit(case: Case, capsys: pytest.CaptureFixture[str]) -> None:
+    result = graded(case[0], "one_of", "one-of")
     named = [
-        {**graded(case, "one_of", "one-of")["mechanisms"][0], "name": name}
+        result.mechanisms[0].model_copy(update={"name": name})
         for name in ("position-dependent-friction", "power-law-damping")
     ]
-    result = graded(case, "one_of", "one-of") | {"mechanisms": named, "files": {"report": "r.html"}}
-    print_diagnosis(DiagnosisResult.model_validate(result))
+    print_diagnosis(result.model_copy(update={"mechanisms": named, "files": {"report": "r.html"}}))
     lines = [line for line in capsys.readouterr().out.splitlines() if line[:1] in "┏┃┡│└"]
     assert max(map(len, lines)) <= 80
     assert not any("…" in line for line in lines)
@@ -253,13 +248,12 @@ def test_eighty_columns_hold_every_digit(case: Case, capsys: pytest.CaptureFixtu
 def test_a_figure_rises_or_falls_as_it_does(after: tuple[float | None, float], said: list[str]) -> None:
     """A force fits better with a law, by which the motion need not be followed better."""
     chi2, fit = after
-    result = {
-        "mechanisms": ["one"],
-        "baseline": {"chi2_per_point": None if chi2 is None else 14.59},
-        "refined": {"chi2_per_point": chi2},
-        "fit_percent": {"baseline": {"x": 64.43}, "refined": {"x": fit}},
-    }
+    one = example("bench.csv")
+    before = one.baseline.model_copy(update={"chi2_per_point": None if chi2 is None else 14.59})
+    percent = FitPercent(baseline={"x": 64.43}, refined={"x": fit})
+    refined = one.refined.model_copy(update={"chi2_per_point": chi2})
+    result = one.model_copy(update={"baseline": before, "refined": refined, "fit_percent": percent})
     found = gained(result)
     heads = ["Fit of x (NRMSE)"] if chi2 is None else ["Chi-square per point", "Fit of x (NRMSE)"]
     assert found == [f"{head} {words}" for head, words in zip(heads, said, strict=True)]
-    assert gained({**result, "mechanisms": []})[-1] == "Fit of x (NRMSE) is 64.43 %."
+    assert gained(result.model_copy(update={"mechanisms": []}))[-1] == "Fit of x (NRMSE) is 64.43 %."

@@ -3,7 +3,6 @@
 import re
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
@@ -13,17 +12,20 @@ from harness.core.errors import StoreError
 from harness.core.events import Events
 from harness.core.recording import Recording
 from harness.core.trajectory import Trajectory
+from harness.results.common import P
+from harness.results.identify import IdentifyResult
+from harness.results.run import Estimates, Metrics, RunResult
+from harness.show.blocks import Figure, Page, grade
 from harness.show.numbers import number, quantity, sentence_quantity, with_error
-from harness.show.report.identify import identify_headline, identify_sections, identify_title
+from harness.show.report.identify import identify_headline, identify_page
 from harness.show.report.motion import reversal_section, turning
-from harness.show.report.page import render, symbols, write_report
-from harness.show.report.run import percent, run_sections, run_title, true_values
-from harness.show.report.section import grade, script_json
+from harness.show.report.page import render, script_json, symbols, write_report
+from harness.show.report.run import percent, run_page, true_values
 
 
 @pytest.fixture(scope="module")
-def page(sources: list[Trajectory], run_result: dict[str, Any]) -> str:
-    return render(*run_title(run_result), run_sections(sources, run_result, "harness run"))
+def page(sources: list[Trajectory], run_result: RunResult) -> str:
+    return render(run_page(run_result, sources))
 
 
 @pytest.mark.parametrize(
@@ -59,9 +61,9 @@ def test_values_are_given_to_their_standard_error(value: float, stderr: float | 
 
 
 def test_metres_are_shown_in_millimetres() -> None:
-    assert quantity({"value": 0.03, "stderr": 2e-5, "unit": "m"}) == ("30.000", "0.020", "mm")
-    assert quantity({"value": None, "stderr": None, "unit": "1", "why": "too few"}) == ("–", "", "")
-    assert sentence_quantity({"value": 0.05, "stderr": 1e-4, "unit": "1"}) == "0.05000 ± 0.00010"
+    assert quantity(P(value=0.03, stderr=2e-5, unit="m")) == ("30.000", "0.020", "mm")
+    assert quantity(P(value=None, stderr=None, unit="1", why="too few")) == ("–", "", "")
+    assert sentence_quantity(P(value=0.05, stderr=1e-4, unit="1")) == "0.05000 ± 0.00010"
 
 
 @pytest.mark.parametrize(("relative", "shown"), [(1e-8, "exact to 10⁻⁶"), (-0.8, "−80 %"), (0.00034, "+0.034 %")])
@@ -105,8 +107,8 @@ def test_the_answer_and_its_plots_come_before_tables(page: str) -> None:
 
 
 def test_one_reversal_is_shown_with_both_sides_of_the_exact_jump(sources: list[Trajectory]) -> None:
-    context = reversal_section(sources).context
-    (figure,) = context["figures"]
+    (figure,) = reversal_section(sources).blocks
+    assert isinstance(figure, Figure)
     (low, high), (bottom, top) = figure.layout["xaxis"]["range"], figure.layout["yaxis"]["range"]
     event = turning(sources[0].events)
     assert low < event.t[0] < high
@@ -124,8 +126,8 @@ def test_one_reversal_is_shown_with_both_sides_of_the_exact_jump(sources: list[T
 
 def test_what_never_turns_has_no_reversal_to_show(sources: list[Trajectory]) -> None:
     still = [replace(one, events=Events()) for one in sources]
-    result = make_run_result(sources)
-    assert not [one for one in run_sections(still, result) if one.title == "Acceleration at one reversal"]
+    page = run_page(make_run_result(sources), still)
+    assert not [one for one in page.sections if one.title == "Acceleration at one reversal"]
 
 
 def test_the_page_has_what_a_reader_needs(page: str) -> None:
@@ -142,20 +144,19 @@ def test_the_page_has_what_a_reader_needs(page: str) -> None:
 
 
 def test_a_scenario_without_a_decay_has_a_page(sources: list[Trajectory]) -> None:
-    result = make_run_result(sources)
-    result["scenario"] = {"name": "hold-50"}
-    for trace in result["traces"]:
-        trace["metrics"] = dict.fromkeys(trace["metrics"])
-        trace["estimates"] = {}
-    page = render(*run_title(result), run_sections(sources, result))
+    found = make_run_result(sources)
+    traces = [trace.model_copy(update={"metrics": Metrics.of({}), "estimates": {}}) for trace in found.traces]
+    result = found.model_copy(update={"scenario": {"name": "hold-50"}, "traces": traces})
+    page = render(run_page(result, sources))
     assert "No estimator was run." in page
     assert "hold-50: mujoco 4.0.0, pybullet 3.2.7" in page
 
 
 def test_a_source_that_failed_is_said(sources: list[Trajectory]) -> None:
-    result = make_run_result(sources)
-    result["traces"][1]["error"] = "diverged at 0.3 s"
-    page = render("t", "s", run_sections([sources[0], sources[2]], result))
+    found = make_run_result(sources)
+    first, second, third = found.traces
+    failed = second.model_copy(update={"error": "diverged at 0.3 s"})
+    page = render(run_page(found.model_copy(update={"traces": [first, failed, third]}), [sources[0], sources[2]]))
     assert "mujoco as-shipped could not be run: diverged at 0.3 s" in page
 
 
@@ -169,8 +170,7 @@ def test_nothing_is_fetched_from_anywhere(page: str) -> None:
 @pytest.mark.parametrize("samples", [3001, 200_001])
 def test_a_page_stays_below_its_limit(samples: int, tmp_path: Path) -> None:
     sources = [make_sources(samples)[0], *(make_sources(samples)[2:] * 4)]
-    result = make_run_result(sources)
-    write_report(tmp_path / "page.html", *run_title(result), run_sections(sources, result))
+    write_report(tmp_path / "page.html", run_page(make_run_result(sources), sources))
     assert (tmp_path / "page.html").stat().st_size <= 5_000_000
 
 
@@ -178,8 +178,8 @@ def test_text_cannot_leave_its_script() -> None:
     assert "</script" not in script_json({"a": "</script><script>alert(1)</script>"})
 
 
-def test_the_page_of_a_recording(recording: Recording, identify_result: dict[str, Any]) -> None:
-    page = render(*identify_title(identify_result), identify_sections(recording, identify_result, "harness identify"))
+def test_the_page_of_a_recording(recording: Recording, identify_result: IdentifyResult) -> None:
+    page = render(identify_page(identify_result, recording))
     assert "Friction and damping of bench.csv" in page
     assert "x<sub>k</sub> = 30.000 ± 0.020 mm, ζ = 0.050100 ± 0.000030" in page
     assert "0.2160 ± 0.0030 rad" in page
@@ -188,15 +188,15 @@ def test_the_page_of_a_recording(recording: Recording, identify_result: dict[str
     assert page.count("Bars are one standard error") == 1  # for x_k; zeta has none
 
 
-def test_a_recording_without_figures_says_why(identify_result: dict[str, Any]) -> None:
-    refused = {"value": None, "stderr": None, "unit": "m", "why": "two reversals, at least three are needed"}
-    estimates = {"acceleration": {"omega_n": refused, "zeta": refused, "x_k": refused, "reversals": 2}}
-    assert identify_headline({**identify_result, "estimates": estimates}) == (
+def test_a_recording_without_figures_says_why(identify_result: IdentifyResult) -> None:
+    refused = P(value=None, stderr=None, unit="m", why="two reversals, at least three are needed")
+    estimates = {"acceleration": Estimates(omega_n=refused, zeta=refused, x_k=refused, reversals=2)}
+    assert identify_headline(identify_result.model_copy(update={"estimates": estimates})) == (
         "No method gives all three figures: two reversals, at least three are needed."
     )
 
 
 def test_a_page_that_cannot_be_written_leaves_nothing(tmp_path: Path) -> None:
     with pytest.raises(StoreError, match="no such folder"):
-        write_report(tmp_path / "none" / "page.html", "t", "s", [])
+        write_report(tmp_path / "none" / "page.html", Page("t", "s", []))
     assert list(tmp_path.iterdir()) == []

@@ -15,6 +15,8 @@ from harness.core.errors import HarnessError, InputError, StoreError
 from harness.core.events import Mode
 from harness.core.recording import Recording
 from harness.core.trajectory import Source, Trajectory
+from harness.results.identify import IdentifyResult
+from harness.results.run import RunResult
 from harness.show import scene
 from harness.show.overlay_scene import recording_scene
 from harness.show.run_scene import run_scene
@@ -30,12 +32,12 @@ def bits(trajectory: Trajectory) -> dict[str, bytes]:
 
 
 def test_trajectories_and_properties_come_back(
-    trace_file: Path, sources: list[Trajectory], run_result: dict[str, Any]
+    trace_file: Path, sources: list[Trajectory], run_result: RunResult
 ) -> None:
     stored = read_trace(trace_file)
     assert [bits(one) for one in stored.trajectories] == [bits(one) for one in sources]
     assert [one.source for one in stored.trajectories] == [one.source for one in sources]
-    assert stored.properties["result"] == run_result
+    assert stored.properties["result"] == scene.kept(run_result)
     assert stored.properties["scenario"] == SCENARIO
     assert stored.recordings == []
 
@@ -131,13 +133,13 @@ def test_axes_reach_the_power_of_ten_that_is_near(low: float, high: float, expec
     assert roomy([np.array([low, high])]) == pytest.approx(expected)
 
 
-def test_a_recording_comes_back(tmp_path: Path, recording: Recording, identify_result: dict[str, Any]) -> None:
+def test_a_recording_comes_back(tmp_path: Path, recording: Recording, identify_result: IdentifyResult) -> None:
     path = tmp_path / "recording.rrd"
     write_trace(path, recording_scene(recording, identify_result, "notes", [(0.3, "reversal 1")]))
     stored = read_trace(path)
     assert stored.trajectories == []
     assert stored.recordings[0]["a"].tobytes() == recording["a"].tobytes()
-    assert stored.properties["result"] == identify_result
+    assert stored.properties["result"] == scene.kept(identify_result)
 
 
 def test_two_writings_hold_the_same_data(tmp_path: Path, sources: list[Trajectory]) -> None:

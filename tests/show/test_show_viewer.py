@@ -2,11 +2,11 @@
 
 import struct
 from pathlib import Path
-from typing import Any
 
 import pytest
 
 from harness.core.recording import Recording
+from harness.results.identify import IdentifyResult
 from harness.show import screenshot
 from harness.show.overlay_scene import recording_scene
 from harness.show.trace import write_trace
@@ -41,7 +41,7 @@ def test_no_view_of_a_run_reports_anything(trace_file: Path) -> None:
 @needs_driver
 @pytest.mark.full
 def test_no_view_of_a_recording_reports_anything(
-    tmp_path: Path, recording: Recording, identify_result: dict[str, Any]
+    tmp_path: Path, recording: Recording, identify_result: IdentifyResult
 ) -> None:
     write_trace(tmp_path / "r.rrd", recording_scene(recording, identify_result, "n", [(0.3, "reversal 1")]))
     assert not any(screenshot.take(tmp_path / "r.rrd").reports.values())

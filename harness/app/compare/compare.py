@@ -26,7 +26,7 @@ from harness.io.store import output_folder
 from harness.results.common import P
 from harness.results.compare import Aligned, ChannelPair, CompareResult, Largest, OtherShift
 from harness.show.overlay_scene import compare_scene
-from harness.show.report.compare import Shown, compare_headline, compare_sections, compare_title, rows_of
+from harness.show.report.compare import Shown, compare_headline, compare_page, rows_of
 from harness.show.report.page import write_report
 from harness.show.sentences.compare import compare_sentences
 from harness.show.stored import StoredTrace
@@ -48,20 +48,18 @@ def _shown(result: CompareResult, found: Match, angular: bool) -> Shown:
 
 def write_compare_page(path: Path, result: CompareResult, found: Match, angular: bool) -> None:
     """Write the page; raises StoreError."""
-    data = result.model_dump(mode="json", by_alias=True)
-    write_report(path, *compare_title(data), compare_sections(_shown(result, found, angular), data))
+    write_report(path, compare_page(result, _shown(result, found, angular)))
 
 
 def write_compare_trace(path: Path, result: CompareResult, sim: Recording, real: Recording, found: Match) -> None:
     """Write trace.rrd, with both traces as they were read; raises StoreError."""
-    data = result.model_dump(mode="json", by_alias=True)
-    write_trace(path, compare_scene(sim, real, found.clock.onto(sim.t), _shown(result, found, real.angular), data))
+    shown = _shown(result, found, real.angular)
+    write_trace(path, compare_scene(sim, real, found.clock.onto(sim.t), shown, result))
 
 
 def summary(result: CompareResult) -> tuple[str, list[tuple[str, list[str]]]]:
     """The verdict in a sentence, and the figures side by side: a label, the first's, the second's, their distance."""
-    data = result.model_dump(by_alias=True)
-    return compare_headline(data), rows_of(data)
+    return compare_headline(result), rows_of(result)
 
 
 FILES = {"result": "result.json", "report": "report.html", "rrd": "trace.rrd", "log": LOG}

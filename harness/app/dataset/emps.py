@@ -19,7 +19,8 @@ from harness.model.document import from_document
 from harness.model.model import Restoring
 from harness.results.dataset import DatasetResult, FigureRow, RippleResult
 from harness.results.diagnosis import DiagnosisResult
-from harness.show.report.dataset import write_dataset_page
+from harness.show.report.dataset import dataset_page
+from harness.show.report.page import write_report
 
 
 class DownloadError(HarnessError):
@@ -100,7 +101,7 @@ def dataset_emps(
     files = {name: str((home / file).absolute()) for name, file in FILES.items()}
     result = _result(emps, diagnosis, command, files)
     write_text(home / FILES["result"], to_json(result))
-    write_dataset_page(home / FILES["page"], result.model_dump(by_alias=True))
+    write_report(home / FILES["page"], dataset_page(result))
     return result
 
 

@@ -17,7 +17,8 @@ from harness.io.options import ReadOptions
 from harness.io.store import growing_folder, write_text
 from harness.results.dataset import FoundResult, MachineRow, MachinesResult
 from harness.results.diagnosis import DiagnosisResult, MechanismResult
-from harness.show.report.dataset import write_machines_page
+from harness.show.report.dataset import machines_page
+from harness.show.report.page import write_report
 
 LIST = "machines.toml"
 FILES = {"result": "result.json", "page": "report.html"}
@@ -119,7 +120,7 @@ def dataset_machines(
         files={name: str((home / file).absolute()) for name, file in FILES.items()},
     )
     write_text(home / FILES["result"], to_json(result))
-    write_machines_page(home / FILES["page"], result.model_dump(by_alias=True))
+    write_report(home / FILES["page"], machines_page(result))
     return result
 
 

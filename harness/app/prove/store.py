@@ -22,7 +22,8 @@ from harness.proof.plant.effects import KINDS
 from harness.proof.seal import LEDGER, PUBLISHED, STEPS, Ledger, canonical, digest, file_of
 from harness.proof.tally import OURS, tally
 from harness.results.prove import ProofResult
-from harness.show.report.proof import write_proof_page
+from harness.show.report.page import write_report
+from harness.show.report.proof import proof_page
 
 RECORDINGS, VERDICTS, SECRET, WORKING = "recordings", "verdicts", "secret", "working"
 ANSWERS = "answers.jsonl"
@@ -183,9 +184,7 @@ def finish(store: Store, ledger: Ledger, command: str = "", progress: Progress =
     entries = [
         {"step": entry["step"], "hash": entry["hash"], "at": entry["content"].get("at", "")} for entry in ledger.entries
     ]
-    # the page shows the result, the transcript entry by entry, and the names in the catalogue's order
-    shown = {**result.model_dump(mode="json", by_alias=True), "transcript": entries, "order": list(KINDS)}
-    write_proof_page(store.folder / PAGE, shown)
+    write_report(store.folder / PAGE, proof_page(result, list(KINDS), entries))
     files = {name: digest((store.folder / name).read_bytes()) for name in (RESULT, PAGE, *packed)}
     ledger.add(PUBLISHED, {"files": files})
     ledger.save(store.folder)

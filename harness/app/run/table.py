@@ -20,7 +20,7 @@ def summary(result: RunResult) -> tuple[str, tuple[str, ...], Lines]:
         )  # fmt: skip
         about = "x_k and zeta as the estimators read them; error, creep, rest and lead against the exact motion"
         return about, ("source", "step ms", *heads), [_line(trace, _decay) for trace in result.traces]
-    shown = measured([trace.model_dump() for trace in result.traces], result.scenario)
+    shown = measured(result.traces, result.scenario)
     headings = [heading(metric) for metric in shown]
 
     def figures(trace: TraceResult) -> list[str]:

@@ -12,6 +12,7 @@ from harness.app.sweep.sweep import PAGE, TRACES, Sweep, SweepOptions, settings_
 from harness.app.sweep.traces import keep_worst, overlay
 from harness.fidelity.laws import DAMPING, MASS, SERVOS, STEP, STIFFNESS, WITHOUT_EFFECT
 from harness.fidelity.scores import COLUMNS, FIGURES, Card, badness, cards, front, points
+from harness.show.blocks import Page
 from harness.show.report.page import write_report
 from harness.show.report.sweep import engine_color, sweep_sections
 from harness.show.sentences.sweep import about, headline, percent, sentences
@@ -63,7 +64,8 @@ def write_page(result: Sweep, kept: dict[str, str]) -> None:
     versions = ", ".join(dict.fromkeys(f"{row['engine']} {row['version']}" for row in rows))
     failed = f", {result.failed} of them could not be run" if result.failed else ""
     subtitle = f"{result.total} rows{failed}: {versions}; every figure against an exact answer"
-    write_report(result.folder / PAGE, "What engine settings do to Coulomb friction", subtitle, sweep_sections(data))
+    page = Page("What engine settings do to Coulomb friction", subtitle, sweep_sections(data))
+    write_report(result.folder / PAGE, page)
 
 
 def _of(row: Mapping[str, Any]) -> tuple[str, str]:

@@ -1,31 +1,26 @@
 """The page of two traces: what each of them reads, how far they are apart, and where."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import PurePath
-from typing import Any
 
 import numpy as np
 
 from harness.core.arrays import FloatArray
-from harness.results.common import P
-from harness.results.compare import CompareResult, Difference
+from harness.results.compare import CompareResult, Event, Reading
+from harness.show.blocks import Block, Cell, Column, Figure, Page, Row, Section, Table, or_nothing, tabulated, verdict
 from harness.show.decimate import keep
-from harness.show.numbers import NONE, number, quantity, sentence_quantity, shown_value
-from harness.show.report.identify import ANGLES, CHANNELS
-from harness.show.report.motion import GROUP, POINTS
-from harness.show.report.section import Cell, Column, Figure, Row, Section, Table
-from harness.show.report.verdict import made_with_section, verdict_section
+from harness.show.numbers import NONE, SHOWN, number, sentence_quantity, shown_value
+from harness.show.plots import ANGLES, CHANNELS, GROUP, POINTS, Trace, axes, per, plain, shades
+from harness.show.report.page import made_with
 from harness.show.sentences.compare import SHOWS, difference_words, faster_words, figure_words, shows, telling
 
 FIRST = "#e4632d"
 _APART = "#2b7fd6"
-_SHADE = "rgba(228, 99, 45, 0.12)"
-_MOST_SHADES = 80
 _MOST_EVENTS = 24
 _SAID = 2
 """Differences that the headline names."""
-_LABELS = {"omega_n": "omega_n", "zeta": "zeta", "x_k": "x_k", "amplitude": "amplitude", "rest": "rest"}
+_READ = ("omega_n", "zeta", "x_k", "amplitude", "rest")
 
 
 @dataclass(frozen=True)
@@ -41,217 +36,170 @@ class Shown:
     angular: bool
 
 
-def compare_title(result: Mapping[str, Any]) -> tuple[str, str]:
-    """Title and subtitle."""
-    first, second = (PurePath(file).name for file in result["files"])
-    return f"{first} against {second}", f"shift {sentence_quantity(result['aligned']['shift_s'])}"
-
-
-def compare_sections(shown: Shown, result: Mapping[str, Any]) -> list[Section]:
-    """Sections of a comparison. result : CompareResult.model_dump(by_alias=True)."""
-    return [
-        verdict_section(compare_headline(result), result["sentences"], tuple(result["traces"])),
-        readings_section(result),
-        overlay_section(shown, result["where"]),
-        phase_section(shown),
-        event_table_section(result),
-        places_section(result),
-        made_with_section(result["machine"], result["outputs"], result["command"]),
+def compare_page(result: CompareResult, shown: Shown) -> Page:
+    """shown : the traces, laid over each other."""
+    assert result.machine is not None
+    sections = [
+        verdict(compare_headline(result), result.sentences, tuple(result.traces)),
+        _readings(result),
+        _overlay(shown, result),
+        _phase(shown),
+        _events(result),
+        _places(result),
+        made_with(result.machine, result.outputs, result.command),
     ]
+    first, second = (PurePath(file).name for file in result.files)
+    return Page(f"{first} against {second}", f"shift {sentence_quantity(result.aligned.shift_s)}", sections)
 
 
-def compare_headline(result: Mapping[str, Any]) -> str:
+def compare_headline(result: CompareResult) -> str:
     """The verdict, and in what the two differ most."""
-    first, second = result["traces"]
-    shift = result["aligned"]["shift_s"]
-    moved = shift["value"] and (not shift["stderr"] or abs(shift["value"]) > SHOWS * shift["stderr"])
-    after = f", {first} moved by {number(shift['value'])} s" if moved else ""
-    if result["verdict"] == "identical":
+    first, second = result.traces
+    shift, largest = result.aligned.shift_s, result.largest
+    moved = shift.value and (not shift.stderr or abs(shift.value) > SHOWS * shift.stderr)
+    after = f", {first} moved by {number(shift.value)} s" if moved else ""
+    if result.verdict == "identical":
         return f"{first} and {second} are identical{after}: the same samples."
-    if result["verdict"] != "different":
+    if result.verdict != "different":
         return f"{first} and {second} are the same within noise{after}."
-    apart = telling([Difference.model_validate(one) for one in result["differences"]])
-    largest = result["largest"]
-    value = shown_value(abs(largest["value"]), largest["unit"])
-    far = f"at most {value} apart in {largest['channel']}, at {number(largest['time_s'], 3)} s"
-    words = [difference_words(one).partition(" (")[0] for one in apart[:_SAID]]
-    if not result["aligned"]["scale_applied"]:
-        return f"{faster_words(CompareResult.model_validate(result))}; {far}{after}."
+    value = shown_value(abs(largest.value), largest.unit)
+    far = f"at most {value} apart in {largest.channel}, at {number(largest.time_s, 3)} s"
+    words = [difference_words(one).partition(" (")[0] for one in telling(result.differences)[:_SAID]]
+    if not result.aligned.scale_applied:
+        return f"{faster_words(result)}; {far}{after}."
     return f"{first} {'; '.join(words)}; {far}{after}." if words else f"{first} and {second} differ: {far}{after}."
 
 
-def rows_of(result: Mapping[str, Any]) -> list[tuple[str, list[str]]]:
+def rows_of(result: CompareResult) -> list[tuple[str, list[str]]]:
     """Figures side by side: a label; the first's, the second's, and their distance in standard errors."""
-    readings = list(result["traces"].values())
-    apart = {one["what"]: one["significance"] for one in result["differences"]}
+    readings = list(result.traces.values())
+    apart = {one.what: one.significance for one in result.differences}
     rows = []
-    for what, label in _LABELS.items():
-        cells = [figure_words(P.model_validate(one[what])) for one in readings]
-        significance = apart.get(what)
-        rows.append((label, [*cells, NONE if significance is None else number(significance, 2)]))
-    rows.append(("events", [*(str(len(one["events"])) for one in readings), NONE]))
-    return rows
+    for what in _READ:
+        far = apart.get(what)
+        cells = [figure_words(getattr(one, what)) for one in readings]
+        rows.append((what, [*cells, NONE if far is None else number(far, 2)]))
+    return [*rows, ("events", [*(str(len(one.events)) for one in readings), NONE])]
 
 
-def readings_section(result: Mapping[str, Any]) -> Section:
+def _readings(result: CompareResult) -> Section:
     """What the estimators read from each."""
+    differs = {one.what for one in result.differences if shows(one)}
     rows = [
-        Row(label, [Cell(cell) for cell in cells], note="differs" if _shows(result, label) else "")
+        Row(label, [Cell(cell) for cell in cells], note="differs" if label in differs else "")
         for label, cells in rows_of(result)
     ]
-    fits = [f"{value:.1f} % of {c}" for c, value in result["fit_percent"].items()]
-    columns = [Column(name) for name in result["traces"]]
-    columns.append(Column("apart", "", "in standard errors of the difference"))
-    notes = [
-        f"{name}, {what}: {one[what]['why']}"
-        for name, one in result["traces"].items()
-        for what in _LABELS
-        if one[what]["value"] is None
-    ]
-    caption = f"With one standard error each. Fit: {', '.join(fits)} (NRMSE)."
-    return Section(
-        "Side by side",
-        "table.html.j2",
-        {"tables": [Table("figure", columns, rows, caption, "", list(dict.fromkeys(notes)))]},
+    fits = [f"{value:.1f} % of {c}" for c, value in result.fit_percent.items()]
+    columns = [Column(name, str) for name in result.traces]
+    columns.append(Column("apart", str, "", "in standard errors of the difference"))
+    notes = dict.fromkeys(
+        f"{name}, {what}: {p.why}"
+        for name, one in result.traces.items()
+        for what in _READ
+        if (p := getattr(one, what)).value is None
     )
+    caption = f"With one standard error each. Fit: {', '.join(fits)} (NRMSE)."
+    return Section("Side by side", [Table("figure", columns, rows, caption, "", list(notes))])
 
 
-def _shows(result: Mapping[str, Any], label: str) -> bool:
-    differences = (Difference.model_validate(one) for one in result["differences"])
-    return any(one.what == label and shows(one) for one in differences)
-
-
-def overlay_section(shown: Shown, where: Sequence[Mapping[str, Any]]) -> Section:
+def _overlay(shown: Shown, result: CompareResult) -> Section:
     """Both traces, and their difference below in units, with the places shaded."""
-    figures = []
-    shades = _shades(where)
-    budget = POINTS // (5 * len(shown.channels))
-    names = shown.names
+    blocks: list[Block] = []
+    local = [one for one in result.where if one.regime not in ("throughout", "channel")]
+    shaded = shades(local[0].time_s) if local else []
+    names, budget = shown.names, POINTS // (5 * len(shown.channels))
     for channel, (first, second) in shown.channels.items():
         name, unit, factor = (ANGLES if shown.angular else CHANNELS)[channel]
-        written = f"({unit})" if "/" in unit else unit
         chosen = keep(shown.t, (first, second, second - first), np.empty(0), budget)
         t = shown.t[chosen]
-        layout = {
-            "xaxis": {"title": {"text": "time / s"}, "anchor": "y2"},
-            "yaxis": {"title": {"text": f"{name} / {written}"}, "domain": [0.42, 1.0]},
-            "yaxis2": {"title": {"text": f"difference / {written}"}, "domain": [0.0, 0.33], "zeroline": True},
-            "hovermode": "closest",
-            "shapes": shades,
-            "showlegend": True,
-        }
+        looks = {"hovermode": "closest", "shapes": shaded, "showlegend": True}
+        layout = axes("time / s", f"{name} / {per(unit)}", **looks)
+        layout["xaxis"]["anchor"] = "y2"
+        layout["yaxis"]["domain"] = [0.42, 1.0]
+        below = {"title": {"text": f"difference / {per(unit)}"}, "domain": [0.0, 0.33], "zeroline": True}
+        apart = f"{names[1]} minus {names[0]}"
         traces = [
             _line(names[1], t, second[chosen] * factor, "ink", unit),
             _line(names[0], t, first[chosen] * factor, FIRST, unit),
-            _line(f"{names[1]} minus {names[0]}", t, (second - first)[chosen] * factor, _APART, unit) | {"yaxis": "y2"},
+            _line(apart, t, (second - first)[chosen] * factor, _APART, unit) | {"yaxis": "y2"},
         ]
-        caption = f"Below: {names[1]} minus {names[0]}, in {unit}."
-        caption += " The shaded stretches hold the mismatch." * bool(shades)
-        figures.append(Figure(f"compare-{channel}", traces, layout, caption, GROUP, 520))
-    return Section(
-        "The two traces, and their difference", "motion.html.j2", {"figures": figures, "buttons": [], "group": GROUP}
-    )
+        caption = f"Below: {apart}, in {unit}." + " The shaded stretches hold the mismatch." * bool(shaded)
+        blocks.append(Figure(f"compare-{channel}", traces, layout | {"yaxis2": below}, caption, GROUP, 520))
+    return Section("The two traces, and their difference", blocks)
 
 
-def _shades(where: Sequence[Mapping[str, Any]]) -> list[dict[str, Any]]:
-    local = [one for one in where if one["regime"] not in ("throughout", "channel")]
-    spans = local[0]["time_s"][:_MOST_SHADES] if local else []
-    looks = {"type": "rect", "y0": 0, "y1": 1, "yref": "paper", "fillcolor": _SHADE, "layer": "below"}
-    return [looks | {"x0": a, "x1": b, "line": {"width": 0}} for a, b in spans]
+def _line(name: str, x: FloatArray, y: FloatArray, color: str, unit: str, x_unit: str = "s") -> Trace:
+    return plain(name, x, y, color, 1.4, hovertemplate=f"%{{y:.6g}} {unit}<br>%{{x:.6f}} {x_unit}")
 
 
-def phase_section(shown: Shown) -> Section:
+def _phase(shown: Shown) -> Section:
     """Speed over position of both."""
     table = ANGLES if shown.angular else CHANNELS
-    (place, unit, factor), (speed, per, speed_factor) = table["x"], table["v"]
+    (place, unit, factor), (speed, by, speed_factor) = table["x"], table["v"]
     chosen = keep(shown.t, [y for pair in shown.motion for y in pair], np.empty(0), POINTS // 10)
     traces = [
-        _line(name, x[chosen] * factor, v[chosen] * speed_factor, color, per, unit)
+        _line(name, x[chosen] * factor, v[chosen] * speed_factor, color, by, unit)
         for name, (x, v), color in zip(shown.names, shown.motion, (FIRST, "ink"), strict=True)
     ]
-    layout = {
-        "xaxis": {"title": {"text": f"{place} / {unit}"}},
-        "yaxis": {"title": {"text": f"{speed} / ({per})"}},
-        "showlegend": True,
-    }
-    measured = [c for c in ("x", "v") if c in shown.channels]
-    caption = "" if len(measured) == len("xv") else "What was not measured is smoothed or summed from what was."
-    return Section(
-        "Phase portrait", "figures.html.j2", {"figures": [Figure("compare-phase", traces, layout, caption, "", 480)]}
-    )
+    both = "x" in shown.channels and "v" in shown.channels
+    caption = "" if both else "What was not measured is smoothed or summed from what was."
+    layout = axes(f"{place} / {unit}", f"{speed} / ({by})", showlegend=True)
+    return Section("Phase portrait", [Figure("compare-phase", traces, layout, caption, "", 480)])
 
 
-def event_table_section(result: Mapping[str, Any]) -> Section:
+def _events(result: CompareResult) -> Section:
     """Release, reversals and stop of both, one beside the other."""
-    names, readings = list(result["traces"]), list(result["traces"].values())
-    events = [one["events"] for one in readings]
-    if not any(events):
-        return Section("Events", "table.html.j2", {"tables": []})
-    unit = readings[0]["rest"]["unit"]
-    rows = [
-        Row(str(i + 1), [cell for one in events for cell in _event_cells(one[i] if i < len(one) else None, unit)])
-        for i in range(min(max(map(len, events)), _MOST_EVENTS))
+    readings: list[Reading] = list(result.traces.values())
+    most, unit = max(len(one.events) for one in readings), readings[0].rest.unit
+    if not most:
+        return Section("Events", or_nothing([]))
+
+    def cells(i: int) -> list[Cell]:
+        return [c for one in readings for c in _event(one.events[i] if i < len(one.events) else None, unit)]
+
+    columns = [
+        c for name in result.traces for c in (Column(name, str, "s"), Column("at", str, SHOWN.get(unit, (unit,))[0]))
     ]
-    shown_unit = quantity({"value": 0.0, "stderr": None, "unit": unit})[2]
-    columns = [column for name in names for column in (Column(name, "s"), Column("at", shown_unit))]
-    more = max(map(len, events)) - _MOST_EVENTS
-    caption = "Times by the clock of the second trace."
-    return Section(
-        "Events",
-        "table.html.j2",
-        {"tables": [Table("event", columns, rows, caption, "", [f"{more} more"] if more > 0 else [])]},
-    )
+    rows = [Row(str(i + 1), cells(i)) for i in range(min(most, _MOST_EVENTS))]
+    more = [f"{most - _MOST_EVENTS} more"] if most > _MOST_EVENTS else []
+    return Section("Events", [Table("event", columns, rows, "Times by the clock of the second trace.", "", more)])
 
 
-def _event_cells(event: Mapping[str, Any] | None, unit: str) -> list[Cell]:
+def _event(event: Event | None, unit: str) -> list[Cell]:
     if event is None:
         return [Cell(NONE), Cell(NONE)]
-    at = NONE if event["value"] is None else shown_value(event["value"], unit).split(" ")[0]
-    return [Cell(number(event["time_s"]), [event["kind"]]), Cell(at)]
+    at = NONE if event.value is None else shown_value(event.value, unit).split(" ")[0]
+    return [Cell(number(event.time_s), [event.kind]), Cell(at)]
 
 
-def places_section(result: Mapping[str, Any]) -> Section:
+def _places(result: CompareResult) -> Section:
     """Where they part, and whether the channels of each trace agree with one another."""
     tables = []
-    rows = [
-        Row(
-            one["condition"],
-            [
-                Cell(one["regime"]),
-                Cell(NONE if one["share"] is None else f"{100.0 * one['share']:.0f}"),
-                Cell(str(len(one["time_s"]))),
-                Cell(number(sum(b - a for a, b in one["time_s"]))),
-            ],
-        )
-        for one in result["where"]
-    ]
-    if rows:
-        hint = "of the mean square mismatch above noise"
-        columns = [Column("regime"), Column("share", "%", hint), Column("spans"), Column("together", "s")]
-        tables.append(Table("condition", columns, rows))
+    if result.where:
+        columns = [
+            Column("regime", lambda one: one.regime),
+            Column(
+                "share",
+                lambda one: NONE if one.share is None else f"{100.0 * one.share:.0f}",
+                "%",
+                "of the mean square mismatch above noise",
+            ),
+            Column("spans", lambda one: str(len(one.time_s))),
+            Column("together", lambda one: number(sum(b - a for a, b in one.time_s)), "s"),
+        ]
+        tables.append(tabulated("condition", columns, result.where, lambda one: one.condition))
     pairs = [
-        Row(
-            f"{name}: {pair.replace('-', ' and ')}",
-            [Cell(sentence_quantity(found[key])) for key in ("gain", "lag_s", "offset")]
-            + [Cell("yes" if found["consistent"] else "no", [found["sentence"]])],
-        )
-        for name, members in result["consistent_channels"].items()
+        (f"{name}: {pair.replace('-', ' and ')}", found)
+        for name, members in result.consistent_channels.items()
         for pair, found in members.items()
     ]
     if pairs:
-        columns = [Column("gain"), Column("lag"), Column("offset"), Column("agree")]
+        columns = [
+            Column("gain", lambda one: sentence_quantity(one[1].gain)),
+            Column("lag", lambda one: sentence_quantity(one[1].lag_s)),
+            Column("offset", lambda one: sentence_quantity(one[1].offset)),
+            Column("agree", lambda one: Cell("yes" if one[1].consistent else "no", [one[1].sentence])),
+        ]
         caption = "What one channel of a trace says of another, from the data alone, with one standard error."
-        tables.append(Table("channels", columns, pairs, caption))
-    return Section("Where they part", "table.html.j2", {"tables": tables})
-
-
-def _line(name: str, x: FloatArray, y: FloatArray, color: str, unit: str, x_unit: str = "s") -> dict[str, Any]:
-    return {
-        "type": "scatter",
-        "mode": "lines",
-        "name": name,
-        "x": x,
-        "y": y,
-        "line": {"color": color, "width": 1.4},
-        "hovertemplate": f"%{{y:.6g}} {unit}<br>%{{x:.6f}} {x_unit}",
-    }
+        tables.append(tabulated("channels", columns, pairs, lambda one: one[0], caption=caption))
+    return Section("Where they part", or_nothing(tables))

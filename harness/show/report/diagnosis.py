@@ -3,126 +3,48 @@
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from pathlib import PurePath
-from typing import Any
+from typing import TypeAlias
 
 from harness.core.recording import Recording
 from harness.core.trajectory import Trajectory
-from harness.show.numbers import number, quantity
-from harness.show.report.diagnosis_bars import evidence_section, left_section, shares_section
-from harness.show.report.diagnosis_figures import (
-    Curves,
-    before_section,
-    mismatch_section,
-    phase_plane_section,
-    tables_section,
+from harness.results.common import RepeatedResult
+from harness.results.diagnosis import (
+    AttributionResult,
+    DiagnosisResult,
+    FailedDiagnosis,
+    MechanismResult,
+    OwnResult,
+    PredictionResult,
 )
-from harness.show.report.diagnosis_tables import (
-    engines_section,
-    heldout_section,
-    mechanisms_section,
-    models_section,
-    rules_section,
+from harness.show.blocks import (
+    Block,
+    Card,
+    Cards,
+    Cell,
+    Code,
+    Column,
+    Folded,
+    Items,
+    Page,
+    Reasons,
+    Row,
+    Section,
+    Table,
+    by,
+    lines,
+    measured,
+    or_nothing,
+    tabulated,
+    verdict,
 )
-from harness.show.report.section import Cell, Column, Row, Section, Table
-from harness.show.report.verdict import made_with_section, verdict_section
+from harness.show.diagnosis_scene import model_names
+from harness.show.numbers import NONE, number, quantity
+from harness.show.report.diagnosis_figures import Curves, evidence, left, nameless, shares
+from harness.show.report.identify import samples_of
+from harness.show.report.page import made_with
+from harness.show.report.run import settings_of
 
-
-def diagnosis_sections(
-    recording: Recording, simulated: Sequence[Trajectory], result: Mapping[str, Any]
-) -> list[Section]:
-    """Sections of a diagnosis.
-
-    simulated : base model and refined model at the recording's times, extra "shown x" and the like what their sensors
-    show, and behind them the user's own simulation where there is one.
-    result : DiagnosisResult.model_dump(by_alias=True) (harness.diagnosis/2).
-    """
-    seen, answer = Curves(recording, simulated, result), result["statement"].replace("+-", "\u00b1")
-    sections: list[Section] = [
-        verdict_section(answer, gained(result), heading="Verdict"),
-        before_section(seen),
-    ]
-    if result.get("own"):
-        sections.append(own_section(result))
-    if result["mechanisms"]:
-        sections.append(mechanisms_section(result))
-    if result["remainder"] is not None:
-        sections.append(left_section(result))
-    if result["tables"] or result.get("surface"):
-        sections.append(tables_section(result))
-    sections.append(models_section(result))
-    if result["evidence"]:
-        sections.append(evidence_section(result))
-    sections += [mismatch_section(seen), phase_plane_section(seen), heldout_section(result)]
-    if more := said(result):
-        sections.append(verdict_section("", more, heading="What to know besides"))
-    if result["attribution"] is not None:
-        sections.append(shares_section(result["attribution"]))
-        if change := to_change(result["attribution"]):
-            sections.append(verdict_section("", change, heading="What to change in your simulation"))
-    if result["engines"]:
-        sections.append(engines_section(result))
-    if result["rules"]:
-        sections.append(rules_section(result))
-    sections.append(made_with_section(result["machine"], result["files"], result["command"]))
-    return sections
-
-
-def to_change(attribution: Mapping[str, Any]) -> list[str]:
-    """What a trace reads, and the changes, a sentence each; one of a parameter begins with its symbol."""
-    changes = [(c["said"], c["kind"] == "parameter") for c in attribution.get("changes") or []]
-    said = [f"{text}." if symbol else f"{text[0].upper()}{text[1:]}." for text, symbol in changes]
-    return [*(attribution.get("sentences") or []), *said]
-
-
-def diagnosis_title(result: Mapping[str, Any]) -> tuple[str, str]:
-    """Title and subtitle of the page."""
-    about = result["recording"]
-    channels = ", ".join(about["channels"])
-    name = "the recording on standard input" if about["file"] == "-" else PurePath(about["file"]).name
-    if several := result.get("recordings"):
-        name = f"{len(several)} recordings of one machine"
-    line = f"{about['samples']} samples of {channels} at {about['rate_hz']:.6g} Hz, {about['duration_s']:.4g} s"
-    return f"What a simulation leaves out of {name}", line
-
-
-def gained(result: Mapping[str, Any]) -> list[str]:
-    """What the better model gains, in the figures that everyone knows."""
-    percent = result["fit_percent"]
-    helped = bool(result["mechanisms"])
-    sentences = []
-    before, after = (result[side]["chi2_per_point"] for side in ("baseline", "refined"))
-    if before is not None:
-        sentences.append(f"Chi-square per point {_change(before, after, helped)} (1 when only noise is left).")
-    for c, fit in (percent["baseline"] if percent else {}).items():
-        sentences.append(f"Fit of {c} (NRMSE) {_change(fit, percent['refined'][c], helped, ' %')}.")
-    return sentences
-
-
-def _change(before: float, after: float, helped: bool, unit: str = "") -> str:
-    """What a figure does from one model to the other; what it is where there is no other."""
-    if not helped:
-        return f"is {number(before, 4)}{unit}"
-    way = "rises" if after > before else "falls"
-    return f"{way} from {number(before, 4)} to {number(after, 4)}{unit}"
-
-
-def said(result: Mapping[str, Any]) -> list[str]:
-    """What else it could be, where, what would decide, warnings."""
-    sentences = []
-    for mechanism in result["mechanisms"]:
-        others = [f"{a['name']} (worse by {number(a['delta_bic'], 2)} in BIC)" for a in mechanism["alternatives"]]
-        if others:
-            sentences.append(f"The data do not rule out, in place of {mechanism['name']}: {', '.join(others)}.")
-    for place in result["where"]:
-        if place["regime"] == "throughout":
-            sentences.append(f"Simulation and recording part throughout: {place['condition']}.")
-            continue
-        share = "" if place["share"] is None else f", which holds {100.0 * place['share']:.0f} % of the mismatch"
-        sentences.append(f"Simulation and recording part where {place['condition']}{share}.")
-    sentences += filter(None, [result["next_experiment"], *result["warnings"], *result["recording"]["notes"]])
-    return [f"{sentence[0].upper()}{sentence[1:]}" for sentence in sentences]
-
-
+Answer: TypeAlias = DiagnosisResult | FailedDiagnosis
 VERDICTS = {
     "missing_physics": "physics left out",
     "main_effect": "main effect",
@@ -131,105 +53,347 @@ VERDICTS = {
     "unexplained": "unexplained",
     "error": "could not be diagnosed",
 }
+_GRADES = {
+    "explains": "explains it",
+    "main": "main effect",
+    "one-of": "one of these",
+    "minor": "minor part",
+    "tabulated": "tabulated",
+}
+_ENGINES = (
+    "The base model and the refined model simulated by each engine, sensors applied, against the recording. The last "
+    "column of each channel is what the engine's own step adds, in units of the noise."
+)
+_MOST_SPANS = 8
+_ONE = "standard error of a single recording's value"
 
 
-def index_title(answers: Sequence[Mapping[str, Any]]) -> tuple[str, str]:
-    """Title and subtitle of the page."""
-    counts = Counter(answer["verdict"] for answer in answers)
-    said = ", ".join(f"{counts[verdict]} {words}" for verdict, words in VERDICTS.items() if counts[verdict])
-    return f"What simulations leave out of {len(answers)} recordings", said
+def diagnosis_page(
+    result: DiagnosisResult,
+    recording: Recording,
+    simulated: Sequence[Trajectory],
+    beside: Sequence[Section] = (),
+) -> Page:
+    """simulated : base model and refined model at the recording's times, extra "shown x" and the like what their
+    sensors show, and behind them the user's own simulation where there is one. beside : sections of a robot's joint.
+    """
+    seen, told = Curves(recording, simulated, result), result.attribution
+    sections = [
+        verdict(result.statement.replace("+-", "\u00b1"), gained(result), heading="Verdict"),
+        *beside,
+        seen.before(),
+        *([_own(result)] if result.own else []),
+        *([_mechanisms(result)] if result.mechanisms else []),
+        *([left(result)] if result.remainder is not None else []),
+        *([nameless(result)] if result.tables or result.surface else []),
+        _models(result),
+        *([evidence(result)] if result.evidence else []),
+        seen.mismatch(),
+        seen.phase_plane(),
+        _heldout(result),
+    ]
+    if more := said(result):
+        sections.append(verdict("", more, heading="What to know besides"))
+    if told is not None:
+        sections.append(shares(told))
+        if change := to_change(told):
+            sections.append(verdict("", change, heading="What to change in your simulation"))
+    if result.engines:
+        sections.append(_engines(result))
+    if result.rules:
+        sections.append(_rules(result))
+    sections.append(made_with(result.machine, result.files, result.command))
+    about = result.recording
+    name = "the recording on standard input" if about.file == "-" else PurePath(about.file).name
+    if result.recordings:
+        name = f"{len(result.recordings)} recordings of one machine"
+    return Page(f"What a simulation leaves out of {name}", samples_of(about), sections)
 
 
-def index_sections(answers: Sequence[Mapping[str, Any]], command: str) -> list[Section]:
-    """Sections of the page. answers : entries of harness.diagnosis/2, each with "link", its page or ""."""
-    counts = Counter(m["name"] for answer in answers for m in answer["mechanisms"])
+def to_change(attribution: AttributionResult) -> list[str]:
+    """What a trace reads, and the changes, a sentence each; one of a parameter begins with its symbol."""
+    changes = [one.said if one.kind == "parameter" else _capital(one.said) for one in attribution.changes]
+    return [*attribution.sentences, *(f"{change}." for change in changes)]
+
+
+def _capital(sentence: str) -> str:
+    return f"{sentence[0].upper()}{sentence[1:]}"
+
+
+def gained(result: DiagnosisResult) -> list[str]:
+    """What the better model gains, in the figures that everyone knows."""
+    helped = bool(result.mechanisms)
+    sentences = []
+    before, after = result.baseline.chi2_per_point, result.refined.chi2_per_point
+    if before is not None:
+        sentences.append(f"Chi-square per point {_change(before, after, helped)} (1 when only noise is left).")
+    percent = result.fit_percent
+    for c, fit in (percent.baseline if percent else {}).items():
+        refined = percent.refined[c] if percent and helped else None
+        sentences.append(f"Fit of {c} (NRMSE) {_change(fit, refined, helped, ' %')}.")
+    return sentences
+
+
+def _change(before: float, after: float | None, helped: bool, unit: str = "") -> str:
+    """What a figure does from one model to the other; what it is where there is no other."""
+    if not helped or after is None:
+        return f"is {number(before, 4)}{unit}"
+    way = "rises" if after > before else "falls"
+    return f"{way} from {number(before, 4)} to {number(after, 4)}{unit}"
+
+
+def said(result: DiagnosisResult) -> list[str]:
+    """What else it could be, where, what would decide, warnings."""
+    sentences = []
+    for mechanism in result.mechanisms:
+        others = [f"{a.name} (worse by {number(a.delta_bic, 2)} in BIC)" for a in mechanism.alternatives]
+        if others:
+            sentences.append(f"The data do not rule out, in place of {mechanism.name}: {', '.join(others)}.")
+    for place in result.where:
+        if place.regime == "throughout":
+            sentences.append(f"Simulation and recording part throughout: {place.condition}.")
+            continue
+        share = "" if place.share is None else f", which holds {100.0 * place.share:.0f} % of the mismatch"
+        sentences.append(f"Simulation and recording part where {place.condition}{share}.")
+    sentences += filter(None, [result.next_experiment, *result.warnings, *result.recording.notes])
+    return [_capital(sentence) for sentence in sentences]
+
+
+def index_page(
+    answers: Sequence[Answer], links: Sequence[str], command: str, instead: Sequence[Section] | None = None
+) -> Page:
+    """The page of many. links : to the page of each, or "". instead : what begins it, else a verdict over all."""
+    counts = Counter(m.name for answer in answers for m in answer.mechanisms)
     named = ", ".join(f"{name} ({count})" for name, count in counts.most_common())
     headline = f"Left out: {named}." if named else "No physics was found to be left out."
-    sentences = [
-        f"{answer['recording']['file']}: {answer['error']}" for answer in answers if answer["verdict"] == "error"
-    ]
-    return [verdict_section(headline, sentences, heading="Over all recordings"), recordings_section(answers, command)]
-
-
-def recordings_section(answers: Sequence[Mapping[str, Any]], command: str) -> Section:
-    """answers : entries with "link". command : the line that makes it again."""
+    failed = [f"{one.recording.file}: {one.error}" for one in answers if isinstance(one, FailedDiagnosis)]
     rows = [
-        {
-            "name": PurePath(answer["recording"]["file"]).name,
-            "link": answer["link"],
-            "verdict": VERDICTS[answer["verdict"]],
-            "names": ", ".join(m["name"] for m in answer["mechanisms"]),
-            "others": ", ".join(a["name"] for m in answer["mechanisms"] for a in m["alternatives"]),
-            "before": number((answer.get("baseline") or {}).get("chi2_per_point"), 4),
-            "after": number((answer.get("refined") or {}).get("chi2_per_point"), 4),
-        }
-        for answer in answers
+        Row(PurePath(answer.recording.file).name, [Cell(text) for text in _entry(answer)], link=link)
+        for answer, link in zip(answers, links, strict=True)
     ]
-    return Section("Recordings", "recordings.html.j2", {"rows": rows, "command": command})
-
-
-def own_section(result: Mapping[str, Any]) -> Section:
-    """A row a recording. result : as in harness.diagnosis/2, of several recordings."""
-    own = result["own"]
-    channels = list(own[0]["rmse"])
-    length = own[0]["start"]["x0"]["unit"]
-    zero = [Column("zero", length)] if own[0]["zero"] else []
-    columns = [Column("begins at", "s", "on the axis of time on which all lie"), Column("start", length), *zero]
-    for c in channels:
-        columns += [Column(f"noise of {c}"), Column(f"rmse of {c}", "", "viscous and Coulomb")]
-        columns += [Column("refined", "", f"rmse of {c}")] if result["mechanisms"] else []
-    alone = [Column(name, p["unit"]) for name, p in own[0]["alone"].items()]
-    rows = [Row(_name(one), [_cell(p) for p in one["alone"].values()]) for one in own]
-    return Section(
-        "Recordings of one machine",
-        "table.html.j2",
-        {
-            "tables": [
-                Table("recording", columns, [_row(result, one, channels) for one in own]),
-                Table("recording", alone, rows, "Viscous and Coulomb friction fitted to each by itself."),
-                *repeated_tables(result.get("together", {})),
-            ]
-        },
+    heads = ("verdict", "left out", "not ruled out", "chi-square per point before", "after")
+    blocks: list[Block] = [Table("recording", [Column(head, str) for head in heads], rows)]
+    if command:
+        blocks.append(Code(command, intro="This command makes it again:"))
+    first = [verdict(headline, failed, heading="Over all recordings")] if instead is None else instead
+    verdicts = Counter(str(answer.verdict) for answer in answers)
+    line = ", ".join(f"{verdicts[verdict]} {words}" for verdict, words in VERDICTS.items() if verdicts[verdict])
+    return Page(
+        f"What simulations leave out of {len(answers)} recordings", line, [*first, Section("Recordings", blocks)]
     )
 
 
-def _row(result: Mapping[str, Any], one: Mapping[str, Any], channels: list[str]) -> Row:
-    cells = [Cell(number(one["begins_s"], 4)), _cell(one["start"]["x0"])]
-    cells += [_cell(one["zero"])] if one["zero"] else []
-    for c in channels:
-        noise, before = one["noise"][c], number(one["baseline_rmse"][c], 3)
-        cells += [Cell(noise if isinstance(noise, str) else number(noise, 3)), Cell(before)]
-        cells += [Cell(number(one["rmse"][c], 3))] if result["mechanisms"] else []
-    return Row(_name(one), cells, "; ".join(one["differs"]))
+def _entry(answer: Answer) -> list[str]:
+    if isinstance(answer, FailedDiagnosis):
+        return [VERDICTS["error"], "", "", NONE, NONE]
+    others = ", ".join(a.name for m in answer.mechanisms for a in m.alternatives)
+    chi2 = [number(fit.chi2_per_point, 4) for fit in (answer.baseline, answer.refined)]
+    return [VERDICTS[answer.verdict], ", ".join(m.name for m in answer.mechanisms), others, *chi2]
 
 
-def repeated_tables(together: Mapping[str, Any]) -> list[Table]:
-    """What recordings say together of each parameter; none of one recording."""
+def _own(result: DiagnosisResult) -> Section:
+    """A row a recording, of several."""
+    first, helped = result.own[0], bool(result.mechanisms)
+    length = first.start["x0"].unit
     columns = [
-        Column("of all", "", "its error counts the spread between recordings"),
-        Column("error of one", "", "standard error of a single recording's value"),
-        Column("spread between", "", "standard deviation beyond those errors"),
-        Column("stands out"),
+        Column("begins at", lambda one: one.begins_s, "s", "on the axis of time on which all lie"),
+        Column("start", lambda one: measured(one.start["x0"]), length),
+        *([Column("zero", lambda one: measured(one.zero), length)] if first.zero else []),
     ]
-    rows = [
-        Row(
-            f"{name}, {one['value']['unit']}",
-            [
-                _cell(one["value"]),
-                Cell(number(one["within"], 2)),
-                Cell(number(one["between"], 2)),
-                Cell(", ".join(PurePath(file).name for file in one["outliers"]) or "none"),
-            ],
+    for c in first.rmse:
+        columns += [
+            Column(f"noise of {c}", by(c, lambda one, c: _noise(one.noise[c], 3))),
+            Column(f"rmse of {c}", by(c, lambda one, c: number(one.baseline_rmse[c], 3)), "", "viscous and Coulomb"),
+        ]
+        columns += (
+            [Column("refined", by(c, lambda one, c: number(one.rmse[c], 3)), "", f"rmse of {c}")] if helped else []
         )
-        for name, one in together.items()
+    alone = [Column(n, by(n, lambda one, n: measured(one.alone[n])), p.unit) for n, p in first.alone.items()]
+    caption = "Viscous and Coulomb friction fitted to each by itself."
+    tables = [
+        tabulated("recording", columns, result.own, _file, lambda one: "; ".join(one.differs)),
+        tabulated("recording", alone, result.own, _file, caption=caption),
     ]
-    return [Table("parameter", columns, rows, "The model above fitted to each by itself.")] if rows else []
+    if result.together:
+        tables.append(_together(result.together))
+    return Section("Recordings of one machine", tables)
 
 
-def _name(one: Mapping[str, Any]) -> str:
-    return PurePath(one["file"]).name
+def _file(one: OwnResult) -> str:
+    return PurePath(one.file).name
 
 
-def _cell(p: Mapping[str, Any]) -> Cell:
-    value, error, _ = quantity(p)
-    return Cell(value, [f"\u00b1 {error}"] if error else [])
+def _noise(value: float | str | None, digits: int = 4) -> str:
+    return number(value, digits) if isinstance(value, float) else str(value or NONE)
+
+
+def _together(together: Mapping[str, RepeatedResult]) -> Table:
+    """What recordings say together of each parameter."""
+    columns = [
+        Column("of all", lambda one: measured(one[1].value), "", "its error counts the spread between recordings"),
+        Column(
+            "error of one", lambda one: number(one[1].within, 2), "", "standard error of a single recording's value"
+        ),
+        Column("spread between", lambda one: number(one[1].between, 2), "", "standard deviation beyond those errors"),
+        Column("stands out", lambda one: ", ".join(PurePath(file).name for file in one[1].outliers) or "none"),
+    ]
+    caption = "The model above fitted to each by itself."
+    rows = list(together.items())
+    return tabulated("parameter", columns, rows, lambda one: f"{one[0]}, {one[1].value.unit}", caption=caption)
+
+
+def _units(result: DiagnosisResult) -> dict[str, str]:
+    """Unit of a rmse by channel."""
+    angular = any("rad" in p.unit for name, p in result.baseline.parameters.items() if name == "x_k")
+    return {"x": "rad", "v": "rad/s", "a": "rad/s²"} if angular else {"x": "m", "v": "m/s", "a": "m/s²"}
+
+
+def _models(result: DiagnosisResult) -> Section:
+    """Parameters of both models."""
+    reasons, units, noise = Reasons(), _units(result), result.recording.noise
+    parameters, channels = result.baseline.parameters, list(result.baseline.rmse)
+    fitted = channels if result.fit_percent else []
+    columns = [
+        *(Column(name, str, quantity(p)[2]) for name, p in parameters.items()),
+        Column("chi-square per point", str, "", "1 when only noise is left"),
+        *(Column(f"fit of {c}", str, "%", "100 (1 - |y - y_model| / |y - mean y|), NRMSE") for c in fitted),
+        *(Column(f"rmse of {c}", str, units.get(c, "")) for c in channels),
+    ]
+    rows = []
+    shares = [{}, {}] if result.fit_percent is None else [result.fit_percent.baseline, result.fit_percent.refined]
+    for fit, share, label in zip((result.baseline, result.refined), shares, model_names(result), strict=False):
+        cells = [measured(fit.parameters.get(name), reasons) for name in parameters]
+        cells += [Cell(number(fit.chi2_per_point, 4)), *(Cell(number(share.get(c), 4)) for c in fitted)]
+        rows.append(Row(label, [*cells, *(Cell(number(fit.rmse.get(c), 4)) for c in channels)]))
+    none = [Cell("")]
+    cells = [*none * len(parameters), Cell("1"), *none * len(fitted), *(Cell(_noise(noise.get(c))) for c in channels)]
+    rows.append(Row("noise", cells, "estimated from the data"))
+    caption = "Below each value: one standard error."
+    return Section("Fit before and after", [Table("model", columns, rows, caption, "", reasons.footnotes)])
+
+
+def _mechanisms(result: DiagnosisResult) -> Section:
+    """How much of what is missing each is, how it predicts, what else it could be; then its parameters."""
+    columns = [
+        Column("grade", lambda one: _GRADES[one.grade]),
+        Column("P", lambda one: number(one.probability, 2), "", "probability of being what is missing"),
+        Column(
+            "share of the misfit",
+            lambda one: number(None if one.share is None else 100.0 * one.share, 3),
+            "%",
+            "of the mean square beyond noise that it takes off alone",
+        ),
+        Column(
+            "held-out error",
+            lambda one: _ratios(one.holdout),
+            "after / before",
+            "blocks of cycles that took no part in the fit",
+        ),
+        Column(
+            "free-run error",
+            lambda one: _ratios(one.forward),
+            "after / before",
+            "the last 40 %, from a fit of the first 60 %",
+        ),
+        Column("not ruled out", _others, "worse by, BIC"),
+    ]
+    graded = tabulated("mechanism", columns, result.mechanisms, lambda one: one.name, lambda one: one.family)
+    return Section("What was left out", [graded, *map(_parameters, result.mechanisms)])
+
+
+def _others(one: MechanismResult) -> Cell:
+    found = [f"{a.name} ({number(a.delta_bic, 2)})" for a in one.alternatives]
+    return lines(found or [NONE])
+
+
+def _parameters(one: MechanismResult) -> Table:
+    reasons = Reasons()
+    spans, place = one.where.time_s, one.where
+    when = f"{number(spans[0][0], 4)} to {number(spans[-1][1], 4)} s" if spans else NONE
+    many = f" in {len(spans)} spans" if len(spans) > 1 else ""
+    columns = [
+        *(Column(name, by(p, lambda _, p: measured(p, reasons)), quantity(p)[2]) for name, p in one.parameters.items()),
+        Column("evidence", lambda one: one.delta_bic, "BIC", "what BIC loses without it"),
+        Column("acts", lambda _: Cell(place.condition, [f"{place.regime}, {when}{many}"])),
+    ]
+    caption = one.statement.replace("+-", "\u00b1")
+    return tabulated(
+        "mechanism", columns, [one], lambda one: one.name, lambda one: one.family, reasons=reasons, caption=caption
+    )
+
+
+def _ratios(found: PredictionResult | None) -> Cell:
+    """Error after over before: the largest of the channels, all of them below it."""
+    if found is None:
+        return Cell(NONE)
+    pairs = [(c, found.refined_rmse[c] / b) for c, b in found.baseline_rmse.items() if b > 0.0]
+    notes = [f"{c} {number(r, 2)}" for c, r in pairs] if len(pairs) > 1 else []
+    return Cell(number(max((r for _, r in pairs), default=None), 2), notes)
+
+
+def _heldout(result: DiagnosisResult) -> Section:
+    """Prediction of samples left out of the fits."""
+    held, units, noise = result.holdout, _units(result), result.recording.noise
+    title = "Prediction of what was held out"
+    if not held.spans_s:
+        return Section(title, or_nothing([]))
+    columns = [
+        Column("rmse before", lambda c: held.baseline_rmse[c]),
+        Column("rmse after", held.refined_rmse.get),
+        Column("after over before", lambda c: number(_over(held.refined_rmse.get(c), held.baseline_rmse[c]), 3)),
+        Column("noise", lambda c: _noise(noise.get(c))),
+    ]
+    spans = ", ".join(f"{low:.4g} to {high:.4g} s" for low, high in held.spans_s[:_MOST_SPANS])
+    more = f" and {len(held.spans_s) - _MOST_SPANS} more" if len(held.spans_s) > _MOST_SPANS else ""
+    graded = any(one.holdout is not None for one in result.mechanisms)
+    what = "Each of these blocks of cycles" if graded else "Every second full period"
+    caption = (
+        f"{what} took no part in {'the fit that predicts it' if graded else 'these fits'} ({spans}{more}); the "
+        "trajectory runs through. Which terms the model has was chosen on the whole recording."
+    )
+    if held.given:
+        caption += f" Given, not predicted: {', '.join(held.given)}."
+    table = tabulated("channel", columns, list(held.baseline_rmse), str, lambda c: units.get(c, ""), caption=caption)
+    return Section(title, [table])
+
+
+def _over(after: float | None, before: float) -> float | None:
+    return None if after is None or not before else after / before
+
+
+def _rules(result: DiagnosisResult) -> Section:
+    """Numbers that moved the verdict, folded."""
+    columns = [
+        Column("value", lambda rule: rule.value),
+        Column("unit", lambda rule: rule.unit),
+        Column("origin", lambda rule: Cell("", [rule.origin])),
+    ]
+    table = tabulated("rule", columns, result.rules, lambda rule: rule.name)
+    return Section("Rules that decided", [Folded(f"{len(result.rules)} rules with their values and origins", [table])])
+
+
+def _engines(result: DiagnosisResult) -> Section:
+    """Both models in the engines."""
+    units, channels = _units(result), list(result.baseline.rmse)
+    columns = []
+    for c in channels:
+        unit = units.get(c, "")
+        columns += [Column(f"rmse of {c} before", str, unit), Column(f"rmse of {c} after", str, unit)]
+        hint = "rms against the exact motion of the refined model"
+        columns.append(Column(f"own error in {c}", str, "noise", hint))
+    rows, cards = [], []
+    for name, engine in result.engines.items():
+        label = f"{name} {engine.version}".strip()
+        if engine.error:
+            rows.append(Row(label, [Cell("could not be run"), *[Cell(NONE)] * (len(columns) - 1)], engine.error))
+            continue
+        found = (engine.baseline_rmse, engine.refined_rmse, engine.own_error)
+        step = engine.settings.get("dt")
+        cells = [Cell(number(one.get(c), 4)) for c in channels for one in found]
+        rows.append(Row(label, cells, f"step {step * 1e3:.4g} ms" if step else ""))
+        line = f"step {step * 1e3:.6g} ms" if step else ""
+        cards.append(Card(label, "var(--muted)", line, engine.ignored, settings_of(engine.settings)))
+    blocks: list[Block] = [Table("engine", columns, rows, _ENGINES), Cards(cards)]
+    if result.model_left_out:
+        blocks.append(Items(result.model_left_out, "What the exported MJCF and URDF cannot say"))
+    return Section("In the engines", blocks)

@@ -1,6 +1,7 @@
-"""Figures of a diagnosis: recording against both simulations, residuals over time and phase plane."""
+"""Figures of a diagnosis: recording against simulations, residuals, what each name takes off, whose mismatch it is."""
 
-from collections.abc import Mapping, Sequence
+import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -9,6 +10,8 @@ import numpy as np
 from harness.core.arrays import FloatArray, IntArray
 from harness.core.recording import Recording
 from harness.core.trajectory import Trajectory
+from harness.results.diagnosis import AttributionResult, DiagnosisResult, SurfaceResult, TableResult
+from harness.show.blocks import Block, Column, Figure, Folded, Section, Text, tabulated
 from harness.show.decimate import keep, reversal_times
 from harness.show.diagnosis_scene import (
     AFTER,
@@ -16,68 +19,69 @@ from harness.show.diagnosis_scene import (
     YOUR_SIMULATION,
     YOURS,
     begins,
+    best_terms,
     model_names,
     shaded_spans,
     shown,
     yours,
 )
-from harness.show.report.identify import ANGLES, CHANNELS
-from harness.show.report.motion import GROUP, noise_band, upright_lines, zoom_buttons
-from harness.show.report.section import Figure, Section
+from harness.show.numbers import NONE, number
+from harness.show.plots import (
+    ANGLES,
+    CHANNELS,
+    GROUP,
+    axes,
+    bars,
+    curve,
+    dots,
+    noise_band,
+    per,
+    plain,
+    shades,
+    upright_lines,
+    zoom,
+)
 
 POINTS = 9_000
 """Samples of one curve."""
 DOTS = 5_000
-_MOST_SHADES = 80
 _SHADE = "rgba(228, 99, 45, 0.11)"
 _COLORS = (BEFORE, AFTER)
-
-
-def _curve(name: str, t: FloatArray, y: FloatArray, color: str, unit: str, width: float = 1.5) -> dict[str, Any]:
-    return {
-        "type": "scatter",
-        "mode": "lines",
-        "name": name,
-        "x": t,
-        "y": y,
-        "line": {"color": color, "width": width},
-        "marker": {"size": 4},
-        "hovertemplate": f"%{{y:.6g}} {unit}<br>%{{x:.6f}} s",
-        "meta": {"curve": True},
-    }
-
-
-def _shades(spans: Sequence[Sequence[float]]) -> list[dict[str, Any]]:
-    """Bands behind a plot over these spans of time, s."""
-    line = {"width": 0}
-    place = {"type": "rect", "y0": 0, "y1": 1, "yref": "paper", "layer": "below"}
-    return [place | {"x0": low, "x1": high, "fillcolor": _SHADE, "line": line} for low, high in spans[:_MOST_SHADES]]
-
-
-def _axes(label: str, unit: str, shapes: list[dict[str, Any]]) -> dict[str, Any]:
-    return {
-        "xaxis": {"title": {"text": "time / s"}},
-        "yaxis": {"title": {"text": f"{label} / {f'({unit})' if '/' in unit else unit}"}},
-        "shapes": shapes,
-        "showlegend": True,
-        "hovermode": "closest",
-    }
+_GREY, _OCHRE = "#b9c0c9", "#b58900"
+_ROOM = 0.12
+"""Of the width of a bar chart, for the number beside a short bar."""
+_BAND = "rgba(228, 99, 45, 0.18)"
+_ERRORS = 2.0
+"""Standard errors of a band."""
+_DEPENDS = {
+    "x": "position",
+    "v": "speed",
+    "t": "time",
+    "direction": "direction of motion",
+    "amplitude": "amplitude",
+}
+_PARTS = {
+    "engine": BEFORE,
+    "parameters": _OCHRE,
+    "missing_physics": AFTER,
+    "unexplained": "#a45bc2",
+    "noise": _GREY,
+}
+"""Parts of a mismatch, by name, with their colours."""
 
 
 @dataclass(frozen=True)
 class Curves:
-    """What the figures of a diagnosis show. recording, simulated, result : as in diagnosis_sections."""
+    """What is drawn over time. recording, simulated, result : as in diagnosis_page."""
 
     recording: Recording
     simulated: Sequence[Trajectory]
-    result: Mapping[str, Any]
+    result: DiagnosisResult
 
     @property
     def channels(self) -> list[str]:
         """Those that both have."""
-        return [
-            name for name in ("x", "v", "a") if name in self.recording and f"shown {name}" in self.simulated[0].extra
-        ]
+        return [c for c in ("x", "v", "a") if c in self.recording and f"shown {c}" in self.simulated[0].extra]
 
     @property
     def models(self) -> list[tuple[str, str, Trajectory]]:
@@ -88,6 +92,11 @@ class Curves:
     def best(self) -> Trajectory:
         """The better model's motion."""
         return self.simulated[:2][-1]
+
+    @property
+    def times(self) -> FloatArray:
+        """Reversals of the better model, s."""
+        return reversal_times(self.best)
 
     def words(self, name: str) -> tuple[str, str, float]:
         """Label, unit and factor of a channel."""
@@ -105,211 +114,248 @@ class Curves:
         """Those samples in which the models move: before their release nothing of them is to be seen."""
         return at[self.recording.t[at] >= begins(self.result)]
 
-    @property
-    def times(self) -> FloatArray:
-        """Reversals of the better model, s."""
-        return reversal_times(self.best)
+    def layout(self, label: str, unit: str, more: Sequence[dict[str, Any]] = ()) -> dict[str, Any]:
+        """Axes over time, with shaded spans, reversals and more shapes."""
+        shapes = shades(shaded_spans(self.result), _SHADE) + upright_lines(self.times) + list(more)
+        return axes("time / s", f"{label} / {per(unit)}", shapes=shapes, showlegend=True, hovermode="closest")
 
-    @property
-    def shapes(self) -> list[dict[str, Any]]:
-        """Shaded spans and reversals."""
-        return _shades(shaded_spans(self.result)) + upright_lines(self.times)
+    def before(self) -> Section:
+        """Every channel as recorded and as both models have it."""
+        blocks: list[Block] = [zoom(self.times.tolist(), self.recording.duration)]
+        t, own = self.recording.t, yours(self.simulated)
+        caption = "Shaded: where simulation and recording part. Dotted: reversals of the better model."
+        if not shaded_spans(self.result):
+            caption = "Fits that look alike here differ below: what counts is the residual against the noise."
+        for c in self.channels:
+            label, unit, factor = self.words(c)
+            recorded, sims = self.recording[c], [shown(model, c) for _, _, model in self.models]
+            at = self.chosen(recorded, *sims)
+            free = self.free(at)
+            traces = [curve("recording", t[at], recorded[at] * factor, "ink", unit, 2.4)]
+            for (said, color, _), y in zip(self.models, sims, strict=True):
+                traces.append(curve(said, t[free], y[free] * factor, color, unit))
+            if own is not None and f"shown {c}" in own.extra:
+                y = shown(own, c)
+                at = keep(own.t, [y], self.times, POINTS)
+                traces.append(curve(YOUR_SIMULATION, own.t[at], y[at] * factor, YOURS, unit))
+            blocks.append(Figure(f"channel-{c}", traces, self.layout(label, unit), caption, GROUP, 320))
+        return Section("Recording against simulation", blocks)
 
+    def mismatch(self) -> Section:
+        """Recording minus simulation over time, before and after, with the noise."""
+        figures = []
+        for c in self.channels:
+            label, unit, factor = self.words(c)
+            residuals = [self.residual(model, c) * factor for _, _, model in self.models]
+            at = self.free(self.chosen(*residuals))
+            traces = [
+                curve(said, self.recording.t[at], r[at], color, unit, 1.2)
+                for (said, color, _), r in zip(self.models, residuals, strict=True)
+            ]
+            sigma, band, caption = self.result.recording.noise.get(c), [], "Recording minus simulation."
+            if isinstance(sigma, (int, float)):
+                level = 2.0 * sigma * factor
+                band = noise_band(level)
+                said = f"{level:.3g} {unit}"
+                caption = f"Recording minus simulation; dashed: two standard deviations of the noise ({said})."
+            layout = self.layout(f"residual of {label}", unit, band)
+            figures.append(Figure(f"residual-{c}", traces, layout, caption, GROUP, 260))
+        return Section("Residual by time", figures)
 
-def before_section(seen: Curves) -> Section:
-    """Every channel as recorded and as both models have it."""
-    figures = []
-    for name in seen.channels:
-        label, unit, factor = seen.words(name)
-        sims = [shown(model, name) for _, _, model in seen.models]
-        at = seen.chosen(seen.recording[name], *sims)
-        free, t = seen.free(at), seen.recording.t
-        traces = [_curve("recording", t[at], seen.recording[name][at] * factor, "ink", unit, 2.4)]
-        traces += [
-            _curve(said, t[free], y[free] * factor, color, unit)
-            for (said, color, _), y in zip(seen.models, sims, strict=True)
-        ]
-        own = yours(seen.simulated)
-        if own is not None and f"shown {name}" in own.extra:
-            y = shown(own, name)
-            at = keep(own.t, [y], seen.times, POINTS)
-            traces.append(_curve(YOUR_SIMULATION, own.t[at], y[at] * factor, YOURS, unit))
-        figures.append(
-            Figure(f"channel-{name}", traces, _axes(label, unit, seen.shapes), _caption(seen.result), GROUP, 320)
-        )
-    return Section(
-        "Recording against simulation",
-        "motion.html.j2",
-        {
-            "figures": figures,
-            "buttons": zoom_buttons(seen.times.tolist(), seen.recording.duration),
-            "group": GROUP,
-        },
-    )
-
-
-def _caption(result: Mapping[str, Any]) -> str:
-    if not shaded_spans(result):
-        return "Fits that look alike here differ below: what counts is the residual against the noise."
-    return "Shaded: where simulation and recording part. Dotted: reversals of the better model."
-
-
-def mismatch_section(seen: Curves) -> Section:
-    """Recording minus simulation over time, before and after, with the noise."""
-    figures = []
-    for name in seen.channels:
-        label, unit, factor = seen.words(name)
-        residuals = [seen.residual(model, name) * factor for _, _, model in seen.models]
-        at = seen.free(seen.chosen(*residuals))
-        t = seen.recording.t[at]
-        traces = [
-            _curve(f"{said}", t, r[at], color, unit, 1.2)
-            for (said, color, _), r in zip(seen.models, residuals, strict=True)
-        ]
-        shapes = seen.shapes
-        sigma = seen.result["recording"]["noise"].get(name)
-        caption = "Recording minus simulation."
-        if isinstance(sigma, (int, float)):
-            shapes = [*shapes, *noise_band(2.0 * sigma * factor)]
-            level = f"{2.0 * sigma * factor:.3g} {unit}"
-            caption = f"Recording minus simulation; dashed: two standard deviations of the noise ({level})."
-        figures.append(
-            Figure(f"residual-{name}", traces, _axes(f"residual of {label}", unit, shapes), caption, GROUP, 260)
-        )
-    return Section("Residual by time", "figures.html.j2", {"figures": figures})
-
-
-def phase_plane_section(seen: Curves) -> Section:
-    """The residual where it happens: along the motion in the plane of position and speed, before and after."""
-    name = "a" if "a" in seen.channels else seen.channels[0]
-    label, unit, factor = seen.words(name)
-    position, length, scale = seen.words("x")
-    speed, per_second, _ = seen.words("v")
-    best = seen.best
-    at = seen.free(np.linspace(0, len(best) - 1, min(DOTS, len(best))).astype(np.int64))
-    residuals = [seen.residual(model, name)[at] * factor for _, _, model in seen.models]
-    # a few samples on the wrong side of a jump would else decide the colours
-    limit = max(float(np.percentile(np.abs(residuals[0]), 98.0)), 1e-300)
-    traces, layout = [], dict[str, Any]({"showlegend": False, "annotations": []})
-    for i, ((said, _, _), residual) in enumerate(zip(seen.models, residuals, strict=True)):
-        own = "" if i == 0 else str(i + 1)
-        low = 0.53 * i
-        high = low + (0.47 if len(seen.models) > 1 else 1.0)
-        marker = {
-            "size": 5,
-            "color": residual,
-            "colorscale": [[0.0, "#2b7fd6"], [0.5, "#c9ccd1"], [1.0, "#e4632d"]],
-            "cmin": -limit,
-            "cmax": limit,
-            "showscale": i == 0,
-            "colorbar": {"title": {"text": unit}, "thickness": 12, "outlinewidth": 0},
-        }
-        traces.append(
-            {
-                "type": "scatter",
-                "mode": "markers",
-                "name": said,
-                "x": best.x[at] * scale,
-                "y": best.v[at],
-                "xaxis": f"x{own}",
-                "yaxis": f"y{own}",
-                "marker": marker,
-                "text": [f"{value:.4g} {unit}" for value in residual.tolist()],
-                "hovertemplate": f"%{{x:.5g}} {length}, %{{y:.5g}} {per_second}<br>%{{text}}<extra></extra>",
-                "meta": {"curve": False},
+    def phase_plane(self) -> Section:
+        """The residual where it happens: along the motion in the plane of position and speed, before and after."""
+        name = "a" if "a" in self.channels else self.channels[0]
+        label, unit, factor = self.words(name)
+        (position, length, scale), (speed, by, _) = self.words("x"), self.words("v")
+        best = self.best
+        at = self.free(np.linspace(0, len(best) - 1, min(DOTS, len(best))).astype(np.int64))
+        residuals = [self.residual(model, name)[at] * factor for _, _, model in self.models]
+        # a few samples on the wrong side of a jump would else decide the colours
+        limit = max(float(np.percentile(np.abs(residuals[0]), 98.0)), 1e-300)
+        traces, layout = [], dict[str, Any]({"showlegend": False, "annotations": []})
+        for i, ((said, _, _), residual) in enumerate(zip(self.models, residuals, strict=True)):
+            own = "" if i == 0 else str(i + 1)
+            low = 0.53 * i
+            high = low + (0.47 if len(self.models) > 1 else 1.0)
+            marker = {
+                "size": 5,
+                "color": residual,
+                "colorscale": [[0.0, "#2b7fd6"], [0.5, "#c9ccd1"], [1.0, "#e4632d"]],
+                "cmin": -limit,
+                "cmax": limit,
+                "showscale": i == 0,
+                "colorbar": {"title": {"text": unit}, "thickness": 12, "outlinewidth": 0},
             }
-        )
-        layout[f"xaxis{own}"] = {"title": {"text": f"{position} / {length}"}, "domain": [low, high]}
-        layout[f"yaxis{own}"] = {"title": {"text": f"{speed} / ({per_second})"}, "anchor": f"x{own}"}
-        place = {"xref": "paper", "yref": "paper", "x": low, "y": 1.0, "xanchor": "left", "yanchor": "bottom"}
-        layout["annotations"].append({"text": said, "showarrow": False, **place})
-    caption = f"Residual of {label} along the motion, in one scale of colours."
-    return Section(
-        "Residual over the phase plane",
-        "figures.html.j2",
-        {"figures": [Figure("plane", traces, layout, caption, "", 430)]},
-    )
+            text = [f"{value:.4g} {unit}" for value in residual.tolist()]
+            hover = f"%{{x:.5g}} {length}, %{{y:.5g}} {by}<br>%{{text}}<extra></extra>"
+            where = {"xaxis": f"x{own}", "yaxis": f"y{own}", "meta": {"curve": False}}
+            traces.append(dots(said, best.x[at] * scale, best.v[at], marker, hover, text=text, **where))
+            layout[f"xaxis{own}"] = {"title": {"text": f"{position} / {length}"}, "domain": [low, high]}
+            layout[f"yaxis{own}"] = {"title": {"text": f"{speed} / ({by})"}, "anchor": f"x{own}"}
+            place = {"xref": "paper", "yref": "paper", "x": low, "y": 1.0, "xanchor": "left", "yanchor": "bottom"}
+            layout["annotations"].append({"text": said, "showarrow": False, **place})
+        caption = f"Residual of {label} along the motion, in one scale of colours."
+        return Section("Residual over the phase plane", [Figure("plane", traces, layout, caption, "", 430)])
 
 
-_COLOR, _BAND = "#e4632d", "rgba(228, 99, 45, 0.18)"
-_ERRORS = 2.0
-"""Standard errors of a band."""
+def nameless(result: DiagnosisResult) -> Section:
+    """What has no name, as curves and as a plane."""
+    figures = [_curve(i, table) for i, table in enumerate(result.tables)]
+    if result.surface is not None:
+        figures.append(_plane(result.surface))
+    return Section("Force without a name", figures)
 
 
-def tables_section(result: Mapping[str, Any]) -> Section:
-    """What has no name, as curves. result : as in harness.diagnosis/2, with tables."""
-    figures = [_figure(i, table) for i, table in enumerate(result["tables"])]
-    if (surface := result.get("surface")) is not None:
-        figures.append(_plane(surface))
-    return Section("Force without a name", "figures.html.j2", {"figures": figures})
-
-
-def _figure(number: int, table: Mapping[str, Any]) -> Figure:
-    at, force, stderr = (np.array(table[key]) for key in ("at", "force", "stderr"))
-    label = {"x": "displacement", "v": "speed", "|v|": "speed, either way"}[table["of"]]
-    at_unit, unit = _unit(table["at_unit"]), _unit(table["force_unit"])
-    plain: dict[str, Any] = {"type": "scatter", "mode": "lines", "x": at, "hoverinfo": "skip", "showlegend": False}
-    line = {"width": 0}
+def _curve(number: int, table: TableResult) -> Figure:
+    at, force, stderr = (np.array(values) for values in (table.at, table.force, table.stderr))
+    label = {"x": "displacement", "v": "speed", "|v|": "speed, either way"}[table.of]
+    side: dict[str, Any] = {"type": "scatter", "mode": "lines", "x": at, "hoverinfo": "skip", "showlegend": False}
+    side["line"] = {"width": 0}
     traces = [
-        {**plain, "y": force - _ERRORS * stderr, "line": line},
-        {**plain, "y": force + _ERRORS * stderr, "line": line, "fill": "tonexty", "fillcolor": _BAND},
-        {
-            "type": "scatter",
-            "mode": "lines",
-            "name": table["form"],
-            "x": at,
-            "y": force,
-            "line": {"color": _COLOR, "width": 2},
-            "hovertemplate": "%{x:.4g}: %{y:.4g}<extra></extra>",
-        },
+        side | {"y": force - _ERRORS * stderr},
+        side | {"y": force + _ERRORS * stderr, "fill": "tonexty", "fillcolor": _BAND},
+        plain(table.form, at, force, BEFORE, 2, hovertemplate="%{x:.4g}: %{y:.4g}<extra></extra>"),
     ]
-    layout = {
-        "xaxis": {"title": {"text": f"{label} / {at_unit}"}},
-        "yaxis": {"title": {"text": f"{table['form']} / {unit}"}},
-        "showlegend": False,
-        "hovermode": "closest",
-    }
-    near = ", ".join(f"{one['name']} ({100.0 * one['share']:.0f} % of it)" for one in table["nearest"])
-    said = table["described"]
+    names = f"{label} / {_unit(table.at_unit)}", f"{table.form} / {_unit(table.force_unit)}"
+    near = ", ".join(f"{one.name} ({100.0 * one.share:.0f} % of it)" for one in table.nearest)
     caption = (
-        f"{said[:1].upper()}{said[1:]}. On the left of the equation of motion, with two standard errors, over the "
-        f"range that was swept; beyond it nothing is known. The table holds {table['gauge']}."
+        f"{table.described[:1].upper()}{table.described[1:]}. On the left of the equation of motion, with two standard"
+        f" errors, over the range that was swept; beyond it nothing is known. The table holds {table.gauge}."
         f"{f' Nearest in the catalogue: {near}.' if near else ''}"
     )
-    return Figure(f"table-{number}", traces, layout, caption, height=320)
+    return Figure(f"table-{number}", traces, axes(*names, showlegend=False, hovermode="closest"), caption, height=320)
 
 
-def _plane(surface: Mapping[str, Any]) -> Figure:
+def _plane(surface: SurfaceResult) -> Figure:
     """A force over both: coloured where the motion was, its error below the pointer."""
-    force, stderr = (np.array(surface[key], dtype=np.float64) for key in ("force", "stderr"))
-    x_unit, v_unit, unit = (_unit(surface[key]) for key in ("x_unit", "v_unit", "force_unit"))
-    most = float(np.nanmax(np.abs(force)))
+    force, stderr = (np.array(values, dtype=np.float64) for values in (surface.force, surface.stderr))
+    unit, most = _unit(surface.force_unit), float(np.nanmax(np.abs(force)))
     trace = {
         "type": "heatmap",
-        "x": np.array(surface["x"]),
-        "y": np.array(surface["v"]),
-        "z": surface["force"],
-        "customdata": surface["stderr"],
+        "x": np.array(surface.x),
+        "y": np.array(surface.v),
+        "z": surface.force,
+        "customdata": surface.stderr,
         "zmin": -most,
         "zmax": most,
-        "colorscale": [[0.0, "#2f6fb0"], [0.5, "#f4f1ea"], [1.0, _COLOR]],
+        "colorscale": [[0.0, "#2f6fb0"], [0.5, "#f4f1ea"], [1.0, BEFORE]],
         "hoverongaps": False,
         "colorbar": {"title": {"text": unit}},
         "hovertemplate": "%{x:.4g}, %{y:.4g}: %{z:.3g} \u00b1 %{customdata:.2g}<extra></extra>",
     }
-    layout = {
-        "xaxis": {"title": {"text": f"displacement / {x_unit}"}},
-        "yaxis": {"title": {"text": f"speed / {v_unit}"}},
-        "hovermode": "closest",
-    }
-    said, error = surface["described"], float(np.nanmedian(stderr))
+    names = f"displacement / {_unit(surface.x_unit)}", f"speed / {_unit(surface.v_unit)}"
+    said, error = surface.described, float(np.nanmedian(stderr))
     caption = (
         f"{said[:1].upper()}{said[1:]}. On the left of the equation of motion; one standard error is {error:.2g} {unit}"
         " in the middle, and stands below the pointer. Blank where the motion never was: there nothing is known. The"
-        f" table holds {surface['gauge']}."
+        f" table holds {surface.gauge}."
     )
-    return Figure("table-plane", [trace], layout, caption, height=420)
+    return Figure("table-plane", [trace], axes(*names, hovermode="closest"), caption, height=420)
 
 
 def _unit(unit: str) -> str:
     return f"({unit})" if "/" in unit or " " in unit else unit
+
+
+def _percents(
+    name: str,
+    labels: Sequence[str],
+    percent: Sequence[float],
+    colors: Sequence[str],
+    title: str,
+    caption: str,
+) -> Figure:
+    """Bars in per cent, the first on top."""
+    low, high = min(0.0, *percent), max(1.0, *percent)
+    beside = _ROOM * (high - low)
+    trace, layout = bars(labels, percent, colors, [f"{value:.3g} %" for value in percent], "%{x:.4g} %")
+    trace["textposition"] = ["outside" if abs(value) < beside else "auto" for value in reversed(percent)]
+    limits = [low - (beside if low < 0.0 else 0.0), high + beside]
+    layout["xaxis"] = {"title": {"text": title}, "zeroline": True, "range": limits}
+    return Figure(name, [trace], layout, caption, "", 110 + 30 * len(labels))
+
+
+def evidence(result: DiagnosisResult) -> Section:
+    """Every name of the catalogue, tried alone."""
+    title = "Evidence over the catalogue"
+    chosen = {mechanism.name for mechanism in result.mechanisms}
+    looks = {one.name: AFTER if one.name in chosen else _GREY for one in result.evidence}
+    tried = "Each catalogue name tried alone against viscous and Coulomb friction"
+    shares = [one.share for one in result.evidence if one.share is not None]
+    if len(shares) == len(result.evidence):
+        # where names are graded: a share of the misfit says more than a BIC that counts samples
+        ordered = sorted(result.evidence, key=lambda one: -(one.share or 0.0))
+        names, percent = [one.name for one in ordered], [100.0 * (one.share or 0.0) for one in ordered]
+        caption = f"{tried}: share of the mean square misfit beyond noise that it takes off. Blue: named."
+        colors = [looks[name] for name in names]
+        return Section(title, [_percents("evidence", names, percent, colors, "share of the misfit / %", caption)])
+    best = sorted(result.evidence, key=lambda one: one.delta_bic)[::-1]
+    better = [one for one in best if one.delta_bic > 1.0]
+    others = [one.name for one in best if one.delta_bic <= 1.0]
+    none = f" No better than the base model alone: {', '.join(others)}." if others else ""
+    if not better:
+        said = f"No catalogue name does better than the base model.{none}"
+        return Section(title, [Figure("evidence", [], {}, said, "", 40)])
+    names, gains = [one.name for one in better], [one.delta_bic for one in better]
+    text = [f"{gain:.0f}" for gain in gains]
+    trace, layout = bars(names, gains, [looks[name] for name in names], text, "%{x:.5g}")
+    limits = [0.0, math.log10(1.3 * gains[0])]
+    layout["xaxis"] = {"title": {"text": "BIC gained"}, "type": "log", "range": limits, "dtick": 1}
+    caption = (
+        f"{tried}; 10 is decisive. Blue: in the refined model. With two effects, a name that explains neither alone can"
+        f" still do well here.{none}"
+    )
+    return Section(title, [Figure("evidence", [trace], layout, caption, "", 110 + 24 * len(better))])
+
+
+def left(result: DiagnosisResult) -> Section:
+    """What the best model found leaves."""
+    rest = result.remainder
+    assert rest is not None
+    best = f"with {best_terms(result)}" if result.mechanisms else "viscous and Coulomb"
+    sentence = (
+        f"The best model found ({best}) leaves {number(100.0 * rest.share, 3)} % of the misfit; its residual is "
+        f"{number(rest.over_noise, 3)} times the sensors' noise. {rest.looks_like[0].upper()}{rest.looks_like[1:]}."
+    )
+    percent = [100.0 * rest.depends_on.get(name, 0.0) for name in _DEPENDS]
+    caption = (
+        "Share of the residual that is a function of one quantity alone; the bars overlap and need not add up to "
+        "100 %. What is a function of none of them is no law of this motion, or of several together."
+    )
+    colors, title = [_OCHRE] * len(percent), "share of the residual / %"
+    figure = _percents("remainder", list(_DEPENDS.values()), percent, colors, title, caption)
+    return Section("What is left", [Text(sentence), figure])
+
+
+def shares(found: AttributionResult) -> Section:
+    """Whose mismatch it is."""
+    stderr = found.stderr or {}
+    names = [n for n in _PARTS if getattr(found, n) is not None and not (n == "engine" and found.why)]
+    called = {name: name.replace("_", " ") for name in names}
+    if found.why:
+        called["parameters"] = "engine and parameters"
+    parts = [(bar.name, bar.share, bar.of[0]) for bar in found.bars]
+    parts = parts or [(called[name], getattr(found, name), name) for name in names]
+    caption = f"Compared with the recording: {found.configuration}, in windows of about a period."
+    if any(len(bar.of) > 1 for bar in found.bars):
+        caption += " Errors that make up for each other are one bar."
+    if found.why:
+        caption += f" Engine and parameters are one: {found.why}."
+    figure = _percents(
+        "attribution",
+        [name for name, _, _ in parts],
+        [100.0 * share for _, share, _ in parts],
+        [_PARTS[first] for _, _, first in parts],
+        "part of the mean square mismatch / %",
+        caption,
+    )
+    columns = [
+        Column("share", lambda name: number(100.0 * getattr(found, name), 3), "%"),
+        Column("standard error", lambda n: number(100.0 * stderr[n], 2) if n in stderr else NONE, "points"),
+    ]
+    note = (
+        "What each brings when all are put right in turn, averaged over the orders; below 0: its error hides that"
+        " of another."
+    )
+    table = tabulated("part", columns, names, lambda name: called[name], caption=note)
+    return Section("Whose mismatch it is", [figure, Folded("As Shapley values", [table])])

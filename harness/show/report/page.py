@@ -1,18 +1,26 @@
-"""Sections to one HTML file that needs no network."""
+"""A page of blocks as one HTML file that needs no network."""
 
+import base64
+import hashlib
+import json
 import re
-from collections.abc import Sequence
+import shlex
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from functools import cache
 from importlib.resources import files
-from pathlib import Path
+from pathlib import Path, PurePath
 from typing import Any
 
+import numpy as np
 from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup, escape
 
+from harness.core.arrays import FloatArray
 from harness.core.bounded import MOST_DOCUMENT_BYTES, read_bytes
 from harness.core.writing import replacing
-from harness.show.report.section import Figure, Pool, Section, script_json
+from harness.results.common import Machine
+from harness.show.blocks import Block, Code, Facts, Figure, Page, Section
 
 LARGEST = 5_000_000
 """Bytes a page may have."""
@@ -55,22 +63,76 @@ def _vendored(name: str) -> Markup:
     return Markup(text.replace("</script", "<\\/script"))
 
 
-def render(title: str, subtitle: str, sections: Sequence[Section]) -> str:
-    """The page as text. title : what it is about. subtitle : one line below it."""
+@dataclass(slots=True)
+class Pool:
+    """Arrays of a page, each stored once as base64 of little-endian doubles."""
+
+    arrays: dict[str, str] = field(default_factory=dict)
+
+    def add(self, values: FloatArray) -> str:
+        """The key under which the page finds these numbers; nan draws a gap."""
+        data = np.ascontiguousarray(values, dtype="<f8").tobytes()
+        key = hashlib.blake2b(data, digest_size=6).hexdigest()
+        self.arrays.setdefault(key, base64.b64encode(data).decode("ascii"))
+        return key
+
+    def spec(self, figure: Figure) -> dict[str, Any]:
+        """The figure as JSON, arrays replaced by {"$": key}."""
+        kept = {"traces": self._plain(figure.traces), "layout": self._plain(figure.layout)}
+        return {"name": figure.name, **kept, "group": figure.group}
+
+    def _plain(self, value: object) -> Any:
+        if isinstance(value, np.ndarray):
+            return {"$": self.add(value)}
+        if isinstance(value, np.generic):
+            return value.item()
+        if isinstance(value, Mapping):
+            return {key: self._plain(inner) for key, inner in value.items()}
+        if isinstance(value, (list, tuple)):
+            return [self._plain(inner) for inner in value]
+        return value
+
+
+def script_json(value: object) -> str:
+    """JSON that can stand inside a script element whatever text it holds."""
+    return json.dumps(value, allow_nan=False).replace("<", "\\u003c").replace("\u2028", "\\u2028")
+
+
+def made_with(machine: Machine, files: Mapping[str, str], command: str) -> Section:
+    """How a page ends: files, versions. command : the line that makes it again."""
+    blocks: list[Block] = [Code(command, intro="This command makes it again:")] if command else []
+    if "rrd" in files:
+        intro = "Every sample of every trace is in the .rrd beside this page; this opens it:"
+        blocks.append(Code(f"harness view {shlex.quote(PurePath(files['rrd']).name)}", intro=intro))
+    if files:
+        blocks.append(Facts({name: PurePath(path).name for name, path in files.items()}))
+    facts = {
+        "Python": machine.python,
+        "system": f"{machine.system}, {machine.cores} cores",
+        "packages": ", ".join(f"{name} {version}" for name, version in machine.packages.items()),
+        "seeds": ", ".join(f"{name} {seed}" for name, seed in machine.seeds.items()),
+    }
+    blocks.append(Facts({name: value for name, value in facts.items() if value}))
+    return Section("Files, and how to make this again", blocks)
+
+
+def render(page: Page) -> str:
+    """The page as text."""
     pool, figures = Pool(), []
 
-    def figure(one: Figure) -> str:
-        figures.append(pool.spec(one))
+    def register(figure: Figure) -> str:
+        figures.append(pool.spec(figure))
         return ""
 
     environment = _environment()
-    parts: list[dict[str, Any]] = []
-    for index, section in enumerate(sections):
-        body = environment.get_template(section.template).render(register=figure, **section.context)
-        parts.append({"id": f"section-{index}", "title": section.title, "body": Markup(body)})
+    drawn = environment.get_template("blocks.html.j2").module.draw  # type: ignore[attr-defined]
+    parts = [
+        {"id": f"section-{index}", "title": section.title, "body": drawn(section.blocks, register)}
+        for index, section in enumerate(page.sections)
+    ]
     return environment.get_template("page.html.j2").render(
-        title=title,
-        subtitle=subtitle,
+        title=page.title,
+        subtitle=page.subtitle,
         parts=parts,
         style=Markup(environment.get_template("page.css").render()),
         script=Markup(environment.get_template("page.js").render()),
@@ -80,13 +142,13 @@ def render(title: str, subtitle: str, sections: Sequence[Section]) -> str:
     )
 
 
-def write_report(path: Path, title: str, subtitle: str, sections: Sequence[Section]) -> None:
+def write_report(path: Path, page: Page) -> None:
     """Write the page; it appears whole or not at all.
 
     Raises StoreError when it cannot be written, ValueError when it would be larger than 5 MB (a section that does not
     decimate its data).
     """
-    data = render(title, subtitle, sections).encode("utf-8")
+    data = render(page).encode("utf-8")
     if len(data) > LARGEST:
         raise ValueError(f"the page {path.name} would take {len(data)} bytes; at most {LARGEST} are allowed")
     with replacing(path) as part:

@@ -1,106 +1,40 @@
 """The page of a sealed proof: what came out, figure by figure, name by name, and how it was sealed."""
 
-from collections.abc import Mapping, Sequence
-from pathlib import Path
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
-from harness.show.numbers import number
-from harness.show.report.page import write_report
-from harness.show.report.proof_figures import (
-    BAD,
-    GOOD,
-    by_name_section,
-    confusion_section,
-    detection_curve_section,
-    interval_figure,
-)
-from harness.show.report.section import Cell, Column, Row, Section, Table
-from harness.show.report.verdict import made_with_section, verdict_section
+from markupsafe import Markup
 
-Data = Mapping[str, Any]
+from harness.results.prove import (
+    BaselineMargin,
+    ForcedFigure,
+    MustFail,
+    ProofCase,
+    ProofFigure,
+    ProofResult,
+    RateResult,
+)
+from harness.show.blocks import (
+    Block,
+    Cell,
+    Code,
+    Column,
+    Items,
+    Page,
+    Row,
+    Section,
+    Table,
+    Text,
+    or_nothing,
+    tabulated,
+    verdict,
+)
+from harness.show.numbers import number
+from harness.show.report.page import made_with
+from harness.show.report.proof_figures import BAD, GOOD, confusion, detection, intervals
+
 MOST_ROWS = 200
 """Rows of a table on the page; the rest is in result.json."""
-
-
-def figures_section(figures: Sequence[Data], forced: Data, by_source: Mapping[str, Sequence[Data]]) -> Section:
-    """figures : those of harness.proof/1. forced : controls with a term forced in. heading : of the section."""
-    columns = [
-        Column("found"),
-        Column("95 % interval", hint="exact (Clopper-Pearson) for a share, resampled for a median"),
-        Column("cases"),
-        Column("asked"),
-    ]
-    rows = [
-        Row(
-            figure["label"],
-            [
-                Cell(_value(figure, "value"), grade=_grade(figure["met"])),
-                Cell(_interval(figure)),
-                Cell(str(figure["cases"])),
-                Cell(figure["asked"]),
-            ],
-        )
-        for figure in figures
-    ]
-    worst = forced["worst"]
-    met = None if worst is None else worst <= 1.05
-    asked = "at most 1.05"
-    cells = [Cell(number(worst, 4), grade=_grade(met)), Cell(""), Cell(str(forced["cases"])), Cell(asked)]
-    # recordings of machines alone have no such controls
-    rows += [Row("held-out rmse of controls, a term forced in, largest", cells)] if by_source else []
-    table = Table("figure", columns, rows, "Green: reached. Red: falls short. No colour: nothing is asked.")
-    shares = [
-        {**figure, "note": f"{figure['hits']} of {figure['cases']}", "color": _color(figure["met"])}
-        for figure in figures
-        if figure["share"]
-    ]
-    caption = "Shares with their exact 95 % intervals."
-    return Section(
-        "Figures",
-        "proof_figures.html.j2",
-        {"tables": [table, *_sources(by_source)], "figures": [interval_figure("figures", shares, caption)]},
-    )
-
-
-def _sources(by_source: Mapping[str, Sequence[Data]]) -> list[Table]:
-    """Figures by what made the recordings, where that differs."""
-    if len(by_source) < 2:
-        return []
-    heads = [figure["label"] for figure in next(iter(by_source.values()))]
-    rows = [
-        Row(name, [Cell(_value(one, "value"), (f"of {one['cases']}",)) for one in figures])
-        for name, figures in by_source.items()
-    ]
-    return [Table("recordings made by", [Column(head) for head in heads], rows, title="By source")]
-
-
-def _color(met: bool | None) -> str:
-    return {True: GOOD, False: BAD, None: "#7a8594"}[met]
-
-
-def _grade(met: bool | None) -> int | None:
-    return {True: 0, False: 4, None: None}[met]
-
-
-def _value(figure: Data, key: str) -> str:
-    value = figure[key]
-    if value is None:
-        return number(None)
-    return f"{100.0 * value:.1f} %" if figure["share"] else number(value, 3)
-
-
-def _interval(figure: Data) -> str:
-    if figure["low"] is None and figure["high"] is None:
-        return number(None)
-    low, high = _value(figure, "low"), _value(figure, "high")
-    return f"{low.removesuffix(' %')} to {high}"
-
-
-def tables_section(heading: str, tables: Sequence[Table]) -> Section:
-    """heading, tables : tables under a heading of its own."""
-    return Section(heading, "table.html.j2", {"tables": tables})
-
-
 GROUPS = {
     "single": "One effect hidden",
     "control": "Nothing hidden",
@@ -110,110 +44,6 @@ GROUPS = {
     "machine-control": "A machine with small omissions alone",
     "unknown": "A machine with a large omission that no catalogue holds",
 }
-
-
-def missed_section(cases: Sequence[Data]) -> Section:
-    """Every recording that was not answered right, group by group."""
-    columns = [
-        Column("said"),
-        Column("not ruled out"),
-        Column("recorded"),
-        Column("samples"),
-        Column("loss of the base fit", hint="chi-square that viscous and Coulomb friction lose to the truth"),
-        Column("R² of it"),
-    ]
-    tables = []
-    for group, title in GROUPS.items():
-        here = [case for case in cases if case["group"] == group]
-        wrong = [case for case in here if not case["right"]]
-        if not here:
-            continue
-        more = f" The first {MOST_ROWS} are shown." if len(wrong) > MOST_ROWS else ""
-        caption = f"{len(here) - len(wrong)} of {len(here)} answered right.{more}"
-        rows = [_missed(case) for case in wrong[:MOST_ROWS]]
-        tables.append(Table("hidden", columns, rows, caption, title))
-    return tables_section("What was not answered right", tables)
-
-
-def _missed(case: Data) -> Row:
-    cells = [
-        Cell(case["said"]),
-        Cell(", ".join(case["near"]) or number(None)),
-        Cell(", ".join([case["setting"], case["channels"], *([] if case["source"] == "plant" else [case["source"]])])),
-        Cell(str(case["points"])),
-        Cell(number(case["loss"], 3)),
-        Cell(f"{case['r2']:.4f}"),
-    ]
-    return Row(" + ".join(case["hidden"]) or "nothing", cells, case["name"])
-
-
-def baselines_table(margins: Sequence[Data]) -> Table:
-    """Ours beside what a practitioner would do."""
-    columns = [
-        Column("compared by"),
-        Column("ours"),
-        Column("theirs"),
-        Column("margin", hint="by how much ours is better, with its 95 % interval, resampled in pairs"),
-        Column("cases", hint="recordings on which the other has something to work on"),
-    ]
-    rows = [
-        Row(
-            one["name"],
-            [
-                Cell(one["what"] or one["why"]),
-                Cell(_amount(one, "ours")),
-                Cell(_amount(one, "theirs")),
-                _margin(one),
-                Cell(str(one["cases"])),
-            ],
-            one["about"],
-        )
-        for one in margins
-    ]
-    caption = "On the very same recordings. Green: the interval of the margin lies above none."
-    return Table("baseline", columns, rows, caption, "Baselines")
-
-
-def _margin(one: Data) -> Cell:
-    if one["value"] is None:
-        return Cell(number(None))
-    between = f"{_amount(one, 'low')} to {_amount(one, 'high')}"
-    return Cell(_amount(one, "value"), (between,), 0 if one["beaten"] else 4)
-
-
-def _amount(one: Data, key: str) -> str:
-    value = one[key]
-    if value is None or not one["share"]:
-        return number(value, 3)
-    return f"{100.0 * value:.1f} %"
-
-
-def must_fail_table(rows: Sequence[Data]) -> Table:
-    """What diagnosers that look at nothing would have scored."""
-    columns = [
-        Column("single effects named"),
-        Column("false alarms"),
-        Column("wrong or nothing outside the catalogue"),
-    ]
-    lines = [
-        Row(
-            row["name"],
-            [_rate(row["named"], 4), _rate(row["false_alarms"]), _rate(row["misled"])],
-            row["about"],
-        )
-        for row in rows
-    ]
-    caption = "Scores worth having condemn these, on the very same recordings."
-    return Table("a diagnoser that", columns, lines, caption, "Diagnosers that must fail")
-
-
-def _rate(rate: Data, grade: int | None = None) -> Cell:
-    if rate["value"] is None:
-        return Cell(number(None))
-    note = f"{100.0 * rate['low']:.1f} to {100.0 * rate['high']:.1f} %"
-    return Cell(f"{100.0 * rate['value']:.1f} %", (note,), grade)
-
-
 TOLD = (
     "A seed was taken from the operating system, and its salted hash written down, before anything else.",
     "Every recording was drawn from the seed, by a source that shares no law and no code with the diagnosis. "
@@ -228,67 +58,219 @@ LIMITS = (
     "What this cannot show: that nobody ran many proofs and published the best, and that the machine itself was "
     "honest. Both are answered by running one: harness prove."
 )
+_AGAIN = "This recomputes every hash, every score and every recording, and names whatever was changed:"
 
 
-def sealed_by_section(transcript: Sequence[Data]) -> Section:
-    """transcript : ("step", "at", "hash") of each entry."""
-    return Section("How it was sealed", "proof_sealed.html.j2", {"told": TOLD, "entries": transcript, "limits": LIMITS})
+def proof_page(result: ProofResult, order: Sequence[str], transcript: Sequence[Mapping[str, Any]]) -> Page:
+    """order : names of the catalogue in their order. transcript : ("step", "at", "hash") of each entry."""
+    sizes = result.sizes
+    sentences = [f"Falls short: {line}." for line in result.shortfalls]
+    if sizes.machines:
+        sentences.append(f"{sizes.machines} recordings are of machines, half of them with small omissions alone.")
+    else:
+        sentences.append(
+            f"{sizes.singles} recordings hide one effect, {sizes.controls} none, {sizes.pairs} two, "
+            f"{sizes.outside} one that no catalogue holds."
+        )
+    sentences += [f"Given up: {line}" for line in result.given_up]
+    sections = [
+        verdict(_headline(result), sentences),
+        _figures(result.figures, result.forced, result.by_source),
+    ]
+    if result.confusion:
+        sections.append(confusion(result.confusion, order))
+        sections.append(_by_name(result.by_name, result.not_tested))
+    if result.detection is not None:
+        sections.append(detection(result.detection))
+    others = [_baselines(result.baselines)] if result.baselines else []
+    others += [_must_fail(result.must_fail)] if result.must_fail else []
+    if others:
+        sections.append(Section("Beside others", others))
+    entries = tabulated(
+        "transcript",
+        [
+            Column("at, UTC", lambda entry: entry["at"]),
+            Column("hash of the entry", lambda entry: Cell(Markup("<code>{}</code>").format(entry["hash"]))),
+        ],
+        transcript,
+        lambda entry: entry["step"],
+    )
+    sealed: list[Block] = [Items(TOLD, ordered=True), Code("harness prove --verify DIR", intro=_AGAIN), entries]
+    sections += [
+        _missed(result.cases),
+        Section("How it was sealed", [*sealed, Text(LIMITS)]),
+        made_with(result.machine, result.files, result.command),
+    ]
+    kind = "" if result.evidence else "no evidence: "
+    return Page(
+        "The sealed proof", f"{kind}{len(result.cases)} recordings, sealed answers, seed {result.seed}", sections
+    )
 
 
-def _headline(result: Data) -> str:
-    figures = {figure["key"]: figure for figure in result["figures"]}
+def _headline(result: ProofResult) -> str:
+    figures = {figure.key: figure for figure in result.figures if figure.cases}
     parts = []
     for key, what in (("listed", "named or listed"), ("wrong", "called another")):
-        one = figures.get(f"machines_{key}")
-        if one and one["cases"]:
-            parts.append(f"{one['hits']} of {one['cases']} main effects of machines were {what}")
-    nobody = {"cases": 0}
-    named, alarms = figures.get("named", nobody), figures.get("false_alarms", nobody)
-    if named["cases"]:
-        low = 100.0 * named["low"]
-        parts.append(f"{named['hits']} of {named['cases']} hidden effects were named (at least {low:.1f} % of such)")
-    if alarms["cases"]:
-        parts.append(f"{alarms['hits']} of {alarms['cases']} recordings with nothing hidden raised a false alarm")
+        if one := figures.get(f"machines_{key}"):
+            parts.append(f"{one.hits} of {one.cases} main effects of machines were {what}")
+    if named := figures.get("named"):
+        low = 100.0 * (named.low or 0.0)
+        parts.append(f"{named.hits} of {named.cases} hidden effects were named (at least {low:.1f} % of such)")
+    if alarms := figures.get("false_alarms"):
+        parts.append(f"{alarms.hits} of {alarms.cases} recordings with nothing hidden raised a false alarm")
     said = "; ".join(parts) + "." if parts else "There is no figure to speak of."
-    if not result["evidence"]:
-        return f"No evidence: {len(result['cases'])} recordings are too few for the figures to say anything. {said}"
-    reached = "Every figure that is asked for is reached." if not result["shortfalls"] else ""
+    if not result.evidence:
+        return f"No evidence: {len(result.cases)} recordings are too few for the figures to say anything. {said}"
+    reached = "Every figure that is asked for is reached." if not result.shortfalls else ""
     return f"{said} {reached}".strip()
 
 
-def proof_sections(result: Data) -> list[Section]:
-    """Sections of the page; result : harness.proof/1 as data, with its transcript and the catalogue's order."""
-    sizes = result["sizes"]
-    drawn = f"{sizes['singles']} recordings hide one effect, {sizes['controls']} none, {sizes['pairs']} two, "
-    sentences = [f"Falls short: {line}." for line in result["shortfalls"]]
-    if sizes["machines"]:
-        sentences.append(f"{sizes['machines']} recordings are of machines, half of them with small omissions alone.")
-    else:
-        sentences.append(f"{drawn}{sizes['outside']} one that no catalogue holds.")
-    sentences += [f"Given up: {line}" for line in result["given_up"]]
-    sections: list[Section] = [
-        verdict_section(_headline(result), sentences),
-        figures_section(result["figures"], result["forced"], result["by_source"]),
+def _figures(
+    figures: Sequence[ProofFigure], forced: ForcedFigure, by_source: Mapping[str, Sequence[ProofFigure]]
+) -> Section:
+    """forced : controls with a term forced in."""
+    columns = [
+        Column("found", lambda one: Cell(_amount(one.value, one.share), grade=_grade(one.met))),
+        Column("95 % interval", _interval, "", "exact (Clopper-Pearson) for a share, resampled for a median"),
+        Column("cases", lambda one: str(one.cases)),
+        Column("asked", lambda one: one.asked),
     ]
-    if result["confusion"]:
-        sections.append(confusion_section(result["confusion"], result["order"]))
-        sections.append(by_name_section(result["by_name"], result["not_tested"]))
-    if result["detection"] is not None:
-        sections.append(detection_curve_section(result["detection"]))
-    others = [baselines_table(result["baselines"])] if result["baselines"] else []
-    others += [must_fail_table(result["must_fail"])] if result["must_fail"] else []
-    if others:
-        sections.append(tables_section("Beside others", others))
-    sections += [
-        missed_section(result["cases"]),
-        sealed_by_section(result["transcript"]),
-        made_with_section(result["machine"], result["files"], result["command"]),
+    caption = "Green: reached. Red: falls short. No colour: nothing is asked."
+    table = tabulated("figure", columns, figures, lambda one: one.label, caption=caption)
+    if by_source:  # recordings of machines alone have no such controls
+        met = None if forced.worst is None else forced.worst <= 1.05
+        cells = [Cell(number(forced.worst, 4), grade=_grade(met)), Cell(""), Cell(str(forced.cases))]
+        last = Row("held-out rmse of controls, a term forced in, largest", [*cells, Cell("at most 1.05")])
+        table = Table(table.corner, columns, [*table.rows, last], caption)
+    shares = [
+        (one.label, one, {True: GOOD, False: BAD, None: "#7a8594"}[one.met], f"{one.hits} of {one.cases}")
+        for one in figures
+        if one.share
     ]
-    return sections
+    blocks: list[Block] = [table, intervals("figures", shares, "Shares with their exact 95 % intervals.")]
+    if len(by_source) > 1:
+        heads = [figure.label for figure in next(iter(by_source.values()))]
+        rows = [
+            Row(name, [Cell(_amount(one.value, one.share), (f"of {one.cases}",)) for one in found])
+            for name, found in by_source.items()
+        ]
+        blocks.append(Table("recordings made by", [Column(head, str) for head in heads], rows, title="By source"))
+    return Section("Figures", blocks)
 
 
-def write_proof_page(path: Path, result: Data) -> None:
-    """Write the page."""
-    kind = "" if result["evidence"] else "no evidence: "
-    subtitle = f"{kind}{len(result['cases'])} recordings, sealed answers, seed {result['seed']}"
-    write_report(path, "The sealed proof", subtitle, proof_sections(result))
+def _grade(met: bool | None) -> int | None:
+    return {True: 0, False: 4, None: None}[met]
+
+
+def _amount(value: float | None, share: bool) -> str:
+    return number(value, 3) if value is None or not share else f"{100.0 * value:.1f} %"
+
+
+def _interval(figure: ProofFigure) -> str:
+    if figure.low is None and figure.high is None:
+        return number(None)
+    low, high = _amount(figure.low, figure.share), _amount(figure.high, figure.share)
+    return f"{low.removesuffix(' %')} to {high}"
+
+
+def _by_name(rates: Mapping[str, RateResult], not_tested: Sequence[str]) -> Section:
+    """rates : share named by name. not_tested : names that did not occur."""
+    rows = []
+    for name, rate in rates.items():
+        color = GOOD if rate.hits == rate.cases else BAD if (rate.value or 0.0) < 0.5 else "#d99a2b"
+        rows.append((name, rate, color, f"{rate.hits} of {rate.cases}"))
+    caption = "Single effects that were named, with exact 95 % intervals. Green: every one of them."
+    blocks: list[Block] = [intervals("by-name", rows, caption)] if rows else []
+    missing = Markup("<strong>Not tested</strong>, since these names did not occur alone: {}.")
+    said = missing.format(", ".join(not_tested)) if not_tested else "Every name of the catalogue occurred alone."
+    return Section("Name by name", [*blocks, Text(said)])
+
+
+def _missed(cases: Sequence[ProofCase]) -> Section:
+    """Every recording that was not answered right, group by group."""
+    columns = [
+        Column("said", lambda case: case.said),
+        Column("not ruled out", lambda case: ", ".join(case.near) or number(None)),
+        Column("recorded", _recorded),
+        Column("samples", lambda case: str(case.points)),
+        Column(
+            "loss of the base fit",
+            lambda case: number(case.loss, 3),
+            "",
+            "chi-square that viscous and Coulomb friction lose to the truth",
+        ),
+        Column("R² of it", lambda case: f"{case.r2:.4f}"),
+    ]
+    tables = []
+    for group, title in GROUPS.items():
+        here = [case for case in cases if case.group == group]
+        wrong = [case for case in here if not case.right]
+        if not here:
+            continue
+        more = f" The first {MOST_ROWS} are shown." if len(wrong) > MOST_ROWS else ""
+        caption = f"{len(here) - len(wrong)} of {len(here)} answered right.{more}"
+        shown = wrong[:MOST_ROWS]
+        tables.append(
+            tabulated("hidden", columns, shown, _hidden, lambda case: case.name, caption=caption, title=title)
+        )
+    return Section("What was not answered right", or_nothing(tables))
+
+
+def _recorded(case: ProofCase) -> str:
+    return ", ".join([case.setting, case.channels, *([] if case.source == "plant" else [case.source])])
+
+
+def _hidden(case: ProofCase) -> str:
+    return " + ".join(case.hidden) or "nothing"
+
+
+def _baselines(margins: Sequence[BaselineMargin]) -> Table:
+    """Ours beside what a practitioner would do."""
+
+    def margin(one: BaselineMargin) -> Cell:
+        if one.value is None:
+            return Cell(number(None))
+        between = f"{_amount(one.low, one.share)} to {_amount(one.high, one.share)}"
+        return Cell(_amount(one.value, one.share), (between,), 0 if one.beaten else 4)
+
+    columns = [
+        Column("compared by", lambda one: one.what or one.why),
+        Column("ours", lambda one: _amount(one.ours, one.share)),
+        Column("theirs", lambda one: _amount(one.theirs, one.share)),
+        Column("margin", margin, "", "by how much ours is better, with its 95 % interval, resampled in pairs"),
+        Column("cases", lambda one: str(one.cases), "", "recordings on which the other has something to work on"),
+    ]
+    caption = "On the very same recordings. Green: the interval of the margin lies above none."
+    return tabulated(
+        "baseline", columns, margins, lambda one: one.name, lambda one: one.about, caption=caption, title="Baselines"
+    )
+
+
+def _must_fail(rows: Sequence[MustFail]) -> Table:
+    """What diagnosers that look at nothing would have scored."""
+
+    def rated(of: Callable[[MustFail], RateResult], grade: int | None = None) -> Callable[[MustFail], Cell]:
+        def cell(one: MustFail) -> Cell:
+            rate = of(one)
+            if rate.value is None or rate.low is None or rate.high is None:
+                return Cell(number(None))
+            note = f"{100.0 * rate.low:.1f} to {100.0 * rate.high:.1f} %"
+            return Cell(f"{100.0 * rate.value:.1f} %", (note,), grade)
+
+        return cell
+
+    columns = [
+        Column("single effects named", rated(lambda one: one.named, 4)),
+        Column("false alarms", rated(lambda one: one.false_alarms)),
+        Column("wrong or nothing outside the catalogue", rated(lambda one: one.misled)),
+    ]
+    caption = "Scores worth having condemn these, on the very same recordings."
+    return tabulated(
+        "a diagnoser that",
+        columns,
+        rows,
+        lambda one: one.name,
+        lambda one: one.about,
+        caption=caption,
+        title="Diagnosers that must fail",
+    )

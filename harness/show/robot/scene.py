@@ -2,13 +2,14 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 
 from harness.core.arrays import FloatArray
 from harness.core.robot.bodies import Bodies
 from harness.core.trajectory import Trajectory
+from harness.results.diagnosis import DiagnosisResult
+from harness.results.run import JointRunResult
 from harness.show import scene as s
 from harness.show.numbers import of_engines
 from harness.show.robot.shown import (
@@ -101,32 +102,35 @@ def _plane(rows: FloatArray, column: int, path: str, words: tuple[str, str, str,
     return items, s.Plane(title, [path], x, y)
 
 
-def units_of(result: Mapping[str, Any]) -> dict[str, str]:
+def units_of(result: DiagnosisResult) -> dict[str, str]:
     """Unit of the torque of each joint that a result is of."""
-    robot = result["robot"]
-    own = {robot["joint"]: result["baseline"]["parameters"]["f_k"]["unit"]}
-    if robot.get("arm"):
-        own |= {one["joint"]: one["f_k"]["unit"] for one in robot["arm"]["joints"]}
+    robot = result.robot
+    assert robot is not None
+    own = {robot.joint: result.baseline.parameters["f_k"].unit}
+    if robot.arm is not None:
+        own |= {one.joint: one.f_k.unit for one in robot.arm.joints}
     return own
 
 
-def arm_scene(result: Mapping[str, Any], shown: Shown, notes: str) -> s.Scene:
-    """The trace of an arm that moves as a whole. result : JSON-able, stored as a property. notes : Markdown."""
+def arm_scene(result: DiagnosisResult, shown: Shown, notes: str) -> s.Scene:
+    """The trace of an arm that moves as a whole. notes : Markdown."""
+    assert result.robot is not None
     items, space = _robot(shown)
-    more, tabs = torque_views(shown.left, result["robot"]["joint"], units_of(result))
+    more, tabs = torque_views(shown.left, result.robot.joint, units_of(result))
     engines, plots = _engines(result, shown)
     verdict = s.Words("verdict", "/notes")
     torque: list[s.Layout] = [s.Tabs([*tabs, *plots])] if tabs or plots else []
     layout = s.Columns([s.Rows([*space, verdict]), *torque])
-    title = f"joints of {result['robot']['file'].rpartition('/')[2]}"
-    kept = {"result": dict(result), "notes": {"text": notes}}
-    return s.Scene(title, [s.Page("/notes", notes), *items, *more, *engines], layout, packed(shown), kept)
+    title = f"joints of {result.robot.file.rpartition('/')[2]}"
+    properties = {"result": s.kept(result), "notes": {"text": notes}}
+    return s.Scene(title, [s.Page("/notes", notes), *items, *more, *engines], layout, packed(shown), properties)
 
 
-def with_robot(scene: s.Scene, result: Mapping[str, Any], shown: Shown) -> s.Scene:
+def with_robot(scene: s.Scene, result: DiagnosisResult, shown: Shown) -> s.Scene:
     """The trace of a joint's diagnosis with the robot and the joint's torque beside what it has."""
+    assert result.robot is not None
     items, space = _robot(shown)
-    more, tabs = torque_views(shown.left, result["robot"]["joint"], units_of(result))
+    more, tabs = torque_views(shown.left, result.robot.joint, units_of(result))
     engines, plots = _engines(result, shown)
     found = scene.layout
     assert isinstance(found, s.Columns)
@@ -145,7 +149,7 @@ def _robot(shown: Shown) -> tuple[list[s.Item], list[s.Layout]]:
     return items, [view]
 
 
-def _engines(result: Mapping[str, Any], shown: Shown) -> tuple[list[s.Item], list[s.Layout]]:
+def _engines(result: DiagnosisResult, shown: Shown) -> tuple[list[s.Item], list[s.Layout]]:
     """Engine minus log, before and after, over time."""
     items: list[s.Item] = []
     plots: list[s.Layout] = []
@@ -166,12 +170,12 @@ _PLACES = {False: ("deg", np.degrees(1.0)), True: ("mm", 1e3)}
 
 
 def joint_scene(
-    result: Mapping[str, Any], held: Sequence[Trajectory], swings: Sequence[Trajectory], robot: Bodies, notes: str
+    result: JointRunResult, held: Sequence[Trajectory], swings: Sequence[Trajectory], robot: Bodies, notes: str
 ) -> s.Scene:
     """held, swings : one an engine and preset. robot : moves as the first swing. notes : Markdown."""
     items, space = robot_view(robot, "the robot, swinging" if swings else "the robot")
     items.append(s.Page("/notes", notes))
-    unit, scale = _PLACES[result["slides"]]
+    unit, scale = _PLACES[result.slides]
     plots: list[s.Layout] = []
     for path, title, motions in (
         ("/creep", f"creep under the load / {unit}", held),
@@ -185,5 +189,5 @@ def joint_scene(
     right = [s.Rows(plots)] if plots else []
     layout = s.Columns([s.Rows([space, s.Words("what engines make of it", "/notes")]), *right])
     blobs = kept(HELD, held) | kept(SWING, swings)
-    properties = {"result": dict(result), "notes": {"text": notes}}
-    return s.Scene(f"{result['joint']} in engines", items, layout, blobs, properties)
+    properties = {"result": s.kept(result), "notes": {"text": notes}}
+    return s.Scene(f"{result.joint} in engines", items, layout, blobs, properties)

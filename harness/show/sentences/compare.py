@@ -64,7 +64,7 @@ def shows(one: Difference) -> bool:
 def figure_words(p: P) -> str:
     """A figure with its error, where that is to be seen: "0.0414 +- 0.0011"."""
     if p.value is None or p.stderr is None or p.stderr > _SHARP * abs(p.value):
-        return sentence_quantity(p.model_dump())
+        return sentence_quantity(p)
     return shown_value(p.value, p.unit, 5)
 
 

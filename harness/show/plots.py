@@ -1,0 +1,120 @@
+"""Pieces of plots that several pages draw: curves, points, bars, axes, lines across, the bar of zooms."""
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from harness.core.arrays import FloatArray
+from harness.show.blocks import Figure, Zoom
+
+Trace = dict[str, Any]
+POINTS = 56_000
+"""Samples on one page, all sources together: five columns of them take about 3 MB."""
+GROUP = "time"
+CHANNELS = {
+    "x": ("position", "mm", 1e3),
+    "v": ("speed", "m/s", 1.0),
+    "a": ("acceleration", "m/s²", 1.0),
+    "u": ("force", "N", 1.0),
+}
+ANGLES = {
+    "x": ("angle", "rad", 1.0),
+    "v": ("speed", "rad/s", 1.0),
+    "a": ("acceleration", "rad/s²", 1.0),
+    "u": ("torque", "N m", 1.0),
+}
+"""Label, unit and factor of a channel: on a page lengths are in mm."""
+SHADE = "rgba(228, 99, 45, 0.12)"
+MOST_SHADES = 80
+MOST_BUTTONS = 12
+AROUND = 0.12
+"""Half the width of a zoom to a jump, as a share of the time between reversals."""
+_DIGITS = "%{y:.6g}"
+
+
+def curve(name: str, x: Any, y: Any, color: str, unit: str = "", width: float = 1.5, **more: Any) -> Trace:
+    """A line over time (s) whose single samples show where one zooms in; unit : of y, on hovering."""
+    return {
+        "type": "scatter",
+        "mode": "lines",
+        "name": name,
+        "x": x,
+        "y": y,
+        "line": {"color": color, "width": width},
+        "marker": {"size": 4},
+        "hovertemplate": f"{_DIGITS} {unit}<br>%{{x:.6f}} s",
+        "meta": {"curve": True},
+    } | more
+
+
+def plain(name: str, x: Any, y: Any, color: str, width: float = 1.5, **more: Any) -> Trace:
+    """A line of which nothing is asked."""
+    line = {"color": color, "width": width}
+    return {"type": "scatter", "mode": "lines", "name": name, "x": x, "y": y, "line": line} | more
+
+
+def dots(name: str, x: Any, y: Any, marker: dict[str, Any], hover: str, **more: Any) -> Trace:
+    """Points; hover : what each says."""
+    known = {"type": "scatter", "mode": "markers", "name": name, "x": x, "y": y, "marker": marker}
+    return known | {"hovertemplate": hover} | more
+
+
+def axes(x: str, y: str, **more: Any) -> dict[str, Any]:
+    """A layout of labelled axes, and what else it has."""
+    return {"xaxis": {"title": {"text": x}}, "yaxis": {"title": {"text": y}}} | more
+
+
+def bars(
+    labels: Sequence[str], x: Sequence[float], colors: Sequence[str], text: Sequence[str], hover: str
+) -> tuple[Trace, dict[str, Any]]:
+    """Horizontal bars, the first on top, and their layout without an axis below."""
+    trace = {
+        "type": "bar",
+        "orientation": "h",
+        "x": list(x)[::-1],
+        "y": list(labels)[::-1],
+        "marker": {"color": list(colors)[::-1]},
+        "text": list(text)[::-1],
+        "textposition": "auto",
+        "hovertemplate": f"%{{y}}: {hover}<extra></extra>",
+    }
+    return trace, {"yaxis": {"ticks": ""}, "showlegend": False, "bargap": 0.35}
+
+
+def per(unit: str) -> str:
+    """A unit as it stands behind the stroke of an axis: "m/s" as "(m/s)"."""
+    return f"({unit})" if "/" in unit else unit
+
+
+def upright_lines(times: FloatArray) -> list[dict[str, Any]]:
+    """Faint lines across a plot at these times, s."""
+    line = {"color": "rule", "width": 1, "dash": "dot"}
+    place = {"type": "line", "y0": 0, "y1": 1, "yref": "paper", "line": line, "layer": "below"}
+    return [place | {"x0": float(t), "x1": float(t)} for t in times]
+
+
+def noise_band(level: float) -> list[dict[str, Any]]:
+    """Dashed lines at plus and minus a level of noise."""
+    line = {"color": "muted", "width": 1, "dash": "dash"}
+    place = {"type": "line", "x0": 0, "x1": 1, "xref": "paper", "line": line}
+    return [place | {"y0": level, "y1": level}, place | {"y0": -level, "y1": -level}]
+
+
+def shades(spans: Sequence[Sequence[float]], color: str = SHADE) -> list[dict[str, Any]]:
+    """Bands behind a plot over these spans of time, s."""
+    place = {"type": "rect", "y0": 0, "y1": 1, "yref": "paper", "layer": "below", "fillcolor": color}
+    return [place | {"x0": low, "x1": high, "line": {"width": 0}} for low, high in spans[:MOST_SHADES]]
+
+
+def zoom(times: Sequence[float], duration: float) -> Zoom:
+    """A bar that zooms to these times, s."""
+    spacing = float(np.median(np.diff(times))) if len(times) > 1 else 0.2 * duration
+    half = AROUND * spacing
+    ranges = [(f"{i + 1}: {t:.3f} s", (float(t - half), float(t + half))) for i, t in enumerate(times[:MOST_BUTTONS])]
+    return Zoom(ranges, GROUP)
+
+
+def some(figures: Sequence[Figure]) -> list[Figure]:
+    """Those in which anything is drawn."""
+    return [figure for figure in figures if figure.traces]
