@@ -33,11 +33,6 @@ def test_importing_loads_nothing_until_a_name_is_used() -> None:
     assert (done.stdout, done.stderr) == ("[] []\nharness.core.recording\n", "")
 
 
-def test_a_name_that_is_not_there_is_said() -> None:
-    with pytest.raises(AttributeError, match="module 'harness' has no attribute 'guess'"):
-        harness.guess  # type: ignore[attr-defined]  # noqa: B018
-
-
 @pytest.mark.parametrize("name", ["identify", "compare", "diagnose", "log", "run"])
 def test_every_option_of_a_command_is_an_argument_with_its_default(name: str) -> None:
     context = Context(cli)

@@ -1,17 +1,12 @@
 """Simulations that rules come from run, say the value of their rule, and give the same twice."""
 
 import math
-import subprocess
-import sys
-from pathlib import Path
 
 import numpy as np
 import pytest
 
 from benchmarks.calibrate.__main__ import CALIBRATIONS, main
 from benchmarks.calibrate.few_cycles import by_words
-from benchmarks.calibrate.main_effect import Answer, Counts, Row, settings
-from harness.diagnosis.outcome import Grade
 from harness.diagnosis.rules import GAIN, RULES, SHARE_OF_EXCESS
 
 JUDGES = {
@@ -113,29 +108,3 @@ def test_options_that_do_not_go_are_refused(
 ) -> None:
     assert main(arguments) == 2
     assert capsys.readouterr().err.strip() == said
-
-
-def test_counts_tell_named_listed_wrong_and_claimed() -> None:
-    setting = settings()[0]
-
-    def row(group: str, want: str | None, *names: str, grade: Grade | None = Grade.MAIN) -> Row:
-        truth = {"group": group, "dominant": want, "may_name": ["c"], "families": ["friction"]}
-        return Row(truth, 10.0, (), {setting: Answer(grade, names)})
-
-    mains = [row("main", "a", "a"), row("main", "a", "b"), row("main", "a", "b", "a", grade=Grade.ONE_OF)]
-    silent = [row("main", "a", "a", grade=Grade.MINOR), row("main", "a", grade=None)]
-    controls = [
-        row("machine-control", None, "a"),
-        row("control", None, "c"),
-        row("control", None, "a", grade=Grade.MINOR),
-    ]
-    counts = Counts.of([*mains, *silent, *controls, row("unknown", "alien", "stribeck")], setting)
-    found = (counts.named, counts.listed, counts.wrong, counts.silent, counts.claimed, counts.misled)
-    assert [(one.hits, one.cases) for one in found] == [(1, 5), (2, 5), (1, 5), (2, 5), (1, 3), (0, 1)]
-
-
-def test_the_command_is_one_line_where_a_name_is_none() -> None:
-    command = [sys.executable, "-m", "benchmarks.calibrate", "nothing"]
-    done = subprocess.run(command, cwd=Path(__file__).parents[2], capture_output=True, text=True, check=False)
-    assert done.returncode == 2
-    assert "Traceback" not in done.stderr

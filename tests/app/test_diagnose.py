@@ -13,7 +13,7 @@ from diagnose_examples import STOP, stopped
 from harness.app.diagnose.many import diagnose
 from harness.app.diagnose.one import deliver
 from harness.app.diagnose.options import DiagnoseOptions
-from harness.app.diagnose.problem import half_cycles, prepared
+from harness.app.diagnose.problem import prepared
 from harness.app.report.rebuild import rebuild
 from harness.app.shared.reading import ReadOptions, read, read_as, spooled
 from harness.core.errors import InputError
@@ -207,10 +207,3 @@ def test_a_unit_off_by_a_thousand_is_a_warning() -> None:
     assert asked({"x": X, "a": A}) == ()
     (said,) = asked({"x": 1e3 * X, "a": A})
     assert said.startswith("acceleration does not match displacement by a factor of about 1/1000")
-
-
-@pytest.mark.parametrize("count", [1, 2, 3, 7])
-def test_half_cycles_are_counted_in_noise(count: int) -> None:
-    t = np.linspace(0.0, count * np.pi, 400)
-    y = np.exp(-0.05 * t) * np.cos(t) + 0.02 * np.random.default_rng(count).normal(size=t.size)
-    assert half_cycles(y, 0.02) == count

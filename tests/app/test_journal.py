@@ -13,10 +13,9 @@ from diagnose_examples import stopped
 from harness.app.diagnose.one import investigate
 from harness.app.diagnose.options import DiagnoseOptions
 from harness.app.shared import reading as room
-from harness.app.shared.progress import Pace, duration, journal
+from harness.app.shared.progress import Pace, journal
 from harness.app.shared.reading import ReadOptions, read
 from harness.core.recording import Recording
-from harness.core.telling import listening, told
 from harness.model.registry import NAMED
 
 CHECKOUT = Path(__file__).resolve().parents[2]
@@ -35,13 +34,6 @@ def test_descriptors_and_logging_end_in_the_log(tmp_path: Path, capfd: pytest.Ca
     assert "from C on 1\n" in text
     assert "from C on 2\n" in text
     assert "harness.test WARNING a warning" in text
-
-
-def test_streams_come_back_after_a_failure(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
-    with pytest.raises(ValueError, match="boom"), journal(tmp_path / "log.txt"):
-        raise ValueError("boom")
-    print("after")
-    assert capfd.readouterr().out == "after\n"
 
 
 def test_what_c_has_buffered_does_not_come_out_later(tmp_path: Path) -> None:
@@ -101,21 +93,6 @@ def test_what_was_done_before_and_what_is_other_work_say_nothing_of_the_pace() -
     assert pace.line() == "trying end-stop: 5 of 24 done"
     pace.tell("report", 0, 0)
     assert pace.line() == "report"
-
-
-@pytest.mark.parametrize(
-    ("seconds", "text"), [(0.2, "0 s"), (59.4, "59 s"), (200.0, "3 min 20 s"), (7500.0, "2 h 5 min")]
-)
-def test_a_duration_is_said_as_people_say_it(seconds: float, text: str) -> None:
-    assert duration(seconds) == text
-
-
-def test_work_is_heard_within_the_block_alone() -> None:
-    heard: list[tuple[str, int, int]] = []
-    with listening(lambda *said: heard.append(said)):
-        assert list(told("ab", str.upper)) == ["a", "b"]
-    assert list(told("cd", str.upper)) == ["c", "d"]
-    assert heard == [("A", 0, 2), ("B", 1, 2)]
 
 
 def test_a_diagnosis_names_what_it_tries_and_how_many_of_how_many(tmp_path: Path) -> None:

@@ -12,7 +12,7 @@ from harness.app.report.view import overlay
 from harness.cli.commands.view import command
 from harness.core.errors import InputError
 from harness.show import scene as s
-from harness.show.numbers import REFERENCE, of_engines
+from harness.show.numbers import REFERENCE
 from harness.show.overlay_scene import named, overlay_scene
 from harness.show.stored import read_trace
 
@@ -59,12 +59,6 @@ def test_two_of_one_scenario_have_their_errors_against_its_reference(folder: Pat
     coarse, fine = (float(np.abs(lines[path].values).max()) for path in ("/error/01", "/error/02"))
     assert coarse > 3.0 * fine
     assert lines["/error/01"].color != lines["/error/02"].color
-
-
-def test_engines_keep_their_colours(folder: Path) -> None:
-    traces = {"fine": read_trace(folder / "fine" / "trace.rrd")}
-    lines = [i for i in overlay_scene(traces).items if isinstance(i, s.Line)]
-    assert lines[-1].color == of_engines([traces["fine"].trajectories[1].source])[0]
 
 
 def test_the_command_writes_one_file(folder: Path, tmp_path: Path) -> None:

@@ -5,9 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 import pytest
-from scipy.stats import binom
 
-from benchmarks.aligned import figures, outcome
 from harness.api import compare
 from harness.core.arrays import FloatArray
 from harness.core.errors import InputError
@@ -52,12 +50,6 @@ def test_a_shift_is_found_with_an_honest_error(samples: int) -> None:
     # of twelve draws of unit scatter: mean within three of its errors, rms below the 99.9 % point
     assert abs(np.mean(apart)) < 3.0 / np.sqrt(12.0)
     assert np.sqrt(np.mean(np.square(apart))) < 1.66
-
-
-def test_exchanged_traces_are_shifted_the_other_way() -> None:
-    one, other = trace(1500, 0.02, seed=1), trace(2500, seed=2)
-    there, back = align(one, other, NOISE, PERIOD), align(other, one, NOISE, PERIOD)
-    assert there.shift.value == pytest.approx(-(back.shift.value or 0.0), abs=0.02 * (there.shift.stderr or 0.0))
 
 
 def test_a_shift_that_is_none_is_not_used() -> None:
@@ -107,29 +99,9 @@ def test_traces_of_one_driving_force_meet_by_it() -> None:
     assert (found.shift.stderr or 0.0) < 1e-2
 
 
-def test_a_given_shift_is_kept() -> None:
-    found = align(trace(2000), trace(2000, seed=6), NOISE, PERIOD, given=0.25)
-    assert (found.shift.value, found.shift.stderr, found.used) == (0.25, None, 0.25)
-
-
 def test_traces_too_long_for_their_period_are_refused() -> None:
     with pytest.raises(InputError, match="periods that the shift may be anywhere in"):
         align(trace(2000), trace(2000, span=1e5), NOISE, PERIOD / 100.0)
-
-
-@pytest.mark.parametrize("count", [8, pytest.param(500, marks=pytest.mark.full)])
-def test_a_recording_finds_itself(count: int) -> None:
-    """Within three standard errors in 97 %, slipped a period in silence in 1 %: as chance allows of so many draws."""
-    found = [outcome(seed) for seed in range(count)]
-    said = figures(found)
-    print(said)
-    missed, silent = (
-        sum(one.apart >= 3.0 for one in found),
-        sum(one.slipped and not one.told for one in found),
-    )
-    # more than these come in one of a thousand series at the promised rates
-    assert missed <= binom.ppf(0.999, count, 0.03), said
-    assert silent <= binom.ppf(0.999, count, 0.01), said
 
 
 T = np.linspace(0.0, 4.0, 800)
@@ -144,15 +116,6 @@ def recorded(name: str, angular: bool, *units: str) -> Recording:
 
 LENGTH, ANGLE = recorded("stage.csv", False, "mm"), recorded("joint.csv", True, "deg", "rpm")
 BARE, TURNED = recorded("bare.csv", False), recorded("turned.csv", True)
-
-
-@pytest.mark.parametrize(("one", "other"), [(LENGTH, ANGLE), (ANGLE, LENGTH), (LENGTH, TURNED)])
-def test_a_length_against_an_angle_is_refused_by_name(one: Recording, other: Recording) -> None:
-    with pytest.raises(InputError, match="a length") as refused:
-        as_kind_of(one, other, "--sim")
-    assert str(refused.value).startswith(f"--sim {one.file}: ")
-    assert other.file in str(refused.value)
-    assert "one kind" in str(refused.value)
 
 
 def test_what_names_no_unit_is_of_the_others_kind_and_says_so() -> None:

@@ -18,7 +18,6 @@ from harness.diagnosis.attribution.attribute import (
 from harness.diagnosis.attribution.reading import aligned, in_masses_of
 from harness.diagnosis.fit.model_fit import fit
 from harness.diagnosis.fit.parameters import free_of, values_of
-from harness.diagnosis.pipeline import diagnose
 from harness.diagnosis.problem import Problem
 from harness.diagnosis.problems.free_decay import FreeDecay
 from harness.estimate.noise import Noise
@@ -82,12 +81,6 @@ SC = Scales(1.0, 10.0, 10.0)
 DRAG = Model(
     1.0, 0.4, 100.0, 1.0, x0=1.0, terms=(ModelTerm.named("quadratic-drag", c2=0.3),), mass_known=False
 )  # fmt: skip
-
-
-def test_a_game_of_players_that_do_not_meet_gives_each_its_own() -> None:
-    worth = {"a": 3.0, "b": -1.0, "c": 0.5}
-    found = saved(tuple(worth), lambda put: 10.0 - sum(worth[player] for player in put))
-    assert found == pytest.approx(worth)
 
 
 def test_two_errors_along_one_line_share_by_the_formula() -> None:
@@ -206,31 +199,3 @@ def test_errors_of_shares_are_those_of_first_order() -> None:
     assert errors is not None
     assert errors[""] == pytest.approx(np.sqrt(slopes @ covariance @ slopes), rel=1e-6)
     assert errors_of(shares, {"": 0.0}, ()) is None
-
-
-@pytest.mark.full
-def test_shares_from_the_whole_diagnosis_in_a_hundred_cases() -> None:
-    """From nothing but the recording and the trace: within five points where the recording knows its parameters that
-    well, within three of their own standard errors where it does not.
-    """
-    out, known, near = [], 0, 0
-    for seed in range(100):
-        case = sim_case(seed)
-        outcome = diagnose(case.recorded)
-        nearby = nearby_of(outcome.refined, (outcome.refined.covariance(),))
-        true = attribute_model(case.user, case.true, case.recorded, case.scales)
-        try:
-            found = attribute_trace(case.trace, None, outcome.refined.model, outcome.problem, case.scales, nearby)
-        except NoSharesError as error:
-            out.append((seed, case.kind, str(error)))
-            continue
-        assert found.errors is not None
-        wide = max(found.errors.values())
-        if 2.0 * wide < WITHIN:
-            known += 1
-            near += apart(found, true) < WITHIN
-        if apart(found, true) >= max(WITHIN, 3.0 * wide):
-            out.append((seed, case.kind, outcome.verdict))
-    print(f"known to five points: {known}, of them within five {near}; beyond five and three errors: {out}")
-    assert len(out) <= 5, out
-    assert near >= 0.95 * known

@@ -29,15 +29,6 @@ from harness.kernels.solve import Drive, Scales, solve
 from harness.model.model import Model, ModelTerm, Restoring
 
 
-def test_smooth_force_is_followed_smoothly_and_noise_straight() -> None:
-    t = np.arange(400) / 50.0
-    fine = np.linspace(0.0, t[-1], 3000)
-    smooth = between_samples(t, np.sin(6.0 * t))
-    missed = np.max(np.abs(np.interp(fine, smooth.t, smooth.u) - np.sin(6.0 * fine)))
-    assert missed < 0.2 * np.max(np.abs(np.interp(fine, t, np.sin(6.0 * t)) - np.sin(6.0 * fine)))
-    assert between_samples(t, np.random.default_rng(0).standard_normal(t.size)).t.size == t.size
-
-
 def test_momentum_of_a_smooth_force_is_kept_to_the_fourth_order() -> None:
     missed = []
     for n in (50, 100, 200):
@@ -129,17 +120,6 @@ def test_a_fitted_model_leaves_what_it_left_in_a_fifth_of_the_pieces() -> None:
     assert left_few == pytest.approx(left, abs=COARSE.tolerance * SCALES.x)
     size = np.linalg.norm(here.dy["x"], axis=0)
     assert np.linalg.norm(there.dy["x"] - here.dy["x"], axis=0) / size == pytest.approx(0.0, abs=0.01)
-
-
-def test_a_force_that_few_pieces_do_not_follow_stays_whole() -> None:
-    """Nothing is gained of few samples, of none that move, and where the motion would be another."""
-    problem = driven(U)
-    coarse = replace(problem, drive=Drive(T[::20], U[::20]))
-    assert in_few_pieces(coarse, SLIDER, SCALES) is coarse
-    buzz = driven(np.asarray(U + 4000.0 * np.sin(700.0 * T), dtype=np.float64))
-    assert in_few_pieces(buzz, SLIDER, Scales(0.3, 2.0, 0.5)) is buzz
-    stiff = replace(SLIDER, k=1e14)
-    assert in_few_pieces(problem, stiff, SCALES) is problem
 
 
 AXIS = Model(2.0, 3.0, 0.0, 1.5, restoring=Restoring.NONE)

@@ -172,7 +172,3 @@ def test_the_user_is_told_what_has_it(angular: bool, unit: str) -> None:
     assert found is not None, sentence
     # the state is smoothed from x alone
     assert [float(n) for n in found.groups()] == pytest.approx([60.0, 100.0], rel=0.01)
-
-
-def test_an_axis_is_told_of_none() -> None:
-    assert said(0.0) == []

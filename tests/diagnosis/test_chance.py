@@ -1,9 +1,6 @@
 """How likely a name that stands apart is the main effect: what it hangs on, which way, and whence its weights."""
 
-import math
 from dataclasses import replace
-from types import SimpleNamespace
-from typing import Any
 
 import numpy as np
 import pytest
@@ -11,30 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from benchmarks.calibrate import chance as calibration
-from harness.core.quantity import Quantity
-from harness.diagnosis.fit import standard_errors
-from harness.diagnosis.fit.standard_errors import loosest
-from harness.diagnosis.grading.chance import FEATURES, OF_FORCES, OF_MOTION, Odds, Seen
-from harness.model.model import Model, ModelTerm
-
-SEEN = Seen(share=0.9, others=(0.5, 0.8, -0.1, 0.2), loosest=0.05, cycles=20.0, company=0.7)
-
-
-def test_what_it_hangs_on_is_what_its_name_says() -> None:
-    found = dict(zip(FEATURES, SEEN.features, strict=True))
-    assert found["alike"] == pytest.approx((0.5**2 + 0.8**2 + 0.2**2) / 0.9**2)
-    assert found["loose"] == pytest.approx(math.log(0.05))
-    assert found["long"] == pytest.approx(math.log(20.0))
-    assert found["share"] == 0.9
-    assert found["company"] == 0.7
-    assert replace(SEEN, others=()).features[0] == 0.0
-
-
-@pytest.mark.parametrize("odds", [OF_MOTION, OF_FORCES])
-def test_it_is_a_logistic_of_that(odds: Odds) -> None:
-    z = odds.intercept + sum(w * one for w, one in zip(odds.weights, SEEN.features.tolist(), strict=True))
-    assert odds.chance(SEEN) == pytest.approx(1.0 / (1.0 + math.exp(-z)))
-    assert OF_MOTION.chance(replace(SEEN, share=0.0, others=(1.0,) * 30, loosest=math.inf)) == 0.0
+from harness.diagnosis.grading.chance import OF_MOTION, Odds, Seen
 
 
 @given(
@@ -59,28 +33,6 @@ def test_what_makes_it_less_likely(
     assert chance(replace(seen, cycles=factor * cycles)) <= said + 1e-12
     assert chance(replace(seen, company=company / factor)) <= said + 1e-12
     assert chance(replace(seen, others=tuple(reversed(others)))) == pytest.approx(said)
-
-
-def test_numbers_of_which_nothing_is_known_are_as_loose_as_they_are_large() -> None:
-    assert OF_MOTION.chance(replace(SEEN, loosest=math.nan)) == OF_MOTION.chance(replace(SEEN, loosest=1.0))
-
-
-def test_the_loosest_number_is_relative_but_a_phase_in_rad(monkeypatch: pytest.MonkeyPatch) -> None:
-    """A phase near nought is not loose because it is small."""
-    nothing: Any = None
-    said = {
-        "A": Quantity(0.2, 0.01, "N"),
-        "Omega": Quantity(3.0, 0.3, "rad/s"),
-        "phase": Quantity(1e-4, 0.2, "rad"),
-    }
-    entry = ModelTerm.named("harmonic-force", A=0.2, Omega=3.0, phase=1e-4)
-    found: Any = SimpleNamespace(model=Model(1.0, 0.1, 9.0, 0.1, terms=(entry,)))
-    monkeypatch.setattr(standard_errors, "term_parameters", lambda *_, **__: said)
-    assert loosest(found, nothing, 0, 3.0) == pytest.approx(0.2)
-    said["phase"] = Quantity(1e-4, None, "rad", "not seen")
-    assert loosest(found, nothing, 0, 3.0) == pytest.approx(0.1)
-    said.clear()
-    assert math.isnan(loosest(found, nothing, 0, 3.0))
 
 
 def test_weights_are_found_again_from_draws_that_follow_them() -> None:
@@ -116,9 +68,3 @@ def test_a_calibration_prints_the_weights_that_stand() -> None:
         assert says in lines[-1]
         assert lines[-1].endswith("weights as they stand")
     assert "too few" in list(calibration.said(odds, rows[:9]))[-1]
-
-
-@pytest.mark.parametrize("odds", [OF_MOTION, OF_FORCES])
-def test_features_and_weights_are_as_many(odds: Odds) -> None:
-    assert len(FEATURES) == len(odds.weights) == SEEN.features.size
-    assert all(math.isfinite(w) for w in (odds.intercept, *odds.weights))

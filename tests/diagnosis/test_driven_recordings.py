@@ -2,7 +2,6 @@
 
 import math
 from dataclasses import replace
-from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -16,18 +15,14 @@ from harness.diagnosis.baseline.base_fit import driven_baseline
 from harness.diagnosis.fit.model_fit import fit
 from harness.diagnosis.fit.observe import observe
 from harness.diagnosis.fit.parameters import free_of
-from harness.diagnosis.inverse_dynamics.asked import inverse_force
 from harness.diagnosis.inverse_dynamics.force_fit import fit_force
-from harness.diagnosis.inverse_dynamics.left_over import taken_by_chance
 from harness.diagnosis.inverse_dynamics.measured import Measured
 from harness.diagnosis.inverse_dynamics.protocol import DIRECTED, PUBLISHED, SYMMETRIC, find_ripple, periods
-from harness.diagnosis.inverse_dynamics.search import extended, search_driven
 from harness.diagnosis.inverse_dynamics.validate import Judge
 from harness.diagnosis.pipeline import prepare
 from harness.diagnosis.problems.driven import Driven, Forced, InverseDynamics
 from harness.diagnosis.problems.starts import Windows
 from harness.diagnosis.request import Asked
-from harness.diagnosis.rules import AMONG_NAMES
 from harness.diagnosis.search.search import noise_of, under
 from harness.diagnosis.smoothed_state.local_cubics import smoothed
 from harness.io.options import ReadOptions
@@ -69,12 +64,6 @@ def test_driven_control_is_recovered_within_its_errors(truth: Model, restoring: 
     assert problem.noise["x"].sigma == pytest.approx(2e-6, rel=0.05)
 
 
-def test_known_mass_is_not_fitted() -> None:
-    problem, _ = prepare(driven(SPRUNG), Asked(mass=2.0))
-    assert problem.base_names == ("c", "k", "f_k", "x0", "v0")
-    assert prepare(driven(SPRUNG), Asked())[0].in_newtons
-
-
 def test_unknown_zero_is_found() -> None:
     recording = driven(SPRUNG)
     moved = Recording(recording.t, {"x": recording["x"] + 0.05, "u": recording["u"]})
@@ -102,40 +91,6 @@ def test_force_is_fitted_over_windows_within_errors_that_allow_for_colour() -> N
     assert np.all(np.abs(found.model.m - 2.0) < 4.0 * errors[0])
     assert np.all(np.abs(np.array([found.model.c, found.model.f_k]) - (3.0, 1.5)) < 4.0 * errors[1:])
     assert found.memory.independent < 0.5 * found.residual.size
-
-
-@pytest.mark.full
-@pytest.mark.parametrize(
-    "terms",
-    [
-        pytest.param((), id="none"),
-        pytest.param((ModelTerm.named("asymmetric-viscous", c_diff=1.2),), id="one"),
-    ],
-)
-def test_a_fitted_force_has_a_law_more_only_where_chance_takes_off_less(terms: tuple[ModelTerm, ...]) -> None:
-    """Coarse and noisy, so that smoothing rounds off each reversal: laws of friction take that for their own."""
-    truth = replace(TRUTH, terms=terms)
-    fine = driven(truth, sigma=1e-4, n=12_000)
-    problem, _ = prepare(
-        Recording(fine.t[::8], {c: fine[c][::8] for c in ("x", "u")}), Asked(Restoring.NONE, horizon=1.0)
-    )
-    # with the law missing its motion cannot be followed, and the force is fitted without being told to
-    if isinstance(problem, Driven):
-        assert isinstance(problem.starts, Windows)
-        problem = InverseDynamics.of(problem, problem.starts)
-    assert isinstance(problem, InverseDynamics)
-    done = search_driven(problem)
-    found, scales = done.search, done.scales
-    assert [e.term.name for e in found.chosen.model.terms] == [e.term.name for e in terms]
-    measured = Measured.of(problem)
-    base = fit_force(problem.first, measured, free_of(problem.first, problem.base_names))
-    chance = taken_by_chance(base, problem, scales, partial(extended, problem=problem, scales=scales))
-    best = extended(base, measured, problem, scales)[0]
-    taken = (base.squares - best.squares) / base.residual.size
-    # by its evidence alone some law would be decisive in both
-    independent = best.memory.independent
-    assert base.bic(independent) - best.bic(independent) > AMONG_NAMES.value
-    assert (taken > 3.0 * chance) == bool(terms)
 
 
 def test_ripple_of_a_fast_axis_is_found_over_its_travel() -> None:
@@ -208,16 +163,6 @@ def test_smoothing_of_a_cubic_is_exact() -> None:
     found = smoothed(t, 1.0 + t - 2.0 * t**2 + 0.5 * t**3, 1.0, 1e-9)
     assert np.max(np.abs(found.slope - (1.0 - 4.0 * t + 1.5 * t**2))) < 1e-7
     assert np.max(np.abs(found.bend - (-4.0 + 3.0 * t))) < 1e-4
-
-
-def test_inverse_force_is_the_drive_of_the_motion() -> None:
-    model = replace(SPRUNG, terms=(ModelTerm.named("asymmetric-viscous", c_diff=0.4),))
-    t = np.arange(3000) / 1000.0
-    u = 9.0 * np.sin(3.0 * t) + 5.0 * np.sin(8.0 * t)
-    found = solve(model, t, drive=Drive(t, u))
-    sliding = found.mode != 0
-    force = inverse_force(model, t, found.x, found.v, found.a)
-    assert np.max(np.abs(force - u)[sliding]) < 1e-6
 
 
 @pytest.mark.parametrize(

@@ -7,11 +7,10 @@ import numpy as np
 import pytest
 
 from harness.core.arrays import FloatArray
-from harness.core.errors import InputError, SimulationError
 from harness.core.recording import Recording
 from harness.core.trajectory import Trajectory
 from harness.diagnosis.alignment.align import align
-from harness.diagnosis.attribution.attribute import attribute_engine, attribute_trace
+from harness.diagnosis.attribution.attribute import attribute_engine
 from harness.diagnosis.explain.engines import engine_fit, suitable_step
 from harness.diagnosis.fit.model_fit import fit
 from harness.diagnosis.fit.observe import observe
@@ -121,12 +120,6 @@ def test_the_first_halving_of_a_step_says_how_many_more_there_must_be(error: flo
     assert found.own_error["x"] == pytest.approx(error / 2 ** halvings[-1], rel=1e-3)
 
 
-def test_a_step_that_is_asked_for_is_taken() -> None:
-    found = engine_fit(EngineSimulator.named("pybullet"), BASE, CUBIC, recorded(CUBIC), SCALES, dt=4e-3)
-    assert found.settings["dt"] == 4e-3
-    assert found.own_error["x"] > 1.0
-
-
 @pytest.mark.parametrize("name", ["mujoco", "pybullet"])
 def test_a_driven_recording_is_simulated_window_by_window(name: str) -> None:
     """A free axis under a force: windows of 1 s restarted from the recorded state."""
@@ -148,19 +141,6 @@ def test_a_driven_recording_is_simulated_window_by_window(name: str) -> None:
     assert found.improved
     assert found.refined_rmse["x"] < 2.0 * sigma
     assert found.baseline_rmse["x"] > 10.0 * sigma
-
-
-def test_the_step_divides_the_interval_of_the_recording() -> None:
-    problem = recorded(BASE)
-    step = suitable_step(problem, SCALES)
-    assert step <= min(1e-3, 2.0 * np.pi / SCALES.omega / 400.0)
-    assert (5e-3 / step) == pytest.approx(round(5e-3 / step), rel=1e-9)
-
-
-def test_a_recording_that_ends_before_the_release_is_refused() -> None:
-    late = Model(1.0, 1.0, 100.0, 3.0, x0=1.0, t0=10.0)
-    with pytest.raises(SimulationError, match="ends before the slider is released"):
-        engine_fit(EngineSimulator.named("pybullet"), late, late, recorded(BASE), SCALES)
 
 
 INTEGRATORS: list[tuple[dict[str, Any], float, bool]] = [
@@ -220,18 +200,6 @@ def test_a_rest_does_not_draw_a_trace_away_from_the_motion() -> None:
     problem = FreeDecay(t, {"x": solve(BASE, t).x}, noise)
     found = align(trace_of(BASE, 40.0, "x"), problem.part(slice(0, 1200)), noise, 0.628)
     assert found.shift.value == pytest.approx(-40.0, abs=2e-4)
-
-
-BAD: list[tuple[Recording, str]] = [
-    (trace_of(BASE, 0.0, "v"), "sim.csv: channels v; one or more of x, a is accepted"),
-    (trace_of(BASE, 0.0, "x").cut(slice(0, 1000)), "sim.csv: 0.999 s long; a trace of at least half of the recording"),
-]
-
-
-@pytest.mark.parametrize(("trace", "message"), BAD, ids=["channels", "short"])
-def test_a_trace_that_does_not_belong_is_refused(trace: Recording, message: str) -> None:
-    with pytest.raises(InputError, match=message):
-        attribute_trace(trace, None, BASE, recorded(BASE), SCALES)
 
 
 @pytest.mark.parametrize(

@@ -121,12 +121,6 @@ def test_noise_of_a_force_leaves_no_structure() -> None:
     nothing_is_found_where_nothing_is([_with_noisy_force(i)[0] for i in range(DRAWS)])
 
 
-@pytest.mark.full
-def test_random_controls_whose_force_is_noisy() -> None:
-    verdicts = [diagnose(_with_noisy_force(i)[0]).verdict for i in range(LONG)]
-    assert verdicts.count("missing_physics") <= binom.ppf(1.0 - _CHANCE, LONG, 0.02)
-
-
 def _with_gaps(i: int) -> Problem:
     """A driven control of which three stretches of up to a thirtieth are missing."""
     random = np.random.default_rng([79, i])
@@ -155,9 +149,3 @@ def test_structure_that_is_there_is_found() -> None:
     problem = _with_gaps(0)
     shaken = {c: y + 8.0 * problem.noise[c].sigma * np.sin(9.0 * problem.t) for c, y in problem.channels.items()}
     assert structure_left(replace(problem, channels=shaken)) < 1e-6
-
-
-@pytest.mark.full
-def test_random_controls_with_gaps() -> None:
-    alarms = sum(diagnose(_with_gaps(i)).verdict != "adequate" for i in range(LONG))
-    assert alarms <= binom.ppf(1.0 - _CHANCE, LONG, 0.02)

@@ -97,17 +97,6 @@ def test_no_force_is_tried_beyond_half_the_rate_of_the_samples() -> None:
     assert 0.8 * np.pi / 0.09 < tried.max() < np.pi / 0.09 < 12.0 * scales.omega
 
 
-@pytest.mark.parametrize(("tau", "said"), [(0.1, True), (8.0, True), (8.1, False), (43.0, False)])
-def test_a_relaxation_longer_than_a_recording_is_not_seen(tau: float, said: bool) -> None:
-    assert within(ModelTerm.named("viscoelastic", k_m=0.3, tau=tau), 0.5, Recorded(0.0, 8.0)) is said
-    assert within(ModelTerm.named("cubic-stiffness", k3=1.0), 0.5, Recorded(0.0, 8.0))
-
-
-@pytest.mark.parametrize(("sigma0", "said"), [(50.0, True), (2.5, True), (2.4, False), (0.0, False)])
-def test_a_bristle_that_bends_further_than_the_travel_never_slides(sigma0: float, said: bool) -> None:
-    assert within(ModelTerm.named("presliding", sigma0=sigma0, sigma1=0.0), 0.5, Recorded(0.2, 8.0)) is said
-
-
 def test_friction_that_never_slides_is_a_spring_whatever_its_level() -> None:
     """As f_k grows by ten, what is between the bristle and a spring of its stiffness falls by ten."""
     t, sigma0 = np.linspace(0.0, 6.0, 300), 30.0

@@ -1,15 +1,12 @@
 """Tables of a driven recording: forces of no catalogue are found, what is the base's is not, drifts get no plane."""
 
-from collections.abc import Sequence
 from dataclasses import replace
 from functools import cache
 
 import numpy as np
 import pytest
-from scipy.stats import binom
 
-from benchmarks.calibrate.calibration import measured as drawn
-from benchmarks.calibrate.force_tables import BOTH, Moved, Row, left_of, measure, moved, said
+from benchmarks.calibrate.force_tables import Moved, left_of, moved
 from harness.core.arrays import BoolArray, FloatArray
 from harness.core.recording import Recording
 from harness.diagnosis.baseline.base_fit import driven_baseline
@@ -23,7 +20,7 @@ from harness.diagnosis.problems.driven import Driven
 from harness.diagnosis.problems.free_decay import FreeDecay
 from harness.diagnosis.problems.together import Together
 from harness.diagnosis.request import Asked
-from harness.diagnosis.tables.basis import RUNGS, Rung, basis_of, over_plane, partials, roughness
+from harness.diagnosis.tables.basis import RUNGS, Rung, basis_of, over_plane, partials
 from harness.diagnosis.tables.curve import table_of
 from harness.diagnosis.tables.drawn import plane_described, surface_of
 from harness.diagnosis.tables.fitted import TableFit
@@ -33,7 +30,6 @@ from harness.estimate.noise import Noise
 from harness.kernels.solve import Drive, solve
 from harness.model.beyond import beyond
 from harness.model.covariate import Acts, Covariate
-from harness.model.document import from_document, to_document
 from harness.model.model import Model, ModelTerm
 from harness.model.registry import TERMS
 from harness.model.spline import SIDE
@@ -43,7 +39,6 @@ SEED, MAGNET, DAMPING = 2, 4, 2
 """Draws with a magnet along the way, and with damping that depends on the place."""
 (PLANE,) = over_plane(())
 BY_PLACE = next(r for r in RUNGS if r.said == "f(x)")
-OVER = PLANE.terms[-1]
 
 
 @cache
@@ -164,11 +159,6 @@ def test_a_run_that_leaves_the_oval_says_so() -> None:
     assert "tabulated-force is known over an oval of x and v" in words
 
 
-def test_a_model_with_a_plane_is_a_document_and_back() -> None:
-    model = fitted(DAMPING, PLANE).model
-    assert from_document(to_document(model)).terms == model.terms
-
-
 def decay(left: float, cycles: float) -> tuple[FloatArray, FloatArray, FloatArray]:
     phase = np.linspace(0.0, 2.0 * np.pi * cycles, 4000)
     x = np.exp(np.log(left) * phase / phase[-1]) * np.cos(phase)
@@ -206,33 +196,6 @@ def test_a_free_decay_never_gets_a_plane_and_two_amplitudes_do() -> None:
         assert returns(both, x, np.gradient(x, both.t)) is again
 
 
-def values(f: object) -> FloatArray:
-    """A function of both knots' numbers as the values of a plane."""
-    assert callable(f)
-    return np.array([f(i, j) for i in range(SIDE) for j in range(SIDE)], dtype=np.float64)
-
-
-def test_a_plane_is_rough_as_a_curve_of_the_same_shape_is() -> None:
-    plane, curve = roughness([SIDE * SIDE]), roughness([12])
-    for smooth in (lambda i, j: 3.0 + 2.0 * i - j, lambda i, j: 1.0):
-        assert np.abs(plane @ values(smooth)).max() < 1e-6
-    assert np.sum((plane @ values(lambda i, j: i * j)) ** 2) > 0.01
-    bent = float(np.sum((plane @ values(lambda i, j: i * i)) ** 2))
-    same = float(np.sum((curve @ (np.linspace(0.0, SIDE - 1.0, 12) ** 2)) ** 2))
-    # both have a natural spline's straight ends, the wider spaced one more of them
-    assert 0.6 < bent / same < 1.1
-
-
-def test_a_rung_over_the_plane_holds_what_stays() -> None:
-    place, total, rubs = (next(r for r in RUNGS if r.said == s) for s in ("f(x)", "f(x) + f(v)", "g(x) sgn v"))
-    alone, beside = over_plane([rubs, total, place])
-    assert alone.terms == (*total.terms, OVER)
-    assert set(alone.on) == {"f(x)", "f(x) + f(v)", "g(x) sgn v"}
-    assert beside.terms == (*total.terms, *rubs.terms, OVER)
-    assert alone.said in beside.on
-    assert [r.terms for r in over_plane([])] == [(OVER,)]
-
-
 @pytest.mark.parametrize(
     ("force", "words"),
     [
@@ -247,31 +210,6 @@ def test_a_plane_is_said_in_words(force: object, words: str) -> None:
     side = np.linspace(-1.0, 1.0, 21)
     x, v = np.meshgrid(side, side)
     assert words in plane_described(side, side, force(x, v), np.ones(x.shape, dtype=np.bool_), "m")
-
-
-def test_figures_of_the_calibration_are_said() -> None:
-    rows = [
-        Row("f(x)", "bump", 0.97, 0.2, "f(x)", 0.3, 1.0),
-        Row(BOTH, "one", 0.98, 0.1, BOTH, 0.4),
-        Row("control", ""),
-    ]
-    lines = list(said(rows))
-    assert "at most 0.7 of the base's in 1 of 1 (100 %)" in lines[0]
-    assert any("withdrawn 1 of 1" in line for line in lines)
-    assert any("0.97 at least, 0.20 at most" in line for line in lines)
-
-
-@pytest.mark.full
-def test_drawn_machines_meet_the_goals() -> None:
-    """A share counts as short of its goal where chance would leave so few once in a hundred."""
-    rows: Sequence[Row] = drawn(measure, 7, 24, 1)
-    single = [r for r in rows if r.group in ("f(x)", "f(v)")]
-    bands = [r.held >= 0.9 for r in single if not np.isnan(r.held)]
-    for hits, goal in (([r.ratio <= 0.7 for r in single], 0.8), (bands, 0.9)):
-        assert sum(hits) >= binom.ppf(0.01, len(hits), goal)
-    assert not any(r.kept for r in rows if r.group in ("control", "named"))
-    assert not any(r.kept == "f(x) + f(v)" for r in rows if r.group == BOTH)
-    assert not any(r.kept.startswith(BOTH) for r in single)
 
 
 @pytest.mark.full

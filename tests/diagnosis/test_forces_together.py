@@ -15,7 +15,7 @@ from harness.core.errors import InputError
 from harness.core.recording import Recording
 from harness.diagnosis.fit.observe import observe
 from harness.diagnosis.fit.parameters import Free, free_of
-from harness.diagnosis.inverse_dynamics.force_fit import ForceFit, fit_force
+from harness.diagnosis.inverse_dynamics.force_fit import fit_force
 from harness.diagnosis.inverse_dynamics.measured import BLOCK, Measured
 from harness.diagnosis.inverse_dynamics.prepare import forces_together
 from harness.diagnosis.inverse_dynamics.strokes import force_words
@@ -113,18 +113,6 @@ def test_the_order_of_files_changes_nothing() -> None:
         assert getattr(there.base.model, name) == pytest.approx(getattr(back.base.model, name), rel=1e-6)
 
 
-@pytest.mark.parametrize("base", [AXIS, SPRUNG], ids=["axis", "spring"])
-def test_a_recording_that_goes_on_where_another_ends_is_run_by_itself(base: Model) -> None:
-    """Both have one clock then."""
-    first, second = pair(base)
-    problem = together([first, replace(second, t=second.t + first.t[-1] + 1.0 / 250.0)], base.restoring)
-    runs = problem.runs(shared_forces(problem).base.model)
-    assert [one.samples for one in runs] == list(problem.places)
-    assert [problem.t[one.samples.start] - one.clock for one in runs] == pytest.approx(
-        [0.0, float(first.t[-1]) + 0.004]
-    )
-
-
 def test_errors_shrink_as_the_root_of_the_data() -> None:
     """Four recordings under the same drive, each with a noise of its own, know each number twice as well as one."""
     each = [seen(AXIS, 0, seed=i) for i in range(4)]
@@ -162,21 +150,6 @@ def test_nothing_reaches_over_the_seam() -> None:
     assert seam == np.count_nonzero(measured.moving[: 1500 // BLOCK])
     pieces = force_words(base, measured).pieces
     assert pieces.of[seam] != pieces.of[seam - 1]
-
-
-def test_errors_do_not_remember_over_the_seam() -> None:
-    """Two recordings whose errors are coloured are worth the same in either order."""
-    draw = np.random.default_rng(5)
-    parts = [np.convolve(draw.standard_normal(n + 9), np.ones(10) / 10.0, "valid") for n in (300, 200)]
-    free = free_of(AXIS, ("c",))
-    found = []
-    for one, other in (parts, parts[::-1]):
-        y = np.concatenate((one, other))
-        found.append(ForceFit(AXIS, free, y, np.ones((y.size, 1)), (one.size,)))
-    there, back = found
-    assert there.memory.time > 3.0
-    assert there.memory.time == pytest.approx(back.memory.time)
-    assert there.covariance()[0, 0] == pytest.approx(back.covariance()[0, 0])
 
 
 def test_a_law_of_time_begins_anew_with_each_recording() -> None:
@@ -223,15 +196,6 @@ def test_what_is_missing_in_both_is_named(base: Model, law: ModelTerm) -> None:
     assert names(outcome)[0] == law.term.name
     assert outcome.pooled is not None
     assert outcome.pooled.own == ()
-
-
-@pytest.mark.full
-def test_what_is_missing_and_what_differs_are_both_said() -> None:
-    hidden = SPRUNG.with_terms(ModelTerm.named("cubic-stiffness", k3=2000.0))
-    outcome = diagnose(together(pair(hidden, replace(hidden, m=2.2)), SPRUNG.restoring))
-    assert names(outcome)[0] == "cubic-stiffness"
-    assert outcome.pooled is not None
-    assert outcome.pooled.own == ("m",)
 
 
 def resting() -> Recording:

@@ -8,14 +8,12 @@ import pytest
 from harness.core.arrays import FloatArray
 from harness.core.errors import InputError
 from harness.diagnosis.baseline.base_fit import baseline
-from harness.diagnosis.baseline.words import evidence
 from harness.diagnosis.explain.cautions import keeping_time
 from harness.diagnosis.explain.graded import told
 from harness.diagnosis.fit.model_fit import fit
 from harness.diagnosis.fit.parameters import free_of
 from harness.diagnosis.grading.beginning import after_first_turn, from_the_beginning
-from harness.diagnosis.grading.clocks import on_the_swing
-from harness.diagnosis.grading.friction_split import _others, resplit
+from harness.diagnosis.grading.friction_split import resplit
 from harness.diagnosis.grading.grade import Finalist, Graded, decided, grade, in_step
 from harness.diagnosis.grading.misfit import misfit
 from harness.diagnosis.grading.prediction import Predicted
@@ -107,12 +105,6 @@ def test_a_ripple_that_does_not_repeat_over_the_travel_is_the_springs_shape() ->
     for period, reach, named in ((4.0 / 3.0, 1.0, True), (1.34, 1.0, False), (1.34, 0.0, True)):
         ripple = machine(ModelTerm.named("force-ripple", amplitude=0.1, period=period, phase=0.0))
         assert ripple.as_named(reach, 9.0) is named
-
-
-def test_a_clock_slower_than_the_recording_keeps_time_with_anything() -> None:
-    """Below a period and a half in ten seconds."""
-    assert on_the_swing(ModelTerm.named("harmonic-force", A=1.0, Omega=0.94, phase=0.0), 9.0, 10.0)
-    assert not on_the_swing(ModelTerm.named("harmonic-force", A=1.0, Omega=0.95, phase=0.0), 9.0, 10.0)
 
 
 def test_what_a_decay_cannot_part_is_given_beside_it(graded: Graded) -> None:
@@ -234,51 +226,3 @@ def test_a_main_effect_predicts_blocks_that_were_left_out(graded: Graded) -> Non
     assert by_share(alone, held=scaled(graded.base_held, HELD_OUT.value - 1e-6)).grade is Grade.MAIN
     assert by_share(alone, held=scaled(graded.base_held, HELD_OUT.value + 1e-6)).grade is not Grade.MAIN
     assert by_share(alone, held=None).grade is not Grade.MAIN
-
-
-def test_noise_is_what_is_left_within_short_windows(graded: Graded) -> None:
-    loud = replace(graded.misfit, noise={"x": Noise(10.0 * SIGMA, True)})
-    assert loud.noise_left(graded.named[0].fit)["x"].sigma == pytest.approx(SIGMA, rel=0.1)
-    # and never more than was seen before
-    quiet = replace(graded.misfit, noise={"x": Noise(0.5 * SIGMA, True)})
-    assert quiet.noise_left(graded.named[0].fit)["x"].sigma == pytest.approx(0.5 * SIGMA)
-    floor = graded.misfit.floor({"x": Noise(SIGMA, True)})
-    own = graded.misfit.problem.noise["x"].sigma
-    assert floor == pytest.approx(float(graded.misfit.problem.weight["x"].sum()) * (SIGMA / own) ** 2)
-
-
-@pytest.mark.parametrize("phi", [0.0, 0.6])
-def test_noise_that_averages_out_over_a_word_is_no_evidence(graded: Graded, phi: float) -> None:
-    """Of noise with a memory of so many samples the share W memory / N is in W words; the rest is taken off."""
-    misfit, one = graded.misfit, graded.named[0].fit
-    words, samples, more = misfit.words, float(misfit.problem.weight["x"].sum()), len(one.free) - len(misfit.base.free)
-    memory = (1.0 + phi) / (1.0 - phi)
-
-    def said(sigma: float) -> float:
-        return misfit.evidence_of(one, {"x": Noise(sigma, True, phi)}, cells=3.0)
-
-    assert said(1e-300) == pytest.approx(evidence(misfit.base.chi2, one.chi2, words, more, 3.0))
-    # half of what the law leaves
-    sigma = np.sqrt(0.5 * one.chi2 / samples) * misfit.problem.noise["x"].sigma
-    beside = 0.5 * one.chi2 * (1.0 - words * memory / samples)
-    assert said(sigma) == pytest.approx(evidence(misfit.base.chi2 - beside, one.chi2 - beside, words, more, 3.0))
-    assert said(sigma) > said(1e-300)
-    # no law leaves less than the noise in its words, though that is said to be a tenth more than all that it leaves
-    most = 1.1 * one.chi2
-    in_words = most * words * memory / samples
-    known = evidence(misfit.base.chi2 - most + in_words, in_words, words, more, 3.0)
-    assert said(np.sqrt(2.2) * sigma) == pytest.approx(known)
-
-
-@pytest.mark.parametrize(("c", "f_k"), [(0.4, 0.0), (0.4, 0.3), (0.0, 0.3)])
-def test_friction_is_split_at_equal_loss(c: float, f_k: float) -> None:
-    """Over a cycle of half the amplitude: 4 f_k X + pi c omega X^2."""
-    scales, model = Scales(2.0, 18.0, 9.0), Model(1.0, c, 81.0, f_k)
-
-    def lost(one: Model) -> float:
-        return 4.0 * one.f_k * 1.0 + np.pi * one.c * 9.0 * 1.0**2
-
-    others = list(_others(model, scales))
-    assert others
-    assert [lost(one) for one in others] == pytest.approx([lost(model)] * len(others))
-    assert all(one.c >= 0.0 and one.f_k >= 0.0 and one.f_k != f_k for one in others)

@@ -101,10 +101,3 @@ def test_a_fall_is_sure_by_its_share_of_each_block(after: list[float], sure: boo
     before = _by_span([100.0, 30.0, 10.0, 3.0, 1.0])
     assert surely_less(_by_span(after), before, 2.0) is sure
     assert not surely_less(before, _by_span(after), 2.0)
-
-
-def test_a_fall_in_few_blocks_takes_more_to_be_sure() -> None:
-    """Student's distribution: the same shares of four blocks, and of sixteen."""
-    shares = [0.3, 0.9, 0.5, 1.0]
-    few, many = (surely_less(_by_span(shares * n), _by_span([1.0] * 4 * n), 2.0) for n in (1, 4))
-    assert (few, many) == (False, True)

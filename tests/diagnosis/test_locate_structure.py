@@ -65,12 +65,6 @@ def test_noise_is_called_noise_at_the_promised_rate(n: int, per_period: int, cha
     assert false_alarms(n, per_period, channels, 250, misplaced) <= 9
 
 
-@pytest.mark.full
-@pytest.mark.parametrize(("n", "per_period", "channels"), CASES)
-def test_the_rate_over_many_draws(n: int, per_period: int, channels: str) -> None:
-    assert abs(false_alarms(n, per_period, channels, 4000, False) - 40) <= 22
-
-
 SMOOTH: list[Callable[[FloatArray, Motion], FloatArray]] = [
     lambda t, m: 0.2 * np.cos(2.0 * m.omega * t),
     lambda t, m: 0.3 * np.sin(0.3 * m.omega * t),

@@ -94,10 +94,11 @@ def test_what_decides_holds_no_number_of_its_own() -> None:
                 assert names <= allowed, f"{name}:{node.lineno}: {ast.unparse(node)}"
 
 
-def test_every_rule_says_what_it_moves_and_where_it_comes_from() -> None:
-    names = [rule.name for rule in rules.RULES]
+@pytest.mark.parametrize("room", [rules, arm_rules], ids=["diagnosis", "whole arm"])
+def test_every_rule_says_what_it_moves_and_where_it_comes_from(room: ModuleType) -> None:
+    names = [rule.name for rule in room.RULES]
     assert len(names) == len(set(names)) > 0
-    for rule in rules.RULES:
+    for rule in room.RULES:
         assert all((rule.moves, rule.unit, len(rule.origin) > 10)), rule.name
         assert not any(word in f"{rule.moves} {rule.origin}" for word in ("TODO", "XXX", "FIXME")), rule.name
 

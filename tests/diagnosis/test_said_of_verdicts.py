@@ -1,6 +1,5 @@
 """What is said of a verdict: each verdict's sentence, its cautions, and the recording that would decide."""
 
-from dataclasses import dataclass
 from types import SimpleNamespace
 from typing import Any
 
@@ -11,7 +10,6 @@ from harness.diagnosis.explain.verdict_sentence import sentence_of
 from harness.diagnosis.motion import motion_of
 from harness.diagnosis.outcome import Grade, Verdict
 from harness.diagnosis.rules import LEAST_CYCLES, MOST_LIKELY, Rule
-from harness.model.model import Model, ModelTerm
 from harness.model.registry import TERMS
 
 
@@ -98,20 +96,6 @@ def test_each_verdict_has_its_sentence(one: Any, has: tuple[str, ...], said: str
     assert found.endswith(" It was let go by hand.")
     assert "  " not in found
     assert ".." not in found
-
-
-@dataclass
-class Fake:
-    """A fit by its terms and squares."""
-
-    model: Model
-    chi2: float = 500.0
-    bic: float = 0.0
-    points: int = 100
-
-
-def of(*terms: ModelTerm, chi2: float = 500.0, bic: float = 0.0) -> Any:
-    return Fake(Model(m=1.0, k=50.0, c=0.1, f_k=0.2, x0=1.0, terms=terms), chi2, bic)
 
 
 def test_the_motion_is_told_by_any_channel() -> None:

@@ -69,12 +69,6 @@ def test_too_short_a_stretch_gives_no_finite_error(span: int) -> None:
     assert np.all(np.isinf(clustered_covariance(found, problem, scales.omega / span)))
 
 
-def test_a_bristle_is_no_stiffer_than_a_recording_of_the_spring_can_show() -> None:
-    model = Model(1.0, 0.4, 100.0, 2.0, x0=1.0, terms=(ModelTerm.named("presliding", sigma0=1e3, sigma1=0.0),))
-    sigma0 = next(f for f in free_of(model, ("k",)) if f.name == "presliding.sigma0")
-    assert sigma0.upper == pytest.approx(1e4 * 100.0)
-
-
 def test_on_its_upper_bound_a_number_is_a_least_one() -> None:
     t = np.arange(0.0, 3.0, 2e-3)
     slider = Model(1.0, 0.4, 100.0, 2.0, x0=1.0)

@@ -14,7 +14,7 @@ from harness.diagnosis.fit.model_fit import fit
 from harness.diagnosis.fit.parameters import free_of
 from harness.diagnosis.integrator_maps.stepped import as_stepped
 from harness.diagnosis.outcome import Outcome
-from harness.diagnosis.pipeline import diagnose, explain, judge, prepare
+from harness.diagnosis.pipeline import explain, judge, prepare
 from harness.diagnosis.request import Asked
 from harness.diagnosis.residual_tests.structure import Left
 from harness.diagnosis.search.search import Search
@@ -141,22 +141,3 @@ def test_what_the_integrator_adds_counts_as_the_engines() -> None:
     assert seen.unexplained == pytest.approx(0.001)
     total = seen.engine + seen.parameters + seen.missing_physics + seen.unexplained + seen.noise
     assert total == pytest.approx(1.0)
-
-
-@pytest.mark.full
-@pytest.mark.parametrize(
-    "settings",
-    [
-        {"dt": 1e-4, "integrator": "RK4"},
-        {"dt": 2e-3, "integrator": "Euler"},
-        {"dt": 1e-3, "integrator": "implicitfast"},
-        {"dt": 1e-3, "integrator": "discrete"},
-    ],
-)
-def test_a_whole_diagnosis_names_soft_friction_alone(settings: dict[str, Any]) -> None:
-    problem, _ = prepare(trace(**settings), Asked())
-    outcome = diagnose(problem)
-    assert [m.name for m in outcome.mechanisms] == ["regularised-friction"]
-    if settings["integrator"] != "discrete":
-        assert outcome.mechanisms[0].entry.value("v_r") == pytest.approx(V_R, rel=0.05)
-        assert outcome.mechanisms[0].entry.value("lead") == pytest.approx(LEAD, rel=0.05)

@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 
 from harness.core.arrays import FloatArray
-from harness.diagnosis.baseline.base_fit import baseline
 from harness.diagnosis.fit.model_fit import chi2_of, fit
 from harness.diagnosis.fit.observe import observe
 from harness.diagnosis.fit.parameters import Free, free_of, values_of, with_values
@@ -93,20 +92,6 @@ def test_partials_are_those_of_the_swing() -> None:
         difference = (down - up) / (2.0 * h[i])
         # the weight of a phase is the recording's amplitude, of its partial too
         assert partials[:, i] == pytest.approx(difference, abs=3e-3 * float(np.max(np.abs(difference))))
-
-
-UNSEEN = {
-    "three cycles": T[:135],
-    "six samples a cycle": T[::7],
-    "a gap of a cycle": np.concatenate((T[:900], T[950:])),
-}
-
-
-@pytest.mark.parametrize("t", list(UNSEEN.values()), ids=list(UNSEEN))
-def test_what_cannot_be_followed_has_none(t: FloatArray) -> None:
-    whole = problem(t=t)
-    assert Swing.of(whole, OMEGA) is None
-    assert baseline(whole)[0].chi2 == pytest.approx(t.size, rel=5.0 * math.sqrt(2.0 / t.size))
 
 
 def test_uneven_samples_and_noise_of_a_tenth_are_followed() -> None:

@@ -6,7 +6,6 @@ from functools import cache
 import numpy as np
 import pytest
 
-from benchmarks.calibrate.tables import Row, measure, said
 from harness.core.arrays import FloatArray
 from harness.diagnosis.baseline.base_fit import baseline
 from harness.diagnosis.explain.verdict_sentence import sentence_of
@@ -135,21 +134,6 @@ def test_tables_hold_nothing_of_what_is_the_bases(said: str) -> None:
         assert np.abs(f @ shown).max() < 1e-8 * np.linalg.norm(f) * np.linalg.norm(shown, axis=0).max()
 
 
-def test_a_straight_line_has_no_roughness() -> None:
-    one = basis()
-    line = np.linspace(-3.0, 5.0, KNOTS)
-    assert np.abs(one.rough @ line).max() < 1e-10
-    assert np.abs(one.rough @ line**2).max() > 0.1
-
-
-def test_the_penalty_takes_freedom() -> None:
-    found = fitted_magnet()
-    freedom = [replace(found, strength=s).effective for s in (1e-8, 1e-3, 1.0, 1e3, 1e8)]
-    assert freedom == sorted(freedom, reverse=True)
-    assert freedom[0] == pytest.approx(found.at.size, abs=0.05)
-    assert freedom[-1] < 0.05
-
-
 def test_blocks_predict_as_a_fit_without_them_would() -> None:
     found, block = fitted_magnet(), blocks_of(magnet().strokes)
     blocks, b = Blocks.of(found, block), len(found.free)
@@ -193,24 +177,6 @@ SHAPES = [
 def test_a_shape_is_said_in_words(one: Table, words: str) -> None:
     assert words in described(one, replace(BASE, c=0.01), False)
     assert gauge_of(one)
-
-
-def test_figures_of_a_calibration_are_said() -> None:
-    rows = [
-        Row("table", "a", "f(x)", 9.0, kept="f(x)", ratio=0.3, held=1.0),
-        Row("table", "b", "f(v)", 9.0),
-        Row("random", "", "", 9.0),
-    ]
-    lines = list(said(rows))
-    assert "at most 0.7 of the base's in 1 of 2 (50 %)" in lines[0]
-    assert any("random: withdrawn 1 of 1" in line for line in lines)
-
-
-@pytest.mark.full
-def test_a_drawn_machine_is_measured() -> None:
-    row = measure(5, 0)
-    assert row.group == "table"
-    assert row.ratio <= 1.05
 
 
 def test_what_has_no_name_is_modelled_beside_the_verdict() -> None:

@@ -15,14 +15,13 @@ from harness.diagnosis.fit.standard_errors import base_parameters
 from harness.diagnosis.outcome import Outcome
 from harness.diagnosis.pipeline import diagnose, fit_base, prepare, prepare_together
 from harness.diagnosis.pooling.pooled import differences
-from harness.diagnosis.problems.free_decay import FreeDecay
 from harness.diagnosis.problems.together import Together
 from harness.diagnosis.request import Asked
 from harness.diagnosis.residual_tests.lack_of_fit import lack_of_fit
 from harness.diagnosis.rules import AMPLITUDES_APART, POOLED
 from harness.estimate.noise import Noise
 from harness.kernels.solve import solve
-from harness.model.elsewhere import Elsewhere, named, parted
+from harness.model.elsewhere import Elsewhere, parted
 from harness.model.model import Model, ModelTerm
 
 BASE = Model(1.0, 0.25, 100.0, 0.35)
@@ -57,13 +56,6 @@ def names(outcome: Outcome) -> dict[str, list[str]]:
 @pytest.fixture(scope="module")
 def alike() -> Together:
     return together(pair(BASE))
-
-
-def test_a_name_says_which_recording_it_is_of() -> None:
-    for stem in ("x0", "k"):
-        for recording in (0, 1, 11):
-            assert parted(named(stem, recording)) == (stem, recording)
-    assert (named("x0", 0), named("x0", 1)) == ("x0", "x0#2")
 
 
 def test_each_is_simulated_from_its_own_start_on_its_own_clock(alike: Together) -> None:
@@ -102,15 +94,6 @@ def test_no_sample_knows_of_another_recording(alike: Together) -> None:
     values = np.random.default_rng(0).standard_normal(alike.t.size)
     by_hand = [one.noise["x"].whitened(values[at]) for one, at in zip(coloured.alone, coloured.places, strict=True)]
     assert coloured.whitened({"x": values})["x"] == pytest.approx(np.concatenate(by_hand))
-
-
-def test_shares_of_a_recording_are_shares_of_each(alike: Together) -> None:
-    inside = alike.opening(0.5)
-    part = alike.first_part(0.5)
-    assert part.t == pytest.approx(alike.t[inside])
-    assert [one.t.size for one in part.alone] == [one.t.size // 2 for one in alike.alone]
-    again = alike.at_every_sample(alike.t, alike.channels)
-    assert again.places == alike.places
 
 
 def test_the_physics_is_that_of_both_and_the_rest_each_ones_own(alike: Together) -> None:
@@ -204,14 +187,6 @@ def test_from_one_amplitude_no_law_of_it_is_told_from_one_of_time() -> None:
     assert 1.0 < AMPLITUDES_APART.value < 2.5
 
 
-@pytest.mark.full
-@pytest.mark.parametrize(
-    "law", [ModelTerm.named("quadratic-drag", c2=0.6), ModelTerm.named("load-dependent-friction", gain=25.0)]
-)
-def test_drag_and_friction_under_load_are_told_apart(law: ModelTerm) -> None:
-    assert names(diagnose(together(pair(BASE.with_terms(law))))) == {law.term.name: []}
-
-
 def test_channels_that_not_all_have_are_left_out_and_said() -> None:
     first, second = pair(BASE)
     with_speed = replace(first, channels={**first.channels, "v": np.gradient(first["x"], first.t)})
@@ -265,10 +240,3 @@ def test_a_residual_of_any_length_is_tested() -> None:
     for n in (127, 128, 129, 130):
         white: FloatArray = np.random.default_rng(n).standard_normal(n)
         assert 0.0 < lack_of_fit({"x": white}, np.linspace(0.0, 4.0, n), 10.0).p_value <= 1.0
-
-
-def test_a_problem_of_one_stays_as_it_is() -> None:
-    t = np.linspace(0.0, 4.0, 401)
-    one = FreeDecay(t, {"x": np.cos(10.0 * t)}, {"x": Noise(1e-3, True)})
-    assert (one.alone, one.own_names, one.duration) == ((), (), 4.0)
-    assert np.count_nonzero(one.opening(0.5)) == one.first_part(0.5).t.size == 200

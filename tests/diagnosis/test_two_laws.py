@@ -119,14 +119,6 @@ def test_two_that_are_alike_are_a_crowd_on_a_machine() -> None:
     assert free.judgement.verdict not in ("missing_physics", "main_effect")
 
 
-@pytest.mark.full
-def test_two_that_are_alike_are_a_pair_on_a_bench() -> None:
-    known = judge(searched(recorded(0.19, 12.0, zero=0.0), zero_free=False))
-    assert known.judgement.verdict == "missing_physics"
-    names = {entry.term.name for entry in known.judgement.refined.model.terms}
-    assert names == {"quadratic-drag", "quadratic-stiffness"}
-
-
 DRAG = ModelTerm.named("quadratic-drag", c2=0.2)
 OMEGA = 60.0
 

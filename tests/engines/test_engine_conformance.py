@@ -33,11 +33,6 @@ def digest(trace: Trajectory) -> str:
     return hashlib.sha256(b"".join(array.tobytes() for array in arrays)).hexdigest()
 
 
-@pytest.mark.usefixtures("pybullet")
-def test_both_engines_of_the_house_are_installed() -> None:
-    assert {"mujoco", "pybullet"} <= set(INSTALLED)
-
-
 @each
 def test_first_sample_is_the_start(name: str, route: str, preset: str) -> None:
     scenario = Scenario("start", GENTLE, -0.07, 0.3, 0.2)

@@ -9,7 +9,7 @@ from engine_cases import decay, engine, stiff
 
 from harness.core.arrays import FloatArray
 from harness.core.quantity import Quantity
-from harness.core.scenario import Harmonic, Hold, Scenario
+from harness.core.scenario import Hold, Scenario
 from harness.core.slider import PAPER, Slider
 from harness.core.trajectory import Trajectory
 from harness.engines.base import Preset, Task
@@ -164,14 +164,6 @@ def test_tuned_engines_give_back_the_friction_put_in_both_ways(name: str, dt: fl
         assert recovered(trace, method).value == pytest.approx(0.030, rel=0.02), method
 
 
-def test_as_shipped_mujoco_hides_its_friction_at_the_reversal_itself() -> None:
-    trace = engine("mujoco").simulate(Task(decay(), "joint", "as-shipped"))
-    assert recovered(trace, "acceleration").value == pytest.approx(0.030, rel=0.02)
-    local = recovered(trace, "acceleration-local").value
-    assert local is not None
-    assert local < 0.015
-
-
 ORDERS = [
     ("mujoco", {"integrator": "Euler"}, 0.0, 1.0),
     ("mujoco", {"integrator": "RK4"}, 0.0, 4.0),
@@ -207,22 +199,3 @@ def held(name: str, route: str, preset: Preset, load: float, settings: dict[str,
 def test_elliptic_contact_creeps_by_one_over_impratio(impratio: float, printed: str) -> None:
     creep = held("mujoco", "contact", "as-shipped", 1.5, {"cone": "elliptic", "impratio": impratio})
     assert agrees(1e6 * creep, printed)
-
-
-@pytest.mark.parametrize("name", ["mujoco", "pybullet"])
-def test_the_neutral_law_does_not_creep(name: str) -> None:
-    for preset in ("as-shipped", "tuned"):
-        assert abs(held(name, "law", preset, 2.9, {})) < 1e-12
-
-
-def test_noslip_stops_creep_in_the_joint() -> None:
-    assert abs(held("mujoco", "joint", "as-shipped", 1.5, {"noslip_iterations": 50})) < 1e-9
-
-
-@pytest.mark.usefixtures("pybullet")
-def test_harmonic_forcing_without_stops_reaches_den_hartogs_amplitude() -> None:
-    scenario = Scenario("forced", Slider(1.0, 0.0, 100.0, 3.0), 0.0, 0.0, 60.0, Harmonic(10.0, 8.0))
-    for name in ("mujoco", "pybullet"):
-        trace = engine(name).simulate(Task(scenario, "joint", "tuned", 1e-3))
-        amplitude = np.abs(trace.x[trace.t > 50.0]).max()
-        assert amplitude == pytest.approx(0.262610, rel=2e-3)

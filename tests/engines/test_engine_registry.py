@@ -18,13 +18,6 @@ def test_the_engines_of_the_house_are_registered() -> None:
     assert registry.load("pybullet").version() == "3.2.7"
 
 
-def test_an_unknown_name_lists_those_there_are() -> None:
-    with pytest.raises(InputError) as caught:
-        registry.load("bullet")
-    known = ", ".join(registry.names())
-    assert str(caught.value) == f"engine: 'bullet'; one of {known} is accepted; did you mean pybullet?"
-
-
 def point(name: str, value: str) -> EntryPoint:
     return EntryPoint(name, value, registry.GROUP)
 

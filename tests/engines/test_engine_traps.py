@@ -55,10 +55,6 @@ def test_pybullet_damping_of_its_own_is_off_when_tuned_and_on_as_shipped() -> No
     assert shipped[0] == pytest.approx(-(0.04 * 5.0 + 0.04 * 25.0), rel=1e-6)
 
 
-def test_pybullet_motor_of_a_fresh_joint_is_off() -> None:
-    assert np.ptp(coast(0.0, 1.0, preset="tuned").v) < 1e-12
-
-
 def test_pybullet_friction_is_not_multiplied_by_sub_steps_and_the_next_run_has_none() -> None:
     one = coast(2.0, 5.0, preset="tuned")
     four = coast(2.0, 5.0, preset="tuned", settings={"numSubSteps": 4})
@@ -146,11 +142,6 @@ def test_mujoco_reports_divergence_and_writes_no_file(tmp_path: Path, monkeypatc
     assert mujoco.get_mjcb_passive() is None
 
 
-def test_mujocos_callback_is_taken_away_again() -> None:
-    engine("mujoco").simulate(short("law"))
-    assert mujoco.get_mjcb_passive() is None
-
-
 def test_what_c_libraries_print_goes_to_the_log(
     capfd: pytest.CaptureFixture[str], caplog: pytest.LogCaptureFixture
 ) -> None:
@@ -164,10 +155,3 @@ def test_what_c_libraries_print_goes_to_the_log(
     assert captured.out == "after\n"
     assert captured.err == ""
     assert [record.message for record in caplog.records] == ["stamp", "b3Warning"]
-
-
-def test_quiet_gives_the_streams_back_after_an_error(capfd: pytest.CaptureFixture[str]) -> None:
-    with pytest.raises(KeyError), quiet(logging.getLogger("harness.engines.test")):
-        raise KeyError
-    os.write(1, b"here\n")
-    assert capfd.readouterr().out == "here\n"

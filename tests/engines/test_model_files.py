@@ -48,28 +48,6 @@ def test_one_geometry_in_all_four_files() -> None:
                 assert other[material] == pytest.approx(size), (file, material)
 
 
-@pytest.mark.parametrize("name", models.NAMES)
-def test_spring_rail_light_and_camera_are_there(name: str) -> None:
-    spec = models.mjcf(PAPER, name)
-    assert spec.tendon("spring") is not None
-    assert spec.geom("rail_left") is not None
-    assert len(spec.lights) >= 1
-    assert len(spec.cameras) >= 1
-    drawn = [material.get("name") for material in models.urdf(PAPER, name).iter("material")]
-    assert drawn.count("spring") > 5
-    assert drawn.count("steel") >= 2
-
-
-def test_numbers_of_a_slider_reach_the_compiled_model_exactly() -> None:
-    model = models.mjcf(ODD).compile()
-    assert model.jnt_stiffness[0] == ODD.k
-    assert model.dof_damping[0] == ODD.c
-    assert model.dof_frictionloss[0] == ODD.f_k
-    assert model.body("slider").mass[0] == pytest.approx(ODD.m, rel=1e-15)
-    floor = models.mjcf(ODD, "slider_on_floor").compile()
-    assert floor.geom("box").friction[0] == pytest.approx(ODD.f_k / (ODD.m * 9.81), rel=1e-15)
-
-
 def test_numbers_of_a_slider_reach_the_urdf_exactly() -> None:
     tree = models.urdf(ODD)
     assert float(tree.find("link[@name='slider']/inertial/mass").get("value")) == ODD.m
@@ -103,16 +81,6 @@ def test_a_format_says_what_it_leaves_out() -> None:
     assert models.cannot_say(PAPER, "slider", "xml") == ()
 
 
-def test_unknown_names_and_unwritable_folders_are_refused(tmp_path: Path) -> None:
-    with pytest.raises(InputError, match="model: 'cart'; one of slider, slider_on_floor, pendulum is accepted"):
-        models.path("cart", "xml")
-    with pytest.raises(InputError, match="model format: 'sdf'; one of xml, urdf is accepted"):
-        models.path("slider", "sdf")
-    (tmp_path / "file").write_text("")
-    with pytest.raises(StoreError, match="cannot write the models"):
-        models.export(PAPER, tmp_path / "file" / "model")
-
-
 def test_models_are_found_inside_an_installed_package(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     package = tmp_path / "site" / "harness"
     (package / "engines").mkdir(parents=True)
@@ -122,19 +90,6 @@ def test_models_are_found_inside_an_installed_package(tmp_path: Path, monkeypatc
     (package / "_models").mkdir()
     (package / "_models" / "slider.xml").write_bytes(b"")
     assert models.folder() == package / "_models"
-
-
-def test_pictures_of_the_models_differ_where_the_slider_is() -> None:
-    """The spring is drawn from the anchor to the slider wherever that is."""
-    model = models.mjcf(PAPER).compile()
-    data = mujoco.MjData(model)
-    lengths = []
-    for x in (-1.0, 0.0, 1.0):
-        data.qpos[0] = x
-        mujoco.mj_kinematics(model, data)
-        mujoco.mj_tendon(model, data)
-        lengths.append(float(data.ten_length[0]))
-    assert np.diff(lengths) == pytest.approx([1.0, 1.0])
 
 
 BASE = Model(2.0, 1.5, 100.0, 3.0, x0=0.8)
@@ -163,16 +118,6 @@ def test_a_term_with_native_words_accelerates_as_in_the_reference(entry: ModelTe
         assert data.qacc[0] == pytest.approx(exact, rel=1e-9, abs=1e-9)
     assert not [line for line in model_files.cannot_say(model, "xml") if entry.term.name in line]
     assert [line for line in model_files.cannot_say(model, "urdf") if entry.term.name in line]
-
-
-def test_several_terms_share_a_joint() -> None:
-    model = BASE.with_terms(ModelTerm.named("cubic-stiffness", k3=-40.0), ModelTerm.named("backlash", gap=0.05))
-    read = compiled(model)
-    assert read.jnt_stiffness[0] == 0.0
-    data = mujoco.MjData(read)
-    data.qpos[0] = 0.5
-    mujoco.mj_forward(read, data)
-    assert -data.qfrc_passive[0] == pytest.approx(100.0 * 0.45 - 40.0 * 0.5**3)
 
 
 def test_what_no_format_can_say_is_listed() -> None:

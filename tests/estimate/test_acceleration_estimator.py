@@ -98,12 +98,6 @@ def test_jumps_are_combined_by_their_full_covariance() -> None:
     assert found.scatter == pytest.approx(float(left @ inverse @ left) / (n - 1) / 0.25, rel=1e-10)
 
 
-def test_one_jump_has_no_scatter() -> None:
-    zero = np.zeros(1)
-    found = combine(Jumps(zero, zero, zero, np.array([6.0]), np.array([2.0]), np.empty(0), np.ones((1, 2)), zero), 0.25)
-    assert (found.size, found.variance, found.scatter) == (6.0, 0.5, 1.0)
-
-
 def _first_order(n: int, phi: float, rng: np.random.Generator) -> FloatArray:
     out = rng.standard_normal(n)
     for i in range(1, n):

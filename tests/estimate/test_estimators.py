@@ -7,12 +7,8 @@ import pytest
 
 from harness.core.arrays import FloatArray
 from harness.core.errors import InputError
-from harness.estimate.channel import fit_channel
-from harness.estimate.displacement import all_edges, reversal_times
-from harness.estimate.every import METHODS, estimate_all, sensor_lead
-from harness.estimate.isolated import log_decrement
+from harness.estimate.every import METHODS, estimate_all
 from harness.estimate.result import Estimation
-from harness.estimate.reversals import Kind
 from harness.exact.decay import Decay, free_decay
 
 PAPER = Decay(10.0, 0.05, 0.03, 1.0)
@@ -122,39 +118,11 @@ def test_an_offset_leaves_the_figures_of_each_reversal() -> None:
     assert [row.x_k for row in rows[:4]] == pytest.approx([0.03] * 4, abs=1e-9)
 
 
-def test_the_error_of_the_frequency_is_that_of_the_half_cycles() -> None:
-    """Turning points that are known: omega_n is as uncertain, in parts of itself, as omega_d."""
-    count = np.arange(6.0)
-    turning = (-math.exp(-math.pi * 0.5)) ** count
-    found = log_decrement(count, turning, np.full(6, 1e-30), (2.0, 0.1)).omega_n
-    assert found.value == pytest.approx(2.0 * math.hypot(1.0, 0.5), rel=1e-9)
-    assert found.stderr == pytest.approx(0.05 * 2.0 * math.hypot(1.0, 0.5), rel=1e-6)
-
-
 def test_the_error_of_one_jump_is_of_the_size_of_its_errors() -> None:
     rows = estimate_all(T, a=CLEAN.a + _noise(T.size, 0.5))["acceleration"].per_reversal
     off = [(row.x_k - 0.03) / row.stderr for row in rows if row.x_k is not None and row.stderr is not None]
     assert len(off) > 5
     assert 0.5 < math.sqrt(np.mean(np.square(off))) < 2.0
-
-
-def test_edges_follow_each_other_where_half_cycles_are_not_those_of_the_base_model() -> None:
-    fit = fit_channel(T, CLEAN.x * (1.0 + 0.4 * np.cos(7.0 * T)), Kind.DISPLACEMENT)
-    assert not fit.holds
-    edges = all_edges(fit)
-    assert edges.size == len(fit.separate) + 1
-    assert np.all(np.diff(edges) > 0.0)
-
-
-def test_reversals_that_one_channel_does_not_reach_say_nothing_of_the_lead() -> None:
-    longer, shorter = (
-        fit_channel(T, CLEAN.a, Kind.ACCELERATION),
-        fit_channel(T[:1300], CLEAN.x[:1300], Kind.DISPLACEMENT),
-    )
-    assert len(reversal_times(longer)) > len(reversal_times(shorter))
-    lead, lag = sensor_lead(longer, shorter)
-    assert lead.value == pytest.approx(0.0, abs=1e-7)
-    assert lag == pytest.approx(0.0, abs=1e-8)
 
 
 def test_offset_and_bias_are_found() -> None:

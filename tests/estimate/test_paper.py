@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from harness.core.slider import EXPERIMENT
-from harness.estimate.paper import acceleration_paper, beside, by_eq_12, by_eq_13
+from harness.estimate.paper import acceleration_paper, by_eq_12, by_eq_13
 from harness.estimate.table1 import PHASE, run, table
 from harness.exact.decay import Decay, free_decay
 
@@ -51,13 +51,6 @@ def test_equations_12_and_13_are_exact_at_the_jumps() -> None:
     events = free_decay(Decay(10.0, 0.05, 0.03), np.linspace(0.0, 2.6, 50)).events
     assert by_eq_12(events.a_before[:7]) == pytest.approx([0.05] * 4, abs=1e-12)
     assert by_eq_13(events.a_after[:7]) == pytest.approx([0.05] * 5, abs=1e-12)
-
-
-def test_averages_stay_on_their_side_of_the_jump() -> None:
-    t = np.linspace(0.0, 9.9, 100)
-    step = np.where(t < 5.0, 1.0, -1.0)
-    before, after = beside(t, step, np.array([4.95]), 5)
-    assert (before[0], after[0]) == (1.0, -1.0)
 
 
 def test_table_1_simulated() -> None:

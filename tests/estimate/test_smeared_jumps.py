@@ -39,15 +39,6 @@ def test_friction_of_shipped_mujoco_is_read_through_the_guard_and_missed_beside_
         assert 9e-3 < wide.guard < 25e-3
 
 
-@pytest.mark.parametrize("engine", ["mujoco", "pybullet"])
-def test_tuned_engines_read_the_same_both_ways(engine: str) -> None:
-    motion = _run(engine, preset="tuned")
-    found = estimate_all(motion.t, motion.x, motion.v, motion.a)
-    for method in ("acceleration", "acceleration-local", "displacement"):
-        assert found[method].x_k.value == pytest.approx(0.030, rel=0.005), method
-        assert found[method].zeta.value == pytest.approx(0.050, rel=0.005), method
-
-
 def test_numerical_damping_of_discrete_is_seen() -> None:
     motion = _run("mujoco", preset="as-shipped", dt=1e-3, settings={"integrator": "discrete"})
     found = estimate_all(motion.t, a=motion.a)["acceleration"]

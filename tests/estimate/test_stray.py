@@ -9,13 +9,12 @@ from hypothesis import strategies as st
 
 from harness.app.shared.estimates import estimate
 from harness.core.arrays import FloatArray
-from harness.core.errors import InputError
 from harness.core.recording import Recording
 from harness.diagnosis.fit.model_fit import fit
 from harness.diagnosis.pipeline import diagnose, prepare
 from harness.diagnosis.request import Asked
 from harness.estimate.noise import Noise
-from harness.estimate.stray import beside_cubic, stray, without_stray
+from harness.estimate.stray import stray
 from harness.kernels.solve import Drive, Scales, simulate, solve
 from harness.model.model import Model, ModelTerm, Restoring
 
@@ -97,21 +96,6 @@ def test_no_motion_of_a_mass_strays_though_there_is_no_noise(
     assert not stray(s, scale * (shape(s) + slope * s), Noise(1e-9 * scale, True)).any()
 
 
-def test_nothing_that_a_mass_does_comes_near_what_is_asked() -> None:
-    """How far the nearest of a run is off the cubic, over what that leaves of the sides: 5.7, and 10 are asked."""
-    most = 0.0
-    for shape in SHAPES.values():
-        for place in np.linspace(-4.0, 4.0, 161):
-            s = np.arange(-20.0, 21.0) - place
-            y, off = shape(s), np.empty(s.size)
-            for run in range(1, 7):
-                for begin in range(12, 24):
-                    left = beside_cubic(s, y, begin, begin + run, 3.0, off, np.empty((5, 4)))
-                    if left > 1e-9:
-                        most = max(most, float(np.abs(off[begin : begin + run]).min()) / left)
-    assert most == pytest.approx(5.7, abs=0.05)
-
-
 @given(
     shift=st.floats(-1e3, 1e3), scale=st.floats(1e-6, 1e6), pace=st.floats(1e-4, 1e4), begin=st.floats(-100.0, 100.0)
 )
@@ -174,11 +158,3 @@ def test_driven_samples_stay_where_they_are_and_count_for_nothing() -> None:
     outcome = diagnose(problem)
     assert outcome.verdict == "adequate"
     assert outcome.base.model.f_k == pytest.approx(1.5, rel=1e-3)
-
-
-def test_where_too_few_are_left_it_is_said_how_many() -> None:
-    t = np.arange(51.0)
-    x = np.cos(0.02 * t)
-    x[[10, 30]] += 1.0
-    with pytest.raises(InputError, match=r"2 samples of x stray .*, and 49 stay; at least 50 that do not are accepted"):
-        without_stray(Recording(t, {"x": x}), ("x",))

@@ -1,6 +1,5 @@
 """Exact answers of the scenarios against an integration that knows only the equation of motion."""
 
-import math
 from dataclasses import replace
 
 import numpy as np
@@ -9,7 +8,6 @@ from fidelity_draws import drawn_suites, integrated
 
 from harness.core.errors import InputError
 from harness.core.scenario import Belt, Harmonic, Scenario
-from harness.core.slider import PAPER, Slider
 from harness.fidelity.kind import OWN, kind_of, suite
 from harness.fidelity.row import describe, measure_row, scenario_of
 from harness.fidelity.scenarios import belt, harmonic
@@ -75,31 +73,7 @@ def test_contact_scenarios_are_those_of_the_joint_on_a_smaller_scale() -> None:
                 assert small[metric] == pytest.approx(0.1 * large[metric], rel=1e-9)
 
 
-@pytest.mark.parametrize(
-    ("slider", "speed", "message"),
-    [
-        (PAPER, 0.1, "belt: no stick-slip (f_s does not exceed f_k)"),
-        (Slider(1.0, 30.0, 100.0, 3.0, 4.0), 0.1, "belt: no stick-slip (the slider is not underdamped)"),
-    ],
-)
-def test_a_belt_without_a_cycle_is_refused(slider: Slider, speed: float, message: str) -> None:
-    with pytest.raises(InputError, match=message.replace("(", r"\(").replace(")", r"\)")):
-        belt.BELT.ride(slider, speed)
-
-
 def test_a_run_that_does_not_start_riding_has_no_exact_motion_here() -> None:
     scenario = Scenario("belt", OWN.sticky, 0.0, 0.0, 1.0, Belt(0.1))
     with pytest.raises(InputError, match="does not ride with the belt"):
         kind_of(scenario).exact(scenario, np.linspace(0.0, 1.0, 10))
-
-
-def test_a_damaged_description_is_refused() -> None:
-    with pytest.raises(InputError, match="scenario: incomplete"):
-        scenario_of({"name": "belt", "release": {"x0": 0.0}})
-
-
-def test_periods_are_whole() -> None:
-    for scenario in suite("joint").values():
-        if isinstance(scenario.action, Harmonic):
-            periods = scenario.duration * scenario.action.omega / (2.0 * math.pi)
-            assert periods == pytest.approx(PERIODS)

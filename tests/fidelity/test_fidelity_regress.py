@@ -13,7 +13,7 @@ from lxml import etree
 
 from harness.app.sweep import regress as room
 from harness.app.sweep.sweep import SweepOptions, sweep
-from harness.app.sweep.traces import SCHEMA, keep_worst, recomputed
+from harness.app.sweep.traces import keep_worst, recomputed
 from harness.cli.commands.regress import command
 from harness.core.errors import InputError
 from harness.engines import registry
@@ -21,7 +21,7 @@ from harness.fidelity.compare import TOLERANCES, kept, moves
 from harness.fidelity.matrix import Matrix
 from harness.fidelity.row import Spec, run_row
 from harness.results.generate import schema_text
-from harness.results.sweep import Baseline, RegressResult
+from harness.results.sweep import RegressResult
 
 pytest_plugins = ["pytester"]
 
@@ -204,11 +204,6 @@ def test_junit_names_what_failed(rows: room.Rows, baseline: Path) -> None:
     assert "worse" in failed[0].find("failure").get("message")
 
 
-def test_schema_of_the_baseline() -> None:
-    schema = json.loads(schema_text("harness.baseline/1", Baseline))
-    Draft202012Validator(schema).validate(json.loads(PUBLISHED.read_text()))
-
-
 @pytest.mark.parametrize(
     ("content", "message"),
     [(None, "No such file or directory; a file --update wrote is accepted"), ("{}", "no harness.baseline/1")],
@@ -219,15 +214,6 @@ def test_bad_baselines(content: str | None, message: str, tmp_path: Path) -> Non
         path.write_text(content)
     with pytest.raises(InputError, match=message):
         room.load_baseline(path)
-
-
-def test_bad_traces(tmp_path: Path) -> None:
-    with pytest.raises(InputError, match=r"no \.rrd files"):
-        room.compared_traces(tmp_path, None)
-    (tmp_path / "a.rrd").write_bytes(b"nothing")
-    with pytest.raises(InputError, match=r"a\.rrd"):
-        room.compared_traces(tmp_path, None)
-    assert SCHEMA == "harness.sweep-trace/1"
 
 
 def test_plugin(pytester: pytest.Pytester, fresh: room.Rows, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -7,13 +7,13 @@ from typing import TYPE_CHECKING, Any
 import pytest
 from browsed import open_page
 
-from harness.app.sweep.report import finish, one_step_each, summary
-from harness.app.sweep.sweep import Sweep, SweepOptions, settings_of, sweep
+from harness.app.sweep.report import finish
+from harness.app.sweep.sweep import Sweep, SweepOptions, sweep
 from harness.app.sweep.traces import worst_rows
 from harness.fidelity.compare import Ladder, slope
 from harness.fidelity.laws import SERVOS, WITHOUT_EFFECT
 from harness.fidelity.scores import FLOOR, LABELS, badness, cards, distance, figures_of, front, points
-from harness.show.sentences.sweep import headline, percent, sentences
+from harness.show.sentences.sweep import headline, sentences
 
 if TYPE_CHECKING:
     from playwright.sync_api import Browser
@@ -93,11 +93,6 @@ def test_conclusions_name_what_to_change_and_what_stays(rows: list[dict[str, Any
     assert headline([]) == "No row of the joint route was run."
 
 
-@pytest.mark.parametrize(("value", "text"), [(0.0, "less than 0.001 %"), (0.0123, "1.2 %"), (1.327, "133 %")])
-def test_percent(value: float, text: str) -> None:
-    assert percent(value) == text
-
-
 def test_front_holds_what_nothing_beats(rows: list[dict[str, Any]]) -> None:
     every = points(rows)
     best = front(every)
@@ -115,18 +110,6 @@ def test_worst_rows_come_from_different_places_first(swept: Sweep, rows: list[di
     assert len(set(groups)) == 6
     assert len(worst_rows(swept, 10_000)) == len(rows)
     assert len({row["key"] for row in worst_rows(swept, 10_000)}) == len(rows)
-
-
-def test_summary_has_a_line_a_card(swept: Sweep) -> None:
-    heads, lines = summary(swept)
-    assert len(lines) == 4
-    assert all(len(line) == len(heads) for line in lines)
-
-
-def test_every_setting_is_listed_at_one_step(rows: list[dict[str, Any]]) -> None:
-    kept = one_step_each(rows)
-    assert {row["dt_s"] for row in kept} == {1e-3}
-    assert len({(settings_of(row), row["engine"], row["scenario"]) for row in kept}) == len(kept)
 
 
 def test_orders_are_the_slope_of_a_power(rows: list[dict[str, Any]]) -> None:

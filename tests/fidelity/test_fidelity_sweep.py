@@ -2,7 +2,6 @@
 
 import json
 import math
-import os
 import signal
 import subprocess
 import sys
@@ -76,11 +75,6 @@ def test_nothing_is_computed_again(swept: room.Sweep) -> None:
     again = sweep(SweepOptions(SMALL.engines, SMALL.routes, (), SMALL.steps, jobs=1, resume=True), swept.folder)
     assert again.computed == 0
     assert physics(rows_of(swept.folder)) == before
-
-
-def test_a_folder_with_rows_is_not_overwritten(swept: room.Sweep) -> None:
-    with pytest.raises(StoreError, match="holds rows of a sweep; --resume goes on with them"):
-        sweep(SMALL, swept.folder)
 
 
 def test_a_damaged_part_is_set_aside_and_only_its_rows_are_computed_again(swept: room.Sweep, tmp_path: Path) -> None:
@@ -159,26 +153,6 @@ def test_a_cluster_without_workers_is_not_waited_for_without_end(
     monkeypatch.setattr("harness.app.shared.completed.LOOK_S", 0.02)
     with pytest.raises(HarnessError, match=r"tcp://far:1: no worker .*dask worker tcp://far:1"):
         list(completed([sweep_deaths.spec(1)], Cluster("tcp://far:1"), sweep_deaths.light, failed_row))
-
-
-@pytest.mark.full
-def test_a_killed_worker_of_the_pool_costs_no_row(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    pids = tmp_path / "pids"
-    pids.mkdir()
-    monkeypatch.setenv("SWEEP_TEST_PIDS", str(pids))
-    killed: list[int] = []
-
-    def kill_one(step: str, done: int, total: int) -> None:
-        if done >= 8 and not killed:
-            killed.append(int(sorted(path.name for path in pids.iterdir())[0]))
-            os.kill(killed[0], signal.SIGKILL)
-
-    options = SweepOptions(("mujoco",), ("joint",), ("as-shipped",), (2e-3,), jobs=2)
-    result = sweep(options, tmp_path / "out", kill_one, function=sweep_deaths.slow)
-    expected = [spec.key for spec in options.matrix.specs(room.engines_for(options))]
-    assert killed
-    assert sorted(row["key"] for row in result.rows()) == sorted(expected)
-    assert result.failed == 0
 
 
 INTERRUPTED = """

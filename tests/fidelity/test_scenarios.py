@@ -14,7 +14,7 @@ from harness.exact.decay import Decay, schedule
 from harness.fidelity import scenarios
 from harness.fidelity.kind import chosen, kinds
 from harness.fidelity.matrix import Matrix
-from harness.fidelity.row import describe, run_row, scenario_of
+from harness.fidelity.row import run_row
 
 
 def test_without_parameters_it_is_the_papers_case() -> None:
@@ -41,17 +41,6 @@ def test_given_values_take_the_place_of_the_papers() -> None:
 )
 def test_runs_are_long_enough(given: dict[str, float], least: float, most: float) -> None:
     assert least <= chosen("free-decay", given).duration <= most
-
-
-def test_break_away_follows_kinetic_friction_unless_given() -> None:
-    assert chosen("free-decay", {"f_k": 2.0}).slider.break_away == 2.0
-    assert chosen("free-decay", {"f_s": 4.0}).slider.break_away == 4.0
-
-
-@pytest.mark.parametrize("given", [{}, {"f_s": 4.0, "v0": -1.0}, {"c": 0.0}])
-def test_a_scenario_survives_json(given: dict[str, float]) -> None:
-    scenario = chosen("free-decay", given)
-    assert scenario_of(describe(scenario)) == scenario
 
 
 @pytest.mark.parametrize(

@@ -9,12 +9,11 @@ from harness.proof.baselines.regression import (
     States,
     name_by_r2,
     name_by_sindy,
-    period_of,
     refusal,
     regressors,
     states_of,
 )
-from harness.proof.baselines.sysid import held_out, holdout_by_sysid, start_of
+from harness.proof.baselines.sysid import holdout_by_sysid
 from harness.proof.plant.base import Base
 from harness.proof.plant.effects import FAMILY
 from harness.proof.plant.hidden import build
@@ -87,14 +86,3 @@ def test_what_a_baseline_cannot_use_it_says(left_out: str) -> None:
     for found in (name_by_r2(seen), holdout_by_sysid(seen, [[0.0, 1.0]])):
         assert not found.applies
         assert found.why == said
-
-
-def test_period_start_and_spans_are_read_off() -> None:
-    seen = recording()
-    period = period_of(seen["t"], seen["x"])
-    assert period == pytest.approx(2.0 * np.pi / 20.0, rel=0.01)
-    x0, v0 = start_of(seen["t"], seen["x"], period)
-    assert x0 == pytest.approx(0.1, abs=1e-3)
-    assert v0 == pytest.approx(0.0, abs=0.1)
-    assert np.count_nonzero(held_out(np.arange(10.0), [[2.0, 4.0], [4.0, 5.0]])) == 3
-    assert not np.isfinite(period_of(np.arange(100.0), np.ones(100)))

@@ -7,9 +7,7 @@ import numpy as np
 import pytest
 
 from harness.core.errors import InputError
-from harness.proof.detection import KINDS, LOSSES, clean_loss, curve, draw_series, free_numbers
-from harness.proof.plant.cases import draw
-from harness.proof.plant.effects import FAMILY
+from harness.proof.detection import LOSSES, clean_loss, curve, draw_series
 
 
 def test_only_the_noise_grows_and_the_loss_falls_with_its_square() -> None:
@@ -36,21 +34,10 @@ def test_a_series_is_repeatable_and_says_what_it_is() -> None:
     assert (answer["series"], answer["loss"], answer["mechanisms"]) == (3, 100.0, ["sensor-lag"])
 
 
-def test_numbers_of_an_effect_are_counted() -> None:
-    assert free_numbers(draw("stribeck", np.random.default_rng(1))) == 2
-    assert free_numbers(draw("pendulum-stiffness", np.random.default_rng(1))) == 0
-
-
 @pytest.mark.parametrize("kind", ["static-friction", "nonsense", "alien-rattle"])
 def test_what_does_not_show_in_a_decay_has_no_curve(kind: str) -> None:
     with pytest.raises(InputError, match=f"kind: {kind}"):
         draw_series(kind, 0)
-
-
-def test_the_kinds_of_the_curve_hold_every_family() -> None:
-    assert {FAMILY[kind] for kind in KINDS} == set(FAMILY.values())
-    assert len(KINDS) == 12
-    assert len(LOSSES) == 6
 
 
 def _answers(limit: float, cases: int = 12) -> tuple[dict[str, Any], dict[str, Any]]:
@@ -93,9 +80,3 @@ def test_chance_widens_the_interval_and_keeps_the_crossing_inside() -> None:
 @pytest.mark.parametrize(("limit", "what"), [(1e9, "nothing"), (0.0, "everything")])
 def test_without_a_crossing_there_is_no_half(limit: float, what: str) -> None:
     assert curve(*_answers(limit)).half is None, what
-
-
-def test_nothing_gives_an_empty_curve() -> None:
-    found = curve({}, {})
-    assert found.levels == ()
-    assert found.half is found.limit is None

@@ -207,8 +207,3 @@ def test_bad_plants_are_refused(change: dict[str, float], message: str) -> None:
     with pytest.raises(InputError) as caught:
         replace(paper(), **change)  # type: ignore[arg-type]
     assert str(caught.value) == message
-
-
-def test_an_unknown_solver_is_refused() -> None:
-    with pytest.raises(InputError, match=r"solver: RK45; one of DOP853, Radau, LSODA is accepted"):
-        simulate(paper(), np.linspace(0.0, 1.0, 10), solver="RK45")

@@ -10,7 +10,7 @@ from typing import Any
 import pytest
 
 from harness.proof.plant.effects import ALIENS, BENCH, FAMILY, KINDS
-from harness.proof.score import Scores, score, spans_overlap
+from harness.proof.score import Scores, score
 from harness.proof.statistics import Median, Rate
 
 Result = dict[str, Any]
@@ -118,12 +118,6 @@ def test_what_is_withheld_counts_against() -> None:
     assert scores.found["holdout"].as_dict()["value"] is None
 
 
-def test_names_that_do_not_occur_are_printed_as_not_tested() -> None:
-    scores = score({"a.csv": truth_of(("stribeck",), 0.99)}, {})
-    assert "stribeck" not in scores.not_tested
-    assert len(scores.not_tested) == len(KINDS) - 1
-
-
 @pytest.mark.parametrize(
     ("hits", "cases", "low", "high"),
     # exact binomial intervals: zero of n gives 1 - 0.025^(1/n), all of n its mirror image
@@ -142,8 +136,3 @@ def test_rate_and_median_without_cases_say_so() -> None:
     assert known.value == 3.0
     assert known.low is not None
     assert known.low <= 3.0
-
-
-def test_overlap_is_intersection_over_union() -> None:
-    assert spans_overlap([[0.0, 2.0]], [[1.0, 3.0]], 10.0) == pytest.approx(1.0 / 3.0, abs=0.005)
-    assert spans_overlap([], [[1.0, 3.0]], 10.0) == 0.0

@@ -6,7 +6,7 @@ from typing import Any
 
 import pytest
 
-from harness.core.errors import InputError, SimulationError
+from harness.core.errors import SimulationError
 from harness.proof import drawing, verify
 from harness.proof.drawing import Drawn, probes_of
 from harness.proof.machines.cases import Sealed
@@ -141,12 +141,3 @@ def test_what_a_fit_leaves_of_a_slider_may_end_elsewhere() -> None:
 def test_few_fits_end_elsewhere(of: int, elsewhere: int, wrong: int) -> None:
     found = [Redrawn(f"{i}", False, "", elsewhere=i < elsewhere) for i in range(of)]
     assert len(too_many_elsewhere(found)) == wrong
-
-
-def test_an_answer_of_no_machine_is_refused() -> None:
-    with pytest.raises(InputError, match="no effects and noise of a machine"):
-        Sealed.of({"plant": {"impulse": 3.0}, "noise": {}})
-
-
-def test_a_motion_is_the_same_to_what_its_solver_makes_of_rounding() -> None:
-    assert verify.ROUNDING < verify.MOTION_ROUNDING < verify.FIT_ROUNDING

@@ -5,9 +5,7 @@ from collections import Counter
 from itertools import pairwise
 
 import numpy as np
-import pytest
 
-from harness.core.errors import InputError
 from harness.proof.detection import LOSSES
 from harness.proof.drawing import drawn, name_of, probes_of, sealed_answers
 from harness.proof.plan import CONTROL, DETECTION, FULL, OUTSIDE, PAIR, SHORT, SINGLE, Job, Sizes, plan
@@ -56,15 +54,6 @@ def test_the_short_form_has_24_and_is_no_evidence() -> None:
     assert FULL.is_evidence
     assert not Sizes(300, 300, 60, 59).is_evidence
     assert Sizes(400, 300, 60, 60).is_evidence
-
-
-@pytest.mark.parametrize(
-    ("sizes", "message"),
-    [((-1, 0, 0, 0), "--singles: -1; 0 or more"), ((0, 0, 0, 0), "--singles, --controls, --pairs, --outside: 0 each")],
-)
-def test_sizes_that_are_none_are_refused(sizes: tuple[int, int, int, int], message: str) -> None:
-    with pytest.raises(InputError, match=message):
-        Sizes(*sizes)
 
 
 def test_a_draw_is_made_again_from_seed_and_place() -> None:

@@ -2,16 +2,10 @@
 
 import json
 import os
-import signal
-import subprocess
-import sys
-import time
-from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import pytest
-from interruptible import listening
 from small_proof import SIZES, STUB
 
 from harness.app.prove.prove import ProveOptions, prove
@@ -25,91 +19,12 @@ from harness.proof.seal import LEDGER, STEPS, Ledger
 pytestmark = pytest.mark.usefixtures("one_version")
 
 
-ROOT = Path(__file__).resolve().parents[2]
-
-
 def test_a_finished_proof_resumed_is_scored_again_and_stays_what_it_was(proof: Path) -> None:
     before = json.loads((proof / RESULT).read_text())
     prove(ProveOptions(Sizes(1, 0, 0, 0), resume=True, blind=STUB), proof)
     after = json.loads((proof / RESULT).read_text())
     assert after == {**before, "command": after["command"]}
     assert verify_proof(proof, jobs=1).accepted
-
-
-PROGRAM = """
-import sys
-from pathlib import Path
-from small_proof import unchanged_sources
-from harness.app.prove.prove import ProveOptions, prove
-from harness.core.errors import HarnessError
-from harness.proof.plan import Sizes
-if __name__ == "__main__":
-    try:
-        again = "resume" in sys.argv
-        beside = ("mujoco.sysid",) if again else ("r2",)  # asked for again or not, it goes on with who began
-        options = ProveOptions(Sizes(1, 3, 0, 0), 1, None, again, beside, {blind!r})
-        with unchanged_sources():
-            prove(options, Path({out!r}))
-    except HarnessError as error:
-        print(error)
-        sys.exit(error.exit_code)
-"""
-
-
-def waited(condition: Callable[[], bool], seconds: float = 60.0) -> None:
-    limit = time.monotonic() + seconds
-    while not condition():
-        assert time.monotonic() < limit, "waited in vain"
-        time.sleep(0.05)
-
-
-@pytest.mark.full
-@pytest.mark.parametrize("how", [signal.SIGINT, signal.SIGKILL])
-def test_an_interrupted_proof_is_resumed(tmp_path: Path, how: signal.Signals) -> None:
-    out, program = tmp_path / "out", tmp_path / "program.py"
-    program.write_text(PROGRAM.format(blind=(*STUB, "slow"), out=str(out)))
-    environment = {
-        **os.environ,
-        "PYTHONPATH": os.pathsep.join((str(ROOT), str(ROOT / "tests" / "support"))),
-        "TMPDIR": str(tmp_path),
-    }
-
-    def run(*arguments: str) -> "subprocess.Popen[str]":
-        command = [sys.executable, str(program), *arguments]
-        return subprocess.Popen(
-            command,
-            env=environment,
-            stdout=subprocess.PIPE,
-            text=True,
-            preexec_fn=listening,  # noqa: PLW1509  (no threads here)
-        )
-
-    answers, secret = out / "working" / "answers.jsonl", out / "secret" / "seed.json"
-    with run() as first_run:
-        waited(lambda: answers.is_file() and answers.read_text().count("\n") >= 2)
-        # while anything is diagnosed no secret is on disk
-        assert not secret.parent.exists()
-        first_run.send_signal(how)
-        said = first_run.communicate(timeout=60)[0]
-    if how is signal.SIGINT:
-        assert first_run.returncode == 130
-        assert said == (f"interrupted; what is done is kept, the same command with --resume --out {out} goes on\n")
-    waited(secret.is_file, 10.0)
-    assert secret.stat().st_mode & 0o777 == 0o600
-    assert secret.parent.stat().st_mode & 0o777 == 0o700
-    kept = answers.read_text()
-    # a line that was cut in two is no answer
-    answers.write_text(kept + '{"name": "cut')
-    with run("resume") as second_run:
-        assert second_run.wait(timeout=120) == 0
-    assert not secret.parent.exists()
-    assert not (out / "working").exists()
-    ledger = Ledger.load(out)
-    assert [entry["step"] for entry in ledger.entries].count("resumed") == 1
-    assert set(ledger.content("verdicts sealed")["baselines"]) == {"r2"}
-    assert ledger.content("resumed")["kept"] == kept.count("\n")
-    assert "readable by the owner alone" in ledger.content("resumed")["secrets"]
-    assert verify_proof(out, jobs=1).accepted
 
 
 def test_a_proof_begun_by_another_version_is_not_gone_on_with(proof: Path) -> None:

@@ -6,7 +6,6 @@ from pathlib import Path
 
 import jsonschema
 import pytest
-from dask_cluster import two_workers
 from small_proof import SIZES, STUB, VERDICTS
 
 from harness.app.prove.prove import ProveOptions, prove
@@ -51,23 +50,9 @@ def test_an_honest_proof_is_accepted(published: Path) -> None:
     jsonschema.validate(data, json.loads((FOLDER / "harness.proof-check-1.json").read_text()))
 
 
-@pytest.mark.full
-def test_a_cluster_makes_a_proof_like_the_local_pool(tmp_path: Path) -> None:
-    with two_workers() as (address, _):
-        result = prove(ProveOptions(SIZES, cluster=address, blind=STUB), tmp_path / "out")
-    assert len(result.cases) == SIZES.total
-    assert all(case.said == "nothing" for case in result.cases)
-    assert verify_proof(tmp_path / "out").accepted
-
-
 def test_recordings_need_not_be_published(proof: Path) -> None:
     shutil.rmtree(proof / "recordings")
     assert verify_proof(proof, short=True, jobs=1).accepted
-
-
-def test_a_folder_without_a_proof_is_bad_input(tmp_path: Path) -> None:
-    with pytest.raises(InputError, match="no transcript of a proof"):
-        verify_proof(tmp_path)
 
 
 def test_a_folder_that_is_taken_and_a_proof_that_is_not_there_are_refused(published: Path, tmp_path: Path) -> None:

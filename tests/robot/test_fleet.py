@@ -7,7 +7,6 @@ from typing import Any
 
 import numpy as np
 import pytest
-from dask_cluster import two_workers
 from jsonschema import Draft202012Validator
 
 from harness.app.diagnose.fleet import read_conditions
@@ -132,18 +131,3 @@ def test_options_of_several_are_refused_for_one(
         Path(name).write_text("t,x\n0,0\n")
     assert run(["diagnose", *given]) == 2
     assert len(capfd.readouterr().err.splitlines()) == 1
-
-
-@pytest.mark.full
-def test_a_cluster_gives_what_processes_here_give(tmp_path: Path) -> None:
-    """Files that are none: the way of an answer is what is looked at."""
-    for name in ("a.csv", "b.csv"):
-        (tmp_path / name).write_text("t,x\n0,0\n")
-    files = [str(tmp_path / name) for name in ("a.csv", "b.csv")]
-    line = ["diagnose", *files, "--robot", str(FILE), "--joint", "elbow", "--quiet"]
-    assert run([*line, "--jobs", "1", "--out", str(tmp_path / "here")]) == 1
-    with two_workers() as (address, _):
-        assert run([*line, "--cluster", address, "--out", str(tmp_path / "there")]) == 1
-    here, there = ((tmp_path / name / "result.json").read_text() for name in ("here", "there"))
-    assert json.loads(here) == json.loads(there)
-    assert len(json.loads(there)) == 2

@@ -12,14 +12,12 @@ from click.testing import CliRunner
 from harness.app.report.rebuild import rebuild
 from harness.app.run.joint import JointRun, run_joint
 from harness.cli.main import cli
-from harness.core.errors import InputError
 from harness.engines.models import folder
 from harness.fidelity.laws import half_implicit
 from harness.results.run import JointRunResult
 from harness.robot.arm import load_arm
 from harness.robot.own_model import words
 from harness.robot.reduction import reduced
-from harness.show import screenshot
 
 FILE = folder() / "arm" / "arm.xml"
 SCORES = {"mujoco": ("as-shipped", "tuned"), "pybullet": ("as-shipped", "tuned")}
@@ -145,21 +143,7 @@ def test_the_result_is_valid_by_its_schema(elbow: JointRunResult) -> None:
     jsonschema.validate(json.loads(elbow.model_dump_json(by_alias=True)), schema)
 
 
-def test_a_bad_preset_or_step_is_refused() -> None:
-    for given in ({"presets": ("best",)}, {"dt": 0.0}):
-        with pytest.raises(InputError):
-            JointRun(FILE, "elbow", **given)
-
-
 def test_the_page_is_made_again_from_the_trace_alone(elbow: JointRunResult, tmp_path: Path) -> None:
     result, page = rebuild(Path(elbow.files["rrd"]), tmp_path / "again.html")
     assert result == elbow
     assert page.read_bytes() == Path(elbow.files["report"]).read_bytes()
-
-
-@pytest.mark.full
-@pytest.mark.skipif(screenshot.driver() is not None, reason=screenshot.driver() or "")
-def test_no_view_of_its_trace_reports_anything(elbow: JointRunResult) -> None:
-    reports = screenshot.take(Path(elbow.files["rrd"]), 0.2).reports
-    names = {"the robot, swinging", "what engines make of it", "creep under the load / deg", "swing / deg"}
-    assert reports == {name: [] for name in names}

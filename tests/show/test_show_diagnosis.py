@@ -27,7 +27,7 @@ from harness.results.diagnosis import (
     read_diagnosis,
 )
 from harness.show.blocks import Page
-from harness.show.diagnosis_scene import diagnosis_scene, lane, shaded_spans
+from harness.show.diagnosis_scene import diagnosis_scene
 from harness.show.report.diagnosis import diagnosis_page, gained, index_page
 from harness.show.report.page import render, write_report
 from harness.show.scene import Line, kept
@@ -81,17 +81,6 @@ def test_the_verdict_comes_first_and_nothing_of_a_file_becomes_markup(case: Case
     assert "in place of end-stop: cubic-stiffness (worse by 8.0 in BIC)" in page
     assert "No better than the base model alone: stribeck." in page
     assert "<b>no markup</b>" not in page
-
-
-def test_spans_are_shaded_and_a_place_everywhere_is_none(case: Case) -> None:
-    spans = shaded_spans(case[0])
-    assert spans == [[0.0, 0.5], [1.0, 1.2]]
-    times, states = lane(spans, 0.0, 4.0)
-    assert times.tolist() == [0.0, 0.5, 1.0, 1.2]
-    assert states == ["parts", "elsewhere", "parts", "elsewhere"]
-    # the example's effect acts throughout
-    assert shaded_spans(case[0].model_copy(update={"where": []})) == []
-    assert lane([], 0.0, 4.0)[1] == ["elsewhere"]
 
 
 def test_the_trace_holds_recording_and_simulations_bit_for_bit(case: Case, tmp_path: Path) -> None:

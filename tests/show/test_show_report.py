@@ -6,21 +6,20 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from show_examples import SCENARIO, make_run_result, make_sources
+from show_examples import make_run_result, make_sources
 
-from harness.core.errors import StoreError
 from harness.core.events import Events
 from harness.core.recording import Recording
 from harness.core.trajectory import Trajectory
 from harness.results.common import P
 from harness.results.identify import IdentifyResult
-from harness.results.run import Estimates, Metrics, RunResult
-from harness.show.blocks import Figure, Page, grade
+from harness.results.run import Metrics, RunResult
+from harness.show.blocks import Figure
 from harness.show.numbers import number, quantity, sentence_quantity, with_error
-from harness.show.report.identify import identify_headline, identify_page
+from harness.show.report.identify import identify_page
 from harness.show.report.motion import reversal_section, turning
 from harness.show.report.page import render, script_json, symbols, write_report
-from harness.show.report.run import percent, run_page, true_values
+from harness.show.report.run import run_page
 
 
 @pytest.fixture(scope="module")
@@ -66,24 +65,10 @@ def test_metres_are_shown_in_millimetres() -> None:
     assert sentence_quantity(P(value=0.05, stderr=1e-4, unit="1")) == "0.05000 ± 0.00010"
 
 
-@pytest.mark.parametrize(("relative", "shown"), [(1e-8, "exact to 10⁻⁶"), (-0.8, "−80 %"), (0.00034, "+0.034 %")])
-def test_deviations(relative: float, shown: str) -> None:
-    assert percent(relative) == shown
-
-
-def test_grades_count_the_steps_exceeded() -> None:
-    assert [grade(r) for r in (0.0, 1e-3, -5e-3, 0.02, 0.5, None)] == [0, 1, 2, 3, 4, None]
-
-
 def test_symbols_are_set_and_markup_is_not_let_through() -> None:
     assert symbols("x_k & <b> zeta, omega_n; max_error") == (
         "x<sub>k</sub> &amp; &lt;b&gt; ζ, ω<sub>n</sub>; max_error"
     )
-
-
-def test_truth_comes_from_the_scenario() -> None:
-    assert true_values(SCENARIO) == {"omega_n": 10.0, "zeta": 0.05, "x_k": 0.03}
-    assert true_values({"name": "other"}) == {}
 
 
 def test_the_verdict_comes_first_and_says_how_far_each_is_off(page: str) -> None:
@@ -152,14 +137,6 @@ def test_a_scenario_without_a_decay_has_a_page(sources: list[Trajectory]) -> Non
     assert "hold-50: mujoco 4.0.0, pybullet 3.2.7" in page
 
 
-def test_a_source_that_failed_is_said(sources: list[Trajectory]) -> None:
-    found = make_run_result(sources)
-    first, second, third = found.traces
-    failed = second.model_copy(update={"error": "diverged at 0.3 s"})
-    page = render(run_page(found.model_copy(update={"traces": [first, failed, third]}), [sources[0], sources[2]]))
-    assert "mujoco as-shipped could not be run: diverged at 0.3 s" in page
-
-
 def test_nothing_is_fetched_from_anywhere(page: str) -> None:
     ours = re.sub(r"<script.*?</script>", "", page, flags=re.DOTALL)
     assert not re.search(r"https?:|//[a-z]|@import|url\(", ours)
@@ -186,17 +163,3 @@ def test_the_page_of_a_recording(recording: Recording, identify_result: Identify
     assert "2 gaps are left out." in page
     assert 'id="plot-reversals-x_k"' in page
     assert page.count("Bars are one standard error") == 1  # for x_k; zeta has none
-
-
-def test_a_recording_without_figures_says_why(identify_result: IdentifyResult) -> None:
-    refused = P(value=None, stderr=None, unit="m", why="two reversals, at least three are needed")
-    estimates = {"acceleration": Estimates(omega_n=refused, zeta=refused, x_k=refused, reversals=2)}
-    assert identify_headline(identify_result.model_copy(update={"estimates": estimates})) == (
-        "No method gives all three figures: two reversals, at least three are needed."
-    )
-
-
-def test_a_page_that_cannot_be_written_leaves_nothing(tmp_path: Path) -> None:
-    with pytest.raises(StoreError, match="no such folder"):
-        write_report(tmp_path / "none" / "page.html", Page("t", "s", []))
-    assert list(tmp_path.iterdir()) == []

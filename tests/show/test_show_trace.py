@@ -20,7 +20,6 @@ from harness.results.run import RunResult
 from harness.show import scene
 from harness.show.overlay_scene import recording_scene
 from harness.show.run_scene import run_scene
-from harness.show.scene import roomy
 from harness.show.stored import read_trace
 from harness.show.trace import write_trace
 
@@ -118,19 +117,6 @@ def test_a_slider_that_rests_can_be_shown_and_one_that_creeps_is_told(
     assert lane.states == [said]
     write_trace(tmp_path / "hold.rrd", drawing)
     assert len(read_trace(tmp_path / "hold.rrd").trajectories) == 2
-
-
-def test_all_sources_share_one_scale_in_the_phase_portrait(sources: list[Trajectory]) -> None:
-    slow = Trajectory(sources[0].t, sources[0].x, 0.01 * sources[0].v, sources[0].a, Source("mujoco", "tuned"))
-    orbits = [item for item in run_scene([sources[0], slow], SCENARIO, {}, "").items if isinstance(item, scene.Orbit)]
-    assert np.allclose(orbits[1].points[:, 1], 0.01 * orbits[0].points[:, 1])
-
-
-@pytest.mark.parametrize(
-    ("low", "high", "expected"), [(-66.0, 78.0, (-112.0, 112.0)), (-0.8, 1.0, (-1.12, 1.12)), (2.0, 3.0, (1.94, 3.06))]
-)
-def test_axes_reach_the_power_of_ten_that_is_near(low: float, high: float, expected: tuple[float, float]) -> None:
-    assert roomy([np.array([low, high])]) == pytest.approx(expected)
 
 
 def test_a_recording_comes_back(tmp_path: Path, recording: Recording, identify_result: IdentifyResult) -> None:

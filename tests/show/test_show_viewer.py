@@ -5,11 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from harness.core.recording import Recording
-from harness.results.identify import IdentifyResult
 from harness.show import screenshot
-from harness.show.overlay_scene import recording_scene
-from harness.show.trace import write_trace
 
 needs_driver = pytest.mark.skipif(screenshot.driver() is not None, reason=screenshot.driver() or "")
 
@@ -36,15 +32,6 @@ def test_no_view_of_a_run_reports_anything(trace_file: Path) -> None:
     width, height = struct.unpack(">II", shot.png[16:24])
     assert width >= 1280
     assert height >= 720
-
-
-@needs_driver
-@pytest.mark.full
-def test_no_view_of_a_recording_reports_anything(
-    tmp_path: Path, recording: Recording, identify_result: IdentifyResult
-) -> None:
-    write_trace(tmp_path / "r.rrd", recording_scene(recording, identify_result, "n", [(0.3, "reversal 1")]))
-    assert not any(screenshot.take(tmp_path / "r.rrd").reports.values())
 
 
 @pytest.mark.parametrize("arguments", [[], ["one.rrd"], ["a", "b", "c", "d"]])
