@@ -21,6 +21,7 @@ WAYS = {
         "harness.app.run.case.SuiteCase.exact",
         "harness.app.run.case.SuiteCase.simulated",
         "harness.app.run.case.SuiteCase.metrics",
+        "harness.app.run.case.SuiteCase.estimated",
         "harness.app.run.run.measured",
         "harness.app.run.run.run",
     ),

@@ -211,14 +211,7 @@ def run(
     from harness.app.run.run import run as deliver
 
     given = {"m": m, "c": c, "k": k, "f_k": f_k, "f_s": f_s, "x0": x0, "v0": v0, "duration": duration}
-    if restoring is not None:
-        options = RunOptions.held(
-            restoring, None if model is None else Path("model"), scenario, given, engines, preset, dt
-        )
-    elif model is None:
-        options = RunOptions.named(scenario, given, engines, preset, dt)
-    else:
-        options = RunOptions.of_model(model, scenario, given, engines, preset, dt)
+    options = RunOptions.asked(scenario, model, restoring, given, engines, preset, dt)
     return computed(options)[0] if out is None else deliver(options, Path(out))
 
 

@@ -1,42 +1,97 @@
-"""Options that several commands share."""
+"""Options that several commands share; a command gets each group of them as one argument."""
 
+import functools
 from collections.abc import Callable
+from contextlib import AbstractContextManager
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import click
 from click.shell_completion import CompletionItem
 
+from harness.cli.output import check_json, emit_json, shows_tables
+from harness.cli.progress import shown
+from harness.core.bounded import check_file
+from harness.core.errors import InputError
 from harness.core.registered import names
 
+if TYPE_CHECKING:
+    from harness.app.shared.progress import Progress
+    from harness.results.common import Result
+
 F = TypeVar("F", bound=Callable[..., Any])
+R = TypeVar("R", bound="Result")
 
 
-def _apply(*options: Callable[[F], F]) -> Callable[[F], F]:
+def group(name: str, make: Callable[..., Any], *options: Callable[[F], F]) -> Callable[[F], F]:
+    """Options that a command gets as its argument ``name``: ``make`` of their values, by their names."""
+
     def decorate(function: F) -> F:
+        def own(**given: Any) -> Any:
+            return function(**given)
+
         for option in reversed(options):
-            function = option(function)
-        return function
+            own = option(own)
+        parameters: list[click.Parameter] = own.__dict__["__click_params__"]
+        mine = [str(one.name) for one in parameters]
+
+        @functools.wraps(function)
+        def gathered(**given: Any) -> Any:
+            values = {one: given.pop(one) for one in mine}
+            return function(**{name: make(**values)}, **given)
+
+        gathered.__dict__["__click_params__"] = [*getattr(function, "__click_params__", ()), *parameters]
+        return gathered  # type: ignore[return-value]
 
     return decorate
 
 
-json_option = click.option(
+@dataclass(frozen=True, slots=True)
+class Output:
+    """Where a result goes. out : the folder, None for one named after the time. json_to : "-" is standard output.
+
+    Raises InputError or StoreError for a JSON file that could not be written, before any work is done.
+    """
+
+    json_to: str | None
+    quiet: bool
+    out: Path | None = None
+
+    def __post_init__(self) -> None:
+        check_json(self.json_to)
+
+    @property
+    def tables(self) -> bool:
+        """Whether people are to read standard output."""
+        return shows_tables(self.json_to, self.quiet)
+
+    def told(self) -> "AbstractContextManager[Progress]":
+        """The Progress that people see, while the block runs."""
+        return shown(self.quiet)
+
+    def give(self, result: R, tables: Callable[[R], None]) -> None:
+        """Write the result where --json says, and for people what ``tables`` prints."""
+        emit_json(result, self.json_to)
+        if self.tables:
+            tables(result)
+
+
+_JSON = click.option(
     "--json",
     "json_to",
     metavar="FILE",
     help='Write the result as JSON; "-" is standard output, and nothing else is on it.',
 )
-quiet_option = click.option("--quiet", "-q", is_flag=True, help="No table and no progress.")
-out_option = click.option(
+_QUIET = click.option("--quiet", "-q", is_flag=True, help="No table and no progress.")
+_OUT = click.option(
     "--out", type=click.Path(path_type=Path), metavar="DIR", help="Output folder, new or empty.  [reports/NAME-TIME]"
 )
 jobs_option = click.option("--jobs", type=click.IntRange(min=1), metavar="N", help="Processes to use.  [all cores]")
-
-
-def output_options(function: F) -> F:
-    """--out, --json, --quiet."""
-    return _apply(out_option, json_option, quiet_option)(function)
+json_options = group("to", Output, _JSON, _QUIET)
+"""--json, --quiet."""
+output_options = group("to", Output, _OUT, _JSON, _QUIET)
+"""--out, --json, --quiet."""
 
 
 def _engine_names(ctx: click.Context, param: click.Parameter, incomplete: str) -> list[CompletionItem]:
@@ -56,49 +111,54 @@ def engines_option(given: str) -> Callable[[F], F]:
     )
 
 
-def engine_options(function: F) -> F:
-    """--engine, --preset, --dt."""
-    return _apply(
-        engines_option("mujoco, pybullet"),
-        click.option("--preset", metavar="as-shipped|tuned", help="Settings of the engines.  [both]"),
-        click.option("--dt", type=float, metavar="S", help="Step of the tuned preset, s.  [1e-3]"),
-    )(function)
-
-
+_COLUMNS = click.option("--columns", metavar="MAP", help='Columns, constants and units: "t=t,x=qm[mm],u=vir*35.15[N]".')
 _READING = (
-    click.option("--columns", metavar="MAP", help='Columns, constants and units: "t=t,x=qm[mm],u=vir*35.15[N]".'),
     click.option("--skip-rows", type=int, default=0, metavar="N", help="Lines before the header or the numbers."),
     click.option("--rate", type=float, metavar="HZ", help="Sampling rate, where no column gives the time."),
     click.option("--from", "start", type=float, metavar="S", help="Leave out what comes before this time."),
     click.option("--to", "stop", type=float, metavar="S", help="Leave out what comes after this time."),
     click.option("--drop-nan", is_flag=True, help="Leave out rows in which a channel has no value."),
 )
+reading_options = group("reading", dict, _COLUMNS, *_READING)
+"""--columns, --skip-rows, --rate, --from, --to, --drop-nan, by the names that ReadOptions has for them."""
+trace_option = click.option("--trace", metavar="NAME", help='Which trace of a .rrd, such as "mujoco tuned".')
+log_options = group(
+    "reading",
+    dict,
+    click.option("--columns", metavar="MAP", help='Columns and units: "t=t,elbow.position=q3[deg]".'),
+    *_READING,
+    click.option("--topic", metavar="NAME", help="Which topic of a bag, or episode of a data set."),
+    click.option("--gain", type=float, metavar="NM_PER_A", help="Makes efforts of currents, N m per A at the joint."),
+    click.option("--angle-unit", metavar="UNIT", help="Of positions that say none, such as deg.  [rad]"),
+)
+"""Those of a robot's log: the same but for --trace, and --topic, --gain, --angle-unit."""
+
+Gravity = tuple[float, float, float]
+Joint = tuple[Path, str | None, Gravity | None]
+"""A robot's model, which joint of it, and gravity, m/s^2."""
 
 
-def reading_options(function: F) -> F:
-    """--columns, --skip-rows, --rate, --from, --to, --drop-nan, --trace."""
-    trace = click.option("--trace", metavar="NAME", help='Which trace of a .rrd, such as "mujoco tuned".')
-    return _apply(*_READING, trace)(function)
+def _joint(robot: Path | None, joint: str | None, gravity: Gravity | None) -> Joint | None:
+    """None where no robot is given."""
+    if robot is not None:
+        check_file(robot)
+        return robot, joint, gravity
+    refuse("given without --robot", "it is accepted with --robot FILE", joint=joint, gravity=gravity)
+    return None
 
 
-def log_options(function: F) -> F:
-    """--columns, --skip-rows, --rate, --from, --to, --drop-nan, --topic, --gain, --angle-unit: of a robot's log."""
-    columns = click.option("--columns", metavar="MAP", help='Columns and units: "t=t,elbow.position=q3[deg]".')
-    return _apply(
-        columns,
-        *_READING[1:],
-        click.option("--topic", metavar="NAME", help="Which topic of a bag, or episode of a data set."),
-        click.option(
-            "--gain", type=float, metavar="NM_PER_A", help="Makes efforts of currents, N m per A at the joint."
-        ),
-        click.option("--angle-unit", metavar="UNIT", help="Of positions that say none, such as deg.  [rad]"),
-    )(function)
+robot_options = group(
+    "robot",
+    _joint,
+    click.option("--robot", type=click.Path(path_type=Path), metavar="FILE", help="A robot's model, MJCF or URDF."),
+    click.option("--joint", metavar="NAME", help="Which joint of it.  [the only one that moves]"),
+    click.option("--gravity", type=float, nargs=3, metavar="X Y Z", help="m/s^2, at the base.  [the model's]"),
+)
+"""--robot, --joint, --gravity."""
 
 
-def robot_options(function: F) -> F:
-    """--robot, --joint, --gravity."""
-    return _apply(
-        click.option("--robot", type=click.Path(path_type=Path), metavar="FILE", help="A robot's model, MJCF or URDF."),
-        click.option("--joint", metavar="NAME", help="Which joint of it.  [the only one that moves]"),
-        click.option("--gravity", type=float, nargs=3, metavar="X Y Z", help="m/s^2, at the base.  [the model's]"),
-    )(function)
+def refuse(found: str, accepted: str, **given: object) -> None:
+    """Raise InputError for the first option that is given, by the name of its parameter."""
+    for name, value in given.items():
+        if value is not None and value is not False:
+            raise InputError(f"--{name.replace('_', '-')}", found, accepted)

@@ -73,22 +73,22 @@ def check_json(json_to: str | None) -> None:
     if json_to == STANDARD_OUTPUT and sys.stdout is None:
         raise InputError("--json -", "standard output is closed", "an open one, or a file, is accepted")
     if json_to is not None and json_to != STANDARD_OUTPUT:
-        from harness.app.shared.deliver import check_target
+        from harness.app.shared.deliver import check_writable
 
-        check_target(Path(json_to))
+        check_writable(Path(json_to))
 
 
 def emit_json(result: "Result", json_to: str | None) -> None:
     """Write the result where --json says."""
     if json_to is None:
         return
-    from harness.app.shared.deliver import to_json, write_json
+    from harness.app.shared.deliver import to_json, write_text
 
     if json_to == STANDARD_OUTPUT:
         sys.stdout.write(to_json(result))
         sys.stdout.flush()
     else:
-        write_json(result, Path(json_to))
+        write_text(Path(json_to), to_json(result))
 
 
 def shows_tables(json_to: str | None, quiet: bool) -> bool:

@@ -1,5 +1,6 @@
 """Tables for people: as they are where they fit, on their side where they do not. No cell is ever cut."""
 
+from collections.abc import Collection, Iterable, Sequence
 from typing import TYPE_CHECKING, Any
 
 from harness.cli.output import line_width, wrapped
@@ -31,6 +32,20 @@ def show(table: "Table") -> None:
             return
     for line in _listed(table):
         _print(wrapped(visible(line), width), ample)
+
+
+def show_rows(
+    headings: Sequence[str], rows: Iterable[Sequence[str]], left: Collection[str] = (), title: str | None = None
+) -> None:
+    """Print rows under headings; cells below those in ``left`` (the first, where none is named) begin at the left."""
+    from rich.table import Table
+
+    table = Table(title=title)
+    for heading in headings:
+        table.add_column(heading, justify="left" if heading in (left or headings[:1]) else "right")
+    for row in rows:
+        table.add_row(*row)
+    show(table)
 
 
 def _plain(width: int) -> "Console":

@@ -7,7 +7,7 @@ import pytest
 from click.testing import CliRunner
 
 from harness.app.report.rebuild import rebuild
-from harness.app.run.model import ModelScenario, case_of_json
+from harness.app.run.case import ModelScenario, case_of_json
 from harness.app.run.run import RunOptions, run
 from harness.cli.main import cli
 from harness.core.errors import InputError

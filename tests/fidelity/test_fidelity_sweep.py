@@ -20,8 +20,8 @@ from dask_cluster import two_workers
 from interruptible import listening
 from jsonschema import Draft202012Validator
 
-from harness.app.shared.completed import completed
 from harness.app.shared.pool import Cluster, LocalPool
+from harness.app.shared.rows import completed
 from harness.app.sweep import sweep as room
 from harness.app.sweep.parts import Parts, failed_row
 from harness.app.sweep.sweep import SweepOptions, sweep
@@ -150,7 +150,7 @@ def test_a_cluster_without_workers_is_not_waited_for_without_end(
     there = SimpleNamespace(Client=lambda *address, **options: Deserted(*looks))
     monkeypatch.setitem(sys.modules, "distributed", there)
     monkeypatch.setattr("harness.app.shared.pool.WORKERLESS_S", 0.05)
-    monkeypatch.setattr("harness.app.shared.completed.LOOK_S", 0.02)
+    monkeypatch.setattr("harness.app.shared.rows.LOOK_S", 0.02)
     with pytest.raises(HarnessError, match=r"tcp://far:1: no worker .*dask worker tcp://far:1"):
         list(completed([sweep_deaths.spec(1)], Cluster("tcp://far:1"), sweep_deaths.light, failed_row))
 

@@ -7,10 +7,10 @@ from importlib import resources
 from pathlib import Path
 from typing import Any
 
-from harness.app.diagnose.many import Answer, Work, compute, computed
+from harness.app.diagnose.many import Answer, Work, computed
 from harness.app.diagnose.options import DiagnoseOptions
 from harness.app.shared.deliver import to_json
-from harness.app.shared.machine import cores, this_machine
+from harness.app.shared.machine import this_machine
 from harness.app.shared.progress import SILENT, Progress
 from harness.core.errors import InputError
 from harness.io.options import ReadOptions
@@ -103,17 +103,14 @@ def dataset_machines(
         names = ", ".join(one.file for one, _ in every)
         raise InputError(f"--from {folder}", "none of the listed recordings", f"any of {names} is accepted")
     home = growing_folder("dataset-machines", out)
-    works = {
-        i: Work(there[one.file], one.file, home / Path(one.file).stem, options, command)
-        for i, (one, options) in enumerate(kept)
-    }
-    answers: dict[int, Answer] = {}
+    works = [Work(there[one.file], one.file, home / Path(one.file).stem, options, command) for one, options in kept]
+    answers: dict[str, Answer] = {}
     progress("machines", 0, len(works))
-    for i, answer in computed(works, min(jobs or cores(), len(works)), compute):
-        answers[i] = answer
+    for key, answer in computed(works, jobs):
+        answers[key] = answer
         progress("machines", len(answers), len(works))
     result = MachinesResult(
-        rows=[_row(one, answers[i]) for i, (one, _) in enumerate(kept)],
+        rows=[_row(one, answers[work.key]) for (one, _), work in zip(kept, works, strict=True)],
         absent=[one.file for one, _ in every if one.file not in there],
         machine=this_machine(),
         command=command,

@@ -2,35 +2,34 @@
 
 import logging
 from collections.abc import Callable, Iterator, Sequence
-from concurrent.futures import FIRST_COMPLETED, Future, wait
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
+from functools import partial
 from pathlib import Path
 
 from pydantic import ValidationError
 
-from harness.app.diagnose.fleet import Conditions, fleet_of
+from harness.app.diagnose.fleet import fleet_of, read_conditions
 from harness.app.diagnose.one import FILES, STEPS, deliver
 from harness.app.diagnose.options import DiagnoseOptions
 from harness.app.diagnose.show import write_index
-from harness.app.shared.completed import completed
 from harness.app.shared.deliver import to_json
 from harness.app.shared.machine import cores, package_version
-from harness.app.shared.pool import Cluster, LocalPool
 from harness.app.shared.progress import SILENT, Progress
 from harness.app.shared.reading import read_as
-from harness.app.sweep.sweep import InterruptionError
+from harness.app.shared.rows import completed, folder_of, resumable, workers_of
 from harness.core.errors import HarnessError, InputError, StoreError
 from harness.core.writing import sweep
 from harness.io.logs.read import source_of
 from harness.io.recording import sha256
-from harness.io.store import growing_folder, held, write_text
+from harness.io.store import held, write_text
 from harness.results.diagnosis import DiagnosisResult, FailedDiagnosis, UnreadRecording
 from harness.results.fleet import FleetResult
 
 LOGGER = logging.getLogger(__name__)
 Answer = DiagnosisResult | FailedDiagnosis
 RESULT, PAGE, FLEET = "result.json", "index.html", "fleet.json"
+_DIED = "the process that worked on it ended early (BrokenProcessPool)"
 
 
 @dataclass(frozen=True, slots=True)
@@ -64,7 +63,11 @@ class Many:
 
     def json(self) -> str:
         """The array, as files hold it."""
-        return json_array(self.answers)
+        return "[\n" + ",\n".join(to_json(answer).rstrip("\n") for answer in self.answers) + "\n]\n"
+
+    def write_json(self, path: Path) -> None:
+        """Write the array whole or not at all; raises StoreError."""
+        write_text(path, self.json())
 
 
 def diagnose(
@@ -91,11 +94,6 @@ def diagnose(
     return deliver(recording, options, out, name, progress, command)
 
 
-def json_array(answers: Sequence[Answer]) -> str:
-    """Entries as a JSON array."""
-    return "[\n" + ",\n".join(to_json(answer).rstrip("\n") for answer in answers) + "\n]\n"
-
-
 def failed(label: str, reason: str) -> FailedDiagnosis:
     """The entry of a file that failed."""
     return FailedDiagnosis(recording=UnreadRecording(file=label), error=reason)
@@ -117,14 +115,6 @@ def compute(work: Work) -> Answer:
         return failed(work.label, f"internal error, {type(error).__name__}: {' '.join(str(error).split())}")
 
 
-def compute_keyed(work: Work) -> tuple[str, Answer]:
-    """The same with the work's key; what cannot be written by a machine of a cluster is an entry."""
-    try:
-        return work.key, compute(work)
-    except StoreError as error:
-        return work.key, failed(work.label, str(error))
-
-
 def diagnose_all(
     named: Sequence[tuple[Path, str]],
     options: DiagnoseOptions,
@@ -135,59 +125,41 @@ def diagnose_all(
     command: str = "",
     function: Callable[[Work], Answer] = compute,
     cluster: str | None = None,
-    conditions: Conditions | None = None,
+    conditions: Path | None = None,
 ) -> Many:
     """Diagnose files, each into DIR/NAME, and leave result.json with all of them and index.html.
 
     named : path and label of each. jobs : processes, None for one a core. resume : keep what ``out`` holds of the same
     files under the same options. cluster : address of a dask scheduler whose workers see the same files, in place of
-    processes here. conditions : of logs of one robot. Of those fleet.json is left too. Raises InputError, StoreError;
+    processes here. conditions : a table, of
+    logs of one robot, of which fleet.json is left too. Raises InputError, StoreError;
     InterruptionError keeps what was done.
     """
-    folder = _folder(out, resume)
+    known = {} if conditions is None else read_conditions(conditions)
+    folder = folder_of("diagnose", out, resume, "diagnoses")
+    names = folder_names([label for _, label in named])
+    works = [
+        Work(path, label, folder / name, options, command) for (path, label), name in zip(named, names, strict=True)
+    ]
+    answers: dict[str, Answer] = {}
     with held(folder):
-        works = [
-            Work(path, label, folder / name, options, command)
-            for (path, label), name in zip(named, folder_names([label for _, label in named]), strict=True)
-        ]
-        answers: dict[int, Answer] = {}
         if resume:
-            for i, work in enumerate(works):
-                kept = _kept(work)
-                if kept is not None:
-                    answers[i] = kept
+            answers = {work.key: kept for work in works if (kept := _kept(work)) is not None}
         progress("recordings", len(answers), len(works))
-        left = {i: work for i, work in enumerate(works) if i not in answers}
-        try:
-            done_here = computed(left, min(jobs or cores(), max(len(left), 1)), function)
-            for i, answer in done_here if cluster is None else on_cluster(left, cluster):
-                answers[i] = answer
+        left = [work for work in works if work.key not in answers]
+        with resumable(folder, lambda: f"{len(answers)} of {len(works)} recordings are kept"):
+            for key, answer in computed(left, jobs, function, cluster):
+                answers[key] = answer
                 progress("recordings", len(answers), len(works))
-        except (KeyboardInterrupt, StoreError) as error:
-            kind, what = (
-                (StoreError, str(error)) if isinstance(error, StoreError) else (InterruptionError, "interrupted")
-            )
-            done = f"{len(answers)} of {len(works)} recordings are kept"
-            raise kind(f"{what}; {done}, the same command with --resume --out {folder} goes on") from None
-        many = Many(tuple(answers[i] for i in range(len(works))), folder)
-        write_text(folder / RESULT, many.json())
+        many = Many(tuple(answers[work.key] for work in works), folder)
+        many.write_json(folder / RESULT)
         good = [answer for answer in many.answers if isinstance(answer, DiagnosisResult)]
         if options.robot is not None and len(good) > 1:
-            fleet = fleet_of(good, options.robot.file, conditions, command)
+            fleet = fleet_of(good, options.robot.file, known, command)
             many = replace(many, fleet=fleet)
             write_text(folder / FLEET, to_json(fleet))
         write_index(folder / PAGE, many.answers, command, many.fleet)
         return many
-
-
-def _folder(out: Path | None, resume: bool) -> Path:
-    if not resume:
-        return growing_folder("diagnose", out)
-    if out is None:
-        raise InputError("--resume", "given without --out", "the folder of the diagnoses to go on with is accepted")
-    if not out.is_dir():
-        raise InputError(f"--out {out}", "no such folder to resume", "the folder of one, or no --resume, is accepted")
-    return out.absolute()
 
 
 def folder_names(labels: Sequence[str]) -> list[str]:
@@ -229,77 +201,35 @@ def _kept(work: Work) -> DiagnosisResult | None:
     return kept
 
 
-def computed(left: dict[int, Work], jobs: int, function: Callable[[Work], Answer]) -> Iterator[tuple[int, Answer]]:
-    """Answers as they come, by the keys of ``left``."""
-    if jobs == 1:
-        yield from ((i, function(work)) for i, work in left.items())
+Keyed = tuple[str, Answer | StoreError]
+
+
+def computed(
+    left: Sequence[Work], jobs: int | None, function: Callable[[Work], Answer] = compute, cluster: str | None = None
+) -> Iterator[tuple[str, Answer]]:
+    """Answers by key, as they come. Raises StoreError; on a cluster, whose disks are its own, that is an entry."""
+    if cluster is None and min(jobs or cores(), len(left)) <= 1:
+        yield from ((work.key, function(work)) for work in left)
         return
-    pool = LocalPool(jobs)
+    compute_one = partial(_answer, function, cluster is not None)
+    with workers_of(cluster, jobs, len(left)) as workers:
+        for key, answer in completed(left, workers, compute_one, partial(_lost, cluster is not None), chances=1):
+            if isinstance(answer, StoreError):
+                raise answer
+            yield key, answer
+
+
+def _answer(function: Callable[[Work], Answer], elsewhere: bool, work: Work) -> Keyed:
+    """In a worker: what one that died has left is taken."""
     try:
-        suspects: list[int] = []
-        waiting = list(left)
-        running: dict[Future[Answer], int] = {}
-        while waiting or running:
-            while waiting and len(running) < jobs:
-                i = waiting.pop(0)
-                running[pool.executor.submit(function, left[i])] = i
-            done, _ = wait(running, return_when=FIRST_COMPLETED)
-            dead = [running.pop(future) for future in done if _died(pool, future)]
-            # what has ended with an error ends the call: those that are good count before it
-            for future in sorted(done & running.keys(), key=lambda future: future.exception() is not None):
-                i = running.pop(future)
-                yield i, _answer(left[i], future)
-            if dead:
-                # a death breaks the pool for all that ran beside it: each is tried again by itself
-                suspects += [*dead, *running.values()]
-                running.clear()
-                pool.renew()
-        for i in suspects:
-            _clear(left[i])
-            kept = _kept(left[i])
-            if kept is not None:
-                yield i, kept
-                continue
-            future = pool.executor.submit(function, left[i])
-            wait([future])
-            yield i, _answer(left[i], future)
-            if _died(pool, future):
-                _clear(left[i])
-                pool.renew()
-    finally:
-        pool.close()
+        return work.key, _kept(work) or function(work)
+    except StoreError as error:
+        return work.key, failed(work.label, str(error)) if elsewhere else error
 
 
-def on_cluster(left: dict[int, Work], address: str) -> Iterator[tuple[int, Answer]]:
-    """The same from a cluster's workers, which write into the same folders."""
-    numbers = {work.key: i for i, work in left.items()}
-    workers = Cluster(address)
-    try:
-        for key, answer in completed(left.values(), workers, compute_keyed, _lost):
-            yield numbers[key], answer
-    finally:
-        workers.close()
-
-
-def _lost(work: Work, reason: str) -> tuple[str, Answer]:
-    _clear(work)
-    return work.key, failed(work.label, reason)
-
-
-def _clear(work: Work) -> None:
-    """Remove what a process that died has left half-written."""
+def _lost(elsewhere: bool, work: Work, reason: str) -> Keyed:
+    """The entry of a file whose worker died, and nothing half-written."""
     sweep(work.folder.parent, work.folder.name)
     with suppress(OSError):
         work.folder.rmdir()
-
-
-def _died(pool: LocalPool, future: "Future[Answer]") -> bool:
-    error = future.exception()
-    return error is not None and pool.died(error)
-
-
-def _answer(work: Work, future: "Future[Answer]") -> Answer:
-    error = future.exception()
-    if error is None or isinstance(error, StoreError):
-        return future.result()
-    return failed(work.label, f"the process that worked on it ended early ({type(error).__name__})")
+    return work.key, failed(work.label, reason if elsewhere else _DIED)

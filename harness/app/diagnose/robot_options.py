@@ -70,6 +70,29 @@ class RobotOptions:
                 )
         return None
 
+    @classmethod
+    def written(
+        cls,
+        robot: tuple[Path, str | None, tuple[float, float, float] | None] | None,
+        gain: str | None,
+        names: str | None,
+        flip: str | None,
+        offset: str | None,
+        **plain: Any,
+    ) -> "RobotOptions | None":
+        """As the command has them. robot : its file, joint and gravity; the rest : text. Raises InputError."""
+        file, joint, gravity = robot or (None, None, None)
+        return cls.chosen(
+            file,
+            joint=joint,
+            gravity=gravity,
+            gain=numbers("--gain", gain),
+            names=names_by_name("--names", names),
+            flip=tuple(name.strip() for name in flip.split(",")) if flip else (),
+            offset={name: _number("--offset", value) for name, value in names_by_name("--offset", offset).items()},
+            **plain,
+        )
+
     def settings(self) -> dict[str, Any]:
         """Every option in force, as results hold it."""
         return {
@@ -91,14 +114,9 @@ def numbers(option: str, text: str | None) -> Gain | None:
     if text is None:
         return None
     if "=" in text:
-        return numbers_by_joint(option, text)
+        return {name: _number(option, value) for name, value in names_by_name(option, text).items()}
     found = tuple(_number(option, one) for one in text.split(","))
     return found[0] if len(found) == 1 else found
-
-
-def numbers_by_joint(option: str, text: str | None) -> dict[str, float]:
-    """NAME=NUMBER,... Raises InputError for anything else."""
-    return {name: _number(option, value) for name, value in names_by_name(option, text).items()}
 
 
 def names_by_name(option: str, text: str | None) -> dict[str, str]:

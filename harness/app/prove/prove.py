@@ -28,7 +28,7 @@ from harness.app.prove.worker import (
 from harness.app.shared.machine import this_machine
 from harness.app.shared.progress import NAME as LOG
 from harness.app.shared.progress import SILENT, Progress, journal
-from harness.app.sweep.sweep import InterruptionError
+from harness.app.shared.rows import InterruptionError
 from harness.core.errors import HarnessError, InputError
 from harness.io.store import growing_folder, held
 from harness.proof.beside import BASELINES

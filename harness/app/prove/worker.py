@@ -10,10 +10,10 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, TypeVar
 
-from harness.app.shared.completed import completed
 from harness.app.shared.machine import cores
 from harness.app.shared.pool import Cluster, LocalPool, Workers
 from harness.app.shared.progress import Progress
+from harness.app.shared.rows import completed
 from harness.core.errors import SimulationError
 from harness.core.jit import cache_folder
 from harness.proof.blind import BlindProcess

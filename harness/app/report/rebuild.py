@@ -10,7 +10,7 @@ from harness.app.compare.compare import again as compare_again
 from harness.app.diagnose.show import write_arm_page, write_diagnosis_page
 from harness.app.identify import result_of
 from harness.app.report.view import find_trace
-from harness.app.run.model import case_of_json
+from harness.app.run.case import case_of_json
 from harness.app.run.run import measured
 from harness.app.shared.showing import write_joint_page, write_recording_page, write_run_page
 from harness.core.errors import InputError, StoreError

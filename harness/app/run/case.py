@@ -1,97 +1,249 @@
-"""What a run simulates: the exact motion, the engines' task, the figures, and how it is written down."""
+"""What can be run: a scenario of the suite, or a model of the five slots; exact motion, engines and figures."""
 
-from abc import ABC, abstractmethod
-from collections.abc import Sequence
+import json
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any, final
+from typing import Any, TypeAlias
 
+import numpy as np
+
+from harness.app.shared.estimates import as_spring
 from harness.core.arrays import FloatArray
+from harness.core.checks import positive
+from harness.core.errors import InputError
+from harness.core.events import EventKind, Mode
+from harness.core.quantity import Quantity
+from harness.core.recording import Recording
 from harness.core.scenario import Scenario
 from harness.core.trajectory import Trajectory
-from harness.engines import models
+from harness.engines import model_files, models
 from harness.engines.base import Engine, Preset, Task
+from harness.engines.simulator import EngineSimulator
 from harness.estimate.every import estimate_all
 from harness.estimate.result import Estimation
+from harness.exact.decay import rounded_up
+from harness.fidelity import metrics as figures
 from harness.fidelity.kind import kind_of
-from harness.fidelity.metrics import max_error_m, measure_contact
-from harness.fidelity.row import describe
+from harness.fidelity.metrics import measure_contact
+from harness.fidelity.row import describe, scenario_of
+from harness.kernels.solve import Scales, simulate
+from harness.model import document
+from harness.model.beyond import beyond
+from harness.model.model import Model, Restoring
+from harness.model.term import Slot
 from harness.results.run import Metrics, TraceResult
-from harness.show.sentences.run import conclusions
+from harness.robot.own_model import OwnModel
+from harness.robot.paste import stiff_friction
+from harness.show.sentences.run import conclusions, position_error
+
+_PERIODS = 10.0
+_LONGEST = 200.0
+_LOOKS = 4000
+"""Samples at which a motion is held against the range of a table."""
 
 
-class Case(ABC):
-    """One thing to run. Implementations are final.
+class SuiteCase:
+    """A scenario of the fidelity suite.
 
-    decays : whether it is a free decay, which the estimators can read.
+    decays : whether it is a free decay, which the estimators can read. file_name : of the MJCF and URDF that are left.
     """
 
-    decays: bool
-    file_name: str = "slider"
-    """Of the MJCF and URDF that are left, without ending."""
-
-    @abstractmethod
-    def exact(self, t: FloatArray) -> Trajectory:
-        """The exact motion at times t (s)."""
-
-    @abstractmethod
-    def simulated(self, engine: Engine, preset: Preset, dt: float | None) -> Trajectory:
-        """The motion in an engine; dt in s, None for the preset's own. Raises SimulationError."""
-
-    @abstractmethod
-    def metrics(self, trajectory: Trajectory) -> Metrics:
-        """Figures of a trajectory against the exact motion."""
-
-    def estimated(self, trajectory: Trajectory) -> Estimation:
-        """What the estimators read of it, from position and acceleration."""
-        return estimate_all(trajectory.t, x=trajectory.x, a=trajectory.a)
-
-    @abstractmethod
-    def describe(self) -> dict[str, Any]:
-        """As a result holds it."""
-
-    @abstractmethod
-    def conclusions(self, traces: Sequence[TraceResult]) -> list[str]:
-        """What differs and why, in sentences."""
-
-    @abstractmethod
-    def export(self, folder: Path) -> None:
-        """Write slider.xml and slider.urdf, and what belongs to them, into a folder. Raises StoreError."""
-
-
-@final
-class SuiteCase(Case):
-    """A scenario of the fidelity suite."""
+    file_name = "slider"
 
     def __init__(self, scenario: Scenario) -> None:
         self._scenario, self._kind = scenario, kind_of(scenario)
         self.decays = scenario.action is None
 
     def exact(self, t: FloatArray) -> Trajectory:
-        """See Case.exact; a closed form."""
+        """The exact motion at times t (n,) in s; a closed form."""
         return self._kind.exact(self._scenario, t)
 
     def simulated(self, engine: Engine, preset: Preset, dt: float | None) -> Trajectory:
-        """See Case.simulated."""
+        """The motion in an engine; dt in s, None for the preset's own. Raises SimulationError."""
         return engine.simulate(Task(self._scenario, self._kind.routes[0], preset, dt))
 
     def metrics(self, trajectory: Trajectory) -> Metrics:
-        """See Case.metrics; the distance from the exact motion, and what the scenario is about."""
-        found = self._kind.measure(trajectory, self._scenario) | measure_contact(trajectory, self._scenario.slider)
+        """The distance from the exact motion, and what the scenario is about."""
+        found = self._kind.measure(trajectory, self._scenario)
+        found |= measure_contact(trajectory, self._scenario.slider)
         if "max_error_m" not in found:
-            found["max_error_m"] = max_error_m(trajectory, self.exact(trajectory.t))
+            found["max_error_m"] = figures.max_error_m(trajectory, self.exact(trajectory.t))
         return Metrics.of(found)
 
+    def estimated(self, trajectory: Trajectory) -> Estimation:
+        """What the estimators read of it, from position and acceleration."""
+        return estimate_all(trajectory.t, x=trajectory.x, a=trajectory.a)
+
     def describe(self) -> dict[str, Any]:
-        """See Case.describe; scales : what a figure is measured against, in its own unit."""
+        """As a result holds it; scales : what a figure is measured against, in its own unit."""
         slider, said = self._scenario.slider, describe(self._scenario)
         row = {"slider": said["slider"], "setup": said, "exact": self._kind.answers(self._scenario)}
         truth = {"omega_n": slider.omega_n, "zeta": slider.zeta, "x_k": slider.x_k}
         return said | {"truth": truth, "scales": {one.metric: one.scale(row) for one in self._kind.figures}}
 
     def conclusions(self, traces: Sequence[TraceResult]) -> list[str]:
-        """See Case.conclusions."""
+        """What differs and why, in sentences."""
         return conclusions(traces, self._scenario)
 
     def export(self, folder: Path) -> None:
-        """See Case.export."""
+        """Write MJCF and URDF, and what belongs to them, into a folder. Raises StoreError."""
         models.export(self._scenario.slider, folder)
+
+
+@dataclass(frozen=True, slots=True)
+class ModelScenario:
+    """A model to run for ``duration`` s, in time since its release: in the reference, and in engines by their laws.
+
+    own : the file that it is read from, where that is an engine's own. The methods are those of ``SuiteCase``.
+    """
+
+    model: Model
+    duration: float
+    name: str = "model"
+    own: OwnModel | None = None
+
+    @classmethod
+    def of(
+        cls, model: Model, duration: float | None, label: str = "model", own: OwnModel | None = None
+    ) -> "ModelScenario":
+        """A model for ``duration`` s; None is a fifth longer than it takes to stick, or ten periods.
+
+        Raises InputError for a model that does not move, and for one whose duration cannot be guessed.
+        """
+        if duration is not None:
+            return cls(model, positive("--duration", duration, "s"), own=own)
+        if model.restoring is Restoring.NONE:
+            raise InputError(label, "a free axis, without a period", "--duration is needed with it")
+        return cls(model, _long_enough(model), own=own)
+
+    @property
+    def omega(self) -> float:
+        """Of its swing, rad/s."""
+        return Scales.of(self.model).omega
+
+    @property
+    def decays(self) -> bool:
+        """See SuiteCase."""
+        return True
+
+    @property
+    def file_name(self) -> str:
+        """Of the MJCF and URDF that are left."""
+        return model_files.file_name(self.model)
+
+    def exact(self, t: FloatArray) -> Trajectory:
+        """See SuiteCase.exact; the event-driven integrator."""
+        motion = simulate(self.model, t + self.model.t0)
+        events = replace(motion.events, t=motion.events.t - self.model.t0)
+        return replace(motion, t=t, events=events)
+
+    def simulated(self, engine: Engine, preset: Preset, dt: float | None) -> Trajectory:
+        """See SuiteCase.simulated; as shipped the engine of the user's file has the file's options and step."""
+        own = self.own
+        if own is not None and preset == "as-shipped" and engine.name == own.engine:
+            return own.simulator(self.model, self.duration, own.dt, None)
+        return EngineSimulator(engine, preset)(self.model, self.duration, dt, None)
+
+    def metrics(self, trajectory: Trajectory) -> Metrics:
+        """See SuiteCase.metrics; lead and energy are figures of the base model and are left out."""
+        exact = self.exact(trajectory.t)
+        speed = float(np.max(np.abs(exact.v)))
+        return Metrics.of(
+            {
+                "max_error_m": figures.max_error_m(trajectory, exact),
+                "rest_error_m": figures.rest_error_m(trajectory, exact),
+                "stick_time_s": figures.stick_time_s(trajectory, figures.STILL * speed),
+                "creep_m_s": figures.creep_m_s(trajectory, exact),
+                "half_cycles": figures.half_cycles(trajectory, figures.SWING * speed),
+            }
+        )
+
+    def estimated(self, trajectory: Trajectory) -> Estimation:
+        """See SuiteCase.estimated; a pendulum's trace is read as that of the spring it would be."""
+        if self.model.restoring is not Restoring.PENDULUM:
+            return estimate_all(trajectory.t, x=trajectory.x, a=trajectory.a)
+        measured = Recording(
+            trajectory.t, {"x": trajectory.x, "a": trajectory.a}, trajectory.source.label, angular=True
+        )
+        try:
+            spring = as_spring(measured)
+        except InputError as error:
+            return Estimation({}, Quantity.refused("rad", str(error)), warnings=(str(error),))
+        return estimate_all(spring.t, x=spring["x"], a=spring["a"], unit="rad")
+
+    def describe(self) -> dict[str, Any]:
+        """See SuiteCase.describe."""
+        model = self.model
+        said: dict[str, Any] = {
+            "name": self.name,
+            "slider": {"m": model.m, "c": model.c, "k": model.k, "f_k": model.f_k},
+            "release": {"x0": model.x0, "v0": model.v0},
+            "duration_s": self.duration,
+            "model": document.to_document(model),
+        }
+        if model.restoring is not Restoring.NONE:
+            omega = math.sqrt(model.k / model.m)
+            zeta = model.c / (2.0 * math.sqrt(model.k * model.m))
+            said["truth"] = {"omega_n": omega, "zeta": zeta, "x_k": model.f_k / model.k}
+        return said
+
+    def conclusions(self, traces: Sequence[TraceResult]) -> list[str]:
+        """See SuiteCase.conclusions."""
+        said = []
+        for entry in self.model.terms:
+            values = (f"{value:.6g}" for value in entry.values)
+            said.append(f"{entry.term.name}: {entry.term.say(dict(zip(entry.term.names, values, strict=True)))}")
+        if any(entry.term.known is not None for entry in self.model.terms):
+            motion = self.exact(np.linspace(0.0, self.duration, _LOOKS))
+            said += beyond(self.model, motion.x, motion.v)
+        if sensors := self.model.in_slot(Slot.OBSERVATION):
+            names = ", ".join(entry.term.name for entry in sensors)
+            said.append(
+                f"What is shown is the motion itself: {names} change what a sensor makes of it, not the motion."
+            )
+        if self.model.terms:
+            said.append("The estimators know viscous and dry friction alone; what else acts shows in their figures.")
+        if (own := self.own) is not None:
+            said.append(f"{own.engine} as-shipped has the options of {own.file}, with a step of {1e3 * own.dt:.4g} ms.")
+            if own.engine == "mujoco" and self.model.f_k > 0.0:
+                words = " ".join(f'{name}="{value}"' for name, value in stiff_friction(own.dt).items())
+                said.append(f"For friction as stiff as that step allows, paste into its joint: <joint {words}/>.")
+        turns = self.model.restoring is Restoring.PENDULUM
+        for trace in traces:
+            if trace.error is not None:
+                said.append(f"{trace.source} {trace.preset} could not be run: {trace.error}")
+            elif trace.source != "reference" and (text := position_error(trace, turns)) is not None:
+                said.append(f"{trace.source} {trace.preset}: {text}")
+        return said
+
+    def export(self, folder: Path) -> None:
+        """See SuiteCase.export; with model.json and a list of what the formats cannot say."""
+        model_files.export(self.model, folder)
+        text = json.dumps(document.to_document(self.model), indent=2, allow_nan=False)
+        (folder / "model.json").write_text(text + "\n", encoding="utf-8")
+
+
+def _long_enough(model: Model) -> float:
+    """A fifth longer than it takes to stick, ten periods where that takes longer than two hundred; two digits, s."""
+    period = 2.0 * math.pi / Scales.of(model).omega
+    motion = simulate(model, model.t0 + np.linspace(0.0, _LONGEST * period, int(40 * _LONGEST)), tolerance=1e-8)
+    sticks = motion.events.of(EventKind.STICK).t
+    rests = motion.mode is not None and motion.mode[-1] == Mode.STICK and sticks.size
+    return rounded_up(1.2 * (float(sticks[-1]) - model.t0) if rests else _PERIODS * period)
+
+
+Case: TypeAlias = SuiteCase | ModelScenario
+
+
+def case_of(scenario: Scenario | ModelScenario) -> Case:
+    """The case of a scenario."""
+    return scenario if isinstance(scenario, ModelScenario) else SuiteCase(scenario)
+
+
+def case_of_json(data: Mapping[str, Any]) -> Case:
+    """The case that ``describe`` made this from. Raises InputError when something is missing."""
+    if "model" in data:
+        return ModelScenario(document.from_document(data["model"]), float(data["duration_s"]))
+    return SuiteCase(scenario_of(data))

@@ -10,8 +10,7 @@ from pathlib import Path
 
 import numpy as np
 
-from harness.app.run.case import Case
-from harness.app.run.model import ModelScenario, case_of
+from harness.app.run.case import Case, ModelScenario, case_of
 from harness.app.run.simulate import Given, model_of
 from harness.app.shared.deliver import to_json
 from harness.app.shared.estimates import estimates_of
@@ -129,7 +128,7 @@ class RunOptions:
     def held(
         cls,
         restoring: str,
-        model: Path | None,
+        model: Given | None,
         scenario: str | None,
         given: Mapping[str, float | None],
         engines: Sequence[str] | None = None,
@@ -143,7 +142,8 @@ class RunOptions:
         """
         choice("--restoring", restoring, ("spring", "pendulum"))
         if model is not None:
-            raise InputError("--restoring", f"given with --model {model}", "the model's own is accepted")
+            label = model if isinstance(model, str | PathLike) else "model"
+            raise InputError("--restoring", f"given with --model {label}", "the model's own is accepted")
         if scenario not in (None, FREE_DECAY.name):
             raise InputError("--restoring", f"given with the scenario {scenario}", f"{FREE_DECAY.name} is accepted")
         if restoring == "spring":
@@ -153,6 +153,24 @@ class RunOptions:
         return cls.chosen(
             replace(ModelScenario.of(pendulum, given.get("duration")), name="pendulum"), engines, preset, dt
         )
+
+    @classmethod
+    def asked(
+        cls,
+        scenario: str | None,
+        model: Given | None,
+        restoring: str | None,
+        given: Mapping[str, float | None],
+        engines: Sequence[str] | None = None,
+        preset: str | None = None,
+        dt: float | None = None,
+    ) -> "RunOptions":
+        """A scenario by name, a model, or a free decay under a restoring force; raises InputError for two of them."""
+        if restoring is not None:
+            return cls.held(restoring, model, scenario, given, engines, preset, dt)
+        if model is None:
+            return cls.named(scenario, given, engines, preset, dt)
+        return cls.of_model(model, scenario, given, engines, preset, dt)
 
     @property
     def interval(self) -> float:

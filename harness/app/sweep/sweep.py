@@ -5,14 +5,14 @@ import logging
 import time
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import asdict, dataclass
+from itertools import chain
 from pathlib import Path
-from typing import Any, NoReturn
+from typing import Any
 
-from harness.app.shared.completed import completed
-from harness.app.shared.machine import cores, this_machine
-from harness.app.shared.pool import Cluster, LocalPool, Workers
+from harness.app.shared.machine import this_machine
 from harness.app.shared.progress import NAME as LOG
 from harness.app.shared.progress import SILENT, Progress, journal
+from harness.app.shared.rows import completed, folder_of, resumable, workers_of
 from harness.app.sweep.parts import Parts, check_new, compute, failed_row
 from harness.core.checks import positive
 from harness.core.errors import HarnessError, InputError, SimulationError, StoreError
@@ -22,7 +22,7 @@ from harness.engines.base import ROUTES, Engine, choice
 from harness.fidelity.compare import Ladder
 from harness.fidelity.matrix import Matrix, preset_names
 from harness.fidelity.row import Spec
-from harness.io.store import growing_folder, held
+from harness.io.store import held
 from harness.results.common import Machine
 from harness.results.sweep import Convergence, SweepRow
 
@@ -33,12 +33,6 @@ PART_ROWS, PART_S = 64, 5.0
 RESULT, PAGE, TRACES = "result.json", "report.html", "traces"
 
 Compute = Callable[[Spec], dict[str, Any]]
-
-
-class InterruptionError(HarnessError):
-    """Stopped by the user; what was done is kept."""
-
-    exit_code = 130
 
 
 @dataclass(frozen=True, slots=True)
@@ -162,14 +156,16 @@ def sweep(
     """
     started = time.perf_counter()
     engines = engines_for(options)
-    folder = _folder(options, out)
+    if not options.resume and out is not None:
+        check_new(out)
+    folder = folder_of("sweep", out, options.resume, "sweep", "rows")
     with held(folder), journal(folder / LOG):
         parts = Parts(folder)
         have = parts.keys() if options.resume else set()
         notes = [_damaged(name) for name in parts.damaged]
         total = options.matrix.size(engines)
         wanted = (spec for spec in options.matrix.specs(engines) if int(spec.key, 16) not in have)
-        done = _compute(_Job(options, folder, parts, total, len(have)), wanted, progress, function)
+        done = _compute(options, parts, wanted, (len(have), total), progress, function)
         count = failures = 0
         for row in parts.read():
             count, failures = count + 1, failures + (row["error"] is not None)
@@ -190,88 +186,51 @@ def write_stream(result: Sweep, path: Path) -> None:
         file.writelines(result.json())
 
 
-@dataclass(frozen=True, slots=True)
-class _Job:
-    options: SweepOptions
-    folder: Path
-    parts: Parts
-    total: int
-    had: int
-
-
-def _folder(options: SweepOptions, out: Path | None) -> Path:
-    if options.resume:
-        if out is None:
-            raise InputError("--resume", "given without --out", "the folder of the sweep to go on with is accepted")
-        if not (out / "rows").is_dir():
-            raise InputError(
-                f"--out {out}", "holds no sweep to resume", "the folder of one, or no --resume, is accepted"
-            )
-        return out.absolute()
-    if out is not None:
-        check_new(out)
-    return growing_folder("sweep", out)
-
-
 def _damaged(name: str) -> str:
     return f"rows/{name} was damaged and set aside as {name}.damaged; its rows are computed again"
 
 
-def _compute(job: _Job, specs: Iterator[Spec], progress: Progress, function: Compute) -> int:
-    """Compute and keep; returns how many rows were computed."""
+def _compute(
+    options: SweepOptions,
+    parts: Parts,
+    specs: Iterator[Spec],
+    having: tuple[int, int],
+    progress: Progress,
+    function: Compute,
+) -> int:
+    """Compute and keep; returns how many rows were computed. having : rows there were, and rows of the matrix."""
     first = next(specs, None)
     if first is None:
         return 0
-    progress("rows", job.had, job.total)
-    workers = _workers(job.options)
+    had, total = having
+    progress("rows", had, total)
     buffer: list[dict[str, Any]] = []
-    done = kept = 0
-    flushed = time.monotonic()
+    done, flushed = 0, time.monotonic()
 
     def keep() -> None:
-        nonlocal buffer, kept, flushed
+        nonlocal flushed
         if buffer:
-            job.parts.write(buffer)
-            buffer, kept = [], done
+            parts.write(buffer)
+            buffer.clear()
         flushed = time.monotonic()
 
-    try:
+    with (
+        resumable(parts.folder.parent, lambda: f"{had + done - len(buffer)} of {total} rows are kept"),
+        workers_of(options.cluster, options.jobs) as workers,
+    ):
         try:
-            for row in completed(_chain(first, specs), workers, function, failed_row, (PART_S, keep)):
+            for row in completed(chain([first], specs), workers, function, failed_row, (PART_S, keep)):
                 buffer.append(row)
                 done += 1
-                progress("rows", job.had + done, job.total)
+                progress("rows", had + done, total)
                 if len(buffer) >= PART_ROWS or time.monotonic() - flushed > PART_S:
                     keep()
             keep()
         except (KeyboardInterrupt, HarnessError) as error:
             if not isinstance(error, StoreError):
-                job.parts.write(buffer)
-                kept = done
+                keep()
             raise
-        finally:
-            workers.close()
-    except KeyboardInterrupt:
-        _stopped(InterruptionError, "interrupted", job, kept)
-    except StoreError as error:
-        _stopped(StoreError, str(error), job, kept)
-    except HarnessError as error:
-        _stopped(HarnessError, str(error), job, kept)
     return done
-
-
-def _chain(first: Spec, rest: Iterator[Spec]) -> Iterator[Spec]:
-    yield first
-    yield from rest
-
-
-def _stopped(kind: type[HarnessError], what: str, job: _Job, kept: int) -> NoReturn:
-    rows = f"{job.had + kept} of {job.total} rows are kept"
-    raise kind(f"{what}; {rows}, the same command with --resume --out {job.folder} goes on") from None
-
-
-def _workers(options: SweepOptions) -> Workers:
-    return LocalPool(options.jobs or cores()) if options.cluster is None else Cluster(options.cluster)
 
 
 def settings_of(row: Mapping[str, Any]) -> str:

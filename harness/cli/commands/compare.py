@@ -2,14 +2,13 @@
 
 import math
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import click
 
-from harness.cli.options import output_options, reading_options
-from harness.cli.output import check_json, emit_json, say, say_as_it_is, shows_tables, this_line, with_error
-from harness.cli.progress import shown
-from harness.cli.tables import show
+from harness.cli.options import Output, output_options, reading_options, trace_option
+from harness.cli.output import say, say_as_it_is, this_line, with_error
+from harness.cli.tables import show_rows
 from harness.core.bounded import check_file
 from harness.core.errors import InputError
 
@@ -21,6 +20,7 @@ if TYPE_CHECKING:
 @click.argument("sim", type=click.Path(path_type=Path))
 @click.argument("real", type=click.Path(path_type=Path))
 @reading_options
+@trace_option
 @click.option("--sim-columns", metavar="MAP", help="Columns of SIM, where they are not those of REAL.")
 @click.option("--sim-trace", metavar="NAME", help="Which trace of SIM, where it is a .rrd of several.")
 @click.option("--shift", type=float, metavar="S", help="Added to the times of SIM, s.  [found]")
@@ -29,20 +29,13 @@ if TYPE_CHECKING:
 def command(
     sim: Path,
     real: Path,
-    columns: str | None,
-    skip_rows: int,
-    rate: float | None,
-    start: float | None,
-    stop: float | None,
-    drop_nan: bool,
+    reading: dict[str, Any],
     trace: str | None,
     sim_columns: str | None,
     sim_trace: str | None,
     shift: float | None,
     no_shift: bool,
-    out: Path | None,
-    json_to: str | None,
-    quiet: bool,
+    to: Output,
 ) -> int:
     """Where a simulated trace SIM and a recorded one REAL part, before any model is fitted.
 
@@ -59,53 +52,38 @@ def command(
     """
     for path in (sim, real):
         check_file(path)
-    check_json(json_to)
     from harness.app.compare.compare import compare
     from harness.app.shared.reading import ReadOptions
 
-    theirs = ReadOptions(columns, skip_rows, rate, start, stop, drop_nan)
+    theirs = ReadOptions(**reading)
     stored = [path.suffix.lower() == ".rrd" for path in (sim, real)]
-    alike = stored[0] == stored[1]
-    ours = (
-        ReadOptions(sim_columns or columns, skip_rows, rate, drop_nan=drop_nan) if alike else ReadOptions(sim_columns)
-    )
-    taken = sim_trace or (trace if stored[0] else None)
+    ours = ReadOptions(sim_columns)
+    if stored[0] == stored[1]:
+        ours = ReadOptions(sim_columns or theirs.columns, theirs.skip_rows, theirs.rate, drop_nan=theirs.drop_nan)
     if no_shift and shift:
         raise InputError("--no-shift", f"given with --shift {shift:g}", "one of the two is accepted")
     shift = 0.0 if no_shift else shift
     if shift is not None and not math.isfinite(shift):
         raise InputError("--shift", f"{shift}", "a finite number of seconds is accepted")
-    with shown(quiet) as progress:
-        names = (taken, trace if stored[1] or not stored[0] else None)
-        result = compare(sim, real, (ours, theirs), names, out, progress, this_line(), shift)
-    emit_json(result, json_to)
-    if shows_tables(json_to, quiet):
-        _print(result)
+    names = sim_trace or (trace if stored[0] else None), trace if stored[1] or not stored[0] else None
+    with to.told() as progress:
+        result = compare(sim, real, (ours, theirs), names, to.out, progress, this_line(), shift)
+    to.give(result, _print)
     return 0
 
 
 def _print(result: "CompareResult") -> None:
-    from rich.table import Table
-
     from harness.app.compare.compare import summary
 
     headline, rows = summary(result)
     say(headline)
     say(f"shift {with_error(result.aligned.shift_s)}")
-    table = Table()
-    for heading in ("", *result.traces, "difference / its error"):
-        table.add_column(heading, justify="right" if heading else "left")
-    for label, cells in rows:
-        table.add_row(label, *cells)
-    show(table)
-    table = Table()
-    for heading in ("channel", "fit / %", "rms difference", "noise"):
-        table.add_column(heading, justify="left" if heading == "channel" else "right")
-    for channel, rmse in result.rmse.items():
-        noise = result.noise[channel]
-        shown_noise = noise if isinstance(noise, str) else f"{noise:.4g}"
-        table.add_row(channel, f"{result.fit_percent[channel]:.1f}", f"{rmse:.4g}", shown_noise)
-    show(table)
+    show_rows(("", *result.traces, "difference / its error"), [[label, *cells] for label, cells in rows])
+    said = {channel: noise if isinstance(noise, str) else f"{noise:.4g}" for channel, noise in result.noise.items()}
+    show_rows(
+        ("channel", "fit / %", "rms difference", "noise"),
+        [[c, f"{result.fit_percent[c]:.1f}", f"{rmse:.4g}", said[c]] for c, rmse in result.rmse.items()],
+    )
     for where in result.where:
         if where.regime != "throughout":
             share = "" if where.share is None else f", {100.0 * where.share:.0f} % of the mismatch"

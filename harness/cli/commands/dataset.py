@@ -5,10 +5,9 @@ from typing import TYPE_CHECKING
 
 import click
 
-from harness.cli.options import jobs_option, output_options
-from harness.cli.output import check_json, emit_json, say, say_as_it_is, shows_tables, this_line
-from harness.cli.progress import shown
-from harness.cli.tables import show
+from harness.cli.options import Output, jobs_option, output_options
+from harness.cli.output import say, say_as_it_is, this_line
+from harness.cli.tables import show_rows
 from harness.core.errors import InputError
 
 if TYPE_CHECKING:
@@ -23,15 +22,7 @@ if TYPE_CHECKING:
 )
 @jobs_option
 @output_options
-def command(
-    name: str,
-    folder: Path | None,
-    into: Path | None,
-    jobs: int | None,
-    out: Path | None,
-    json_to: str | None,
-    quiet: bool,
-) -> int:
+def command(name: str, folder: Path | None, into: Path | None, jobs: int | None, to: Output) -> int:
     """Published recordings, diagnosed beside what others found.
 
     emps: the drive axis of the nonlinear benchmarks, one file diagnosed and validated on the other; DIR holds
@@ -44,58 +35,46 @@ def command(
     Example: harness dataset emps --from downloads/EMPS
              harness dataset machines --from recordings
     """
-    check_json(json_to)
     if name == "machines":
-        return _machines(folder, into, jobs, out, json_to, quiet)
+        if into is not None:
+            accepted = "--from DIR is accepted: their files are fetched by hand"
+            raise InputError("--download", "given with machines", accepted)
+        if folder is None:
+            raise InputError("--from", "not given", "the folder with the recordings is accepted")
+        from harness.app.dataset.machines import dataset_machines
+
+        with to.told() as progress:
+            machines = dataset_machines(folder, to.out, progress, this_line(), jobs)
+        to.give(machines, _print_machines)
+        return 1 if any(row.verdict == "error" for row in machines.rows) else 0
     if jobs is not None:
         raise InputError("--jobs", "given with emps, which is one recording", "it is accepted with machines")
     from harness.app.dataset.emps import dataset_emps, download_emps
 
     if (folder is None) == (into is None):
         raise InputError("--from, --download", "neither" if into is None else "both", "one of the two is accepted")
-    with shown(quiet) as progress:
+    with to.told() as progress:
         if folder is None:
             assert into is not None
             folder = download_emps(into)
-        result = dataset_emps(folder, out, progress, this_line())
-    emit_json(result, json_to)
-    if shows_tables(json_to, quiet):
-        _print(result)
+        result = dataset_emps(folder, to.out, progress, this_line())
+    to.give(result, _print)
     return 0
 
 
-def _machines(
-    folder: Path | None, into: Path | None, jobs: int | None, out: Path | None, json_to: str | None, quiet: bool
-) -> int:
-    from harness.app.dataset.machines import dataset_machines
-
-    if into is not None:
-        raise InputError("--download", "given with machines", "--from DIR is accepted: their files are fetched by hand")
-    if folder is None:
-        raise InputError("--from", "not given", "the folder with the recordings is accepted")
-    with shown(quiet) as progress:
-        result = dataset_machines(folder, out, progress, this_line(), jobs)
-    emit_json(result, json_to)
-    if shows_tables(json_to, quiet):
-        _print_machines(result)
-    return 1 if any(row.verdict == "error" for row in result.rows) else 0
-
-
 def _print_machines(result: "MachinesResult") -> None:
-    from rich.table import Table
-
-    table = Table()
-    for heading in ("machine", "verdict", "named or listed", "takes off", "held out"):
-        table.add_column(heading, justify="right" if heading in ("takes off", "held out") else "left")
-    for row in result.rows:
-        table.add_row(
+    rows = [
+        (
             row.name,
             row.verdict,
             "\n".join(f"{m.name} ({m.grade})" for m in row.found) or "-",
             "\n".join(map(_share, row.found)) or "-",
             "\n".join("-" if m.holdout is None else f"x {m.holdout:.2g}" for m in row.found) or "-",
         )
-    show(table)
+        for row in result.rows
+    ]
+    heads = ("machine", "verdict", "named or listed", "takes off", "held out")
+    show_rows(heads, rows, heads[:3])
     for row in result.rows:
         if row.verdict == "error":
             say(f"- {row.name}: {row.said}")
@@ -109,20 +88,16 @@ def _share(found: "FoundResult") -> str:
 
 
 def _print(result: "DatasetResult") -> None:
-    from rich.table import Table
-
-    table = Table()
-    for heading in ("model", "mass kg", "viscous N s/m", "dry N", "offset N", "fit %", "cross %"):
-        table.add_column(heading, justify="left" if heading == "model" else "right")
-    for row in result.rows:
-        numbers = (row.dry_n, row.offset_n, row.fit_error_percent, row.cross_error_percent)
-        table.add_row(
+    rows = [
+        (
             row.label,
             _said(row.mass_kg),
             ", ".join(_said(value) for value in row.viscous),
-            *(_said(value) for value in numbers),
+            *(_said(value) for value in (row.dry_n, row.offset_n, row.fit_error_percent, row.cross_error_percent)),
         )
-    show(table)
+        for row in result.rows
+    ]
+    show_rows(("model", "mass kg", "viscous N s/m", "dry N", "offset N", "fit %", "cross %"), rows)
     for sentence in result.found:
         say(f"- {sentence}")
     say(f"- {result.unexplained}")

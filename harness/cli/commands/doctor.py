@@ -2,15 +2,13 @@
 
 import click
 
-from harness.cli.options import json_option, quiet_option
-from harness.cli.output import check_json, emit_json, shows_tables
-from harness.cli.tables import show
+from harness.cli.options import Output, json_options
+from harness.cli.tables import show_rows
 
 
 @click.command(short_help="Versions, engines, viewer, browser, cache: what works and what does not.")
-@json_option
-@quiet_option
-def command(json_to: str | None, quiet: bool) -> int:
+@json_options
+def command(to: Output) -> int:
     """Versions, engines found, viewer, browser, numba cache, what does not work and why.
 
     Exit code 1 when something is missing that the main job needs.
@@ -21,17 +19,9 @@ def command(json_to: str | None, quiet: bool) -> int:
     """
     from harness.app.doctor import doctor, healthy
 
-    check_json(json_to)
     result = doctor()
-    emit_json(result, json_to)
-    if shows_tables(json_to, quiet):
-        from rich.table import Table
-
-        table = Table(title=f"Python {result.machine.python}, {result.machine.system}, {result.machine.cores} cores")
-        for heading in ("what", "", "found", "needed for", "remedy"):
-            table.add_column(heading, overflow="fold")
-        for check in result.checks:
-            works = "yes" if check.ok else "no"
-            table.add_row(check.name, works, check.found, check.needed_for, check.remedy or "")
-        show(table)
+    machine, heads = result.machine, ("what", "", "found", "needed for", "remedy")
+    rows = [(one.name, "yes" if one.ok else "no", one.found, one.needed_for, one.remedy or "") for one in result.checks]
+    title = f"Python {machine.python}, {machine.system}, {machine.cores} cores"
+    to.give(result, lambda _: show_rows(heads, rows, heads, title))
     return 0 if healthy(result) else 1

@@ -1,14 +1,13 @@
 """harness identify."""
 
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import click
 
-from harness.cli.options import output_options, reading_options
-from harness.cli.output import check_json, emit_json, say, say_as_it_is, shows_tables, this_line, with_error
-from harness.cli.progress import shown
-from harness.cli.tables import show
+from harness.cli.options import Output, output_options, reading_options, trace_option
+from harness.cli.output import say, say_as_it_is, this_line, with_error
+from harness.cli.tables import show_rows
 from harness.core.bounded import check_file
 
 if TYPE_CHECKING:
@@ -19,21 +18,9 @@ if TYPE_CHECKING:
 @click.argument("recording", type=click.Path(path_type=Path))
 @click.option("--restoring", type=click.Choice(["spring", "pendulum"]), default="spring", help="What pulls it back.")
 @reading_options
+@trace_option
 @output_options
-def command(
-    recording: Path,
-    restoring: "Swing",
-    columns: str | None,
-    skip_rows: int,
-    rate: float | None,
-    start: float | None,
-    stop: float | None,
-    drop_nan: bool,
-    trace: str | None,
-    out: Path | None,
-    json_to: str | None,
-    quiet: bool,
-) -> int:
+def command(recording: Path, restoring: "Swing", reading: dict[str, Any], trace: str | None, to: Output) -> int:
     """The estimators on a RECORDING of a free decay: omega_n, zeta and x_k, with standard errors.
 
     Formats: CSV (also .gz), Parquet, MATLAB .mat, .npz, plain text tables, .rrd of ours. Columns t and one or more of
@@ -49,37 +36,28 @@ def command(
                  --columns "t=time[ms],x=enc*0.004[mm],a=acc[g]" --json -
     """
     check_file(recording)
-    check_json(json_to)
     from harness.app.identify import identify
     from harness.app.shared.reading import ReadOptions
 
-    options = ReadOptions(columns, skip_rows, rate, start, stop, drop_nan)
-    with shown(quiet) as progress:
-        result = identify(recording, options, trace, out, progress, this_line(), restoring)
-    emit_json(result, json_to)
-    if shows_tables(json_to, quiet):
-        _print(result)
+    with to.told() as progress:
+        result = identify(recording, ReadOptions(**reading), trace, to.out, progress, this_line(), restoring)
+    to.give(result, _print)
     return 0
 
 
 def _print(result: "IdentifyResult") -> None:
-    from rich.table import Table
-
     found = result.recording
     say(f"{found.file}: {found.samples} samples of {', '.join(found.channels)} at {found.rate_hz:.4g} Hz")
-    table = Table()
-    for heading in ("method", "omega_n rad/s", "zeta", "x_k", "reversals"):
-        table.add_column(heading, justify="left" if heading == "method" else "right", no_wrap=True)
-    refused = []
+    refused, rows = [], []
     for method, estimate in result.estimates.items():
         numbers = (estimate.omega_n, estimate.zeta, estimate.x_k)
         if all(number.value is None for number in numbers):
             refused.append(f"not used: {method}: {next(number.why for number in numbers)}")
             continue
-        table.add_row(method, *(with_error(number, "rad/s") for number in numbers), str(estimate.reversals))
+        rows.append([method, *(with_error(number, "rad/s") for number in numbers), str(estimate.reversals)])
         reasons = dict.fromkeys(number.why for number in numbers if number.value is None and number.why)
         refused += [f"{method}: {reason}" for reason in reasons]
-    show(table)
+    show_rows(("method", "omega_n rad/s", "zeta", "x_k", "reversals"), rows)
     if result.sensor_phase_rad.value is not None:
         say(f"the accelerometer leads the displacement sensor by {with_error(result.sensor_phase_rad)}")
     if result.baseline is not None:

@@ -1,13 +1,13 @@
 """harness log."""
 
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import click
 
-from harness.cli.options import json_option, log_options, quiet_option
-from harness.cli.output import check_json, emit_json, say, shows_tables
-from harness.cli.tables import show
+from harness.cli.options import Output, json_options, log_options
+from harness.cli.output import say
+from harness.cli.tables import show_rows
 from harness.core.errors import InputError
 
 if TYPE_CHECKING:
@@ -22,22 +22,8 @@ _CALLED = {"magnitude": "|effort|"}
 @click.command(short_help="What a log of a robot's joints holds: topics, joints, rates, what is odd.")
 @click.argument("file", type=click.Path(path_type=Path))
 @log_options
-@json_option
-@quiet_option
-def command(
-    file: Path,
-    columns: str | None,
-    skip_rows: int,
-    rate: float | None,
-    start: float | None,
-    stop: float | None,
-    drop_nan: bool,
-    topic: str | None,
-    gain: float | None,
-    angle_unit: str | None,
-    json_to: str | None,
-    quiet: bool,
-) -> int:
+@json_options
+def command(file: Path, reading: dict[str, Any], to: Output) -> int:
     """What FILE, a log of a robot's joints, holds: topics, joints, fields, units, rate, gaps, and what is odd about it.
 
     Formats: CSV (also .gz), Parquet, MATLAB .mat, .npz, plain text tables; a LeRobot data set (its folder or a file of
@@ -49,16 +35,12 @@ def command(
              harness log arm.csv --json - \\
                  --columns "t=clock[ms],elbow.position=enc3[deg]"
     """
-    check_json(json_to)
     if not file.exists():
         raise InputError(str(file), "no such file", "a file or folder that can be read is accepted")
     from harness.app.log import LogOptions, log
 
-    options = LogOptions(columns, None, topic, angle_unit, skip_rows, rate, start, stop, drop_nan)
-    result = log(file, options, gain)
-    emit_json(result, json_to)
-    if shows_tables(json_to, quiet):
-        _print(result)
+    gain = reading.pop("gain")
+    to.give(log(file, LogOptions(**reading), gain), _print)
     return 0
 
 
@@ -79,33 +61,24 @@ def _print(result: "LogResult") -> None:
 
 
 def _topics(topics: "list[Topic]") -> None:
-    from rich.table import Table
-
-    table = Table()
-    for heading in ("topic", "type", "count", "Hz", "joints", "gaps"):
-        table.add_column(heading, justify="left" if heading in ("topic", "type") else "right")
+    rows = []
     for topic in topics[:_MOST]:
         rate = "-" if topic.rate_hz is None else f"{topic.rate_hz:.4g}"
         joints, gaps = str(len(topic.joints) or "-"), str(len(topic.gaps_s) or "-")
-        table.add_row(topic.name, topic.type.rpartition("/")[2], str(topic.count), rate, joints, gaps)
-    show(table)
+        rows.append([topic.name, topic.type.rpartition("/")[2], str(topic.count), rate, joints, gaps])
+    show_rows(("topic", "type", "count", "Hz", "joints", "gaps"), rows, ("topic", "type"))
     if len(topics) > _MOST:
         say(f"and {len(topics) - _MOST} more; --json has all of them")
 
 
 def _joints(topic: "Topic") -> None:
     """A row a joint: from where to where each of its fields goes."""
-    from rich.table import Table
-
-    table = Table()
-    table.add_column("joint")
     fields = [field for field in topic.units_guessed if any(field in of for of in topic.ranges.values())]
-    for field in fields:
-        table.add_column(f"{_CALLED.get(field, field)}, {topic.units_guessed[field]}", justify="right")
+    rows = []
     for joint in topic.joints:
         of = topic.ranges.get(joint, {})
-        table.add_row(joint, *(f"{of[f][0]:.3g} to {of[f][1]:.3g}" if f in of else "-" for f in fields))
-    show(table)
+        rows.append([joint, *(f"{of[f][0]:.3g} to {of[f][1]:.3g}" if f in of else "-" for f in fields)])
+    show_rows(["joint", *(f"{_CALLED.get(field, field)}, {topic.units_guessed[field]}" for field in fields)], rows)
 
 
 def _gaps(topic: "Topic") -> str:

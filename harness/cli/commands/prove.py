@@ -5,10 +5,9 @@ from typing import TYPE_CHECKING
 
 import click
 
-from harness.cli.options import jobs_option, output_options
-from harness.cli.output import check_json, emit_json, say, shows_tables, this_line
-from harness.cli.progress import shown
-from harness.cli.tables import show
+from harness.cli.options import Output, jobs_option, output_options, refuse
+from harness.cli.output import say, this_line
+from harness.cli.tables import show_rows
 from harness.core.errors import InputError
 
 if TYPE_CHECKING:
@@ -34,9 +33,7 @@ def command(
     resume: bool,
     cluster: str | None,
     jobs: int | None,
-    out: Path | None,
-    json_to: str | None,
-    quiet: bool,
+    to: Output,
     **sizes: int | None,
 ) -> int:
     """The sealed blind proof that a diagnosis names physics it was never told.
@@ -56,53 +53,29 @@ def command(
              harness prove --out reports/mine --jobs 8
              harness prove --verify reports/proof
     """
-    check_json(json_to)
     given = {name: value for name, value in sizes.items() if value is not None}
+    one = "one of the two is accepted"
     if verify is not None:
-        _alone(
-            given,
-            {"--machines": machines, "--resume": resume, "--out": out is not None, "--cluster": cluster is not None},
-        )
-        return _verify(verify, short, jobs, json_to, quiet)
+        refuse("given with --verify", one, **given, machines=machines, resume=resume, out=to.out, cluster=cluster)
+        from harness.app.prove.verify import verify_proof
+
+        with to.told() as progress:
+            check = verify_proof(verify, short, jobs, progress)
+        to.give(check, _print_check)
+        return 0 if check.accepted else 1
     plans = [name for name, chosen in (("short", short), ("machines", machines), ("resume", resume)) if chosen]
     if given and plans:
-        raise InputError(f"--{next(iter(given))}", f"given with --{plans[0]}", _ONE)
-    if machines and resume:
-        raise InputError(
-            "--machines", "given with --resume", "--resume alone is accepted: it goes on with what was begun"
-        )
-    if short and resume:
-        raise InputError("--short", "given with --resume", "--resume alone is accepted: it goes on with what was begun")
+        raise InputError(f"--{next(iter(given))}", f"given with --{plans[0]}", one)
+    if resume:
+        accepted = "--resume alone is accepted: it goes on with what was begun"
+        refuse("given with --resume", accepted, machines=machines, short=short)
     from harness.app.prove.prove import ProveOptions, prove
 
     options = ProveOptions.chosen(given, short, machines, jobs=jobs, cluster=cluster, resume=resume)
-    with shown(quiet) as progress:
-        result = prove(options, out, progress, this_line())
-    emit_json(result, json_to)
-    if shows_tables(json_to, quiet):
-        _print(result)
+    with to.told() as progress:
+        result = prove(options, to.out, progress, this_line())
+    to.give(result, _print)
     return 1 if result.evidence and result.shortfalls else 0
-
-
-_ONE = "one of the two is accepted"
-
-
-def _alone(given: dict[str, int], others: dict[str, bool]) -> None:
-    """Refuse what --verify does not take."""
-    named = [f"--{name}" for name in given] + [name for name, is_given in others.items() if is_given]
-    if named:
-        raise InputError(named[0], "given with --verify", _ONE)
-
-
-def _verify(folder: Path, short: bool, jobs: int | None, json_to: str | None, quiet: bool) -> int:
-    from harness.app.prove.verify import verify_proof
-
-    with shown(quiet) as progress:
-        check = verify_proof(folder, short, jobs, progress)
-    emit_json(check, json_to)
-    if shows_tables(json_to, quiet):
-        _print_check(check)
-    return 0 if check.accepted else 1
 
 
 def _print_check(check: "ProofCheck") -> None:
@@ -113,22 +86,23 @@ def _print_check(check: "ProofCheck") -> None:
 
 
 def _print(result: "ProofResult") -> None:
-    from rich.table import Table
-
-    table = Table(title=None if result.evidence else "no evidence: too few recordings for the figures to say anything")
-    for heading in ("figure", "found", "95 % interval", "cases", "asked", ""):
-        table.add_column(heading, justify="left" if heading in ("figure", "asked", "") else "right")
-    for figure in result.figures:
-        state = {True: "reached", False: "falls short", None: ""}[figure.met]
-        table.add_row(
-            figure.label,
-            _said(figure, figure.value),
-            f"{_said(figure, figure.low)} to {_said(figure, figure.high)}",
-            str(figure.cases),
-            figure.asked,
-            state,
-        )
-    show(table)
+    state = {True: "reached", False: "falls short", None: ""}
+    show_rows(
+        ("figure", "found", "95 % interval", "cases", "asked", ""),
+        [
+            (
+                figure.label,
+                _said(figure, figure.value),
+                f"{_said(figure, figure.low)} to {_said(figure, figure.high)}",
+                str(figure.cases),
+                figure.asked,
+                state[figure.met],
+            )
+            for figure in result.figures
+        ],
+        ("figure", "asked", ""),
+        None if result.evidence else "no evidence: too few recordings for the figures to say anything",
+    )
     if result.not_tested:
         say(f"- not tested: {', '.join(result.not_tested)}")
     for line in [*result.shortfalls, *result.given_up]:

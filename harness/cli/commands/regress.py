@@ -5,10 +5,9 @@ from typing import TYPE_CHECKING
 
 import click
 
-from harness.cli.options import engines_option, jobs_option, json_option, quiet_option
-from harness.cli.output import check_json, emit_json, say, shows_tables
-from harness.cli.progress import shown
-from harness.cli.tables import show
+from harness.cli.options import Output, engines_option, jobs_option, json_options
+from harness.cli.output import say
+from harness.cli.tables import show_rows
 from harness.core.bounded import check_file
 from harness.core.errors import InputError
 
@@ -25,8 +24,7 @@ if TYPE_CHECKING:
 @click.option("--route", "routes", multiple=True, metavar="joint|contact|law", help="Route; may repeat.  [all]")
 @click.option("--short", is_flag=True, help="What ships and what is tuned, at one step each: for every change.")
 @jobs_option
-@json_option
-@quiet_option
+@json_options
 def command(
     baseline: Path | None,
     update: bool,
@@ -36,8 +34,7 @@ def command(
     routes: tuple[str, ...],
     short: bool,
     jobs: int | None,
-    json_to: str | None,
-    quiet: bool,
+    to: Output,
 ) -> int:
     """A sweep, or stored traces, against a baseline. Exit 1 when something got worse, fails or is gone.
 
@@ -56,14 +53,13 @@ def command(
         raise InputError("--update", "given with --traces", "one of them is accepted: a baseline is made by a sweep")
     if baseline is not None and not update:
         check_file(baseline, f"--baseline {baseline}", "a file --update wrote is accepted")
-    check_json(json_to)
-    from harness.app.shared.deliver import check_target
+    from harness.app.shared.deliver import check_writable
     from harness.app.sweep import regress as room
     from harness.app.sweep.sweep import SweepOptions
 
     for target in (junit_to, baseline if update else None):
         if target is not None:
-            check_target(target)
+            check_writable(target)
     if traces is not None:
         result, names = room.compared_traces(traces, baseline), []
     else:
@@ -71,34 +67,25 @@ def command(
         options = SweepOptions(engines, routes, short=short, jobs=jobs)
         if not update:
             room.load_baseline(baseline)
-        with shown(quiet) as progress:
+        with to.told() as progress:
             rows = room.fresh_rows(options, progress)
         names = list(rows)
         if update:
             written = room.update(baseline, rows)
-            if shows_tables(json_to, quiet):
-                say(f"{baseline}: {len(written.rows)} rows")
-            emit_json(written, json_to)
+            to.give(written, lambda _: say(f"{baseline}: {len(written.rows)} rows"))
             return 0
         result = room.compared(baseline, rows, options)
     if junit_to is not None:
         room.write_junit(junit_to, result, names)
-    emit_json(result, json_to)
-    if shows_tables(json_to, quiet):
-        _print(result)
+    to.give(result, _print)
     return 1 if result.regressions else 0
 
 
 def _print(result: "RegressResult") -> None:
-    from rich.table import Table
-
     if result.moved:
-        table = Table()
-        for heading in ("row", "metric", "baseline", "now", "verdict"):
-            table.add_column(heading, overflow="fold")
-        for moved in result.moved:
-            table.add_row(moved.name, moved.metric, _number(moved.before), _number(moved.after), moved.verdict)
-        show(table)
+        heads = ("row", "metric", "baseline", "now", "verdict")
+        rows = [(one.name, one.metric, _number(one.before), _number(one.after), one.verdict) for one in result.moved]
+        show_rows(heads, rows, heads)
         for why in dict.fromkeys(f"{moved.metric or moved.name}: {moved.why}" for moved in result.moved):
             say(f"- {why}")
     for engine in result.not_run:

@@ -5,17 +5,14 @@ from typing import TYPE_CHECKING
 
 import click
 
-from harness.cli.options import engine_options, output_options, robot_options
-from harness.cli.output import check_json, emit_json, say, say_as_it_is, say_left_out, shows_tables, this_line
-from harness.cli.progress import shown
-from harness.cli.tables import show
+from harness.cli.options import Joint, Output, engines_option, output_options, robot_options
+from harness.cli.output import say, say_as_it_is, say_left_out, this_line
+from harness.cli.tables import show_rows
 from harness.core.bounded import check_file
 from harness.core.errors import InputError
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
-
-    from harness.results.run import RunResult
+    from harness.results.run import JointRunResult, RunResult
 
 
 @click.command(short_help="One slider in the exact reference, MuJoCo and PyBullet, with estimators and report.")
@@ -36,21 +33,19 @@ if TYPE_CHECKING:
     help="Run this model, model.json as harness diagnose writes it or an MJCF or URDF of one joint with --x0.",
 )
 @robot_options
-@engine_options
+@engines_option("mujoco, pybullet")
+@click.option("--preset", metavar="as-shipped|tuned", help="Settings of the engines.  [both]")
+@click.option("--dt", type=float, metavar="S", help="Step of the tuned preset, s.  [1e-3]")
 @output_options
 def command(
     scenario: str | None,
     model: Path | None,
-    robot: Path | None,
-    joint: str | None,
-    gravity: tuple[float, float, float] | None,
+    robot: Joint | None,
     restoring: str | None,
     engines: tuple[str, ...],
     preset: str | None,
     dt: float | None,
-    out: Path | None,
-    json_to: str | None,
-    quiet: bool,
+    to: Output,
     **given: float | None,
 ) -> int:
     """The main job: the exact reference, MuJoCo and PyBullet, each as shipped and tuned, on one scenario.
@@ -69,80 +64,47 @@ def command(
              harness run --robot arm.xml --joint elbow
              harness run --m 2.42 --k 2310 --c 4.79 --f-k 0.351 --x0 0.01 --json -
     """
-    for path in (model, robot):
-        if path is not None:
-            check_file(path)
-    check_json(json_to)
+    if model is not None:
+        check_file(model)
     if robot is not None:
-        beside = {"SCENARIO": scenario, "--model": model, "--restoring": restoring, **given}
-        return _joint(robot, joint, gravity, beside, engines, preset, dt, out, json_to, quiet)
-    for option, value in (("--joint", joint), ("--gravity", gravity)):
-        if value is not None:
-            raise InputError(option, "given without --robot", "it is accepted with --robot FILE")
+        beside: dict[str, object] = {"SCENARIO": scenario, "--model": model, "--restoring": restoring}
+        beside |= {f"--{name.replace('_', '-')}": value for name, value in given.items()}
+        for option, value in beside.items():
+            if value is not None:
+                raise InputError("--robot", f"given with {option}", "one of the two is accepted")
+        from harness.app.run.joint import JointRun, run_joint
+
+        asked = JointRun.chosen(*robot, engines, preset, dt)
+        with to.told() as progress:
+            joint = run_joint(asked, to.out, progress, this_line())
+        to.give(joint, _print_joint)
+        return 1 if any(score.error for score in joint.scores) else 0
     from harness.app.run.run import RunOptions, run
 
-    if restoring is not None:
-        chosen = RunOptions.held(restoring, model, scenario, given, engines or None, preset, dt)
-    elif model is None:
-        chosen = RunOptions.named(scenario, given, engines or None, preset, dt)
-    else:
-        chosen = RunOptions.of_model(model, scenario, given, engines or None, preset, dt)
-    with shown(quiet) as progress:
-        result = run(chosen, out, progress, this_line())
-    emit_json(result, json_to)
-    if shows_tables(json_to, quiet):
-        _print(result)
-        if not engines:
-            say_left_out()
+    options = RunOptions.asked(scenario, model, restoring, given, engines or None, preset, dt)
+    with to.told() as progress:
+        result = run(options, to.out, progress, this_line())
+    to.give(result, _print)
+    if to.tables and not engines:
+        say_left_out()
     return 1 if any(trace.error for trace in result.traces) else 0
 
 
-def _joint(
-    robot: Path,
-    joint: str | None,
-    gravity: tuple[float, float, float] | None,
-    beside: "Mapping[str, object]",
-    engines: tuple[str, ...],
-    preset: str | None,
-    dt: float | None,
-    out: Path | None,
-    json_to: str | None,
-    quiet: bool,
-) -> int:
-    """A joint of a robot in place of a scenario."""
-    for option, value in beside.items():
-        if value is not None:
-            named = option if option.isupper() or option.startswith("--") else f"--{option.replace('_', '-')}"
-            raise InputError("--robot", f"given with {named}", "one of the two is accepted")
-    from harness.app.run.joint import JointRun, run_joint
-
-    asked = JointRun.chosen(robot, joint, gravity, engines, preset, dt)
-    with shown(quiet) as progress:
-        result = run_joint(asked, out, progress, this_line())
-    emit_json(result, json_to)
-    if shows_tables(json_to, quiet):
-        for sentence in result.conclusions:
-            say(f"- {sentence}")
-        say("to paste into your model (MJCF; URDF with PyBullet's calls):")
-        for line in (result.paste.mjcf, *result.paste.urdf.splitlines()):
-            say_as_it_is(f"  {line}")
-        say_as_it_is(f"report: {result.files['report']}")
-    return 1 if any(score.error for score in result.scores) else 0
+def _print_joint(result: "JointRunResult") -> None:
+    for sentence in result.conclusions:
+        say(f"- {sentence}")
+    say("to paste into your model (MJCF; URDF with PyBullet's calls):")
+    for line in (result.paste.mjcf, *result.paste.urdf.splitlines()):
+        say_as_it_is(f"  {line}")
+    say_as_it_is(f"report: {result.files['report']}")
 
 
 def _print(result: "RunResult") -> None:
-    from rich.table import Table
-
     from harness.app.run.table import summary
 
     about, heads, lines = summary(result)
     say(about)
-    table = Table()
-    for heading in heads:
-        table.add_column(heading, justify="left" if heading == heads[0] else "right", no_wrap=True)
-    for line in lines:
-        table.add_row(*line)
-    show(table)
+    show_rows(heads, lines)
     for sentence in result.conclusions:
         say(f"- {sentence}")
     say_as_it_is(f"report: {result.files['report']}")

@@ -6,10 +6,9 @@ from typing import TYPE_CHECKING
 
 import click
 
-from harness.cli.options import engines_option, jobs_option, output_options
-from harness.cli.output import STANDARD_OUTPUT, check_json, say, say_as_it_is, shows_tables, this_line
-from harness.cli.progress import shown
-from harness.cli.tables import show
+from harness.cli.options import Output, engines_option, jobs_option, output_options
+from harness.cli.output import STANDARD_OUTPUT, say, say_as_it_is, this_line
+from harness.cli.tables import show_rows
 
 if TYPE_CHECKING:
     from harness.app.sweep.sweep import Sweep
@@ -48,9 +47,7 @@ def command(
     cluster: str | None,
     resume: bool,
     jobs: int | None,
-    out: Path | None,
-    json_to: str | None,
-    quiet: bool,
+    to: Output,
 ) -> int:
     """The friction-fidelity matrix: every engine, route, setting, step and scenario against exact answers.
 
@@ -61,36 +58,28 @@ def command(
              harness sweep --engine mujoco --route joint --dt 0.002 --json -
              harness sweep --out reports/mine --resume --keep-traces worst:10
     """
-    check_json(json_to)
     from harness.app.sweep.report import finish
     from harness.app.sweep.sweep import SweepOptions, sweep, write_stream
 
     options = SweepOptions(engines, routes, presets, steps, short, sliders, jobs, cluster, keep, resume)
-    with shown(quiet) as progress:
-        result = sweep(options, out, progress, this_line())
+    with to.told() as progress:
+        result = sweep(options, to.out, progress, this_line())
         finish(result, options, progress)
-    if json_to == STANDARD_OUTPUT:
+    if to.json_to == STANDARD_OUTPUT:
         sys.stdout.writelines(result.json())
         sys.stdout.flush()
-    elif json_to is not None:
-        write_stream(result, Path(json_to))
-    if shows_tables(json_to, quiet):
+    elif to.json_to is not None:
+        write_stream(result, Path(to.json_to))
+    if to.tables:
         _print(result)
     return 1 if result.failed else 0
 
 
 def _print(result: "Sweep") -> None:
-    from rich.table import Table
-
     from harness.app.sweep.report import summary
 
-    table = Table(title="as shipped and tuned against exact, the suite's own sliders")
     heads, lines = summary(result)
-    for head in heads:
-        table.add_column(head, justify="left" if head in heads[:3] else "right", no_wrap=True)
-    for line in lines:
-        table.add_row(*line)
-    show(table)
+    show_rows(heads, lines, heads[:3], "as shipped and tuned against exact, the suite's own sliders")
     for note in result.notes:
         say(f"- {note}")
     rate = f"{60.0 * result.computed / result.wall_s:.0f} rows a minute"

@@ -1,15 +1,12 @@
 """harness tune."""
 
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 import click
 
-from harness.cli.options import json_option, quiet_option, robot_options
-from harness.cli.output import check_json, emit_json, say, say_as_it_is, shows_tables
-from harness.cli.progress import shown
-from harness.cli.tables import show
-from harness.core.bounded import check_file
+from harness.cli.options import Joint, Output, json_options, robot_options
+from harness.cli.output import say, say_as_it_is
+from harness.cli.tables import show_rows
 from harness.core.errors import InputError
 
 if TYPE_CHECKING:
@@ -22,18 +19,9 @@ if TYPE_CHECKING:
 @click.option("--route", metavar="joint|contact|law", help="Where dry friction lives.  [joint]")
 @click.option("--max-cost", type=float, metavar="R", help="Wall time over that of what ships.  [any]")
 @robot_options
-@json_option
-@quiet_option
+@json_options
 def command(
-    engine: str,
-    dt: float | None,
-    route: str | None,
-    max_cost: float | None,
-    robot: Path | None,
-    joint: str | None,
-    gravity: tuple[float, float, float] | None,
-    json_to: str | None,
-    quiet: bool,
+    engine: str, dt: float | None, route: str | None, max_cost: float | None, robot: Joint | None, to: Output
 ) -> int:
     """Search an engine's settings on some random sliders, score them on others, print the XML or the calls to paste.
 
@@ -46,40 +34,25 @@ def command(
              harness tune pybullet --route contact --dt 0.004 --json tuned.json
              harness tune mujoco --robot arm.xml --joint elbow
     """
-    check_json(json_to)
-    with shown(quiet) as progress:
-        if robot is None:
-            for option, value in (("--joint", joint), ("--gravity", gravity)):
-                if value is not None:
-                    raise InputError(option, "given without --robot", "it is accepted with --robot FILE")
-            from harness.app.sweep.tune import tune
+    if robot is not None and route not in (None, "joint"):
+        raise InputError("--route", f"{route}, given with --robot", "joint is accepted with it")
+    with to.told() as progress:
+        from harness.app.sweep.tune import TuneJoint, tune, tune_joint
 
+        if robot is None:
             result = tune(engine, route or "joint", dt, max_cost, progress)  # type: ignore[arg-type]
         else:
-            if route not in (None, "joint"):
-                raise InputError("--route", f"{route}, given with --robot", "joint is accepted with it")
-            check_file(robot)
-            from harness.app.sweep.tune import TuneJoint, tune_joint
-
-            result = tune_joint(engine, TuneJoint(robot, joint, gravity, dt), max_cost, progress)
-    emit_json(result, json_to)
-    if shows_tables(json_to, quiet):
-        _print(result)
+            result = tune_joint(engine, TuneJoint(*robot, dt), max_cost, progress)
+    to.give(result, _print)
     return 0
 
 
 def _print(result: "TuneResult") -> None:
-    from rich.table import Table
-
     what = result.route if result.robot is None else result.robot.joint
     say(f"{result.engine} {result.version}, {what}, step {result.dt_s * 1e3:g} ms: distance from exact")
-    table = Table()
     before = "as shipped" if result.robot is None else "as the file has it"
-    for heading in ("figure", before, "found"):
-        table.add_column(heading, justify="left" if heading == "figure" else "right")
-    for figure in result.figures:
-        table.add_row(figure.name, _percent(figure.before), _percent(figure.after))
-    show(table)
+    rows = [(figure.name, _percent(figure.before), _percent(figure.after)) for figure in result.figures]
+    show_rows(("figure", before, "found"), rows)
     say_as_it_is(result.paste)
     where = "on sliders not searched on" if result.robot is None else "in poses not searched in"
     say(

@@ -1,24 +1,74 @@
-"""Rows as they are completed, from whatever computes them: none lost, none double, whoever dies."""
+"""Rows of work that outlive a call: a folder to go on with, and none lost and none double, whoever dies."""
 
 import math
 import time
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import FIRST_COMPLETED, CancelledError, Future, wait
+from contextlib import contextmanager
+from pathlib import Path
 from typing import Generic, Protocol, TypeVar
 
-from harness.app.shared.pool import Workers
+from harness.app.shared.machine import cores
+from harness.app.shared.pool import Cluster, LocalPool, Workers
+from harness.core.errors import HarnessError, InputError
+from harness.io.store import growing_folder
 
 AHEAD = 4
 """Rows handed out per worker: enough to keep it busy, few enough to keep memory flat."""
 CHANCES = 2
 """Times a row may take its worker down, alone, before it is given up."""
-
 MOMENTS = 0.5
 """Seconds after a death in which a broken pool gives its other rows back."""
-
 LOOK_S = 5.0
 """Seconds between two looks at workers that give nothing."""
+
+
+class InterruptionError(HarnessError):
+    """Stopped by the user; what was done is kept."""
+
+    exit_code = 130
+
+
+def folder_of(name: str, out: Path | None, resume: bool, what: str, begun: str = "") -> Path:
+    """The folder that rows go to: ``out``, or reports/NAME-TIME here; with resume one that holds some already.
+
+    what : is in it. begun : the file or folder in it by which it is known. Raises InputError for a folder that cannot
+    be gone on with, StoreError for one that is taken or cannot be made.
+    """
+    if not resume:
+        return growing_folder(name, out)
+    if out is None:
+        raise InputError("--resume", "given without --out", f"the folder of the {what} to go on with is accepted")
+    if not (out / begun).exists():
+        found = f"holds no {what} to resume" if begun else "no such folder to resume"
+        raise InputError(f"--out {out}", found, "the folder of one, or no --resume, is accepted")
+    return out.absolute()
+
+
+@contextmanager
+def resumable(folder: Path, kept: Callable[[], str]) -> Iterator[None]:
+    """Say what is kept of work that is stopped, and how to go on with it; bad input stays as it is."""
+    try:
+        yield
+    except InputError:
+        raise
+    except (KeyboardInterrupt, HarnessError) as error:
+        kind, what = (
+            (type(error), str(error)) if isinstance(error, HarnessError) else (InterruptionError, "interrupted")
+        )
+        raise kind(f"{what}; {kept()}, the same command with --resume --out {folder} goes on") from None
+
+
+@contextmanager
+def workers_of(cluster: str | None, jobs: int | None, most: int | None = None) -> Iterator[Workers]:
+    """Workers of a dask scheduler, or ``jobs`` processes here, None for one a core; at most ``most``, at least one."""
+    jobs = max(1, min(jobs or cores(), jobs or cores() if most is None else most))
+    workers: Workers = LocalPool(jobs) if cluster is None else Cluster(cluster)
+    try:
+        yield workers
+    finally:
+        workers.close()
 
 
 class Keyed(Protocol):
@@ -39,14 +89,15 @@ def completed(
     compute: Callable[[Spec], Row],
     failed: Callable[[Spec, str], Row],
     idle: tuple[float, Callable[[], None]] | None = None,
+    chances: int = CHANCES,
 ) -> Iterator[Row]:
     """Rows of ``specs`` in the order in which they are done; ``failed`` makes the row of one that took workers down.
 
-    idle : seconds in which no row came, and what is called then, again and again.
+    idle : seconds in which no row came, and what is called then, again and again. chances : as CHANCES.
     When a worker dies, every row that was in work is tried again by itself, so that the one that killed it is found and
     becomes a row with that reason, and the others lose nothing.
     """
-    queue = _Queue(iter(specs), workers, compute, failed)
+    queue = _Queue(iter(specs), workers, compute, failed, chances)
     patience, since = math.inf if idle is None else idle[0], time.monotonic()
     while queue.busy():
         alone = len(queue.running) == 1
@@ -74,9 +125,11 @@ class _Queue(Generic[Spec, Row]):
         workers: Workers,
         compute: Callable[[Spec], Row],
         failed: Callable[[Spec, str], Row],
+        chances: int,
     ) -> None:
         self.running: dict[Future[Row], Spec] = {}
         self._todo, self._workers, self._compute, self._failed = todo, workers, compute, failed
+        self._chances = chances
         self._suspects: deque[Spec] = deque()
         self._deaths: dict[str, int] = {}
 
@@ -128,7 +181,7 @@ class _Queue(Generic[Spec, Row]):
         """Try these again, one at a time; those that had their chances become rows."""
         for spec in lost:
             self._deaths[spec.key] = self._deaths.get(spec.key, 0) + alone
-            if self._deaths[spec.key] >= CHANCES:
-                yield self._failed(spec, f"its worker process died, {CHANCES} times out of {CHANCES}")
+            if self._deaths[spec.key] >= self._chances:
+                yield self._failed(spec, f"its worker process died, {self._chances} times out of {self._chances}")
             else:
                 self._suspects.append(spec)
