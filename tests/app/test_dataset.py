@@ -6,36 +6,11 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from bad_input import refuses
 
 from harness.app.dataset.emps import download_emps
 from harness.app.dataset.machines import dataset_machines, listed
 from harness.cli.main import run
 from harness.core.errors import InputError
-
-BAD = [
-    ("dataset emps", "--from, --download: neither; one of the two is accepted"),
-    ("dataset emps --from a --download b", "--from, --download: both; one of the two is accepted"),
-    ("dataset emps --from nowhere", "nowhere/DATA_EMPS.mat: no such file; a folder with DATA_EMPS.mat and"),
-    ("dataset emps --from .", "DATA_EMPS.mat: sha256 2c26b46b68ff...; the published file, 6cf6814ae146..., is"),
-    ("dataset emps --from . --jobs 2", "--jobs: given with emps, which is one recording; it is accepted with machines"),
-    ("dataset machines", "--from: not given; the folder with the recordings is accepted"),
-    ("dataset machines --download a", "--download: given with machines; --from DIR is accepted"),
-    ("dataset machines --from nowhere", "--from nowhere: no such folder; one with recordings of machines is accepted"),
-    ("dataset machines --from .", "--from .: none of the listed recordings; any of jlefebvre_q2.csv, "),
-    ("dataset emps --download new", "--download: the package nonlinear_benchmarks is not installed; the extra is"),
-]
-
-
-@pytest.mark.parametrize(("line", "message"), BAD, ids=[line for line, _ in BAD])
-def test_bad_input_is_one_line(
-    line: str, message: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
-) -> None:
-    monkeypatch.chdir(tmp_path)
-    monkeypatch.setitem(sys.modules, "nonlinear_benchmarks", None)
-    (tmp_path / "DATA_EMPS.mat").write_text("foo")
-    refuses(line, message, capfd)
-    assert [entry.name for entry in tmp_path.iterdir()] == ["DATA_EMPS.mat"]
 
 
 def test_a_download_goes_where_it_is_said(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -162,47 +162,6 @@ def asked(channels: dict[str, np.ndarray], units: dict[str, str] | None = None, 
     return prepared(Recording(T, channels, "bench.csv", units=units or {}), chosen).warnings
 
 
-@pytest.mark.parametrize(
-    ("channels", "units", "options", "message"),
-    [
-        ({"x": X}, {}, {"restoring": "none"}, "--restoring: none, but no force u is recorded in bench.csv; "),
-        ({"x": X, "u": 0.0 * T}, {}, {"restoring": "none"}, "--restoring: none, but the force u is 0 throughout in "),
-        ({"x": T / 4.0 + X / 100.0}, {}, {}, "bench.csv: channel x: 1 half-cycle; at least 3 are accepted"),
-        ({"x": np.exp(-T)}, {}, {}, "bench.csv: channel x: 1 half-cycle; at least 3 are accepted"),
-        ({"x": np.where(X > 0.0, 0.01, -0.01)}, {}, {}, "bench.csv: channel x: saturated throughout (100 % of its "),
-        (
-            {"x": X, "a": np.sin(23.0 * T)},
-            {},
-            {},
-            "channels x and a: acceleration and displacement do not belong together",
-        ),
-        ({"x": X, "a": A}, {"x": "deg", "a": "g"}, {}, "bench.csv: x in deg with a in g, which cannot belong together"),
-        (
-            {"x": X},
-            {},
-            {"restoring": "pendulum", "zero": "spring"},
-            "--zero: spring with --restoring pendulum; free is",
-        ),
-        ({"x": X}, {}, {"restoring": "rope"}, "--restoring: 'rope'; one of spring, pendulum, none is accepted"),
-        (
-            {"x": X},
-            {},
-            {"horizon": 0.5},
-            "--horizon: given, but bench.csv has no measured force; it is accepted with a",
-        ),
-        ({"x": X}, {}, {"horizon": -1.0}, "--horizon: -1; a number above 0 s is accepted"),
-        ({"x": X}, {}, {"mass": 0.0}, "--mass: 0; a number above 0 kg is accepted"),
-        ({"x": X}, {}, {"zero": "there"}, "--zero: 'there'; one of spring, free is accepted"),
-    ],
-)
-def test_what_cannot_be_diagnosed_is_refused_with_the_reason(
-    channels: dict[str, np.ndarray], units: dict[str, str], options: dict[str, Any], message: str
-) -> None:
-    with pytest.raises(InputError) as caught:
-        asked(channels, units, **options)
-    assert message in str(caught.value)
-
-
 def test_a_unit_off_by_a_thousand_is_a_warning() -> None:
     assert asked({"x": X, "a": A}) == ()
     (said,) = asked({"x": 1e3 * X, "a": A})

@@ -4,12 +4,10 @@ import json
 from pathlib import Path
 
 import pytest
-from click.testing import CliRunner
 
 from harness.app.report.rebuild import rebuild
 from harness.app.run.case import ModelScenario, case_of_json
 from harness.app.run.run import RunOptions, run
-from harness.cli.main import cli
 from harness.core.errors import InputError
 from harness.model import document
 from harness.model.model import Model, ModelTerm, Restoring
@@ -97,18 +95,3 @@ def test_a_free_axis_needs_a_duration(tmp_path: Path) -> None:
     result = run(RunOptions(scenario_of(free, 0.5), presets=("tuned",)), tmp_path / "out")
     assert not [trace.error for trace in result.traces if trace.error]
     assert all((trace.metrics.max_error_m or 0.0) < 1e-3 for trace in result.traces)
-
-
-BAD = [
-    (["--m", "2"], "harness: --model: given with --m 2; the model's own m is accepted"),
-    (["free-decay"], "harness: --model: given with the scenario free-decay; one of the two is accepted"),
-    (["--duration", "-1"], "harness: --duration: -1; a number above 0 s is accepted"),
-]
-
-
-@pytest.mark.parametrize(("more", "message"), BAD, ids=["parameter", "scenario", "duration"])
-def test_what_contradicts_a_model_is_refused(more: list[str], message: str, tmp_path: Path) -> None:
-    file = file_of(MODEL, tmp_path)
-    done = CliRunner().invoke(cli, ["run", "--model", str(file), *more])
-    assert done.exit_code == 2 or isinstance(done.exception, InputError)
-    assert message.removeprefix("harness: ") in (done.output + str(done.exception))

@@ -86,12 +86,3 @@ def test_a_pendulum_is_run_with_exact_events_and_in_radians(tmp_path: Path) -> N
     assert "mrad" in words
     assert "N m/rad" in words
     assert "closed form" not in words
-
-
-@pytest.mark.parametrize(
-    ("word", "model", "scenario"),
-    [("rope", None, None), ("pendulum", Path("m.json"), None), ("pendulum", None, "belt")],
-)
-def test_what_contradicts_a_restoring_force_is_refused(word: str, model: Path | None, scenario: str | None) -> None:
-    with pytest.raises(InputError, match="--restoring"):
-        RunOptions.held(word, model, scenario, {})

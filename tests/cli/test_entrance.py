@@ -50,27 +50,6 @@ def test_the_nearest_name_is_said() -> None:
     assert did_you_mean("", ()) == ""
 
 
-@pytest.mark.parametrize(
-    ("line", "meant"),
-    [
-        (["identfy"], "did you mean identify?"),
-        (["run", "--enigne", "mujoco"], "Did you mean '--engine'?"),
-        (["run", "--engine", "mujco"], "did you mean mujoco?"),
-        (["run", "--engine", "mujco@python"], "did you mean mujoco?"),
-        (["run", "--preset", "tunned"], "did you mean tuned?"),
-        (["run", "hold97"], "did you mean hold-97?"),
-    ],
-)
-def test_a_mistyped_name_is_answered_with_the_nearest(
-    line: list[str], meant: str, capfd: pytest.CaptureFixture[str]
-) -> None:
-    assert run(line) == 2
-    out, err = capfd.readouterr()
-    assert out == ""
-    assert meant in err
-    assert err.count("\n") == 1
-
-
 def test_a_term_engine_preset_and_scenario_say_it_from_python_too() -> None:
     known = "end-stop:positive"
     assert term(known).key == known

@@ -4,12 +4,10 @@ import math
 from dataclasses import replace
 from functools import cache
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
 
-from harness.app.diagnose.options import DiagnoseOptions
 from harness.core.arrays import FloatArray
 from harness.core.errors import InputError
 from harness.core.recording import Recording
@@ -141,21 +139,6 @@ def test_a_covariate_that_says_nothing_is_refused_in_one_line(values: FloatArray
     assert str(error.value).startswith("bench.csv: covariate P: ")
     assert why in str(error.value)
     assert "\n" not in str(error.value)
-
-
-@pytest.mark.parametrize(
-    ("covariates", "more", "why"),
-    [
-        (["P:forse"], {}, "force, friction, damping"),
-        ([":force"], {}, "NAME"),
-        (["P", "P:force"], {}, "P given twice"),
-        (["P"], {"model": Model(1.0, 0.0, 1.0, 0.0)}, "given with --model"),
-    ],
-)
-def test_bad_options_are_refused(covariates: list[str], more: dict[str, Any], why: str) -> None:
-    with pytest.raises(InputError, match="--covariate") as error:
-        DiagnoseOptions.chosen(ReadOptions(), covariates=covariates, **more)
-    assert why in str(error.value)
 
 
 def test_columns_are_read_by_name_in_every_format(tmp_path: Path) -> None:

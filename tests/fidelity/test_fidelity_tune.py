@@ -10,7 +10,6 @@ import pytest
 from jsonschema import Draft202012Validator
 
 from harness.app.sweep.tune import tune
-from harness.core.errors import InputError
 from harness.engines import registry
 from harness.fidelity import tune as room
 from harness.fidelity.paste import paste
@@ -195,20 +194,3 @@ def test_every_choice_of_every_space_is_a_setting_the_engine_has(entry: str) -> 
                 assert axis.values[0] == shipped[axis.name]
             else:
                 assert axis.values[0] == SHIPPED
-
-
-@pytest.mark.parametrize(
-    ("arguments", "message"),
-    [
-        (("bullet",), "engine: 'bullet'; one of dart, drake, mujoco, newton"),
-        (("mujoco", "air"), "--route: 'air'; one of joint, contact, law"),
-        (("mujoco", "joint", 0.0), "--dt: 0; a number above 0 s"),
-        (("mujoco", "joint", 1e-3, -1.0), "--max-cost: -1; a number above 0"),
-        (("dart", "contact"), "engine dart: no table of settings for the contact route; mujoco (joint, contact, law)"),
-        (("mujoco", "joint", 0.5), "--dt 0.5: what ships cannot run at this step"),
-    ],
-)
-def test_bad_input(arguments: tuple[Any, ...], message: str) -> None:
-    with pytest.raises(InputError) as error:
-        tune(*arguments)
-    assert message in str(error.value)

@@ -1,13 +1,11 @@
 """Scenarios by name and parameters, and one that is added."""
 
-import re
 import sys
 from pathlib import Path
 
 import pytest
 
 from harness.app.run.run import RunOptions, run
-from harness.core.errors import InputError
 from harness.core.scenario import FREE_DECAY, Hold
 from harness.engines import registry
 from harness.exact.decay import Decay, schedule
@@ -41,22 +39,6 @@ def test_given_values_take_the_place_of_the_papers() -> None:
 )
 def test_runs_are_long_enough(given: dict[str, float], least: float, most: float) -> None:
     assert least <= chosen("free-decay", given).duration <= most
-
-
-@pytest.mark.parametrize(
-    ("name", "given", "message"),
-    [
-        ("swing", {}, "scenario: 'swing'; free-decay, free-decay-no-friction, hold-50, hold-97, belt, harmonic"),
-        ("hold-97", {"x0": 0.1}, "--x0: 0.1, given with hold-97; m, c, k, f_k, f_s, duration are accepted with it"),
-        ("free-decay-no-friction", {"f_k": 1.0}, "--f-k: 1, given with free-decay-no-friction; m, c, k, x0, v0"),
-        ("hold-50", {"f_k": 0.0}, "--f-k: 0, and nothing holds the slider; friction above 0 is accepted"),
-        ("belt", {"f_s": 3.0}, "belt: no stick-slip (f_s does not exceed f_k)"),
-        ("harmonic", {"duration": -1.0}, "scenario: duration: -1"),
-    ],
-)
-def test_what_a_scenario_does_not_take_is_refused(name: str, given: dict[str, float], message: str) -> None:
-    with pytest.raises(InputError, match=re.escape(message)):
-        chosen(name, given)
 
 
 def test_values_change_what_a_scenario_is_about() -> None:

@@ -5,7 +5,6 @@ import sys
 from pathlib import Path
 
 import pytest
-from bad_input import refuses
 from prove_stub import __file__ as stub
 
 from benchmarks.controls import controls
@@ -15,36 +14,6 @@ from harness.app.prove.prove import ProveOptions, prove
 from harness.app.prove.verify import verify_proof
 from harness.core.errors import HarnessError
 from harness.proof.plan import FULL, SHORT, Sizes
-
-BAD = [
-    ("prove --singles -1", "Invalid value for '--singles': -1 is not in the range x>=0."),
-    (
-        "prove --singles 0 --controls 0 --pairs 0 --outside 0",
-        "--singles, --controls, --pairs, --outside: 0 each; 1 or more of one is accepted",
-    ),
-    ("prove --short --singles 3", "--singles: given with --short; one of the two is accepted"),
-    ("prove --machines --singles 3", "--singles: given with --machines; one of the two is accepted"),
-    ("prove --machines --resume --out x", "--machines: given with --resume; --resume alone is accepted"),
-    ("prove --verify x --machines", "--machines: given with --verify; one of the two is accepted"),
-    ("prove --resume --pairs 3 --out x", "--pairs: given with --resume; one of the two is accepted"),
-    ("prove --resume --short --out x", "--short: given with --resume; --resume alone is accepted"),
-    ("prove --resume", "--resume: given without --out; the folder of the proof to go on with is accepted"),
-    ("prove --resume --out nowhere", "--out nowhere: holds no proof to resume; the folder of one, or no --resume"),
-    ("prove --verify nowhere", "nowhere/transcript.json: no transcript of a proof"),
-    ("prove --verify x --resume", "--resume: given with --verify; one of the two is accepted"),
-    ("prove --verify x --controls 2", "--controls: given with --verify; one of the two is accepted"),
-    ("prove --verify x --out y", "--out: given with --verify; one of the two is accepted"),
-    ("prove --jobs 0", "Invalid value for '--jobs'"),
-]
-
-
-@pytest.mark.parametrize(("line", "message"), BAD, ids=[line for line, _ in BAD])
-def test_bad_input_is_one_line(
-    line: str, message: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
-) -> None:
-    monkeypatch.chdir(tmp_path)
-    refuses(line, message, capfd)
-    assert not any(tmp_path.iterdir())
 
 
 def test_sizes_are_chosen_by_name() -> None:

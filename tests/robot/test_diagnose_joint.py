@@ -6,12 +6,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from click.testing import CliRunner
 
 from harness.app.diagnose.many import diagnose
 from harness.app.diagnose.options import DiagnoseOptions
 from harness.app.diagnose.robot_options import RobotOptions
-from harness.cli.main import cli
 from harness.core.errors import InputError
 from harness.core.recording import Recording
 from harness.core.robot.joint_log import JointLog
@@ -152,34 +150,6 @@ def test_an_effort_that_is_hardly_in_newton_metres_is_said() -> None:
     large = replace(log, effort={name: 1e4 * y for name, y in log.effort.items()})
     assert one_joint(log, reduced(ARM, "shoulder")).warnings == ()
     assert "it is hardly in N m" in one_joint(large, reduced(ARM, "shoulder")).warnings[0]
-
-
-ROBOT = ["--robot", str(FILE)]
-REFUSED = [
-    (["--joint", "elbow"], "--joint: given without --robot"),
-    (["--gravity", "0", "0", "-9.81"], "--gravity: given without --robot"),
-    ([*ROBOT, "--joint", "elbo"], "did you mean elbow?"),
-    ([*ROBOT, "--mass", "3"], "--robot: given with --mass"),
-    ([*ROBOT, "--restoring", "none"], "--robot: given with --restoring"),
-    ([*ROBOT, "--covariate", "T"], "--robot: given with --covariate"),
-    ([*ROBOT, "--gain", "0"], "--gain: 0;"),
-    ([*ROBOT, "--payload", "-1"], "--payload: -1;"),
-    ([*ROBOT, "--payload", "1"], "--payload: given, but one joint alone moves"),
-    ([*ROBOT, "--sensor", "gear"], "--sensor: 'gear'; one of link, motor"),
-    ([*ROBOT, "--gravity", "0", "0", "-981"], "--gravity: -981 m/s^2"),
-    (["--robot", "nowhere.urdf"], "nowhere.urdf: no such file"),
-    ([*ROBOT, "--joint", "elbow"], "1 s; a log of at least 3 s is accepted"),
-]
-
-
-@pytest.mark.parametrize(("given", "said"), REFUSED)
-def test_options_that_do_not_go_together_are_refused_in_one_line(tmp_path: Path, given: list[str], said: str) -> None:
-    log = excited(ARM, {}, ("shoulder",), duration=1.0)
-    exact = replace(log, position={**log.position, "elbow": np.zeros(log.t.size), "base": np.zeros(log.t.size)})
-    write(exact, tmp_path / "log.csv")
-    done = CliRunner().invoke(cli, ["diagnose", str(tmp_path / "log.csv"), *given, "--out", str(tmp_path / "out")])
-    text = done.output + (str(done.exception) if done.exception else "")
-    assert said in text
 
 
 def test_a_log_in_which_all_move_asks_for_the_joint(tmp_path: Path) -> None:

@@ -112,22 +112,3 @@ def test_conditions_that_are_none_are_refused_in_one_line(tmp_path: Path, text: 
     (tmp_path / "days.csv").write_text(text)
     with pytest.raises(InputError, match=said):
         read_conditions(tmp_path / "days.csv")
-
-
-@pytest.mark.parametrize(
-    "given",
-    [
-        ["one.csv", "--conditions", "days.csv", "--robot", str(FILE)],
-        ["one.csv", "--cluster", "tcp://127.0.0.1:1"],
-        ["one.csv", "two.csv", "--conditions", "days.csv"],
-        ["one.csv", "two.csv", "--cluster", "tcp://127.0.0.1:1", "--jobs", "2"],
-    ],
-)
-def test_options_of_several_are_refused_for_one(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, given: list[str], capfd: pytest.CaptureFixture[str]
-) -> None:
-    monkeypatch.chdir(tmp_path)
-    for name in ("one.csv", "two.csv", "days.csv"):
-        Path(name).write_text("t,x\n0,0\n")
-    assert run(["diagnose", *given]) == 2
-    assert len(capfd.readouterr().err.splitlines()) == 1

@@ -115,25 +115,3 @@ def test_a_torque_that_nothing_explains_is_refused_without_an_option(
     assert not found.mechanisms
     assert "does not follow the model's" in found.statement
     assert "Try" not in found.statement
-
-
-@pytest.mark.parametrize(
-    ("option", "named"),
-    [
-        (("--gain", "1,2,3"), "--gain"),
-        (("--gain", "elbow=x"), "--gain"),
-        (("--flip", "wrist"), "--flip"),
-        (("--offset", "elbow"), "--offset"),
-        (("--names", "wrist=elbow"), "--names"),
-    ],
-)
-def test_what_the_log_has_not_is_refused(
-    option: tuple[str, str],
-    named: str,
-    motion: tuple[np.ndarray, ...],
-    tmp_path: Path,
-    capsys: pytest.CaptureFixture[str],
-) -> None:
-    log = _written(tmp_path, *motion)
-    assert run(["diagnose", str(log), "--robot", str(tmp_path / "arm.xml"), "--joint", "elbow", *option]) == 2
-    assert named in capsys.readouterr().err

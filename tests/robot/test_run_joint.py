@@ -7,11 +7,9 @@ from pathlib import Path
 import mujoco
 import numpy as np
 import pytest
-from click.testing import CliRunner
 
 from harness.app.report.rebuild import rebuild
 from harness.app.run.joint import JointRun, run_joint
-from harness.cli.main import cli
 from harness.engines.models import folder
 from harness.fidelity.laws import half_implicit
 from harness.results.run import JointRunResult
@@ -116,23 +114,6 @@ def test_the_copy_and_the_files_are_there(elbow: JointRunResult) -> None:
     assert copy.model.dof_solref[i].tolist() == [-1.0, pytest.approx(-1.9 * 0.9999 / 0.002)]
     assert elbow.reduction.gravity == pytest.approx(reduced(copy, "elbow").gravity)
     assert json.loads(Path(elbow.files["result"]).read_text())["schema"] == "harness.joint/1"
-
-
-REFUSED = [
-    (["belt", "--robot", str(FILE)], "--robot: given with SCENARIO"),
-    (["--m", "3", "--robot", str(FILE)], "--robot: given with --m"),
-    (["--robot", str(FILE)], "--joint: not given"),
-    (["--robot", str(FILE), "--joint", "elbo"], "did you mean elbow?"),
-    (["--robot", str(FILE), "--joint", "elbow", "--engine", "mujco"], "--engine"),
-    (["--joint", "elbow"], "--joint: given without --robot"),
-    (["--robot", "nowhere.xml"], "nowhere.xml: no such file"),
-]
-
-
-@pytest.mark.parametrize(("given", "said"), REFUSED)
-def test_what_cannot_be_run_is_refused_in_one_line(tmp_path: Path, given: list[str], said: str) -> None:
-    done = CliRunner().invoke(cli, ["run", *given, "--out", str(tmp_path / "out")])
-    assert said in done.output + (str(done.exception) if done.exception else "")
 
 
 def test_the_result_is_valid_by_its_schema(elbow: JointRunResult) -> None:

@@ -3,13 +3,10 @@
 from pathlib import Path
 
 import mujoco
-import numpy as np
 import pytest
-from click.testing import CliRunner
 from lxml import etree
 
 from harness.app.sweep.tune import TuneJoint, tune_joint
-from harness.cli.main import cli
 from harness.core.errors import InputError
 from harness.engines.models import folder
 from harness.fidelity import tune as room
@@ -53,18 +50,3 @@ def test_a_joint_without_dry_friction_is_refused_in_one_line(tmp_path: Path) -> 
     file.write_text(FILE.read_text().replace('frictionloss="0.3"', ""))
     with pytest.raises(InputError, match="no dry friction"):
         tune_joint("mujoco", TuneJoint(file, "elbow"))
-
-
-@pytest.mark.parametrize(
-    ("given", "said"),
-    [
-        (["--joint", "elbow"], "given without --robot"),
-        (["--robot", str(FILE), "--route", "contact"], "joint is accepted with it"),
-        (["--robot", str(FILE)], "--joint: not given"),
-        (["--robot", str(FILE), "--joint", "elbo"], "did you mean"),
-    ],
-)
-def test_options_that_do_not_go_together_are_refused(given: list[str], said: str) -> None:
-    ended = CliRunner().invoke(cli, ["tune", "mujoco", *given])
-    assert np.isin(ended.exit_code, (1, 2))
-    assert said in f"{ended.output} {ended.exception}"
