@@ -1,6 +1,5 @@
 """Whether the other joints stand still in a log: the torque that their motion puts on one joint."""
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Literal
 
@@ -10,8 +9,8 @@ from harness.core.arrays import FloatArray
 from harness.core.robot.joint_log import JointLog
 from harness.robot.arm import Arm
 from harness.robot.reduction import Reduced, reduced
-from harness.robot.slips import check_joint, moves
-from harness.robot.smooth import Even
+from harness.robot.slips import check_joint
+from harness.robot.smooth import Even, moving
 
 QUARTER = 0.25
 """Of the mean square that the joint's own equation leaves: as long as the others take less of it off, half of its rms,
@@ -52,39 +51,24 @@ def coupling(arm: Arm, log: JointLog, joint: str) -> Coupling:
     check_joint(arm, log, joint)
     at, others = arm.index(joint), [name for name in arm.joints if name != joint and name in log.position]
     own = reduced(arm, joint, {name: float(np.mean(log.position[name])) for name in others})
-    those = tuple(name for name in others if moves(log.position[name]))
+    those = tuple(name for name in moving(arm, log) if name != joint)
     even = Even.of(log.t)
-    inside = even.settled
-    thin = slice(inside.start, inside.stop, max(1, (inside.stop - inside.start) // _MOST))
-    q = np.tile([own.held.get(name, 0.0) for name in arm.joints], (even.t[thin].size, 1))
-    v, a = np.zeros_like(q), np.zeros_like(q)
-    for name in (*those, joint):
-        i, low = arm.index(name), even.low(log.t, log.position[name])
-        speed = even.slope(low)
-        q[:, i], v[:, i], a[:, i] = low[thin], speed[thin], even.slope(speed)[thin]
+    thin = even.settled(_MOST)
+    still = np.array([own.held.get(name, 0.0) for name in arm.joints])
+    q, v, a = (y[thin] for y in even.motion(arm, log, still, (*those, joint)))
     alone = own.torque(q[:, at], a[:, at])
     extra = arm.inverse(q, v, a)[:, at] - alone if those else np.zeros(alone.size)
     effort = even.low(log.t, log.effort[joint])[thin] if joint in log.effort else np.zeros(alone.size)
     fast = np.abs(v[:, at]) > _MOVING * float(np.max(np.abs(v[:, at])))
-    columns = _columns({"q": q[:, at], "v": v[:, at], "a": a[:, at]}, joint in log.effort)
+    # what friction, damping, gravity and, if it is driven, inertia make of the motion
+    angle, speed, driven = q[:, at], v[:, at], [a[:, at]] if joint in log.effort else []
+    columns = np.column_stack((speed, np.sign(speed), np.sin(angle), np.cos(angle), np.ones(angle.size), *driven))
     left = _left((effort - alone)[fast], columns[fast])
     less = _left((effort - alone)[fast], np.column_stack((columns, extra))[fast]) if those else left
     # where the model does not go together with the log, the others' torque explains nothing and is there all the same
     size = _left(extra[fast], columns[fast]) if those else 0.0
     share = max(1.0 - (less / left) ** 2, min((size / left) ** 2, 1.0)) if left > 0.0 else 1.0
     return Coupling(float(np.sqrt(np.mean(extra**2))), left, share, those, own)
-
-
-def moving(arm: Arm, log: JointLog) -> tuple[str, ...]:
-    """Joints of the model that move in a log."""
-    return tuple(name for name in arm.joints if name in log.position and moves(log.position[name]))
-
-
-def _columns(motion: Mapping[str, FloatArray], driven: bool) -> FloatArray:
-    """What friction, damping, gravity and, if it is driven, inertia make of a motion, (n, q)."""
-    q, v = motion["q"], motion["v"]
-    columns = [v, np.sign(v), np.sin(q), np.cos(q), np.ones(q.size), *([motion["a"]] if driven else [])]
-    return np.column_stack(columns)
 
 
 def _left(torque: FloatArray, columns: FloatArray) -> float:

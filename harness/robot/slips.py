@@ -4,7 +4,6 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.ndimage import maximum_filter1d, minimum_filter1d
 
 from harness.core.arrays import FloatArray
 from harness.core.errors import InputError, did_you_mean
@@ -12,18 +11,10 @@ from harness.core.quantity import Quantity
 from harness.core.robot.joint_log import JointLog
 from harness.robot.arm import Arm
 from harness.robot.reduction import Reduced
+from harness.robot.smooth import noise_of, rests
 
 _MANY_TURNS = 20.0
 """rad: a hinge with stops that is farther out was logged in degrees."""
-STILL = 3.0
-"""Times its noise within which a joint's position scatters where it stands still."""
-_NOWHERE = 1e-6
-"""rad or m: less than the finest encoder resolves is no motion, whatever the digits of a log say."""
-
-
-def moves(y: FloatArray) -> bool:
-    """Whether a position (n,) does more than scatter about its mean."""
-    return float(np.std(y)) > max(STILL * noise_of(y), _NOWHERE)
 
 
 def check_joint(arm: Arm, log: JointLog, joint: str) -> None:
@@ -47,15 +38,6 @@ def check_joint(arm: Arm, log: JointLog, joint: str) -> None:
                 found,
                 "rad is accepted; this looks like degrees, try: --angle-unit deg",
             )
-
-
-def noise_of(y: FloatArray) -> float:
-    """Standard deviation of a position's noise, its steps included, in its own unit."""
-    steps = np.abs(np.diff(y))
-    smallest = float(np.min(steps[steps > 0.0], initial=math.inf))
-    step = smallest / math.sqrt(12.0) if math.isfinite(smallest) else 0.0
-    second = np.diff(y, 2)
-    return max(float(np.median(np.abs(second))) / (0.6745 * math.sqrt(6.0)), step)
 
 
 _NOISES = 3.0
@@ -96,9 +78,7 @@ def slips(log: JointLog, own: Reduced) -> Slips | None:
     within = 2.0 * _NOISES * noise_of(q)
     step = float(np.median(np.diff(log.t)))
     width = max(int(_REST / step), 2)
-    flat = maximum_filter1d(q, width) - minimum_filter1d(q, width) <= within
-    edges = np.flatnonzero(np.diff(np.concatenate(([0], flat.astype(np.int8), [0]))))
-    first, last = np.maximum(edges[::2] - width // 2, 0), np.minimum(edges[1::2] - 1 + width // 2, q.size - 1)
+    first, last = rests(q, within, width)
     if not first.size:
         return None
     held = effort - own.load(q)

@@ -10,10 +10,10 @@ from scipy.signal import lfilter
 from scipy.stats import chi2
 
 from harness.core.arrays import FloatArray
+from harness.robot.smooth import white_sd
 from harness.robot.whole_arm.design import evidence, looks
-from harness.robot.whole_arm.differentiate import Band
-from harness.robot.whole_arm.noise import Noise, Stretches, white_level
-from harness.robot.whole_arm.prepare import reversals, widened
+from harness.robot.whole_arm.differentiate import Band, reversals, widened
+from harness.robot.whole_arm.noise import Noise, Stretches
 
 BAND = Band(15.0, 10_001, 1000.0)
 T = np.arange(BAND.size) / BAND.rate
@@ -98,8 +98,7 @@ def test_depth_counts_from_each_gap() -> None:
 
 def test_white_noise_of_a_record_is_found_beside_its_motion() -> None:
     rng = np.random.default_rng(4)
-    level = white_level(3.0 * np.sin(2.0 * T) + 0.02 * rng.standard_normal(T.size), 1000.0)
-    assert level == pytest.approx(2.0 * 0.02**2 / 1000.0, rel=0.1)
+    assert white_sd(3.0 * np.sin(2.0 * T) + 0.02 * rng.standard_normal(T.size)) == pytest.approx(0.02, rel=0.05)
 
 
 @given(st.floats(1.0, 900.0), st.integers(1, 8))

@@ -36,14 +36,14 @@ from harness.robot.whole_arm.columns import (
     WHICH_IS_LATE,
 )
 from harness.robot.whole_arm.perturb import moving_bodies, tilted, with_load, with_mass, without_armature
-from harness.robot.whole_arm.result import Grade, ModelError, WholeArm
+from harness.robot.whole_arm.result import Entry, Grade, WholeArm
 from harness.robot.whole_arm.turning import BACKLASH, PRESLIDING, STATIC, bristles
 from harness.robot.whole_arm.whole import whole_arm
 
 FACTORS = (0.9, 1.1, 1.1, 0.9, 1.1, 0.9, 1.1)
 
 
-def only(found: WholeArm, name: str, joint: str | None = None) -> ModelError:
+def only(found: WholeArm, name: str, joint: str | None = None) -> Entry:
     assert found.named == ((name, joint),)
     return found.model[0]
 

@@ -2,7 +2,7 @@
 
 import logging
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -37,7 +37,7 @@ from harness.robot.arm import Arm
 from harness.robot.match.compared import Compared, Match
 from harness.robot.paste import JointPaste, copies
 from harness.robot.reduction import reduced
-from harness.robot.whole_arm.result import Effect, JointFriction, ModelError, WholeArm
+from harness.robot.whole_arm.result import Entry, JointFriction, WholeArm
 from harness.robot.whole_arm.rules import EXPLAINED
 from harness.robot.whole_arm.whole import whole_arm
 
@@ -139,18 +139,12 @@ def _paste(arms: Arms) -> JointPaste:
     return JointPaste(arms.joint.joint, f_k, c, float(arms.arm.armature[i]), float(arms.arm.model.opt.timestep))
 
 
-def _entries(found: WholeArm) -> Iterator[EntryResult]:
-    for joint in found.joints:
-        yield from (_entry(effect, "friction", joint.joint, "") for effect in joint.effects)
-    yield from (_entry(error, "model", error.joint, error.partner) for error in found.model)
-
-
-def _entry(one: Effect | ModelError, family: str, joint: str | None, partner: str) -> EntryResult:
+def _entry(one: Entry, family: str) -> EntryResult:
     return EntryResult(
         name=one.name,
         family=family,
-        joint=joint,
-        partner=partner or one.pair,
+        joint=one.joint,
+        partner=one.partner or one.pair,
         grade=one.grade.value,
         share=one.share,
         evidence=one.evidence,
@@ -162,7 +156,8 @@ def _entry(one: Effect | ModelError, family: str, joint: str | None, partner: st
 
 def _result(arms: Arms, paste: JointPaste, command: str, files: dict[str, str]) -> DiagnosisResult:
     joint, found, log = arms.joint, arms.found, arms.log
-    every = list(_entries(found))
+    every = [_entry(effect, "friction") for one in found.joints for effect in one.effects]
+    every += [_entry(error, "model") for error in found.model]
     own = [one for one in every if one.joint in (joint.joint, None)]
     mechanisms = [_mechanism(one, found.seconds, joint.samples) for one in sorted(own, key=lambda one: -one.share)]
     verdict = _verdict(joint, own)

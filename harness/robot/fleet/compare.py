@@ -12,7 +12,7 @@ import numpy as np
 
 from harness.core.arrays import FloatArray
 from harness.core.quantity import Quantity
-from harness.robot.whole_arm.rules import Rule
+from harness.diagnosis.rules import Rule
 
 CHANCE = Rule(
     "fleet-chance",

@@ -1,6 +1,6 @@
 """Every number that decides whether a log and a model go together."""
 
-from harness.robot.whole_arm.rules import Rule
+from harness.diagnosis.rules import Rule
 
 _ORIGIN = "python -m benchmarks.robot_calibrate --only match"
 CORRELATED = Rule(

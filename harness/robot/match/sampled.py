@@ -8,8 +8,7 @@ from harness.core.arrays import BoolArray, FloatArray, IntArray
 from harness.core.robot.joint_log import JointLog
 from harness.robot.arm import Arm
 from harness.robot.match.rules import CORRELATED
-from harness.robot.slips import moves
-from harness.robot.smooth import Even
+from harness.robot.smooth import Even, moving
 
 _SAMPLES = 2500
 _MOVING = 0.05
@@ -35,17 +34,9 @@ class Sampled:
     def of(cls, arm: Arm, log: JointLog) -> "Sampled":
         """At some 2500 times; joints that are not logged stand at the model's reference."""
         even = Even.of(log.t)
-        inside = even.settled
-        thin = slice(inside.start, inside.stop, max(1, (inside.stop - inside.start) // _SAMPLES))
-        q = np.tile(np.asarray(arm.model.qpos0, dtype=np.float64), (even.t[thin].size, 1))
-        v, a = np.zeros_like(q), np.zeros_like(q)
-        for i, name in enumerate(arm.joints):
-            if name in log.position:
-                low = even.low(log.t, log.position[name])
-                speed = even.slope(low)
-                q[:, i], v[:, i], a[:, i] = low[thin], speed[thin], even.slope(speed)[thin]
-        going = [name for name in arm.joints if name in log.position and moves(log.position[name])]
-        joints = tuple(name for name in going if name in log.effort)
+        thin = even.settled(_SAMPLES)
+        q, v, a = (y[thin] for y in even.motion(arm, log, np.asarray(arm.model.qpos0, dtype=np.float64)))
+        joints = tuple(name for name in moving(arm, log) if name in log.effort)
         torque = [even.low(log.t, log.effort[name])[thin] for name in joints]
         dof = tuple(arm.joints.index(name) for name in joints)
         return cls(joints, dof, q, v, a, np.column_stack(torque) if torque else np.empty((q.shape[0], 0)))

@@ -54,17 +54,11 @@ def drive_of(arm: Arm, log: JointLog, joint: str, held: Mapping[str, float], off
     A joint without an effort swings freely.
     """
     even = Even.of(log.t)
-    inside = even.t[even.settled]
+    inside = even.t[even.settled()]
     dt = float(arm.model.opt.timestep)
     t = np.arange(float(inside[0]), float(inside[-1]), dt)
-    q = np.tile([held.get(name, float(arm.model.qpos0[i])) for i, name in enumerate(arm.joints)], (t.size, 1))
-    v, a = np.zeros_like(q), np.zeros_like(q)
-    for i, name in enumerate(arm.joints):
-        if name in log.position:
-            low = even.low(log.t, log.position[name])
-            speed = even.slope(low)
-            for into, of in ((q, low), (v, speed), (a, even.slope(speed))):
-                into[:, i] = np.interp(t, even.t, of)
+    still = np.array([held.get(name, float(arm.model.qpos0[i])) for i, name in enumerate(arm.joints)])
+    q, v, a = (np.column_stack([np.interp(t, even.t, one) for one in y.T]) for y in even.motion(arm, log, still))
     u = np.zeros(t.size)
     if joint in log.effort:
         u = np.interp(t + 0.5 * dt, log.t, log.effort[joint]) - offset

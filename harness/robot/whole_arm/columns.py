@@ -31,82 +31,80 @@ from harness.robot.whole_arm.rules import (
     TILT_SPREAD,
 )
 
-FRICTION, MODEL = "friction", "model"
+STRIBECK, LOAD, RIPPLE = stribeck.TERM.name, load_dependent_friction.TERM.name, force_ripple.TERM.name
+POSITION, ASYMMETRIC = position_dependent_friction_cosine.TERM.name, asymmetric_viscous.TERM.name
+QUADRATIC, DRIFT = quadratic_drag.TERM.name, friction_drift.TERM.name
+INERTIA, PAYLOAD, MOTOR, DELAY = "inertia-error", "payload", "motor-constant", "torque-delay"
+SENSOR, TILT, ARMATURE = "sensor-side", "tilt", "armature-error"
 
+LOAD_OR_POSITION = "load- or position-dependent friction of a gravity joint"
+SCALE_OR_MASS = "scale of torque against mass"
+MASS_AT_END = "extra mass at the end"
+ROTOR_OR_AXIS = "armature or inertia about the axis"
+WHICH_IS_LATE = "which of position and torque is late"
+ROTOR_OR_SENSOR = "side of the sensor or a rotor's inertia"
+ERRORS = {
+    INERTIA: (MOTOR, SCALE_OR_MASS),
+    PAYLOAD: ("mass of the last link", MASS_AT_END),
+    MOTOR: (INERTIA, SCALE_OR_MASS),
+    DELAY: ("early position", WHICH_IS_LATE),
+    SENSOR: (ARMATURE, ROTOR_OR_SENSOR),
+    TILT: ("", ""),
+    ARMATURE: ("inertia of the link about the axis", ROTOR_OR_AXIS),
+}
+"""Of an error of the model or of the torque's record: what it can never be told from, and both as one pair."""
 
-@dataclass(frozen=True, slots=True)
-class Setting:
-    """values : what is not linear in the columns, by name and unit (("v_s", "rad/s", .1), ...); may be empty.
-
-    given : its columns, or what makes them where there are too many settings to keep.
-    """
-
-    values: tuple[tuple[str, str, float], ...]
-    given: dict[int, FloatArray] | Callable[[], dict[int, FloatArray]]
-
-    @property
-    def columns(self) -> dict[int, FloatArray]:
-        """By joint, (m, c) torque for one unit of each of c numbers; joints it does not touch are left out."""
-        return self.given if isinstance(self.given, dict) else self.given()
+Columns = dict[int, FloatArray]
+"""By joint, (m, c) torque for one unit of each of c numbers; joints that it does not touch are left out."""
 
 
 @dataclass(frozen=True, slots=True)
 class Candidate:
     """One thing that may be missing.
 
-    name : as results call it. family : FRICTION or MODEL. joint : the one it is of, None for the whole arm. settings :
-    all with the same number of columns. numbers : name and unit of what multiplies each column. spread (c,) : standard
-    deviation expected of each number beforehand, inf where anything goes. partner, pair : what it can never be told
-
+    name : as results call it. joint : the one it is of, None for the whole arm. torque : its columns at a value of what
+    is not linear in them. numbers : name and unit of what multiplies each column. spread (c,) : standard deviation
+    expected of each number beforehand, inf where anything goes. what : name and unit of the value, if there is one.
+    values : those that are tried. smooth : the columns go with the value without a jump. looks : independent values
+    that this one is the best of, where it was chosen among them and polished.
     """
 
     name: str
-    family: str
     joint: int | None
-    settings: tuple[Setting, ...]
+    torque: Callable[[float], Columns]
     numbers: tuple[tuple[str, str], ...]
     spread: FloatArray
-    partner: str = ""
-    pair: str = ""
-    shape: Callable[[float], FloatArray] | None = None
+    what: tuple[str, str] | None = None
+    values: tuple[float, ...] = (0.0,)
+    smooth: bool = True
     looks: float = 1.0
-    """Independent settings that this one is the best of, where it was chosen among them and polished."""
 
     @property
     def key(self) -> tuple[str, int | None]:
         """What tells it from the others."""
         return self.name, self.joint
 
-    def around(self, setting: int, value: float, numbers: FloatArray, looks: float) -> "Candidate":
-        """The candidate at one value near a setting of its own, with a further column: what a step of value changes.
+    @property
+    def of_friction(self) -> bool:
+        """Whether it is a law of a joint's friction, and no error beside."""
+        return self.name not in ERRORS
 
-        numbers (c,) : of the columns at that value; the further number is the step. looks : settings it was among.
+    def around(self, value: float, numbers: FloatArray, looks: float) -> "Candidate":
+        """The candidate at one value, with a further column: what a step of that changes.
+
+        numbers (c,) : of the columns at that value; the further number is the step. looks : values it was among.
         """
-        assert self.shape is not None
-        (joint,) = self.settings[setting].columns
-        ((what, unit, _),) = self.settings[setting].values
+        assert self.what is not None
         step = _STEP * value
-        slope = (self.shape(value + step) - self.shape(value - step)) @ numbers / (2.0 * step)
-        columns = np.column_stack((self.shape(value), slope))
-        at = Setting(((what, unit, value),), {joint: columns})
-        more, spread = (*self.numbers, (what, unit)), np.append(self.spread, np.inf)
-        return replace(self, settings=(at,), numbers=more, spread=spread, looks=looks)
+        ((joint, at),) = self.torque(value).items()
+        slope = (self.torque(value + step)[joint] - self.torque(value - step)[joint]) @ numbers / (2.0 * step)
+        columns = {joint: np.column_stack((at, slope))}
+        more, spread = (*self.numbers, self.what), np.append(self.spread, np.inf)
+        return replace(self, torque=lambda _: columns, numbers=more, spread=spread, values=(value,), looks=looks)
 
 
 _STEP = 1e-3
 """Share of a value by which it is moved to see what it changes."""
-
-
-def free(count: int) -> FloatArray:
-    """Of numbers about which nothing is expected."""
-    return np.full(count, np.inf)
-
-
-STRIBECK, LOAD, RIPPLE = stribeck.TERM.name, load_dependent_friction.TERM.name, force_ripple.TERM.name
-POSITION, ASYMMETRIC = position_dependent_friction_cosine.TERM.name, asymmetric_viscous.TERM.name
-QUADRATIC, DRIFT = quadratic_drag.TERM.name, friction_drift.TERM.name
-
-LOAD_OR_POSITION = "load- or position-dependent friction of a gravity joint"
 _SPEEDS = 10
 """Stribeck speeds that are tried."""
 _NOTHING = 1e-9
@@ -119,11 +117,27 @@ def signs(v: FloatArray) -> FloatArray:
     return np.asarray(np.clip(v / np.maximum(change, 1e-300), -1.0, 1.0))
 
 
-def base_columns(filtered: Filtered, joint: int) -> FloatArray:
-    """Coulomb, viscous, offset (m, 3) of a joint."""
-    dof = filtered.dof[joint]
-    sign = filtered.column(signs(filtered.v_fine[:, dof]), jumps=True)
-    return np.stack((sign, filtered.v[:, dof], np.ones_like(sign)), axis=1)
+def of_friction(
+    name: str, joint: int, numbers: tuple[tuple[str, str], ...], columns: FloatArray | Callable[[float], FloatArray],
+    what: tuple[str, str] | None = None, values: FloatArray | None = None, smooth: bool = True,
+) -> Candidate:  # fmt: skip
+    """A law of a joint's friction, of whose numbers nothing is expected. columns : (m, c), or what makes them."""
+    tried = (0.0,) if values is None else tuple(values.tolist())
+    made = columns if callable(columns) else lambda _: columns
+    return Candidate(
+        name, joint, lambda value: {joint: made(value)}, numbers, np.full(len(numbers), np.inf), what, tried, smooth
+    )
+
+
+def fall_with_speed(name: str, filtered: Filtered, joint: int, speeds: FloatArray) -> Candidate:
+    """Friction that is higher at rest and falls with speed."""
+    v = filtered.v_fine[:, filtered.dof[joint]]
+    sign = signs(v)
+
+    def fallen(v_s: float) -> FloatArray:
+        return filtered.column((sign * np.exp(-((v / v_s) ** 2)))[:, None], jumps=True)
+
+    return of_friction(name, joint, (("f_s - f_c", "N m"),), fallen, ("v_s", "rad/s"), speeds)
 
 
 def friction_candidates(filtered: Filtered, joint: int, gravity: FloatArray, kept: BoolArray) -> Iterator[Candidate]:
@@ -132,66 +146,35 @@ def friction_candidates(filtered: Filtered, joint: int, gravity: FloatArray, kep
     q, v = filtered.q_fine[:, dof], filtered.v_fine[:, dof]
     sign, time = signs(v), (filtered.t_fine - filtered.t_fine[0]) / filtered.seconds - 0.5
 
-    def one(*columns: FloatArray, jumps: bool = True) -> tuple[Setting, ...]:
-        return (Setting((), {joint: filtered.column(np.stack(columns, axis=1), jumps)}),)
+    def one(name: str, number: str, unit: str, column: FloatArray, jumps: bool = False) -> Candidate:
+        return of_friction(name, joint, ((number, unit),), filtered.column(column[:, None], jumps))
 
     slow = np.abs(filtered.v[kept, dof])
-    if slow.size:
-        least, most = np.quantile(slow, COVERED.value), np.quantile(slow, 0.7)
-        speeds = np.geomspace(least, most, _SPEEDS) if least > 0.0 else np.empty(0)
-
-        def fallen(v_s: float) -> FloatArray:
-            return filtered.column((sign * np.exp(-((v / v_s) ** 2)))[:, None], jumps=True)
-
-        settings = tuple(Setting((("v_s", "rad/s", float(v_s)),), {joint: fallen(float(v_s))}) for v_s in speeds)
-        if settings:
-            yield Candidate(STRIBECK, FRICTION, joint, settings, (("f_s - f_c", "N m"),), free(1), shape=fallen)
+    if slow.size and (least := np.quantile(slow, COVERED.value)) > 0.0:
+        yield fall_with_speed(STRIBECK, filtered, joint, np.geomspace(least, np.quantile(slow, 0.7), _SPEEDS))
     if np.ptp(gravity) > _NOTHING:
-        load = one(sign * np.abs(gravity))
-        yield Candidate(LOAD, FRICTION, joint, load, (("share of load", "1"),), free(1))
-    yield Candidate(
-        ASYMMETRIC, FRICTION, joint, one(np.abs(v), jumps=False), (("half difference", "N m s/rad"),), free(1)
-    )
-    yield Candidate(QUADRATIC, FRICTION, joint, one(v * np.abs(v), jumps=False), (("c_2", "N m s^2/rad^2"),), free(1))
-    numbers = (("rise of Coulomb", "N m"), ("rise of viscous", "N m s/rad"))
-    yield Candidate(DRIFT, FRICTION, joint, one(sign * time, v * time), numbers, free(2))
+        yield one(LOAD, "share of load", "1", sign * np.abs(gravity), jumps=True)
+    yield one(ASYMMETRIC, "half difference", "N m s/rad", np.abs(v))
+    yield one(QUADRATIC, "c_2", "N m s^2/rad^2", v * np.abs(v))
+    rising = filtered.column(np.stack((sign * time, v * time), axis=1), jumps=True)
+    yield of_friction(DRIFT, joint, (("rise of Coulomb", "N m"), ("rise of viscous", "N m s/rad")), rising)
     span = float(np.ptp(filtered.q[:, dof]))
     if span > 0.0:
         typical = float(np.median(np.abs(filtered.v[:, dof])))
         fastest = min(FASTEST_RIPPLE.value, math.pi * filtered.band.lowpass / max(typical, 1e-9))
-        step = math.pi / (2.0 * span)
-        waves = np.arange(max(SLOWEST_RIPPLE.value, 2.0 * math.pi / span), fastest, step)
-        yield from _of_waves(RIPPLE, filtered, joint, np.ones_like(sign), q, waves)
-        yield from _of_waves(POSITION, filtered, joint, sign, q, np.arange(step, fastest, step))
+        step, middle = math.pi / (2.0 * span), (np.max(q) + np.min(q)) / 2.0
+        slowest = {RIPPLE: max(SLOWEST_RIPPLE.value, 2.0 * math.pi / span), POSITION: step}
 
+        def waved(wave: float, by: FloatArray | float, jumps: bool) -> FloatArray:
+            angle = wave * (q - middle)
+            return filtered.column(np.stack((by * np.sin(angle), by * np.cos(angle)), axis=1), jumps)
 
-def _of_waves(
-    name: str, filtered: Filtered, joint: int, by: FloatArray, q: FloatArray, waves: FloatArray
-) -> Iterator[Candidate]:
-    """Sine and cosine of the position at every wave number, 1/rad, times ``by`` (M,)."""
-    if not waves.size:
-        return
-    middle = (np.max(q) + np.min(q)) / 2.0
+        made = {RIPPLE: lambda wave: waved(wave, 1.0, False), POSITION: lambda wave: waved(wave, sign, True)}
+        for name, columns in made.items():
+            if (waves := np.arange(slowest[name], fastest, step)).size:
+                numbers = ("sine", "N m"), ("cosine", "N m")
+                yield of_friction(name, joint, numbers, columns, ("wave", "1/rad"), waves)
 
-    def waved(wave: float) -> FloatArray:
-        angle = wave * (q - middle)
-        return filtered.column(np.stack((by * np.sin(angle), by * np.cos(angle)), axis=1), jumps=name == POSITION)
-
-    def at(wave: float) -> Setting:
-        return Setting((("wave", "1/rad", wave),), lambda: {joint: waved(wave)})
-
-    settings = tuple(at(float(wave)) for wave in waves)
-    yield Candidate(name, FRICTION, joint, settings, (("sine", "N m"), ("cosine", "N m")), free(2), shape=waved)
-
-
-INERTIA, PAYLOAD, MOTOR, DELAY = "inertia-error", "payload", "motor-constant", "torque-delay"
-SENSOR, TILT, ARMATURE = "sensor-side", "tilt", "armature-error"
-
-SCALE_OR_MASS = "scale of torque against mass"
-MASS_AT_END = "extra mass at the end"
-ROTOR_OR_AXIS = "armature or inertia about the axis"
-WHICH_IS_LATE = "which of position and torque is late"
-ROTOR_OR_SENSOR = "side of the sensor or a rotor's inertia"
 
 _MODEL_STEP, _TURN, _BESIDE = 0.1, 0.01, 0.05
 """kg, rad and m: how far the model is moved to see what a load, a tilt and a place change; all but linear in them."""
@@ -202,62 +185,41 @@ def model_candidates(
 ) -> Iterator[Candidate]:
     """Errors of the model and of the torque's record that stand beside friction."""
     rigid = arm.inverse(filtered.q, filtered.v, filtered.a)
-    joints, dofs = range(len(filtered.dof)), np.array(filtered.dof)
+    dofs = np.array(filtered.dof)
 
-    def by_joint(columns: FloatArray) -> dict[int, FloatArray]:
-        return {j: np.ascontiguousarray(columns[:, j]) for j in joints}
+    def error(
+        name: str, columns: FloatArray, spread: float | list[float], *numbers: tuple[str, str], of: int | None = None
+    ) -> Candidate:
+        """columns (m, k, c), or (m, c) of one joint."""
+        own = {of: columns} if of is not None else {j: columns[:, j].copy() for j in range(dofs.size)}
+        return Candidate(name, of, lambda _: own, numbers, np.broadcast_to(spread, len(numbers)))
 
     def changed(other: Arm, step: float) -> FloatArray:
         return np.asarray((other.inverse(filtered.q, filtered.v, filtered.a) - rigid)[:, dofs] / step)
 
-    yield from _masses(arm, changed, by_joint)
+    bodies = moving_bodies(arm)
+    masses = np.stack([changed(with_mass(arm, body, 1.0 + _MODEL_STEP), _MODEL_STEP) for body in bodies], axis=2)
+    names = [(arm.model.body(body).name or f"body {body}", "1") for body in bodies]
+    yield error(INERTIA, masses, MASS_SPREAD.value, *names)
     if not payload_known:
         middle = changed(with_load(arm, _MODEL_STEP), _MODEL_STEP)
         beside = [changed(with_load(arm, _MODEL_STEP, _BESIDE * axis), _MODEL_STEP) - middle for axis in np.eye(3)]
         columns = np.stack((middle, *(c / _BESIDE for c in beside)), axis=2)
-        numbers = (("mass", "kg"), *((f"moment {axis}", "kg m") for axis in "xyz"))
-        spread = np.array([LOAD_SPREAD.value, *[MOMENT_SPREAD.value] * 3])
-        partner = "mass of the last link"
-        settings = (Setting((), by_joint(columns)),)
-        yield Candidate(PAYLOAD, MODEL, None, settings, numbers, spread, partner, MASS_AT_END)
+        moments = [(f"moment {axis}", "kg m") for axis in "xyz"]
+        spread = [LOAD_SPREAD.value, *[MOMENT_SPREAD.value] * 3]
+        yield error(PAYLOAD, columns, spread, ("mass", "kg"), *moments)
     turned = np.stack([changed(tilted(arm, _TURN, axis), _TURN) for axis in (0, 1)], axis=2)
     if np.max(np.abs(turned)) > _NOTHING:
-        numbers = (("about x", "rad"), ("about y", "rad"))
-        yield Candidate(TILT, MODEL, None, (Setting((), by_joint(turned)),), numbers, np.full(2, TILT_SPREAD.value))
+        yield error(TILT, turned, TILT_SPREAD.value, ("about x", "rad"), ("about y", "rad"))
     late = -np.gradient(rigid[:, dofs], 1.0 / filtered.out.rate, axis=0)[:, :, None]
-    settings = (Setting((), by_joint(late)),)
-    yield Candidate(
-        DELAY, MODEL, None, settings, (("delay", "s"),), np.full(1, DELAY_SPREAD.value), "early position", WHICH_IS_LATE
-    )
+    yield error(DELAY, late, DELAY_SPREAD.value, ("delay", "s"))
     if not sensor_known and np.any(arm.armature[dofs] > 0.0):
-        unseen = -(arm.armature * filtered.a)[:, dofs][:, :, None]
-        settings = (Setting((), by_joint(unseen)),)
-        share = (("share of rotors unseen", "1"),)
-        yield Candidate(SENSOR, MODEL, None, settings, share, np.ones(1), ARMATURE, ROTOR_OR_SENSOR)
+        unseen = -(arm.armature * filtered.a)[:, dofs, None]
+        yield error(SENSOR, unseen, 1.0, ("share of rotors unseen", "1"))
+    gain = GAIN_SPREAD.value, ("gain - 1", "1")
     for j, dof in enumerate(filtered.dof):
-        about = {j: filtered.a[:, dof : dof + 1]}
-        numbers = (("inertia", "kg m^2"),)
-        partner = "inertia of the link about the axis"
-        yield Candidate(ARMATURE, MODEL, j, (Setting((), about),), numbers, free(1), partner, ROTOR_OR_AXIS)
+        yield error(ARMATURE, filtered.a[:, dof : dof + 1], np.inf, ("inertia", "kg m^2"), of=j)
         if not gain_known:
-            more = (Setting((), {j: rigid[:, dof : dof + 1]}),)
-            yield Candidate(
-                MOTOR, MODEL, j, more, (("gain - 1", "1"),), np.full(1, GAIN_SPREAD.value), INERTIA, SCALE_OR_MASS
-            )
+            yield error(MOTOR, rigid[:, dof : dof + 1], *gain, of=j)
     if not gain_known:
-        more = (Setting((), by_joint(rigid[:, dofs, None])),)
-        yield Candidate(
-            MOTOR, MODEL, None, more, (("gain - 1", "1"),), np.full(1, GAIN_SPREAD.value), INERTIA, SCALE_OR_MASS
-        )
-
-
-def _masses(
-    arm: Arm, changed: Callable[[Arm, float], FloatArray], by_joint: Callable[[FloatArray], dict[int, FloatArray]]
-) -> Iterator[Candidate]:
-    """Every body's mass and inertia times a factor of its own."""
-    bodies = moving_bodies(arm)
-    columns = np.stack([changed(with_mass(arm, body, 1.0 + _MODEL_STEP), _MODEL_STEP) for body in bodies], axis=2)
-    numbers = tuple((f"{arm.model.body(body).name or f'body {body}'}", "1") for body in bodies)
-    spread = np.full(len(bodies), MASS_SPREAD.value)
-    settings = (Setting((), by_joint(columns)),)
-    yield Candidate(INERTIA, MODEL, None, settings, numbers, spread, MOTOR, SCALE_OR_MASS)
+        yield error(MOTOR, rigid[:, dofs, None], *gain)

@@ -1,8 +1,9 @@
 """One least-squares problem of the whole arm: every joint's guarded, whitened torque under what is in the model."""
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 from scipy.fft import next_fast_len
@@ -23,12 +24,17 @@ def evidence(gain: float, columns: float, looks: float = 1.0) -> float:
     gain : what a fit gains, twice the logarithm of its likelihood; chi-square of so many ``columns`` by chance alone.
     looks : independent settings of which it is the best. 0 where chance does as well.
     """
+    half, x = columns / 2.0, gain / 2.0
     if gain <= 0.0:
         return 0.0
-    return evidence_of_chance(_log_tail(gain, columns), looks, gain)
+    if x < _FAR:
+        chance = math.log(max(float(gammaincc(half, x)), 1e-300))
+    else:  # leading terms
+        chance = -x + (half - 1.0) * math.log(x) - float(gammaln(half)) + math.log1p((half - 1.0) / x)
+    return evidence_of_chance(chance, looks, gain)
 
 
-def evidence_of_chance(log_chance: float, looks: float = 1.0, gain: float = 0.0) -> float:
+def evidence_of_chance(log_chance: float, looks: float, gain: float) -> float:
     """The same from the logarithm of a chance of one setting.
 
     The best of many neighbours exceeds a gain more often than so many settings apart, as it may do so between them:
@@ -37,15 +43,6 @@ def evidence_of_chance(log_chance: float, looks: float = 1.0, gain: float = 0.0)
     between = math.sqrt(math.pi / 8.0) * (looks - 1.0) * math.sqrt(max(gain, 1.0))
     chance = log_chance + math.log1p(max(between, 0.0))
     return float(ndtri_exp(chance - math.log(2.0)) ** 2) if chance < 0.0 else 0.0
-
-
-def _log_tail(gain: float, columns: float) -> float:
-    """Logarithm of the chance that chi-square of so many degrees exceeds ``gain``."""
-    half, x = columns / 2.0, gain / 2.0
-    if x < _FAR:
-        return math.log(max(float(gammaincc(half, x)), 1e-300))
-    # leading terms for large x
-    return -x + (half - 1.0) * math.log(x) - float(gammaln(half)) + math.log1p((half - 1.0) / x)
 
 
 def looks(columns: FloatArray) -> float:
@@ -91,6 +88,10 @@ class Part:
         return self.noise.whitened(columns, self.stretches)
 
 
+Parts = Mapping[int, Part]
+"""By joint."""
+
+
 @dataclass(frozen=True, slots=True)
 class Whitened:
     """A candidate's columns on guarded samples, whitened, some settings at a time so that memory stays small.
@@ -100,18 +101,18 @@ class Whitened:
     """
 
     candidate: Candidate
-    parts: Sequence[Part]
+    parts: Parts
     kept: dict[int, FloatArray] | None
     looks: float
 
     @classmethod
-    def of(cls, candidate: Candidate, parts: Sequence[Part]) -> "Whitened":
+    def of(cls, candidate: Candidate, parts: Parts) -> "Whitened":
         """Whitened as the parts' noise asks."""
         kept: dict[int, FloatArray] | None = None
         tries, last = 1.0, None
         for first, block in _blocks(candidate, parts):
             kept = block if first == 0 else None
-            if len(candidate.settings) > 1:
+            if len(candidate.values) > 1:
                 (columns,) = block.values()
                 tried = columns[:, :, 0] if last is None else np.column_stack((last, columns[:, :, 0]))
                 tries, last = tries + looks(tried) - 1.0, columns[:, -1, 0]
@@ -121,32 +122,30 @@ class Whitened:
         """The first setting of each block, and by joint (n_j, settings, c)."""
         yield from ((0, self.kept),) if self.kept is not None else _blocks(self.candidate, self.parts)
 
-    def columns(self, setting: int) -> dict[int, FloatArray]:
-        """By joint, (n_j, c) at one setting."""
-        return {j: self.parts[j].white(c) for j, c in self.candidate.settings[setting].columns.items()}
 
-    def at(self, setting: int) -> "Named":
-        """At one of its settings."""
-        return Named(self, setting)
-
-
-def _blocks(candidate: Candidate, parts: Sequence[Part]) -> Iterator[tuple[int, dict[int, FloatArray]]]:
+def _blocks(candidate: Candidate, parts: Parts) -> Iterator[tuple[int, dict[int, FloatArray]]]:
     """So many settings at a time as fit."""
-    settings = candidate.settings
-    size = sum(8 * columns.size for columns in settings[0].columns.values())
+    size = sum(8 * columns.size for columns in candidate.torque(candidate.values[0]).values())
     at_once = max(_BYTES // size, 2)
-    for first in range(0, len(settings), at_once):
-        some = [one.columns for one in settings[first : first + at_once]]
+    for first in range(0, len(candidate.values), at_once):
+        some = [candidate.torque(value) for value in candidate.values[first : first + at_once]]
         stacked = {j: np.stack([columns[j] for columns in some], axis=1) for j in some[0]}
         yield first, {j: parts[j].white(columns) for j, columns in stacked.items()}
 
 
 @dataclass(frozen=True, slots=True)
 class Named:
-    """A candidate in the model, at one of its settings."""
+    """A candidate at one of its settings, in a model or beside it.
+
+    gain : of a fit that has it. evidence : the same on the scale of one column. rivals : names that would have done
+    nearly as well when it was chosen.
+    """
 
     whitened: Whitened
-    setting: int
+    setting: int = 0
+    gain: float = 0.0
+    evidence: float = 0.0
+    rivals: tuple[str, ...] = ()
 
     @property
     def candidate(self) -> Candidate:
@@ -154,50 +153,42 @@ class Named:
         return self.whitened.candidate
 
     @property
+    def value(self) -> float:
+        """What is not linear in its columns."""
+        return self.candidate.values[self.setting]
+
+    @property
+    def torque(self) -> dict[int, FloatArray]:
+        """By joint, (m, c), of all samples."""
+        return self.candidate.torque(self.value)
+
+    @property
     def columns(self) -> dict[int, FloatArray]:
         """By joint, (n_j, c), whitened."""
-        return self.whitened.columns(self.setting)
-
-    def again(self, parts: Sequence[Part]) -> "Named":
-        """The same under other noise."""
-        return Named(Whitened.of(self.candidate, parts), self.setting)
-
-
-@dataclass(frozen=True, slots=True)
-class Score:
-    """What a candidate would add: its best setting, the gain there, and the evidence on the scale of one column."""
-
-    named: Named
-    gain: float
-    evidence: float
+        return {j: self.whitened.parts[j].white(c) for j, c in self.torque.items()}
 
 
 class Design:
     """Stacked and solved: ``at[j]`` are the rows of joint j, those of expectations stand last."""
 
-    def __init__(self, parts: Sequence[Part], named: Sequence[Named]) -> None:
+    def __init__(self, parts: Parts, named: Sequence[Named]) -> None:
         self.parts, self.named = parts, tuple(named)
-        sizes = [int(np.sum(part.stretches.kept)) for part in parts]
-        ends = np.concatenate(([0], np.cumsum(sizes)))
-        self.at = [slice(int(ends[j]), int(ends[j + 1])) for j in range(len(parts))]
-        blocks: list[tuple[dict[int, FloatArray], FloatArray]] = [
-            ({j: part.white(part.base)}, part.spread) for j, part in enumerate(parts)
-        ]
+        ends = np.cumsum([0, *(int(np.sum(part.stretches.kept)) for part in parts.values())]).tolist()
+        self.at = {j: slice(*both) for j, both in zip(parts, pairwise(ends), strict=True)}
+        self.rows = rows = ends[-1]
+        blocks = [({j: part.white(part.base)}, part.spread) for j, part in parts.items()]
         blocks += [(one.columns, one.candidate.spread) for one in self.named]
-        self.places, columns = [], 0
-        for _, spread in blocks:
-            self.places.append(slice(columns, columns + spread.size))
-            columns += spread.size
-        matrix = np.zeros((int(ends[-1]) + columns, columns))
-        for (by_joint, spread), place in zip(blocks, self.places, strict=True):
+        lasts = np.cumsum([0, *(spread.size for _, spread in blocks)]).tolist()
+        places = [slice(*both) for both in pairwise(lasts)]
+        self.base, self.places = dict(zip(parts, places, strict=False)), places[len(parts) :]
+        matrix = np.zeros((rows + lasts[-1], lasts[-1]))
+        for (by_joint, spread), place in zip(blocks, places, strict=True):
             for j, c in by_joint.items():
                 matrix[self.at[j], place] = c
-            rows = np.arange(place.start, place.stop)
-            matrix[int(ends[-1]) + rows, rows] = 1.0 / spread
-        self.rows = int(ends[-1])
-        self.matrix = matrix
-        self.y = np.zeros(matrix.shape[0])
-        for j, part in enumerate(parts):
+            own = np.arange(place.start, place.stop)
+            matrix[rows + own, own] = 1.0 / spread
+        self.matrix, self.y = matrix, np.zeros(matrix.shape[0])
+        for j, part in parts.items():
             self.y[self.at[j]] = part.white(part.torque)
         scale = np.sqrt(np.sum(matrix**2, axis=0))
         scale[scale == 0.0] = 1.0
@@ -210,13 +201,34 @@ class Design:
         self.numbers = self._back @ (self._u.T @ self.y)
         self.residual = self.y - self._u @ (self._u.T @ self.y)
 
+    def place(self, named: Named) -> slice:
+        """Where the numbers of what is in the model stand."""
+        return self.places[[one.candidate.key for one in self.named].index(named.candidate.key)]
+
+    def said(
+        self, joint: int, of: Callable[[Candidate], bool] = lambda _: True, numbers: FloatArray | None = None
+    ) -> FloatArray:
+        """Torque (m,) on a joint by what is in the model beside the base; numbers : by default those fitted."""
+        numbers, found = self.numbers if numbers is None else numbers, np.zeros(self.parts[joint].torque.size)
+        for one, place in zip(self.named, self.places, strict=True):
+            if one.candidate.joint in (joint, None) and of(one.candidate):
+                found += one.torque[joint] @ numbers[place]
+        return found
+
+    def left(self, joint: int, numbers: FloatArray | None = None) -> FloatArray:
+        """Torque (m,) that the model leaves of a joint, guarded or not; numbers : as above."""
+        part, own = self.parts[joint], self.numbers if numbers is None else numbers
+        return part.torque - part.base @ own[self.base[joint]] - self.said(joint, numbers=numbers)
+
+    def squares(self, joint: int) -> float:
+        """Of what is left of a joint's guarded torque."""
+        return float(np.sum(self.left(joint)[self.parts[joint].stretches.kept] ** 2))
+
     def covariance(self) -> FloatArray:
         """Of the numbers (p, p): noise of size one where it is white, more where its scores remember or swing."""
         plain = self._back @ self._back.T
         influence = self._back @ self._u.T
-        factor = np.ones(plain.shape[0])
-        for i in range(factor.size):
-            factor[i] = max(1.0, self._forgotten(influence[i], self.residual))
+        factor = np.array([max(1.0, self._forgotten(own, self.residual)) for own in influence])
         return np.asarray(plain * np.sqrt(np.outer(factor, factor)))
 
     def _forgotten(self, weight: FloatArray, residual: FloatArray) -> float:
@@ -225,7 +237,7 @@ class Design:
         if nominal <= 0.0:
             return 1.0
         total = 0.0
-        for rows in self.at:
+        for rows in self.at.values():
             scores = weight[rows] * residual[rows]
             if scores.size > _FEWEST:
                 # zeros to a length that Fourier is quick at change nothing of what it remembers
@@ -234,26 +246,34 @@ class Design:
                 total += float(scores @ scores) * memory(padded, min(scores.size // _FEWEST, _LAGS)).time
         return total / nominal
 
-    def inside(self, columns: FloatArray) -> FloatArray:
-        """What columns (rows, c) have in common with those of the model."""
+    def beyond(self, columns: FloatArray) -> FloatArray:
+        """What columns (rows, c) have that those of the model have not."""
         basis = self._u[: columns.shape[0]]
-        return np.asarray(basis @ (basis.T @ columns))
+        return np.asarray(columns - basis @ (basis.T @ columns))
 
-    def score(self, whitened: Whitened) -> Score:
+    def score(self, whitened: Whitened) -> Named:
         """What a candidate would add to the model, by its best setting."""
-        gain, best = 0.0, whitened.at(0)
+        gain, best = 0.0, 0
+        spread = whitened.candidate.spread
         for first, block in whitened.blocks():
-            gains = self._gains(block, whitened.candidate.spread)
+            gains = self._gains(block, spread)
             most = int(np.argmax(gains))
             if gains[most] > gain:
-                gain, best = float(gains[most]), whitened.at(first + most)
+                gain, best = float(gains[most]), first + most
         if gain <= 0.0:
-            return Score(best, 0.0, 0.0)
-        added, count, left = self._beyond(best)
+            return Named(whitened)
+        # torque that it would add beyond the model, and as how many free numbers it counts
+        own = np.zeros((self.y.size, spread.size))
+        for j, columns in Named(whitened, best).columns.items():
+            own[self.at[j]] = columns
+        own = self.beyond(own)
+        gram = own.T @ own
+        inverse = np.linalg.pinv(gram + np.diag(1.0 / spread**2), rcond=_FLAT, hermitian=True)
+        added = own @ (inverse @ (own.T @ self.residual))
         # the place of a polished one is counted by its looks
-        count -= whitened.candidate.looks > 1.0
-        gain /= max(1.0, self._forgotten(added, left))
-        return Score(best, gain, evidence(gain, count, whitened.looks))
+        count = max(float(np.trace(inverse @ gram)), 1.0) - (whitened.candidate.looks > 1.0)
+        gain /= max(1.0, self._forgotten(added, self.residual - added))
+        return Named(whitened, best, gain, evidence(gain, count, whitened.looks))
 
     def _gains(self, block: dict[int, FloatArray], spread: FloatArray) -> FloatArray:
         """What each of a block's settings (s,) would gain."""
@@ -271,15 +291,3 @@ class Design:
         inverse = np.linalg.pinv(normal, rcond=_FLAT, hermitian=True)
         gains = np.einsum("sc,scd,sd->s", pull, inverse, pull)
         return np.asarray(gains * np.all(after > _FLAT * before, axis=1))
-
-    def _beyond(self, named: Named) -> tuple[FloatArray, float, FloatArray]:
-        """Torque (rows,) that it would add beyond the model, as how many free numbers it counts, and what is left."""
-        spread = named.candidate.spread
-        own = np.zeros((self.y.size, spread.size))
-        for j, columns in named.columns.items():
-            own[self.at[j]] = columns
-        own -= self._u @ (self._u.T @ own)
-        gram = own.T @ own
-        inverse = np.linalg.pinv(gram + np.diag(1.0 / spread**2), rcond=_FLAT, hermitian=True)
-        added = own @ (inverse @ (own.T @ self.residual))
-        return added, max(float(np.trace(inverse @ gram)), 1.0), self.residual - added

@@ -5,16 +5,15 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.ndimage import maximum_filter1d, minimum_filter1d
 
 from harness.core.arrays import BoolArray, FloatArray
 from harness.core.errors import InputError
 from harness.core.robot.joint_log import JointLog
 from harness.robot.arm import Arm
-from harness.robot.whole_arm.noise import MEDIAN_OF_NORMAL, white_level
-from harness.robot.whole_arm.rules import STICKS
+from harness.robot.smooth import rests, white_sd
+from harness.robot.whole_arm.rules import EITHER_WAY, GUARD, LEAST_SAMPLES, RESTING, STICKS, SURE
 
-ORDER = 4
+_ORDER = 4
 _TRIM = 2.5
 """Samples left out at either end, in 1/f_lowpass: the slowest pole of the filter has then died to 0.3 %."""
 
@@ -29,7 +28,7 @@ class Band:
 
     def gain(self, f: FloatArray) -> FloatArray:
         """Gain (m,) at frequencies (m,), Hz."""
-        return 1.0 / (1.0 + (f / self.lowpass) ** (2 * ORDER))
+        return 1.0 / (1.0 + (f / self.lowpass) ** (2 * _ORDER))
 
     def taken(self, lowest: float) -> "Band":
         """The same filter for a series at the least whole share of this rate that is at least ``lowest``, Hz."""
@@ -46,21 +45,20 @@ class Band:
         step = round(self.rate / out.rate)
         # whole steps, so that both ends of the line are samples of the result
         y = y[: (out.size - 1) * step + 1]
-        last = y.shape[0] - 1
+        last, wide = y.shape[0] - 1, (-1,) + (1,) * (y.ndim - 1)
         slope = (y[last] - y[0]) / last
-        t = np.arange(y.shape[0], dtype=np.float64).reshape((-1,) + (1,) * (y.ndim - 1))
-        flat = y - y[0] - slope * t
+        flat = y - y[0] - slope * np.arange(y.shape[0], dtype=np.float64).reshape(wide)
         spectrum = np.fft.rfft(np.concatenate((flat[:last], flat[last:0:-1] * -1.0)), axis=0)
         kept = 2 * (out.size - 1)
         f = np.arange(kept // 2 + 1) * self.rate / (2 * last)
         shape = np.sinc(f / self.rate) if means else 1.0
-        gain = (self.gain(f) / shape * (f < out.rate / 2.0)).reshape((-1,) + (1,) * (y.ndim - 1))
-        turn = (2j * math.pi * f).reshape(gain.shape)
-        part = spectrum[: f.size] * gain * np.exp(turn * late) / step
-        line = y[0] + slope * late * self.rate + slope * step * np.arange(out.size).reshape((-1,) + (1,) * (y.ndim - 1))
+        turn = (2j * math.pi * f).reshape(wide)
+        part = spectrum[: f.size] * (self.gain(f) / shape * (f < out.rate / 2.0)).reshape(wide)
+        part = part * np.exp(turn * late) / step
+        line = y[0] + slope * late * self.rate + slope * step * np.arange(out.size).reshape(wide)
         added = (line, slope * self.rate, 0.0)
         return [
-            np.fft.irfft(part * turn**order, kept, axis=0)[: out.size] + (added[order] if order < len(added) else 0.0)
+            np.fft.irfft(part * turn**order, kept, axis=0)[: out.size] + added[order]
             for order in range(derivatives + 1)
         ]
 
@@ -98,8 +96,8 @@ class Filtered:
     (M, nv), from which columns are formed. out : band of the m samples before the ends were cut. velocity_noise (k,) :
     standard deviation of v. position_step (k,) : rad, the encoder's. torque_noise (k,) : what white noise of the
     recorded torque leaves after the filter, N m. rests : by joint, (r, 2), s, from when to when it stayed within its
-    encoder's steps and noise for longer than a reversal takes (rule sticks).
-    seconds : of the log. notes : what was done, one sentence each.
+    encoder's steps and noise for longer than a reversal takes (rule sticks). seconds : of the log. notes : what was
+    done, one sentence each.
     """
 
     joints: tuple[str, ...]
@@ -116,9 +114,9 @@ class Filtered:
     t_fine: FloatArray
     q_fine: FloatArray
     v_fine: FloatArray
-    velocity_noise: FloatArray
-    position_step: FloatArray
-    torque_noise: FloatArray
+    velocity_noise: tuple[float, ...]
+    position_step: tuple[float, ...]
+    torque_noise: tuple[float, ...]
     rests: tuple[FloatArray, ...]
     seconds: float
     notes: tuple[str, ...]
@@ -130,10 +128,45 @@ class Filtered:
         """
         return self.fine.filtered(fine, self.out, means=jumps)[0][self.out.trimmed]
 
-    def at(self, fine: BoolArray) -> BoolArray:
-        """A mask (M,) of the fine samples at the m samples of the fit."""
+    def sure_speed(self, joint: int) -> float:
+        """Speed from which its sign is sure, rad/s."""
+        fast = float(np.quantile(np.abs(self.v_fine[:, self.dof[joint]]), 0.95))
+        return max(SURE.value * self.velocity_noise[joint], RESTING.value * fast)
+
+    def away(self, joint: int, width: float) -> BoolArray:
+        """Samples (m,) over whose whole +-``width``, s, a joint moves one way at a sure speed."""
+        v = self.v_fine[:, self.dof[joint]]
+        slow = np.abs(v) <= self.sure_speed(joint)
+        slow[1:] |= np.sign(v[1:]) != np.sign(v[:-1])
+        clear = ~widened(slow, round(width * self.fine.rate))
         step = round(self.fine.rate / self.out.rate)
-        return fine[::step][: self.out.size][self.out.trimmed]
+        return self.good & clear[::step][: self.out.size][self.out.trimmed]
+
+    @property
+    def moving(self) -> tuple[int, ...]:
+        """Joints with enough guarded samples in both directions."""
+        found = []
+        for j, dof in enumerate(self.dof):
+            v = self.v[self.away(j, GUARD.value / self.band.lowpass), dof]
+            fewer = min(np.sum(v > 0), np.sum(v < 0))
+            if v.size >= LEAST_SAMPLES.value and fewer >= EITHER_WAY.value * LEAST_SAMPLES.value:
+                found.append(j)
+        return tuple(found)
+
+
+def widened(mask: BoolArray, reach: int) -> BoolArray:
+    """A mask (n,) with ``reach`` more on either side of what it holds."""
+    total = np.concatenate(([0], np.cumsum(mask)))
+    rows = np.arange(mask.size)
+    return np.asarray(total[np.minimum(rows + reach + 1, mask.size)] - total[np.maximum(rows - reach, 0)] > 0)
+
+
+def reversals(v: FloatArray, sure: float) -> FloatArray:
+    """Where (r,) in samples the speed (n,) changes its sign, from beyond one sure level to beyond the other."""
+    side = np.where(v > sure, 1, np.where(v < -sure, -1, 0))
+    known = np.flatnonzero(side)
+    turns = np.flatnonzero(side[known][1:] != side[known][:-1])
+    return (known[turns] + known[turns + 1]) / 2.0
 
 
 def differentiate(
@@ -149,16 +182,15 @@ def differentiate(
     names = _effort_joints(log, arm, joints)
     seconds = long_enough(log)
     step = np.diff(log.t)
-    rate = (log.t.size - 1) / seconds if np.ptp(step) < _JITTER * np.median(step) else 1.0 / float(np.median(step))
+    jittered = not np.ptp(step) < _JITTER * np.median(step)
+    rate = 1.0 / float(np.median(step)) if jittered else (log.t.size - 1) / seconds
     even = log.t[0] + np.arange(int(seconds * rate * (1 + 1e-12)) + 1) / rate
-    notes = [] if np.ptp(step) < _JITTER * np.median(step) else [f"Uneven time stamps were put on {rate:.4g} Hz."]
-    jittered = bool(notes)
+    notes = [f"Uneven time stamps were put on {rate:.4g} Hz."] if jittered else []
 
     def regular(y: FloatArray) -> FloatArray:
         return np.interp(even, log.t, y) if jittered else np.asarray(y[: even.size])
 
-    q = np.zeros((even.size, len(arm.joints)))
-    q[:] = arm.model.qpos0
+    q = np.tile(np.asarray(arm.model.qpos0, dtype=np.float64), (even.size, 1))
     for i, name in enumerate(arm.joints):
         if name in log.position:
             q[:, i] = regular(log.position[name])
@@ -170,35 +202,28 @@ def differentiate(
     band = Band(cut, even.size, rate)
     fine = band.taken(_COLUMNS * cut)
     out = fine.taken(_FIT * cut)
-    q_fine, v_fine = band.filtered(q, fine, 1)
-    smooth = band.filtered(q, out, 2)
-    steps = np.array([_quantum(log.position[name]) for name in names])
     kept = out.trimmed
     t = even[0] + np.arange(out.size) / out.rate
+    good, reach = np.ones(t.size, dtype=np.bool_), 1.5 / cut
+    for gap in np.flatnonzero(step > _GAP * np.median(step)):
+        good &= (t < log.t[gap] - reach) | (t > log.t[gap + 1] + reach)
+    quanta, speeds, still = [], [], []
+    for i, name in zip(dof, names, strict=True):
+        quantum, noise = _quantum(log.position[name]), white_sd(q[:, i])
+        level = max(2.0 * noise**2 / rate, quantum**2 / 12.0 * 2.0 / rate)
+        quanta.append(quantum)
+        speeds.append(math.sqrt(level * (2 * math.pi) ** 2 * cut**3 / 3.0))
+        width = max(int(STICKS.value / cut / (even[1] - even[0])), 1)
+        still.append(even[np.column_stack(rests(q[:, i], 2.0 * max(quantum, _NOISES * noise), width + 1))])
+    position, speed, acceleration = (y[kept] for y in band.filtered(q, out, 2))
+    q_fine, v_fine = band.filtered(q, fine, 1)
+    moved = band.filtered(torque, out, late=late)[0][kept]
+    noises = tuple(math.sqrt(2.0 * white_sd(y) ** 2 / rate * cut) for y in torque.T)
     return Filtered(
-        names,
-        dof,
-        t[kept],
-        smooth[0][kept],
-        smooth[1][kept],
-        smooth[2][kept],
-        band.filtered(torque, out, late=late)[0][kept],
-        _good(log.t, t, 1.5 / cut)[kept],
-        band,
-        fine,
-        out,
-        even[0] + np.arange(fine.size) / fine.rate,
-        q_fine,
-        v_fine,
-        np.array([_velocity_noise(q[:, i], x, rate, cut) for i, x in zip(dof, steps, strict=True)]),
-        steps,
-        np.array([math.sqrt(white_level(y, rate) * cut) for y in torque.T]),
-        tuple(
-            _resting(even, q[:, i], _scatter(q[:, i], x), STICKS.value / cut) for i, x in zip(dof, steps, strict=True)
-        ),
-        seconds,
-        tuple(notes),
-    )
+        names, dof, t[kept], position, speed, acceleration, moved, good[kept], band, fine, out,
+        even[0] + np.arange(fine.size) / fine.rate, q_fine, v_fine, tuple(speeds), tuple(quanta), noises,
+        tuple(still), seconds, tuple(notes),
+    )  # fmt: skip
 
 
 def long_enough(log: JointLog) -> float:
@@ -240,12 +265,6 @@ def _lowpass(file: str, q: FloatArray, rate: float, given: float | None) -> floa
     return min(max(_ABOVE * held, _LOWEST), _HIGHEST, most)
 
 
-def _velocity_noise(q: FloatArray, quantum: float, rate: float, cut: float) -> float:
-    """Standard deviation of the filtered velocity from the recorded position's noise, at least its steps'."""
-    level = max(white_level(q, rate), quantum**2 / 12.0 * 2.0 / rate)
-    return math.sqrt(level * (2 * math.pi) ** 2 * cut**3 / 3.0)
-
-
 def _quantum(q: FloatArray) -> float:
     """The least step of a position, which is an encoder's where most steps are whole multiples of it; else 0."""
     steps = np.abs(np.diff(q))
@@ -255,27 +274,3 @@ def _quantum(q: FloatArray) -> float:
     least = float(np.quantile(steps, 0.01))
     whole = np.abs(steps / least - np.round(steps / least)) < _OFF
     return least if float(np.mean(whole)) > _STEPPED else 0.0
-
-
-def _scatter(q: FloatArray, quantum: float) -> float:
-    """Range within which a position at rest lies, by its noise and its steps."""
-    noise = float(np.median(np.abs(np.diff(q, 2)))) / (MEDIAN_OF_NORMAL * math.sqrt(6.0))
-    return 2.0 * max(quantum, _NOISES * noise)
-
-
-def _resting(t: FloatArray, q: FloatArray, within: float, least: float) -> FloatArray:
-    """From when to when (r, 2), s, a position (n,) stays within a range for at least so long."""
-    width = max(int(least / (t[1] - t[0])), 1)
-    flat = maximum_filter1d(q, width + 1) - minimum_filter1d(q, width + 1) <= within
-    edges = np.flatnonzero(np.diff(np.concatenate(([0], flat.astype(np.int8), [0]))))
-    first, last = edges[::2] - width // 2, edges[1::2] - 1 + width // 2
-    return np.column_stack((t[np.maximum(first, 0)], t[np.minimum(last, t.size - 1)])).reshape(-1, 2)
-
-
-def _good(stamps: FloatArray, t: FloatArray, reach: float) -> BoolArray:
-    """Which times (m,) lie farther than ``reach``, s, from a gap between stamps."""
-    steps = np.diff(stamps)
-    good = np.ones(t.size, dtype=np.bool_)
-    for i in np.flatnonzero(steps > _GAP * np.median(steps)):
-        good &= (t < stamps[i] - reach) | (t > stamps[i + 1] + reach)
-    return good

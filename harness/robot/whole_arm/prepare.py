@@ -1,47 +1,16 @@
 """Every joint's guarded samples and base, and everything that may be missing, from a filtered log."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from harness.core.arrays import BoolArray, FloatArray
 from harness.robot.arm import Arm
-from harness.robot.whole_arm.columns import Candidate, base_columns, friction_candidates, model_candidates
-from harness.robot.whole_arm.design import Part
+from harness.robot.whole_arm.columns import Candidate, friction_candidates, model_candidates, signs
+from harness.robot.whole_arm.design import Part, Parts
 from harness.robot.whole_arm.differentiate import Filtered
 from harness.robot.whole_arm.noise import Noise, Stretches
-from harness.robot.whole_arm.rules import EITHER_WAY, GUARD, LEAST_SAMPLES, RESTING, SURE
-from harness.robot.whole_arm.search import beside_everything
-
-
-def sure_speed(filtered: Filtered, joint: int) -> float:
-    """Speed from which its sign is sure, rad/s."""
-    fast = float(np.quantile(np.abs(filtered.v_fine[:, filtered.dof[joint]]), 0.95))
-    return max(SURE.value * float(filtered.velocity_noise[joint]), RESTING.value * fast)
-
-
-def away(filtered: Filtered, joint: int, width: float) -> BoolArray:
-    """Samples (m,) over whose whole +-``width``, s, a joint moves one way at a sure speed."""
-    v = filtered.v_fine[:, filtered.dof[joint]]
-    slow = np.abs(v) <= sure_speed(filtered, joint)
-    slow[1:] |= np.sign(v[1:]) != np.sign(v[:-1])
-    return filtered.good & filtered.at(~widened(slow, round(width * filtered.fine.rate)))
-
-
-def widened(mask: BoolArray, reach: int) -> BoolArray:
-    """A mask (n,) with ``reach`` more on either side of what it holds."""
-    total = np.concatenate(([0], np.cumsum(mask)))
-    rows = np.arange(mask.size)
-    return np.asarray(total[np.minimum(rows + reach + 1, mask.size)] - total[np.maximum(rows - reach, 0)] > 0)
-
-
-def reversals(v: FloatArray, sure: float) -> FloatArray:
-    """Where (r,) in samples the speed (n,) changes its sign, from beyond one sure level to beyond the other."""
-    side = np.where(v > sure, 1, np.where(v < -sure, -1, 0))
-    known = np.flatnonzero(side)
-    turns = np.flatnonzero(side[known][1:] != side[known][:-1])
-    return (known[turns] + known[turns + 1]) / 2.0
-
+from harness.robot.whole_arm.rules import GUARD, LEAST_SAMPLES
 
 _EXACT = 3e-4
 """Share of a joint's rms torque to which filter and columns are exact: less is no noise of a sensor."""
@@ -49,6 +18,10 @@ _WIDER = 1.5
 """Times that a guard grows in one step."""
 _WIDEST = 8
 """Steps of growth, by then fifteen times the least width."""
+_SEEN = 1e-8
+"""Share of the largest eigenvalue below which columns are taken for alike."""
+_SETTINGS = 3
+"""Of each candidate that the noise is learnt beside."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -67,81 +40,80 @@ class Problem:
     """
 
     filtered: Filtered
-    parts: tuple[Part, ...]
-    guard: FloatArray
+    parts: Parts
+    guard: tuple[float, ...]
     rigid: FloatArray
     gravity: FloatArray
     candidates: tuple[Candidate, ...]
 
 
-def moving(filtered: Filtered) -> tuple[int, ...]:
-    """Joints with enough guarded samples in both directions."""
-    found = []
-    for j, dof in enumerate(filtered.dof):
-        kept = away(filtered, j, GUARD.value / filtered.band.lowpass)
-        v = filtered.v[kept, dof]
-        most, fewer = int(np.sum(kept)), min(np.sum(v > 0), np.sum(v < 0))
-        if most >= LEAST_SAMPLES.value and fewer >= EITHER_WAY.value * LEAST_SAMPLES.value:
-            found.append(j)
-    return tuple(found)
-
-
 def prepare(filtered: Filtered, arm: Arm, known: Known) -> Problem:
     """The problem of a filtered log whose joints all move."""
     rigid = arm.inverse(filtered.q, filtered.v, filtered.a)[:, filtered.dof]
-    still = np.zeros_like(filtered.q_fine)
-    gravity = arm.inverse(filtered.q_fine, still, still)[:, filtered.dof]
-    weight = arm.inverse(filtered.q, np.zeros_like(filtered.q), np.zeros_like(filtered.q))[:, filtered.dof]
-    parts, guards, candidates = [], [], []
-    for j in range(len(filtered.joints)):
-        torque, base = filtered.torque[:, j] - rigid[:, j], base_columns(filtered, j)
+    gravity, weight = (
+        arm.inverse(q, np.zeros_like(q), np.zeros_like(q))[:, filtered.dof] for q in (filtered.q_fine, filtered.q)
+    )
+    parts, guards, candidates = {}, [], list[Candidate]()
+    for j, dof in enumerate(filtered.dof):
+        torque, v = filtered.torque[:, j] - rigid[:, j], filtered.v[:, dof]
+        sign = filtered.column(signs(filtered.v_fine[:, dof]), jumps=True)
+        base = np.stack((sign, v, np.ones_like(sign)), axis=1)
         floor = _EXACT * float(np.sqrt(np.mean(filtered.torque[:, j] ** 2)))
-        width, kept = _guarded(filtered, j, torque, base, floor)
+        width, kept, numbers, noise = _guarded(filtered, j, torque, base, floor)
         guards.append(width)
-        candidates += list(friction_candidates(filtered, j, gravity[:, j], kept))
-        numbers, noise = _plain(torque, base, kept, floor)
-        base, spread = _timed(filtered, j, base, float(numbers[1]))
-        parts.append(Part(torque, base, spread, Stretches.of(kept), noise, floor))
-    candidates += list(model_candidates(filtered, arm, known.payload, known.sensor, known.gain))
-    learnt = tuple(beside_everything(part, j, candidates) for j, part in enumerate(parts))
-    return Problem(filtered, learnt, np.array(guards), rigid, weight, tuple(candidates))
+        candidates += friction_candidates(filtered, j, gravity[:, j], kept)
+        # What viscous friction does that acts some time after the rest of the torque. Within one sample a log tells no
+        # order of what happened: a controller holds its torque, an integrator takes friction from the speed at the end
+        # of its step. Left out, this is an inertia of viscous friction times that time.
+        base = np.column_stack((base, float(numbers[1]) * filtered.a[:, dof]))
+        spread = np.array([np.inf, np.inf, np.inf, 1.0 / filtered.band.rate])
+        parts[j] = Part(torque, base, spread, Stretches.of(kept), noise, floor)
+    candidates += model_candidates(filtered, arm, known.payload, known.sensor, known.gain)
+    learnt = {j: _beside_everything(part, j, candidates) for j, part in parts.items()}
+    return Problem(filtered, learnt, tuple(guards), rigid, weight, tuple(candidates))
 
 
 def _guarded(
     filtered: Filtered, joint: int, torque: FloatArray, base: FloatArray, floor: float
-) -> tuple[float, BoolArray]:
-    """Width, s, and samples of the guard that stands when Coulomb friction moves by less than its error."""
-    width = GUARD.value / filtered.band.lowpass
-    kept = away(filtered, joint, width)
-    coulomb = _plain(torque, base, kept, floor)[0][0]
-    for _ in range(_WIDEST):
-        wider = away(filtered, joint, width * _WIDER)
-        if np.sum(wider) < max(LEAST_SAMPLES.value, 0.5 * np.sum(kept)):
-            break
-        (next_coulomb, *_), next_noise = _plain(torque, base, wider, floor)
-        part = Part(torque, base, np.full(base.shape[1], np.inf), Stretches.of(wider), next_noise, floor)
-        white = part.white(base)
-        error = float(np.sqrt(np.linalg.pinv(white.T @ white)[0, 0]))
-        if abs(next_coulomb - coulomb) < error:
-            break
-        width, kept, coulomb = width * _WIDER, wider, next_coulomb
-    return width, kept
+) -> tuple[float, BoolArray, FloatArray, Noise]:
+    """Width, s, and samples of the guard that stands when Coulomb friction moves by less than its error.
 
-
-def _timed(filtered: Filtered, joint: int, base: FloatArray, viscous: float) -> tuple[FloatArray, FloatArray]:
-    """The base with what viscous friction does that acts some time after the rest of the torque, N m/s, and spreads.
-
-    Within one sample a log tells no order of what happened: a controller holds its torque, an integrator takes friction
-    from the speed at the end of its step. Left out, this is an inertia of viscous friction times that time.
+    With them Coulomb, viscous friction and offset by plain least squares, and the noise of what is left.
     """
-    column = viscous * filtered.a[:, filtered.dof[joint]]
-    spread = np.append(np.full(base.shape[1], np.inf), 1.0 / filtered.band.rate)
-    return np.column_stack((base, column)), spread
+
+    def plain(width: float) -> tuple[float, BoolArray, FloatArray, Noise]:
+        kept = filtered.away(joint, width)
+        numbers = np.linalg.lstsq(base[kept], torque[kept], rcond=None)[0]
+        noise = Noise.learnt(torque - base @ numbers, Stretches.of(kept), base.shape[1], floor)
+        return width, kept, np.asarray(numbers, dtype=np.float64), noise
+
+    found = plain(GUARD.value / filtered.band.lowpass)
+    for _ in range(_WIDEST):
+        width, kept, (coulomb, *_), _ = found
+        if np.sum(filtered.away(joint, width * _WIDER)) < max(LEAST_SAMPLES.value, 0.5 * np.sum(kept)):
+            break
+        wider = plain(width * _WIDER)
+        white = wider[3].whitened(base, Stretches.of(wider[1]))
+        if abs(wider[2][0] - coulomb) < float(np.sqrt(np.linalg.pinv(white.T @ white)[0, 0])):
+            break
+        found = wider
+    return found
 
 
-def _plain(torque: FloatArray, base: FloatArray, kept: BoolArray, floor: float) -> tuple[FloatArray, Noise]:
-    """Coulomb, viscous friction and offset by plain least squares, and the noise of what is left."""
-    numbers = np.linalg.lstsq(base[kept], torque[kept], rcond=None)[0]
-    return np.asarray(numbers, dtype=np.float64), Noise.learnt(
-        torque - base @ numbers, Stretches.of(kept), base.shape[1], floor
-    )
+def _beside_everything(part: Part, joint: int, candidates: list[Candidate]) -> Part:
+    """A part whose noise is learnt from what all candidates together leave of its torque."""
+    kept = part.stretches.kept
+    columns = [part.base]
+    for candidate in (one for one in candidates if one.joint in (joint, None)):
+        count = len(candidate.values)
+        places = np.unique(np.linspace(0, count - 1, min(count, _SETTINGS)).round().astype(int))
+        columns += [candidate.torque(candidate.values[i])[joint] for i in places]
+    everything = np.hstack(columns)
+    size = np.sqrt(np.mean(everything[kept] ** 2, axis=0))
+    everything = everything[:, size > 0.0] / size[size > 0.0]
+    power, turn = np.linalg.eigh(everything[kept].T @ everything[kept])
+    seen = power > _SEEN * power[-1]
+    u = everything[kept] @ (turn[:, seen] / np.sqrt(power[seen]))
+    left = np.zeros(kept.size)
+    left[kept] = part.torque[kept] - u @ (u.T @ part.torque[kept])
+    return replace(part, noise=Noise.learnt(left, part.stretches, u.shape[1], part.floor))

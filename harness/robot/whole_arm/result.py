@@ -5,7 +5,7 @@ from enum import Enum
 
 from harness.core.arrays import FloatArray
 from harness.core.quantity import Quantity
-from harness.robot.whole_arm.rules import Rule
+from harness.diagnosis.rules import Rule
 
 
 class Grade(Enum):
@@ -18,40 +18,24 @@ class Grade(Enum):
 
 
 @dataclass(frozen=True, slots=True)
-class Effect:
-    """What a joint's friction has beside Coulomb, viscous and offset.
+class Entry:
+    """What a joint's friction has beside Coulomb, viscous and offset, or what is wrong beside friction.
 
-    name : of the catalogue. statement : one sentence. parameters : by name. share : of what the base leaves beyond the
-    noise. evidence : (estimate over standard error) squared, of one number. rivals : what would do nearly as well.
-    pair : what it can never be told from in this log, as both are called; empty where it can.
-    """
-
-    name: str
-    statement: str
-    parameters: tuple[tuple[str, Quantity], ...]
-    grade: Grade
-    share: float
-    evidence: float
-    rivals: tuple[str, ...] = ()
-    pair: str = ""
-
-
-@dataclass(frozen=True, slots=True)
-class ModelError:
-    """What is wrong beside friction: fields as in Effect. joint : the one it is of, None for the whole arm.
-
-    partner : what it can never be told from; the entry stands for both.
+    name : of the catalogue. joint : the one it is of, None for the whole arm. statement : one sentence. parameters : by
+    name. share : of what the base leaves beyond the noise. evidence : (estimate over standard error) squared, of one
+    number. rivals : what would do nearly as well. partner : what an error can never be told from; the entry stands for
+    both. pair : what no log of this kind can part, as both are called; empty where it can.
     """
 
     name: str
     joint: str | None
-    partner: str
     statement: str
     parameters: tuple[tuple[str, Quantity], ...]
     grade: Grade
     share: float
     evidence: float
     rivals: tuple[str, ...] = ()
+    partner: str = ""
     pair: str = ""
 
     @property
@@ -87,12 +71,12 @@ class JointFriction:
     coulomb: Quantity
     viscous: Quantity
     offset: Quantity
-    effects: tuple[Effect, ...]
-    held_out: tuple[float, float] | None
-    remainder: float | None
-    guard: float | None
-    samples: int
     statement: str
+    effects: tuple[Entry, ...] = ()
+    held_out: tuple[float, float] | None = None
+    remainder: float | None = None
+    guard: float | None = None
+    samples: int = 0
     base: tuple[Quantity, Quantity, Quantity] | None = None
     left: Left | None = None
     line: tuple[Quantity, Quantity] | None = None
@@ -109,7 +93,7 @@ class WholeArm:
     """
 
     joints: tuple[JointFriction, ...]
-    model: tuple[ModelError, ...]
+    model: tuple[Entry, ...]
     confounded: tuple[tuple[str, str], ...]
     left_out: float
     lowpass: float
@@ -120,14 +104,10 @@ class WholeArm:
 
     def joint(self, name: str) -> JointFriction:
         """The joint of this name; KeyError where there is none."""
-        return next((j for j in self.joints if j.joint == name), None) or _missing(name)
+        return {one.joint: one for one in self.joints}[name]
 
     @property
     def named(self) -> tuple[tuple[str, str | None], ...]:
         """Everything named, with its joint."""
-        own = tuple((effect.name, joint.joint) for joint in self.joints for effect in joint.effects)
-        return own + tuple((error.name, error.joint) for error in self.model)
-
-
-def _missing(name: str) -> JointFriction:
-    raise KeyError(name)
+        every = (*(effect for joint in self.joints for effect in joint.effects), *self.model)
+        return tuple((one.name, one.joint) for one in every)

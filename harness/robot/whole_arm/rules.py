@@ -1,22 +1,6 @@
 """Every number that moves a verdict on a whole arm's log: its value, its unit, what it moves, where it comes from."""
 
-from dataclasses import dataclass
-
-
-@dataclass(frozen=True, slots=True)
-class Rule:
-    """A number that moves a verdict.
-
-    name : as results call it. value, unit : "1" for a pure number. moves : what it decides. origin : a source, a
-    derivation, or the command that simulates it.
-    """
-
-    name: str
-    value: float
-    unit: str
-    moves: str
-    origin: str
-
+from harness.diagnosis.rules import Rule
 
 NAMED = Rule(
     "named",

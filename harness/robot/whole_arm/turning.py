@@ -13,22 +13,10 @@ from scipy.special import betainc
 
 from harness.core.arrays import BoolArray, FloatArray, IntArray
 from harness.model.terms import backlash, presliding, static_friction
-from harness.robot.whole_arm.columns import (
-    DELAY,
-    FRICTION,
-    MODEL,
-    STRIBECK,
-    WHICH_IS_LATE,
-    Candidate,
-    Setting,
-    free,
-    signs,
-)
-from harness.robot.whole_arm.correct import Solved
-from harness.robot.whole_arm.design import Design, Named, Part, Whitened, evidence_of_chance
-from harness.robot.whole_arm.differentiate import Filtered
+from harness.robot.whole_arm.columns import DELAY, STRIBECK, Candidate, fall_with_speed, of_friction, signs
+from harness.robot.whole_arm.design import Design, Named, Whitened, evidence_of_chance
+from harness.robot.whole_arm.differentiate import Filtered, reversals
 from harness.robot.whole_arm.noise import Stretches
-from harness.robot.whole_arm.prepare import reversals, sure_speed
 from harness.robot.whole_arm.rules import (
     AT_EDGE,
     COVERED,
@@ -41,7 +29,7 @@ from harness.robot.whole_arm.rules import (
     RIVAL,
     STICKS,
 )
-from harness.robot.whole_arm.search import Chosen, left_over, polished
+from harness.robot.whole_arm.search import Solved, polished
 
 PRESLIDING, STATIC, BACKLASH = presliding.TERM.name, static_friction.TERM.name, backlash.TERM.name
 _LENGTHS = 12
@@ -50,71 +38,73 @@ _LENGTHS = 12
 
 @dataclass(frozen=True, slots=True)
 class Turned:
-    """joint : which. chosen : what was named at its reversals. reversals : how many there are.
-
-    numbers, errors : what was found, in the candidate's order. share : of what the base leaves beyond the noise.
-    of_stribeck : it is the foot of a fall with speed that the guarded samples saw the top of, and replaces it.
+    """named : at the reversals of a joint. numbers, errors : what was found, in the candidate's order. share : of what
+    the base leaves beyond the noise. of_stribeck : it is the foot of a fall with speed that the guarded samples saw the
+    top of, and replaces it.
     """
 
-    joint: int
-    chosen: Chosen
-    reversals: int
+    named: Named
     numbers: FloatArray
     errors: FloatArray
     share: float
     of_stribeck: bool = False
 
 
-def at_reversals(solved: Solved) -> Iterator[Turned]:
-    """What is named at the reversals of each joint, at most one thing a joint."""
+def at_reversals(solved: Solved, joint: int) -> Turned | None:
+    """What is named at the reversals of a joint, at most one thing."""
     filtered, design = solved.problem.filtered, solved.model.design
-    for j, part in enumerate(design.parts):
-        dof = filtered.dof[j]
-        v = filtered.v_fine[:, dof]
-        turns, free = _sliding(filtered, j, reversals(v, sure_speed(filtered, j)))
-        if turns.size < ENOUGH_TURNS.value:
-            continue
-        whole = replace(part, torque=_own(design, j), stretches=Stretches.of(filtered.good & free))
-        local = [n for n in design.named if n.candidate.joint == j]
-        held = tuple(Named(Whitened.of(_alone(n.candidate), (whole,)), n.setting) for n in local)
-        nearest = _nearest(filtered, turns)[whole.stretches.kept]
-        plain = Design((whole,), held)
-        coulomb, viscous = abs(float(design.numbers[design.places[j]][0])), float(design.numbers[design.places[j]][1])
-        rigid = solved.problem.rigid[:, j]
-        *shapes, late = _candidates(filtered, j, turns, (coulomb, viscous), rigid)
-        # how friction changes within a rest too short to be seen is not known, and looks like a time
-        unseen = 0.5 * STICKS.value / filtered.band.lowpass
-        timing = Named(Whitened.of(replace(late, spread=np.array([unseen])), (whole,)), 0)
-        moved = plain.score(timing.whitened).gain
-        held = (*held, timing)
-        base = Design((whole,), held)
-        tried = [_try(base, shape, nearest, moved) for shape in shapes] + [_try(plain, late, nearest)]
-        found = [t for t in tried if t is not None and _plausible(t, coulomb, unseen)]
-        found.sort(key=lambda one: -one.gain)
-        sure = [one for one in found if one.evidence >= NAMED.value]
-        if sure and sure[0] is found[0]:
-            rivals = tuple(one.named.candidate.name for one in found[1:] if one.gain > found[0].gain - RIVAL.value)
-            falling = [n for n in local if n.candidate.name == STRIBECK]
-            sharper = bool(falling) and found[0].named.candidate.name == STATIC
-            if sharper:
-                if falling[0].candidate.settings[0].values[0][2] > AT_EDGE.value * _covered(filtered, j, part):
-                    continue
-                held = tuple(n for n in held if n.candidate.name != STRIBECK)
-                base = Design((whole,), held)
-            if found[0].named.candidate.name == DELAY:
-                held, base = held[:-1], plain
-            named, fitted = polished((whole,), held, found[0].named)
-            count = named.candidate.spread.size
-            errors = np.sqrt(np.diag(fitted.covariance()))[-count:]
-            errors[0] = max(errors[0], found[0].error)
-            if named.candidate.name == PRESLIDING and _too_short(filtered, j, named, float(errors[-1])):
-                continue
-            turning = filtered.good & ~part.stretches.kept
-            squares = [float(np.sum(left_over(one, 0)[0][turning] ** 2)) for one in (base, fitted)]
-            floor = float(np.sum(turning)) * float(filtered.torque_noise[j]) ** 2
-            share = float(np.clip((squares[0] - squares[1]) / max(squares[0] - floor, 1e-300), 0.0, 1.0))
-            chosen = Chosen(named, found[0].evidence, rivals)
-            yield Turned(j, chosen, turns.size, fitted.numbers[-count:], errors, share, sharper)
+    part, rigid = design.parts[joint], solved.problem.rigid[:, joint]
+    v = filtered.v_fine[:, filtered.dof[joint]]
+    turns, free = _sliding(filtered, joint, reversals(v, filtered.sure_speed(joint)))
+    if turns.size < ENOUGH_TURNS.value:
+        return None
+    # without what errors of the model that several joints share take of it
+    own = part.torque - design.said(joint, lambda candidate: candidate.joint is None)
+    parts = {joint: replace(part, torque=own, stretches=Stretches.of(filtered.good & free))}
+    local = [
+        replace(one, whitened=Whitened.of(one.candidate, parts)) for one in design.named if one.candidate.joint == joint
+    ]
+    times = filtered.t_fine[0] + turns / filtered.fine.rate
+    nearest = np.searchsorted((times[1:] + times[:-1]) / 2.0, filtered.t)[parts[joint].stretches.kept]
+    coulomb, viscous, *_ = design.numbers[design.base[joint]].tolist()
+    late = _late(filtered, joint, abs(coulomb), viscous, rigid)
+    # how friction changes within a rest too short to be seen is not known, and looks like a time
+    unseen = 0.5 * STICKS.value / filtered.band.lowpass
+    timing = Named(Whitened.of(replace(late, spread=np.array([unseen])), parts))
+    plain, held = Design(parts, local), [*local, timing]
+    base, moved = Design(parts, held), plain.score(timing.whitened).gain
+    tried = [_tried(base, shape, nearest, moved) for shape in _shapes(filtered, joint, turns, rigid)]
+    tried.append(_tried(plain, late, nearest))
+    found = sorted(
+        (one for one in tried if one is not None and _plausible(*one, abs(coulomb), unseen)), key=lambda o: -o[0].gain
+    )
+    if not found or found[0][0].evidence < NAMED.value:
+        return None
+    best, _, error = found[0]
+    best = replace(
+        best, rivals=tuple(one.candidate.name for one, *_ in found[1:] if one.gain > best.gain - RIVAL.value)
+    )
+    falling = [one for one in local if one.candidate.name == STRIBECK]
+    sharper = bool(falling) and best.candidate.name == STATIC
+    if sharper:
+        covered = np.quantile(np.abs(filtered.v[part.stretches.kept, filtered.dof[joint]]), COVERED.value)
+        if falling[0].value > AT_EDGE.value * float(covered):
+            return None
+        held = [one for one in held if one.candidate.name != STRIBECK]
+        base = Design(parts, held)
+    if best.candidate.name == DELAY:
+        held, base = local, plain
+    named, fitted = polished(parts, held, best)
+    errors = np.sqrt(np.diag(fitted.covariance()))[fitted.places[-1]]
+    errors[0] = max(errors[0], error)
+    # what a reversal's own rest makes is no presliding
+    if named.candidate.name == PRESLIDING and named.value < _within(filtered, joint) + 2.0 * float(errors[-1]):
+        return None
+    turning = filtered.good & ~part.stretches.kept
+    squares = [float(np.sum(one.left(joint)[turning] ** 2)) for one in (base, fitted)]
+    floor = float(np.sum(turning)) * filtered.torque_noise[joint] ** 2
+    share = float(np.clip((squares[0] - squares[1]) / max(squares[0] - floor, 1e-300), 0.0, 1.0))
+    return Turned(named, fitted.numbers[fitted.places[-1]], errors, share, sharper)
 
 
 def _sliding(filtered: Filtered, joint: int, turns: FloatArray) -> tuple[FloatArray, BoolArray]:
@@ -123,14 +113,13 @@ def _sliding(filtered: Filtered, joint: int, turns: FloatArray) -> tuple[FloatAr
     At rest friction is whatever holds the joint, and says nothing of the law by which it slides. One that creeps, as in
     engines, rests too: it is slow for half longer than a reversal's acceleration takes through such speeds.
     """
-    reach, slowest = GUARD.value / filtered.band.lowpass, sure_speed(filtered, joint)
+    reach, slowest = GUARD.value / filtered.band.lowpass, filtered.sure_speed(joint)
     turning = float(np.quantile(np.abs(filtered.a[:, filtered.dof[joint]]), 0.75))
     slow = np.pad(np.abs(filtered.v_fine[:, filtered.dof[joint]]) < slowest, 1).astype(np.int8)
     spans = filtered.t_fine[np.minimum(np.flatnonzero(np.diff(slow)), filtered.t_fine.size - 1)].reshape(-1, 2)
     longest = max(STICKS.value / filtered.band.lowpass, 1.5 * 2.0 * slowest / max(turning, 1e-12))
-    crept = spans[spans[:, 1] - spans[:, 0] > longest]
     resting = np.zeros(filtered.t.size, dtype=np.bool_)
-    for first, last in (*filtered.rests[joint], *crept):
+    for first, last in (*filtered.rests[joint], *spans[spans[:, 1] - spans[:, 0] > longest]):
         resting |= (filtered.t > first - reach) & (filtered.t < last + reach)
     at = filtered.t_fine[0] + turns / filtered.fine.rate
     near = np.clip(np.searchsorted(filtered.t, at), 0, filtered.t.size - 1)
@@ -143,80 +132,41 @@ def _within(filtered: Filtered, joint: int) -> float:
     return 0.5 * turning * (STICKS.value / filtered.band.lowpass) ** 2
 
 
-def _too_short(filtered: Filtered, joint: int, named: Named, error: float) -> bool:
-    """Whether a length of presliding is not surely above what a reversal's own rest makes."""
-    return named.candidate.settings[named.setting].values[0][2] < _within(filtered, joint) + 2.0 * error
-
-
-def _covered(filtered: Filtered, joint: int, part: Part) -> float:
-    """The least Stribeck speed that guarded samples cover, rad/s."""
-    return float(np.quantile(np.abs(filtered.v[part.stretches.kept, filtered.dof[joint]]), COVERED.value))
-
-
-def _alone(candidate: Candidate) -> Candidate:
-    """A candidate of one joint, in a problem of that joint alone."""
-    return replace(
-        candidate,
-        joint=0,
-        settings=tuple(Setting(s.values, dict(enumerate(s.columns.values()))) for s in candidate.settings),
-    )
-
-
-def _own(design: Design, joint: int) -> FloatArray:
-    """Torque (m,) of a joint without what errors of the model that several joints share take of it."""
-    torque = np.array(design.parts[joint].torque)
-    for one, place in zip(design.named, design.places[len(design.parts) :], strict=True):
-        columns = one.candidate.settings[one.setting].columns
-        if one.candidate.joint is None and joint in columns:
-            torque -= columns[joint] @ design.numbers[place]
-    return torque
-
-
-def _nearest(filtered: Filtered, turns: FloatArray) -> IntArray:
-    """The reversal that each sample (m,) of the fit is nearest to."""
-    times = filtered.t_fine[0] + turns / filtered.fine.rate
-    return np.asarray(np.searchsorted((times[1:] + times[:-1]) / 2.0, filtered.t), dtype=np.int64)
-
-
-def _candidates(
-    filtered: Filtered, joint: int, turns: FloatArray, friction: tuple[float, float], rigid: FloatArray
-) -> Iterator[Candidate]:
-    """What may happen at reversals; columns stand under joint 0, the only one of the problem."""
+def _shapes(filtered: Filtered, joint: int, turns: FloatArray, rigid: FloatArray) -> Iterator[Candidate]:
+    """Laws of friction that show at reversals."""
     dof = filtered.dof[joint]
     q, v = filtered.q_fine[:, dof], filtered.v_fine[:, dof]
-    sign = signs(v)
-    sliding = filtered.column(sign, jumps=True)
-    quantum = float(filtered.position_step[joint])
-    turning = float(np.median(np.abs(filtered.a[:, dof])))
+    sliding = filtered.column(signs(v), jumps=True)
+    quantum, turning = filtered.position_step[joint], float(np.median(np.abs(filtered.a[:, dof])))
     least = max(4.0 * quantum, 1e-4 * np.ptp(q), _within(filtered, joint))
     lengths = np.geomspace(least, max(LONGEST_SLIP.value * np.ptp(q), 2.0 * least), _LENGTHS)
-
-    def settings(what: str, unit: str, values: FloatArray, columns: list[FloatArray]) -> tuple[Setting, ...]:
-        return tuple(Setting(((what, unit, float(x)),), {0: c[:, None]}) for x, c in zip(values, columns, strict=True))
 
     def held(length: float) -> FloatArray:
         return (filtered.column(bristles(q, length)) - sliding)[:, None]
 
-    tried = settings("length", "rad", lengths, [held(float(length))[:, 0] for length in lengths])
-    yield Candidate(PRESLIDING, FRICTION, joint, tried, (("held", "N m"),), free(1), shape=held)
+    yield of_friction(PRESLIDING, joint, (("held", "N m"),), held, ("length", "rad"), lengths)
     # within one step of the encoder a reversal has no speed of its own, and within one sample no shape
     least = max(2.0 * math.sqrt(2.0 * turning * quantum), 3.0 * turning / filtered.fine.rate)
-    speeds = np.geomspace(least, max(float(np.quantile(np.abs(v), 0.15)), 2.0 * least), _LENGTHS)
+    fastest = max(float(np.quantile(np.abs(v), 0.15)), 2.0 * least)
+    yield fall_with_speed(STATIC, filtered, joint, np.geomspace(least, fastest, _LENGTHS))
+    load, marks = np.interp(filtered.t_fine, filtered.t, rigid), np.zeros(q.size, dtype=np.int64)
+    # the sample of the last reversal before each, the first one before any
+    places = np.round(turns).astype(np.int64)
+    marks[places] = places
+    since = np.abs(q - q[np.maximum.accumulate(marks)])
 
-    def fallen(v_s: float) -> FloatArray:
-        return filtered.column((sign * np.exp(-((v / v_s) ** 2)))[:, None], jumps=True)
+    def loose(gap: float) -> FloatArray:
+        return filtered.column(-load * (since < gap), jumps=True)[:, None]
 
-    more = settings("v_s", "rad/s", speeds, [fallen(float(v_s))[:, 0] for v_s in speeds])
-    yield Candidate(STATIC, FRICTION, joint, more, (("f_s - f_c", "N m"),), free(1), shape=fallen)
-    load = np.interp(filtered.t_fine, filtered.t, rigid)
-    since = np.abs(q - q[_last(turns, q.size)])
-    loose = [filtered.column(-load * (since < gap), jumps=True) for gap in lengths]
-    yield Candidate(BACKLASH, FRICTION, joint, settings("gap", "rad", lengths, loose), (("share", "1"),), free(1))
-    jump = filtered.fine.filtered(sign, filtered.out, 1, means=True)[1][filtered.out.trimmed]
-    coulomb, viscous = friction
+    yield of_friction(BACKLASH, joint, (("share", "1"),), loose, ("gap", "rad"), lengths, smooth=False)
+
+
+def _late(filtered: Filtered, joint: int, coulomb: float, viscous: float, rigid: FloatArray) -> Candidate:
+    """The torque of one joint that is late."""
+    dof = filtered.dof[joint]
+    jump = filtered.fine.filtered(signs(filtered.v_fine[:, dof]), filtered.out, 1, means=True)[1][filtered.out.trimmed]
     change = coulomb * jump + viscous * filtered.a[:, dof] + np.gradient(rigid, 1.0 / filtered.out.rate)
-    late = (Setting((), {0: -change[:, None]}),)
-    yield Candidate(DELAY, MODEL, joint, late, (("delay", "s"),), free(1), "early position", WHICH_IS_LATE)
+    return of_friction(DELAY, joint, (("delay", "s"),), -change[:, None])
 
 
 def bristles(q: FloatArray, length: float) -> FloatArray:
@@ -224,60 +174,38 @@ def bristles(q: FloatArray, length: float) -> FloatArray:
     step = np.diff(q)
     sign, kept = np.sign(step), np.exp(-np.abs(step) / length)
     found = np.empty(q.size)
-    state = float(sign[0])
-    found[0] = state
+    found[0] = state = float(sign[0])
     for i in range(step.size):
-        state = sign[i] + (state - sign[i]) * kept[i]
-        found[i + 1] = state
+        found[i + 1] = state = sign[i] + (state - sign[i]) * kept[i]
     return found
 
 
-def _last(turns: FloatArray, size: int) -> IntArray:
-    """The sample at which the last reversal before each was; the first sample before any."""
-    marks = np.zeros(size, dtype=np.int64)
-    places = np.round(turns).astype(np.int64)
-    marks[places] = places
-    return np.asarray(np.maximum.accumulate(marks))
+def _tried(
+    base: Design, candidate: Candidate, nearest: IntArray, before: float = 0.0
+) -> tuple[Named, float, float] | None:
+    """A candidate at its best setting, as sure as the reversals agree on it, its number and the error of that.
 
-
-@dataclass(frozen=True, slots=True)
-class _Tried:
-    named: Named
-    gain: float
-    evidence: float
-    number: float
-    error: float
-
-
-def _try(base: Design, candidate: Candidate, nearest: IntArray, before: float = 0.0) -> _Tried | None:
-    """A candidate at its best setting, as sure as the reversals agree on it.
-
-    before : gain that the base has already.
+    nearest : reversal of each row. before : gain that the base has already.
     """
-    whitened = Whitened.of(candidate, base.parts)
-    score = base.score(whitened)
+    score = base.score(Whitened.of(candidate, base.parts))
     if score.gain <= 0.0:
         return None
-    with_it = Design(base.parts, [*base.named, score.named])
-    columns = score.named.columns[0]
-    own = columns[:, 0] - base.inside(columns)[:, 0]
-    size = float(own @ own)
+    with_it = Design(base.parts, [*base.named, score])
+    ((_, columns),) = score.columns.items()
+    own = base.beyond(columns)[:, 0]
     scores = np.bincount(nearest, own * with_it.residual[: own.size])
     turns = int(np.sum(np.bincount(nearest) > 0))
     number = float(with_it.numbers[with_it.places[-1]][0])
-    error = math.sqrt(float(scores @ scores) * turns / (turns - 1)) / size
+    error = math.sqrt(float(scores @ scores) * turns / (turns - 1)) / float(own @ own)
     t = (number / error) ** 2 if error > 0.0 else 1e12
     chance = float(betainc((turns - 1) / 2.0, 0.5, (turns - 1) / (turns - 1 + t)))
-    agreed = evidence_of_chance(math.log(max(chance, 1e-300)), whitened.looks, t)
-    return _Tried(score.named, score.gain + before, min(agreed, score.evidence), number, error)
+    agreed = evidence_of_chance(math.log(max(chance, 1e-300)), score.whitened.looks, t)
+    return replace(score, gain=score.gain + before, evidence=min(agreed, score.evidence)), number, error
 
 
-def _plausible(tried: _Tried, coulomb: float, unseen: float) -> bool:
+def _plausible(named: Named, number: float, error: float, coulomb: float, unseen: float) -> bool:
     """Whether the size fits the name."""
-    named, number = tried.named, tried.number
-    least, most = HELD_LEAST.value, HELD_MOST.value
-    if named.candidate.name == PRESLIDING:
-        return least * coulomb < number < most * coulomb
-    if named.candidate.name == BACKLASH:
-        return least < number < most
-    return abs(number) > unseen + 2.0 * tried.error if named.candidate.name == DELAY else number > 0.0
+    if named.candidate.name == DELAY:
+        return abs(number) > unseen + 2.0 * error
+    usual = {PRESLIDING: coulomb, BACKLASH: 1.0}.get(named.candidate.name)
+    return number > 0.0 if usual is None else HELD_LEAST.value * usual < number < HELD_MOST.value * usual
