@@ -16,7 +16,6 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from harness.core.arrays import FloatArray, IntArray
-from harness.core.jit import compiled
 from harness.estimate.channel import ChannelFit
 from harness.estimate.halfcycles import SeparateFit
 from harness.estimate.result import Estimate, Reversal, quantity, rates_to_modal
@@ -65,84 +64,38 @@ def find_jumps(fit: SeparateFit, side: int, follow: bool) -> Jumps:
     edges = fit.edges[1:-1]
     k = np.arange(edges.size)
     sign = side * (-1.0) ** (k + 1)
-    sigma, omega = fit.sigma, fit.omega
-    reach = 0.2 * math.pi / omega
+    reach = 0.2 * math.pi / fit.omega
+    speed = (fit.c[:, 0] - 1j * fit.c[:, 1]) / fit.rate
 
-    def difference(time: FloatArray) -> FloatArray:
-        """Change of speed between the forms of the two half-cycles at ``time`` (K-1,)."""
-        out = np.zeros(k.size)
-        for shift, weight in ((1, 1.0), (0, -1.0)):
-            c1, c2 = fit.c[k + shift, 0], fit.c[k + shift, 1]
-            i1, i2 = (-sigma * c1 - omega * c2), (-sigma * c2 + omega * c1)
-            s = time - fit.edges[k + shift]
-            out += weight * np.exp(-sigma * s) * (i1 * np.cos(omega * s) + i2 * np.sin(omega * s))
-        return out / (sigma**2 + omega**2)
+    def speed_at(k: IntArray, time: FloatArray) -> FloatArray:
+        return np.asarray((speed[k] * np.exp(fit.rate * (time - fit.edges[k]))).real, dtype=np.float64)
 
     time = edges.copy()
     if follow:
         for _ in range(6):  # Newton: the slope of the difference in speed is the jump itself
-            slope = _values(fit, k + 1, time)[0] - _values(fit, k, time)[0]
-            step = difference(time) / np.where(np.abs(slope) > 0.0, slope, 1.0)
+            slope = fit.value(k + 1, time) - fit.value(k, time)
+            step = (speed_at(k + 1, time) - speed_at(k, time)) / np.where(np.abs(slope) > 0.0, slope, 1.0)
             time = np.clip(time - step, edges - reach, edges + reach)
-    before, late = _values(fit, k, time)
-    after, early = _values(fit, k + 1, time)
-    size = sign * (after - before)
+    before, after = fit.value(k, time), fit.value(k + 1, time)
+    late, early = fit.basis(k, time), fit.basis(k + 1, time)
     variance = np.einsum("ki,kij,kj->k", late, fit.inverse[k], late)
     variance += np.einsum("ki,kij,kj->k", early, fit.inverse[k + 1], early)
-    shared = k[:-1] + 1
-    neighbour = np.einsum("ki,kij,kj->k", early[:-1], fit.inverse[shared], late[1:])
-    by_rates = sign[:, None] * (
-        _rates(fit, k + 1, time, early, sigma, omega) - _rates(fit, k, time, late, sigma, omega)
-    )
+    neighbour = np.einsum("ki,kij,kj->k", early[:-1], fit.inverse[k[:-1] + 1], late[1:])
+    by_rates = sign[:, None] * (_by_rates(fit, k + 1, time, early) - _by_rates(fit, k, time, late))
     known = fit.known[:-1] & fit.known[1:]
-    if not np.all(known):  # only the outermost half-cycles can hold too few samples
-        neighbour = neighbour[known[:-1] & known[1:]]
-    return Jumps(
-        edges[known],
-        before[known],
-        after[known],
-        size[known],
-        variance[known],
-        neighbour,
-        by_rates[known],
-        (edges - time)[known],
+    # only the outermost half-cycles can hold too few samples
+    shared = neighbour[known[:-1] & known[1:]]
+    t, before, after, size, variance, lead = (
+        one[known] for one in (edges, before, after, sign * (after - before), variance, edges - time)
     )
+    return Jumps(t, before, after, size, variance, shared, by_rates[known], lead)
 
 
-def _values(fit: SeparateFit, k: IntArray, time: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Forms of the half-cycles k (n,) at ``time`` (n,), and their basis (n,3)."""
-    s = time - fit.edges[k]
-    e = np.exp(-fit.sigma * s)
-    basis = np.stack([e * np.cos(fit.omega * s), e * np.sin(fit.omega * s), np.zeros(s.size)], axis=1)
-    return np.sum(basis * fit.c[k], axis=1), basis
-
-
-def _rates(
-    fit: SeparateFit, k: IntArray, time: FloatArray, basis: FloatArray, sigma: float, omega: float
-) -> FloatArray:
-    """Total change (n,2) of those values with sigma and omega, amplitudes following."""
-    s = time - fit.edges[k]
-    direct = np.stack(
-        [-s * np.sum(basis * fit.c[k], axis=1), s * (fit.c[k, 1] * basis[:, 0] - fit.c[k, 0] * basis[:, 1])], axis=1
-    )
-    return np.asarray(direct + np.einsum("ki,kim->km", basis, fit.slope[k]), dtype=np.float64)
-
-
-def _solve_chain(diagonal: FloatArray, beside: FloatArray, right: FloatArray, out: FloatArray) -> None:
-    """Solve a symmetric tridiagonal system (n,) by elimination."""
-    n = diagonal.size
-    work = np.empty(n)
-    pivot = diagonal[0]
-    out[0] = right[0] / pivot
-    for i in range(1, n):
-        work[i] = beside[i - 1] / pivot
-        pivot = diagonal[i] - beside[i - 1] * work[i]
-        out[i] = (right[i] - beside[i - 1] * out[i - 1]) / pivot
-    for i in range(n - 2, -1, -1):
-        out[i] -= work[i + 1] * out[i + 1]
-
-
-_compiled_chain = compiled(_solve_chain)
+def _by_rates(fit: SeparateFit, k: IntArray, time: FloatArray, basis: FloatArray) -> FloatArray:
+    """Total change (n,2) of the forms at ``time`` with sigma and omega, amplitudes following."""
+    s, c = time - fit.edges[k], fit.c[k]
+    direct = [-s * np.sum(basis * c, axis=1), s * (c[:, 1] * basis[:, 0] - c[:, 0] * basis[:, 1])]
+    return np.asarray(np.stack(direct, axis=1) + np.einsum("ki,kim->km", basis, fit.slope[k]), dtype=np.float64)
 
 
 @dataclass(frozen=True, slots=True)
@@ -159,14 +112,18 @@ class WeightedJump:
 
 def combine(jumps: Jumps, variance: float) -> WeightedJump:
     """Generalised least squares of one size through all jumps; variance is that of one sample."""
+    # imported when it is needed: it brings half of its library along
+    from scipy.linalg import solve_banded
+
     n = jumps.size.size
-    ones, weighted, scaled = np.ones(n), np.empty(n), np.empty(n)
-    _compiled_chain(jumps.variance, jumps.neighbour, ones, weighted)
+    bands = np.zeros((3, n))
+    bands[0, 1:], bands[1], bands[2, :-1] = jumps.neighbour, jumps.variance, jumps.neighbour
+    weighted = solve_banded((1, 1), bands, np.ones(n))
     total = float(weighted.sum())
     size = float(weighted @ jumps.size) / total
     left = jumps.size - size
-    _compiled_chain(jumps.variance, jumps.neighbour, left, scaled)
-    scatter = float(left @ scaled) / (n - 1) / variance if n > 1 and variance > 0.0 else 1.0
+    chi2 = float(left @ solve_banded((1, 1), bands, left))
+    scatter = chi2 / (n - 1) / variance if n > 1 and variance > 0.0 else 1.0
     return WeightedJump(size, variance / total, weighted @ jumps.by_rates / total, scatter)
 
 

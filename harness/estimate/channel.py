@@ -6,8 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from harness.core.arrays import FloatArray
-from harness.core.jit import compiled
-from harness.estimate.halfcycles import SeparateFit, fit_separately, moved_edges
+from harness.estimate.halfcycles import SeparateFit, fit_separately, moved_edges, windows
 from harness.estimate.noise import Noise, channel_noise
 from harness.estimate.reversals import MINIMUM_HALF_CYCLES, HalfCycles, Kind, NoDecay, find_half_cycles, period_of
 from harness.estimate.sequence import powers
@@ -17,63 +16,33 @@ WIDEST = 0.15
 """The guard is at most this share of a half-cycle on each side."""
 
 
-def _edge_misfit(
-    t: FloatArray,
-    y: FloatArray,
-    edges: FloatArray,
-    c: FloatArray,
-    inverse: FloatArray,
-    sigma: float,
-    omega: float,
-    variance: float,
-    reach: float,
-    width: float,
-    square: FloatArray,
-    count: FloatArray,
-) -> None:
-    """Squares of residual over predicted deviation, by distance (bins of ``width`` s) from the nearest inner edge."""
-    phi = np.empty(3)
-    n = np.searchsorted(t, edges[0])
-    for k in range(edges.size - 1):
-        while n < t.size and t[n] < edges[k + 1]:
-            s, rest = t[n] - edges[k], edges[k + 1] - t[n]
-            # the outermost edges are a release, a stop or the record's end: no jump between two forms
-            before, after = k + 2 < edges.size and rest <= reach, k > 0 and s < reach
-            if before or after:
-                e = np.exp(-sigma * s)
-                phi[0], phi[1], phi[2] = e * np.cos(omega * s), e * np.sin(omega * s), 1.0
-                r, spread = y[n], 1.0
-                for i in range(3):
-                    r -= phi[i] * c[k, i]
-                    for j in range(3):
-                        spread += phi[i] * inverse[k, i, j] * phi[j]
-                bin_ = min(int((rest if before else s) / width), square.size - 1)
-                square[bin_] += r * r / (variance * spread)
-                count[bin_] += 1.0
-            n += 1
-
-
-_compiled_misfit = compiled(_edge_misfit)
-
-
 def find_guard(t: FloatArray, y: FloatArray, fit: SeparateFit, variance: float) -> float:
     """Guard in s for a channel y (n,) from a fit made with the widest guard; 0 when the jumps are sharp.
 
-    variance : of one sample, the larger of the noise's and the fit's own. Both sides are judged together.
+    Squares of residual over predicted deviation are summed by distance from the nearest inner edge, both sides
+    together. variance : of one sample, the larger of the noise's and the fit's own.
     """
-    half = float(np.median(np.diff(fit.edges)))  # the fitted frequency can be far off in much noise
+    edges = fit.edges
+    half = float(np.median(np.diff(edges)))  # the fitted frequency can be far off in much noise
     reach = WIDEST * half
-    interval = float(np.median(np.diff(t)))
     # bins of a sample, but few enough for each to hold several half-cycles' worth
-    width = max(interval, reach / 60.0)
+    width = max(float(np.median(np.diff(t))), reach / 60.0)
     bins = max(int(np.ceil(reach / width)), 1)
-    square, count = np.zeros(bins), np.zeros(bins)
-    _compiled_misfit(t, y, fit.edges, fit.c, fit.inverse, fit.sigma, fit.omega, variance, reach, width, square, count)
-    excess = square - count - 4.5 * np.sqrt(2.0 * count) - 8.0 * (count > 0)
-    bad = np.flatnonzero(excess > 0.0)
-    if bad.size == 0:
-        return 0.0
-    return float(min((bad[-1] + 1) * width, reach))
+    within = (t >= edges[0]) & (t < edges[-1])
+    time, value = t[within], y[within]
+    k = np.searchsorted(edges, time, side="right") - 1
+    since, rest = time - edges[k], edges[k + 1] - time
+    # the outermost edges are a release, a stop or the record's end: no jump between two forms
+    before, after = (k < len(fit) - 1) & (rest <= reach), (k > 0) & (since < reach)
+    distance = np.where(before, rest, since)
+    near = before | after
+    k, distance, basis = k[near], distance[near], fit.basis(k, time)[near]
+    left = value[near] - np.sum(basis * fit.c[k], axis=1)
+    spread = variance * (1.0 + np.einsum("ni,nij,nj->n", basis, fit.inverse[k], basis))
+    place = np.minimum((distance / width).astype(np.int64), bins - 1)
+    square, count = np.bincount(place, left**2 / spread, bins), np.bincount(place, minlength=bins)
+    bad = np.flatnonzero(square - count - 4.5 * np.sqrt(2.0 * count) - 8.0 * (count > 0) > 0.0)
+    return float(min((bad[-1] + 1) * width, reach)) if bad.size else 0.0
 
 
 _EXPLORED = 256
@@ -143,31 +112,30 @@ def _tied_start(fit: SeparateFit) -> FloatArray:
     slope, at_zero = np.polyfit(index, inner, 1)
     omega = math.pi / float(slope)
     sigma = float(np.clip(fit.sigma, -0.02 * omega, 1.5 * omega))
-    ends = np.array([(fit.value(k, edges[k]), fit.value(k, edges[k + 1])) for k in range(len(fit))])
+    every = np.arange(len(fit))
+    first, last = fit.value(every, edges[:-1]), fit.value(every, edges[1:])
     if fit.kind is Kind.ACCELERATION:
-        begin, finish = np.abs(ends[:, 0]), np.abs(ends[:, 1])
+        begin, finish = np.abs(first), np.abs(last)
     elif fit.kind is Kind.VELOCITY:
         begin = omega * np.hypot(fit.c[:, 0], fit.c[:, 1])
         finish = begin * math.exp(-math.pi * sigma / omega)
     else:
-        begin = np.abs(ends[:, 0] - fit.c[:, 2]) * (sigma**2 + omega**2)
-        finish = np.abs(ends[:, 1] - fit.c[:, 2]) * (sigma**2 + omega**2)
+        begin, finish = (np.abs(end - fit.c[:, 2]) * (sigma**2 + omega**2) for end in (first, last))
     # begin_k = q^k P_0 - 2 D (1 + q + .. + q^(k-1)) and finish_k = q begin_k, both linear once q is known
     q = math.exp(-math.pi * sigma / omega)
     power, _, total, _ = powers(q, begin.size)
     use = slice(1, -1) if begin.size > 4 else slice(None)
-    rows = np.concatenate([np.stack([power, -2.0 * total], 1)[use], q * np.stack([power, -2.0 * total], 1)[use]])
-    first, drop = np.linalg.lstsq(rows, np.concatenate([begin[use], finish[use]]), rcond=None)[0]
+    rows = np.stack([power, -2.0 * total], 1)[use]
+    swing, drop = np.linalg.lstsq(np.concatenate([rows, q * rows]), np.concatenate([begin[use], finish[use]]))[0]
     theta = np.zeros(6)
-    theta[[SIGMA, OMEGA, D, P0, T0]] = sigma, omega, drop, first, at_zero
+    theta[[SIGMA, OMEGA, D, P0, T0]] = sigma, omega, drop, swing, at_zero
     return theta
 
 
 def _half_cycles_moving(fit: TiedFit, t: FloatArray, y: FloatArray, start: int) -> int:
     """How many half-cycles there are: up to where resting explains the samples better than moving on (>= start)."""
     ahead = int(min((t[-1] - fit.theta[T0]) / fit.half_time + 1.0, fit.count + 400))
-    wider = TiedFit(fit.kind, fit.theta, fit.covariance, fit.side, max(ahead, fit.count), 0.0, fit.squares, fit.freedom)
-    swings = wider.swings()
+    swings = fit.swings(max(ahead, fit.count) + 1)
     gain, best, count = 0.0, 0.0, start
     for k in range(start, ahead):
         if not 0.0 < swings[k] < 1e6 * swings[0]:
@@ -211,7 +179,7 @@ def _fit_tied(
         if fit.theta[T0] + (further - 0.5) * fit.half_time > t[-1] or not noisy:
             break
         longer = fit_tied(t, y, kind, fit.theta, cycles.side, further, guard, span, offset)
-        if longer.swings()[further - 1] > 0.0 and longer.squares < fit.squares + _rest_squares(fit, longer, t, y):
+        if longer.swings(further)[-1] > 0.0 and longer.squares < fit.squares + _rest_squares(fit, longer, t, y):
             fit = longer
     return fit
 
@@ -289,15 +257,15 @@ def _shifted(fit: ChannelFit, centre: float) -> ChannelFit:
     return replace(fit, y=fit.y + centre)
 
 
-def _refuse_driven(separate: SeparateFit, y: FloatArray, floor: float) -> None:
+def _refuse_driven(t: FloatArray, y: FloatArray, separate: SeparateFit, floor: float) -> None:
     """Raise NoDecay for a motion that goes back and forth without decaying and without being a sine between
     reversals.
     """
-    windows = separate.windows
-    moving = y[windows.lo[0] : windows.hi[-1]]
-    swing = np.array([np.ptp(y[lo:hi]) for lo, hi in zip(windows.lo, windows.hi, strict=True) if hi > lo])
+    at, cycle = windows(t, separate.edges, separate.guard)
+    begin = np.flatnonzero(np.diff(cycle, prepend=-1))
+    swing = np.maximum.reduceat(y[at], begin) - np.minimum.reduceat(y[at], begin)
     lasting = float(np.median(swing[-3:])) > 0.9 * float(np.median(swing[:3]))
-    odd = separate.variance > 1e-4 * float(np.var(moving)) + 9.0 * floor
+    odd = separate.variance > 1e-4 * float(np.var(y[at[0] : at[-1] + 1])) + 9.0 * floor
     if odd and lasting:
         raise NoDecay(
             "the motion goes to and fro without decaying and is no oscillation of a spring: driven, no free decay"
@@ -328,7 +296,7 @@ def _fit_once(
             break
     if separate.variance > max(0.25 * float(np.var(y)), 3.0 * floor):
         raise NoDecay("the motion between reversals is no damped oscillation: no free decay")
-    _refuse_driven(separate, y, floor)
+    _refuse_driven(t, y, separate, floor)
     guard = _least_guard(t)
     if kind is not Kind.DISPLACEMENT:  # the displacement itself has no jump
         guard = max(guard, find_guard(t, y, separate, max(separate.variance, floor)))

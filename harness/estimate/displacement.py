@@ -85,9 +85,8 @@ def _near(fit: ChannelFit, time: float) -> tuple[float, float, float]:
 def _locally(fit: ChannelFit) -> TurningPoints:
     """Turning points one by one, where the half-cycles are not those of the base model."""
     separate = fit.separate
-    count = len(separate)
-    edges = separate.edges.copy()
-    edges[0], edges[-1] = separate.stops(0)[0], separate.stops(count - 1)[1]
+    edges, stops = separate.edges.copy(), separate.stops()
+    edges[0], edges[-1] = stops[0, 0], stops[-1, 1]
     found = np.array([_near(fit, float(time)) for time in edges])
     ends = _from_forms(fit)
     time, value, covariance = ends.time, ends.value, ends.covariance
@@ -115,9 +114,8 @@ def turning_points(fit: ChannelFit) -> TurningPoints:
 
 def _from_forms(fit: ChannelFit) -> TurningPoints:
     separate = fit.separate
-    count = len(separate)
-    time = np.array([separate.stops(k) for k in range(count)])
-    basis = np.array([[separate.basis(k, time[k, side]) for side in (0, 1)] for k in range(count)])
+    time = separate.stops()
+    basis = separate.basis(np.arange(len(separate))[:, None], time)
     value = np.einsum("ksi,ki->ks", basis, separate.c)
     covariance = np.einsum("ksi,kij,krj->ksr", basis, separate.inverse, basis) * fit.variance
     return TurningPoints(time, value, covariance, _seen(fit, time) & separate.known[:, None])
@@ -132,7 +130,7 @@ def reversal_times(fit: ChannelFit) -> FloatArray:
     if fit.holds:
         return fit.edges[1:-1]
     separate = fit.separate
-    times = np.array([separate.stops(k)[0] for k in range(1, len(separate))])
+    times = separate.stops()[1:, 0]
     near = np.abs(times - separate.edges[1:-1]) < 0.2 * np.pi / separate.omega
     return np.where(near, times, separate.edges[1:-1])
 
@@ -144,8 +142,8 @@ def all_edges(fit: ChannelFit) -> FloatArray:
     if fit.holds:
         return fit.edges
     separate = fit.separate
-    first, last = separate.stops(0)[0], separate.stops(len(separate) - 1)[1]
-    return np.concatenate([[first], reversal_times(fit), [last]])
+    stops = separate.stops()
+    return np.concatenate([stops[:1, 0], reversal_times(fit), stops[-1:, 1]])
 
 
 def first_and_last_seen(fit: ChannelFit) -> tuple[bool, bool]:

@@ -108,10 +108,9 @@ def _sizes(fit: ChannelFit) -> tuple[FloatArray, FloatArray, FloatArray]:
         known = np.isfinite(turning)
         return times[known], turning[known] - _zero(fit), variance[known]
     separate = as_acceleration(fit.separate)
-    count = len(separate)
     keep = separate.known
     keep[0] &= first_and_last_seen(fit)[0]
-    basis = np.array([separate.basis(k, separate.edges[k]) for k in range(count)])
+    basis = separate.basis(np.arange(len(separate)), separate.edges[:-1])
     value = np.sum(basis * separate.c, axis=1)
     variance = np.einsum("ki,kij,kj->k", basis, separate.inverse, basis) * fit.variance
     per = -1.0 / (fit.sigma**2 + fit.omega**2)

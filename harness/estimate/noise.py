@@ -10,7 +10,6 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from harness.core.arrays import BoolArray, FloatArray
-from harness.core.jit import compiled
 
 FLOOR = 1e-5
 """A trace without noise is given this share of the channel's rms."""
@@ -77,41 +76,25 @@ class Noise:
         return noisy
 
 
-def _window_residuals(t: FloatArray, y: FloatArray, width: int, degree: int, out: FloatArray) -> None:
-    """Residuals of a polynomial of ``degree`` in every window of ``width`` samples, by Gram-Schmidt on its own
-    times.
+def _window_residuals(t: FloatArray, y: FloatArray, width: int, degree: int) -> FloatArray:
+    """Residuals (windows, width) of a polynomial of ``degree`` in every window of ``width`` samples of y (n,), by
+    Gram-Schmidt on the window's own times.
     """
-    basis = np.empty((degree + 1, width))
-    for w in range(t.size // width):
-        lo = w * width
-        centre = 0.5 * (t[lo] + t[lo + width - 1])
-        half = 0.5 * (t[lo + width - 1] - t[lo])
-        for i in range(width):
-            out[lo + i] = y[lo + i]
-        for d in range(degree + 1):
-            for i in range(width):
-                basis[d, i] = 1.0 if d == 0 else basis[d - 1, i] * (t[lo + i] - centre) / half
-            for _ in range(2):  # once more, for the rounding of the first
-                for e in range(d):
-                    dot = 0.0
-                    for i in range(width):
-                        dot += basis[d, i] * basis[e, i]
-                    for i in range(width):
-                        basis[d, i] -= dot * basis[e, i]
-            norm = 0.0
-            for i in range(width):
-                norm += basis[d, i] * basis[d, i]
-            norm = math.sqrt(norm)
-            for i in range(width):
-                basis[d, i] /= norm
-            dot = 0.0
-            for i in range(width):
-                dot += basis[d, i] * out[lo + i]
-            for i in range(width):
-                out[lo + i] -= dot * basis[d, i]
+    times, left = (one[: one.size // width * width].reshape(-1, width) for one in (t, y))
+    middle, half = 0.5 * (times[:, :1] + times[:, -1:]), 0.5 * (times[:, -1:] - times[:, :1])
+    place = (times - middle) / half
+    basis: list[FloatArray] = []
 
+    def without(values: FloatArray, other: FloatArray) -> FloatArray:
+        return np.asarray(values - np.einsum("ij,ij->i", values, other)[:, None] * other, dtype=np.float64)
 
-_compiled_residuals = compiled(_window_residuals)
+    for _ in range(degree + 1):
+        one = basis[-1] * place if basis else np.ones_like(place)
+        for other in (*basis, *basis):  # twice, for the rounding of the first
+            one = without(one, other)
+        basis.append(one / np.sqrt(np.einsum("ij,ij->i", one, one))[:, None])
+        left = without(left, basis[-1])
+    return left
 
 
 def quantisation_step(y: FloatArray) -> float:
@@ -172,10 +155,7 @@ def channel_noise(t: FloatArray, y: FloatArray, period: float | None = None, res
     if period is not None:
         width = min(int(_PERIOD_SHARE * period / interval), _LONGEST)
         width, degree = (width, 5) if width >= 12 else (8, 6)
-    residuals = np.zeros(y.size // width * width)
-    # copies are writable and dense, whoever's the arrays are: the kernel is compiled once
-    _compiled_residuals(np.array(t), np.array(y), width, degree, residuals)
-    windows = residuals.reshape(-1, width)
+    windows = _window_residuals(t, y, width, degree)
     windows = windows if rests else windows[_moving(y, width)]
     power = np.mean(windows**2, axis=1)
     freedom = width - degree - 1

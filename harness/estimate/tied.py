@@ -9,9 +9,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from harness.core.arrays import FloatArray
-from harness.core.jit import compiled
+from harness.core.arrays import FloatArray, IntArray
+from harness.estimate.halfcycles import Sums
 from harness.estimate.reversals import Kind
+from harness.estimate.sequence import powers
 from harness.fit.covariance import inverse_of
 from harness.fit.least_squares import Until, least_squares
 
@@ -19,118 +20,45 @@ _SIZE = 6
 SIGMA, OMEGA, D, P0, T0, OFFSET = range(_SIZE)
 
 
-def _chain(theta: FloatArray, count: int, swing: FloatArray, partial: FloatArray) -> None:
-    """P of each half-cycle (count+1,) and its derivatives by sigma, omega, D and P0 (count+1, 4)."""
-    sigma, omega = theta[0], theta[1]
+def _swings(theta: FloatArray, count: int) -> tuple[FloatArray, FloatArray]:
+    """P of each half-cycle (count,) and its derivatives by sigma, omega, D and P0 (4, count)."""
+    sigma, omega, d, first = theta[:4]
     q = math.exp(-math.pi * sigma / omega)
-    swing[0] = theta[3]
-    partial[0, :] = 0.0
-    partial[0, 3] = 1.0
-    for k in range(count):
-        swing[k + 1] = q * swing[k] - 2.0 * theta[2]
-        for i in range(4):
-            partial[k + 1, i] = q * partial[k, i]
-        partial[k + 1, 0] -= math.pi / omega * q * swing[k]
-        partial[k + 1, 1] += math.pi * sigma / (omega * omega) * q * swing[k]
-        partial[k + 1, 2] -= 2.0
+    with np.errstate(over="ignore", invalid="ignore"):  # a trial may grow without bounds; it is then refused
+        power, by_power, total, by_total = powers(q, count)
+        by_q = first * by_power - 2.0 * d * by_total
+        slope = [-math.pi / omega * q * by_q, math.pi * sigma / omega**2 * q * by_q, -2.0 * total, power]
+        return first * power - 2.0 * d * total, np.stack(slope)
 
 
-_compiled_chain = compiled(_chain)
+def _form(
+    kind: Kind, theta: FloatArray, s: FloatArray, k: IntArray, side: int, count: int
+) -> tuple[FloatArray, FloatArray]:
+    """Values (n,) of a, v or x at s (n,) after the reversals k (n,), and their derivatives (6, n) by theta.
 
-
-def _form(kind: int, theta: FloatArray, s: float, p: float, side: float, row: FloatArray) -> float:
-    """Value at s after a reversal of a (0), v (1) or x (2), and ``row`` (8,): by sigma, omega, D, P, s, offset."""
-    sigma, omega = theta[0], theta[1]
-    e = math.exp(-sigma * s)
-    cos, sin = math.cos(omega * s), math.sin(omega * s)
-    rho = sigma / omega
-    row[5] = 1.0
-    if kind == 0:
-        h = -side * e * (cos - rho * sin)
-        row[0] = -s * p * h + side * p * e * sin / omega
-        row[1] = -side * p * e * (-s * sin - rho * s * cos + rho / omega * sin)
-        row[2] = 0.0
-        row[3] = h
-        row[4] = -side * p * e * (-2.0 * sigma * cos + (sigma * rho - omega) * sin)
-        return float(p * h + theta[5])
-    if kind == 1:
-        h = -side / omega * e * sin
-        row[0] = -s * p * h
-        row[1] = -p * h / omega - side * p / omega * e * s * cos
-        row[2] = 0.0
-        row[3] = h
-        row[4] = -side * p / omega * e * (omega * cos - sigma * sin)
-        return float(p * h + theta[5])
-    per = side / (sigma * sigma + omega * omega)
-    h = per * e * (cos + rho * sin)
-    value = per * theta[2] + p * h
-    row[0] = -s * p * h + per * p * e * sin / omega - 2.0 * sigma * abs(per) * value
-    row[1] = per * p * e * (-s * sin + rho * s * cos - rho / omega * sin) - 2.0 * omega * abs(per) * value
-    row[2] = per
-    row[3] = h
-    row[4] = -side * p / omega * e * sin
-    return float(value + theta[5])
-
-
-_compiled_form = compiled(_form)
-
-
-def _normal(
-    t: FloatArray,
-    y: FloatArray,
-    kind: int,
-    theta: FloatArray,
-    side: int,
-    count: int,
-    swing: FloatArray,
-    partial: FloatArray,
-    member: FloatArray,
-    guard: float,
-    normal: FloatArray,
-    pull: FloatArray,
-) -> tuple[float, int]:
-    """Sum of squares, samples used, and the normal equations (6,6), (6,) of all half-cycles.
-
-    member : t_0 and half-cycle time by which samples are dealt to half-cycles (kept while theta is improved), and the
-    first and last time to use.
+    With rate = -sigma + i omega, a after a reversal is Re(i rate e^(rate s)) P / omega, v and x are its integrals.
     """
-    normal[:] = 0.0
-    pull[:] = 0.0
-    row, g = np.empty(8), np.empty(6)
-    squares, used = 0.0, 0
-    step = math.pi / theta[1]
-    first = np.searchsorted(t, max(member[2], member[0]))
-    for n in range(first, t.size):
-        if t[n] > member[3]:
-            break
-        at = (t[n] - member[0]) / member[1]
-        k = math.floor(at)
-        if k >= count:
-            break
-        if (at - k) * member[1] < guard or (k + 1 - at) * member[1] < guard:
-            continue
-        sign = float(side) if k % 2 == 0 else -float(side)
-        m = _compiled_form(kind, theta, t[n] - theta[4] - k * step, swing[k], sign, row)
-        r = y[n] - m
-        g[0] = row[0] + row[3] * partial[k, 0]
-        g[1] = row[1] + row[3] * partial[k, 1] + row[4] * k * step / theta[1]
-        g[2] = row[2] + row[3] * partial[k, 2]
-        g[3] = row[3] * partial[k, 3]
-        g[4] = -row[4]
-        g[5] = 1.0
-        squares += r * r
-        used += 1
-        for i in range(6):
-            pull[i] += g[i] * r
-            for j in range(i + 1):
-                normal[i, j] += g[i] * g[j]
-    for i in range(6):
-        for j in range(i):
-            normal[j, i] = normal[i, j]
-    return squares, used
-
-
-_compiled_normal = compiled(_normal)
+    sigma, omega, d = theta[:3]
+    order, rate = {Kind.ACCELERATION: 1, Kind.VELOCITY: 0, Kind.DISPLACEMENT: -1}[kind], complex(-sigma, omega)
+    p, by_chain = (found[..., k] for found in _swings(theta, count))
+    sign = np.where(k % 2 == 0, float(side), -float(side))
+    wave = 1j * rate**order * np.exp(rate * s) * sign / omega
+    by_rate, h = (order / rate + s) * wave, wave.real
+    by_s = p * (rate * wave).real
+    out = np.zeros((_SIZE, s.size))
+    out[:4] = h * by_chain
+    out[SIGMA] -= p * by_rate.real
+    out[OMEGA] += by_s * k * math.pi / omega**2 - p * (by_rate.imag + h / omega)
+    out[T0] = -by_s
+    out[OFFSET] = 1.0
+    value = p * h + theta[OFFSET]
+    if kind is Kind.DISPLACEMENT:
+        per = sign / (sigma**2 + omega**2)
+        value = value + per * d
+        out[D] += per
+        out[SIGMA] -= 2.0 * sigma * np.abs(per) * per * d
+        out[OMEGA] -= 2.0 * omega * np.abs(per) * per * d
+    return value, out
 
 
 @dataclass(frozen=True, slots=True)
@@ -138,9 +66,8 @@ class TiedFit:
     """The whole decay by one set of numbers.
 
     theta : (6,) sigma (1/s), omega_d (rad/s), D = omega_n^2 x_k, P_0 = omega_n^2 (|X_0| - x_k) (m/s^2), t_0 (s),
-    offset (in
-    the channel's unit). covariance : (6,6) per unit of variance; rows of what was held are 0. side : sign of X_0.
-    count : half-cycles. variance : of the residual. freedom : degrees of freedom.
+    offset (in the channel's unit). covariance : (6,6) per unit of variance; rows of what was held are 0. side : sign of
+    X_0. count : half-cycles. squares : of the residual. freedom : degrees of freedom.
     """
 
     kind: Kind
@@ -167,25 +94,9 @@ class TiedFit:
         """Reversal times, start and stop included, (count+1,) s."""
         return np.asarray(self.theta[T0] + self.half_time * np.arange(self.count + 1), dtype=np.float64)
 
-    def swings(self) -> FloatArray:
-        """P of each half-cycle and of the one that would follow, (count+1,) m/s^2."""
-        swing, partial = np.empty(self.count + 1), np.empty((self.count + 1, 4))
-        _compiled_chain(self.theta, self.count, swing, partial)
-        return swing
-
-
-@dataclass(frozen=True, slots=True)
-class _Point:
-    """Sums over all half-cycles at one theta; a theta that is no oscillation has no squares."""
-
-    squares: float
-    used: int
-    normal: FloatArray
-    pull: FloatArray
-
-    def normal_equations(self) -> tuple[FloatArray, FloatArray]:
-        """Of what is free."""
-        return self.normal, self.pull
+    def swings(self, count: int) -> FloatArray:
+        """P of the first ``count`` half-cycles, (count,) m/s^2."""
+        return _swings(self.theta, count)[0]
 
 
 def fit_tied(
@@ -209,24 +120,31 @@ def fit_tied(
     until = Until(1e-28 * float(y @ y), 1e-10, 60)
     at = start[:free]
     for _ in range(8):
-        omega = float(at[OMEGA])
-        member = np.array([at[T0], math.pi / omega, span[0], span[1]])
+        began, omega = float(at[T0]), float(at[OMEGA])
+        half = math.pi / omega
+        place = (t - began) / half
+        part = np.floor(place)
+        near = np.minimum(place - part, part + 1.0 - place) * half < guard
+        use = (t >= max(span[0], began)) & (t <= span[1]) & (part < count) & ~near
+        times, values, k = t[use], y[use], part[use].astype(np.int64)
 
-        def evaluated(at: FloatArray, omega: float = omega, member: FloatArray = member) -> _Point:
-            normal, pull = np.zeros((_SIZE, _SIZE)), np.zeros(_SIZE)
+        def evaluated(
+            at: FloatArray,
+            omega: float = omega,
+            times: FloatArray = times,
+            values: FloatArray = values,
+            k: IntArray = k,
+        ) -> Sums:
             if not (0.5 * omega < at[OMEGA] < 2.0 * omega and abs(at[SIGMA]) < 3.0 * at[OMEGA]):
-                return _Point(math.inf, 0, normal, pull)
-            theta, swing, partial = np.concatenate((at, fixed)), np.empty(count + 1), np.empty((count + 1, 4))
-            _compiled_chain(theta, count, swing, partial)
-            squares, used = _compiled_normal(
-                t, y, int(kind), theta, side, count, swing, partial, member, guard, normal, pull
-            )
-            return _Point(squares, used, normal[:free, :free], pull[:free])
+                return Sums(math.inf, np.zeros((free, free)), np.zeros(free))
+            theta = np.concatenate((at, fixed))
+            model, slope = _form(kind, theta, times - at[T0] - k * math.pi / at[OMEGA], k, side, count)
+            left, slope = values - model, slope[:free]
+            return Sums(float(left @ left), slope @ slope.T, slope @ left, times.size)
 
         found = least_squares(evaluated, at, until)
         at = found.coordinates
-        moved = abs(at[T0] - member[0]) + count * abs(math.pi / at[OMEGA] - member[1])
-        if moved < 1e-7 * member[1]:
+        if abs(at[T0] - began) + count * abs(math.pi / at[OMEGA] - half) < 1e-7 * half:
             break
     covariance = np.zeros((_SIZE, _SIZE))
     covariance[:free, :free] = inverse_of(found.point.normal)
@@ -234,25 +152,10 @@ def fit_tied(
     return TiedFit(kind, theta, covariance, side, count, guard, sums.squares, max(sums.used - free, 1))
 
 
-def _sample(
-    t: FloatArray, kind: int, theta: FloatArray, side: int, count: int, swing: FloatArray, out: FloatArray
-) -> None:
-    row = np.empty(8)
-    step = math.pi / theta[1]
-    for n in range(t.size):
-        k = math.floor((t[n] - theta[4]) / step)
-        out[n] = math.nan
-        if 0 <= k < count:
-            sign = float(side) if k % 2 == 0 else -float(side)
-            out[n] = _compiled_form(kind, theta, t[n] - theta[4] - k * step, swing[k], sign, row)
-
-
-_compiled_sample = compiled(_sample)
-
-
 def value_at(t: FloatArray, kind: Kind, theta: FloatArray, side: int, count: int) -> FloatArray:
     """The tied form at ``t`` (n,), nan outside its half-cycles; theta (6,) as in TiedFit."""
-    swing, partial, out = np.empty(count + 1), np.empty((count + 1, 4)), np.empty(t.size)
-    _compiled_chain(theta, count, swing, partial)
-    _compiled_sample(t, int(kind), theta, side, count, swing, out)
-    return out
+    half = math.pi / theta[OMEGA]
+    k = np.floor((t - theta[T0]) / half).astype(np.int64)
+    within = (k >= 0) & (k < count)
+    k = np.where(within, k, 0)
+    return np.where(within, _form(kind, theta, t - theta[T0] - k * half, k, side, count)[0], np.nan)

@@ -25,12 +25,11 @@ from harness.estimate.displacement import displacement
 from harness.estimate.every import estimate_all
 from harness.estimate.noise import channel_noise
 from harness.estimate.paper import displacement_paper
-from harness.estimate.reversals import Kind, NoDecay
+from harness.estimate.reversals import Kind
 from harness.estimate.saturation import within_range
 from harness.exact.decay import Decay, free_decay
 
 FILE = Path(__file__).with_name("figures.json")
-_KINDS = {"x": Kind.DISPLACEMENT, "v": Kind.VELOCITY, "a": Kind.ACCELERATION}
 DECAY = Decay(9.4, 0.012, 0.011)
 
 
@@ -44,15 +43,8 @@ class Made:
     a: FloatArray
 
     def said(self, shown: str, unit: str = "m", **given: Any) -> Any:
-        """Of the channels named: all methods, and the fit of each channel."""
-        channels = {name: getattr(self, name) for name in shown}
-        fits: dict[str, Any] = {}
-        for name, y in channels.items():
-            try:
-                fits[name] = fit_channel(self.t, y, _KINDS[name], given.get("drop_first", False))
-            except NoDecay as reason:
-                fits[name] = {"why": str(reason)}
-        return {"all": estimate_all(self.t, **channels, unit=unit, **given), "fits": fits}
+        """All methods, of the channels named."""
+        return {"all": estimate_all(self.t, **{name: getattr(self, name) for name in shown}, unit=unit, **given)}
 
 
 def made(
