@@ -1,9 +1,12 @@
 """What tells a result: blocks (sentences, tables, figures) under headings, made once and drawn by every renderer."""
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any, TypeAlias
 
+import numpy as np
+
+from harness.core.arrays import FloatArray
 from harness.results.common import P
 from harness.show.numbers import NONE, number, quantity
 
@@ -63,11 +66,11 @@ class Table:
 
 @dataclass(frozen=True, slots=True)
 class Figure:
-    """One plot.
+    """One plot, on a page or in a trace.
 
-    name : unique on the page. traces, layout : plotly's; NumPy arrays may stand for lists. caption : a sentence below.
-    group : figures of one group zoom together along x. height : pixels.
-    Colours may be "ink", "muted" or "rule": the page's own, in light and dark.
+    name : unique among them. traces, layout : plotly's; NumPy arrays may stand for lists. caption : a sentence below.
+    group : figures of one group zoom together along x. height : pixels. around : times, s, at which no sample of a
+    curve is left out however many it has. Colours may be "ink", "muted" or "rule": the page's own, in light and dark.
     """
 
     name: str
@@ -76,6 +79,7 @@ class Figure:
     caption: str = ""
     group: str = ""
     height: int = 340
+    around: FloatArray = field(default_factory=lambda: np.empty(0))
 
 
 @dataclass(frozen=True, slots=True)

@@ -119,10 +119,15 @@ def pack_trajectory(trajectory: Trajectory) -> bytes:
     return pack(columns, about)
 
 
-def pack_trajectories(trajectories: Sequence[Trajectory]) -> list[bytes]:
-    """Each as ``pack_trajectory`` does; the packing leaves the interpreter, so that two cores share it."""
+def packed(**parts: Sequence[Trajectory | Recording]) -> dict[str, bytes]:
+    """Each under its kind and number; the packing leaves the interpreter, so that two cores share it."""
+    named = {f"{kind}-{i:03d}": one for kind, ones in parts.items() for i, one in enumerate(ones)}
+
+    def pack_one(one: Trajectory | Recording) -> bytes:
+        return pack_trajectory(one) if isinstance(one, Trajectory) else pack_recording(one)
+
     with ThreadPoolExecutor(2) as pool:
-        return list(pool.map(pack_trajectory, trajectories))
+        return dict(zip(named, pool.map(pack_one, named.values()), strict=True))
 
 
 def trajectory_of(columns: Mapping[str, FloatArray], about: Mapping[str, Any]) -> Trajectory:

@@ -1,16 +1,17 @@
 """Pieces of plots that several pages draw: curves, points, bars, axes, lines across, the bar of zooms."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
 
 from harness.core.arrays import FloatArray
 from harness.show.blocks import Figure, Zoom
+from harness.show.decimate import keep
 
 Trace = dict[str, Any]
-POINTS = 56_000
-"""Samples on one page, all sources together: five columns of them take about 3 MB."""
+POINTS = 28_000
+"""Samples of one figure of a page, all curves together: those of a run take about 3 MB."""
 GROUP = "time"
 CHANNELS = {
     "x": ("position", "mm", 1e3),
@@ -46,6 +47,39 @@ def curve(name: str, x: Any, y: Any, color: str, unit: str = "", width: float = 
         "hovertemplate": f"{_DIGITS} {unit}<br>%{{x:.6f}} s",
         "meta": {"curve": True},
     } | more
+
+
+def orbit(line: Trace, t: FloatArray, x: FloatArray, y: FloatArray, hover: str = "") -> Trace:
+    """A curve in a plane instead of one over time, looking like ``line``. t : times of its points (n,), s."""
+    found = line | {"t": t, "x": x, "y": y, "meta": {"curve": False}}
+    return found | ({"hovertemplate": hover} if hover else {})
+
+
+def thinned(figure: Figure, budget: int) -> list[Trace]:
+    """Its traces, curves with about ``budget`` samples at most: those over the same times keep the same samples."""
+    over = {id(one): one.get("t", one["x"]) for one in figure.traces if _is_long(one)}
+    together: dict[int, list[FloatArray]] = {}
+    for one in figure.traces:
+        if id(one) in over:
+            values = [one["x"], one["y"]] if "t" in one else [one["y"]]
+            together.setdefault(id(over[id(one)]), []).extend(values)
+    chosen = {id(t): keep(t, together[id(t)], figure.around, budget) for t in over.values()}
+    return [
+        {k: v[chosen[id(over[id(one)])]] if k in ("t", "x", "y") else v for k, v in one.items()}
+        if id(one) in over
+        else dict(one)
+        for one in figure.traces
+    ]
+
+
+def is_plane(figure: Figure) -> bool:
+    """Whether its curves are orbits."""
+    return any("t" in trace or "now" in trace for trace in figure.traces)
+
+
+def _is_long(trace: Mapping[str, Any]) -> bool:
+    """Whether it is a curve over time or an orbit, whose samples are more than one sees."""
+    return "t" in trace or bool(trace.get("meta", {}).get("curve"))
 
 
 def plain(name: str, x: Any, y: Any, color: str, width: float = 1.5, **more: Any) -> Trace:
@@ -94,11 +128,18 @@ def upright_lines(times: FloatArray) -> list[dict[str, Any]]:
     return [place | {"x0": float(t), "x1": float(t)} for t in times]
 
 
-def noise_band(level: float) -> list[dict[str, Any]]:
-    """Dashed lines at plus and minus a level of noise."""
+def left_by(what: str, sigma: object, unit: str, factor: float) -> tuple[str, list[dict[str, Any]]]:
+    """Caption of a recording minus what was made of it, and dashed lines at two deviations of its noise, where known.
+
+    sigma : of the noise, SI. unit, factor : those drawn.
+    """
+    if not isinstance(sigma, (int, float)):
+        return f"Recording minus {what}.", []
+    level = 2.0 * sigma * factor
     line = {"color": "muted", "width": 1, "dash": "dash"}
     place = {"type": "line", "x0": 0, "x1": 1, "xref": "paper", "line": line}
-    return [place | {"y0": level, "y1": level}, place | {"y0": -level, "y1": -level}]
+    caption = f"Recording minus {what}; dashed: two standard deviations of the noise ({level:.3g} {unit})."
+    return caption, [place | {"y0": end, "y1": end} for end in (level, -level)]
 
 
 def shades(spans: Sequence[Sequence[float]], color: str = SHADE) -> list[dict[str, Any]]:

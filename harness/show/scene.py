@@ -1,94 +1,37 @@
-"""What a scene holds, and the axes that the viewer does not draw itself."""
+"""What a trace shows: figures as on the page, lanes, bodies in space and words, laid out; and the axes of a plane."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any, Literal, TypeAlias
+from typing import Any, TypeAlias
 
 import numpy as np
 
 from harness.core.arrays import FloatArray
 from harness.core.robot.bodies import Bodies
 from harness.results.common import Result
+from harness.show.blocks import Figure
 
-
-@dataclass(frozen=True, slots=True)
-class Line:
-    """A curve over time. t : s. values : same length, nan draws a gap. color : "#rrggbb"."""
-
-    path: str
-    name: str
-    t: FloatArray
-    values: FloatArray
-    color: str
-    width: float = 1.5
-
-
-@dataclass(frozen=True, slots=True)
-class Marks:
-    """Points over time, drawn as markers."""
-
-    path: str
-    name: str
-    t: FloatArray
-    values: FloatArray
-    color: str
-    size: float = 4.0
-    shape: Literal["circle", "diamond", "cross", "plus", "square"] = "circle"
+FRAMES = 600
+"""Places of what moves: a body, a point on a curve in a plane."""
 
 
 @dataclass(frozen=True, slots=True)
 class Lane:
-    """A state over time: from t[i] on it is states[i]; None is a gap. looks : state -> (label, "#rrggbb")."""
+    """A state over time: from t[i] on it is states[i]. looks : state -> (label, "#rrggbb")."""
 
-    path: str
+    name: str
     t: FloatArray
-    states: Sequence[str | None]
+    states: Sequence[str]
     looks: Mapping[str, tuple[str, str]]
 
 
 @dataclass(frozen=True, slots=True)
-class Orbit:
-    """A curve in a plane and a point that moves along it.
+class Lanes:
+    """State lanes over time."""
 
-    points : (n, 2), second axis upwards; the viewer's 2D space points down, the writer turns it over.
-    at : times, s, and places, (m, 2), of the point.
-    """
-
-    path: str
     name: str
-    points: FloatArray
-    color: str
-    at: tuple[FloatArray, FloatArray]
-    width: float = 1.5
-
-
-@dataclass(frozen=True, slots=True)
-class Grid:
-    """Still lines with labels in a plane: axes and ticks of a phase portrait. strips : each (m, 2)."""
-
-    path: str
-    strips: Sequence[FloatArray]
-    labels: Sequence[str]
-    places: FloatArray
-    color: str = "#5b6470"
-
-
-@dataclass(frozen=True, slots=True)
-class Log:
-    """Sentences at times."""
-
-    path: str
-    t: FloatArray
-    texts: Sequence[str]
-
-
-@dataclass(frozen=True, slots=True)
-class Page:
-    """A page of Markdown."""
-
-    path: str
-    text: str
+    lanes: Sequence[Lane]
 
 
 @dataclass(frozen=True, slots=True)
@@ -96,10 +39,9 @@ class Body:
     """A robot description whose first sliding or turning joint follows ``values``.
 
     t, values : s, and m or rad. offset : where it stands, m. Visuals whose material is called "spring" are stretched
-    from ``anchor`` (the left end of the coil, found in the file) to the body.
+    from the left end of the coil, found in the file, to the body.
     """
 
-    path: str
     name: str
     urdf: Path
     t: FloatArray
@@ -109,49 +51,11 @@ class Body:
 
 
 @dataclass(frozen=True, slots=True)
-class Robot:
-    """Bodies of a robot, each with its own motion."""
-
-    path: str
-    bodies: Bodies
-
-
-Item: TypeAlias = Line | Marks | Lane | Orbit | Grid | Log | Page | Body | Robot
-
-
-@dataclass(frozen=True, slots=True)
-class Plot:
-    """Curves and marks over time. y : fixed range of the axis, so that the first look is the right one."""
-
-    name: str
-    paths: Sequence[str]
-    y: tuple[float, float] | None = None
-
-
-@dataclass(frozen=True, slots=True)
-class Plane:
-    """Orbits. x, y : what is visible, y upwards."""
-
-    name: str
-    paths: Sequence[str]
-    x: tuple[float, float]
-    y: tuple[float, float]
-
-
-@dataclass(frozen=True, slots=True)
-class Lanes:
-    """State lanes over time."""
-
-    name: str
-    paths: Sequence[str]
-
-
-@dataclass(frozen=True, slots=True)
 class Space:
-    """Bodies in three dimensions, seen from ``eye`` towards ``target``, m."""
+    """A body each source, or the bodies of a robot, seen from ``eye`` towards ``target``, m."""
 
     name: str
-    paths: Sequence[str]
+    bodies: Sequence[Body | Bodies]
     eye: tuple[float, float, float]
     target: tuple[float, float, float]
 
@@ -161,18 +65,20 @@ class Words:
     """A page of Markdown."""
 
     name: str
-    path: str
+    text: str
 
 
 @dataclass(frozen=True, slots=True)
 class Events:
-    """A list of sentences in order of time."""
+    """Sentences at times, s."""
 
     name: str
-    path: str
+    t: FloatArray
+    texts: Sequence[str]
 
 
-View: TypeAlias = Plot | Plane | Lanes | Space | Words | Events
+View: TypeAlias = Figure | Lanes | Space | Words | Events
+"""A figure is drawn over time, or as a plane where its curves have times of their own (harness.show.plots.orbit)."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -206,15 +112,27 @@ Layout: TypeAlias = View | Rows | Columns | Tabs
 class Scene:
     """A whole trace.
 
-    name : what the viewer calls the recording. items : what there is. layout : how it is laid out.
-    blobs : exact data under a name each (harness.show.pack). properties : JSON-able, under a name each.
+    name : what the viewer calls the recording. layout : views, laid out. blobs : exact data under a name each
+    (harness.show.pack). properties : JSON-able, under a name each.
     """
 
     name: str
-    items: Sequence[Item]
     layout: Layout
     blobs: Mapping[str, bytes] = field(default_factory=dict)
     properties: Mapping[str, Any] = field(default_factory=dict)
+
+    @property
+    def views(self) -> Iterator[View]:
+        """All of them."""
+        return _views(self.layout)
+
+
+def _views(layout: Layout) -> Iterator[View]:
+    if isinstance(layout, (Rows, Columns, Tabs)):
+        for part in layout.parts:
+            yield from _views(part)
+    else:
+        yield layout
 
 
 def kept(result: Result) -> dict[str, Any]:
@@ -222,21 +140,18 @@ def kept(result: Result) -> dict[str, Any]:
     return result.model_dump(mode="json", by_alias=True)
 
 
+def slug(name: str) -> str:
+    """A name as part of a path: without characters that the viewer would escape."""
+    return "".join(c if c.isalnum() else "-" for c in name)
+
+
 def padded(values: Sequence[FloatArray], share: float) -> tuple[float, float]:
     """Smallest and largest finite value of all arrays, widened by ``share`` of their distance on either side."""
-    ends = [end for array in values if (end := _ends(array)) is not None]
-    low = min((end[0] for end in ends), default=0.0)
-    high = max((end[1] for end in ends), default=0.0)
+    every = np.concatenate([np.empty(0), *map(np.ravel, values)])
+    finite = every[np.isfinite(every)]
+    low, high = (float(finite.min()), float(finite.max())) if finite.size else (0.0, 0.0)
     margin = share * (high - low) if high > low else max(1e-12, 0.1 * abs(high))
     return low - margin, high + margin
-
-
-def _ends(values: FloatArray) -> tuple[float, float] | None:
-    low, high = float(values.min()), float(values.max())
-    if np.isfinite(low) and np.isfinite(high):
-        return low, high
-    finite = values[np.isfinite(values)]
-    return (float(finite.min()), float(finite.max())) if finite.size else None
 
 
 def roomy(values: Sequence[FloatArray]) -> tuple[float, float]:
@@ -250,32 +165,49 @@ def roomy(values: Sequence[FloatArray]) -> tuple[float, float]:
     return padded([np.array([low, high])], 0.06)
 
 
-def ticks(low: float, high: float, about: int = 5) -> FloatArray:
-    """Round numbers (1, 2 or 5 times a power of ten apart) within [low, high]."""
+@dataclass(frozen=True, slots=True)
+class Plane:
+    """How a figure lies in the viewer's plane, which has one scale for both axes, y upwards.
+
+    scale : what its y are multiplied by, so that it is as high as wide. x, y : what is visible. strips : axes and
+    ticks, each (m, 2). labels, places : their words, and where (n, 2).
+    """
+
+    scale: float
+    x: tuple[float, float]
+    y: tuple[float, float]
+    strips: Sequence[FloatArray]
+    labels: Sequence[str]
+    places: FloatArray
+
+
+def plane_of(figure: Figure) -> Plane:
+    """Axes through the origin with ticks, as far as its curves reach."""
+    across, up = ([np.asarray(trace[axis]) for trace in figure.traces] for axis in ("x", "y"))
+    spans = [high - low for low, high in (padded(across, 0.0), padded(up, 0.0))]
+    scale = spans[0] / max(spans[1], 1e-300)
+    x, y = padded(across, 0.06), padded([scale * values for values in up], 0.06)
+    zero_x, zero_y = min(max(0.0, x[0]), x[1]), min(max(0.0, y[0]), y[1])
+    strips = [np.array([[x[0], zero_y], [x[1], zero_y]]), np.array([[zero_x, y[0]], [zero_x, y[1]]])]
+    labels, places = list[str](), list[list[float]]()
+    size_x, size_y = 0.008 * (x[1] - x[0]), 0.012 * (y[1] - y[0])
+    for value in _ticks(*x):
+        strips.append(np.array([[value, zero_y - size_y], [value, zero_y + size_y]]))
+        labels.append(f"{value:g}")
+        places.append([value, zero_y - 3.0 * size_y])
+    for value in _ticks(y[0] / scale, y[1] / scale):
+        strips.append(np.array([[zero_x - size_x, value * scale], [zero_x + size_x, value * scale]]))
+        labels.append(f"{value:g}")
+        places.append([zero_x + 5.0 * size_x, value * scale])
+    labels += [figure.layout[axis]["title"]["text"] for axis in ("xaxis", "yaxis")]
+    places += [[x[1] - 8.0 * size_x, zero_y + 4.0 * size_y], [zero_x + 8.0 * size_x, y[1] - 2.0 * size_y]]
+    return Plane(scale, x, y, strips, labels, np.array(places))
+
+
+def _ticks(low: float, high: float, about: int = 5) -> FloatArray:
+    """Round numbers (1, 2 or 5 times a power of ten apart) within [low, high], but for zero."""
     rough = (high - low) / about
     power = 10.0 ** np.floor(np.log10(rough))
     step = power * next(nice for nice in (1.0, 2.0, 5.0, 10.0) if rough <= nice * power)
-    return np.asarray(np.arange(np.ceil(low / step), np.floor(high / step) + 1) * step)
-
-
-def plane_grid(
-    path: str, x: tuple[float, float], y: tuple[float, float], x_axis: tuple[str, float], y_axis: tuple[str, float]
-) -> Grid:
-    """Axes through the origin with ticks. x_axis, y_axis : label, and label units for one unit drawn."""
-    zero_x, zero_y = min(max(0.0, x[0]), x[1]), min(max(0.0, y[0]), y[1])
-    strips = [np.array([[x[0], zero_y], [x[1], zero_y]]), np.array([[zero_x, y[0]], [zero_x, y[1]]])]
-    labels, places = [], []
-    size_x, size_y = 0.008 * (x[1] - x[0]), 0.012 * (y[1] - y[0])
-    for value in ticks(x[0] * x_axis[1], x[1] * x_axis[1]) / x_axis[1]:
-        strips.append(np.array([[value, zero_y - size_y], [value, zero_y + size_y]]))
-        if value != 0.0:
-            labels.append(f"{value * x_axis[1]:g}")
-            places.append([value, zero_y - 3.0 * size_y])
-    for value in ticks(y[0] * y_axis[1], y[1] * y_axis[1]) / y_axis[1]:
-        strips.append(np.array([[zero_x - size_x, value], [zero_x + size_x, value]]))
-        if value != 0.0:
-            labels.append(f"{value * y_axis[1]:g}")
-            places.append([zero_x + 5.0 * size_x, value])
-    labels += [x_axis[0], y_axis[0]]
-    places += [[x[1] - 8.0 * size_x, zero_y + 4.0 * size_y], [zero_x + 8.0 * size_x, y[1] - 2.0 * size_y]]
-    return Grid(path, strips, labels, np.array(places))
+    whole = np.arange(np.ceil(low / step), np.floor(high / step) + 1)
+    return np.asarray(whole[whole != 0] * step)

@@ -13,7 +13,7 @@ from harness.core.errors import InputError
 from harness.core.recording import Recording
 from harness.core.trajectory import Trajectory
 from harness.show.pack import recording_of, trajectory_of
-from harness.show.robot.shown import HELD, LEFT, MOTION, SWING
+from harness.show.shown import HELD, LEFT, MOTION, SWING
 
 _PIECE = 1 << 20
 
@@ -78,7 +78,7 @@ ACCEPTED = "a whole .rrd written by this program is accepted"
 class StoredTrace(NamedTuple):
     """What a .rrd of ours holds: trajectories (the first is the reference), named properties, recordings.
 
-    robot : of a robot's joints, by the names of harness.show.robot.shown.
+    robot : of a robot's joints, by the names of harness.show.shown.
     """
 
     trajectories: list[Trajectory]

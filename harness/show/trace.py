@@ -3,7 +3,7 @@
 import json
 import sys
 import warnings
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import singledispatch
 from pathlib import Path
@@ -18,14 +18,19 @@ from rerun.chunk import RrdReader
 from rerun.error_utils import RerunWarning
 from rerun.experimental import ViewerClient
 from rerun.urdf import UrdfTree
+from scipy.spatial.transform import Rotation
 
 from harness.core.apart import Found
 from harness.core.arrays import FloatArray
 from harness.core.errors import InputError, StoreError
-from harness.core.robot.bodies import Shape
+from harness.core.robot.bodies import Bodies, Shape
 from harness.core.writing import replacing
 from harness.show import scene as s
+from harness.show.blocks import Figure
+from harness.show.numbers import REFERENCE
 from harness.show.pack import plain, unpack
+from harness.show.plots import is_plane, thinned
+from harness.show.scene import FRAMES, plane_of
 from harness.show.stored import ACCEPTED, Pipe, poured, stored_of
 
 _THINNEST = 0.05
@@ -62,6 +67,8 @@ class Coil:
 
 APPLICATION = "friction-harness"
 TIMELINE = "time"
+DRAWN = 50_000
+"""Samples drawn of a curve. All are stored; of more of them the curves are thinned (harness.show.plots.thinned)."""
 BLOCK = 65_536
 """Rows in one call: larger chunks are slower to load, smaller ones larger on disk."""
 
@@ -95,8 +102,8 @@ def _fill(recording: rr.RecordingStream, pipe: Pipe, scene: s.Scene) -> None:
     pipe.opened()
     recording.send_recording_name(scene.name)
     _send_properties(recording, scene.properties)
-    for item in scene.items:
-        send(item, recording)
+    for view in scene.views:
+        send(view, recording)
     for name, data in scene.blobs.items():
         blob = rr.DynamicArchetype("harness", components={_SAMPLES: np.frombuffer(data, dtype=np.uint8)})
         recording.log(f"{_DATA}/{name}", blob, static=True, strict=True)
@@ -170,90 +177,93 @@ def _blocks(n: int) -> Iterator[slice]:
     return (slice(start, start + BLOCK) for start in range(0, n, BLOCK))
 
 
-def _send_scalars(recording: rr.RecordingStream, item: s.Line | s.Marks) -> None:
-    for block in _blocks(item.t.size):
-        columns = rr.Scalars.columns(scalars=item.values[block])
-        recording.send_columns(item.path, [_time(item.t[block])], columns, strict=True)
-
-
 @singledispatch
-def send(item: object, recording: rr.RecordingStream) -> None:
-    """Send one item of a scene."""
-    raise TypeError(f"no way to show a {type(item).__name__}")
+def send(view: object, recording: rr.RecordingStream) -> None:
+    """Send what a view shows."""
+    raise TypeError(f"no way to show a {type(view).__name__}")
 
 
 @send.register
-def _(item: s.Line, recording: rr.RecordingStream) -> None:
-    style = rr.SeriesLines(colors=[_rgb(item.color)], widths=[item.width], names=[item.name])
-    recording.log(item.path, style, static=True, strict=True)
-    _send_scalars(recording, item)
+def _(view: Figure, recording: rr.RecordingStream) -> None:
+    # the number keeps the order: the viewer draws by name, and the reference belongs below the others
+    curves = [(f"/{view.name}/{i:02d}", trace) for i, trace in enumerate(thinned(view, DRAWN))]
+    if is_plane(view):
+        _send_plane(view, curves, recording)
+        return
+    for path, trace in curves:
+        name, t = trace["name"], np.asarray(trace["x"])
+        style: Any
+        if trace["mode"] == "markers":
+            marker = trace["marker"]
+            shape: Any = str(marker.get("symbol", "circle")).removesuffix("-open")
+            style = rr.SeriesPoints(colors=[_rgb(marker["color"])], markers=[shape], marker_sizes=[4.0], names=[name])
+        else:
+            line = trace["line"]
+            style = rr.SeriesLines(colors=[_rgb(line["color"])], widths=[line["width"]], names=[name])
+        recording.log(path, style, static=True, strict=True)
+        for block in _blocks(t.size):
+            columns = rr.Scalars.columns(scalars=np.asarray(trace["y"])[block])
+            recording.send_columns(path, [_time(t[block])], columns, strict=True)
+
+
+def _send_plane(view: Figure, curves: Sequence[tuple[str, Mapping[str, Any]]], recording: rr.RecordingStream) -> None:
+    """Curves of a plane, a point that moves along each, and axes; the viewer's 2D space points down."""
+    plane = plane_of(view)
+    for path, trace in curves:
+        color, name = _rgb(trace["line"]["color"]), trace["name"]
+        upright = np.array([1.0, -plane.scale])
+        strip = np.column_stack([trace["x"], trace["y"]]) * upright
+        width = _pixels(0.5 * trace["line"]["width"])
+        recording.log(f"{path}/curve", rr.LineStrips2D([strip], colors=[color], radii=width), static=True, strict=True)
+        point = rr.Points2D.from_fields(colors=[color], radii=_pixels(4.0), labels=[name], show_labels=False)
+        recording.log(f"{path}/now", point, static=True, strict=True)
+        t, x, y = trace["now"] if "now" in trace else (trace["t"], trace["x"], trace["y"])
+        at = np.linspace(t[0], t[-1], min(FRAMES, t.size))
+        places = np.column_stack([np.interp(at, t, x), np.interp(at, t, y)]) * upright
+        recording.send_columns(f"{path}/now", [_time(at)], rr.Points2D.columns(positions=places), strict=True)
+    down, grey = np.array([1.0, -1.0]), _rgb("muted")
+    strips = [strip * down for strip in plane.strips]
+    lines = rr.LineStrips2D(strips, colors=[grey], radii=_pixels(0.5), draw_order=-10.0)
+    recording.log(f"/{view.name}/axes/lines", lines, static=True, strict=True)
+    text = rr.Points2D(plane.places * down, labels=plane.labels, radii=[0.0], colors=[grey], show_labels=True)
+    recording.log(f"/{view.name}/axes/ticks", text, static=True, strict=True)
 
 
 @send.register
-def _(item: s.Marks, recording: rr.RecordingStream) -> None:
-    style = rr.SeriesPoints(
-        colors=[_rgb(item.color)], markers=[item.shape], marker_sizes=[item.size], names=[item.name]
-    )
-    recording.log(item.path, style, static=True, strict=True)
-    _send_scalars(recording, item)
+def _(view: s.Lanes, recording: rr.RecordingStream) -> None:
+    for i, lane in enumerate(view.lanes):
+        path, (labels, colors) = f"{_path(view)}/{i}-{s.slug(lane.name)}", zip(*lane.looks.values(), strict=True)
+        style = rr.StateConfiguration(values=list(lane.looks), labels=labels, colors=list(map(_rgb, colors)))
+        recording.log(path, style, static=True, strict=True)
+        columns = rr.StateChange.columns(state=cast(Any, list(lane.states)))
+        recording.send_columns(path, [_time(lane.t)], columns, strict=True)
 
 
 @send.register
-def _(item: s.Lane, recording: rr.RecordingStream) -> None:
-    values, looks = list(item.looks), list(item.looks.values())
-    style = rr.StateConfiguration(
-        values=values, labels=[label for label, _ in looks], colors=[_rgb(color) for _, color in looks]
-    )
-    recording.log(item.path, style, static=True, strict=True)
-    recording.send_columns(
-        item.path, [_time(item.t)], rr.StateChange.columns(state=cast(Any, list(item.states))), strict=True
-    )
+def _(view: s.Events, recording: rr.RecordingStream) -> None:
+    columns = rr.TextLog.columns(text=list(view.texts), level=["INFO"] * len(view.texts))
+    recording.send_columns(_path(view), [_time(view.t)], columns, strict=True)
 
 
 @send.register
-def _(item: s.Orbit, recording: rr.RecordingStream) -> None:
-    down = np.array([1.0, -1.0])
-    color = _rgb(item.color)
-    strip = rr.LineStrips2D([item.points * down], colors=[color], radii=_pixels(0.5 * item.width))
-    recording.log(f"{item.path}/curve", strip, static=True, strict=True)
-    point = rr.Points2D.from_fields(colors=[color], radii=_pixels(4.0), labels=[item.name], show_labels=False)
-    recording.log(f"{item.path}/now", point, static=True, strict=True)
-    t, places = item.at
-    for block in _blocks(t.size):
-        columns = rr.Points2D.columns(positions=places[block] * down)
-        recording.send_columns(f"{item.path}/now", [_time(t[block])], columns, strict=True)
+def _(view: s.Words, recording: rr.RecordingStream) -> None:
+    document = rr.TextDocument(view.text, media_type=rr.MediaType.MARKDOWN)
+    recording.log(_path(view), document, static=True, strict=True)
 
 
 @send.register
-def _(item: s.Grid, recording: rr.RecordingStream) -> None:
-    down = np.array([1.0, -1.0])
-    color = _rgb(item.color)
-    lines = rr.LineStrips2D(
-        [strip * down for strip in item.strips], colors=[color], radii=_pixels(0.5), draw_order=-10.0
-    )
-    recording.log(f"{item.path}/lines", lines, static=True, strict=True)
-    text = rr.Points2D(item.places * down, labels=list(item.labels), radii=[0.0], colors=[color], show_labels=True)
-    recording.log(f"{item.path}/ticks", text, static=True, strict=True)
+def _(view: s.Space, recording: rr.RecordingStream) -> None:
+    for i, body in enumerate(view.bodies):
+        if isinstance(body, s.Body):
+            _send_body(f"{_path(view)}/{i}-{s.slug(body.name)}", body, recording)
+        else:
+            _send_robot(_path(view), body, recording)
 
 
-@send.register
-def _(item: s.Log, recording: rr.RecordingStream) -> None:
-    columns = rr.TextLog.columns(text=list(item.texts), level=["INFO"] * len(item.texts))
-    recording.send_columns(item.path, [_time(item.t)], columns, strict=True)
-
-
-@send.register
-def _(item: s.Page, recording: rr.RecordingStream) -> None:
-    document = rr.TextDocument(item.text, media_type=rr.MediaType.MARKDOWN)
-    recording.log(item.path, document, static=True, strict=True)
-
-
-@send.register
-def _(item: s.Body, recording: rr.RecordingStream) -> None:
-    prefix = f"{item.path}/".removeprefix("/")
-    frame = prefix
+def _send_body(path: str, item: s.Body, recording: rr.RecordingStream) -> None:
+    frame = f"{path}/".removeprefix("/")
     try:
-        tree = UrdfTree.from_file_path(item.urdf, item.path.strip("/"), frame_prefix=frame)
+        tree = UrdfTree.from_file_path(item.urdf, path.strip("/"), frame_prefix=frame)
     except (ValueError, OSError, RuntimeError) as error:
         raise InputError(str(item.urdf), f"cannot be read ({error})", "a URDF file is accepted") from None
     joint = next((j for j in tree.joints() if j.joint_type in ("prismatic", "revolute", "continuous")), None)
@@ -263,11 +273,9 @@ def _(item: s.Body, recording: rr.RecordingStream) -> None:
     _dress(recording, tree, joint.child_link, _rgb(item.color))
     root = tree.root_link()
     home = rr.Transform3D(translation=item.offset, parent_frame="tf#/", child_frame=frame + root.name)
-    recording.log(f"{item.path}-place", home, static=True, strict=True)
+    recording.log(f"{path}-place", home, static=True, strict=True)
     now = [_time(item.t)]
-    recording.send_columns(
-        f"{item.path}-motion", now, joint.compute_transform_columns(item.values.tolist()), strict=True
-    )
+    recording.send_columns(f"{path}-motion", now, joint.compute_transform_columns(item.values.tolist()), strict=True)
 
     coil = Coil.of(item.urdf, root.name, joint.child_link)
     if coil is None:
@@ -283,14 +291,12 @@ def _(item: s.Body, recording: rr.RecordingStream) -> None:
         parent_frame=[frame + root.name] * stretch.size,
         child_frame=[frame + "coil"] * stretch.size,
     )
-    recording.send_columns(f"{item.path}-coil", now, columns, strict=True)
+    recording.send_columns(f"{path}-coil", now, columns, strict=True)
 
 
-@send.register
-def _(item: s.Robot, recording: rr.RecordingStream) -> None:
-    bodies = item.bodies
+def _send_robot(place: str, bodies: Bodies, recording: rr.RecordingStream) -> None:
     for number, name in enumerate(bodies.names):
-        path = f"{item.path}/{number:02d}-{''.join(c if c.isalnum() else '-' for c in name)}"
+        path = f"{place}/{number:02d}-{s.slug(name)}"
         own = [shape for shape in bodies.shapes if shape.body == number]
         for i, shape in enumerate(own):
             recording.log(f"{path}/{i}", _shape(shape), static=True, strict=True)
@@ -304,6 +310,7 @@ def _(item: s.Robot, recording: rr.RecordingStream) -> None:
 def _shape(shape: Shape) -> Any:
     """A shape of a body, filled (the viewer's default is its edges)."""
     w, x, y, z = shape.turn.tolist()
+    turn = Rotation.from_quat([x, y, z, w])
     place: dict[str, Any] = {"quaternions": [(x, y, z, w)], "colors": [shape.color]}
     solid: dict[str, Any] = {"fill_mode": rr.components.FillMode.Solid}
     radius, half = float(shape.size[0]), float(shape.size[1])
@@ -315,26 +322,15 @@ def _shape(shape: Shape) -> Any:
             return rr.Cylinders3D(lengths=[2.0 * half], radii=[radius], centers=[at], **place, **solid)
         case "capsule":
             # the viewer's begin at the origin
-            foot = at - half * _matrix(w, x, y, z)[:, 2]
+            foot = at - half * turn.as_matrix()[:, 2]
             return rr.Capsules3D(lengths=[2.0 * half], radii=[radius], translations=[foot], **place, **solid)
         case "mesh":
             assert shape.corners is not None
-            turned = at + shape.corners @ _matrix(w, x, y, z).T
+            turned = at + turn.apply(shape.corners)
             return rr.Mesh3D(vertex_positions=turned, triangle_indices=shape.faces, albedo_factor=shape.color)
         case _:
             sizes = np.full(3, radius) if shape.kind == "sphere" else shape.size
             return rr.Ellipsoids3D(half_sizes=[sizes], centers=[at], **place, **solid)
-
-
-def _matrix(w: float, x: float, y: float, z: float) -> FloatArray:
-    """The rotation of a quaternion, (3, 3)."""
-    return np.array(
-        [
-            [1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y - w * z), 2.0 * (x * z + w * y)],
-            [2.0 * (x * y + w * z), 1.0 - 2.0 * (x * x + z * z), 2.0 * (y * z - w * x)],
-            [2.0 * (x * z - w * y), 2.0 * (y * z + w * x), 1.0 - 2.0 * (x * x + y * y)],
-        ]
-    )
 
 
 def _dress(recording: rr.RecordingStream, tree: UrdfTree, body: str, color: tuple[int, int, int]) -> None:
@@ -348,7 +344,11 @@ def _dress(recording: rr.RecordingStream, tree: UrdfTree, body: str, color: tupl
                 recording.log(chunk.entity_path, filled, static=True, strict=True)
 
 
+_OF_THE_PAGE = {"ink": REFERENCE, "muted": "#5b6470"}
+
+
 def _rgb(color: str) -> tuple[int, int, int]:
+    color = _OF_THE_PAGE.get(color, color)
     return int(color[1:3], 16), int(color[3:5], 16), int(color[5:7], 16)
 
 
@@ -368,9 +368,8 @@ def _blueprint(layout: s.Layout) -> rrb.Blueprint:
     )
 
 
-def _contents(paths: object) -> list[str]:
-    assert isinstance(paths, (list, tuple))
-    return [f"+ {path}/**" for path in paths]
+def _path(view: s.Lanes | s.Events | s.Words | s.Space) -> str:
+    return f"/{type(view).__name__.lower()}/{s.slug(view.name)}"
 
 
 def _part(layout: s.Layout) -> Any:  # noqa: PLR0911  (one return a kind of view)
@@ -381,28 +380,39 @@ def _part(layout: s.Layout) -> Any:  # noqa: PLR0911  (one return a kind of view
             return rrb.Horizontal(*map(_part, parts), column_shares=shares)
         case s.Tabs(parts):
             return rrb.Tabs(*map(_part, parts), active_tab=0)
-        case s.Plot(name, paths, y):
-            axis = rrb.ScalarAxis(range=y) if y is not None else None
-            link = rrb.TimeAxis(link=rrb.components.LinkAxis.LinkToGlobal)
-            legend = rrb.PlotLegend(corner=rrb.components.Corner2D.RightTop)
-            return rrb.TimeSeriesView(
-                name=name, contents=_contents(paths), axis_x=link, axis_y=axis, plot_legend=legend
-            )
-        case s.Plane(name, paths, x, y):
-            bounds = rrb.VisualBounds2D(x_range=x, y_range=(-y[1], -y[0]))
-            return rrb.Spatial2DView(name=name, contents=_contents(paths), visual_bounds=bounds)
-        case s.Lanes(name, paths):
-            return rrb.StateTimelineView(name=name, contents=_contents(paths))
-        case s.Space(name, paths, eye, target):
+        case Figure():
+            return _plot(layout)
+    known: dict[str, Any] = {"name": layout.name, "contents": [f"+ {_path(layout)}/**"]}
+    match layout:
+        case s.Lanes():
+            return rrb.StateTimelineView(**known)
+        case s.Space(eye=eye, target=target):
             look = rrb.EyeControls3D(position=eye, look_target=target, eye_up=(0.0, 0.0, 1.0))
-            return rrb.Spatial3DView(
-                name=name, contents=_contents(paths), eye_controls=look, line_grid=rrb.LineGrid3D(visible=False)
-            )
-        case s.Words(name, path):
-            return rrb.TextDocumentView(name=name, contents=_contents([path]))
-        case s.Events(name, path):
+            return rrb.Spatial3DView(eye_controls=look, line_grid=rrb.LineGrid3D(visible=False), **known)
+        case s.Words():
+            return rrb.TextDocumentView(**known)
+        case s.Events():
             # the sentences say their own time; the viewer's column of times is too narrow to read
             columns = rrb.TextLogColumns(
                 timeline_columns=[rrb.encodings.TimelineColumn(TIMELINE, visible=False)], text_log_columns=["Body"]
             )
-            return rrb.TextLogView(name=name, contents=_contents([path]), columns=columns)
+            return rrb.TextLogView(columns=columns, **known)
+
+
+def _plot(figure: Figure) -> Any:
+    """A view of curves over time or in a plane, whose first look is the right one."""
+    across, up = (figure.layout[axis]["title"]["text"] for axis in ("xaxis", "yaxis"))
+    contents = [f"+ /{figure.name}/**"]
+    if is_plane(figure):
+        plane = plane_of(figure)
+        bounds = rrb.VisualBounds2D(x_range=plane.x, y_range=(-plane.y[1], -plane.y[0]))
+        return rrb.Spatial2DView(name=f"{up} over {across}", contents=contents, visual_bounds=bounds)
+    values = [np.asarray(trace["y"]) for trace in figure.traces]
+    axis = rrb.ScalarAxis(range=s.roomy(values)) if any(map(np.ptp, values)) else None
+    return rrb.TimeSeriesView(
+        name=up,
+        contents=contents,
+        axis_x=rrb.TimeAxis(link=rrb.components.LinkAxis.LinkToGlobal),
+        axis_y=axis,
+        plot_legend=rrb.PlotLegend(corner=rrb.components.Corner2D.RightTop),
+    )

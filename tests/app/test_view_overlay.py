@@ -1,6 +1,8 @@
 """Several traces laid over each other: in the same plots, a shared reference once, and what does not go together."""
 
+from collections.abc import Mapping, Sequence
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -12,9 +14,14 @@ from harness.app.report.view import overlay
 from harness.cli.commands.view import command
 from harness.core.errors import InputError
 from harness.show import scene as s
+from harness.show.blocks import Figure
 from harness.show.numbers import REFERENCE
 from harness.show.overlay_scene import named, overlay_scene
 from harness.show.stored import read_trace
+
+
+def curves(scene: s.Scene) -> dict[str, Sequence[Mapping[str, Any]]]:
+    return {view.name: view.traces for view in scene.views if isinstance(view, Figure)}
 
 
 @pytest.fixture(scope="module")
@@ -30,35 +37,35 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def test_runs_share_their_plots_and_their_reference(folder: Path) -> None:
     traces = {name: read_trace(folder / name / "trace.rrd") for name in ("coarse", "fine", "other")}
     scene = overlay_scene(traces)
-    lines = [item for item in scene.items if isinstance(item, s.Line) and item.path.startswith("/x/")]
-    assert [line.name for line in lines] == [
+    lines = curves(scene)["x"]
+    assert [line["name"] for line in lines] == [
         "fine: reference exact",
         "other: reference exact",
         "coarse: mujoco tuned",
         "fine: mujoco tuned",
     ]
-    assert [line.color for line in lines[:2]] == [REFERENCE, REFERENCE]
-    assert len({line.color for line in lines}) == 3
+    assert [line["line"]["color"] for line in lines[:2]] == [REFERENCE, REFERENCE]
+    assert len({line["line"]["color"] for line in lines}) == 3
     exact = traces["fine"].trajectories[1]
-    assert np.array_equal(lines[3].values, exact.x)
-    assert np.array_equal(lines[3].t, exact.t)
-    pages = [item.text for item in scene.items if isinstance(item, s.Page)]
+    assert np.array_equal(lines[3]["y"], 1e3 * exact.x)
+    assert np.array_equal(lines[3]["x"], exact.t)
+    pages = [view.text for view in scene.views if isinstance(view, s.Words)]
     assert pages == [trace.properties["notes"]["text"] for trace in traces.values()]
 
 
 def test_two_of_one_scenario_have_their_errors_against_its_reference(folder: Path) -> None:
     traces = {name: read_trace(folder / name / "trace.rrd") for name in ("coarse", "fine")}
     scene = overlay_scene(traces)
-    lines = {item.path: item for item in scene.items if isinstance(item, s.Line)}
-    assert lines["/x/00"].name == "reference exact"
-    for path, trace in zip(("/error/01", "/error/02"), traces.values(), strict=True):
+    lines = curves(scene)
+    assert lines["x"][0]["name"] == "reference exact"
+    for error, trace in zip(lines["error"], traces.values(), strict=True):
         reference, engine = trace.trajectories
         apart = 1e3 * (engine.x - np.interp(engine.t, reference.t, reference.x))
         # a straight line between samples of 1 or 4 ms bends by up to h^2 / 8 times 100 m/s^2
-        assert lines[path].values == pytest.approx(apart, abs=0.25)
-    coarse, fine = (float(np.abs(lines[path].values).max()) for path in ("/error/01", "/error/02"))
+        assert error["y"] == pytest.approx(apart, abs=0.25)
+    coarse, fine = (float(np.abs(error["y"]).max()) for error in lines["error"])
     assert coarse > 3.0 * fine
-    assert lines["/error/01"].color != lines["/error/02"].color
+    assert lines["error"][0]["line"]["color"] != lines["error"][1]["line"]["color"]
 
 
 def test_the_command_writes_one_file(folder: Path, tmp_path: Path) -> None:
@@ -67,7 +74,7 @@ def test_the_command_writes_one_file(folder: Path, tmp_path: Path) -> None:
     done = CliRunner().invoke(command, [*places, "--save", str(target)], standalone_mode=False)
     assert (done.return_value, done.output) == (0, f"trace: {target}\n")
     paths = {chunk.entity_path for chunk in RrdReader(target).stream()}
-    assert {"/x/00", "/x/01", "/x/02", "/v/02", "/a/02", "/notes/01"} <= paths
+    assert {"/x/00", "/x/01", "/x/02", "/v/02", "/a/02", "/words/trace-rrd"} <= paths
 
 
 def test_a_recording_lies_over_a_recording(folder: Path, tmp_path: Path) -> None:
@@ -77,7 +84,7 @@ def test_a_recording_lies_over_a_recording(folder: Path, tmp_path: Path) -> None
         x = 0.05 * np.exp(-0.4 * t) * np.cos(10.0 * t) + 1e-5 * rng.standard_normal(t.size)
         harness.identify(harness.Recording(t, {"x": x}, file=f"{name}.csv"), out=tmp_path / name)
     scene = overlay_scene({name: read_trace(tmp_path / name / "trace.rrd") for name in ("monday", "tuesday")})
-    assert [i.name for i in scene.items if isinstance(i, s.Line)] == ["monday: monday.csv", "tuesday: tuesday.csv"]
+    assert [line["name"] for line in curves(scene)["x"]] == ["monday: monday.csv", "tuesday: tuesday.csv"]
 
 
 BAD = [

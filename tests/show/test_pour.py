@@ -10,7 +10,7 @@ import pytest
 from harness.core.errors import StoreError
 from harness.core.scenario import FREE_DECAY
 from harness.exact.decay import free_decay
-from harness.show.run_scene import run_scene
+from harness.show.report.run_scene import run_scene
 from harness.show.stored import poured
 from harness.show.trace import write_trace
 

@@ -26,11 +26,11 @@ from harness.results.diagnosis import (
     UnreadRecording,
     read_diagnosis,
 )
-from harness.show.blocks import Page
-from harness.show.diagnosis_scene import diagnosis_scene
+from harness.show.blocks import Figure, Page
 from harness.show.report.diagnosis import diagnosis_page, gained, index_page
+from harness.show.report.diagnosis_figures import diagnosis_scene
 from harness.show.report.page import render, write_report
-from harness.show.scene import Line, kept
+from harness.show.scene import kept
 from harness.show.stored import read_trace
 from harness.show.trace import write_trace
 
@@ -106,7 +106,8 @@ def test_a_users_own_simulation_is_a_third_curve_as_far_as_it_reaches(case: Case
     )  # fmt: skip
     result = result.model_copy(update={"attribution": told})
     scene = diagnosis_scene(recording, [*simulated, own], result, "# Verdict")
-    assert "/channels/x/yours" in {getattr(item, "path", "") for item in scene.items}
+    drawn = {view.name: [trace["name"] for trace in view.traces] for view in scene.views if isinstance(view, Figure)}
+    assert drawn["channel-x"][-1] == "your simulation"
     write_trace(tmp_path / "trace.rrd", scene)
     assert [len(kept) for kept in read_trace(tmp_path / "trace.rrd").trajectories][2] == part.size
     page = render(diagnosis_page(result, recording, [*simulated, own]))
@@ -194,9 +195,9 @@ def test_a_graded_verdict_says_how_much_it_takes_and_what_it_leaves(
         assert text in page
     assert 'in BIC"' not in page
     scene = diagnosis_scene(recording, simulated, result, "")
-    labels = {item.path: item.name for item in scene.items if isinstance(item, Line)}
-    assert labels["/channels/x/after"] == "with end-stop"
-    assert labels["/residual/x/after"] == "remainder, with end-stop"
+    drawn = {view.name: [trace["name"] for trace in view.traces] for view in scene.views if isinstance(view, Figure)}
+    assert drawn["channel-x"][-1] == "with end-stop"
+    assert drawn["residual-x"][-1] == "remainder, with end-stop"
 
 
 def test_a_page_of_an_older_result_lacks_what_that_did_not_say(case: Case) -> None:

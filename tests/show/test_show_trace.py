@@ -18,16 +18,22 @@ from harness.core.trajectory import Source, Trajectory
 from harness.results.identify import IdentifyResult
 from harness.results.run import RunResult
 from harness.show import scene
-from harness.show.overlay_scene import recording_scene
-from harness.show.run_scene import run_scene
+from harness.show.blocks import Figure
+from harness.show.plots import axes, curve, thinned
+from harness.show.report.identify import recording_scene
+from harness.show.report.run_scene import run_scene
 from harness.show.stored import read_trace
-from harness.show.trace import write_trace
+from harness.show.trace import DRAWN, write_trace
 
 RERUN = Path(sys.executable).with_name("rerun")
 
 
 def bits(trajectory: Trajectory) -> dict[str, bytes]:
     return {name: getattr(trajectory, name).tobytes() for name in ("t", "x", "v", "a")}
+
+
+def figures(drawing: scene.Scene) -> dict[str, Figure]:
+    return {view.name: view for view in drawing.views if isinstance(view, Figure)}
 
 
 def test_trajectories_and_properties_come_back(
@@ -53,12 +59,12 @@ def test_drawn_curves_are_the_samples_at_rounded_nanoseconds(trace_file: Path, s
 
     stream = RrdReader(trace_file).stream()
     found_t, found_x = [], []
-    for chunk in stream.filter(content="/position/0-reference-exact", components="Scalars:scalars", is_static=False):
+    for chunk in stream.filter(content="/position/00", components="Scalars:scalars", is_static=False):
         batch = chunk.to_record_batch()
         found_t.append(batch.column("time").to_numpy(zero_copy_only=False).astype(np.int64))
         found_x.append(batch.column("Scalars:scalars").flatten().to_numpy(zero_copy_only=False))
     order = np.argsort(np.concatenate(found_t))
-    assert np.concatenate(found_x)[order].tobytes() == sources[0].x.tobytes()
+    assert np.concatenate(found_x)[order].tobytes() == (1e3 * sources[0].x).tobytes()
     assert np.array_equal(np.concatenate(found_t)[order], np.rint(sources[0].t * 1e9).astype(np.int64))
 
 
@@ -78,19 +84,19 @@ def test_the_blueprint_travels_with_the_data(trace_file: Path) -> None:
 def test_long_traces_are_drawn_thin_and_stored_whole(tmp_path: Path) -> None:
     sources = make_sources(200_001)
     drawing = run_scene(sources, SCENARIO, {}, "")
-    lines = [item for item in drawing.items if isinstance(item, scene.Line) and item.path.startswith("/position/0")]
-    assert lines[0].t.size <= 50_000
+    line, *_ = thinned(figures(drawing)["position"], DRAWN)
+    assert line["x"].size <= DRAWN
     jump = int(np.searchsorted(sources[0].t, sources[0].events.t[0]))
-    assert np.isin(sources[0].t[jump - 50 : jump + 50], lines[0].t).all()
+    assert np.isin(sources[0].t[jump - 50 : jump + 50], line["x"]).all()
     write_trace(tmp_path / "long.rrd", drawing)
     assert [bits(one) for one in read_trace(tmp_path / "long.rrd").trajectories] == [bits(one) for one in sources]
 
 
 def test_every_reversal_is_marked_with_its_jump(sources: list[Trajectory]) -> None:
     drawing = run_scene(sources, SCENARIO, {}, "")
-    log = next(item for item in drawing.items if isinstance(item, scene.Log))
-    marks = {item.path: item for item in drawing.items if isinstance(item, scene.Marks)}
-    jumps = marks["/acceleration/after"].values - marks["/acceleration/before"].values
+    log = next(view for view in drawing.views if isinstance(view, scene.Events))
+    before, after = figures(drawing)["acceleration"].traces[-1]["y"].reshape(-1, 2).T
+    jumps = after - before
     # f_k / m on either side of zero: 2 x 3 N / 1 kg at each of the seven reversals, and less where it sticks
     assert np.allclose(np.abs(jumps[:7]), 6.0, rtol=1e-12)
     assert len(log.texts) == len(sources[0].events) == 8
@@ -99,8 +105,9 @@ def test_every_reversal_is_marked_with_its_jump(sources: list[Trajectory]) -> No
 
 def test_the_drawn_motion_of_a_small_slider_is_magnified(sources: list[Trajectory], urdf: Path) -> None:
     small = Trajectory(sources[0].t, sources[0].x * 1e-3, sources[0].v, sources[0].a, sources[0].source)
-    body = next(item for item in run_scene([small], SCENARIO, {}, "", urdf).items if isinstance(item, scene.Body))
-    assert body.values[0] == pytest.approx(1.0)
+    space = next(v for v in run_scene([small], SCENARIO, {}, "", urdf).views if isinstance(v, scene.Space))
+    assert isinstance(space.bodies[0], scene.Body)
+    assert space.bodies[0].values[0] == pytest.approx(1.0)
 
 
 @pytest.mark.parametrize(("speed", "said"), [(0.0, "stick"), (1e-3, "creep")])
@@ -113,8 +120,8 @@ def test_a_slider_that_rests_can_be_shown_and_one_that_creeps_is_told(
     source = Source("mujoco", "as-shipped")
     creeping = Trajectory(t, speed * t, np.full(101, speed), np.zeros(101), source, mode=held_back)
     drawing = run_scene([held, creeping], {"name": "hold-50"}, {}, "", urdf)
-    (lane,) = (item for item in drawing.items if isinstance(item, scene.Lane))
-    assert lane.states == [said]
+    (lanes,) = (view for view in drawing.views if isinstance(view, scene.Lanes))
+    assert [lane.states for lane in lanes.lanes] == [[said]]
     write_trace(tmp_path / "hold.rrd", drawing)
     assert len(read_trace(tmp_path / "hold.rrd").trajectories) == 2
 
@@ -177,7 +184,7 @@ def test_a_folder_that_is_not_there_is_said_and_nothing_is_left(tmp_path: Path, 
 
 def test_the_page_and_the_scene_do_not_load_the_viewer() -> None:
     code = (
-        "import sys; import harness.show.run_scene, harness.show.overlay_scene, harness.show.report.run, "
+        "import sys; import harness.show.report.run_scene, harness.show.overlay_scene, harness.show.report.run, "
         "harness.show.report.identify, harness.show.report.page, harness.show.screenshot; "
         "sys.exit('rerun' in sys.modules)"
     )
@@ -186,8 +193,7 @@ def test_the_page_and_the_scene_do_not_load_the_viewer() -> None:
 
 def test_a_trace_that_is_written_leaves_little_behind(tmp_path: Path) -> None:
     """A stream of the viewer's library keeps two threads when it is closed, and so does each blueprint."""
-    line = scene.Line("/x", "x", np.arange(3.0), np.ones(3), "#ffffff")
-    one = scene.Scene("one", [line], scene.Plot("x", ["/x"]), {"x": b"1"})
+    one = scene.Scene("one", Figure("x", [curve("x", np.arange(3.0), np.ones(3), "ink")], axes("t", "x")), {"x": b"1"})
     write_trace(tmp_path / "first.rrd", one)
     before = psutil.Process().num_threads()
     for i in range(8):

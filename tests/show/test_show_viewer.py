@@ -17,12 +17,12 @@ def test_no_view_of_a_run_reports_anything(trace_file: Path) -> None:
     assert shot.reports == {
         name: []
         for name in (
-            "position / m",
-            "error against the reference / mm",
+            "position / mm",
+            "engine minus reference / mm",
             "acceleration / (m/s²)",
             "stick and slip",
             "sliders",
-            "phase portrait, v over x",
+            "speed / (m/s) over position / mm",
             "notes",
             "parameters",
             "reversals",

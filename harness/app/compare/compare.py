@@ -25,8 +25,7 @@ from harness.io.options import ReadOptions
 from harness.io.store import output_folder
 from harness.results.common import P
 from harness.results.compare import Aligned, ChannelPair, CompareResult, Largest, OtherShift
-from harness.show.overlay_scene import compare_scene
-from harness.show.report.compare import Shown, compare_headline, compare_page, rows_of
+from harness.show.report.compare import Shown, compare_headline, compare_page, compare_scene, rows_of
 from harness.show.report.page import write_report
 from harness.show.sentences.compare import compare_sentences
 from harness.show.stored import StoredTrace
@@ -54,7 +53,7 @@ def write_compare_page(path: Path, result: CompareResult, found: Match, angular:
 def write_compare_trace(path: Path, result: CompareResult, sim: Recording, real: Recording, found: Match) -> None:
     """Write trace.rrd, with both traces as they were read; raises StoreError."""
     shown = _shown(result, found, real.angular)
-    write_trace(path, compare_scene(sim, real, found.clock.onto(sim.t), shown, result))
+    write_trace(path, compare_scene(sim, real, shown, result))
 
 
 def summary(result: CompareResult) -> tuple[str, list[tuple[str, list[str]]]]:

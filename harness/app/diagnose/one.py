@@ -29,7 +29,7 @@ from harness.diagnosis.pipeline import diagnose as conclude
 from harness.engines import model_files
 from harness.io.store import OutputFolder, output_folder
 from harness.results.diagnosis import DiagnosisResult
-from harness.show.robot.shown import Shown
+from harness.show.shown import Shown
 
 STEPS = 4
 FILES = {

@@ -20,12 +20,12 @@ from harness.robot.arm import Arm
 from harness.robot.paste import JointPaste
 from harness.robot.pictured import pictured
 from harness.robot.replay.replay import MUJOCO, PYBULLET, replayed
-from harness.show.diagnosis_scene import diagnosis_scene
 from harness.show.report.diagnosis import diagnosis_page, gained, index_page, said, to_change
+from harness.show.report.diagnosis_figures import diagnosis_scene
 from harness.show.report.page import write_report
 from harness.show.report.robot import arm_page, fleet_sections, joint_beside, match_page
-from harness.show.robot.scene import arm_scene, with_robot
-from harness.show.robot.shown import Left, Motion, Shown
+from harness.show.report.robot_scene import arm_scene
+from harness.show.shown import Left, Motion, Shown
 from harness.show.trace import write_trace
 
 
@@ -51,8 +51,7 @@ def write_diagnosis_trace(
         shares = ["-" if one.share is None else f"{100.0 * one.share:.0f} %" for one in result.evidence]
         rows = zip(result.evidence, shares, strict=True)
         lines += [f"| {one.name} | {one.delta_bic:.1f} | {share} |" for one, share in rows]
-    scene = diagnosis_scene(recording, simulated, result, "\n".join(lines))
-    write_trace(path, scene if shown is None else with_robot(scene, result, shown))
+    write_trace(path, diagnosis_scene(recording, simulated, result, "\n".join(lines), shown))
 
 
 def write_diagnosis_page(

@@ -18,7 +18,7 @@ from harness.results.compare import CompareResult
 from harness.results.diagnosis import DiagnosisResult, read_diagnosis
 from harness.results.identify import IdentifyResult
 from harness.results.run import JointRunResult, RunResult
-from harness.show.robot.shown import HELD, LEFT, MOTION, SWING, unpacked
+from harness.show.shown import HELD, LEFT, MOTION, SWING, unpacked
 from harness.show.stored import StoredTrace, read_trace
 
 PAGE = "report.html"

@@ -8,13 +8,12 @@ from harness.core.robot.bodies import Bodies
 from harness.core.trajectory import Trajectory
 from harness.results.identify import IdentifyResult
 from harness.results.run import JointRunResult, RunResult
-from harness.show.overlay_scene import recording_scene
-from harness.show.report.identify import identify_headline, identify_page
+from harness.show.report.identify import identify_headline, identify_page, recording_scene
 from harness.show.report.page import write_report
 from harness.show.report.robot import joint_page
+from harness.show.report.robot_scene import joint_scene
 from harness.show.report.run import run_page
-from harness.show.robot.scene import joint_scene
-from harness.show.run_scene import run_scene
+from harness.show.report.run_scene import run_scene
 from harness.show.trace import write_trace
 
 

@@ -15,7 +15,7 @@ from harness.core.writing import explained
 from harness.fidelity.kind import kind_of
 from harness.fidelity.row import Spec, describe, measure_row, scenario_of, task
 from harness.fidelity.scores import badness
-from harness.show.run_scene import run_scene
+from harness.show.report.run_scene import run_scene
 from harness.show.stored import read_trace
 from harness.show.trace import write_trace
 

@@ -4,14 +4,14 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import PurePath
 
-import numpy as np
-
 from harness.core.arrays import FloatArray
+from harness.core.recording import Recording
 from harness.results.compare import CompareResult, Event, Reading
-from harness.show.blocks import Block, Cell, Column, Figure, Page, Row, Section, Table, or_nothing, tabulated, verdict
-from harness.show.decimate import keep
+from harness.show import scene as s
+from harness.show.blocks import Cell, Column, Figure, Page, Row, Section, Table, or_nothing, tabulated, verdict
 from harness.show.numbers import NONE, SHOWN, number, sentence_quantity, shown_value
-from harness.show.plots import ANGLES, CHANNELS, GROUP, POINTS, Trace, axes, per, plain, shades
+from harness.show.pack import packed
+from harness.show.plots import ANGLES, CHANNELS, GROUP, axes, curve, orbit, per, shades
 from harness.show.report.page import made_with
 from harness.show.sentences.compare import SHOWS, difference_words, faster_words, figure_words, shows, telling
 
@@ -42,8 +42,8 @@ def compare_page(result: CompareResult, shown: Shown) -> Page:
     sections = [
         verdict(compare_headline(result), result.sentences, tuple(result.traces)),
         _readings(result),
-        _overlay(shown, result),
-        _phase(shown),
+        Section("The two traces, and their difference", channel_figures(shown, result)),
+        Section("Phase portrait", [phase_figure(shown)]),
         _events(result),
         _places(result),
         made_with(result.machine, result.outputs, result.command),
@@ -102,49 +102,55 @@ def _readings(result: CompareResult) -> Section:
     return Section("Side by side", [Table("figure", columns, rows, caption, "", list(notes))])
 
 
-def _overlay(shown: Shown, result: CompareResult) -> Section:
-    """Both traces, and their difference below in units, with the places shaded."""
-    blocks: list[Block] = []
+def channel_figures(shown: Shown, result: CompareResult) -> list[Figure]:
+    """Both traces, and below their difference in units, with the places shaded."""
     local = [one for one in result.where if one.regime not in ("throughout", "channel")]
     shaded = shades(local[0].time_s) if local else []
-    names, budget = shown.names, POINTS // (5 * len(shown.channels))
+    figures, names = [], shown.names
+    apart = f"{names[1]} minus {names[0]}"
     for channel, (first, second) in shown.channels.items():
         name, unit, factor = (ANGLES if shown.angular else CHANNELS)[channel]
-        chosen = keep(shown.t, (first, second, second - first), np.empty(0), budget)
-        t = shown.t[chosen]
-        looks = {"hovermode": "closest", "shapes": shaded, "showlegend": True}
-        layout = axes("time / s", f"{name} / {per(unit)}", **looks)
-        layout["xaxis"]["anchor"] = "y2"
-        layout["yaxis"]["domain"] = [0.42, 1.0]
-        below = {"title": {"text": f"difference / {per(unit)}"}, "domain": [0.0, 0.33], "zeroline": True}
-        apart = f"{names[1]} minus {names[0]}"
-        traces = [
-            _line(names[1], t, second[chosen] * factor, "ink", unit),
-            _line(names[0], t, first[chosen] * factor, FIRST, unit),
-            _line(apart, t, (second - first)[chosen] * factor, _APART, unit) | {"yaxis": "y2"},
+        both = [
+            curve(names[1], shown.t, second * factor, "ink", unit, 1.4),
+            curve(names[0], shown.t, first * factor, FIRST, unit, 1.4),
         ]
-        caption = f"Below: {apart}, in {unit}." + " The shaded stretches hold the mismatch." * bool(shaded)
-        blocks.append(Figure(f"compare-{channel}", traces, layout | {"yaxis2": below}, caption, GROUP, 520))
-    return Section("The two traces, and their difference", blocks)
+        below = [curve(apart, shown.t, (second - first) * factor, _APART, unit, 1.4)]
+        caption = f"{apart}, in {unit}." + " The shaded stretches hold the mismatch." * bool(shaded)
+        for what, traces, label, said, height in (
+            ("compare", both, name, "", 340),
+            ("difference", below, f"difference of {name}", caption, 240),
+        ):
+            looks = {"hovermode": "closest", "shapes": shaded, "showlegend": True}
+            layout = axes("time / s", f"{label} / {per(unit)}", **looks)
+            figures.append(Figure(f"{what}-{channel}", traces, layout, said, GROUP, height))
+    return figures
 
 
-def _line(name: str, x: FloatArray, y: FloatArray, color: str, unit: str, x_unit: str = "s") -> Trace:
-    return plain(name, x, y, color, 1.4, hovertemplate=f"%{{y:.6g}} {unit}<br>%{{x:.6f}} {x_unit}")
-
-
-def _phase(shown: Shown) -> Section:
+def phase_figure(shown: Shown) -> Figure:
     """Speed over position of both."""
     table = ANGLES if shown.angular else CHANNELS
     (place, unit, factor), (speed, by, speed_factor) = table["x"], table["v"]
-    chosen = keep(shown.t, [y for pair in shown.motion for y in pair], np.empty(0), POINTS // 10)
     traces = [
-        _line(name, x[chosen] * factor, v[chosen] * speed_factor, color, by, unit)
+        orbit(curve(name, shown.t, v, color, by, 1.4), shown.t, x * factor, v * speed_factor, f"%{{y:.6g}} {by}")
         for name, (x, v), color in zip(shown.names, shown.motion, (FIRST, "ink"), strict=True)
     ]
     both = "x" in shown.channels and "v" in shown.channels
     caption = "" if both else "What was not measured is smoothed or summed from what was."
     layout = axes(f"{place} / {unit}", f"{speed} / ({by})", showlegend=True)
-    return Section("Phase portrait", [Figure("compare-phase", traces, layout, caption, "", 480)])
+    return Figure("compare-phase", traces, layout, caption, "", 480)
+
+
+def compare_scene(sim: Recording, real: Recording, shown: Shown, result: CompareResult) -> s.Scene:
+    """Scene of a comparison; shown : both at shared times."""
+    said = [f"# {result.verdict}", "", compare_headline(result), "", *(f"- {line}" for line in result.sentences)]
+    notes = "\n".join(said)
+    side = s.Rows([phase_figure(shown), s.Words("notes", notes)])
+    return s.Scene(
+        "comparison",
+        s.Columns([s.Rows(channel_figures(shown, result)), side], [3.0, 2.0]),
+        packed(recording=[sim, real]),
+        {"result": s.kept(result), "notes": {"text": notes}},
+    )
 
 
 def _events(result: CompareResult) -> Section:

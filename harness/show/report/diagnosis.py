@@ -37,9 +37,8 @@ from harness.show.blocks import (
     tabulated,
     verdict,
 )
-from harness.show.diagnosis_scene import model_names
 from harness.show.numbers import NONE, number, quantity
-from harness.show.report.diagnosis_figures import Curves, evidence, left, nameless, shares
+from harness.show.report.diagnosis_figures import Curves, evidence, left, model_names, nameless, shares
 from harness.show.report.identify import samples_of
 from harness.show.report.page import made_with
 from harness.show.report.run import settings_of
@@ -88,7 +87,7 @@ def diagnosis_page(
         *([nameless(result)] if result.tables or result.surface else []),
         _models(result),
         *([evidence(result)] if result.evidence else []),
-        seen.mismatch(),
+        Section("Residual by time", seen.residuals()),
         seen.phase_plane(),
         _heldout(result),
     ]

@@ -3,29 +3,20 @@
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import numpy as np
 
-from harness.core.arrays import FloatArray, IntArray
+from harness.core.arrays import BoolArray, FloatArray
 from harness.core.recording import Recording
 from harness.core.trajectory import Trajectory
 from harness.results.diagnosis import AttributionResult, DiagnosisResult, SurfaceResult, TableResult
+from harness.show import scene as s
 from harness.show.blocks import Block, Column, Figure, Folded, Section, Text, tabulated
-from harness.show.decimate import keep, reversal_times
-from harness.show.diagnosis_scene import (
-    AFTER,
-    BEFORE,
-    YOUR_SIMULATION,
-    YOURS,
-    begins,
-    best_terms,
-    model_names,
-    shaded_spans,
-    shown,
-    yours,
-)
+from harness.show.decimate import reversal_times
 from harness.show.numbers import NONE, number
+from harness.show.pack import packed
 from harness.show.plots import (
     ANGLES,
     CHANNELS,
@@ -34,16 +25,23 @@ from harness.show.plots import (
     bars,
     curve,
     dots,
-    noise_band,
+    left_by,
+    orbit,
     per,
     plain,
     shades,
     upright_lines,
     zoom,
 )
+from harness.show.report.robot_scene import robot_view, torque_tabs
+from harness.show.shown import Shown
+from harness.show.shown import packed as packed_robot
 
-POINTS = 9_000
-"""Samples of one curve."""
+BEFORE, AFTER, YOURS = "#e4632d", "#2b7fd6", "#1f9e77"
+YOUR_SIMULATION = "your simulation"
+_APART, _ELSEWHERE = "parts", "elsewhere"
+_MOST_OF_IT = 0.9
+"""A place that covers more of the recording than this says nothing on where."""
 DOTS = 5_000
 _SHADE = "rgba(228, 99, 45, 0.11)"
 _COLORS = (BEFORE, AFTER)
@@ -68,6 +66,53 @@ _PARTS = {
     "noise": _GREY,
 }
 """Parts of a mismatch, by name, with their colours."""
+
+
+def shown(simulated: Trajectory, channel: str) -> FloatArray:
+    """A channel as the sensors of a simulation show it, (n,)."""
+    return simulated.extra[f"shown {channel}"]
+
+
+def yours(simulated: Sequence[Trajectory]) -> Trajectory | None:
+    """The user's own simulation behind both models, where there is one; its times are those it reaches."""
+    return simulated[2] if len(simulated) > 2 else None
+
+
+def model_names(result: DiagnosisResult) -> list[str]:
+    """What both models are called; one when nothing was found that helps."""
+    base, mechanisms = "viscous and Coulomb", result.mechanisms
+    if not mechanisms:
+        return [base]
+    return [base, "refined" if mechanisms[0].grade == "explains" else f"with {best_terms(result)}"]
+
+
+def best_terms(result: DiagnosisResult) -> str:
+    """Catalogue names of the best model found."""
+    return " and ".join(dict.fromkeys(term.name for term in result.refined_model.terms))
+
+
+def shaded_spans(result: DiagnosisResult) -> list[list[float]]:
+    """Where simulation and recording part, s: the places found, else those of the effects; none for the whole of it."""
+    found = [*result.where, *(mechanism.where for mechanism in result.mechanisms)]
+    places = [place.time_s for place in found if place.regime != "throughout"]
+    for spans in places:
+        covered = sum(high - low for low, high in spans)
+        if spans and covered < _MOST_OF_IT * result.recording.duration_s:
+            return [list(span) for span in spans]
+    return []
+
+
+def lane(spans: Sequence[Sequence[float]], start: float, stop: float) -> tuple[FloatArray, list[str]]:
+    """Times (s) and states of a lane that is on in these spans."""
+    times, states = [start], [_APART if spans and spans[0][0] <= start else _ELSEWHERE]
+    for low, high in spans:
+        if low > times[-1]:
+            times.append(low)
+            states.append(_APART)
+        if high < stop:
+            times.append(high)
+            states.append(_ELSEWHERE)
+    return np.array(times), states
 
 
 @dataclass(frozen=True)
@@ -106,61 +151,63 @@ class Curves:
         """Recording minus simulation."""
         return self.recording[name] - shown(model, name)
 
-    def chosen(self, *channels: FloatArray) -> IntArray:
-        """Samples to draw."""
-        return keep(self.recording.t, channels, self.times, POINTS)
+    @cached_property
+    def free(self) -> BoolArray:
+        """The samples in which the models move: before their release nothing of them is to be seen."""
+        return np.asarray(self.recording.t >= self.result.refined_model.release.t0)
 
-    def free(self, at: IntArray) -> IntArray:
-        """Those samples in which the models move: before their release nothing of them is to be seen."""
-        return at[self.recording.t[at] >= begins(self.result)]
+    @cached_property
+    def t(self) -> FloatArray:
+        """Times of those, s."""
+        return self.recording.t[self.free]
 
     def layout(self, label: str, unit: str, more: Sequence[dict[str, Any]] = ()) -> dict[str, Any]:
         """Axes over time, with shaded spans, reversals and more shapes."""
         shapes = shades(shaded_spans(self.result), _SHADE) + upright_lines(self.times) + list(more)
         return axes("time / s", f"{label} / {per(unit)}", shapes=shapes, showlegend=True, hovermode="closest")
 
-    def before(self) -> Section:
+    def over_time(self) -> list[Figure]:
         """Every channel as recorded and as both models have it."""
-        blocks: list[Block] = [zoom(self.times.tolist(), self.recording.duration)]
-        t, own = self.recording.t, yours(self.simulated)
+        t, own, figures = self.recording.t, yours(self.simulated), []
         caption = "Shaded: where simulation and recording part. Dotted: reversals of the better model."
         if not shaded_spans(self.result):
             caption = "Fits that look alike here differ below: what counts is the residual against the noise."
         for c in self.channels:
             label, unit, factor = self.words(c)
-            recorded, sims = self.recording[c], [shown(model, c) for _, _, model in self.models]
-            at = self.chosen(recorded, *sims)
-            free = self.free(at)
-            traces = [curve("recording", t[at], recorded[at] * factor, "ink", unit, 2.4)]
-            for (said, color, _), y in zip(self.models, sims, strict=True):
-                traces.append(curve(said, t[free], y[free] * factor, color, unit))
+            traces = [curve("recording", t, self.recording[c] * factor, "ink", unit, 2.4)]
+            for said, color, model in self.models:
+                traces.append(curve(said, self.t, shown(model, c)[self.free] * factor, color, unit))
             if own is not None and f"shown {c}" in own.extra:
-                y = shown(own, c)
-                at = keep(own.t, [y], self.times, POINTS)
-                traces.append(curve(YOUR_SIMULATION, own.t[at], y[at] * factor, YOURS, unit))
-            blocks.append(Figure(f"channel-{c}", traces, self.layout(label, unit), caption, GROUP, 320))
-        return Section("Recording against simulation", blocks)
+                traces.append(curve(YOUR_SIMULATION, own.t, shown(own, c) * factor, YOURS, unit))
+            figures.append(Figure(f"channel-{c}", traces, self.layout(label, unit), caption, GROUP, 320, self.times))
+        return figures
 
-    def mismatch(self) -> Section:
+    def before(self) -> Section:
+        """The same, with a bar of zooms."""
+        bar: list[Block] = [zoom(self.times.tolist(), self.recording.duration)]
+        return Section("Recording against simulation", [*bar, *self.over_time()])
+
+    def residuals(self) -> list[Figure]:
         """Recording minus simulation over time, before and after, with the noise."""
-        figures = []
+        figures, last = [], len(self.models) - 1
         for c in self.channels:
             label, unit, factor = self.words(c)
-            residuals = [self.residual(model, c) * factor for _, _, model in self.models]
-            at = self.free(self.chosen(*residuals))
-            traces = [
-                curve(said, self.recording.t[at], r[at], color, unit, 1.2)
-                for (said, color, _), r in zip(self.models, residuals, strict=True)
-            ]
-            sigma, band, caption = self.result.recording.noise.get(c), [], "Recording minus simulation."
-            if isinstance(sigma, (int, float)):
-                level = 2.0 * sigma * factor
-                band = noise_band(level)
-                said = f"{level:.3g} {unit}"
-                caption = f"Recording minus simulation; dashed: two standard deviations of the noise ({said})."
+            traces = []
+            for i, (said, color, model) in enumerate(self.models):
+                name = f"remainder, {said}" if i == last and self.result.remainder is not None else said
+                y = self.residual(model, c)[self.free] * factor
+                traces.append(curve(name, self.t, y, color, unit, 1.2))
+            caption, band = left_by("simulation", self.result.recording.noise.get(c), unit, factor)
             layout = self.layout(f"residual of {label}", unit, band)
-            figures.append(Figure(f"residual-{c}", traces, layout, caption, GROUP, 260))
-        return Section("Residual by time", figures)
+            figures.append(Figure(f"residual-{c}", traces, layout, caption, GROUP, 260, self.times))
+        return figures
+
+    def orbit(self) -> Figure:
+        """Speed over position of the better model."""
+        (place, unit, factor), (speed, by, _), best = self.words("x"), self.words("v"), self.best
+        line = curve(self.models[-1][0] if len(self.models) > 1 else "simulation", best.t, best.v, AFTER)
+        layout = axes(f"{place} / {unit}", f"{speed} / ({by})")
+        return Figure("motion", [orbit(line, best.t, best.x * factor, best.v)], layout, around=self.times)
 
     def phase_plane(self) -> Section:
         """The residual where it happens: along the motion in the plane of position and speed, before and after."""
@@ -168,7 +215,8 @@ class Curves:
         label, unit, factor = self.words(name)
         (position, length, scale), (speed, by, _) = self.words("x"), self.words("v")
         best = self.best
-        at = self.free(np.linspace(0, len(best) - 1, min(DOTS, len(best))).astype(np.int64))
+        moves = np.flatnonzero(self.free)
+        at = moves[np.linspace(0, moves.size - 1, min(DOTS, moves.size)).astype(np.int64)]
         residuals = [self.residual(model, name)[at] * factor for _, _, model in self.models]
         # a few samples on the wrong side of a jump would else decide the colours
         limit = max(float(np.percentile(np.abs(residuals[0]), 98.0)), 1e-300)
@@ -196,6 +244,37 @@ class Curves:
             layout["annotations"].append({"text": said, "showarrow": False, **place})
         caption = f"Residual of {label} along the motion, in one scale of colours."
         return Section("Residual over the phase plane", [Figure("plane", traces, layout, caption, "", 430)])
+
+
+def diagnosis_scene(
+    recording: Recording,
+    simulated: Sequence[Trajectory],
+    result: DiagnosisResult,
+    notes: str,
+    robot: Shown | None = None,
+) -> s.Scene:
+    """Scene of a diagnosis; arguments as of diagnosis_page. notes : Markdown. robot : beside it, that of its joint."""
+    seen = Curves(recording, simulated, result)
+    curves, rests = seen.over_time(), seen.residuals()
+    lanes = list[s.Layout]()
+    if spans := shaded_spans(result):
+        looks = {_APART: ("they part", BEFORE), _ELSEWHERE: ("elsewhere", "#3a414b")}
+        states = lane(spans, float(recording.t[0]), float(recording.t[-1]))
+        lanes.append(s.Lanes("where they part", [s.Lane("where", *states, looks)]))
+    shares = [*[2.0] * len(curves), *[0.5] * len(lanes), *[1.4] * len(rests)]
+    verdict, plane = s.Words("verdict", notes), seen.orbit()
+    side: list[s.Layout] = [verdict, plane]
+    if robot is not None:
+        side = [
+            *([robot_view(robot.bodies)] if robot.bodies else []),
+            s.Tabs([verdict, *torque_tabs(result, robot), plane]),
+        ]
+    return s.Scene(
+        f"diagnosis of {recording.file.rpartition('/')[2]}",
+        s.Columns([s.Rows([*curves, *lanes, *rests], shares), s.Rows(side)], [3.0, 2.0]),
+        packed(trajectory=simulated, recording=[recording]) | ({} if robot is None else packed_robot(robot)),
+        {"result": s.kept(result), "notes": {"text": notes}},
+    )
 
 
 def nameless(result: DiagnosisResult) -> Section:

@@ -6,25 +6,25 @@ from typing import Any
 
 import numpy as np
 
-from harness.core.arrays import FloatArray, IntArray
+from harness.core.arrays import FloatArray
 from harness.core.recording import Recording
 from harness.core.trajectory import Trajectory
 from harness.results.common import P, RecordingInfo
 from harness.results.identify import IdentifyResult
 from harness.results.run import Estimates
+from harness.show import scene as s
 from harness.show.blocks import Block, Column, Figure, Folded, Items, Page, Reasons, Section, by, tabulated, verdict
-from harness.show.decimate import keep
 from harness.show.numbers import quantity, sentence_quantity
+from harness.show.pack import packed
 from harness.show.plots import (
     ANGLES,
     CHANNELS,
     GROUP,
-    POINTS,
     Trace,
     axes,
     curve,
     dots,
-    noise_band,
+    left_by,
     per,
     plain,
     upright_lines,
@@ -123,49 +123,49 @@ def _reversal_times(estimates: All) -> FloatArray:
 
 def _channels(recording: Recording, result: IdentifyResult, fitted: Trajectory | None) -> Section:
     """The recording's channels with the reversals marked, the base fit, and what that leaves."""
-    times = _reversal_times(result.estimates)
-    channels = list(recording.channels)
-    chosen = keep(recording.t, [recording[name] for name in channels], times[:64], POINTS // (1 + len(channels)))
-    blocks: list[Block] = [zoom(times.tolist(), recording.duration)]
-    for name in channels:
+    bar: list[Block] = [zoom(_reversal_times(result.estimates).tolist(), recording.duration)]
+    title = "The recording and the fit" if fitted is not None else "The recording"
+    return Section(title, [*bar, *channel_figures(recording, result, fitted)])
+
+
+def channel_figures(recording: Recording, result: IdentifyResult, fitted: Trajectory | None = None) -> list[Figure]:
+    """Each channel over time; with the base model's motion also what that leaves."""
+    times, figures = _reversal_times(result.estimates), list[Figure]()
+    around, lines = times[:64], upright_lines(times)
+    for name in recording.channels:
         label, unit, factor = (ANGLES if recording.angular else CHANNELS)[name]
-        y = recording[name][chosen] * factor
-        hover = f"%{{y:.6g}} {unit}<br>%{{x:.6f}} s<extra></extra>"
-        trace = curve(name, recording.t[chosen], y, "ink", unit, 1.4, hovertemplate=hover)
-        looks = {"shapes": upright_lines(times), "showlegend": False}
-        fit, residual = list[Trace](), list[Figure]()
+        t, y = recording.t, recording[name] * factor
+        hover = {"hovertemplate": f"%{{y:.6g}} {unit}<br>%{{x:.6f}} s<extra></extra>"}
+        traces, left = [curve(name, t, y, "ink", unit, 1.4, **hover)], list[Figure]()
         if fitted is not None and f"shown {name}" in fitted.extra:
-            fit, residual = _fit(recording, result, fitted, name, chosen, trace, looks)
-        layout = axes("time / s", f"{label} / {per(unit)}", **looks)
-        blocks += [Figure(f"channel-{name}", [trace, *fit], layout, "", GROUP, 300), *residual]
-    return Section("The recording and the fit" if fitted is not None else "The recording", blocks)
+            at = t >= fitted.t[0]
+            model = np.interp(t[at], fitted.t, fitted.extra[f"shown {name}"]) * factor
+            traces.append(curve("viscous and Coulomb", t[at], model, _HUES[0], unit, 1.2, **hover))
+            residual = curve("residual", t[at], y[at] - model, _HUES[0], unit, 1.2, **hover)
+            caption, noise = left_by("fit", result.recording.noise.get(name), unit, factor)
+            layout = axes("time / s", f"residual / {per(unit)}", shapes=lines + noise, showlegend=False)
+            left.append(Figure(f"residual-{name}", [residual], layout, caption, GROUP, 220, around))
+        layout = axes("time / s", f"{label} / {per(unit)}", shapes=lines, showlegend=False)
+        figures += [Figure(f"channel-{name}", traces, layout, "", GROUP, 300, around), *left]
+    return figures
 
 
-def _fit(
-    recording: Recording,
-    result: IdentifyResult,
-    fitted: Trajectory,
-    name: str,
-    chosen: IntArray,
-    trace: Trace,
-    looks: Mapping[str, Any],
-) -> tuple[list[Trace], list[Figure]]:
-    """The fit of a channel as a curve, and its residual as a figure; chosen (n,) : samples that are drawn."""
-    _, unit, factor = (ANGLES if recording.angular else CHANNELS)[name]
-    at = chosen[recording.t[chosen] >= fitted.t[0]]
-    t, y = recording.t[at], recording[name][at]
-    model = np.interp(t, fitted.t, fitted.extra[f"shown {name}"])
-    line = {"color": _HUES[0], "width": 1.2}
-    fit = {**trace, "name": "viscous and Coulomb", "x": t, "y": model * factor, "line": line}
-    left = {**fit, "name": "residual", "y": (y - model) * factor}
-    caption, shapes = "Recording minus fit.", [*looks["shapes"]]
-    sigma = result.recording.noise.get(name)
-    if isinstance(sigma, float):
-        level = 2.0 * sigma * factor
-        shapes += noise_band(level)
-        caption = f"Recording minus fit; dashed: two standard deviations of the noise ({level:.3g} {unit})."
-    layout = axes("time / s", f"residual / {per(unit)}", **{**looks, "shapes": shapes})
-    return [fit], [Figure(f"residual-{name}", [left], layout, caption, GROUP, 220)]
+def recording_scene(
+    recording: Recording, result: IdentifyResult, notes: str, reversals: Sequence[tuple[float, str]] = ()
+) -> s.Scene:
+    """Scene of a recording.
+
+    notes : Markdown. reversals : time in s and a sentence, in order.
+    """
+    side: list[s.Layout] = [s.Words("notes", notes)]
+    if reversals:
+        side.append(s.Events("reversals", np.array([t for t, _ in reversals]), [said for _, said in reversals]))
+    return s.Scene(
+        recording.file.rpartition("/")[2],
+        s.Columns([s.Rows(channel_figures(recording, result)), s.Rows(side)], [3.0, 2.0]),
+        packed(recording=[recording]),
+        {"result": s.kept(result), "notes": {"text": notes}},
+    )
 
 
 def _by_reversal(estimates: All, name: str) -> Figure | None:

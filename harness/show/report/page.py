@@ -21,6 +21,7 @@ from harness.core.bounded import MOST_DOCUMENT_BYTES, read_bytes
 from harness.core.writing import replacing
 from harness.results.common import Machine
 from harness.show.blocks import Block, Code, Facts, Figure, Page, Section
+from harness.show.plots import POINTS, thinned
 
 LARGEST = 5_000_000
 """Bytes a page may have."""
@@ -78,7 +79,11 @@ class Pool:
 
     def spec(self, figure: Figure) -> dict[str, Any]:
         """The figure as JSON, arrays replaced by {"$": key}."""
-        kept = {"traces": self._plain(figure.traces), "layout": self._plain(figure.layout)}
+        traces = [
+            {key: value for key, value in trace.items() if key not in ("t", "now")}
+            for trace in thinned(figure, POINTS // max(1, len(figure.traces)))
+        ]
+        kept = {"traces": self._plain(traces), "layout": self._plain(figure.layout)}
         return {"name": figure.name, **kept, "group": figure.group}
 
     def _plain(self, value: object) -> Any:

@@ -30,13 +30,13 @@ from harness.show.blocks import (
     verdict,
 )
 from harness.show.numbers import number, of_engines, of_names
-from harness.show.plots import axes, dots, per, plain, some
+from harness.show.plots import GROUP, axes, curve, dots, per, some
 from harness.show.report.page import made_with
-from harness.show.robot.shown import AFTER, AFTER_NAME, BEFORE, BEFORE_NAME, Left, Motion, Shown, moved_in
+from harness.show.shown import AFTER, AFTER_NAME, BEFORE, BEFORE_NAME, Left, Motion, Shown, moved_in
 
 _FRICTION = {"f_k": "Coulomb", "c": "viscous"}
 _AS_IT_IS, _PASTED = "the model as it is", "with what is pasted"
-_ENGINE_POINTS, _POINTS, _JOINT_POINTS = 4000, 6000, 2000
+_POINTS = 6000
 _STILL: dict[str, Any] = {"meta": {"curve": False}}
 
 
@@ -137,24 +137,20 @@ def _in_engines(joint: str, simulated: Sequence[SimulatedResult], motions: Seque
         caption=caption,
         footnotes=notes,
     )
-    blocks: list[Block] = [table]
+    return Section("Your model against the log, before and after", [table, *engine_figures(motions, place)])
+
+
+def engine_figures(motions: Sequence[Motion], place: str) -> list[Figure]:
+    """Engine minus log, before and after, over time. place : rad or m."""
+    found = []
     for motion in motions:
-        thin = slice(None, None, max(1, -(-motion.t.size // _ENGINE_POINTS)))
         traces = [
-            plain(
-                said,
-                motion.t[thin],
-                np.asarray((y - motion.logged)[thin]),
-                color,
-                connectgaps=False,
-                hovertemplate="%{y:.4g}<br>%{x:.4g} s",
-                **_STILL,
-            )
+            curve(said, motion.t, y - motion.logged, color, place, connectgaps=False)
             for said, y, color in ((_AS_IT_IS, motion.before, BEFORE), (_PASTED, motion.after, AFTER))
         ]
         layout = axes("time / s", f"{motion.engine} minus log / {place}", showlegend=True)
-        blocks.append(Figure(f"engine-{motion.engine}", traces, layout, "", "time", 280))
-    return Section("Your model against the log, before and after", blocks)
+        found.append(Figure(f"engine-{motion.engine}", traces, layout, "", GROUP, 280))
+    return found
 
 
 def _version(one: SimulatedResult) -> str:
@@ -241,7 +237,7 @@ def joint_page(result: JointRunResult, held: Sequence[Trajectory], swings: Seque
 
 def _scores(result: JointRunResult, held: Sequence[Trajectory], swings: Sequence[Trajectory]) -> Section:
     """Creep and lead, in numbers and as motions."""
-    unit, scale = ("mm", 1e3) if result.slides else ("deg", float(np.degrees(1.0)))
+    unit, scale = _moved(result)
     columns = [
         Column("creep", str, f"{unit}/s", "under the load; a real joint does not move"),
         Column("lead", str, "ms", "by which friction turns round before the speed"),
@@ -257,11 +253,26 @@ def _scores(result: JointRunResult, held: Sequence[Trajectory], swings: Sequence
         creep = "it diverges" if own.diverges_after else _or_none(own.creep, scale)
         label = f"your file itself, {own.engine} {own.preset}"
         rows.append(Row(label, [Cell(creep), Cell("-")], f"step {1e3 * own.dt_s:.3g} ms"))
-    figures = [
-        _motions("creep", f"creep / {unit}", [(m, (m.x - m.x[0]) * scale) for m in held]),
-        _motions("swing", f"swing / {unit}", [(m, m.x * scale) for m in swings]),
-    ]
-    return Section("Creep and lead", [Table("engine", columns, rows, footnotes=notes), *some(figures)])
+    table = Table("engine", columns, rows, footnotes=notes)
+    return Section("Creep and lead", [table, *motion_figures(result, held, swings)])
+
+
+def motion_figures(result: JointRunResult, held: Sequence[Trajectory], swings: Sequence[Trajectory]) -> list[Figure]:
+    """Creep under the load, and the swing, by engine."""
+    figures, (unit, scale) = [], _moved(result)
+    for name, motions in (("creep", held), ("swing", swings)):
+        hues = of_engines([motion.source for motion in motions])
+        traces = [
+            curve(one.source.label, one.t, (one.x - (one.x[0] if name == "creep" else 0.0)) * scale, color, unit, 1.8)
+            for one, color in zip(motions, hues, strict=True)
+        ]
+        figures.append(Figure(name, traces, axes("time / s", f"{name} / {unit}", showlegend=True), "", "", 300))
+    return some(figures)
+
+
+def _moved(result: JointRunResult) -> tuple[str, float]:
+    """Unit in which its motion is drawn, and how many of it one rad or m is."""
+    return ("mm", 1e3) if result.slides else ("deg", float(np.degrees(1.0)))
 
 
 def _servo(result: JointRunResult) -> Section:
@@ -284,16 +295,6 @@ def _servo(result: JointRunResult) -> Section:
 
 def _or_none(value: float | None, times: float = 1.0) -> str:
     return "-" if value is None else number(value * times, 3)
-
-
-def _motions(name: str, axis: str, curves: Sequence[tuple[Trajectory, Any]]) -> Figure:
-    traces = []
-    for (motion, y), color in zip(curves, of_engines([motion.source for motion, _ in curves]), strict=True):
-        thin = slice(None, None, max(1, -(-motion.t.size // _JOINT_POINTS)))
-        hover = "%{y:.4g}<br>%{x:.4g} s"
-        label, t = motion.source.label, motion.t[thin]
-        traces.append(plain(label, t, np.asarray(y[thin]), color, 1.8, hovertemplate=hover, **_STILL))
-    return Figure(name, traces, axes("time / s", axis, showlegend=True), "", "", 300)
 
 
 def fleet_sections(fleet: FleetResult) -> list[Section]:

@@ -40,7 +40,7 @@ from harness.show.numbers import (
     units_of,
     without_step,
 )
-from harness.show.report.motion import motion_section, phase_section, reversal_section, turning
+from harness.show.report.motion import motion_section, phase_figure, reversal_section, turning
 from harness.show.report.page import made_with
 
 METHODS = {
@@ -82,7 +82,7 @@ def run_page(result: RunResult, trajectories: Sequence[Trajectory]) -> Page:
     if decays:
         sections.append(_estimates(traces, scenario, palette))
     sections += [
-        phase_section(trajectories, decays, units),
+        Section("Phase portrait", [phase_figure(trajectories, decays, units)]),
         _sources(traces, palette, without_step(scenario)),
         made_with(result.machine, result.files, result.command),
     ]

@@ -1,6 +1,6 @@
 """What is shown of a robot besides a diagnosis, and how a trace keeps it."""
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from harness.core.arrays import FloatArray
 from harness.core.robot.bodies import Bodies
 from harness.core.trajectory import Source, Trajectory
-from harness.show.pack import pack_trajectory
+from harness.show import pack
 
 Left = Mapping[str, NDArray[np.float64]]
 """By joint: t, q, v, torque left by the base and by the model, (m, 5)."""
@@ -57,31 +57,20 @@ def moved_in(unit: str) -> str:
     return "rad" if "m" in unit else "m"
 
 
-def slug(name: str) -> str:
-    """A joint's name as part of a path."""
-    return "".join(c if c.isalnum() else "-" for c in name)
-
-
 def packed(shown: Shown) -> dict[str, bytes]:
     """As a trace keeps it: one motion a joint or an engine, named after it."""
-    found = {}
-    for i, (joint, rows) in enumerate(shown.left.items()):
+    left = []
+    for joint, rows in shown.left.items():
         t, q, v, before, after = rows.T
-        one = Trajectory(t, q, v, np.zeros_like(t), Source(joint), extra={_BEFORE: before, _AFTER: after})
-        found[f"{LEFT}-{i:03d}"] = pack_trajectory(one)
-    for i, motion in enumerate(shown.motions):
+        left.append(Trajectory(t, q, v, np.zeros_like(t), Source(joint), extra={_BEFORE: before, _AFTER: after}))
+    motions = []
+    for motion in shown.motions:
         inside = np.isfinite(motion.before) & np.isfinite(motion.after)
         extra = {name: np.where(inside, y, 0.0) for name, y in ((_BEFORE, motion.before), (_AFTER, motion.after))}
         extra[_INSIDE] = inside.astype(np.float64)
         still = np.zeros_like(motion.t)
-        one = Trajectory(motion.t, motion.logged, still, still, Source(motion.engine), extra=extra)
-        found[f"{MOTION}-{i:03d}"] = pack_trajectory(one)
-    return found
-
-
-def kept(kind: str, motions: Sequence[Trajectory]) -> dict[str, bytes]:
-    """Motions of one kind, HELD or SWING, as a trace keeps them."""
-    return {f"{kind}-{i:03d}": pack_trajectory(motion) for i, motion in enumerate(motions)}
+        motions.append(Trajectory(motion.t, motion.logged, still, still, Source(motion.engine), extra=extra))
+    return pack.packed(**{LEFT: left, MOTION: motions})
 
 
 def unpacked(left: Iterable[Trajectory], motions: Iterable[Trajectory]) -> Shown:

@@ -1,0 +1,117 @@
+"""What a trace shows of a robot: itself, moving as the log, and the torque that is left of its joints."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from harness.core.arrays import FloatArray
+from harness.core.robot.bodies import Bodies
+from harness.core.trajectory import Trajectory
+from harness.results.diagnosis import DiagnosisResult
+from harness.results.run import JointRunResult
+from harness.show import scene as s
+from harness.show.blocks import Figure
+from harness.show.pack import packed as packed_motions
+from harness.show.plots import axes, dots, per, plain
+from harness.show.report.robot import engine_figures, motion_figures
+from harness.show.shown import (
+    AFTER,
+    AFTER_NAME,
+    BEFORE,
+    BEFORE_NAME,
+    HELD,
+    SWING,
+    Shown,
+    binned,
+    moved_in,
+    packed,
+)
+
+_CORNER = np.array([0.62, -0.7, 0.36])
+"""The direction from which a robot is looked at."""
+_AWAY = 1.6
+"""Distance over the radius of the ball that holds all of it."""
+
+
+def robot_view(bodies: Bodies, name: str = "the robot, as logged") -> s.Space:
+    """The robot, looked at so that all it reaches is in sight."""
+    low, high = _box(bodies)
+    middle = 0.5 * (low + high)
+    eye = middle + _AWAY * 0.5 * max(float(np.linalg.norm(high - low)), 1e-3) * _CORNER
+    to, at = ((float(x), float(y), float(z)) for x, y, z in (eye, middle))
+    return s.Space(name, [bodies], to, at)
+
+
+def _box(bodies: Bodies) -> tuple[FloatArray, FloatArray]:
+    """Lowest and highest corner of all that is ever drawn, m."""
+    low, high = np.full(3, np.inf), np.full(3, -np.inf)
+    for shape in bodies.shapes:
+        if shape.corners is not None:
+            reach = float(np.max(np.linalg.norm(shape.corners, axis=1), initial=0.0))
+        else:
+            reach = float(np.max(shape.size))
+        w, turn = bodies.turns[:, shape.body, :1], bodies.turns[:, shape.body, 1:]
+        twice = 2.0 * np.cross(turn, shape.place)
+        at = bodies.places[:, shape.body] + shape.place + w * twice + np.cross(turn, twice)
+        low, high = np.minimum(low, at.min(axis=0) - reach), np.maximum(high, at.max(axis=0) + reach)
+    return (low, high) if bodies.shapes else (np.zeros(3), np.ones(3))
+
+
+def torque_tabs(result: DiagnosisResult, shown: Shown) -> list[s.Layout]:
+    """Torque that is left of each joint over time, speed and position, before and after; a tab a joint, that asked
+    for first; then the engines against the log."""
+    robot = result.robot
+    assert robot is not None
+    units = {robot.joint: result.baseline.parameters["f_k"].unit}
+    if robot.arm is not None:
+        units |= {one.joint: one.f_k.unit for one in robot.arm.joints}
+    tabs: list[s.Layout] = []
+    for name in sorted(shown.left, key=lambda one: one != robot.joint):
+        rows, unit, own = shown.left[name], units[name], f"left-{s.slug(name)}"
+        label = f"{name}: torque left / ({unit})"
+        traces = [
+            dots(of, rows[:, 0], rows[:, k], {"color": color}, "")
+            for of, k, color in ((BEFORE_NAME, 3, BEFORE), (AFTER_NAME, 4, AFTER))
+        ]
+        place = moved_in(unit)
+        planes = [
+            _plane(f"{own}-{what}", rows, column, axes(f"{what} / {per(along)}", label))
+            for what, column, along in (("speed", 2, f"{place}/s"), ("position", 1, place))
+        ]
+        time = Figure(f"{own}-time", traces, axes("time / s", label))
+        tabs.append(s.Rows([time, *planes], [1.0, 1.3, 1.3], name))
+    plots = engine_figures(shown.motions, moved_in(units[robot.joint]))
+    return [*tabs, s.Rows(plots, name="in engines")] if plots else tabs
+
+
+def _plane(name: str, rows: FloatArray, column: int, layout: dict[str, object]) -> Figure:
+    """Means of the torque left over speed or position, and a point that moves with the log."""
+    means, traces = binned(rows, column), []
+    for of, k, color in ((BEFORE_NAME, 3, BEFORE), (AFTER_NAME, 4, AFTER)):
+        now = rows[:, 0], rows[:, column], np.interp(rows[:, column], means[:, column], means[:, k])
+        traces.append(plain(of, means[:, column], means[:, k], color, 2.0, now=now))
+    return Figure(name, traces, layout)
+
+
+def arm_scene(result: DiagnosisResult, shown: Shown, notes: str) -> s.Scene:
+    """The trace of an arm that moves as a whole. notes : Markdown."""
+    assert result.robot is not None
+    tabs = torque_tabs(result, shown)
+    side = s.Rows([*([robot_view(shown.bodies)] if shown.bodies else []), s.Words("verdict", notes)])
+    layout = s.Columns([side, *([s.Tabs(tabs)] if tabs else [])])
+    title = f"joints of {result.robot.file.rpartition('/')[2]}"
+    return s.Scene(title, layout, packed(shown), {"result": s.kept(result), "notes": {"text": notes}})
+
+
+def joint_scene(
+    result: JointRunResult, held: Sequence[Trajectory], swings: Sequence[Trajectory], robot: Bodies, notes: str
+) -> s.Scene:
+    """held, swings : one an engine and preset. robot : moves as the first swing. notes : Markdown."""
+    space = robot_view(robot, "the robot, swinging" if swings else "the robot")
+    plots = motion_figures(result, held, swings)
+    layout = s.Columns(
+        [s.Rows([space, s.Words("what engines make of it", notes)]), *([s.Rows(plots)] if plots else [])]
+    )
+    blobs = packed_motions(**{HELD: held, SWING: swings})
+    properties = {"result": s.kept(result), "notes": {"text": notes}}
+    return s.Scene(f"{result.joint} in engines", layout, blobs, properties)

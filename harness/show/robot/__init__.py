@@ -1,1 +1,0 @@
-"""Pages and traces of a robot and its joints."""
