@@ -18,6 +18,7 @@ from harness.engines.mujoco.presets import warned
 from harness.robot import mjcf, shapes, urdf
 from harness.robot.xml import with_included
 
+HINGE_OR_SLIDE = (mujoco.mjtJoint.mjJNT_HINGE.value, mujoco.mjtJoint.mjJNT_SLIDE.value)
 ACCEPTED = "a robot's model, MJCF or URDF, is accepted"
 _SECONDS = 60
 """Of a processor, for one model: hulls of large meshes take some."""

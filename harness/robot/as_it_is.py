@@ -19,18 +19,18 @@ from harness.core.arrays import FloatArray
 from harness.core.bounded import check_file
 from harness.core.errors import InputError
 from harness.engines.mujoco.presets import INTEGRATORS, warned
-from harness.robot.apart import ACCEPTED, compile_text, prepared
-from harness.robot.compiled import HINGE_OR_SLIDE
+from harness.robot.apart import ACCEPTED, HINGE_OR_SLIDE, compile_text, prepared
+from harness.robot.reduction import gravity_of
 
 Gravity = tuple[float, float, float] | None
 
 HELD = 1e9
 """Rotor inertia, kg m^2 or kg, of a joint that is to stand still."""
-MOST_LOAD = 0.97
+_MOST_LOAD = 0.97
 """Of dry friction: a heavier load slides."""
 HELD_FOR = 0.5
 """s; creep is that of the second half."""
-SLOWEST = 0.05
+_SLOWEST = 0.05
 """Of the speed at which a joint is let go, below which it counts as stopped."""
 _SECONDS = 120
 """Of a processor, for all of it."""
@@ -42,7 +42,6 @@ _PROBE = 1e-5
 """rad or m, and per s, over which a force's slope is taken."""
 _FAR = 1e3
 """rad or m, and per s: no joint is there."""
-_ANGLES = 72
 _LEVEL = 1e-9
 """Torque of gravity, N m or N, below which there is none."""
 _SPECK = 1e-12
@@ -57,7 +56,7 @@ _CONTROLLER, _LUGRE, _BRISTLE = slice(4, 7), slice(3, 6), slice(5, 7)
 
 @dataclass(frozen=True, slots=True)
 class Stop:
-    """A joint let go at a speed without a load. v0 : rad/s or m/s. time, travel : s, rad or m until ``SLOWEST`` of it;
+    """A joint let go at a speed without a load. v0 : rad/s or m/s. time, travel : s, rad or m until ``_SLOWEST`` of it;
     exact_ : by Coulomb's law and the damping there is. Infinite where it has not stopped.
     """
 
@@ -107,13 +106,6 @@ class AsItIs:
     notes: tuple[str, ...]
 
 
-def load_of(gravity: float, friction: float) -> float | None:
-    """What creep is measured under, N m or N; None without dry friction, where nothing is held."""
-    if friction <= 0.0:
-        return None
-    return min(gravity, MOST_LOAD * friction) if gravity > _LEVEL else MOST_LOAD * friction
-
-
 def as_it_is(path: Path, joint: str, gravity: Gravity = None) -> AsItIs:
     """Step a file, in a process apart; gravity : m/s^2, None for the file's own. Raises InputError."""
     check_file(path, accepted=ACCEPTED)
@@ -149,52 +141,50 @@ class _Joint:
         self.j = own[names.index(joint)]
         self.at, self.q = int(model.jnt_dofadr[self.j]), int(model.jnt_qposadr[self.j])
         self.slides = int(model.jnt_type[self.j]) == mujoco.mjtJoint.mjJNT_SLIDE.value
-        self.inertia = self._inertia(model)
-        self._hold_others(model)
-        model.opt.disableflags |= _OFF.mjDSBL_CONTACT.value
-        self.model, self.h = model, float(model.opt.timestep)
-        self.acting = self._acting()
-        self.notes: list[str] = []
-
-    def _inertia(self, model: Any) -> float:
-        return float(_masses(model)[self.at, self.at])
-
-    def _hold_others(self, model: Any) -> None:
-        """mj_setConst is not called: it would take the softness of friction from the held model."""
-        mean = float(np.trace(_masses(model)))
-        others = [i for i in range(model.nv) if i != self.at]
+        self.inertia = float(_masses(model)[self.at, self.at])
+        # mj_setConst is not called: it would take the softness of friction from the held model
+        mean, others = float(np.trace(_masses(model))), [i for i in range(model.nv) if i != self.at]
         model.dof_armature[others] = HELD
         model.dof_M0[others] += HELD  # what a body that moves nothing else has for its inertia
         # the solver counts its tolerance in inertias of all joints, the held ones among them
         model.opt.tolerance *= mean / float(np.trace(_masses(model)))
         model.opt.noslip_tolerance *= mean / float(np.trace(_masses(model)))
-
-    def _acting(self) -> list[tuple[int, float]]:
+        model.opt.disableflags |= _OFF.mjDSBL_CONTACT.value
+        self.model, self.h = model, float(model.opt.timestep)
+        data = mujoco.MjData(model)
+        mujoco.mj_forward(model, data)
+        self.acting: list[tuple[int, float]] = []
         """Actuators that move the joint, each with its arm: torque at the joint over its force."""
-        data = mujoco.MjData(self.model)
-        mujoco.mj_forward(self.model, data)
-        found = []
-        for i in range(self.model.nactuator):
-            at, of, columns = (getattr(data, f"moment_{name}") for name in ("rowadr", "rownnz", "colind"))
-            row = int(self.model.actuator_outadr[i])
-            own = range(int(at[row]), int(at[row]) + int(of[row]))
-            arm = sum(float(data.actuator_moment[n]) for n in own if int(columns[n]) == self.at)
+        for i in range(model.nactuator):
+            row = int(model.actuator_outadr[i])
+            arm = _sparse(
+                data.actuator_moment, data.moment_rowadr, data.moment_rownnz, data.moment_colind, row, self.at
+            )
             if arm != 0.0:
-                found.append((i, arm))
-        return found
+                self.acting.append((i, arm))
+        self.notes: list[str] = []
 
     def scored(self) -> tuple[tuple[FloatArray, FloatArray, FloatArray], dict[str, Any]]:
         """Motion under the load, and the fields of AsItIs."""
         friction, break_away, off = self._friction()
         slopes = self._slopes()
-        gravity, q_eq = self._gravity()
+        a, b, level = gravity_of(self.model, self.model.qpos0, self.j, self.inertia)
+        gravity = abs(a) if self.slides else 0.0 if level else math.hypot(a, b)
+        q_eq = None if self.slides or level else math.atan2(-b, a)
         servo_stays = slopes["stiffness"] <= 0.0
         let_go = self.model if servo_stays else self._let_go()
-        load = load_of(gravity, max(friction, off))
+        dry = max(friction, off)
+        # what creep is measured under; nothing is held without dry friction
+        load = None if dry <= 0.0 else min(gravity, _MOST_LOAD * dry) if gravity > _LEVEL else _MOST_LOAD * dry
         hold, creep, pose, worst = self._held(let_go, load, gravity, q_eq, slopes["spring"])
         brakes = slopes["damping"] + (slopes["servo_damping"] if servo_stays else 0.0)
         plain = break_away == friction and slopes["spring"] == 0.0
         stop, ran_off = self._coast(let_go, friction if plain else 0.0, brakes)
+        kp, pulling = None, [i for i, _ in self.acting if self._pulls(i)]
+        if len(pulling) == 1:
+            motor = int(self.model.actuator_biastype[pulling[0]]) == _MOTOR
+            gain = self.model.actuator_gainprm[pulling[0], _CONTROLLER.start]
+            kp = float(gain if motor else -self.model.actuator_biasprm[pulling[0], 1])
         return hold, {
             "version": mujoco.__version__,
             "dt": self.h,
@@ -206,7 +196,7 @@ class _Joint:
             "break_away": break_away,
             "switched_off": off,
             **slopes,
-            "kp": self._kp(),
+            "kp": kp,
             "load": load,
             "creep": creep,
             "pose": pose,
@@ -222,8 +212,8 @@ class _Joint:
         mujoco.mj_forward(model, data)
         own = float(model.dof_frictionloss[self.at])
         for i in range(model.ntendon):
-            arm = abs(float(_tendon_arm(model, data, i, self.at)))
-            own += arm * float(model.tendon_frictionloss[i])
+            arm = _sparse(data.ten_J, model.ten_J_rowadr, model.ten_J_rownnz, model.ten_J_colind, i, self.at)
+            own += abs(arm) * float(model.tendon_frictionloss[i])
         off = own if model.opt.disableflags & _FRICTIONLESS else 0.0
         sliding = held = own - off
         for i, arm in self.acting:
@@ -231,7 +221,7 @@ class _Joint:
                 coulomb, static, speed = map(float, model.actuator_biasprm[i, _LUGRE])
                 unit, each = ("N", "m") if self.slides else ("N m", "rad")
                 self.notes.append(
-                    f"the motor {_named(model, i)} has friction of its own: it breaks away at"
+                    f"the motor {model.actuator(i).name or i + 1} has friction of its own: it breaks away at"
                     f" {abs(arm) * static:.4g} {unit} and slides at {abs(arm) * coulomb:.4g} {unit}, Stribeck's speed"
                     f" {speed / abs(arm):.4g} {each}/s, bristles of"
                     f" {arm**2 * float(model.actuator_dynprm[i, _BRISTLE.start]):.4g} {unit}/{each}"
@@ -239,9 +229,10 @@ class _Joint:
                 sliding, held = sliding + abs(arm) * coulomb, held + abs(arm) * static
         return sliding, held, off
 
-    def _probe(self, servo: bool = True) -> Any:
-        """A copy without dry friction, gravity, limits and bounds of forces: what is left is as good as linear."""
-        model = copy.copy(self.model if servo else self._let_go())
+    def _slopes(self) -> dict[str, float]:
+        """How forces at the joint answer to its position and speed, and what of it is taken at a step's end."""
+        # without dry friction, gravity, limits and bounds of forces what is left is as good as linear
+        model = copy.copy(self.model)
         model.dof_frictionloss[:] = model.tendon_frictionloss[:] = 0.0
         model.opt.disableflags |= _OFF.mjDSBL_GRAVITY.value | _OFF.mjDSBL_LIMIT.value
         model.actuator_forcelimited[:] = model.actuator_ctrllimited[:] = False
@@ -249,11 +240,6 @@ class _Joint:
         for i, _ in self.acting:
             if int(model.actuator_biastype[i]) == _MOTOR:
                 model.actuator_dynprm[i, _BRISTLE] = np.minimum(model.actuator_dynprm[i, _BRISTLE], _SPECK)
-        return model
-
-    def _slopes(self) -> dict[str, float]:
-        """How forces at the joint answer to its position and speed, and what of it is taken at a step's end."""
-        model = self._probe()
 
         def forces(q: float, v: float) -> FloatArray:
             data = mujoco.MjData(model)
@@ -315,15 +301,6 @@ class _Joint:
             return bool(np.any(model.actuator_gainprm[i, _CONTROLLER]))
         return bool(model.actuator_biasprm[i, 1] != 0.0)
 
-    def _kp(self) -> float | None:
-        """Gain of the one actuator that pulls the joint to a place."""
-        pulling = [i for i, _ in self.acting if self._pulls(i)]
-        if len(pulling) != 1:
-            return None
-        motor = int(self.model.actuator_biastype[pulling[0]]) == _MOTOR
-        gain = self.model.actuator_gainprm[pulling[0], _CONTROLLER.start]
-        return float(gain if motor else -self.model.actuator_biasprm[pulling[0], 1])
-
     def _let_go(self) -> Any:
         """A copy whose servos of this joint do not pull; the friction of a motor stays."""
         model = copy.copy(self.model)
@@ -335,23 +312,6 @@ class _Joint:
             else:
                 model.actuator_gainprm[i] = model.actuator_biasprm[i] = 0.0
         return model
-
-    def _gravity(self) -> tuple[float, float | None]:
-        """Largest torque of gravity after compensation, and where it leaves a hinge at rest."""
-        model, data = self.model, mujoco.MjData(self.model)
-        angles = 2.0 * math.pi / _ANGLES * np.arange(1 if self.slides else _ANGLES)
-        pull = np.empty(angles.size)
-        for i, angle in enumerate(angles):
-            data.qpos[self.q] = model.qpos0[self.q] + angle
-            mujoco.mj_forward(model, data)
-            pull[i] = data.qfrc_bias[self.at] - data.qfrc_gravcomp[self.at]
-        if self.slides:
-            return abs(float(pull[0])), None
-        a, b = (2.0 / _ANGLES * float(pull @ wave(angles)) for wave in (np.sin, np.cos))
-        weight = float(np.linalg.norm(model.opt.gravity)) * float(model.body_subtreemass[model.jnt_bodyid[self.j]])
-        if math.hypot(a, b) <= 1e-4 * math.sqrt(self.inertia * weight * np.linalg.norm(model.opt.gravity)):
-            return 0.0, None
-        return math.hypot(a, b), math.atan2(-b, a) + float(model.qpos0[self.q])
 
     def _held(
         self, model: Any, load: float | None, gravity: float, q_eq: float | None, spring: float
@@ -401,14 +361,17 @@ class _Joint:
         data = mujoco.MjData(model)
         data.qvel[self.at] = v0
         steps = min(_COAST_STEPS, math.ceil(_COAST_S / self.h))
-        t, x, v, bad = self._run(model, data, steps, slow=SLOWEST * v0, fast=10.0 * v0)
+        t, x, v, bad = self._run(model, data, steps, slow=_SLOWEST * v0, fast=10.0 * v0)
         if bad is not None or friction <= 0.0:
             return None, bad
-        end = SLOWEST * v0
+        end = _SLOWEST * v0
         stopped = abs(float(v[-1])) <= end
         took, went = (float(t[-1]), float(x[-1] - x[0])) if stopped else (None, None)
-        exact = coasting(self.inertia, c, friction, v0, end)
-        return [v0, took, went, *exact], None
+        m = self.inertia  # m v' = -friction - c v from v0 to the end
+        if c <= 0.0:
+            return [v0, took, went, m * (v0 - end) / friction, 0.5 * m * (v0**2 - end**2) / friction], None
+        time = m / c * math.log((friction + c * v0) / (friction + c * end))
+        return [v0, took, went, time, (m * (v0 - end) - friction * time) / c], None
 
     def _released(self) -> int | None:
         """The step at which a servo that holds the joint diverges, let go beside its target."""
@@ -438,18 +401,6 @@ class _Joint:
         return t, x, v, bad
 
 
-def coasting(m: float, c: float, friction: float, v0: float, end: float) -> tuple[float, float]:
-    """Time (s) and travel in which m v' = -friction - c v brings a speed from v0 to end."""
-    if c <= 0.0:
-        return m * (v0 - end) / friction, 0.5 * m * (v0**2 - end**2) / friction
-    time = m / c * math.log((friction + c * v0) / (friction + c * end))
-    return time, (m * (v0 - end) - friction * time) / c
-
-
-def _named(model: Any, actuator: int) -> str:
-    return str(mujoco.mj_id2name(model, mujoco.mjtObj.mjOBJ_ACTUATOR, actuator) or actuator + 1)
-
-
 def _masses(model: Any) -> FloatArray:
     data, mass = mujoco.MjData(model), np.zeros((model.nv, model.nv))
     mujoco.mj_forward(model, data)
@@ -457,8 +408,7 @@ def _masses(model: Any) -> FloatArray:
     return mass
 
 
-def _tendon_arm(model: Any, data: Any, tendon: int, at: int) -> float:
-    """How a tendon's length answers to a degree of freedom."""
-    first, count = int(model.ten_J_rowadr[tendon]), int(model.ten_J_rownnz[tendon])
-    own = range(first, first + count)
-    return sum(float(data.ten_J[n]) for n in own if int(model.ten_J_colind[n]) == at)
+def _sparse(values: Any, first: Any, count: Any, columns: Any, row: int, column: int) -> float:
+    """A number of a matrix that is kept by rows without zeros."""
+    own = range(int(first[row]), int(first[row]) + int(count[row]))
+    return sum(float(values[n]) for n in own if int(columns[n]) == column)

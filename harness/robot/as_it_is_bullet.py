@@ -1,9 +1,6 @@
 """A joint of the user's URDF as it is in PyBullet: loaded as it stands, the other joints held by strong motors."""
 
 import math
-import tempfile
-from collections.abc import Iterator
-from contextlib import contextmanager
 from dataclasses import dataclass
 from importlib.metadata import version
 from pathlib import Path
@@ -12,16 +9,17 @@ import numpy as np
 
 from harness.core.apart import Found, read_apart
 from harness.core.errors import InputError
+from harness.engines.pybullet.engine import SHIPPED_DT
 from harness.engines.pybullet.world import pybullet
 from harness.robot.apart import ACCEPTED
 from harness.robot.as_it_is import HELD, HELD_FOR, AsItIs, Gravity
+from harness.robot.bullet import opened
 from harness.robot.urdf import bare
 from harness.robot.xml import with_included
 
 _SECONDS = 60
 _COAST_STEPS, _GROWN = 400, 10.0
 """Steps for which a joint is looked at that was let go at 1 rad/s or m/s, and what it then never has."""
-SHIPPED_DT = 1.0 / 240.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -56,11 +54,7 @@ def columns_of(
 ) -> Found:
     """The reader."""
     text = bare(str(path), with_included(path)[0].root)
-    with _opened(str(path), text, dt) as (client, body):
-        numbers = {
-            pybullet.getJointInfo(body, i, physicsClientId=client)[1].decode(): i
-            for i in range(pybullet.getNumJoints(body, physicsClientId=client))
-        }
+    with opened(text, dt, lambda said: InputError(str(path), said, ACCEPTED)) as (client, body, numbers):
         own = numbers[joint]
         for i in numbers.values():
             if tuned:
@@ -91,25 +85,3 @@ def columns_of(
         diverges = next((n for n, v in enumerate(speeds, 1) if not v < _GROWN), None)
     finite = None if creep is None or not math.isfinite(creep) else creep
     return {"none": np.zeros(0)}, {"version": version("pybullet"), "dt": dt, "creep": finite, "diverges": diverges}
-
-
-@contextmanager
-def _opened(file: str, text: bytes, dt: float) -> Iterator[tuple[int, int]]:
-    """Numbers of a world of its own and of the robot in it."""
-    client = pybullet.connect(pybullet.DIRECT)
-    try:
-        pybullet.setPhysicsEngineParameter(enableFileCaching=0, fixedTimeStep=dt, physicsClientId=client)
-        with tempfile.TemporaryDirectory(prefix="friction-harness-") as folder:
-            (Path(folder) / "robot.urdf").write_bytes(text)
-            try:
-                body = pybullet.loadURDF(
-                    str(Path(folder) / "robot.urdf"),
-                    useFixedBase=True,
-                    flags=pybullet.URDF_USE_INERTIA_FROM_FILE,
-                    physicsClientId=client,
-                )
-            except pybullet.error as error:
-                raise InputError(file, f"PyBullet does not load it ({error})", ACCEPTED) from None
-        yield client, int(body)
-    finally:
-        pybullet.disconnect(client)

@@ -12,6 +12,7 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from types import MappingProxyType
+from typing import Any
 
 import mujoco
 import numpy as np
@@ -103,13 +104,8 @@ def reduced(arm: Arm, joint: str, held: Mapping[str, float] | None = None) -> Re
     data.qpos[:] = q
     mujoco.mj_forward(model, data)
     mujoco.mj_fullM(model, data, mass)
-    angles = q[at] + 2.0 * math.pi / _ANGLES * np.arange(1 if slides else _ANGLES)
-    pull = np.empty(angles.size)
-    for i, angle in enumerate(angles):
-        data.qpos[at] = angle
-        mujoco.mj_forward(model, data)
-        pull[i] = data.qfrc_bias[at]
     moved = float(mass[at, at])
+    a, b, upright = gravity_of(model, q, at, moved)
     found = Reduced(
         joint,
         moved - float(arm.armature[at]),
@@ -120,15 +116,31 @@ def reduced(arm: Arm, joint: str, held: Mapping[str, float] | None = None) -> Re
         held=MappingProxyType({name: float(q[i]) for i, name in enumerate(arm.joints) if i != at}),
     )
     if slides:
-        return replace(found, constant=float(pull[0]))
+        return replace(found, constant=a)
+    return replace(found, a=a, b=b, upright=upright)
+
+
+def gravity_of(model: Any, q: FloatArray, joint: int, moved: float) -> tuple[float, float, bool]:
+    """Torque of gravity on a hinge as a sin q + b cos q, N m, and whether that is none; of a slide its force, N, and 0.
+
+    q : positions of all joints. joint : number of one of the model's. moved : kg m^2 or kg.
+    """
+    at, dof = int(model.jnt_qposadr[joint]), int(model.jnt_dofadr[joint])
+    slides = int(model.jnt_type[joint]) == mujoco.mjtJoint.mjJNT_SLIDE.value
+    data = mujoco.MjData(model)
+    data.qpos[:] = q
+    angles = q[at] + 2.0 * math.pi / _ANGLES * np.arange(1 if slides else _ANGLES)
+    pull = np.empty(angles.size)
+    for i, angle in enumerate(angles):
+        data.qpos[at] = angle
+        mujoco.mj_forward(model, data)
+        pull[i] = data.qfrc_bias[dof] - data.qfrc_gravcomp[dof]
+    if slides:
+        return float(pull[0]), 0.0, False
     a, b = (2.0 / _ANGLES * float(pull @ wave(angles)) for wave in (np.sin, np.cos))
-    strength = float(np.linalg.norm(model.opt.gravity)) * math.sqrt(max(moved, 0.0) * _hanging(arm, at))
-    return replace(found, a=a, b=b, upright=math.hypot(a, b) <= _UPRIGHT * strength)
-
-
-def _hanging(arm: Arm, at: int) -> float:
-    """Mass of what a joint moves, kg."""
-    return float(arm.model.body_subtreemass[arm.model.jnt_bodyid[at]])
+    hanging = float(model.body_subtreemass[model.jnt_bodyid[joint]])
+    strength = float(np.linalg.norm(model.opt.gravity)) * math.sqrt(max(moved, 0.0) * hanging)
+    return a, b, math.hypot(a, b) <= _UPRIGHT * strength
 
 
 def positions(arm: Arm, held: Mapping[str, float]) -> FloatArray:

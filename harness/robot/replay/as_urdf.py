@@ -1,12 +1,13 @@
 """URDF that PyBullet loads: of a compiled model, and of a user's own file, with one joint's rotor in its link."""
 
-import math
+import warnings
 from dataclasses import dataclass
 from typing import Any
 
 import mujoco
 import numpy as np
 from lxml import etree
+from scipy.spatial.transform import Rotation
 
 from harness.core.arrays import FloatArray
 from harness.robot.arm import Arm
@@ -14,8 +15,6 @@ from harness.robot.urdf import bare
 
 _SPECK = 1e-9
 """Mass, kg, and inertia, kg m^2, of a link between two joints of one body: PyBullet takes no link without any."""
-_GIMBAL = 1e-9
-"""Cosine of the pitch below which roll and yaw are one."""
 _NO_TURN = np.array([1.0, 0.0, 0.0, 0.0])
 
 
@@ -57,7 +56,7 @@ def of_model(arm: Arm, joint: str, rotor: float) -> ForBullet:
         for i in range(count):
             # joints of one body turn about points of it, one after the other
             anchor = np.array(model.jnt_pos[first + i])
-            place, own = (place + _matrix(turn) @ anchor, turn) if i == 0 else (anchor - shift[body], _NO_TURN)
+            place, own = (place + _turn(turn).apply(anchor), turn) if i == 0 else (anchor - shift[body], _NO_TURN)
             link = f"body{body}" if i == count - 1 else f"body{body}joint{i}"
             slides = model.jnt_type[first + i] == mujoco.mjtJoint.mjJNT_SLIDE.value
             kind = "prismatic" if slides else "continuous"
@@ -77,7 +76,7 @@ def _joint(
     tree: Any, name: str, kind: str, ends: tuple[str, str], place: FloatArray, turn: FloatArray, axis: Any
 ) -> None:
     own = etree.SubElement(tree, "joint", name=name, type=kind)
-    etree.SubElement(own, "origin", xyz=_words(place), rpy=_words(_rpy(_matrix(turn))))
+    etree.SubElement(own, "origin", xyz=_words(place), rpy=_rpy(_turn(turn)))
     etree.SubElement(own, "parent", link=ends[0])
     etree.SubElement(own, "child", link=ends[1])
     if axis is not None:
@@ -89,7 +88,7 @@ def _joint(
 
 def _link(tree: Any, name: str, mass: float, centre: FloatArray, turn: Any, inertia: Any) -> None:
     own = etree.SubElement(etree.SubElement(tree, "link", name=name), "inertial")
-    etree.SubElement(own, "origin", xyz=_words(centre), rpy=_words(_rpy(_matrix(np.array(turn)))))
+    etree.SubElement(own, "origin", xyz=_words(centre), rpy=_rpy(_turn(turn)))
     etree.SubElement(own, "mass", value=f"{mass:.17g}")
     names = ("ixx", "iyy", "izz")
     words = {name: f"{float(value):.17g}" for name, value in zip(names, inertia, strict=True)}
@@ -106,14 +105,14 @@ def _finished(tree: Any, joint: str, rotor: float) -> ForBullet:
     child = own.find("child").get("link")
     inertial = next(one for one in tree.findall("link") if one.get("name") == child).find("inertial")
     origin, tensor = inertial.find("origin"), inertial.find("inertia")
-    turn = _of_rpy(_numbers(origin, "rpy", "0 0 0"))
+    turn = Rotation.from_euler("xyz", _numbers(origin, "rpy", "0 0 0")).as_matrix()
     i = {name: float(tensor.get(name) or 0.0) for name in ("ixx", "iyy", "izz", "ixy", "ixz", "iyz")}
     body = np.array([[i["ixx"], i["ixy"], i["ixz"]], [i["ixy"], i["iyy"], i["iyz"]], [i["ixz"], i["iyz"], i["izz"]]])
     principal, axes = np.linalg.eigh(turn @ body @ turn.T + rotor * np.outer(axis, axis))
     axes[:, 2] *= np.sign(np.linalg.det(axes))
     if origin is None:
         origin = etree.SubElement(inertial, "origin", xyz="0 0 0")
-    origin.set("rpy", _words(_rpy(axes)))
+    origin.set("rpy", _rpy(Rotation.from_matrix(axes)))
     size = f"{float(principal.max()):.17g}"
     for name in i:
         tensor.set(name, size if name[1] == name[2] else "0")
@@ -129,28 +128,12 @@ def _words(values: Any) -> str:
     return " ".join(f"{float(value):.17g}" for value in values)
 
 
-def _matrix(quat: FloatArray) -> FloatArray:
-    found = np.empty(9)
-    mujoco.mju_quat2Mat(found, quat)
-    return found.reshape(3, 3)
+def _turn(quat: Any) -> Rotation:
+    return Rotation.from_quat(np.roll(quat, -1))  # w comes last
 
 
-def _rpy(turn: FloatArray) -> tuple[float, float, float]:
-    """Angles about the fixed x, y and z of a rotation (3, 3)."""
-    flat = math.hypot(turn[0, 0], turn[1, 0])
-    pitch = math.atan2(-turn[2, 0], flat)
-    if flat < _GIMBAL:
-        return math.atan2(-turn[1, 2], turn[1, 1]), pitch, 0.0
-    return math.atan2(turn[2, 1], turn[2, 2]), pitch, math.atan2(turn[1, 0], turn[0, 0])
-
-
-def _of_rpy(angles: FloatArray) -> FloatArray:
-    r, p, y = angles
-    cr, sr, cp, sp, cy, sy = math.cos(r), math.sin(r), math.cos(p), math.sin(p), math.cos(y), math.sin(y)
-    return np.array(
-        [
-            [cy * cp, cy * sp * sr - sy * cr, cy * sp * cr + sy * sr],
-            [sy * cp, sy * sp * sr + cy * cr, sy * sp * cr - cy * sr],
-            [-sp, cp * sr, cp * cr],
-        ]
-    )
+def _rpy(turn: Rotation) -> str:
+    """Angles about the fixed x, y and z, written."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", UserWarning)  # where roll and yaw are one, yaw is 0
+        return _words(turn.as_euler("xyz"))

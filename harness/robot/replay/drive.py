@@ -62,11 +62,7 @@ def drive_of(arm: Arm, log: JointLog, joint: str, held: Mapping[str, float], off
     u = np.zeros(t.size)
     if joint in log.effort:
         u = np.interp(t + 0.5 * dt, log.t, log.effort[joint]) - offset
-    return Drive(arm.index(joint), dt, t, q, v, a, u, _windows(t.size, round(WINDOW / dt)))
-
-
-def _windows(n: int, length: int) -> tuple[tuple[int, int], ...]:
-    """First and last step of windows that do not overlap."""
-    count = (n - 1) // max(length, 1)
-    every = max(1, math.ceil(count / _MOST))
-    return tuple((k * length, (k + 1) * length) for k in range(0, count, every))
+    length = round(WINDOW / dt)
+    count = (t.size - 1) // max(length, 1)
+    starts = range(0, count, max(1, math.ceil(count / _MOST)))
+    return Drive(arm.index(joint), dt, t, q, v, a, u, tuple((k * length, (k + 1) * length) for k in starts))

@@ -1,10 +1,5 @@
 """A joint of a model in PyBullet, driven by its log's torque; the other joints are led along the log."""
 
-import tempfile
-from collections.abc import Iterator
-from contextlib import contextmanager
-from pathlib import Path
-
 import mujoco
 import numpy as np
 
@@ -13,21 +8,14 @@ from harness.core.errors import SimulationError
 from harness.core.quiet import quiet
 from harness.engines.pybullet.world import log, pybullet
 from harness.robot.arm import Arm
+from harness.robot.bullet import opened
 from harness.robot.replay.as_urdf import ForBullet
 from harness.robot.replay.drive import Drive
 
 _LED = 1e9
 """N m with which a joint goes where it is led."""
-_ITERATIONS = 100
-_RESIDUAL = 1e-10
+_SOLVER = {"numSolverIterations": 100, "solverResidualThreshold": 1e-10}
 _FASTEST = 1e9
-
-
-def version() -> str:
-    """Of PyBullet."""
-    from importlib.metadata import version
-
-    return version("pybullet")
 
 
 def replay(arm: Arm, drive: Drive, text: ForBullet, zero: FloatArray) -> tuple[FloatArray, FloatArray]:
@@ -39,11 +27,14 @@ def replay(arm: Arm, drive: Drive, text: ForBullet, zero: FloatArray) -> tuple[F
     q, v = np.full(drive.t.size, np.nan), np.full(drive.t.size, np.nan)
     u = drive.u + arm.armature[at] * _turning_with_parent(arm, drive)
     spring, slack = float(arm.model.jnt_stiffness[at]), float(arm.model.qpos_spring[at])
-    with quiet(log), _opened(arm, drive, text) as (client, body):
-        numbers = {
-            pybullet.getJointInfo(body, i, physicsClientId=client)[1].decode(): i
-            for i in range(pybullet.getNumJoints(body, physicsClientId=client))
-        }
+    weightless = arm.model.opt.disableflags & mujoco.mjtDisableBit.mjDSBL_GRAVITY.value
+
+    def refused(said: str) -> SimulationError:
+        return SimulationError(f"{arm.file}: {said}")
+
+    with quiet(log), opened(text.text, drive.dt, refused, **_SOLVER) as (client, body, numbers):
+        gravity = [0.0, 0.0, 0.0] if weightless else arm.model.opt.gravity.tolist()
+        pybullet.setGravity(*gravity, physicsClientId=client)
         own, others = numbers[name], [numbers[arm.joints[i]] for i in drive.others]
         damping, friction = float(arm.damping[at]), float(arm.frictionloss[at])
         inertia = {} if text.inertia is None else {"localInertiaDiagonal": text.inertia.tolist()}
@@ -77,39 +68,6 @@ def replay(arm: Arm, drive: Drive, text: ForBullet, zero: FloatArray) -> tuple[F
                 angle, speed_now = pybullet.getJointState(body, own, physicsClientId=client)[:2]
                 q[k + 1], v[k + 1] = angle + zero[at], speed_now
     return q, v
-
-
-@contextmanager
-def _opened(arm: Arm, drive: Drive, text: ForBullet) -> Iterator[tuple[int, int]]:
-    """Numbers of a world of its own and of the robot in it."""
-    client = pybullet.connect(pybullet.DIRECT)
-    try:
-        pybullet.setPhysicsEngineParameter(
-            enableFileCaching=0,
-            fixedTimeStep=drive.dt,
-            numSolverIterations=_ITERATIONS,
-            solverResidualThreshold=_RESIDUAL,
-            physicsClientId=client,
-        )
-        pybullet.setGravity(*_gravity(arm), physicsClientId=client)
-        with tempfile.TemporaryDirectory(prefix="friction-harness-") as folder:
-            file = Path(folder) / "robot.urdf"
-            file.write_bytes(text.text)
-            try:
-                body = pybullet.loadURDF(
-                    str(file), useFixedBase=True, flags=pybullet.URDF_USE_INERTIA_FROM_FILE, physicsClientId=client
-                )
-            except pybullet.error as error:
-                raise SimulationError(f"{arm.file}: PyBullet does not load it ({error})") from None
-        yield client, int(body)
-    finally:
-        pybullet.disconnect(client)
-
-
-def _gravity(arm: Arm) -> list[float]:
-    if arm.model.opt.disableflags & mujoco.mjtDisableBit.mjDSBL_GRAVITY.value:
-        return [0.0, 0.0, 0.0]
-    return [float(g) for g in arm.model.opt.gravity]
 
 
 def _turning_with_parent(arm: Arm, drive: Drive) -> FloatArray:

@@ -5,10 +5,10 @@ the torque that was logged; the others go where the log has them, whatever it ta
 """
 
 import copy
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
+from importlib.metadata import version
 from pathlib import Path
-from typing import Any
 
 import mujoco
 import numpy as np
@@ -19,11 +19,15 @@ from harness.core.robot.joint_log import JointLog
 from harness.engines.mujoco.presets import warned
 from harness.robot.arm import Arm, load_arm
 from harness.robot.paste import JointPaste, written
-from harness.robot.replay.as_urdf import ForBullet, of_file, of_model
+from harness.robot.replay.as_urdf import of_file, of_model
 from harness.robot.replay.drive import WINDOW, Drive, drive_of
 from harness.robot.whole_arm.perturb import with_load
 from harness.robot.xml import with_included
 
+MUJOCO, PYBULLET = "mujoco", "pybullet"
+_PER_SECOND = 200.0
+"""Samples that are kept."""
+Motion = tuple[FloatArray, FloatArray]
 _LED = 1e4
 """Rotor inertia, kg m^2, with which a joint goes where it is led, whatever the others do."""
 _OFF = (
@@ -34,17 +38,19 @@ _OFF = (
 _LEFT_OUT = mujoco.mjtDisableBit.mjDSBL_CONSTRAINT.value | mujoco.mjtDisableBit.mjDSBL_DAMPER.value
 
 
-def version() -> str:
-    """Of MuJoCo."""
-    return str(mujoco.__version__)
-
-
-def replay(arm: Arm, drive: Drive) -> tuple[FloatArray, FloatArray]:
+def replay(arm: Arm, drive: Drive) -> Motion:
     """Position and speed (n,) of the joint with the friction, damping and words that the model has for it.
 
     nan outside of the windows.
     """
-    model, at, others = _model(arm, drive), drive.at, drive.others
+    at, others = drive.at, drive.others
+    # the joint's own friction is back, and what the torque of the log stands for is out
+    model = copy.copy(arm.model)
+    model.opt.disableflags = (model.opt.disableflags & ~_LEFT_OUT) | _OFF
+    model.actuator_gainprm[:] = model.actuator_biasprm[:] = 0.0
+    model.tendon_frictionloss[:] = model.tendon_damping[:] = model.tendon_stiffness[:] = 0.0
+    model.dof_frictionloss[at], model.dof_damping[at] = arm.frictionloss[at], arm.damping[at]
+    model.dof_armature[others] = _LED
     data = mujoco.MjData(model)
     q, v = np.full(drive.t.size, np.nan), np.full(drive.t.size, np.nan)
     with warned():
@@ -58,23 +64,6 @@ def replay(arm: Arm, drive: Drive) -> tuple[FloatArray, FloatArray]:
                 mujoco.mj_step(model, data)
                 q[k + 1], v[k + 1] = data.qpos[at], data.qvel[at]
     return q, v
-
-
-def _model(arm: Arm, drive: Drive) -> Any:
-    """The model with the joint's own friction back, and without what the torque of the log stands for."""
-    model = copy.copy(arm.model)
-    model.opt.disableflags = (model.opt.disableflags & ~_LEFT_OUT) | _OFF
-    model.actuator_gainprm[:] = model.actuator_biasprm[:] = 0.0
-    model.tendon_frictionloss[:] = model.tendon_damping[:] = model.tendon_stiffness[:] = 0.0
-    model.dof_frictionloss[drive.at], model.dof_damping[drive.at] = arm.frictionloss[drive.at], arm.damping[drive.at]
-    model.dof_armature[drive.others] = _LED
-    return model
-
-
-MUJOCO, PYBULLET = "mujoco", "pybullet"
-_PER_SECOND = 200.0
-"""Samples that are kept."""
-Motion = tuple[FloatArray, FloatArray]
 
 
 @dataclass(frozen=True, slots=True)
@@ -125,53 +114,29 @@ def replayed(
     pasted = load_arm(path, gravity, edited)
     both = (arm, pasted) if payload == 0.0 else (with_load(arm, payload), with_load(pasted, payload))
     drive = drive_of(arm, log, paste.joint, held, offset)
+    unsaid: tuple[str, ...] = ()
     if engine == MUJOCO:
-        return _replayed(engine, version(), drive, [replay(one, drive) for one in both])
-    try:
-        from harness.robot.replay import in_pybullet
-    except ImportError as error:
-        raise SimulationError(f"engine {PYBULLET}: not installed ({error})") from error
-    motions = []
-    for one, texts in zip(both, ({}, edited), strict=True):
-        text, zero = _for_bullet(path, texts, one, paste.joint, payload == 0.0)
-        motions.append(in_pybullet.replay(one, drive, text, zero))
-    return _replayed(engine, in_pybullet.version(), drive, motions, _unsaid(arm, drive))
-
-
-def _replayed(
-    name: str, version: str, drive: Drive, motions: Sequence[Motion], left_out: tuple[str, ...] = ()
-) -> Replayed:
+        motions, its = [replay(one, drive) for one in both], mujoco.__version__
+    else:
+        try:
+            from harness.robot.replay import in_pybullet
+        except ImportError as error:
+            raise SimulationError(f"engine {PYBULLET}: not installed ({error})") from error
+        slides, motions, its = arm.slides(paste.joint), [], version(PYBULLET)
+        if slides and arm.armature[drive.at] > 0.0:
+            unsaid = (f"the rotor of {paste.joint}, a slide, is left out: PyBullet has no word for it",)
+        for one, texts in zip(both, ({}, edited), strict=True):
+            rotor = 0.0 if slides else float(one.armature[drive.at])
+            root = with_included(path, texts)[0].root
+            # the file itself where it is a URDF and nothing hangs on it, else one made of the compiled model
+            if root.tag == "robot" and payload == 0.0:
+                text, zero = of_file(str(path), root, paste.joint, rotor), np.zeros(arm.model.nv)
+            else:
+                text, zero = of_model(one, paste.joint, rotor), np.array(one.model.qpos0)
+            motions.append(in_pybullet.replay(one, drive, text, zero))
     (q_before, v_before), (q_after, v_after) = motions
     kept = slice(None, None, max(1, round(1.0 / (_PER_SECOND * drive.dt))))
     return Replayed(
-        name,
-        version,
-        drive.dt,
-        WINDOW,
-        len(drive.windows),
-        drive.errors(q_before, v_before),
-        drive.errors(q_after, v_after),
-        drive.t[kept],
-        drive.q[kept, drive.at],
-        q_before[kept],
-        q_after[kept],
-        left_out,
-    )
-
-
-def _for_bullet(
-    path: Path, edited: Mapping[Path, str], arm: Arm, joint: str, as_it_is: bool
-) -> tuple[ForBullet, FloatArray]:
-    """The file itself where it is a URDF (``as_it_is``: nothing hangs on it), else one made of the compiled model."""
-    rotor = 0.0 if arm.slides(joint) else float(arm.armature[arm.index(joint)])
-    root = with_included(path, edited)[0].root
-    if root.tag == "robot" and as_it_is:
-        return of_file(str(path), root, joint, rotor), np.zeros(arm.model.nv)
-    return of_model(arm, joint, rotor), np.array(arm.model.qpos0)
-
-
-def _unsaid(arm: Arm, drive: Drive) -> tuple[str, ...]:
-    joint = arm.joints[drive.at]
-    if arm.slides(joint) and arm.armature[drive.at] > 0.0:
-        return (f"the rotor of {joint}, a slide, is left out: PyBullet has no word for it",)
-    return ()
+        engine, its, drive.dt, WINDOW, len(drive.windows), drive.errors(q_before, v_before),
+        drive.errors(q_after, v_after), drive.t[kept], drive.q[kept, drive.at], q_before[kept], q_after[kept], unsaid,
+    )  # fmt: skip
