@@ -1,15 +1,16 @@
 """Whether the other joints stand still in a log: the torque that their motion puts on one joint."""
 
+import math
 from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
 
 from harness.core.arrays import FloatArray
+from harness.core.errors import InputError, did_you_mean
 from harness.core.robot.joint_log import JointLog
 from harness.robot.arm import Arm
 from harness.robot.reduction import Reduced, reduced
-from harness.robot.slips import check_joint
 from harness.robot.smooth import Even, moving
 
 QUARTER = 0.25
@@ -19,6 +20,8 @@ _MOST = 20_000
 """Samples at which the whole arm's equations are evaluated."""
 _MOVING = 0.05
 """Of the largest speed: slower samples do not count, where friction's sign is not known."""
+_MANY_TURNS = 20.0
+"""rad: a hinge with stops that is farther out was logged in degrees."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -48,8 +51,8 @@ def coupling(arm: Arm, log: JointLog, joint: str) -> Coupling:
     Joints of the model that the log has not are held at the model's reference. Raises InputError where log and model
     do not go together, and for a joint that does not move alone.
     """
-    check_joint(arm, log, joint)
-    at, others = arm.index(joint), [name for name in arm.joints if name != joint and name in log.position]
+    at = _checked(arm, log, joint)
+    others = [name for name in arm.joints if name != joint and name in log.position]
     own = reduced(arm, joint, {name: float(np.mean(log.position[name])) for name in others})
     those = tuple(name for name in moving(arm, log) if name != joint)
     even = Even.of(log.t)
@@ -69,6 +72,27 @@ def coupling(arm: Arm, log: JointLog, joint: str) -> Coupling:
     size = _left(extra[fast], columns[fast]) if those else 0.0
     share = max(1.0 - (less / left) ** 2, min((size / left) ** 2, 1.0)) if left > 0.0 else 1.0
     return Coupling(float(np.sqrt(np.mean(extra**2))), left, share, those, own)
+
+
+def _checked(arm: Arm, log: JointLog, joint: str) -> int:
+    """Number of a joint; InputError for one that the model or the log has not, and for positions in degrees.
+
+    Where model and log share no joint, both are listed.
+    """
+    if not set(arm.joints) & set(log.joints):
+        found = f"joints {', '.join(log.joints)}, and {arm.file} has {', '.join(arm.joints)}"
+        raise InputError(log.file, found, "a log of the model's joints, by their names, is accepted")
+    i = arm.index(joint)
+    if joint not in log.position:
+        accepted = f"a joint of the log is accepted: {', '.join(log.joints)}{did_you_mean(joint, log.joints)}"
+        raise InputError("--joint", f"{joint!r}, whose position {log.file} does not hold", accepted)
+    if arm.model.jnt_limited[i] and not arm.slides(joint):
+        farthest, most = float(np.max(np.abs(log.position[joint]))), float(np.max(np.abs(arm.model.jnt_range[i])))
+        if farthest > max(_MANY_TURNS, 2.0 * most) and math.radians(farthest) <= 2.0 * most:
+            found = f"positions up to {farthest:.4g} of a hinge that goes to {most:.4g} rad in {arm.file}"
+            accepted = "rad is accepted; this looks like degrees, try: --angle-unit deg"
+            raise InputError(f"{log.file}: {joint}.position", found, accepted)
+    return i
 
 
 def _left(torque: FloatArray, columns: FloatArray) -> float:

@@ -35,6 +35,7 @@ class Friction:
 
 FRICTION = {"base": Friction(0.6, 0.2), "shoulder": Friction(1.1, 0.4), "elbow": Friction(0.35, 0.12)}
 """Of the arm of models/arm in the example: more than its model has."""
+_KINDS = ("position", "velocity", "effort")
 _SINES = 5
 """Of each joint's motion."""
 _SLOWEST, _FASTEST = 0.1, 0.9
@@ -97,8 +98,8 @@ def _followed(
     moving: tuple[str, ...],
     wanted: tuple[FloatArray, FloatArray],
     rate: float,
-) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Positions, speeds and the servos' torques (n, nv)."""
+) -> FloatArray:
+    """Positions, speeds and the servos' torques (3, n, nv)."""
     model = copy.copy(arm.model)
     model.opt.disableflags = mujoco.mjtDisableBit.mjDSBL_CONTACT.value | mujoco.mjtDisableBit.mjDSBL_LIMIT.value
     substeps = max(1, math.ceil(1.0 / (rate * _STEP)))
@@ -112,19 +113,30 @@ def _followed(
         model.dof_frictionloss[i], model.dof_damping[i], offset[i] = one.f_k, one.c, one.offset
     still = [i for i, name in enumerate(arm.joints) if name not in moving]
     model.dof_armature[still] = _LOCKED
-    inertia = np.array([reduced(arm, name).moved for name in arm.joints])
-    data = mujoco.MjData(model)
     model.actuator_gainprm[:] = model.actuator_biasprm[:] = 0.0
+    inertia, data = np.array([reduced(arm, name).moved for name in arm.joints]), mujoco.MjData(model)
     data.qpos[:], data.qvel[:] = wanted[0][0], wanted[1][0]
     found = np.zeros((3, *wanted[0].shape))
     for k in range(wanted[0].shape[0]):
         data.qpos[still], data.qvel[still] = wanted[0][k, still], 0.0
         behind, slow = wanted[0][k] - data.qpos, wanted[1][k] - data.qvel
         torque = inertia * _BANDWIDTH * (_STIFF * _BANDWIDTH * behind + _DAMPED * _BANDWIDTH * slow)
-        found[0, k], found[1, k], found[2, k] = data.qpos, data.qvel, torque
+        found[:, k] = data.qpos, data.qvel, torque
         data.qfrc_applied[:] = torque - offset
         mujoco.mj_step(model, data, substeps)
-    return found[0], found[1], found[2]
+    return found
+
+
+def write(log: JointLog, path: Path) -> None:
+    """Write a log as CSV with columns t, NAME.position, NAME.velocity and NAME.effort, whole or not at all.
+
+    Raises StoreError.
+    """
+    names = [f"{name}.{kind}" for kind in _KINDS for name in getattr(log, kind)]
+    columns = [values for kind in _KINDS for values in getattr(log, kind).values()]
+    with replacing(path) as file:
+        rows = np.column_stack((log.t, *columns))
+        np.savetxt(file, rows, "%.9g", ",", header=",".join(("t", *names)), comments="", encoding="utf-8")
 
 
 def table(log: JointLog) -> str:
@@ -135,12 +147,6 @@ def table(log: JointLog) -> str:
     rows = np.column_stack(list(columns.values())).tolist()
     lines = [",".join(columns), *(",".join(f"{value:.9g}" for value in row) for row in rows)]
     return "\n".join(lines) + "\n"
-
-
-def write(log: JointLog, path: Path) -> None:
-    """Write a log as CSV, whole or not at all. Raises StoreError."""
-    with replacing(path) as file:
-        file.write_text(table(log), encoding="utf-8")
 
 
 def write_bag(log: JointLog, path: Path) -> None:
@@ -154,17 +160,16 @@ def write_bag(log: JointLog, path: Path) -> None:
     except ImportError:
         raise InputError(str(path), "rosbags, which writes it, is not installed", "a CSV is accepted") from None
     store = get_typestore(Stores.ROS2_HUMBLE)
-    types = store.types
-    stamp, header = types["builtin_interfaces/msg/Time"], types["std_msgs/msg/Header"]
-    state = types["sensor_msgs/msg/JointState"]
+    kinds = ("builtin_interfaces/msg/Time", "std_msgs/msg/Header", "sensor_msgs/msg/JointState")
+    stamp, header, state = (store.types[kind] for kind in kinds)
     names = list(log.joints)
-    kinds = [np.column_stack([getattr(log, kind)[n] for n in names]) for kind in ("position", "velocity", "effort")]
+    every = [np.column_stack([getattr(log, kind)[n] for n in names]) for kind in _KINDS]
     with Writer(path, version=9, storage_plugin=StoragePlugin.MCAP) as writer:
         topic = writer.add_connection("/joint_states", state.__msgtype__, typestore=store)
         for i, at in enumerate(log.t.tolist()):
             nanoseconds = round(at * 1e9)
             time = stamp(sec=nanoseconds // 10**9, nanosec=nanoseconds % 10**9)
-            message = state(header(stamp=time, frame_id=""), names, *(kind[i] for kind in kinds))
+            message = state(header(stamp=time, frame_id=""), names, *(kind[i] for kind in every))
             writer.write(topic, nanoseconds, store.serialize_cdr(message, state.__msgtype__))
 
 

@@ -1,6 +1,6 @@
 """An MJCF as the rigid model needs it: shapes kept only where they make a mass, so that no mesh is missed."""
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -110,11 +110,13 @@ def _refuse(file: str, root: Any) -> None:
 
 def _without_shapes(body: Any, moving: bool, from_shapes: bool, needed: set[str]) -> None:
     """Take out shapes that make no mass, downwards; needed : gets the names of meshes that make one."""
-    own = _within(body)
+    own = list(_within(body))
     moving = moving or any(child.tag in ("joint", "freejoint") for child in own)
     explicit = any(child.tag == "inertial" for child in own) and not from_shapes
     for child in own:
-        if child.tag == "geom" and (explicit or not moving or _weightless(child)):
+        if child.tag == "geom" and (
+            explicit or not moving or any(_zero(child.get(name, "1")) for name in ("mass", "density"))
+        ):
             child.getparent().remove(child)
         elif child.tag == "geom" and child.get("mesh") is not None:
             needed.add(child.get("mesh"))
@@ -122,18 +124,12 @@ def _without_shapes(body: Any, moving: bool, from_shapes: bool, needed: set[str]
             _without_shapes(child, moving, from_shapes, needed)
 
 
-def _within(body: Any) -> list[Any]:
+def _within(body: Any) -> Iterator[Any]:
     """Elements of a body, those in frames among them."""
-    found = []
     for child in body:
-        found.append(child)
+        yield child
         if child.tag in ("frame", "replicate"):
-            found += _within(child)
-    return found
-
-
-def _weightless(geom: Any) -> bool:
-    return any(geom.get(name) is not None and _zero(geom.get(name)) for name in ("mass", "density"))
+            yield from _within(child)
 
 
 def _zero(text: str) -> bool:

@@ -16,13 +16,21 @@ from harness.model.model import Model, Restoring
 from harness.robot.arm import Arm, load_arm
 from harness.robot.reduction import reduced
 
+_SUFFIXES = (".xml", ".mjcf", ".urdf")
+_ONE = "a model of one joint is accepted (of a robot's: --robot FILE --joint NAME)"
+
 
 def words(arm: Arm, joint: str) -> dict[str, Any]:
     """Settings of MuJoCo as the model's file has them, in the names of harness.engines.mujoco."""
     option, at = arm.model.opt, arm.index(joint)
+
+    def named(member: Any, known: tuple[str, ...]) -> str:
+        """The word of the settings for a member of an enumeration of MuJoCo's, such as mjINT_EULER."""
+        return next(one for one in known if one.upper() == member.name.rpartition("_")[2])
+
     return {
-        "integrator": _named(mujoco.mjtIntegrator(int(option.integrator)).name, INTEGRATORS),
-        "solver": _named(mujoco.mjtSolver(int(option.solver)).name, SOLVERS),
+        "integrator": named(mujoco.mjtIntegrator(int(option.integrator)), INTEGRATORS),
+        "solver": named(mujoco.mjtSolver(int(option.solver)), SOLVERS),
         "iterations": int(option.iterations),
         "tolerance": float(option.tolerance),
         "ls_iterations": int(option.ls_iterations),
@@ -51,15 +59,6 @@ def loosened(settings: Mapping[str, Any], by: float) -> dict[str, Any]:
         d, *others = found["solimpfriction"]
         found["solimpfriction"] = (min(d / (d + by * (1.0 - d)), STIFF), *others)
     return found
-
-
-def _named(name: str, known: tuple[str, ...]) -> str:
-    """The word of the settings for a member of an enumeration of MuJoCo's, such as mjINT_EULER."""
-    return next(one for one in known if one.upper() == name.rpartition("_")[2])
-
-
-_SUFFIXES = (".xml", ".mjcf", ".urdf")
-_ONE = "a model of one joint is accepted (of a robot's: --robot FILE --joint NAME)"
 
 
 @dataclass(frozen=True, slots=True)
@@ -97,8 +96,7 @@ def own_model(path: Path) -> OwnModel:
         raise InputError(f"{path}: joint {joint}", "a spring beside gravity", "a joint with one of the two is accepted")
     held = Restoring.PENDULUM if hangs else Restoring.SPRING if own.spring > 0.0 else Restoring.NONE
     k = own.gravity if hangs else own.spring
-    friction, damping = float(arm.frictionloss[0]), float(arm.damping[0])
-    slider = Model(own.moved, damping, k, friction, restoring=held)
+    slider = Model(own.moved, float(arm.damping[0]), k, float(arm.frictionloss[0]), restoring=held)
     if path.suffix.lower() == ".urdf":
         engine = load("pybullet")
         return OwnModel(str(path), slider, engine.name, float(engine.presets("joint", "as-shipped")["dt"]))

@@ -11,7 +11,6 @@ import numpy as np
 from harness.core.arrays import FloatArray
 from harness.core.errors import InputError
 from harness.core.robot.bodies import Bodies, Kind, Shape
-from harness.core.robot.joint_log import JointLog
 from harness.core.trajectory import Trajectory
 from harness.robot.apart import compiled
 from harness.robot.arm import Arm
@@ -38,22 +37,17 @@ _SLENDER = 0.13
 _LINK, _AXLE, _ASKED = (201, 205, 212), (74, 82, 94), (43, 127, 214)
 
 
-def pictured(path: Path, arm: Arm, log: JointLog, joint: str) -> Bodies:
-    """The robot of a model's file, moving as a log has it; joint : is marked at its axle."""
-    return _moving(path, arm, log.t, log.position, joint)
-
-
 def moved(path: Path, arm: Arm, joint: str, motion: Trajectory | None) -> Bodies:
     """The robot in the reference of its model, one joint moving from there; None: still."""
     if motion is None:
-        return _moving(path, arm, np.zeros(1), {}, joint)
-    return _moving(path, arm, motion.t, {joint: arm.model.qpos0[arm.index(joint)] + motion.x}, joint)
+        return pictured(path, arm, np.zeros(1), {}, joint)
+    return pictured(path, arm, motion.t, {joint: arm.model.qpos0[arm.index(joint)] + motion.x}, joint)
 
 
-def _moving(path: Path, arm: Arm, times: FloatArray, position: Mapping[str, FloatArray], joint: str) -> Bodies:
+def pictured(path: Path, arm: Arm, times: FloatArray, position: Mapping[str, FloatArray], joint: str) -> Bodies:
+    """The robot of a model's file, moving as a log has it; joint : is marked at its axle."""
     model = _model(path, arm)
-    scale = _reach(model)
-    found = [*_shapes(model), *_links(model, scale, at=_at(model, arm, joint))]
+    found = [*_shapes(model), *_links(model, _at(model, arm, joint))]
     step = max(1, math.ceil(times.size / min(_FRAMES, _PER_SECOND * float(times[-1] - times[0]) + 2.0)))
     t = times[::step]
     q = np.tile(model.qpos0, (t.size, 1))
@@ -124,15 +118,19 @@ def _color(model: Any, geom: int) -> tuple[int, int, int] | None:
     return red, green, blue
 
 
-def _links(model: Any, scale: float, at: int) -> Iterator[Shape]:
+def _links(model: Any, at: int) -> Iterator[Shape]:
     """A capsule from joint to joint for each body that has no shape, and an axle at each of their joints.
 
     at : number of the joint that is marked.
     """
-    bare = _bare(model)
-    radius = _SLENDER * scale
-    for body in sorted(bare):
-        start = _anchor(model, body)
+    drawn = {int(model.geom_bodyid[i]) for i in range(model.ngeom) if int(model.geom_type[i]) in _KINDS}
+    bare = {i for i in range(1, model.nbody) if i not in drawn and int(model.body_weldid[i]) != 0}
+    # median distance from joint to joint
+    steps = [float(np.linalg.norm(model.body_pos[i])) for i in range(1, model.nbody)]
+    steps += [2.0 * float(np.linalg.norm(model.body_ipos[model.nbody - 1]))]
+    radius = _SLENDER * float(np.median([one for one in steps if one > 0.0] or [0.1]))
+    for body in bare:
+        start = np.array(model.jnt_pos[model.body_jntadr[body]]) if model.body_jntnum[body] else np.zeros(3)
         children = [i for i in range(1, model.nbody) if int(model.body_parentid[i]) == body]
         ends = [model.body_pos[i] for i in children] or [2.0 * model.body_ipos[body] - start]
         for end in ends:
@@ -147,25 +145,6 @@ def _links(model: Any, scale: float, at: int) -> Iterator[Shape]:
             size = np.array([1.35 * radius, 1.35 * radius, 0.0])
             color = _ASKED if j == at else _AXLE
             yield Shape(body, "cylinder", size, np.array(model.jnt_pos[j]), _turn(model.jnt_axis[j]), color)
-
-
-def _bare(model: Any) -> set[int]:
-    """Bodies that move and have nothing to be seen."""
-    drawn = {int(model.geom_bodyid[i]) for i in range(model.ngeom) if int(model.geom_type[i]) in _KINDS}
-    return {i for i in range(1, model.nbody) if i not in drawn and int(model.body_weldid[i]) != 0}
-
-
-def _anchor(model: Any, body: int) -> FloatArray:
-    """Where a body's joint is, in its frame."""
-    return np.array(model.jnt_pos[model.body_jntadr[body]]) if model.body_jntnum[body] else np.zeros(3)
-
-
-def _reach(model: Any) -> float:
-    """Median distance from joint to joint, m."""
-    steps = [float(np.linalg.norm(model.body_pos[i])) for i in range(1, model.nbody)]
-    steps += [2.0 * float(np.linalg.norm(model.body_ipos[model.nbody - 1]))]
-    known = [one for one in steps if one > 0.0]
-    return float(np.median(known)) if known else 0.1
 
 
 def _turn(along: Any) -> FloatArray:

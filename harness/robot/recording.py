@@ -1,4 +1,4 @@
-"""One joint of a log as a recording, in the terms of its own equation."""
+"""One joint of a log as a recording, in the terms of its own equation; and how it breaks away where it sticks."""
 
 import math
 from dataclasses import dataclass
@@ -8,9 +8,11 @@ import numpy as np
 
 from harness.core.arrays import FloatArray
 from harness.core.errors import InputError
+from harness.core.quantity import Quantity
 from harness.core.recording import Recording
 from harness.core.robot.joint_log import JointLog
 from harness.robot.reduction import Reduced
+from harness.robot.smooth import noise_of, rests
 
 Pull = Literal["spring", "pendulum", "none"]
 _LOAD = 100.0
@@ -22,14 +24,13 @@ class OneJoint:
     """A joint's motion and, where it is driven, its torque, what the model knows besides taken off.
 
     recording : x is the position from ``rest`` (rad or m), v, and u. restoring : what pulls x back. inertia : kg m^2 or
-    kg where no torque tells it, else None. notes : what was done, one sentence each. warnings : what looks wrong.
+    kg where no torque tells it, else None. warnings : what looks wrong.
     """
 
     recording: Recording
     restoring: Pull
     rest: float
     inertia: float | None
-    notes: tuple[str, ...] = ()
     warnings: tuple[str, ...] = ()
 
     @property
@@ -43,11 +44,12 @@ def one_joint(log: JointLog, own: Reduced) -> OneJoint:
 
     Raises InputError for a free swing of a joint that nothing pulls back, or that gravity and a spring of its own do.
     """
-    name = own.joint
-    effort = log.effort.get(name)
+    name, unit, force = own.joint, *(("m", "N") if own.slides else ("rad", "N m"))
+    effort, where = log.effort.get(name), f"{log.file}: {name}"
     driven = effort is not None and float(np.ptp(effort)) > 0.0
-    pull = _pull(own)
-    where = f"{log.file}: {name}"
+    pull: Pull = "spring" if own.spring > 0.0 else "none"
+    if not own.slides and not own.upright:
+        pull = "pendulum"
     if not driven:
         found = f"no {name}.effort" if effort is None else f"a {name}.effort that is {effort[0]:g} throughout"
         if pull == "none":
@@ -56,59 +58,85 @@ def one_joint(log: JointLog, own: Reduced) -> OneJoint:
         if pull == "pendulum" and own.spring > 0.0:
             accepted = "an effort is accepted, which tells the two apart"
             raise InputError(where, f"{found}, and both gravity and a spring pull it back", accepted)
-    q = log.position[name]
-    rest = _rest(own, pull, q, driven)
+    q, rest = log.position[name], own.q_ref if pull == "spring" else 0.0
+    if pull == "pendulum":
+        # the nearest of those a turn apart
+        near = float(np.mean(q)) if driven else float(q[-1])
+        rest = own.q_eq + 2.0 * math.pi * round((near - own.q_eq) / (2.0 * math.pi))
     channels: dict[str, FloatArray] = {"x": q - rest}
     if name in log.velocity and float(np.ptp(log.velocity[name])) > 0.0:
         channels["v"] = log.velocity[name]
     notes, warnings = list(log.notes), []
-    unit = "m" if own.slides else "rad"
     if pull != "none":
         notes.append(f"{name}.position is counted from {rest:.6g} {unit}, where it is at rest.")
     if driven and effort is not None:
-        warnings += _scale(log, own, effort)
-        channels["u"], taken = _drive(own, pull, q, effort)
-        notes += taken
+        asked, given = (float(np.sqrt(np.mean(one**2))) for one in (own.load(q), effort))
+        if asked != 0.0 and not own.upright and not asked / _LOAD < given < asked * _LOAD:
+            warnings.append(
+                f"the effort of {name} is {given:.3g} rms, and its gravity alone asks for {asked:.3g} {force}: it is"
+                f" hardly in {force}"
+            )
+        # what the model knows and the fit has no word for
+        if pull == "pendulum" and own.spring > 0.0:
+            effort = effort - own.spring * (q - own.q_ref)
+            notes.append(f"The torque of the joint's own spring, {own.spring:.4g} N m/rad, is taken off its effort.")
+        if own.slides and own.constant != 0.0:
+            effort = effort - own.constant
+            notes.append(f"Gravity's {own.constant:.4g} N are taken off its effort.")
+        channels["u"] = effort
     recording = Recording(log.t, channels, log.file, log.sha256, angular=not own.slides, notes=tuple(notes))
-    return OneJoint(recording, pull, rest, None if driven else own.moved, warnings=tuple(warnings))
+    return OneJoint(recording, pull, rest, None if driven else own.moved, tuple(warnings))
 
 
-def _pull(own: Reduced) -> Pull:
-    if not own.slides and not own.upright:
-        return "pendulum"
-    return "spring" if own.spring > 0.0 else "none"
+_NOISES = 3.0
+"""Standard deviations of a position that scatters about one place, to either side."""
+_REST, _LOOK = 0.1, 0.05
+"""s: shorter rests are reversals; and before a slip, over which the torque is followed to its end."""
+_GONE = 5.0
+"""Ranges of a rest that a slip goes at least."""
+FEWEST = 4
+"""Slips, of which a break-away is read: three degrees of freedom are left for its error."""
 
 
-def _rest(own: Reduced, pull: Pull, q: FloatArray, driven: bool) -> float:
-    """The position from which x is counted; of a pendulum the nearest of those a turn apart."""
-    if pull == "spring":
-        return own.q_ref
-    if pull == "none":
-        return 0.0
-    near = float(np.mean(q)) if driven else float(q[-1])
-    return own.q_eq + 2.0 * math.pi * round((near - own.q_eq) / (2.0 * math.pi))
+@dataclass(frozen=True, slots=True)
+class Slips:
+    """still : share of the time at rest. torques (n,) : before each slip, N m or N, along the slip. rise :
+    of them in the time in which its beginning is not known. unit : of both."""
+
+    still: float
+    torques: FloatArray
+    rise: float
+    unit: str
+
+    @property
+    def break_away(self) -> Quantity | None:
+        """Mean torque at which it comes loose; None of few slips."""
+        n = self.torques.size
+        if n < FEWEST:
+            return None
+        error = math.hypot(float(np.std(self.torques, ddof=1)) / math.sqrt(n), self.rise)
+        return Quantity(float(np.mean(self.torques)), error, self.unit)
 
 
-def _drive(own: Reduced, pull: Pull, q: FloatArray, effort: FloatArray) -> tuple[FloatArray, list[str]]:
-    """The effort without what the model knows and the fit has no word for."""
-    taken, u = [], effort
-    if pull == "pendulum" and own.spring > 0.0:
-        u = u - own.spring * (q - own.q_ref)
-        taken.append(f"The torque of the joint's own spring, {own.spring:.4g} N m/rad, is taken off its effort.")
-    if own.slides and own.constant != 0.0:
-        u = u - own.constant
-        taken.append(f"Gravity's {own.constant:.4g} N are taken off its effort.")
-    return u, taken
-
-
-def _scale(log: JointLog, own: Reduced, effort: FloatArray) -> list[str]:
-    """What an effort's size says of its unit."""
-    load = own.load(log.position[own.joint])
-    asked, given = (float(np.sqrt(np.mean(one**2))) for one in (load, effort))
-    if asked == 0.0 or own.upright or asked / _LOAD < given < asked * _LOAD:
-        return []
-    unit = "N" if own.slides else "N m"
-    return [
-        f"the effort of {own.joint} is {given:.3g} rms, and its gravity alone asks for {asked:.3g} {unit}:"
-        f" it is hardly in {unit}"
-    ]
+def slips(log: JointLog, own: Reduced) -> Slips | None:
+    """The slips of a joint, the others still; None of one without effort, or that never rests."""
+    q, effort = log.position[own.joint], log.effort.get(own.joint)
+    if effort is None:
+        return None
+    within, step = 2.0 * _NOISES * noise_of(q), float(np.median(np.diff(log.t)))
+    first, last = rests(q, within, max(int(_REST / step), 2))
+    if not first.size:
+        return None
+    held = effort - own.load(q)
+    found, rises = [], []
+    for start, stop, after in zip(first, last, [*first[1:], q.size - 1], strict=True):
+        gone = float(q[after] - np.median(q[start : stop + 1]))
+        rows = slice(max(start, stop - max(int(_LOOK / step), 3)), stop + 1)
+        if abs(gone) < _GONE * within or log.t[stop] - log.t[start] < _REST:
+            continue
+        slope, end = np.polyfit(log.t[rows] - log.t[stop], held[rows], 1)
+        found.append(math.copysign(1.0, gone) * float(end))
+        rises.append(abs(float(slope)) * _LOOK / 2.0)
+    still = float(np.sum(log.t[last] - log.t[first])) / float(log.t[-1] - log.t[0])
+    rise = float(np.mean(rises)) if rises else 0.0
+    return Slips(min(still, 1.0), np.array(found), rise, "N" if own.slides else "N m")

@@ -68,7 +68,8 @@ def with_included(path: Path, edited: Mapping[Path, str] = MappingProxyType({}))
         source = read_xml(file, edited)
         seen.add(file)
         found.append(source)
-        _put(element, read_xml(file, edited).root)
+        at, parent = element.getparent().index(element), element.getparent()
+        parent[at : at + 1] = list(read_xml(file, edited).root)
     return tuple(found)
 
 
@@ -80,12 +81,3 @@ def _plain(element: Any) -> Any:
     found = etree.Element(etree.QName(element).localname, values)
     found.extend([_plain(child) for child in element.iterchildren(tag=etree.Element) if child.prefix is None])
     return found
-
-
-def _put(element: Any, root: Any) -> None:
-    """The children of another file's root in place of an element."""
-    parent = element.getparent()
-    at = parent.index(element)
-    parent.remove(element)
-    for child in reversed(list(root)):
-        parent.insert(at, child)

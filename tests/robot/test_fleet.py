@@ -18,7 +18,7 @@ from harness.results.fleet import FleetResult
 from harness.results.generate import schema_text
 from harness.robot.arm import load_arm
 from harness.robot.example import FRICTION, Friction, excited, write
-from harness.robot.fleet.compare import CHANCE, Values, compared
+from harness.robot.fleet import CHANCE, Values, compared
 
 FILE = folder() / "arm" / "arm.xml"
 JOINTS, LOGS, ERROR = 7, 5, 0.01

@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 
 from harness.core.robot.bodies import Bodies
-from harness.core.robot.joint_log import JointLog
 from harness.engines.models import folder
 from harness.robot.arm import load_arm
 from harness.robot.pictured import moved, pictured
@@ -19,7 +18,7 @@ TETRAHEDRON = "v 0 0 0\nv .2 0 0\nv 0 .2 0\nv 0 0 .2\nf 1 3 2\nf 1 2 4\nf 1 4 3\
 def _drawn(file: Path, joint: str = "elbow") -> Bodies:
     arm = load_arm(file)
     t = np.linspace(0.0, 1.0, 60)
-    return pictured(file, arm, JointLog(t, {name: np.sin(3.0 * t) for name in arm.joints}), joint)
+    return pictured(file, arm, t, {name: np.sin(3.0 * t) for name in arm.joints}, joint)
 
 
 def test_our_arm_has_its_own_shapes_and_colours_in_both_formats() -> None:

@@ -7,8 +7,8 @@ import pytest
 
 from benchmarks.draws import robot_joints
 from harness.core.robot.joint_log import JointLog
+from harness.robot.recording import slips
 from harness.robot.reduction import Reduced
-from harness.robot.slips import slips
 
 
 def _stick_slip(rng: np.random.Generator) -> tuple[JointLog, Reduced, float]:

@@ -11,7 +11,7 @@ from harness.core.quantity import Quantity
 from harness.results.common import P
 from harness.results.diagnosis import DiagnosisResult, RuleResult
 from harness.results.fleet import FleetLog, FleetResult, FleetRow, FleetTrend
-from harness.robot.fleet.compare import CHANCE, Compared, Trend, Values, compared
+from harness.robot.fleet import CHANCE, Compared, Trend, Values, compared
 
 PARAMETERS = {"f_k": "Coulomb friction", "c": "viscous friction"}
 Conditions = Mapping[str, Mapping[str, float]]

@@ -28,8 +28,7 @@ from harness.robot.arm import Arm, load_arm
 from harness.robot.coupling import Coupling, coupling
 from harness.robot.match.compared import Compared, compare
 from harness.robot.paste import copies
-from harness.robot.recording import OneJoint, one_joint
-from harness.robot.slips import slips
+from harness.robot.recording import OneJoint, one_joint, slips
 from harness.robot.smooth import moving
 from harness.robot.whole_arm.differentiate import long_enough
 

@@ -8,7 +8,7 @@ from harness.model.terms import static_friction
 from harness.results.common import P, Where
 from harness.results.diagnosis import DiagnosisResult, MechanismResult
 from harness.results.robot import SimulatedResult
-from harness.robot.slips import Slips
+from harness.robot.recording import Slips
 
 _KNOWN = 0.3
 """Share of dry friction to which it is known, at least, where it is much of the torque."""

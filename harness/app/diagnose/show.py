@@ -142,4 +142,6 @@ def tried(
                 left_out=list(one.left_out),
             )
         )
-    return Tried(Shown(left, tuple(motions), pictured(asked.file, arm, log, paste.joint)), tuple(results))
+    return Tried(
+        Shown(left, tuple(motions), pictured(asked.file, arm, log.t, log.position, paste.joint)), tuple(results)
+    )

@@ -2,7 +2,7 @@
 
 import itertools
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -10,7 +10,7 @@ from scipy.optimize import minimize_scalar
 
 from harness.core.arrays import FloatArray
 from harness.robot.arm import Arm
-from harness.robot.match.sampled import Sampled, unexplained
+from harness.robot.match.sampled import Sampled, fitted, unexplained
 from harness.robot.whole_arm.perturb import with_load
 
 _LOOKED_AT = 250
@@ -40,13 +40,6 @@ class Change:
     value: str
     said: str
     joints: tuple[str, ...]
-
-    def beside(self, others: Sequence["Change"]) -> "Change":
-        """Said with others by which the model explains the log as well."""
-        if not others:
-            return self
-        more = ", ".join(f"or {one.said} ({one.option} {one.value})" for one in others)
-        return replace(self, said=f"{self.said}, {more}: the log does not tell which")
 
 
 def worth_trying(shares: FloatArray) -> bool:
@@ -78,14 +71,17 @@ def mended(
         twins = [_refined(one, other, thin, arm) for one in near.values()]
         alike = [one for one, log in twins if float(np.max(unexplained(log, arm) - left)) < _FLOOR]
         other, now = changed, _score(left)
-        found.append(change.beside(alike))
+        if alike:
+            more = ", ".join(f"or {one.said} ({one.option} {one.value})" for one in alike)
+            change = replace(change, said=f"{change.said}, {more}: the log does not tell which")
+        found.append(change)
     zeros = [change for change in found if change.option == "--offset"]
     if len(zeros) > 1:
         # each was found beside the error of those found after it
-        for change in (*zeros, *zeros):
-            name, i = change.joints[0], [one.joints for one in found].index(change.joints)
-            more, other = _refined(_zero(name, 0.0), other, _thin(other), arm)
-            found[i] = _zero(name, _offset(found[i]) + _offset(more))
+        for zero in (*zeros, *zeros):
+            name, i = zero.joints[0], [one.joints for one in found].index(zero.joints)
+            rest, other = _refined(_zero(name, 0.0), other, _thin(other), arm)
+            found[i] = _zero(name, _offset(found[i]) + _offset(rest))
     after = unexplained(other, arm)
     if not found or float(np.max(after)) > MENDED or (rival is not None and _score(rival) <= _score(after)):
         return sampled, ()
@@ -97,21 +93,19 @@ def with_load_of(sampled: Sampled, arm: Arm) -> Arm | None:
     thin = _thin(sampled)
 
     def rigid(other: Arm) -> FloatArray:
-        return sum(thin.rigid(other), np.zeros_like(thin.torque))
+        return np.add(*thin.rigid(other))
 
     before, middle = rigid(arm), rigid(with_load(arm, _KG)) / _KG
     moments = [(rigid(with_load(arm, _KG, _BESIDE * axis)) / _KG - middle) / _BESIDE for axis in np.eye(3)]
     columns = np.stack((middle - before / _KG, *moments), axis=2)
-    rows, torques = [], []
+    rows = []
     for j in range(len(thin.joints)):
-        kept = thin.moves(j)
-        friction = thin.friction(j)[kept]
-        both = np.column_stack((thin.torque[kept, j] - before[kept, j], columns[kept, j]))
-        left = both - friction @ np.linalg.lstsq(friction, both, rcond=1e-10)[0]
-        weight = 1.0 / max(float(np.std(thin.torque[kept, j])), 1e-12)
-        torques.append(weight * left[:, 0])
-        rows.append(weight * left[:, 1:])
-    found = np.linalg.lstsq(np.concatenate(rows), np.concatenate(torques), rcond=1e-8)[0]
+        kept, friction = thin.moves(j)
+        torque = thin.torque[kept, j]
+        left = fitted(friction, np.column_stack((torque - before[kept, j], columns[kept, j])))[1]
+        rows.append(left / max(float(np.std(torque)), 1e-12))
+    every = np.concatenate(rows)
+    found = np.linalg.lstsq(every[:, 1:], every[:, 0], rcond=1e-8)[0]
     kg = float(found[0])
     return with_load(arm, kg, np.asarray(found[1:]) / kg) if kg > _LIGHTEST else None
 
@@ -120,46 +114,53 @@ def _thin(sampled: Sampled) -> Sampled:
     return sampled.every(max(1, sampled.q.shape[0] // _LOOKED_AT))
 
 
-def _offset(change: Change) -> float:
-    return float(change.value.rpartition("=")[2])
-
-
 def _score(shares: FloatArray) -> float:
     """Summed logarithm of what is unexplained."""
     return float(np.sum(np.log(shares + _FLOOR)))
 
 
 def _changes(sampled: Sampled, arm: Arm) -> Iterator[tuple[Change, Sampled]]:
-    """Everything that is tried."""
+    """Everything that is tried, with the log as it then is."""
     hinges = [i for i, name in enumerate(arm.joints) if not arm.slides(name)]
     moved = [i for i in range(len(arm.joints)) if float(np.ptp(sampled.q[:, i])) > 0.0]
     for i in moved:
-        yield _flip(arm.joints[i]), _flipped(sampled, i)
+        name = arm.joints[i]
+        other = _scaled(sampled, [i], -1.0)
+        other.torque[:, [j for j, dof in enumerate(sampled.dof) if dof == i]] *= -1.0
+        yield Change("--flip", name, f"{name} turns the other way than in the model", (name,)), other
     for i in (i for i in moved if i in hinges):
         for step in range(1, _STEPS):
             offset = math.remainder(2.0 * math.pi * step / _STEPS, 2.0 * math.pi)
             yield _zero(arm.joints[i], offset), _shifted(sampled, i, offset)
     if hinges and moved:
-        scale = np.ones(sampled.q.shape[1])
-        scale[hinges] = math.pi / 180.0
-        in_radians = replace(sampled, q=sampled.q * scale, v=sampled.v * scale, a=sampled.a * scale)
-        yield Change("--angle-unit", "deg", "positions in degrees", tuple(arm.joints)), in_radians
+        degrees = Change("--angle-unit", "deg", "positions in degrees", tuple(arm.joints))
+        yield degrees, _scaled(sampled, hinges, math.pi / 180.0)
     for i, k in itertools.combinations(moved, 2):
-        for fields in (("position", "effort"), ("effort",), ("position",)):
-            other = _swapped(sampled, (i, k), fields)
-            if other is not None:
-                yield _names((arm.joints[i], arm.joints[k]), fields), other
+        pair = one, two = arm.joints[i], arm.joints[k]
+        order = np.arange(sampled.q.shape[1])
+        order[[i, k]] = k, i
+        places = {name: getattr(sampled, name)[:, order] for name in ("q", "v", "a")}
+        logged = i in sampled.dof and k in sampled.dof
+        torque = sampled.torque[:, [sampled.dof.index(int(order[dof])) for dof in sampled.dof]] if logged else None
+        if torque is not None:
+            both = Change("--names", f"{one}={two},{two}={one}", f"{one} and {two} have each other's names", pair)
+            yield both, replace(sampled, **places, torque=torque)
+            yield _swapped("effort", pair), replace(sampled, torque=torque)
+        yield _swapped("position", pair), replace(sampled, **places)
 
 
-def _flip(joint: str) -> Change:
-    return Change("--flip", joint, f"{joint} turns the other way than in the model", (joint,))
+def _scaled(sampled: Sampled, joints: list[int], by: float) -> Sampled:
+    """Positions of some joints times a factor; the torque is a copy."""
+    scale = np.ones(sampled.q.shape[1])
+    scale[joints] = by
+    moved = {name: getattr(sampled, name) * scale for name in ("q", "v", "a")}
+    return replace(sampled, **moved, torque=sampled.torque.copy())
 
 
-def _flipped(sampled: Sampled, i: int) -> Sampled:
-    sign = np.ones(sampled.q.shape[1])
-    sign[i] = -1.0
-    own = np.array([-1.0 if dof == i else 1.0 for dof in sampled.dof])
-    return replace(sampled, q=sampled.q * sign, v=sampled.v * sign, a=sampled.a * sign, torque=sampled.torque * own)
+def _swapped(field: str, pair: tuple[str, str]) -> Change:
+    one, two = pair
+    value = f"{one}.{field}={two}.{field},{two}.{field}={one}.{field}"
+    return Change("--names", value, f"the {field}s of {one} and {two} are swapped", pair)
 
 
 def _zero(joint: str, offset: float) -> Change:
@@ -167,48 +168,27 @@ def _zero(joint: str, offset: float) -> Change:
     return Change("--offset", f"{joint}={offset:.6g}", said, (joint,))
 
 
+def _offset(change: Change) -> float:
+    return float(change.value.rpartition("=")[2])
+
+
 def _shifted(sampled: Sampled, i: int, offset: float) -> Sampled:
-    q = np.array(sampled.q)
-    q[:, i] += offset
-    return replace(sampled, q=q)
-
-
-def _names(pair: tuple[str, str], fields: Sequence[str]) -> Change:
-    one, other = pair
-    if len(fields) == 2:
-        return Change("--names", f"{one}={other},{other}={one}", f"{one} and {other} have each other's names", pair)
-    (field,) = fields
-    value = f"{one}.{field}={other}.{field},{other}.{field}={one}.{field}"
-    return Change("--names", value, f"the {field}s of {one} and {other} are swapped", pair)
-
-
-def _swapped(sampled: Sampled, pair: tuple[int, int], fields: Sequence[str]) -> Sampled | None:
-    """None where an effort to swap was not logged."""
-    order = np.arange(sampled.q.shape[1])
-    order[list(pair)] = order[list(pair)[::-1]]
-    found = sampled
-    if "position" in fields:
-        found = replace(found, q=found.q[:, order], v=found.v[:, order], a=found.a[:, order])
-    if "effort" in fields:
-        if not all(i in sampled.dof for i in pair):
-            return None
-        columns = [sampled.dof.index(int(order[dof])) for dof in sampled.dof]
-        found = replace(found, torque=found.torque[:, columns])
-    return found
+    return replace(sampled, q=sampled.q + offset * (np.arange(sampled.q.shape[1]) == i))
 
 
 def _refined(change: Change, sampled: Sampled, thin: Sampled, arm: Arm) -> tuple[Change, Sampled]:
     """A change with its zero offset as the torque says it, and the log with it."""
     if change.option != "--offset":
         return change, next(other for one, other in _changes(sampled, arm) if one == change)
-    i, first = arm.joints.index(change.joints[0]), _offset(change)
-    width = 2.0 * math.pi / _STEPS
-    found = minimize_scalar(
-        lambda offset: float(np.sum(unexplained(_shifted(thin, i, float(offset)), arm))),
-        bounds=(first - width, first + width),
-        method="bounded",
-        options={"xatol": 1e-3},
+    i, first, width = arm.joints.index(change.joints[0]), _offset(change), 2.0 * math.pi / _STEPS
+    offset = float(
+        minimize_scalar(
+            lambda offset: float(np.sum(unexplained(_shifted(thin, i, float(offset)), arm))),
+            bounds=(first - width, first + width),
+            method="bounded",
+            options={"xatol": 1e-3},
+        ).x
     )
-    whole = _ROUND * round(float(found.x) / _ROUND)
-    offset = whole if abs(whole - float(found.x)) < _NEAR else float(found.x)
+    whole = _ROUND * round(offset / _ROUND)
+    offset = whole if abs(whole - offset) < _NEAR else offset
     return _zero(arm.joints[i], offset), _shifted(sampled, i, offset)

@@ -7,12 +7,11 @@ from types import MappingProxyType
 
 import numpy as np
 
-from harness.core.arrays import FloatArray
 from harness.core.robot.joint_log import JointLog
 from harness.robot.arm import Arm
 from harness.robot.match.change import Change, mended, with_load_of, worth_trying
 from harness.robot.match.rules import BY_FRICTION, CORRELATED, LARGEST_SCALE, UNIT_NEAR
-from harness.robot.match.sampled import FEWEST, SURE, Sampled, Slope, loss, slope, unexplained
+from harness.robot.match.sampled import FEWEST, SURE, Sampled, Slope, fitted, loss, slope, unexplained
 
 UNITS: Mapping[str, float] = {
     "mN m": 1e3,
@@ -71,19 +70,19 @@ class _Joint:
     lost_error : power of friction, W."""
 
     name: str
-    by: str
-    slope: Slope | None
-    whole: Slope | None
-    offset: float
-    friction: float
-    left: float
-    lost: float
-    lost_error: float
+    by: str = ""
+    slope: Slope | None = None
+    whole: Slope | None = None
+    offset: float = 0.0
+    friction: float = 0.0
+    left: float = 0.0
+    lost: float = 0.0
+    lost_error: float = math.inf
 
     @property
-    def turned(self) -> bool:
-        """Whether the torque's sign is the other one: against the model, and friction would drive."""
-        return self.against and self.lost < SURE * self.lost_error if self.told else self.driving
+    def told(self) -> Slope | None:
+        """Its slope where that is a scale."""
+        return self.slope if self.slope is not None and self.slope.follows else None
 
     @property
     def driving(self) -> bool:
@@ -91,19 +90,16 @@ class _Joint:
         return self.lost < -SURE * self.lost_error
 
     @property
-    def against(self) -> bool:
-        """Whether it goes against the model's."""
-        return self.told and self.slope is not None and self.slope.value < 0.0
-
-    @property
-    def told(self) -> bool:
-        """Whether its slope is a scale."""
-        return self.slope is not None and self.slope.follows
+    def turned(self) -> bool:
+        """Whether the torque's sign is the other one: against the model, and friction would drive."""
+        if self.told:
+            return self.told.value < 0.0 and self.lost < SURE * self.lost_error
+        return self.driving
 
     def strange(self, scale: float) -> bool:
         """Whether the model's torque times a scale would show, and does not."""
-        found = self.whole
-        if (self.against and not self.turned) or self.left > 1.0 - CORRELATED.value**2:
+        found, against = self.whole, self.told is not None and self.told.value < 0.0
+        if (against and not self.turned) or self.left > 1.0 - CORRELATED.value**2:
             return True
         if found is None or self.told or found.follows or self.friction > BY_FRICTION.value:
             return False
@@ -120,150 +116,117 @@ def compare(arm: Arm, log: JointLog, gains: Mapping[str, float] = MappingProxyTy
         return Compared(())
     joints = _looked_at(sampled, arm)
     shares = unexplained(sampled, arm)
-    if _strange(joints) or _some_turned(joints) or worth_trying(shares):
+    some_turned = len({one.turned for one in joints if one.told}) > 1
+    if _strange(joints) or some_turned or worth_trying(shares):
         heavier = with_load_of(sampled, arm)
         # a load turns torques as a zero offset does: whichever explains more
         other, changes = mended(sampled, arm, shares, None if heavier is None else unexplained(sampled, heavier))
         if changes:
             return _judged(_looked_at(other, arm), changes, gains)
-        loaded = () if heavier is None else _looked_at(sampled, heavier)
+        loaded = [] if heavier is None else _looked_at(sampled, heavier)
         if loaded and not any(one.driving for one in loaded) and _judged(loaded, (), gains).fits(""):
             # a load that the model has not is named later, and is no mismatch
-            return Compared(tuple(_match(one, (), {}, "", (), "") for one in joints))
+            return Compared(tuple(_match(one, [], "", False) for one in joints))
     return _judged(joints, (), gains)
 
 
-def _looked_at(sampled: Sampled, arm: Arm) -> tuple[_Joint, ...]:
-    held, moved = sampled.rigid(arm)
-    return tuple(_look(sampled, j, held[:, j], moved[:, j]) for j in range(len(sampled.joints)))
-
-
-def _look(sampled: Sampled, j: int, held: FloatArray, moved: FloatArray) -> _Joint:
-    """held, moved (m,) : torque of gravity and of inertia on a joint, N m or N."""
-    kept, name = sampled.moves(j), sampled.joints[j]
-    u, friction, rigid = sampled.torque[kept, j], sampled.friction(j)[kept], (held + moved)[kept]
-    if u.size < FEWEST or float(np.ptp(u)) == 0.0:
-        return _Joint(name, "", None, None, 0.0, 0.0, 0.0, 0.0, math.inf)
-    by, found = "gravity", slope(u, held[kept], np.column_stack((friction, moved[kept])))
-    if found is None or not found.seen:
-        turning = slope(u, moved[kept], np.column_stack((friction, held[kept])))
-        if turning is not None and (found is None or turning.seen or turning.size > found.size):
-            by, found = "inertia", turning
-    both = np.column_stack((rigid, friction))
-    numbers = np.linalg.lstsq(both, u, rcond=1e-10)[0]
-    left = float(np.var(u - both @ numbers) / np.var(u))
-    alone = 1.0 - float(np.var(u - friction @ np.linalg.lstsq(friction, u, rcond=1e-10)[0]) / np.var(u))
-    whole = slope(u, rigid, friction)
-    return _Joint(name, by if found else "", found, whole, float(numbers[-1]), alone, left, *loss(u, rigid, friction))
-
-
-def _scale(joints: Sequence[_Joint]) -> float:
-    """The typical size of logged over modelled torque."""
-    told = [abs(one.slope.value) for one in joints if one.told and one.slope]
-    return float(np.median(told)) if told else 1.0
+def _looked_at(sampled: Sampled, arm: Arm) -> list[_Joint]:
+    """What every joint's torque says."""
+    every_held, every_moved = sampled.rigid(arm)
+    joints = []
+    for j, name in enumerate(sampled.joints):
+        kept, friction = sampled.moves(j)
+        u, held, moved = sampled.torque[kept, j], every_held[kept, j], every_moved[kept, j]
+        if u.size < FEWEST or float(np.ptp(u)) == 0.0:
+            joints.append(_Joint(name))
+            continue
+        by, found, rigid = "gravity", slope(u, held, np.column_stack((friction, moved))), held + moved
+        if found is None or not found.seen:
+            turning = slope(u, moved, np.column_stack((friction, held)))
+            if turning is not None and (found is None or turning.seen or turning.size > found.size):
+                by, found = "inertia", turning
+        numbers, left = fitted(np.column_stack((rigid, friction)), u)
+        alone = 1.0 - float(np.var(fitted(friction, u)[1]) / np.var(u))
+        share, whole = float(np.var(left) / np.var(u)), slope(u, rigid, friction)
+        offset, lost = float(numbers[-1]), loss(u, rigid, friction)
+        joints.append(_Joint(name, by if found else "", found, whole, offset, alone, share, *lost))
+    return joints
 
 
 def _strange(joints: Sequence[_Joint]) -> list[str]:
     """Joints whose torque does not follow the model's, though it would show."""
-    scale = _scale(joints)
+    told = [abs(one.told.value) for one in joints if one.told]
+    scale = float(np.median(told)) if told else 1.0
     return [one.name for one in joints if one.strange(scale)]
-
-
-def _some_turned(joints: Sequence[_Joint]) -> bool:
-    """Whether some and not all of the joints that tell have the other sign."""
-    signs = {one.turned for one in joints if one.told}
-    return len(signs) > 1
 
 
 def _judged(joints: Sequence[_Joint], changes: Sequence[Change], given: Mapping[str, float]) -> Compared:
     """What is said of every joint, and of the log."""
     strange = _strange(joints)
     gains, unit = _gains([one for one in joints if one.name not in strange])
-    asked = {name: gain * given.get(name, 1.0) for name, gain in gains.items()}
-    options, said = _options(changes, asked, joints), [change.said for change in changes]
+    options: dict[str, list[str]] = {}
+    for change in changes:
+        options.setdefault(change.option, []).append(change.value)
+    if gains:
+        asked = {name: gain * given.get(name, 1.0) for name, gain in gains.items()}
+        same = len({*asked.values()}) == 1 and len(asked) == len(joints)
+        values = [f"{name}={gain:.7g}" for name, gain in asked.items()]
+        options["--gain"] = [f"{next(iter(asked.values())):.7g}"] if same else values
+    option = " ".join(f"{name} {','.join(values)}" for name, values in options.items())
     turned = [name for name, gain in gains.items() if gain < 0.0]
+    said = [change.said for change in changes]
     if turned:
         said.append(f"the torque of {_listed(turned, len(joints))} has the other sign")
-    if unit:
-        said.append(unit)
+    said += [unit] if unit else []
+    matches = []
+    for one in joints:
+        own = [change.said for change in changes if one.name in change.joints]
+        own += ["its torque has the other sign"] if one.name in turned else []
+        own += [unit] if unit and one.name in gains else []
+        matches.append(_match(one, own, option, one.name in strange))
     if strange:
         said.append(f"the torque of {_listed(strange, len(joints))} does not follow the model's")
-    matches = tuple(_match(one, changes, gains, unit, strange, options) for one in joints)
-    if not said:
-        return Compared(matches)
-    if len(strange) > len(joints) / 2.0 and not options:
+    if len(strange) > len(joints) / 2.0 and not option:
         said = ["the model is hardly this robot's: " + said[-1]]
-    return Compared(matches, "; ".join(said), "" if strange and not changes and not gains else options)
+    return Compared(tuple(matches), "; ".join(said), "" if strange and not changes and not gains else option)
 
 
-def _match(
-    one: _Joint, changes: Sequence[Change], gains: Mapping[str, float], unit: str, strange: Sequence[str], options: str
-) -> Match:
-    own = [change.said for change in changes if one.name in change.joints]
-    if one.name in gains:
-        own += [*(["its torque has the other sign"] if gains[one.name] < 0.0 else []), *([unit] if unit else [])]
-    option = options if own else ""
-    if one.name in strange:
-        own.append("its torque does not follow the model's")
-    wrong = bool(own)
-    if not own and not one.told and one.slope is not None and not one.slope.seen:
-        own.append(UNCHECKED)
-    found = one.slope
+def _match(one: _Joint, own: Sequence[str], option: str, strange: bool) -> Match:
+    """own : what is wrong with the joint and is mended by an option."""
+    found, said = one.slope, [*own, *(["its torque does not follow the model's"] if strange else [])]
+    unchecked = not said and found is not None and not found.seen
+    suspicion = UNCHECKED if unchecked else "; ".join(said)
+    option, wrong = option if own else "", bool(said)
+    if found is None:
+        return Match(one.name, one.by, None, None, None, one.offset, suspicion, option, wrong)
     return Match(
-        one.name,
-        one.by,
-        None if found is None else found.correlation,
-        None if found is None else found.value,
-        None if found is None else found.error,
-        one.offset,
-        "; ".join(own),
-        option,
-        wrong,
-    )
+        one.name, one.by, found.correlation, found.value, found.error, one.offset, suspicion, option, wrong
+    )  # fmt: skip
 
 
 def _gains(joints: Sequence[_Joint]) -> tuple[dict[str, float], str]:
     """By joint what its torque is to be multiplied by, for those for which that is not 1, and what the unit is."""
     signs = {one.name: -1.0 if one.turned else 1.0 for one in joints}
-    told = [(one.name, one.slope) for one in joints if one.told and one.slope is not None]
-    sizes = np.array([abs(found.value) for _, found in told])
-    errors = np.array([found.error for _, found in told])
+    told = {one.name: one.told for one in joints if one.told}
+    sizes = np.array([abs(found.value) for found in told.values()])
     turned = {name: sign for name, sign in signs.items() if sign < 0.0}
     if not told:
         return turned, ""
-    scale = float(np.median(sizes))
+    scale, errors = float(np.median(sizes)), np.array([found.error for found in told.values()])
     alike = bool(np.all(np.abs(sizes - scale) < UNIT_NEAR.value * scale + SURE * errors))
-    unit = _unit(scale) if alike and (len(told) > 1 or LARGEST_SCALE.value < max(scale, 1.0 / scale)) else ""
-    if unit:
-        return {name: sign / UNITS[unit] for name, sign in signs.items()}, f"torque is in {unit}"
+    if alike and (len(told) > 1 or LARGEST_SCALE.value < max(scale, 1.0 / scale)):
+        near = (name for name, size in UNITS.items() if abs(scale / size - 1.0) < UNIT_NEAR.value)
+        if unit := next(near, ""):
+            return {name: sign / UNITS[unit] for name, sign in signs.items()}, f"torque is in {unit}"
     far = [max(size, 1.0 / size) > LARGEST_SCALE.value for size in sizes]
     if sum(far) * 2 <= len(far):
         return turned, ""
-    by_joint = {name: 1.0 / size for (name, _), size in zip(told, sizes, strict=True)}
+    by_joint = dict(zip(told, (1.0 / sizes).tolist(), strict=True))
     rest = float(np.median([*by_joint.values()]))
     gains = {name: float(f"{sign * by_joint.get(name, rest):.4g}") for name, sign in signs.items()}
     lowest, highest = sizes.min(), sizes.max()
     times = f"{lowest:.3g}" if alike else f"{lowest:.3g} to {highest:.3g}"
     return gains, f"torque is {times} times the model's, as a current in A is"
-
-
-def _unit(scale: float) -> str:
-    """The unit of torque that is so many times smaller than N m; "" for none."""
-    return next((name for name, size in UNITS.items() if abs(scale / size - 1.0) < UNIT_NEAR.value), "")
-
-
-def _options(changes: Sequence[Change], gains: Mapping[str, float], joints: Sequence[_Joint]) -> str:
-    """The options of the command that mend it."""
-    by_option: dict[str, list[str]] = {}
-    for change in changes:
-        by_option.setdefault(change.option, []).append(change.value)
-    if gains:
-        values = set(gains.values())
-        same = len(values) == 1 and len(gains) == len(joints)
-        by_option["--gain"] = (
-            [f"{next(iter(values)):.7g}"] if same else [f"{name}={gain:.7g}" for name, gain in gains.items()]
-        )
-    return " ".join(f"{option} {','.join(values)}" for option, values in by_option.items())
 
 
 def _listed(names: Sequence[str], of: int) -> str:

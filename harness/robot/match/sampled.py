@@ -1,5 +1,6 @@
 """Motion and torque of a log at few samples, and how much of each joint's torque the rigid model explains."""
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -16,6 +17,9 @@ _MOVING = 0.05
 FEWEST = 40
 """Samples in motion, of which a regression of five numbers says something."""
 _ROUNDING = 1e-9
+SURE = 4.0
+"""Standard errors: one in sixteen thousand by chance."""
+_TENTHS = 10
 
 
 @dataclass(frozen=True, slots=True)
@@ -51,15 +55,25 @@ class Sampled:
         held = arm.inverse(self.q, still, still)
         return held[:, self.dof], (arm.inverse(self.q, self.v, self.a) - held)[:, self.dof]
 
-    def moves(self, joint: int) -> BoolArray:
-        """Samples (m,) at which a joint's direction is sure."""
-        speed = np.abs(self.v[:, self.dof[joint]])
-        return speed > _MOVING * float(np.max(speed, initial=0.0))
-
-    def friction(self, joint: int) -> FloatArray:
-        """Columns (m, 3): direction, speed, and one."""
+    def moves(self, joint: int) -> tuple[BoolArray, FloatArray]:
+        """Samples (m,) at which a joint's direction is sure; direction, speed and one at those, (n, 3)."""
         v = self.v[:, self.dof[joint]]
-        return np.column_stack((np.sign(v), v, np.ones_like(v)))
+        kept = np.abs(v) > _MOVING * float(np.max(np.abs(v), initial=0.0))
+        v = v[kept]
+        return kept, np.column_stack((np.sign(v), v, np.ones_like(v)))
+
+
+def fitted(columns: FloatArray, y: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Numbers of columns (n, c) in y (n, ...), and what they leave of it."""
+    numbers = np.linalg.lstsq(columns, y, rcond=1e-10)[0]
+    return np.asarray(numbers), np.asarray(y - columns @ numbers)
+
+
+def _with_error(of: Callable[[IntArray], float], size: int) -> tuple[float, float]:
+    """A number that is had of samples, and its error by leaving out a tenth of them at a time."""
+    rows: IntArray = np.arange(size)
+    without = np.array([of(np.setdiff1d(rows, part)) for part in np.array_split(rows, _TENTHS)])
+    return of(rows), float(np.sqrt((_TENTHS - 1) / _TENTHS * np.sum((without - without.mean()) ** 2)))
 
 
 @dataclass(frozen=True, slots=True)
@@ -87,27 +101,16 @@ class Slope:
         return self.seen and abs(self.correlation) > CORRELATED.value
 
 
-SURE = 4.0
-"""Standard errors: one in sixteen thousand by chance."""
-_TENTHS = 10
-
-
 def slope(torque: FloatArray, modelled: FloatArray, beside: FloatArray) -> Slope | None:
     """The slope of torque (n,) on modelled (n,) beside columns (n, c); None where those hold all of the latter."""
     if torque.size < FEWEST:
         return None
     scale = np.sqrt(np.mean(beside**2, axis=0))
-    beside = beside[:, scale > 0.0] / scale[scale > 0.0]
-    both = np.column_stack((torque, modelled))
-    u, m = (both - beside @ np.linalg.lstsq(beside, both, rcond=1e-10)[0]).T
+    u, m = fitted(beside[:, scale > 0.0] / scale[scale > 0.0], np.column_stack((torque, modelled)))[1].T
     size = float(np.sqrt(np.mean(m**2)))
     if size <= 1e-3 * float(np.sqrt(np.mean(modelled**2))) or size < _ROUNDING:
         return None
-    value = float(m @ u / (m @ m))
-    parts = np.array_split(np.arange(u.size), _TENTHS)
-    ups, downs = (np.array([float(np.sum(one[p])) for p in parts]) for one in (m * u, m * m))
-    without = (ups.sum() - ups) / np.maximum(downs.sum() - downs, 1e-300)
-    error = float(np.sqrt((_TENTHS - 1) / _TENTHS * np.sum((without - without.mean()) ** 2)))
+    value, error = _with_error(lambda rows: float(m[rows] @ u[rows] / max(m[rows] @ m[rows], 1e-300)), u.size)
     spread = float(np.sqrt((m @ m) * (u @ u)))
     left = float(np.sqrt(np.mean((u - value * m) ** 2)))
     return Slope(value, error, float(m @ u) / spread if spread > 0.0 else 0.0, size, left)
@@ -118,14 +121,10 @@ def loss(torque: FloatArray, rigid: FloatArray, friction: FloatArray) -> tuple[f
     columns = np.column_stack((rigid, friction))
 
     def lost(rows: IntArray) -> float:
-        found = np.linalg.lstsq(columns[rows], torque[rows], rcond=1e-10)[0]
-        return float(np.mean((columns[:, -3:-1] @ found[-3:-1]) * friction[:, 1]))
+        numbers = fitted(columns[rows], torque[rows])[0]
+        return float(np.mean((columns[:, -3:-1] @ numbers[-3:-1]) * friction[:, 1]))
 
-    rows: IntArray = np.arange(torque.size)
-    parts = np.array_split(rows, _TENTHS)
-    without = np.array([lost(np.setdiff1d(rows, part)) for part in parts])
-    error = float(np.sqrt((_TENTHS - 1) / _TENTHS * np.sum((without - without.mean()) ** 2)))
-    return lost(rows), error
+    return _with_error(lost, torque.size)
 
 
 def unexplained(sampled: Sampled, arm: Arm) -> FloatArray:
@@ -133,20 +132,15 @@ def unexplained(sampled: Sampled, arm: Arm) -> FloatArray:
 
     A factor that turns the model's torque counts only where friction is turned with it: then the torque's sign is.
     """
-    held, moved = sampled.rigid(arm)
-    rigid, shares = held + moved, []
-    for j in range(len(sampled.joints)):
-        kept = sampled.moves(j)
-        u, friction = sampled.torque[kept, j], sampled.friction(j)[kept]
-        if u.size < FEWEST:
-            shares.append(0.0)
+    rigid, shares = np.add(*sampled.rigid(arm)), np.zeros(len(sampled.joints))
+    for j in range(shares.size):
+        kept, friction = sampled.moves(j)
+        u = sampled.torque[kept, j]
+        if u.size < FEWEST or float(np.ptp(u)) == 0.0:
             continue
-        columns = np.column_stack((friction, rigid[kept, j]))
-        found = np.linalg.lstsq(columns, u, rcond=1e-10)[0]
-        power = float(np.mean((columns[:, :2] @ found[:2]) * friction[:, 1]))
-        if found[-1] * power < 0.0:
-            columns = friction
-            found = np.linalg.lstsq(columns, u, rcond=1e-10)[0]
-        total = float(np.sum((u - np.mean(u)) ** 2))
-        shares.append(float(np.sum((u - columns @ found) ** 2)) / total if total > 0.0 else 0.0)
-    return np.array(shares)
+        numbers, left = fitted(np.column_stack((friction, rigid[kept, j])), u)
+        power = float(np.mean((friction[:, :2] @ numbers[:2]) * friction[:, 1]))
+        if numbers[-1] * power < 0.0:
+            left = fitted(friction, u)[1]
+        shares[j] = float(np.sum(left**2)) / float(np.sum((u - np.mean(u)) ** 2))
+    return shares

@@ -1,4 +1,4 @@
-"""Parameters of joints over several logs: whether they differ by more than their errors, and with what they change.
+"""Parameters of joints over several logs of one robot: whether they differ by more than their errors, and with what.
 
 A parameter that is the same in n logs scatters about its weighted mean so that the sum of squares over its errors is
 chi-square of n - 1 (Birge 1932). All parameters of all joints are asked at once, so that each may be off by its share
@@ -7,6 +7,7 @@ of the chance alone (Bonferroni).
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from types import MappingProxyType
 
 import numpy as np
 
@@ -55,63 +56,41 @@ class Compared:
 
 Values = Mapping[str, Mapping[str, Quantity]]
 """Of one log, by joint and by parameter."""
+Conditions = Mapping[str, Sequence[float | None]]
+"""By name, one number a log, None where it is not known."""
 
 
-def compared(logs: Sequence[Values], conditions: Mapping[str, Sequence[float | None]] = {}) -> tuple[Compared, ...]:
-    """Every parameter that at least two logs have; conditions : by name, one number a log, None where not known."""
-    asked = [
-        (joint, name)
-        for joint in dict.fromkeys(joint for log in logs for joint in log)
-        for name in dict.fromkeys(name for log in logs for name in log.get(joint, {}))
-    ]
-    kept = [(joint, name, _values(logs, joint, name)) for joint, name in asked]
-    kept = [(joint, name, values) for joint, name, values in kept if sum(v is not None for v in values) > 1]
+def compared(logs: Sequence[Values], conditions: Conditions = MappingProxyType({})) -> tuple[Compared, ...]:
+    """Every parameter that at least two logs have with an error: what has none cannot be compared."""
+    kept = []
+    for joint in dict.fromkeys(joint for log in logs for joint in log):
+        for name in dict.fromkeys(name for log in logs for name in log.get(joint, {})):
+            found = [log.get(joint, {}).get(name) for log in logs]
+            values = tuple(q if q is not None and q.value is not None and q.stderr else None for q in found)
+            if sum(q is not None for q in values) > 1:
+                kept.append((joint, name, values))
     level = CHANCE.value / max(len(kept) * (1 + len(conditions)), 1)
-    return tuple(_compared(joint, name, values, conditions, level) for joint, name, values in kept)
-
-
-def _values(logs: Sequence[Values], joint: str, name: str) -> tuple[Quantity | None, ...]:
-    """Those with an error: what has none cannot be compared."""
-    found = [log.get(joint, {}).get(name) for log in logs]
-    return tuple(q if q is not None and q.value is not None and q.stderr else None for q in found)
+    return tuple(_compared(*one, conditions, level) for one in kept)
 
 
 def _compared(
-    joint: str,
-    name: str,
-    values: tuple[Quantity | None, ...],
-    conditions: Mapping[str, Sequence[float | None]],
-    level: float,
+    joint: str, name: str, values: tuple[Quantity | None, ...], conditions: Conditions, level: float
 ) -> Compared:
-    from scipy.stats import chi2 as chi_square
+    from scipy.special import chdtrc
 
-    at = [i for i, q in enumerate(values) if q is not None]
-    x, s = _numbers([q for q in values if q is not None])
+    there = {i: q for i, q in enumerate(values) if q is not None}
+    x, s = (np.array([getattr(q, what) for q in there.values()], dtype=np.float64) for what in ("value", "stderr"))
     mean, error = _mean(x, s)
-    chi2, freedom = float(np.sum(((x - mean) / s) ** 2)), len(at) - 1
-    chance = float(chi_square.sf(chi2, freedom))
-    far = []
-    for i in range(len(at)):
-        others, spread = _mean(np.delete(x, i), np.delete(s, i))
-        far.append(abs(x[i] - others) / float(np.hypot(s[i], spread)))
-    unit = next(q.unit for q in values if q is not None)
-    trends = [_trend(what, [given[i] for i in at], x, s, unit, level) for what, given in conditions.items()]
+    chi2, freedom = float(np.sum(((x - mean) / s) ** 2)), x.size - 1
+    chance = float(chdtrc(freedom, chi2))
+    without = [_mean(np.delete(x, i), np.delete(s, i)) for i in range(x.size)]
+    far = [abs(x[i] - others) / float(np.hypot(s[i], spread)) for i, (others, spread) in enumerate(without)]
+    at, unit = [*there], next(iter(there.values())).unit
+    trends = (_trend(what, [given[i] for i in at], x, s, unit, level) for what, given in conditions.items())
     return Compared(
-        joint,
-        name,
-        values,
-        Quantity(mean, error, unit),
-        chi2,
-        freedom,
-        chance,
-        at[int(np.argmax(far))],
-        chance < level,
-        tuple(one for one in trends if one is not None),
-    )
-
-
-def _numbers(values: Sequence[Quantity]) -> tuple[FloatArray, FloatArray]:
-    return np.array([q.value for q in values], dtype=np.float64), np.array([q.stderr for q in values], dtype=np.float64)
+        joint, name, values, Quantity(mean, error, unit), chi2, freedom, chance, at[int(np.argmax(far))],
+        chance < level, tuple(one for one in trends if one is not None),
+    )  # fmt: skip
 
 
 def _mean(x: FloatArray, s: FloatArray) -> tuple[float, float]:
@@ -127,7 +106,7 @@ def _trend(
 
     None for fewer than three logs with different conditions: two points always lie on a line.
     """
-    from scipy.stats import t as student
+    from scipy.special import stdtr
 
     known = [i for i, value in enumerate(given) if value is not None]
     at = np.array([given[i] for i in known], dtype=np.float64)
@@ -140,5 +119,5 @@ def _trend(
     freedom = at.size - 2
     scatter = float(np.sum((x / s - columns @ line) ** 2)) / freedom
     slope, error = float(line[1]), float(np.sqrt(inverse[1, 1] * max(scatter, 1.0)))
-    differs = 2.0 * float(student.sf(abs(slope) / error, freedom)) < level
+    differs = 2.0 * float(stdtr(freedom, -abs(slope) / error)) < level
     return Trend(name, Quantity(slope, error, f"{unit} per {name}"), differs)

@@ -1,1 +1,0 @@
-"""Several logs of one robot: in which joints friction is not the same."""
