@@ -9,8 +9,6 @@ import pytest
 from rebuilt import is_rebuilt
 
 import harness
-from harness.app.diagnose.options import DiagnoseOptions
-from harness.app.diagnose.together import diagnose_together
 from harness.kernels.solve import solve
 from harness.model.model import Model
 from harness.results import generate
@@ -36,8 +34,8 @@ def written(folder: Path) -> list[tuple[Path, str]]:
 @pytest.fixture(scope="module")
 def done(tmp_path_factory: pytest.TempPathFactory) -> Done:
     folder = tmp_path_factory.mktemp("together")
-    options = DiagnoseOptions(zero="free", engines=("mujoco",))
-    return diagnose_together(written(folder), options, folder / "out"), folder
+    files = [path for path, _ in written(folder)]
+    return harness.diagnose(files, zero="free", engines=("mujoco",), out=folder / "out"), folder
 
 
 def test_each_has_its_own_and_the_second_is_heavier(done: Done) -> None:
@@ -84,9 +82,3 @@ def test_what_is_left_is_whole_and_valid(done: Done) -> None:
 def test_the_trace_alone_gives_the_page(done: Done, tmp_path: Path) -> None:
     result, _ = done
     is_rebuilt(result, tmp_path / "page.html", "2 recordings of one machine")
-
-
-def test_the_library_takes_several(done: Done) -> None:
-    _, folder = done
-    found = harness.diagnose([folder / "decay-0.csv", folder / "decay-1.csv"], zero="free", engines=())
-    assert [one.differs for one in found.own] == [one.differs for one in done[0].own]

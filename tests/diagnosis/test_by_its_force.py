@@ -52,17 +52,6 @@ def test_what_no_law_explains_is_fitted_by_its_force(monkeypatch: pytest.MonkeyP
     assert {m.name for m in outcome.mechanisms} <= {"force-ripple", "quadratic-drag"}
 
 
-def test_a_law_that_explains_is_followed_however_much_the_base_misses(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(driven, "FOLLOWED", replace(FOLLOWED, value=100.0))
-    outcome = diagnose(_recorded(NAMED("cubic-stiffness", k3=40.0)))
-    assert isinstance(outcome.problem, Driven)
-    assert [m.name for m in outcome.mechanisms] == ["cubic-stiffness"]
-    (k3,) = outcome.mechanisms[0].parameters.values()
-    assert k3.value is not None
-    assert k3.stderr is not None
-    assert abs(k3.value - 40.0) < 5.0 * k3.stderr
-
-
 _PERIOD = 0.014
 
 

@@ -34,14 +34,14 @@ TRUTH = Model(2.0, 3.0, 0.0, 1.5, restoring=Restoring.NONE)
 SPRUNG = Model(2.0, 3.0, 80.0, 1.5)
 
 
-def driven(model: Model, seed: int = 1, sigma: float = 2e-6, n: int = 6000) -> Recording:
+def driven(model: Model, seed: int = 1, sigma: float = 2e-6, n: int = 1500) -> Recording:
     """A recording of a model pushed by a sum of slow waves, which act between the samples too; sigma : of x, m."""
     draw = np.random.default_rng(seed)
-    t, fine = np.arange(n) / 1000.0, np.arange(8 * n) / 8000.0
+    t, fine = np.arange(n) / 250.0, np.arange(16 * n) / 4000.0
     waves = ((6.0, 3.1, 0.3), (4.0, 7.3, 1.1), (3.0, 14.0, 2.0))
     u = np.sum([a * np.sin(w * fine + p) for a, w, p in waves], axis=0)
     x = solve(model, t, drive=Drive(fine, u)).x
-    return Recording(t, {"x": x + sigma * draw.standard_normal(n), "u": u[::8]})
+    return Recording(t, {"x": x + sigma * draw.standard_normal(n), "u": u[::16]})
 
 
 @pytest.mark.parametrize(
@@ -125,7 +125,7 @@ def test_direction_dependent_friction_beats_the_base_and_has_its_value() -> None
 )
 def test_partials_over_windows_are_those_of_central_differences(terms: tuple[ModelTerm, ...]) -> None:
     model = replace(TRUTH, terms=terms)
-    problem, _ = prepare(driven(model, n=2500), Asked(Restoring.NONE, horizon=1.0))
+    problem, _ = prepare(driven(model, n=625), Asked(Restoring.NONE, horizon=1.0))
     free = free_of(model, ("m", "c", "f_k"))
     by = tuple(f.by for f in free)
     shown = observe(model, problem, by).dy["x"]
@@ -175,7 +175,7 @@ def test_smoothing_of_a_cubic_is_exact() -> None:
     ],
 )
 def test_what_cannot_be_done_is_refused(channels: tuple[str, ...], asked: Asked, message: str) -> None:
-    recording = driven(TRUTH, n=500)
+    recording = driven(TRUTH, n=125)
     values = {c: recording["x" if c != "u" else "u"] for c in channels}
     with pytest.raises(InputError, match=message):
         prepare(Recording(recording.t, values), asked)

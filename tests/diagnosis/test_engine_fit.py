@@ -126,17 +126,17 @@ def test_a_driven_recording_is_simulated_window_by_window(name: str) -> None:
     model = Model(
         1.5, 2.0, 0.0, 3.0, restoring=Restoring.NONE, terms=(ModelTerm.named("asymmetric-viscous", c_diff=1.0),)
     )
-    t = np.linspace(0.0, 2.0, 801)
+    t = np.linspace(0.0, 2.0, 401)
     drive = Drive(t, 12.0 * np.sin(3.0 * t) + 6.0 * np.sin(7.3 * t))
     true = solve(model, t, drive=drive)
-    starts = range(0, 800, 400)
-    windows = tuple(Window(i, i + 400, float(t[i]), true.x[i], true.v[i], 1e-9, 1e-9) for i in starts)
+    starts = range(0, 400, 200)
+    windows = tuple(Window(i, i + 200, float(t[i]), true.x[i], true.v[i], 1e-9, 1e-9) for i in starts)
     random = np.random.default_rng(3)
     sigma = 1e-4
     noise = {"x": Noise(sigma, True)}
     base = model.with_terms()
-    x = true.x[:800] + sigma * random.standard_normal(800)
-    problem = Driven(t[:800], {"x": x}, noise, drive=drive, first=base, starts=Windows(windows, t, true.v))
+    x = true.x[:400] + sigma * random.standard_normal(400)
+    problem = Driven(t[:400], {"x": x}, noise, drive=drive, first=base, starts=Windows(windows, t, true.v))
     found = engine_fit(EngineSimulator.named(name), base, model, problem, Scales(1.0, 3.0, 3.0))
     assert found.improved
     assert found.refined_rmse["x"] < 2.0 * sigma

@@ -28,8 +28,8 @@ from harness.proof.plant.cases import Case, control
 _CHANCE = 1e-3
 """Probability with which a sound diagnosis may fail one of these tests."""
 _NOISES = ("white", "coloured", "quantised")
-DRAWS, LONG = 4, 100
-"""Draws of the base fit alone, and of whole diagnoses with -m full."""
+DRAWS = 3
+"""Draws of the base fit alone."""
 THIN = 2
 """Of those draws one sample in so many is kept: what is stated holds at any rate."""
 SIZES = (3, pytest.param(500, marks=pytest.mark.full))

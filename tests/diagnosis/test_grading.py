@@ -35,8 +35,8 @@ from harness.kernels.solve import Scales, simulate
 from harness.model.model import Model, ModelTerm
 from harness.model.registry import not_parted, term
 
-SIGMA = 2e-4
-T = np.linspace(0.0, 8.0, 1201)
+SIGMA = 1.4e-4
+T = np.linspace(0.0, 8.0, 601)
 DRAG = ModelTerm(term("quadratic-drag"), (0.25,))
 
 

@@ -60,7 +60,7 @@ def test_a_slider_that_nothing_pulls_back_is_held_by_nothing() -> None:
     assert chosen(run.x, run, push=0.3 * np.cos(40.0 * run.x)).restoring is Restoring.NONE
 
 
-@pytest.mark.parametrize("zero", [0.0, 1.1, -2.5])
+@pytest.mark.parametrize("zero", [0.0, -2.5])
 def test_a_large_swing_is_a_pendulum_wherever_it_is_measured_from(zero: float) -> None:
     run = moved(ARM)
     assert float(np.ptp(run.x)) > 1.5

@@ -20,9 +20,8 @@ from harness.model.model import Model, ModelTerm, Restoring
 from harness.proof.plant.cases import draw
 
 
-@pytest.mark.parametrize("seed", [3, 4])
-def test_a_control_is_predicted_as_well_with_the_best_ranked_term_forced_in(seed: int) -> None:
-    case = draw("control", np.random.default_rng(seed))
+def test_a_control_is_predicted_as_well_with_the_best_ranked_term_forced_in() -> None:
+    case = draw("control", np.random.default_rng(3))
     t, channels = case.recorded["t"], {c: case.recorded[c] for c in case.channels}
     outcome = diagnose(FreeDecay(t, channels, {c: channel_noise(t, y) for c, y in channels.items()}))
     assert outcome.verdict == "adequate"

@@ -50,13 +50,9 @@ def by_hand(
 @pytest.mark.parametrize(
     "case",
     [
-        {},
-        {"channels": "x"},
         {"channels": "a"},
         {"ramp": 0.01},
-        {"ramp": 0.03},
-        {"ramp": 0.05},
-        {"ramp": 0.03, "channels": "x"},
+        {"ramp": 0.05, "channels": "x"},
         {"ramp": 0.03, "channels": "a"},
         {"ramp": 0.03, "omega": 30.0},
         {"ramp": 0.03, "omega": 4.0},
@@ -104,7 +100,7 @@ def test_a_recording_that_begins_while_the_hand_lets_go_needs_no_physics_for_it(
     assert outcome.verdict == "adequate"
 
 
-@pytest.mark.parametrize(("a_swing", "samples", "seed"), [(16.0, 200.0, 8), (11.0, 140.0, 6)])
+@pytest.mark.parametrize(("a_swing", "samples", "seed"), [(11.0, 140.0, 6)])
 def test_a_hold_of_a_few_samples_is_neither_friction_nor_knocks(a_swing: float, samples: float, seed: int) -> None:
     # held for a quarter of a swing: shown by three samples of the one, of the other left to what follows
     t = 2.0 * math.pi / 6.24 / a_swing * np.arange(samples)
@@ -116,7 +112,7 @@ def test_a_hold_of_a_few_samples_is_neither_friction_nor_knocks(a_swing: float, 
     assert len((*notes, *outcome.warnings)) == 1
 
 
-@pytest.mark.parametrize("every", [20, 40])
+@pytest.mark.parametrize("every", [40])
 def test_a_hand_that_one_or_two_samples_show_is_no_knock(every: int) -> None:
     often = by_hand(hold=0.0, ramp=0.06, channels="x", omega=4.0)
     few = Recording(often.t[::every], {"x": often.channels["x"][::every]}, "few")

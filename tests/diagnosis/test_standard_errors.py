@@ -49,7 +49,7 @@ def test_on_noise_alone_blocks_say_what_the_curvature_says() -> None:
 def test_with_a_misfit_the_truth_lies_within_two_standard_errors() -> None:
     """A hum of any frequency and phase left out: zeta of the base model errs by what the hum happens to do."""
     random = np.random.default_rng(3)
-    draws, inside = 20, 0
+    draws, inside = 10, 0
     for seed in range(draws):
         hum = ModelTerm.named("harmonic-force", A=0.4, Omega=random.uniform(3.0, 30.0), phase=random.uniform(0.0, 6.0))
         problem, _ = prepare(recorded(slider(hum), seed), Asked())

@@ -14,7 +14,6 @@ from harness.diagnosis.fit.parameters import free_of, values_of, with_values
 from harness.diagnosis.fit.standard_errors import base_parameters
 from harness.diagnosis.outcome import Outcome
 from harness.diagnosis.pipeline import diagnose, fit_base, prepare, prepare_together
-from harness.diagnosis.pooling.pooled import differences
 from harness.diagnosis.problems.together import Together
 from harness.diagnosis.request import Asked
 from harness.diagnosis.residual_tests.lack_of_fit import lack_of_fit
@@ -129,22 +128,6 @@ def test_one_machine_is_pooled(alike: Together) -> None:
     assert outcome.pooled.compared.chance > POOLED.value
     assert outcome.pooled.own == ()
     assert "pooled" in outcome.problem.choices[0]
-
-
-def test_an_inertia_that_differs_is_named() -> None:
-    """4 % more, by a load say, on the same spring, damper and friction."""
-    outcome = diagnose(together(pair(BASE, replace(BASE, m=1.04))))
-    assert outcome.verdict == "adequate"
-    assert outcome.pooled is not None
-    assert outcome.pooled.own == ("m",)
-    assert isinstance(outcome.problem, Together)
-    first, second = differences(outcome.refined, outcome.problem, outcome.scales.omega, explained=True)
-    assert first == []
-    (ratio,) = (d.ratio for d in second)
-    assert ratio.value is not None
-    assert ratio.stderr is not None
-    assert abs(ratio.value - 1.04) < 4.0 * ratio.stderr < 0.004
-    assert "inertia" in outcome.problem.choices[0]
 
 
 @pytest.fixture(scope="module")

@@ -8,8 +8,6 @@ import pytest
 
 import harness
 from harness.core.recording import Recording
-from harness.diagnosis.grading.beginning import with_second
-from harness.diagnosis.outcome import Grade
 from harness.diagnosis.pipeline import explain, fit_base, judge, prepare, search
 from harness.diagnosis.request import Asked
 from harness.diagnosis.residual_tests.structure import Left
@@ -102,21 +100,6 @@ def test_no_pair_is_looked_for_on_a_machine(found: Found, main_and_small: Judged
     assert len(found.search.chosen.model.terms) == 1
     assert found.search.left is Left.STRUCTURE
     assert main_and_small.found.search.left is Left.NOISE
-
-
-def test_a_second_law_that_another_follows_is_not_told() -> None:
-    """Bent by 4 N/m^2: a zero that drifts leaves 1.33 times what it leaves; 20 words ask for exp(6/20) = 1.35."""
-    told = judge(searched(recorded(0.6, 4.0), zero_free=True))
-    assert told.judgement.verdict == "main_effect"
-    assert [entry.term.name for entry in told.judgement.refined.model.terms] == ["quadratic-drag"]
-
-
-def test_two_that_are_alike_are_a_crowd_on_a_machine() -> None:
-    free = judge(searched(recorded(0.19, 12.0), zero_free=True))
-    assert free.graded is not None
-    assert free.graded.grade is not Grade.MAIN
-    assert with_second(free.graded) is None
-    assert free.judgement.verdict not in ("missing_physics", "main_effect")
 
 
 DRAG = ModelTerm.named("quadratic-drag", c2=0.2)
