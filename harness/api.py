@@ -314,7 +314,7 @@ def log(
     from harness.app.log import LogOptions
     from harness.app.log import log as answer
 
-    options = LogOptions(columns, None, topic, angle_unit, skip_rows, rate, start, stop, drop_nan)
+    options = LogOptions(columns, skip_rows, rate, start, stop, drop_nan, topic=topic, angle_unit=angle_unit)
     return answer(Path(file), options, gain)
 
 

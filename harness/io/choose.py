@@ -16,7 +16,7 @@ import numpy as np
 
 from harness.core.arrays import FloatArray
 from harness.core.errors import InputError
-from harness.io.columns import CHANNELS, Mapping, candidates, is_commanded, meaning, parse_columns
+from harness.io.columns import CHANNELS, ENDINGS, Mapping, candidates, is_commanded, meaning, parse_columns
 from harness.io.options import UNSAID, RefusedError
 from harness.io.table import Table
 from harness.io.units import Unit, parse_unit
@@ -152,8 +152,6 @@ def _by_name(table: Table, i: int) -> tuple[str, str]:
 
 def _endings(name: str) -> list[tuple[str, str]]:
     """Channels and units that the ending of a name gives ("x1_rad", "knee_deg_s")."""
-    from harness.io.columns import ENDINGS
-
     stem = name.strip().lower()
     tails = [stem[i + 1 :] for i, letter in enumerate(stem) if letter == "_"]
     return [(c, ENDINGS[c][tail]) for tail in tails for c in CHANNELS if tail in ENDINGS[c] and len(tail) > 1]
@@ -198,9 +196,6 @@ def _is_speed(t: Column, x: Column, other: Column) -> bool:
     power = float(s @ s)
     gain = float(s @ y) / power if power > 0.0 else 0.0
     return abs(gain - 1.0) < _GAIN and float(np.corrcoef(s, y)[0, 1]) > _DERIVATIVE
-
-
-_OWN = {"t": ("t",), "x": ("x",), "v": ("v",), "a": ("a",), "u": ("u", "F")}
 
 
 _MOST_CHOICES, _SHOWN = 6, 8
@@ -252,7 +247,7 @@ def _channels_named(table: Table, rate: float | None) -> tuple[dict[str, Mapping
             raise RefusedError(str(table.path), found_too, "one of them by --columns is accepted", _others(table, rate))
         name = table.names[positions[0]]
         mappings[channel] = Mapping(channel, (f"#{positions[0] + 1}",))
-        if name not in _OWN[channel]:
+        if name not in ((channel, "F") if channel == "u" else (channel,)):
             guessed.add(channel)
     return mappings, frozenset(guessed)
 
@@ -272,12 +267,12 @@ def unit_of(table: Table, mapping: Mapping, positions: list[int], constants: lis
     return parse_unit(where, mapping.channel, header)
 
 
-def quoted_of(table: Table, mapping: Mapping) -> str:
-    """A mapping's product as --columns takes it."""
-    at = [table.position(name) for name in mapping.names]
-    product = "*".join(table.quoted(i) for i in at)
+def quoted_of(table: Table, mapping: Mapping, header: Unit | None = None) -> str:
+    """A mapping's product as --columns takes it. header : its unit by the file, for a mapping that says none."""
+    product = "*".join(table.quoted(table.position(name)) for name in mapping.names)
     factor = "" if mapping.factor == 1.0 else f"{mapping.factor:.9g}*"
-    return factor + product + ("" if mapping.unit is None else f"[{mapping.unit}]")
+    unit = mapping.unit if mapping.unit is not None or header is None or not header.text else header.text
+    return factor + product + ("" if unit is None else f"[{unit}]")
 
 
 def said(table: Table, mappings: dict[str, Mapping], units: dict[str, Unit], guessed: frozenset[str]) -> str | None:

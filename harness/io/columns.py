@@ -2,7 +2,7 @@
 
 import math
 import re
-from collections.abc import Container, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 from harness.core.errors import InputError
@@ -103,7 +103,6 @@ _NUMBER = re.compile(r"^[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?$")
 _POSITION = re.compile(r"^#[1-9]\d{0,5}$")
 _QUOTED = re.compile(r"'([^']*)'|\"([^\"]*)\"")
 _HELD = re.compile(r"^\x00(\d+)\x00$")
-_NAME = re.compile(r"^[^\W\d][\w.]*(?: [\w.]+)*$")
 
 
 @dataclass(frozen=True, slots=True)
@@ -132,17 +131,6 @@ def _split(text: str) -> list[str]:
     return parts
 
 
-def _parts(entry: str) -> tuple[str, str, str | None] | None:
-    """Channel, product and unit of an entry; None when it is none."""
-    channel, equals, rest = entry.partition("=")
-    product, bracket, unit = rest.partition("[")
-    if not equals or set("[]") & set(channel + product) or (bracket and not unit.endswith("]")):
-        return None
-    if set("[]") & set(unit[:-1]):
-        return None
-    return channel.strip(), product.strip(), unit[:-1] if bracket else None
-
-
 def _put_aside(text: str) -> tuple[str, list[str]]:
     """The text with a mark for each quoted name, and the names."""
     names: list[str] = []
@@ -164,7 +152,7 @@ def _product(entry: str, text: str, quoted: list[str]) -> tuple[tuple[str, ...],
             names.append(quoted[int(held[1])])
         elif _NUMBER.match(item):
             factor *= float(item)
-        elif _POSITION.match(item) or _NAME.match(item):
+        elif _POSITION.match(item) or _PLAIN.match(item):
             names.append(item)
         else:
             found = f"'{item or text}' in '{entry}' is no name, #N or number".replace("\x00", "'")
@@ -176,25 +164,29 @@ def _product(entry: str, text: str, quoted: list[str]) -> tuple[tuple[str, ...],
     return tuple(names), factor
 
 
-def parse_columns(text: str, channels: Container[str] = CHANNELS, accepted: str = ACCEPTED) -> dict[str, Mapping]:
+def parse_columns(
+    text: str, known: Callable[[str], bool] = CHANNELS.__contains__, accepted: str = ACCEPTED
+) -> dict[str, Mapping]:
     """Parse ``--columns``; nothing is evaluated.
 
-    channels : those there are. accepted : what a message says of them. Raises InputError for anything but a list of
-    CHANNEL=PRODUCT[UNIT].
+    known : whether there is a channel of this name. accepted : what a message says of them. Raises InputError for
+    anything but a list of CHANNEL=PRODUCT[UNIT].
     """
     if len(text) > _LONGEST:
         raise InputError("--columns", f"{len(text)} characters", f"at most {_LONGEST} are accepted")
     found: dict[str, Mapping] = {}
     aside, quoted = _put_aside(text)
     for entry in (part.strip() for part in _split(aside)):
-        split = _parts(entry)
-        if split is None:
+        channel, equals, rest = entry.partition("=")
+        product, bracket, unit = rest.partition("[")
+        stray = set("[]") & set(channel + product + unit[:-1])
+        if not equals or stray or (bracket and not unit.endswith("]")):
             raise InputError("--columns", f"'{entry}'", accepted)
-        channel, product, unit = split
-        if channel not in channels:
+        channel = channel.strip()
+        if not known(channel):
             raise InputError("--columns", f"unknown channel '{channel}' in '{entry}'", accepted)
         if channel in found:
             raise InputError("--columns", f"channel {channel} given twice", "each channel once is accepted")
-        names, factor = _product(entry, product, quoted)
-        found[channel] = Mapping(channel, names, factor, None if unit is None else unit.strip())
+        names, factor = _product(entry, product.strip(), quoted)
+        found[channel] = Mapping(channel, names, factor, unit[:-1].strip() if bracket else None)
     return found

@@ -2,7 +2,6 @@
 
 import hashlib
 import math
-from collections import abc
 from collections.abc import Callable, Sequence
 from dataclasses import asdict
 from pathlib import Path
@@ -16,7 +15,6 @@ from harness.core.bounded import MOST_BYTES, check_file, check_size
 from harness.core.errors import InputError
 from harness.core.recording import CHANNELS, LARGEST, LONGEST_TIME, MINIMUM_SAMPLES, Recording
 from harness.io.choose import chosen, products, quoted_of, said
-from harness.io.columns import Mapping
 from harness.io.options import ReadOptions, RefusedError, tried
 from harness.io.registry import BAGS, formats, kind_of, reader_of
 from harness.io.table import Table
@@ -56,19 +54,15 @@ def unwrapped(
     left = off - span * np.round(off / span)
     apart = float(np.max(np.abs(np.abs(off[wraps]) - span)))
     if span < (1.0 - _ALIKE) * reach or apart > _ALIKE * span or float(np.max(np.abs(left))) > _QUARTER * span:
-        return (x, None) if v is not None else (x, _untold(steps))
+        told = v is not None or float(np.max(np.abs(steps))) <= _HALF * TURN
+        jumps = "The angle jumps by more than half a turn between samples, and not by whole turns: left as it is."
+        return x, None if told else jumps
     if v is None and span < (1.0 - _ALIKE) * TURN:
         return x, None
     whole = whole - span * np.round(np.median(whole) / span)  # the range in which it moves is none that was counted
     count = int(np.count_nonzero(wraps))
     times = f"{count} time{'s' if count > 1 else ''}"
     return whole, f"The position wraps {times} at a range of {span / unit:.6g}: put together to one course."
-
-
-def _untold(steps: FloatArray) -> str | None:
-    if float(np.max(np.abs(steps))) <= _HALF * TURN:
-        return None
-    return "The angle jumps by more than half a turn between samples, and not by whole turns: left as it is."
 
 
 def _beside_turns(steps: FloatArray, x: FloatArray) -> FloatArray:
@@ -207,16 +201,13 @@ def columns_of(path: Path, digest: str, options: dict[str, Any]) -> Found:
     """What ``read_recording`` finds, as a process of its own hands it on."""
     found = _read_or_propose(path, digest, ReadOptions(**options))
     beside = {_COVARIATE + name: values for name, values in found.covariates.items()}
-    return {"t": found.t, **found.channels, **beside}, {name: _plain(getattr(found, name)) for name in _ABOUT}
+    about = {"angular": found.angular, "notes": found.notes, "mended": found.mended}
+    about |= {"units": dict(found.units), "columns": dict(found.columns)}
+    return {"t": found.t, **found.channels, **beside}, about
 
 
-_ABOUT = ("units", "angular", "notes", "columns", "mended")
 _COVARIATE = "covariate "
 """Before the name of a covariate, which may be that of a channel."""
-
-
-def _plain(value: Any) -> Any:
-    return dict(value) if isinstance(value, abc.Mapping) else value
 
 
 def _read_or_propose(path: Path, digest: str, options: ReadOptions) -> Recording:
@@ -236,7 +227,8 @@ def _read(path: Path, digest: str, options: ReadOptions) -> Recording:
         if len(read) > 2 and _still(read[channel][0]):
             del read[channel]
             notes.append(f"The column read as {channel} says nothing throughout: left out.")
-    beside = _beside(table, options.covariates)
+    asked = options.covariates
+    beside = dict(zip(asked, table.read([table.position(name) for name in asked]), strict=True)) if asked else {}
     sizes = {channel: values.size for channel, (values, _) in read.items()}
     sizes |= {name: values.size for name, values in beside.items()}
     if len(set(sizes.values())) > 1:
@@ -258,8 +250,8 @@ def _read(path: Path, digest: str, options: ReadOptions) -> Recording:
             t = rows.astype(np.float64) / options.rate
         _check_rows(table, "t", t, rows)
     else:
-        t, said_of_t = _stamped(*read["t"], rows, dated)
-        notes += said_of_t
+        t, notes_of_t = _stamped(*read["t"], rows, dated)
+        notes += notes_of_t
         _check_rows(table, "t", t, rows)
         paste = ",".join(f"{c}={quoted_of(table, m)}" for c, m in mappings.items() if c != "t" and c in read)
         after, lost = _in_order(table, t, rows, paste)
@@ -267,10 +259,8 @@ def _read(path: Path, digest: str, options: ReadOptions) -> Recording:
         mended.append(lost)
     keep = _kept(path, t, options)
     channels = {channel: values[rows][keep] for channel, (values, _) in read.items() if channel != "t"}
-    for channel, values in channels.items():
-        _check_rows(table, channel, values, rows[keep])
     covariates = {name: values[rows][keep] for name, values in beside.items()}
-    for name, values in covariates.items():
+    for name, values in (*channels.items(), *covariates.items()):
         _check_rows(table, name, values, rows[keep])
     angular = _angular({channel: unit for channel, (_, unit) in read.items()})
     if "x" in channels and (angular or "v" in channels):
@@ -289,37 +279,25 @@ def _read(path: Path, digest: str, options: ReadOptions) -> Recording:
         angular=angular,
         notes=(*(note for note in notes if note), *changed, *sampling_notes(t[keep])),
         covariates=covariates,
-        columns={c: f"{quoted_of(table, mappings[c])}{_bracketed(mappings[c], unit)}" for c, (_, unit) in read.items()},
+        columns={c: quoted_of(table, mappings[c], unit) for c, (_, unit) in read.items()},
         mended=changed,
     )
 
 
 def _stamped(stamps: FloatArray, unit: Unit, rows: IntArray, dated: str | None) -> tuple[FloatArray, list[str | None]]:
     """Times of the rows (n,), s, and what is said of them. dated : the first, where they are dates or times of day."""
-    counted: str | None = f"Times are dates or times of day: t is counted from the first, {dated}."
-    if dated is None:
-        with np.errstate(over="ignore", invalid="ignore"):
-            t, counted = since_first(stamps[rows], unit)
-    else:
-        t = stamps[rows]
-    return t, [counted, whole_numbers(t, unit)]
-
-
-def _bracketed(mapping: Mapping, unit: Unit) -> str:
-    """The unit to give beside a column whose header does not say it in brackets."""
-    return f"[{unit.text}]" if unit.text and mapping.unit is None else ""
+    t, counted = stamps[rows], f"Times are dates or times of day: t is counted from the first, {dated}."
+    if dated is not None:
+        return t, [counted, whole_numbers(t, unit)]
+    with np.errstate(over="ignore", invalid="ignore"):
+        t, since_1970 = since_first(t, unit)
+    return t, [since_1970, whole_numbers(t, unit)]
 
 
 def _last_value(columns: Sequence[FloatArray]) -> int:
     """How many samples there are up to the last at which any of the columns (n,) has a value, beside its time."""
     told = np.flatnonzero(~np.all([np.isnan(values) for values in columns], axis=0))
     return int(told[-1]) + 1 if told.size else 0
-
-
-def _beside(table: Table, names: tuple[str, ...]) -> dict[str, FloatArray]:
-    """Further columns by name, as they stand in the file; InputError lists what there is."""
-    positions = [table.position(name) for name in names]
-    return dict(zip(names, table.read(positions), strict=True)) if names else {}
 
 
 def _still(values: FloatArray) -> bool:

@@ -12,6 +12,7 @@ import numpy as np
 from harness.core.arrays import FloatArray
 from harness.core.errors import InputError
 from harness.io.columns import quoted
+from harness.io.units import split_header
 
 
 class Table(ABC):
@@ -50,19 +51,16 @@ class Table(ABC):
         if name.startswith("#"):
             number = int(name[1:])
             if number > len(self.names):
-                raise InputError(
-                    f"{self.path}: column {name}", "no such column", f"#1 to #{len(self.names)} are accepted"
-                )
+                accepted = f"#1 to #{len(self.names)} are accepted"
+                raise InputError(f"{self.path}: column {name}", "no such column", accepted)
             return number - 1
         at = [i for i, existing in enumerate(self.names) if existing == name]
         at = at or [i for i, existing in enumerate(self.headers) if existing.strip() == name]
         if not at:
             raise InputError(f"{self.path}: column {name}", "no such column", f"{self.listed()} are accepted")
         if len(at) > 1:
-            named = ", ".join(f"#{i + 1}" for i in at)
-            raise InputError(
-                f"{self.path}: column {name}", f"{len(at)} columns of this name", f"one of {named} is accepted"
-            )
+            accepted = f"one of {', '.join(f'#{i + 1}' for i in at)} is accepted"
+            raise InputError(f"{self.path}: column {name}", f"{len(at)} columns of this name", accepted)
         return at[0]
 
     def quoted(self, position: int) -> str:
@@ -84,11 +82,6 @@ class Held:
     dtype: np.dtype[Any]
     load: Callable[[], Any]
 
-    @property
-    def turned(self) -> "Held":
-        """Rows for columns."""
-        return Held(self.shape[::-1], self.dtype, lambda: np.asarray(self.load()).T)
-
 
 def held(value: object) -> Held:
     """An array that is in memory already."""
@@ -105,12 +98,11 @@ class ArrayTable(Table):
 
     def read(self, positions: Sequence[int]) -> list[FloatArray]:
         """See Table."""
-        return [self._column(*self._columns[i]) for i in positions]
-
-    @staticmethod
-    def _column(source: Held, part: int | None) -> FloatArray:
-        array = np.asarray(source.load())
-        return np.ascontiguousarray(array.ravel() if part is None else array[:, part], np.float64)
+        found = []
+        for source, part in (self._columns[i] for i in positions):
+            array = np.asarray(source.load())
+            found.append(np.ascontiguousarray(array.ravel() if part is None else array[:, part], np.float64))
+        return found
 
 
 def table_of_arrays(path: Path, arrays: Mapping[str, Held]) -> ArrayTable:
@@ -120,8 +112,6 @@ def table_of_arrays(path: Path, arrays: Mapping[str, Held]) -> ArrayTable:
     its columns, the matrix lies on its side; anything that is not numeric is left out.
     Raises InputError when nothing is left.
     """
-    from harness.io.units import split_header
-
     columns: dict[str, tuple[Held, int | None]] = {}
     lengths = {max(one.shape) for one in arrays.values() if one.shape and math.prod(one.shape) == max(one.shape) > 1}
     units: dict[int, str] = {}
@@ -130,9 +120,9 @@ def table_of_arrays(path: Path, arrays: Mapping[str, Held]) -> ArrayTable:
         if source.dtype.kind not in "fiub" or 0 in shape or len(shape) > 2:
             continue
         name, unit = split_header(header)
-        across = len(shape) == 2 and shape[1] in lengths and shape[0] not in lengths
-        if across:
-            source, shape = given.turned, shape[::-1]
+        if len(shape) == 2 and shape[1] in lengths and shape[0] not in lengths:
+            shape = shape[::-1]
+            source = Held(shape, given.dtype, lambda given=given: np.asarray(given.load()).T)  # type: ignore[misc]
         parts = [None] if len(shape) < 2 or 1 in shape else list(range(shape[1]))
         for number, part in enumerate(parts, 1):
             if unit is not None:

@@ -1,6 +1,7 @@
 """Units of columns: what a header or ``--columns`` says, as a factor to SI. Imports pint only when it is asked."""
 
 import re
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cache
 from typing import Any
@@ -76,6 +77,12 @@ def split_header(header: str) -> tuple[str, str | None]:
         if text.endswith(closing) and bracket and name.strip() and closing not in unit and not unit.strip().isdigit():
             return name.strip(), unit.strip()
     return text, None
+
+
+def split_headers(headers: Sequence[str]) -> tuple[list[str], dict[int, str]]:
+    """Names of columns, and by position the units of those that say one."""
+    split = [split_header(header) for header in headers]
+    return [name for name, _ in split], {i: unit for i, (_, unit) in enumerate(split) if unit is not None}
 
 
 @cache

@@ -6,9 +6,7 @@ from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
 
-import joint_logs
 import jsonschema
 import numpy as np
 import pytest
@@ -20,7 +18,6 @@ from joint_logs import HOLED, ONE, Message, Motion, bag1, bag2, csv, lerobot, me
 from harness.cli.main import run
 from harness.core.errors import InputError
 from harness.core.robot.joint_log import JointLog
-from harness.io.logs.bags import layout_of
 from harness.io.logs.raw import named
 from harness.io.logs.read import read_joint_log
 from harness.results import generate
@@ -370,37 +367,6 @@ def test_what_is_nan_or_nought_throughout_is_not_logged(tmp_path: Path) -> None:
     assert (list(found.velocity), list(found.effort)) == (["shoulder"], [])
     assert "The effort is 0 throughout: taken as not logged." in found.notes
     assert "No velocity is logged of elbow." in found.notes
-
-
-TEXT = st.text(st.characters(codec="utf-8", exclude_characters="\0"), max_size=9)
-
-
-@settings(max_examples=100)
-@given(st.lists(TEXT, max_size=6), TEXT, st.tuples(*[st.booleans()] * 3), st.integers(0, 2**31 - 1), st.booleans())
-def test_the_layout_of_a_message_is_that_of_its_format(
-    names: list[str], frame: str, logged: tuple[bool, bool, bool], seed: int, old: bool
-) -> None:
-    draw = np.random.default_rng(seed)
-
-    def packed() -> tuple[Any, bytes]:
-        values = [draw.normal(size=len(names) if given else 0) for given in logged]
-        stamp = int(draw.integers(2**31)) * 10**9 + int(draw.integers(10**9))
-        return joint_logs.packed(Message(stamp, 0, names, *(list(v) for v in values)), frame, old)
-
-    first, data = packed()
-    layout = layout_of(data, frame, names, [first.position, first.velocity, first.effort], old)
-    assert layout is not None
-    second, other = packed()
-    read = layout.read(other)
-    assert read is not None
-    assert read[0] == (second.header.stamp.sec, second.header.stamp.nanosec)
-    for found, wanted in zip(read[1], (second.position, second.velocity, second.effort), strict=True):
-        np.testing.assert_array_equal(found, wanted)
-    assert layout.read(other + b"\0") is None
-    if names and names[0]:
-        renamed = [chr(ord(names[0][0]) ^ 1) + names[0][1:], *names[1:]]
-        sizes = [list(getattr(second, kind)) for kind in KINDS]
-        assert layout.read(joint_logs.packed(Message(0, 0, renamed, *sizes), frame, old)[1]) is None
 
 
 @pytest.mark.parametrize("kind", ["bag 1", "sqlite3 alone", "mcap alone"])

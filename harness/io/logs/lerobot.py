@@ -10,9 +10,9 @@ from harness.core.apart import Found
 from harness.core.arrays import FloatArray
 from harness.core.bounded import MOST_DOCUMENT_BYTES, parse_json, read_bytes
 from harness.core.errors import InputError
-from harness.io.logs.arrow import ArrowTable
 from harness.io.logs.raw import LogOptions, Raw, named, one_of
 from harness.io.logs.tables import raw_of
+from harness.io.readers.binary import ParquetTable
 
 INFO = "meta/info.json"
 _FIELDS = {
@@ -43,14 +43,14 @@ def files_of(path: Path) -> list[Path]:
 
 def columns_of(path: Path, options: dict[str, Any]) -> Found:
     """What ``raw_of_episode`` finds, as a process of its own hands it on."""
-    return raw_of_episode(path, LogOptions(**{**options, "joints": None})).found()
+    return raw_of_episode(path, LogOptions(**options)).found()
 
 
 def episodes_apart(path: Path) -> Found:
     """The stamps of every episode by its number, as a process of its own hands them on."""
     found: dict[str, FloatArray] = {}
     for file in files_of(path):
-        table = ArrowTable(file)
+        table = ParquetTable(file)
         episodes, stamps = table.read([table.position(EPISODE), table.position("timestamp")])
         found |= {f"{episode:.0f}": stamps[episodes == episode] for episode in np.unique(episodes)}
     return found, None
@@ -58,32 +58,30 @@ def episodes_apart(path: Path) -> Found:
 
 def raw_of_episode(path: Path, options: LogOptions) -> Raw:
     """One episode: the one that --topic names, or the only one. Raises InputError that lists those there are."""
-    names = _names(path)
+    called = _names(path)
     where: dict[str, tuple[Path, FloatArray]] = {}
     for file in files_of(path):
-        table = ArrowTable(file, names)
+        table = ParquetTable(file, called)
         (episodes,) = table.read([table.position(EPISODE)])
         where |= {f"{episode:.0f}": (file, episodes) for episode in np.unique(episodes)}
     number = asked(options.topic)
     if number is None and len(where) > 1:
         found = f"{len(where)} episodes and no --topic"
-        raise InputError(str(path), found, f"--topic with one of {_listed(list(where))} is accepted")
+        names = list(where)
+        listed = ", ".join(names) if len(names) <= 4 else f"{names[0]}, {names[1]} to {names[-1]}"
+        raise InputError(str(path), found, f"--topic with one of {listed} is accepted")
     number = next(iter(where), "0") if number is None else number
     if number not in where:
         raise one_of(str(path), number, list(where), "episode")
     file, episodes = where[number]
-    table = ArrowTable(file, names)
+    table = ParquetTable(file, called)
     table.keep = episodes == float(number)
-    return raw_of(table, LogOptions(options.columns, rate=options.rate, angle_unit=options.angle_unit))
+    return raw_of(table, LogOptions(columns=options.columns, rate=options.rate, angle_unit=options.angle_unit))
 
 
 def asked(topic: str | None) -> str | None:
     """The number of the episode that --topic names, "3" or "episode 3"; None where nothing is asked."""
     return None if topic is None else topic.lower().removeprefix("episode").strip()
-
-
-def _listed(names: list[str]) -> str:
-    return ", ".join(names) if len(names) <= 4 else f"{names[0]}, {names[1]} to {names[-1]}"
 
 
 def _names(path: Path) -> Mapping[str, Sequence[str]]:

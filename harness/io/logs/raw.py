@@ -12,6 +12,8 @@ from harness.core.apart import Found
 from harness.core.arrays import FloatArray
 from harness.core.errors import InputError, did_you_mean
 from harness.io.columns import ENDINGS, is_commanded
+from harness.io.options import ReadOptions
+from harness.io.units import parse_unit
 
 Field = Literal["position", "velocity", "effort", "current", "magnitude"]
 CHANNEL: dict[Field, str] = {"position": "x", "velocity": "v", "effort": "u", "current": "i", "magnitude": "u"}
@@ -101,28 +103,29 @@ def named(name: str) -> Named | None:
 Fields = dict[Field, dict[str, FloatArray]]
 
 
-@dataclass(frozen=True, slots=True)
-class LogOptions:
-    """How to read a log.
+@dataclass(frozen=True, slots=True, kw_only=True)
+class LogOptions(ReadOptions):
+    """How to read a log: as a recording, and
 
-    columns : the text of --columns. joints : names in the model's order. topic : of a bag, or the episode of a data
-    set. angle_unit : of positions that say none. skip_rows, rate (Hz), start, stop (s), drop_nan : as of a recording.
-    names : of the log's joints the model's, "joint" or "joint.field" by either. flip : joints that turn the other way.
-    offset : what is added to a position, rad or m, by joint.
+    joints : names in the model's order: they are chosen by name, and are the names where a log has none. topic : of a
+    bag, or the episode of a data set. angle_unit : of positions that say none. names : of the log's joints, or of one
+    field of them ("elbow.effort"), the model's. flip : joints that turn the other way. offset : what is added to a
+    position, rad or m, by joint.
     """
 
-    columns: str | None = None
     joints: tuple[str, ...] | None = None
     topic: str | None = None
     angle_unit: str | None = None
-    skip_rows: int = 0
-    rate: float | None = None
-    start: float | None = None
-    stop: float | None = None
-    drop_nan: bool = False
     names: Mapping[str, str] = field(default_factory=dict)
     flip: tuple[str, ...] = ()
     offset: Mapping[str, float] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        ReadOptions.__post_init__(self)
+        if self.angle_unit is not None:
+            parse_unit("--angle-unit", "x", self.angle_unit)
+        # a list comes from a program, or from the process beside
+        object.__setattr__(self, "joints", None if self.joints is None else tuple(self.joints))
 
 
 @dataclass(frozen=True, slots=True)
@@ -155,8 +158,7 @@ def from_found(columns: Mapping[str, FloatArray], about: Mapping[str, Any]) -> R
         kind, _, joint = key.partition(" ")
         if kind in CHANNEL:
             fields.setdefault(kind, {})[joint] = values
-    told, notes = dict(about["told"]), tuple(about["notes"])
-    return Raw(columns["t"], fields, told, about["rows"], about["numbered"], notes)
+    return Raw(columns["t"], fields, **{**about, "notes": tuple(about["notes"])})
 
 
 def one_of(where: str, asked: str, known: list[str], what: str) -> InputError:

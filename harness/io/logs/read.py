@@ -1,26 +1,25 @@
-"""A log of any format as a validated core JointLog.
-
-What a log holds, topic by topic.
-"""
+"""A log of any format as a validated core JointLog, and what it holds, topic by topic."""
 
 import hashlib
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
-from types import MappingProxyType
+from typing import Any
 
 import numpy as np
 
 from harness.core.apart import read_apart
 from harness.core.arrays import FloatArray
 from harness.core.bounded import MOST_BYTES, check_file, check_size
-from harness.core.checks import finite, positive
+from harness.core.checks import finite
 from harness.core.errors import InputError
 from harness.core.robot.joint_log import JointLog
 from harness.io.logs import bags, lerobot
 from harness.io.logs.finish import Finished, Gain, finished
 from harness.io.logs.raw import CHANNEL, SI_UNITS, Field, LogOptions, Raw, from_found, one_of
-from harness.io.logs.tables import PARQUET, raw_of_file
+from harness.io.logs.tables import raw_of_file
+from harness.io.readers.binary import PARQUET
 from harness.io.registry import kind_of, reader_of
 from harness.io.times import GAP
 from harness.io.units import parse_unit
@@ -56,53 +55,37 @@ def source_of(path: Path) -> Source:
     if path.is_dir() and lerobot.root_of(path) == path:
         return Source(path, "lerobot", tuple(lerobot.files_of(path)))
     check_file(path, accepted="a file, the folder of a ROS 2 bag, or that of a LeRobot data set is accepted")
-    return Source(path, "lerobot" if kind_of(path) in PARQUET and lerobot.root_of(path) else "table", (path,))
+    return Source(path, "lerobot" if kind_of(path) in PARQUET.suffixes and lerobot.root_of(path) else "table", (path,))
 
 
-def read_joint_log(
-    path: Path,
-    *,
-    columns: str | None = None,
-    joints: Sequence[str] | None = None,
-    topic: str | None = None,
-    gain: Gain | None = None,
-    angle_unit: str | None = None,
-    skip_rows: int = 0,
-    rate: float | None = None,
-    start: float | None = None,
-    stop: float | None = None,
-    drop_nan: bool = False,
-    names: Mapping[str, str] = MappingProxyType({}),
-    flip: Sequence[str] = (),
-    offset: Mapping[str, float] = MappingProxyType({}),
-) -> JointLog:
+def read_joint_log(path: Path, *, gain: Gain | None = None, **options: Any) -> JointLog:
     """Read a log of a robot's joints, in SI units: a table, a LeRobot data set, a ROS bag.
 
-    columns : "t=t,elbow.position=q3[deg],elbow.effort=7.1*cur3[N*m]" for names that say nothing. joints : those of the
-    model, in its order: they are chosen by name, and are the names where a log has none. topic : of a bag, or the
-    episode of a data set. gain : N m per A at the joint, one or by joint. angle_unit : of positions that say none.
-    skip_rows, rate (Hz), start, stop (s), drop_nan : as of a recording. names : of the log's joints, or of one field
-    ("elbow.effort"), the model's. flip : joints that turn the other way. offset : rad or m by joint, which is added to
-    its position. Repeated rows are dropped, an effort without a
-    sign is left out; what was read and done is in the notes.
+    gain : N m per A at the joint, one or by joint. options : as of LogOptions; columns is for names that say nothing,
+    "t=t,elbow.position=q3[deg],elbow.effort=7.1*cur3[N*m]". Repeated rows are dropped, an effort without a sign is left
+    out; what was read and done is in the notes.
 
     Raises InputError naming the file, row, column, joint or option that is wrong.
     """
-    options = LogOptions(
-        columns, None if joints is None else tuple(joints), topic, angle_unit, skip_rows, rate, start, stop, drop_nan,
-        dict(names), tuple(flip), dict(offset),
-    )  # fmt: skip
+    asked = LogOptions(**options)
+    with _readable(path):
+        source = _checked_source(path, asked, gain)
+        return finished(raw_of_source(source, asked), str(path), asked, gain).log(str(path), source.sha256)
+
+
+@contextmanager
+def _readable(path: Path) -> Iterator[None]:
     try:
-        source = checked_source(path, options, gain)
-        raw = raw_of_source(source, options)
-        return finished(raw, str(path), options, gain).log(str(path), source.sha256)
+        yield
     except OSError as error:
         raise InputError(str(path), error.strerror or str(error), "a file that can be read is accepted") from None
 
 
-def checked_source(path: Path, options: LogOptions, gain: Gain | None) -> Source:
+def _checked_source(path: Path, options: LogOptions, gain: Gain | None) -> Source:
     """What a path is, and the options looked at. Raises InputError for one that cannot be, or not for such a source."""
-    _check(options, gain)
+    for value in gain.values() if isinstance(gain, Mapping) else [] if gain is None else [gain]:
+        if finite("--gain", value) == 0.0:
+            raise InputError("--gain", "0", "N m per A, other than 0, are accepted")
     source = source_of(path)
     reader = reader_of(kind_of(path)) if source.kind == "table" else None
     unfit = {
@@ -115,19 +98,6 @@ def checked_source(path: Path, options: LogOptions, gain: Gain | None) -> Source
         if given:
             raise InputError(option, f"given for {path}", f"it is accepted for {accepted}")
     return source
-
-
-def _check(options: LogOptions, gain: Gain | None) -> None:
-    """Raise InputError for an option that no log could be read with."""
-    if options.angle_unit is not None:
-        parse_unit("--angle-unit", "x", options.angle_unit)
-    if options.rate is not None:
-        positive("--rate", options.rate, "Hz")
-    if options.skip_rows < 0:
-        raise InputError("--skip-rows", f"{options.skip_rows}", "0 or more is accepted")
-    for value in gain.values() if isinstance(gain, Mapping) else [] if gain is None else [gain]:
-        if finite("--gain", value) == 0.0:
-            raise InputError("--gain", "0", "N m per A, other than 0, are accepted")
 
 
 def raw_of_source(source: Source, options: LogOptions) -> Raw:
@@ -238,17 +208,13 @@ def describe_log(path: Path, options: LogOptions, gain: Gain | None = None) -> l
 
     Raises InputError for a file that cannot be read, or a table without joints.
     """
-    try:
-        source = checked_source(path, options, gain)
-        of = {"bag": _bag, "lerobot": _data_set}.get(source.kind, _table)
-        return list(of(source, options, gain))
-    except OSError as error:
-        raise InputError(str(path), error.strerror or str(error), "a file that can be read is accepted") from None
-
-
-def _table(source: Source, options: LogOptions, gain: Gain | None) -> Iterator[TopicInfo]:
-    raw = raw_of_source(source, options)
-    yield _looked(source.path.name, "table", raw, str(source.path), options, gain)
+    with _readable(path):
+        source = _checked_source(path, options, gain)
+        if source.kind == "bag":
+            return list(_bag(source, options, gain))
+        if source.kind == "lerobot":
+            return list(_data_set(source, options, gain))
+        return [_looked(path.name, "table", raw_of_source(source, options), str(path), options, gain)]
 
 
 def _bag(source: Source, options: LogOptions, gain: Gain | None) -> Iterator[TopicInfo]:

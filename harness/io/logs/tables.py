@@ -1,6 +1,5 @@
 """A log from the columns of a table."""
 
-from collections.abc import Container
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -12,8 +11,7 @@ from harness.core.arrays import FloatArray
 from harness.core.errors import InputError
 from harness.io.choose import products
 from harness.io.columns import Mapping, meaning, parse_columns, quoted
-from harness.io.logs.arrow import ArrowTable
-from harness.io.logs.raw import CHANNEL, SI_UNITS, WORDS, Field, Fields, LogOptions, Named, Raw, named
+from harness.io.logs.raw import CHANNEL, FIELD_OF, SI_UNITS, WORDS, Field, Fields, LogOptions, Named, Raw, named
 from harness.io.registry import formats, kind_of, reader_of
 from harness.io.table import Table
 from harness.io.times import since_first, whole_numbers
@@ -36,24 +34,23 @@ class Target:
     header: str
 
 
-class _Targets(Container[str]):
-    """Every name that --columns may give: t, and NAME.position and so on."""
-
-    def __contains__(self, name: object) -> bool:
-        joint, _, kind = str(name).rpartition(".")
-        return name == "t" or (bool(joint) and kind in _FIELDS)
-
-
 def by_option(text: str) -> tuple[list[Target], Mapping | None]:
     """What --columns names, and the time. Raises InputError for anything else than it takes."""
-    found, targets = parse_columns(text, _Targets(), ACCEPTED), []
-    for name, mapping in found.items():
+    targets, t = [], None
+    for name, mapping in parse_columns(text, _is_target, ACCEPTED).items():
         joint, _, kind = name.rpartition(".")
         if joint:
-            field = next(field for field in _FIELDS if field == kind)
-            product = Mapping(CHANNEL[field], mapping.names, mapping.factor, mapping.unit)
-            targets.append(Target(field, joint, product, "*".join(mapping.names)))
-    return targets, found.get("t")
+            field = FIELD_OF[kind]
+            targets.append(Target(field, joint, replace(mapping, channel=CHANNEL[field]), "*".join(mapping.names)))
+        else:
+            t = mapping
+    return targets, t
+
+
+def _is_target(name: str) -> bool:
+    """Whether --columns may give this: t, and NAME.position and so on."""
+    joint, _, kind = name.rpartition(".")
+    return name == "t" or (bool(joint) and kind in _FIELDS)
 
 
 def by_name(table: Table) -> tuple[list[Target], bool]:
@@ -70,9 +67,12 @@ def by_name(table: Table) -> tuple[list[Target], bool]:
         if found.style != style:
             continue
         joint = found.joint if style == "named" else f"joint{found.number - base + 1}"
-        other = taken.setdefault((found.field, joint), (i, found))
-        if other[0] != i:
-            _settle(table, taken, (found.field, joint), (i, found))
+        first = taken.setdefault((found.field, joint), (i, found))
+        if first[0] != i and first[1].word == found.word:
+            names = ", ".join(quoted(table.headers[at], at) for at in (first[0], i))
+            accepted = f'one of them by --columns "{joint}.{found.field}=..." is accepted'
+            raise InputError(str(table.path), f"two columns that may be {joint}.{found.field}: {names}", accepted)
+        taken[found.field, joint] = min(first, (i, found), key=lambda one: WORDS[one[1].field].index(one[1].word))
     ordered = sorted(taken.items(), key=lambda item: (list(WORDS).index(item[0][0]), item[1][1].number, item[1][0]))
     targets = [
         Target(
@@ -84,18 +84,6 @@ def by_name(table: Table) -> tuple[list[Target], bool]:
         for (field, joint), (i, found) in ordered
     ]
     return targets, style != "named"
-
-
-def _settle(
-    table: Table, taken: dict[tuple[Field, str], tuple[int, Named]], key: tuple[Field, str], second: tuple[int, Named]
-) -> None:
-    """Of two columns for one field of a joint, the one whose word stands first in the table of words."""
-    first, order = taken[key], WORDS[key[0]]
-    if first[1].word == second[1].word:
-        names = ", ".join(quoted(table.headers[i], i) for i, _ in (first, second))
-        accepted = f'one of them by --columns "{key[1]}.{key[0]}=..." is accepted'
-        raise InputError(str(table.path), f"two columns that may be {key[1]}.{key[0]}: {names}", accepted)
-    taken[key] = min(first, second, key=lambda one: order.index(one[1].word))
 
 
 def time_of(table: Table) -> tuple[Mapping | None, str | None]:
@@ -113,7 +101,6 @@ def time_of(table: Table) -> tuple[Mapping | None, str | None]:
     return Mapping("t", (f"#{position + 1}",), 1.0, None if position in table.units else unit), note
 
 
-PARQUET = (".parquet", ".pq")
 MIXED = "the units of their headers"
 """Where columns of one field came in several units."""
 NEEDED = "columns t and NAME.position, NAME.velocity, NAME.effort (or position[0], x1_rad, actual_q_0, q1)"
@@ -121,15 +108,12 @@ NEEDED = "columns t and NAME.position, NAME.velocity, NAME.effort (or position[0
 
 def columns_of(path: Path, options: dict[str, Any]) -> Found:
     """What ``raw_of_file`` finds, as a process of its own hands it on."""
-    joints = options.pop("joints")
-    return raw_of_file(path, LogOptions(joints=None if joints is None else tuple(joints), **options)).found()
+    return raw_of_file(path, LogOptions(**options)).found()
 
 
 def raw_of_file(path: Path, options: LogOptions) -> Raw:
     """The log in a file of any format of tables. Raises InputError for what cannot be read as one."""
     kind = kind_of(path)
-    if kind in PARQUET:
-        return raw_of(ArrowTable(path), options)
     reader = reader_of(kind)
     if reader is None:
         accepted = f"{formats()}, ROS bags (.bag, .db3, .mcap, a folder) and LeRobot data sets are accepted"

@@ -4,59 +4,94 @@ These readers run in a process of their own (harness.core.apart), where whatever
 """
 
 import zipfile
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import partial
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from harness.core.arrays import FloatArray
+from harness.core.arrays import BoolArray, FloatArray
 from harness.core.errors import InputError
 from harness.io.reader import Reader
 from harness.io.table import ArrayTable, Held, Table, held, table_of_arrays
-from harness.io.units import split_header
+from harness.io.units import split_headers
 
+_READABLE = "a readable Parquet file is accepted"
+_WIDEST = 256
+"""Numbers of a list that are columns; a picture is none."""
 _A_SECOND = {"s": 1, "ms": 1_000, "us": 1_000_000, "ns": 1_000_000_000}
 
 
 class ParquetTable(Table):
-    """A Parquet file."""
+    """A Parquet file; a column of lists is as many columns as its first list is long, NAME[0] and so on.
 
-    def __init__(self, path: Path) -> None:
+    names : of a list's elements, by column. ``keep`` : which rows are read; all where it is None.
+    """
+
+    def __init__(self, path: Path, names: Mapping[str, Sequence[str]] | None = None) -> None:
         import pyarrow as pa
         import pyarrow.parquet as pq
 
+        self.keep: BoolArray | None = None
+        self._source: list[tuple[str, int]] = []
+        headers: list[str] = []
         try:
             self._file = pq.ParquetFile(path)
-            headers = list(self._file.schema_arrow.names)
+            for column in self._file.schema_arrow:
+                many = self._width(column.name, column.type)
+                given = list((names or {}).get(column.name, ()))
+                if not _is_list(column.type):
+                    given = [column.name]
+                elif len(given) != many:
+                    given = [f"{column.name}[{k}]" for k in range(many)]
+                self._source += [(column.name, k) for k in range(many)]
+                headers += given
         except (pa.ArrowException, OSError, UnicodeDecodeError) as error:
-            raise InputError(
-                str(path), f"not a Parquet file ({error})", "a readable Parquet file is accepted"
-            ) from None
-        split = [split_header(header) for header in headers]
-        units = {i: u for i, (_, u) in enumerate(split) if u is not None}
-        super().__init__(path, [name for name, _ in split], units, headers)
-        self._headers = headers
+            raise InputError(str(path), f"not a Parquet file ({error})", _READABLE) from None
+        super().__init__(path, *split_headers(headers), headers)
 
-    def read(self, positions: Sequence[int]) -> list[FloatArray]:
-        """See Table."""
+    def _width(self, name: str, kind: Any) -> int:
+        """How many numbers the lists of a column hold, by the first of them: 0 for a picture; 1 where it has none."""
         import pyarrow as pa
 
-        columns = []
-        for i in positions:
-            where = f"{self.path}: row 1, column {self.names[i]}"
-            kind = self._file.schema_arrow.field(i).type
-            stamps = pa.types.is_timestamp(kind) or pa.types.is_duration(kind) or pa.types.is_time(kind)
-            if not (pa.types.is_integer(kind) or pa.types.is_floating(kind) or pa.types.is_decimal(kind) or stamps):
-                raise InputError(where, f"a column of type {kind}", "a column of numbers is accepted")
-            try:
-                column = self._file.read(columns=[self._headers[i]]).column(0)
-                column = self._from_first(i, column) if stamps else column.cast(pa.float64(), safe=False)
-            except (pa.ArrowException, OSError) as error:
-                raise InputError(where, f"unreadable ({error})", "a readable Parquet file is accepted") from None
-            columns.append(np.asarray(column.to_numpy(), dtype=np.float64))
-        return columns
+        if not _is_list(kind):
+            return 1
+        if not (pa.types.is_integer(kind.value_type) or pa.types.is_floating(kind.value_type)):
+            return 0
+        first = next(self._file.iter_batches(batch_size=1, columns=[name]), None)
+        many = len(first.column(0)[0].as_py() or ()) if first is not None and len(first) else 0
+        return many if many <= _WIDEST else 0
+
+    def read(self, positions: Sequence[int]) -> list[FloatArray]:
+        """See Table; each column of the file is read once."""
+        columns = {name: self._column(name) for name in dict.fromkeys(self._source[i][0] for i in positions)}
+        found = [columns[name][:, part] for name, part in (self._source[i] for i in positions)]
+        return found if self.keep is None else [values[self.keep] for values in found]
+
+    def _column(self, name: str) -> FloatArray:
+        """A column of the file, (n, 1), or of so many as its lists are long."""
+        import pyarrow as pa
+        import pyarrow.compute as pc
+
+        kind, where = self._file.schema_arrow.field(name).type, f"{self.path}: row 1, column {name}"
+        lists = _is_list(kind)
+        number = kind.value_type if lists else kind
+        stamps = pa.types.is_timestamp(kind) or pa.types.is_duration(kind) or pa.types.is_time(kind)
+        if not (pa.types.is_integer(number) or pa.types.is_floating(number) or pa.types.is_decimal(number) or stamps):
+            raise InputError(where, f"a column of type {kind}", "a column of numbers is accepted")
+        at = [i for i, (source, _) in enumerate(self._source) if source == name]
+        try:
+            column = self._file.read(columns=[name]).column(0)
+            rows = len(column)
+            column = pc.list_flatten(column) if lists else self._from_first(at[0], column) if stamps else column
+            flat = np.asarray(column.cast(pa.float64(), safe=False).to_numpy(), dtype=np.float64)
+        except (pa.ArrowException, OSError) as error:
+            raise InputError(where, f"unreadable ({error})", _READABLE) from None
+        if flat.size != rows * len(at):
+            accepted = f"lists of {len(at)} numbers, as in the first row, are accepted"
+            raise InputError(f"{self.path}: column {name}", "lists of several lengths", accepted)
+        return flat.reshape(-1, len(at))
 
     def _from_first(self, position: int, column: Any) -> Any:
         """Time stamps, times of day and spans as seconds from the first; whole numbers are subtracted, so that none of
@@ -71,6 +106,12 @@ class ParquetTable(Table):
         dated = pa.types.is_timestamp(column.type)
         self.dated[position] = str(np.datetime64(first, unit)) if dated else f"{first / _A_SECOND[unit]:.9g} s"
         return pc.multiply(pc.subtract(counts, first).cast(pa.float64()), 1.0 / _A_SECOND[unit])
+
+
+def _is_list(kind: Any) -> bool:
+    import pyarrow as pa
+
+    return bool(pa.types.is_list(kind) or pa.types.is_large_list(kind) or pa.types.is_fixed_size_list(kind))
 
 
 def _flatten(prefix: str, value: Any) -> Iterator[tuple[str, Any]]:
@@ -119,12 +160,13 @@ def open_mat(path: Path) -> ArrayTable:
     """Open a MATLAB file of any version."""
     accepted = "a MATLAB file of version 4 to 7.3 is accepted"
     try:
-        with path.open("rb") as file:
-            is_hdf5 = file.read(128).startswith(b"MATLAB 7.3") or _hdf5_signature(path)
-        if is_hdf5:
-            return table_of_arrays(path, _hdf5_arrays(path))
+        import h5py
         import scipy.io
 
+        with path.open("rb") as file:
+            is_hdf5 = file.read(128).startswith(b"MATLAB 7.3")
+        if is_hdf5 or h5py.is_hdf5(path):
+            return table_of_arrays(path, _hdf5_arrays(path))
         content = scipy.io.loadmat(path, struct_as_record=False, squeeze_me=True)
     except (InputError, MemoryError):
         raise
@@ -132,12 +174,6 @@ def open_mat(path: Path) -> ArrayTable:
         raise InputError(str(path), f"not a MATLAB file ({error})", accepted) from None
     arrays = {k: v for key, value in content.items() if not key.startswith("__") for k, v in _flatten(key, value)}
     return table_of_arrays(path, {name: held(value) for name, value in arrays.items()})
-
-
-def _hdf5_signature(path: Path) -> bool:
-    import h5py
-
-    return bool(h5py.is_hdf5(path))
 
 
 def open_npz(path: Path) -> ArrayTable:
@@ -152,9 +188,8 @@ def _of_npz(path: Path, read: Callable[..., Any], *arguments: Any) -> Any:
     except (InputError, MemoryError):
         raise
     except Exception as error:  # zlib, bz2, lzma, zipfile and NumPy have each their own
-        raise InputError(
-            str(path), f"not an .npz archive ({error})", "numeric arrays saved by numpy.savez are accepted"
-        ) from None
+        accepted = "numeric arrays saved by numpy.savez are accepted"
+        raise InputError(str(path), f"not an .npz archive ({error})", accepted) from None
 
 
 def _npy_arrays(path: Path) -> dict[str, Held]:

@@ -18,7 +18,7 @@ from harness.io.options import RefusedError
 from harness.io.reader import Reader
 from harness.io.table import Table
 from harness.io.times import Clock
-from harness.io.units import split_header
+from harness.io.units import split_header, split_headers
 
 _HEAD = 1 << 16
 MOST_ROWS = 20_000_000
@@ -60,13 +60,9 @@ def _number(cell: str, decimal: str = ".") -> float | None:
     try:
         return float(text.replace(",", ".") if decimal == "," else text)
     except ValueError:
-        plain = _plain(text)
+        # as typesetters (a true minus) and Fortran (5.0D-02) write it
+        plain = _FORTRAN.sub(r"\1e\2", text.replace("\N{MINUS SIGN}", "-"))
         return None if plain == text else _number(plain, decimal)
-
-
-def _plain(text: str) -> str:
-    """A number as typesetters (a true minus) and Fortran (5.0D-02) write it, as everybody else does."""
-    return _FORTRAN.sub(r"\1e\2", text.replace("\N{MINUS SIGN}", "-"))
 
 
 def _cells(where: str, line: str, separator: str) -> list[str]:
@@ -82,7 +78,8 @@ def _cells(where: str, line: str, separator: str) -> list[str]:
 def _separator(lines: Sequence[str]) -> tuple[str, str]:
     """The separator and decimal mark of these lines."""
     last = lines[-1]
-    if "," not in lines[0] and _is_text(lines[0]) and all(map(_DECIMAL_COMMA.match, lines[1:])):
+    text = any(character.isalpha() for character in lines[0])
+    if "," not in lines[0] and text and all(map(_DECIMAL_COMMA.match, lines[1:])):
         # one name above each pair of digits: a single column
         return ";", ","
     for separator in (";", "\t", ","):
@@ -94,19 +91,14 @@ def _separator(lines: Sequence[str]) -> tuple[str, str]:
     return ";" if single else "", "."
 
 
-def _is_text(line: str) -> bool:
-    return any(character.isalpha() for character in line)
-
-
 def _layout(path: Path, data: bytes | bytearray, skip_rows: int) -> _Layout:
     head = bytes(data[:_HEAD])
     lines = head.split(b"\n")
     if len(data) > _HEAD and len(lines) > 1:
         lines.pop()
     if skip_rows >= len(lines) and skip_rows > 0:
-        raise InputError(
-            f"{path}: --skip-rows", f"{skip_rows} of {len(lines)} lines", "fewer than there are is accepted"
-        )
+        found = f"{skip_rows} of {len(lines)} lines"
+        raise InputError(f"{path}: --skip-rows", found, "fewer than there are is accepted")
     offset = sum(len(line) + 1 for line in lines[:skip_rows])
     shown: list[tuple[int, int, str]] = []
     for number, raw in enumerate(lines[skip_rows:], skip_rows + 1):
@@ -215,8 +207,12 @@ def _bytes(path: Path) -> bytes | bytearray:
             data = unpacked(path, file) if packed else read_bytes(path)
     except OSError as error:
         raise InputError(str(path), error.strerror or "unreadable", "a file that can be read is accepted") from None
-    if data[:2] in _UTF_16:
-        data = _from_utf_16(path, data)
+    if data[:2] in _UTF_16:  # spreadsheets save "Unicode text" so
+        try:
+            data = data.decode("utf-16").encode("utf-8")
+        except UnicodeError:
+            accepted = "a text table in UTF-8 or UTF-16 is accepted"
+            raise InputError(str(path), "UTF-16 that is damaged", accepted) from None
     if b"\x00" in data[:_HEAD]:
         raise InputError(str(path), "binary content", "a text table in UTF-8, or in UTF-16 with its mark, is accepted")
     if b"\r" in data:
@@ -225,14 +221,6 @@ def _bytes(path: Path) -> bytes | bytearray:
     if rows > MOST_ROWS:
         raise InputError(str(path), f"{rows} lines", f"at most {MOST_ROWS} are accepted")
     return data
-
-
-def _from_utf_16(path: Path, data: bytes | bytearray) -> bytes:
-    """The same text in UTF-8: spreadsheets save "Unicode text" so."""
-    try:
-        return data.decode("utf-16").encode("utf-8")
-    except UnicodeError:
-        raise InputError(str(path), "UTF-16 that is damaged", "a text table in UTF-8 or UTF-16 is accepted") from None
 
 
 def _single_blanks(data: bytes | bytearray) -> bytes:
@@ -249,10 +237,9 @@ class TextTable(Table):
     def __init__(self, path: Path, skip_rows: int = 0) -> None:
         self._data = _bytes(path)
         self._layout = _layout(path, self._data, skip_rows)
-        split = [split_header(field) for field in self._layout.fields]
-        units = {i: u for i, (_, u) in enumerate(split) if u is not None}
+        names, units = split_headers(self._layout.fields)
         units |= {i: unit for i, unit in enumerate(self._layout.units) if unit}
-        super().__init__(path, [name for name, _ in split], units, self._layout.fields)
+        super().__init__(path, names, units, self._layout.fields)
 
     def read(self, positions: Sequence[int]) -> list[FloatArray]:
         """See Table."""
@@ -296,18 +283,16 @@ class TextTable(Table):
                 cells = _cells(where, text, self._layout.separator)
                 if len(cells) < len(self.names) and not self._data[end:].strip():
                     self._leave_out(f"Line {line}, the last one, is cut short: left out.")
-                elif not begun or self._is_row(cells):
+                elif not begun or any(self._says(cell) for cell in cells):
                     begun = True
                     yield line, cells
                 else:
                     self._leave_out(f"Line {line} holds text and no number: left out.")
             start, line = end + 1, line + 1
 
-    def _is_row(self, cells: Sequence[str]) -> bool:
-        """Whether any cell is a number, a time, or empty."""
-        return any(
-            _number(cell, self._layout.decimal) is not None or Clock().seconds(cell) is not None for cell in cells
-        )
+    def _says(self, cell: str) -> bool:
+        """Whether a cell is a number, a time, or empty."""
+        return _number(cell, self._layout.decimal) is not None or Clock().seconds(cell) is not None
 
     def _leave_out(self, said: str) -> None:
         if said not in self.mended:
