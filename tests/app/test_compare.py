@@ -233,9 +233,6 @@ def test_the_speed_of_a_slider_that_has_come_to_rest_tells_nothing_of_a_simulati
     slider = Decay.of(Slider(1.0, 1.6, 300.0, 0.4), 0.05)
     random = np.random.default_rng(seed)
     moved, there = free_decay(slider, t), free_decay(slider, dense)
-    noisy = {
-        "x": moved.x + 2e-5 * random.standard_normal(t.size),
-        "v": moved.v + 4e-4 * random.standard_normal(t.size),
-    }
+    noisy = {"x": moved.x + 2e-5 * random.standard_normal(t.size), "v": moved.v + 4e-4 * random.standard_normal(t.size)}
     found = harness.compare(Recording(dense, {"x": there.x, "v": there.v}), Recording(t, noisy))
     assert found.verdict == "same within noise"

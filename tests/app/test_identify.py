@@ -77,14 +77,7 @@ def test_the_trace_of_a_recording_is_a_recording(tmp_path: Path) -> None:
     assert again.estimates == result.estimates
 
 
-@pytest.mark.parametrize(
-    ("columns", "reason"),
-    [
-        ("t=t [ms],x=x [mm]", None),
-        ("x=#2[mm]", None),
-        ("x=#2[deg]", "rad"),
-    ],
-)
+@pytest.mark.parametrize(("columns", "reason"), [("t=t [ms],x=x [mm]", None), ("x=#2[mm]", None), ("x=#2[deg]", "rad")])
 def test_an_angle_is_estimated_in_rad(tmp_path: Path, columns: str, reason: str | None) -> None:
     path = recorded(tmp_path / "a.csv")
     columns = columns.replace("t=t [ms]", "t=t[ms]").replace("x=x [mm]", "x=x[mm]")

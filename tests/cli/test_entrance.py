@@ -75,11 +75,7 @@ def test_each_shell_gets_its_script(
 
 @pytest.mark.parametrize(
     ("words", "expected"),
-    [
-        ("harness id", {"identify"}),
-        ("harness run --pre", {"--preset"}),
-        ("harness run --engine mu", {"mujoco"}),
-    ],
+    [("harness id", {"identify"}), ("harness run --pre", {"--preset"}), ("harness run --engine mu", {"mujoco"})],
 )
 def test_what_completion_offers(
     words: str, expected: set[str], monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]

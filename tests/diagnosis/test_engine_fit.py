@@ -207,11 +207,7 @@ def test_a_rest_does_not_draw_a_trace_away_from_the_motion() -> None:
 )
 def test_mujocos_friction_is_a_regularised_friction(timeconst: float, d0: float, width: float) -> None:
     """v_r = f_k/(m d0 b), lead = 1/b with b = 2/(d_width timeconst), read from a noisy trace within 5 %."""
-    settings = {
-        "integrator": "RK4",
-        "solreffriction": (timeconst, 1.0),
-        "solimpfriction": (d0, width, 0.001, 0.5, 2.0),
-    }
+    settings = {"integrator": "RK4", "solreffriction": (timeconst, 1.0), "solimpfriction": (d0, width, 0.001, 0.5, 2.0)}
     motion = EngineSimulator.named("mujoco", "as-shipped", settings)(BASE, 3.0, 1e-4, None)
     every = slice(None, None, 40)
     sigma = {"x": 1e-4, "a": 1e-3 * 100.0}

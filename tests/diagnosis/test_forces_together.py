@@ -31,10 +31,7 @@ from harness.model.model import Model, ModelTerm, Restoring
 
 AXIS = Model(2.0, 3.0, 0.0, 1.5, restoring=Restoring.NONE)
 SPRUNG = Model(2.0, 3.0, 80.0, 1.5)
-WAVES = (
-    ((6.0, 3.1, 0.3), (4.0, 7.3, 1.1), (3.0, 14.0, 2.0)),
-    ((5.0, 2.3, 1.3), (5.0, 6.1, 0.1), (3.0, 11.0, 1.0)),
-)
+WAVES = (((6.0, 3.1, 0.3), (4.0, 7.3, 1.1), (3.0, 14.0, 2.0)), ((5.0, 2.3, 1.3), (5.0, 6.1, 0.1), (3.0, 11.0, 1.0)))
 NOISE = 0.1
 """Of the force, N."""
 

@@ -73,11 +73,7 @@ ONE_STEP = ("--engine", "mujoco", "--route", "joint", "--preset", "tuned", "--dt
 SWEEP = ("sweep", *ONE_STEP, "--jobs", "1", "--quiet", "--out", "out")
 PROVE = ("prove", "--singles", "1", "--controls", "1", "--pairs", "0", "--outside", "0", "--quiet", "--out", "out")
 CASES = {
-    "run": Case(
-        ("run", "--engine", "mujoco", "--preset", "tuned", "--quiet", "--out", "out"),
-        None,
-        of_run,
-    ),
+    "run": Case(("run", "--engine", "mujoco", "--preset", "tuned", "--quiet", "--out", "out"), None, of_run),
     "sweep": Case(SWEEP, (*SWEEP, "--resume"), of_sweep),
     "diagnose": Case(DIAGNOSE, (*DIAGNOSE, "--resume"), of_diagnose),
     "prove": Case(PROVE, ("prove", "--resume", "--quiet", "--out", "out"), of_prove),

@@ -24,11 +24,7 @@ KNOWN: dict[str, list[dict[str, Any]]] = {
             "solreffriction": (-1.0, -1.9 * 0.9999 / 4e-3),
             "solimpfriction": (0.9999, 0.9999, 0.001, 0.5, 2.0),
         },
-        {
-            "integrator": "RK4",
-            "solreffriction": (8e-3, 1.0),
-            "solimpfriction": (0.9999, 0.9999, 0.001, 0.5, 2.0),
-        },
+        {"integrator": "RK4", "solreffriction": (8e-3, 1.0), "solimpfriction": (0.9999, 0.9999, 0.001, 0.5, 2.0)},
     ],
     "pybullet": [{"linearDamping": 0.0, "angularDamping": 0.0}],
 }

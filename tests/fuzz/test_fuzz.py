@@ -149,10 +149,7 @@ def try_binary(kind: str, options: settings) -> None:
 
 _COLUMNS = "t x v u q = =t x= * , [ ] [m] [mm #1 #0 #999999 1e308 1e-400 - ( ² ** m deg __import__('os')"
 _UNITS = "m mm s g / * ** ^ 2 9 -1 ( ) ² ⁻¹ e . lbf degC delta_degF % count [ ] kilo µ nan inf 0"
-PIECES = [
-    *_COLUMNS.split(),
-    *("\x1b", "\n", " ", "9" * 50, "\u202e", "\ud800"),
-]
+PIECES = [*_COLUMNS.split(), *("\x1b", "\n", " ", "9" * 50, "\u202e", "\ud800")]
 UNITS = [*_UNITS.split(), " "]
 
 

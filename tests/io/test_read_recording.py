@@ -212,12 +212,7 @@ REFUSED: list[tuple[str, str, str, ReadOptions]] = [
         ReadOptions(),
     ),
     ("time and rate", edited(nothing), "--rate: given although a column", ReadOptions(rate=100.0)),
-    (
-        "no channel",
-        edited(nothing, "t,y"),
-        'the columns t, y; try: --columns "t=t,x=y"',
-        ReadOptions(),
-    ),
+    ("no channel", edited(nothing, "t,y"), 'the columns t, y; try: --columns "t=t,x=y"', ReadOptions()),
     (
         "time goes back",
         edited(backwards),

@@ -4,15 +4,7 @@ import numpy as np
 import pytest
 
 from harness.core.arrays import FloatArray
-from harness.proof.baselines.regression import (
-    BASE,
-    States,
-    name_by_r2,
-    name_by_sindy,
-    refusal,
-    regressors,
-    states_of,
-)
+from harness.proof.baselines.regression import BASE, States, name_by_r2, name_by_sindy, refusal, regressors, states_of
 from harness.proof.baselines.sysid import holdout_by_sysid
 from harness.proof.plant.base import Base
 from harness.proof.plant.effects import FAMILY

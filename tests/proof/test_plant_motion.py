@@ -91,11 +91,7 @@ def test_error_falls_with_tolerance() -> None:
 @pytest.mark.parametrize("solver", ["Radau", "LSODA"])
 @pytest.mark.parametrize(
     "friction",
-    [
-        coulomb(Level(3.0, 5.0, 0.6)),
-        bristle(Level(3.0, 5.0, 0.6), 400.0, 6.0),
-        regularised(Level(3.0, 3.0), 0.3, 0.01),
-    ],
+    [coulomb(Level(3.0, 5.0, 0.6)), bristle(Level(3.0, 5.0, 0.6), 400.0, 6.0), regularised(Level(3.0, 3.0), 0.3, 0.01)],
     ids=["coulomb-stribeck", "lugre", "regularised"],
 )
 def test_other_solvers_agree(solver: str, friction: DryFriction) -> None:
@@ -130,10 +126,7 @@ def test_direction_dependent_damping_is_another_zeta_each_way() -> None:
         (force_of("pendulum-stiffness"), lambda x: 100.0 * (1.0 - np.cos(x)) - 50.0 * x**2),
         (force_of("end-stop", gap=0.6, k_stop=80.0, side="upper"), lambda x: 40.0 * np.maximum(x - 0.6, 0.0) ** 2),
         (force_of("end-stop", gap=0.6, k_stop=80.0, side="lower"), lambda x: 40.0 * np.maximum(-x - 0.6, 0.0) ** 2),
-        (
-            force_of("backlash", gap=0.05),
-            lambda x: 50.0 * np.maximum(np.abs(x) - 0.05, 0.0) ** 2 - 50.0 * x**2,
-        ),
+        (force_of("backlash", gap=0.05), lambda x: 50.0 * np.maximum(np.abs(x) - 0.05, 0.0) ** 2 - 50.0 * x**2),
     ],
     ids=["cubic", "quadratic", "pendulum", "stop-upper", "stop-lower", "backlash"],
 )

@@ -3,14 +3,7 @@
 import secrets
 from pathlib import Path
 
-from harness.proof.seal import (
-    Ledger,
-    Sealed,
-    open_all,
-    seal_recordings,
-    seal_seed,
-    seal_verdicts,
-)
+from harness.proof.seal import Ledger, Sealed, open_all, seal_recordings, seal_seed, seal_verdicts
 from harness.proof.verify import check_verdicts
 
 SAID = b'{"verdict": "adequate"}'

@@ -7,10 +7,7 @@ from hypothesis import strategies as st
 
 from harness.core.trajectory import Source, Trajectory
 from harness.show.decimate import keep, position_at, position_error, reversal_times
-from harness.show.pack import (
-    pack,
-    unpack,
-)
+from harness.show.pack import pack, unpack
 
 finite = st.floats(allow_nan=False, allow_infinity=False)
 

@@ -77,8 +77,4 @@ class HighPrecisionDecay:
             (w1, w2), (r1, r2) = piece.weights, piece.roots
             tau = time - piece.begin
             e1, e2 = w1 * mp.exp(r1 * tau), w2 * mp.exp(r2 * tau)
-            return (
-                piece.centre + mp.re(e1 + e2),
-                mp.re(r1 * e1 + r2 * e2),
-                mp.re(r1 * r1 * e1 + r2 * r2 * e2),
-            )
+            return (piece.centre + mp.re(e1 + e2), mp.re(r1 * e1 + r2 * e2), mp.re(r1 * r1 * e1 + r2 * r2 * e2))

@@ -18,11 +18,7 @@ T = np.arange(N) / 200.0
 X = np.exp(-0.5 * T) * np.cos(10.0 * T)
 ROWS = ("t,x", *(f"{t:.6f},{x:.6f}" for t, x in zip(T, X, strict=True)))
 BASE: dict[str, object] = {"m": 1, "c": 1, "k": 100, "f_k": 3}
-MODEL: dict[str, object] = {
-    "schema": "harness.model/1",
-    "base": BASE,
-    "release": {"x0": 1, "v0": 0},
-}
+MODEL: dict[str, object] = {"schema": "harness.model/1", "base": BASE, "release": {"x0": 1, "v0": 0}}
 Make = Callable[[Path], object]
 
 
