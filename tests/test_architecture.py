@@ -28,7 +28,7 @@ MAY: dict[str, frozenset[str]] = {
     "robot": frozenset({"core", "model", "engines", "fit", "diagnosis"}),
     "proof": frozenset({"core"}),
     "io": frozenset({"core"}),
-    "show": frozenset({"core", "results"}),
+    "show": frozenset({"core", "results", "fidelity"}),
     "cli": frozenset({"app", "core", "results"}),
 }
 """What each room may import besides itself; app may import every room but cli and fit."""

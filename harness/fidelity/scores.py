@@ -156,3 +156,16 @@ def front(candidates: list[Point]) -> list[Point]:
         if not best or point.score < best[-1].score:
             best.append(point)
     return best
+
+
+def settings_of(row: Row) -> str:
+    """The settings of a row in one line: preset, integrator, step, and what was changed."""
+    changed = ", ".join(f"{name} {_text(value)}" for name, value in row["changed"].items() if name != "integrator")
+    step = "" if row["dt_s"] is None else f"{row['dt_s'] * 1e3:.4g} ms"
+    return ", ".join(filter(None, (row["preset"], row["integrator"], step, changed)))
+
+
+def _text(value: object) -> str:
+    if isinstance(value, list):
+        return " ".join(_text(inner) for inner in value)
+    return f"{value:.5g}" if isinstance(value, float) else str(value)

@@ -3,7 +3,7 @@
 import json
 import logging
 import time
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator
 from dataclasses import asdict, dataclass
 from itertools import chain
 from pathlib import Path
@@ -231,16 +231,3 @@ def _compute(
                 keep()
             raise
     return done
-
-
-def settings_of(row: Mapping[str, Any]) -> str:
-    """The settings of a row in one line: preset, integrator, step, and what was changed."""
-    changed = ", ".join(f"{name} {_text(value)}" for name, value in row["changed"].items() if name != "integrator")
-    step = "" if row["dt_s"] is None else f"{row['dt_s'] * 1e3:.4g} ms"
-    return ", ".join(filter(None, (row["preset"], row["integrator"], step, changed)))
-
-
-def _text(value: object) -> str:
-    if isinstance(value, list):
-        return " ".join(_text(inner) for inner in value)
-    return f"{value:.5g}" if isinstance(value, float) else str(value)

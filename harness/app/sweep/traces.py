@@ -6,15 +6,13 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
 from harness.app.shared.progress import SILENT, Progress
-from harness.app.sweep.sweep import TRACES, Sweep, SweepOptions, engines_for, settings_of
-from harness.core.errors import HarnessError, InputError
+from harness.app.sweep.sweep import TRACES, Sweep, SweepOptions, engines_for
+from harness.core.errors import InputError
 from harness.core.writing import explained
 from harness.fidelity.kind import kind_of
 from harness.fidelity.row import Spec, describe, measure_row, scenario_of, task
-from harness.fidelity.scores import badness
+from harness.fidelity.scores import badness, settings_of
 from harness.show.report.run_scene import run_scene
 from harness.show.stored import read_trace
 from harness.show.trace import write_trace
@@ -99,11 +97,3 @@ def recomputed(path: Path) -> tuple[dict[str, Any], dict[str, float | None]]:
     before = dict(row["metrics"])
     row["metrics"] = measure_row(stored.trajectories[1], scenario)
     return row, before
-
-
-def overlay(path: Path) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """t (s), engine's x and exact x (m) of a stored trace."""
-    trajectories = read_trace(path).trajectories
-    if len(trajectories) < 2:
-        raise HarnessError(f"{path}: holds no engine's motion")
-    return trajectories[1].t, trajectories[1].x, trajectories[0].x

@@ -1,32 +1,23 @@
 """The page of a sweep: scorecard, error against cost, convergence, creep, lift, worst traces."""
 
 from collections.abc import Mapping, Sequence
-from typing import Any
+from dataclasses import dataclass
+from typing import Any, NamedTuple
 
 import numpy as np
 from markupsafe import Markup
 
-from harness.results.common import Machine
-from harness.show.blocks import (
-    Block,
-    Cell,
-    Column,
-    Figure,
-    Folded,
-    Row,
-    Section,
-    Table,
-    Text,
-    by,
-    grade,
-    tabulated,
-    verdict,
-)
+from harness.core.trajectory import Trajectory
+from harness.fidelity.kind import Figure, Row, release
+from harness.fidelity.laws import DAMPING, MASS, SERVOS, STEP, STIFFNESS, WITHOUT_EFFECT
+from harness.fidelity.scores import COLUMNS, Card, badness, cards, front, points, settings_of
+from harness.results.sweep import Convergence
+from harness.show import blocks
+from harness.show.blocks import Block, Cell, Column, Folded, Section, Table, Text, by, grade, tabulated, verdict
 from harness.show.numbers import number
 from harness.show.plots import Trace, axes, dots, plain
-from harness.show.report.page import made_with
+from harness.show.sentences.sweep import about, headline, sentences
 
-Data = Mapping[str, Any]
 ROUTES = {
     "joint": "Joint friction",
     "contact": "Contact friction: a box on a floor",
@@ -37,40 +28,98 @@ _MARKS = {"as-shipped": "circle-open", "tuned": "diamond"}
 _LOG = {"type": "log", "exponentformat": "power", "dtick": 1}
 STEPS = (1e-4, 2e-3, 1e-2, 5e-2)
 """Relative distances from exact at which the colour changes."""
+_PERCENT = 100.0
+_DRAWN = 1500
+"""Samples of a curve of the worst rows."""
+_UNITS = {"m_s": ("mm/s", 1e3), "m": ("mm", 1e3), "s": ("ms", 1e3)}
+_MARGIN = {"l": 70, "r": 16, "t": 64, "b": 44}
 _SILENT = (
     "These are words and settings of friction that an engine takes and does not act on, or acts on unasked. The "
     "versions are those it was found in, and docs/fidelity.md names the test of each."
 )
 
 
-def sweep_sections(data: Data) -> list[Section]:
-    """Sections of the page; data : as harness.app.sweep.report makes it."""
-    silent = [f"{one['engine']}: {one['what']}." for one in data["silent"]]
+class Worst(NamedTuple):
+    """A row that is far from exact. file : its trace. exact, engine : both motions."""
+
+    row: Row
+    file: str
+    exact: Trajectory
+    engine: Trajectory
+
+
+@dataclass(frozen=True, slots=True)
+class _Engines:
+    """Names by engine and version: with the environment where there are two of an engine; each has its colour."""
+
+    names: Mapping[tuple[str, str], str]
+
+    def name(self, engine: str, version: str) -> str:
+        return self.names[engine, version]
+
+    def color(self, engine: str, version: str) -> str:
+        return _COLORS[sorted(set(self.names.values())).index(self.names[engine, version]) % len(_COLORS)]
+
+    def table(self, corner: str, columns: Sequence[Column], rows: Sequence[Row], caption: str) -> Table:
+        """A line a row, each under its engine and, where the corner says so, its route."""
+        return tabulated(
+            corner,
+            columns,
+            rows,
+            lambda row: self.name(row["engine"], row["version"]) + f" {row['route']}" * ("route" in corner),
+            lambda row: f"{row['version']}, {settings_of(row)}",
+            lambda row: self.color(row["engine"], row["version"]),
+            caption=caption,
+        )
+
+
+def sweep_sections(
+    rows: Sequence[Row], orders: Sequence[Convergence], worst: Sequence[Worst], notes: Sequence[str]
+) -> list[Section]:
+    """rows : of the suite's own sliders. orders : measured. worst : the worst of them. notes : what to say besides."""
+    places = {(row["engine"], row["version"]): row["environment"] for row in rows}
+    several = {name for name, _ in places if sum(name == other for other, _ in places) > 1}
+    named = {
+        (name, version): f"{name} ({place})" if place and name in several else name
+        for (name, version), place in places.items()
+    }
+    engines, scored = _Engines(named), cards(rows)
+    said = [*sentences(scored), *notes]
+    silent = [f"{one.engine}: {one.what}." for one in WITHOUT_EFFECT]
+    alike = _one_step_each(rows)
+    lifting = [row for row in alike if row["scenario"].startswith("free-decay") and row["slider"]["f_k"] > 0.0]
+    lifting = [row for row in lifting if row["metrics"].get("lift_m") is not None]
     return [
-        verdict(data["headline"], heading="Conclusions"),
-        _scorecard(data["cards"], data["figures"]),
-        verdict("", data["sentences"], data["about"], "What to change, and what stays wrong"),
-        _pareto(data["points"]),
-        _orders(data["orders"]),
-        _creep(data["creep"]),
-        *([_lift(data["lift"])] if data["lift"] else []),
-        *([_worst(data["worst"])] if data["worst"] else []),
-        _servos(**data["servo"]),
-        verdict("", [*silent, _SILENT], [one["engine"] for one in data["silent"]], "Words that do nothing"),
-        made_with(Machine.model_validate(data["machine"]), data["files"], data["command"]),
+        verdict(headline(scored), heading="Conclusions"),
+        _scorecard(scored, engines),
+        verdict("", said, [about(card) for card in scored], "What to change, and what stays wrong"),
+        _pareto(rows, engines),
+        _orders(orders, engines),
+        _creep(alike, engines),
+        *([_lift(lifting, engines)] if lifting else []),
+        *([_worst(worst, engines)] if worst else []),
+        _servos(),
+        verdict("", [*silent, _SILENT], [one.engine for one in WITHOUT_EFFECT], "Words that do nothing"),
     ]
 
 
-def engine_color(engine: str, engines: Sequence[str]) -> str:
-    """The colour of an engine among these."""
-    return _COLORS[list(engines).index(engine) % len(_COLORS)]
+def _one_step_each(rows: Sequence[Row]) -> list[Row]:
+    """Of rows that differ in their step alone, those at the step nearest to 1 ms by ratio."""
+
+    def settings(row: Row) -> tuple[str, ...]:
+        # settings that follow the step are the same settings
+        changed = {name: value for name, value in row["changed"].items() if not name.startswith(("solref", "solimp"))}
+        return row["engine"], row["version"], row["route"], row["preset"], repr(changed), row["integrator"]
+
+    steps: dict[tuple[str, ...], set[float]] = {}
+    for row in rows:
+        if row["dt_s"] is not None:
+            steps.setdefault(settings(row), set()).add(row["dt_s"])
+    nearest = {key: min(found, key=lambda dt: abs(np.log(dt / 1e-3))) for key, found in steps.items()}
+    return [row for row in rows if row["dt_s"] is not None and row["dt_s"] == nearest[settings(row)]]
 
 
-def _scorecard(cards: Sequence[Data], figures: Sequence[Data]) -> Section:
-    """cards : a line each ("engine", "version", "route", "preset", "step", "settings", "values", "physical", "errors").
-
-    figures : a column each ("label", "good").
-    """
+def _scorecard(scored: Sequence[Card], engines: _Engines) -> Section:
     caption = (
         "Distance from the exact answer, relative, as shipped beside tuned: green is as good as exact (below "
         "0.01 %), red is off by more than 5 %. Small, below it, the measured value. What a column means, and every "
@@ -78,19 +127,23 @@ def _scorecard(cards: Sequence[Data], figures: Sequence[Data]) -> Section:
     )
     tables: list[Table] = []
     for route, title in ROUTES.items():
-        lines = [card for card in cards if card["route"] == route]
-        used = [one for one in figures if any(card["values"].get(one["label"]) is not None for card in lines)]
-        notes = [f"{card['engine']} {card['preset']}: {text}" for card in lines for text in card["errors"]]
-        for group in dict.fromkeys(one["group"] for one in used):
-            here = [one for one in used if one["group"] == group]
+        lines = [card for card in scored if card.route == route]
+        heads = {id(card): f"{engines.name(card.engine, card.version)} {card.preset}" for card in lines}
+        notes = [f"{heads[id(card)]}: {text}" for card in lines for text in card.errors]
+        groups: dict[str, list[Figure]] = {}
+        for scenario, figure in COLUMNS:
+            if any(card.values.get(figure.label) is not None for card in lines):
+                group = "free decay" if scenario.startswith("free-decay") else "hold, belt, harmonic force"
+                groups.setdefault(group, []).append(figure)
+        for group, figures in groups.items():
             tables.append(
                 tabulated(
                     "engine",
-                    [Column(one["label"], by(one["label"], _scored), "", one["good"]) for one in here],
+                    [Column(one.label, by(one, _scored), "", one.good) for one in figures],
                     lines,
-                    lambda card: f"{card['engine']} {card['preset']}",
-                    lambda card: f"{card['version']}, {card['step']}",
-                    _color,
+                    lambda card: heads[id(card)],  # noqa: B023  (called at once)
+                    lambda card: f"{card.version}, {'' if card.dt_s is None else f'{card.dt_s * 1e3:.4g} ms'}",
+                    lambda card: engines.color(card.engine, card.version),
                     caption="" if tables else caption,
                     title=f"{title}: {group}",
                     footnotes=notes,
@@ -100,85 +153,82 @@ def _scorecard(cards: Sequence[Data], figures: Sequence[Data]) -> Section:
     return Section("Scorecard", tables or [Text("There is nothing to show.")])
 
 
-def _scored(card: Data, label: str) -> Cell:
-    """The cell of a figure."""
-    value, physical = card["values"].get(label), card["physical"].get(label)
-    text = number(None) if value is None else f"{number(100.0 * value, 2)} %"
-    return Cell(text, (physical,) if physical else (), grade(value, STEPS), card["settings"])
+def _scored(card: Card, figure: Figure) -> Cell:
+    """The cell of a figure: its distance from exact, and the metric itself in a unit for people."""
+    value = card.values.get(figure.label)
+    text, metric = number(None) if value is None else f"{number(100.0 * value, 2)} %", figure.metric
+    physical = card.rows[figure.label]["metrics"].get(metric) if figure.label in card.rows else None
+    unit, factor = next((known for end, known in _UNITS.items() if metric.endswith(f"_{end}")), ("", 1.0))
+    notes = () if physical is None else (f"{physical * factor:.4g} {unit}".rstrip(),)
+    settings = next(iter(card.rows.values()))["settings"] if card.rows else {}
+    hint = ", ".join(f"{name} {value}" for name, value in settings.items() if name not in ("route", "restoring"))
+    return Cell(text, notes, grade(value, STEPS), hint)
 
 
-def _color(one: Data) -> str:
-    return str(one["color"])
-
-
-def _about(one: Data) -> str:
-    return f"{one['version']}, {one['settings']}"
-
-
-def _pareto(points: Sequence[Data]) -> Section:
-    """points : ("engine", "version", "route", "preset", "settings", "cost", "error", "best") each."""
-    figures = []
+def _pareto(rows: Sequence[Row], engines: _Engines) -> Section:
+    """Score over cost of every set of settings."""
+    figures, every = [], points(rows)
+    caption = (
+        "The score is the geometric mean of the figures of the scorecard over all scenarios of a setting "
+        "(each at least 1e-6): lower is better. Open circles ship, diamonds are tuned, dots are other settings."
+    )
     for route, title in ROUTES.items():
-        here = [point for point in points if point["route"] == route]
+        here = [point for point in every if point.row["route"] == route]
         if not here:
             continue
-        traces = [
-            _points([one for one in here if one["engine"] == name]) for name in dict.fromkeys(p["engine"] for p in here)
-        ]
-        best = sorted((point for point in here if point["best"]), key=lambda point: float(point["cost"]))
-        cost, error = (np.array([point[name] for point in best]) for name in ("cost", "error"))
+        traces = list[Trace]()
+        for name in dict.fromkeys(engines.name(p.row["engine"], p.row["version"]) for p in here):
+            mine = [p for p in here if engines.name(p.row["engine"], p.row["version"]) == name]
+            first = mine[0].row
+            cost, score = np.array([point.cost for point in mine]), np.array([point.score for point in mine])
+            hover = "%{text}<br>%{x:.3g}, %{y:.3g}<extra>" + f"{name} {first['version']}</extra>"
+            marks = [_MARKS.get(point.row["preset"], "circle") for point in mine]
+            marker = {"color": engines.color(first["engine"], first["version"]), "size": 9, "symbol": marks}
+            text = [settings_of(point.row) for point in mine]
+            traces.append(dots(f"{name} {first['version']}", cost, score, marker, hover, text=text))
+        best = sorted(front(here), key=lambda point: point.cost)
         line = {"color": "muted", "width": 1, "dash": "dot", "shape": "hv"}
-        traces.append(plain("nothing is both cheaper and better", cost, error, "muted", line=line, hoverinfo="skip"))
-        layout = axes("wall time for one second of motion / s", "score", margin={"l": 70, "r": 16, "t": 64, "b": 44})
+        cost, score = np.array([point.cost for point in best]), np.array([point.score for point in best])
+        traces.append(plain("nothing is both cheaper and better", cost, score, "muted", line=line, hoverinfo="skip"))
+        layout = axes("wall time for one second of motion / s", "score", margin=_MARGIN)
         layout["title"] = {"text": title, "font": {"size": 13}, "x": 0.01, "y": 0.99}
         for axis in ("xaxis", "yaxis"):
             layout[axis] |= _LOG
-        caption = (
-            "The score is the geometric mean of the figures of the scorecard over all scenarios of a setting "
-            "(each at least 1e-6): lower is better. Open circles ship, diamonds are tuned, dots are other settings."
-        )
-        figures.append(Figure(f"pareto-{route}", traces, layout, caption, height=400))
+        figures.append(blocks.Figure(f"pareto-{route}", traces, layout, caption, height=400))
     return Section("Error against cost", figures)
 
 
-def _points(mine: Sequence[Data]) -> Trace:
-    """Points of one engine."""
-    name = f"{mine[0]['engine']} {mine[0]['version']}"
-    marks = [_MARKS.get(point["preset"], "circle") for point in mine]
-    cost, error = (np.array([point[key] for point in mine]) for key in ("cost", "error"))
-    hover = "%{text}<br>%{x:.3g}, %{y:.3g}<extra>" + f"{name}</extra>"
-    marker = {"color": mine[0]["color"], "size": 9, "symbol": marks}
-    return dots(name, cost, error, marker, hover, text=[point["settings"] for point in mine])
+def _orders(orders: Sequence[Convergence], engines: _Engines) -> Section:
+    def color(one: Convergence) -> str:
+        return engines.color(one.engine, one.version)
 
-
-def _orders(orders: Sequence[Data]) -> Section:
-    """orders : as in harness.sweep/1, with "color"."""
-    blocks: list[Block] = []
+    drawn: list[Block] = []
     for scenario, what in (("free-decay-no-friction", "without friction"), ("free-decay", "with friction")):
         traces = [
             plain(
-                f"{one['engine']} {one['preset']}, {one['integrator']}",
-                np.array(one["dt_s"]) * 1e3,
-                np.array(one["error"]) * 1e3,
-                one["color"],
+                f"{engines.name(one.engine, one.version)} {one.preset}, {one.integrator}",
+                np.array(one.dt_s) * 1e3,
+                np.array(one.error) * 1e3,
+                color(one),
                 mode="lines+markers",
-                line={"color": one["color"], "dash": "dash" if one["preset"] == "as-shipped" else "solid"},
-                hovertemplate=f"{one['version']}, order {one['order']:.2f}<br>%{{x:.3g}} ms: %{{y:.3g}} mm",
+                line={"color": color(one), "dash": "dash" if one.preset == "as-shipped" else "solid"},
+                hovertemplate=f"{one.version}, order {one.order:.2f}<br>%{{x:.3g}} ms: %{{y:.3g}} mm",
             )
             for one in orders
-            if one["scenario"] == scenario and one["route"] == "joint"
+            if one.scenario == scenario and one.route == "joint"
         ]
-        layout = axes("step / ms", "largest position error / mm", margin={"l": 70, "r": 16, "t": 90, "b": 44})
+        layout = axes("step / ms", "largest position error / mm", margin=_MARGIN | {"t": 90})
         layout["xaxis"]["type"] = "log"
         layout["yaxis"] |= _LOG
         if traces:
-            blocks.append(Figure(f"order-{scenario}", traces, layout, f"Free decay {what}, joint route.", height=420))
+            said = f"Free decay {what}, joint route."
+            drawn.append(blocks.Figure(f"order-{scenario}", traces, layout, said, height=420))
     columns = [
-        Column("scenario", lambda one: one["scenario"]),
-        Column("metric", lambda one: one["metric"]),
-        Column("order", lambda one: number(one["order"], 3)),
-        Column("scatter", lambda one: f"x{one['spread']:.2g}"),
-        Column("finest error", lambda one: number(one["error"][-1], 2)),
+        Column("scenario", lambda one: one.scenario),
+        Column("metric", lambda one: one.metric),
+        Column("order", lambda one: number(one.order, 3)),
+        Column("scatter", lambda one: f"x{one.spread:.2g}"),
+        Column("finest error", lambda one: number(one.error[-1], 2)),
     ]
     caption = (
         "error ~ step^order. Without friction the order is the scheme's; with friction a reversal falls somewhere "
@@ -188,107 +238,107 @@ def _orders(orders: Sequence[Data]) -> Section:
         "setting",
         columns,
         orders,
-        lambda one: f"{one['engine']} {one['preset']}",
-        lambda one: f"{one['version']}, {one['route']}, {one['integrator']}",
-        _color,
+        lambda one: f"{engines.name(one.engine, one.version)} {one.preset}",
+        lambda one: f"{one.version}, {one.route}, {one.integrator}",
+        color,
         caption=caption,
     )
     every = Folded("All measured orders", [table]) if orders else Text("No setting was run at three steps or more.")
-    return Section("Convergence in the step", [*blocks, every])
+    return Section("Convergence in the step", [*drawn, every])
 
 
-def _creep(rows: Sequence[Data]) -> Section:
-    """Creep at both loads; rows : ("engine", "version", "route", "settings", "half", "most", "color"), m/s."""
+def _creep(rows: Sequence[Row], engines: _Engines) -> Section:
+    """Creep at both loads, a line for both rows of the same settings."""
+    found: dict[tuple[str, ...], dict[str, Any]] = {}
+    for row in rows:
+        if row["scenario"] in ("hold-50", "hold-97") and row["route"] != "law" and row["error"] is None:
+            key = (row["engine"], row["version"], row["route"], settings_of(row))
+            found.setdefault(key, dict(row))[row["scenario"]] = row["metrics"]["creep_m_s"]
 
-    def creep(row: Data, load: str) -> Cell:
-        speed = row[load]
+    def creep(row: Row, load: str) -> Cell:
+        speed = row.get(load)
         shown = number(None if speed is None else speed * 1e6, 3)
         return Cell(shown, grade=grade(speed, (1e-9, 1e-7, 1e-6, 1e-4)))
 
     columns = [
-        Column("at 50 %", by("half", creep), "µm/s", "creep at half of the break-away force"),
-        Column("at 97 %", by("most", creep), "µm/s", "creep at 97 % of the break-away force"),
+        Column("at 50 %", by("hold-50", creep), "µm/s", "creep at half of the break-away force"),
+        Column("at 97 %", by("hold-97", creep), "µm/s", "creep at 97 % of the break-away force"),
     ]
     caption = "A slider held below break-away does not move; what moves here is the engine's. Colour: against 1 µm/s."
-    table = tabulated(
-        "engine, route", columns, rows, lambda row: f"{row['engine']} {row['route']}", _about, _color, caption=caption
+    return Section(
+        "Creep under a static load", [engines.table("engine, route", columns, list(found.values()), caption)]
     )
-    return Section("Creep under a static load", [table])
 
 
-def _lift(rows: Sequence[Data]) -> Section:
-    """Where a box stays on its floor; rows : ("engine", "settings", "speed", "lift", "normal", "ratio", ...)."""
+def _lift(rows: Sequence[Row], engines: _Engines) -> Section:
+    """Where a box stays on its floor."""
 
-    def share(row: Data, name: str, value: float, steps: tuple[float, float, float, float]) -> Cell:
-        return Cell(number(value, 3), grade=grade(row[name], steps))
+    def shown(metric: str, factor: float, steps: tuple[float, float, float, float], relative: bool) -> Any:
+        def cell(row: Row) -> Cell:
+            value = row["metrics"][metric] if metric != "lift_m" else max(0.0, row["metrics"][metric])
+            share = value / release(row) if relative else value
+            return Cell(number((share if factor == _PERCENT else value) * factor, 3), grade=grade(share, steps))
+
+        return cell
 
     columns = [
-        Column("release", lambda row: number(row["release"], 3), "m"),
+        Column("release", lambda row: number(release(row), 3), "m"),
         Column(
             "mu v / g",
-            lambda row: number(row["ratio"] * 1e3, 3),
+            lambda row: number(row["metrics"]["mu_v_over_g_s"] * 1e3, 3),
             "ms",
             "largest coefficient of friction times speed over gravity",
         ),
-        Column(
-            "lift",
-            lambda row: Cell(number(row["lift"] * 1e3, 3), grade=grade(row["lift"] / row["release"], STEPS)),
-            "mm",
-            "largest height over the place of rest",
-        ),
+        Column("lift", shown("lift_m", 1e3, STEPS, True), "mm", "largest height over the place of rest"),
         Column(
             "normal force off by",
-            lambda row: share(row, "normal", row["normal"] * 100.0, (1e-3, 1e-2, 0.1, 1.0)),
+            shown("normal_error", _PERCENT, (1e-3, 1e-2, 0.1, 1.0), False),
             "%",
             "largest |N/(m g) - 1|",
         ),
-        Column("position error", lambda row: share(row, "error", row["error"] * 100.0, STEPS), "%", "over the release"),
+        Column("position error", shown("max_error_m", _PERCENT, STEPS, True), "%", "over the release"),
     ]
     caption = (
         "A friction cone that is solved as one turns sliding into lift, at a rate of mu v against gravity. The same "
         "free decay at one, three and ten times the size: a box stays on the floor where lift stays green."
     )
-    table = tabulated("engine", columns, rows, lambda row: row["engine"], _about, _color, caption=caption)
-    return Section("Contact: lift against mu v", [table])
+    return Section("Contact: lift against mu v", [engines.table("engine", columns, rows, caption)])
 
 
-def _worst(traces: Sequence[Data]) -> Section:
-    """traces : ("head", "file", "settings", "badness", "t", "x", "exact") each, times in s, positions in m."""
+def _worst(found: Sequence[Worst], engines: _Engines) -> Section:
     said = Markup(
         "The rows that are farthest from exact, with the exact motion over the engine's. Each is a trace that opens in"
         " the viewer: <code>harness view FILE</code>."
     )
-    blocks: list[Block] = [Text(said)]
-    for place, one in enumerate(traces, 1):
+    drawn: list[Block] = [Text(said)]
+    for place, one in enumerate(found, 1):
+        row, t = one.row, one.engine.t
+        chosen = np.unique(np.linspace(0, t.size - 1, min(_DRAWN, t.size)).astype(np.int64))
         curves = [
-            plain("exact", one["t"], one["exact"] * 1e3, "ink", 2.4),
-            plain("engine", one["t"], one["x"] * 1e3, one["color"]),
+            plain("exact", t[chosen], one.exact.x[chosen] * 1e3, "ink", 2.4),
+            plain("engine", t[chosen], one.engine.x[chosen] * 1e3, engines.color(row["engine"], row["version"])),
         ]
-        line = f"{one['settings']}: worst figure off by {number(100.0 * one['badness'], 3)} %."
-        file = f"traces/{one['file']}"
-        blocks += [
-            Text(f"{place}. {one['head']}", "heading"),
+        line = f"{settings_of(row)}: worst figure off by {number(100.0 * badness(row), 3)} %."
+        file = f"traces/{one.file}"
+        drawn += [
+            Text(f"{place}. {row['engine']} {row['version']}, {row['route']}, {row['scenario']}", "heading"),
             Text(line, "table-caption", (file, file)),
-            Figure(f"worst-{place}", curves, axes("time / s", "position / mm"), height=260),
+            blocks.Figure(f"worst-{place}", curves, axes("time / s", "position / mm"), height=260),
         ]
-    return Section("Worst rows", blocks)
+    return Section("Worst rows", drawn)
 
 
-def _servos(about: str, rows: Sequence[Data], exact: float) -> Section:
-    """about : the servo in words. exact : its zeta.
-
-    rows : ("who", "n", "own", "false_damping" in N s/m, "zeta") each.
-    """
-    lines = [
-        Row(
-            f"{'own drive' if one['own'] else 'held torque'}, n = {one['n']}",
-            [
-                Cell(f"{one['false_damping']:+.3g}" if one["false_damping"] else "0"),
-                Cell(number(one["zeta"], 3), grade=grade(one["zeta"] / exact - 1.0)),
-            ],
-        )
-        for one in rows
+def _servos() -> Section:
+    about = (
+        f"What the way a servo is computed does to its damping, from the laws of docs/fidelity.md: stiffness "
+        f"{STIFFNESS:g} N/m, step {STEP * 1e3:g} ms, {MASS:g} kg, {DAMPING:g} N s/m."
+    )
+    columns = [
+        Column("false damping", lambda one: f"{one.false_damping:+.3g}" if one.false_damping else "0", "N s/m"),
+        Column("ζ becomes", lambda one: Cell(number(one.zeta, 3), grade=grade(one.zeta / SERVOS[0].zeta - 1.0))),
     ]
-    notes = [f"{row.head}: {one['who']}." for row, one in zip(lines, rows, strict=True)]
-    columns = [Column("false damping", str, "N s/m"), Column("ζ becomes", str)]
-    return Section("A robot's servo", [Table("n sub-steps", columns, lines, about, footnotes=notes)])
+    heads = [f"{'own drive' if one.own else 'held torque'}, n = {one.n}" for one in SERVOS]
+    notes = [f"{head}: {one.who}." for head, one in zip(heads, SERVOS, strict=True)]
+    named = dict(zip(SERVOS, heads, strict=True))
+    table = tabulated("n sub-steps", columns, SERVOS, named.__getitem__, caption=about, footnotes=notes)
+    return Section("A robot's servo", [table])

@@ -1,8 +1,9 @@
 """What a sweep shows, in sentences: which settings to change, and what stays wrong."""
 
 from collections.abc import Mapping, Sequence
-from typing import Any, Protocol
+from typing import Any
 
+from harness.fidelity.scores import Card
 from harness.show.numbers import engine_name
 
 ROUTES = {"joint": "joint friction", "contact": "contact friction", "law": "the clipped force law"}
@@ -11,38 +12,6 @@ NOTICEABLE = 0.01
 """A distance from exact above this is worth a sentence."""
 MOST = 3
 """Figures that a sentence names."""
-
-
-class Card(Protocol):
-    """A line of the scorecard: an engine's figures on a route under a preset, and the rows they are from, by label."""
-
-    @property
-    def engine(self) -> str:
-        """Its name."""
-
-    @property
-    def version(self) -> str:
-        """Of its package."""
-
-    @property
-    def environment(self) -> str:
-        """Name of the one it ran in, empty for that of the process."""
-
-    @property
-    def route(self) -> str:
-        """Where friction lives."""
-
-    @property
-    def preset(self) -> str:
-        """As shipped or tuned."""
-
-    @property
-    def values(self) -> Mapping[str, float | None]:
-        """Figures, 0 where exact."""
-
-    @property
-    def rows(self) -> Mapping[str, Mapping[str, Any]]:
-        """As a result holds them."""
 
 
 def headline(cards: Sequence[Card]) -> str:
