@@ -1,5 +1,6 @@
 """Shared fixtures: the long forms stay out of the default run, recordings are found where they are."""
 
+import gc
 import os
 import shutil
 import sys
@@ -9,6 +10,8 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+# what is imported for the tests stays: it is looked through once, and not again whenever something may be left over
+gc.disable()
 # a worker has one core: threads of its linear algebra, and its own, would only wait for each other
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 if "PYTEST_XDIST_WORKER" in os.environ:
@@ -58,6 +61,12 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
         return
     config.hook.pytest_deselected(items=[item for item in items if item.get_closest_marker("full")])
     items[:] = [item for item in items if not item.get_closest_marker("full")]
+
+
+def pytest_collection_finish() -> None:
+    """See the beginning."""
+    gc.freeze()
+    gc.enable()
 
 
 class BesideShared(LoadScopeScheduling):  # type: ignore[misc, unused-ignore]
