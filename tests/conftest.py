@@ -10,8 +10,6 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-# what is imported for the tests stays: it is looked through once, and not again whenever something may be left over
-gc.disable()
 # a worker has one core: threads of its linear algebra, and its own, would only wait for each other
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 if "PYTEST_XDIST_WORKER" in os.environ:
@@ -25,6 +23,8 @@ from xdist.scheduler import LoadScopeScheduling
 from harness.core.apart import read_apart
 from harness.engines.registry import NO_PYBULLET
 
+# what is imported for the tests stays: it is looked through once, and not again whenever something may be left over
+gc.disable()
 settings.register_profile("stable", derandomize=True, deadline=None, max_examples=60, print_blob=False)
 settings.load_profile("stable")
 

@@ -1,16 +1,12 @@
-"""The search that is steered by branches, for a moment; its long form is ``python tests/fuzz --seconds 600``."""
+"""The search that is steered by branches, for a moment; its long form is ``python -m benchmarks.fuzz``."""
 
-import subprocess
-import sys
 from pathlib import Path
 
 import pytest
-from fuzz_guided import stored
-from fuzz_targets import NAMES, TARGETS, Target
 
+from benchmarks.fuzz.search import Search, stored
+from benchmarks.fuzz.targets import NAMES, TARGETS, Target
 from harness.core.errors import HarnessError
-
-ROOT = Path(__file__).resolve().parents[2]
 
 
 @pytest.mark.parametrize("name", [name for name, target in TARGETS.items() if not target.apart])
@@ -32,7 +28,8 @@ def answered(target: Target, path: Path) -> str:
 
 
 def test_a_short_search_finds_nothing_wrong() -> None:
-    line = [sys.executable, str(ROOT / "tests" / "fuzz"), "--seconds", "0.7", "--seed", "1", "table", "model", "npz"]
-    done = subprocess.run(line, capture_output=True, text=True, check=False)
-    assert (done.returncode, done.stderr) == (0, "")
-    assert done.stdout.count(" 0 wrong") == 3
+    for name in ("table", "model", "npz"):
+        search = Search(name, 1)
+        search.run(0.7)
+        assert search.tried > 0
+        assert search.wrong == {}

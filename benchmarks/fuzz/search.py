@@ -1,4 +1,4 @@
-"""A search for what breaks a reader, steered by the branches of our own code: ``python tests/fuzz --seconds 60``.
+"""A search for what breaks a reader, steered by the branches of our own code: ``python -m benchmarks.fuzz``.
 
 An input that reaches a pair of lines which none before has reached is kept and changed further. Files that the program
 reads in this process must give an answer or an error for people, within 5 s and 2 GiB; what it reads in a process of
@@ -25,9 +25,9 @@ from pathlib import Path
 from types import FrameType
 from typing import Any
 
-from fuzz_targets import NAMES, TARGETS, Target
 from mutations import NUMBERS, Change, applied, spots
 
+from benchmarks.fuzz.targets import NAMES, TARGETS, Target
 from harness.core.errors import HarnessError
 
 ROOT = Path(__file__).resolve().parents[2]

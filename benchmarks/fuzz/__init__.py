@@ -1,0 +1,1 @@
+"""A search for what breaks a reader, steered by branches."""
