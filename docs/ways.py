@@ -17,7 +17,7 @@ BEGIN, END = "<!-- written by python docs/ways.py -->\n", "<!-- end -->"
 WAYS = {
     "a recording": ("harness.app.diagnose.many.diagnose",),
     "a slider": (
-        "harness.app.run.run.RunOptions.named",
+        "harness.app.run.run.RunOptions.asked",
         "harness.app.run.case.SuiteCase.exact",
         "harness.app.run.case.SuiteCase.simulated",
         "harness.app.run.case.SuiteCase.metrics",

@@ -98,7 +98,7 @@ def compare(
     trace, as the command leaves them. Raises InputError when one cannot be read or the two have nothing in common,
     StoreError when ``out`` cannot be written.
     """
-    from harness.app.compare.compare import deliver, result_of
+    from harness.app.compare import deliver, result_of
 
     traces = _recording(sim), _recording(real)
     return result_of(*traces, shift=shift)[0] if out is None else deliver(*traces, Path(out), shift=shift)
@@ -138,7 +138,6 @@ def diagnose(
     """
     from harness.app.diagnose.one import answer, deliver
     from harness.app.diagnose.options import DiagnoseOptions
-    from harness.app.diagnose.together import answer_together, deliver_together
     from harness.app.run.simulate import model_of
     from harness.app.shared.reading import ReadOptions
 
@@ -161,7 +160,7 @@ def diagnose(
     )
     if not isinstance(recording, Recording | str | PathLike):
         several = [_recording(one) for one in recording]
-        return answer_together(several, options) if out is None else deliver_together(several, options, Path(out))
+        return answer(several, options) if out is None else deliver(several, options, Path(out), "together")
     found = _recording(recording, options.reading.covariates)
     return answer(found, options) if out is None else deliver(found, options, Path(out))
 
@@ -244,8 +243,7 @@ def diagnose_joint(
     Raises InputError, SimulationError, StoreError.
     """
     from harness.app.diagnose.joint import diagnose_joint as computed
-    from harness.app.diagnose.options import DiagnoseOptions
-    from harness.app.diagnose.robot_options import RobotOptions
+    from harness.app.diagnose.options import DiagnoseOptions, RobotOptions
     from harness.app.shared.reading import ReadOptions
 
     asked = RobotOptions.chosen(

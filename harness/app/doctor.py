@@ -5,6 +5,7 @@ import subprocess
 import sys
 import tempfile
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 
 from harness.app.shared.machine import package_version, this_machine
@@ -14,12 +15,20 @@ from harness.results.common import Check, DoctorResult
 BROWSERS = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable", "firefox")
 ALWAYS = ("python", "engine mujoco", "models", "numba cache", "rerun viewer")
 """Checks that must pass; the others are optional, and so are engines that this Python cannot have."""
+_EXTRAS = {"distributed": ("sweeps on a cluster", "cluster"), "rosbags": ("robot logs in ROS bags", "bags")}
+_ELSEWHERE = "python3.11 -m venv ENV; ENV/bin/pip install {0} scipy numba platformdirs; --engine {1}@ENV/bin/python"
+_REMEDY = {name: f"pip install 'friction-harness[{name}]'" for name in ("dart", "rapier", "drake")} | {
+    "physx": _ELSEWHERE.format("ovphysx physx-usd-schemas newton-usd-schemas", "physx") + " (NVIDIA's licence)",
+    "newton": _ELSEWHERE.format("'newton[sim]'", "newton"),
+}
+"""physx can also be had here as an extra; newton asks for another mujoco than ours."""
+_ENV = {"PATH": "/usr/bin:/bin", "RERUN_ANALYTICS": "0"}
 
 
 def doctor() -> DoctorResult:
     """Look at the installation; nothing is changed and nothing is raised for what is missing."""
     with tempfile.TemporaryDirectory() as folder, journal(Path(folder) / "log.txt"):
-        checks = [_python(), *_engines(), _models(), _numba_cache(), _viewer(), _vulkan(), _browser(), *_extras()]
+        checks = [_python(), *_engines(), _models(), _numba_cache(), _viewer(), *_beside()]
     return DoctorResult(checks=checks, machine=this_machine())
 
 
@@ -43,25 +52,15 @@ def _python() -> Check:
 def _engines() -> list[Check]:
     from harness.engines import registry
 
-    return [_engine(name) for name in registry.names()]
-
-
-def _engine(name: str) -> Check:
-    from harness.engines import registry
-
-    needed = f"simulations in {name}" if f"engine {name}" in _required() else f"simulations in {name} (optional)"
-    remedy = _REMEDY.get(name, f"pip install {name}")
-    if name == "pybullet" and sys.version_info >= registry.NO_PYBULLET:
-        remedy = "use Python 3.11: PyBullet has no wheel above it; or build it from source: pip install pybullet"
-    return _tried(f"engine {name}", needed, remedy, lambda: f"version {registry.load(name).version()}")
-
-
-_ELSEWHERE = "python3.11 -m venv ENV; ENV/bin/pip install {0} scipy numba platformdirs; --engine {1}@ENV/bin/python"
-_REMEDY = {name: f"pip install 'friction-harness[{name}]'" for name in ("dart", "rapier", "drake")} | {
-    "physx": _ELSEWHERE.format("ovphysx physx-usd-schemas newton-usd-schemas", "physx") + " (NVIDIA's licence)",
-    "newton": _ELSEWHERE.format("'newton[sim]'", "newton"),
-}
-"""physx can also be had here as an extra; newton asks for another mujoco than ours."""
+    required, checks = _required(), []
+    for name in registry.names():
+        needed = f"simulations in {name}" + ("" if f"engine {name}" in required else " (optional)")
+        remedy = _REMEDY.get(name, f"pip install {name}")
+        if name == "pybullet" and sys.version_info >= registry.NO_PYBULLET:
+            remedy = "use Python 3.11: PyBullet has no wheel above it; or build it from source: pip install pybullet"
+        found = partial(lambda one: f"version {registry.load(one).version()}", name)
+        checks.append(_tried(f"engine {name}", needed, remedy, found))
+    return checks
 
 
 def _tried(name: str, needed_for: str, remedy: str, find: Callable[[], str]) -> Check:
@@ -69,9 +68,8 @@ def _tried(name: str, needed_for: str, remedy: str, find: Callable[[], str]) -> 
     try:
         return Check(name=name, ok=True, found=find(), needed_for=needed_for)
     except Exception as error:  # whatever a broken installation raises is what the doctor is to report
-        return Check(
-            name=name, ok=False, found=f"{type(error).__name__}: {error}", needed_for=needed_for, remedy=remedy
-        )
+        found = f"{type(error).__name__}: {error}"
+        return Check(name=name, ok=False, found=found, needed_for=needed_for, remedy=remedy)
 
 
 def _models() -> Check:
@@ -103,40 +101,29 @@ def _viewer() -> Check:
     return _tried("rerun viewer", "harness view, trace.rrd", remedy, find)
 
 
-_ENV = {"PATH": "/usr/bin:/bin", "RERUN_ANALYTICS": "0"}
-
-
-def _vulkan() -> Check:
+def _beside() -> list[Check]:
+    """What is there or not, and optional."""
     folders = [Path("/usr/share/vulkan/icd.d"), Path("/etc/vulkan/icd.d")]
     drivers = sorted(file.name for folder in folders if folder.is_dir() for file in folder.glob("*.json"))
-    return Check(
-        name="vulkan",
-        ok=bool(drivers),
-        found=", ".join(drivers) or "no driver",
-        needed_for="screenshots of the viewer without a screen (optional)",
-        remedy=None if drivers else "apt-get install libvulkan1 mesa-vulkan-drivers",
+    browser = next((path for name in BROWSERS if (path := shutil.which(name))), "")
+    screenshots, page = (
+        "screenshots of the viewer without a screen",
+        "looking at report.html on this machine, and its test",
     )
-
-
-def _browser() -> Check:
-    found = next((path for name in BROWSERS if (path := shutil.which(name))), None)
-    return Check(
-        name="browser",
-        ok=found is not None,
-        found=found or "none",
-        needed_for="looking at report.html on this machine, and its test (optional)",
-        remedy=None if found else "apt-get install chromium",
-    )
-
-
-def _extras() -> list[Check]:
-    wanted = {"distributed": ("sweeps on a cluster", "cluster"), "rosbags": ("robot logs in ROS bags", "bags")}
-    checks = []
-    for package, (purpose, extra) in wanted.items():
-        found = package_version(package)
-        remedy = None if found else f"pip install 'friction-harness[{extra}]'"
-        text = f"version {found}" if found else "not installed"
-        checks.append(
-            Check(name=package, ok=bool(found), found=text, needed_for=f"{purpose} (optional)", remedy=remedy)
+    rows = [
+        ("vulkan", ", ".join(drivers), "no driver", screenshots, "apt-get install libvulkan1 mesa-vulkan-drivers"),
+        ("browser", browser, "none", page, "apt-get install chromium"),
+    ]
+    for package, (purpose, extra) in _EXTRAS.items():
+        version, remedy = package_version(package), f"pip install 'friction-harness[{extra}]'"
+        rows.append((package, f"version {version}" if version else "", "not installed", purpose, remedy))
+    return [
+        Check(
+            name=name,
+            ok=bool(found),
+            found=found or missing,
+            needed_for=f"{purpose} (optional)",
+            remedy=None if found else remedy,
         )
-    return checks
+        for name, found, missing, purpose, remedy in rows
+    ]

@@ -3,7 +3,6 @@
 import math
 import shlex
 from collections.abc import Mapping
-from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -11,13 +10,11 @@ import numpy as np
 from harness.app.diagnose.files import motion_of
 from harness.app.diagnose.options import DiagnoseOptions
 from harness.app.diagnose.problem import errors_of, prepared
-from harness.app.shared.deliver import to_json
 from harness.app.shared.estimates import NOTE, WHOLE, estimate, estimates_of
+from harness.app.shared.leaving import FILES, leave, leaving, notes
 from harness.app.shared.machine import this_machine
-from harness.app.shared.progress import NAME as LOG
-from harness.app.shared.progress import SILENT, Progress, journal
+from harness.app.shared.progress import SILENT, Progress
 from harness.app.shared.reading import read, recording_info, thinned
-from harness.app.shared.showing import write_recording_page, write_recording_trace
 from harness.core.errors import SimulationError
 from harness.core.recording import Recording
 from harness.core.trajectory import Trajectory
@@ -28,32 +25,22 @@ from harness.diagnosis.residual_tests.structure import Left, left_by
 from harness.estimate.believed import without_limited
 from harness.estimate.result import Estimate, Estimation
 from harness.io.options import ReadOptions
-from harness.io.store import output_folder
 from harness.results.common import P
 from harness.results.diagnosis import FitResult
 from harness.results.identify import IdentifyResult, Swing
+from harness.show.report.identify import identify_headline, identify_page, recording_scene
 
 _CLEARLY = 5.0
 """Standard errors by which two methods differ, or a number has a sign that it cannot have."""
 
 
-@dataclass(frozen=True, slots=True)
-class Base:
-    """The base model, fitted.
+def _based(
+    recording: Recording, restoring: Swing, estimation: Estimation, command: str
+) -> tuple[FitResult | None, Trajectory | None, tuple[str, ...]]:
+    """The base model fitted, its motion from its release on, and what is to be known before the estimates are believed.
 
-    fit : None where the model could not be simulated. motion : of it, from its release on. warnings : what is to be
-    known before the estimates are believed.
-    """
-
-    fit: FitResult | None
-    motion: Trajectory | None
-    warnings: tuple[str, ...]
-
-
-def base_of(recording: Recording, restoring: Swing, estimation: Estimation, command: str = "") -> Base:
-    """The base model fitted, and what it says against the estimates. command : the line that estimates.
-
-    Raises InputError where nothing swings, or channels are not of one motion.
+    command : the line that estimates. None where the model could not be simulated. Raises InputError where nothing
+    swings, or channels are not of one motion.
     """
     doubts = _impossible(estimation)
     recording = thinned(recording)
@@ -66,19 +53,19 @@ def base_of(recording: Recording, restoring: Swing, estimation: Estimation, comm
             whole = based.whole.at_every_sample(free.t, free.channels)
             motion = motion_of("base fit", based.fit.model, whole, based.scales)
         except SimulationError as error:
-            return Base(None, None, (f"the base fit failed, so nothing checks these numbers: {error}", *doubts))
+            return None, None, (f"the base fit failed, so nothing checks these numbers: {error}", *doubts)
     found, problem, omega = based.fit, based.problem, based.scales.omega
     adequate = left_by(found, problem, omega, found) is Left.NOISE
-    numbers = base_parameters(found, problem, omega, adequate)
     chi2 = found.chi2 / found.points
-    fit = FitResult(
-        parameters={name: P.of(one) for name, one in numbers.items()},
+    fit = FitResult.taken_from(
+        found,
+        parameters=base_parameters(found, problem, omega, adequate),
         rmse=rmse(found.shown.y, problem),
         chi2_per_point=chi2,
     )
     missed = () if adequate else (_missed(chi2, _diagnose(command, recording.file)),)
     differ = () if ready.warnings else _disagreeing(estimation)
-    return Base(fit, motion, (*ready.warnings, *missed, *differ, *doubts))
+    return fit, motion, (*ready.warnings, *missed, *differ, *doubts)
 
 
 def _missed(chi2: float, line: str) -> str:
@@ -136,9 +123,6 @@ def _apart(first: Estimate, second: Estimate, name: str) -> float:
     return abs(one.value - other.value) / error if error > 0.0 else 0.0
 
 
-FILES = {"result": "result.json", "report": "report.html", "rrd": "trace.rrd", "log": LOG}
-
-
 def identify(
     path: Path,
     options: ReadOptions,
@@ -169,37 +153,46 @@ def deliver(
     restoring: Swing = "spring",
 ) -> IdentifyResult:
     """Estimate, and leave everything in a folder, as ``identify`` does. name : of the default folder."""
-    with output_folder(f"identify-{name}", out) as output, journal(output / LOG):
+    with leaving(f"identify-{name}", out) as output:
         progress("estimating", 1, 3)
         files = {name: output.at(file) for name, file in FILES.items()}
-        result, base = result_of(recording, command, files, restoring)
+        result, motion = result_of(recording, command, files, restoring)
         progress("writing trace and report", 2, 3)
-        (output / FILES["result"]).write_text(to_json(result), encoding="utf-8")
-        write_recording_trace(output / FILES["rrd"], result, recording)
-        write_recording_page(output / FILES["report"], result, recording, base.motion)
-        output.commit()
+        said = notes("What was read", [identify_headline(result), *result.warnings, *result.recording.notes])
+        scene = recording_scene(recording, result, said, _reversals(result))
+        leave(output, result, identify_page(result, recording, motion), scene)
     return result
+
+
+def _reversals(result: IdentifyResult) -> list[tuple[float, str]]:
+    """Time of every reversal, and what was read from it, by the first method that reads each by itself."""
+    for method, found in result.estimates.items():
+        rows = [row for row in found.per_reversal if row.get("x_k") is not None]
+        if rows:
+            unit = found.x_k.unit
+            return [(row["t"], f"{method}: x_k = {row['x_k']:.6g} {unit}") for row in rows]
+    return []
 
 
 def result_of(
     recording: Recording, command: str = "", files: Mapping[str, str] | None = None, restoring: Swing = "spring"
-) -> tuple[IdentifyResult, Base]:
-    """The estimates from a recording as a result, with the base fit that checks them.
+) -> tuple[IdentifyResult, Trajectory | None]:
+    """The estimates from a recording as a result, with the motion of the base fit that checks them.
 
     Raises InputError as ``estimate`` does, and where nothing swings or channels are not of one motion.
     """
     estimation = estimate(recording, restoring)
-    base = base_of(without_limited(recording)[0], restoring, estimation, command)
+    fit, motion, warnings = _based(without_limited(recording)[0], restoring, estimation, command)
     noted = [NOTE] if restoring == "pendulum" else []
     result = IdentifyResult(
         recording=recording_info(recording, estimation.noise),
         estimates=estimates_of(estimation),
         sensor_phase_rad=P.of(estimation.sensor_phase),
         restoring=restoring,
-        baseline=base.fit,
-        warnings=[*noted, *base.warnings, *estimation.warnings],
+        baseline=fit,
+        warnings=[*noted, *warnings, *estimation.warnings],
         command=command,
         machine=this_machine(),
         files=dict(files or {}),
     )
-    return result, base
+    return result, motion

@@ -4,7 +4,7 @@ from pathlib import Path
 
 from harness.io.logs.finish import Gain
 from harness.io.logs.raw import LogOptions
-from harness.io.logs.read import TopicInfo, describe_log
+from harness.io.logs.read import describe_log
 from harness.io.logs.read import read_joint_log as read
 from harness.results.robot import LogResult, Topic
 
@@ -16,20 +16,8 @@ def log(path: Path, options: LogOptions | None = None, gain: Gain | None = None)
 
     options : how it is read. gain : N m per A, one or by joint.
     """
-    found = describe_log(path, options or LogOptions(), gain)
-    return LogResult(file=str(path.absolute()), topics=[_topic(topic) for topic in found])
-
-
-def _topic(found: TopicInfo) -> Topic:
-    return Topic(
-        name=found.name,
-        type=found.kind,
-        count=found.count,
-        rate_hz=found.rate_hz,
-        joints=list(found.joints),
-        fields=list(found.fields),
-        units_guessed={str(kind): unit for kind, unit in found.units.items()},
-        gaps_s=[list(gap) for gap in found.gaps_s],
-        ranges={joint: {kind: list(r) for kind, r in of.items()} for joint, of in found.ranges.items()},
-        notes=list(found.notes),
-    )
+    topics = []
+    for one in describe_log(path, options or LogOptions(), gain):
+        units = {str(kind): unit for kind, unit in one.units.items()}
+        topics.append(Topic.taken_from(one, type=one.kind, units_guessed=units))
+    return LogResult(file=str(path.absolute()), topics=topics)

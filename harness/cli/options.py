@@ -2,26 +2,18 @@
 
 import functools
 from collections.abc import Callable
-from contextlib import AbstractContextManager
-from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import Any, TypeVar
 
 import click
 from click.shell_completion import CompletionItem
 
-from harness.cli.output import check_json, emit_json, shows_tables
-from harness.cli.progress import shown
+from harness.cli.output import Output
 from harness.core.bounded import check_file
 from harness.core.errors import InputError
 from harness.core.registered import names
 
-if TYPE_CHECKING:
-    from harness.app.shared.progress import Progress
-    from harness.results.common import Result
-
 F = TypeVar("F", bound=Callable[..., Any])
-R = TypeVar("R", bound="Result")
 
 
 def group(name: str, make: Callable[..., Any], *options: Callable[[F], F]) -> Callable[[F], F]:
@@ -45,36 +37,6 @@ def group(name: str, make: Callable[..., Any], *options: Callable[[F], F]) -> Ca
         return gathered  # type: ignore[return-value]
 
     return decorate
-
-
-@dataclass(frozen=True, slots=True)
-class Output:
-    """Where a result goes. out : the folder, None for one named after the time. json_to : "-" is standard output.
-
-    Raises InputError or StoreError for a JSON file that could not be written, before any work is done.
-    """
-
-    json_to: str | None
-    quiet: bool
-    out: Path | None = None
-
-    def __post_init__(self) -> None:
-        check_json(self.json_to)
-
-    @property
-    def tables(self) -> bool:
-        """Whether people are to read standard output."""
-        return shows_tables(self.json_to, self.quiet)
-
-    def told(self) -> "AbstractContextManager[Progress]":
-        """The Progress that people see, while the block runs."""
-        return shown(self.quiet)
-
-    def give(self, result: R, tables: Callable[[R], None]) -> None:
-        """Write the result where --json says, and for people what ``tables`` prints."""
-        emit_json(result, self.json_to)
-        if self.tables:
-            tables(result)
 
 
 _JSON = click.option(

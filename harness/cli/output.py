@@ -7,16 +7,23 @@ import shlex
 import shutil
 import sys
 import textwrap
+from collections.abc import Callable, Iterable
+from contextlib import AbstractContextManager
+from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeVar
 
 import click
 
+from harness.cli.progress import shown
 from harness.core.errors import InputError, visible
 from harness.core.quantity import Quantity
 
 if TYPE_CHECKING:
-    from harness.results.common import P, Result
+    from harness.app.shared.progress import Progress
+    from harness.results.common import P
+
+R = TypeVar("R")
 
 
 _TIED = "\N{NO-BREAK SPACE}"
@@ -68,32 +75,52 @@ _LARGE = 1e6
 """A standard error from which digits of the value say nothing."""
 
 
-def check_json(json_to: str | None) -> None:
-    """Refuse a JSON file that could not be written, before the work is done."""
-    if json_to == STANDARD_OUTPUT and sys.stdout is None:
-        raise InputError("--json -", "standard output is closed", "an open one, or a file, is accepted")
-    if json_to is not None and json_to != STANDARD_OUTPUT:
-        from harness.app.shared.deliver import check_writable
+@dataclass(frozen=True, slots=True)
+class Output:
+    """Where a result goes. out : the folder, None for one named after the time. json_to : "-" is standard output.
 
-        check_writable(Path(json_to))
+    Raises InputError or StoreError for a JSON file that could not be written, before any work is done.
+    """
 
+    json_to: str | None
+    quiet: bool
+    out: Path | None = None
 
-def emit_json(result: "Result", json_to: str | None) -> None:
-    """Write the result where --json says."""
-    if json_to is None:
-        return
-    from harness.app.shared.deliver import to_json, write_text
+    def __post_init__(self) -> None:
+        if self.json_to == STANDARD_OUTPUT and sys.stdout is None:
+            raise InputError("--json -", "standard output is closed", "an open one, or a file, is accepted")
+        if self.json_to is not None and self.json_to != STANDARD_OUTPUT:
+            from harness.app.shared.deliver import check_writable
 
-    if json_to == STANDARD_OUTPUT:
-        sys.stdout.write(to_json(result))
-        sys.stdout.flush()
-    else:
-        write_text(Path(json_to), to_json(result))
+            check_writable(Path(self.json_to))
 
+    @property
+    def tables(self) -> bool:
+        """Whether people are to read standard output."""
+        return not self.quiet and self.json_to != STANDARD_OUTPUT
 
-def shows_tables(json_to: str | None, quiet: bool) -> bool:
-    """Whether people are to read standard output."""
-    return not quiet and json_to != STANDARD_OUTPUT
+    def told(self) -> "AbstractContextManager[Progress]":
+        """The Progress that people see, while the block runs."""
+        return shown(self.quiet)
+
+    def give(
+        self, result: R, tables: Callable[[R], None], text: "Callable[[R], str | Iterable[str]] | None" = None
+    ) -> None:
+        """Write the result where --json says, and for people what ``tables`` prints.
+
+        text : of what is no Result, as JSON, or pieces of it.
+        """
+        from harness.app.shared.deliver import to_json, write_text
+
+        if self.json_to is not None:
+            said = (text or to_json)(result)  # type: ignore[arg-type]
+            if self.json_to != STANDARD_OUTPUT:
+                write_text(Path(self.json_to), said)
+            else:
+                sys.stdout.writelines([said] if isinstance(said, str) else said)
+                sys.stdout.flush()
+        if self.tables:
+            tables(result)
 
 
 def say(text: str) -> None:

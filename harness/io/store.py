@@ -7,7 +7,7 @@ import shutil
 import stat
 import tempfile
 import time
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
@@ -174,14 +174,16 @@ def check_writable(path: Path) -> None:
             return
 
 
-def write_text(path: Path, text: str) -> None:
+def write_text(path: Path, text: str | Iterable[str]) -> None:
     """Write a file whole or not at all; a device or pipe is written to directly.
 
-    Raises StoreError when it cannot be written.
+    text : or pieces of it, which are written as they come. Raises StoreError when it cannot be written.
     """
+    pieces = [text] if isinstance(text, str) else text
     with explained(path):
         if path.exists() and not stat.S_ISREG(path.stat().st_mode):
-            path.write_text(text, encoding="utf-8")
+            with path.open("w", encoding="utf-8") as there:
+                there.writelines(pieces)
             return
     with replacing(path) as part, part.open("w", encoding="utf-8") as file:
-        file.write(text)
+        file.writelines(pieces)

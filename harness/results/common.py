@@ -1,17 +1,42 @@
 """Pieces that several results share; a model as a file (harness.model/1); an installation (harness.doctor/1)."""
 
-from typing import Annotated, Any, Literal
+from collections.abc import Mapping
+from typing import Annotated, Any, Literal, Self
 
-from pydantic import BaseModel, ConfigDict, Field, model_validator
+import numpy as np
+from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, model_validator
 
 from harness.core.events import Regime
 from harness.core.quantity import Quantity
 
 
 class Result(BaseModel):
-    """Base of every result model: strict about names, so that a typo is an error and not a new field."""
+    """Base of every result model: strict about names, so that a typo is an error and not a new field.
 
-    model_config = ConfigDict(extra="forbid", frozen=True, ser_json_inf_nan="null", populate_by_name=True)
+    A Quantity, or any object with the attributes that a field's model asks for, may stand for it.
+    """
+
+    model_config = ConfigDict(
+        extra="forbid", frozen=True, from_attributes=True, ser_json_inf_nan="null", populate_by_name=True
+    )
+
+    @classmethod
+    def taken_from(cls, found: object, /, **more: Any) -> Self:
+        """From what was found: its attributes that have the names of fields, and ``more`` beside and before them."""
+        own = {name: getattr(found, name) for name in cls.model_fields if name not in more and hasattr(found, name)}
+        return cls.model_validate(own | more)
+
+
+Floats = Annotated[list[float], BeforeValidator(lambda y: y.tolist() if isinstance(y, np.ndarray) else y)]
+"""Or an array (n,)."""
+
+
+def _without_tuples(settings: Mapping[str, Any]) -> dict[str, Any]:
+    return {name: list(value) if isinstance(value, tuple) else value for name, value in settings.items()}
+
+
+Settings = Annotated[dict[str, Any], BeforeValidator(_without_tuples)]
+"""Of an engine, as JSON has them."""
 
 
 class P(Result):
@@ -36,13 +61,7 @@ class P(Result):
     @classmethod
     def of(cls, quantity: Quantity) -> "P":
         """The result form of a core Quantity."""
-        return cls(
-            value=quantity.value,
-            stderr=quantity.stderr,
-            unit=quantity.unit,
-            why=quantity.why,
-            systematic=quantity.systematic,
-        )
+        return cls.model_validate(quantity)
 
 
 class RepeatedResult(Result):

@@ -4,7 +4,18 @@ from typing import Annotated, Any, ClassVar, Literal
 
 from pydantic import Field, RootModel
 
-from harness.results.common import Machine, ModelDocument, P, RecordingInfo, RepeatedResult, Result, Span, Where
+from harness.results.common import (
+    Floats,
+    Machine,
+    ModelDocument,
+    P,
+    RecordingInfo,
+    RepeatedResult,
+    Result,
+    Settings,
+    Span,
+    Where,
+)
 from harness.results.compare import ChannelPair
 from harness.results.robot import RobotResult
 
@@ -109,7 +120,7 @@ class HoldoutResult(Result):
 class EngineResult(Result):
     """Both models in one engine against the recording."""
 
-    settings: dict[str, Any]
+    settings: Settings
     baseline_rmse: Rmse
     refined_rmse: Rmse
     own_error: Rmse = Field(
@@ -227,10 +238,10 @@ class TableResult(Result):
 
     form: str = Field(description="f(x), f(v), f(|v|) sgn v, or g(x) sgn v")
     of: Literal["x", "v", "|v|"]
-    at: list[float] = Field(description="m or m/s, rad or rad/s; beyond the ends nothing is known")
+    at: Floats = Field(description="m or m/s, rad or rad/s; beyond the ends nothing is known")
     at_unit: str
-    force: list[float]
-    stderr: list[float] = Field(description="one standard error")
+    force: Floats
+    stderr: Floats = Field(description="one standard error")
     force_unit: str
     gauge: str = Field(description="what the table has none of, as it belongs to the base")
     described: str = Field(description="its shape in words")
@@ -241,9 +252,9 @@ class SurfaceResult(Result):
     """A force without a name over position and speed at once, on the left of the equation of motion."""
 
     form: Literal["f(x, v)"] = "f(x, v)"
-    x: list[float] = Field(description="m or rad")
+    x: Floats = Field(description="m or rad")
     x_unit: str
-    v: list[float] = Field(description="m/s or rad/s")
+    v: Floats = Field(description="m/s or rad/s")
     v_unit: str
     force: list[list[float | None]] = Field(description="a row for each v; null where the motion never was")
     stderr: list[list[float | None]] = Field(description="one standard error")

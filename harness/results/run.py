@@ -5,7 +5,7 @@ from typing import Any, Literal, Self
 
 from pydantic import ConfigDict, Field
 
-from harness.results.common import Machine, P, Result
+from harness.results.common import Machine, P, Result, Settings
 from harness.results.robot import PasteResult, ReductionResult
 
 
@@ -52,7 +52,7 @@ class TraceResult(Result):
     source: str
     preset: str
     version: str
-    settings: dict[str, Any]
+    settings: Settings
     ignored: list[str]
     dt_s: float | None
     wall_s: float | None
@@ -83,7 +83,7 @@ class JointScore(Result):
     dt_s: float | None
     creep: float | None = Field(description="under the load, rad/s or m/s; 0 is right, null without friction")
     reversal_lead_s: float | None = Field(description="by which friction turns round before the speed does; 0 is right")
-    settings: dict[str, Any]
+    settings: Settings
     ignored: list[str] = Field(default_factory=list)
     error: str | None = None
 

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 from rebuilt import is_rebuilt
 
+from harness.app.diagnose.many import diagnose_together
 from harness.app.diagnose.options import DiagnoseOptions
-from harness.app.diagnose.together import diagnose_together
 from harness.core.errors import InputError
 from harness.diagnosis.request import AskedCovariate
 from harness.kernels.solve import Drive, solve

@@ -70,7 +70,7 @@ def test_an_angle_is_asked_for_and_the_result_says_how_it_was_read() -> None:
 
 
 def test_a_pendulum_is_run_with_exact_events_and_in_radians(tmp_path: Path) -> None:
-    options = RunOptions.held("pendulum", None, None, {"x0": 1.2}, ("mujoco",), "tuned")
+    options = RunOptions.asked(restoring="pendulum", given={"x0": 1.2}, engines=("mujoco",), preset="tuned")
     result = run(options, tmp_path / "out")
     exact, engine = result.traces
     for trace, within in ((exact, 1e-3), (engine, 5e-3)):

@@ -127,13 +127,13 @@ def test_an_engine_that_fails_leaves_its_reason_and_the_others_go_on(
 
 @pytest.mark.usefixtures("pybullet")
 def test_options_choose_what_is_run() -> None:
-    assert RunOptions.chosen(RunOptions().scenario, None, None, None).plan == [
+    assert RunOptions().plan == [
         ("mujoco", "as-shipped"),
         ("mujoco", "tuned"),
         ("pybullet", "as-shipped"),
         ("pybullet", "tuned"),
     ]
-    options = RunOptions.chosen(RunOptions().scenario, ("mujoco", "mujoco"), "tuned", 5e-4)
+    options = RunOptions(engines=("mujoco", "mujoco"), presets=("tuned",), dt=5e-4)
     assert options.plan == [("mujoco", "tuned")]
     assert options.interval == 5e-4
 
@@ -142,7 +142,7 @@ def test_options_choose_what_is_run() -> None:
     "given", [{"f_k": 0.0}, {"c": 0.0}, {"x0": 0.02}, {"c": 30.0}, {"f_s": 4.0}, {"x0": -0.5, "v0": 2.0}]
 )
 def test_any_slider_gets_a_result(tmp_path: Path, given: dict[str, float]) -> None:
-    options = RunOptions.named("free-decay", given, preset="tuned", dt=2e-3)
+    options = RunOptions.asked("free-decay", given=given, preset="tuned", dt=2e-3)
     result = run(options, tmp_path / "out")
     assert not [t.error for t in result.traces if t.error]
     for found in result.traces:
@@ -152,7 +152,7 @@ def test_any_slider_gets_a_result(tmp_path: Path, given: dict[str, float]) -> No
 
 @pytest.mark.parametrize("name", [name for name in kinds() if name != "free-decay"])
 def test_every_scenario_of_the_suite_is_run_with_the_figures_it_is_about(tmp_path: Path, name: str) -> None:
-    result = run(RunOptions.named(name, {}, ["mujoco"], "tuned"), tmp_path / "out")
+    result = run(RunOptions.asked(name, engines=["mujoco"], preset="tuned"), tmp_path / "out")
     reference, tuned = (found.metrics.model_dump() for found in result.traces)
     case = kind(name)
     scenario = case.chosen({})

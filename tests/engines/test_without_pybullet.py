@@ -48,7 +48,7 @@ def test_it_is_a_dependency_where_there_is_a_wheel() -> None:
 @pytest.mark.usefixtures("later")
 def test_the_usual_engines_are_those_that_can_be_had() -> None:
     assert registry.usual() == ("mujoco",)
-    assert RunOptions().engines == RunOptions.named(None, {}).engines == ("mujoco",)
+    assert RunOptions().engines == RunOptions.asked().engines == ("mujoco",)
     assert DiagnoseOptions().engines == DiagnoseOptions.chosen(ReadOptions()).engines == ("mujoco",)
 
 

@@ -74,7 +74,7 @@ def test_a_file_adds_a_scenario_to_run_and_sweep(tmp_path: Path, monkeypatch: py
         (row,) = (run_row(engine, spec) for spec in rows if spec.scenario.name == "hold-80")
         # creep is in proportion to the load, 1.583 mm/s at half of break-away
         assert row.metrics["creep_m_s"] == pytest.approx(1.6 * 1.583e-3, rel=0.05)
-        result = run(RunOptions.named("hold-80", {}, ["mujoco"], "as-shipped"), tmp_path / "out")
+        result = run(RunOptions.asked("hold-80", engines=["mujoco"], preset="as-shipped"), tmp_path / "out")
         assert result.traces[1].metrics.creep_m_s == row.metrics["creep_m_s"]
     finally:
         kinds.cache_clear()

@@ -8,8 +8,7 @@ import numpy as np
 import pytest
 
 from harness.app.diagnose.many import diagnose
-from harness.app.diagnose.options import DiagnoseOptions
-from harness.app.diagnose.robot_options import RobotOptions
+from harness.app.diagnose.options import DiagnoseOptions, RobotOptions
 from harness.core.errors import InputError
 from harness.core.recording import Recording
 from harness.core.robot.joint_log import JointLog

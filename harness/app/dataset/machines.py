@@ -104,11 +104,7 @@ def dataset_machines(
         raise InputError(f"--from {folder}", "none of the listed recordings", f"any of {names} is accepted")
     home = growing_folder("dataset-machines", out)
     works = [Work(there[one.file], one.file, home / Path(one.file).stem, options, command) for one, options in kept]
-    answers: dict[str, Answer] = {}
-    progress("machines", 0, len(works))
-    for key, answer in computed(works, jobs):
-        answers[key] = answer
-        progress("machines", len(answers), len(works))
+    answers: dict[str, Answer] = dict(computed(works, jobs, progress))
     result = MachinesResult(
         rows=[_row(one, answers[work.key]) for (one, _), work in zip(kept, works, strict=True)],
         absent=[one.file for one, _ in every if one.file not in there],

@@ -10,7 +10,7 @@ import numpy as np
 from harness.app.diagnose.changes import changes_of, hidden, parameters_of
 from harness.app.diagnose.options import DiagnoseOptions
 from harness.app.shared.reading import read_sim
-from harness.core.arrays import BoolArray, FloatArray
+from harness.core.arrays import FloatArray
 from harness.core.errors import SimulationError
 from harness.core.quantity import Quantity
 from harness.core.recording import Recording
@@ -35,13 +35,13 @@ from harness.diagnosis.problem import Problem
 from harness.engines.simulator import EngineSimulator
 from harness.model.document import load as load_model
 from harness.model.model import Model
-from harness.results.common import P
 from harness.results.diagnosis import AttributionResult, Bar, ChangeResult
 from harness.robot.own_model import OwnModel, is_own, own_model
 from harness.robot.paste import stiff_friction
 
 LOGGER = logging.getLogger(__name__)
 JOINED = "a trace alone does not tell what its engine does from what its parameters do; --model FILE parts them"
+_UNDIVIDED = "whose mismatch it is, was not divided"
 _UNSURE = 0.05
 """Standard error of a share from which it is said: five points."""
 _PARTS = ("engine", "parameters", "missing_physics", "unexplained", "noise")
@@ -86,7 +86,8 @@ class Configured:
         """
         if self.trace is not None:
             on = aligned(self.trace, outcome.problem, outcome.scales, whole)
-            covers = replace(on, covered=_covered(self.trace, on.clock.back(whole.t)))
+            there = on.clock.back(whole.t)
+            covers = replace(on, covered=(there >= self.trace.t[0]) & (there <= self.trace.t[-1]))
             shown = trace_channels(self.trace, whole, covers)
             at = np.flatnonzero(covers.covered)
             return _motion(whole.t[at], {c: y[at] for c, y in shown.items()})
@@ -102,11 +103,6 @@ class Configured:
             LOGGER.warning("the model given: %s", error)
             return None
         return _motion(whole.t, seen.y)
-
-
-def _covered(trace: Recording, t: FloatArray) -> BoolArray:
-    covered: BoolArray = (t >= trace.t[0]) & (t <= trace.t[-1])
-    return covered
 
 
 def _motion(t: FloatArray, shown: dict[str, FloatArray]) -> Trajectory | None:
@@ -143,28 +139,24 @@ def attribution_of(outcome: Outcome, whole: Problem, options: DiagnoseOptions, u
     whole : the question at every sample of the recording. Raises InputError for a trace that does not belong to it.
     """
     refined, problem, scales = outcome.refined.model, outcome.problem, outcome.scales
-    if user.trace is not None:
-        given = None if user.model is None else user.released(outcome.base.model)
-        try:
-            found = attribute_trace(user.trace, given, refined, problem, scales, _nearby(outcome), whole)
-        except (NoSharesError, SimulationError) as error:
-            has = () if given is None else _has(given)
-            return Shared(None, (f"whose mismatch it is, was not divided: {error}",), has)
-        moved = "" if not found.shift else f", moved by {found.shift:.4g} s"
-        has = _has(found.configured if given is None else given)
-        against = "" if given is None else f", made with {_name(options.model)}"
-        return Shared(_shares(found, outcome, f"the trace {_name(options.sim)}{against}{moved}"), has=has)
-    parameters = (
-        "the baseline fit's parameters" if options.model is None else f"the parameters in {_name(options.model)}"
-    )
     model = user.released(outcome.base.model)
-    has = () if user.model is None else _has(user.model)
-    if user.model is not None and user.own is None and not options.engines:
-        try:
+    has = () if user.model is None else _has(model)
+    parameters = "the baseline fit's parameters"
+    if options.model is not None:
+        parameters = f"the parameters in {_name(options.model)}"
+    try:
+        if user.trace is not None:
+            given = None if user.model is None else model
+            found = attribute_trace(user.trace, given, refined, problem, scales, _nearby(outcome), whole)
+            moved = "" if not found.shift else f", moved by {found.shift:.4g} s"
+            against = "" if given is None else f", made with {_name(options.model)}"
+            shares = _shares(found, outcome, f"the trace {_name(options.sim)}{against}{moved}")
+            return Shared(shares, has=_has(found.configured) if given is None else has)
+        if user.model is not None and user.own is None and not options.engines:
             exact = attribute_model(model, refined, problem, scales, _nearby(outcome))
-        except (NoSharesError, SimulationError) as error:
-            return Shared(None, (f"whose mismatch it is, was not divided: {error}",), has)
-        return Shared(_shares(exact, outcome, f"the exact motion at {parameters}"), has=has)
+            return Shared(_shares(exact, outcome, f"the exact motion at {parameters}"), has=has)
+    except (NoSharesError, SimulationError) as error:
+        return Shared(None, (f"{_UNDIVIDED}: {error}",), has)
     why: list[str] = []
     for name in options.engines if user.own is None else (user.own.engine,):
         try:
@@ -172,7 +164,7 @@ def attribution_of(outcome: Outcome, whole: Problem, options: DiagnoseOptions, u
             step = dt if dt is not None else float(simulator.engine.presets("joint", options.preset)["dt"])
             found = attribute_engine(simulator, model, refined, problem, scales, step)
         except NoSharesError as error:
-            why.append(f"whose mismatch it is, was not divided ({name}): {error}")
+            why.append(f"{_UNDIVIDED} ({name}): {error}")
             continue
         except SimulationError as error:
             LOGGER.warning("attribution, %s: %s", name, error)
@@ -229,20 +221,16 @@ def _shares(
     why = unadvised(outcome) if changes else None
     beside = why or (left_beside(outcome) if changes else None)
     changes = [c for c in changes if why is None or c.kind == "setting"]
-    reads = None if found.reading is None else _reads(found.reading)
-    return AttributionResult(
+    return AttributionResult.taken_from(
+        found,
         engine=None if found.joined else found.engine,
-        parameters=found.parameters,
-        missing_physics=found.missing_physics,
-        unexplained=found.unexplained,
-        noise=found.noise,
-        stderr=None if found.errors is None else dict(found.errors),
+        stderr=found.errors,
         why=JOINED if found.joined else None,
         configuration=configuration,
         mean_square=found.whole,
         shift_s=found.shift,
-        reads=None if reads is None else {n: P.of(q) for n, q in reads.items()},
-        recording={n: P.of(q) for n, q in parameters_of(outcome.refined, outcome.problem).items()},
+        reads=None if found.reading is None else _reads(found.reading),
+        recording=parameters_of(outcome.refined, outcome.problem),
         changes=changes,
         sentences=[
             *(_engine_words(found, changes, paste) if of_user else []),

@@ -1,8 +1,6 @@
 """Files that a diagnosis leaves beside its result: the refined model, and its trace at the recording's own times."""
 
 import json
-from collections.abc import Sequence
-from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -39,23 +37,6 @@ def motion_of(name: str, model: Model, whole: Problem, scales: Scales) -> Trajec
     )
 
 
-@dataclass(frozen=True, slots=True)
-class Run:
-    """A recording within what was simulated. samples : of it. clock : s, where its time is zero. release : in it, s."""
-
-    samples: slice
-    clock: float
-    release: float
-
-
-def runs_of(recording: Recording, outcome: Outcome) -> list[Run]:
-    """The recordings that an outcome is of."""
-    if not outcome.problem.alone:
-        return [Run(slice(None), 0.0, outcome.refined.model.t0)]
-    whole = outcome.problem.at_every_sample(recording.t, recording.channels)
-    return [Run(one.samples, one.clock, one.model.t0) for one in whole.runs(outcome.refined.model)]
-
-
 def of_first_alone(outcome: Outcome) -> list[str]:
     """What the model files of several recordings hold of the first alone."""
     own = [SAID[stem] for stem in outcome.pooled.own] if outcome.pooled is not None else []
@@ -63,19 +44,25 @@ def of_first_alone(outcome: Outcome) -> list[str]:
     return [f"{said} of the recordings after the first: the files are of the first"] if outcome.problem.alone else []
 
 
-def write_trace_csv(path: Path, motion: Trajectory, runs: Sequence[Run]) -> None:
-    """Columns t and what the sensors show, in SI units; t reads back as the very numbers of the recording.
+def write_trace_csv(path: Path, motion: Trajectory, recording: Recording, outcome: Outcome) -> None:
+    """Columns t and what the refined model's sensors show, in SI units; t reads back as the recording's very numbers.
 
-    runs : of several, each has its number (from 1) in a first column and its own time. What a recording shows before
-    its release, a hand or a hold, the model says nothing of, and no row stands for.
+    Of several recordings each has its number (from 1) in a first column and its own time. What a recording shows
+    before its release, a hand or a hold, the model says nothing of, and no row stands for.
     """
+    model = outcome.refined.model
+    runs = [(slice(None), 0.0, model.t0)]
+    if outcome.problem.alone:
+        whole = outcome.problem.at_every_sample(recording.t, recording.channels)
+        runs = [(one.samples, one.clock, one.model.t0) for one in whole.runs(model)]
+    numbered = len(runs) > 1
     names = [name.removeprefix("shown ") for name in motion.extra]
-    lines = [",".join([*(["recording"] if len(runs) > 1 else []), "t", *names])]
-    for number, run in enumerate(runs, 1):
-        t = motion.t[run.samples] - run.clock
-        moves = t >= run.release
-        columns = [t[moves], *(values[run.samples][moves] for values in motion.extra.values())]
-        mark = [str(number)] if len(runs) > 1 else []
+    lines = [",".join([*(["recording"] if numbered else []), "t", *names])]
+    for number, (samples, clock, release) in enumerate(runs, 1):
+        t = motion.t[samples] - clock
+        moves = t >= release
+        columns = [t[moves], *(values[samples][moves] for values in motion.extra.values())]
+        mark = [str(number)] if numbered else []
         lines += [
             ",".join([*mark, repr(row[0]), *(f"{value:.9g}" for value in row[1:])])
             for row in np.column_stack(columns).tolist()

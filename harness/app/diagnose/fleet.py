@@ -10,8 +10,8 @@ from harness.core.errors import InputError
 from harness.core.quantity import Quantity
 from harness.results.common import P
 from harness.results.diagnosis import DiagnosisResult, RuleResult
-from harness.results.fleet import FleetLog, FleetResult, FleetRow, FleetTrend
-from harness.robot.fleet import CHANCE, Compared, Trend, Values, compared
+from harness.results.fleet import FleetLog, FleetResult, FleetRow
+from harness.robot.fleet import CHANCE, Compared, Values, compared
 
 PARAMETERS = {"f_k": "Coulomb friction", "c": "viscous friction"}
 Conditions = Mapping[str, Mapping[str, float]]
@@ -35,7 +35,7 @@ def fleet_of(
         logs=[FleetLog(file=file, conditions={name: given[name][i] for name in names}) for i, file in enumerate(files)],
         rows=rows,
         statements=differing or [none],
-        rules=[RuleResult(name=CHANCE.name, value=CHANCE.value, unit=CHANCE.unit, origin=CHANCE.origin)],
+        rules=[RuleResult.taken_from(CHANCE)],
         command=command,
         machine=this_machine(),
     )
@@ -57,34 +57,14 @@ def _quantity(p: P) -> Quantity:
 
 
 def _row(one: Compared, files: Sequence[str]) -> FleetRow:
-    names = [Path(file).name for file in files]
-    return FleetRow(
-        joint=one.joint,
-        parameter=one.parameter,
-        values=[None if value is None else P.of(value) for value in one.values],
-        mean=P.of(one.mean),
-        chi2=one.chi2,
-        freedom=one.freedom,
-        chance=one.chance,
-        apart=files[one.apart],
-        differs=one.differs,
-        trends=[FleetTrend(name=t.name, slope=P.of(t.slope), differs=t.differs) for t in one.trends],
-        said=_said(one, names),
-    )
-
-
-def _said(one: Compared, names: Sequence[str]) -> str:
     what = f"{one.joint}: {PARAMETERS[one.parameter]}"
     if one.differs:
-        said = [f"{what} differs between logs beyond its errors, most in {names[one.apart]} ({one.values[one.apart]})"]
+        apart = f"{Path(files[one.apart]).name} ({one.values[one.apart]})"
+        said = [f"{what} differs between logs beyond its errors, most in {apart}"]
     else:
         said = [f"{what} is {one.mean} in all"]
-    said += [_of_trend(trend) for trend in one.trends if trend.differs]
-    return f"{'; '.join(said)}."
-
-
-def _of_trend(trend: Trend) -> str:
-    return f"it changes with {trend.name}: {trend.slope}"
+    said += [f"it changes with {trend.name}: {trend.slope}" for trend in one.trends if trend.differs]
+    return FleetRow.taken_from(one, apart=files[one.apart], said=f"{'; '.join(said)}.")
 
 
 def read_conditions(path: Path) -> dict[str, dict[str, float]]:

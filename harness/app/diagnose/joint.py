@@ -7,13 +7,12 @@ from pathlib import Path
 
 import numpy as np
 
+from harness.app.diagnose.joint_case import JointCase, unfitted
 from harness.app.diagnose.joint_doubts import breaking, doubted, with_forward_run
 from harness.app.diagnose.joint_words import named
-from harness.app.diagnose.one import Diagnosed, deliver
-from harness.app.diagnose.options import DiagnoseOptions, Zero
-from harness.app.diagnose.robot_options import RobotOptions
-from harness.app.diagnose.show import tried
-from harness.app.diagnose.unmatched import match_results, unfitted
+from harness.app.diagnose.one import deliver
+from harness.app.diagnose.options import DiagnoseOptions, RobotOptions, Zero
+from harness.app.diagnose.result import STEPS, Diagnosed
 from harness.app.diagnose.whole_arm import diagnose_arm
 from harness.app.shared.progress import SILENT, Progress
 from harness.core.arrays import FloatArray
@@ -26,40 +25,12 @@ from harness.model.model import Restoring
 from harness.results.diagnosis import DiagnosisResult
 from harness.robot.arm import Arm, load_arm
 from harness.robot.coupling import Coupling, coupling
-from harness.robot.match.compared import Compared, compare
-from harness.robot.paste import copies
+from harness.robot.match.compared import compare
 from harness.robot.recording import OneJoint, one_joint, slips
 from harness.robot.smooth import moving
 from harness.robot.whole_arm.differentiate import long_enough
 
-
-def read_log(path: Path, joints: Sequence[str], asked: RobotOptions, reading: ReadOptions) -> JointLog:
-    """Read a log; joints : those of the model, in its order. Raises InputError naming what is wrong, and where."""
-    gain = asked.gain
-    if isinstance(gain, tuple):
-        if len(gain) != len(joints):
-            found = f"{len(gain)} numbers, and the model has {len(joints)} joints"
-            raise InputError("--gain", found, f"one each of {', '.join(joints)}, or NAME=NUMBER,... is accepted")
-        gain = dict(zip(joints, gain, strict=True))
-    return read_joint_log(
-        path,
-        columns=reading.columns,
-        joints=joints,
-        gain=gain,
-        angle_unit=asked.angle_unit,
-        names=asked.names,
-        flip=asked.flip,
-        offset=asked.offset,
-        skip_rows=reading.skip_rows,
-        rate=reading.rate,
-        start=reading.start,
-        stop=reading.stop,
-        drop_nan=reading.drop_nan,
-    )
-
-
 LOGGER = logging.getLogger(__name__)
-STEPS = 4
 
 
 def diagnose_joint(
@@ -77,7 +48,8 @@ def diagnose_joint(
     """
     progress("reading", 0, STEPS)
     arm = load_arm(asked.file, asked.gravity)
-    log = read_log(path, arm.joints, asked, options.reading)
+    gains = _gains(asked, arm.joints)
+    log = _read(path, arm.joints, asked, gains, options.reading)
     log = log if label is None else replace(log, file=label)
     joint = _joint(arm, log, asked)
     found = coupling(arm, log, joint)
@@ -85,44 +57,63 @@ def diagnose_joint(
         said = f"no effort of it is logged, and {', '.join(found.moving)} move{'s' * (len(found.moving) == 1)} too"
         accepted = "a log with its effort, or one in which the others stand still, is accepted"
         raise InputError(f"{log.file}: {joint}", said, accepted)
+    one = None
     if found.mode == "whole-arm":
         long_enough(log)
-    one = None if found.mode == "whole-arm" else _alone(log, found, asked)
-    compared = compare(arm, log, _gains(asked, arm))
-    if not compared.fits(joint):
-        return unfitted(arm, log, asked, options, found, compared, out, command)
+    else:
+        for name, value in (("--payload", asked.payload), ("--sensor", asked.sensor)):
+            if value is not None:
+                raise InputError(name, "given, but one joint alone moves", "it is accepted where the whole arm moves")
+        one = one_joint(log, found.reduced)
+    case = JointCase(arm, log, joint, compare(arm, log, gains), asked, options, out, progress, command)
+    if not case.compared.fits(joint):
+        return unfitted(case, found)
     if one is None:
-        return diagnose_arm(arm, log, joint, compared, asked, options, out, progress, command)
-    settings = {"robot": asked.settings()}
+        return diagnose_arm(case)
+    # what the model says of the joint, in the terms of any recording
+    restoring = Restoring(one.restoring)
+    zero: Zero | None = None if restoring is Restoring.NONE else "free"
+    plain = replace(options, robot=None, mass=one.inertia, restoring=restoring, zero=zero, guarded=True)
     try:
-        return deliver(
-            one.recording,
-            _options(options, one),
-            out,
-            f"{path.name.split('.')[0]}-{joint}",
-            progress,
-            command,
-            _finish(arm, log, asked, options, found, one, settings, compared),
-        )
+        return deliver(one.recording, plain, out, case.name, progress, command, _finish(case, found, one))
     except (InputError, SimulationError):
         # what slides too shortly to be fitted may break away clearly all the same
         slipping = slips(log, found.reduced)
         broken = None if slipping is None else breaking(slipping, None)
         if broken is None:
             raise
-        return unfitted(arm, log, asked, options, found, compared, out, command, broken)
+        return unfitted(case, found, broken)
 
 
-def _gains(asked: RobotOptions, arm: Arm) -> dict[str, float]:
-    """What the log's torque was multiplied by, by joint."""
-    if asked.gain is None:
-        return {}
-    if isinstance(asked.gain, Mapping):
-        return dict(asked.gain)
-    return (
-        dict(zip(arm.joints, asked.gain, strict=True))
-        if isinstance(asked.gain, tuple)
-        else dict.fromkeys(arm.joints, asked.gain)
+def _gains(asked: RobotOptions, joints: Sequence[str]) -> dict[str, float]:
+    """What the log's torque is multiplied by, by joint."""
+    gain = asked.gain
+    if isinstance(gain, tuple):
+        if len(gain) != len(joints):
+            found = f"{len(gain)} numbers, and the model has {len(joints)} joints"
+            raise InputError("--gain", found, f"one each of {', '.join(joints)}, or NAME=NUMBER,... is accepted")
+        return dict(zip(joints, gain, strict=True))
+    return {} if gain is None else dict(gain) if isinstance(gain, Mapping) else dict.fromkeys(joints, gain)
+
+
+def _read(
+    path: Path, joints: Sequence[str], asked: RobotOptions, gains: Mapping[str, float], reading: ReadOptions
+) -> JointLog:
+    """Read a log; joints : those of the model, in its order. Raises InputError naming what is wrong, and where."""
+    return read_joint_log(
+        path,
+        columns=reading.columns,
+        joints=joints,
+        gain=gains if isinstance(asked.gain, tuple) else asked.gain,
+        angle_unit=asked.angle_unit,
+        names=asked.names,
+        flip=asked.flip,
+        offset=asked.offset,
+        skip_rows=reading.skip_rows,
+        rate=reading.rate,
+        start=reading.start,
+        stop=reading.stop,
+        drop_nan=reading.drop_nan,
     )
 
 
@@ -139,52 +130,23 @@ def _joint(arm: Arm, log: JointLog, asked: RobotOptions) -> str:
     return those[0]
 
 
-def _alone(log: JointLog, found: Coupling, asked: RobotOptions) -> OneJoint:
-    """A log in which one joint moves, as a recording; refuses options of a whole arm."""
-    for name, value in (("--payload", asked.payload), ("--sensor", asked.sensor)):
-        if value is not None:
-            raise InputError(name, "given, but one joint alone moves", "it is accepted where the whole arm moves")
-    return one_joint(log, found.reduced)
-
-
-def _options(options: DiagnoseOptions, one: OneJoint) -> DiagnoseOptions:
-    """What the model says of the joint, in the terms of any recording."""
-    restoring = Restoring(one.restoring)
-    zero: Zero | None = None if restoring is Restoring.NONE else "free"
-    return replace(
-        options or DiagnoseOptions(), robot=None, mass=one.inertia, restoring=restoring, zero=zero, guarded=True
-    )
-
-
 def _finish(
-    arm: Arm,
-    log: JointLog,
-    asked: RobotOptions,
-    options: DiagnoseOptions,
-    found: Coupling,
-    one: OneJoint,
-    settings: Mapping[str, object],
-    compared: Compared,
+    case: JointCase, found: Coupling, one: OneJoint
 ) -> Callable[[Diagnosed, Path], tuple[Diagnosed, dict[str, str]]]:
     """What is said of the joint besides, and the copy of the model, once it is diagnosed."""
 
     def finish(done: Diagnosed, folder: Path) -> tuple[Diagnosed, dict[str, str]]:
-        result, paste, sliding = named(done, arm, found, one, asked.file)
-        shown = tried(arm, log, paste, asked, {paste.joint: _left(done, one)}, 0.0, options.engines)
-        torque = float(np.std(log.effort[paste.joint])) if paste.joint in log.effort else 0.0
-        result = doubted(result, done.result.statement, slips(log, found.reduced), sliding, shown.results, torque)
-        result = with_forward_run(result, shown.results)
-        assert result.robot is not None
-        robot = result.robot.model_copy(update={"match": match_results(compared.matches)})
-        result = result.model_copy(update={"settings": {**result.settings, **settings}, "robot": robot})
-        files = {}
-        for name, text in copies(asked.file, paste).items():
-            kept = f"robot_{name}" if (folder / "model" / name).exists() else name
-            (folder / "model" / kept).write_text(text, encoding="utf-8")
-            files[f"robot_{'urdf' if name.endswith('.urdf') else 'mjcf'}"] = f"model/{kept}"
+        result, paste, sliding = named(done, case, found, one)
+        shown, simulated = case.tried(paste, {case.joint: _left(done, one)}, 0.0)
+        effort = case.log.effort
+        torque = float(np.std(effort[case.joint])) if case.joint in effort else 0.0
+        result = doubted(result, done.result.statement, slips(case.log, found.reduced), sliding, simulated, torque)
+        result = with_forward_run(result, simulated)
+        result = result.model_copy(update={"settings": {**result.settings, "robot": case.asked.settings()}})
+        files = case.copied(paste, folder, lambda name: f"robot_{name}" if (folder / "model" / name).exists() else name)
         if not files:
-            LOGGER.warning("%s: no element of its own has the joint %s", asked.file, paste.joint)
-        return replace(done, result=result, shown=shown.shown), files
+            LOGGER.warning("%s: no element of its own has the joint %s", case.asked.file, case.joint)
+        return replace(done, result=result, shown=shown), files
 
     return finish
 

@@ -3,12 +3,12 @@
 import math
 from collections.abc import Mapping
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 
+from harness.app.diagnose.joint_case import JointCase
 from harness.app.diagnose.joint_doubts import stands_for, surely
-from harness.app.diagnose.one import Diagnosed
+from harness.app.diagnose.result import Diagnosed
 from harness.app.shared.parts import reduction_of
 from harness.core.arrays import FloatArray, IntArray
 from harness.core.quantity import Quantity
@@ -19,7 +19,6 @@ from harness.diagnosis.kinds.known import kind_of
 from harness.diagnosis.outcome import Outcome
 from harness.results.common import P
 from harness.results.diagnosis import DiagnosisResult, FitResult
-from harness.results.robot import PasteResult, RobotResult
 from harness.robot.arm import Arm
 from harness.robot.coupling import Coupling
 from harness.robot.paste import JointPaste
@@ -36,11 +35,11 @@ _FREE = "not fitted: a constant force is tried as a mechanism of its own"
 
 
 def named(
-    done: Diagnosed, arm: Arm, found: Coupling, one: OneJoint, file: Path
+    done: Diagnosed, case: JointCase, found: Coupling, one: OneJoint
 ) -> tuple[DiagnosisResult, JointPaste, Quantity]:
     """The result with the joint's parameters, sentences and text to paste, that text's numbers, and dry friction as it
     slides."""
-    result, outcome, joint = done.result, done.outcome, found.reduced.joint
+    result, outcome, arm = done.result, done.outcome, case.arm
     base = _parameters(outcome.base, outcome, one, outcome.verdict == "adequate")
     refined = _parameters(outcome.refined, outcome, one, outcome.verdict != "unexplained")
     curved = shapes(outcome)
@@ -50,19 +49,13 @@ def named(
     paste = _paste(nearest, refined["inertia"], arm, found)
     terms = [entry.term.name for entry in outcome.refined.model.terms]
     left_out = [*paste.cannot_say("mjcf", terms), *paste.cannot_say("urdf", terms)]
+    reduction = reduction_of(arm, found.reduced)
     update = {
         "statement": _statement(result.statement, refined, arm, found, one) + stands_for(*nearest, curved),
         "baseline": _with(result.baseline, base),
         "refined": _with(result.refined, refined),
-        "mechanisms": [m.model_copy(update={"statement": f"{joint}: {m.statement}"}) for m in result.mechanisms],
-        "robot": RobotResult(
-            file=str(file.absolute()),
-            joint=joint,
-            mode="locked",
-            reduction=reduction_of(arm, found.reduced),
-            confounded=_confounded(found, one),
-            paste=PasteResult(mjcf=paste.mjcf, urdf=paste.urdf),
-        ),
+        "mechanisms": [m.model_copy(update={"statement": f"{case.joint}: {m.statement}"}) for m in result.mechanisms],
+        "robot": case.robot(paste, mode="locked", reduction=reduction, confounded=_confounded(found, one)),
         "model_left_out": [*result.model_left_out, *left_out],
         "warnings": [*one.warnings, *_scale(refined, found), *arm.notes, *result.warnings],
     }

@@ -10,14 +10,15 @@ from pathlib import Path
 from pydantic import ValidationError
 
 from harness.app.diagnose.fleet import fleet_of, read_conditions
-from harness.app.diagnose.one import FILES, STEPS, deliver
+from harness.app.diagnose.one import FILES, deliver
 from harness.app.diagnose.options import DiagnoseOptions
-from harness.app.diagnose.show import write_index
+from harness.app.diagnose.result import STEPS
+from harness.app.diagnose.show import index_of
 from harness.app.shared.deliver import to_json
 from harness.app.shared.machine import cores, package_version
 from harness.app.shared.progress import SILENT, Progress
 from harness.app.shared.reading import read_as
-from harness.app.shared.rows import completed, folder_of, resumable, workers_of
+from harness.app.shared.rows import folder_of, resumable, worked
 from harness.core.errors import HarnessError, InputError, StoreError
 from harness.core.writing import sweep
 from harness.io.logs.read import source_of
@@ -25,6 +26,7 @@ from harness.io.recording import sha256
 from harness.io.store import held, write_text
 from harness.results.diagnosis import DiagnosisResult, FailedDiagnosis, UnreadRecording
 from harness.results.fleet import FleetResult
+from harness.show.report.page import write_report
 
 LOGGER = logging.getLogger(__name__)
 Answer = DiagnosisResult | FailedDiagnosis
@@ -65,10 +67,6 @@ class Many:
         """The array, as files hold it."""
         return "[\n" + ",\n".join(to_json(answer).rstrip("\n") for answer in self.answers) + "\n]\n"
 
-    def write_json(self, path: Path) -> None:
-        """Write the array whole or not at all; raises StoreError."""
-        write_text(path, self.json())
-
 
 def diagnose(
     path: Path,
@@ -92,6 +90,22 @@ def diagnose(
     recording = read_as(label, path, options.reading, options.trace)
     name = "stdin" if label == "-" else path.name.split(".")[0]
     return deliver(recording, options, out, name, progress, command)
+
+
+def diagnose_together(
+    named: Sequence[tuple[Path, str]],
+    options: DiagnoseOptions,
+    out: Path | None = None,
+    progress: Progress = SILENT,
+    command: str = "",
+) -> DiagnosisResult:
+    """Diagnose files as recordings of one machine, and leave in a folder what one recording leaves.
+
+    named : path and label of each. Raises InputError, SimulationError, StoreError.
+    """
+    progress("reading", 0, STEPS)
+    recordings = [read_as(label, path, options.reading, options.trace) for path, label in named]
+    return deliver(recordings, options, out, "together", progress, command)
 
 
 def failed(label: str, reason: str) -> FailedDiagnosis:
@@ -145,20 +159,18 @@ def diagnose_all(
     with held(folder):
         if resume:
             answers = {work.key: kept for work in works if (kept := _kept(work)) is not None}
-        progress("recordings", len(answers), len(works))
         left = [work for work in works if work.key not in answers]
         with resumable(folder, lambda: f"{len(answers)} of {len(works)} recordings are kept"):
-            for key, answer in computed(left, jobs, function, cluster):
+            for key, answer in computed(left, jobs, progress, len(answers), function, cluster):
                 answers[key] = answer
-                progress("recordings", len(answers), len(works))
         many = Many(tuple(answers[work.key] for work in works), folder)
-        many.write_json(folder / RESULT)
+        write_text(folder / RESULT, many.json())
         good = [answer for answer in many.answers if isinstance(answer, DiagnosisResult)]
         if options.robot is not None and len(good) > 1:
             fleet = fleet_of(good, options.robot.file, known, command)
             many = replace(many, fleet=fleet)
             write_text(folder / FLEET, to_json(fleet))
-        write_index(folder / PAGE, many.answers, command, many.fleet)
+        write_report(folder / PAGE, index_of(folder / PAGE, many.answers, command, many.fleet))
         return many
 
 
@@ -205,15 +217,24 @@ Keyed = tuple[str, Answer | StoreError]
 
 
 def computed(
-    left: Sequence[Work], jobs: int | None, function: Callable[[Work], Answer] = compute, cluster: str | None = None
+    left: Sequence[Work],
+    jobs: int | None,
+    progress: Progress = SILENT,
+    had: int = 0,
+    function: Callable[[Work], Answer] = compute,
+    cluster: str | None = None,
 ) -> Iterator[tuple[str, Answer]]:
     """Answers by key, as they come. Raises StoreError; on a cluster, whose disks are its own, that is an entry."""
+    total, what = had + len(left), "recordings"
     if cluster is None and min(jobs or cores(), len(left)) <= 1:
-        yield from ((work.key, function(work)) for work in left)
+        progress(what, had, total)
+        for done, work in enumerate(left, had + 1):
+            yield work.key, function(work)
+            progress(what, done, total)
         return
-    compute_one = partial(_answer, function, cluster is not None)
-    with workers_of(cluster, jobs, len(left)) as workers:
-        for key, answer in completed(left, workers, compute_one, partial(_lost, cluster is not None), chances=1):
+    one, lost = partial(_answer, function, cluster is not None), partial(_lost, cluster is not None)
+    with worked(what, left, one, lost, progress, (had, total), jobs=jobs, cluster=cluster, chances=1) as answers:
+        for key, answer in answers:
             if isinstance(answer, StoreError):
                 raise answer
             yield key, answer

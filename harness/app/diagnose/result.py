@@ -3,55 +3,69 @@
 import logging
 import shlex
 from collections.abc import Mapping
-from dataclasses import asdict, replace
+from dataclasses import dataclass, replace
 from typing import Any
 
-from harness.app.compare.compare import channel_pair
 from harness.app.diagnose.attribution import Configured, Shared, attribution_of, simulator_of
-from harness.app.diagnose.mismatch import places
 from harness.app.diagnose.options import DiagnoseOptions
 from harness.app.diagnose.problem import Prepared
+from harness.app.diagnose.validation import Validation, validated
 from harness.app.shared.machine import this_machine
 from harness.app.shared.reading import recording_info
 from harness.core.arrays import FloatArray
 from harness.core.errors import SimulationError
+from harness.core.events import Mode
 from harness.core.quantity import Quantity
 from harness.core.recording import Recording
+from harness.core.trajectory import Trajectory
 from harness.diagnosis.explain.engines import engine_fit
-from harness.diagnosis.explain.locate import share_within
+from harness.diagnosis.explain.locate import Place, locate, share_within
 from harness.diagnosis.explain.verdict_sentence import sentence_of
 from harness.diagnosis.fit.model_fit import Fit
 from harness.diagnosis.fit.rmse import fit_percent, rmse
 from harness.diagnosis.fit.standard_errors import unit_of
-from harness.diagnosis.outcome import Holdout, Mechanism, Outcome, Prediction, Surface, Table
+from harness.diagnosis.motion import Motion
+from harness.diagnosis.outcome import Mechanism, Outcome, Prediction, Surface, Tried
 from harness.diagnosis.problem import Problem
 from harness.diagnosis.tables.describe import gauge_of
 from harness.model.document import to_document
-from harness.model.model import Model
-from harness.results.common import ModelDocument, P, RecordingInfo, Where
+from harness.results.common import Where
+from harness.results.compare import ChannelPair
 from harness.results.diagnosis import (
-    AlternativeResult,
     DiagnosisResult,
     EngineResult,
-    EvidenceResult,
     FitPercent,
     FitResult,
-    ForcedResult,
     HoldoutResult,
-    HypothesisResult,
     MechanismResult,
-    NearResult,
     PredictionResult,
     ReadResult,
-    RemainderResult,
-    RuleResult,
     SurfaceResult,
     TableResult,
 )
+from harness.show.shown import Shown
 
+STEPS = 4
+"""Of a diagnosis, as progress counts them."""
 LOGGER = logging.getLogger(__name__)
 _NOT_GIVEN = "whose mismatch it is, was not divided: an engine is not given covariates"
 _NOT_TOGETHER = "whose mismatch it is, is divided for one recording at a time: diagnose each without --together"
+_EVERYWHERE = "no part of the motion stands out"
+
+
+@dataclass(frozen=True, slots=True)
+class Diagnosed:
+    """A diagnosis with what it rests on.
+
+    simulated : base model and refined model at every time of the recording, behind them the user's own simulation
+    where there is one. result : without files. shown : of a robot.
+    """
+
+    recording: Recording
+    outcome: Outcome
+    simulated: tuple[Trajectory, ...]
+    result: DiagnosisResult
+    shown: Shown | None = None
 
 
 def result_of(
@@ -60,48 +74,62 @@ def result_of(
     outcome: Outcome,
     options: DiagnoseOptions,
     user: Configured,
+    other: Validation | None,
     command: str = "",
+    **more: Any,
 ) -> DiagnosisResult:
-    """Everything a result says but its files; runs both models in the engines.
+    """Everything a result says but its files; runs both models in the engines. more : fields of its own.
 
-    Raises InputError for a --sim that has nothing in common with the recording.
+    Raises InputError for a --sim that has nothing in common with the recording, and for another recording that cannot
+    be diagnosed.
     """
-    problem = outcome.problem
+    problem, base, refined = outcome.problem, outcome.base, outcome.refined
     engines = {name: _in_engine(name, outcome, options) for name in options.engines}
     shared = _shared(recording, outcome, options, user)
-    return DiagnosisResult(
-        recording=_info(recording, prepared, problem),
+    info = recording_info(recording, problem.noise)
+    notes = [*info.notes, *(f"{note[0].upper()}{note[1:]}." for note in prepared.notes)]
+    covariates = outcome.refined.model.covariates
+    return DiagnosisResult.taken_from(
+        outcome,
+        recording=info.model_copy(update={"notes": notes}),
         read=_read(recording, options),
-        verdict=outcome.verdict,
         statement=sentence_of(outcome, shared.has),
-        baseline=_fit_result(outcome.base, outcome, outcome.base_parameters),
-        where=places(outcome),
+        baseline=_fit_result(base, outcome, outcome.base_parameters),
+        where=_places(outcome),
         mechanisms=[_mechanism(m, outcome) for m in outcome.mechanisms],
-        posterior=[HypothesisResult(names=list(h.names), probability=h.probability) for h in outcome.posterior],
-        refined=_fit_result(outcome.refined, outcome, outcome.refined_parameters),
-        remainder=None if outcome.remainder is None else RemainderResult(**asdict(outcome.remainder)),
-        tables=[_table(table, problem) for table in outcome.tables],
+        refined=_fit_result(refined, outcome, outcome.refined_parameters),
+        tables=[
+            TableResult.taken_from(
+                table,
+                at_unit=unit_of("m" if table.of == "x" else "m/s", problem),
+                force_unit=unit_of("N", problem),
+                gauge=gauge_of(table),
+                nearest=[{"name": name, "share": share} for name, share in table.nearest],
+            )
+            for table in outcome.tables
+        ],
         surface=None if outcome.surface is None else _surface(outcome.surface, problem),
         fit_percent=FitPercent(
-            baseline=fit_percent(outcome.base.shown.y, problem), refined=fit_percent(outcome.refined.shown.y, problem)
+            baseline=fit_percent(base.shown.y, problem), refined=fit_percent(refined.shown.y, problem)
         ),
-        rules=[RuleResult(name=r.name, value=r.value, unit=r.unit, origin=r.origin) for r in outcome.rules],
-        holdout=_held_out(outcome.holdout, list(problem.covariates)),
-        bounded=outcome.bounded,
+        holdout=HoldoutResult.taken_from(
+            outcome.holdout, spans_s=outcome.holdout.spans, given=list(problem.covariates)
+        ),
         engines=engines,
         attribution=shared.result,
-        evidence=_evidence(outcome),
-        consistent_channels={"-".join(found.pair): channel_pair(found) for found in prepared.channels},
-        next_experiment=outcome.next_experiment,
+        evidence=_best_of_each(outcome),
+        consistent_channels={"-".join(c.pair): ChannelPair.taken_from(c, lag_s=c.lag) for c in prepared.channels},
         residual_map=None,
-        baseline_model=_document(outcome.base.model),
-        refined_model=_document(outcome.refined.model),
-        model_left_out=[f"{one.said}: no model file holds a covariate" for one in outcome.refined.model.covariates],
+        baseline_model=to_document(base.model),
+        refined_model=to_document(refined.model),
+        model_left_out=[f"{one.said}: no model file holds a covariate" for one in covariates],
         warnings=[*prepared.warnings, *outcome.warnings, *shared.warnings],
         settings=options.settings(),
+        validation=None if other is None else validated(other, outcome, options),
         command=command,
         machine=this_machine(),
         files={},
+        **more,
     )
 
 
@@ -114,28 +142,6 @@ def _shared(recording: Recording, outcome: Outcome, options: DiagnoseOptions, us
     return attribution_of(outcome, whole, options, user)
 
 
-def _held_out(held: Holdout, given: list[str]) -> HoldoutResult:
-    forced = None
-    if held.forced is not None:
-        forced = ForcedResult(
-            name=held.forced.name,
-            baseline_rmse=dict(held.forced.baseline_rmse),
-            refined_rmse=dict(held.forced.refined_rmse),
-        )
-    return HoldoutResult(
-        spans_s=[[low, high] for low, high in held.spans],
-        baseline_rmse=dict(held.baseline_rmse),
-        refined_rmse=dict(held.refined_rmse),
-        forced=forced,
-        given=given,
-    )
-
-
-def _info(recording: Recording, prepared: Prepared, problem: Problem) -> RecordingInfo:
-    about = recording_info(recording, problem.noise)
-    return about.model_copy(update={"notes": [*about.notes, *map(_sentence, prepared.notes)]})
-
-
 def _read(recording: Recording, options: DiagnoseOptions) -> ReadResult | None:
     if not recording.columns:
         return None
@@ -145,54 +151,39 @@ def _read(recording: Recording, options: DiagnoseOptions) -> ReadResult | None:
     return ReadResult(command=command, columns=columns, mended=list(recording.mended))
 
 
-def _sentence(note: str) -> str:
-    return f"{note[0].upper()}{note[1:]}."
-
-
-def _document(model: Model) -> ModelDocument:
-    return ModelDocument.model_validate(to_document(model))
-
-
 def _fit_result(found: Fit, outcome: Outcome, of: Mapping[str, Quantity]) -> FitResult:
-    return FitResult(
-        parameters={name: P.of(quantity) for name, quantity in of.items()},
-        rmse=rmse(found.shown.y, outcome.problem),
-        chi2_per_point=outcome.chi2_per_point(found),
-    )
+    left = rmse(found.shown.y, outcome.problem)
+    return FitResult.taken_from(found, parameters=of, rmse=left, chi2_per_point=outcome.chi2_per_point(found))
+
+
+def _places(outcome: Outcome) -> list[Where]:
+    """Up to three places that hold the base model's mismatch; the whole, where there is one that lies nowhere apart."""
+    problem, shown = outcome.problem, outcome.base.shown
+    n = problem.t.size
+    residuals = {c: outcome.base.residual[i * n : (i + 1) * n] for i, c in enumerate(problem.channels)}
+    motion = Motion(shown.x, shown.v, shown.mode == Mode.STICK, outcome.scales.omega)
+    found = locate(residuals, problem.t, motion, unit="rad" if problem.angular else "m")
+    if not found and outcome.verdict != "adequate":
+        found = (Place(((float(problem.t[0]), float(problem.t[-1])),), "throughout", _EVERYWHERE, 1.0, 0.0),)
+    return [Where.taken_from(place, time_s=place.spans) for place in found]
 
 
 def _mechanism(mechanism: Mechanism, outcome: Outcome) -> MechanismResult:
-    return MechanismResult(
-        name=mechanism.name,
-        family=mechanism.entry.term.family,
-        variant=mechanism.entry.term.variant,
-        statement=mechanism.statement,
-        parameters={name: P.of(quantity) for name, quantity in mechanism.parameters.items()},
-        delta_bic=mechanism.delta_bic,
-        grade=mechanism.grade.value,
-        share=mechanism.share,
-        chance=mechanism.chance,
-        probability=mechanism.probability,
+    """Its share of the mismatch where it acts is of the baseline's mean square, in units of the noise."""
+    term, place = mechanism.entry.term, mechanism.place
+    share = share_within(place, outcome.base, outcome.problem)
+    return MechanismResult.taken_from(
+        mechanism,
+        family=term.family,
+        variant=term.variant,
         holdout=_predicted(mechanism.held_out),
         forward=_predicted(mechanism.forward),
-        where=where_of(mechanism, outcome),
-        alternatives=[AlternativeResult(name=a.name, delta_bic=a.delta_bic) for a in mechanism.alternatives],
+        where=Where.taken_from(place, time_s=place.spans, share=share),
     )
 
 
-def _table(table: Table, problem: Problem) -> TableResult:
-    return TableResult(
-        form=table.form,
-        of=table.of,
-        at=table.at.tolist(),
-        at_unit=unit_of("m" if table.of == "x" else "m/s", problem),
-        force=table.force.tolist(),
-        stderr=table.stderr.tolist(),
-        force_unit=unit_of("N", problem),
-        gauge=gauge_of(table),
-        described=table.described,
-        nearest=[NearResult(name=name, share=share) for name, share in table.nearest],
-    )
+def _predicted(found: Prediction | None) -> PredictionResult | None:
+    return None if found is None else PredictionResult.taken_from(found, blocks=found.ratios, spans_s=found.spans)
 
 
 def _surface(surface: Surface, problem: Problem) -> SurfaceResult:
@@ -200,35 +191,22 @@ def _surface(surface: Surface, problem: Problem) -> SurfaceResult:
         rows = zip(values.tolist(), surface.known.tolist(), strict=True)
         return [[y if known else None for y, known in zip(*row, strict=True)] for row in rows]
 
-    return SurfaceResult(
-        x=surface.x.tolist(),
+    return SurfaceResult.taken_from(
+        surface,
         x_unit=unit_of("m", problem),
-        v=surface.v.tolist(),
         v_unit=unit_of("m/s", problem),
         force=where_known(surface.force),
         stderr=where_known(surface.stderr),
         force_unit=unit_of("N", problem),
         gauge="no force of position alone and none of speed alone, which are the other tables'",
-        described=surface.described,
     )
 
 
-def _predicted(found: Prediction | None) -> PredictionResult | None:
-    if found is None:
-        return None
-    return PredictionResult(
-        baseline_rmse=dict(found.baseline_rmse),
-        refined_rmse=dict(found.refined_rmse),
-        blocks=list(found.ratios),
-        spans_s=[[low, high] for low, high in found.spans],
-    )
-
-
-def _evidence(outcome: Outcome) -> list[EvidenceResult]:
-    """The best of each name, best first."""
+def _best_of_each(outcome: Outcome) -> list[Tried]:
+    """The evidence for each name, best first."""
     ordered = sorted(outcome.evidence, key=lambda one: -one.delta_bic)
     best = {one.name: one for one in reversed(ordered)}
-    return [EvidenceResult(**asdict(one)) for one in ordered if best[one.name] is one]
+    return [one for one in ordered if best[one.name] is one]
 
 
 def _in_engine(name: str, outcome: Outcome, options: DiagnoseOptions) -> EngineResult:
@@ -241,24 +219,4 @@ def _in_engine(name: str, outcome: Outcome, options: DiagnoseOptions) -> EngineR
     except SimulationError as error:
         LOGGER.warning("%s: %s", name, error)
         return EngineResult(settings={}, baseline_rmse={}, refined_rmse={}, error=str(error))
-    return EngineResult(
-        settings=_plain(found.settings),
-        baseline_rmse=dict(found.baseline_rmse),
-        refined_rmse=dict(found.refined_rmse),
-        own_error=dict(found.own_error),
-        version=simulator.engine.version(),
-        ignored=list(found.ignored),
-    )
-
-
-def _plain(settings: Any) -> dict[str, Any]:
-    """Settings as JSON has them."""
-    return {k: list(v) if isinstance(v, tuple) else v for k, v in settings.items()}
-
-
-def where_of(mechanism: Mechanism, outcome: Outcome) -> Where:
-    """Place of a mechanism; its share is of the baseline's mean square mismatch, in units of the noise."""
-    place = mechanism.place
-    share = share_within(place, outcome.base, outcome.problem)
-    time_s = [[low, high] for low, high in place.spans]
-    return Where(time_s=time_s, regime=place.regime, condition=place.condition, share=share)
+    return EngineResult.taken_from(found, version=simulator.engine.version())

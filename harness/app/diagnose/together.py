@@ -2,20 +2,17 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 
 from harness.app.diagnose.attribution import Configured
 from harness.app.diagnose.files import simulated
-from harness.app.diagnose.one import STEPS, Diagnosed, leave, unkept
 from harness.app.diagnose.options import DiagnoseOptions
 from harness.app.diagnose.problem import Prepared, refuse, refuse_few, refuse_unrelated
-from harness.app.diagnose.result import result_of
-from harness.app.diagnose.validation import validated, validation
-from harness.app.shared.progress import NAME as LOG
-from harness.app.shared.progress import SILENT, Progress, journal
-from harness.app.shared.reading import read_as, recording_info, thinned
+from harness.app.diagnose.result import STEPS, Diagnosed, result_of
+from harness.app.diagnose.validation import validation
+from harness.app.shared.progress import SILENT, Progress
+from harness.app.shared.reading import recording_info, thinned
 from harness.core.errors import InputError
 from harness.core.quantity import Quantity
 from harness.core.recording import Recording
@@ -34,10 +31,9 @@ from harness.diagnosis.problems.forces_together import ForcesTogether
 from harness.diagnosis.problems.together import Together
 from harness.diagnosis.request import Asked
 from harness.estimate.repeated import repeated
-from harness.io.store import output_folder
 from harness.model.elsewhere import named
 from harness.results.common import P, RepeatedResult
-from harness.results.diagnosis import DiagnosisResult, OwnResult
+from harness.results.diagnosis import OwnResult
 
 
 def own_results(recordings: Sequence[Recording], outcome: Outcome) -> list[OwnResult]:
@@ -62,17 +58,17 @@ def own_results(recordings: Sequence[Recording], outcome: Outcome) -> list[OwnRe
         for name, (value, unit) in values.items():
             error = numbers.get(named(name, r), errors[r].get(name))
             why = None if error else "given, not fitted" if name != "v0" else "released from rest"
-            said[name] = P.of(Quantity(value, error, unit, why))
+            said[name] = Quantity(value, error, unit, why)
         found.append(
-            OwnResult(
-                file=one.file,
+            OwnResult.taken_from(
+                one,
                 begins_s=clock + (0.0 if isinstance(problem, Together) else runs[r].model.t0),
                 start={name: said[name] for name in ("x0", "v0")},
                 zero=said["offset"] if problem.zero_free and "x" in problem.channels else None,
                 noise={c: n.said for c, n in alone.noise.items()},
                 baseline_rmse=rmse(outcome.base.shown.y, problem, inside),
                 rmse=rmse(refined.shown.y, problem, inside),
-                alone={name: P.of(q) for name, q in pooled.compared.alone[r].parameters.items()},
+                alone=pooled.compared.alone[r].parameters,
                 differs=[d.said(first) for d in differ[r] if d.clearly],
             )
         )
@@ -106,41 +102,6 @@ def repeated_results(files: Sequence[str], each: Sequence[Mapping[str, Quantity]
     return found
 
 
-def diagnose_together(
-    named: Sequence[tuple[Path, str]],
-    options: DiagnoseOptions,
-    out: Path | None = None,
-    progress: Progress = SILENT,
-    command: str = "",
-) -> DiagnosisResult:
-    """Diagnose files as recordings of one machine, and leave in a folder what one recording leaves.
-
-    named : path and label of each. Raises InputError, SimulationError, StoreError.
-    """
-    progress("reading", 0, STEPS)
-    _refuse_options(options)
-    recordings = [thinned(read_as(label, path, options.reading, options.trace)) for path, label in named]
-    return deliver_together(recordings, options, out, progress, command)
-
-
-def deliver_together(
-    recordings: Sequence[Recording],
-    options: DiagnoseOptions,
-    out: Path | None = None,
-    progress: Progress = SILENT,
-    command: str = "",
-) -> DiagnosisResult:
-    """Diagnose recordings of one machine and leave everything in a folder, as ``diagnose_together`` does."""
-    with output_folder("diagnose-together", out) as output, journal(output / LOG):
-        return leave(output, investigate_together(recordings, options, progress, command), progress)
-
-
-def answer_together(recordings: Sequence[Recording], options: DiagnoseOptions) -> DiagnosisResult:
-    """Diagnose recordings of one machine and leave nothing; raises InputError, SimulationError."""
-    with unkept():
-        return investigate_together(recordings, options).result
-
-
 def investigate_together(
     recordings: Sequence[Recording], options: DiagnoseOptions, progress: Progress = SILENT, command: str = ""
 ) -> Diagnosed:
@@ -150,30 +111,23 @@ def investigate_together(
     """
     _refuse_options(options)
     progress("base fit and search", 1, STEPS)
+    recordings = [thinned(one) for one in recordings]
     ready = _prepared(recordings, options)
     problem = ready.problem
     assert isinstance(problem, Together | ForcesTogether)
     with np.errstate(over="ignore", invalid="ignore"), listening(progress):
         outcome = conclude(problem, seconds=options.seconds)
     progress("engines", 2, STEPS)
-    laid = _laid(recordings, problem, outcome)
-    result = result_of(laid, ready, outcome, options, Configured(), command)
-    own = own_results(recordings, outcome)
-    each = [recording_info(one, alone.noise) for one, alone in zip(recordings, problem.alone, strict=True)]
-    result = result.model_copy(update={"recordings": each, "own": own, "together": _repeated(recordings, outcome)})
-    other = validation(recordings[0], options)
-    if other is not None:
-        result = result.model_copy(update={"validation": validated(other, outcome, options)})
-    return Diagnosed(laid, outcome, simulated(laid, outcome), result)
-
-
-def _repeated(recordings: Sequence[Recording], outcome: Outcome) -> dict[str, RepeatedResult]:
-    """Every parameter of the refined model, as each recording says it by itself."""
-    problem = outcome.problem
-    assert isinstance(problem, Together | ForcesTogether)
     assert outcome.pooled is not None
     each = alone_under(outcome.refined, problem, outcome.scales, outcome.pooled.compared.alone)
-    return repeated_results([one.file for one in recordings], [parameters_of(one) for one in each])
+    more = {
+        "recordings": [recording_info(one, alone.noise) for one, alone in zip(recordings, problem.alone, strict=True)],
+        "own": own_results(recordings, outcome),
+        "together": repeated_results([one.file for one in recordings], [parameters_of(one) for one in each]),
+    }
+    laid, other = _laid(recordings, problem, outcome), validation(recordings[0], options)
+    result = result_of(laid, ready, outcome, options, Configured(), other, command, **more)
+    return Diagnosed(laid, outcome, simulated(laid, outcome), result)
 
 
 def _refuse_options(options: DiagnoseOptions) -> None:
@@ -190,7 +144,8 @@ def _refuse_options(options: DiagnoseOptions) -> None:
 def _prepared(recordings: Sequence[Recording], options: DiagnoseOptions) -> Prepared:
     for one in recordings:
         refuse(one)
-    problem, notes = prepare_together(recordings, _asked(options))
+    asked = Asked(options.restoring, options.zero_free, options.mass, guarded=options.guarded)
+    problem, notes = prepare_together(recordings, asked)
     warnings: list[str] = []
     channels: tuple[Consistency, ...] = ()
     for one, alone in zip(recordings, problem.alone, strict=True):
@@ -202,10 +157,6 @@ def _prepared(recordings: Sequence[Recording], options: DiagnoseOptions) -> Prep
             warnings += [f"{one.file}: {said}" for said in refuse_unrelated(one, found)]
             channels = channels or found
     return Prepared(problem, notes, tuple(warnings), channels)
-
-
-def _asked(options: DiagnoseOptions) -> Asked:
-    return Asked(options.restoring, options.zero_free, options.mass, guarded=options.guarded)
 
 
 def _laid(recordings: Sequence[Recording], problem: Together | ForcesTogether, outcome: Outcome) -> Recording:

@@ -13,7 +13,6 @@ from harness.diagnosis.inverse_dynamics.validate import Judge
 from harness.diagnosis.kinds.known import kind_of
 from harness.diagnosis.outcome import Outcome
 from harness.diagnosis.prepare.driven import is_driven
-from harness.diagnosis.problem import Problem
 from harness.model.model import Restoring
 from harness.results.diagnosis import ForceError, ValidationResult
 
@@ -46,29 +45,17 @@ def validation(recording: Recording, options: DiagnoseOptions) -> Validation | N
     return Validation(other, Judge.of(recording, other) if judged else None)
 
 
-def held_alike(options: DiagnoseOptions, problem: Problem) -> DiagnoseOptions:
-    """The options with the restoring force and the zero that the first recording was diagnosed with."""
-    spring = problem.restoring is Restoring.SPRING
-    zero: Zero | None = "free" if problem.zero_free else ("spring" if spring else None)
-    return replace(options, restoring=problem.restoring, zero=zero)
-
-
 def validated(found: Validation, outcome: Outcome, options: DiagnoseOptions) -> ValidationResult:
-    """Both models on the other recording. Raises InputError, SimulationError."""
-    ready = prepared(found.recording, held_alike(options, outcome.problem))
-    problem = ready.problem
-    base, refined = outcome.base.model, outcome.refined.model
+    """Both models on the other recording, held as the first one was. Raises InputError, SimulationError."""
+    first, models = outcome.problem, (outcome.base.model, outcome.refined.model)
+    zero: Zero | None = "spring" if first.restoring is Restoring.SPRING else None
+    held = replace(options, restoring=first.restoring, zero="free" if first.zero_free else zero)
+    problem = prepared(found.recording, held).problem
+    before, after = kind_of(problem).tried(problem, models, outcome.scales)
     force = None
-    before, after = kind_of(problem).tried(problem, (base, refined), outcome.scales)
     if found.judge is not None:
-        errors = found.judge.compared(base, refined)
-        force = ForceError(
-            fit_baseline=errors.fit_baseline,
-            fit_refined=errors.fit_refined,
-            baseline=errors.baseline,
-            refined=errors.refined,
-            refined_with_ripple=errors.refitted,
-        )
+        errors = found.judge.compared(*models)
+        force = ForceError.taken_from(errors, refined_with_ripple=errors.refitted)
     return ValidationResult(
         file=found.recording.file, baseline_rmse=dict(before), refined_rmse=dict(after), force_rel_error=force
     )

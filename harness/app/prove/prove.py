@@ -23,14 +23,13 @@ from harness.app.prove.worker import (
     answer_one,
     draw_failed,
     draw_one,
-    worked,
 )
 from harness.app.shared.machine import this_machine
 from harness.app.shared.progress import NAME as LOG
 from harness.app.shared.progress import SILENT, Progress, journal
-from harness.app.shared.rows import InterruptionError
+from harness.app.shared.rows import folder_of, resumable, worked
 from harness.core.errors import HarnessError, InputError
-from harness.io.store import growing_folder, held
+from harness.io.store import held
 from harness.proof.beside import BASELINES
 from harness.proof.drawing import probes_of, sealed_answers
 from harness.proof.plan import FULL, MACHINES, SHORT, SHORT_MACHINES, Sizes, plan
@@ -86,17 +85,9 @@ def prove(
     out : folder, None for reports/proof-TIME here. Raises InputError for what cannot be resumed, StoreError for a
     folder that cannot be written, is taken or in use, InterruptionError after an interruption; what was done is kept.
     """
-    folder = _resumed(out) if options.resume else growing_folder("proof", out)
+    folder = folder_of("proof", out, options.resume, "proof", LEDGER)
     with held(folder) as mark, journal(folder / LOG):
         return _Proof(options, folder, progress, command, mark).run()
-
-
-def _resumed(out: Path | None) -> Path:
-    if out is None:
-        raise InputError("--resume", "given without --out", "the folder of the proof to go on with is accepted")
-    if not (out / LEDGER).is_file():
-        raise InputError(f"--out {out}", "holds no proof to resume", "the folder of one, or no --resume, is accepted")
-    return out.absolute()
 
 
 class _Proof:
@@ -113,7 +104,7 @@ class _Proof:
 
     def run(self) -> ProofResult:
         """All phases; the result."""
-        try:
+        with resumable(self._folder, lambda: "what is done is kept"):
             if self._options.resume:
                 self._check()
             if not self._done(STEPS[0]):
@@ -122,18 +113,9 @@ class _Proof:
                 self._draw()
             if not self._done(STEPS[3]):
                 self._diagnose()
-        except KeyboardInterrupt:
-            raise InterruptionError(f"interrupted; {self._go_on()}") from None
-        except HarnessError as error:
-            if isinstance(error, InputError):
-                raise
-            raise type(error)(f"{error}; {self._go_on()}") from None
         if self._done(PUBLISHED):
             self._ledger.entries = [entry for entry in self._ledger.entries if entry["step"] != PUBLISHED]
         return finish(self._store, self._ledger, self._command, self._progress)
-
-    def _go_on(self) -> str:
-        return f"what is done is kept, the same command with --resume --out {self._folder} goes on"
 
     def _done(self, step: str) -> bool:
         return any(entry["step"] == step for entry in self._ledger.entries)
@@ -168,7 +150,7 @@ class _Proof:
         have = self._store.drawn()
         jobs = plan(self._sizes, seed)
         tasks = [DrawTask(seed, job) for job in jobs if job.index not in have]
-        with self._worked("recordings drawn", tasks, draw_one, draw_failed, had=len(have)) as rows:
+        with self._worked("recordings drawn", tasks, draw_one, draw_failed, count=(len(have), len(jobs))) as rows:
             for one in rows:
                 self._store.keep_drawn(one)
         found = self._store.drawn().values()
@@ -216,8 +198,8 @@ class _Proof:
                     for name in names
                     if name not in said.get(who, {})
                 ]
-                had, total = sum(map(len, said.values())), len(names) * (1 + len(self._beside))
-                with self._worked("answers", tasks, answer_one, answer_failed, had=had, total=total) as lines:
+                count = sum(map(len, said.values())), len(names) * (1 + len(self._beside))
+                with self._worked("answers", tasks, answer_one, answer_failed, count=count) as lines:
                     for line in lines:
                         self._store.keep_answer(line)
 

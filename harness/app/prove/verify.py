@@ -6,9 +6,10 @@ from pathlib import Path
 from typing import Any
 
 from harness.app.prove.store import PAGE, RESULT, all_verdicts
-from harness.app.prove.worker import DrawTask, draw_failed, draw_one, worked
+from harness.app.prove.worker import DrawTask, draw_failed, draw_one
 from harness.app.shared.machine import this_machine
 from harness.app.shared.progress import SILENT, Progress
+from harness.app.shared.rows import worked
 from harness.core.bounded import MOST_DOCUMENT_BYTES, read_bytes
 from harness.core.errors import InputError, visible
 from harness.io.recording import sha256
@@ -143,6 +144,7 @@ def _drawn(ledger: Ledger, chosen: list[Job], jobs: int | None, progress: Progre
     seed = int(ledger.content(STEPS[3])["seed"]["value"])
     of = {job.index: job for job in chosen}
     tasks = [DrawTask(seed, job) for job in chosen]
-    with worked("recordings drawn again", tasks, draw_one, draw_failed, progress, jobs=jobs) as rows:
+    count = 0, len(tasks)
+    with worked("recordings drawn again", tasks, draw_one, draw_failed, progress, count, jobs=jobs) as rows:
         drawn = [one for one in rows if one["error"] is None]
     return [(Drawn(one["name"], one["recording"].encode(), one["answer"]), of[one["index"]]) for one in drawn]

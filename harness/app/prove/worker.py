@@ -4,16 +4,10 @@ import os
 import sys
 import threading
 import time
-from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any
 
-from harness.app.shared.machine import cores
-from harness.app.shared.pool import Cluster, LocalPool, Workers
-from harness.app.shared.progress import Progress
-from harness.app.shared.rows import completed
 from harness.core.errors import SimulationError
 from harness.core.jit import cache_folder
 from harness.proof.blind import BlindProcess
@@ -94,40 +88,3 @@ def answer_one(task: BlindTask) -> dict[str, Any]:
 def answer_failed(task: BlindTask, why: str) -> dict[str, Any]:
     """A diagnosis that took its worker down has said nothing."""
     return {"name": task.name, "who": task.who, "said": "", "seconds": 0.0}
-
-
-Task = TypeVar("Task", DrawTask, BlindTask)
-Row = dict[str, Any]
-
-
-@contextmanager
-def worked(
-    what: str,
-    tasks: Sequence[Task],
-    compute: Callable[[Task], Row],
-    failed: Callable[[Task, str], Row],
-    progress: Progress,
-    *,
-    had: int = 0,
-    total: int | None = None,
-    jobs: int | None = None,
-    cluster: str | None = None,
-) -> Iterator[Iterator[Row]]:
-    """Rows of tasks as they are done, by processes or a cluster, which are gone when the block ends.
-
-    what : as progress says it. had : rows there are already. total : rows there will be, None for these with the tasks.
-    """
-    wanted = max(1, min(jobs or cores(), len(tasks)))
-    workers: Workers = LocalPool(wanted) if cluster is None else Cluster(cluster)
-    there_will_be = had + len(tasks) if total is None else total
-
-    def rows() -> Iterator[Row]:
-        progress(what, had, there_will_be)
-        for done, one in enumerate(completed(tasks, workers, compute, failed), had + 1):
-            yield one
-            progress(what, done, there_will_be)
-
-    try:
-        yield rows()
-    finally:
-        workers.close()

@@ -6,18 +6,22 @@ from typing import Any, TypeAlias
 
 from pydantic import ValidationError
 
-from harness.app.compare.compare import again as compare_again
-from harness.app.diagnose.show import write_arm_page, write_diagnosis_page
+from harness.app import compare
 from harness.app.identify import result_of
 from harness.app.report.view import find_trace
 from harness.app.run.case import case_of_json
 from harness.app.run.run import measured
-from harness.app.shared.showing import write_joint_page, write_recording_page, write_run_page
 from harness.core.errors import InputError, StoreError
 from harness.results.compare import CompareResult
 from harness.results.diagnosis import DiagnosisResult, read_diagnosis
 from harness.results.identify import IdentifyResult
 from harness.results.run import JointRunResult, RunResult
+from harness.show.blocks import Page
+from harness.show.report.diagnosis import diagnosis_page
+from harness.show.report.identify import identify_page
+from harness.show.report.page import write_report
+from harness.show.report.robot import arm_page, joint_beside, joint_page
+from harness.show.report.run import run_page
 from harness.show.shown import HELD, LEFT, MOTION, SWING, unpacked
 from harness.show.stored import StoredTrace, read_trace
 
@@ -42,55 +46,54 @@ def rebuild(place: Path, out: Path | None = None) -> tuple[Shown, Path]:
     except (KeyError, TypeError):
         raise InputError(str(trace), "holds no result", _ACCEPTED) from None
     try:
-        return again(stored, data, page), page
+        result, shown = again(stored, data)
+        write_report(page, shown)
     except (ValidationError, LookupError, TypeError, StopIteration):
         raise InputError(str(trace), "holds a result of another version, or not all of it", _ACCEPTED) from None
+    return result, page
 
 
 _ACCEPTED = "a trace written by harness run, identify, compare or diagnose is accepted"
 
 
-def _run_again(stored: StoredTrace, data: Any, page: Path) -> RunResult:
+def _run(stored: StoredTrace, data: Any) -> tuple[RunResult, Page]:
     result = RunResult.model_validate(data)
     case = case_of_json(stored.properties["scenario"])
     again = iter([measured(trajectory, case) for trajectory in stored.trajectories])
     traces = [kept if kept.error is not None else next(again) for kept in result.traces]
     result = result.model_copy(update={"traces": traces, "conclusions": case.conclusions(traces)})
-    write_run_page(page, result, stored.trajectories)
-    return result
+    return result, run_page(result, stored.trajectories)
 
 
-def _identify_again(stored: StoredTrace, data: Any, page: Path) -> IdentifyResult:
-    kept = IdentifyResult.model_validate(data)
-    result, base = result_of(stored.recordings[0], kept.command, kept.files, kept.restoring)
+def _identify(stored: StoredTrace, data: Any) -> tuple[IdentifyResult, Page]:
+    kept, recording = IdentifyResult.model_validate(data), stored.recordings[0]
+    result, motion = result_of(recording, kept.command, kept.files, kept.restoring)
     result = result.model_copy(update={"machine": kept.machine})
-    write_recording_page(page, result, stored.recordings[0], base.motion)
-    return result
+    return result, identify_page(result, recording, motion)
 
 
-def _diagnose_again(stored: StoredTrace, data: Any, page: Path) -> DiagnosisResult:
+def _diagnosis(stored: StoredTrace, data: Any) -> tuple[DiagnosisResult, Page]:
     """A diagnosis is kept as it was found: fits are not made again."""
     result = read_diagnosis(data)
-    shown = unpacked(stored.robot[LEFT], stored.robot[MOTION]) if result.robot is not None else None
-    if shown is not None and result.robot is not None and result.robot.mode == "whole-arm":
-        write_arm_page(page, result, shown)
-    else:
-        write_diagnosis_page(page, result, stored.recordings[0], stored.trajectories, shown)
-    return result
+    if result.robot is None:
+        return result, diagnosis_page(result, stored.recordings[0], stored.trajectories, ())
+    shown = unpacked(stored.robot[LEFT], stored.robot[MOTION])
+    if result.robot.mode == "whole-arm":
+        return result, arm_page(result, shown)
+    return result, diagnosis_page(result, stored.recordings[0], stored.trajectories, joint_beside(result, shown))
 
 
-def _joint_again(stored: StoredTrace, data: Any, page: Path) -> JointRunResult:
+def _joint(stored: StoredTrace, data: Any) -> tuple[JointRunResult, Page]:
     result = JointRunResult.model_validate(data)
-    write_joint_page(page, result, stored.robot[HELD], stored.robot[SWING])
-    return result
+    return result, joint_page(result, stored.robot[HELD], stored.robot[SWING])
 
 
-_AGAIN: dict[str, Callable[[StoredTrace, Any, Path], Shown]] = {
-    "harness.diagnosis/1": _diagnose_again,
-    "harness.diagnosis/2": _diagnose_again,
-    "harness.run/1": _run_again,
-    "harness.identify/1": _identify_again,
-    "harness.joint/1": _joint_again,
-    "harness.compare/1": compare_again,
-    "harness.compare/2": compare_again,
+_AGAIN: dict[str, Callable[[StoredTrace, Any], tuple[Shown, Page]]] = {
+    "harness.diagnosis/1": _diagnosis,
+    "harness.diagnosis/2": _diagnosis,
+    "harness.run/1": _run,
+    "harness.identify/1": _identify,
+    "harness.joint/1": _joint,
+    "harness.compare/1": compare.again,
+    "harness.compare/2": compare.again,
 }

@@ -8,22 +8,19 @@ from pathlib import Path
 
 from harness.app.run.joint_servo import itself_in, servo_scores
 from harness.app.run.joint_words import conclusions
-from harness.app.shared.deliver import to_json
+from harness.app.shared.leaving import FILES, leave, leaving, notes
 from harness.app.shared.machine import this_machine
 from harness.app.shared.parts import reduction_of
-from harness.app.shared.progress import NAME as LOG
-from harness.app.shared.progress import SILENT, Progress, journal
-from harness.app.shared.showing import write_joint_page, write_joint_trace
+from harness.app.shared.progress import SILENT, Progress
 from harness.core.checks import positive
 from harness.core.errors import InputError, SimulationError
 from harness.core.scenario import Hold, Scenario
 from harness.core.slider import Slider
-from harness.core.trajectory import Trajectory
+from harness.core.trajectory import Source, Trajectory
 from harness.engines import registry
 from harness.engines.base import PRESETS, Preset, Settings, Task, choice
 from harness.fidelity.metrics import reversal_lead_s
 from harness.fidelity.scenarios.hold import creep_m_s
-from harness.io.store import output_folder
 from harness.results.robot import PasteResult
 from harness.results.run import JointRunResult, JointScore
 from harness.robot.arm import Arm, load_arm
@@ -32,6 +29,8 @@ from harness.robot.own_model import words
 from harness.robot.paste import JointPaste, copies
 from harness.robot.pictured import moved
 from harness.robot.reduction import Reduced, reduced
+from harness.show.report.robot import joint_page
+from harness.show.report.robot_scene import joint_scene
 
 LOGGER = logging.getLogger(__name__)
 MUJOCO = "mujoco"
@@ -80,17 +79,9 @@ def played(
     except SimulationError as error:
         LOGGER.warning("%s %s: %s", name, preset, error)
         why = str(error)
-    used = None if held is None else held.source
-    score = JointScore(
-        engine=name,
-        preset=preset,
-        version="" if used is None else used.version,
-        dt_s=step if used is None else used.dt,
-        creep=creep,
-        reversal_lead_s=lead,
-        settings={} if used is None else {k: list(v) if isinstance(v, tuple) else v for k, v in used.settings.items()},
-        ignored=[] if used is None else list(used.ignored),
-        error=why,
+    used = Source(name, preset, dt=step) if held is None else held.source
+    score = JointScore.taken_from(
+        used, engine=name, preset=preset, dt_s=used.dt, creep=creep, reversal_lead_s=lead, error=why
     )
     return Played(score, held, swung)
 
@@ -147,21 +138,19 @@ def run_joint(
     if joint is None:
         raise InputError("--joint", "not given", f"a joint of {arm.file} is accepted: {', '.join(arm.joints)}")
     own = reduced(arm, joint)
-    with output_folder(f"run-{joint}", out) as output, journal(output / LOG):
+    with leaving(f"run-{joint}", out) as output:
         result, motions = _computed(arm, own, asked, progress, command)
-        named = {"result": "result.json", "report": "report.html", "rrd": "trace.rrd", "log": LOG}
+        named = dict(FILES)
         (output / "model").mkdir()
         for name, text in copies(asked.file, _paste(arm, own)).items():
             (output / "model" / name).write_text(text, encoding="utf-8")
             named[f"robot_{'urdf' if name.endswith('.urdf') else 'mjcf'}"] = f"model/{name}"
         result = result.model_copy(update={"files": {name: output.at(file) for name, file in named.items()}})
-        (output / "result.json").write_text(to_json(result), encoding="utf-8")
         held = [one.held for one in motions if one.held is not None]
         swings = [one.swing for one in motions if one.swing is not None]
         robot = moved(asked.file, arm, joint, swings[0] if swings else None)
-        write_joint_trace(output / "trace.rrd", result, held, swings, robot)
-        write_joint_page(output / "report.html", result, held, swings)
-        output.commit()
+        said = notes(f"What engines make of {joint}", result.conclusions)
+        leave(output, result, joint_page(result, held, swings), joint_scene(result, held, swings, robot, said))
     return result
 
 

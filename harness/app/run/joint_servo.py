@@ -163,23 +163,14 @@ def itself_in(
 
 def _in_mujoco(own: AsItIs, reduced: Reduced, scores: Sequence[JointScore]) -> AsItIsResult:
     beside = next((one for one in scores if (one.engine, one.preset) == (MUJOCO, "as-shipped")), None)
-    return AsItIsResult(
+    return AsItIsResult.taken_from(
+        own,
         engine=MUJOCO,
         preset="as-shipped",
-        version=own.version,
         dt_s=own.dt,
-        friction=own.friction,
-        break_away=own.break_away,
-        switched_off=own.switched_off,
-        gravity=own.gravity,
-        damping=own.damping,
-        load=own.load,
-        pose=own.pose,
-        creep=own.creep,
         stop=_stop(own),
         diverges_after=own.diverges,
         differs=None if beside is None else _differs(own, reduced, beside),
-        notes=list(own.notes),
     )
 
 
@@ -187,12 +178,12 @@ def _stop(own: AsItIs) -> StopResult | None:
     if own.stop is None:
         return None
     stopped = math.isfinite(own.stop.time)
-    return StopResult(
+    return StopResult.taken_from(
+        own.stop,
         speed=own.stop.v0,
         time_s=own.stop.time if stopped else None,
         exact_time_s=own.stop.exact_time,
         travel=own.stop.travel if stopped else None,
-        exact_travel=own.stop.exact_travel,
     )
 
 
@@ -232,19 +223,7 @@ def _in_bullet(
         found = in_bullet(file, reduced.joint, own, gravity, preset, dt)
     except (ImportError, InputError):  # its score says so
         return []
-    return [
-        AsItIsResult(
-            engine=PYBULLET,
-            preset="tuned" if preset == "tuned" else "as-shipped",
-            version=found.version,
-            dt_s=found.dt,
-            friction=own.friction,
-            break_away=own.friction,
-            gravity=own.gravity,
-            damping=own.damping,
-            load=own.load,
-            pose=own.pose,
-            creep=found.creep,
-            diverges_after=found.diverges,
-        )
-    ]
+    more = {"version": found.version, "dt_s": found.dt, "creep": found.creep, "diverges_after": found.diverges}
+    gone: dict[str, object] = {"break_away": own.friction, "switched_off": 0.0, "stop": None, "notes": []}
+    shipped = "tuned" if preset == "tuned" else "as-shipped"
+    return [AsItIsResult.taken_from(own, engine=PYBULLET, preset=shipped, **more, **gone)]

@@ -17,7 +17,6 @@ from harness.estimate.believed import believed, without_limited
 from harness.estimate.every import estimate_all
 from harness.estimate.result import Estimate, Estimation
 from harness.model.model import Model, Restoring
-from harness.results.common import P
 from harness.results.identify import Swing
 from harness.results.run import Estimates
 
@@ -52,20 +51,12 @@ def _shown(model: Model, recording: Recording) -> dict[str, FloatArray]:
 
 def estimates_of(estimation: Estimation) -> dict[str, Estimates]:
     """Every method's estimate by its name."""
-    return {method: _of(estimate) for method, estimate in estimation.methods.items()}
-
-
-def _of(estimate: Estimate) -> Estimates:
-    return Estimates(
-        omega_n=P.of(estimate.omega_n),
-        zeta=P.of(estimate.zeta),
-        x_k=P.of(estimate.x_k),
-        reversals=estimate.reversals,
-        per_reversal=[reversal.as_dict() for reversal in estimate.per_reversal],
-        guard_s=estimate.guard,
-        lead_s=None if estimate.lead is None else P.of(estimate.lead),
-        notes=list(estimate.notes),
-    )
+    return {
+        method: Estimates.taken_from(
+            one, per_reversal=[each.as_dict() for each in one.per_reversal], guard_s=one.guard, lead_s=one.lead
+        )
+        for method, one in estimation.methods.items()
+    }
 
 
 WHOLE = {"acceleration": ("a", "v"), "displacement": ("x",)}

@@ -11,6 +11,7 @@ from typing import Generic, Protocol, TypeVar
 
 from harness.app.shared.machine import cores
 from harness.app.shared.pool import Cluster, LocalPool, Workers
+from harness.app.shared.progress import Progress
 from harness.core.errors import HarnessError, InputError
 from harness.io.store import growing_folder
 
@@ -60,17 +61,6 @@ def resumable(folder: Path, kept: Callable[[], str]) -> Iterator[None]:
         raise kind(f"{what}; {kept()}, the same command with --resume --out {folder} goes on") from None
 
 
-@contextmanager
-def workers_of(cluster: str | None, jobs: int | None, most: int | None = None) -> Iterator[Workers]:
-    """Workers of a dask scheduler, or ``jobs`` processes here, None for one a core; at most ``most``, at least one."""
-    jobs = max(1, min(jobs or cores(), jobs or cores() if most is None else most))
-    workers: Workers = LocalPool(jobs) if cluster is None else Cluster(cluster)
-    try:
-        yield workers
-    finally:
-        workers.close()
-
-
 class Keyed(Protocol):
     """Something to do, with a key of its own."""
 
@@ -81,6 +71,41 @@ class Keyed(Protocol):
 
 Spec = TypeVar("Spec", bound=Keyed)
 Row = TypeVar("Row")
+
+
+@contextmanager
+def worked(
+    what: str,
+    tasks: Iterable[Spec],
+    compute: Callable[[Spec], Row],
+    failed: Callable[[Spec, str], Row],
+    progress: Progress,
+    count: tuple[int, int],
+    *,
+    jobs: int | None = None,
+    cluster: str | None = None,
+    idle: tuple[float, Callable[[], None]] | None = None,
+    chances: int = CHANCES,
+) -> Iterator[Iterator[Row]]:
+    """Rows of tasks as they are done, by processes here or a dask scheduler, which are let go when the block ends.
+
+    what : as progress says it. count : rows there are already, and rows there will be. jobs : processes, None for one a
+    core, never more than there are tasks. The rest as in ``completed``.
+    """
+    had, total = count
+    wanted = max(1, min(jobs or cores(), total - had))
+    workers: Workers = LocalPool(wanted) if cluster is None else Cluster(cluster)
+
+    def rows() -> Iterator[Row]:
+        progress(what, had, total)
+        for done, one in enumerate(completed(tasks, workers, compute, failed, idle, chances), had + 1):
+            yield one
+            progress(what, done, total)
+
+    try:
+        yield rows()
+    finally:
+        workers.close()
 
 
 def completed(

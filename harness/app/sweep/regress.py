@@ -201,11 +201,6 @@ def junit(result: RegressResult, names: Iterable[str]) -> str:
     return str(etree.tostring(root, xml_declaration=True, encoding="utf-8", pretty_print=True).decode())
 
 
-def write_junit(path: Path, result: RegressResult, names: Iterable[str]) -> None:
-    """Write ``junit`` to a file, whole or not at all; raises StoreError."""
-    write_text(path, junit(result, names))
-
-
 def sentence(moved: Moved) -> str:
     """One move in a line."""
     if not moved.metric:

@@ -1,9 +1,10 @@
 """What is made of a finished sweep: result.json, traces of the worst rows, the page, a table for people."""
 
 from harness.app.shared.progress import SILENT, Progress
-from harness.app.sweep.sweep import PAGE, TRACES, Sweep, SweepOptions, write_result
+from harness.app.sweep.sweep import PAGE, RESULT, TRACES, Sweep, SweepOptions
 from harness.app.sweep.traces import keep_worst
 from harness.fidelity.scores import Card, cards
+from harness.io.store import write_text
 from harness.show.blocks import Page
 from harness.show.report.page import made_with, write_report
 from harness.show.report.sweep import Worst, sweep_sections
@@ -19,7 +20,7 @@ def finish(result: Sweep, options: SweepOptions, progress: Progress = SILENT) ->
     kept = keep_worst(result, options, progress)
     progress("writing result.json and report.html", result.total, result.total)
     write_page(result, kept)
-    write_result(result)
+    write_text(result.folder / RESULT, result.json())
 
 
 def write_page(result: Sweep, kept: dict[str, str]) -> None:

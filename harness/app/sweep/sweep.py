@@ -5,6 +5,7 @@ import logging
 import time
 from collections.abc import Callable, Iterator
 from dataclasses import asdict, dataclass
+from functools import partial
 from itertools import chain
 from pathlib import Path
 from typing import Any
@@ -12,11 +13,10 @@ from typing import Any
 from harness.app.shared.machine import this_machine
 from harness.app.shared.progress import NAME as LOG
 from harness.app.shared.progress import SILENT, Progress, journal
-from harness.app.shared.rows import completed, folder_of, resumable, workers_of
+from harness.app.shared.rows import folder_of, resumable, worked
 from harness.app.sweep.parts import Parts, check_new, compute, failed_row
 from harness.core.checks import positive
 from harness.core.errors import HarnessError, InputError, SimulationError, StoreError
-from harness.core.writing import replacing
 from harness.engines import registry
 from harness.engines.base import ROUTES, Engine, choice
 from harness.fidelity.compare import Ladder
@@ -175,17 +175,6 @@ def sweep(
     return Sweep(folder, machine, command, tuple(notes), count, done, failures, wall)
 
 
-def write_result(result: Sweep) -> None:
-    """Write result.json into the folder, streaming; raises StoreError."""
-    write_stream(result, result.folder / RESULT)
-
-
-def write_stream(result: Sweep, path: Path) -> None:
-    """Write harness.sweep/1 to a file, whole or not at all; raises StoreError."""
-    with replacing(path) as part, part.open("w", encoding="utf-8") as file:
-        file.writelines(result.json())
-
-
 def _damaged(name: str) -> str:
     return f"rows/{name} was damaged and set aside as {name}.damaged; its rows are computed again"
 
@@ -203,7 +192,6 @@ def _compute(
     if first is None:
         return 0
     had, total = having
-    progress("rows", had, total)
     buffer: list[dict[str, Any]] = []
     done, flushed = 0, time.monotonic()
 
@@ -214,15 +202,15 @@ def _compute(
             buffer.clear()
         flushed = time.monotonic()
 
+    kept = partial(worked, jobs=options.jobs, cluster=options.cluster, idle=(PART_S, keep))
     with (
         resumable(parts.folder.parent, lambda: f"{had + done - len(buffer)} of {total} rows are kept"),
-        workers_of(options.cluster, options.jobs) as workers,
+        kept("rows", chain([first], specs), function, failed_row, progress, having) as rows,
     ):
         try:
-            for row in completed(chain([first], specs), workers, function, failed_row, (PART_S, keep)):
+            for row in rows:
                 buffer.append(row)
                 done += 1
-                progress("rows", had + done, total)
                 if len(buffer) >= PART_ROWS or time.monotonic() - flushed > PART_S:
                     keep()
             keep()

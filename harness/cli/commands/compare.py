@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from harness.cli.options import Output, output_options, reading_options, trace_option
-from harness.cli.output import say, say_as_it_is, this_line, with_error
+from harness.cli.options import output_options, reading_options, trace_option
+from harness.cli.output import Output, say, say_as_it_is, this_line, with_error
 from harness.cli.tables import show_rows
 from harness.core.bounded import check_file
 from harness.core.errors import InputError
@@ -52,7 +52,7 @@ def command(
     """
     for path in (sim, real):
         check_file(path)
-    from harness.app.compare.compare import compare
+    from harness.app.compare import compare
     from harness.app.shared.reading import ReadOptions
 
     theirs = ReadOptions(**reading)
@@ -73,7 +73,7 @@ def command(
 
 
 def _print(result: "CompareResult") -> None:
-    from harness.app.compare.compare import summary
+    from harness.app.compare import summary
 
     headline, rows = summary(result)
     say(headline)

@@ -12,7 +12,6 @@ import click
 from harness.cli.diagnosis_tables import say_diagnosis, say_many
 from harness.cli.options import (
     Joint,
-    Output,
     engines_option,
     group,
     jobs_option,
@@ -22,7 +21,7 @@ from harness.cli.options import (
     robot_options,
     trace_option,
 )
-from harness.cli.output import STANDARD_OUTPUT, say_left_out, this_line
+from harness.cli.output import Output, say_left_out, this_line
 from harness.core.bounded import check_file
 from harness.core.errors import InputError
 
@@ -138,8 +137,7 @@ def command(
     if sim is None:
         given = sim_reading | {"sim_skip_rows": sim_reading["sim_skip_rows"] or None}
         refuse("given without --sim", "it is accepted with --sim TRACE", **given)
-    from harness.app.diagnose.options import DiagnoseOptions
-    from harness.app.diagnose.robot_options import RobotOptions
+    from harness.app.diagnose.options import DiagnoseOptions, RobotOptions
     from harness.app.shared.reading import ReadOptions
 
     options = DiagnoseOptions.chosen(
@@ -160,11 +158,10 @@ def command(
     if options.robot is not None and several:
         options = replace(options, robot=replace(options.robot, any_joint=options.robot.joint is None))
     _refuse_beside(cluster, several, together, resume, jobs)
-    with _named(recordings) as named:
-        if several:
-            code = _many(named, options, jobs, resume, cluster, conditions, to)
-        else:
-            code = _one(named, options, together, to)
+    if several:
+        code = _many(recordings, options, jobs, resume, cluster, conditions, to)
+    else:
+        code = _one(recordings, options, together, to)
     if to.tables and not engines:
         say_left_out()
     return code
@@ -181,11 +178,10 @@ def _refuse_beside(cluster: str | None, several: bool, together: bool, resume: b
         refuse("given with --together", accepted, resume=resume, jobs=jobs)
 
 
-def _one(named: list[tuple[Path, str]], options: "DiagnoseOptions", together: bool, to: Output) -> int:
-    from harness.app.diagnose.many import diagnose
-    from harness.app.diagnose.together import diagnose_together
+def _one(recordings: tuple[Path, ...], options: "DiagnoseOptions", together: bool, to: Output) -> int:
+    from harness.app.diagnose.many import diagnose, diagnose_together
 
-    with to.told() as progress:
+    with _named(recordings) as named, to.told() as progress:
         if together:
             result = diagnose_together(named, options, to.out, progress, this_line())
         else:
@@ -195,7 +191,7 @@ def _one(named: list[tuple[Path, str]], options: "DiagnoseOptions", together: bo
 
 
 def _many(
-    named: list[tuple[Path, str]],
+    recordings: tuple[Path, ...],
     options: "DiagnoseOptions",
     jobs: int | None,
     resume: bool,
@@ -203,19 +199,13 @@ def _many(
     conditions: Path | None,
     to: Output,
 ) -> int:
-    from harness.app.diagnose.many import diagnose_all
+    from harness.app.diagnose.many import Many, diagnose_all
 
-    with to.told() as progress:
+    with _named(recordings) as named, to.told() as progress:
         many = diagnose_all(
             named, options, to.out, jobs, resume, progress, this_line(), cluster=cluster, conditions=conditions
         )
-    if to.json_to == STANDARD_OUTPUT:
-        sys.stdout.write(many.json())
-        sys.stdout.flush()
-    elif to.json_to is not None:
-        many.write_json(Path(to.json_to))
-    if to.tables:
-        say_many(many)
+    to.give(many, say_many, Many.json)
     return 1 if many.failed else 0
 
 

@@ -2,7 +2,8 @@
 
 import click
 
-from harness.cli.options import Output, json_options
+from harness.cli.options import json_options
+from harness.cli.output import Output
 from harness.cli.tables import show_rows
 
 

@@ -5,8 +5,8 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from harness.cli.options import Output, output_options, reading_options, trace_option
-from harness.cli.output import say, say_as_it_is, this_line, with_error
+from harness.cli.options import output_options, reading_options, trace_option
+from harness.cli.output import Output, say, say_as_it_is, this_line, with_error
 from harness.cli.tables import show_rows
 from harness.core.bounded import check_file
 

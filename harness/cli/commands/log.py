@@ -5,8 +5,8 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from harness.cli.options import Output, json_options, log_options
-from harness.cli.output import say
+from harness.cli.options import json_options, log_options
+from harness.cli.output import Output, say
 from harness.cli.tables import show_rows
 from harness.core.errors import InputError
 

@@ -5,8 +5,8 @@ from typing import TYPE_CHECKING
 
 import click
 
-from harness.cli.options import Output, jobs_option, output_options, refuse
-from harness.cli.output import say, this_line
+from harness.cli.options import jobs_option, output_options, refuse
+from harness.cli.output import Output, say, this_line
 from harness.cli.tables import show_rows
 from harness.core.errors import InputError
 

@@ -5,8 +5,8 @@ from typing import TYPE_CHECKING
 
 import click
 
-from harness.cli.options import Output, engines_option, jobs_option, json_options
-from harness.cli.output import say
+from harness.cli.options import engines_option, jobs_option, json_options
+from harness.cli.output import Output, say
 from harness.cli.tables import show_rows
 from harness.core.bounded import check_file
 from harness.core.errors import InputError
@@ -53,7 +53,7 @@ def command(
         raise InputError("--update", "given with --traces", "one of them is accepted: a baseline is made by a sweep")
     if baseline is not None and not update:
         check_file(baseline, f"--baseline {baseline}", "a file --update wrote is accepted")
-    from harness.app.shared.deliver import check_writable
+    from harness.app.shared.deliver import check_writable, write_text
     from harness.app.sweep import regress as room
     from harness.app.sweep.sweep import SweepOptions
 
@@ -76,7 +76,7 @@ def command(
             return 0
         result = room.compared(baseline, rows, options)
     if junit_to is not None:
-        room.write_junit(junit_to, result, names)
+        write_text(junit_to, room.junit(result, names))
     to.give(result, _print)
     return 1 if result.regressions else 0
 

@@ -4,8 +4,8 @@ from pathlib import Path
 
 import click
 
-from harness.cli.options import Output, json_options
-from harness.cli.output import say_as_it_is
+from harness.cli.options import json_options
+from harness.cli.output import Output, say_as_it_is
 
 
 @click.command(short_help="Make a page again, from its .rrd alone.")

@@ -5,8 +5,8 @@ from typing import TYPE_CHECKING
 
 import click
 
-from harness.cli.options import Joint, Output, engines_option, output_options, robot_options
-from harness.cli.output import say, say_as_it_is, say_left_out, this_line
+from harness.cli.options import Joint, engines_option, output_options, robot_options
+from harness.cli.output import Output, say, say_as_it_is, say_left_out, this_line
 from harness.cli.tables import show_rows
 from harness.core.bounded import check_file
 from harness.core.errors import InputError

@@ -1,13 +1,11 @@
 """harness sweep."""
 
-import sys
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 import click
 
-from harness.cli.options import Output, engines_option, jobs_option, output_options
-from harness.cli.output import STANDARD_OUTPUT, say, say_as_it_is, this_line
+from harness.cli.options import engines_option, jobs_option, output_options
+from harness.cli.output import Output, say, say_as_it_is, this_line
 from harness.cli.tables import show_rows
 
 if TYPE_CHECKING:
@@ -59,19 +57,13 @@ def command(
              harness sweep --out reports/mine --resume --keep-traces worst:10
     """
     from harness.app.sweep.report import finish
-    from harness.app.sweep.sweep import SweepOptions, sweep, write_stream
+    from harness.app.sweep.sweep import Sweep, SweepOptions, sweep
 
     options = SweepOptions(engines, routes, presets, steps, short, sliders, jobs, cluster, keep, resume)
     with to.told() as progress:
         result = sweep(options, to.out, progress, this_line())
         finish(result, options, progress)
-    if to.json_to == STANDARD_OUTPUT:
-        sys.stdout.writelines(result.json())
-        sys.stdout.flush()
-    elif to.json_to is not None:
-        write_stream(result, Path(to.json_to))
-    if to.tables:
-        _print(result)
+    to.give(result, _print, Sweep.json)
     return 1 if result.failed else 0
 
 

@@ -4,8 +4,8 @@ from typing import TYPE_CHECKING
 
 import click
 
-from harness.cli.options import Joint, Output, json_options, robot_options
-from harness.cli.output import say, say_as_it_is
+from harness.cli.options import Joint, json_options, robot_options
+from harness.cli.output import Output, say, say_as_it_is
 from harness.cli.tables import show_rows
 from harness.core.errors import InputError
 

@@ -1,0 +1,37 @@
+"""What every use case leaves in a folder: its result, page, trace and log."""
+
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+
+from harness.app.shared.deliver import to_json
+from harness.app.shared.progress import NAME, journal
+from harness.io.store import OutputFolder, output_folder
+from harness.results.common import Result
+from harness.show.blocks import Page
+from harness.show.report.page import write_report
+from harness.show.scene import Scene
+from harness.show.trace import write_trace
+
+FILES = {"result": "result.json", "report": "report.html", "rrd": "trace.rrd", "log": NAME}
+
+
+@contextmanager
+def leaving(name: str, out: Path | None) -> Iterator[OutputFolder]:
+    """A folder (None for reports/NAME-TIME here) that appears, with the log, when the block has ended well."""
+    with output_folder(name, out) as output, journal(output / NAME):
+        yield output
+        output.commit()
+
+
+def leave(output: OutputFolder, result: Result, page: Page, scene: Scene | None = None) -> None:
+    """Write result, trace and page; raises StoreError."""
+    (output / FILES["result"]).write_text(to_json(result), encoding="utf-8")
+    if scene is not None:
+        write_trace(output / FILES["rrd"], scene)
+    write_report(output / FILES["report"], page)
+
+
+def notes(heading: str, sentences: Sequence[str]) -> str:
+    """Sentences under a heading, for a trace."""
+    return "\n".join([f"# {heading}", "", *(f"- {sentence}" for sentence in sentences)])
