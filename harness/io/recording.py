@@ -266,7 +266,6 @@ def _read(path: Path, digest: str, options: ReadOptions) -> Recording:
     if "x" in channels and (angular or "v" in channels):
         channels["x"], wrapped = unwrapped(t[keep], channels["x"], channels.get("v"), read["x"][1].factor)
         mended.append(wrapped)
-    changed = tuple(note for note in mended if note)
     return Recording(
         t[keep],
         channels,
@@ -277,10 +276,10 @@ def _read(path: Path, digest: str, options: ReadOptions) -> Recording:
             **{channel: unit.text for channel, (_, unit) in read.items() if unit.text},
         },
         angular=angular,
-        notes=(*(note for note in notes if note), *changed, *sampling_notes(t[keep])),
+        notes=(*filter(None, notes), *filter(None, mended), *sampling_notes(t[keep])),
         covariates=covariates,
         columns={c: quoted_of(table, mappings[c], unit) for c, (_, unit) in read.items()},
-        mended=changed,
+        mended=tuple(filter(None, mended)),
     )
 
 
