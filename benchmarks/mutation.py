@@ -240,7 +240,7 @@ def survivors_of(log: Path, chosen: Sequence[Mutant]) -> list[Mutant]:
 
 def outcome(mutant: Mutant, quick: bool) -> str:
     """What becomes of a mutant by the tests of its file."""
-    has_compiled = "compiled(" in (ROOT / mutant.file).read_text(encoding="utf-8")
+    has_compiled = "harness.core.jit" in (ROOT / mutant.file).read_text(encoding="utf-8")
     return tested(mutant, mutant.file if has_compiled else "none.py", quick)
 
 

@@ -93,21 +93,25 @@ def _fingerprint(room: str) -> str:
     return digest.hexdigest()[:12]
 
 
-def compiled(function: F, *, parallel: bool = False, fastmath: bool = False, lean: bool = False) -> F:
-    """Compile a plain function with Numba, cached on disk, without the interpreter lock.
-
-    ``lean`` leaves out reference counting, which costs more than a short law: for inner functions that make no arrays.
-    ``fastmath`` allows reassociation and is for loops whose rounding was bounded by a test; nan stays nan.
-    """
+def compiled(function: F, *, fastmath: bool = False, lean: bool = False) -> F:
+    """Compile a plain function with Numba, cached on disk, without the interpreter lock."""
     room = function.__module__.split(".")[1] if function.__module__.startswith("harness.") else "user"
     # kept here because Numba reads it when a function is decorated, and one room must not share another's
     folder = _ROOT / f"{room}-{_fingerprint(room)}" if room != "user" else _ROOT
     numba.config.CACHE_DIR = str(folder)  # type: ignore[attr-defined]
     options: dict[str, Any] = {"cache": True, "nogil": True, "error_model": "numpy"}
-    if parallel:
-        options["parallel"] = True
     if fastmath:
         options["fastmath"] = {"contract", "reassoc", "nsz", "arcp"}
     if lean:
         options["_nrt"] = False
     return cast(F, numba.njit(**options)(function))
+
+
+def lean(function: F) -> F:
+    """Compiled without reference counting, which costs more than a short law: for functions that make no arrays."""
+    return compiled(function, lean=True)
+
+
+def fast(function: F) -> F:
+    """Compiled with sums put in another order: for loops whose rounding was bounded by a test; nan stays nan."""
+    return compiled(function, fastmath=True)

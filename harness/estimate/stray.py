@@ -92,11 +92,11 @@ def stray(t: FloatArray, y: FloatArray, noise: Noise) -> FloatArray:
     gap = _GAP * float(np.median(np.diff(t))) if t.size > 1 else 0.0
     for _ in range(_TURNS):
         times, values = t[kept], y[kept]
-        usual = _compiled_alone(times, values, gap) if times.size > 2 * _BESIDE else np.zeros(0)
+        usual = _alone(times, values, gap) if times.size > 2 * _BESIDE else np.zeros(0)
         if not usual.size:
             break
         others = _BEYOND_OTHERS * float(np.quantile(usual, _OTHERS))
-        off = _compiled_strays(times, values, gap, max(_CLEAR * noise.sigma, _STEPS * noise.step, others))
+        off = _strays(times, values, gap, max(_CLEAR * noise.sigma, _STEPS * noise.step, others))
         if not off.any():
             break
         found[kept] = off
@@ -104,6 +104,7 @@ def stray(t: FloatArray, y: FloatArray, noise: Noise) -> FloatArray:
     return found
 
 
+@compiled
 def _cubic(t: FloatArray, y: FloatArray, places: IntArray, middle: float, half: float, least: FloatArray) -> None:
     """Coefficients of the cubic of (t - middle) / half through y at ``places`` (m,), by least squares, into row 4.
 
@@ -134,10 +135,8 @@ def _cubic(t: FloatArray, y: FloatArray, places: IntArray, middle: float, half: 
         least[4, i] /= least[i, i]
 
 
-_compiled_cubic = compiled(_cubic)
-
-
-def _beside_cubic(
+@compiled
+def beside_cubic(
     t: FloatArray, y: FloatArray, begin: int, end: int, gap: float, off: FloatArray, least: FloatArray
 ) -> float:
     """How far y from begin to end is off the cubic through what is beside it, into off (n,); returns what that leaves
@@ -151,7 +150,7 @@ def _beside_cubic(
     places = np.empty(2 * _BESIDE, dtype=np.int64)
     for i in range(_BESIDE):
         places[i], places[_BESIDE + i] = first + i, end + i
-    _compiled_cubic(t, y, places, middle, half, least)
+    _cubic(t, y, places, middle, half, least)
     left = 0.0
     for i in range(first, last):
         r = (t[i] - middle) / half
@@ -161,9 +160,7 @@ def _beside_cubic(
     return math.sqrt(left / (2 * _BESIDE - 4))
 
 
-beside_cubic = compiled(_beside_cubic)
-
-
+@compiled
 def _alone(t: FloatArray, y: FloatArray, gap: float) -> FloatArray:
     """How far each sample with neighbours is off the cubic through them."""
     out, off, least = np.empty(y.size), np.empty(y.size), np.empty((5, 4))
@@ -175,9 +172,7 @@ def _alone(t: FloatArray, y: FloatArray, gap: float) -> FloatArray:
     return out[:many]
 
 
-_compiled_alone = compiled(_alone)
-
-
+@compiled
 def _strays(t: FloatArray, y: FloatArray, gap: float, nearest: float) -> FloatArray:
     """How far samples stray, 0 for those that do not; of runs that begin together the longest.
 
@@ -196,6 +191,3 @@ def _strays(t: FloatArray, y: FloatArray, gap: float, nearest: float) -> FloatAr
                     after = end
         begin = after
     return out
-
-
-_compiled_strays = compiled(_strays)

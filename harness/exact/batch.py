@@ -15,16 +15,14 @@ from harness.exact.fill import fill_uniform
 COLUMNS = ("omega_n", "zeta", "x_k", "x_s", "x0", "v0")
 
 
-def _fill_rows(
+@compiled
+def fill_rows(
     parameters: FloatArray, t0: float, dt: float, first: int, last: int, x: FloatArray, v: FloatArray, a: FloatArray
 ) -> None:
     """The kernel of ``fill_batch`` for the rows first <= i < last."""
     for i in range(first, last):
         p = parameters[i]
         fill_uniform(p[0], p[1], p[2], p[3], p[4], p[5], t0, dt, x[i], v[i], a[i])
-
-
-fill_rows = compiled(_fill_rows)
 
 
 def stack(decays: list[Decay]) -> FloatArray:

@@ -14,7 +14,7 @@ import math
 import numpy as np
 
 from harness.core.arrays import FloatArray, IntArray
-from harness.core.jit import compiled
+from harness.core.jit import compiled, fast
 from harness.exact.flow import discriminant, flow
 from harness.exact.segments import CENTRE, DIRECTION, POSITION, SPEED, START, half_cycles
 
@@ -22,17 +22,16 @@ _LONGEST_BLOCK = 512
 _SHORTEST_BLOCK = 16
 
 
-def _hold(x: FloatArray, v: FloatArray, a: FloatArray, first: int, last: int, position: float) -> None:
+@compiled
+def hold(x: FloatArray, v: FloatArray, a: FloatArray, first: int, last: int, position: float) -> None:
     """Rest at ``position`` in samples first <= j < last."""
     x[first:last] = position
     v[first:last] = 0.0
     a[first:last] = 0.0
 
 
-hold = compiled(_hold)
-
-
-def _advance_block(
+@fast
+def advance_block(
     x: FloatArray,
     v: FloatArray,
     a: FloatArray,
@@ -55,10 +54,8 @@ def _advance_block(
         accs[j] = ddy * c + pddy * s
 
 
-advance_block = compiled(_advance_block, fastmath=True)
-
-
-def _first_index_at(time: float, t0: float, dt: float, n: int) -> int:
+@compiled
+def first_index_at(time: float, t0: float, dt: float, n: int) -> int:
     """The first sample of the grid t0 + j dt, 0 <= j <= n, that does not lie before ``time``."""
     guess = math.ceil((time - t0) / dt)
     if not guess > 0.0:
@@ -74,10 +71,8 @@ def _first_index_at(time: float, t0: float, dt: float, n: int) -> int:
     return j
 
 
-first_index_at = compiled(_first_index_at)
-
-
-def _fill_uniform(
+@compiled
+def fill_uniform(
     omega_n: float,
     zeta: float,
     x_k: float,
@@ -122,16 +117,14 @@ def _fill_uniform(
             first += count
 
 
-fill_uniform = compiled(_fill_uniform)
-
-
 _GRID = 16.0  # table points a time of 1/omega_n: the step is at most 1/32 of it, and its eighth power over 8! is 2e-17
 _LONGEST = 128
 _CHUNK = 256
 _ORDER = 8  # coefficients of the Taylor step
 
 
-def _disorder(t: FloatArray) -> int:
+@compiled
+def disorder(t: FloatArray) -> int:
     """Index of the first time that is not a number or lies before the one ahead of it; -1 when there is none."""
     wrong = 0 if t.size and not math.isfinite(t[0]) else -1
     for j in range(1, t.size):
@@ -140,20 +133,16 @@ def _disorder(t: FloatArray) -> int:
     return wrong
 
 
-disorder = compiled(_disorder)
-
-
-def _taylor(value: float, slope: float, omega_n: float, sigma: float, out: FloatArray) -> None:
+@compiled
+def taylor(value: float, slope: float, omega_n: float, sigma: float, out: FloatArray) -> None:
     """Coefficients of the solution of y'' + 2 sigma y' + omega_n^2 y = 0 with this value and slope at 0."""
     out[0], out[1] = value, slope
     for k in range(out.size - 2):
         out[k + 2] = -(2.0 * sigma * (k + 1) * out[k + 1] + omega_n * omega_n * out[k]) / ((k + 1) * (k + 2))
 
 
-taylor = compiled(_taylor)
-
-
-def _nearest(t: FloatArray, begin: float, step: float, index: IntArray, rest: FloatArray) -> None:
+@fast
+def nearest(t: FloatArray, begin: float, step: float, index: IntArray, rest: FloatArray) -> None:
     """The table point nearest to each time, and what is left over, s."""
     rate = 1.0 / step
     for j in range(t.size):
@@ -162,7 +151,8 @@ def _nearest(t: FloatArray, begin: float, step: float, index: IntArray, rest: Fl
         rest[j] = tau - index[j] * step
 
 
-def _step_from(c: FloatArray, s: FloatArray, rest: FloatArray, disc: float, series: FloatArray) -> None:
+@fast
+def step_from(c: FloatArray, s: FloatArray, rest: FloatArray, disc: float, series: FloatArray) -> None:
     """Carry C and S from the table point on by ``rest`` (s), in place, with the Taylor coefficients of both."""
     c0, c1, c2, c3 = series[0, 0], series[0, 1], series[0, 2], series[0, 3]
     c4, c5, c6, c7 = series[0, 4], series[0, 5], series[0, 6], series[0, 7]
@@ -177,7 +167,8 @@ def _step_from(c: FloatArray, s: FloatArray, rest: FloatArray, disc: float, seri
         s[j] = grid_s * by_c + grid_c * by_s
 
 
-def _combine(
+@fast
+def combine(
     x: FloatArray,
     v: FloatArray,
     a: FloatArray,
@@ -198,12 +189,8 @@ def _combine(
         a[j] = ddy0 * c[j] - bend * s[j]
 
 
-nearest = compiled(_nearest, fastmath=True)
-step_from = compiled(_step_from, fastmath=True)
-combine = compiled(_combine, fastmath=True)
-
-
-def _by_table(
+@compiled
+def by_table(
     t: FloatArray,
     x: FloatArray,
     v: FloatArray,
@@ -232,10 +219,8 @@ def _by_table(
         combine(x[span], v[span], a[span], c[:n], s[:n], start, omega2, sigma)
 
 
-by_table = compiled(_by_table)
-
-
-def _fill_at(
+@compiled
+def fill_at(
     omega_n: float,
     zeta: float,
     x_k: float,
@@ -298,6 +283,3 @@ def _fill_at(
             dy = speed * c - (omega2 * y0 + sigma * speed) * s
             x[j], v[j], a[j] = centre + y, dy, -2.0 * sigma * dy - omega2 * y
         first = last
-
-
-fill_at = compiled(_fill_at)

@@ -14,7 +14,8 @@ import math
 from harness.core.jit import compiled
 
 
-def _flow(tau: float, omega_n: float, sigma: float, disc: float) -> tuple[float, float]:
+@compiled
+def flow(tau: float, omega_n: float, sigma: float, disc: float) -> tuple[float, float]:
     """C and S (s) at time ``tau`` >= 0 after the start of a half-cycle."""
     if disc > 0.0:
         omega_d = math.sqrt(disc)
@@ -30,10 +31,7 @@ def _flow(tau: float, omega_n: float, sigma: float, disc: float) -> tuple[float,
     return decay, decay * tau
 
 
-def _discriminant(omega_n: float, zeta: float) -> float:
+@compiled
+def discriminant(omega_n: float, zeta: float) -> float:
     """omega_d^2 in (rad/s)^2, signed: above zero the slider oscillates."""
     return omega_n * omega_n * ((1.0 - zeta) * (1.0 + zeta))
-
-
-flow = compiled(_flow)
-discriminant = compiled(_discriminant)

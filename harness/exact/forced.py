@@ -20,7 +20,8 @@ _STEPS = 32  # of the bracketing grid, a half period of the faster motion
 _REFINED = 20  # halvings of its first step, where a slip from rest begins slowly
 
 
-def _moving(
+@compiled
+def moving(
     system: System, start: float, x0: float, v0: float, direction: float, t: float
 ) -> tuple[float, float, float]:
     """x, v, a at time ``t`` (s) of a slip in ``direction`` that began at ``start`` (s) with x0, v0."""
@@ -39,18 +40,14 @@ def _moving(
     return centre + ripple + y, slope + dy, ddy - drive * drive * ripple
 
 
-moving = compiled(_moving)
-
-
-def _pull(system: System, t: float, x: float) -> float:
+@compiled
+def pull(system: System, t: float, x: float) -> float:
     """Force of drive and spring on a slider at rest at x, divided by k, m."""
     return system[4] * math.cos(system[5] * t + system[6]) - x
 
 
-pull = compiled(_pull)
-
-
-def _zero(
+@compiled
+def zero(
     system: System, start: float, x0: float, v0: float, direction: float, which: int, low: float, high: float
 ) -> float:
     """Where v (which = 1) or a (which = 2) times direction changes sign between two times (s), to the last bit."""
@@ -65,10 +62,8 @@ def _zero(
             high = middle
 
 
-zero = compiled(_zero)
-
-
-def _slip_end(system: System, start: float, x0: float, v0: float, direction: float, until: float) -> float:
+@compiled
+def slip_end(system: System, start: float, x0: float, v0: float, direction: float, until: float) -> float:
     """The first time after ``start`` (s) at which the slip comes to rest; inf when not up to ``until``."""
     step = math.pi / (_STEPS * max(system[0], system[5]))
     low, tau = start, step * 2.0**-_REFINED
@@ -91,10 +86,8 @@ def _slip_end(system: System, start: float, x0: float, v0: float, direction: flo
     return math.inf
 
 
-slip_end = compiled(_slip_end)
-
-
-def _stop_end(system: System, start: float, x: float) -> tuple[float, float]:
+@compiled
+def stop_end(system: System, start: float, x: float) -> tuple[float, float]:
     """When (s, inf for never) and in which direction a slider at rest at x breaks away."""
     _, _, _, x_s, push, drive, phase, _, _ = system
     best, direction = math.inf, 0.0
@@ -113,10 +106,8 @@ def _stop_end(system: System, start: float, x: float) -> tuple[float, float]:
     return best, direction
 
 
-stop_end = compiled(_stop_end)
-
-
-def _departure(system: System, t: float, x: float) -> float:
+@compiled
+def departure(system: System, t: float, x: float) -> float:
     """Direction in which a slider that came to rest at x moves on; 0 when it stops."""
     force = pull(system, t, x)
     if abs(force) <= system[3]:
@@ -124,10 +115,8 @@ def _departure(system: System, t: float, x: float) -> float:
     return 1.0 if force > 0.0 else -1.0
 
 
-departure = compiled(_departure)
-
-
-def _walk_forced(system: System, begin: float, x: float, v: float, until: float, table: FloatArray) -> int:
+@compiled
+def walk_forced(system: System, begin: float, x: float, v: float, until: float, table: FloatArray) -> int:
     """Write the slips and stops from ``begin`` up to ``until`` (s) into ``table`` (rows, 5); return how many.
 
     Columns as in ``segments``. Returns rows + 1 when the table is too short.
@@ -152,20 +141,16 @@ def _walk_forced(system: System, begin: float, x: float, v: float, until: float,
     return count
 
 
-walk_forced = compiled(_walk_forced)
-
-
-def _state_at(system: System, row: FloatArray, t: float) -> tuple[float, float, float]:
+@compiled
+def state_at(system: System, row: FloatArray, t: float) -> tuple[float, float, float]:
     """x, v, a at ``t`` (s) in the piece that a row of the table describes."""
     if row[DIRECTION] == 0.0:
         return row[POSITION], 0.0, 0.0
     return moving(system, row[START], row[POSITION], row[SPEED], row[DIRECTION], t)
 
 
-state_at = compiled(_state_at)
-
-
-def _settle(
+@compiled
+def settle(
     system: System, x: float, v: float, tolerance: float, cycles: int, table: FloatArray
 ) -> tuple[int, float, float, float]:
     """Repeat the period from t = 0 until the state at its end moves by less than ``tolerance`` (m).
@@ -186,15 +171,10 @@ def _settle(
     return cycles, x, v, change
 
 
-settle = compiled(_settle)
-
-
-def _fill_forced(
+@compiled
+def fill_forced(
     system: System, table: FloatArray, index: IntArray, t: FloatArray, x: FloatArray, v: FloatArray, a: FloatArray
 ) -> None:
     """x, v, a at the times ``t`` (s), each in the piece ``index`` of the table."""
     for j in range(t.size):
         x[j], v[j], a[j] = state_at(system, table[index[j]], t[j])
-
-
-fill_forced = compiled(_fill_forced)

@@ -21,7 +21,8 @@ OMEGA_N, ZETA, X_K, X_0, V_0, T_0 = range(6)
 _COUNT = 6
 
 
-def _sine_slope(tau: float, sigma: float, disc: float, cos_like: float, sin_like: float) -> float:
+@compiled
+def sine_slope(tau: float, sigma: float, disc: float, cos_like: float, sin_like: float) -> float:
     """dS/d(disc) at a fixed sigma, s^3: (tau C - S) / (2 disc), or its series where that cancels."""
     square = tau * tau * disc
     if abs(square) > 1.0:
@@ -34,10 +35,8 @@ def _sine_slope(tau: float, sigma: float, disc: float, cos_like: float, sin_like
     return math.exp(-sigma * tau) * tau * tau * tau * total
 
 
-sine_slope = compiled(_sine_slope)
-
-
-def _state_partials(
+@compiled
+def state_partials(
     tau: float, omega_n: float, zeta: float, y0: float, dy0: float
 ) -> tuple[float, float, float, float, float, float, float, float, float]:
     """The state ``tau`` after a half-cycle began at y0, y0' about its centre, and its partials to omega_n and zeta.
@@ -65,10 +64,8 @@ def _state_partials(
     return y, dy, y_w, dy_w, y_z, dy_z, c, s, ddy
 
 
-state_partials = compiled(_state_partials)
-
-
-def _event_partials(omega_n: float, zeta: float, x_k: float, table: FloatArray) -> tuple[FloatArray, FloatArray]:
+@compiled
+def event_partials(omega_n: float, zeta: float, x_k: float, table: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Derivatives of every row's turning point (m) and start time (s) to the first five parameters, each (rows, 5)."""
     rows = table.shape[0]
     points, times = np.zeros((rows, 5)), np.zeros((rows, 5))
@@ -104,10 +101,8 @@ def _event_partials(omega_n: float, zeta: float, x_k: float, table: FloatArray) 
     return points, times
 
 
-event_partials = compiled(_event_partials)
-
-
-def _fill_sensitivities(
+@compiled
+def fill_sensitivities(
     omega_n: float,
     zeta: float,
     x_k: float,
@@ -171,6 +166,3 @@ def _fill_sensitivities(
                 da[j, p] = rate_accel - jerk * moved
             dx[j, T_0], dv[j, T_0], da[j, T_0] = -dy, -ddy, -jerk
         first = last
-
-
-fill_sensitivities = compiled(_fill_sensitivities)

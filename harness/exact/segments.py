@@ -15,7 +15,8 @@ from harness.exact.flow import discriminant, flow
 START, POSITION, SPEED, CENTRE, DIRECTION = range(5)
 
 
-def _first_reversal(omega_n: float, zeta: float, x_k: float, x0: float, v0: float) -> tuple[float, float]:
+@compiled
+def first_reversal(omega_n: float, zeta: float, x_k: float, x0: float, v0: float) -> tuple[float, float]:
     """Time in s and position in m where a slider that starts with speed ``v0`` != 0 first comes to rest.
 
     The time is inf when that never happens (zeta >= 1 without an overshoot).
@@ -40,10 +41,8 @@ def _first_reversal(omega_n: float, zeta: float, x_k: float, x0: float, v0: floa
     return tau, centre + y0 * cos_like + (v0 + sigma * y0) * sin_like
 
 
-first_reversal = compiled(_first_reversal)
-
-
-def _walk(
+@compiled
+def walk(
     omega_n: float, zeta: float, x_k: float, x_s: float, x0: float, v0: float, until: float, table: FloatArray
 ) -> int:
     """Write the half-cycles that begin before ``until`` (s) into ``table`` (rows, 5) while rows last; return how many.
@@ -82,15 +81,10 @@ def _walk(
     return count
 
 
-walk = compiled(_walk)
-
-
-def _half_cycles(omega_n: float, zeta: float, x_k: float, x_s: float, x0: float, v0: float, until: float) -> FloatArray:
+@compiled
+def half_cycles(omega_n: float, zeta: float, x_k: float, x_s: float, x0: float, v0: float, until: float) -> FloatArray:
     """The table of half-cycles that begin up to ``until`` (s), shape (n, 5); see ``walk`` for its columns."""
     count = walk(omega_n, zeta, x_k, x_s, x0, v0, until, np.empty((0, 5)))
     table = np.empty((count, 5))
     walk(omega_n, zeta, x_k, x_s, x0, v0, until, table)
     return table
-
-
-half_cycles = compiled(_half_cycles)

@@ -1,7 +1,7 @@
 """Dispatch of laws by number; generated from the registry by harness.kernels.generate, do not edit."""
 
 from harness.core.arrays import FloatArray
-from harness.core.jit import compiled
+from harness.core.jit import lean
 from harness.kernels.laws import laws
 from harness.kernels.layout import BRISTLES, INTERNAL, LEVELS, MODULATIONS, SMOOTH, SMOOTHED
 
@@ -15,15 +15,14 @@ from harness.kernels.layout import BRISTLES, INTERNAL, LEVELS, MODULATIONS, SMOO
 )
 
 
-def _speed_level(number: int, v: float, theta: FloatArray, o: int, out: FloatArray) -> None:
+@lean
+def speed_level(number: int, v: float, theta: FloatArray, o: int, out: FloatArray) -> None:
     """Level of friction by speed, and its partials."""
     if number == 0:
         _stribeck(v, theta, o, out)
     elif number == 1:
         _stribeck_free(v, theta, o, out)
 
-
-speed_level = compiled(_speed_level, lean=True)
 
 (
     _position_dependent_friction,
@@ -49,7 +48,8 @@ speed_level = compiled(_speed_level, lean=True)
 )
 
 
-def _modulation(number: int, x: float, v: float, t: float, theta: FloatArray, o: int, out: FloatArray) -> None:
+@lean
+def modulation(number: int, x: float, v: float, t: float, theta: FloatArray, o: int, out: FloatArray) -> None:
     """Factor on f_k and its partials."""
     if number == 0:
         _position_dependent_friction(x, v, theta, o, out)
@@ -71,20 +71,17 @@ def _modulation(number: int, x: float, v: float, t: float, theta: FloatArray, o:
         _given_friction(x, v, t, theta, o, out)
 
 
-modulation = compiled(_modulation, lean=True)
-
 (_presliding,) = laws(BRISTLES, "presliding")
 
 
-def _bristle_law(
+@lean
+def bristle_law(
     number: int, v: float, side: int, z: float, level: float, theta: FloatArray, o: int, out: FloatArray
 ) -> None:
     """Friction of a bristle (row 0), its rate, and partials."""
     if number == 0:
         _presliding(v, side, z, level, theta, o, out)
 
-
-bristle_law = compiled(_bristle_law, lean=True)
 
 (
     _regularised_friction,
@@ -96,15 +93,14 @@ bristle_law = compiled(_bristle_law, lean=True)
 )
 
 
-def _smoothed_law(number: int, v: float, a: float, level: float, theta: FloatArray, o: int, out: FloatArray) -> None:
+@lean
+def smoothed_law(number: int, v: float, a: float, level: float, theta: FloatArray, o: int, out: FloatArray) -> None:
     """Friction without stick and without a state, and its partials."""
     if number == 0:
         _regularised_friction(v, a, level, theta, o, out)
     elif number == 1:
         _regularised_friction_free(v, a, level, theta, o, out)
 
-
-smoothed_law = compiled(_smoothed_law, lean=True)
 
 (
     _quadratic_drag,
@@ -166,7 +162,8 @@ smoothed_law = compiled(_smoothed_law, lean=True)
 )
 
 
-def _smooth(number: int, x: float, v: float, t: float, theta: FloatArray, o: int, out: FloatArray) -> None:
+@lean
+def smooth(number: int, x: float, v: float, t: float, theta: FloatArray, o: int, out: FloatArray) -> None:
     """Force on the left side and its partials."""
     if number == 0:
         _quadratic_drag(x, v, theta, o, out)
@@ -224,8 +221,6 @@ def _smooth(number: int, x: float, v: float, t: float, theta: FloatArray, o: int
         _given_damping(x, v, t, theta, o, out)
 
 
-smooth = compiled(_smooth, lean=True)
-
 (
     _viscoelastic,
     _attached_mode,
@@ -236,14 +231,10 @@ smooth = compiled(_smooth, lean=True)
 )
 
 
-def _internal(
-    number: int, x: float, v: float, w0: float, w1: float, theta: FloatArray, o: int, out: FloatArray
-) -> None:
+@lean
+def internal(number: int, x: float, v: float, w0: float, w1: float, theta: FloatArray, o: int, out: FloatArray) -> None:
     """Force (row 0), rates of the states, and partials."""
     if number == 0:
         _viscoelastic(x, v, w0, w1, theta, o, out)
     elif number == 1:
         _attached_mode(x, v, w0, w1, theta, o, out)
-
-
-internal = compiled(_internal, lean=True)

@@ -7,7 +7,7 @@ Interpolation inside a step: quintic Hermite in x (from x, v, a at both ends), c
 The speed is the derivative of the quintic, so that x and v belong together; order 6 in x, 5 in v, 4 in internal states.
 """
 
-from harness.core.jit import compiled
+from harness.core.jit import lean
 from harness.kernels.forces import break_away_at, by_modulation
 from harness.kernels.layout import N_MODULATION, N_STATE
 from harness.kernels.rhs import excess, rhs
@@ -16,7 +16,8 @@ from harness.kernels.work import ACROSS, PLACES, ROW_V, SPARE, STAGES, Work
 from harness.model.law import MASS
 
 
-def _coefficients(h: float, n: int, w: Work) -> None:
+@lean
+def coefficients(h: float, n: int, w: Work) -> None:
     """Fill w.cz (n, 6), powers of tau/h, from the ends and the slopes there of a step h."""
     z, z1, ks, c = w.z, w.z1, w.ks, w.cz
     last = STAGES - 1
@@ -36,10 +37,8 @@ def _coefficients(h: float, n: int, w: Work) -> None:
         c[i, 3] = k0 + k1 - 2.0 * d
 
 
-coefficients = compiled(_coefficients, lean=True)
-
-
-def _interpolate(r: float, h: float, n: int, w: Work) -> None:
+@lean
+def interpolate(r: float, h: float, n: int, w: Work) -> None:
     """Fill w.zi (n,) at the share r (0 to 1) of a step h."""
     c, z = w.cz, w.zi
     z[0] = c[0, 0] + r * (c[0, 1] + r * (c[0, 2] + r * (c[0, 3] + r * (c[0, 4] + r * c[0, 5]))))
@@ -48,10 +47,8 @@ def _interpolate(r: float, h: float, n: int, w: Work) -> None:
         z[i] = c[i, 0] + r * (c[i, 1] + r * (c[i, 2] + r * c[i, 3]))
 
 
-interpolate = compiled(_interpolate, lean=True)
-
-
-def _interpolate_sensitivities(r: float, h: float, n: int, w: Work) -> None:
+@lean
+def interpolate_sensitivities(r: float, h: float, n: int, w: Work) -> None:
     """Fill w.si (n, q) at the share r of a step h with the same polynomials in Hermite form."""
     s, s1, kss, out = w.s, w.s1, w.kss, w.si
     last = STAGES - 1
@@ -80,16 +77,14 @@ def _interpolate_sensitivities(r: float, h: float, n: int, w: Work) -> None:
             out[i, q] = s[i, q] + r * (k0 + r * (3.0 * d - 2.0 * k0 - k1 + r * (k0 + k1 - 2.0 * d)))
 
 
-interpolate_sensitivities = compiled(_interpolate_sensitivities, lean=True)
-
-
 _POLISH = 4
 _LAST_CHANGE = 1e-8
 """Of a step: what Newton's method still misses after so small a change is its square."""
 _HALVINGS = 60
 
 
-def _turning_share(h: float, side: int, n: int, w: Work) -> float:
+@lean
+def turning_share(h: float, side: int, n: int, w: Work) -> float:
     """Share of a step of h at which the interpolated speed, which has the sign ``side`` before, reaches 0; 2 for never.
 
     A speed that dips through 0 and comes back within the step is found by the least speed inside.
@@ -137,10 +132,8 @@ def _turning_share(h: float, side: int, n: int, w: Work) -> float:
     return 0.5 * (low + high)
 
 
-turning_share = compiled(_turning_share, lean=True)
-
-
-def _to_reversal(t: float, trial: float, h: float, mode: int, u0: float, u_rate: float, w: Work) -> float:
+@lean
+def to_reversal(t: float, trial: float, h: float, mode: int, u0: float, u_rate: float, w: Work) -> float:
     """Step to the reversal near ``trial`` within a step of h, by Newton's method on real steps; returns its length."""
     for _ in range(_POLISH):
         advance(t, trial, mode, u0, u_rate, w)
@@ -158,20 +151,16 @@ def _to_reversal(t: float, trial: float, h: float, mode: int, u0: float, u_rate:
     return trial
 
 
-to_reversal = compiled(_to_reversal, lean=True)
-
-
-def _exceeded(t: float, r: float, h: float, u0: float, u_rate: float, w: Work) -> bool:
+@lean
+def exceeded(t: float, r: float, h: float, u0: float, u_rate: float, w: Work) -> bool:
     """Whether the force on a slider at rest exceeds the break-away level at the share r of a step."""
     interpolate(r, h, w.spec[N_STATE], w)
     force, _, limit, _, _ = excess(t + r * h, w.zi, u0 + u_rate * r * h, w)
     return abs(force) > limit
 
 
-exceeded = compiled(_exceeded, lean=True)
-
-
-def _break_away_share(t: float, h: float, u0: float, u_rate: float, w: Work) -> float:
+@lean
+def break_away_share(t: float, h: float, u0: float, u_rate: float, w: Work) -> float:
     """Share of a step of h in stick after which the break-away level is exceeded; 2 for never."""
     looks = 2
     for i in range(1, looks + 1):
@@ -190,10 +179,8 @@ def _break_away_share(t: float, h: float, u0: float, u_rate: float, w: Work) -> 
     return 2.0
 
 
-break_away_share = compiled(_break_away_share, lean=True)
-
-
-def _break_away_jump(t: float, side: int, u: float, u_rate: float, a_after: float, w: Work) -> None:
+@lean
+def break_away_jump(t: float, side: int, u: float, u_rate: float, a_after: float, w: Work) -> None:
     """Saltation at break-away: g = side F(t, z, theta) - F_s(t, x, theta) = 0 sets the time of the event."""
     spec, columns, jac, by_theta, s = w.spec, w.columns, w.jac, w.by_theta, w.s
     n, m = spec[N_STATE], w.theta[MASS]
@@ -222,10 +209,8 @@ def _break_away_jump(t: float, side: int, u: float, u_rate: float, a_after: floa
     by_theta[1, at] = 0.0
 
 
-break_away_jump = compiled(_break_away_jump, lean=True)
-
-
-def _knock_jump(t: float, mode: int, u: float, o: int, v_jump: float, w: Work) -> None:
+@lean
+def knock_jump(t: float, mode: int, u: float, o: int, v_jump: float, w: Work) -> None:
     """Saltation at a knock whose time and impulse stand at theta[o].
 
     ks[0] holds the slopes before it, z the state after; leaves the slopes after it in ks[SPARE]. Its time is a
@@ -242,6 +227,3 @@ def _knock_jump(t: float, mode: int, u: float, o: int, v_jump: float, w: Work) -
             s[1, q] += 1.0 / m
         elif columns[q] == MASS:
             s[1, q] -= v_jump / m
-
-
-knock_jump = compiled(_knock_jump, lean=True)

@@ -9,7 +9,7 @@ The level of dry friction: the curve f_k(v) times the modulations, and the break
 import math
 
 from harness.core.arrays import FloatArray
-from harness.core.jit import compiled
+from harness.core.jit import lean
 from harness.kernels.dispatch import internal, modulation, smooth, speed_level
 from harness.kernels.layout import (
     BREAK_AWAY_AT,
@@ -45,7 +45,8 @@ from harness.model.law import (
 )
 
 
-def _modulated(t: float, x: float, v: float, w: Work) -> tuple[float, float, float]:
+@lean
+def modulated(t: float, x: float, v: float, w: Work) -> tuple[float, float, float]:
     """Product of the modulations of friction with its partials by x and t; 0 where any of them is not above 0."""
     spec, row = w.spec, w.row
     product, by_x, by_t = 1.0, 0.0, 0.0
@@ -64,10 +65,8 @@ def _modulated(t: float, x: float, v: float, w: Work) -> tuple[float, float, flo
     return product, by_x, by_t
 
 
-modulated = compiled(_modulated, lean=True)
-
-
-def _by_modulation(t: float, x: float, v: float, product: float, weight: float, i: int, w: Work) -> None:
+@lean
+def by_modulation(t: float, x: float, v: float, product: float, weight: float, i: int, w: Work) -> None:
     """Set by_theta[i] of the parameters of modulations to weight times the partials of their product."""
     spec, row, by_theta = w.spec, w.row, w.by_theta
     at = LISTS
@@ -82,10 +81,8 @@ def _by_modulation(t: float, x: float, v: float, product: float, weight: float, 
         at += 3
 
 
-by_modulation = compiled(_by_modulation, lean=True)
-
-
-def _curve(v: float, w: Work) -> tuple[float, float]:
+@lean
+def curve(v: float, w: Work) -> tuple[float, float]:
     """f_k(v) before modulation, and its slope; leaves both with the partials in w.level."""
     row, at = w.level, w.spec[LEVEL_AT]
     if at < 0:
@@ -97,10 +94,8 @@ def _curve(v: float, w: Work) -> tuple[float, float]:
     return row[VALUE], row[D_V]
 
 
-curve = compiled(_curve, lean=True)
-
-
-def _level_partials(t: float, x: float, v: float, product: float, weight: float, i: int, w: Work) -> None:
+@lean
+def level_partials(t: float, x: float, v: float, product: float, weight: float, i: int, w: Work) -> None:
     """Set by_theta[i] to weight times the partials of the friction level that ``curve`` has just been asked for."""
     row, by_theta = w.level, w.by_theta
     at = w.spec[LEVEL_AT]
@@ -112,23 +107,19 @@ def _level_partials(t: float, x: float, v: float, product: float, weight: float,
         by_modulation(t, x, v, product, weight * row[VALUE], i, w)
 
 
-level_partials = compiled(_level_partials, lean=True)
-
-
-def _break_away_at(w: Work) -> int:
+@lean
+def break_away_at(w: Work) -> int:
     """Place in theta of the break-away level: never below the friction that sets in at v = 0."""
     at, level = w.spec[BREAK_AWAY_AT], w.spec[LEVEL_AT]
     sliding = level if level >= 0 else KINETIC
     return sliding if w.theta[sliding] > w.theta[at] else at
 
 
-break_away_at = compiled(_break_away_at, lean=True)
-
-
 _BARELY = 1e-300
 
 
-def _net_force(stage: int, t: float, z: FloatArray, side: int, u: float, w: Work) -> tuple[float, float]:
+@lean
+def net_force(stage: int, t: float, z: FloatArray, side: int, u: float, w: Work) -> tuple[float, float]:
     """Force without dry friction and its partial by time (the drive excepted).
 
     side: sign of the speed that laws with a corner at v = 0 are to see, 0 for that of v itself.
@@ -202,6 +193,3 @@ def _net_force(stage: int, t: float, z: FloatArray, side: int, u: float, w: Work
     by_theta[1, VISCOUS] = -v * over_m
     by_theta[1, STIFFNESS] = by_k * over_m
     return force, by_t
-
-
-net_force = compiled(_net_force, lean=True)

@@ -46,15 +46,13 @@ class Ladder:
             known = ["(", *(f"    {alias}," for alias in aliases), ") = "] if aliases else [""]
             lines = [*known[:-1], known[-1] + "laws(", *(f"    {word}," for word in (self.group, *keys)), ")"]
         signature = ", ".join(f"{a}: {_TYPES.get(a, 'float')}" for a in ("number", *self.arguments))
-        head = f"def _{self.name}({signature}) -> None:"
-        wrapped = [f"def _{self.name}(", f"    {signature}", ") -> None:"]
-        lines += ["", "", *([head] if len(head) <= _WIDTH else wrapped), f'    """{self.doc}"""']
+        head = f"def {self.name}({signature}) -> None:"
+        wrapped = [f"def {self.name}(", f"    {signature}", ") -> None:"]
+        lines += ["", "", "@lean", *([head] if len(head) <= _WIDTH else wrapped), f'    """{self.doc}"""']
         for number, term in enumerate(self.terms):
-            lines += [
-                f"    {'elif' if number else 'if'} number == {number}:",
-                f"        {_alias(term)}({self.call(term)})",
-            ]
-        return [*lines, "", "", f"{self.name} = compiled(_{self.name}, lean=True)", ""]
+            lines.append(f"    {'elif' if number else 'if'} number == {number}:")
+            lines.append(f"        {_alias(term)}({self.call(term)})")
+        return [*lines, "", ""]
 
 
 _TAIL = ("theta", "o", "out")
@@ -62,28 +60,19 @@ LADDERS = (
     Ladder("speed_level", "Level of friction by speed, and its partials.", "LEVELS", LEVELS, ("v", *_TAIL)),
     Ladder("modulation", "Factor on f_k and its partials.", "MODULATIONS", MODULATIONS, ("x", "v", "t", *_TAIL), "t"),
     Ladder(
-        "bristle_law",
-        "Friction of a bristle (row 0), its rate, and partials.",
-        "BRISTLES",
-        BRISTLES,
+        "bristle_law", "Friction of a bristle (row 0), its rate, and partials.", "BRISTLES", BRISTLES,
         ("v", "side", "z", "level", *_TAIL),
     ),
     Ladder(
-        "smoothed_law",
-        "Friction without stick and without a state, and its partials.",
-        "SMOOTHED",
-        SMOOTHED,
+        "smoothed_law", "Friction without stick and without a state, and its partials.", "SMOOTHED", SMOOTHED,
         ("v", "a", "level", *_TAIL),
     ),
     Ladder("smooth", "Force on the left side and its partials.", "SMOOTH", SMOOTH, ("x", "v", "t", *_TAIL), "t"),
     Ladder(
-        "internal",
-        "Force (row 0), rates of the states, and partials.",
-        "INTERNAL",
-        INTERNAL,
+        "internal", "Force (row 0), rates of the states, and partials.", "INTERNAL", INTERNAL,
         ("x", "v", "w0", "w1", *_TAIL),
     ),
-)
+)  # fmt: skip
 
 
 def _alias(term: Term) -> str:
@@ -96,7 +85,7 @@ def text() -> str:
         '"""Dispatch of laws by number; generated from the registry by harness.kernels.generate, do not edit."""',
         "",
         "from harness.core.arrays import FloatArray",
-        "from harness.core.jit import compiled",
+        "from harness.core.jit import lean",
         "from harness.kernels.laws import laws",
         f"from harness.kernels.layout import {', '.join(sorted(ladder.group for ladder in LADDERS))}",
         "",

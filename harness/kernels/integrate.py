@@ -7,7 +7,7 @@ how they jump at one.
 import math
 
 from harness.core.arrays import FloatArray, ModeArray
-from harness.core.jit import compiled
+from harness.core.jit import lean
 from harness.kernels.events import (
     break_away_jump,
     break_away_share,
@@ -46,7 +46,8 @@ _SHORTEST = 1e-14  # of the longest step
 _SATURATION = 1e-13
 
 
-def _mode_at_rest(t: float, u: float, w: Work) -> int:
+@lean
+def mode_at_rest(t: float, u: float, w: Work) -> int:
     """Contact mode of a slider with v = 0: which way it will move, or stick."""
     force, _, limit, _, _ = excess(t, w.z, u, w)
     if w.spec[FRICTION] == COULOMB:
@@ -55,19 +56,15 @@ def _mode_at_rest(t: float, u: float, w: Work) -> int:
     return -FREE if w.ks[SPARE, 1] < 0.0 else FREE
 
 
-mode_at_rest = compiled(_mode_at_rest, lean=True)
-
-
-def _mode_moving(v: float, w: Work) -> int:
+@lean
+def mode_moving(v: float, w: Work) -> int:
     """Contact mode of a slider with v other than 0."""
     kind = STICKS if w.spec[FRICTION] == COULOMB else FREE
     return kind if v > 0.0 else -kind
 
 
-mode_moving = compiled(_mode_moving, lean=True)
-
-
-def _saturates(mode: int, w: Work) -> bool:
+@lean
+def saturates(mode: int, w: Work) -> bool:
     """Whether a bristle under a constant level has reached its full deflection; then it is put there exactly."""
     spec, theta = w.spec, w.theta
     if abs(mode) != FREE or spec[FRICTION] != BRISTLE or spec[LEVEL_AT] >= 0 or spec[N_MODULATION] > 0:
@@ -87,10 +84,8 @@ def _saturates(mode: int, w: Work) -> bool:
     return True
 
 
-saturates = compiled(_saturates, lean=True)
-
-
-def _integrate(
+@lean
+def integrate(
     t0: float,
     w: Work,
     u_t: FloatArray,
@@ -297,6 +292,3 @@ def _integrate(
             events[n_events, 3], events[n_events, 4] = a_before, ks[SPARE, 1]
             n_events += 1
     return DONE, n_events, n_steps, t
-
-
-integrate = compiled(_integrate, lean=True)

@@ -18,22 +18,8 @@ from harness.model.registry import of_slot
 from harness.model.term import Slot, Term
 
 # places in spec
-RESTORING: Final = 0
-FRICTION: Final = 1
-FRICTION_LAW: Final = 2
-FRICTION_AT: Final = 3
-FRICTION_SIZE: Final = 4
-LEVEL: Final = 5
-LEVEL_AT: Final = 6
-LEVEL_SIZE: Final = 7
-BREAK_AWAY_AT: Final = 8
-N_MODULATION: Final = 9
-N_SMOOTH: Final = 10
-N_INTERNAL: Final = 11
-N_KNOCK: Final = 12
-N_STATE: Final = 13
-CHANGES_IN_TIME: Final = 14
-LISTS: Final = 15
+RESTORING, FRICTION, FRICTION_LAW, FRICTION_AT, FRICTION_SIZE, LEVEL, LEVEL_AT, LEVEL_SIZE, BREAK_AWAY_AT = range(9)
+N_MODULATION, N_SMOOTH, N_INTERNAL, N_KNOCK, N_STATE, CHANGES_IN_TIME, LISTS = range(9, 16)
 
 # values of FRICTION
 NO_FRICTION, COULOMB, BRISTLE, REGULARISED = range(4)

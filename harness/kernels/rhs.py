@@ -8,7 +8,7 @@ stiff. The sign is that of the speed.
 from typing import Final
 
 from harness.core.arrays import FloatArray
-from harness.core.jit import compiled
+from harness.core.jit import lean
 from harness.kernels.dispatch import bristle_law, smoothed_law
 from harness.kernels.forces import break_away_at, curve, level_partials, modulated, net_force
 from harness.kernels.layout import BRISTLE, FRICTION, FRICTION_AT, FRICTION_LAW, FRICTION_SIZE, N_STATE, REGULARISED
@@ -31,7 +31,8 @@ FREE: Final = plain(2)
 SATURATED: Final = plain(3)
 
 
-def _bristle(stage: int, t: float, z: FloatArray, side: int, product: float, by_x: float, w: Work) -> float:
+@lean
+def bristle(stage: int, t: float, z: FloatArray, side: int, product: float, by_x: float, w: Work) -> float:
     """Friction of a bristle, by its law; sets the bristle's rate and adds the partials of both."""
     ks, jac, by_theta, rows = w.ks, w.jac, w.by_theta, w.rows
     at, over_m = w.spec[FRICTION_AT], 1.0 / w.theta[MASS]
@@ -64,10 +65,8 @@ def _bristle(stage: int, t: float, z: FloatArray, side: int, product: float, by_
     return friction
 
 
-bristle = compiled(_bristle, lean=True)
-
-
-def _regularised(t: float, z: FloatArray, force: float, product: float, by_x: float, w: Work) -> float:
+@lean
+def regularised(t: float, z: FloatArray, force: float, product: float, by_x: float, w: Work) -> float:
     """Friction without stick, by its law of the speed and of a0 = force/m; adds its partials."""
     jac, by_theta, row = w.jac, w.by_theta, w.row
     at, over_m = w.spec[FRICTION_AT], 1.0 / w.theta[MASS]
@@ -94,10 +93,8 @@ def _regularised(t: float, z: FloatArray, force: float, product: float, by_x: fl
     return friction
 
 
-regularised = compiled(_regularised, lean=True)
-
-
-def _rhs(stage: int, t: float, z: FloatArray, mode: int, u: float, w: Work) -> None:
+@lean
+def rhs(stage: int, t: float, z: FloatArray, mode: int, u: float, w: Work) -> None:
     """Fill ks[stage] (n,) with dz/dt, jac (n, n) with its partials by z and by_theta (n, P) by theta.
 
     Row 0 of by_theta stays as it is (zero).
@@ -143,10 +140,8 @@ def _rhs(stage: int, t: float, z: FloatArray, mode: int, u: float, w: Work) -> N
     by_theta[1, MASS] -= ks[stage, 1] * over_m
 
 
-rhs = compiled(_rhs, lean=True)
-
-
-def _excess(t: float, z: FloatArray, u: float, w: Work) -> tuple[float, float, float, float, float]:
+@lean
+def excess(t: float, z: FloatArray, u: float, w: Work) -> tuple[float, float, float, float, float]:
     """Net force on a slider at rest, its partial by time, the break-away level, and that level's partials by x and t.
 
     Leaves in row 1 of jac and by_theta the partials of the force over m, in ks[SPARE] the rates of internal states.
@@ -155,6 +150,3 @@ def _excess(t: float, z: FloatArray, u: float, w: Work) -> tuple[float, float, f
     product, product_x, product_t = modulated(t, z[0], 0.0, w)
     f_s = w.theta[break_away_at(w)]
     return force, by_t, f_s * product, f_s * product_x, f_s * product_t
-
-
-excess = compiled(_excess, lean=True)

@@ -181,6 +181,7 @@ def _read_only(values: FloatArray) -> FloatArray:
     return view
 
 
+@compiled
 def _in_order(times: FloatArray) -> bool:
     """Whether there are times, all finite, and none comes before the one before it."""
     before = -math.inf
@@ -191,13 +192,10 @@ def _in_order(times: FloatArray) -> bool:
     return times.size > 0
 
 
-_compiled_in_order = compiled(_in_order)
-
-
 def _times(t: FloatArray, where: str = "simulation: t") -> FloatArray:
     """Sample times, checked."""
     times = _read_only(t)
-    if times.ndim == 1 and _compiled_in_order(times):
+    if times.ndim == 1 and _in_order(times):
         return times
     if times.ndim != 1 or times.size == 0:
         raise InputError(where, f"an array of shape {times.shape}", "a vector of at least one time is accepted")

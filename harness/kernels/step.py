@@ -10,7 +10,7 @@ import math
 import numpy as np
 
 from harness.core.arrays import FloatArray
-from harness.core.jit import compiled
+from harness.core.jit import lean
 from harness.kernels.layout import N_STATE
 from harness.kernels.rhs import rhs
 from harness.kernels.work import ACROSS, STAGES, Work
@@ -33,7 +33,8 @@ _ROUNDING = 1e-14
 """Part of the state below which an error is rounding and no reason for a shorter step."""
 
 
-def _slope(stage: int, t: float, z: FloatArray, s: FloatArray, mode: int, u: float, w: Work) -> None:
+@lean
+def slope(stage: int, t: float, z: FloatArray, s: FloatArray, mode: int, u: float, w: Work) -> None:
     """Derivatives of state and sensitivities into ks[stage] (n,) and kss[stage] (n, q): S' = J S + F_theta."""
     rhs(stage, t, z, mode, u, w)
     columns, jac, by_theta, kss = w.columns, w.jac, w.by_theta, w.kss
@@ -46,10 +47,8 @@ def _slope(stage: int, t: float, z: FloatArray, s: FloatArray, mode: int, u: flo
             kss[stage, i, q] = total
 
 
-slope = compiled(_slope, lean=True)
-
-
-def _advance(t: float, h: float, mode: int, u0: float, u_rate: float, w: Work) -> float:
+@lean
+def advance(t: float, h: float, mode: int, u0: float, u_rate: float, w: Work) -> float:
     """The state alone from (t, z) by h into z1, with ks[0] the slopes at t. Returns its error, 1 being allowed.
 
     u0 + u_rate tau is the drive within the step. Afterwards ks[6] are the slopes at t + h, and jacs and pushes hold the
@@ -84,10 +83,8 @@ def _advance(t: float, h: float, mode: int, u0: float, u_rate: float, w: Work) -
     return error
 
 
-advance = compiled(_advance, lean=True)
-
-
-def _judged(n: int, w: Work) -> float:
+@lean
+def judged(n: int, w: Work) -> float:
     """Largest error of the columns of the sensitivities, 1 being allowed; off : by column, of the scales of its states.
 
     Every loop over columns is plain arithmetic side by side, so that the compiler takes several at once.
@@ -105,10 +102,8 @@ def _judged(n: int, w: Work) -> float:
     return error
 
 
-judged = compiled(_judged, lean=True)
-
-
-def _carry_two(h: float, w: Work) -> float:
+@lean
+def carry_two(h: float, w: Work) -> float:
     """Sensitivities of displacement and speed through the step that ``advance`` made; returns their error."""
     s, s1, kss, jacs, pushes, off = w.s, w.s1, w.kss, w.jacs, w.pushes, w.off
     a10 = h * A[1, 0]
@@ -158,10 +153,8 @@ def _carry_two(h: float, w: Work) -> float:
     return judged(2, w)
 
 
-carry_two = compiled(_carry_two, lean=True)
-
-
-def _carry(h: float, w: Work) -> float:
+@lean
+def carry(h: float, w: Work) -> float:
     """Sensitivities of any number of states through the step that ``advance`` made; returns their error."""
     n, count = w.spec[N_STATE], w.count[ACROSS]
     s, s1, kss, jacs, pushes, off = w.s, w.s1, w.kss, w.jacs, w.pushes, w.off
@@ -192,10 +185,8 @@ def _carry(h: float, w: Work) -> float:
     return judged(n, w)
 
 
-carry = compiled(_carry, lean=True)
-
-
-def _step(t: float, h: float, mode: int, u0: float, u_rate: float, w: Work) -> float:
+@lean
+def step(t: float, h: float, mode: int, u0: float, u_rate: float, w: Work) -> float:
     """Step from (t, z, s) by h into z1, s1; ks[0], kss[0] hold the slopes at t. Returns the error, 1 being allowed.
 
     The error of the sensitivities matters where a law has a corner, which the state hardly feels. Afterwards ks[6],
@@ -205,6 +196,3 @@ def _step(t: float, h: float, mode: int, u0: float, u_rate: float, w: Work) -> f
     if w.count[ACROSS] == 0 or not math.isfinite(error):
         return error
     return max(error, carry_two(h, w) if w.spec[N_STATE] == 2 else carry(h, w))
-
-
-step = compiled(_step, lean=True)

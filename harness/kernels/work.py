@@ -5,7 +5,7 @@ Its sizes are fixed, so that there is one compiled form.
 """
 
 import threading
-from typing import Final, Protocol, cast
+from typing import Annotated, Final, Protocol, cast
 
 import numpy as np
 
@@ -30,6 +30,7 @@ ROW_V, ROW_BRISTLE = plain(1), plain(2)
 # room for a screen of the whole catalogue: some hundred probes answer in one run
 MAX_STATES, MAX_PLACES, MAX_COLUMNS, MAX_SPEC = 12, 512, 160, 512
 MAX_THETA: Final = 2560
+_N, _Q = MAX_STATES, MAX_COLUMNS
 
 
 class Work(Protocol):
@@ -46,63 +47,36 @@ class Work(Protocol):
     written, with its partials.
     """
 
-    h_max: float
-    sensitivity_error: float
-    spec: IntArray
-    theta: FloatArray
-    columns: IntArray
-    scale: FloatArray
-    count: IntArray
-    z: FloatArray
-    s: FloatArray
-    z1: FloatArray
-    s1: FloatArray
-    zi: FloatArray
-    si: FloatArray
-    ks: FloatArray
-    kss: FloatArray
-    jac: FloatArray
-    jacs: FloatArray
-    pushes: FloatArray
-    by_theta: FloatArray
-    cz: FloatArray
-    size_s: FloatArray
-    off: FloatArray
-    row: FloatArray
-    rows: FloatArray
-    level: FloatArray
+    h_max: Annotated[float, ()]
+    sensitivity_error: Annotated[float, ()]
+    spec: Annotated[IntArray, (MAX_SPEC,)]
+    theta: Annotated[FloatArray, (MAX_THETA,)]
+    columns: Annotated[IntArray, (_Q,)]
+    scale: Annotated[FloatArray, (_N,)]
+    count: Annotated[IntArray, (2,)]
+    z: Annotated[FloatArray, (_N,)]
+    s: Annotated[FloatArray, (_N, _Q)]
+    z1: Annotated[FloatArray, (_N,)]
+    s1: Annotated[FloatArray, (_N, _Q)]
+    zi: Annotated[FloatArray, (_N,)]
+    si: Annotated[FloatArray, (_N, _Q)]
+    ks: Annotated[FloatArray, (STAGES + 1, _N)]
+    kss: Annotated[FloatArray, (STAGES + 1, _N, _Q)]
+    jac: Annotated[FloatArray, (_N, _N)]
+    jacs: Annotated[FloatArray, (STAGES, _N, _N)]
+    pushes: Annotated[FloatArray, (STAGES, _N, _Q)]
+    by_theta: Annotated[FloatArray, (_N, MAX_PLACES)]
+    cz: Annotated[FloatArray, (_N, 6)]
+    size_s: Annotated[FloatArray, (_Q,)]
+    off: Annotated[FloatArray, (_Q,)]
+    row: Annotated[FloatArray, (COLUMNS,)]
+    rows: Annotated[FloatArray, (3, INTERNAL_COLUMNS)]
+    level: Annotated[FloatArray, (COLUMNS,)]
 
 
-_N, _Q = MAX_STATES, MAX_COLUMNS
+_TYPES = {FloatArray: np.float64, IntArray: np.int64, float: np.float64}
 _RECORD = np.dtype(
-    [
-        ("h_max", np.float64),
-        ("sensitivity_error", np.float64),
-        ("spec", np.int64, (MAX_SPEC,)),
-        ("theta", np.float64, (MAX_THETA,)),
-        ("columns", np.int64, (_Q,)),
-        ("scale", np.float64, (_N,)),
-        ("count", np.int64, (2,)),
-        ("z", np.float64, (_N,)),
-        ("s", np.float64, (_N, _Q)),
-        ("z1", np.float64, (_N,)),
-        ("s1", np.float64, (_N, _Q)),
-        ("zi", np.float64, (_N,)),
-        ("si", np.float64, (_N, _Q)),
-        ("ks", np.float64, (STAGES + 1, _N)),
-        ("kss", np.float64, (STAGES + 1, _N, _Q)),
-        ("jac", np.float64, (_N, _N)),
-        ("jacs", np.float64, (STAGES, _N, _N)),
-        ("pushes", np.float64, (STAGES, _N, _Q)),
-        ("by_theta", np.float64, (_N, MAX_PLACES)),
-        ("cz", np.float64, (_N, 6)),
-        ("size_s", np.float64, (_Q,)),
-        ("off", np.float64, (_Q,)),
-        ("row", np.float64, (COLUMNS,)),
-        ("rows", np.float64, (3, INTERNAL_COLUMNS)),
-        ("level", np.float64, (COLUMNS,)),
-    ],
-    align=True,
+    [(name, _TYPES[one.__origin__], one.__metadata__[0]) for name, one in Work.__annotations__.items()], align=True
 )
 PLACES: Final = 0
 ACROSS: Final = 1

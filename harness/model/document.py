@@ -130,22 +130,9 @@ def from_document(data: object, where: str = "model") -> Model:
     for name in _BASE[:4]:
         if name not in values:
             raise InputError(f"{where}: base.{name}", "null", "a finite number is accepted")
+    given: dict[str, Any] = {**values, **start, "f_s": f_s, "mass_known": mass_known, "offset": offset}
     try:
-        kind = Restoring(restoring)
-        model = Model(
-            values["m"],
-            values["c"],
-            values["k"],
-            values["f_k"],
-            f_s=f_s,
-            restoring=kind,
-            terms=terms,
-            mass_known=mass_known,
-            offset=offset,
-            x0=start.get("x0", 0.0),
-            v0=start.get("v0", 0.0),
-            t0=start.get("t0", 0.0),
-        )
+        model = Model(restoring=Restoring(restoring), terms=terms, **given)
     except InputError as error:
         raise InputError(f"{where}: {error.where}", error.found, error.accepted) from None
     _check_break_away(where, model)

@@ -5,10 +5,11 @@ place in theta of its table (``ModelTerm.given``): begin (s), 1 / step, number o
 column less its mean.
 """
 
+from collections.abc import Callable
 from typing import Final
 
 from harness.core.arrays import FloatArray
-from harness.core.jit import compiled
+from harness.core.jit import lean
 from harness.model.covariate import Acts
 from harness.model.law import D_PARAMETER, D_T, D_V, VALUE, VISCOUS
 from harness.model.term import Parameter, Slot, Term
@@ -16,7 +17,8 @@ from harness.model.term import Parameter, Slot, Term
 BEGIN, RATE, LAST, FIRST_VALUE = range(4)
 
 
-def _change(t: float, theta: FloatArray, at: int) -> tuple[float, float]:
+@lean
+def change(t: float, theta: FloatArray, at: int) -> tuple[float, float]:
     """Value and slope of a table at t, s, linear between its values and constant outside."""
     u = (t - theta[at + BEGIN]) * theta[at + RATE]
     last = theta[at + LAST]
@@ -28,9 +30,6 @@ def _change(t: float, theta: FloatArray, at: int) -> tuple[float, float]:
     i = int(u)
     low, high = theta[at + FIRST_VALUE + i], theta[at + FIRST_VALUE + i + 1]
     return low + (u - i) * (high - low), (high - low) * theta[at + RATE]
-
-
-change = compiled(_change, lean=True)
 
 
 def force(x: float, v: float, t: float, theta: FloatArray, o: int, out: FloatArray) -> None:
@@ -66,37 +65,18 @@ def damping(x: float, v: float, t: float, theta: FloatArray, o: int, out: FloatA
         out[D_V] = -c
 
 
-_GAIN = Parameter("gain", "1", none=0.0)
+def _given(acts: Acts, family: str, slot: Slot, said: str, law: Callable[..., None], *more: Parameter) -> Term:
+    parameters = (Parameter("gain", "1", none=0.0), *more)
+    nothing = (0.0,) * len(parameters)
+    return Term(f"given-{acts}", family, slot, parameters, said, law, example=nothing, searched=False)
+
+
+_LEVEL = Parameter("level", "N", none=0.0)
 GIVEN: Final = {
-    Acts.FORCE: Term(
-        "given-force",
-        "environment",
-        Slot.SMOOTH,
-        (_GAIN, Parameter("level", "N", none=0.0)),
-        "A measured column pushes the slider.",
-        force,
-        example=(0.0, 0.0),
-        searched=False,
+    Acts.FORCE: _given(Acts.FORCE, "environment", Slot.SMOOTH, "A measured column pushes the slider.", force, _LEVEL),
+    Acts.FRICTION: _given(
+        Acts.FRICTION, "friction", Slot.FRICTION_MODULATION, "Friction depends on a measured column.", friction
     ),
-    Acts.FRICTION: Term(
-        "given-friction",
-        "friction",
-        Slot.FRICTION_MODULATION,
-        (_GAIN,),
-        "Friction depends on a measured column.",
-        friction,
-        example=(0.0,),
-        searched=False,
-    ),
-    Acts.DAMPING: Term(
-        "given-damping",
-        "damping",
-        Slot.SMOOTH,
-        (_GAIN,),
-        "Damping depends on a measured column.",
-        damping,
-        example=(0.0,),
-        searched=False,
-    ),
+    Acts.DAMPING: _given(Acts.DAMPING, "damping", Slot.SMOOTH, "Damping depends on a measured column.", damping),
 }
 """The law of each way in which a covariate may act."""

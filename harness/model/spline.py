@@ -9,7 +9,7 @@ from typing import Final
 import numpy as np
 
 from harness.core.arrays import FloatArray
-from harness.core.jit import compiled
+from harness.core.jit import lean
 from harness.model.law import D_PARAMETER
 
 KNOTS: Final = 12
@@ -31,7 +31,8 @@ BENDING: Final = bending(KNOTS)
 BENDING_SIDE: Final = bending(SIDE)
 
 
-def _curve(u: float, first: int, theta: FloatArray, o: int, out: FloatArray) -> tuple[float, float]:
+@lean
+def curve(u: float, first: int, theta: FloatArray, o: int, out: FloatArray) -> tuple[float, float]:
     """Value and slope of the spline at u, counted in knots from 0; beyond its ends it keeps its last value.
 
     Its values at the knots from ``first`` on stand in theta from o on, those before are 0. Writes the partials by them.
@@ -64,10 +65,8 @@ def _curve(u: float, first: int, theta: FloatArray, o: int, out: FloatArray) -> 
     return value, side * slope
 
 
-curve = compiled(_curve, lean=True)
-
-
-def _inside(u: float) -> tuple[float, float]:
+@lean
+def inside(u: float) -> tuple[float, float]:
     """A place along a side within its ends, and 1; 0 where it was beyond, or no number, which must be no place."""
     if not u >= 0.0:
         return 0.0, 0.0
@@ -76,10 +75,8 @@ def _inside(u: float) -> tuple[float, float]:
     return u, 1.0
 
 
-inside = compiled(_inside, lean=True)
-
-
-def _weight(u: float, j: int) -> tuple[float, float]:
+@lean
+def weight(u: float, j: int) -> tuple[float, float]:
     """Weight of the value at knot j along a side at u, which lies within it, and its slope."""
     i = min(int(u), SIDE - 2)
     b = u - i
@@ -95,10 +92,8 @@ def _weight(u: float, j: int) -> tuple[float, float]:
     return weight, rate
 
 
-weight = compiled(_weight, lean=True)
-
-
-def _surface(p: float, q: float, theta: FloatArray, o: int, out: FloatArray) -> tuple[float, float, float]:
+@lean
+def surface(p: float, q: float, theta: FloatArray, o: int, out: FloatArray) -> tuple[float, float, float]:
     """Value and both slopes of the surface at p, q, counted in knots from 0; beyond it keeps the value at its edge.
 
     Its values stand in theta from o on, those along q together. Writes the partials by them.
@@ -116,6 +111,3 @@ def _surface(p: float, q: float, theta: FloatArray, o: int, out: FloatArray) -> 
             by_q += along_p * rate_q * y
             out[D_PARAMETER + SIDE * i + j] = along_p * along_q
     return value, moves_p * by_p, moves_q * by_q
-
-
-surface = compiled(_surface, lean=True)

@@ -292,6 +292,10 @@ class Extent:
     explains: bool = False
 
 
+def _no_look(evidence: Evidence) -> Sequence[Probe]:
+    return ()
+
+
 def _always(values: Probe, extent: Extent) -> bool:
     return True
 
@@ -306,7 +310,8 @@ class Term:
     law : writes value and partials, see harness.model.law; None for events, break-away and sensors. A law that takes t
     is one that changes in time. corner : whether its value or its slope jumps somewhere.
     formula : the law as the catalogue page shows it, the docstring of ``law`` when empty.
-    probes : full parameter tuples at which the response to ``amplitude`` is worth a look, from the evidence at hand.
+    probes : full parameter tuples at which the response to ``amplitude`` is worth a look, from the evidence at hand;
+    none given, where it has no effect.
     amplitude : index of the parameter in which the law is linear with none = no effect, or None.
     phase : index of the phase of a harmonic, so that a cosine and a sine probe make amplitude and phase.
     push : index of the size of a force that acts on a slider at rest at x = 0, or None.
@@ -334,7 +339,7 @@ class Term:
     parameters: tuple[Parameter, ...]
     sentence: str
     law: Callable[..., None] | None = None
-    probes: Callable[[Evidence], Sequence[Probe]] = field(default=lambda evidence: ())
+    probes: Callable[[Evidence], Sequence[Probe]] = _no_look
     amplitude: int | None = None
     phase: int | None = None
     internal: int = 0
@@ -378,6 +383,10 @@ class Term:
         ):
             if wrong:
                 raise TypeError(f"term {self.key}: {why}")
+        if self.probes is _no_look and self.amplitude is not None:
+            # the response to an amplitude is linear: one look, where the law has no effect, says all
+            once = (tuple(float(p.none or 0.0) for p in self.parameters),)
+            object.__setattr__(self, "probes", lambda evidence: once)
 
     @property
     def key(self) -> str:

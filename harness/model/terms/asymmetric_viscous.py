@@ -2,7 +2,7 @@
 
 from harness.core.arrays import FloatArray
 from harness.model.law import D_PARAMETER, D_V, VALUE
-from harness.model.term import Evidence, Parameter, Probe, Slot, Term
+from harness.model.term import Parameter, Slot, Term
 
 
 def law(x: float, v: float, theta: FloatArray, o: int, out: FloatArray) -> None:
@@ -13,11 +13,6 @@ def law(x: float, v: float, theta: FloatArray, o: int, out: FloatArray) -> None:
     out[D_PARAMETER] = s
 
 
-def probes(e: Evidence) -> list[Probe]:
-    """Linear: one look."""
-    return [(0.0,)]
-
-
 TERM = Term(
     "asymmetric-viscous",
     "damping",
@@ -25,7 +20,6 @@ TERM = Term(
     (Parameter("c_diff", "N s/m", none=0.0),),
     "Viscous damping differs by direction: c + c_diff forwards, c - c_diff backwards, c_diff = {c_diff}.",
     law,
-    probes,
     amplitude=0,
     example=(0.3,),
     order=100,

@@ -1,12 +1,11 @@
 """A second mass on a spring riding on the slider."""
 
 import math
-from collections.abc import Callable
-from functools import cache
 
 import numpy as np
 
 from harness.core.arrays import FloatArray
+from harness.core.jit import compiled
 from harness.model.law import D_INTERNAL, D_MASS, D_PARAMETER, D_V, MASS, VALUE
 from harness.model.term import Evidence, History, Parameter, Probe, Slot, States, Term
 
@@ -51,6 +50,7 @@ def probes(e: Evidence) -> list[Probe]:
     return [(ratio * e.omega, 0.0, zeta) for ratio in ratios for zeta in (0.01, 0.05)]
 
 
+@compiled
 def _ride(t: FloatArray, v: FloatArray, at: FloatArray, omega: float, zeta: float, out: FloatArray) -> None:
     """r and r' at the times ``at`` (m,), at rest on the slider at first; out (m, 2).
 
@@ -71,17 +71,9 @@ def _ride(t: FloatArray, v: FloatArray, at: FloatArray, omega: float, zeta: floa
         out[j, 0], out[j, 1] = r, slip
 
 
-@cache
-def _compiled() -> Callable[..., None]:
-    """The ride compiled, when it is first asked for: the catalogue loads nothing heavy."""
-    from harness.core.jit import compiled
-
-    return compiled(_ride)
-
-
 def _ridden(motion: History, omega: float, zeta: float) -> FloatArray:
     found = np.zeros((motion.at.size, 2))
-    _compiled()(motion.t, motion.v, motion.at, omega, zeta, found)
+    _ride(motion.t, motion.v, motion.at, omega, zeta, found)
     return found
 
 

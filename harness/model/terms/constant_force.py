@@ -4,18 +4,13 @@ from collections.abc import Mapping
 
 from harness.core.arrays import FloatArray
 from harness.model.law import D_PARAMETER, VALUE
-from harness.model.term import LARGER, REST, Element, Evidence, Parameter, Probe, Push, Slot, Term
+from harness.model.term import LARGER, REST, Element, Parameter, Probe, Push, Slot, Term
 
 
 def law(x: float, v: float, theta: FloatArray, o: int, out: FloatArray) -> None:
     """-force: it stands on the right side."""
     out[VALUE] = -theta[o]
     out[D_PARAMETER] = -1.0
-
-
-def probes(e: Evidence) -> list[Probe]:
-    """Linear: one look."""
-    return [(0.0,)]
 
 
 def made_of(values: Probe, k: float) -> tuple[Element, ...]:
@@ -35,7 +30,6 @@ TERM = Term(
     (Parameter("force", "N", none=0.0),),
     "A constant force of {force} pushes the slider{moves}.",
     law,
-    probes,
     amplitude=0,
     example=(3.0,),
     needs=("zero",),

@@ -2,7 +2,7 @@
 
 from harness.core.arrays import FloatArray
 from harness.model.law import D_PARAMETER, D_X, VALUE
-from harness.model.term import LARGER, Element, Evidence, Parameter, Polynomial, Probe, Slot, Term, always
+from harness.model.term import LARGER, Element, Parameter, Polynomial, Probe, Slot, Term, always
 
 
 def law(x: float, v: float, theta: FloatArray, o: int, out: FloatArray) -> None:
@@ -11,11 +11,6 @@ def law(x: float, v: float, theta: FloatArray, o: int, out: FloatArray) -> None:
     out[VALUE] = k3 * x2 * x
     out[D_X] = 3.0 * k3 * x2
     out[D_PARAMETER] = x2 * x
-
-
-def probes(e: Evidence) -> list[Probe]:
-    """Linear: one look."""
-    return [(0.0,)]
 
 
 def made_of(values: Probe, k: float) -> tuple[Element, ...]:
@@ -30,7 +25,6 @@ TERM = Term(
     (Parameter("k3", "N/m^3", none=0.0),),
     "The spring is not linear: a cubic force k3 x^3 with k3 = {k3} (above 0 hardens, below 0 softens).",
     law,
-    probes,
     amplitude=0,
     example=(20.0,),
     place=always("large-displacement", "as x^3"),

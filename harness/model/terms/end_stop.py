@@ -6,39 +6,36 @@ from collections.abc import Callable
 import numpy as np
 
 from harness.core.arrays import FloatArray
+from harness.core.jit import lean
 from harness.model.law import D_PARAMETER, D_X, VALUE
 from harness.model.term import LARGER, Element, Evidence, Extent, Parameter, Place, Probe, Seen, Slot, Term, Zone
 
 
+@lean
+def push(deep: float, side: float, k_stop: float, out: FloatArray) -> None:
+    """Of a stop on this side (1 or -1), ``deep`` m beyond its gap."""
+    out[VALUE] = side * k_stop * deep
+    out[D_X] = k_stop
+    out[D_PARAMETER] = -side * k_stop
+    out[D_PARAMETER + 1] = side * deep
+
+
 def law(x: float, v: float, theta: FloatArray, o: int, out: FloatArray) -> None:
     """k_stop (x - gap) beyond +gap, on the positive side."""
-    gap, k_stop = theta[o], theta[o + 1]
-    if x > gap:
-        out[VALUE] = k_stop * (x - gap)
-        out[D_X] = k_stop
-        out[D_PARAMETER] = -k_stop
-        out[D_PARAMETER + 1] = x - gap
+    if x > theta[o]:
+        push(x - theta[o], 1.0, theta[o + 1], out)
 
 
 def law_negative(x: float, v: float, theta: FloatArray, o: int, out: FloatArray) -> None:
     """k_stop (x + gap) beyond -gap, on the negative side."""
-    gap, k_stop = theta[o], theta[o + 1]
-    if x < -gap:
-        out[VALUE] = k_stop * (x + gap)
-        out[D_X] = k_stop
-        out[D_PARAMETER] = k_stop
-        out[D_PARAMETER + 1] = x + gap
+    if -x > theta[o]:
+        push(-x - theta[o], -1.0, theta[o + 1], out)
 
 
 def law_both(x: float, v: float, theta: FloatArray, o: int, out: FloatArray) -> None:
     """k_stop (|x| - gap) sgn x beyond the gap, on both sides."""
-    gap, k_stop = theta[o], theta[o + 1]
-    if abs(x) > gap:
-        side = 1.0 if x > 0.0 else -1.0
-        out[VALUE] = k_stop * (x - side * gap)
-        out[D_X] = k_stop
-        out[D_PARAMETER] = -side * k_stop
-        out[D_PARAMETER + 1] = x - side * gap
+    if abs(x) > theta[o]:
+        push(abs(x) - theta[o], 1.0 if x > 0.0 else -1.0, theta[o + 1], out)
 
 
 def probes(e: Evidence) -> list[Probe]:

@@ -10,6 +10,7 @@ from dataclasses import replace
 from typing import Any
 
 from harness.core.arrays import FloatArray
+from harness.core.jit import lean
 from harness.model.law import D_FREE, D_LEVEL, D_PARAMETER, D_STIFFNESS, D_T, D_V, D_X, KINETIC, STIFFNESS, VALUE
 from harness.model.term import FreedFrom, Parameter, Probe, Term
 from harness.model.terms import (
@@ -57,79 +58,70 @@ def law_stribeck(v: float, theta: FloatArray, o: int, out: FloatArray) -> None:
         out[D_PARAMETER + 2] = -excess * left * power * math.log(u)
 
 
+@lean
+def power(z: float, by_z: int, theta: FloatArray, o: int, out: FloatArray) -> None:
+    """c |z|^p sgn z, c and p from theta[o] on; by_z : the column of its partial by z."""
+    c, p, s = theta[o], theta[o + 1], abs(z)
+    if s > 0.0:
+        grown, side = s**p, 1.0 if z > 0.0 else -1.0
+        out[VALUE] = c * grown * side
+        out[by_z] = c * p * grown / s
+        out[D_PARAMETER] = grown * side
+        out[D_PARAMETER + 1] = c * grown * side * math.log(s)
+
+
 def law_drag(x: float, v: float, theta: FloatArray, o: int, out: FloatArray) -> None:
     """c2 |v|^p sgn v."""
-    c2, p, s = theta[o], theta[o + 1], abs(v)
-    if s > 0.0:
-        power = s**p
-        side = 1.0 if v > 0.0 else -1.0
-        out[VALUE] = c2 * power * side
-        out[D_V] = c2 * p * power / s
-        out[D_PARAMETER] = power * side
-        out[D_PARAMETER + 1] = c2 * power * side * math.log(s)
+    power(v, D_V, theta, o, out)
 
 
 def law_hardening(x: float, v: float, theta: FloatArray, o: int, out: FloatArray) -> None:
     """k3 |x|^p sgn x."""
-    k3, p, s = theta[o], theta[o + 1], abs(x)
-    if s > 0.0:
-        power = s**p
-        side = 1.0 if x > 0.0 else -1.0
-        out[VALUE] = k3 * power * side
-        out[D_X] = k3 * p * power / s
-        out[D_PARAMETER] = power * side
-        out[D_PARAMETER + 1] = k3 * power * side * math.log(s)
+    power(x, D_X, theta, o, out)
+
+
+@lean
+def push(deep: float, side: float, theta: FloatArray, o: int, out: FloatArray) -> None:
+    """Of a stop on this side (1 or -1), ``deep`` m beyond its gap."""
+    k_stop, p, grown = theta[o + 1], theta[o + 2], deep ** theta[o + 2]
+    out[VALUE] = side * k_stop * grown
+    out[D_X] = k_stop * p * grown / deep
+    out[D_PARAMETER] = -side * k_stop * p * grown / deep
+    out[D_PARAMETER + 1] = side * grown
+    out[D_PARAMETER + 2] = side * k_stop * grown * math.log(deep)
 
 
 def law_stop(x: float, v: float, theta: FloatArray, o: int, out: FloatArray) -> None:
     """k_stop (x - gap)^p beyond +gap, on the positive side."""
-    gap, k_stop, p = theta[o], theta[o + 1], theta[o + 2]
-    if x > gap:
-        deep = x - gap
-        power = deep**p
-        out[VALUE] = k_stop * power
-        out[D_X] = k_stop * p * power / deep
-        out[D_PARAMETER] = -k_stop * p * power / deep
-        out[D_PARAMETER + 1] = power
-        out[D_PARAMETER + 2] = k_stop * power * math.log(deep)
+    if x > theta[o]:
+        push(x - theta[o], 1.0, theta, o, out)
 
 
 def law_stop_negative(x: float, v: float, theta: FloatArray, o: int, out: FloatArray) -> None:
     """-k_stop (-x - gap)^p beyond -gap, on the negative side."""
-    gap, k_stop, p = theta[o], theta[o + 1], theta[o + 2]
-    if x < -gap:
-        deep = -x - gap
-        power = deep**p
-        out[VALUE] = -k_stop * power
-        out[D_X] = k_stop * p * power / deep
-        out[D_PARAMETER] = k_stop * p * power / deep
-        out[D_PARAMETER + 1] = -power
-        out[D_PARAMETER + 2] = -k_stop * power * math.log(deep)
+    if -x > theta[o]:
+        push(-x - theta[o], -1.0, theta, o, out)
 
 
 def law_stop_both(x: float, v: float, theta: FloatArray, o: int, out: FloatArray) -> None:
     """k_stop (|x| - gap)^p sgn x beyond the gap, on both sides."""
-    gap, k_stop, p = theta[o], theta[o + 1], theta[o + 2]
-    if abs(x) > gap:
-        side = 1.0 if x > 0.0 else -1.0
-        deep = abs(x) - gap
-        power = deep**p
-        out[VALUE] = side * k_stop * power
-        out[D_X] = k_stop * p * power / deep
-        out[D_PARAMETER] = -side * k_stop * p * power / deep
-        out[D_PARAMETER + 1] = side * power
-        out[D_PARAMETER + 2] = side * k_stop * power * math.log(deep)
+    if abs(x) > theta[o]:
+        push(abs(x) - theta[o], 1.0 if x > 0.0 else -1.0, theta, o, out)
+
+
+@lean
+def passed_by(t: float, b: float) -> tuple[float, float]:
+    """(1 - exp(-b t))/b, s, and its partial by b."""
+    if abs(b * t) > 1e-4:
+        passed = -math.expm1(-b * t) / b
+        return passed, (t * math.exp(-b * t) - passed) / b
+    return t * (1.0 - 0.5 * b * t), -t * t * (0.5 - b * t / 3.0)
 
 
 def law_warming(x: float, v: float, t: float, theta: FloatArray, o: int, out: FloatArray) -> None:
     """k rate (1 - exp(-b t))/b x: a change that slows down, or speeds up where b is below 0."""
     rate, b, k = theta[o], theta[o + 1], theta[STIFFNESS]
-    if abs(b * t) > 1e-4:
-        passed = -math.expm1(-b * t) / b
-        by_b = (t * math.exp(-b * t) - passed) / b
-    else:
-        passed = t * (1.0 - 0.5 * b * t)
-        by_b = -t * t * (0.5 - b * t / 3.0)
+    passed, by_b = passed_by(t, b)
     out[VALUE] = k * rate * passed * x
     out[D_X] = k * rate * passed
     out[D_T] = k * rate * math.exp(-b * t) * x
@@ -141,12 +133,7 @@ def law_warming(x: float, v: float, t: float, theta: FloatArray, o: int, out: Fl
 def law_wear(x: float, v: float, t: float, theta: FloatArray, o: int, out: FloatArray) -> None:
     """Factor 1 + rate (1 - exp(-b t))/b: a change that slows down, or speeds up where b is below 0."""
     rate, b = theta[o], theta[o + 1]
-    if abs(b * t) > 1e-4:
-        passed = -math.expm1(-b * t) / b
-        by_b = (t * math.exp(-b * t) - passed) / b
-    else:
-        passed = t * (1.0 - 0.5 * b * t)
-        by_b = -t * t * (0.5 - b * t / 3.0)
+    passed, by_b = passed_by(t, b)
     out[VALUE] = 1.0 + rate * passed
     out[D_T] = rate * math.exp(-b * t)
     out[D_PARAMETER] = passed

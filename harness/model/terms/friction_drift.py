@@ -2,7 +2,7 @@
 
 from harness.core.arrays import FloatArray
 from harness.model.law import D_PARAMETER, D_T, VALUE
-from harness.model.term import AGAIN, Evidence, Parameter, Place, Probe, Seen, Slot, Term, always
+from harness.model.term import AGAIN, Parameter, Place, Probe, Seen, Slot, Term, always
 
 
 def law(x: float, v: float, t: float, theta: FloatArray, o: int, out: FloatArray) -> None:
@@ -11,11 +11,6 @@ def law(x: float, v: float, t: float, theta: FloatArray, o: int, out: FloatArray
     out[VALUE] = 1.0 + rate * t
     out[D_T] = rate
     out[D_PARAMETER] = t
-
-
-def probes(e: Evidence) -> list[Probe]:
-    """Linear: one look."""
-    return [(0.0,)]
 
 
 def place(values: Probe, seen: Seen) -> Place:
@@ -34,7 +29,6 @@ TERM = Term(
     (Parameter("rate", "1/s", none=0.0),),
     "Friction changes with time: f_k (1 + rate t), rate = {rate}.",
     law,
-    probes,
     amplitude=0,
     example=(-0.2,),
     place=place,

@@ -4,7 +4,7 @@ import math
 
 from harness.core.arrays import FloatArray
 from harness.model.law import D_PARAMETER, D_X, VALUE
-from harness.model.term import AGAIN, LARGER, Evidence, Parameter, Probe, Slot, Term, always
+from harness.model.term import AGAIN, LARGER, Parameter, Slot, Term, always
 
 
 def law(x: float, v: float, theta: FloatArray, o: int, out: FloatArray) -> None:
@@ -16,11 +16,6 @@ def law(x: float, v: float, theta: FloatArray, o: int, out: FloatArray) -> None:
     out[D_PARAMETER] = math.fabs(s)
 
 
-def probes(e: Evidence) -> list[Probe]:
-    """Linear: one look."""
-    return [(0.0,)]
-
-
 TERM = Term(
     "load-dependent-friction",
     "friction",
@@ -28,7 +23,6 @@ TERM = Term(
     (Parameter("gain", "1", 0.0, none=0.0),),
     "Friction grows with the torque of gravity: f_k (1 + gain |sin x|), gain = {gain}.",
     law,
-    probes,
     amplitude=0,
     corner=True,
     needs=("angle",),

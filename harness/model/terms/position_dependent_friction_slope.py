@@ -2,7 +2,7 @@
 
 from harness.core.arrays import FloatArray
 from harness.model.law import D_PARAMETER, D_X, VALUE
-from harness.model.term import Evidence, Parameter, Probe, Slot, Term
+from harness.model.term import Parameter, Slot, Term
 
 
 def law(x: float, v: float, theta: FloatArray, o: int, out: FloatArray) -> None:
@@ -13,11 +13,6 @@ def law(x: float, v: float, theta: FloatArray, o: int, out: FloatArray) -> None:
     out[D_PARAMETER] = x
 
 
-def probes(e: Evidence) -> list[Probe]:
-    """Linear: one look."""
-    return [(0.0,)]
-
-
 TERM = Term(
     "position-dependent-friction",
     "friction",
@@ -25,7 +20,6 @@ TERM = Term(
     (Parameter("slope", "1/m", none=0.0),),
     "Friction changes along the rail: f_k (1 + slope x), slope = {slope}.",
     law,
-    probes,
     amplitude=0,
     example=(0.4,),
     taken=0.08,

@@ -1,12 +1,11 @@
 """Presliding displacement of a bristle (Dahl; with Stribeck: LuGre)."""
 
 import math
-from collections.abc import Callable
-from functools import cache
 
 import numpy as np
 
 from harness.core.arrays import FloatArray
+from harness.core.jit import compiled
 from harness.model.law import D_INTERNAL, D_LEVEL, D_PARAMETER, D_V, VALUE
 from harness.model.term import REST, Evidence, History, Parameter, Probe, Slot, States, Term, always
 
@@ -37,6 +36,7 @@ def probes(e: Evidence) -> list[Probe]:
     return [(ratio * k, damping * (ratio * k) ** 0.5) for ratio in (2.0, 6.0, 18.0) for damping in (0.0, 0.3)]
 
 
+@compiled
 def _bend(t: FloatArray, v: FloatArray, at: FloatArray, sigma0: float, level: float, out: FloatArray) -> None:
     """z along the recorded way and its partials by sigma0 and f_k at the times ``at`` (m,); out (m, 3).
 
@@ -65,21 +65,13 @@ def _bend(t: FloatArray, v: FloatArray, at: FloatArray, sigma0: float, level: fl
         out[j, 0], out[j, 1], out[j, 2] = z, by_sigma, by_level
 
 
-@cache
-def _compiled() -> Callable[..., None]:
-    """The bending compiled, when it is first asked for: the catalogue loads nothing heavy."""
-    from harness.core.jit import compiled
-
-    return compiled(_bend)
-
-
 def bent(values: Probe, motion: History) -> States:
     """As the recorded way has bent them, fully at first."""
     sigma0, level = values[0], motion.f_k
     if sigma0 <= 0.0 or level <= 0.0:
         return States(np.zeros((motion.at.size, 1)))
     found = np.zeros((motion.at.size, 3))
-    _compiled()(motion.t, motion.v, motion.at, sigma0, level, found)
+    _bend(motion.t, motion.v, motion.at, sigma0, level, found)
     return States(found[:, :1], {0: found[:, 1:2], "f_k": found[:, 2:]})
 
 

@@ -2,7 +2,7 @@
 
 from harness.core.arrays import FloatArray
 from harness.model.law import D_PARAMETER, D_V, VALUE
-from harness.model.term import Element, Evidence, Parameter, Polynomial, Probe, Slot, Term, always
+from harness.model.term import Element, Parameter, Polynomial, Probe, Slot, Term, always
 
 
 def law(x: float, v: float, theta: FloatArray, o: int, out: FloatArray) -> None:
@@ -11,11 +11,6 @@ def law(x: float, v: float, theta: FloatArray, o: int, out: FloatArray) -> None:
     out[VALUE] = c2 * s * v
     out[D_V] = 2.0 * c2 * s
     out[D_PARAMETER] = s * v
-
-
-def probes(e: Evidence) -> list[Probe]:
-    """Linear: one look."""
-    return [(0.0,)]
 
 
 def made_of(values: Probe, k: float) -> tuple[Element, ...]:
@@ -30,7 +25,6 @@ TERM = Term(
     (Parameter("c2", "kg/m", 0.0, none=0.0),),
     "A drag grows with the square of the speed: c2 = {c2}.",
     law,
-    probes,
     amplitude=0,
     example=(0.2,),
     place=always("high-speed", "as v^2"),

@@ -2,7 +2,7 @@
 
 from harness.core.arrays import FloatArray
 from harness.model.law import D_PARAMETER, D_X, VALUE
-from harness.model.term import Element, Evidence, Parameter, Polynomial, Probe, Slot, Term, always
+from harness.model.term import Element, Parameter, Polynomial, Probe, Slot, Term, always
 
 
 def law(x: float, v: float, theta: FloatArray, o: int, out: FloatArray) -> None:
@@ -11,11 +11,6 @@ def law(x: float, v: float, theta: FloatArray, o: int, out: FloatArray) -> None:
     out[VALUE] = k2 * x * x
     out[D_X] = 2.0 * k2 * x
     out[D_PARAMETER] = x * x
-
-
-def probes(e: Evidence) -> list[Probe]:
-    """Linear: one look."""
-    return [(0.0,)]
 
 
 def made_of(values: Probe, k: float) -> tuple[Element, ...]:
@@ -30,7 +25,6 @@ TERM = Term(
     (Parameter("k2", "N/m^2", none=0.0),),
     "The two sides of the spring differ: a force k2 x^2 with k2 = {k2}.",
     law,
-    probes,
     amplitude=0,
     example=(20.0,),
     place=always("large-displacement", "as x^2"),

@@ -3,12 +3,7 @@
 import numpy as np
 
 from harness.core.arrays import FloatArray
-from harness.model.term import Evidence, Parameter, Probe, Sensor, Shown, Slot, Term, always
-
-
-def probes(e: Evidence) -> list[Probe]:
-    """Linear: one look."""
-    return [(1.0,)]
+from harness.model.term import Parameter, Probe, Sensor, Shown, Slot, Term, always
 
 
 def read(values: Probe, t: FloatArray, y: FloatArray, rate: FloatArray) -> Shown:
@@ -22,7 +17,6 @@ TERM = Term(
     Slot.OBSERVATION,
     (Parameter("gain", "1", none=1.0),),
     "The acceleration is scaled by {gain}: its calibration (or the time base) does not match the displacement.",
-    probes=probes,
     amplitude=0,
     channels=("x", "a"),
     example=(1.05,),

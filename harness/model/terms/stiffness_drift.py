@@ -2,7 +2,7 @@
 
 from harness.core.arrays import FloatArray
 from harness.model.law import D_PARAMETER, D_STIFFNESS, D_T, D_X, STIFFNESS, VALUE
-from harness.model.term import Evidence, Parameter, Probe, Slot, Term, always
+from harness.model.term import Parameter, Slot, Term, always
 
 
 def law(x: float, v: float, t: float, theta: FloatArray, o: int, out: FloatArray) -> None:
@@ -15,11 +15,6 @@ def law(x: float, v: float, t: float, theta: FloatArray, o: int, out: FloatArray
     out[D_PARAMETER] = k * t * x
 
 
-def probes(e: Evidence) -> list[Probe]:
-    """Linear: one look."""
-    return [(0.0,)]
-
-
 TERM = Term(
     "stiffness-drift",
     "stiffness",
@@ -27,7 +22,6 @@ TERM = Term(
     (Parameter("rate", "1/s", none=0.0),),
     "The stiffness changes with time, by a fraction {rate}.",
     law,
-    probes,
     amplitude=0,
     needs=("spring",),
     example=(-0.1,),

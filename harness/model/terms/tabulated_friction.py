@@ -1,17 +1,21 @@
 """Friction as a table: by speed, in both directions alike or in one of them, or by position."""
 
+from collections.abc import Callable
+from typing import Literal
+
 from harness.core.arrays import FloatArray
-from harness.core.jit import compiled
+from harness.core.jit import lean
 from harness.model.law import D_PARAMETER, D_V, D_X, VALUE
 from harness.model.spline import KNOTS, curve
-from harness.model.term import Known, Parameter, Slot, Term, always
+from harness.model.term import Known, Parameter, Placed, Slot, Term, always
 
 _HIGH = KNOTS - 1
 """Place of the fastest speed known: the value at rest is 0 and no parameter."""
 _FROM, _TO = KNOTS, KNOTS + 1
 
 
-def _by_speed(v: float, side: float, theta: FloatArray, o: int, out: FloatArray) -> None:
+@lean
+def by_speed(v: float, side: float, theta: FloatArray, o: int, out: FloatArray) -> None:
     """The table at v = side |v|."""
     high, speed = theta[o + _HIGH], side * v
     if high <= 0.0:
@@ -26,9 +30,6 @@ def _by_speed(v: float, side: float, theta: FloatArray, o: int, out: FloatArray)
     out[VALUE] = side * value
     out[D_V] = slope * rate / high
     out[D_PARAMETER + _HIGH] = -side * slope * rate * r / high
-
-
-by_speed = compiled(_by_speed, lean=True)
 
 
 def law(x: float, v: float, theta: FloatArray, o: int, out: FloatArray) -> None:
@@ -62,54 +63,30 @@ def law_position(x: float, v: float, theta: FloatArray, o: int, out: FloatArray)
     out[D_PARAMETER + _TO] = -slope * step * (x - low) / width
 
 
-_SPEEDS = (*(Parameter(f"f_{i + 1}", "N") for i in range(KNOTS - 1)), Parameter("high", "m/s", 0.0, positive=True))
-_EXAMPLE = (1.0, 3.0, 4.0, 3.5, 2.0, 1.0, 0.0, 1.0, 4.0, 6.0, 9.0, 8.0)
+def _by(
+    variant: str, of: Literal["|v|", "v", "-v"], where: str, law: Callable[..., None], place: Placed, order: int
+) -> Term:
+    """The table by speed, of both directions or one of them."""
+    return Term(
+        "tabulated-friction",
+        "friction",
+        Slot.SMOOTH,
+        (*(Parameter(f"f_{i + 1}", "N") for i in range(KNOTS - 1)), Parameter("high", "m/s", 0.0, positive=True)),
+        f"A resistance{where} that depends on speed, as a table up to {{high}}.",
+        law,
+        variant=variant,
+        example=(1.0, 3.0, 4.0, 3.5, 2.0, 1.0, 0.0, 1.0, 4.0, 6.0, 9.0, 8.0),
+        corner=True,
+        searched=False,
+        known=Known(of, None, _HIGH),
+        place=place,
+        order=order,
+    )
 
 
-TERM = Term(
-    "tabulated-friction",
-    "friction",
-    Slot.SMOOTH,
-    _SPEEDS,
-    "A resistance that depends on speed, as a table up to {high}.",
-    law,
-    example=_EXAMPLE,
-    corner=True,
-    searched=False,
-    known=Known("|v|", None, _HIGH),
-    place=always("throughout", "by speed"),
-    order=910,
-)
-TERM_FORWARD = Term(
-    "tabulated-friction",
-    "friction",
-    Slot.SMOOTH,
-    _SPEEDS,
-    "A resistance forwards that depends on speed, as a table up to {high}.",
-    law_forward,
-    variant="forward",
-    example=_EXAMPLE,
-    corner=True,
-    searched=False,
-    known=Known("v", None, _HIGH),
-    place=always("one-side", "forwards, by speed"),
-    order=911,
-)
-TERM_BACKWARD = Term(
-    "tabulated-friction",
-    "friction",
-    Slot.SMOOTH,
-    _SPEEDS,
-    "A resistance backwards that depends on speed, as a table up to {high}.",
-    law_backward,
-    variant="backward",
-    example=_EXAMPLE,
-    corner=True,
-    searched=False,
-    known=Known("-v", None, _HIGH),
-    place=always("one-side", "backwards, by speed"),
-    order=912,
-)
+TERM = _by("", "|v|", "", law, always("throughout", "by speed"), 910)
+TERM_FORWARD = _by("forward", "v", " forwards", law_forward, always("one-side", "forwards, by speed"), 911)
+TERM_BACKWARD = _by("backward", "-v", " backwards", law_backward, always("one-side", "backwards, by speed"), 912)
 TERM_POSITION = Term(
     "tabulated-friction",
     "friction",

@@ -1,12 +1,11 @@
 """A Maxwell branch in parallel with the spring: k_m y, y' = v - y/tau."""
 
 import math
-from collections.abc import Callable
-from functools import cache
 
 import numpy as np
 
 from harness.core.arrays import FloatArray
+from harness.core.jit import compiled
 from harness.model.law import D_INTERNAL, D_PARAMETER, D_V, VALUE
 from harness.model.term import Evidence, History, Parameter, Probe, Slot, States, Term
 
@@ -28,6 +27,7 @@ def probes(e: Evidence) -> list[Probe]:
     return [(0.0, f / e.omega) for f in (0.1, 0.3, 1.0, 3.0, 10.0)]
 
 
+@compiled
 def _stretch(t: FloatArray, v: FloatArray, at: FloatArray, tau: float, out: FloatArray) -> None:
     """y' = v - y/tau and its partial by tau at the times ``at`` (m,), relaxed at first; out (m, 2)."""
     y, slope, i = 0.0, 0.0, 0
@@ -43,18 +43,10 @@ def _stretch(t: FloatArray, v: FloatArray, at: FloatArray, tau: float, out: Floa
         out[j, 0], out[j, 1] = y, slope
 
 
-@cache
-def _compiled() -> Callable[..., None]:
-    """The stretch compiled, when it is first asked for: the catalogue loads nothing heavy."""
-    from harness.core.jit import compiled
-
-    return compiled(_stretch)
-
-
 def stretched(values: Probe, motion: History) -> States:
     """As the recorded speed has left it, relaxed at first."""
     found = np.zeros((motion.at.size, 2))
-    _compiled()(motion.t, motion.v, motion.at, values[1], found)
+    _stretch(motion.t, motion.v, motion.at, values[1], found)
     return States(found[:, :1], {1: found[:, 1:]})
 
 
