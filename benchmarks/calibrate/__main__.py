@@ -7,16 +7,13 @@ from pathlib import Path
 
 from benchmarks.calibrate import (
     amplitudes,
-    chance,
     colours,
     covariates,
     driven,
     few_cycles,
-    force_chance,
     force_tables,
     forces_together,
     guard_speed,
-    main_effect,
     pair_promise,
     pairs_apart,
     posterior,
@@ -34,9 +31,7 @@ CALIBRATIONS: dict[str, Calibration] = {
     "pairs-apart": pairs_apart.CALIBRATION,
     "screen-share": screen_share.CALIBRATION,
     "pair-promise": pair_promise.CALIBRATION,
-    "main-effect": main_effect.CALIBRATION,
-    "chance": chance.CALIBRATION,
-    "force-chance": force_chance.CALIBRATION,
+    "force-posterior": posterior.FORCE,
     "few-cycles": few_cycles.CALIBRATION,
     "tables": tables.CALIBRATION,
     "force-tables": force_tables.CALIBRATION,
@@ -50,7 +45,7 @@ CALIBRATIONS: dict[str, Calibration] = {
     "taken": taken.CALIBRATION,
     "posterior": posterior.CALIBRATION,
 }
-_OF_PLANT = {"main-effect": main_effect.of_plant, "tables": tables.of_plant}
+_OF_PLANT = {"tables": tables.of_plant}
 """Those that can be measured on recordings that are there."""
 
 
@@ -63,7 +58,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--jobs", type=int, default=1, help="processes side by side")
     parser.add_argument(
-        "--plant", type=Path, help="main-effect, tables: a folder that python -m benchmarks.recordings machines left"
+        "--plant", type=Path, help="tables: a folder that python -m benchmarks.recordings machines left"
     )
     told = parser.parse_args(argv)
     try:

@@ -7,6 +7,7 @@ beside the code that uses them. docs/rules.md is made from the table: ``python -
 import math
 import sys
 import tomllib
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -31,6 +32,20 @@ class Rule:
     def count(self) -> int:
         """The value of a rule that counts."""
         return round(self.value)
+
+
+@dataclass(frozen=True, slots=True)
+class Weights:
+    """Of linear log odds. values : by feature. name, moves, origin : as of a rule."""
+
+    name: str
+    values: Mapping[str, float]
+    moves: str
+    origin: str
+
+    def odds(self, features: Mapping[str, float]) -> float:
+        """Log odds by features, of which those that have a weight count."""
+        return sum(weight * features[name] for name, weight in self.values.items())
 
 
 NAMES = len({term.name for term in NAMED})
@@ -98,29 +113,15 @@ GAIN = rule("gain")
 TAKEN = rule("taken")
 MARGIN = rule("margin")
 LEAST_RATIO = rule("least-ratio")
-CHANCE = rule("chance")
-CHANCE_INTERCEPT = rule("chance-intercept")
-CHANCE_ALIKE = rule("chance-alike")
-CHANCE_LOOSE = rule("chance-loose")
-CHANCE_LONG = rule("chance-long")
-CHANCE_OF_SHARE = rule("chance-share")
-CHANCE_COMPANY = rule("chance-company")
-FORCE_CHANCE = rule("force-chance")
-FORCE_CHANCE_INTERCEPT = rule("force-chance-intercept")
-FORCE_CHANCE_ALIKE = rule("force-chance-alike")
-FORCE_CHANCE_LOOSE = rule("force-chance-loose")
-FORCE_CHANCE_LONG = rule("force-chance-long")
-FORCE_CHANCE_OF_SHARE = rule("force-chance-share")
-FORCE_CHANCE_COMPANY = rule("force-chance-company")
-NEARLY_AS_MUCH = rule("nearly-as-much")
+MAIN_FROM = rule("main-from")
+TIMES_NEXT = rule("times-next")
+LISTED_FROM = rule("listed-from")
+OF_LIST = rule("of-list")
+POSTERIOR = Weights("posterior", **_TABLE["posterior"])
+FORCE_POSTERIOR = Weights("force-posterior", **_TABLE["force-posterior"])
 MOST_LIKELY = rule("most-likely")
 SHARE_OF_EXCESS = rule("share-of-excess")
 SHARE_OF_MISFIT = rule("share-of-misfit")
-HELD_OUT = rule("held-out")
-PREDICTS_BETTER = rule("predicts-better")
-RUN_BETTER = rule("run-better")
-RUNS_ON_BETTER = rule("runs-on-better")
-AMONG_ALIKE = rule("among-alike", value=float(NAMES))
 ZERO_REACH = rule("zero-reach")
 LARGE_ANGLE = rule("large-angle")
 SAME_CLOCK = rule("same-clock")
@@ -163,7 +164,10 @@ def document() -> str:
         "those that decided it.\n\n"
         "| rule | value | what it decides | origin |\n|---|---|---|---|\n"
     )
-    rows = (f"| {r.name} | {r.value:.4g} {r.unit if r.unit != '1' else ''} | {r.moves} | {r.origin} |\n" for r in RULES)
+    rows = [f"| {r.name} | {r.value:.4g} {r.unit if r.unit != '1' else ''} | {r.moves} | {r.origin} |\n" for r in RULES]
+    for w in (POSTERIOR, FORCE_POSTERIOR):
+        values = ", ".join(f"{name} {value:.3g}" for name, value in w.values.items())
+        rows.append(f"| {w.name} | {values} | {w.moves} | {w.origin} |\n")
     return head + "".join(row.replace(" |", " |") for row in rows)
 
 

@@ -8,7 +8,7 @@ import numpy as np
 from harness.diagnosis.baseline.words import evidence, few_words, strokes_of, words_of
 from harness.diagnosis.fit.model_fit import Fit
 from harness.diagnosis.grading.clocks import unresolved
-from harness.diagnosis.grading.grade import Contest
+from harness.diagnosis.grading.contest import Contest
 from harness.diagnosis.grading.lone import next_best, stand_ins, undecided
 from harness.diagnosis.grading.posterior import of_search, probability
 from harness.diagnosis.outcome import Grade, Verdict

@@ -63,8 +63,8 @@ class MechanismResult(Result):
     share: float | None = Field(default=None, description="of the misfit beyond noise that it takes off alone")
     chance: float | None = Field(
         default=None,
-        description="of the first name, where it stands apart from every other, to be the main effect: on simulated"
-        " machines that look alike, half of which have one; in the others several small effects come to the same",
+        description="of the first name to be the main effect: on simulated machines that look alike, half of which have"
+        " one; in the others several small effects come to the same",
         exclude_if=lambda value: value is None,
     )
     probability: float | None = Field(

@@ -7,6 +7,7 @@ import pytest
 
 from benchmarks.calibrate.__main__ import CALIBRATIONS, main
 from benchmarks.calibrate.few_cycles import by_words
+from benchmarks.calibrate.posterior import Row, counted
 from harness.diagnosis.rules import GAIN, RULES, SHARE_OF_EXCESS
 
 JUDGES = {
@@ -14,21 +15,6 @@ JUDGES = {
     "pairs-apart": {"pairs-apart"},
     "screen-share": {"screen-share"},
     "pair-promise": {"pair-promise", "screen-share"},
-    "main-effect": {
-        "least-ratio",
-        "margin",
-        "share-of-excess",
-        "held-out",
-        "least-cycles",
-        "run-better",
-        "runs-on-better",
-        "share-of-misfit",
-        "most-words",
-        "chance",
-        "same-clock",
-    },
-    "chance": {"chance"},
-    "force-chance": {"force-chance"},
     "few-cycles": {"least-cycles"},
     "tables": {"table-band", "table-better", "table-errors", "table-words"},
     "force-tables": {"table-better", "table-errors", "table-words", "path-again"},
@@ -40,8 +26,8 @@ JUDGES = {
     "covariates": {"decisive"},
     "colours": {"as-fast"},
     "taken": {"taken"},
-    # no rule comes from it yet
-    "posterior": set(),
+    "posterior": {"main-from", "times-next", "listed-from", "of-list", "same-clock"},
+    "force-posterior": {"main-from", "times-next", "listed-from", "of-list", "same-clock"},
 }
 LONG = {
     "amplitudes",
@@ -49,7 +35,6 @@ LONG = {
     "driven",
     "pairs-apart",
     "pair-promise",
-    "main-effect",
     "guard-speed",
     "force-tables",
     "forces-together",
@@ -100,7 +85,7 @@ def test_the_bound_of_few_cycles_is_that_of_random_directions() -> None:
     [
         (["few-cycles", "--draws", "0"], "--draws: 0; a whole number of at least 1 is accepted"),
         (["few-cycles", "--jobs", "-1"], "--jobs: -1; a whole number of at least 1 is accepted"),
-        (["few-cycles", "--plant", "."], "--plant: given with few-cycles; it is accepted with main-effect and tables"),
+        (["few-cycles", "--plant", "."], "--plant: given with few-cycles; it is accepted with tables"),
     ],
 )
 def test_options_that_do_not_go_are_refused(
@@ -108,3 +93,22 @@ def test_options_that_do_not_go_are_refused(
 ) -> None:
     assert main(arguments) == 2
     assert capsys.readouterr().err.strip() == said
+
+
+def test_counts_tell_named_listed_wrong_and_claimed() -> None:
+    def row(group: str, main: str | None, *may: str) -> Row:
+        return Row(("a", "b"), np.zeros((2, 1)), main, frozenset(may), group, ())
+
+    sure, even, wrong, none = ([0.1, 0.85, 0.05], [0.1, 0.5, 0.4], [0.05, 0.05, 0.9], [0.95, 0.03, 0.02])
+    mains = [(row("main", "a"), p) for p in (sure, even, wrong, none)]
+    controls = [(row("machine-control", None, *may), p) for may, p in (((), sure), (("a",), sure), ((), even))]
+    rows = [*mains, *controls, (row("unknown", None), sure)]
+    found = counted([one for one, _ in rows], [np.array(p) for _, p in rows])
+    assert found == {
+        "named": 1,
+        "listed": 1,
+        "wrong": 1,
+        "machine-control claimed": 1,
+        "machine-control listed": 1,
+        "unknown claimed": 1,
+    }

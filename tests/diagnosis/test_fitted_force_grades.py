@@ -10,9 +10,7 @@ import pytest
 
 from harness.core.arrays import FloatArray
 from harness.core.recording import Recording
-from harness.diagnosis.explain.graded import cautions_of_force, mechanisms_of
-from harness.diagnosis.grading.chance import Odds
-from harness.diagnosis.grading.grade import decided
+from harness.diagnosis.grading.contest import decided
 from harness.diagnosis.inverse_dynamics.force_fit import ForceFit
 from harness.diagnosis.inverse_dynamics.left_over import left_over
 from harness.diagnosis.inverse_dynamics.measured import BLOCK, Measured
@@ -24,7 +22,7 @@ from harness.diagnosis.problems.driven import Driven, InverseDynamics
 from harness.diagnosis.problems.starts import Windows
 from harness.diagnosis.request import Asked
 from harness.diagnosis.residual_tests.structure import Left
-from harness.diagnosis.rules import FORCE_CHANCE, PERIODS_COUNTED
+from harness.diagnosis.rules import PERIODS_COUNTED
 from harness.kernels.solve import Drive, solve
 from harness.model.model import Model, ModelTerm, Restoring
 
@@ -159,22 +157,6 @@ def apart() -> ForceSearch:
     return replace(done, graded=replace(done.graded, counted=replace(done.graded.counted, words=40.0)))
 
 
-@pytest.mark.parametrize("likely", [FORCE_CHANCE.value, FORCE_CHANCE.value - 1e-9])
-def test_a_name_that_stands_apart_is_the_main_effect_where_that_is_likely(
-    apart: ForceSearch, likely: float, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """By draws of driven machines; beside a list the result says how likely it is."""
-    monkeypatch.setattr(Odds, "chance", lambda self, seen: likely)
-    assert apart.graded is not None
-    graded, main = decided(apart.graded), likely >= FORCE_CHANCE.value
-    assert graded.grade is (Grade.MAIN if main else Grade.ONE_OF)
-    assert FORCE_CHANCE in graded.rules
-    first = mechanisms_of(apart.search, graded, apart.scales.omega)[0]
-    assert (first.name, first.grade, first.chance) == ("asymmetric-viscous", graded.grade, likely)
-    warned = "50 % have asymmetric-viscous as their main effect"
-    assert any(warned in one for one in cautions_of_force(graded)) is not main
-
-
 def test_what_a_fitted_force_knows_of_a_name_is_what_a_motion_knows(apart: ForceSearch) -> None:
     """Alone among what nobody measured it keeps beside any other what it takes, and its numbers are tight."""
     found = apart.graded
@@ -182,11 +164,12 @@ def test_what_a_fitted_force_knows_of_a_name_is_what_a_motion_knows(apart: Force
     first = next(f for f in found.finalists if f.name == "asymmetric-viscous")
     assert 0.8 * first.share < first.company < 1.02 * first.share
     assert 0.0 < first.loosest < 0.1
-    assert found.seen(first).cycles == found.cycles == 20.0
-    assert found.chance_of(first) > 0.9
+    assert found.cycles == 20.0
+    assert found.posterior[first.name] > 0.9
+    assert (decided(found).grade, decided(found).named[0].name) == (Grade.MAIN, first.name)
     other = next(f for f in found.finalists if f.share < 0.05 and not f.clock)
     assert other.company < 0.05
-    assert found.chance_of(other) < 0.01
+    assert found.posterior[other.name] < 0.01
 
 
 def forced(t: FloatArray, u: FloatArray, v: FloatArray) -> tuple[ForceFit, Measured]:

@@ -4,11 +4,12 @@ import math
 
 from harness.diagnosis.baseline.words import strokes_of
 from harness.diagnosis.fit.model_fit import Fit
-from harness.diagnosis.grading.grade import Contest, Graded, in_step
+from harness.diagnosis.grading.contest import Contest, in_step
+from harness.diagnosis.grading.grade import Graded
 from harness.diagnosis.grading.prediction import free_run, ratio
 from harness.diagnosis.outcome import Grade, Holdout, Outcome
 from harness.diagnosis.problem import Problem
-from harness.diagnosis.rules import ADVISED, DECISIVE, LEAST_CYCLES, PREDICTS_WORSE, SHARE_OF_MISFIT
+from harness.diagnosis.rules import ADVISED, DECISIVE, LEAST_CYCLES, MOST_LIKELY, PREDICTS_WORSE, SHARE_OF_MISFIT
 from harness.diagnosis.search.extend import key_of
 from harness.diagnosis.search.search import Search
 from harness.diagnosis.verdict import Judgement
@@ -148,9 +149,8 @@ def cautions_of_misfit(graded: Graded, doubted: Fit | None = None) -> tuple[str,
             f"the first {graded.misfit.left_out:.4g} s, up to the first turning point, took no part: what lets go there"
             " cannot be told from what is missing"
         )
-    cycles = graded.misfit.strokes.cycles
-    if LEAST_CYCLES in graded.rules or (graded.grade is Grade.ONE_OF and cycles < LEAST_CYCLES.value):
-        said.append(_few(cycles, graded.misfit.problem))
+    if LEAST_CYCLES in graded.rules:
+        said.append(_few(graded.cycles, graded.misfit.problem))
     said += unlikely(graded)
     return (*said, *keeping_time(graded))
 
@@ -167,10 +167,11 @@ def keeping_time(found: Contest) -> tuple[str, ...]:
 
 
 def unlikely(found: Contest) -> tuple[str, ...]:
-    """Why a name that no other is near is not sure: what chance it has of being the main effect."""
-    if found.grade is None or found.chance is None or found.chance >= found.odds.least.value:
+    """Why what is named is not sure: how often small effects alone come to the same."""
+    none = found.posterior[""]
+    if found.grade not in (Grade.MAIN, Grade.ONE_OF) or MOST_LIKELY not in found.rules:
         return ()
     return (
-        f"of simulated machines that look like this one {100.0 * found.chance:.0f} % have {found.named[0].name}"
-        " as their main effect; in the others several small effects come to the same",
+        f"of simulated machines that look like this one {100.0 * none:.0f} % have no main effect: several small ones"
+        " come to the same",
     )

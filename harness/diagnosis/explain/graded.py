@@ -10,7 +10,8 @@ from harness.diagnosis.explain.mechanism import left_without, looks_like, mechan
 from harness.diagnosis.fit.model_fit import Fit
 from harness.diagnosis.fit.place import place_of
 from harness.diagnosis.fit.standard_errors import term_parameters
-from harness.diagnosis.grading.grade import Finalist, Graded, worthy
+from harness.diagnosis.grading.contest import Finalist
+from harness.diagnosis.grading.grade import Graded
 from harness.diagnosis.grading.prediction import Predicted
 from harness.diagnosis.inverse_dynamics.grade import ForceGraded
 from harness.diagnosis.outcome import Alternative, Grade, Holdout, Mechanism, Prediction, Remainder, Tried
@@ -81,7 +82,7 @@ def _alternatives(first: Finalist, graded: Graded) -> tuple[Alternative, ...]:
     others = [f for f in graded.finalists if f is not first and not f.clock]
     found = [Alternative(f.name, first.gain - f.gain) for f in others]
     parted = graded.misfit.problem.parts_amplitude_from_time
-    twins = {f.name for f in others if not parted and worthy(f, graded) and not_parted(first.name, f.name)}
+    twins = {f.name for f in others if not parted and f.large and not_parted(first.name, f.name)}
     listed = [a for a in found if a.delta_bic < DECISIVE.value or a.name in twins]
     return tuple(sorted(listed, key=lambda a: a.name not in twins))[:_MOST_ALTERNATIVES]
 
@@ -170,7 +171,7 @@ def cautions_of_force(graded: ForceGraded) -> tuple[str, ...]:
     if graded.over.left is Left.NOISE:
         none = "what says the force to its noise moves worse than viscous and Coulomb friction alone"
     said = [f"{none}; standard errors allow for what is left"]
-    if LEAST_CYCLES in graded.rules or (graded.grade is Grade.ONE_OF and graded.cycles < LEAST_CYCLES.value):
+    if LEAST_CYCLES in graded.rules:
         many = f"{2.0 * LEAST_CYCLES.value:g}"
         said.append(f"{graded.words:.3g} effective samples are few to exclude every other name; {many} would do")
     return (*said, *unlikely(graded), *keeping_time(graded))

@@ -10,7 +10,7 @@ from collections.abc import Callable
 
 from harness.diagnosis.baseline.words import evidence, strokes_of, words_beside
 from harness.diagnosis.fit.model_fit import Fit
-from harness.diagnosis.grading.grade import Contest
+from harness.diagnosis.grading.contest import Contest
 from harness.diagnosis.outcome import Hypothesis
 from harness.diagnosis.rules import NAMES
 from harness.diagnosis.search.against import against

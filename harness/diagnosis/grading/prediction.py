@@ -3,7 +3,7 @@
 import math
 from collections.abc import Callable, Mapping
 from contextlib import suppress
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from scipy import special
@@ -47,10 +47,6 @@ class Predicted:
     def by_span(self) -> FloatArray:
         """Squares over all channels in units of the noise, (b,)."""
         return np.asarray(sum(s / self.sigma[c] ** 2 for c, s in self.squares.items()), dtype=np.float64)
-
-    def of(self, channel: str) -> "Predicted":
-        """One channel alone."""
-        return replace(self, squares={channel: self.squares[channel]})
 
     @property
     def total(self) -> float:
@@ -152,13 +148,6 @@ def surely_less(after: Predicted, before: Predicted, errors: float) -> bool:
     scatter = math.sqrt((count - 1) / count * float(np.sum((without - np.mean(without)) ** 2)))
     sure = float(special.stdtrit(count - 1, special.ndtr(errors)))
     return bool(1.0 - after.total / before.total > sure * scatter)
-
-
-def worse_in(after: Predicted | None, before: Predicted | None, errors: float) -> tuple[str, ...]:
-    """Channels of which surely more is missed than before; none where one could not be had. errors : as above."""
-    if after is None or before is None:
-        return ()
-    return tuple(c for c in after.squares if surely_less(before.of(c), after.of(c), errors))
 
 
 def ratio(after: Predicted | None, before: Predicted | None) -> float:

@@ -11,9 +11,9 @@ from harness.diagnosis.baseline.words import evidence
 from harness.diagnosis.fit.model_fit import Fit
 from harness.diagnosis.fit.observe import Observation
 from harness.diagnosis.fit.standard_errors import leading, loosest
-from harness.diagnosis.grading.chance import OF_FORCES, Odds
 from harness.diagnosis.grading.clocks import in_step, on_the_swing
-from harness.diagnosis.grading.grade import Contest, Finalist, cells_of, decided
+from harness.diagnosis.grading.contest import Contest, Finalist, decided
+from harness.diagnosis.grading.grade import cells_of
 from harness.diagnosis.grading.prediction import Predicted, blocks_of
 from harness.diagnosis.inverse_dynamics.force_fit import ForceFit, as_fit, fit_force, simulated
 from harness.diagnosis.inverse_dynamics.force_screen import seen_in
@@ -23,7 +23,7 @@ from harness.diagnosis.inverse_dynamics.measured import Measured
 from harness.diagnosis.inverse_dynamics.strokes import ForceWords, force_words
 from harness.diagnosis.outcome import Grade
 from harness.diagnosis.problems.driven import InverseDynamics
-from harness.diagnosis.rules import CONFIRMED, GAIN, SHARE_OF_EXCESS
+from harness.diagnosis.rules import CONFIRMED, FORCE_POSTERIOR, GAIN, SHARE_OF_EXCESS, Weights
 from harness.diagnosis.search.against import in_company
 from harness.kernels.solve import Scales
 from harness.model.model import Model
@@ -73,19 +73,14 @@ class ForceGraded(Contest):
         return 0.5 * self.counted.words
 
     @property
-    def words_run(self) -> float:
-        """None: a force is run nowhere."""
-        return 1.0
-
-    @property
     def refined(self) -> Fit:
         """The best model found."""
         return self.fit
 
     @property
-    def odds(self) -> Odds:
+    def weights(self) -> Weights:
         """Of a force."""
-        return OF_FORCES
+        return FORCE_POSTERIOR
 
 
 @dataclass(frozen=True, slots=True)
@@ -141,7 +136,6 @@ def graded(fitted: Fitted, last: Fit, singles: Sequence[ForceFit], over: LeftOve
 
 def _by_judge(found: ForceGraded, names: Sequence[str]) -> ForceGraded:
     """What another recording confirms is named, whatever its share here; what it does not is no main effect."""
-    found = replace(found, chance=None)
     named = tuple(f for f in found.finalists if f.name in names[:1])
     if named:
         return replace(found, grade=Grade.MAIN, named=named, rules=(CONFIRMED,))
@@ -171,7 +165,7 @@ def _ranked(
         clock = any(on_the_swing(entry, omega, span) for omega in clocks)
         clock |= words.period is not None and in_step(entry, words.period, span)
         share = min(taken / excess, 1.0) if excess > 0.0 else 0.0
-        best[name] = Finalist(fitted.counted(one), gain, share, taken / base.squares, clock), one
+        best[name] = Finalist(fitted.counted(one), gain, share, clock), one
     alone = sorted(best.values(), key=lambda found: -found[0].gain)
     if excess <= 0.0:
         return alone

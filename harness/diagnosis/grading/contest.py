@@ -1,0 +1,209 @@
+"""Which name is the main part of a misfit that nothing explains: a probability of each, and of none.
+
+A real machine has one large omission and a crowd of small ones; no model of one or two terms meets its noise. Small
+effects sum up to one law or another by chance: how likely a name is what it seems, simulated machines say, by a softmax
+over none and every name (``python -m benchmarks.calibrate posterior`` makes its weights and counts what they are worth
+on other draws; Guo et al. 2017, On Calibration of Modern Neural Networks, for why probabilities are held against what
+was right). A name's odds do not depend on how many terms the catalogue has.
+"""
+
+import math
+from abc import ABC, abstractmethod
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from typing import TypeVar
+
+import numpy as np
+
+from harness.core.arrays import FloatArray
+from harness.diagnosis.fit.model_fit import Fit
+from harness.diagnosis.grading.prediction import Predicted
+from harness.diagnosis.outcome import Grade
+from harness.diagnosis.rules import (
+    GAIN,
+    LEAST_CYCLES,
+    LISTED_FROM,
+    LOOSE,
+    MAIN_FROM,
+    MOST_LIKELY,
+    MOST_LISTED,
+    OF_LIST,
+    SAME_CLOCK,
+    SHARE_OF_EXCESS,
+    TAKEN,
+    TIMES_NEXT,
+    Rule,
+    Weights,
+)
+
+_LEAST_SHARE, _ALIKE = 0.01, 0.1
+"""Below which a share, and the sum of squares of others' shares in it, says nothing more."""
+_SURE, _LOOSE = 0.001, 10.0
+"""Relative standard errors beyond which more says nothing more."""
+_FEWEST_WORDS = 4.0
+"""Below which evidence a word says nothing more."""
+
+
+@dataclass(frozen=True, slots=True)
+class Finalist:
+    """A catalogue name, alone on the base.
+
+    fit : under the noise of the misfit. gain : evidence over the base. share : of the misfit beyond the sensors' noise
+    that it takes off; company : of the misfit, beside the other name with which it leaves least. clock : whether it has
+    a clock of its own on the swing. loosest : largest standard error of its parameters, relative; leading : that of the
+    number that says how much of the law there is, where a force is fitted. held, run : prediction of blocks that were
+    left out, and of the last part from the first, of what is named. None and nan are what was not looked at.
+    """
+
+    fit: Fit
+    gain: float
+    share: float
+    clock: bool
+    held: Predicted | None = None
+    run: Predicted | None = None
+    loosest: float = math.nan
+    leading: float = math.nan
+    company: float = math.nan
+
+    @property
+    def name(self) -> str:
+        """Catalogue name."""
+        return self.fit.model.terms[-1].term.name
+
+    @property
+    def large(self) -> bool:
+        """Whether it takes most of the misfit."""
+        return self.gain >= GAIN.value and self.share >= SHARE_OF_EXCESS.value
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Contest(ABC):
+    """Finalists, most evidence first, and what they come to: grade and names, most likely first.
+
+    base_held, base_run : prediction by the base. rules : those that decided.
+    """
+
+    finalists: tuple[Finalist, ...] = ()
+    grade: Grade | None = None
+    named: tuple[Finalist, ...] = ()
+    base_held: Predicted | None = None
+    base_run: Predicted | None = None
+    rules: tuple[Rule, ...] = (GAIN,)
+
+    @property
+    @abstractmethod
+    def words(self) -> float:
+        """Independent words of what the base leaves."""
+
+    @property
+    @abstractmethod
+    def cycles(self) -> float:
+        """Full swings that say something new."""
+
+    @property
+    @abstractmethod
+    def refined(self) -> Fit:
+        """The best model found, the base where nothing helps."""
+
+    @property
+    @abstractmethod
+    def weights(self) -> Weights:
+        """Of the features of a name."""
+
+    @property
+    def standing(self) -> tuple[Finalist, ...]:
+        """Those that may be named: a clock on the swing follows any other, and what is looser than itself is none."""
+        return tuple(f for f in self.finalists if f.gain > 0.0 and not f.clock and not f.leading >= LOOSE.value)
+
+    def features(self, f: Finalist) -> dict[str, float]:
+        """What the odds of a name hang on.
+
+        one; share : log of it; company : its share beside another; loose : log of its loosest relative standard error;
+        easily : log of how often its law takes a misfit that it has not made; cycles : log of them; behind : evidence
+        behind the best, a word; alike : log of the sum of squares of the others' shares, in its own.
+        """
+        share = max(f.share, _LEAST_SHARE)
+        loosest = 1.0 if math.isnan(f.loosest) else min(max(f.loosest, _SURE), _LOOSE)
+        others = sum((max(o.share, 0.0) / share) ** 2 for o in self.finalists if o is not f)
+        best = max(o.gain for o in self.standing)
+        return {
+            "one": 1.0,
+            "share": math.log(share),
+            "company": f.share if math.isnan(f.company) else f.company,
+            "loose": math.log(loosest),
+            "easily": math.log(max(f.fit.model.terms[-1].term.taken, TAKEN.value)),
+            "cycles": math.log(max(self.cycles, 1.0)),
+            "behind": (f.gain - best) / max(self.words, _FEWEST_WORDS),
+            "alike": math.log(_ALIKE + others),
+        }
+
+    @property
+    def posterior(self) -> dict[str, float]:
+        """Probability of each name to be the main effect, and under "" of none to be: most likely first."""
+        names = ("", *(f.name for f in self.standing))
+        p = softmax([self.weights.odds(self.features(f)) for f in self.standing])
+        return dict(sorted(zip(names, map(float, p), strict=True), key=lambda one: -one[1]))
+
+    @property
+    def chance(self) -> float | None:
+        """Probability of the first name, None where none is named."""
+        return self.posterior.get(self.named[0].name) if self.named else None
+
+
+def softmax(odds: list[float]) -> FloatArray:
+    """Probability of none, whose log odds are 0, and of each name by its own (m,): (1 + m,)."""
+    at = np.array([0.0, *odds])
+    each = np.exp(at - at.max())
+    return np.asarray(each / each.sum())
+
+
+C = TypeVar("C", bound=Contest)
+
+
+def answered(likely: Mapping[str, float]) -> tuple[Grade | None, tuple[str, ...]]:
+    """What probabilities of each name, and of none under "", come to: a main effect, a list that most likely holds it.
+
+    None without names where neither is said.
+    """
+    ranked = sorted((one for one in likely.items() if one[0]), key=lambda one: -one[1])
+    any_name = 1.0 - likely[""]
+    if not ranked or any_name < LISTED_FROM.value:
+        return None, ()
+    (first, p), *others = ranked
+    alone = all(p >= TIMES_NEXT.value * other for _, other in others)
+    if p >= (MAIN_FROM if others else MOST_LIKELY).value and alone:
+        return Grade.MAIN, (first,)
+    if not others:
+        return None, ()
+    before = np.cumsum([0.0, *(p for _, p in ranked[:-1])])
+    count = max(int(np.count_nonzero(before < OF_LIST.value * any_name)), 2)
+    return Grade.ONE_OF, tuple(name for name, _ in ranked[: min(count, MOST_LISTED.count)])
+
+
+def decided(found: C) -> C:
+    """Grade finalists: a main effect, a list that most likely holds it, or the largest part of many."""
+    likely = found.posterior
+    grade, names = answered(likely)
+    if grade is None:
+        return _minor(found)
+    by_name = {f.name: f for f in found.standing}
+    few = (LEAST_CYCLES,) if found.cycles < LEAST_CYCLES.value else ()
+    unsure = (MOST_LIKELY,) if likely[names[0]] < OF_LIST.value else ()
+    rules = (GAIN, MAIN_FROM, TIMES_NEXT, *((LISTED_FROM, OF_LIST) if grade is Grade.ONE_OF else ()), *few, *unsure)
+    return replace(found, grade=grade, named=tuple(by_name[name] for name in names), rules=rules)
+
+
+def in_step(found: Contest) -> Finalist | None:
+    """A law with a clock on the swing that takes as much as what is named; None where none does.
+
+    It follows any other, and is none of the names.
+    """
+    most = found.named[0].share if found.named and found.grade is not Grade.MINOR else 0.0
+    return next((f for f in found.finalists if f.clock and f.large and f.share >= most), None)
+
+
+def _minor(found: C) -> C:
+    """The largest single part, no headline."""
+    parts = [f for f in found.standing if f.gain >= GAIN.value]
+    rules = (GAIN, LISTED_FROM, *((SAME_CLOCK,) if in_step(found) is not None else ()))
+    return replace(found, grade=Grade.MINOR if parts else None, named=tuple(parts[:1]), rules=rules)
