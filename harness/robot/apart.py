@@ -15,8 +15,8 @@ from harness.core.apart import Found, read_apart
 from harness.core.bounded import check_file
 from harness.core.errors import InputError
 from harness.engines.mujoco.presets import warned
-from harness.robot import mjcf, shapes, urdf
-from harness.robot.xml import with_included
+from harness.robot.bare import bare_mjcf, bare_urdf, mimicking, with_included
+from harness.robot.shapes import with_shapes
 
 HINGE_OR_SLIDE = (mujoco.mjtJoint.mjJNT_HINGE.value, mujoco.mjtJoint.mjJNT_SLIDE.value)
 ACCEPTED = "a robot's model, MJCF or URDF, is accepted"
@@ -51,7 +51,7 @@ def compiled(
 def columns_of(path: Path, edited: Mapping[str, str], looks: str, fixed: bool) -> Found:
     """The reader: the model's bytes as numbers, and what is to be said."""
     if looks:
-        seen, meshes = shapes.with_shapes(path, looks == "meshes")
+        seen, meshes = with_shapes(path, looks == "meshes")
         text, about = seen.encode(), dict[str, Any]()
     else:
         text, meshes, about = prepared(path, {Path(file): text for file, text in edited.items()}, fixed)
@@ -68,11 +68,11 @@ def prepared(
     """The text that MuJoCo is given, its meshes, and what is to be said of it. Raises InputError."""
     file, root = str(path), with_included(path, edited)[0].root
     if root.tag == "robot":
-        alone = urdf.mimicking(root)
-        return urdf.bare(file, root), {}, {"alone": alone, "notes": []}
+        alone = mimicking(root)
+        return bare_urdf(file, root), {}, {"alone": alone, "notes": []}
     if root.tag == "mujoco":
-        text, meshes, notes = mjcf.bare(file, root, path.resolve().parent, fixed)
-        return text, meshes, {"alone": {}, "notes": list(notes)}
+        text, meshes, notes = bare_mjcf(file, root, path.resolve().parent, fixed)
+        return text, meshes, {"alone": {}, "notes": notes}
     raise InputError(file, f"XML that begins with <{root.tag}>", "MJCF (<mujoco>) or URDF (<robot>) is accepted")
 
 

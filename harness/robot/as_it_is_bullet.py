@@ -13,9 +13,8 @@ from harness.engines.pybullet.engine import SHIPPED_DT
 from harness.engines.pybullet.world import pybullet
 from harness.robot.apart import ACCEPTED
 from harness.robot.as_it_is import HELD, HELD_FOR, AsItIs, Gravity
+from harness.robot.bare import bare_urdf, with_included
 from harness.robot.bullet import opened
-from harness.robot.urdf import bare
-from harness.robot.xml import with_included
 
 _SECONDS = 60
 _COAST_STEPS, _GROWN = 400, 10.0
@@ -53,7 +52,7 @@ def columns_of(
     dt: float,
 ) -> Found:
     """The reader."""
-    text = bare(str(path), with_included(path)[0].root)
+    text = bare_urdf(str(path), with_included(path)[0].root)
     with opened(text, dt, lambda said: InputError(str(path), said, ACCEPTED)) as (client, body, numbers):
         own = numbers[joint]
         for i in numbers.values():

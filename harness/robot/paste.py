@@ -9,7 +9,7 @@ from xml.sax.saxutils import escape, quoteattr, unescape
 
 from harness.core.checks import not_negative, positive
 from harness.engines.mujoco.presets import presets
-from harness.robot.xml import Source, with_included
+from harness.robot.bare import Source, with_included
 
 _TOKEN = re.compile(
     r"<!--.*?-->|<!\[CDATA\[.*?\]\]>|<\?.*?\?>|<(?P<close>/)?(?P<name>[^\s/>!?]+)(?P<rest>(?:[^>\"']|\"[^\"]*\"|'[^']*')*)>",

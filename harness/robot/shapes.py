@@ -8,7 +8,7 @@ from lxml import etree
 
 from harness.core.bounded import MEBIBYTE, read_bytes
 from harness.core.errors import InputError
-from harness.robot.xml import with_included
+from harness.robot.bare import mesh_folder, with_included
 
 LOGGER = logging.getLogger(__name__)
 _MOST_MESH_BYTES = 64 * MEBIBYTE
@@ -33,9 +33,8 @@ def with_shapes(path: Path, meshes: bool) -> tuple[str, dict[str, bytes]]:
 def _mjcf(root: Any, folder: Path, meshes: bool) -> dict[str, bytes]:
     for part in [child for child in root if child.tag in _LEFT_OUT]:
         root.remove(part)
-    compilers = root.findall("compiler")
-    base = next((c.get(n) for n in ("meshdir", "assetdir") for c in compilers if c.get(n) is not None), "")
-    for compiler in compilers:
+    base = mesh_folder(root)
+    for compiler in root.findall("compiler"):
         for name in ("meshdir", "texturedir", "assetdir", "inertiafromgeom"):
             compiler.attrib.pop(name, None)
     found: dict[str, bytes] = {}

@@ -13,13 +13,13 @@ from harness.core.errors import SimulationError
 from harness.core.robot.joint_log import JointLog
 from harness.engines.models import folder
 from harness.robot.arm import Arm, load_arm
+from harness.robot.bare import with_included
 from harness.robot.example import FRICTION, excited
 from harness.robot.paste import JointPaste
 from harness.robot.replay import replay
 from harness.robot.replay.as_urdf import of_file, of_model
 from harness.robot.replay.drive import WINDOW, Drive, drive_of
 from harness.robot.replay.replay import MUJOCO, PYBULLET, replayed
-from harness.robot.xml import with_included
 
 FILE = folder() / "arm" / "arm.xml"
 ARM = load_arm(FILE)

@@ -11,7 +11,7 @@ from scipy.spatial.transform import Rotation
 
 from harness.core.arrays import FloatArray
 from harness.robot.arm import Arm
-from harness.robot.urdf import bare
+from harness.robot.bare import bare_urdf
 
 _SPECK = 1e-9
 """Mass, kg, and inertia, kg m^2, of a link between two joints of one body: PyBullet takes no link without any."""
@@ -31,7 +31,7 @@ class ForBullet:
 
 def of_file(file: str, root: Any, joint: str, rotor: float) -> ForBullet:
     """A user's URDF, without shapes and limits. root : of its tree, which is changed. rotor : kg m^2."""
-    tree = etree.fromstring(bare(file, root))
+    tree = etree.fromstring(bare_urdf(file, root))
     for one in tree.findall("joint"):
         if one.get("type") == "revolute":
             one.set("type", "continuous")

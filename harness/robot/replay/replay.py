@@ -18,11 +18,11 @@ from harness.core.errors import SimulationError
 from harness.core.robot.joint_log import JointLog
 from harness.engines.mujoco.presets import warned
 from harness.robot.arm import Arm, load_arm
+from harness.robot.bare import with_included
 from harness.robot.paste import JointPaste, written
 from harness.robot.replay.as_urdf import of_file, of_model
 from harness.robot.replay.drive import WINDOW, Drive, drive_of
 from harness.robot.whole_arm.perturb import with_load
-from harness.robot.xml import with_included
 
 MUJOCO, PYBULLET = "mujoco", "pybullet"
 _PER_SECOND = 200.0

@@ -1,0 +1,276 @@
+"""A robot's model file as the rigid model needs it: read within bounds, shapes kept only where they make a mass.
+
+No document type, no entities, files of its own folder alone; what is only looked at or bumped into is taken out, so
+that no mesh is missed.
+"""
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from types import MappingProxyType
+from typing import Any
+
+from lxml import etree
+
+from harness.core.bounded import MEBIBYTE, check_file, read_bytes
+from harness.core.errors import InputError
+
+MOST_BYTES = 16 * MEBIBYTE
+"""Of one file: a robot's model is text of some thousand lines."""
+MOST_FILES = 50
+"""Files that a model may include."""
+
+
+@dataclass(frozen=True, slots=True)
+class Source:
+    """A file of a model. path : where it lies. text : as it stands there. root : of its tree, an lxml element."""
+
+    path: Path
+    text: str
+    root: Any
+
+
+def read_xml(path: Path, edited: Mapping[Path, str] = MappingProxyType({})) -> Source:
+    """One file; edited : by resolved path, texts that take the place of what a file holds.
+
+    Raises InputError when there is none, it is too large, is no XML, or has a document type, which a model does not
+    need and entities would come in by.
+    """
+    check_file(path, accepted="a robot's model, MJCF or URDF, is accepted")
+    other = edited.get(path.resolve())
+    data = read_bytes(path, MOST_BYTES) if other is None else other.encode()
+    parser = etree.XMLParser(resolve_entities=False, no_network=True, load_dtd=False, huge_tree=False)
+    try:
+        tree = etree.fromstring(data, parser).getroottree()
+        text = data.decode(tree.docinfo.encoding or "utf-8") if other is None else other
+    except (etree.XMLSyntaxError, UnicodeDecodeError, LookupError) as error:
+        raise InputError(str(path), f"no XML ({error})", "a robot's model, MJCF or URDF, is accepted") from None
+    if tree.docinfo.doctype or tree.docinfo.internalDTD is not None:
+        raise InputError(str(path), "a document type, by which entities come in", "a model without one is accepted")
+    return Source(path, text, _plain(tree.getroot()))
+
+
+def with_included(path: Path, edited: Mapping[Path, str] = MappingProxyType({})) -> tuple[Source, ...]:
+    """A model's file and those that it includes (MJCF), which are put into the first one's tree; edited : as there.
+
+    Raises InputError as ``read_xml`` does, for an included file outside the folder of the first, and for one that is
+    included twice.
+    """
+    first = read_xml(path, edited)
+    found = [first]
+    folder = path.resolve().parent
+    seen = {path.resolve()}
+    while (element := next(first.root.iter("include"), None)) is not None:
+        name = element.get("file") or ""
+        file = (folder / name).resolve()
+        where = f"{path}: include {name or 'without a file'}"
+        if not file.is_relative_to(folder):
+            raise InputError(where, "a file outside the model's folder", "one that lies in it is accepted")
+        if file in seen or len(found) > MOST_FILES:
+            raise InputError(where, "a file included before", f"each once, and at most {MOST_FILES}, is accepted")
+        check_file(file, where)
+        source = read_xml(file, edited)
+        seen.add(file)
+        found.append(source)
+        at, parent = element.getparent().index(element), element.getparent()
+        parent[at : at + 1] = list(read_xml(file, edited).root)
+    return tuple(found)
+
+
+def _plain(element: Any) -> Any:
+    """An element as MuJoCo's and PyBullet's parsers see it, which know nothing of name spaces: by the name that stands
+    there. What has a prefix, comments and text are nothing to them and are left out.
+    """
+    values = {name: value for name, value in element.attrib.items() if not name.startswith("{")}
+    found = etree.Element(etree.QName(element).localname, values)
+    found.extend([_plain(child) for child in element.iterchildren(tag=etree.Element) if child.prefix is None])
+    return found
+
+
+_OF_LOOKS = ("material", "texture", "hfield")
+_KNOWN = ("revolute", "continuous", "prismatic", "fixed")
+_URDF: Mapping[str, tuple[str, ...]] = {
+    "robot": ("link", "joint", "mujoco"),
+    "link": ("inertial",),
+    "inertial": ("origin", "mass", "inertia"),
+    "joint": ("origin", "parent", "child", "axis", "limit", "dynamics", "mimic", "calibration", "safety_controller"),
+    "mujoco": ("compiler", "option"),
+    "option": ("flag",),
+}
+"""By element, what may stand in it: nothing else of a file reaches a compiler."""
+_URDF_COMPILER = ("angle", "autolimits", "balanceinertia", "boundinertia", "boundmass", "eulerseq", "fusestatic")
+
+
+def bare_urdf(file: str, root: Any) -> bytes:
+    """The text that MuJoCo's importer is given.
+
+    Raises InputError for joints that are neither hinge nor slide, by name, and for a floating base.
+    """
+    for joint in root.findall("joint"):
+        kind = joint.get("type")
+        if kind not in _KNOWN:
+            name = joint.get("name")
+            raise InputError(f"{file}: joint {name}", f"type {kind!r}", f"{', '.join(_KNOWN)} are accepted")
+    _keep(file, root, _URDF, _URDF_COMPILER)
+    return bytes(etree.tostring(root))
+
+
+def _keep(file: str, element: Any, may: Mapping[str, tuple[str, ...]], compiler: tuple[str, ...]) -> None:
+    """Leave in an element, downwards, what may stand in it, and of a compiler's attributes these.
+
+    What no MJCF has is refused there; a URDF may hold anything.
+    """
+    for name in _OF_LOOKS if element.tag != "compiler" else set(element.attrib).difference(compiler):
+        element.attrib.pop(name, None)
+    for child in list(element):
+        if child.tag in may.get(element.tag, ()):
+            _keep(file, child, may, compiler)
+        elif may is _URDF or child.tag in _NOT_NEEDED:
+            element.remove(child)
+        else:
+            found = f"<{child.tag}> in <{element.tag}>, which is no MJCF"
+            raise InputError(file, found, "a model that MuJoCo compiles is accepted")
+
+
+def mimicking(root: Any) -> dict[str, str]:
+    """By joint, why it does not move alone: it mimics another or is mimicked."""
+    found = {}
+    for joint in root.findall("joint"):
+        mimic = joint.find("mimic")
+        if mimic is not None:
+            name, leader = str(joint.get("name")), str(mimic.get("joint"))
+            found[name] = f"it mimics {leader}"
+            found[leader] = f"{name} mimics it"
+    return found
+
+
+MOST_COPIES = 1000
+"""That replicates of a model may make."""
+_MOST_MESH_BYTES = 256 * MEBIBYTE
+_NOT_RIGID = ("composite", "flexcomp", "flex", "flexstrain", "plugin", "attach")
+_SECTIONS = ("compiler", "option", "default", "asset", "worldbody", "tendon", "equality", "actuator")
+_NOT_NEEDED = (
+    *("sensor", "contact", "keyframe", "deformable", "visual", "statistic", "custom", "size", "extension"),
+    *("light", "camera", "pair", "texture", "material", "hfield", "skin", "model"),
+)
+_DEFAULTS = ("joint", "geom", "site", "mesh", "equality", "tendon")
+_ACTUATORS = (
+    *("general", "motor", "position", "velocity", "intvelocity", "orientation", "pid", "damper", "cylinder"),
+    *("muscle", "adhesion", "dcmotor"),
+)
+_BODY = ("body", "frame", "replicate", "inertial", "joint", "freejoint", "geom", "site")
+_MJCF: Mapping[str, tuple[str, ...]] = {
+    "mujoco": _SECTIONS,
+    "compiler": ("lengthrange",),
+    "option": ("flag",),
+    "default": ("default", *_DEFAULTS, *_ACTUATORS),
+    "asset": ("mesh",),
+    **dict.fromkeys(("worldbody", "body", "frame", "replicate"), _BODY),
+    "tendon": ("spatial", "fixed"),
+    "spatial": ("site", "geom", "pulley"),
+    "fixed": ("joint",),
+    "equality": ("connect", "weld", "joint", "tendon"),
+    "actuator": _ACTUATORS,
+}
+"""By element, what may stand in it: nothing else of a file reaches MuJoCo's compiler."""
+_MJCF_COMPILER = (
+    *("angle", "autolimits", "balanceinertia", "boundinertia", "boundmass", "coordinate", "eulerseq", "fitaabb"),
+    *("fusestatic", "inertiafromgeom", "inertiagrouprange", "settotalmass", "alignfree"),
+)
+
+
+def bare_mjcf(file: str, root: Any, folder: Path, fixed: bool) -> tuple[bytes, dict[str, bytes], list[str]]:
+    """The text that MuJoCo's compiler is given, the meshes that a mass depends on, by name, and what is to be said.
+
+    fixed : free and ball joints are taken out, so that their bodies stand still. Raises InputError for what is no rigid
+    body, for what is no MJCF, for more copies than are reasonable, and for a moving body whose mass is that of a mesh
+    that is not there.
+    """
+    for tag in _NOT_RIGID:
+        if (found := next(root.iter(tag), None)) is not None:
+            name = found.get("name") or found.get("prefix") or ""
+            raise InputError(f"{file}: {tag} {name}".strip(), "it is no rigid body", "a chain of bodies is accepted")
+    for replicate in root.iter("replicate"):
+        copies = 1
+        for one in (replicate, *replicate.iterancestors("replicate")):
+            count = one.get("count") or "1"
+            copies *= int(count) if count.isascii() and count.isdigit() and len(count) < 10 else MOST_COPIES + 1
+        if copies > MOST_COPIES:
+            raise InputError(f"{file}: replicate", f"{copies} copies", f"at most {MOST_COPIES} are accepted")
+    meshes_at = mesh_folder(root)
+    _keep(file, root, _MJCF, _MJCF_COMPILER)
+    notes = _fixed(root) if fixed else []
+    from_shapes = any(one.get("inertiafromgeom") == "true" for one in root.findall("compiler"))
+    needed: set[str] = set()
+    for world in root.findall("worldbody"):
+        _without_shapes(world, moving=False, from_shapes=from_shapes, needed=needed)
+    meshes: dict[str, bytes] = {}
+    for one in list(root.iterfind("asset/*")):
+        name = one.get("name") or Path(one.get("file") or "").stem
+        if name not in needed:
+            one.getparent().remove(one)
+        elif one.get("file") is not None:
+            path = (folder / meshes_at / one.get("file")).resolve()
+            if not path.is_file():
+                raise InputError(
+                    f"{file}: mesh {name}",
+                    f"a moving body has the mass of {one.get('file')}, which is not there",
+                    "the mesh, or an <inertial> in that body, is accepted",
+                )
+            if not path.is_relative_to(folder):
+                notes.append(f"the mesh {name} was read from {path}, outside of the model's folder")
+            key = f"{len(meshes)}{path.suffix}"
+            meshes[key] = read_bytes(path, _MOST_MESH_BYTES)
+            one.set("name", name)
+            one.set("file", key)
+    return bytes(etree.tostring(root)), meshes, notes
+
+
+def mesh_folder(root: Any) -> str:
+    """Where the meshes of an MJCF lie, from its own folder."""
+    compilers = root.findall("compiler")
+    return next((c.get(n) for n in ("meshdir", "assetdir") for c in compilers if c.get(n) is not None), "")
+
+
+def _fixed(root: Any) -> list[str]:
+    """Take out free and ball joints; one sentence for each that bears joints of its own."""
+    notes = []
+    for joint in [one for one in root.iter("joint", "freejoint") if one.getparent().tag != "default"]:
+        if joint.tag == "freejoint" or joint.get("type") in ("free", "ball"):
+            body = joint.getparent()
+            body.remove(joint)
+            if any(one.tag == "joint" for child in body.iter("body") for one in child):
+                name = body.get("name") or "without a name"
+                notes.append(f"the body {name} is held: what is told of a joint is as if its base were fixed")
+    return notes
+
+
+def _without_shapes(body: Any, moving: bool, from_shapes: bool, needed: set[str]) -> None:
+    """Take out shapes that make no mass, downwards; needed : gets the names of meshes that make one."""
+    own = list(_within(body))
+    moving = moving or any(child.tag in ("joint", "freejoint") for child in own)
+    explicit = any(child.tag == "inertial" for child in own) and not from_shapes
+    for child in own:
+        if child.tag == "geom" and (
+            explicit or not moving or any(_zero(child.get(name, "1")) for name in ("mass", "density"))
+        ):
+            child.getparent().remove(child)
+        elif child.tag == "geom" and child.get("mesh") is not None:
+            needed.add(child.get("mesh"))
+        elif child.tag == "body":
+            _without_shapes(child, moving, from_shapes, needed)
+
+
+def _within(body: Any) -> Iterator[Any]:
+    """Elements of a body, those in frames among them."""
+    for child in body:
+        yield child
+        if child.tag in ("frame", "replicate"):
+            yield from _within(child)
+
+
+def _zero(text: str) -> bool:
+    try:
+        return float(text) == 0.0
+    except ValueError:
+        return False
