@@ -9,7 +9,7 @@ from xml.sax.saxutils import escape, quoteattr, unescape
 
 from harness.core.checks import not_negative, positive
 from harness.engines.mujoco.presets import presets
-from harness.robot.bare import Source, with_included
+from harness.robot.bare import with_included
 
 _TOKEN = re.compile(
     r"<!--.*?-->|<!\[CDATA\[.*?\]\]>|<\?.*?\?>|<(?P<close>/)?(?P<name>[^\s/>!?]+)(?P<rest>(?:[^>\"']|\"[^\"]*\"|'[^']*')*)>",
@@ -64,16 +64,6 @@ def with_attributes(text: str, tag: Tag, values: Mapping[str, str]) -> str:
     at = re.search(r"\s*/?>$", own)
     assert at is not None
     return text[: tag.begin] + own[: at.start()] + more + own[at.start() :] + text[tag.end :]
-
-
-def with_child(text: str, tag: Tag, child: str) -> str:
-    """The text with an element put first into a tag's content, on a line of its own."""
-    line = text[text.rfind("\n", 0, tag.begin) + 1 : tag.begin]
-    indent = line if line.isspace() else ""
-    if not tag.empty:
-        return f"{text[: tag.end]}\n{indent}  {child}{text[tag.end :]}"
-    own = re.sub(r"\s*/>$", ">", text[tag.begin : tag.end])
-    return f"{text[: tag.begin]}{own}\n{indent}  {child}\n{indent}</{tag.way[-1]}>{text[tag.end :]}"
 
 
 def _quoted(value: str) -> str:
@@ -163,11 +153,21 @@ def written(path: Path, paste: JointPaste) -> tuple[Path, str] | None:
     None where no element has the joint's name (a replicate makes it). Raises InputError as ``load_arm`` does.
     """
     sources = with_included(path)
-    form: Format = "urdf" if sources[0].root.tag == "robot" else "mjcf"
+    urdf = sources[0].root.tag == "robot"
     for source in sources:
-        text = _edited(source, paste, form)
-        if text is not None:
-            return source.path, text
+        text, every = source.text, list(tags(source.text))
+        for i, tag in enumerate(every):
+            if tag.way[-1] != "joint" or tag.attributes.get("name") != paste.joint:
+                continue
+            if not urdf and "body" in tag.way and "default" not in tag.way:
+                return source.path, with_attributes(text, tag, paste.mjcf_words)
+            if urdf and tag.way == ("robot", "joint"):
+                for one in every[i + 1 :]:
+                    if len(one.way) <= len(tag.way):
+                        break
+                    if one.way[2:] == ("dynamics",):
+                        return source.path, with_attributes(text, one, paste.urdf_words)
+                return source.path, _with_child(text, tag, f"<dynamics {_written(paste.urdf_words)}/>")
     return None
 
 
@@ -177,27 +177,14 @@ def copies(path: Path, paste: JointPaste) -> dict[str, str]:
     return {} if found is None else {found[0].name: found[1]}
 
 
-def _edited(source: Source, paste: JointPaste, form: Format) -> str | None:
-    every = list(tags(source.text))
-    own = next((i for i, tag in enumerate(every) if _is_joint(tag, paste.joint, form)), None)
-    if own is None:
-        return None
-    joint = every[own]
-    if form == "mjcf":
-        return with_attributes(source.text, joint, paste.mjcf_words)
-    inside = (*joint.way, "dynamics")
-    for tag in every[own + 1 :]:
-        if len(tag.way) <= len(joint.way):
-            break
-        if tag.way == inside:
-            return with_attributes(source.text, tag, paste.urdf_words)
-    return with_child(source.text, joint, f"<dynamics {_written(paste.urdf_words)}/>")
-
-
-def _is_joint(tag: Tag, name: str, form: Format) -> bool:
-    if tag.way[-1] != "joint" or tag.attributes.get("name") != name:
-        return False
-    return tag.way == ("robot", "joint") if form == "urdf" else "body" in tag.way and "default" not in tag.way
+def _with_child(text: str, tag: Tag, child: str) -> str:
+    """The text with an element put first into a tag's content, on a line of its own."""
+    line = text[text.rfind("\n", 0, tag.begin) + 1 : tag.begin]
+    indent = line if line.isspace() else ""
+    if not tag.empty:
+        return f"{text[: tag.end]}\n{indent}  {child}{text[tag.end :]}"
+    own = re.sub(r"\s*/>$", ">", text[tag.begin : tag.end])
+    return f"{text[: tag.begin]}{own}\n{indent}  {child}\n{indent}</{tag.way[-1]}>{text[tag.end :]}"
 
 
 def _written(words: dict[str, str]) -> str:
