@@ -23,7 +23,7 @@ from harness.results.robot import MatchResult, PasteResult, RobotResult, Simulat
 from harness.robot.arm import Arm
 from harness.robot.coupling import Coupling
 from harness.robot.match.compared import Compared
-from harness.robot.match.rules import RULES
+from harness.robot.match.sampled import RULES
 from harness.robot.paste import JointPaste, copies
 from harness.robot.pictured import pictured
 from harness.robot.replay.replay import MUJOCO, PYBULLET, replayed

@@ -10,8 +10,20 @@ import numpy as np
 from harness.core.robot.joint_log import JointLog
 from harness.robot.arm import Arm
 from harness.robot.match.change import Change, mended, with_load_of, worth_trying
-from harness.robot.match.rules import BY_FRICTION, CORRELATED, LARGEST_SCALE, UNIT_NEAR
-from harness.robot.match.sampled import FEWEST, SURE, Sampled, Slope, fitted, loss, slope, unexplained
+from harness.robot.match.sampled import (
+    BY_FRICTION,
+    CORRELATED,
+    FEWEST,
+    LARGEST_SCALE,
+    SURE,
+    UNIT_NEAR,
+    Sampled,
+    Slope,
+    fitted,
+    loss,
+    slope,
+    unexplained,
+)
 
 UNITS: Mapping[str, float] = {
     "mN m": 1e3,

@@ -31,7 +31,6 @@ from harness.robot.whole_arm.columns import (
 )
 from harness.robot.whole_arm.design import Design, Named, Whitened
 from harness.robot.whole_arm.perturb import with_load, without_armature
-from harness.robot.whole_arm.prepare import Known, Problem
 from harness.robot.whole_arm.result import Entry, Grade, JointFriction, Left, WholeArm
 from harness.robot.whole_arm.rules import (
     EXPLAINED,
@@ -44,7 +43,7 @@ from harness.robot.whole_arm.rules import (
     UNSMOOTHED,
     WITHIN,
 )
-from harness.robot.whole_arm.search import Solved, rms, solve
+from harness.robot.whole_arm.search import Known, Problem, Solved, rms, solve
 from harness.robot.whole_arm.turning import BACKLASH, PRESLIDING, STATIC, at_reversals
 
 LINK, MOTOR_SIDE = "link", "motor"
