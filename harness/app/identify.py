@@ -11,7 +11,7 @@ from harness.app.diagnose.files import motion_of
 from harness.app.diagnose.options import DiagnoseOptions
 from harness.app.diagnose.problem import errors_of, prepared
 from harness.app.shared.estimates import NOTE, WHOLE, estimate, estimates_of
-from harness.app.shared.leaving import FILES, leave, leaving, notes
+from harness.app.shared.leaving import FILES, leave, leaving
 from harness.app.shared.machine import this_machine
 from harness.app.shared.progress import SILENT, Progress
 from harness.app.shared.reading import read, recording_info, thinned
@@ -28,7 +28,7 @@ from harness.io.options import ReadOptions
 from harness.results.common import P
 from harness.results.diagnosis import FitResult
 from harness.results.identify import IdentifyResult, Swing
-from harness.show.report.identify import identify_headline, identify_page, recording_scene
+from harness.show.report.identify import identify_page, recording_scene
 
 _CLEARLY = 5.0
 """Standard errors by which two methods differ, or a number has a sign that it cannot have."""
@@ -158,20 +158,8 @@ def deliver(
         files = {name: output.at(file) for name, file in FILES.items()}
         result, motion = result_of(recording, command, files, restoring)
         progress("writing trace and report", 2, 3)
-        said = notes("What was read", [identify_headline(result), *result.warnings, *result.recording.notes])
-        scene = recording_scene(recording, result, said, _reversals(result))
-        leave(output, result, identify_page(result, recording, motion), scene)
+        leave(output, result, identify_page(result, recording, motion), recording_scene(recording, result))
     return result
-
-
-def _reversals(result: IdentifyResult) -> list[tuple[float, str]]:
-    """Time of every reversal, and what was read from it, by the first method that reads each by itself."""
-    for method, found in result.estimates.items():
-        rows = [row for row in found.per_reversal if row.get("x_k") is not None]
-        if rows:
-            unit = found.x_k.unit
-            return [(row["t"], f"{method}: x_k = {row['x_k']:.6g} {unit}") for row in rows]
-    return []
 
 
 def result_of(

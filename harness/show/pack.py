@@ -119,7 +119,7 @@ def pack_trajectory(trajectory: Trajectory) -> bytes:
     return pack(columns, about)
 
 
-def packed(**parts: Sequence[Trajectory | Recording]) -> dict[str, bytes]:
+def packed(parts: Mapping[str, Sequence[Trajectory | Recording]]) -> dict[str, bytes]:
     """Each under its kind and number; the packing leaves the interpreter, so that two cores share it."""
     named = {f"{kind}-{i:03d}": one for kind, ones in parts.items() for i, one in enumerate(ones)}
 

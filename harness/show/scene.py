@@ -8,9 +8,12 @@ from typing import Any, TypeAlias
 import numpy as np
 
 from harness.core.arrays import FloatArray
+from harness.core.recording import Recording
 from harness.core.robot.bodies import Bodies
+from harness.core.trajectory import Trajectory
 from harness.results.common import Result
 from harness.show.blocks import Figure
+from harness.show.pack import packed
 
 FRAMES = 600
 """Places of what moves: a body, a point on a curve in a plane."""
@@ -135,9 +138,22 @@ def _views(layout: Layout) -> Iterator[View]:
         yield layout
 
 
-def kept(result: Result) -> dict[str, Any]:
-    """A result as a trace has it among its properties."""
-    return result.model_dump(mode="json", by_alias=True)
+def of_result(
+    name: str,
+    layout: Layout,
+    result: Result | Mapping[str, Any],
+    notes: str,
+    parts: Mapping[str, Sequence[Trajectory | Recording]],
+    properties: Mapping[str, Any] | None = None,
+) -> Scene:
+    """The scene of a result, which is kept in it whole; so are trajectories and recordings, the parts by their kind."""
+    data = result.model_dump(mode="json", by_alias=True) if isinstance(result, Result) else dict(result)
+    return Scene(name, layout, packed(parts), {"result": data, "notes": {"text": notes}} | dict(properties or {}))
+
+
+def notes_of(heading: str, sentences: Sequence[str], before: str = "") -> str:
+    """A page of Markdown: a heading, a paragraph ``before`` them where there is one, and sentences."""
+    return "\n".join([f"# {heading}", "", *([before, ""] if before else []), *(f"- {one}" for one in sentences)])
 
 
 def slug(name: str) -> str:

@@ -9,7 +9,6 @@ from numpy.typing import NDArray
 from harness.core.arrays import FloatArray
 from harness.core.robot.bodies import Bodies
 from harness.core.trajectory import Source, Trajectory
-from harness.show import pack
 
 Left = Mapping[str, NDArray[np.float64]]
 """By joint: t, q, v, torque left by the base and by the model, (m, 5)."""
@@ -57,7 +56,7 @@ def moved_in(unit: str) -> str:
     return "rad" if "m" in unit else "m"
 
 
-def packed(shown: Shown) -> dict[str, bytes]:
+def parts_of(shown: Shown) -> dict[str, list[Trajectory]]:
     """As a trace keeps it: one motion a joint or an engine, named after it."""
     left = []
     for joint, rows in shown.left.items():
@@ -70,11 +69,11 @@ def packed(shown: Shown) -> dict[str, bytes]:
         extra[_INSIDE] = inside.astype(np.float64)
         still = np.zeros_like(motion.t)
         motions.append(Trajectory(motion.t, motion.logged, still, still, Source(motion.engine), extra=extra))
-    return pack.packed(**{LEFT: left, MOTION: motions})
+    return {LEFT: left, MOTION: motions}
 
 
 def unpacked(left: Iterable[Trajectory], motions: Iterable[Trajectory]) -> Shown:
-    """What ``packed`` was given. Raises LookupError for what is something else."""
+    """What ``parts_of`` was given. Raises LookupError for what is something else."""
     rows = {
         one.source.name: np.column_stack((one.t, one.x, one.v, one.extra[_BEFORE], one.extra[_AFTER])) for one in left
     }

@@ -71,9 +71,8 @@ def trace_file(
     tmp_path_factory: pytest.TempPathFactory, sources: list[Trajectory], run_result: RunResult, urdf: Path
 ) -> Path:
     from harness.show.report.run_scene import run_scene
-    from harness.show.scene import kept
     from harness.show.trace import write_trace
 
     path = tmp_path_factory.mktemp("trace") / "trace.rrd"
-    write_trace(path, run_scene(sources, SCENARIO, kept(run_result), "# Notes\n\nThe grey curve is exact.", urdf))
+    write_trace(path, run_scene(sources, SCENARIO, run_result, "# Notes\n\nThe grey curve is exact.", urdf))
     return path

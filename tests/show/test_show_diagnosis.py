@@ -28,9 +28,8 @@ from harness.results.diagnosis import (
 )
 from harness.show.blocks import Figure, Page
 from harness.show.report.diagnosis import diagnosis_page, gained, index_page
-from harness.show.report.diagnosis_figures import diagnosis_scene
+from harness.show.report.diagnosis_scene import diagnosis_scene
 from harness.show.report.page import render, write_report
-from harness.show.scene import kept
 from harness.show.stored import read_trace
 from harness.show.trace import write_trace
 
@@ -85,7 +84,7 @@ def test_the_verdict_comes_first_and_nothing_of_a_file_becomes_markup(case: Case
 
 def test_the_trace_holds_recording_and_simulations_bit_for_bit(case: Case, tmp_path: Path) -> None:
     result, recording, simulated = case
-    write_trace(tmp_path / "trace.rrd", diagnosis_scene(recording, simulated, result, "# Verdict"))
+    write_trace(tmp_path / "trace.rrd", diagnosis_scene(result, recording, simulated))
     stored = read_trace(tmp_path / "trace.rrd")
     assert stored.properties["result"] == result.model_dump(mode="json", by_alias=True)
     np.testing.assert_array_equal(stored.recordings[0]["x"], recording["x"])
@@ -105,7 +104,7 @@ def test_a_users_own_simulation_is_a_third_curve_as_far_as_it_reaches(case: Case
         changes=[changed], sentences=["The parameters hide the missing term: c 0.8 stands for 0.4 and end-stop."],
     )  # fmt: skip
     result = result.model_copy(update={"attribution": told})
-    scene = diagnosis_scene(recording, [*simulated, own], result, "# Verdict")
+    scene = diagnosis_scene(result, recording, [*simulated, own])
     drawn = {view.name: [trace["name"] for trace in view.traces] for view in scene.views if isinstance(view, Figure)}
     assert drawn["channel-x"][-1] == "your simulation"
     write_trace(tmp_path / "trace.rrd", scene)
@@ -118,8 +117,9 @@ def test_a_users_own_simulation_is_a_third_curve_as_far_as_it_reaches(case: Case
 
 
 def index() -> Page:
+    good = example("a.csv").model_copy(update={"files": {"report": "/d/a/r.html"}})
     failed = FailedDiagnosis(recording=UnreadRecording(file="bad.csv"), error="bad.csv: 2 samples; at least 50 are")
-    return index_page([example("a.csv"), failed], ["a/r.html", ""], "harness diagnose")
+    return index_page([good, failed], Path("/d"), "harness diagnose")
 
 
 def test_the_page_of_many_has_a_row_and_a_link_each() -> None:
@@ -194,7 +194,7 @@ def test_a_graded_verdict_says_how_much_it_takes_and_what_it_leaves(
     ):
         assert text in page
     assert 'in BIC"' not in page
-    scene = diagnosis_scene(recording, simulated, result, "")
+    scene = diagnosis_scene(result, recording, simulated)
     drawn = {view.name: [trace["name"] for trace in view.traces] for view in scene.views if isinstance(view, Figure)}
     assert drawn["channel-x"][-1] == "with end-stop"
     assert drawn["residual-x"][-1] == "remainder, with end-stop"
@@ -203,7 +203,9 @@ def test_a_graded_verdict_says_how_much_it_takes_and_what_it_leaves(
 def test_a_page_of_an_older_result_lacks_what_that_did_not_say(case: Case) -> None:
     result, recording, simulated = case
     new = ("remainder", "fit_percent", "rules")
-    older = {key: value for key, value in kept(result).items() if key not in new} | {"schema": "harness.diagnosis/1"}
+    older = {key: value for key, value in result.model_dump(mode="json", by_alias=True).items() if key not in new} | {
+        "schema": "harness.diagnosis/1"
+    }
     older["mechanisms"] = [
         {key: value for key, value in one.items() if key not in ("grade", "share", "holdout", "forward")}
         for one in older["mechanisms"]

@@ -42,7 +42,7 @@ def test_trajectories_and_properties_come_back(
     stored = read_trace(trace_file)
     assert [bits(one) for one in stored.trajectories] == [bits(one) for one in sources]
     assert [one.source for one in stored.trajectories] == [one.source for one in sources]
-    assert stored.properties["result"] == scene.kept(run_result)
+    assert stored.properties["result"] == run_result.model_dump(mode="json", by_alias=True)
     assert stored.properties["scenario"] == SCENARIO
     assert stored.recordings == []
 
@@ -128,11 +128,11 @@ def test_a_slider_that_rests_can_be_shown_and_one_that_creeps_is_told(
 
 def test_a_recording_comes_back(tmp_path: Path, recording: Recording, identify_result: IdentifyResult) -> None:
     path = tmp_path / "recording.rrd"
-    write_trace(path, recording_scene(recording, identify_result, "notes", [(0.3, "reversal 1")]))
+    write_trace(path, recording_scene(recording, identify_result))
     stored = read_trace(path)
     assert stored.trajectories == []
     assert stored.recordings[0]["a"].tobytes() == recording["a"].tobytes()
-    assert stored.properties["result"] == scene.kept(identify_result)
+    assert stored.properties["result"] == identify_result.model_dump(mode="json", by_alias=True)
 
 
 def test_two_writings_hold_the_same_data(tmp_path: Path, sources: list[Trajectory]) -> None:

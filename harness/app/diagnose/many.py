@@ -13,7 +13,6 @@ from harness.app.diagnose.fleet import fleet_of, read_conditions
 from harness.app.diagnose.one import FILES, deliver
 from harness.app.diagnose.options import DiagnoseOptions
 from harness.app.diagnose.result import STEPS
-from harness.app.diagnose.show import index_of
 from harness.app.shared.deliver import to_json
 from harness.app.shared.machine import cores, package_version
 from harness.app.shared.progress import SILENT, Progress
@@ -26,6 +25,7 @@ from harness.io.recording import sha256
 from harness.io.store import held, write_text
 from harness.results.diagnosis import DiagnosisResult, FailedDiagnosis, UnreadRecording
 from harness.results.fleet import FleetResult
+from harness.show.report.diagnosis import index_page
 from harness.show.report.page import write_report
 
 LOGGER = logging.getLogger(__name__)
@@ -170,7 +170,7 @@ def diagnose_all(
             fleet = fleet_of(good, options.robot.file, known, command)
             many = replace(many, fleet=fleet)
             write_text(folder / FLEET, to_json(fleet))
-        write_report(folder / PAGE, index_of(folder / PAGE, many.answers, command, many.fleet))
+        write_report(folder / PAGE, index_page(many.answers, folder, command, many.fleet))
         return many
 
 

@@ -11,7 +11,6 @@ from harness.app.diagnose.files import of_first_alone, simulated, write_model, w
 from harness.app.diagnose.options import DiagnoseOptions
 from harness.app.diagnose.problem import errors_of, prepared
 from harness.app.diagnose.result import STEPS, Diagnosed, result_of
-from harness.app.diagnose.show import scene_of
 from harness.app.diagnose.together import investigate_together
 from harness.app.diagnose.validation import validation
 from harness.app.shared.leaving import FILES as ALWAYS
@@ -28,7 +27,7 @@ from harness.engines import model_files
 from harness.io.store import OutputFolder
 from harness.results.diagnosis import DiagnosisResult
 from harness.show.report.diagnosis import diagnosis_page
-from harness.show.report.robot import joint_beside
+from harness.show.report.diagnosis_scene import diagnosis_scene
 
 FILES = {
     "result": ALWAYS["result"],
@@ -120,7 +119,6 @@ def _write(output: OutputFolder, found: Diagnosed, progress: Progress, finish: F
         "residual_map": files["residual_map"],
     }
     result = found.result.model_copy(update=more)
-    beside = () if found.shown is None else joint_beside(result, found.shown)
-    page = diagnosis_page(result, found.recording, found.simulated, beside)
-    leave(output, result, page, scene_of(result, found.recording, found.simulated, found.shown))
+    seen = (result, found.recording, found.simulated, found.shown)
+    leave(output, result, diagnosis_page(*seen), diagnosis_scene(*seen))
     return result

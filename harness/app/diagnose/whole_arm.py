@@ -7,7 +7,6 @@ import numpy as np
 
 from harness.app.diagnose.joint_case import JointCase
 from harness.app.diagnose.joint_doubts import stands_for, surely, with_forward_run
-from harness.app.diagnose.show import arm_scene_of
 from harness.app.shared.leaving import FILES as ALWAYS
 from harness.app.shared.leaving import leave, leaving
 from harness.core.errors import InputError
@@ -22,6 +21,7 @@ from harness.robot.whole_arm.result import Entry, JointFriction, WholeArm
 from harness.robot.whole_arm.rules import EXPLAINED
 from harness.robot.whole_arm.whole import whole_arm
 from harness.show.report.robot import arm_page
+from harness.show.report.robot_scene import arm_scene
 
 FILES = {
     "result": ALWAYS["result"],
@@ -70,7 +70,7 @@ def diagnose_arm(case: JointCase) -> DiagnosisResult:
         result = with_forward_run(result, simulated)
         header = "t,q,v,before,after"
         np.savetxt(output / FILES["residual_torque"], left[name], "%.9g", ",", header=header, comments="")
-        leave(output, result, arm_page(result, shown), arm_scene_of(result, shown))
+        leave(output, result, arm_page(result, shown), arm_scene(result, shown))
     return result
 
 

@@ -20,7 +20,7 @@ from harness.show.blocks import Page
 from harness.show.report.diagnosis import diagnosis_page
 from harness.show.report.identify import identify_page
 from harness.show.report.page import write_report
-from harness.show.report.robot import arm_page, joint_beside, joint_page
+from harness.show.report.robot import arm_page, joint_page
 from harness.show.report.run import run_page
 from harness.show.shown import HELD, LEFT, MOTION, SWING, unpacked
 from harness.show.stored import StoredTrace, read_trace
@@ -75,12 +75,10 @@ def _identify(stored: StoredTrace, data: Any) -> tuple[IdentifyResult, Page]:
 def _diagnosis(stored: StoredTrace, data: Any) -> tuple[DiagnosisResult, Page]:
     """A diagnosis is kept as it was found: fits are not made again."""
     result = read_diagnosis(data)
-    if result.robot is None:
-        return result, diagnosis_page(result, stored.recordings[0], stored.trajectories, ())
-    shown = unpacked(stored.robot[LEFT], stored.robot[MOTION])
-    if result.robot.mode == "whole-arm":
+    shown = None if result.robot is None else unpacked(stored.robot[LEFT], stored.robot[MOTION])
+    if result.robot is not None and shown is not None and result.robot.mode == "whole-arm":
         return result, arm_page(result, shown)
-    return result, diagnosis_page(result, stored.recordings[0], stored.trajectories, joint_beside(result, shown))
+    return result, diagnosis_page(result, stored.recordings[0], stored.trajectories, shown)
 
 
 def _joint(stored: StoredTrace, data: Any) -> tuple[JointRunResult, Page]:

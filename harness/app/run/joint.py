@@ -8,7 +8,7 @@ from pathlib import Path
 
 from harness.app.run.joint_servo import itself_in, servo_scores
 from harness.app.run.joint_words import conclusions
-from harness.app.shared.leaving import FILES, leave, leaving, notes
+from harness.app.shared.leaving import FILES, leave, leaving
 from harness.app.shared.machine import this_machine
 from harness.app.shared.parts import reduction_of
 from harness.app.shared.progress import SILENT, Progress
@@ -149,8 +149,7 @@ def run_joint(
         held = [one.held for one in motions if one.held is not None]
         swings = [one.swing for one in motions if one.swing is not None]
         robot = moved(asked.file, arm, joint, swings[0] if swings else None)
-        said = notes(f"What engines make of {joint}", result.conclusions)
-        leave(output, result, joint_page(result, held, swings), joint_scene(result, held, swings, robot, said))
+        leave(output, result, joint_page(result, held, swings), joint_scene(result, held, swings, robot))
     return result
 
 

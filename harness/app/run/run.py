@@ -13,7 +13,7 @@ import numpy as np
 from harness.app.run.case import Case, ModelScenario, case_of
 from harness.app.run.simulate import Given, model_of
 from harness.app.shared.estimates import estimates_of
-from harness.app.shared.leaving import FILES, leave, leaving, notes
+from harness.app.shared.leaving import FILES, leave, leaving
 from harness.app.shared.machine import this_machine
 from harness.app.shared.progress import SILENT, Progress
 from harness.core import __version__
@@ -29,6 +29,7 @@ from harness.results.run import Metrics, RunResult, TraceResult
 from harness.robot.own_model import is_own, own_model
 from harness.show.report.run import run_page
 from harness.show.report.run_scene import run_scene
+from harness.show.scene import notes_of
 
 LOGGER = logging.getLogger(__name__)
 MOST_SAMPLES, MOST_CYCLES = 20_000_000, 1_000_000
@@ -159,9 +160,8 @@ def run(options: RunOptions, out: Path | None = None, progress: Progress = SILEN
         result, trajectories = computed(options, progress, command, files)
         progress("writing model, trace and report", len(options.plan) + 1, len(options.plan) + 2)
         case.export(output.work / "model")
-        data = result.model_dump(mode="json", by_alias=True)
-        said = notes("What differs, and why", result.conclusions)
-        scene = run_scene(trajectories, result.scenario, data, said, output / named["urdf"])
+        said = notes_of("What differs, and why", result.conclusions)
+        scene = run_scene(trajectories, result.scenario, result, said, output / named["urdf"])
         leave(output, result, run_page(result, trajectories), scene)
     return result
 

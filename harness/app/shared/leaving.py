@@ -1,6 +1,6 @@
 """What every use case leaves in a folder: its result, page, trace and log."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
@@ -30,8 +30,3 @@ def leave(output: OutputFolder, result: Result, page: Page, scene: Scene | None 
     if scene is not None:
         write_trace(output / FILES["rrd"], scene)
     write_report(output / FILES["report"], page)
-
-
-def notes(heading: str, sentences: Sequence[str]) -> str:
-    """Sentences under a heading, for a trace."""
-    return "\n".join([f"# {heading}", "", *(f"- {sentence}" for sentence in sentences)])

@@ -10,7 +10,6 @@ from harness.results.compare import CompareResult, Event, Reading
 from harness.show import scene as s
 from harness.show.blocks import Cell, Column, Figure, Page, Row, Section, Table, or_nothing, tabulated, verdict
 from harness.show.numbers import NONE, SHOWN, number, sentence_quantity, shown_value
-from harness.show.pack import packed
 from harness.show.plots import ANGLES, CHANNELS, GROUP, axes, curve, orbit, per, shades
 from harness.show.report.page import made_with
 from harness.show.sentences.compare import SHOWS, difference_words, faster_words, figure_words, shows, telling
@@ -142,15 +141,10 @@ def phase_figure(shown: Shown) -> Figure:
 
 def compare_scene(sim: Recording, real: Recording, shown: Shown, result: CompareResult) -> s.Scene:
     """Scene of a comparison; shown : both at shared times."""
-    said = [f"# {result.verdict}", "", compare_headline(result), "", *(f"- {line}" for line in result.sentences)]
-    notes = "\n".join(said)
+    notes = s.notes_of(result.verdict, result.sentences, compare_headline(result))
     side = s.Rows([phase_figure(shown), s.Words("notes", notes)])
-    return s.Scene(
-        "comparison",
-        s.Columns([s.Rows(channel_figures(shown, result)), side], [3.0, 2.0]),
-        packed(recording=[sim, real]),
-        {"result": s.kept(result), "notes": {"text": notes}},
-    )
+    layout = s.Columns([s.Rows(channel_figures(shown, result)), side], [3.0, 2.0])
+    return s.of_result("comparison", layout, result, notes, {"recording": [sim, real]})
 
 
 def _events(result: CompareResult) -> Section:

@@ -1,8 +1,9 @@
 """The page of a diagnosis: what was left out, where, how well the model that has it does, and in which engines."""
 
+import os
 from collections import Counter
 from collections.abc import Mapping, Sequence
-from pathlib import PurePath
+from pathlib import Path, PurePath
 from typing import TypeAlias
 
 from harness.core.recording import Recording
@@ -16,6 +17,7 @@ from harness.results.diagnosis import (
     OwnResult,
     PredictionResult,
 )
+from harness.results.fleet import FleetResult
 from harness.show.blocks import (
     Block,
     Card,
@@ -41,7 +43,9 @@ from harness.show.numbers import NONE, number, quantity
 from harness.show.report.diagnosis_figures import Curves, evidence, left, model_names, nameless, shares
 from harness.show.report.identify import samples_of
 from harness.show.report.page import made_with
+from harness.show.report.robot import fleet_sections, joint_beside
 from harness.show.report.run import settings_of
+from harness.show.shown import Shown
 
 Answer: TypeAlias = DiagnosisResult | FailedDiagnosis
 VERDICTS = {
@@ -71,15 +75,15 @@ def diagnosis_page(
     result: DiagnosisResult,
     recording: Recording,
     simulated: Sequence[Trajectory],
-    beside: Sequence[Section] = (),
+    robot: Shown | None = None,
 ) -> Page:
     """simulated : base model and refined model at the recording's times, extra "shown x" and the like what their
-    sensors show, and behind them the user's own simulation where there is one. beside : sections of a robot's joint.
+    sensors show, and behind them the user's own simulation where there is one. robot : where it is of a robot's joint.
     """
     seen, told = Curves(recording, simulated, result), result.attribution
     sections = [
         verdict(result.statement.replace("+-", "\u00b1"), gained(result), heading="Verdict"),
-        *beside,
+        *([] if robot is None else joint_beside(result, robot)),
         seen.before(),
         *([_own(result)] if result.own else []),
         *([_mechanisms(result)] if result.mechanisms else []),
@@ -158,28 +162,31 @@ def said(result: DiagnosisResult) -> list[str]:
     return [_capital(sentence) for sentence in sentences]
 
 
-def index_page(
-    answers: Sequence[Answer], links: Sequence[str], command: str, instead: Sequence[Section] | None = None
-) -> Page:
-    """The page of many. links : to the page of each, or "". instead : what begins it, else a verdict over all."""
+def index_page(answers: Sequence[Answer], folder: Path, command: str, fleet: FleetResult | None = None) -> Page:
+    """The page of many, which lies in ``folder``. fleet : what they say together, of one robot."""
     counts = Counter(m.name for answer in answers for m in answer.mechanisms)
     named = ", ".join(f"{name} ({count})" for name, count in counts.most_common())
     headline = f"Left out: {named}." if named else "No physics was found to be left out."
     failed = [f"{one.recording.file}: {one.error}" for one in answers if isinstance(one, FailedDiagnosis)]
     rows = [
-        Row(PurePath(answer.recording.file).name, [Cell(text) for text in _entry(answer)], link=link)
-        for answer, link in zip(answers, links, strict=True)
+        Row(PurePath(answer.recording.file).name, [Cell(text) for text in _entry(answer)], link=_link(answer, folder))
+        for answer in answers
     ]
     heads = ("verdict", "left out", "not ruled out", "chi-square per point before", "after")
     blocks: list[Block] = [Table("recording", [Column(head, str) for head in heads], rows)]
     if command:
         blocks.append(Code(command, intro="This command makes it again:"))
-    first = [verdict(headline, failed, heading="Over all recordings")] if instead is None else instead
+    first = fleet_sections(fleet) if fleet else [verdict(headline, failed, heading="Over all recordings")]
     verdicts = Counter(str(answer.verdict) for answer in answers)
     line = ", ".join(f"{verdicts[verdict]} {words}" for verdict, words in VERDICTS.items() if verdicts[verdict])
     return Page(
         f"What simulations leave out of {len(answers)} recordings", line, [*first, Section("Recordings", blocks)]
     )
+
+
+def _link(answer: Answer, folder: Path) -> str:
+    report = answer.files.get("report") if isinstance(answer, DiagnosisResult) else None
+    return os.path.relpath(report, folder) if report else ""
 
 
 def _entry(answer: Answer) -> list[str]:

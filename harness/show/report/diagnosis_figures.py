@@ -12,11 +12,9 @@ from harness.core.arrays import BoolArray, FloatArray
 from harness.core.recording import Recording
 from harness.core.trajectory import Trajectory
 from harness.results.diagnosis import AttributionResult, DiagnosisResult, SurfaceResult, TableResult
-from harness.show import scene as s
 from harness.show.blocks import Block, Column, Figure, Folded, Section, Text, tabulated
 from harness.show.decimate import reversal_times
 from harness.show.numbers import NONE, number
-from harness.show.pack import packed
 from harness.show.plots import (
     ANGLES,
     CHANNELS,
@@ -33,13 +31,9 @@ from harness.show.plots import (
     upright_lines,
     zoom,
 )
-from harness.show.report.robot_scene import robot_view, torque_tabs
-from harness.show.shown import Shown
-from harness.show.shown import packed as packed_robot
 
 BEFORE, AFTER, YOURS = "#e4632d", "#2b7fd6", "#1f9e77"
 YOUR_SIMULATION = "your simulation"
-_APART, _ELSEWHERE = "parts", "elsewhere"
 _MOST_OF_IT = 0.9
 """A place that covers more of the recording than this says nothing on where."""
 DOTS = 5_000
@@ -100,19 +94,6 @@ def shaded_spans(result: DiagnosisResult) -> list[list[float]]:
         if spans and covered < _MOST_OF_IT * result.recording.duration_s:
             return [list(span) for span in spans]
     return []
-
-
-def lane(spans: Sequence[Sequence[float]], start: float, stop: float) -> tuple[FloatArray, list[str]]:
-    """Times (s) and states of a lane that is on in these spans."""
-    times, states = [start], [_APART if spans and spans[0][0] <= start else _ELSEWHERE]
-    for low, high in spans:
-        if low > times[-1]:
-            times.append(low)
-            states.append(_APART)
-        if high < stop:
-            times.append(high)
-            states.append(_ELSEWHERE)
-    return np.array(times), states
 
 
 @dataclass(frozen=True)
@@ -244,37 +225,6 @@ class Curves:
             layout["annotations"].append({"text": said, "showarrow": False, **place})
         caption = f"Residual of {label} along the motion, in one scale of colours."
         return Section("Residual over the phase plane", [Figure("plane", traces, layout, caption, "", 430)])
-
-
-def diagnosis_scene(
-    recording: Recording,
-    simulated: Sequence[Trajectory],
-    result: DiagnosisResult,
-    notes: str,
-    robot: Shown | None = None,
-) -> s.Scene:
-    """Scene of a diagnosis; arguments as of diagnosis_page. notes : Markdown. robot : beside it, that of its joint."""
-    seen = Curves(recording, simulated, result)
-    curves, rests = seen.over_time(), seen.residuals()
-    lanes = list[s.Layout]()
-    if spans := shaded_spans(result):
-        looks = {_APART: ("they part", BEFORE), _ELSEWHERE: ("elsewhere", "#3a414b")}
-        states = lane(spans, float(recording.t[0]), float(recording.t[-1]))
-        lanes.append(s.Lanes("where they part", [s.Lane("where", *states, looks)]))
-    shares = [*[2.0] * len(curves), *[0.5] * len(lanes), *[1.4] * len(rests)]
-    verdict, plane = s.Words("verdict", notes), seen.orbit()
-    side: list[s.Layout] = [verdict, plane]
-    if robot is not None:
-        side = [
-            *([robot_view(robot.bodies)] if robot.bodies else []),
-            s.Tabs([verdict, *torque_tabs(result, robot), plane]),
-        ]
-    return s.Scene(
-        f"diagnosis of {recording.file.rpartition('/')[2]}",
-        s.Columns([s.Rows([*curves, *lanes, *rests], shares), s.Rows(side)], [3.0, 2.0]),
-        packed(trajectory=simulated, recording=[recording]) | ({} if robot is None else packed_robot(robot)),
-        {"result": s.kept(result), "notes": {"text": notes}},
-    )
 
 
 def nameless(result: DiagnosisResult) -> Section:

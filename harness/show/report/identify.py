@@ -15,7 +15,6 @@ from harness.results.run import Estimates
 from harness.show import scene as s
 from harness.show.blocks import Block, Column, Figure, Folded, Items, Page, Reasons, Section, by, tabulated, verdict
 from harness.show.numbers import quantity, sentence_quantity
-from harness.show.pack import packed
 from harness.show.plots import (
     ANGLES,
     CHANNELS,
@@ -150,22 +149,18 @@ def channel_figures(recording: Recording, result: IdentifyResult, fitted: Trajec
     return figures
 
 
-def recording_scene(
-    recording: Recording, result: IdentifyResult, notes: str, reversals: Sequence[tuple[float, str]] = ()
-) -> s.Scene:
-    """Scene of a recording.
-
-    notes : Markdown. reversals : time in s and a sentence, in order.
-    """
+def recording_scene(recording: Recording, result: IdentifyResult) -> s.Scene:
+    """Scene of a recording, with every reversal as the first method has it that reads each by itself."""
+    said = [identify_headline(result), *result.warnings, *result.recording.notes]
+    notes = s.notes_of("What was read", said)
     side: list[s.Layout] = [s.Words("notes", notes)]
-    if reversals:
-        side.append(s.Events("reversals", np.array([t for t, _ in reversals]), [said for _, said in reversals]))
-    return s.Scene(
-        recording.file.rpartition("/")[2],
-        s.Columns([s.Rows(channel_figures(recording, result)), s.Rows(side)], [3.0, 2.0]),
-        packed(recording=[recording]),
-        {"result": s.kept(result), "notes": {"text": notes}},
-    )
+    for method, estimate in result.estimates.items():
+        if rows := [row for row in estimate.per_reversal if row.get("x_k") is not None]:
+            texts = [f"{method}: x_k = {row['x_k']:.6g} {estimate.x_k.unit}" for row in rows]
+            side.append(s.Events("reversals", np.array([row["t"] for row in rows]), texts))
+            break
+    layout = s.Columns([s.Rows(channel_figures(recording, result)), s.Rows(side)], [3.0, 2.0])
+    return s.of_result(recording.file.rpartition("/")[2], layout, result, notes, {"recording": [recording]})
 
 
 def _by_reversal(estimates: All, name: str) -> Figure | None:

@@ -11,7 +11,6 @@ from harness.results.diagnosis import DiagnosisResult
 from harness.results.run import JointRunResult
 from harness.show import scene as s
 from harness.show.blocks import Figure
-from harness.show.pack import packed as packed_motions
 from harness.show.plots import axes, dots, per, plain
 from harness.show.report.robot import engine_figures, motion_figures
 from harness.show.shown import (
@@ -24,7 +23,7 @@ from harness.show.shown import (
     Shown,
     binned,
     moved_in,
-    packed,
+    parts_of,
 )
 
 _CORNER = np.array([0.62, -0.7, 0.36])
@@ -93,25 +92,27 @@ def _plane(name: str, rows: FloatArray, column: int, layout: dict[str, object]) 
     return Figure(name, traces, layout)
 
 
-def arm_scene(result: DiagnosisResult, shown: Shown, notes: str) -> s.Scene:
-    """The trace of an arm that moves as a whole. notes : Markdown."""
+def arm_scene(result: DiagnosisResult, shown: Shown) -> s.Scene:
+    """The trace of an arm that moves as a whole."""
     assert result.robot is not None
+    assert result.robot.arm is not None
+    notes = s.notes_of("Verdict", [joint.statement for joint in result.robot.arm.joints], result.statement)
     tabs = torque_tabs(result, shown)
     side = s.Rows([*([robot_view(shown.bodies)] if shown.bodies else []), s.Words("verdict", notes)])
     layout = s.Columns([side, *([s.Tabs(tabs)] if tabs else [])])
     title = f"joints of {result.robot.file.rpartition('/')[2]}"
-    return s.Scene(title, layout, packed(shown), {"result": s.kept(result), "notes": {"text": notes}})
+    return s.of_result(title, layout, result, notes, parts_of(shown))
 
 
 def joint_scene(
-    result: JointRunResult, held: Sequence[Trajectory], swings: Sequence[Trajectory], robot: Bodies, notes: str
+    result: JointRunResult, held: Sequence[Trajectory], swings: Sequence[Trajectory], robot: Bodies
 ) -> s.Scene:
-    """held, swings : one an engine and preset. robot : moves as the first swing. notes : Markdown."""
+    """held, swings : one an engine and preset. robot : moves as the first swing."""
+    title = f"What engines make of {result.joint}"
+    notes = s.notes_of(title, result.conclusions)
     space = robot_view(robot, "the robot, swinging" if swings else "the robot")
     plots = motion_figures(result, held, swings)
     layout = s.Columns(
         [s.Rows([space, s.Words("what engines make of it", notes)]), *([s.Rows(plots)] if plots else [])]
     )
-    blobs = packed_motions(**{HELD: held, SWING: swings})
-    properties = {"result": s.kept(result), "notes": {"text": notes}}
-    return s.Scene(f"{result.joint} in engines", layout, blobs, properties)
+    return s.of_result(f"{result.joint} in engines", layout, result, notes, {HELD: held, SWING: swings})

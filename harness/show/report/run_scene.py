@@ -8,9 +8,9 @@ import numpy as np
 
 from harness.core.events import EventKind, Mode
 from harness.core.trajectory import Trajectory
+from harness.results.common import Result
 from harness.show import scene as s
 from harness.show.numbers import AT_REST, SLIDES, TURNS, MotionUnits, colors, units_of
-from harness.show.pack import packed
 from harness.show.report.motion import motion_figures, phase_figure, turning
 
 RAIL = 1.15
@@ -29,14 +29,14 @@ _MODES = {int(Mode.SLIP_POSITIVE): "slip+", int(Mode.STICK): "stick", int(Mode.S
 def run_scene(
     trajectories: Sequence[Trajectory],
     scenario: Mapping[str, Any],
-    result: Mapping[str, Any],
+    result: Result | Mapping[str, Any],
     notes: str,
     urdf: Path | None = None,
 ) -> s.Scene:
     """Scene of a run.
 
-    trajectories : the first is the reference. scenario, result : JSON-able, stored as properties. notes : Markdown.
-    urdf : the slider's description; without one there is no view in space.
+    trajectories : the first is the reference. scenario : JSON-able, stored with the result. notes :
+    Markdown. urdf : the slider's description; without one there is no view in space.
     """
     units = units_of(scenario)
     left: list[s.Layout] = [*motion_figures(trajectories, units)]
@@ -52,12 +52,9 @@ def run_scene(
         pages.append(s.Events("reversals", turning(trajectories[0].events).t, reversals))
     space = [] if urdf is None else [_space(trajectories, urdf, units is TURNS)]
     right: list[s.Layout] = [*space, phase_figure(trajectories, u=units), s.Tabs(pages)]
-    return s.Scene(
-        f"{scenario.get('name', 'run')}: {', '.join(dict.fromkeys(tr.source.name for tr in trajectories))}",
-        s.Columns([s.Rows(left, shares), s.Rows(right)], [3.0, 2.0]),
-        packed(trajectory=trajectories),
-        {"scenario": dict(scenario), "result": dict(result), "notes": {"text": notes}},
-    )
+    name = f"{scenario.get('name', 'run')}: {', '.join(dict.fromkeys(tr.source.name for tr in trajectories))}"
+    layout = s.Columns([s.Rows(left, shares), s.Rows(right)], [3.0, 2.0])
+    return s.of_result(name, layout, result, notes, {"trajectory": trajectories}, {"scenario": dict(scenario)})
 
 
 def mode_lane(trajectory: Trajectory, floor: float = 0.0) -> s.Lane:

@@ -1,0 +1,73 @@
+"""The scene of a diagnosis: recording and both simulations, residuals, and where they part as a lane of states."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from harness.core.arrays import FloatArray
+from harness.core.recording import Recording
+from harness.core.trajectory import Trajectory
+from harness.results.diagnosis import DiagnosisResult
+from harness.show import scene as s
+from harness.show.report.diagnosis import gained, said, to_change
+from harness.show.report.diagnosis_figures import BEFORE, Curves, shaded_spans
+from harness.show.report.robot_scene import robot_view, torque_tabs
+from harness.show.shown import Shown, parts_of
+
+_APART, _ELSEWHERE = "parts", "elsewhere"
+
+
+def lane(spans: Sequence[Sequence[float]], start: float, stop: float) -> tuple[FloatArray, list[str]]:
+    """Times (s) and states of a lane that is on in these spans."""
+    times, states = [start], [_APART if spans and spans[0][0] <= start else _ELSEWHERE]
+    for low, high in spans:
+        if low > times[-1]:
+            times.append(low)
+            states.append(_APART)
+        if high < stop:
+            times.append(high)
+            states.append(_ELSEWHERE)
+    return np.array(times), states
+
+
+def diagnosis_scene(
+    result: DiagnosisResult,
+    recording: Recording,
+    simulated: Sequence[Trajectory],
+    robot: Shown | None = None,
+) -> s.Scene:
+    """Scene of a diagnosis; arguments as of diagnosis_page."""
+    notes = _notes(result)
+    seen = Curves(recording, simulated, result)
+    curves, rests = seen.over_time(), seen.residuals()
+    lanes = list[s.Layout]()
+    if spans := shaded_spans(result):
+        looks = {_APART: ("they part", BEFORE), _ELSEWHERE: ("elsewhere", "#3a414b")}
+        states = lane(spans, float(recording.t[0]), float(recording.t[-1]))
+        lanes.append(s.Lanes("where they part", [s.Lane("where", *states, looks)]))
+    shares = [*[2.0] * len(curves), *[0.5] * len(lanes), *[1.4] * len(rests)]
+    verdict, plane = s.Words("verdict", notes), seen.orbit()
+    side: list[s.Layout] = [verdict, plane]
+    if robot is not None:
+        side = [
+            *([robot_view(robot.bodies)] if robot.bodies else []),
+            s.Tabs([verdict, *torque_tabs(result, robot), plane]),
+        ]
+    name = f"diagnosis of {recording.file.rpartition('/')[2]}"
+    layout = s.Columns([s.Rows([*curves, *lanes, *rests], shares), s.Rows(side)], [3.0, 2.0])
+    parts: dict[str, Sequence[Trajectory | Recording]] = {"trajectory": simulated, "recording": [recording]}
+    return s.of_result(name, layout, result, notes, parts | ({} if robot is None else parts_of(robot)))
+
+
+def _notes(result: DiagnosisResult) -> str:
+    """The verdict in words, and the evidence as a table."""
+    lines = [s.notes_of("Verdict", gained(result) + said(result), result.statement)]
+    if result.attribution is not None and (change := to_change(result.attribution)):
+        lines += ["", "## What to change in your simulation", "", *(f"- {sentence}" for sentence in change)]
+    if result.evidence:
+        lines += ["", "## Evidence over the catalogue", ""]
+        lines += ["| name | better by, in BIC | share of the misfit |", "|---|---|---|"]
+        shares = ["-" if one.share is None else f"{100.0 * one.share:.0f} %" for one in result.evidence]
+        rows = zip(result.evidence, shares, strict=True)
+        lines += [f"| {one.name} | {one.delta_bic:.1f} | {share} |" for one, share in rows]
+    return "\n".join(lines)
