@@ -44,7 +44,7 @@ LONG = {
 }
 """And what is left out of every day's tests because it takes long."""
 OPTIONAL = {"drake.py": "pydrake", "newton.py": "newton", "physx.py": "physx", "physx_world.py": "physx"}
-UNSEEN = ("engines/mujoco/callback.py", "engines/mujoco/native.py", "engines/elsewhere/worker.py")
+UNSEEN = ("engines/mujoco/callback.py", "engines/elsewhere/worker.py")
 """What no tracer sees: machine code that MuJoCo calls, built of addresses; and what another interpreter runs."""
 
 

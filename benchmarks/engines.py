@@ -1,6 +1,7 @@
 """Engine adapters against the barest loop that steps the same model and keeps x, v, a."""
 
 from collections.abc import Callable
+from contextlib import closing
 from typing import Any
 
 import mujoco
@@ -12,9 +13,7 @@ from harness.core.scenario import FREE_DECAY
 from harness.engines.base import Engine, Preset, Task, resolve
 from harness.engines.mujoco import MujocoEngine
 from harness.engines.mujoco.build import compile_model
-from harness.engines.pybullet import PybulletEngine
-from harness.engines.pybullet import engine as stepping
-from harness.engines.pybullet.world import SLIDE, log, opened
+from harness.engines.pybullet import SLIDE, PybulletBody, PybulletEngine, log
 
 
 def _whole(engine: Engine, task: Task) -> Callable[[], object]:
@@ -67,16 +66,13 @@ def _bare_pybullet(task: Task) -> Callable[[], object]:
 
     engine = PybulletEngine()
     settings = resolve(engine, task)
-    plan = stepping.plan(task, settings)
+    plan, _ = engine.planned(task, settings)
     slider = task.scenario.slider
 
     def loop() -> object:
-        with (
-            quiet(log),
-            opened(stepping.model(plan), task.route, settings, task.scenario.x0, plan.first_speed) as world,
-        ):
-            world.limit("joint", slider.f_k, 0.0, slider, 1)
-            body, client = world.body, world.client
+        with quiet(log), closing(PybulletBody(plan, settings)) as opened:
+            opened.limit(slider.f_k)
+            body, client = opened.body, opened.client
             push, step, read = pybullet.setJointMotorControl2, pybullet.stepSimulation, pybullet.getJointState
             torque, stiffness, dt = pybullet.TORQUE_CONTROL, slider.k, settings["dt"]
             x, v, a = np.empty((3, plan.steps))

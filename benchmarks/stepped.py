@@ -13,7 +13,7 @@ from harness.core.quiet import quiet
 from harness.core.scenario import FREE_DECAY
 from harness.engines import registry
 from harness.engines.base import Engine, Task, resolve
-from harness.engines.pybullet.world import log
+from harness.engines.pybullet import log
 from harness.fidelity.kind import suite
 
 

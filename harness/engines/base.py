@@ -15,6 +15,7 @@ import numpy as np
 from harness.core.arrays import FloatArray
 from harness.core.checks import finite, increasing, positive, vector
 from harness.core.errors import InputError, SimulationError, did_you_mean
+from harness.core.registered import version
 from harness.core.scenario import Scenario
 from harness.core.trajectory import Trajectory
 from harness.engines.joint_words import JointWords, Kinds
@@ -154,19 +155,20 @@ class Task:
 class Engine(ABC):
     """A physics engine. Implementations are final, have no state of their own and are cheap to make.
 
-    name : as in the entry point. routes : those the engine has; the others are refused with a SimulationError.
-    native : kinds of elements that its joint has words for; a term made of those needs no law. place : name of the
-    environment it runs in, empty for that of this process.
+    name : as in the entry point. package : what is installed of it, whose version it has. routes : those the engine
+    has; the others are refused with a SimulationError. native : kinds of elements that its joint has words for; a term
+    made of those needs no law. place : name of the environment it runs in, empty for that of this process.
     """
 
     name: ClassVar[str]
+    package: ClassVar[str]
     routes: ClassVar[tuple[Route, ...]] = ROUTES
     native: ClassVar[Kinds] = frozenset()
     place: ClassVar[str] = ""
 
-    @abstractmethod
     def version(self) -> str:
         """Version of the engine's package."""
+        return version(self.package)
 
     @property
     def label(self) -> str:

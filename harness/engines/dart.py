@@ -1,22 +1,11 @@
 """DART (dartpy): one prismatic joint with its native Coulomb friction, and native or pushed spring and damper."""
 
-import logging
-import time
 from typing import Any, ClassVar, final
 
 import dartpy
 
-from harness.core.quiet import quiet
-from harness.core.registered import version
-from harness.core.trajectory import Trajectory
-from harness.engines.base import TUNED_DT, Engine, Preset, Route, Task, resolve
-from harness.engines.samples import trajectory
-from harness.engines.stepping import Native, Plan, Stepped, stepped_through
-
-SHIPPED_DT = 1e-3
-"""DART's own step, s."""
-
-_log = logging.getLogger("harness.engines.dart")
+from harness.engines.base import Route, Task
+from harness.engines.stepping import Native, Plan, Stepped, SteppedEngine
 
 
 @final
@@ -25,7 +14,6 @@ class DartBody(Stepped):
 
     def __init__(self, plan: Plan) -> None:
         slider, native = plan.task.scenario.slider, plan.native
-        self._dt = plan.dt
         self._world = dartpy.simulation.World()
         self._world.setTimeStep(plan.dt)
         self._world.setGravity([0.0, 0.0, 0.0])
@@ -51,39 +39,25 @@ class DartBody(Stepped):
         self._world.step()
         return self._joint.getPosition(0), self._joint.getVelocity(0), -float(self._skeleton.getConstraintForces()[0])
 
-    def floor(self) -> tuple[float, float]:
-        """See Stepped.floor."""
-        return 0.0, 0.0
-
 
 @final
-class DartEngine(Engine):
-    """DART on one prismatic joint (joint and law routes)."""
+class DartEngine(SteppedEngine):
+    """DART on one prismatic joint (joint and law routes).
+
+    leapfrog : spring and damper are pushed with from outside, which makes the step the leapfrog of Plan; without it
+    they are the joint's own, which DART takes at the end of the step.
+    """
 
     name: ClassVar[str] = "dart"
+    package: ClassVar[str] = "dartpy"
     routes: ClassVar[tuple[Route, ...]] = ("joint", "law")
+    shipped_dt: ClassVar[float] = 1e-3
 
-    def version(self) -> str:
-        """Version of the dartpy package."""
-        return version("dartpy")
-
-    def presets(self, route: Route, preset: Preset, dt: float | None = None) -> dict[str, Any]:
-        """Settings of a preset; see Engine.presets.
-
-        leapfrog : spring and damper are pushed with from outside, which makes the step the leapfrog of
-        harness.engines.stepping.Plan; without it they are the joint's own, which DART takes at the end of the step.
-        """
-        shipped = preset == "as-shipped"
-        return {"dt": dt or (SHIPPED_DT if shipped else TUNED_DT), "leapfrog": not shipped}
-
-    def simulate(self, task: Task) -> Trajectory:
-        """Run a task; see Engine.simulate."""
-        settings = resolve(self, task)
+    def planned(self, task: Task, settings: dict[str, Any]) -> tuple[Plan, tuple[str, ...]]:
+        """See SteppedEngine.planned."""
         own = not settings["leapfrog"]
-        plan = Plan(task, settings, Native(spring=own, damping=own, implicit=own))
-        with quiet(_log):
-            body = DartBody(plan)
-            started = time.perf_counter()
-            motion = stepped_through(plan, body)
-            wall = time.perf_counter() - started
-        return trajectory(self, task, settings, (), motion, wall)
+        return Plan(task, settings, Native(spring=own, damping=own, implicit=own)), ()
+
+    def body(self, plan: Plan, settings: dict[str, Any]) -> Stepped:
+        """See SteppedEngine.body."""
+        return DartBody(plan)

@@ -1,7 +1,6 @@
 """Drake (pydrake): a box that slides and lifts on a floor. Its joints have no dry friction as of 1.51."""
 
-import logging
-import time
+from collections.abc import Mapping
 from typing import Any, ClassVar, final
 
 from pydrake.geometry import Box, ProximityProperties, RoleAssign
@@ -12,26 +11,17 @@ from pydrake.systems.analysis import Simulator
 from pydrake.systems.framework import DiagramBuilder
 
 from harness.core.errors import SimulationError
-from harness.core.quiet import quiet
-from harness.core.registered import version
 from harness.core.trajectory import Trajectory
-from harness.engines.base import TUNED_DT, Engine, Preset, Route, Task, choice, resolve
+from harness.engines.base import Route, Task
 from harness.engines.joint_words import GRAVITY, coefficient
-from harness.engines.samples import trajectory
-from harness.engines.stepping import Native, Plan, Stepped, moved
+from harness.engines.stepping import Plan, Stepped, SteppedEngine
 
-SHIPPED_DT = 1e-3
-"""Step of Drake's MultibodyPlantConfig, s."""
-APPROXIMATIONS = ("kLagged", "kTamsi", "kSimilar", "kSap")
-"""Contact approximations; the first ships."""
 HALF = (0.1, 0.12, 0.06)
 """Half of the box's edges, as in models/, m."""
 FLOOR = 100.0
 """Edge of the floor, m."""
 SETTLED, MOST = 1e-13, 2000
 """m a step, steps: a box that sinks slower, or so long, has arrived at the depth at which it rests."""
-
-_log = logging.getLogger("harness.engines.drake")
 
 
 @final
@@ -132,38 +122,33 @@ class DrakeBody(Stepped):
 
 
 @final
-class DrakeEngine(Engine):
+class DrakeEngine(SteppedEngine):
     """Drake on a box and a floor (contact route), or on a joint that the clipped law rubs (law route)."""
 
     name: ClassVar[str] = "drake"
+    package: ClassVar[str] = "drake"
     routes: ClassVar[tuple[Route, ...]] = ("contact", "law")
+    shipped_dt: ClassVar[float] = 1e-3
+    choices: ClassVar[Mapping[str, tuple[str, ...]]] = {
+        "contact_approximation": ("kLagged", "kTamsi", "kSimilar", "kSap")
+    }
 
-    def version(self) -> str:
-        """Version of the drake package."""
-        return version("drake")
+    def words(self, route: Route, shipped: bool, dt: float) -> dict[str, Any]:
+        """See SteppedEngine.words."""
+        if route != "contact":
+            return {}
+        return {
+            "contact_approximation": "kLagged" if shipped else "kTamsi",
+            "stiction_tolerance": 1e-4 if shipped else 1e-8,
+        }
 
-    def presets(self, route: Route, preset: Preset, dt: float | None = None) -> dict[str, Any]:
-        """Settings of a preset; see Engine.presets. leapfrog : see harness.engines.stepping.Plan."""
-        shipped = preset == "as-shipped"
-        settings: dict[str, Any] = {"dt": dt or (SHIPPED_DT if shipped else TUNED_DT), "leapfrog": not shipped}
-        if route == "contact":
-            settings |= {
-                "contact_approximation": "kLagged" if shipped else "kTamsi",
-                "stiction_tolerance": 1e-4 if shipped else 1e-8,
-            }
-        return settings
+    def body(self, plan: Plan, settings: dict[str, Any]) -> Stepped:
+        """See SteppedEngine.body."""
+        return DrakeBody(plan, settings)
 
     def simulate(self, task: Task) -> Trajectory:
-        """Run a task; see Engine.simulate."""
-        settings = resolve(self, task)
-        if "contact_approximation" in settings:
-            choice("drake setting contact_approximation", settings["contact_approximation"], APPROXIMATIONS)
-        plan = Plan(task, settings, Native(spring=False, damping=False))
-        with quiet(_log):
-            try:
-                body = DrakeBody(plan, settings)
-                started = time.perf_counter()
-                motion = moved(plan, body)
-            except RuntimeError as error:
-                raise SimulationError(f"drake: {' '.join(str(error).split())[:300]}") from error
-        return trajectory(self, task, settings, (), motion, time.perf_counter() - started)
+        """See Engine.simulate."""
+        try:
+            return super().simulate(task)
+        except RuntimeError as error:
+            raise SimulationError(f"drake: {' '.join(str(error).split())[:300]}") from error

@@ -1,5 +1,6 @@
 """The models of models/: where they are, and how a Slider's numbers get into them."""
 
+from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -17,7 +18,7 @@ if TYPE_CHECKING:
 NAMES = ("slider", "slider_on_floor")
 """Joint friction, and a box on a floor with contact friction."""
 FILES = (*NAMES, "pendulum")
-"""And a hinge under gravity (harness.engines.hinge_files)."""
+"""And a hinge under gravity (harness.engines.model_files)."""
 
 
 def folder() -> Path:
@@ -84,16 +85,29 @@ def export(slider: Slider, into: Path, restoring: Restoring = "spring") -> dict[
 
     Returns the files by name ("slider.xml", ...). Raises StoreError when the folder cannot be written.
     """
-    written: dict[str, Path] = {}
+    texts = {}
+    for name in NAMES:
+        texts[f"{name}.xml"] = exact_mjcf(slider, name, restoring)
+        texts[f"{name}.urdf"] = text_of(urdf(slider, name))
+    return written(into, texts)
+
+
+def text_of(tree: Any) -> bytes:
+    """A tree as a file."""
+    text: bytes = etree.tostring(tree, xml_declaration=True, encoding="utf-8")
+    return text
+
+
+def written(into: Path, texts: Mapping[str, bytes]) -> dict[str, Path]:
+    """Write files by name to a folder, which is made, each whole or not at all; raises StoreError."""
     try:
         into.mkdir(parents=True, exist_ok=True)
-        for name in NAMES:
-            written[f"{name}.xml"] = write(into / f"{name}.xml", exact_mjcf(slider, name, restoring))
-            text = etree.tostring(urdf(slider, name), xml_declaration=True, encoding="utf-8")
-            written[f"{name}.urdf"] = write(into / f"{name}.urdf", text)
+        for name, text in texts.items():
+            with replacing(into / name) as part:
+                part.write_bytes(text)
     except OSError as error:
         raise StoreError(f"{into}: cannot write the models ({error.strerror})") from error
-    return written
+    return {name: into / name for name in texts}
 
 
 def exact_mjcf(slider: Slider, name: str, restoring: Restoring) -> bytes:
@@ -109,8 +123,7 @@ def exact_mjcf(slider: Slider, name: str, restoring: Restoring) -> bytes:
     else:
         for geom in (box, tree.find(".//geom[@name='floor']")):
             geom.set("friction", f"{coefficient(slider)!r} 0 0")
-    text: bytes = etree.tostring(tree, xml_declaration=True, encoding="utf-8")
-    return text
+    return text_of(tree)
 
 
 def cannot_say(slider: Slider, name: str, suffix: str, restoring: Restoring = "spring") -> tuple[str, ...]:
@@ -128,10 +141,3 @@ def cannot_say(slider: Slider, name: str, suffix: str, restoring: Restoring = "s
         if name == "slider_on_floor":
             missing.append(f"urdf: no coefficient of friction (mu = {coefficient(slider):g})")
     return tuple(missing)
-
-
-def write(file: Path, text: bytes) -> Path:
-    """Write a file whole or not at all."""
-    with replacing(file) as part:
-        part.write_bytes(text)
-    return file

@@ -3,27 +3,18 @@
 Its packages ask for another MuJoCo than this program's: it runs as newton@PYTHON, in an environment of its own.
 """
 
-import logging
-import time
+from collections.abc import Mapping
 from typing import Any, ClassVar, final
 
 import newton
 import numpy as np
 import warp
 
-from harness.core.quiet import quiet
-from harness.core.registered import version
-from harness.core.trajectory import Trajectory
-from harness.engines.base import TUNED_DT, Engine, Preset, Route, Task, choice, resolve
-from harness.engines.samples import trajectory
-from harness.engines.stepping import Momentum, Native, Plan, Stepped, moved
+from harness.engines.base import Route, Task
+from harness.engines.stepping import SINGLE_PRECISION, Momentum, Plan, Stepped, SteppedEngine
 
-SHIPPED_DT = 1.0 / 60.0
-"""Step of Newton's examples, s."""
 SOLVERS = ("SolverMuJoCo", "SolverFeatherstone", "SolverSemiImplicit", "SolverXPBD", "SolverVBD")
 """Solvers; the first is the one whose joints have dry friction."""
-
-_log = logging.getLogger("harness.engines.newton")
 
 
 @final
@@ -80,52 +71,37 @@ class NewtonBody(Stepped):
         self._q, self._speed = self._now.joint_q.numpy().item(), self._now.joint_qd.numpy().item()
         return self._q, self._speed, self._momentum.friction(q, speed, self._speed, push, self._limit)
 
-    def floor(self) -> tuple[float, float]:
-        """See Stepped.floor."""
-        return 0.0, 0.0
-
 
 @final
-class NewtonEngine(Engine):
+class NewtonEngine(SteppedEngine):
     """Newton on one prismatic joint (joint and law routes); spring and damper are pushed with."""
 
     name: ClassVar[str] = "newton"
+    package: ClassVar[str] = "newton"
     routes: ClassVar[tuple[Route, ...]] = ("joint", "law")
+    shipped_dt: ClassVar[float] = 1.0 / 60.0
+    choices: ClassVar[Mapping[str, tuple[str, ...]]] = {"solver": SOLVERS}
 
-    def version(self) -> str:
-        """Version of the newton package."""
-        return version("newton")
-
-    def presets(self, route: Route, preset: Preset, dt: float | None = None) -> dict[str, Any]:
-        """Settings of a preset; see Engine.presets. The words but for dt and leapfrog are Newton's and MuJoCo's own.
+    def words(self, route: Route, shipped: bool, dt: float) -> dict[str, Any]:
+        """See SteppedEngine.words; these are Newton's and MuJoCo's own.
 
         use_mujoco_cpu : Newton ships with MuJoCo-Warp instead, which gives the same motion to six digits and takes ten
         times as long without a GPU.
         """
-        shipped = preset == "as-shipped"
-        step = dt or (SHIPPED_DT if shipped else TUNED_DT)
         d = 0.9999
         return {
-            "dt": step,
-            "leapfrog": not shipped,
             "solver": SOLVERS[0],
             "use_mujoco_cpu": True,
             "integrator": "euler",
-            "solreffriction": (0.02, 1.0) if shipped else (-1.0, -1.9 * d / step),
+            "solreffriction": (0.02, 1.0) if shipped else (-1.0, -1.9 * d / dt),
             "solimpfriction": (0.9, 0.95, 0.001, 0.5, 2.0) if shipped else (d, d, 0.001, 0.5, 2.0),
         }
 
-    def simulate(self, task: Task) -> Trajectory:
-        """Run a task; see Engine.simulate."""
-        settings = resolve(self, task)
-        choice("newton setting solver", settings["solver"], SOLVERS)
-        plan = Plan(task, settings, Native(spring=False, damping=False))
-        ignored = ["precision: positions, speeds and forces are single, about seven digits"]
-        if settings["solver"] != SOLVERS[0]:
-            ignored.append(f"friction: {settings['solver']} has none in a joint and does not say so")
-        with quiet(_log):
-            body = NewtonBody(plan, settings)
-            started = time.perf_counter()
-            motion = moved(plan, body)
-            wall = time.perf_counter() - started
-        return trajectory(self, task, settings, tuple(ignored), motion, wall)
+    def body(self, plan: Plan, settings: dict[str, Any]) -> Stepped:
+        """See SteppedEngine.body."""
+        return NewtonBody(plan, settings)
+
+    def ignored(self, task: Task, settings: dict[str, Any]) -> tuple[str, ...]:
+        """See SteppedEngine.ignored."""
+        silent = f"friction: {settings['solver']} has none in a joint and does not say so"
+        return (SINGLE_PRECISION,) if settings["solver"] == SOLVERS[0] else (SINGLE_PRECISION, silent)

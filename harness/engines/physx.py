@@ -4,73 +4,61 @@ Its licence is NVIDIA's, nothing of it is in this package; its libraries set the
 and exit handlers along, and ask for a packaging that others here are too new for.
 """
 
+from collections.abc import Mapping
 from dataclasses import replace
 from importlib.util import find_spec
-from typing import Any, ClassVar, final
+from typing import Any, ClassVar
 
-from harness.core.registered import version
 from harness.core.trajectory import Trajectory
-from harness.engines.base import TUNED_DT, Engine, Preset, Route, Task, choice, resolve
+from harness.engines.base import Route, Task
 from harness.engines.elsewhere.remote import HERE, worker
-
-SHIPPED_DT = 1.0 / 60.0
-"""PhysX's own step, s."""
-SOLVERS = ("TGS", "PGS")
-"""Solver types; the first ships."""
+from harness.engines.stepping import SINGLE_PRECISION, Plan, Stepped, SteppedEngine
 
 for _needed in ("ovphysx", "physx_usd_schemas", "newton_usd_schemas"):
     if find_spec(_needed) is None:
         raise ModuleNotFoundError(f"No module named {_needed!r}")
 
 
-def presets(route: Route, preset: Preset, dt: float | None = None) -> dict[str, Any]:
-    """Settings of a preset; see Engine.presets. own_..., leapfrog : see own_or_pushed; the others are PhysX's.
-
-    own_viscous : damping is viscousFrictionCoefficient in place of the drive's. own_break_away : staticFrictionEffort
-    is f_s.
-    """
-    shipped = preset == "as-shipped"
-    return {
-        "dt": dt or (SHIPPED_DT if shipped else TUNED_DT),
-        "own_spring": shipped,
-        "own_viscous": False,
-        "own_break_away": True,
-        "leapfrog": not shipped,
-        "solverType": "TGS" if shipped else "PGS",
-        "solverPositionIterationCount": 4,
-        "solverVelocityIterationCount": 1,
-        "enableExternalForcesEveryIteration": True,
-    }
-
-
-def unused(settings: dict[str, Any]) -> tuple[str, ...]:
-    """What PhysX does not honour, one sentence each."""
-    lines = ["precision: positions, speeds and forces are single, about seven digits"]
-    if settings["solverType"] == "PGS" and not settings["enableExternalForcesEveryIteration"]:
-        lines.append("enableExternalForcesEveryIteration: PGS takes a force once a step anyway")
-    if settings["solverType"] == "TGS" and settings["own_viscous"]:
-        lines.append("friction_force: what is told holds a part of the viscous force, which TGS takes by itself")
-    return tuple(lines)
-
-
-@final
-class PhysxEngine(Engine):
+class PhysxEngine(SteppedEngine):
     """PhysX on one prismatic joint of an articulation (joint and law routes), in a process of its own."""
 
     name: ClassVar[str] = "physx"
+    package: ClassVar[str] = "ovphysx"
     routes: ClassVar[tuple[Route, ...]] = ("joint", "law")
+    shipped_dt: ClassVar[float] = 1.0 / 60.0
+    choices: ClassVar[Mapping[str, tuple[str, ...]]] = {"solverType": ("TGS", "PGS")}
 
-    def version(self) -> str:
-        """Version of the ovphysx package."""
-        return version("ovphysx")
+    def words(self, route: Route, shipped: bool, dt: float) -> dict[str, Any]:
+        """See SteppedEngine.words. own_... : see own_or_pushed; the others are PhysX's.
 
-    def presets(self, route: Route, preset: Preset, dt: float | None = None) -> dict[str, Any]:
-        """See ``presets`` of this file."""
-        return presets(route, preset, dt)
+        own_viscous : damping is viscousFrictionCoefficient in place of the drive's. own_break_away :
+        staticFrictionEffort is f_s.
+        """
+        return {
+            "own_spring": shipped,
+            "own_viscous": False,
+            "own_break_away": True,
+            "solverType": "TGS" if shipped else "PGS",
+            "solverPositionIterationCount": 4,
+            "solverVelocityIterationCount": 1,
+            "enableExternalForcesEveryIteration": True,
+        }
+
+    def body(self, plan: Plan, settings: dict[str, Any]) -> Stepped:
+        """In the process of harness.engines.physx_world alone."""
+        raise NotImplementedError
+
+    def ignored(self, task: Task, settings: dict[str, Any]) -> tuple[str, ...]:
+        """See SteppedEngine.ignored."""
+        lines = [SINGLE_PRECISION]
+        if settings["solverType"] == "PGS" and not settings["enableExternalForcesEveryIteration"]:
+            lines.append("enableExternalForcesEveryIteration: PGS takes a force once a step anyway")
+        if settings["solverType"] == "TGS" and settings["own_viscous"]:
+            lines.append("friction_force: what is told holds a part of the viscous force, which TGS takes by itself")
+        return tuple(lines)
 
     def simulate(self, task: Task) -> Trajectory:
-        """Run a task; see Engine.simulate. Raises SimulationError too when the process dies."""
-        settings = resolve(self, task)
-        choice("physx setting solverType", settings["solverType"], SOLVERS)
+        """See Engine.simulate. Raises SimulationError too when the process dies."""
+        self.settled(task)
         motion: Trajectory = worker(HERE, "harness.engines.physx_world:PhysxHere").ask("simulate", task)
         return replace(motion)  # read-only again

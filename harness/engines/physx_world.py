@@ -1,27 +1,20 @@
 """PhysX itself, for the process that harness.engines.physx starts."""
 
-import logging
 import tempfile
-import time
 import warnings
 from importlib.util import find_spec
 from pathlib import Path
-from typing import Any, ClassVar, final
+from typing import Any, final
 
 import numpy as np
 import ovphysx
 import ovstage
 from ovphysx.types import GlobalConfigKey, TensorType
 
-from harness.core.quiet import quiet
-from harness.core.registered import version
 from harness.core.trajectory import Trajectory
-from harness.engines import physx
-from harness.engines.base import Engine, Preset, Route, Task, resolve
-from harness.engines.samples import trajectory
-from harness.engines.stepping import Momentum, Plan, Stepped, moved, own_or_pushed
-
-_log = logging.getLogger("harness.engines.physx")
+from harness.engines.base import Task
+from harness.engines.physx import PhysxEngine
+from harness.engines.stepping import Momentum, Plan, Stepped, SteppedEngine
 
 # joint friction counts inside an articulation only; a block of this format on one line is read as something else
 _STAGE = """#usda 1.0
@@ -158,10 +151,6 @@ class PhysxBody(Stepped):
         after = self._v.item()
         return self._q.item(), after, self._momentum.friction(q, v, after, push, self._limit)
 
-    def floor(self) -> tuple[float, float]:
-        """See Stepped.floor."""
-        return 0.0, 0.0
-
     def close(self) -> None:
         """Let go of the stage."""
         for binding in (self._position, self._speed, self._force, self._friction):
@@ -172,35 +161,19 @@ class PhysxBody(Stepped):
 
 
 @final
-class PhysxHere(Engine):
+class PhysxHere(PhysxEngine):
     """PhysX in this process, which should have nothing else to do."""
-
-    name: ClassVar[str] = "physx"
-    routes: ClassVar[tuple[Route, ...]] = ("joint", "law")
 
     def __init__(self) -> None:
         _begin()
 
-    def version(self) -> str:
-        """Version of the ovphysx package."""
-        return version("ovphysx")
-
-    def presets(self, route: Route, preset: Preset, dt: float | None = None) -> dict[str, Any]:
-        """See harness.engines.physx.presets."""
-        return physx.presets(route, preset, dt)
+    def body(self, plan: Plan, settings: dict[str, Any]) -> Stepped:
+        """See SteppedEngine.body."""
+        return PhysxBody(plan, settings)
 
     def simulate(self, task: Task) -> Trajectory:
-        """Run a task; see Engine.simulate."""
-        settings = resolve(self, task)
-        plan, ignored = own_or_pushed(task, settings)
-        with quiet(_log), warnings.catch_warnings():
+        """See Engine.simulate."""
+        with warnings.catch_warnings():
             # 0.7 calls its tensor bindings deprecated; they are there, and one call each
             warnings.simplefilter("ignore", DeprecationWarning)
-            body = PhysxBody(plan, settings)
-            try:
-                started = time.perf_counter()
-                motion = moved(plan, body)
-                wall = time.perf_counter() - started
-            finally:
-                body.close()
-        return trajectory(self, task, settings, (*ignored, *physx.unused(settings)), motion, wall)
+            return SteppedEngine.simulate(self, task)

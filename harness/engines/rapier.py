@@ -1,29 +1,22 @@
 """Rapier (rapier3d): a multibody joint with MJCF's frictionloss, or a box that slides and lifts."""
 
-import time
+from collections.abc import Mapping
 from typing import Any, ClassVar, final
 
 import rapier3d
 from rapier3d.loaders import mjcf
 
-from harness.core.registered import version
 from harness.core.slider import Slider
-from harness.core.trajectory import Trajectory
-from harness.engines.base import TUNED_DT, Engine, Preset, Route, Task, choice, resolve
+from harness.engines.base import Route, Task
 from harness.engines.joint_words import GRAVITY, coefficient
-from harness.engines.samples import trajectory
-from harness.engines.stepping import Momentum, Plan, Stepped, moved, own_or_pushed
+from harness.engines.stepping import SINGLE_PRECISION, Momentum, Plan, Stepped, SteppedEngine
 
-SHIPPED_DT = 1.0 / 60.0
-"""Rapier's own step, s."""
 HALF = (0.1, 0.12, 0.06)
 """Half of the box's edges, as in models/, m."""
 FLOOR = 50.0
 """Half of the floor's edges, m."""
-MODELS = ("SIMPLIFIED", "COULOMB")
-"""Friction models of a contact; the first ships."""
 IGNORED = (
-    "precision: positions, speeds and forces are single, about seven digits",
+    SINGLE_PRECISION,
     "break-away: friction has one level; above sliding friction it is switched from outside when the force saturates",
 )
 
@@ -86,10 +79,6 @@ class RapierJoint(Stepped):
         self._speed = after = joint.generalized_velocity()[-1]
         return self._q, after, self._momentum.friction(q, speed, after, push, self._limit)
 
-    def floor(self) -> tuple[float, float]:
-        """See Stepped.floor."""
-        return 0.0, 0.0
-
 
 @final
 class RapierBox(Stepped):
@@ -137,33 +126,26 @@ class RapierBox(Stepped):
 
 
 @final
-class RapierEngine(Engine):
+class RapierEngine(SteppedEngine):
     """Rapier on one multibody joint (joint and law routes) or a box on a floor (contact route)."""
 
     name: ClassVar[str] = "rapier"
+    package: ClassVar[str] = "rapier3d"
+    shipped_dt: ClassVar[float] = 1.0 / 60.0
+    choices: ClassVar[Mapping[str, tuple[str, ...]]] = {"friction_model": ("SIMPLIFIED", "COULOMB")}
 
-    def version(self) -> str:
-        """Version of the rapier3d package."""
-        return version("rapier3d")
-
-    def presets(self, route: Route, preset: Preset, dt: float | None = None) -> dict[str, Any]:
-        """Settings of a preset; see Engine.presets. own_spring, leapfrog : see own_or_pushed."""
-        shipped = preset == "as-shipped"
-        settings: dict[str, Any] = {
-            "dt": dt or (SHIPPED_DT if shipped else TUNED_DT),
-            "leapfrog": not shipped,
+    def words(self, route: Route, shipped: bool, dt: float) -> dict[str, Any]:
+        """See SteppedEngine.words. own_spring : see own_or_pushed."""
+        return {
             "num_solver_iterations": 4 if shipped else 1,
             "num_internal_pgs_iterations": 1,
+            **({"friction_model": "SIMPLIFIED"} if route == "contact" else {"own_spring": shipped}),
         }
-        return settings | ({"friction_model": "SIMPLIFIED"} if route == "contact" else {"own_spring": shipped})
 
-    def simulate(self, task: Task) -> Trajectory:
-        """Run a task; see Engine.simulate."""
-        settings = resolve(self, task)
-        if settings.get("friction_model", MODELS[0]) not in MODELS:
-            choice("rapier setting friction_model", settings["friction_model"], MODELS)
-        plan, ignored = own_or_pushed(task, settings)
-        body = RapierBox(plan, settings) if task.route == "contact" else RapierJoint(plan, settings)
-        started = time.perf_counter()
-        motion = moved(plan, body)
-        return trajectory(self, task, settings, (*ignored, *IGNORED), motion, time.perf_counter() - started)
+    def body(self, plan: Plan, settings: dict[str, Any]) -> Stepped:
+        """See SteppedEngine.body."""
+        return RapierBox(plan, settings) if plan.task.route == "contact" else RapierJoint(plan, settings)
+
+    def ignored(self, task: Task, settings: dict[str, Any]) -> tuple[str, ...]:
+        """See SteppedEngine.ignored."""
+        return IGNORED

@@ -3,18 +3,23 @@
 Friction of engines that do not tell it: what is missing in the momentum of a step.
 """
 
+import logging
 import math
+import time
 from abc import ABC, abstractmethod
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 
 from harness.core.arrays import FloatArray
+from harness.core.quiet import quiet
+from harness.core.trajectory import Trajectory
 from harness.engines.actions import acceleration_at_start, belt_speed, driving_force, held_at_start, restoring_force
-from harness.engines.base import Task
+from harness.engines.base import TUNED_DT, Engine, Preset, Route, Task, choice, resolve
 from harness.engines.joint_words import GRAVITY
-from harness.engines.samples import UNSATURATED, Motion
+from harness.engines.samples import UNSATURATED, Motion, trajectory
 
 
 @dataclass(frozen=True, slots=True)
@@ -50,9 +55,12 @@ class Stepped(ABC):
     def step(self, push: float) -> tuple[float, float, float]:
         """Push with a force (N) for one step; position, speed and friction force on the left-hand side after it."""
 
-    @abstractmethod
     def floor(self) -> tuple[float, float]:
         """Height of the box (m) and normal force (N) after the last step; zeros where there is no floor."""
+        return 0.0, 0.0
+
+    def close(self) -> None:  # noqa: B027  (most hold nothing)
+        """Give back what the engine holds."""
 
 
 class Plan:
@@ -210,7 +218,7 @@ def stepped_through(plan: Plan, body: Stepped) -> Motion:
         friction[i] = held if route == "law" else rubbing / scale
         if route == "contact":
             height, normal[i] = body.floor()
-            lift[min(i + 1, plan.steps - 1)] = height
+            lift[i + 1 : i + 2] = height
             limit *= body.sticks_below / UNSATURATED * normal[i] / (slider.m * GRAVITY)
         if not switched:
             limit = float(plan.limits(friction[i], np.asarray(speed), level, level * ratio + excess))
@@ -222,6 +230,7 @@ def stepped_through(plan: Plan, body: Stepped) -> Motion:
     return replace(motion, lift=lift, normal=normal) if route == "contact" else motion
 
 
+SINGLE_PRECISION = "precision: positions, speeds and forces are single, about seven digits"
 SINGLE = float(np.finfo(np.float32).eps)
 """Rounding of a number in single precision, relative."""
 ROUNDINGS = 8.0
@@ -283,3 +292,60 @@ def own_or_pushed(task: Task, settings: dict[str, Any]) -> tuple[Plan, tuple[str
     away = bool(settings.get("own_break_away", False)) and task.route == "joint"
     native = Native(spring, damping, implicit=damping, break_away=away)
     return Plan(task, settings | {"leapfrog": settings["leapfrog"] and not damping}, native), lines
+
+
+class SteppedEngine(Engine):
+    """An engine that is stepped from outside: an adapter says its words, its slider and what it does not honour.
+
+    shipped_dt : its own step, s. choices : settings that are names, with the names there are.
+    """
+
+    shipped_dt: ClassVar[float]
+    choices: ClassVar[Mapping[str, tuple[str, ...]]] = {}
+
+    def words(self, route: Route, shipped: bool, dt: float) -> dict[str, Any]:
+        """Settings of a preset besides dt (s) and leapfrog, which Plan explains; see Engine.presets."""
+        return {}
+
+    @abstractmethod
+    def body(self, plan: Plan, settings: dict[str, Any]) -> Stepped:
+        """The engine with the slider in it."""
+
+    def ignored(self, task: Task, settings: dict[str, Any]) -> tuple[str, ...]:
+        """What the engine does not honour, one sentence each."""
+        return ()
+
+    def motion(self, plan: Plan, body: Stepped, settings: dict[str, Any]) -> Motion:
+        """Step through a run."""
+        return moved(plan, body)
+
+    def planned(self, task: Task, settings: dict[str, Any]) -> tuple[Plan, tuple[str, ...]]:
+        """The plan of a task, and what of the settings it does not honour."""
+        return own_or_pushed(task, settings)
+
+    def presets(self, route: Route, preset: Preset, dt: float | None = None) -> dict[str, Any]:
+        """See Engine.presets."""
+        shipped = preset == "as-shipped"
+        step = dt or (self.shipped_dt if shipped else TUNED_DT)
+        return {"dt": step, "leapfrog": not shipped, **self.words(route, shipped, step)}
+
+    def settled(self, task: Task) -> dict[str, Any]:
+        """The settings in force; raises InputError for one that is none, see ``resolve``."""
+        settings = resolve(self, task)
+        for name in self.choices.keys() & settings.keys():
+            choice(f"{self.name} setting {name}", settings[name], self.choices[name])
+        return settings
+
+    def simulate(self, task: Task) -> Trajectory:
+        """See Engine.simulate."""
+        settings = self.settled(task)
+        plan, ignored = self.planned(task, settings)
+        with quiet(logging.getLogger(f"harness.engines.{self.name}")):
+            body = self.body(plan, settings)
+            try:
+                started = time.perf_counter()
+                motion = self.motion(plan, body, settings)
+                wall = time.perf_counter() - started
+            finally:
+                body.close()
+        return trajectory(self, task, settings, (*ignored, *self.ignored(task, settings)), motion, wall)

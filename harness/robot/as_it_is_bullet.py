@@ -9,8 +9,7 @@ import numpy as np
 
 from harness.core.apart import Found, read_apart
 from harness.core.errors import InputError
-from harness.engines.pybullet.engine import SHIPPED_DT
-from harness.engines.pybullet.world import pybullet
+from harness.engines.pybullet import PybulletEngine, pybullet
 from harness.robot.apart import ACCEPTED
 from harness.robot.as_it_is import HELD, HELD_FOR, AsItIs, Gravity
 from harness.robot.bare import bare_urdf, with_included
@@ -36,7 +35,7 @@ def in_bullet(path: Path, joint: str, own: AsItIs, gravity: Gravity, preset: str
     _, about = read_apart(
         f"{__name__}:columns_of", path, ACCEPTED, seconds=_SECONDS, kept=True, joint=joint,
         gravity=(0.0, 0.0, -9.81) if gravity is None else gravity, friction=own.friction, load=own.load,
-        pose=own.pose, tuned=preset == "tuned", dt=dt if preset == "tuned" else SHIPPED_DT,
+        pose=own.pose, tuned=preset == "tuned", dt=dt if preset == "tuned" else PybulletEngine.shipped_dt,
     )  # fmt: skip
     return InBullet(**about)
 

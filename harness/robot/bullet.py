@@ -5,7 +5,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-from harness.engines.pybullet.world import pybullet
+from harness.engines.pybullet import pybullet
 
 
 @contextmanager

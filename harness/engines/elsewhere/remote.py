@@ -7,9 +7,9 @@ import subprocess
 import sys
 import tempfile
 from collections.abc import Callable
-from contextlib import suppress
 from dataclasses import replace
 from functools import cache
+from multiprocessing.connection import Connection
 from pathlib import Path
 from typing import Any, ClassVar
 
@@ -17,7 +17,7 @@ import harness.core
 from harness.core.errors import InputError, SimulationError
 from harness.core.trajectory import Trajectory
 from harness.engines.base import Engine, Preset, Route, Task
-from harness.engines.elsewhere.worker import START, receive, send
+from harness.engines.elsewhere.worker import START
 
 PATIENCE_S = 5.0
 """How long a worker may take to end before it is ended."""
@@ -30,17 +30,17 @@ class Worker:
     def __init__(self, python: str, where: str) -> None:
         self._python, self._where = python, where
         self._process: subprocess.Popen[bytes] | None = None
+        self._questions: Connection[Any, Any]
+        self._answers: Connection[Any, Any]
         self._said: Any = None
         self._last: list[str] = []
 
     def ask(self, *request: Any) -> Any:
         """The answer; raises the HarnessError of a run that failed, SimulationError when the process died."""
         process = self._running()
-        assert process.stdin is not None
-        assert process.stdout is not None
         try:
-            send(process.stdin, request)
-            kind, value = receive(process.stdout)
+            self._questions.send(request)
+            kind, value = self._answers.recv()
         except (OSError, EOFError):
             raise SimulationError(self._obituary(process)) from None
         if kind == "failed":
@@ -52,16 +52,13 @@ class Worker:
         process, self._process = self._process, None
         if process is None:
             return
-        assert process.stdin is not None
-        assert process.stdout is not None
-        with suppress(OSError):
-            process.stdin.close()
+        self._questions.close()
         try:
             process.wait(PATIENCE_S)
         except subprocess.TimeoutExpired:
             process.kill()
             process.wait()
-        process.stdout.close()
+        self._answers.close()
         self._said.seek(0)
         self._last = self._said.read().decode(errors="replace").splitlines()
         self._said.close()
@@ -77,6 +74,9 @@ class Worker:
                 stderr=self._said,
                 env=_environment(self._python),
             )
+            with self._process.stdin as stdin, self._process.stdout as stdout:  # type: ignore[union-attr]
+                self._questions = Connection(os.dup(stdin.fileno()), readable=False)
+                self._answers = Connection(os.dup(stdout.fileno()), writable=False)
         return self._process
 
     def _obituary(self, process: subprocess.Popen[bytes]) -> str:

@@ -77,12 +77,12 @@ class Forces:
             self.words[[Slot.DRIVE_T, Slot.DRIVE_U]] = self._keep(task.drive.t), self._keep(task.drive.u)
 
     def _law(self, law: ForceLaw) -> None:
-        from harness.engines.mujoco.callback import advance_address, law_address
+        from harness.engines.mujoco.callback import law_address
 
         state = law.state.copy()
         self.words[Slot.FORCE] = law_address(law.force) if law.force else 0.0
         self.words[Slot.LEVEL] = law_address(law.level) if law.level else 0.0
-        self.words[Slot.ADVANCE] = advance_address(law.advance) if law.advance else 0.0
+        self.words[Slot.ADVANCE] = law_address(law.advance, moves=True) if law.advance else 0.0
         self.words[[Slot.STATE, Slot.STATE_N]] = self._keep(state), state.size
         self.words[[Slot.PARAMS, Slot.PARAMS_N]] = self._keep(law.params), law.params.size
 

@@ -12,8 +12,8 @@ library that is loaded, so that no header has to agree with it.
 
 import ctypes
 import struct
-from collections.abc import Callable
-from typing import Any, cast
+from collections.abc import Callable, MutableSequence, Sequence
+from typing import Any, TypeAlias, cast
 
 import harness.core.jit  # isort: skip  # noqa: F401  (chooses Numba's cache folder before Numba is imported)
 import math
@@ -37,103 +37,62 @@ FIELDS = ("qpos", "qvel", "userdata", "qfrc_passive", "qfrc_constraint", "efc_fr
 order of constraints and in that of islands."""
 
 _I, _F = types.int64, types.float64
-_WORD, _DOUBLE = ir.IntType(64), ir.DoubleType()
 
 # state and parameters of a law travel as address and length
-LAW = _F(_F, _F, _F, _I, _I, _I, _I)
-ADVANCE = types.void(_F, _F, _F, _F, _I, _I, _I, _I)
+LAW = _F(_F, _F, _F, _F, _I, _I, _I, _I)
 CALLBACK = types.void(_I, _I)
 
 
-def _load(typingctx: Any, address: Any) -> Any:
+def _pointer_to(kind: Any) -> Any:
+    """An address as a pointer to numbers of this kind."""
+
+    def cast_address(typingctx: Any, address: Any) -> Any:
+        def codegen(context: Any, builder: Any, signature: Any, args: Any) -> Any:
+            return builder.inttoptr(args[0], context.get_value_type(signature.return_type))
+
+        return types.CPointer(kind)(_I), codegen  # type: ignore[no-untyped-call]
+
+    return intrinsic(cast_address)
+
+
+Numbers: TypeAlias = MutableSequence[float]
+doubles = cast(Callable[[int], Numbers], _pointer_to(_F))
+addresses = cast(Callable[[int], Sequence[int]], _pointer_to(_I))
+
+
+def _call(typingctx: Any, address: Any, t: Any, x: Any, v: Any, dt: Any, s: Any, n_s: Any, p: Any, n_p: Any) -> Any:
+    """Call the law at an address with the rest."""
+
     def codegen(context: Any, builder: Any, signature: Any, args: Any) -> Any:
-        return builder.load(builder.inttoptr(args[0], _DOUBLE.as_pointer()))
-
-    return _F(_I), codegen
-
-
-def _load_address(typingctx: Any, address: Any) -> Any:
-    def codegen(context: Any, builder: Any, signature: Any, args: Any) -> Any:
-        return builder.load(builder.inttoptr(args[0], _WORD.as_pointer()))
-
-    return _I(_I), codegen
-
-
-def _store(typingctx: Any, address: Any, value: Any) -> Any:
-    def codegen(context: Any, builder: Any, signature: Any, args: Any) -> Any:
-        builder.store(args[1], builder.inttoptr(args[0], _DOUBLE.as_pointer()))
-        return context.get_dummy_value()
-
-    return types.void(_I, _F), codegen
-
-
-def _at(typingctx: Any, address: Any) -> Any:
-    def codegen(context: Any, builder: Any, signature: Any, args: Any) -> Any:
-        return builder.inttoptr(args[0], _DOUBLE.as_pointer())
-
-    return types.CPointer(_F)(_I), codegen  # type: ignore[no-untyped-call]
-
-
-def _call(signature: Any, builder: Any, args: Any) -> Any:
-    """Call the C function at address args[0] with the rest."""
-    llvm = {_F: _DOUBLE, _I: _WORD, types.void: ir.VoidType()}
-    shape = ir.FunctionType(llvm[signature.return_type], [llvm[kind] for kind in signature.args[1:]])
-    return builder.call(builder.inttoptr(args[0], shape.as_pointer()), args[1:])
-
-
-def _call_law(typingctx: Any, address: Any, t: Any, x: Any, v: Any, s: Any, n_s: Any, p: Any, n_p: Any) -> Any:
-    def codegen(context: Any, builder: Any, signature: Any, args: Any) -> Any:
-        return _call(signature, builder, args)
+        llvm = {_F: ir.DoubleType(), _I: ir.IntType(64)}
+        shape = ir.FunctionType(llvm[signature.return_type], [llvm[kind] for kind in signature.args[1:]])
+        return builder.call(builder.inttoptr(args[0], shape.as_pointer()), args[1:])
 
     return _F(_I, *LAW.args), codegen
 
 
-def _call_advance(
-    typingctx: Any, address: Any, t: Any, x: Any, v: Any, dt: Any, s: Any, n_s: Any, p: Any, n_p: Any
-) -> Any:
-    def codegen(context: Any, builder: Any, signature: Any, args: Any) -> Any:
-        _call(signature, builder, args)
-        return context.get_dummy_value()
-
-    return types.void(_I, *ADVANCE.args), codegen
-
-
-load = cast(Callable[[int], float], intrinsic(_load))
-load_address = cast(Callable[[int], int], intrinsic(_load_address))
-store = cast(Callable[[int, float], None], intrinsic(_store))
-call_law = cast(Callable[..., float], intrinsic(_call_law))
-call_advance = cast(Callable[..., None], intrinsic(_call_advance))
-_pointer = cast(Callable[[int], Any], intrinsic(_at))
+call_law = cast(Callable[..., float], intrinsic(_call))
 _array = cast(Callable[..., Any], getattr(numba, "carray"))  # noqa: B009  (numba exports it without saying so)
 
 _kept: dict[Function, Any] = {}
 
 
-def law_address(function: Function) -> int:
-    """Address of a law (t, x, v, state, params) -> float as a C function; compiled once a process."""
+def law_address(function: Function, moves: bool = False) -> int:
+    """Address of a law (t, x, v, state, params) -> float as a C function; compiled once a process.
+
+    moves : it is (t, x, v, dt, state, params) -> None instead.
+    """
     if function not in _kept:
 
-        def law(t: float, x: float, v: float, state: int, n_state: int, params: int, n_params: int) -> Any:
-            return function(t, x, v, _array(_pointer(state), (n_state,)), _array(_pointer(params), (n_params,)))
+        def law(t: float, x: float, v: float, dt: float, s: int, n_s: int, p: int, n_p: int) -> Any:
+            return function(t, x, v, _array(doubles(s), (n_s,)), _array(doubles(p), (n_p,)))
 
-        _kept[function] = numba.cfunc(LAW)(law)
+        def move(t: float, x: float, v: float, dt: float, s: int, n_s: int, p: int, n_p: int) -> float:
+            function(t, x, v, dt, _array(doubles(s), (n_s,)), _array(doubles(p), (n_p,)))
+            return 0.0
+
+        _kept[function] = numba.cfunc(LAW)(move if moves else law)
     return int(_kept[function].address)
-
-
-def advance_address(function: Function) -> int:
-    """Address of (t, x, v, dt, state, params) -> None as a C function; compiled once a process."""
-    if function not in _kept:
-
-        def law(t: float, x: float, v: float, dt: float, state: int, n_state: int, params: int, n_params: int) -> None:
-            function(t, x, v, dt, _array(_pointer(state), (n_state,)), _array(_pointer(params), (n_params,)))
-
-        _kept[function] = numba.cfunc(ADVANCE)(law)
-    return int(_kept[function].address)
-
-
-def c_function(function: Callable[[int, int], None]) -> Any:
-    """A plain function (model, data) compiled as a callback of MuJoCo, as a ctypes function pointer, cached on disk."""
-    return numba.cfunc(CALLBACK, cache=True)(function).ctypes
 
 
 def _offset(data: Any, pattern: int) -> int:
@@ -146,8 +105,9 @@ def _offset(data: Any, pattern: int) -> int:
     raise SimulationError(f"mujoco {mujoco.__version__}: the layout of mjData is not understood")
 
 
+@lru_cache(maxsize=1)
 def offsets() -> tuple[int, ...]:
-    """Byte offsets in mjData of time and of FIELDS, measured in a throw-away model."""
+    """Byte offsets in mjData of time and of FIELDS, measured in a throw-away model once a process."""
     spec = mujoco.MjSpec()
     spec.nuserdata = 4
     body = spec.worldbody.add_body()
@@ -209,132 +169,96 @@ class Slot(IntEnum):
 
 SLOTS = len(Slot)
 
-# fmt: off
-(
-    _CALLS, _STAGES, _DT, _FRAME, _STIFFNESS, _DAMPING, _PENDULUM, _AMPLITUDE, _OMEGA, _PHASE, _CONSTANT,
-    _DRIVE_N, _DRIVE_T, _DRIVE_U, _FORCE, _LEVEL, _ADVANCE, _STATE, _STATE_N, _PARAMS, _PARAMS_N,
-    _F_K, _RATIO, _STUCK, _LIMIT, _CLIPPED, _METRIC, _HELD, _APPLIED, _LIMITS, _RECORDS, _SETS_LEVEL, _EXCESS,
-) = (8 * int(slot) for slot in Slot)
-# fmt: on
 
-
-def _sampled(u: int, t: float) -> float:
+@compiled
+def _sampled(u: Numbers, t: float) -> float:
     """Value at time t of the driving samples."""
-    n = int(load(u + _DRIVE_N))
-    times, values = int(load(u + _DRIVE_T)), int(load(u + _DRIVE_U))
-    low, high = 0, n - 1
-    if t <= load(times):
-        return load(values)
-    if t >= load(times + 8 * high):
-        return load(values + 8 * high)
+    times, values = doubles(int(u[Slot.DRIVE_T])), doubles(int(u[Slot.DRIVE_U]))
+    low, high = 0, int(u[Slot.DRIVE_N]) - 1
+    if t <= times[0]:
+        return values[0]
+    if t >= times[high]:
+        return values[high]
     while high - low > 1:
         middle = (low + high) // 2
-        if load(times + 8 * middle) <= t:
+        if times[middle] <= t:
             low = middle
         else:
             high = middle
-    t0, u0 = load(times + 8 * low), load(values + 8 * low)
-    return u0 + (load(values + 8 * high) - u0) * (t - t0) / (load(times + 8 * high) - t0)
+    return values[low] + (values[high] - values[low]) * (t - times[low]) / (times[high] - times[low])
 
 
-def _law(u: int, slot: int, t: float, x: float, v: float) -> float:
-    """Value of the law whose address stands in a slot."""
-    state, n_state = int(load(u + _STATE)), int(load(u + _STATE_N))
-    params, n_params = int(load(u + _PARAMS)), int(load(u + _PARAMS_N))
-    return call_law(int(load(u + slot)), t, x, v, state, n_state, params, n_params)
+@compiled
+def _law(u: Numbers, address: float, t: float, x: float, v: float) -> float:
+    """Value of the law at an address."""
+    state, n_state = int(u[Slot.STATE]), int(u[Slot.STATE_N])
+    params, n_params = int(u[Slot.PARAMS]), int(u[Slot.PARAMS_N])
+    return call_law(int(address), t, x, v, u[Slot.DT], state, n_state, params, n_params)
 
 
-def _advance(u: int, t: float, x: float, v: float) -> None:
-    """Move the law's internal states."""
-    state, n_state = int(load(u + _STATE)), int(load(u + _STATE_N))
-    params, n_params = int(load(u + _PARAMS)), int(load(u + _PARAMS_N))
-    call_advance(int(load(u + _ADVANCE)), t, x, v, load(u + _DT), state, n_state, params, n_params)
-
-
-def _clipped(u: int, q: float, qd: float, others: float, limit: float) -> None:
-    """Neutral friction force of this step: what stops the joint at its end, as far as the limit allows."""
-    others -= load(u + _STIFFNESS) * q + load(u + _DAMPING) * qd
-    held = min(max(-(load(u + _METRIC) * qd + others), -limit), limit)
-    store(u + _HELD, held)
-    store(u + _STUCK, 1.0 if abs(held) < UNSATURATED * limit else 0.0)
-
-
-def _record(u: int, step: int, force: float, limit: float) -> None:
-    """Keep what acted at the start of a step."""
-    if step < int(load(u + _RECORDS)):
-        store(int(load(u + _APPLIED)) + 8 * step, force)
-        store(int(load(u + _LIMITS)) + 8 * step, limit)
-
-
-_sampled, _law, _advance = compiled(_sampled), compiled(_law), compiled(_advance)
-_clipped, _record = compiled(_clipped), compiled(_record)
-
-
-def _applied(u: int, t: float, x: float, v: float) -> float:
+@compiled
+def _applied(u: Numbers, t: float, x: float, v: float) -> float:
     """Driving forces and force law, N."""
-    force = load(u + _CONSTANT)
-    if load(u + _AMPLITUDE) != 0.0:
-        force += load(u + _AMPLITUDE) * math.cos(load(u + _OMEGA) * t + load(u + _PHASE))
-    if load(u + _DRIVE_N) > 0.0:
+    force = u[Slot.CONSTANT]
+    if u[Slot.AMPLITUDE] != 0.0:
+        force += u[Slot.AMPLITUDE] * math.cos(u[Slot.OMEGA] * t + u[Slot.PHASE])
+    if u[Slot.DRIVE_N] > 0.0:
         force += _sampled(u, t)
-    if load(u + _FORCE) > 0.0:
-        force += _law(u, _FORCE, t, x, v)
+    if u[Slot.FORCE] > 0.0:
+        force += _law(u, u[Slot.FORCE], t, x, v)
     return force
 
 
-def _limit(u: int, t: float, x: float, v: float) -> float:
+@compiled
+def _limit(u: Numbers, t: float, x: float, v: float) -> float:
     """What the friction force can reach, N."""
-    level = _law(u, _LEVEL, t, x, v) if load(u + _LEVEL) > 0.0 else load(u + _F_K)
-    return level * load(u + _RATIO) + load(u + _EXCESS) if load(u + _STUCK) > 0.0 else level
-
-
-_applied, _limit = compiled(_applied), compiled(_limit)
-
-
-@lru_cache(maxsize=1)
-def layout() -> tuple[int, ...]:
-    """Offsets in mjData; measured once a process."""
-    return offsets()
+    level = _law(u, u[Slot.LEVEL], t, x, v) if u[Slot.LEVEL] > 0.0 else u[Slot.F_K]
+    return level * u[Slot.RATIO] + u[Slot.EXCESS] if u[Slot.STUCK] > 0.0 else level
 
 
 @lru_cache(maxsize=1)
 def passive() -> Any:
     """The compiled function as a ctypes function pointer for mujoco.set_mjcb_passive; compiled once a process."""
     # offsets enter as numbers of the closure: the cache on disk tells closures apart
-    at_time, at_qpos, at_qvel, at_userdata, at_passive, at_constraint, at_rows, at_island_rows = layout()
+    at_time, at_qpos, at_qvel, at_userdata, at_passive, at_constraint, at_rows, at_island_rows = offsets()
 
     def callback(model: int, data: int) -> None:
-        u = load_address(data + at_userdata)
-        t = load(data + at_time)
-        q, qd = load(load_address(data + at_qpos)), load(load_address(data + at_qvel))
-        frame = load(u + _FRAME)
+        u = _array(doubles(addresses(data + at_userdata)[0]), (SLOTS,))
+        t = doubles(data + at_time)[0]
+        q, qd = doubles(addresses(data + at_qpos)[0])[0], doubles(addresses(data + at_qvel)[0])[0]
+        frame = u[Slot.FRAME]
         x, v = q + frame * t, qd + frame
-        calls, stages = int(load(u + _CALLS)), int(load(u + _STAGES))
-        store(u + _CALLS, calls + 1.0)
-        first, sets_level = calls % stages == 0, load(u + _SETS_LEVEL) > 0.0
+        calls, stages = int(u[Slot.CALLS]), int(u[Slot.STAGES])
+        u[Slot.CALLS] = calls + 1.0
+        first, sets_level = calls % stages == 0, u[Slot.SETS_LEVEL] > 0.0
 
         if first and sets_level and calls > 0:
-            friction = load(load_address(data + at_constraint))
-            store(u + _STUCK, 1.0 if abs(friction) < UNSATURATED * load(u + _LIMIT) else 0.0)
-        if first and load(u + _ADVANCE) > 0.0:
-            _advance(u, t, x, v)
+            friction = doubles(addresses(data + at_constraint)[0])[0]
+            u[Slot.STUCK] = 1.0 if abs(friction) < UNSATURATED * u[Slot.LIMIT] else 0.0
+        if first and u[Slot.ADVANCE] > 0.0:
+            _law(u, u[Slot.ADVANCE], t, x, v)
         force, limit = _applied(u, t, x, v), _limit(u, t, x, v)
-        store(u + _LIMIT, limit)
+        u[Slot.LIMIT] = limit
 
         # in the moving frame the spring's end moves backwards
-        total = force - frame * (load(u + _STIFFNESS) * t + load(u + _DAMPING))
-        if load(u + _PENDULUM) != 0.0:
-            total -= load(u + _PENDULUM) * math.sin(x)
-        if load(u + _CLIPPED) > 0.0:
+        total = force - frame * (u[Slot.STIFFNESS] * t + u[Slot.DAMPING])
+        if u[Slot.PENDULUM] != 0.0:
+            total -= u[Slot.PENDULUM] * math.sin(x)
+        if u[Slot.CLIPPED] > 0.0:
             if first:
-                _clipped(u, q, qd, total, limit)
-            total += load(u + _HELD)
+                # what stops the joint at the end of this step, as far as the limit allows
+                others = total - (u[Slot.STIFFNESS] * q + u[Slot.DAMPING] * qd)
+                held = min(max(-(u[Slot.METRIC] * qd + others), -limit), limit)
+                u[Slot.HELD] = held
+                u[Slot.STUCK] = 1.0 if abs(held) < UNSATURATED * limit else 0.0
+            total += u[Slot.HELD]
         elif sets_level:
-            store(load_address(data + at_rows), limit)
-            store(load_address(data + at_island_rows), limit)
-        if first:
-            _record(u, calls // stages, force, limit)
-        target = load_address(data + at_passive)
-        store(target, load(target) + total)
+            doubles(addresses(data + at_rows)[0])[0] = limit
+            doubles(addresses(data + at_island_rows)[0])[0] = limit
+        step = calls // stages
+        if first and step < int(u[Slot.RECORDS]):
+            doubles(int(u[Slot.APPLIED]))[step] = force
+            doubles(int(u[Slot.LIMITS]))[step] = limit
+        doubles(addresses(data + at_passive)[0])[0] += total
 
-    return c_function(callback)
+    return numba.cfunc(CALLBACK, cache=True)(callback).ctypes

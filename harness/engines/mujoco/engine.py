@@ -11,7 +11,6 @@ from scipy.optimize import brentq
 
 from harness.core.arrays import FloatArray
 from harness.core.errors import SimulationError
-from harness.core.registered import version
 from harness.core.trajectory import Trajectory
 from harness.engines.base import Engine, Preset, Route, Task, resolve
 from harness.engines.joint_words import GRAVITY, JOINT, Kinds, coefficient
@@ -57,11 +56,8 @@ class MujocoEngine(Engine):
     """MuJoCo on one slide joint (joint and law routes) or a box that slides and lifts (contact route)."""
 
     name: ClassVar[str] = "mujoco"
+    package: ClassVar[str] = "mujoco"
     native: ClassVar[Kinds] = JOINT
-
-    def version(self) -> str:
-        """Version of the mujoco package."""
-        return version("mujoco")
 
     def presets(self, route: Route, preset: Preset, dt: float | None = None) -> dict[str, Any]:
         """Settings of a preset; see Engine.presets."""
@@ -110,9 +106,9 @@ def _sound(data: Any, warnings: list[str]) -> None:
 
 def install(data: Any) -> None:
     """Make MuJoCo call the compiled function at every stage; the caller takes it away again."""
-    from harness.engines.mujoco.callback import layout, passive, verify
+    from harness.engines.mujoco.callback import offsets, passive, verify
 
-    verify(data, layout())
+    verify(data, offsets())
     mujoco.set_mjcb_passive(passive())
 
 

@@ -6,7 +6,7 @@ import numpy as np
 from harness.core.arrays import FloatArray
 from harness.core.errors import SimulationError
 from harness.core.quiet import quiet
-from harness.engines.pybullet.world import log, pybullet
+from harness.engines.pybullet import log, pybullet
 from harness.robot.arm import Arm
 from harness.robot.bullet import opened
 from harness.robot.replay.as_urdf import ForBullet
