@@ -1,6 +1,6 @@
 """Pieces that several results share; a model as a file (harness.model/1); an installation (harness.doctor/1)."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import Annotated, Any, Literal, Self
 
 import numpy as np
@@ -8,6 +8,13 @@ from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, model_valida
 
 from harness.core.events import Regime
 from harness.core.quantity import Quantity
+
+
+def rare(description: str | None = None, factory: Callable[[], Any] | None = None) -> Any:
+    """A field that is left out where it says nothing; factory : of its default, None where that is null."""
+    if factory is None:
+        return Field(default=None, description=description, exclude_if=lambda value: value is None)
+    return Field(default_factory=factory, description=description, exclude_if=lambda value: not value)
 
 
 class Result(BaseModel):
@@ -45,12 +52,8 @@ class P(Result):
     value: float | None
     stderr: float | None
     unit: str
-    why: str | None = Field(default=None, exclude_if=lambda why: why is None)
-    systematic: float | None = Field(
-        default=None,
-        description="what effects that could not be seen could shift it by",
-        exclude_if=lambda systematic: systematic is None,
-    )
+    why: str | None = rare()
+    systematic: float | None = rare("what effects that could not be seen could shift it by")
 
     @model_validator(mode="after")
     def _nothing_missing_without_reason(self) -> "P":

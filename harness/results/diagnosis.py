@@ -15,6 +15,7 @@ from harness.results.common import (
     Settings,
     Span,
     Where,
+    rare,
 )
 from harness.results.compare import ChannelPair
 from harness.results.robot import RobotResult
@@ -61,11 +62,9 @@ class MechanismResult(Result):
     parameters: dict[str, P]
     grade: Grade = Field(default="explains", description="how much of what is missing it is")
     share: float | None = Field(default=None, description="of the misfit beyond noise that it takes off alone")
-    chance: float | None = Field(
-        default=None,
-        description="of the first name to be the main effect: on simulated machines that look alike, half of which have"
-        " one; in the others several small effects come to the same",
-        exclude_if=lambda value: value is None,
+    chance: float | None = rare(
+        "of the first name to be the main effect: on simulated machines that look alike, half of which have one; in the"
+        " others several small effects come to the same"
     )
     probability: float | None = Field(
         default=None,
@@ -105,16 +104,8 @@ class HoldoutResult(Result):
     spans_s: list[Span]
     baseline_rmse: Rmse
     refined_rmse: Rmse
-    given: list[str] = Field(
-        default_factory=list,
-        description="covariates that both predictions are given, not predicted",
-        exclude_if=lambda value: not value,
-    )
-    forced: ForcedResult | None = Field(
-        default=None,
-        description="where nothing is missing: what one term too many does to the prediction",
-        exclude_if=lambda value: value is None,
-    )
+    given: list[str] = rare("covariates that both predictions are given, not predicted", list)
+    forced: ForcedResult | None = rare("where nothing is missing: what one term too many does to the prediction")
 
 
 class EngineResult(Result):
@@ -187,11 +178,7 @@ class ForceError(Result):
     fit_refined: float
     baseline: float
     refined: float
-    refined_with_ripple: float | None = Field(
-        default=None,
-        description="with a force ripple whose phase is refitted there",
-        exclude_if=lambda value: value is None,
-    )
+    refined_with_ripple: float | None = rare("with a force ripple whose phase is refitted there")
 
 
 class ValidationResult(Result):
@@ -208,11 +195,7 @@ class EvidenceResult(Result):
 
     name: str
     delta_bic: float = Field(description="by how much it is better than the baseline, by BIC")
-    share: float | None = Field(
-        default=None,
-        description="of the misfit beyond noise, where names are graded",
-        exclude_if=lambda value: value is None,
-    )
+    share: float | None = rare("of the misfit beyond noise, where names are graded")
 
 
 class RemainderResult(Result):
@@ -308,21 +291,11 @@ class DiagnosisResult(Result):
 
     schema_: Literal["harness.diagnosis/2"] = Field(default="harness.diagnosis/2", alias="schema")
     recording: RecordingInfo = Field(description="with --together all of them, laid one behind the other")
-    recordings: list[RecordingInfo] = Field(
-        default_factory=list, description="with --together: each", exclude_if=lambda value: not value
-    )
-    own: list[OwnResult] = Field(
-        default_factory=list,
-        description="with --together: what each has of its own",
-        exclude_if=lambda value: not value,
-    )
-    read: ReadResult | None = Field(
-        default=None, description="of a file that is no .rrd", exclude_if=lambda value: value is None
-    )
-    together: dict[str, RepeatedResult] = Field(
-        default_factory=dict,
-        description="with --together: the refined model's parameters, fitted to each recording by itself",
-        exclude_if=lambda value: not value,
+    recordings: list[RecordingInfo] = rare("with --together: each", list)
+    own: list[OwnResult] = rare("with --together: what each has of its own", list)
+    read: ReadResult | None = rare("of a file that is no .rrd")
+    together: dict[str, RepeatedResult] = rare(
+        "with --together: the refined model's parameters, fitted to each recording by itself", dict
     )
     verdict: Verdict
     statement: str = Field(description="the verdict in a sentence")
@@ -337,11 +310,7 @@ class DiagnosisResult(Result):
     tables: list[TableResult] = Field(
         default_factory=list, description="what has no name, as curves; part of the refined model"
     )
-    surface: SurfaceResult | None = Field(
-        default=None,
-        description="of what has no name, what hangs on position and speed at once",
-        exclude_if=lambda value: value is None,
-    )
+    surface: SurfaceResult | None = rare("of what has no name, what hangs on position and speed at once")
     fit_percent: FitPercent | None = None
     rules: list[RuleResult] = Field(default_factory=list, description="the numbers that moved the verdict")
     holdout: HoldoutResult
@@ -350,8 +319,8 @@ class DiagnosisResult(Result):
     )
     engines: dict[str, EngineResult]
     attribution: AttributionResult | None = Field(description="null when no engine could be run")
-    validation: ValidationResult | None = Field(default=None, exclude_if=lambda value: value is None)
-    robot: RobotResult | None = Field(default=None, exclude_if=lambda value: value is None)
+    validation: ValidationResult | None = rare()
+    robot: RobotResult | None = rare()
     evidence: list[EvidenceResult] = Field(description="every catalogue name tried alone, best first")
     consistent_channels: dict[str, ChannelPair] = Field(description='by pair ("x-a"), without a model')
     next_experiment: str

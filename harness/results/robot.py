@@ -4,7 +4,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
-from harness.results.common import P, Result, Span
+from harness.results.common import P, Result, Span, rare
 
 Pair = Annotated[list[str], Field(min_length=2, max_length=2)]
 
@@ -110,7 +110,7 @@ class RobotResult(Result):
     paste: PasteResult
     match: list[MatchResult] = Field(default_factory=list, description="the log against its model, before a fit")
     simulated: list[SimulatedResult] = Field(default_factory=list, description="the copy of the model in engines")
-    arm: ArmResult | None = Field(default=None, exclude_if=lambda value: value is None)
+    arm: ArmResult | None = rare()
 
 
 class Topic(Result):

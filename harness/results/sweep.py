@@ -4,7 +4,7 @@ from typing import Any, Literal
 
 from pydantic import Field
 
-from harness.results.common import Machine, Result
+from harness.results.common import Machine, Result, rare
 
 
 class SweepRow(Result):
@@ -146,5 +146,5 @@ class TuneResult(Result):
     sliders: dict[str, list[int]] = Field(
         description="numbers of the random suites, or of a robot's poses: searched on, scored on"
     )
-    robot: TunedJoint | None = Field(default=None, exclude_if=lambda value: value is None)
+    robot: TunedJoint | None = rare()
     machine: Machine
