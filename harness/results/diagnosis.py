@@ -51,6 +51,12 @@ class PredictionResult(Result):
     blocks: list[float] = Field(description="squares after over before, span by span")
     spans_s: list[Span]
 
+    @property
+    def ratio(self) -> float | None:
+        """Error after over before, of the channel where that is largest."""
+        ratios = [self.refined_rmse[c] / before for c, before in self.baseline_rmse.items() if before > 0.0]
+        return max(ratios, default=None)
+
 
 class MechanismResult(Result):
     """One piece of physics that was left out."""

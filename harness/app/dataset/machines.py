@@ -16,7 +16,7 @@ from harness.core.errors import InputError
 from harness.io.options import ReadOptions
 from harness.io.store import growing_folder, write_text
 from harness.results.dataset import FoundResult, MachineRow, MachinesResult
-from harness.results.diagnosis import DiagnosisResult, MechanismResult
+from harness.results.diagnosis import DiagnosisResult
 from harness.show.report.dataset import machines_page
 from harness.show.report.page import write_report
 
@@ -118,29 +118,19 @@ def dataset_machines(
 
 
 def _row(one: Listed, answer: Answer) -> MachineRow:
-    head: dict[str, Any] = {"name": one.name, "file": one.file, "source": one.source, "others": one.others}
     if not isinstance(answer, DiagnosisResult):
-        return MachineRow(**head, verdict="error", said=answer.error, found=[])
-    rest = answer.remainder
-    return MachineRow(
-        **head,
+        return MachineRow.taken_from(one, verdict="error", said=answer.error, found=[])
+    fit, rest = answer.fit_percent, answer.remainder
+    return MachineRow.taken_from(
+        one,
         verdict=answer.verdict,
         said=answer.statement,
-        found=[_found(m) for m in answer.mechanisms],
-        fit_percent_before=None if answer.fit_percent is None else answer.fit_percent.baseline,
-        fit_percent_after=None if answer.fit_percent is None else answer.fit_percent.refined,
-        over_noise=None if rest is None else rest.over_noise,
-        given=list(answer.holdout.given),
+        found=[
+            FoundResult.taken_from(m, holdout=m.holdout and m.holdout.ratio, forward=m.forward and m.forward.ratio)
+            for m in answer.mechanisms
+        ],
+        fit_percent_before=fit and fit.baseline,
+        fit_percent_after=fit and fit.refined,
+        over_noise=rest and rest.over_noise,
+        given=answer.holdout.given,
     )
-
-
-def _found(m: MechanismResult) -> FoundResult:
-    return FoundResult(name=m.name, grade=m.grade, share=m.share, holdout=_ratio(m.holdout), forward=_ratio(m.forward))
-
-
-def _ratio(prediction: Any) -> float | None:
-    """Error after over before, of the channel where that is largest."""
-    if prediction is None:
-        return None
-    ratios = [prediction.refined_rmse[c] / b for c, b in prediction.baseline_rmse.items() if b > 0.0]
-    return max(ratios) if ratios else None

@@ -8,8 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from harness.app.diagnose.joint_case import JointCase, unfitted
-from harness.app.diagnose.joint_doubts import breaking, doubted, with_forward_run
-from harness.app.diagnose.joint_words import named
+from harness.app.diagnose.joint_words import breaking, doubted, named, with_forward_run
 from harness.app.diagnose.one import deliver
 from harness.app.diagnose.options import DiagnoseOptions, RobotOptions, Zero
 from harness.app.diagnose.result import STEPS, Diagnosed

@@ -9,10 +9,9 @@ import numpy as np
 from harness.app.diagnose.attribution import Configured
 from harness.app.diagnose.files import of_first_alone, simulated, write_model, write_trace_csv
 from harness.app.diagnose.options import DiagnoseOptions
-from harness.app.diagnose.problem import errors_of, prepared
+from harness.app.diagnose.problem import errors_of, prepared, validation
 from harness.app.diagnose.result import STEPS, Diagnosed, result_of
 from harness.app.diagnose.together import investigate_together
-from harness.app.diagnose.validation import validation
 from harness.app.shared.leaving import FILES as ALWAYS
 from harness.app.shared.leaving import leave, leaving
 from harness.app.shared.progress import NAME as LOG

@@ -1,7 +1,8 @@
 """What somebody asks of a diagnosis, checked as one: options that contradict each other are refused."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from functools import partial
 from pathlib import Path
 from typing import Any, Literal, get_args
 
@@ -66,38 +67,21 @@ class RobotOptions:
 
     @classmethod
     def chosen(cls, robot: Path | None, **given: Any) -> "RobotOptions | None":
-        """As somebody chose, None where no robot is given. Raises InputError for what is given without one."""
-        if robot is not None:
-            return cls(robot, **given)
-        for name, value in given.items():
-            if value not in (None, {}, ()):
-                raise InputError(
-                    f"--{name.replace('_', '-')}", "given without --robot", "it is accepted with --robot FILE"
-                )
-        return None
+        """As somebody chose, None where no robot is given; text is read as the command takes it.
 
-    @classmethod
-    def written(
-        cls,
-        robot: tuple[Path, str | None, tuple[float, float, float] | None] | None,
-        gain: str | None,
-        names: str | None,
-        flip: str | None,
-        offset: str | None,
-        **plain: Any,
-    ) -> "RobotOptions | None":
-        """As the command has them. robot : its file, joint and gravity; the rest : text. Raises InputError."""
-        file, joint, gravity = robot or (None, None, None)
-        return cls.chosen(
-            file,
-            joint=joint,
-            gravity=gravity,
-            gain=numbers("--gain", gain),
-            names=names_by_name("--names", names),
-            flip=tuple(name.strip() for name in flip.split(",")) if flip else (),
-            offset={name: _number("--offset", value) for name, value in names_by_name("--offset", offset).items()},
-            **plain,
-        )
+        Raises InputError for text that cannot be read, and for what is given without a robot.
+        """
+        told = {
+            name: _READ[name](value) if isinstance(value, str) and name in _READ else value
+            for name, value in given.items()
+            if value not in (None, {}, ())
+        }
+        if robot is not None:
+            return cls(robot, **told)
+        for name in told:
+            option = f"--{name.replace('_', '-')}"
+            raise InputError(option, "given without --robot", "it is accepted with --robot FILE")
+        return None
 
     def settings(self) -> dict[str, Any]:
         """Every option in force, as results hold it."""
@@ -115,20 +99,16 @@ class RobotOptions:
         }
 
 
-def numbers(option: str, text: str | None) -> Gain | None:
-    """What --gain takes: a number, several, or NAME=NUMBER,... Raises InputError for anything else."""
-    if text is None:
-        return None
+def _gain(text: str) -> Gain:
     if "=" in text:
-        return {name: _number(option, value) for name, value in names_by_name(option, text).items()}
-    found = tuple(_number(option, one) for one in text.split(","))
+        return _numbers("--gain", text)
+    found = tuple(_number("--gain", one) for one in text.split(","))
     return found[0] if len(found) == 1 else found
 
 
-def names_by_name(option: str, text: str | None) -> dict[str, str]:
-    """NAME=VALUE,... Raises InputError for anything else."""
+def _named(option: str, text: str) -> dict[str, str]:
     found = {}
-    for part in (text or "").split(",") if text else ():
+    for part in text.split(","):
         name, equals, value = (piece.strip() for piece in part.partition("="))
         if not (name and equals and value):
             raise InputError(option, repr(part), "NAME=VALUE,... is accepted")
@@ -136,11 +116,24 @@ def names_by_name(option: str, text: str | None) -> dict[str, str]:
     return found
 
 
+def _numbers(option: str, text: str) -> dict[str, float]:
+    return {name: _number(option, value) for name, value in _named(option, text).items()}
+
+
 def _number(option: str, text: str) -> float:
     try:
         return float(text)
     except ValueError:
         raise InputError(option, repr(text), "a number, or NAME=NUMBER,..., is accepted") from None
+
+
+_READ: Mapping[str, Callable[[str], Any]] = {
+    "gain": _gain,
+    "names": partial(_named, "--names"),
+    "flip": lambda text: tuple(name.strip() for name in text.split(",")),
+    "offset": partial(_numbers, "--offset"),
+}
+"""How text becomes an option."""
 
 
 Zero = Literal["spring", "free"]

@@ -8,8 +8,7 @@ from typing import Any
 
 from harness.app.diagnose.attribution import Configured, Shared, attribution_of, simulator_of
 from harness.app.diagnose.options import DiagnoseOptions
-from harness.app.diagnose.problem import Prepared
-from harness.app.diagnose.validation import Validation, validated
+from harness.app.diagnose.problem import Prepared, Validation, validated
 from harness.app.shared.machine import this_machine
 from harness.app.shared.reading import recording_info
 from harness.core.arrays import FloatArray

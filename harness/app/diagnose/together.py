@@ -8,9 +8,8 @@ import numpy as np
 from harness.app.diagnose.attribution import Configured
 from harness.app.diagnose.files import simulated
 from harness.app.diagnose.options import DiagnoseOptions
-from harness.app.diagnose.problem import Prepared, refuse, refuse_few, refuse_unrelated
+from harness.app.diagnose.problem import Prepared, refuse, refuse_few, refuse_unrelated, validation
 from harness.app.diagnose.result import STEPS, Diagnosed, result_of
-from harness.app.diagnose.validation import validation
 from harness.app.shared.progress import SILENT, Progress
 from harness.app.shared.reading import recording_info, thinned
 from harness.core.errors import InputError

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from harness.app.diagnose.joint_case import JointCase
-from harness.app.diagnose.joint_doubts import stands_for, surely, with_forward_run
+from harness.app.diagnose.joint_words import stands_for, surely, with_forward_run
 from harness.app.shared.leaving import FILES as ALWAYS
 from harness.app.shared.leaving import leave, leaving
 from harness.core.errors import InputError

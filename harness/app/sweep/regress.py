@@ -3,7 +3,6 @@
 import re
 import tempfile
 from collections.abc import Iterable, Mapping
-from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
@@ -52,15 +51,11 @@ def update(path: Path, rows: Rows) -> Baseline:
     baseline = Baseline(
         machine=this_machine(), rows={name: BaselineRow.model_validate(found[name]) for name in sorted(found)}
     )
-    write_text(path, _one_row_a_line(baseline))
+    # a row a line, so that a version control system can show what changed
+    lines = ",\n  ".join(f'"{name}": {row.model_dump_json()}' for name, row in baseline.rows.items())
+    head = f'{{\n "schema": "harness.baseline/1",\n "machine": {baseline.machine.model_dump_json()},\n "rows": {{\n  '
+    write_text(path, f"{head}{lines}\n }}\n}}\n")
     return baseline
-
-
-def _one_row_a_line(baseline: Baseline) -> str:
-    """JSON that a version control system can show the changes of."""
-    rows = ",\n  ".join(f'"{name}": {row.model_dump_json()}' for name, row in baseline.rows.items())
-    machine = baseline.machine.model_dump_json()
-    return f'{{\n "schema": "harness.baseline/1",\n "machine": {machine},\n "rows": {{\n  {rows}\n }}\n}}\n'
 
 
 def _version(row: Mapping[str, Any]) -> Version:
@@ -86,37 +81,22 @@ def counterpart(of: Version, known: Iterable[Version]) -> Version | None:
     return max(same, key=order, default=None)
 
 
-@dataclass(frozen=True, slots=True)
-class _Held:
+def _held(path: Path) -> dict[Version, Rows]:
     """Rows of a baseline by engine and version, each by what its name holds besides."""
+    found: dict[Version, Rows] = {}
+    for name, row in load_baseline(path).rows.items():
+        found.setdefault(_version(row.model_dump()), {})[_rest(name)] = row.model_dump()
+    return found
 
-    rows: dict[Version, Rows]
 
-    @classmethod
-    def of(cls, path: Path) -> "_Held":
-        found: dict[Version, Rows] = {}
-        for name, row in load_baseline(path).rows.items():
-            found.setdefault(_version(row.model_dump()), {})[_rest(name)] = row.model_dump()
-        return cls(found)
-
-    def against(self, fresh: Rows) -> Rows:
-        """The counterpart of every row that has one, by the fresh row's name."""
-        found: Rows = {}
-        for name, row in fresh.items():
-            version = counterpart(_version(row), self.rows)
-            if version is not None and _rest(name) in self.rows[version]:
-                found[name] = self.rows[version][_rest(name)]
-        return found
-
-    def missing(self, fresh: Rows) -> Rows:
-        """Rows of the versions that were run which are not among the fresh ones."""
-        labels = {_version(row): name.partition("/")[0] for name, row in fresh.items()}
-        rows = {
-            f"{label}/{rest}": row
-            for version, label in labels.items()
-            for rest, row in self.rows.get(version, {}).items()
-        }
-        return {name: row for name, row in rows.items() if name not in fresh}
+def _against(held: Mapping[Version, Rows], fresh: Rows) -> Rows:
+    """The counterpart of every row that has one, by the fresh row's name."""
+    found: Rows = {}
+    for name, row in fresh.items():
+        version = counterpart(_version(row), held)
+        if version is not None and _rest(name) in held[version]:
+            found[name] = held[version][_rest(name)]
+    return found
 
 
 def compared(path: Path, rows: Rows, options: SweepOptions) -> RegressResult:
@@ -124,11 +104,13 @@ def compared(path: Path, rows: Rows, options: SweepOptions) -> RegressResult:
 
     Rows that only the baseline has are missing, unless the options leave them out or their version was not run.
     """
-    held = _Held.of(path)
-    before = held.against(rows)
+    held = _held(path)
+    before = _against(held, rows)
     if not (options.short or options.presets or options.steps or options.routes):
-        before |= held.missing(rows)
-    absent = {engine for engine, _, _ in held.rows} - {row["engine"] for row in rows.values()}
+        labels = {_version(row): name.partition("/")[0] for name, row in rows.items()}
+        every = {f"{label}/{rest}": row for of, label in labels.items() for rest, row in held.get(of, {}).items()}
+        before |= {name: row for name, row in every.items() if name not in rows}
+    absent = {engine for engine, _, _ in held} - {row["engine"] for row in rows.values()}
     not_run = sorted(absent & {name for name, why in registry.available().items() if why is not None})
     return _result(str(path), before, rows, not_run, sorted(set(before) | set(rows)))
 
@@ -145,7 +127,7 @@ def _result(
     return RegressResult(
         baseline=path,
         rows=len(after),
-        moved=[Moved(**asdict(move)) for move in found],
+        moved=[Moved.taken_from(move) for move in found],
         regressions=sum(move.verdict in REGRESSIONS for move in found),
         not_run=not_run,
         versions=versions,
@@ -165,7 +147,7 @@ def compared_traces(folder: Path, baseline: Path | None) -> RegressResult:
     rows = [recomputed(file) for file in files]
     if baseline is not None:
         after = {row["name"]: kept(row) for row, _ in rows}
-        return _result(str(baseline), _Held.of(baseline).against(after), after, [], sorted(after))
+        return _result(str(baseline), _against(_held(baseline), after), after, [], sorted(after))
     found = []
     for row, stored in rows:
         for metric in dict.fromkeys([*stored, *row["metrics"]]):

@@ -140,6 +140,7 @@ def command(
     from harness.app.diagnose.options import DiagnoseOptions, RobotOptions
     from harness.app.shared.reading import ReadOptions
 
+    file, joint, gravity = robot or (None, None, None)
     options = DiagnoseOptions.chosen(
         ReadOptions(**reading),
         sim_reading=ReadOptions(
@@ -150,7 +151,7 @@ def command(
         ),
         engines=engines or None,
         sim=sim,
-        robot=RobotOptions.written(robot, **known),
+        robot=RobotOptions.chosen(file, joint=joint, gravity=gravity, **known),
         **chosen,
     )
     if conditions is not None and (robot is None or not several):
