@@ -11,6 +11,7 @@ import prove_stub
 import pytest
 
 from harness.app.prove import prove, worker
+from harness.app.shared import rows
 from harness.proof.plan import Sizes
 
 
@@ -45,7 +46,7 @@ class Here:
 def in_this_process() -> Iterator[None]:
     """Recordings are drawn, and verdicts asked for, where the test is."""
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(worker, "LocalPool", Here)
+        patch.setattr(rows, "LocalPool", Here)
         yield
 
 
