@@ -10,9 +10,8 @@ from scipy.signal import lfilter
 from scipy.stats import chi2
 
 from harness.core.arrays import FloatArray
-from harness.robot.smooth import white_sd
-from harness.robot.whole_arm.design import evidence, looks
-from harness.robot.whole_arm.differentiate import Band, reversals, widened
+from harness.robot.whole_arm.design import evidence
+from harness.robot.whole_arm.differentiate import Band
 from harness.robot.whole_arm.noise import Noise, Stretches
 
 BAND = Band(15.0, 10_001, 1000.0)
@@ -40,15 +39,6 @@ def test_a_series_moved_ahead_is_what_it_was_later() -> None:
     moved = BAND.filtered(np.sin(2 * math.pi * 1.3 * (T - late)) + 0.2 * (T - late), BAND, late=late)[0]
     exact = np.sin(2 * math.pi * 1.3 * T) + 0.2 * T
     assert moved[BAND.trimmed] == pytest.approx(exact[BAND.trimmed], abs=1e-3)
-
-
-def test_fewer_samples_are_those_of_the_full_rate() -> None:
-    y = np.random.default_rng(1).standard_normal(BAND.size)
-    out = BAND.taken(45.0)
-    step = round(BAND.rate / out.rate)
-    full, few = BAND.filtered(y, BAND)[0], BAND.filtered(y, out)[0]
-    # what lies above the new half rate has a gain below 2 %
-    assert np.std((full[::step][: out.size] - few)[out.trimmed]) < 0.05 * np.std(full)
 
 
 def test_means_over_samples_of_a_jump_are_filtered_as_the_jump() -> None:
@@ -91,16 +81,6 @@ def test_noise_is_never_taken_for_less_than_half_of_what_it_is_at_lower_frequenc
     assert np.all(density > 0.3 * np.maximum.accumulate(density))
 
 
-def test_depth_counts_from_each_gap() -> None:
-    kept = np.array([True, True, False, True, True, True])
-    assert Stretches.of(kept).depth.tolist() == [0, 1, -1, 0, 1, 2]
-
-
-def test_white_noise_of_a_record_is_found_beside_its_motion() -> None:
-    rng = np.random.default_rng(4)
-    assert white_sd(3.0 * np.sin(2.0 * T) + 0.02 * rng.standard_normal(T.size)) == pytest.approx(0.02, rel=0.05)
-
-
 @given(st.floats(1.0, 900.0), st.integers(1, 8))
 def test_evidence_is_the_gain_of_one_column_that_is_as_unlikely(gain: float, columns: int) -> None:
     assert evidence(gain, 1) == pytest.approx(gain, rel=1e-4)
@@ -108,17 +88,3 @@ def test_evidence_is_the_gain_of_one_column_that_is_as_unlikely(gain: float, col
     if gain < 500.0:
         assert chi2.logsf(evidence(gain, columns), 1) == pytest.approx(chi2.logsf(gain, columns), rel=1e-3, abs=1e-6)
     assert evidence(gain, columns, 30.0) <= evidence(gain, columns)
-
-
-def test_alike_settings_are_one_look_and_unlike_ones_several() -> None:
-    one = np.random.default_rng(0).standard_normal(500)
-    assert looks(np.stack((one, one, one), axis=1)) == pytest.approx(1.0, abs=1e-6)
-    assert looks(np.eye(4)) == pytest.approx(4.0)
-
-
-def test_a_guard_reaches_both_ways_and_reversals_are_counted_once() -> None:
-    mask = np.zeros(9, dtype=np.bool_)
-    mask[4] = True
-    assert np.flatnonzero(widened(mask, 2)).tolist() == [2, 3, 4, 5, 6]
-    trembling = np.array([1.0, 0.5, 0.01, -0.01, 0.01, -0.6, -1.0, 0.02, -1.0, 1.0])
-    assert reversals(trembling, 0.1).size == 2
