@@ -61,7 +61,7 @@ def coupling(arm: Arm, log: JointLog, joint: str) -> Coupling:
     q, v, a = (y[thin] for y in even.motion(arm, log, still, (*those, joint)))
     alone = own.torque(q[:, at], a[:, at])
     extra = arm.inverse(q, v, a)[:, at] - alone if those else np.zeros(alone.size)
-    effort = even.low(log.t, log.effort[joint])[thin] if joint in log.effort else np.zeros(alone.size)
+    effort = even.low(log.t, log.effort[joint])[0][thin] if joint in log.effort else np.zeros(alone.size)
     fast = np.abs(v[:, at]) > _MOVING * float(np.max(np.abs(v[:, at])))
     # what friction, damping, gravity and, if it is driven, inertia make of the motion
     angle, speed, driven = q[:, at], v[:, at], [a[:, at]] if joint in log.effort else []

@@ -14,8 +14,10 @@ CUTOFF = 15.0
 """Hz: arms move below some Hz, and a second derivative of an encoder's noise grows with the square of this."""
 _SHARE = 0.4
 """Of half the sampling rate: the highest cutoff."""
-_ORDER = 2
-"""Of the filter, which runs forwards and backwards."""
+_ORDER = 4
+"""Of the Butterworth filter that has this gain where it runs both ways."""
+_TRIM = 2.5
+"""Samples left out at either end, in 1/f_lowpass: the slowest pole of the filter has then died to 0.3 %."""
 _MEDIAN_OF_NORMAL = 0.6745
 """Median size of a normal number of deviation one; second differences of white noise have six times its variance."""
 _STILL = 3.0
@@ -59,25 +61,73 @@ def rests(q: FloatArray, within: float, width: int) -> tuple[IntArray, IntArray]
 
 
 @dataclass(frozen=True, slots=True)
+class Band:
+    """lowpass : Hz, where the gain is a half. size : samples of the series filtered. rate : theirs, Hz."""
+
+    lowpass: float
+    size: int
+    rate: float
+
+    def gain(self, f: FloatArray) -> FloatArray:
+        """Gain (m,) at frequencies (m,), Hz."""
+        return 1.0 / (1.0 + (f / self.lowpass) ** (2 * _ORDER))
+
+    def taken(self, lowest: float) -> "Band":
+        """The same filter for a series at the least whole share of this rate that is at least ``lowest``, Hz."""
+        step = max(int(self.rate // lowest), 1)
+        return Band(self.lowpass, (self.size - 1) // step + 1, self.rate / step)
+
+    def filtered(
+        self, y: FloatArray, out: "Band", derivatives: int = 0, late: float = 0.0, means: bool = False
+    ) -> list[FloatArray]:
+        """The filtered series and so many of its derivatives, each (out.size, ...), of a series (size, ...).
+
+        late : s by which the series is moved ahead. means : its values are means over each sample's own step.
+        """
+        step = round(self.rate / out.rate)
+        # whole steps, so that both ends of the line are samples of the result
+        y = y[: (out.size - 1) * step + 1]
+        last, wide = y.shape[0] - 1, (-1,) + (1,) * (y.ndim - 1)
+        slope = (y[last] - y[0]) / last
+        flat = y - y[0] - slope * np.arange(y.shape[0], dtype=np.float64).reshape(wide)
+        spectrum = np.fft.rfft(np.concatenate((flat[:last], flat[last:0:-1] * -1.0)), axis=0)
+        kept = 2 * (out.size - 1)
+        f = np.arange(kept // 2 + 1) * self.rate / (2 * last)
+        shape = np.sinc(f / self.rate) if means else 1.0
+        turn = (2j * math.pi * f).reshape(wide)
+        part = spectrum[: f.size] * (self.gain(f) / shape * (f < out.rate / 2.0)).reshape(wide)
+        part = part * np.exp(turn * late) / step
+        line = y[0] + slope * late * self.rate + slope * step * np.arange(out.size).reshape(wide)
+        added = (line, slope * self.rate, 0.0)
+        return [
+            np.fft.irfft(part * turn**order, kept, axis=0)[: out.size] + added[order]
+            for order in range(derivatives + 1)
+        ]
+
+    @property
+    def trimmed(self) -> slice:
+        """Samples that no end of the series reaches."""
+        edge = math.ceil(_TRIM * self.rate / self.lowpass)
+        return slice(edge, self.size - edge)
+
+
+@dataclass(frozen=True, slots=True)
 class Even:
-    """Even times. t (n,) : s. cutoff : of the filter, Hz."""
+    """Even times t (n,), s, and the filter that every channel on them goes through."""
 
     t: FloatArray
-    cutoff: float
+    band: Band
 
     @classmethod
     def of(cls, t: FloatArray) -> "Even":
         """Even times over those of a log, at its median interval."""
         interval = float(np.median(np.diff(t)))
         n = max(int((t[-1] - t[0]) / interval), 1) + 1
-        return cls(np.linspace(t[0], t[-1], n), min(CUTOFF, _SHARE * 0.5 / interval))
+        return cls(np.linspace(t[0], t[-1], n), Band(min(CUTOFF, _SHARE * 0.5 / interval), n, (n - 1) / (t[-1] - t[0])))
 
-    def low(self, t: FloatArray, y: FloatArray) -> FloatArray:
-        """A channel (m,) of times t (m,) on the even ones, low-passed, (n,)."""
-        from scipy.signal import butter, sosfiltfilt
-
-        sections = butter(_ORDER, self.cutoff, fs=1.0 / (self.t[1] - self.t[0]), output="sos")
-        return np.asarray(sosfiltfilt(sections, np.interp(self.t, t, y)))
+    def low(self, t: FloatArray, y: FloatArray, derivatives: int = 0) -> list[FloatArray]:
+        """A channel (m,) of times t (m,) on the even ones, low-passed, and so many of its derivatives, (n,) each."""
+        return self.band.filtered(np.interp(self.t, t, y), self.band, derivatives)
 
     def motion(
         self, arm: Arm, log: JointLog, still: FloatArray, joints: Container[str] | None = None
@@ -87,16 +137,13 @@ class Even:
         joints : those that are led along it, by default all that were logged.
         """
         q = np.tile(still, (self.t.size, 1))
-        v, a, interval = np.zeros_like(q), np.zeros_like(q), float(self.t[1] - self.t[0])
+        v, a = np.zeros_like(q), np.zeros_like(q)
         for i, name in enumerate(arm.joints):
             if name in log.position and (joints is None or name in joints):
-                q[:, i] = self.low(log.t, log.position[name])
-                v[:, i] = np.gradient(q[:, i], interval)
-                a[:, i] = np.gradient(v[:, i], interval)
+                q[:, i], v[:, i], a[:, i] = self.low(log.t, log.position[name], 2)
         return q, v, a
 
     def settled(self, most: int | None = None) -> slice:
         """Without the ends, where a filter knows nothing of what comes before and after; some ``most`` of them."""
-        interval, size = float(self.t[1] - self.t[0]), self.t.size
-        edge = min(int(1.0 / (self.cutoff * interval)) + 1, size // 10)
+        size, edge = self.t.size, min(self.band.trimmed.start, self.t.size // 10)
         return slice(edge, size - edge, 1 if most is None else max(1, (size - 2 * edge) // most))

@@ -10,8 +10,8 @@ from scipy.signal import lfilter
 from scipy.stats import chi2
 
 from harness.core.arrays import FloatArray
+from harness.robot.smooth import Band
 from harness.robot.whole_arm.design import evidence
-from harness.robot.whole_arm.differentiate import Band
 from harness.robot.whole_arm.noise import Noise, Stretches
 
 BAND = Band(15.0, 10_001, 1000.0)

@@ -11,7 +11,6 @@ from harness.diagnosis.rules import Rule
 from harness.robot.arm import Arm
 from harness.robot.smooth import Even, moving
 
-_ORIGIN = "python -m benchmarks.robot_calibrate --only match"
 CORRELATED = Rule(
     "correlated",
     0.5,
@@ -74,7 +73,7 @@ class Sampled:
         thin = even.settled(_SAMPLES)
         q, v, a = (y[thin] for y in even.motion(arm, log, np.asarray(arm.model.qpos0, dtype=np.float64)))
         joints = tuple(name for name in moving(arm, log) if name in log.effort)
-        torque = [even.low(log.t, log.effort[name])[thin] for name in joints]
+        torque = [even.low(log.t, log.effort[name])[0][thin] for name in joints]
         dof = tuple(arm.joints.index(name) for name in joints)
         return cls(joints, dof, q, v, a, np.column_stack(torque) if torque else np.empty((q.shape[0], 0)))
 
