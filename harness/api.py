@@ -355,10 +355,6 @@ def load_log(
     )
 
 
-def _names(covariates: Sequence[str] | None) -> tuple[str, ...]:
-    return tuple(one.partition(":")[0] for one in covariates or ())
-
-
 def _recording(given: Recording | File, covariates: tuple[str, ...] = ()) -> Recording:
     from harness.app.shared.reading import ReadOptions, read
 

@@ -316,15 +316,14 @@ def _bars(found: Attribution) -> list[Bar]:
         if name not in hidden
     } | {(name,): share for name, share in rest.items()}
     total = sum(bars.values()) or 1.0
-    return [Bar(of=list(of), name=_name_of(of, found.joined), share=share / total) for of, share in bars.items()]
-
-
-def _name_of(of: Sequence[str], joined: bool) -> str:
-    """Of one bar: "parameters and missing physics"; joined : parameters and engine are one part."""
-    names = [
-        name.replace("_", " ") for name in _PARTS if name in of or (joined and name == "engine" and "parameters" in of)
-    ]
-    return " and ".join([", ".join(names[:-1]), names[-1]] if len(names) > 1 else names)
+    named = []
+    for of, share in bars.items():
+        # a trace alone has parameters and engine as one part
+        shown = {*of, "engine"} if found.joined and "parameters" in of else of
+        *first, last = (name.replace("_", " ") for name in _PARTS if name in shown)
+        name = f"{', '.join(first)} and {last}" if first else last
+        named.append(Bar(of=list(of), name=name, share=share / total))
+    return named
 
 
 def _sentences(found: Attribution, outcome: Outcome) -> list[str]:

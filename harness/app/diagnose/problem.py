@@ -1,6 +1,6 @@
 """A recording made ready to be diagnosed, or refused with the reason.
 
-Both models of a diagnosis on another recording, with nothing fitted but its start.
+And another one, on which both models are tried with nothing fitted but its start.
 """
 
 import shlex
@@ -23,12 +23,140 @@ from harness.diagnosis.baseline.swing_seen import FEWEST_HALF_CYCLES
 from harness.diagnosis.inverse_dynamics.validate import Judge
 from harness.diagnosis.kinds.known import kind_of
 from harness.diagnosis.outcome import Outcome
-from harness.diagnosis.pipeline import prepare
+from harness.diagnosis.pipeline import prepare, prepare_together
 from harness.diagnosis.prepare.driven import is_driven
 from harness.diagnosis.problem import Problem
 from harness.diagnosis.request import Asked
 from harness.model.model import Restoring
 from harness.results.diagnosis import ForceError, ValidationResult
+
+_SWING = 0.03
+"""Smallest swing that counts as a half-cycle, as a share of the channel's range."""
+_RAIL, _RAILS = 0.15, 0.6
+"""Share of the samples at each end of a saturated channel's range, and at both together."""
+_SUSPECT = 1.1
+"""Ratio of one channel to the derivative of another from which it is told: calibrations are better than a tenth."""
+
+
+@dataclass(frozen=True, slots=True)
+class Prepared:
+    """A recording ready to be diagnosed.
+
+    notes : what was done to it. warnings : what looks wrong with it. channels : what each pair says of the other.
+    """
+
+    problem: Problem
+    notes: tuple[str, ...]
+    warnings: tuple[str, ...]
+    channels: tuple[Consistency, ...]
+
+
+def prepared(recording: Recording, options: DiagnoseOptions) -> Prepared:
+    """Channels with their noise, what was asked, and what the recording itself says against it.
+
+    Raises InputError for a recording that cannot be diagnosed, and for options that do not go with it.
+    """
+    if options.horizon is not None and not is_driven(recording):
+        accepted = "it is accepted with a driven recording"
+        raise InputError("--horizon", f"given, but {recording.file} has no measured force", accepted)
+    _refuse(recording)
+    asked = Asked(
+        options.restoring, options.zero_free, options.mass, options.horizon, options.covariates, options.guarded
+    )
+    problem, notes = prepare(recording, asked)
+    channels, warnings = _channels(recording, problem)
+    return Prepared(problem, notes, warnings, channels)
+
+
+def prepared_together(recordings: Sequence[Recording], options: DiagnoseOptions) -> Prepared:
+    """As ``prepared``, recordings of one machine; the channels are those of the first that has two."""
+    for one in recordings:
+        _refuse(one)
+    asked = Asked(options.restoring, options.zero_free, options.mass, guarded=options.guarded)
+    problem, notes = prepare_together(recordings, asked)
+    each = [_channels(one, alone) for one, alone in zip(recordings, problem.alone, strict=True)]
+    warnings = [f"{one.file}: {line}" for one, (_, said) in zip(recordings, each, strict=True) for line in said]
+    return Prepared(problem, notes, tuple(warnings), next((channels for channels, _ in each if channels), ()))
+
+
+def _refuse(recording: Recording) -> None:
+    """Raise InputError for channels that hold no motion, or units that exclude each other."""
+    for name in ("x", "v", "a"):
+        if name not in recording:
+            continue
+        y = recording[name]
+        low, high = float(np.mean(y == y.min())), float(np.mean(y == y.max()))
+        if min(low, high) > _RAIL and low + high > _RAILS:
+            share = f"{100.0 * (low + high):.0f} % of its samples at {y.min():.4g} or {y.max():.4g}"
+            accepted = "a channel mostly within its range is accepted"
+            raise InputError(f"{recording.file}: channel {name}", f"saturated throughout ({share})", accepted)
+    given = {c: recording.units[c] for c in ("x", "a") if recording.units.get(c)}
+    angles = {"rad" in unit or "deg" in unit or "°" in unit for unit in given.values()}
+    if len(angles) == 2:
+        found = f"x in {given['x']} with a in {given['a']}, which cannot belong together"
+        raise InputError(recording.file, found, "both as angles or both as lengths is accepted")
+
+
+def _channels(recording: Recording, problem: Problem) -> tuple[tuple[Consistency, ...], tuple[str, ...]]:
+    """What each pair of channels says of the other, and sentences on units and scales that look wrong.
+
+    Raises InputError for a free decay of fewer than three half-cycles, and for channels that are not of one motion.
+    """
+    name, y = next(iter(problem.channels.items()))
+    if not is_driven(recording):
+        count = _half_cycles(y, problem.noise[name].sigma)
+        if count < FEWEST_HALF_CYCLES:
+            what = f"{count} half-cycle{'' if count == 1 else 's'}"
+            accepted = f"at least {FEWEST_HALF_CYCLES} are accepted"
+            raise InputError(f"{recording.file}: channel {name}", what, accepted)
+    omega = dominant_frequency(problem.t, y)
+    if not 0.0 < omega < 1e300:
+        return (), ()
+    channels = consistency(problem.t, problem.channels, problem.noise, omega, problem.angular)
+    said = []
+    for one in channels:
+        if not one.related:
+            accepted = _turned(recording, one.pair[1]) if one.mirrored else "channels of one motion are accepted"
+            raise InputError(f"{recording.file}: channels {' and '.join(one.pair)}", one.sentence, accepted)
+        gain = one.gain.value
+        if gain is not None and not one.consistent and max(gain, 1.0 / gain) > _SUSPECT:
+            said.append(one.sentence)
+    return channels, tuple(said)
+
+
+def _turned(recording: Recording, channel: str) -> str:
+    """What to paste so that a channel has the other sign."""
+    columns = {c: f"-1*{of}" if c == channel else of for c, of in recording.columns.items()}
+    told = ",".join(f"{c}={of}" for c, of in columns.items()) or f"{channel}=-1*{channel}"
+    return f"try: --columns {shlex.quote(told)}"
+
+
+def _half_cycles(y: FloatArray, sigma: float) -> int:
+    """Swings of a channel (n,) between turning points, those larger than 3 % of its range and than the noise."""
+    swing = max(_SWING * float(np.ptp(y)), 6.0 * sigma)
+    count, sign = 0, 0
+    low = high = float(y[0])
+    for value in y.tolist():
+        if sign <= 0 and value > low + swing:
+            count, sign, high = count + 1, 1, value
+        elif sign >= 0 and value < high - swing:
+            count, sign, low = count + 1, -1, value
+        # while it rises only its top matters, and the other way round
+        low, high = min(low, value), max(high, value)
+    return count
+
+
+@contextmanager
+def errors_of(recording: Recording) -> Iterator[None]:
+    """What could not be simulated, as an error of its recording that says what else may be asked."""
+    try:
+        yield
+    except InputError as error:
+        where = recording.file if error.where == "recording" else error.where
+        raise InputError(where, error.found, error.accepted) from error
+    except SimulationError as error:
+        accepted = "a part of it (--from, --to), or another --restoring or --zero, may be accepted"
+        raise SimulationError(f"{recording.file}: {error}; {accepted}") from error
 
 
 @dataclass(frozen=True, slots=True)
@@ -73,134 +201,3 @@ def validated(found: Validation, outcome: Outcome, options: DiagnoseOptions) -> 
     return ValidationResult(
         file=found.recording.file, baseline_rmse=dict(before), refined_rmse=dict(after), force_rel_error=force
     )
-
-
-_SWING = 0.03
-"""Smallest swing that counts as a half-cycle, as a share of the channel's range."""
-_RAIL, _RAILS = 0.15, 0.6
-"""Share of the samples at each end of a saturated channel's range, and at both together."""
-_SUSPECT = 1.1
-"""Ratio of one channel to the derivative of another from which it is told: calibrations are better than a tenth."""
-
-
-def half_cycles(y: FloatArray, sigma: float) -> int:
-    """Swings of a channel (n,) between turning points, those larger than 3 % of its range and than the noise."""
-    swing = max(_SWING * float(np.ptp(y)), 6.0 * sigma)
-    count, sign = 0, 0
-    low = high = float(y[0])
-    for value in y.tolist():
-        if sign <= 0 and value > low + swing:
-            count, sign, high = count + 1, 1, value
-        elif sign >= 0 and value < high - swing:
-            count, sign, low = count + 1, -1, value
-        # while it rises only its top matters, and the other way round
-        low, high = min(low, value), max(high, value)
-    return count
-
-
-def refuse(recording: Recording) -> None:
-    """Raise InputError for channels that hold no motion, or units that exclude each other."""
-    _refuse_saturated(recording)
-    _refuse_mixed_units(recording)
-
-
-def refuse_few(file: str, problem: Problem) -> None:
-    """Raise InputError for a free decay of fewer than three half-cycles."""
-    name, y = next(iter(problem.channels.items()))
-    found = half_cycles(y, problem.noise[name].sigma)
-    if found < FEWEST_HALF_CYCLES:
-        what = f"{found} half-cycle{'' if found == 1 else 's'}"
-        raise InputError(f"{file}: channel {name}", what, f"at least {FEWEST_HALF_CYCLES} are accepted")
-
-
-def _refuse_saturated(recording: Recording) -> None:
-    for name in ("x", "v", "a"):
-        if name not in recording:
-            continue
-        y = recording[name]
-        low, high = float(np.mean(y == y.min())), float(np.mean(y == y.max()))
-        if min(low, high) > _RAIL and low + high > _RAILS:
-            found = (
-                f"saturated throughout ({100.0 * (low + high):.0f} % of its samples at {y.min():.4g} or {y.max():.4g})"
-            )
-            raise InputError(
-                f"{recording.file}: channel {name}", found, "a channel mostly within its range is accepted"
-            )
-
-
-def _refuse_mixed_units(recording: Recording) -> None:
-    given = {c: recording.units[c] for c in ("x", "a") if recording.units.get(c)}
-    if len(given) == 2:
-        angles = {c: "rad" in unit or "deg" in unit or "°" in unit for c, unit in given.items()}
-        if angles["x"] != angles["a"]:
-            found = f"x in {given['x']} with a in {given['a']}, which cannot belong together"
-            raise InputError(recording.file, found, "both as angles or both as lengths is accepted")
-
-
-def refuse_unrelated(recording: Recording, found: Sequence[Consistency]) -> tuple[str, ...]:
-    """Raise InputError for channels that are not of one motion; sentences on units and scales that look wrong."""
-    said = []
-    for one in found:
-        if not one.related:
-            accepted = _turned(recording, one.pair[1]) if one.mirrored else "channels of one motion are accepted"
-            raise InputError(f"{recording.file}: channels {' and '.join(one.pair)}", one.sentence, accepted)
-        gain = one.gain.value
-        if gain is not None and not one.consistent and max(gain, 1.0 / gain) > _SUSPECT:
-            said.append(one.sentence)
-    return tuple(said)
-
-
-def _turned(recording: Recording, channel: str) -> str:
-    """What to paste so that a channel has the other sign."""
-    columns = {c: f"-1*{of}" if c == channel else of for c, of in recording.columns.items()}
-    told = ",".join(f"{c}={of}" for c, of in columns.items()) or f"{channel}=-1*{channel}"
-    return f"try: --columns {shlex.quote(told)}"
-
-
-@dataclass(frozen=True, slots=True)
-class Prepared:
-    """A recording ready to be diagnosed.
-
-    notes : what was done to it. warnings : what looks wrong with it. channels : what each pair says of the other.
-    """
-
-    problem: Problem
-    notes: tuple[str, ...]
-    warnings: tuple[str, ...]
-    channels: tuple[Consistency, ...]
-
-
-def prepared(recording: Recording, options: DiagnoseOptions) -> Prepared:
-    """Channels with their noise, what was asked, and what the recording itself says against it.
-
-    Raises InputError for a recording that cannot be diagnosed, and for options that do not go with it.
-    """
-    driven = is_driven(recording)
-    if options.horizon is not None and not driven:
-        accepted = "it is accepted with a driven recording"
-        raise InputError("--horizon", f"given, but {recording.file} has no measured force", accepted)
-    refuse(recording)
-    asked = Asked(
-        options.restoring, options.zero_free, options.mass, options.horizon, options.covariates, options.guarded
-    )
-    problem, notes = prepare(recording, asked)
-    if not driven:
-        refuse_few(recording.file, problem)
-    omega = dominant_frequency(problem.t, next(iter(problem.channels.values())))
-    channels = (
-        consistency(problem.t, problem.channels, problem.noise, omega, problem.angular) if 0.0 < omega < 1e300 else ()
-    )
-    return Prepared(problem, notes, refuse_unrelated(recording, channels), channels)
-
-
-@contextmanager
-def errors_of(recording: Recording) -> Iterator[None]:
-    """What could not be simulated, as an error of its recording that says what else may be asked."""
-    try:
-        yield
-    except InputError as error:
-        where = recording.file if error.where == "recording" else error.where
-        raise InputError(where, error.found, error.accepted) from error
-    except SimulationError as error:
-        accepted = "a part of it (--from, --to), or another --restoring or --zero, may be accepted"
-        raise SimulationError(f"{recording.file}: {error}; {accepted}") from error

@@ -8,7 +8,7 @@ import numpy as np
 from harness.app.diagnose.attribution import Configured
 from harness.app.diagnose.files import simulated
 from harness.app.diagnose.options import DiagnoseOptions
-from harness.app.diagnose.problem import Prepared, refuse, refuse_few, refuse_unrelated, validation
+from harness.app.diagnose.problem import prepared_together, validation
 from harness.app.diagnose.result import STEPS, Diagnosed, result_of
 from harness.app.shared.progress import SILENT, Progress
 from harness.app.shared.reading import recording_info, thinned
@@ -16,19 +16,14 @@ from harness.core.errors import InputError
 from harness.core.quantity import Quantity
 from harness.core.recording import Recording
 from harness.core.telling import listening
-from harness.diagnosis.alignment.consistency import Consistency, consistency
-from harness.diagnosis.baseline.base_fit import dominant_frequency
 from harness.diagnosis.fit.rmse import rmse
 from harness.diagnosis.fit.standard_errors import numbers_of
 from harness.diagnosis.outcome import Outcome
 from harness.diagnosis.pipeline import diagnose as conclude
-from harness.diagnosis.pipeline import prepare_together
 from harness.diagnosis.pooling.pooled import differences
 from harness.diagnosis.pooling.repeated import alone_under, parameters_of
-from harness.diagnosis.prepare.driven import is_driven
 from harness.diagnosis.problems.forces_together import ForcesTogether
 from harness.diagnosis.problems.together import Together
-from harness.diagnosis.request import Asked
 from harness.estimate.repeated import repeated
 from harness.model.elsewhere import named
 from harness.results.common import P, RepeatedResult
@@ -111,7 +106,7 @@ def investigate_together(
     _refuse_options(options)
     progress("base fit and search", 1, STEPS)
     recordings = [thinned(one) for one in recordings]
-    ready = _prepared(recordings, options)
+    ready = prepared_together(recordings, options)
     problem = ready.problem
     assert isinstance(problem, Together | ForcesTogether)
     with np.errstate(over="ignore", invalid="ignore"), listening(progress):
@@ -131,31 +126,11 @@ def investigate_together(
 
 def _refuse_options(options: DiagnoseOptions) -> None:
     """Raise InputError for what belongs to one recording."""
-    for option, value in (("--model", options.model), ("--sim", options.sim)):
-        if value is not None:
-            accepted = "it is accepted with one recording, whose mismatch is divided"
-            raise InputError("--together", f"given with {option}", accepted)
-    for option, given in (("--horizon", options.horizon is not None), ("--covariate", bool(options.covariates))):
-        if given:
-            raise InputError("--together", f"given with {option}", "it is accepted with one driven recording")
-
-
-def _prepared(recordings: Sequence[Recording], options: DiagnoseOptions) -> Prepared:
-    for one in recordings:
-        refuse(one)
-    asked = Asked(options.restoring, options.zero_free, options.mass, guarded=options.guarded)
-    problem, notes = prepare_together(recordings, asked)
-    warnings: list[str] = []
-    channels: tuple[Consistency, ...] = ()
-    for one, alone in zip(recordings, problem.alone, strict=True):
-        if not is_driven(one):
-            refuse_few(one.file, alone)
-        omega = dominant_frequency(alone.t, next(iter(alone.channels.values())))
-        if 0.0 < omega < 1e300:
-            found = consistency(alone.t, alone.channels, alone.noise, omega, alone.angular)
-            warnings += [f"{one.file}: {said}" for said in refuse_unrelated(one, found)]
-            channels = channels or found
-    return Prepared(problem, notes, tuple(warnings), channels)
+    for name in ("model", "sim", "horizon", "covariates"):
+        if getattr(options, name) not in (None, ()):
+            one = "recording, whose mismatch is divided" if name in ("model", "sim") else "driven recording"
+            found = f"given with --{name.removesuffix('s')}"
+            raise InputError("--together", found, f"it is accepted with one {one}")
 
 
 def _laid(recordings: Sequence[Recording], problem: Together | ForcesTogether, outcome: Outcome) -> Recording:
