@@ -25,7 +25,7 @@ MAY: dict[str, frozenset[str]] = {
     "engines": frozenset({"core", "model", "kernels"}),
     "fidelity": frozenset({"core", "exact", "estimate", "engines.base"}),
     "diagnosis": frozenset({"core", "model", "kernels", "fit", "estimate"}),
-    "robot": frozenset({"core", "model", "engines", "fit", "estimate", "diagnosis"}),
+    "robot": frozenset({"core", "model", "engines", "fit", "diagnosis"}),
     "proof": frozenset({"core"}),
     "io": frozenset({"core"}),
     "show": frozenset({"core", "results", "fidelity"}),

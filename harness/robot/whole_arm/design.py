@@ -175,7 +175,7 @@ class Design:
         self.parts, self.named = parts, tuple(named)
         ends = np.cumsum([0, *(int(np.sum(part.stretches.kept)) for part in parts.values())]).tolist()
         self.at = {j: slice(*both) for j, both in zip(parts, pairwise(ends), strict=True)}
-        self.rows = rows = ends[-1]
+        rows = ends[-1]
         blocks = [({j: part.white(part.base)}, part.spread) for j, part in parts.items()]
         blocks += [(one.columns, one.candidate.spread) for one in self.named]
         lasts = np.cumsum([0, *(spread.size for _, spread in blocks)]).tolist()
@@ -247,7 +247,7 @@ class Design:
         return total / nominal
 
     def beyond(self, columns: FloatArray) -> FloatArray:
-        """What columns (rows, c) have that those of the model have not."""
+        """What columns (n, c), n at most all rows, have that those of the model have not."""
         basis = self._u[: columns.shape[0]]
         return np.asarray(columns - basis @ (basis.T @ columns))
 

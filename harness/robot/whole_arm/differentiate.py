@@ -9,7 +9,6 @@ import numpy as np
 from harness.core.arrays import BoolArray, FloatArray
 from harness.core.errors import InputError
 from harness.core.robot.joint_log import JointLog
-from harness.estimate.noise import quantisation_step
 from harness.robot.arm import Arm
 from harness.robot.smooth import Band, rests, white_sd
 from harness.robot.whole_arm.rules import EITHER_WAY, GUARD, LEAST_SAMPLES, RESTING, STICKS, SURE
@@ -24,6 +23,8 @@ _HELD, _ABOVE, _LOWEST, _HIGHEST = 0.99, 5.0, 10.0, 20.0
 """The filter passes five times the frequency below which 99 % of the velocities' power lies, within 10 to 20 Hz."""
 _MOTION = 25.0
 """Hz: what is faster is no motion of an arm."""
+_OFF, _STEPPED = 0.1, 0.9
+"""Of a step: nearer to a whole multiple, more than this share of changes are an encoder's."""
 _NOISES = 3.0
 """Standard deviations of a position that scatters about one place."""
 _COLUMNS, _FIT = 9.0, 3.0
@@ -152,7 +153,7 @@ def differentiate(
         good &= (t < log.t[gap] - reach) | (t > log.t[gap + 1] + reach)
     quanta, speeds, still = [], [], []
     for i, name in zip(dof, names, strict=True):
-        quantum, noise = quantisation_step(log.position[name]), white_sd(q[:, i])
+        quantum, noise = _quantum(log.position[name]), white_sd(q[:, i])
         level = max(2.0 * noise**2 / rate, quantum**2 / 12.0 * 2.0 / rate)
         quanta.append(quantum)
         speeds.append(math.sqrt(level * (2 * math.pi) ** 2 * cut**3 / 3.0))
@@ -206,3 +207,17 @@ def _lowpass(file: str, q: FloatArray, rate: float, given: float | None) -> floa
     share = np.cumsum(power) / max(float(np.sum(power)), 1e-300)
     held = float(f[min(int(np.searchsorted(share, _HELD)), f.size - 1)])
     return min(max(_ABOVE * held, _LOWEST), _HIGHEST, most)
+
+
+def _quantum(q: FloatArray) -> float:
+    """The least step of a position, which is an encoder's where most steps are whole multiples of it; else 0.
+
+    A fine encoder shows hardly a level twice, so that no ladder of levels tells it.
+    """
+    steps = np.abs(np.diff(q))
+    steps = steps[steps > 1e-12]
+    if not steps.size:
+        return 0.0
+    least = float(np.quantile(steps, 0.01))
+    whole = np.abs(steps / least - np.round(steps / least)) < _OFF
+    return least if float(np.mean(whole)) > _STEPPED else 0.0
