@@ -17,10 +17,10 @@ from benchmarks.mutation import LAST, TOO_LONG
 
 ROOT = Path(__file__).resolve().parents[1]
 LEAST = 95
-PLAIN_PARTS = ("parts", "part_limits", "part_figures", "noise", "saturation", "estimators")
+PLAIN_PARTS = ("noise", "saturation", "estimators")
 QUICK_PLAIN = (
     *("samples_that_do_not_count", "doubted_as_far", "white_and_of_unit", "right_to_first_order"),
-    *("implicit_steps_own", "smoothing_of_a_cubic", "inverse_force_is", "test_locate_force"),
+    *("implicit_steps_own", "smoothing_of_a_cubic", "test_force_partials", "test_implied_states"),
 )
 TESTS: Mapping[str, tuple[tuple[str, ...], tuple[str, ...]]] = {
     "exact": (("tests/exact",), ("tests/exact",)),
@@ -33,15 +33,10 @@ TESTS: Mapping[str, tuple[tuple[str, ...], tuple[str, ...]]] = {
         ("tests/diagnosis", "tests/app", "tests/robot", "tests/show"),
         ("tests/diagnosis", "-k", " or ".join(QUICK_PLAIN)),
     ),
-    "engines": (("tests/engines",), ("tests/engines/test_engine_realise.py", "-k", "pybullet")),
+    "engines": (("tests/engines",), ("tests/engines/test_engine_terms.py", "-k", "pybullet")),
 }
 """By room, what is run compiled and what is run plain."""
-LONG = {
-    "diagnosis": (
-        *("-m", "full", "tests/diagnosis/test_fitted_force_grades.py", "tests/diagnosis/test_release.py"),
-        *("tests/diagnosis/test_together.py", "tests/diagnosis/test_driven_recordings.py"),
-    )
-}
+LONG = {"diagnosis": ("-m", "full", "tests/diagnosis")}
 """And what is left out of every day's tests because it takes long."""
 OPTIONAL = {"drake.py": "pydrake", "newton.py": "newton", "physx.py": "physx", "physx_world.py": "physx"}
 UNSEEN = ("engines/mujoco/callback.py", "engines/elsewhere/worker.py")

@@ -31,10 +31,10 @@ def _tests(of: str, *names: str) -> tuple[str, ...]:
     return tuple(f"tests/{of}/test_{name}.py" for name in names)
 
 
-HELD = _tests("estimate", "part_limits", "part_figures", "figures")
-ESTIMATE = _tests("estimate", "parts", "estimators", "noise", "acceleration_estimator", "smeared_jumps", "paper")
-RULES = _tests("diagnosis", "rules", "grading")
-DECIDED = _tests("diagnosis", "friction_split", "decisions")
+HELD = _tests("estimate", "figures")
+ESTIMATE = _tests("estimate", "estimators", "noise", "acceleration_estimator", "smeared_jumps", "paper")
+RULES = _tests("diagnosis", "rules", "two_laws")
+DECIDED = _tests("diagnosis", "grading")
 DECIDE = ("verdict", "grading/grade", "grading/misfit", "grading/first_turn", "grading/friction_split")
 TARGETS = {
     **{
@@ -42,7 +42,7 @@ TARGETS = {
         for file in sorted((ROOT / "harness" / "estimate").glob("*.py"))
     },
     "harness/estimate/saturation.py": (HELD, _tests("estimate", "saturation")),
-    "harness/diagnosis/rules.py": (_tests("diagnosis", "rules"), (*DECIDED, *_tests("diagnosis", "grading"))),
+    "harness/diagnosis/rules.py": (_tests("diagnosis", "rules"), DECIDED),
     **{f"harness/diagnosis/{name}.py": (DECIDED, RULES) for name in DECIDE},
 }
 """What is changed, and the tests that must notice: those that see nearly all, and quickly, and all others."""

@@ -9,58 +9,100 @@ import pytest
 from rebuilt import is_rebuilt
 
 import harness
-from harness.kernels.solve import solve
+from harness.app.diagnose.options import DiagnoseOptions
+from harness.app.diagnose.many import diagnose_together
+from harness.core.arrays import FloatArray
+from harness.core.errors import InputError
+from harness.diagnosis.request import AskedCovariate
+from harness.kernels.solve import Drive, solve
 from harness.model.model import Model
 from harness.results import generate
 from harness.results.diagnosis import DiagnosisResult
 
-Done = tuple[DiagnosisResult, Path]
+Done = tuple[DiagnosisResult, list[Path]]
 STARTS, ZEROS = (0.1, 0.05), (0.01, -0.02)
+DRIVEN_ZEROS, BEGINS = (0.0, 0.003), (0.0, 5.0)
+WAVES = (((6.0, 3.1), (4.0, 7.3), (3.0, 14.0)), ((5.0, 2.3), (5.0, 6.1), (3.0, 11.0)))
 
 
-def written(folder: Path) -> list[tuple[Path, str]]:
+def _saved(path: Path, header: str, *columns: FloatArray) -> Path:
+    np.savetxt(path, np.column_stack(columns), "%.9g", ",", header=header, comments="")
+    return path
+
+
+def _released(folder: Path, i: int) -> Path:
     """The same slider from 100 mm and from 50 mm, the second with 5 % more inertia."""
     t = np.linspace(0.0, 4.0, 521)
-    found = []
-    for i, (x0, zero, m) in enumerate(zip(STARTS, ZEROS, (1.0, 1.05), strict=True)):
-        x = solve(Model(m, 0.25, 100.0, 0.35, x0=x0), t).x
-        x += zero + 1e-4 * np.random.default_rng(i).standard_normal(t.size)
-        path = folder / f"decay-{i}.csv"
-        np.savetxt(path, np.column_stack((t, x)), "%.9g", ",", header="t,x", comments="")
-        found.append((path, str(path)))
-    return found
+    x = solve(Model((1.0, 1.05)[i], 0.25, 100.0, 0.35, x0=STARTS[i]), t).x + ZEROS[i]
+    return _saved(folder / f"decay-{i}.csv", "t,x", t, x + 1e-4 * np.random.default_rng(i).standard_normal(t.size))
+
+
+def _driven(folder: Path, i: int) -> Path:
+    """The same slider under two forces, the second with 10 % more on it, its zero moved and its clock at 5 s."""
+    draw, t = np.random.default_rng(i), np.arange(1504) / 250.0
+    u = np.sum([a * np.sin(w * t + i) for a, w in WAVES[i]], axis=0)
+    x = solve(Model((2.0, 2.2)[i], 3.0, 80.0, 1.5), t, drive=Drive(t, u)).x + DRIVEN_ZEROS[i]
+    noisy = (x + 2e-6 * draw.standard_normal(t.size), u + 0.05 * draw.standard_normal(t.size))
+    return _saved(folder / f"drive-{i}.csv", "t,x,u", t + BEGINS[i], *noisy)
+
+
+def _heavier(result: DiagnosisResult, files: list[Path], by: float, errors: float, most: float) -> None:
+    assert [Path(one.file).name for one in result.recordings] == [file.name for file in files]
+    first, second = (one.differs for one in result.own)
+    assert first == []
+    (said,) = second
+    what, value, _, error, *rest = said.split()
+    assert what == "inertia"
+    assert abs(float(value) - by) < errors * float(error) < most
+    assert " ".join(rest) == f"% above that of {files[0]}"
 
 
 @pytest.fixture(scope="module")
-def done(tmp_path_factory: pytest.TempPathFactory) -> Done:
+def released(tmp_path_factory: pytest.TempPathFactory) -> Done:
     folder = tmp_path_factory.mktemp("together")
-    files = [path for path, _ in written(folder)]
-    return harness.diagnose(files, zero="free", engines=("mujoco",), out=folder / "out"), folder
+    files = [_released(folder, i) for i in range(2)]
+    return harness.diagnose(files, zero="free", engines=("mujoco",), out=folder / "out"), files
 
 
-def test_each_has_its_own_and_the_second_is_heavier(done: Done) -> None:
-    result, folder = done
-    assert [Path(one.file).name for one in result.recordings] == ["decay-0.csv", "decay-1.csv"]
+@pytest.fixture(scope="module")
+def driven(tmp_path_factory: pytest.TempPathFactory) -> Done:
+    folder = tmp_path_factory.mktemp("driven")
+    files = [_driven(folder, i) for i in range(2)]
+    options = DiagnoseOptions(engines=("mujoco",))
+    return diagnose_together([(file, str(file)) for file in files], options, folder / "out"), files
+
+
+def test_each_decay_has_its_own_and_the_second_is_heavier(released: Done) -> None:
+    result, files = released
+    _heavier(result, files, 5.0, errors=4.0, most=0.4)
     for one, x0, zero in zip(result.own, STARTS, ZEROS, strict=True):
         assert one.start["x0"].value == pytest.approx(x0, abs=1e-3)
         assert one.zero is not None
         assert one.zero.value == pytest.approx(zero, abs=1e-4)
         assert one.noise["x"] == pytest.approx(1e-4, rel=0.15)
         assert one.rmse["x"] == pytest.approx(1e-4, rel=0.15)
-    first, second = (one.differs for one in result.own)
-    assert first == []
-    assert len(second) == 1
-    what, value, _, error, *rest = second[0].split()
-    assert what == "inertia"
-    assert abs(float(value) - 5.0) < 4.0 * float(error) < 0.4
-    assert " ".join(rest) == f"% above that of {folder / 'decay-0.csv'}"
     assert result.engines["mujoco"].refined_rmse["x"] == pytest.approx(1e-4, rel=0.3)
 
 
-def test_every_parameter_has_its_error_within_and_its_spread_between(done: Done) -> None:
+def test_each_drive_has_its_own_and_the_second_is_heavier(driven: Done) -> None:
+    result, files = driven
+    assert result.verdict == "adequate"
+    _heavier(result, files, 10.0, errors=3.0, most=1.0)
+    for one, zero in zip(result.own, DRIVEN_ZEROS, strict=True):
+        assert one.start["x0"].value == pytest.approx(0.0, abs=1e-3)
+        assert one.zero is not None
+        assert one.zero.value == pytest.approx(zero, abs=3e-4)
+        assert one.noise["x"] == pytest.approx(2e-6, rel=0.3)
+        assert one.rmse["x"] < 1e-3
+    assert result.own[0].begins_s == 0.0
+    assert result.own[1].begins_s > 6.0
+    # the engine has the mass of each in its own windows
+    assert result.engines["mujoco"].refined_rmse["x"] == pytest.approx(result.refined.rmse["x"], rel=0.2)
+
+
+def test_every_parameter_has_its_error_within_and_its_spread_between(released: Done) -> None:
     """5 % more inertia is 2.4 % less omega_n and zeta; x_k, friction over stiffness, is the same."""
-    result, _ = done
-    omega, x_k = result.together["omega_n"], result.together["x_k"]
+    omega, x_k = released[0].together["omega_n"], released[0].together["x_k"]
     assert omega.between == pytest.approx(10.0 * (1.0 - 1.05**-0.5) / 2.0**0.5, rel=0.05)
     assert omega.within < 0.05 * omega.between < (omega.value.stderr or 0.0)
     assert x_k.between < 3.0 * x_k.within
@@ -68,17 +110,22 @@ def test_every_parameter_has_its_error_within_and_its_spread_between(done: Done)
     assert not x_k.outliers
 
 
-def test_what_is_left_is_whole_and_valid(done: Done) -> None:
-    result, folder = done
-    document = json.loads((folder / "out" / "result.json").read_text())
+@pytest.mark.parametrize(("name", "begins"), [("released", (0.0, 0.0)), ("driven", BEGINS)])
+def test_what_is_left_is_valid_and_the_trace_alone_gives_the_page(
+    name: str, begins: tuple[float, float], request: pytest.FixtureRequest, tmp_path: Path
+) -> None:
+    result, files = request.getfixturevalue(name)
+    document = json.loads((files[0].parent / "out" / "result.json").read_text())
     jsonschema.validate(document, json.loads((generate.FOLDER / "harness.diagnosis-2.json").read_text()))
     rows = np.loadtxt(result.files["refined_trace"], delimiter=",", skiprows=1)
-    header = Path(result.files["refined_trace"]).read_text().splitlines()[0]
-    assert header == "recording,t,x"
-    assert set(rows[:, 0]) == {1.0, 2.0}
-    assert rows[rows[:, 0] == 2.0][0, 1] == 0.0
-
-
-def test_the_trace_alone_gives_the_page(done: Done, tmp_path: Path) -> None:
-    result, _ = done
+    assert Path(result.files["refined_trace"]).read_text().splitlines()[0] == "recording,t,x"
+    for number, begin in enumerate(begins, 1):
+        assert rows[rows[:, 0] == number][0, 1] == begin
     is_rebuilt(result, tmp_path / "page.html", "2 recordings of one machine")
+
+
+def test_what_acts_beside_the_force_belongs_to_one_recording(driven: Done) -> None:
+    files = [(path, str(path)) for path in driven[1]]
+    for options in (DiagnoseOptions(covariates=(AskedCovariate("P"),)), DiagnoseOptions(horizon=2.0)):
+        with pytest.raises(InputError, match="--together: given with --"):
+            diagnose_together(files, options)

@@ -133,22 +133,6 @@ def assert_chi2_says_what_is_left(outcome: Outcome) -> None:
     assert (refined - 1.0) / (base - 1.0) == pytest.approx(outcome.remainder.share, rel=1e-6)
 
 
-@pytest.mark.full
-def test_one_law_among_what_nobody_measured_comes_first() -> None:
-    outcome = said((TURNED,), 0.2)
-    # an unseen force that lasts leaves few independent strokes: with less than the rule asks for, a list of one
-    assert outcome.verdict in ("main_effect", "one_of")
-    first = outcome.mechanisms[0]
-    assert first.name == "asymmetric-viscous"
-    assert first.grade in (Grade.MAIN, Grade.ONE_OF)
-    assert first.share is not None
-    assert first.share > 0.6
-    assert first.held_out is not None
-    assert first.held_out.refined_rmse["u"] < 0.9 * first.held_out.baseline_rmse["u"]
-    assert outcome.refined.model.terms[0].values[0] == pytest.approx(1.2, rel=0.1)
-    assert_chi2_says_what_is_left(outcome)
-
-
 @pytest.fixture(scope="module")
 def apart() -> ForceSearch:
     """One law among what nobody measured, as if its force had said enough for one name."""

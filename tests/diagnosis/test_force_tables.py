@@ -8,32 +8,20 @@ import pytest
 
 from benchmarks.calibrate.force_tables import Moved, left_of, moved
 from harness.core.arrays import BoolArray, FloatArray
-from harness.core.recording import Recording
-from harness.diagnosis.baseline.base_fit import driven_baseline
-from harness.diagnosis.explain.verdict_sentence import sentence_of
 from harness.diagnosis.fit.parameters import base_of
-from harness.diagnosis.grading.misfit import misfit
-from harness.diagnosis.grading.prediction import held_out, ratio
-from harness.diagnosis.outcome import Grade
-from harness.diagnosis.pipeline import diagnose, prepare
-from harness.diagnosis.problems.driven import Driven
+from harness.diagnosis.grading.prediction import ratio
 from harness.diagnosis.problems.free_decay import FreeDecay
 from harness.diagnosis.problems.together import Together
-from harness.diagnosis.request import Asked
 from harness.diagnosis.tables.basis import RUNGS, Rung, basis_of, over_plane, partials
 from harness.diagnosis.tables.curve import table_of
 from harness.diagnosis.tables.drawn import plane_described, surface_of
 from harness.diagnosis.tables.fitted import TableFit
 from harness.diagnosis.tables.force_step import ForceLeft
-from harness.diagnosis.tables.selection import comes_back, returns, tabulated
+from harness.diagnosis.tables.selection import comes_back, returns
 from harness.estimate.noise import Noise
-from harness.kernels.solve import Drive, solve
 from harness.model.beyond import beyond
 from harness.model.covariate import Acts, Covariate
-from harness.model.model import Model, ModelTerm
-from harness.model.registry import TERMS
 from harness.model.spline import SIDE
-from harness.model.term import Slot
 
 SEED, MAGNET, DAMPING = 2, 4, 2
 """Draws with a magnet along the way, and with damping that depends on the place."""
@@ -210,42 +198,3 @@ def test_a_plane_is_said_in_words(force: object, words: str) -> None:
     side = np.linspace(-1.0, 1.0, 21)
     x, v = np.meshgrid(side, side)
     assert words in plane_described(side, side, force(x, v), np.ones(x.shape, dtype=np.bool_), "m")
-
-
-@pytest.mark.full
-def test_what_has_no_name_is_modelled_where_a_force_is_fitted() -> None:
-    machine, _ = seen(MAGNET)
-    outcome = diagnose(left_of(machine)[1])
-    assert outcome.verdict in ("unexplained", "one_of", "main_effect")
-    (table,) = outcome.tables
-    assert table.form == "f(x)"
-    one = next(m for m in outcome.mechanisms if m.grade is Grade.TABULATED)
-    assert one.held_out is not None
-    assert one.held_out.refined_rmse["u"] < 0.3 * one.held_out.baseline_rmse["u"]
-    # its motion, too, over windows of which none took part
-    assert outcome.holdout.refined_rmse["x"] < 0.3 * outcome.holdout.baseline_rmse["x"]
-    assert outcome.remainder is not None
-    assert outcome.remainder.over_noise < 3.0
-    assert "as a table that takes" in sentence_of(outcome)
-    assert "table-better" in {rule.name for rule in outcome.rules}
-
-
-@pytest.mark.full
-def test_a_driven_motion_that_is_followed_has_the_same_rungs() -> None:
-    term = next(t for t in TERMS if t.known is not None and t.known.of == "x" and t.slot is Slot.SMOOTH)
-    knots = np.random.default_rng(1).uniform(-0.6, 0.6, 12)
-    truth = Model(2.0, 3.0, 80.0, 1.5).with_terms(ModelTerm(term, (*knots.tolist(), -0.35, 0.35)))
-    t = np.arange(2500) / 125.0
-    u = np.sum([a * np.sin(w * t + p) for a, w, p in ((6.0, 3.1, 0.3), (4.0, 7.3, 1.1), (5.0, 5.2, 2.0))], axis=0)
-    x = solve(truth, t, drive=Drive(t, u)).x
-    problem, _ = prepare(
-        Recording(t, {"x": x + 2e-5 * np.random.default_rng(2).standard_normal(t.size), "u": u}), Asked()
-    )
-    assert isinstance(problem, Driven)
-    base, scales = driven_baseline(problem)
-    found = misfit(problem, base, scales)
-    before = held_out(found.base, found.problem, found.scales, found.strokes)
-    assert before is not None
-    kept = tabulated(found, found.base.model, base_of(found.base.free), before)
-    assert kept[0].rung.said == "f(x)"
-    assert ratio(kept[0].held, before) < 0.3

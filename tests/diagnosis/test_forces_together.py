@@ -19,8 +19,7 @@ from harness.diagnosis.inverse_dynamics.force_fit import fit_force
 from harness.diagnosis.inverse_dynamics.measured import BLOCK, Measured
 from harness.diagnosis.inverse_dynamics.prepare import forces_together
 from harness.diagnosis.inverse_dynamics.strokes import force_words
-from harness.diagnosis.outcome import Outcome
-from harness.diagnosis.pipeline import diagnose, prepare_together
+from harness.diagnosis.pipeline import prepare_together
 from harness.diagnosis.pooling.forces import shared_forces
 from harness.diagnosis.pooling.pooled import Pooled, differences
 from harness.diagnosis.problems.forces_together import ForcesTogether
@@ -167,25 +166,6 @@ def test_what_was_not_measured_moves_as_its_own_force_pushed_it() -> None:
     for at in problem.places:
         y = problem.channels["x"][at]
         assert float(np.std(shown[at] - y)) < 0.02 * float(np.std(y))
-
-
-def names(outcome: Outcome) -> list[str]:
-    return [m.name for m in outcome.mechanisms]
-
-
-HIDDEN = [
-    (SPRUNG, ModelTerm.named("cubic-stiffness", k3=2000.0)),
-    (AXIS, ModelTerm.named("stribeck", f_s=2.5, v_s=0.1)),
-]
-
-
-@pytest.mark.full
-@pytest.mark.parametrize(("base", "law"), HIDDEN, ids=lambda one: one.term.name if isinstance(one, ModelTerm) else "")
-def test_what_is_missing_in_both_is_named(base: Model, law: ModelTerm) -> None:
-    outcome = diagnose(together(pair(base.with_terms(law)), base.restoring))
-    assert names(outcome)[0] == law.term.name
-    assert outcome.pooled is not None
-    assert outcome.pooled.own == ()
 
 
 def resting() -> Recording:

@@ -4,11 +4,9 @@ from importlib.metadata import EntryPoint
 from typing import Any
 
 import pytest
-from engine_cases import decay
 
 from harness.core.errors import InputError, SimulationError
 from harness.engines import registry
-from harness.engines.base import Task
 
 
 @pytest.mark.usefixtures("pybullet")
@@ -20,17 +18,6 @@ def test_the_engines_of_the_house_are_registered() -> None:
 
 def point(name: str, value: str) -> EntryPoint:
     return EntryPoint(name, value, registry.GROUP)
-
-
-def test_a_third_party_engine_is_found_and_run(monkeypatch: pytest.MonkeyPatch) -> None:
-    found = (point("mine", "engine_third_party:Mine"), point("gone", "no_such_package:Engine"))
-    monkeypatch.setattr(registry, "entry_points", lambda group: found)
-    assert registry.names() == ("gone", "mine")
-    trace = registry.load("mine").simulate(Task(decay(), dt=0.01))
-    assert trace.source.name == "mine"
-    state = registry.available()
-    assert state["mine"] is None
-    assert state["gone"] == "engine gone: not installed (No module named 'no_such_package')"
 
 
 def test_what_is_no_engine_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:

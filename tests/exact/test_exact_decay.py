@@ -244,26 +244,6 @@ def test_higher_break_away_sticks_earlier_at_the_same_turning_points() -> None:
             lambda: free_decay(Scenario("hold", PAPER, action=Hold(1.0)), np.array([0.0, 1.0])),
             "scenario hold: an acting force or belt; a free decay is accepted",
         ),
-        (
-            lambda: fill_at(Decay(1, 0.1, 0.1), np.array([0.0, 2.0, 1.0]), *np.empty((3, 3))),
-            "free decay: t, row 3: 1 s; times that do not decrease are accepted",
-        ),
-        (
-            lambda: fill_at(Decay(1, 0.1, 0.1), np.array([math.nan, 2.0]), *np.empty((3, 2))),
-            "free decay: t, row 1: nan s; times that do not decrease are accepted",
-        ),
-        (
-            lambda: fill_uniform(Decay(1, 0.1, 0.1), math.nan, 0.1, *np.empty((3, 4))),
-            "free decay: t0: nan; a finite number is accepted",
-        ),
-        (
-            lambda: fill_uniform(Decay(1, 0.1, 0.1), 0.0, 0.0, *np.empty((3, 4))),
-            "free decay: dt: 0; a number above 0 s is accepted",
-        ),
-        (
-            lambda: fill_uniform(Decay(1, 0.1, 0.1), 0.0, 0.1, np.empty(4), np.empty(3), np.empty(4)),
-            "free decay: arrays: an array of float64, shape (3,); contiguous float64 of shape (4,) is accepted",
-        ),
     ],
 )
 def test_bad_input(build: object, message: str) -> None:

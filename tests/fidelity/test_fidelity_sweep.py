@@ -2,10 +2,8 @@
 
 import json
 import math
-import signal
 import subprocess
 import sys
-import time
 from collections import Counter
 from collections.abc import Iterator
 from concurrent.futures import Future
@@ -17,7 +15,6 @@ from typing import Any
 import pytest
 import sweep_deaths
 from dask_cluster import two_workers
-from interruptible import listening
 from jsonschema import Draft202012Validator
 
 from harness.app.shared.pool import Cluster, LocalPool
@@ -27,12 +24,9 @@ from harness.app.sweep.parts import Parts, failed_row
 from harness.app.sweep.sweep import SweepOptions, sweep
 from harness.core.errors import HarnessError, StoreError
 from harness.core.writing import explained
-from harness.engines import registry
-from harness.fidelity.matrix import Matrix
 from harness.results.generate import schema_text
 from harness.results.sweep import SweepResult, SweepRow
 
-SUPPORT = str(Path(__file__).resolve().parents[1] / "support")
 SMALL = SweepOptions(("mujoco", "pybullet"), ("joint",), (), (2e-3,), jobs=2)
 """Every setting of the joint route at one step, what ships at its own step too."""
 
@@ -155,52 +149,6 @@ def test_a_cluster_without_workers_is_not_waited_for_without_end(
         list(completed([sweep_deaths.spec(1)], Cluster("tcp://far:1"), sweep_deaths.light, failed_row))
 
 
-INTERRUPTED = """
-import sys, tempfile
-from pathlib import Path
-sys.path.insert(0, {tests!r})
-import sweep_deaths
-from harness.app.sweep import sweep as room
-from harness.cli.main import _say, _explained
-room.PART_S = 0.5
-class Fixed:
-    def specs(self, engines): return iter([sweep_deaths.spec(n) for n in range(100)])
-    def size(self, engines): return 100
-room.SweepOptions.matrix = property(lambda self: Fixed())
-if __name__ == "__main__":
-    try:
-        room.sweep(room.SweepOptions(("mujoco",), jobs=2), Path(sys.argv[1]), function=sweep_deaths.sleepy)
-    except BaseException as error:
-        sys.exit(_say(*_explained(error)))
-"""
-
-
-@pytest.mark.parametrize("kind", [signal.SIGINT])
-def test_an_interruption_leaves_a_folder_to_resume(kind: signal.Signals, tmp_path: Path) -> None:
-    program, out = tmp_path / "program.py", tmp_path / "out"
-    program.write_text(INTERRUPTED.format(tests=SUPPORT))
-    run = subprocess.Popen(
-        [sys.executable, str(program), str(out)],
-        stderr=subprocess.PIPE,
-        text=True,
-        preexec_fn=listening,  # noqa: PLW1509
-    )
-    deadline = time.monotonic() + 60.0
-    # the first thirty are quick
-    while time.monotonic() < deadline and (not list(out.glob("rows/part-*.parquet")) or len(rows_of(out)) < 30):
-        time.sleep(0.1)
-    run.send_signal(kind)
-    _, said = run.communicate(timeout=30.0)
-    assert run.returncode == 130
-    kept = len(rows_of(out))
-    assert (
-        said
-        == f"harness: interrupted; {kept} of 100 rows are kept, the same command with --resume --out {out} goes on\n"
-    )
-    assert 30 <= kept <= 40
-    assert not list(out.glob("rows/.*"))
-
-
 def test_a_full_disk_keeps_what_was_done(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     written: list[int] = []
     write = Parts.write
@@ -227,16 +175,6 @@ def test_a_full_disk_keeps_what_was_done(tmp_path: Path, monkeypatch: pytest.Mon
 def test_a_scheduler_that_does_not_answer_is_said() -> None:
     with pytest.raises(HarnessError, match="no scheduler answers"):
         Cluster("tcp://127.0.0.1:9", timeout_s=0.2)
-
-
-def test_random_suites_are_the_same_every_time_and_differ_from_each_other() -> None:
-    engines = {"mujoco": registry.load("mujoco")}
-    matrix = Matrix(("joint",), ("tuned",), (2e-3,), sliders=3)
-    keys = [spec.key for spec in matrix.specs(engines)]
-    assert keys == [spec.key for spec in matrix.specs(engines)]
-    assert (
-        len(set(keys)) == len(keys) == matrix.size(engines) == 4 * Matrix(("joint",), ("tuned",), (2e-3,)).size(engines)
-    )
 
 
 # ---- on a cluster

@@ -1,18 +1,10 @@
 """Scenarios by name and parameters, and one that is added."""
 
-import sys
-from pathlib import Path
-
 import pytest
 
-from harness.app.run.run import RunOptions, run
 from harness.core.scenario import FREE_DECAY, Hold
-from harness.engines import registry
 from harness.exact.decay import Decay, schedule
-from harness.fidelity import scenarios
-from harness.fidelity.kind import chosen, kinds
-from harness.fidelity.matrix import Matrix
-from harness.fidelity.row import run_row
+from harness.fidelity.kind import chosen
 
 
 def test_without_parameters_it_is_the_papers_case() -> None:
@@ -48,6 +40,7 @@ def test_values_change_what_a_scenario_is_about() -> None:
     hold = chosen("hold-50", {"f_k": 5.0, "duration": 2.0})
     assert hold.action == Hold(2.5)
     assert hold.duration == 2.0
+<<<<<<< HEAD
 
 
 NEW = '''"""A load of 80 % of break-away."""
@@ -79,3 +72,5 @@ def test_a_file_adds_a_scenario_to_run_and_sweep(tmp_path: Path, monkeypatch: py
     finally:
         kinds.cache_clear()
         sys.modules.pop(f"{scenarios.__name__}.hold_80", None)
+=======
+>>>>>>> 83e189c (Delete what other tests say, and say twice what was said in two files once)

@@ -11,9 +11,7 @@ import jsonschema
 import numpy as np
 import pytest
 import scipy.io
-from hypothesis import HealthCheck, given, settings
-from hypothesis import strategies as st
-from joint_logs import HOLED, ONE, Message, Motion, bag1, bag2, csv, lerobot, messages, motion, parquet, short_of, two
+from joint_logs import HOLED, ONE, Message, Motion, bag1, bag2, csv, lerobot, messages, motion, parquet, short_of
 
 from harness.cli.main import run
 from harness.core.errors import InputError
@@ -172,30 +170,6 @@ def test_what_a_name_says(name: str, wanted: tuple[str, str, int] | None) -> Non
     assert (found and (found.field, found.joint, found.number)) == wanted
 
 
-@settings(max_examples=30, suppress_health_check=[HealthCheck.function_scoped_fixture])
-@given(
-    st.integers(50, 90),
-    st.lists(st.text("abcxyz_12", min_size=1, max_size=8).filter(str.strip), min_size=1, max_size=4, unique=True),
-    st.integers(0, 10**6),
-    st.sampled_from(["csv", "parquet"]),
-)
-def test_a_random_log_read_back_is_equal(tmp_path: Path, n: int, joints: list[str], seed: int, suffix: str) -> None:
-    draw = np.random.default_rng(seed)
-    one = Motion(np.cumsum(draw.uniform(1e-3, 1e-1, n)), *({j: draw.normal(size=n) for j in joints} for _ in KINDS))
-    write = csv if suffix == "csv" else parquet
-    path = write(tmp_path / f"log.{suffix}", {"t": one.t, **one.columns()})
-    if suffix == "parquet":
-        from harness.io.logs.raw import LogOptions
-        from harness.io.logs.tables import raw_of_file
-
-        raw = raw_of_file(path, LogOptions())  # what runs in a process of its own elsewhere: here without one
-        assert {kind: list(of) for kind, of in raw.fields.items()} == dict.fromkeys(KINDS, joints)
-        for kind in KINDS:
-            assert all(np.array_equal(raw.fields[kind][j], getattr(one, kind)[j]) for j in joints)  # type: ignore[index]
-        return
-    same(read_joint_log(path), one)
-
-
 def test_joints_of_the_model_are_chosen_by_name_and_give_names_where_there_are_none(tmp_path: Path) -> None:
     by_name = csv(tmp_path / "a.csv", {"t": ONE.t, **ONE.columns()})
     found = read_joint_log(by_name, joints=["elbow", "finger"])
@@ -305,17 +279,6 @@ def test_a_velocity_in_another_unit_is_said(tmp_path: Path, factor: float, said:
     assert f"The velocity of shoulder and elbow is {said}" in noted(tmp_path, odd)
 
 
-@given(st.floats(0.02, 1.0), st.floats(0.0, 0.05), st.integers(0, 1000))
-@settings(max_examples=20)
-def test_the_ratio_is_found_under_noise_and_offset(scale: float, noise: float, seed: int) -> None:
-    from harness.io.logs.suspicions import ratio
-
-    draw = np.random.default_rng(seed)
-    q, v = ONE.position["elbow"], ONE.velocity["elbow"]
-    measured = scale * (v + 0.3) + draw.normal(0.0, noise * scale, v.size)
-    assert ratio(ONE.t, q + draw.normal(0.0, 0.01, q.size), measured) == pytest.approx(scale, rel=0.02)
-
-
 def test_degrees_are_said_and_read_when_told(tmp_path: Path) -> None:
     odd = replace(ONE, position={joint: np.degrees(q) for joint, q in ONE.position.items()}, velocity={})
     assert "degrees look so; --angle-unit deg reads them as such" in noted(tmp_path, odd)
@@ -400,16 +363,3 @@ def test_the_robot_recordings(recordings: Path) -> None:
     assert len(arm.joints) == 6
     assert not arm.effort
     assert any("comes in steps of 0.0767 rad/s" in note for note in arm.notes)
-
-
-def test_the_table_for_people_is_within_its_width(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
-) -> None:
-    monkeypatch.setenv("COLUMNS", "80")
-    monkeypatch.chdir(tmp_path)
-    two(tmp_path / "a")
-    assert run(["log", "a"]) == 0
-    out = capfd.readouterr().out
-    assert max(len(line) for line in out.splitlines()) <= 80
-    assert "/left/joint_states" in out
-    assert "/rosout" in out

@@ -3,6 +3,7 @@
 import gzip
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import h5py
 import numpy as np
@@ -30,68 +31,26 @@ def rows(separator: str = ",", decimal: str = ".") -> str:
     return separator.join(COLUMNS) + "\n" + "\n".join(lines) + "\n"
 
 
-def csv(path: Path) -> Path:
-    path.write_text(rows())
-    return path
-
-
-def csv_windows(path: Path) -> Path:
-    path.write_bytes(b"\xef\xbb\xbf" + rows().replace("\n", "\r\n").encode())
-    return path
-
-
-def csv_old_mac(path: Path) -> Path:
-    path.write_bytes(rows().replace("\n", "\r").encode())
-    return path
-
-
-def csv_german(path: Path) -> Path:
-    path.write_text(rows(";", ","))
-    return path
-
-
-def csv_gz(path: Path) -> Path:
-    path.write_bytes(gzip.compress(rows().encode()))
-    return path
-
-
-def blanks(path: Path) -> Path:
-    path.write_text("\n".join("   " + line for line in rows("   ").splitlines()))
-    return path
-
-
-def tabs(path: Path) -> Path:
-    path.write_text(rows("\t"))
-    return path
-
-
-def saved_by_numpy(path: Path) -> Path:
+def _saved_by_numpy(path: Path) -> None:
     np.savetxt(path, np.stack(list(COLUMNS.values()), axis=1), header=" ".join(COLUMNS), fmt="%.17g")
-    return path
 
 
-def parquet(path: Path) -> Path:
-    pq.write_table(pa.table(COLUMNS), path)
-    return path
+def _of(data: bytes) -> Callable[[Path], object]:
+    return lambda path: path.write_bytes(data)
 
 
-def npz(path: Path) -> Path:
-    np.savez(path, **COLUMNS)  # type: ignore[arg-type]
-    return path
-
-
-FORMATS: list[tuple[str, Callable[[Path], Path]]] = [
-    ("a.csv", csv),
-    ("a.csv", csv_windows),
-    ("a.csv", csv_old_mac),
-    ("a.csv", csv_german),
-    ("a.csv.gz", csv_gz),
-    ("a.txt", blanks),
-    ("a.dat", saved_by_numpy),
-    ("a.tsv", tabs),
-    ("a.parquet", parquet),
-    ("a.npz", npz),
-]
+FORMATS: dict[str, tuple[str, Callable[[Path], object]]] = {
+    "csv": ("a.csv", _of(rows().encode())),
+    "windows": ("a.csv", _of(b"\xef\xbb\xbf" + rows().replace("\n", "\r\n").encode())),
+    "old mac": ("a.csv", _of(rows().replace("\n", "\r").encode())),
+    "german": ("a.csv", _of(rows(";", ",").encode())),
+    "packed": ("a.csv.gz", _of(gzip.compress(rows().encode()))),
+    "blanks": ("a.txt", _of("\n".join("   " + line for line in rows("   ").splitlines()).encode())),
+    "saved by numpy": ("a.dat", _saved_by_numpy),
+    "tabs": ("a.tsv", _of(rows("\t").encode())),
+    "parquet": ("a.parquet", lambda path: pq.write_table(pa.table(COLUMNS), path)),
+    "npz": ("a.npz", lambda path: np.savez(path, **COLUMNS)),  # type: ignore[arg-type]
+}
 
 
 def check(recording: Recording) -> None:
@@ -101,9 +60,11 @@ def check(recording: Recording) -> None:
     assert not recording.angular
 
 
-@pytest.mark.parametrize(("name", "write"), FORMATS, ids=[f"{w.__name__}" for _, w in FORMATS])
-def test_every_format_gives_the_same_recording_in_si(tmp_path: Path, name: str, write: Callable[[Path], Path]) -> None:
-    path = write(tmp_path / name)
+@pytest.mark.parametrize("kind", FORMATS)
+def test_every_format_gives_the_same_recording_in_si(tmp_path: Path, kind: str) -> None:
+    name, write = FORMATS[kind]
+    path = tmp_path / name
+    write(path)
     recording = read_recording(path)
     check(recording)
     assert dict(recording.units) == {"t": "ms", "x": "mm", "a": "g", "u": "lbf"}
@@ -183,16 +144,12 @@ def edited(change: Callable[[list[str]], None], header: str = "t,x") -> str:
     return "\n".join(lines) + "\n"
 
 
-def put(line: int, text: str) -> Callable[[list[str]], None]:
-    return lambda lines: lines.__setitem__(line, text)
+def put(line: int, text: str) -> str:
+    return edited(lambda lines: lines.__setitem__(line, text))
 
 
-def cut(count: int) -> Callable[[list[str]], None]:
-    return lambda lines: lines.__delitem__(slice(count + 1, None))
-
-
-def nothing(lines: list[str]) -> None:
-    pass
+def headed(header: str) -> str:
+    return edited(lambda lines: None, header)
 
 
 def backwards(lines: list[str]) -> None:
@@ -204,97 +161,61 @@ def blank_line(lines: list[str]) -> None:
     lines[9] = "0.035,oops"
 
 
-REFUSED: list[tuple[str, str, str, ReadOptions]] = [
-    (
-        "no time",
-        edited(nothing, "row,x"),
-        'no time among the columns row, x; try: --columns "t=row,x=x"',
-        ReadOptions(),
-    ),
-    ("time and rate", edited(nothing), "--rate: given although a column", ReadOptions(rate=100.0)),
-    ("no channel", edited(nothing, "t,y"), 'the columns t, y; try: --columns "t=t,x=y"', ReadOptions()),
-    (
-        "time goes back",
-        edited(backwards),
-        "row 102 (line 103), column t: time 0.5 s does not come after 0.5 s",
-        ReadOptions(),
-    ),
-    ("49 samples", edited(cut(49)), "49 samples; at least 50", ReadOptions()),
-    ("two samples", edited(cut(2)), "2 samples; at least 50", ReadOptions()),
-    ("no samples", edited(cut(0)), "0 rows under the header", ReadOptions()),
-    ("empty file", "", "no rows", ReadOptions()),
-    ("nan", edited(put(12, "0.055,nan")), "row 12 (line 13), column x: no value or nan", ReadOptions()),
-    ("infinite", edited(put(12, "0.055,-inf")), "row 12 (line 13), column x: -inf; a finite number", ReadOptions()),
-    ("infinite time", edited(put(12, "inf,1")), "row 12 (line 13), column t: inf", ReadOptions()),
-    ("empty cell", edited(put(12, "0.055,")), "row 12 (line 13), column x: no value or nan", ReadOptions()),
-    ("text", edited(put(7, "0.03,high")), "row 7 (line 8), column x: the text 'high'; a number", ReadOptions()),
-    ("text after a blank line", edited(blank_line), "row 8 (line 10), column x: the text 'oops'", ReadOptions()),
-    ("ragged", edited(put(7, "0.03,1,2")), "row 7 (line 8): 3 cells; 2, as in the first row", ReadOptions()),
-    (
-        "constant",
-        "t,x\n" + "".join(f"{t},1.5\n" for t in T),
-        "column x: the constant 1.5; a channel that moves",
-        ReadOptions(),
-    ),
-    (
-        "no unit",
-        edited(nothing, "t,x [blub]"),
-        "column x: 'blub' is not a unit; a unit of length or angle",
-        ReadOptions(),
-    ),
-    (
-        "wrong dimension",
-        edited(nothing, "t,x [kg]"),
-        "column x: 'kg' is a unit of another kind (kilogram)",
-        ReadOptions(),
-    ),
-    (
-        "volts",
-        edited(nothing, "t,x [V]"),
-        "'V' is a unit of another kind (a voltage); a unit of length or angle such as m, mm, rad or deg is accepted for"
-        " x; a sensor's or a motor's own scale brings it, as \"x=#2*0.01[m]\" in --columns",
-        ReadOptions(),
-    ),
-    ("time in metres", edited(nothing, "t [m],x"), "column t: 'm' is a unit of another kind (meter)", ReadOptions()),
-    ("percent", edited(nothing, "t,x [%]"), "is a unit of another kind (a pure number)", ReadOptions()),
-    ("mil", edited(nothing, "t,x [mil]"), "'mil' is a length to some and an angle to others; thou", ReadOptions()),
-    ("rd", edited(nothing, "t,v [Rd/s]"), "'Rd/s' is a length to some and an angle to others; rad", ReadOptions()),
-    ("gram", edited(nothing, "t,x [g]"), "'g' is a unit of another kind (kilogram)", ReadOptions()),
-    ("temperature", edited(nothing, "t,x [degC]"), "'degC' is a unit of another kind (kelvin)", ReadOptions()),
-    ("empty unit", edited(nothing, "t,x []"), "'' is not a unit", ReadOptions()),
-    ("no such column", edited(nothing), "column qm: no such column; t, x are accepted", ReadOptions(columns="x=qm")),
-    ("no such position", edited(nothing), "column #3: no such column; #1 to #2", ReadOptions(columns="x=#3")),
-    ("twice", edited(nothing, "x,x"), "2 columns of this name; one of #1, #2", ReadOptions(columns="x=x", rate=1.0)),
-    (
-        "cut to nothing",
-        edited(nothing),
-        "0 samples between --from and --to (the file runs from 0 s to 1.995 s)",
+PLAIN = headed("t,x")
+ANOTHER = "is a unit of another kind"
+VOLTS = """'V' is a unit of another kind (a voltage); a unit of length or angle such as m, mm, rad or deg is accepted \
+for x; a sensor's or a motor's own scale brings it, as "x=#2*0.01[m]" in --columns"""
+ANGLES = "angle, rate, duration\n90, 1000, 5\n" + "".join(f"{90.0 - i * i}\n" for i in range(60))
+REFUSED: dict[str, tuple[Any, ...]] = {
+    "no time": (headed("row,x"), 'no time among the columns row, x; try: --columns "t=row,x=x"'),
+    "time and rate": (PLAIN, "--rate: given although a column", ReadOptions(rate=100.0)),
+    "no channel": (headed("t,y"), 'the columns t, y; try: --columns "t=t,x=y"'),
+    "time goes back": (edited(backwards), "row 102 (line 103), column t: time 0.5 s does not come after 0.5 s"),
+    "49 samples": (edited(lambda lines: lines.__delitem__(slice(50, None))), "49 samples; at least 50"),
+    "no samples": ("t,x\n", "0 rows under the header"),
+    "empty file": ("", "no rows"),
+    "nan": (put(12, "0.055,nan"), "row 12 (line 13), column x: no value or nan"),
+    "infinite": (put(12, "0.055,-inf"), "row 12 (line 13), column x: -inf; a finite number"),
+    "infinite time": (put(12, "inf,1"), "row 12 (line 13), column t: inf"),
+    "empty cell": (put(12, "0.055,"), "row 12 (line 13), column x: no value or nan"),
+    "text": (put(7, "0.03,high"), "row 7 (line 8), column x: the text 'high'; a number"),
+    "text after a blank line": (edited(blank_line), "row 8 (line 10), column x: the text 'oops'"),
+    "ragged": (put(7, "0.03,1,2"), "row 7 (line 8): 3 cells; 2, as in the first row"),
+    "constant": ("t,x\n" + "".join(f"{t},1.5\n" for t in T), "column x: the constant 1.5; a channel that moves"),
+    "no unit": (headed("t,x [blub]"), "column x: 'blub' is not a unit; a unit of length or angle"),
+    "wrong dimension": (headed("t,x [kg]"), f"column x: 'kg' {ANOTHER} (kilogram)"),
+    "volts": (headed("t,x [V]"), VOLTS),
+    "time in metres": (headed("t [m],x"), f"column t: 'm' {ANOTHER} (meter)"),
+    "percent": (headed("t,x [%]"), f"{ANOTHER} (a pure number)"),
+    "mil": (headed("t,x [mil]"), "'mil' is a length to some and an angle to others; thou"),
+    "rd": (headed("t,v [Rd/s]"), "'Rd/s' is a length to some and an angle to others; rad"),
+    "gram": (headed("t,x [g]"), f"'g' {ANOTHER} (kilogram)"),
+    "temperature": (headed("t,x [degC]"), f"'degC' {ANOTHER} (kelvin)"),
+    "empty unit": (headed("t,x []"), "'' is not a unit"),
+    "no such column": (PLAIN, "column qm: no such column; t, x are accepted", ReadOptions(columns="x=qm")),
+    "no such position": (PLAIN, "column #3: no such column; #1 to #2", ReadOptions(columns="x=#3")),
+    "twice": (headed("x,x"), "2 columns of this name; one of #1, #2", ReadOptions(columns="x=x", rate=1.0)),
+    "cut to nothing": (
+        PLAIN,
+        "0 samples between --from and --to (the file runs from 0 s to 1.995",
         ReadOptions(start=9.0),
     ),
-    (
-        "an ending that says the unit",
-        edited(nothing, "t_s,x1_rad"),
-        'try: --columns "t=t_s,x=x1_rad[rad]"',
-        ReadOptions(),
-    ),
-    (
-        "lines before the table",
-        "arm 3\nDate: 4 May, 10:00\n\n" + edited(nothing),
+    "an ending that says the unit": (headed("t_s,x1_rad"), 'try: --columns "t=t_s,x=x1_rad[rad]"'),
+    "lines before the table": (
+        "arm 3\nDate: 4 May, 10:00\n\n" + PLAIN,
         "line 1: 1 cell, where the rows from line 5 on have 2; try: --skip-rows 3",
-        ReadOptions(),
     ),
-    (
-        "lines before numbers without names",
-        "angle, rate, duration\n90, 1000, 5\n" + "".join(f"{90.0 - i * i}\n" for i in range(60)),
+    "lines before numbers without names": (
+        ANGLES,
         'line 1: 3 cells, where the rows from line 3 on have 1; try: --columns "x=#1" --skip-rows 2 --rate HZ',
-        ReadOptions(),
     ),
-    ("all skipped", edited(nothing), "--skip-rows: 999 of", ReadOptions(skip_rows=999)),
-]
+    "all skipped": (PLAIN, "--skip-rows: 999 of", ReadOptions(skip_rows=999)),
+}
 
 
-@pytest.mark.parametrize(("content", "message", "options"), [r[1:] for r in REFUSED], ids=[r[0] for r in REFUSED])
-def test_refused_by_name(tmp_path: Path, content: str, message: str, options: ReadOptions) -> None:
+@pytest.mark.parametrize("case", REFUSED)
+def test_refused_by_name(tmp_path: Path, case: str) -> None:
+    content, message, options = (*REFUSED[case], ReadOptions())[:3]
     path = tmp_path / "a.csv"
     path.write_text(content)
     with pytest.raises(InputError) as caught:

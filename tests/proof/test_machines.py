@@ -2,12 +2,9 @@
 
 import json
 import math
-import subprocess
-import sys
 from collections.abc import Mapping
 from dataclasses import replace
 from functools import cache
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -15,12 +12,11 @@ import pytest
 from scipy.optimize import least_squares
 
 from benchmarks.recordings import score as command
-from benchmarks.recordings.__main__ import chosen_kinds, main
 from benchmarks.recordings.driven import DRIVEN
 from harness.core.arrays import FloatArray
-from harness.core.errors import InputError, SimulationError
+from harness.core.errors import SimulationError
 from harness.proof.machines.cases import SHARES, SMALL, TABLE_SHARES, Messy, _control, draw
-from harness.proof.machines.kinds import CONTROL, FREE, MAIN, TABLE, UNNAMED, Job, plan, possible
+from harness.proof.machines.kinds import CONTROL, FREE, MAIN, TABLE, UNNAMED, Job
 from harness.proof.machines.made import Made, csv_text, made, truth
 from harness.proof.machines.rigs import draw_rig
 from harness.proof.machines.score import Claim, right, score
@@ -36,10 +32,8 @@ SEED = 4711
 DRAWN = {
     "cart": Job(0, MAIN, FREE["cart"], "viscoelastic"),
     "arm": Job(1, MAIN, FREE["spring-arm"], "quadratic-drag"),
-    "wheel": Job(2, MAIN, FREE["torsion-wheel"], "quadratic-stiffness"),
     "pendulum": Job(3, MAIN, FREE["encoder-pendulum"], "asymmetric-viscous"),
     "control": Job(4, CONTROL, FREE["spring-arm"], ""),
-    "rubber": Job(5, CONTROL, FREE["rubber-stage"], ""),
     "table": Job(6, TABLE, FREE["spring-arm"], "alien-magnet-well"),
     "unknown": Job(7, UNNAMED, FREE["servo-pendulum"], "alien-parametric-stiffness"),
     "axis": Job(8, MAIN, DRIVEN["spring-axis"], "cubic-stiffness"),
@@ -75,17 +69,6 @@ def test_every_name_can_be_built_and_drawn() -> None:
         assert EFFECTS[name].families[0] in set(FAMILY.values())
 
 
-def test_a_draw_is_the_same_in_another_process_and_another_with_another_seed(tmp_path: Path) -> None:
-    told = ["machines", "--count", "1", "--controls", "0", "--kind", "rubber-stage", "--jobs", "1", "--seed"]
-    outs = [tmp_path / "here", tmp_path / "there"]
-    assert main([*told, "7", "--out", str(outs[0])]) == 0
-    command = [sys.executable, "-m", "benchmarks.recordings", *told, "7", "--out", str(outs[1])]
-    subprocess.run(command, check=True, capture_output=True)
-    for name in ("000.csv", "truth.json"):
-        assert (outs[0] / name).read_bytes() == (outs[1] / name).read_bytes()
-    assert made(SEED + 1, DRAWN["wheel"]).recording != job_made("wheel").recording
-
-
 def refitted(case: Messy, effects: Any) -> float:
     """Squares that SciPy's own fit of the base leaves of the true motion, channels by their weights."""
     rig, b = case.rig, case.rig.base
@@ -106,7 +89,7 @@ def refitted(case: Messy, effects: Any) -> float:
     return float(2.0 * found.cost)
 
 
-@pytest.mark.parametrize("name", ["cart", "arm", "wheel", "pendulum", "table"])
+@pytest.mark.parametrize("name", ["cart", "arm", "pendulum", "table"])
 def test_shares_are_those_of_an_independent_refit(name: str) -> None:
     case = case_of(name)
     rest = {other: values for other, values in case.effects.items() if other != case.main}
@@ -118,13 +101,12 @@ def test_shares_are_those_of_an_independent_refit(name: str) -> None:
 
 
 def test_a_control_has_no_main_effect_and_none_above_half() -> None:
-    for name in ("control", "rubber"):
-        answer = job_made(name).answer
-        assert answer["dominant"] is None
-        assert answer["share"] is None
-        assert all(part <= SMALL for part in answer["minor"].values())
-        drawn = {"sensor-gain"} if "gain" in answer["nuisances"] else set()
-        assert set(answer["may_name"]) <= set(answer["minor"]) | drawn
+    answer = job_made("control").answer
+    assert answer["dominant"] is None
+    assert answer["share"] is None
+    assert all(part <= SMALL for part in answer["minor"].values())
+    drawn = {"sensor-gain"} if "gain" in answer["nuisances"] else set()
+    assert set(answer["may_name"]) <= set(answer["minor"]) | drawn
 
 
 def test_the_law_of_what_is_left_sums_it_up_and_one_of_another_kind_does_not() -> None:
@@ -167,7 +149,7 @@ def test_the_answer_says_what_is_in_the_file(name: str) -> None:
         assert set(answer["plant"]) == {answer["dominant"], *answer["minor"]}
 
 
-@pytest.mark.parametrize("name", ["arm", "cart", "wheel", "control"])
+@pytest.mark.parametrize("name", ["arm", "cart", "control"])
 def test_noise_steps_and_stamps_are_as_stated(name: str) -> None:
     case = case_of(name)
     rig, answer = case.rig, truth(case)
@@ -221,28 +203,6 @@ def test_the_stepped_pendulum_is_that_of_the_plant(x_k: float) -> None:
     assert x == pytest.approx(exact.x, abs=2e-4)
     assert v == pytest.approx(exact.v, abs=2e-3)
     assert np.median(np.abs(a - exact.a)) < 5e-3
-
-
-def test_kinds_take_turns_and_every_name_has_its_machine() -> None:
-    jobs = plan(list(FREE.values()), 240, 300, 60, 0, SEED)
-    assert jobs == plan(list(FREE.values()), 240, 300, 60, 0, SEED) != plan(list(FREE.values()), 240, 300, 60, 0, 1)
-    assert [job.index for job in jobs] == list(range(600))
-    for group, count in ((MAIN, 240), (CONTROL, 300), (UNNAMED, 60)):
-        here = [job.kind.name for job in jobs if job.group == group]
-        assert len(here) == count
-        assert {here.count(kind) for kind in FREE} <= {count // 8, count // 8 + 1}
-    assert {job.main for job in jobs if job.group == MAIN} == set(OF_MACHINES) - {"static-friction"}
-    assert all(job.main in possible(job.kind, job.group) for job in jobs)
-
-
-def test_bad_requests_are_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    with pytest.raises(InputError, match="effect: sensor-lag; one of stribeck"):
-        draw(FREE["spring-arm"], "sensor-lag", np.random.default_rng(0))
-    with pytest.raises(InputError, match="--kind: robot; free, driven or one of spring-arm"):
-        chosen_kinds(["robot"])
-    (tmp_path / "full").write_text("")
-    assert main(["machines", "--seed", "1", "--out", str(tmp_path)]) == 2
-    assert "a new or empty folder is accepted" in capsys.readouterr().err
 
 
 def result(verdict: str, *mechanisms: dict[str, Any], after: float = 0.5) -> dict[str, Any]:
@@ -313,19 +273,6 @@ def test_figures_count_what_they_say() -> None:
     founded = score(truths, said)
     assert (hits(founded, "claimed"), hits(founded, "unfounded")) == (1, 0)
     assert list(command.misses(truths, said))[-1] == "e: control () called impulse (summed up by impulse 71 %)"
-
-
-def test_the_scorer_is_a_command(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    found = {**result("main_effect", {"name": "impulse", "grade": "main"}), "recording": {"file": "/there/a.csv"}}
-    (tmp_path / "results.json").write_text(json.dumps([found]))
-    answer = {"dominant": "impulse", "family": "environment", "share": 0.8, "minor": {}, "kind": "cart"}
-    (tmp_path / "truth.json").write_text(json.dumps({"a.csv": answer}))
-    told = [str(tmp_path / "results.json"), str(tmp_path / "truth.json")]
-    assert command.main([*told, "--json", str(tmp_path / "figures.json")]) == 0
-    assert "main effect named: 1 of 1, 100.0 % (2.5 to 100.0 %)" in capsys.readouterr().out
-    assert json.loads((tmp_path / "figures.json").read_text())["named"]["hits"] == 1
-    assert command.main([str(tmp_path / "truth.json"), told[1]]) == 2
-    assert "no results; the JSON of harness diagnose" in capsys.readouterr().err
 
 
 def test_a_gain_that_is_all_of_a_control_may_be_named() -> None:

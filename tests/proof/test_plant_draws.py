@@ -3,17 +3,14 @@
 import json
 import math
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
 
-from benchmarks.recordings.__main__ import main, plan
-from harness.core.errors import InputError
 from harness.proof.plant.base import Base
 from harness.proof.plant.base_fit import Seen, fit_decay, fit_simulated, replayed, whiten
 from harness.proof.plant.cases import Case, draw, truth
-from harness.proof.plant.effects import ALIENS, KINDS, compatible
+from harness.proof.plant.effects import ALIENS, KINDS
 from harness.proof.plant.hidden import Noise, build, regions
 from harness.proof.plant.integrate import simulate
 
@@ -134,46 +131,3 @@ def test_a_recorded_force_is_replayed() -> None:
     law = replayed(t, np.sin(5.0 * t), 5.0).law
     at = np.linspace(0.0, 2.0, 1777)
     assert [law(s, 0.0, 0.0) for s in at] == pytest.approx(list(np.sin(5.0 * at)), abs=1e-6)
-
-
-@pytest.mark.parametrize(
-    ("kind", "told", "message"),
-    [
-        ("stiction", {}, "kind: stiction; control or one of stribeck"),
-        (("presliding", "regularised-friction"), {}, "two effects that can act together are accepted"),
-        ("control", {"setting": "orbit"}, "setting: orbit; one of decay"),
-        ("control", {"noise": "pink"}, "noise: pink; white, coloured, quantised or mixed is accepted"),
-    ],
-)
-def test_bad_requests_are_refused(kind: str | tuple[str, ...], told: dict[str, str], message: str) -> None:
-    with pytest.raises(InputError) as caught:
-        draw(kind, np.random.default_rng(0), **told)
-    assert message in str(caught.value)
-
-
-def test_the_plan_holds_what_was_asked_for_in_an_order_of_its_seed() -> None:
-    hidden = plan(["stribeck", "impulse"], 3, 4, 5, 7, seed=1)
-    assert len(hidden) == 2 * 3 + 4 + 5 + 7
-    assert hidden.count(()) == 4
-    assert all(compatible(*pair) for pair in hidden if len(pair) == 2)
-    assert hidden == plan(["stribeck", "impulse"], 3, 4, 5, 7, seed=1)
-    assert hidden != plan(["stribeck", "impulse"], 3, 4, 5, 7, seed=2)
-
-
-def test_command_writes_recordings_and_answers(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    kinds = ("--kinds", "impulse", "pendulum-stiffness", "--controls", "1")
-    told = ["bench", "--out", str(tmp_path / "draws"), "--seed", "5", *kinds]
-    assert main([*told, "--jobs", "1"]) == 0
-    answers = json.loads((tmp_path / "draws" / "truth.json").read_text())
-    assert sorted(answers) == ["000.csv", "001.csv", "002.csv"]
-    for file, answer in answers.items():
-        lines = (tmp_path / "draws" / file).read_text().splitlines()
-        assert len(lines) == answer["points"] + 1
-        angular = answer["mechanisms"] == ["pendulum-stiffness"]
-        plain = ",".join(["t", *answer["channels"]])
-        assert lines[0].replace(" [rad]", "").replace(" [rad/s^2]", "") == plain
-        assert ("[rad" in lines[0]) == angular
-        assert float(lines[-1].split(",")[0]) == pytest.approx(answer["duration"], rel=1e-8)
-    capsys.readouterr()
-    assert main(told) == 2
-    assert "a new or empty folder is accepted" in capsys.readouterr().err

@@ -9,13 +9,11 @@ from small_proof import STUB
 
 from harness.app.prove.prove import ProveOptions, prove
 from harness.app.prove.verify import verify_proof
-from harness.proof.drawing import drawn, name_of
 from harness.proof.machines.kinds import CONTROL, FREE, MAIN, UNNAMED
-from harness.proof.plan import FULL, MACHINE, MACHINES, SHORT_MACHINES, Job, Sizes, plan
+from harness.proof.plan import FULL, MACHINE, MACHINES, SHORT_MACHINES, Sizes, plan
 from harness.proof.tally import OURS, tally
 
 SEED = 2**101 + 7
-WHEEL = Job(5, MAIN, MACHINE, ("quadratic-drag",), "torsion-wheel", "")
 
 
 def test_half_of_the_machines_are_controls() -> None:
@@ -41,16 +39,6 @@ def test_sizes_are_chosen_with_a_word() -> None:
     assert ProveOptions.chosen({}, machines=True).sizes == MACHINES
     assert ProveOptions.chosen({}, machines=True, short=True).sizes == SHORT_MACHINES
     assert ProveOptions.chosen({}, machines=True).baselines == ()
-
-
-def test_a_machine_is_drawn_again_from_seed_and_place() -> None:
-    first = drawn(SEED, WHEEL)
-    assert drawn(SEED, WHEEL) == first
-    assert first.name == name_of(SEED, 5)
-    assert first.recording.startswith(b"t [s],v [deg/s]\n")
-    assert first.answer["mechanisms"] == ["quadratic-drag"]
-    assert first.answer["arguments"][:2] == ["--restoring", "spring"]
-    assert (first.answer["group"], first.answer["source"], first.answer["setting"]) == (MAIN, MACHINE, "torsion-wheel")
 
 
 def test_a_proof_of_machines_is_sealed_and_verified(

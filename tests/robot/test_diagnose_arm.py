@@ -6,6 +6,7 @@ from pathlib import Path
 import mujoco
 import numpy as np
 import pytest
+from two_joint_arm import ARM, moved
 
 import harness
 from harness.app.report.rebuild import rebuild
@@ -14,15 +15,7 @@ from harness.core.quantity import Quantity
 from harness.robot.whole_arm.whole import within_sample
 
 F_K, C = (0.8, 0.3), (0.4, 0.1)
-ARM = """
-<mujoco><option gravity="0 0 -9.81"/><worldbody>
-  <body name="upper"><joint name="shoulder" axis="0 1 0"/>
-    <geom type="capsule" fromto="0 0 0 .4 0 0" size=".04" mass="2"/>
-    <body name="lower" pos=".4 0 0"><joint name="elbow" axis="0 1 0"/>
-      <geom type="capsule" fromto="0 0 0 .3 0 0" size=".03" mass="1"/></body>
-  </body>
-</worldbody></mujoco>
-"""
+COLUMNS = "shoulder.position,shoulder.effort,elbow.position,elbow.effort"
 
 
 @pytest.fixture(scope="module")
@@ -30,28 +23,10 @@ def case(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """An arm and a log of 20 s at 250 Hz, torque by inverse dynamics with Coulomb and viscous friction, 1 % noise."""
     folder = tmp_path_factory.mktemp("arm")
     (folder / "arm.xml").write_text(ARM)
-    model = mujoco.MjModel.from_xml_string(ARM)
-    data = mujoco.MjData(model)
-    t = np.arange(5000) / 250.0
-    q, v, a = (np.zeros((t.size, 2)) for _ in range(3))
-    for j, waves in enumerate((((0.7, 0.23, 0.0), (0.2, 0.71, 1.0)), ((0.9, 0.31, 0.5), (0.25, 0.83, 2.0)))):
-        for size, hertz, phase in waves:
-            w = 2.0 * np.pi * hertz
-            q[:, j] += size * np.sin(w * t + phase)
-            v[:, j] += size * w * np.cos(w * t + phase)
-            a[:, j] -= size * w * w * np.sin(w * t + phase)
-    torque = np.zeros_like(q)
-    for i in range(t.size):
-        data.qpos[:], data.qvel[:], data.qacc[:] = q[i], v[i], a[i]
-        mujoco.mj_inverse(model, data)
-        torque[i] = data.qfrc_inverse
-    torque += np.sign(v) * F_K + v * C
+    t, q, _, torque = moved(5000, 250.0, F_K, C)
     torque += 0.01 * np.std(torque, axis=0) * np.random.default_rng(5).standard_normal(torque.shape)
-    columns, names = [t], ["t"]
-    for j, joint in enumerate(("shoulder", "elbow")):
-        columns += [q[:, j], torque[:, j]]
-        names += [f"{joint}.position", f"{joint}.effort"]
-    np.savetxt(folder / "log.csv", np.column_stack(columns), delimiter=",", header=",".join(names), comments="")
+    table = np.column_stack((t, q[:, 0], torque[:, 0], q[:, 1], torque[:, 1]))
+    np.savetxt(folder / "log.csv", table, delimiter=",", header=f"t,{COLUMNS}", comments="")
     return folder
 
 
@@ -84,19 +59,6 @@ def test_friction_comes_back_and_goes_into_the_model(case: Path) -> None:
     assert again.read_text(encoding="utf-8") == page
 
 
-def test_a_joint_without_effort_is_refused_in_one_line(case: Path, capfd: pytest.CaptureFixture[str]) -> None:
-    rows = np.loadtxt(case / "log.csv", delimiter=",", skiprows=1)
-    names = "t,shoulder.position,shoulder.effort,elbow.position"
-    path = case / "half.csv"
-    np.savetxt(path, rows[:, :4], delimiter=",", header=names, comments="")
-    line = ["diagnose", str(path), "--robot", str(case / "arm.xml"), "--joint", "elbow", "--out", str(case / "half")]
-    assert run([*line, "--quiet"]) == 2
-    said = capfd.readouterr().err
-    assert said.count("\n") == 1
-    assert "elbow" in said
-    assert not (case / "half").exists()
-
-
 def test_the_library_says_what_the_command_says(case: Path) -> None:
     found = harness.diagnose_joint(case / "log.csv", case / "arm.xml", "shoulder")
     assert found.robot is not None
@@ -115,16 +77,20 @@ def test_what_lies_within_a_sample_is_no_delay(delay: float, stderr: float, held
     assert within_sample(Quantity(delay, stderr, "s"), 250.0) is held
 
 
-def test_a_joint_that_stands_still_is_refused_with_those_that_move(
-    case: Path, capfd: pytest.CaptureFixture[str]
+@pytest.mark.parametrize("kind", ["without effort", "still"])
+def test_a_joint_that_cannot_be_asked_is_refused_in_one_line(
+    kind: str, case: Path, capfd: pytest.CaptureFixture[str]
 ) -> None:
-    rows = np.loadtxt(case / "log.csv", delimiter=",", skiprows=1)
-    names = "t,shoulder.position,shoulder.effort,elbow.position,elbow.effort"
-    rows[:, 3] = 0.1
-    rows[:, 4] = 0.5
-    np.savetxt(case / "still.csv", rows, delimiter=",", header=names, comments="")
-    line = ["diagnose", str(case / "still.csv"), "--robot", str(case / "arm.xml"), "--joint", "elbow"]
-    assert run([*line, "--out", str(case / "still"), "--quiet"]) == 2
+    rows, names = np.loadtxt(case / "log.csv", delimiter=",", skiprows=1), COLUMNS
+    if kind == "still":
+        rows[:, 3:] = (0.1, 0.5)
+    else:
+        rows, names = rows[:, :4], COLUMNS.removesuffix(",elbow.effort")
+    path, out = case / f"{kind}.csv", case / kind
+    np.savetxt(path, rows, delimiter=",", header=f"t,{names}", comments="")
+    line = ["diagnose", str(path), "--robot", str(case / "arm.xml"), "--joint", "elbow", "--out", str(out)]
+    assert run([*line, "--quiet"]) == 2
     said = capfd.readouterr().err
     assert said.count("\n") == 1
     assert "elbow" in said
+    assert not out.exists()

@@ -3,23 +3,14 @@
 from collections.abc import Callable
 from pathlib import Path
 
-import mujoco
 import numpy as np
 import pytest
+from two_joint_arm import ARM, moved
 
 import harness
 from harness.cli.main import run
 from harness.results.diagnosis import DiagnosisResult
 
-ARM = """
-<mujoco><option gravity="0 0 -9.81"/><worldbody>
-  <body name="upper"><joint name="shoulder" axis="0 1 0"/>
-    <geom type="capsule" fromto="0 0 0 .4 0 0" size=".04" mass="2"/>
-    <body name="lower" pos=".4 0 0"><joint name="elbow" axis="0 1 0"/>
-      <geom type="capsule" fromto="0 0 0 .3 0 0" size=".03" mass="1"/></body>
-  </body>
-</worldbody></mujoco>
-"""
 JOINTS = ("shoulder", "elbow")
 F_K = (0.8, 0.4)
 
@@ -27,22 +18,8 @@ F_K = (0.8, 0.4)
 @pytest.fixture(scope="module")
 def motion() -> tuple[np.ndarray, ...]:
     """t, q, torque of 12 s at 125 Hz, with dry friction."""
-    model = mujoco.MjModel.from_xml_string(ARM)
-    data = mujoco.MjData(model)
-    t = np.arange(1500) / 125.0
-    w = 2.0 * np.pi * np.array([[0.23, 0.71], [0.31, 0.83]])
-    size, turn = np.array([[0.7, 0.2], [0.9, 0.25]]), np.array([[0.0, 1.0], [0.5, 2.0]])
-    angle = w[None] * t[:, None, None] + turn
-    q, v, a = (
-        np.sum(f, axis=2) for f in (size * np.sin(angle), size * w * np.cos(angle), -size * w**2 * np.sin(angle))
-    )
-    torque = np.zeros_like(q)
-    for i in range(t.size):
-        data.qpos[:], data.qvel[:], data.qacc[:] = q[i], v[i], a[i]
-        mujoco.mj_inverse(model, data)
-        torque[i] = data.qfrc_inverse
-    torque += np.sign(v) * F_K + 0.1 * v + 0.02 * np.random.default_rng(5).standard_normal(v.shape)
-    return t, q, torque
+    t, q, v, torque = moved(1500, 125.0, F_K, (0.1, 0.1))
+    return t, q, torque + 0.02 * np.random.default_rng(5).standard_normal(v.shape)
 
 
 def _written(folder: Path, t: np.ndarray, q: np.ndarray, torque: np.ndarray) -> Path:

@@ -68,19 +68,6 @@ def test_drawn_curves_are_the_samples_at_rounded_nanoseconds(trace_file: Path, s
     assert np.array_equal(np.concatenate(found_t)[order], np.rint(sources[0].t * 1e9).astype(np.int64))
 
 
-def test_ticks_and_wall_clock_are_not_logged(trace_file: Path) -> None:
-    from rerun.chunk import RrdReader
-
-    names = {name for chunk in RrdReader(trace_file).stream() for name in chunk.timeline_names}
-    assert names == {"time"}
-
-
-def test_the_blueprint_travels_with_the_data(trace_file: Path) -> None:
-    from rerun.chunk import RrdReader
-
-    assert len(RrdReader(trace_file).blueprints()) == 1
-
-
 def test_long_traces_are_drawn_thin_and_stored_whole(tmp_path: Path) -> None:
     sources = make_sources(200_001)
     drawing = run_scene(sources, SCENARIO, {}, "")
@@ -133,14 +120,6 @@ def test_a_recording_comes_back(tmp_path: Path, recording: Recording, identify_r
     assert stored.trajectories == []
     assert stored.recordings[0]["a"].tobytes() == recording["a"].tobytes()
     assert stored.properties["result"] == identify_result.model_dump(mode="json", by_alias=True)
-
-
-def test_two_writings_hold_the_same_data(tmp_path: Path, sources: list[Trajectory]) -> None:
-    for name in ("a.rrd", "b.rrd"):
-        write_trace(tmp_path / name, run_scene(sources, SCENARIO, {}, "n"))
-    command = [str(RERUN), "rrd", "compare", "--unordered", str(tmp_path / "a.rrd"), str(tmp_path / "b.rrd")]
-    done = subprocess.run(command, capture_output=True, text=True, check=False)
-    assert done.returncode == 0, done.stderr[-500:]
 
 
 def _cut_short(path: Path, whole: Path) -> None:

@@ -157,7 +157,7 @@ _MOSTLY = 0.3
 
 Below it the channel alone tells more: of N samples of white noise the variance of a channel by itself (windows of one
 freedom each) is off by 6.1 / sqrt(N) of it, what a model leaves by 1.7 / sqrt(N), which counts over the share
-(tests/diagnosis/test_own_noise.py draws them).
+(tests/diagnosis/test_standard_errors.py draws them).
 """
 
 FAR = 5.0
