@@ -40,37 +40,3 @@ def test_values_change_what_a_scenario_is_about() -> None:
     hold = chosen("hold-50", {"f_k": 5.0, "duration": 2.0})
     assert hold.action == Hold(2.5)
     assert hold.duration == 2.0
-<<<<<<< HEAD
-
-
-NEW = '''"""A load of 80 % of break-away."""
-
-from harness.fidelity.kind import Figure
-from harness.fidelity.scenarios.hold import HoldKind, creep_scale
-
-SCENARIO = HoldKind(
-    name="hold-80",
-    place=2,
-    share=0.8,
-    figures=(Figure("creep 80 %", "creep_m_s", creep_scale, "creep in one period, over x_k"),),
-)
-'''
-
-
-def test_a_file_adds_a_scenario_to_run_and_sweep(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    (tmp_path / "hold_80.py").write_text(NEW)
-    monkeypatch.setattr(scenarios, "__path__", [*scenarios.__path__, str(tmp_path)])
-    kinds.cache_clear()
-    try:
-        engine = registry.load("mujoco")
-        rows = [spec for spec in Matrix(("joint",), ("as-shipped",)).specs({"mujoco": engine}) if spec.dt is None]
-        (row,) = (run_row(engine, spec) for spec in rows if spec.scenario.name == "hold-80")
-        # creep is in proportion to the load, 1.583 mm/s at half of break-away
-        assert row.metrics["creep_m_s"] == pytest.approx(1.6 * 1.583e-3, rel=0.05)
-        result = run(RunOptions.asked("hold-80", engines=["mujoco"], preset="as-shipped"), tmp_path / "out")
-        assert result.traces[1].metrics.creep_m_s == row.metrics["creep_m_s"]
-    finally:
-        kinds.cache_clear()
-        sys.modules.pop(f"{scenarios.__name__}.hold_80", None)
-=======
->>>>>>> 83e189c (Delete what other tests say, and say twice what was said in two files once)
