@@ -3,7 +3,7 @@
 What has a mass cannot do that. The cubic through the samples on both sides tells the two apart: it goes through these
 as well as noise lets it where the samples between them are wrong, and badly where the motion itself has a corner or a
 step. Of corners, steps, bounces and sines of eight samples a period and more no run of six lies further off the cubic
-throughout than 5.7 times what the sides leave (tests/estimate/test_stray.py).
+throughout than 5.7 times what the sides leave (tests/estimate/test_saturation.py).
 """
 
 import math

@@ -9,8 +9,8 @@ import pytest
 from rebuilt import is_rebuilt
 
 import harness
-from harness.app.diagnose.options import DiagnoseOptions
 from harness.app.diagnose.many import diagnose_together
+from harness.app.diagnose.options import DiagnoseOptions
 from harness.core.arrays import FloatArray
 from harness.core.errors import InputError
 from harness.diagnosis.request import AskedCovariate

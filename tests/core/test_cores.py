@@ -1,14 +1,19 @@
-"""Work on several cores gives what one after another gives: order, errors, what is told, and a search's numbers."""
+"""Work on several cores or in one thread gives the same; a terminal obeys nothing."""
 
+import os
+import subprocess
+import sys
 import threading
 import time
 from contextvars import ContextVar
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from harness.core.cores import VARIABLE, each, one_thread, threads
-from harness.core.errors import InputError
+from harness.core.errors import InputError, visible
 from harness.core.telling import listening
 from harness.diagnosis.baseline.base_fit import baseline
 from harness.diagnosis.problems.free_decay import FreeDecay
@@ -112,3 +117,56 @@ def test_a_search_finds_the_same_to_the_last_bit(monkeypatch: pytest.MonkeyPatch
         )
     assert found[0] == found[1]
     assert found[0][0][0] == "quadratic-drag"
+
+
+ASK = """
+import sys
+import harness.cli.main as m
+sys.argv = ["harness", "--version"]
+try:
+    m.main()
+except SystemExit:
+    pass
+"""
+
+
+def _told(**asked: str) -> str:
+    free = {k: v for k, v in os.environ.items() if not k.endswith("_NUM_THREADS")}
+    code = f"{ASK}import numpy, os\nprint(os.environ['OPENBLAS_NUM_THREADS'])"
+    said = subprocess.run(
+        [sys.executable, "-c", code], env={**free, **asked}, capture_output=True, text=True, check=True, timeout=60
+    )
+    return said.stdout.split()[-1]
+
+
+def test_a_command_computes_in_one_thread() -> None:
+    assert _told() == "1"
+
+
+def test_what_was_asked_stays() -> None:
+    assert _told(OPENBLAS_NUM_THREADS="2") == "2"
+
+
+@pytest.mark.parametrize(
+    ("text", "shown"),
+    [
+        ("x [µm], Weg 2", "x [µm], Weg 2"),
+        ("\x1b]0;title\x07", r"\x1b]0;title\x07"),
+        ("a\rb\x00\x7f\x9b", r"a\rb\x00\x7f\x9b"),
+        ("\u202efdp.exe", r"\u202efdp.exe"),
+        ("bad\udcff", r"bad\udcff"),
+        ("two\nlines\tand a tab", "two\nlines\tand a tab"),
+    ],
+)
+def test_what_would_be_obeyed_is_escaped(text: str, shown: str) -> None:
+    assert visible(text) == shown
+
+
+@given(st.text(), st.text(max_size=30))
+def test_an_error_is_one_line_of_text(found: str, where: str) -> None:
+    said = str(InputError(where, found, "this is accepted"))
+    said.encode()
+    assert "\n" not in said
+    assert not any(ord(c) < 32 or 127 <= ord(c) < 160 for c in said)
+    assert said.endswith("this is accepted")
+    assert len(said) < 6000

@@ -1,7 +1,4 @@
-"""How often the diagnosis is wrong, simulated: false alarms, chi-square and coverage on random recordings.
-
-Short here; a few hundred with -m full. A rate is judged by what chance allows at the size at hand.
-"""
+"""How often the diagnosis is wrong, simulated: false alarms, chi-square, coverage; names of the independent plant."""
 
 import functools
 from collections.abc import Sequence
@@ -23,7 +20,7 @@ from harness.diagnosis.residual_tests.structure import structure
 from harness.diagnosis.rules import STRUCTURE
 from harness.estimate.noise import channel_noise
 from harness.model.model import Restoring
-from harness.proof.plant.cases import Case, control
+from harness.proof.plant.cases import Case, control, draw
 
 _CHANCE = 1e-3
 """Probability with which a sound diagnosis may fail one of these tests."""
@@ -149,3 +146,46 @@ def test_structure_that_is_there_is_found() -> None:
     problem = _with_gaps(0)
     shaken = {c: y + 8.0 * problem.noise[c].sigma * np.sin(9.0 * problem.t) for c, y in problem.channels.items()}
     assert structure_left(replace(problem, channels=shaken)) < 1e-6
+
+
+SHORT = ("quadratic-drag",)
+LONG = (
+    "sensor-lag", "asymmetric-viscous", "cubic-stiffness", "sensor-gain", "stribeck", "presliding", "friction-drift",
+    "end-stop", "impulse",
+)  # fmt: skip
+
+
+@functools.cache
+def _case(kind: str, seed: int) -> Case:
+    return draw(kind, np.random.default_rng(seed))
+
+
+@functools.cache
+def _outcome(kind: str, seed: int) -> Outcome:
+    return diagnose(_problem(_case(kind, seed)))
+
+
+def _named(outcome: Outcome) -> set[str]:
+    return {m.name for m in outcome.mechanisms}
+
+
+@pytest.mark.parametrize("kind", [*SHORT, *(pytest.param(kind, marks=pytest.mark.full) for kind in LONG)])
+def test_the_hidden_effect_is_named(kind: str) -> None:
+    outcome = _outcome(kind, 11)
+    assert outcome.verdict == "missing_physics"
+    near = _named(outcome) | {a.name for m in outcome.mechanisms for a in m.alternatives}
+    assert kind in near
+    assert outcome.refined.chi2 < outcome.base.chi2
+    for channel, after in outcome.holdout.refined_rmse.items():
+        assert after <= 1.05 * outcome.holdout.baseline_rmse[channel]
+
+
+def test_units_do_not_matter() -> None:
+    """A recording in other units of length names the same effect: every law scales."""
+    problem = _problem(_case("quadratic-drag", 11))
+    scaled = replace(
+        problem,
+        channels={c: 1000.0 * y for c, y in problem.channels.items()},
+        noise={c: replace(n, sigma=1000.0 * n.sigma) for c, n in problem.noise.items()},
+    )
+    assert _named(diagnose(scaled)) == _named(_outcome("quadratic-drag", 11))

@@ -1,5 +1,6 @@
-"""Two laws, a second one on a machine, and a pair that needs evidence in words of the motion."""
+"""One law, two, and one in another form: what is named together, and what needs more."""
 
+import math
 from types import SimpleNamespace
 from typing import Any
 
@@ -8,7 +9,8 @@ import pytest
 
 import harness
 from harness.core.recording import Recording
-from harness.diagnosis.pipeline import explain, fit_base, judge, prepare, search
+from harness.diagnosis.explain.verdict_sentence import sentence_of
+from harness.diagnosis.pipeline import diagnose, explain, fit_base, judge, prepare, search
 from harness.diagnosis.request import Asked
 from harness.diagnosis.residual_tests.structure import Left
 from harness.diagnosis.rules import SECOND_TERM
@@ -180,3 +182,63 @@ def test_a_force_in_step_with_the_swing_or_with_another_explains_nothing(
     found = by_hand(len(terms), 50000.0, 99)
     found.chosen.model.terms = terms  # type: ignore[misc]
     assert weighed(found, OMEGA).left is left
+
+
+def dragged(seconds: float) -> Recording:
+    """Quadratic drag on a spring of 1 Hz, let go from .1 m; x at 200 Hz, noise .6 mm, the encoder's zero .03 m off."""
+    model = Model(1.0, 0.02, 40.0, 0.01, x0=0.1, terms=(ModelTerm.named("quadratic-drag", c2=1.5),))
+    t = np.arange(0.0, seconds, 0.005)
+    noise = np.random.default_rng(20261124).normal(0.0, 6e-4, t.size)
+    return Recording(t=t, channels={"x": 0.03 + solve(model, t).x + noise}, file="drag.csv")
+
+
+def test_few_cycles_with_an_unknown_zero_make_the_law_most_likely_and_name_the_recording_that_would_decide() -> None:
+    asked = Asked(restoring=Restoring.SPRING, zero_free=True)
+    short, long = (diagnose(prepare(dragged(seconds), asked)[0]) for seconds in (5.0, 14.0))
+    assert (long.verdict, [m.name for m in long.mechanisms]) == ("missing_physics", ["quadratic-drag"])
+    assert long.mechanisms[0].probability is not None
+    # the rest belongs to a Stribeck curve of any shape
+    assert long.mechanisms[0].probability > 0.8
+    assert short.mechanisms[0].name == "quadratic-drag"
+    assert short.refined.model.terms[0].term.name == "quadratic-drag"
+    assert "to its noise" in sentence_of(short)
+    assert any("cycles are few to exclude every other name; a decay of 8 would do" in one for one in short.warnings)
+    assert short.next_experiment
+    # a lone name is no list, and each name has its probability, which with that of none adds up to one
+    assert (short.verdict == "one_of") is (len(short.mechanisms) > 1)
+    assert sum(h.probability for h in short.posterior) == pytest.approx(1.0, abs=0.05)
+    assert {h.names: h.probability for h in short.posterior}[("quadratic-drag",)] == short.mechanisms[0].probability
+
+
+T = np.arange(0.0, 6.0, 0.02)
+WIDTH = 0.1
+
+
+def decay() -> harness.Recording:
+    """x of a slider of 1 kg let go at 1 m, by Runge-Kutta at a fixed step; its friction has no jump."""
+    fine, y = 20, np.array([1.0, 0.0])
+    h = float(T[1]) / fine
+
+    def rate(y: np.ndarray) -> np.ndarray:
+        return np.array([y[1], -100.0 * y[0] - y[1] - 3.0 * y[1] / math.hypot(y[1], WIDTH)])
+
+    x = [1.0]
+    for _ in T[1:]:
+        for _ in range(fine):
+            a = rate(y)
+            b = rate(y + 0.5 * h * a)
+            d = rate(y + 0.5 * h * b)
+            y = y + h / 6.0 * (a + 2.0 * b + 2.0 * d + rate(y + h * d))
+        x.append(float(y[0]))
+    noise = np.random.default_rng(3).normal(0.0, 2e-5, T.size)
+    return harness.Recording(t=T, channels={"x": np.array(x) + noise}, file="form.csv")
+
+
+def test_friction_smoothed_otherwise_is_regularised_friction_with_its_width() -> None:
+    result = harness.diagnose(decay(), restoring="spring", zero="spring", engines=())
+    assert [m.name for m in result.mechanisms] == ["regularised-friction"]
+    assert result.refined.chi2_per_point == pytest.approx(1.0, abs=0.25)
+    found = result.mechanisms[0].parameters["v_r"]
+    assert found.value == pytest.approx(WIDTH, rel=0.02)
+    assert result.refined.parameters["x_k"].value == pytest.approx(0.03, rel=0.01)
+    assert result.mechanisms[0].probability == pytest.approx(1.0, abs=0.01)

@@ -1,5 +1,6 @@
-"""A sensor at the end of its range: what it cut off is left out, and a motion that turns, rests or is held is not."""
+"""Samples at the end of a range or beside the motion are left out; nothing that a mass can do counts as one."""
 
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
@@ -11,12 +12,14 @@ from harness.app.shared.estimates import estimate
 from harness.core.arrays import FloatArray
 from harness.core.errors import InputError
 from harness.core.recording import Recording
+from harness.diagnosis.fit.model_fit import fit
 from harness.diagnosis.pipeline import diagnose, fit_base, prepare
 from harness.diagnosis.request import Asked
 from harness.estimate.noise import Noise, channel_noise
 from harness.estimate.saturation import saturated, within_range
-from harness.kernels.solve import Drive, simulate, solve
-from harness.model.model import Model, Restoring
+from harness.estimate.stray import stray
+from harness.kernels.solve import Drive, Scales, simulate, solve
+from harness.model.model import Model, ModelTerm, Restoring
 
 SLIDER = Model(1.0, 0.3, 144.0, 0.25, x0=0.05)
 SIGMA = 2e-5
@@ -123,3 +126,145 @@ def test_a_commanded_speed_is_no_sensor_at_its_limit() -> None:
     problem, notes = prepare(Recording(t, {"v": v + 1e-5 * np.sin(700.0 * t), "u": u}), Asked(Restoring.NONE))
     assert problem.t.size == t.size
     assert not any("full speed" in note for note in notes)
+
+
+DRAG = Model(1.0, 0.05, 100.0, 0.05, x0=0.1, terms=(ModelTerm.named("quadratic-drag", c2=2.0),))
+SCATTER = 1e-5
+LOST = {40: (3e-4,), 207: (0.02, 0.021, 0.019), 500: (-0.004,) * 6, 903: (1e-3, -1e-3)}
+"""Where a tracker lost its mark, and by how much it was off, m."""
+
+
+def swing(seconds: float = 6.0) -> Recording:
+    t = np.arange(0.0, seconds, 5e-3)
+    return Recording(t, {"x": simulate(DRAG, t).x + SCATTER * np.random.default_rng(0).standard_normal(t.size)})
+
+
+def lost(recording: Recording) -> Recording:
+    x = recording["x"].copy()
+    for first, by in LOST.items():
+        x[first : first + len(by)] += by
+    return Recording(recording.t, {**recording.channels, "x": x})
+
+
+def test_exactly_what_strays_is_found_and_by_how_much() -> None:
+    recording = lost(swing())
+    off = stray(recording.t, recording["x"], Noise(SCATTER, True))
+    expected = np.zeros(off.size)
+    for first, by in LOST.items():
+        expected[first : first + len(by)] = by
+    assert np.array_equal(off != 0.0, expected != 0.0)
+    assert off == pytest.approx(expected, abs=5.0 * SCATTER)
+    clean = swing()
+    assert not stray(clean.t, clean["x"], Noise(SCATTER, True)).any()
+
+
+def test_what_lasts_longer_may_be_motion() -> None:
+    recording = swing()
+    x = recording["x"].copy()
+    x[300:307] += 0.004
+    assert not stray(recording.t, x, Noise(SCATTER, True)).any()
+
+
+@pytest.mark.parametrize(("steps", "found"), [(4, False), (8, True)])
+def test_a_few_steps_of_an_encoder_are_its_noise(steps: int, found: bool) -> None:
+    step, t = 1e-3, np.arange(0.0, 4.0, 5e-3)
+    x = step * np.round(0.1 * np.cos(10.0 * t) / step)
+    x[333] += steps * step
+    assert stray(t, x, Noise(step / np.sqrt(12.0), True, step=step)).any() == found
+
+
+Shape = Callable[[FloatArray], FloatArray]
+
+
+def _bounce(width: float) -> Shape:
+    return lambda s: np.asarray(np.interp(s, [0.0, width], [1.0, -0.7]), dtype=np.float64)
+
+
+def _sine(period: int) -> Shape:
+    return lambda s: np.asarray(np.cos(2.0 * np.pi * s / period), dtype=np.float64)
+
+
+SHAPES: dict[str, Shape] = {
+    "corner": np.abs,
+    "step": lambda s: np.where(s < 0.0, 0.0, 1.0),
+    "kink of the force": lambda s: s * np.abs(s),
+    "flat top": lambda s: np.minimum(-0.02 * s**2, -0.5),
+    "quick bounce": _bounce(0.5),
+    "bounce": _bounce(3.0),
+    "slow bounce": _bounce(6.0),
+    **{f"sine of {n}": _sine(n) for n in (8, 10, 13, 20, 41)},
+}
+
+
+@pytest.mark.parametrize("shape", SHAPES.values(), ids=SHAPES)
+@given(place=st.floats(-3.0, 3.0), slope=st.floats(-1.0, 1.0), scale=st.floats(1e-6, 1e6))
+@settings(max_examples=60, deadline=None)
+def test_no_motion_of_a_mass_strays_though_there_is_no_noise(
+    shape: Shape, place: float, slope: float, scale: float
+) -> None:
+    s = np.arange(-40.0, 41.0) - place
+    assert not stray(s, scale * (shape(s) + slope * s), Noise(1e-9 * scale, True)).any()
+
+
+@given(
+    shift=st.floats(-1e3, 1e3), scale=st.floats(1e-6, 1e6), pace=st.floats(1e-4, 1e4), begin=st.floats(-100.0, 100.0)
+)
+@settings(max_examples=40, deadline=None)
+def test_units_and_zeros_change_nothing(shift: float, scale: float, pace: float, begin: float) -> None:
+    recording = lost(swing(5.0))
+    t, x = recording.t, recording["x"]
+    once = stray(t, x, Noise(SCATTER, True))
+    again = stray(pace * (t + begin), scale * (x + 1e-3 * shift), Noise(scale * SCATTER, True))
+    assert np.array_equal(once != 0.0, again != 0.0)
+    assert again / scale == pytest.approx(once, abs=1e-3 * SCATTER)
+
+
+def test_nothing_is_said_across_a_gap_or_of_a_few_samples() -> None:
+    recording = lost(swing())
+    keep = (recording.t < recording.t[197]) | (recording.t > recording.t[206])
+    off = stray(recording.t[keep], recording["x"][keep], Noise(SCATTER, True))
+    # the run at 207 begins a stretch now: nothing before it tells where it should be
+    assert np.array_equal(recording.t[keep][off != 0.0], recording.t[[40, *range(500, 506), 903, 904]])
+    for few in range(11):
+        assert not stray(recording.t[:few], recording["x"][:few], Noise(SCATTER, True)).any()
+
+
+def test_what_is_left_is_diagnosed_as_if_nothing_had_strayed() -> None:
+    asked = Asked(Restoring.SPRING, zero_free=False)
+    problem, notes = prepare(lost(swing()), asked)
+    (said,) = [note for note in notes if "stray" in note]
+    assert said == (
+        "12 samples of x stray from the motion by up to 0.021 m and come back at once"
+        " (the first at t = 0.2 s): left out"
+    )
+    assert problem.t.size == swing().t.size - 12
+    outcome = diagnose(problem)
+    assert [m.name for m in outcome.mechanisms] == ["quadratic-drag"]
+    assert outcome.refined.model.terms[0].values[0] == pytest.approx(2.0, rel=2e-3)
+    assert outcome.refined.chi2 / outcome.refined.points == pytest.approx(1.0, abs=0.1)
+    found, clean = outcome.refined, prepare(swing(), asked)[0]
+    same = fit(found.model, clean, found.free, Scales.of(found.model))
+    assert found.model.terms[0].values[0] == pytest.approx(same.model.terms[0].values[0], rel=1e-3)
+
+
+def test_an_identification_says_it_too() -> None:
+    found = estimate(lost(swing()))
+    assert any("12 samples of x stray" in warning for warning in found.warnings)
+
+
+def test_driven_samples_stay_where_they_are_and_count_for_nothing() -> None:
+    t: FloatArray = np.arange(2000.0) * 4e-3
+    u: FloatArray = 6.0 * np.sin(3.1 * t) + 4.0 * np.sin(7.3 * t)
+    noise = SCATTER * np.random.default_rng(1).standard_normal(t.size)
+    x = solve(Model(2.0, 3.0, 80.0, 1.5), t, drive=Drive(t, u)).x + noise
+    wrong = x.copy()
+    for first, by in LOST.items():
+        wrong[first : first + len(by)] += by
+    problem, notes = prepare(Recording(t, {"x": wrong, "u": u}), Asked(Restoring.SPRING))
+    assert any(note.startswith("12 samples of x stray") for note in notes)
+    assert np.array_equal(problem.t, t)
+    assert np.array_equal(problem.weight["x"] == 0.0, wrong != x)
+    assert problem.channels["x"] == pytest.approx(x, abs=5.0 * SCATTER)
+    based = fit_base(problem)
+    assert based.fit.chi2 / based.fit.points == pytest.approx(1.0, abs=0.1)
+    assert based.fit.model.f_k == pytest.approx(1.5, rel=1e-3)

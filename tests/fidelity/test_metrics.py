@@ -1,17 +1,24 @@
-"""Metrics of traces whose errors are known because the test put them in."""
+"""Scenarios by name, metrics of errors that a test put in, and exact answers against an integration."""
 
 import dataclasses
+from dataclasses import replace
 
 import numpy as np
 import pytest
+from fidelity_draws import drawn_suites, integrated
 
 from harness.core.arrays import FloatArray
-from harness.core.scenario import FREE_DECAY, Scenario
+from harness.core.errors import InputError
+from harness.core.scenario import FREE_DECAY, Belt, Harmonic, Hold, Scenario
 from harness.core.slider import PAPER, Slider
 from harness.core.trajectory import Source, Trajectory
-from harness.exact.decay import free_decay
+from harness.exact.decay import Decay, free_decay, schedule
 from harness.fidelity import metrics
+from harness.fidelity.kind import OWN, chosen, kind_of, suite
 from harness.fidelity.metrics import lift_m
+from harness.fidelity.row import describe, measure_row, scenario_of
+from harness.fidelity.scenarios import belt, harmonic
+from harness.fidelity.scenarios.harmonic import PERIODS
 
 DT = 1e-3
 T: FloatArray = np.arange(3001, dtype=np.float64) * DT
@@ -114,3 +121,104 @@ def test_lift_is_read_where_there_is_one() -> None:
     trace = Trajectory(T, e.x, e.v, e.a, Source("test"), extra={"lift": np.where(T > 1.0, -1e-4, -3e-4)})
     # a soft floor lets the box rest below 0
     assert lift_m(trace) == pytest.approx(2e-4, rel=1e-12)
+
+
+def test_without_parameters_it_is_the_papers_case() -> None:
+    assert chosen("free-decay", {"m": None, "x0": None}) == FREE_DECAY
+
+
+def test_given_values_take_the_place_of_the_papers() -> None:
+    scenario = chosen("free-decay", {"m": 2.42, "k": 2310.0, "c": 4.79, "f_k": 0.351, "x0": 0.01})
+    assert (scenario.slider.m, scenario.slider.k, scenario.x0) == (2.42, 2310.0, 0.01)
+    stick = schedule(Decay.of(scenario.slider, 0.01)).stick_time
+    assert stick is not None
+    assert 1.2 * stick <= scenario.duration <= 1.4 * stick
+
+
+@pytest.mark.parametrize(
+    ("given", "least", "most"),
+    [
+        ({"f_k": 0.0}, 6.28, 6.3),  # ten periods of 0.628 s, for it never sticks
+        ({"c": 0.0, "f_k": 0.0}, 6.28, 6.3),
+        ({"x0": 0.02}, 0.62, 0.64),  # stuck from the start: one period
+        ({"c": 50.0}, 6.28, 6.3),
+        ({"duration": 1.25}, 1.25, 1.25),
+    ],
+)
+def test_runs_are_long_enough(given: dict[str, float], least: float, most: float) -> None:
+    assert least <= chosen("free-decay", given).duration <= most
+
+
+def test_values_change_what_a_scenario_is_about() -> None:
+    # break-away follows friction in proportion: 3 -> 4 N becomes 1.5 -> 2 N
+    belt = chosen("belt", {"f_k": 1.5})
+    assert belt.slider.break_away == pytest.approx(2.0, rel=1e-12)
+    hold = chosen("hold-50", {"f_k": 5.0, "duration": 2.0})
+    assert hold.action == Hold(2.5)
+    assert hold.duration == 2.0
+
+
+DRAWN = list(drawn_suites(31, 6))
+
+
+@pytest.mark.parametrize("scenario", DRAWN, ids=lambda one: one.name)
+def test_exact_motion_agrees_with_integration(scenario: Scenario) -> None:
+    t = np.linspace(0.0, scenario.duration, 400)
+    exact = kind_of(scenario).exact(scenario, t)
+    size = max(np.abs(exact.x).max(), scenario.slider.x_k)
+    assert np.abs(exact.x - integrated(scenario, t)).max() < 2e-8 * size
+
+
+@pytest.mark.parametrize("scenario", DRAWN, ids=lambda one: one.name)
+def test_metrics_of_the_exact_motion_are_the_exact_answers(scenario: Scenario) -> None:
+    # a run long enough for every metric, sampled as an engine would at a fine step
+    longer = scenario
+    if isinstance(scenario.action, Belt):
+        longer = belt.BELT.ride(scenario.slider, scenario.action.speed)
+    if isinstance(scenario.action, Harmonic):
+        longer = replace(harmonic.HARMONIC.shake(scenario.slider, scenario.action), name=scenario.name)
+    t = np.linspace(0.0, longer.duration, 40_001)
+    step = float(t[1])
+    found = measure_row(kind_of(longer).exact(longer, t), longer)
+    for name, truth in kind_of(longer).answers(longer).items():
+        value = found[name]
+        assert value is not None, name
+        if name.endswith("fraction"):
+            assert value == pytest.approx(truth, abs=4.0 * step / longer.duration * PERIODS), name
+        elif name == "x_k_m":
+            assert value == pytest.approx(truth, abs=1e-6), name
+        else:
+            assert value == pytest.approx(truth, rel=2e-4, abs=1e-9 + (step if name == "stick_time_s" else 0.0)), name
+
+
+@pytest.mark.parametrize("scenario", DRAWN, ids=lambda one: one.name)
+def test_a_scenario_survives_being_written_down(scenario: Scenario) -> None:
+    assert scenario_of(describe(scenario)) == scenario
+
+
+def test_the_checked_cases() -> None:
+    answers = {name: kind_of(one).answers(one) for name, one in suite("joint").items()}
+    riding, forced = answers["belt"], answers["harmonic"]
+    assert riding["period_s"] == pytest.approx(0.6658, abs=5e-5)
+    assert riding["near_belt_fraction"] == pytest.approx(0.286, abs=5e-4)
+    assert riding["stick_fraction"] == pytest.approx(0.2830, abs=5e-5)
+    assert forced["amplitude_m"] == pytest.approx(0.262610, abs=1e-6)
+    assert forced["stop_fraction"] == 0.0
+    assert 0.3 < answers["harmonic-stops"]["stop_fraction"] < 0.4
+
+
+def test_contact_scenarios_are_those_of_the_joint_on_a_smaller_scale() -> None:
+    joint, contact = suite("joint"), suite("contact")
+    assert set(joint) < set(contact)
+    for name in ("free-decay", "harmonic", "harmonic-stops"):
+        large, small = (kind_of(one).answers(one) for one in (joint[name], contact[name]))
+        assert contact[name].slider.x_k == pytest.approx(0.1 * joint[name].slider.x_k)
+        for metric in ("amplitude_m", "x_k_m"):
+            if metric in large:
+                assert small[metric] == pytest.approx(0.1 * large[metric], rel=1e-9)
+
+
+def test_a_run_that_does_not_start_riding_has_no_exact_motion_here() -> None:
+    scenario = Scenario("belt", OWN.sticky, 0.0, 0.0, 1.0, Belt(0.1))
+    with pytest.raises(InputError, match="does not ride with the belt"):
+        kind_of(scenario).exact(scenario, np.linspace(0.0, 1.0, 10))

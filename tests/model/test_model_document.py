@@ -1,4 +1,4 @@
-"""model.json to and from a model, by its schema, and what it refuses."""
+"""model.json to and from a model, and the page of the catalogue."""
 
 import copy
 import json
@@ -10,6 +10,7 @@ import jsonschema
 import pytest
 
 from harness.core.errors import InputError
+from harness.model import catalogue
 from harness.model.document import from_document, load, to_document
 from harness.model.model import Model, ModelTerm, Restoring
 from harness.model.registry import TERMS
@@ -142,3 +143,16 @@ def test_terms_refuse_wrong_numbers_of_values() -> None:
         NAMED("stribeck", f_s=1.0)
     with pytest.raises(InputError, match="term viscoelastic: 2 internal starts; 1 internal starts are accepted"):
         ModelTerm(FULL.terms[2].term, (1.0, 1.0), (0.0, 0.0))
+
+
+def test_the_page_is_the_one_of_the_registry() -> None:
+    assert catalogue.TARGET.read_text(encoding="utf-8") == catalogue.text(), "run python -m harness.model.catalogue"
+
+
+def test_every_term_is_on_it_with_a_page_of_its_own() -> None:
+    page = catalogue.text()
+    for term in TERMS:
+        assert page.count(f"| [{term.key}]({catalogue.page_of(term)}.md) |") == 1
+        own = (catalogue.TARGET.parent / f"{catalogue.page_of(term)}.md").read_text(encoding="utf-8")
+        for parameter in term.parameters:
+            assert f"| `{parameter.name}` | {parameter.unit} |" in own

@@ -1,18 +1,29 @@
-"""Draws: repeatable, concealed, decidable; sensors and noise; files; nothing shared with the fitting side."""
+"""Draws: repeatable, concealed, decidable; engines as the second source; closed forms of what is drawn."""
 
 import json
 import math
+import subprocess
+import sys
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
+from scipy.optimize import least_squares
 
-from harness.proof.plant.base import Base
-from harness.proof.plant.base_fit import Seen, fit_decay, fit_simulated, replayed, whiten
+from harness.core.arrays import FloatArray
+from harness.core.errors import InputError, SimulationError
+from harness.proof.engine_source import ENGINE_KINDS, ENGINES, EngineName, Task, draw_engine, engine_motion
+from harness.proof.plant.base import Base, draw_decay
+from harness.proof.plant.base_fit import Seen, decay_motion, descend, fit_decay, fit_simulated, replayed, whiten
 from harness.proof.plant.cases import Case, draw, truth
+from harness.proof.plant.decrement import decrement
 from harness.proof.plant.effects import ALIENS, KINDS
 from harness.proof.plant.hidden import Noise, build, regions
 from harness.proof.plant.integrate import simulate
+from harness.proof.plant.model import base_model
+from harness.proof.plant.strengths import DRAWS
+from harness.proof.score import forced
 
 BASE = Base(1.0, 20.0, 0.02, 0.002, 0.1, 0.0, 0.1, 3.0, 1500)
 
@@ -131,3 +142,173 @@ def test_a_recorded_force_is_replayed() -> None:
     law = replayed(t, np.sin(5.0 * t), 5.0).law
     at = np.linspace(0.0, 2.0, 1777)
     assert [law(s, 0.0, 0.0) for s in at] == pytest.approx(list(np.sin(5.0 * at)), abs=1e-6)
+
+
+SHORT = ("stribeck", "asymmetric-viscous", "impulse", "end-stop")
+LONG = tuple(k for k in ENGINE_KINDS if k not in SHORT and not k.startswith("sensor"))
+
+
+def _rms(difference: FloatArray) -> float:
+    return float(np.sqrt(np.mean(difference**2)))
+
+
+@pytest.mark.parametrize("engine", ENGINES)
+def test_a_control_of_an_engine_is_the_plant_s_to_a_tenth_of_its_noise(engine: EngineName) -> None:
+    case = draw_engine("control", np.random.default_rng(0), engine)
+    exact = simulate(case.base.model(), case.base.times)
+    for channel, values in (("x", exact.x), ("a", exact.a)):
+        assert _rms(case.clean[channel] - values) < 0.1 * case.noise.total(channel)
+    assert case.source == truth(case)["source"] == engine
+
+
+@pytest.mark.parametrize("engine", ENGINES)
+@pytest.mark.parametrize("kind", [*SHORT, *(pytest.param(kind, marks=pytest.mark.full) for kind in LONG)])
+def test_a_hidden_force_is_the_plant_s_to_a_tenth_of_the_least_noise(engine: EngineName, kind: str) -> None:
+    rng = np.random.default_rng([3, len(kind)])
+    base = draw_decay(rng, at_rest=False, length=0.3 if kind == "pendulum-stiffness" else None)
+    model = build(base, {kind: DRAWS[kind](base, rng)})[0]
+    said, exact = engine_motion(model, base.times, engine), simulate(model, base.times)
+    assert _rms(said.x - exact.x) < 0.1 * 0.0005 * base.length
+    # a sample beside a jump of the acceleration may lie on its other side
+    off = np.sort(np.abs(said.a - exact.a))
+    assert _rms(off[:-2]) < 0.1 * 0.002 * base.length * base.omega_n**2
+    assert off[-1] < 2.5 * max(base.x_k, 0.05 * base.length) * base.omega_n**2
+    assert np.median(np.abs(said.friction - exact.friction)) < 2e-3 * base.f_k
+
+
+@pytest.mark.parametrize("engine", ENGINES)
+def test_dry_friction_stops_the_paper_s_slider_where_it_should(engine: EngineName) -> None:
+    run = engine_motion(base_model(1.0, 1.0, 100.0, 3.0, 1.0), np.linspace(0.0, 3.0, 601), engine)
+    assert run.x[-1] == pytest.approx(0.010511325485945, abs=5e-5)
+    assert run.x[-1] - run.x[540] == pytest.approx(0.0, abs=1e-6)
+    turning = run.reversals[(run.reversals < 2.4)]
+    assert turning == pytest.approx(math.pi / (10.0 * math.sqrt(1.0 - 0.05**2)) * np.arange(1, 8), abs=5e-4)
+
+
+def test_draws_are_concealed_decidable_and_repeatable() -> None:
+    case, again = (draw_engine("quadratic-drag", np.random.default_rng(6), noise="mixed") for _ in range(2))
+    assert case.mechanisms == ("quadratic-drag",)
+    assert min(case.base_r2) > 0.98
+    assert case.base_chi2_excess > 100.0
+    assert all(np.array_equal(case.recorded[c], again.recorded[c]) for c in case.recorded)
+
+
+def test_sensors_see_the_engine_s_motion_too() -> None:
+    case = draw_engine("sensor-lag", np.random.default_rng(2))
+    lag = case.effects["sensor-lag"]["lag"]
+    exact = simulate(case.base.model(), case.base.times)
+    late = np.interp(case.base.times - lag, case.base.times, exact.x)
+    assert _rms(case.clean["x"] - late) < _rms(case.clean["x"] - exact.x) / 10.0
+
+
+@pytest.mark.parametrize(
+    ("kind", "engine", "said"),
+    [
+        ("presliding", "mujoco", "kind: presliding"),
+        ("nonsense", "mujoco", "kind: nonsense"),
+        ("stribeck", "bullet", "engine: bullet"),
+    ],
+)
+def test_what_an_engine_cannot_hide_is_refused(kind: str, engine: EngineName, said: str) -> None:
+    with pytest.raises(InputError, match=said):
+        draw_engine(kind, np.random.default_rng(0), engine)
+
+
+def test_a_plant_with_states_of_its_own_is_refused() -> None:
+    case = draw("presliding", np.random.default_rng(3))
+    with pytest.raises(SimulationError, match="states of their own"):
+        Task(build(case.base, case.effects)[0], 1.0)
+
+
+@pytest.mark.usefixtures("pybullet")
+def test_drawing_from_engines_loads_nothing_of_the_fitting_side() -> None:
+    code = (
+        "import sys, numpy as np;"
+        "from harness.proof.engine_source import ENGINES, draw_engine;"
+        "[draw_engine('control', np.random.default_rng(1), engine) for engine in ENGINES];"
+        "ours = ('harness.core', 'harness.proof');"
+        "print([m for m in sys.modules if m.startswith('harness.') and not m.startswith(ours)])"
+    )
+    said = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert said.stdout.strip() == "[]"
+    assert said.stderr == ""
+
+
+T = np.linspace(0.0, 5.0, 3000)
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+@pytest.mark.parametrize("channel", ["x", "a"])
+def test_a_decay_without_noise_gives_its_numbers(channel: str, sign: float) -> None:
+    x, _, a = decay_motion(T, 20.0, 0.02, 0.02, sign, 0.0)
+    found = decrement(T, x if channel == "x" else a, channel)
+    assert found.omega_n == pytest.approx(20.0, rel=0.01)
+    assert found.zeta == pytest.approx(0.02, rel=0.1)
+    assert found.x_k == pytest.approx(0.02, rel=0.1)
+    assert found.plausible(20.0, 1.0)
+
+
+@pytest.mark.parametrize("kind", ["control", "cubic-stiffness", "stribeck"])
+def test_what_is_drawn_is_plausible_in_each_channel(kind: str) -> None:
+    for seed in range(4):
+        case = draw(kind, np.random.default_rng([5, seed]))
+        for channel in case.channels:
+            found = decrement(case.recorded["t"], case.recorded[channel], channel)
+            assert found.plausible(case.base.omega_n, case.base.length)
+
+
+TIMES = np.linspace(0.0, 4.0, 300)
+TRUE = np.array([1.0, 0.4, 5.0, 0.3])
+SEEN = TRUE[0] * np.exp(-TRUE[1] * TIMES) * np.cos(TRUE[2] * TIMES + TRUE[3]) + 0.01 * np.random.default_rng(1).normal(
+    size=300
+)
+
+
+class Counted:
+    """Residual of a damped cosine in units of its noise; counts what it is asked."""
+
+    def __init__(self) -> None:
+        self.calls = 0
+
+    def __call__(self, z: FloatArray) -> FloatArray:
+        self.calls += 1
+        said = z[0] * np.exp(-z[1] * TIMES) * np.cos(z[2] * TIMES + z[3])
+        return np.asarray((SEEN - said) / 0.01)
+
+
+@pytest.mark.parametrize("start", [(1.3, 0.2, 4.8, 0.1), (0.7, 0.6, 5.2, 0.6), (1.0, 0.4, 5.0, 0.3)])
+def test_the_minimum_is_that_of_scipy_and_costs_less(start: tuple[float, ...]) -> None:
+    ours, theirs = Counted(), Counted()
+    found = descend(ours, np.array(start), 1e-4, 30)
+    known = least_squares(theirs, np.array(start), method="lm")
+    assert found.chi2 == pytest.approx(2.0 * known.cost, abs=0.5)
+    assert found.z == pytest.approx(known.x, rel=2e-2)
+    assert ours.calls < 0.7 * theirs.calls
+
+
+CONTROL: dict[str, Any] = {"mechanisms": [], "channels": "xa"}
+
+
+def _said(x: float, a: float | None, verdict: str = "adequate") -> dict[str, Any]:
+    after = {"x": x} if a is None else {"x": x, "a": a}
+    block = {"name": "stribeck", "baseline_rmse": {"x": 1.0, "a": 2.0}, "refined_rmse": after}
+    return {"verdict": verdict, "holdout": {"forced": block}}
+
+
+def test_the_worst_channel_of_the_worst_control_counts() -> None:
+    found = forced({"1": CONTROL, "2": CONTROL}, {"1": _said(1.01, 2.0), "2": _said(1.0, 2.08)})
+    assert (found.cases, found.worst_file) == (2, "2")
+    assert found.worst == pytest.approx(1.04)
+    assert not found.above
+    assert not found.shortfalls()
+
+
+def test_what_is_withheld_counts_against_and_effects_do_not_count_at_all() -> None:
+    truths = {"1": CONTROL, "2": CONTROL, "3": CONTROL, "4": {"mechanisms": ["stribeck"], "channels": "x"}}
+    silent = {"verdict": "adequate", "holdout": {}}
+    found = forced(truths, {"1": silent, "2": _said(1.0, None), "4": _said(9.0, 9.0)})
+    assert found.withheld == ("1",)
+    assert found.worst == math.inf
+    assert found.named == ("3",)
+    assert found.as_dict()["worst"] is None
+    assert len(found.shortfalls()) == 2

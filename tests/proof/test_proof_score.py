@@ -1,4 +1,4 @@
-"""Scores: exact intervals, a perfect diagnosis passes, four that should not pass are condemned."""
+"""Scores of a proof, the loss at which naming stops, and what a practitioner would do."""
 
 import itertools
 import math
@@ -7,9 +7,17 @@ from collections.abc import Callable
 from statistics import NormalDist
 from typing import Any
 
+import numpy as np
 import pytest
 
+from harness.core.arrays import FloatArray
+from harness.core.errors import InputError
+from harness.proof.baselines.regression import BASE, States, name_by_r2, name_by_sindy, refusal, regressors, states_of
+from harness.proof.baselines.sysid import holdout_by_sysid
+from harness.proof.detection import LOSSES, clean_loss, curve, draw_series
+from harness.proof.plant.base import Base
 from harness.proof.plant.effects import ALIENS, BENCH, FAMILY, KINDS
+from harness.proof.plant.hidden import build
 from harness.proof.score import Scores, score
 from harness.proof.statistics import Median, Rate
 
@@ -136,3 +144,145 @@ def test_rate_and_median_without_cases_say_so() -> None:
     assert known.value == 3.0
     assert known.low is not None
     assert known.low <= 3.0
+
+
+def test_only_the_noise_grows_and_the_loss_falls_with_its_square() -> None:
+    steps = draw_series("quadratic-drag", 4, losses=(1000.0, 10.0))
+    first, second = (step.case for step in steps)
+    assert first.base == second.base
+    assert first.effects == second.effects
+    for channel in first.channels:
+        assert second.noise.sigma[channel] == pytest.approx(10.0 * first.noise.sigma[channel])
+        unit = [(c.recorded[channel] - c.clean[channel]) / c.noise.sigma[channel] for c in (first, second)]
+        assert unit[0] == pytest.approx(unit[1], abs=1e-6)
+        assert np.array_equal(first.clean[channel], second.clean[channel])
+    for step in steps:
+        assert clean_loss(step.case) == pytest.approx(step.loss, rel=0.05)
+        # one chance draw of the loss: its deviation is twice its root, and five numbers of the base are fitted to noise
+        assert abs(step.case.base_chi2_excess - step.loss) < 8.0 * math.sqrt(step.loss) + 15.0
+        assert step.price == pytest.approx(math.log(step.case.base.samples * len(step.case.channels)))
+
+
+def test_a_series_is_repeatable_and_says_what_it_is() -> None:
+    first, second = (draw_series("sensor-lag", 1, 3, losses=(100.0,))[0] for _ in range(2))
+    answer = first.answer()
+    assert answer == second.answer()
+    assert (answer["series"], answer["loss"], answer["mechanisms"]) == (3, 100.0, ["sensor-lag"])
+
+
+@pytest.mark.parametrize("kind", ["static-friction", "nonsense", "alien-rattle"])
+def test_what_does_not_show_in_a_decay_has_no_curve(kind: str) -> None:
+    with pytest.raises(InputError, match=f"kind: {kind}"):
+        draw_series(kind, 0)
+
+
+def _answers(limit: float, cases: int = 12) -> tuple[dict[str, Any], dict[str, Any]]:
+    """Verdicts that name everything above a loss and nothing below."""
+    answers, results = {}, {}
+    for series in range(cases):
+        for loss in LOSSES:
+            file = f"{series}-{loss:g}"
+            answers[file] = {"mechanisms": ["stribeck"], "series": series, "loss": loss, "price": 15.0}
+            named = loss > limit
+            results[file] = {"verdict": "missing_physics", "mechanisms": [{"name": "stribeck"}]} if named else {
+                "verdict": "adequate"
+            }  # fmt: skip
+    return answers, results
+
+
+def test_the_curve_crosses_a_half_between_the_losses_named_and_not_named() -> None:
+    found = curve(*_answers(30.0))
+    assert [level.named.value for level in found.levels] == [1.0, 1.0, 1.0, 1.0, 0.0, 0.0]
+    assert [level.payable for level in found.levels] == [12, 12, 12, 12, 12, 0]
+    assert found.half == pytest.approx(math.sqrt(80.0 * 16.0))
+    assert found.low == found.high == pytest.approx(found.half)
+    assert found.limit == 15.0
+
+
+def test_chance_widens_the_interval_and_keeps_the_crossing_inside() -> None:
+    answers, results = _answers(30.0)
+    for series in range(4):
+        results[f"{series}-80"] = {"verdict": "adequate"}
+        results[f"{series + 6}-16"] = {"verdict": "missing_physics", "mechanisms": [{"name": "stribeck"}]}
+    found = curve(answers, results)
+    assert found.half is not None
+    assert found.low is not None
+    assert found.high is not None
+    assert found.low < found.half < found.high
+    assert found.low > 3.0
+    assert found.high < 400.0
+
+
+@pytest.mark.parametrize(("limit", "what"), [(1e9, "nothing"), (0.0, "everything")])
+def test_without_a_crossing_there_is_no_half(limit: float, what: str) -> None:
+    assert curve(*_answers(limit)).half is None, what
+
+
+BASE_CASE = Base(1.0, 20.0, 0.015, 0.001, 0.1, 0.0, 0.1, 4.0, 1200)
+NOISE = 2e-5
+
+
+def recording(**effects: dict[str, float]) -> dict[str, FloatArray]:
+    """A decay with little noise."""
+    model, sensors = build(BASE_CASE, effects)
+    clean = sensors.read(model, BASE_CASE.times)[1]
+    x = clean["x"] + NOISE * np.random.default_rng(1).standard_normal(BASE_CASE.samples)
+    return {"t": BASE_CASE.times, "x": x, "a": clean["a"]}
+
+
+CUBIC = {"cubic-stiffness": {"k3": 4000.0}}
+CONSTANT = {"constant-force": {"force": 1.5}}
+
+
+def test_regressors_are_names_of_the_catalogue_and_the_base_explains_a_control() -> None:
+    states = states_of(recording())
+    assert isinstance(states, States)
+    laws = regressors(states)
+    assert set(laws) - set(BASE) <= set(FAMILY)
+    base = np.column_stack([states.smoothed(laws[name]) for name in BASE])
+    found = np.linalg.lstsq(base, states.a, rcond=None)[0]
+    # smoothing over a tenth of a period takes a little off the second derivative
+    assert found[0] == pytest.approx(-400.0, rel=0.01)
+    assert found[1] == pytest.approx(-2.0 * 0.015 * 20.0, rel=0.1)
+    assert found[2] == pytest.approx(-400.0 * 0.001, rel=0.1)
+
+
+@pytest.mark.parametrize("effects", [CUBIC, CONSTANT])
+def test_r2_names_a_strong_law_of_little_noise(effects: dict[str, dict[str, float]]) -> None:
+    assert name_by_r2(recording(**effects)).names == tuple(effects)
+
+
+@pytest.mark.parametrize("effects", [CUBIC, CONSTANT])
+def test_sparse_regression_finds_a_strong_law_of_little_noise(effects: dict[str, dict[str, float]]) -> None:
+    pytest.importorskip("pysindy")
+    assert set(effects) <= set(name_by_sindy(recording(**effects)).names)
+
+
+def test_sysid_recovers_a_control_and_predicts_it_to_the_noise() -> None:
+    if not hasattr(pytest.importorskip("mujoco.sysid"), "optimize"):
+        pytest.skip("mujoco[sysid] is not installed")
+    period = 2.0 * np.pi / 20.0
+    spans = [[i * period, (i + 1) * period] for i in range(1, 12, 2)]
+    found = holdout_by_sysid(recording(), spans)
+    assert found.applies
+    assert found.parameters is not None
+    assert found.parameters["stiffness"] == pytest.approx(400.0, rel=1e-3)
+    assert found.parameters["damping"] == pytest.approx(0.6, rel=0.02)
+    assert found.parameters["frictionloss"] == pytest.approx(0.4, rel=0.02)
+    assert found.rmse["x"] < 10.0 * NOISE
+    hidden = holdout_by_sysid(recording(**CUBIC), spans)
+    assert hidden.rmse["x"] > 10.0 * found.rmse["x"]
+
+
+@pytest.mark.parametrize("left_out", ["x", "u"])
+def test_what_a_baseline_cannot_use_it_says(left_out: str) -> None:
+    seen = recording()
+    if left_out == "x":
+        del seen["x"]
+    else:
+        seen["u"] = np.zeros(BASE_CASE.samples)
+    said = refusal(seen)
+    assert said == ("no position was recorded" if left_out == "x" else "a driven recording")
+    for found in (name_by_r2(seen), holdout_by_sysid(seen, [[0.0, 1.0]])):
+        assert not found.applies
+        assert found.why == said

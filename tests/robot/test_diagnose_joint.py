@@ -1,12 +1,14 @@
-"""A joint of a robot from its log to friction that can be pasted: the numbers that were put in come out."""
+"""A joint of a robot from its log: friction comes out, and whether the others stand still or it sticks is told."""
 
 import json
+import math
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 
+from benchmarks.draws import robot_joints
 from harness.app.diagnose.many import diagnose
 from harness.app.diagnose.options import DiagnoseOptions, RobotOptions
 from harness.core.errors import InputError
@@ -17,9 +19,10 @@ from harness.kernels.solve import simulate
 from harness.model.model import Model, ModelTerm, Restoring
 from harness.results.diagnosis import DiagnosisResult
 from harness.robot.arm import load_arm
+from harness.robot.coupling import coupling
 from harness.robot.example import FRICTION, Friction, excited, write
-from harness.robot.recording import one_joint
-from harness.robot.reduction import reduced
+from harness.robot.recording import one_joint, slips
+from harness.robot.reduction import Reduced, reduced
 
 FILE = folder() / "arm" / "arm.xml"
 ARM = load_arm(FILE)
@@ -183,3 +186,108 @@ def test_the_friction_of_an_example_is_what_was_asked_for() -> None:
     left = log.effort["elbow"] - own.torque(log.position["elbow"], a) - 0.1 * smooth - 0.05
     fast = (np.abs(smooth) > 0.5) & (np.abs(a) < 3.0)
     assert np.median((left * np.sign(smooth))[fast]) == pytest.approx(0.4, abs=0.02)
+
+
+def test_one_moving_joint_is_locked_and_three_are_a_whole_arm() -> None:
+    locked = coupling(ARM, excited(ARM, FRICTION, ("shoulder",), duration=10.0), "shoulder")
+    assert (locked.mode, locked.moving, locked.torque) == ("locked", (), 0.0)
+    assert locked.reduced.held == pytest.approx({"base": 0.0, "elbow": 0.0}, abs=1e-5)
+    moving = coupling(ARM, excited(ARM, FRICTION, ARM.joints, duration=10.0), "shoulder")
+    assert moving.mode == "whole-arm"
+    assert set(moving.moving) == {"base", "elbow"}
+    assert moving.torque > moving.residual * 0.5
+    assert moving.share > 0.9
+
+
+def test_others_that_move_are_seen_in_a_wrong_unit_too() -> None:
+    """An effort in another unit leaves much more than the others' torque, and hangs on it all the same."""
+    log = excited(ARM, FRICTION, ARM.joints, duration=10.0)
+    large = replace(log, effort={name: 30.0 * y for name, y in log.effort.items()})
+    found = coupling(ARM, large, "shoulder")
+    assert found.torque < 0.1 * found.residual
+    assert found.mode == "whole-arm"
+
+
+def test_a_slow_drift_of_another_does_not_matter() -> None:
+    log = excited(ARM, FRICTION, ("shoulder",), duration=10.0)
+    drifting = {**log.position, "elbow": log.position["elbow"] + 0.002 * log.t / 10.0}
+    found = coupling(ARM, replace(log, position=drifting), "shoulder")
+    assert found.moving == ("elbow",)
+    assert found.mode == "locked"
+
+
+def test_a_constant_column_does_not_move_whatever_its_digits_say() -> None:
+    log = excited(ARM, FRICTION, ("shoulder",), duration=5.0)
+    digits = 0.7 + 1e-16 * np.random.default_rng(1).standard_normal(log.t.size)
+    found = coupling(ARM, replace(log, position={**log.position, "elbow": digits}), "shoulder")
+    assert found.moving == ()
+
+
+def _log(**position: float) -> JointLog:
+    t = np.linspace(0.0, 2.0, 200)
+    return JointLog(t, {name: scale * np.sin(3.0 * t) for name, scale in position.items()}, file="log.csv")
+
+
+BAD = [
+    (_log(shoulder=0.5), "elbow", "'elbow', whose position log.csv does not hold.*of the log is accepted: shoulder"),
+    (_log(lift=0.5, wrist=0.1), "shoulder", "joints lift, wrist, and .* has base, shoulder, elbow"),
+    (_log(shoulder=0.5), "sholder", "did you mean shoulder"),
+    (_log(shoulder=math.degrees(0.8)), "shoulder", "this looks like degrees"),
+]
+
+
+@pytest.mark.parametrize(("log", "joint", "said"), BAD)
+def test_logs_that_do_not_go_with_the_model_are_refused(log: JointLog, joint: str, said: str) -> None:
+    with pytest.raises(InputError, match=said):
+        coupling(ARM, log, joint)
+
+
+def _stick_slip(rng: np.random.Generator) -> tuple[JointLog, Reduced, float]:
+    """A log of 20 s at 250 Hz, the joint, and its break-away torque, N m."""
+    inertia, gravity, kp = rng.uniform(0.2, 0.6), rng.uniform(3.0, 10.0), rng.uniform(40.0, 80.0)
+    f_s, f_k = rng.uniform(2.0, 3.0), rng.uniform(0.5, 1.0)
+    offset, h, every = rng.uniform(-0.1, 0.1), 2e-4, 20
+    q = v = 0.0
+    rows = np.empty((5000, 3))
+    for i in range(5000 * every):
+        t = i * h
+        turn = 2.0 * math.pi * 0.08 * t
+        torque = kp * (0.12 * math.sin(turn) - q) + 1.5 * (0.06 * math.cos(turn) - v) + gravity * math.cos(q) + offset
+        if i % every == 0:
+            rows[i // every] = t, q, torque
+        free = torque - gravity * math.cos(q) - offset
+        if v == 0.0 and abs(free) <= f_s:
+            continue
+        sliding = f_k + (f_s - f_k) * math.exp(-abs(v) / 0.12)
+        after = v + h * (free - 0.05 * v - math.copysign(sliding, v if v else free)) / inertia
+        v = 0.0 if v * after < 0.0 and abs(free) <= f_s else after
+        q += h * v
+    rows[:, 1:] += (2e-5, 0.02) * rng.standard_normal((5000, 2))
+    log = JointLog(rows[:, 0].copy(), {"j": rows[:, 1].copy()}, effort={"j": rows[:, 2].copy()})
+    return log, Reduced("j", inertia, 0.0, b=gravity), f_s
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_break_away_is_the_last_torque_before_a_slip(seed: int) -> None:
+    log, own, f_s = _stick_slip(np.random.default_rng(seed))
+    found = slips(log, own)
+    assert found is not None
+    assert found.still > 0.5
+    broken = found.break_away
+    assert broken is not None
+    assert broken.value == pytest.approx(f_s, rel=0.06)
+    assert broken.stderr is not None
+    assert broken.value is not None
+    assert abs(broken.value - f_s) < 3.0 * broken.stderr
+
+
+def test_a_joint_that_slides_too_shortly_to_be_fitted_is_told_by_its_slips() -> None:
+    told = robot_joints.slips(1, 0)
+    assert told.right, told.said
+
+
+def test_a_joint_that_swings_has_no_slips() -> None:
+    t = np.arange(5000) / 250.0
+    q = 0.3 * np.sin(2.0 * t) + 2e-5 * np.random.default_rng(0).standard_normal(t.size)
+    assert slips(JointLog(t, {"j": q}, effort={"j": np.cos(t)}), Reduced("j", 0.4, 0.0, b=5.0)) is None
+    assert slips(JointLog(t, {"j": q}), Reduced("j", 0.4, 0.0, b=5.0)) is None

@@ -1,7 +1,8 @@
-"""The pages and the trace of a diagnosis: what they say, and that a browser draws them without a word."""
+"""The pages and the trace of a diagnosis: what they say, and that a browser draws them."""
 
+import json
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pytest
@@ -23,13 +24,16 @@ from harness.results.diagnosis import (
     PredictionResult,
     RemainderResult,
     RuleResult,
+    SurfaceResult,
+    TableResult,
     UnreadRecording,
     read_diagnosis,
 )
 from harness.show.blocks import Figure, Page
 from harness.show.report.diagnosis import diagnosis_page, gained, index_page
+from harness.show.report.diagnosis_figures import nameless
 from harness.show.report.diagnosis_scene import diagnosis_scene
-from harness.show.report.page import render, write_report
+from harness.show.report.page import Pool, render, write_report
 from harness.show.stored import read_trace
 from harness.show.trace import write_trace
 
@@ -249,3 +253,60 @@ def test_a_figure_rises_or_falls_as_it_does(after: tuple[float | None, float], s
     heads = ["Fit of x (NRMSE)"] if chi2 is None else ["Chi-square per point", "Fit of x (NRMSE)"]
     assert found == [f"{head} {words}" for head, words in zip(heads, said, strict=True)]
     assert gained(result.model_copy(update={"mechanisms": []}))[-1] == "Fit of x (NRMSE) is 64.43 %."
+
+
+SIDE = [-1.0, 0.0, 1.0]
+CURVE: dict[str, Any] = {
+    "form": "f(x)",
+    "of": "x",
+    "at": SIDE,
+    "at_unit": "m",
+    "force": [0.1, 0.2, 0.3],
+    "stderr": [0.01, 0.01, 0.01],
+    "force_unit": "N",
+    "gauge": "no straight line",
+    "described": "odd",
+    "nearest": [{"name": "cubic-stiffness", "share": 0.8}],
+}
+PLANE: dict[str, Any] = {
+    "form": "f(x, v)",
+    "x": SIDE,
+    "x_unit": "m",
+    "v": SIDE,
+    "v_unit": "m/s",
+    "force": [[None, -0.5, None], [0.0, 0.1, 0.0], [None, 0.4, None]],
+    "stderr": [[None, 0.1, None], [0.2, 0.1, 0.2], [None, 0.1, None]],
+    "force_unit": "N",
+    "gauge": "no force of position alone",
+    "described": "a resistance that depends on the place too",
+}
+
+
+def figures(curves: int, plane: bool) -> list[Figure]:
+    tables = [TableResult.model_validate(CURVE)] * curves
+    surface = SurfaceResult.model_validate(PLANE) if plane else None
+    found = nameless(example("bench.csv", tables=tables, surface=surface)).blocks
+    return [block for block in found if isinstance(block, Figure)]
+
+
+def test_a_curve_is_drawn_with_its_band_and_what_comes_near() -> None:
+    (figure,) = figures(1, False)
+    assert len(figure.traces) == 3
+    assert np.allclose(figure.traces[1]["y"] - figure.traces[0]["y"], 0.04)
+    assert "cubic-stiffness (80 % of it)" in figure.caption
+
+
+def test_a_plane_is_blank_where_nothing_is_known() -> None:
+    curve, plane = figures(1, True)
+    assert curve.name != plane.name
+    assert plane.traces[0]["z"][0] == [None, -0.5, None]
+    assert (plane.traces[0]["zmin"], plane.traces[0]["zmax"]) == (-0.5, 0.5)
+    assert "A resistance that depends on the place too" in plane.caption
+    assert "there nothing is known" in plane.caption
+    # as the page writes it: no number that JSON does not have
+    json.dumps(Pool().spec(plane), allow_nan=False)
+
+
+def test_a_plane_stands_alone() -> None:
+    (plane,) = figures(0, True)
+    assert plane.layout["yaxis"]["title"]["text"] == "speed / (m/s)"

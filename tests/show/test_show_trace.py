@@ -1,28 +1,37 @@
-"""Traces: what is written is read back, and the viewer's own tools accept it."""
+"""Traces: written, packed, read back, and accepted by the viewer."""
 
+import os
 import re
+import struct
 import subprocess
 import sys
+import threading
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import psutil
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 from show_examples import SCENARIO, make_sources
 
 from harness.core.errors import HarnessError, InputError, StoreError
 from harness.core.events import Mode
 from harness.core.recording import Recording
+from harness.core.scenario import FREE_DECAY
 from harness.core.trajectory import Source, Trajectory
+from harness.exact.decay import free_decay
 from harness.results.identify import IdentifyResult
 from harness.results.run import RunResult
-from harness.show import scene
+from harness.show import scene, screenshot
 from harness.show.blocks import Figure
+from harness.show.decimate import keep, position_at, position_error, reversal_times
+from harness.show.pack import pack, unpack
 from harness.show.plots import axes, curve, thinned
 from harness.show.report.identify import recording_scene
 from harness.show.report.run_scene import run_scene
-from harness.show.stored import read_trace
+from harness.show.stored import poured, read_trace
 from harness.show.trace import DRAWN, write_trace
 
 RERUN = Path(sys.executable).with_name("rerun")
@@ -178,3 +187,152 @@ def test_a_trace_that_is_written_leaves_little_behind(tmp_path: Path) -> None:
     for i in range(8):
         write_trace(tmp_path / f"{i}.rrd", one)
     assert psutil.Process().num_threads() - before <= 2 * 8
+
+
+finite = st.floats(allow_nan=False, allow_infinity=False)
+
+
+@given(st.lists(finite, min_size=1, max_size=60))
+def test_any_doubles_come_back_bit_for_bit(values: list[float]) -> None:
+    column = np.array(values)
+    back, about = unpack(pack({"c": column}, {"k": 1}))
+    assert back["c"].tobytes() == column.tobytes()
+    assert about == {"k": 1}
+
+
+def test_a_smooth_motion_takes_little_room(sources: list[Trajectory]) -> None:
+    t = np.arange(100_000) * 3e-6
+    smooth = {"t": t, "x": np.exp(-0.5 * t) * np.cos(10.0 * t)}
+    assert len(pack(smooth, {})) < 0.2 * sum(column.nbytes for column in smooth.values())
+
+
+def motion(t: np.ndarray) -> Trajectory:
+    return Trajectory(t, np.sin(3.0 * t), 3.0 * np.cos(3.0 * t), -9.0 * np.sin(3.0 * t), Source("made up"))
+
+
+@pytest.mark.parametrize("n", [10_001, 54_321, 100_000])
+def test_spikes_ends_and_reversals_survive(n: int) -> None:
+    t = np.linspace(0.0, 1.0, n)
+    x = np.zeros(n)
+    x[n // 3], x[n // 5] = 1.0, -1.0
+    chosen = keep(t, [x], np.array([0.5]), 2000)
+    assert chosen.size <= 2000
+    assert np.all(np.diff(chosen) > 0)
+    assert {0, n // 3, n // 5, n - 1} <= set(chosen.tolist())
+    centre = int(np.searchsorted(t, 0.5))
+    assert set(range(centre - 500, centre + 500)) <= set(chosen.tolist())
+
+
+def test_reversals_without_events_lie_between_the_samples() -> None:
+    t = np.linspace(0.0, 3.0, 4001)
+    expected = (np.arange(3) + 0.5) * np.pi / 3.0
+    assert np.allclose(reversal_times(motion(t))[:3], expected[expected < 3.0], atol=1e-6)
+
+
+def test_interpolation_is_exact_at_samples_and_of_fourth_order_between() -> None:
+    errors = []
+    for n in (101, 201, 401):
+        reference = motion(np.linspace(0.0, 3.0, n))
+        assert np.array_equal(position_at(reference, reference.t)[0], reference.x)
+        between = 0.5 * (reference.t[1:] + reference.t[:-1])
+        errors.append(np.max(np.abs(position_at(reference, between)[0] - np.sin(3.0 * between))))
+    orders = np.log2(np.array(errors[:-1]) / np.array(errors[1:]))
+    assert np.allclose(orders, 4.0, atol=0.1)
+
+
+def test_no_error_is_claimed_where_the_reference_has_ended() -> None:
+    reference = motion(np.linspace(0.0, 1.0, 101))
+    longer = motion(np.linspace(0.0, 2.0, 201))
+    error = position_error(longer.t, longer.x, reference)
+    assert np.isnan(error[longer.t > 1.0]).all()
+    assert np.max(np.abs(error[longer.t <= 1.0])) < 1e-7
+
+
+PIECE = bytes(range(256)) * 4096
+
+
+def write(name: str, pieces: int) -> None:
+    """What a library does in a thread of its own."""
+    with open(name, "wb", buffering=0) as pipe:
+        for _ in range(pieces):
+            pipe.write(PIECE)
+
+
+def test_what_is_written_arrives(tmp_path: Path) -> None:
+    with poured(tmp_path / "a") as pipe:
+        thread = threading.Thread(target=write, args=(pipe.name, 5))
+        thread.start()
+        thread.join()
+        pipe.opened()
+    assert (tmp_path / "a").read_bytes() == 5 * PIECE
+
+
+def test_a_full_disk_keeps_nobody_waiting_and_is_told() -> None:
+    with pytest.raises(OSError, match="No space left"), poured(Path("/dev/full")) as pipe:
+        write(pipe.name, 5)
+
+
+def test_an_error_of_the_writer_passes_and_leaves_no_descriptor(tmp_path: Path) -> None:
+    before = len(os.listdir("/dev/fd"))
+    with pytest.raises(ValueError, match="a bug"), poured(tmp_path / "a"):
+        raise ValueError("a bug")
+    assert len(os.listdir("/dev/fd")) == before
+
+
+@pytest.mark.parametrize("room", [30_000, 60_000, 90_000])
+def test_a_trace_on_a_full_disk_ends_with_one_line(tmp_path: Path, room: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A disk that is full after so many bytes, wherever in the file that is."""
+
+    class Disk:
+        left = room
+
+        def write(self, data: memoryview) -> int:
+            if not Disk.left:
+                raise OSError(28, "No space left on device")
+            taken = min(Disk.left, len(data))
+            Disk.left -= taken
+            return taken
+
+    from harness.show import stored
+
+    whole = stored.Pipe
+    monkeypatch.setattr(stored, "Pipe", lambda file: whole(Disk()))  # type: ignore[arg-type]
+    scene = run_scene([free_decay(FREE_DECAY, np.linspace(0.0, 3.0, 20_001))], {"name": "free-decay"}, {}, "A test.")
+    with pytest.raises(StoreError, match=r"t\.rrd: no space left on the device") as caught:
+        write_trace(tmp_path / "t.rrd", scene)
+    assert Disk.left == 0
+    assert "\n" not in str(caught.value)
+    assert list(tmp_path.iterdir()) == []
+
+
+needs_driver = pytest.mark.skipif(screenshot.driver() is not None, reason=screenshot.driver() or "")
+
+
+@needs_driver
+@pytest.mark.slow
+def test_no_view_of_a_run_reports_anything(trace_file: Path) -> None:
+    shot = screenshot.take(trace_file, 1.2)
+    assert shot.reports == {
+        name: []
+        for name in (
+            "position / mm",
+            "engine minus reference / mm",
+            "acceleration / (m/s²)",
+            "stick and slip",
+            "sliders",
+            "speed / (m/s) over position / mm",
+            "notes",
+            "parameters",
+            "reversals",
+        )
+    }
+    assert shot.png[:8] == b"\x89PNG\r\n\x1a\n"
+    width, height = struct.unpack(">II", shot.png[16:24])
+    assert width >= 1280
+    assert height >= 720
+
+
+@pytest.mark.parametrize("arguments", [[], ["one.rrd"], ["a", "b", "c", "d"]])
+def test_usage_is_one_line(arguments: list[str], capsys: pytest.CaptureFixture[str]) -> None:
+    assert screenshot.main(arguments) == 2
+    assert capsys.readouterr().err.count("\n") == 1
