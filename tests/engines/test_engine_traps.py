@@ -1,8 +1,5 @@
 """Every known trap of the engines: a default or a habit that would spoil friction without a word."""
 
-import ctypes
-import logging
-import os
 from pathlib import Path
 from typing import Any
 
@@ -12,7 +9,6 @@ import pytest
 from engine_cases import GENTLE, decay, engine, short
 
 from harness.core.errors import SimulationError
-from harness.core.quiet import quiet
 from harness.core.scenario import Belt, Hold, Scenario
 from harness.core.slider import PAPER, Slider
 from harness.core.trajectory import Trajectory
@@ -81,12 +77,6 @@ def test_pybullet_does_not_cap_the_speed_when_tuned() -> None:
     assert np.allclose(coast(0.0, 500.0, preset="tuned").v, 500.0)
 
 
-def test_pybullet_says_what_its_formats_leave_out() -> None:
-    said = " ".join(engine("pybullet").simulate(short("joint")).source.ignored)
-    assert "URDF joint friction" in said
-    assert "loadMJCF would ignore stiffness, damping and frictionloss" in said
-
-
 IGNORED = [
     ("mujoco", "joint", {"impratio": 10.0}, "impratio: there is no contact on this route"),
     ("mujoco", "law", {"solreffriction": (0.1, 1.0)}, "solreffriction: the joint has no friction on this route"),
@@ -140,18 +130,3 @@ def test_mujoco_reports_divergence_and_writes_no_file(tmp_path: Path, monkeypatc
         engine("mujoco").simulate(Task(decay(Slider(1.0, 1.0, 1e6, 3.0), 1.0, 200.0), "joint", "as-shipped", 1.0))
     assert list(tmp_path.iterdir()) == []
     assert mujoco.get_mjcb_passive() is None
-
-
-def test_what_c_libraries_print_goes_to_the_log(
-    capfd: pytest.CaptureFixture[str], caplog: pytest.LogCaptureFixture
-) -> None:
-    log = logging.getLogger("harness.engines.test")
-    c = ctypes.CDLL(None)
-    with caplog.at_level(logging.DEBUG, log.name), quiet(log):
-        os.write(2, b"stamp\n")
-        c.puts(b"b3Warning")
-    print("after")
-    captured = capfd.readouterr()
-    assert captured.out == "after\n"
-    assert captured.err == ""
-    assert [record.message for record in caplog.records] == ["stamp", "b3Warning"]

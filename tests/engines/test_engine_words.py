@@ -151,8 +151,8 @@ def test_physx_breaks_away_at_its_static_effort_and_slides_at_its_dynamic_one(so
 
 
 def said_by(python: str, program: str) -> tuple[dict[str, Any], str]:
-    """The JSON that a program of tests/support prints last in an interpreter."""
-    file = Path(__file__).parents[1] / "support" / program
+    """The JSON that a program of benchmarks/words prints last in an interpreter."""
+    file = Path(__file__).parents[2] / "benchmarks" / "words" / program
     root = os.pathsep.join([str(Path(__file__).parents[2]), *filter(None, [os.environ.get("PYTHONPATH")])])
     environment = os.environ | {"PYTHONPATH": root, "PYTHONWARNINGS": "ignore"}
     done = subprocess.run([python, str(file)], capture_output=True, text=True, check=True, env=environment)

@@ -1,7 +1,5 @@
 """Whatever is in a file or on the command line: a recording, or one line that says why not; soon, and in bounds."""
 
-import gzip
-import json
 import os
 import signal
 import tempfile
@@ -13,10 +11,10 @@ from typing import Any
 
 import numpy as np
 import pytest
-from hostile import BASE, MODEL, ROWS, T, X, mat, mat73, mat_packed, parquet
+from hostile import BASE, MODEL, T, X, mat, mat73, mat_packed, parquet
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
-from mutations import TEXTS, changed, separators, spots
+from mutations import changed, spots
 
 from harness.app.shared.reading import read
 from harness.core.errors import InputError
@@ -26,7 +24,7 @@ from harness.exact.decay import free_decay
 from harness.io.columns import parse_columns
 from harness.io.options import ReadOptions
 from harness.io.units import parse_unit, split_header
-from harness.model.document import from_document, load, to_document
+from harness.model.document import from_document, to_document
 from harness.show.report.run_scene import run_scene
 from harness.show.trace import write_trace
 
@@ -102,7 +100,6 @@ BINARY: dict[str, tuple[Callable[[Path], Any], str]] = {
     "parquet": (parquet, ".parquet"),
     "rrd": (rrd, ".rrd"),
 }
-HEADERS = ("t,x", "t [ms],x [mm],F [lbf]", "t;x", "t x [deg] v", "# t x", "Zeit [s]\tWeg [µm]")
 
 
 def valid(make: Callable[[Path], Any], suffix: str) -> bytes:
@@ -111,28 +108,6 @@ def valid(make: Callable[[Path], Any], suffix: str) -> bytes:
         path = Path(folder) / f"valid{suffix}"
         make(path)
         return path.read_bytes()
-
-
-def tables() -> st.SearchStrategy[bytes]:
-    """Tables of every layout, changed; some packed, and changed after packing."""
-    rows = "\n".join(ROWS[1:120])
-
-    def of(header: str) -> bytes:
-        separator = next((c for c in ";\t," if c in header), " ")
-        return f"{header}\n{rows.replace(',', separator)}\n".encode()
-
-    plain = [changed(data, separators(data), TEXTS) for data in map(of, HEADERS)]
-    packed = gzip.compress(of("t,x"), mtime=0)
-    return st.one_of(*plain, changed(packed, list(range(20))), plain[0].map(lambda data: gzip.compress(data, mtime=0)))
-
-
-def try_tables(options: settings) -> None:
-    @options
-    @given(tables(), st.sampled_from([".csv", ".txt", ".csv.gz"]))
-    def check(data: bytes, suffix: str) -> None:
-        reads(data, suffix)
-
-    check()
 
 
 def try_binary(kind: str, options: settings) -> None:
@@ -212,25 +187,7 @@ def try_models(options: settings) -> None:
             except InputError as error:
                 said(error, "model")
 
-    text = json.dumps(MODEL | {"terms": [{"name": "cubic-stiffness", "parameters": {"k3": 1.0}}]}).encode()
-
-    @options
-    @given(changed(text, list(range(len(text))), (*TEXTS, b"{" * 5000, b"[" * 100_000, b"1e999", b"\\ud800", b"NaN")))
-    def files(data: bytes) -> None:
-        with tempfile.TemporaryDirectory() as folder, no_hang():
-            path = Path(folder) / "model.json"
-            path.write_bytes(data)
-            try:
-                load(path)
-            except InputError as error:
-                said(error, "model")
-
     documents()
-    files()
-
-
-def test_tables_in_text() -> None:
-    try_tables(SHORT)
 
 
 @pytest.mark.parametrize("kind", BINARY)
@@ -247,9 +204,9 @@ def test_model_files() -> None:
 
 
 @pytest.mark.full
-@pytest.mark.parametrize("kind", ["tables", "expressions", "models", *BINARY])
+@pytest.mark.parametrize("kind", ["expressions", "models", *BINARY])
 def test_the_long_form(kind: str) -> None:
     if kind in BINARY:
         try_binary(kind, settings(LONG, max_examples=LONG.max_examples // 10))
     else:
-        {"tables": try_tables, "expressions": try_expressions, "models": try_models}[kind](LONG)
+        {"expressions": try_expressions, "models": try_models}[kind](LONG)

@@ -1,11 +1,7 @@
 """The integrator's motion and sensitivities: closed forms, its order, events, energy, and differences."""
 
 import math
-import os
-import subprocess
-import sys
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -18,10 +14,9 @@ from harness.core.events import EventKind
 from harness.core.slider import PAPER, Slider
 from harness.exact.decay import Decay, free_decay
 from harness.exact.sensitivity import PARAMETERS, fill_sensitivities
-from harness.kernels.solve import Drive, Effort, Scales, simulate, solve
+from harness.kernels.solve import Drive, Effort, simulate, solve
 from harness.model.model import Model, ModelTerm, Restoring
 
-ROOT = Path(__file__).resolve().parents[2]
 PAPER_STICKS_AT = 0.010511325485945064
 
 
@@ -221,34 +216,6 @@ BAD = [
 def test_bad_input_is_named(call: object, message: str) -> None:
     with pytest.raises(InputError, match=message):
         call()  # type: ignore[operator]
-
-
-def test_scales_know_what_pushes_it() -> None:
-    assert Scales.of(model(term("constant-force", 9.0), x0=0.0, v0=0.0)).x == pytest.approx(0.1)
-    assert Scales.of(model(term("impulse", 1.0, 2.6), x0=0.0, v0=0.0)).v == pytest.approx(2.0)
-
-
-def test_the_plain_functions_run_without_the_compiler() -> None:
-    program = (
-        "import numpy as np\n"
-        "from harness.core.slider import PAPER\n"
-        "from harness.kernels.solve import Effort, solve\n"
-        "from harness.model.model import Model\n"
-        "s = solve(Model.of_slider(PAPER, 1.0), np.array([0.1, 0.7]), ('k',), effort=Effort(1e-6))\n"
-        "print(repr(float(s.x[1])), repr(float(s.dx[1, 0])))\n"
-    )
-    found = subprocess.run(
-        [sys.executable, "-W", "error", "-c", program],
-        env={**os.environ, "NUMBA_DISABLE_JIT": "1"},
-        capture_output=True,
-        text=True,
-        cwd=ROOT,
-        check=False,
-    )
-    assert found.stderr == ""
-    x, dx = map(float, found.stdout.split())
-    s = solve(Model.of_slider(PAPER, 1.0), np.array([0.1, 0.7]), ("k",), effort=Effort(1e-6))
-    assert (x, dx) == pytest.approx((s.x[1], s.dx[1, 0]), rel=1e-9)
 
 
 T = np.linspace(0.0137, 3.0, 151)

@@ -9,13 +9,12 @@ from typing import Any
 
 import numpy as np
 import pytest
-from scipy.optimize import least_squares
 
 from harness.core.arrays import FloatArray
 from harness.core.errors import InputError, SimulationError
 from harness.proof.engine_source import ENGINE_KINDS, ENGINES, EngineName, Task, draw_engine, engine_motion
 from harness.proof.plant.base import Base, draw_decay
-from harness.proof.plant.base_fit import Seen, decay_motion, descend, fit_decay, fit_simulated, replayed, whiten
+from harness.proof.plant.base_fit import Seen, decay_motion, fit_decay, fit_simulated, replayed, whiten
 from harness.proof.plant.cases import Case, draw, truth
 from harness.proof.plant.decrement import decrement
 from harness.proof.plant.effects import ALIENS, KINDS
@@ -255,35 +254,6 @@ def test_what_is_drawn_is_plausible_in_each_channel(kind: str) -> None:
         for channel in case.channels:
             found = decrement(case.recorded["t"], case.recorded[channel], channel)
             assert found.plausible(case.base.omega_n, case.base.length)
-
-
-TIMES = np.linspace(0.0, 4.0, 300)
-TRUE = np.array([1.0, 0.4, 5.0, 0.3])
-SEEN = TRUE[0] * np.exp(-TRUE[1] * TIMES) * np.cos(TRUE[2] * TIMES + TRUE[3]) + 0.01 * np.random.default_rng(1).normal(
-    size=300
-)
-
-
-class Counted:
-    """Residual of a damped cosine in units of its noise; counts what it is asked."""
-
-    def __init__(self) -> None:
-        self.calls = 0
-
-    def __call__(self, z: FloatArray) -> FloatArray:
-        self.calls += 1
-        said = z[0] * np.exp(-z[1] * TIMES) * np.cos(z[2] * TIMES + z[3])
-        return np.asarray((SEEN - said) / 0.01)
-
-
-@pytest.mark.parametrize("start", [(1.3, 0.2, 4.8, 0.1), (0.7, 0.6, 5.2, 0.6), (1.0, 0.4, 5.0, 0.3)])
-def test_the_minimum_is_that_of_scipy_and_costs_less(start: tuple[float, ...]) -> None:
-    ours, theirs = Counted(), Counted()
-    found = descend(ours, np.array(start), 1e-4, 30)
-    known = least_squares(theirs, np.array(start), method="lm")
-    assert found.chi2 == pytest.approx(2.0 * known.cost, abs=0.5)
-    assert found.z == pytest.approx(known.x, rel=2e-2)
-    assert ours.calls < 0.7 * theirs.calls
 
 
 CONTROL: dict[str, Any] = {"mechanisms": [], "channels": "xa"}

@@ -104,44 +104,6 @@ def test_other_solvers_agree(solver: str, friction: DryFriction) -> None:
     assert simulate(model, t, solver=solver, tolerance=1e-9).x == pytest.approx(simulate(model, t).x, abs=2e-6)
 
 
-def test_a_constant_push_shifts_the_whole_motion() -> None:
-    t = np.linspace(0.0, 3.0, 500)
-    pushed = simulate(replace(paper(), x0=1.02, forces=(force_of("constant-force", force=2.0),)), t)
-    assert pushed.x == pytest.approx(simulate(paper(), t).x + 0.02, abs=1e-9)
-
-
-def test_direction_dependent_damping_is_another_zeta_each_way() -> None:
-    t = np.linspace(0.0, 0.62, 400)
-    run = simulate(replace(paper(), forces=(force_of("asymmetric-viscous", c_diff=0.4),)), t, tolerance=1e-12)
-    back, *_ = decay_motion(t, 10.0, 0.03, 0.03, 1.0, 0.0)
-    turn = run.reversals[0]
-    first = t <= turn
-    assert run.x[first] == pytest.approx(back[first], abs=1e-10)
-    lowest = decay_motion(np.array([turn]), 10.0, 0.03, 0.03, 1.0, 0.0)[0][0]
-    forth, *_ = decay_motion(t[~first] - turn, 10.0, 0.07, 0.03, lowest, 0.0)
-    assert run.x[~first] == pytest.approx(forth, abs=1e-9)
-
-
-@pytest.mark.parametrize(
-    ("force", "potential"),
-    [
-        (force_of("cubic-stiffness", k3=30.0), lambda x: 30.0 * x**4 / 4),
-        (force_of("quadratic-stiffness", k2=-20.0), lambda x: -20.0 * x**3 / 3),
-        (force_of("pendulum-stiffness"), lambda x: 100.0 * (1.0 - np.cos(x)) - 50.0 * x**2),
-        (force_of("end-stop", gap=0.6, k_stop=80.0, side="upper"), lambda x: 40.0 * np.maximum(x - 0.6, 0.0) ** 2),
-        (force_of("end-stop", gap=0.6, k_stop=80.0, side="lower"), lambda x: 40.0 * np.maximum(-x - 0.6, 0.0) ** 2),
-        (force_of("backlash", gap=0.05), lambda x: 50.0 * np.maximum(np.abs(x) - 0.05, 0.0) ** 2 - 50.0 * x**2),
-    ],
-    ids=["cubic", "quadratic", "pendulum", "stop-upper", "stop-lower", "backlash"],
-)
-def test_stiffness_conserves_energy(force: Force, potential: object) -> None:
-    assert callable(potential)
-    model = replace(base_model(1.0, 0.0, 100.0, 0.0, 1.0), forces=(force,))
-    run = simulate(model, np.linspace(0.0, 6.0, 600), tolerance=1e-12)
-    energy = 0.5 * run.v**2 + 50.0 * run.x**2 + potential(run.x)
-    assert energy == pytest.approx(np.full(600, energy[0]), rel=1e-8)
-
-
 def test_harmonic_response_without_friction_is_the_textbooks() -> None:
     omega, drive = 10.0, 17.0
     response = 4.0 / (omega**2 - drive**2)

@@ -1,4 +1,4 @@
-"""Changes of valid files at the places their readers look at: headers, lengths, counts, separators."""
+"""Changes of valid files at the places their readers look at: headers, lengths, counts."""
 
 import re
 import struct
@@ -11,27 +11,8 @@ NUMBERS = (
 )  # fmt: skip
 """What lengths and counts break at."""
 TEXTS = (
-    b"",
-    b"\r",
-    b"\n",
-    b",",
-    b";",
-    b"\t",
-    b'"',
-    b"[",
-    b"]",
-    b"nan",
-    b"inf",
-    b"-1e308",
-    b"1e-320",
-    b"1_0",
-    b"\x00",
-    b"\xff",
-    b"\x1b[2J",
-    b"#",
-    b"%",
-    b" " * 70_000,
-    b"9" * 400,
+    *(b"", b"\r", b"\n", b",", b";", b"\t", b'"', b"[", b"]", b"nan", b"inf", b"-1e308", b"1e-320", b"1_0", b"\x00"),
+    *(b"\xff", b"\x1b[2J", b"#", b"%", b" " * 70_000, b"9" * 400),
 )
 """What tables break at."""
 
@@ -45,11 +26,6 @@ def spots(data: bytes) -> list[int]:
     near = [place + offset for place in found for offset in range(0, 48, 2)]
     ends = [*range(0, min(len(data), 256), 2), *range(max(0, len(data) - 600), len(data), 3)]
     return sorted({place for place in (*near, *ends) if place < len(data)})
-
-
-def separators(data: bytes) -> list[int]:
-    """Places in a table: cells and lines begin and end there."""
-    return [match.start() for match in re.finditer(rb"[,;\t \n.\[\]e-]", data)][:4000]
 
 
 def applied(data: bytes, changes: list[Change]) -> bytes:

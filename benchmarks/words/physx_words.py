@@ -1,4 +1,4 @@
-"""PhysX's own words of joint friction in a stage, without the adapter: python physx_words.py; prints JSON.
+"""PhysX's own words of joint friction in a stage, without the adapter: a program that prints JSON.
 
 A box of 1 kg on a prismatic joint under a gravity of 2 m/s^2 along it, and friction of 3 N written as
 PhysxJointAxisAPI has it: speed after 0.1 s, inside an articulation and outside of one; then what the joint keeps of a

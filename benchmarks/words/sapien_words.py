@@ -1,4 +1,4 @@
-"""SAPIEN's joint friction: python sapien_words.py, in an interpreter that has sapien; prints JSON.
+"""SAPIEN's joint friction: python benchmarks/words/sapien_words.py, in an interpreter that has sapien; prints JSON.
 
 1 kg on a prismatic joint, pushed with -100 x, released at 0.5 m, 1 ms a step: turning points in m with the joint as it
 is made and with its friction set to 0.
