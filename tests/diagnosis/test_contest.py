@@ -63,11 +63,7 @@ def test_what_makes_a_name_more_likely(weights: Weights) -> None:
 def test_the_loosest_number_is_relative_but_a_phase_in_rad(monkeypatch: pytest.MonkeyPatch) -> None:
     """A phase near nought is not loose because it is small."""
     nothing: Any = None
-    said = {
-        "A": Quantity(0.2, 0.01, "N"),
-        "Omega": Quantity(3.0, 0.3, "rad/s"),
-        "phase": Quantity(1e-4, 0.2, "rad"),
-    }
+    said = {"A": Quantity(0.2, 0.01, "N"), "Omega": Quantity(3.0, 0.3, "rad/s"), "phase": Quantity(1e-4, 0.2, "rad")}
     entry = ModelTerm.named("harmonic-force", A=0.2, Omega=3.0, phase=1e-4)
     found: Any = SimpleNamespace(model=Model(1.0, 0.1, 9.0, 0.1, terms=(entry,)))
     monkeypatch.setattr(standard_errors, "term_parameters", lambda *_, **__: said)
