@@ -198,19 +198,24 @@ def _kept(work: Work) -> DiagnosisResult | None:
         kept = DiagnosisResult.model_validate_json(path.read_text(encoding="utf-8"))
     except (ValidationError, OSError, UnicodeDecodeError):
         raise InputError(str(path), "no diagnosis that this version can read", accepted) from None
-    if kept.settings != work.options.settings():
-        changed = [name for name, value in work.options.settings().items() if kept.settings.get(name) != value]
-        raise InputError("--resume", f"{work.folder.name} was made with another {', '.join(changed)}", accepted)
-    try:
-        own = sha256(work.path) if work.options.robot is None else source_of(work.path).sha256
-        same = kept.recording.sha256 == own
-    except (OSError, InputError):
-        same = False
-    if not same:
-        raise InputError("--resume", f"{work.folder.name} was made of another file than {work.label}", accepted)
-    if kept.machine.packages.get("friction-harness") != package_version("friction-harness"):
-        raise InputError("--resume", f"{work.folder.name} was made by another version", accepted)
+    settings, why = work.options.settings(), None
+    if kept.settings != settings:
+        why = f"with another {', '.join(name for name, value in settings.items() if kept.settings.get(name) != value)}"
+    elif kept.recording.sha256 != _digest(work):
+        why = f"of another file than {work.label}"
+    elif kept.machine.packages.get("friction-harness") != package_version("friction-harness"):
+        why = "by another version"
+    if why is not None:
+        raise InputError("--resume", f"{work.folder.name} was made {why}", accepted)
     return kept
+
+
+def _digest(work: Work) -> str:
+    """Of the file as it is now, "" where it cannot be read."""
+    try:
+        return sha256(work.path) if work.options.robot is None else source_of(work.path).sha256
+    except (OSError, InputError):
+        return ""
 
 
 Keyed = tuple[str, Answer | StoreError]

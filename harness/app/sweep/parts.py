@@ -10,9 +10,10 @@ from typing import Any
 
 from harness.core.errors import HarnessError, StoreError
 from harness.core.writing import explained, replacing, sweep
-from harness.engines.base import Engine
+from harness.engines.registry import load
 from harness.fidelity.row import Spec, failed, run_row
 
+_load = cache(load)
 _one_at_a_time = threading.Lock()
 """Engines speak through descriptors that belong to the process; a cluster's worker may have several threads."""
 
@@ -21,7 +22,7 @@ def compute(spec: Spec) -> dict[str, Any]:
     """The row of a spec as plain data; whatever goes wrong is in the row."""
     with _one_at_a_time:
         try:
-            engine = _engine(spec.engine)
+            engine = _load(spec.engine)
         except HarnessError as error:
             return failed(spec, str(error)).as_dict()
         found = engine.version()
@@ -33,13 +34,6 @@ def compute(spec: Spec) -> dict[str, Any]:
 def failed_row(spec: Spec, why: str) -> dict[str, Any]:
     """The row of a spec that could not be computed."""
     return failed(spec, why).as_dict()
-
-
-@cache
-def _engine(name: str) -> Engine:
-    from harness.engines.registry import load
-
-    return load(name)
 
 
 Row = dict[str, Any]
@@ -75,7 +69,13 @@ class Parts:
         import pyarrow as pa
         import pyarrow.parquet as pq
 
-        table = pa.Table.from_pylist([_flat(row) for row in rows], schema=_schema())
+        flat = [
+            row
+            | {name: json.dumps(row[name], sort_keys=True) for name in AS_TEXT}
+            | {name: list(row[name].items()) for name in AS_MAP}
+            for row in rows
+        ]
+        table = pa.Table.from_pylist(flat, schema=_schema())
         path = self._folder / f"part-{self._next():06d}.parquet"
         with replacing(path) as beside:
             pq.write_table(table, beside, compression="zstd")
@@ -108,7 +108,8 @@ class Parts:
             table = pq.ParquetFile(path, page_checksum_verification=True).read()
             if columns is not None:
                 return list(table.select(columns).to_pylist())
-            return [_deep(row) for row in table.to_pylist(maps_as_pydicts="strict")]
+            rows = table.to_pylist(maps_as_pydicts="strict")
+            return [row | {name: json.loads(row[name]) for name in AS_TEXT} for row in rows]
         except (pa.ArrowException, OSError, ValueError, KeyError, TypeError):
             self.damaged.append(path.name)
             with explained(path):
@@ -128,21 +129,6 @@ def _schema() -> Any:
         " setup draw metrics exact samples wall_s steps_per_s error"
     )
     return pa.schema([(name, kinds.get(name, text)) for name in order.split()])
-
-
-def _flat(row: Row) -> Row:
-    flat = dict(row)
-    for name in AS_TEXT:
-        flat[name] = json.dumps(row[name], sort_keys=True)
-    for name in AS_MAP:
-        flat[name] = list(row[name].items())
-    return flat
-
-
-def _deep(flat: Row) -> Row:
-    for name in AS_TEXT:
-        flat[name] = json.loads(flat[name])
-    return flat
 
 
 def check_new(folder: Path) -> None:
