@@ -284,7 +284,7 @@ def run_joint(
     from harness.app.run.joint import JointRun
     from harness.app.run.joint import run_joint as computed
 
-    asked = JointRun.chosen(Path(robot), joint, gravity, tuple(engines or ()), preset, dt)
+    asked = JointRun(Path(robot), joint, gravity, tuple(engines or ()), () if preset is None else (preset,), dt)
     if out is not None:
         return computed(asked, Path(out))
     with TemporaryDirectory(prefix="friction-harness-") as folder:

@@ -11,7 +11,7 @@ from lxml import etree
 
 from harness.app.report.rebuild import rebuild
 from harness.app.run.joint import JointRun, run_joint
-from harness.app.sweep.tune import TuneJoint, tune_joint
+from harness.app.sweep.tune import tune_joint
 from harness.core.errors import InputError
 from harness.core.robot.bodies import Bodies
 from harness.engines.models import folder
@@ -139,7 +139,7 @@ def test_the_page_is_made_again_from_the_trace_alone(elbow: JointRunResult, tmp_
 @pytest.mark.full
 def test_it_beats_the_file_in_poses_that_were_not_searched_in(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(room, "STARTS", 1)
-    result = tune_joint("mujoco", TuneJoint(FILE, "elbow"))
+    result = tune_joint("mujoco", FILE, "elbow")
     assert result.dt_s == 0.002
     assert result.score_after < 0.05 * result.score_before
     assert result.robot is not None
@@ -170,7 +170,7 @@ def test_a_joint_without_dry_friction_is_refused_in_one_line(tmp_path: Path) -> 
     file = tmp_path / "arm.xml"
     file.write_text(FILE.read_text().replace('frictionloss="0.3"', ""))
     with pytest.raises(InputError, match="no dry friction"):
-        tune_joint("mujoco", TuneJoint(file, "elbow"))
+        tune_joint("mujoco", file, "elbow")
 
 
 TETRAHEDRON = "v 0 0 0\nv .2 0 0\nv 0 .2 0\nv 0 0 .2\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n"

@@ -2,8 +2,7 @@
 
 import logging
 import math
-from collections.abc import Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from harness.app.run.joint_servo import itself_in, servo_scores
@@ -90,8 +89,9 @@ def played(
 class JointRun:
     """What to run.
 
-    file, joint : of a robot's model. gravity : m/s^2, None for the model's own. engines : names. presets : as-shipped,
-    tuned or both. dt : step of the tuned preset, s, None for the model's own.
+    file, joint : of a robot's model. gravity : m/s^2, None for the model's own. engines : names, empty for the usual
+    ones, MuJoCo and PyBullet. presets : as-shipped or tuned, empty for both. dt : step of the tuned preset, s, None for
+    the model's own.
 
     Raises InputError for an engine or a preset that does not exist, and for dt not above 0.
     """
@@ -99,8 +99,8 @@ class JointRun:
     file: Path
     joint: str | None
     gravity: tuple[float, float, float] | None = None
-    engines: tuple[str, ...] = field(default_factory=registry.usual)
-    presets: tuple[str, ...] = PRESETS
+    engines: tuple[str, ...] = ()
+    presets: tuple[str, ...] = ()
     dt: float | None = None
 
     def __post_init__(self) -> None:
@@ -111,19 +111,11 @@ class JointRun:
         for name in self.engines:
             registry.check(name, "--engine")
 
-    @classmethod
-    def chosen(
-        cls,
-        file: Path,
-        joint: str | None,
-        gravity: tuple[float, float, float] | None = None,
-        engines: Sequence[str] = (),
-        preset: str | None = None,
-        dt: float | None = None,
-    ) -> "JointRun":
-        """As somebody chose: no engines means the usual ones, MuJoCo and PyBullet, preset None means both."""
-        presets: tuple[str, ...] = PRESETS if preset is None else (preset,)
-        return cls(file, joint, gravity, tuple(engines) or registry.usual(), presets, dt)
+    @property
+    def plan(self) -> list[tuple[str, Preset]]:
+        """Engine and preset of every run; an engine that is asked for twice is run once."""
+        names = dict.fromkeys(self.engines or registry.usual())
+        return [(name, preset) for name in names for preset in PRESETS if preset in (self.presets or PRESETS)]
 
 
 def run_joint(
@@ -167,12 +159,9 @@ def _computed(
     paste, itself = _paste(arm, own), as_it_is(asked.file, own.joint, asked.gravity)
     friction, tuned = max(paste.f_k, itself.friction), asked.dt or step
     motions: list[Played] = []
-    plan: list[tuple[str, Preset]] = [
-        (name, preset) for name in dict.fromkeys(asked.engines) for preset in PRESETS if preset in asked.presets
-    ]
     if itself.load is not None:
-        for done, (name, preset) in enumerate(plan):
-            progress(f"{name} {preset}", done, len(plan))
+        for done, (name, preset) in enumerate(asked.plan):
+            progress(f"{name} {preset}", done, len(asked.plan))
             motions.append(played(arm, own, friction, itself.load, itself.softness, name, preset, tuned))
     scores = [one.score for one in motions]
     result = JointRunResult(
@@ -183,7 +172,7 @@ def _computed(
         reduction=reduction_of(arm, own),
         load=itself.load,
         scores=scores,
-        as_it_is=itself_in(itself, asked.file, own, asked.gravity, plan, scores, tuned),
+        as_it_is=itself_in(itself, asked.file, own, asked.gravity, asked.plan, scores, tuned),
         servo=servo_scores(itself),
         paste=PasteResult(mjcf=paste.mjcf, urdf=paste.urdf),
         conclusions=[],

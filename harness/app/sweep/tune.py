@@ -1,7 +1,7 @@
 """Search of an engine's settings for fidelity at a cost."""
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -38,42 +38,41 @@ _TURN = 1.0
 """rad: the poses of the others that are tried, about the model's reference."""
 
 
-@dataclass(frozen=True, slots=True)
-class TuneJoint:
-    """Which joint. file : of a robot's model. gravity : m/s^2, None for its own. dt : s, None for the model's own."""
-
-    file: Path
-    joint: str | None
-    gravity: tuple[float, float, float] | None = None
-    dt: float | None = None
-
-
-def tune_joint(name: str, asked: TuneJoint, most: float | None = None, progress: Progress = SILENT) -> TuneResult:
+def tune_joint(
+    name: str,
+    file: Path,
+    joint: str | None = None,
+    gravity: tuple[float, float, float] | None = None,
+    dt: float | None = None,
+    most: float | None = None,
+    progress: Progress = SILENT,
+) -> TuneResult:
     """Search on the joint with the others in some poses, score in others; what ships is the model's file as it is.
 
-    most : as in ``tune``. Raises InputError as ``tune`` does, for a joint that there is not, and for one whose model
-    has no dry friction.
+    file : of a robot's model. gravity : m/s^2, None for its own. dt : s, None for the model's own. most : as in
+    ``tune``. Raises InputError as ``tune`` does, for a joint that there is not, and for one whose model has no dry
+    friction.
     """
-    arm = load_arm(asked.file, asked.gravity)
-    joint = arm.joints[0] if asked.joint is None and len(arm.joints) == 1 else asked.joint
+    arm = load_arm(file, gravity)
+    joint = arm.joints[0] if joint is None and len(arm.joints) == 1 else joint
     if joint is None:
         raise InputError("--joint", "not given", f"a joint of {arm.file} is accepted: {', '.join(arm.joints)}")
     at = arm.index(joint)
     f_k, c = float(arm.frictionloss[at]), float(arm.damping[at])
     if f_k == 0.0:
         accepted = "a joint with frictionloss (MJCF) or friction (URDF) is accepted; harness diagnose --robot finds it"
-        raise InputError(f"{asked.file}: joint {joint}", "no dry friction: there is nothing to tune", accepted)
+        raise InputError(f"{file}: joint {joint}", "no dry friction: there is nothing to tune", accepted)
     poses = {number: _posed(arm, joint, number) for number in (*SEARCH, *HELD_OUT)}
     subject = Subject(lambda number: _sliders(poses[number], f_k, c), SCENARIOS)
     if name == MUJOCO:
         soft = looseness(arm, joint, reduced(arm, joint).moved)
         own = {key: value for key, value in words(arm, joint).items() if key != "dt"}
         subject = replace(subject, own=own, given=lambda settings: loosened(settings, soft))
-    dt = float(arm.model.opt.timestep) if asked.dt is None else asked.dt
+    dt = float(arm.model.opt.timestep) if dt is None else dt
     result = tune(name, "joint", dt, most, progress, subject)
     paste = JointPaste(joint, f_k, c, float(arm.armature[at]), dt)
     robot = TunedJoint(
-        file=str(asked.file.absolute()),
+        file=str(file.absolute()),
         joint=joint,
         inertia=[one.moved for one in poses.values()],
         gravity=[one.gravity for one in poses.values()],

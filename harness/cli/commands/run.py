@@ -74,7 +74,7 @@ def command(
                 raise InputError("--robot", f"given with {option}", "one of the two is accepted")
         from harness.app.run.joint import JointRun, run_joint
 
-        asked = JointRun.chosen(*robot, engines, preset, dt)
+        asked = JointRun(*robot, engines, () if preset is None else (preset,), dt)
         with to.told() as progress:
             joint = run_joint(asked, to.out, progress, this_line())
         to.give(joint, _print_joint)

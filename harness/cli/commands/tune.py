@@ -37,12 +37,12 @@ def command(
     if robot is not None and route not in (None, "joint"):
         raise InputError("--route", f"{route}, given with --robot", "joint is accepted with it")
     with to.told() as progress:
-        from harness.app.sweep.tune import TuneJoint, tune, tune_joint
+        from harness.app.sweep.tune import tune, tune_joint
 
         if robot is None:
             result = tune(engine, route or "joint", dt, max_cost, progress)  # type: ignore[arg-type]
         else:
-            result = tune_joint(engine, TuneJoint(*robot, dt), max_cost, progress)
+            result = tune_joint(engine, *robot, dt, max_cost, progress)
     to.give(result, _print)
     return 0
 
