@@ -15,7 +15,7 @@ from harness.app.diagnose.problem import Prepared, prepared
 from harness.app.shared.reading import ReadOptions
 from harness.core.recording import Recording
 from harness.diagnosis import pipeline
-from harness.diagnosis.explain.verdict_sentence import sentence_of
+from harness.diagnosis.explain.sentences import sentence_of
 from harness.diagnosis.inverse_dynamics.validate import Judge
 from harness.diagnosis.outcome import Outcome
 from harness.diagnosis.problem import Problem

@@ -27,10 +27,8 @@ from harness.diagnosis.pipeline import prepare
 from harness.diagnosis.problems.driven import InverseDynamics
 from harness.diagnosis.request import Asked
 from harness.diagnosis.rules import PATH_AGAIN, TABLE_BETTER, TABLE_ERRORS, TABLE_WORDS
-from harness.diagnosis.tables.curve import table_of
-from harness.diagnosis.tables.drawn import curves
-from harness.diagnosis.tables.force_step import ForceLeft
-from harness.diagnosis.tables.selection import time_again
+from harness.diagnosis.tables.beside import ForceLeft, time_again
+from harness.diagnosis.tables.drawn import curves, table_of
 from harness.model.model import Model, ModelTerm, Restoring
 from harness.model.registry import NAMED
 from harness.model.term import Slot
@@ -182,7 +180,7 @@ def left_of(machine: Moved) -> tuple[ForceLeft, InverseDynamics]:
     first = replace(problem.first, terms=machine.model.terms)
     start = fit_force(first, measured, free_of(first, problem.base_names))
     scales = driven_scales(problem, problem.first)
-    return ForceLeft.of(start, measured, force_words(start, measured), scales), problem
+    return ForceLeft(start, measured, force_words(start, measured), scales), problem
 
 
 def measure(seed: int, index: int) -> Row:

@@ -28,8 +28,8 @@ from harness.diagnosis.outcome import Table
 from harness.diagnosis.problem import Problem
 from harness.diagnosis.residual_tests.structure import Left, left_by
 from harness.diagnosis.rules import TABLE_BAND, TABLE_BETTER, TABLE_ERRORS, TABLE_WORDS
-from harness.diagnosis.tables.curve import table_of
-from harness.diagnosis.tables.selection import finished, tabulated
+from harness.diagnosis.tables.beside import MotionLeft
+from harness.diagnosis.tables.drawn import table_of
 from harness.kernels.solve import Scales
 from harness.model.model import Model
 from harness.proof.machines.kinds import CONTROL, TABLE
@@ -93,10 +93,11 @@ def _row(recording: Recording, truth: Mapping[str, Any], rng: np.random.Generato
     before = held_out(seen.base, seen.problem, seen.scales, seen.strokes)
     if before is None:
         return replace(row, why="too short for blocks")
-    kept = tabulated(seen, seen.base.model, base_of(seen.base.free), before)
+    left = MotionLeft(seen, seen.base.model, base_of(seen.base.free))
+    kept = left.tabulated(before)
     if not kept:
         return row
-    best = finished(kept[0], seen)
+    best = left.finished(kept[0])
     row = replace(row, kept=best.rung.said, ratio=ratio(best.held, before))
     number = number_of(form, best.rung.said)
     if group != TABLE or number is None:

@@ -2,12 +2,11 @@
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
 
-from harness.core.arrays import FloatArray
 from harness.core.errors import InputError
 from harness.core.recording import Recording
 from harness.diagnosis.alignment.consistency import Consistency, consistency
@@ -52,74 +51,49 @@ def compared(sim: Recording, real: Recording, shift: float | None = None) -> Com
     nothing in common.
     """
     found = match(sim, real, shift)
-    motion = motion_of(found.t, _between(found), found.omega)
+    # both traces in one, each by its precision: the motion whose noise has nothing in common with the difference; by a
+    # trace's own noise the parts of its swing would be told by what is then looked for in them
+    power = [{c: noise[c].sigma ** 2 if noise[c].found else 0.0 for c in found.real} for noise in found.found]
+    share = {c: power[0][c] / max(power[0][c] + power[1][c], 1e-300) for c in found.real}
+    between = {c: found.sim[c] + share[c] * left for c, left in found.difference.items()}
+    motion = motion_of(found.t, between, found.omega)
     jacobian = {c: d[:, None] for c, d in found.partial.items()}
     doubted = lack_of_fit(found.whitened, found.t, found.omega, jacobian=jacobian, motion=motion)
     judged = dict(found.whitened)
     if found.interpolated:
         judged = {c: np.where(isolated(r), 0.0, r) for c, r in judged.items()}
-    loud = {c: min(float(np.mean(np.square(r))), _over_own(found, c)) for c, r in judged.items()}
+    loud = {}
+    for c, r in judged.items():
+        # or over the noise that short windows of the difference show: a trace of some hundred samples tells its noise
+        # to a factor of two in power; what two traces leave of each other is far smoother, and tells it better
+        left = found.difference[c]
+        own = residual_noise(found.t, left, found.real[c], 2.0 * math.pi / found.omega)
+        loud[c] = min(float(np.mean(np.square(r))), float(np.mean(np.square(own.whitened(left)))))
     # a trace in which nothing swings has no channels to hold against each other
     checks = (
         consistency(sim.t, sim.channels, found.found[0], swing_of(sim), sim.angular),
         consistency(real.t, real.channels, found.found[1], found.omega, real.angular),
     )
     same = Comparison(found, doubted, loud, (), checks)
-    if same.verdict == "same within noise":
-        _refuse_rest(found, sim.file, real.file)
+    # shift and rate were fitted, and each channel has a level and a size
+    numbers = 2 + 2 * len(found.real)
+    alike = same.verdict == "same within noise"
+    if alike and motion_evidence(found.real, found.difference, numbers) < DECISIVE.value:
+        what = f"no motion in common: noise about a level explains it as well as {sim.file} does"
+        raise InputError(real.file, what, "two traces in which something moves are accepted")
     if same.verdict != "different":
         return same
     located = locate(judged, found.t, motion, unit="rad" if real.angular else "m")
     whole = ((float(found.t[0]), float(found.t[-1])),)
-    places = (*_channel_alone(loud, whole), *located) or (
-        Place(whole, "throughout", "the whole of both traces", 1.0, 0.0),
-    )
-    return Comparison(found, doubted, loud, places, checks)
-
-
-def _between(found: Match) -> dict[str, FloatArray]:
-    """Both traces in one, each by its precision: the motion whose noise has nothing in common with the difference.
-
-    By a trace's own noise the parts of its swing would be told by what is then looked for in them.
-    """
-    power = [{c: noise[c].sigma ** 2 if noise[c].found else 0.0 for c in found.real} for noise in found.found]
-    share = {c: power[0][c] / max(power[0][c] + power[1][c], 1e-300) for c in found.real}
-    return {c: found.sim[c] + share[c] * left for c, left in found.difference.items()}
-
-
-def _over_own(found: Match, channel: str) -> float:
-    """Mean square of a difference over the noise that short windows of itself show.
-
-    A trace of some hundred samples tells its noise to a factor of two in power; what two traces leave of each other is
-    far smoother than either, and tells it better.
-    """
-    left = found.difference[channel]
-    own = residual_noise(found.t, left, found.real[channel], 2.0 * math.pi / found.omega)
-    return float(np.mean(np.square(own.whitened(left))))
-
-
-def _refuse_rest(found: Match, sim: str, real: str) -> None:
-    """Raise InputError where the first trace says no more of the second than that it is at rest: nothing is compared.
-
-    Shift and rate were fitted, and each channel has a level and a size.
-    """
-    numbers = 2 + 2 * len(found.real)
-    if motion_evidence(found.real, found.difference, numbers) < DECISIVE.value:
-        what = f"no motion in common: noise about a level explains it as well as {sim} does"
-        raise InputError(real, what, "two traces in which something moves are accepted")
+    places = (*_channel_alone(loud, whole), *located)
+    return replace(same, places=places or (Place(whole, "throughout", "the whole of both traces", 1.0, 0.0),))
 
 
 def _channel_alone(loud: Mapping[str, float], whole: tuple[tuple[float, float], ...]) -> tuple[Place, ...]:
     """The one channel that holds nearly all of the mismatch, where the others agree within the noise."""
     excess = {c: max(power - 1.0, 0.0) for c, power in loud.items()}
-    total = sum(excess.values())
-    for channel, own in excess.items():
-        others = [power for c, power in loud.items() if c != channel]
-        if (
-            others
-            and loud[channel] > TRACES_LOUD.value
-            and own > ONE_CHANNEL.value * total
-            and max(others) < TRACES_LOUD.value
-        ):
-            return (Place(whole, "channel", f"channel {channel}", own / total, 0.0),)
+    total, (first, *others) = sum(excess.values()), sorted(loud, key=lambda c: -loud[c])
+    quiet = others and all(loud[c] < TRACES_LOUD.value for c in others)
+    if quiet and loud[first] > TRACES_LOUD.value and excess[first] > ONE_CHANNEL.value * total:
+        return (Place(whole, "channel", f"channel {first}", excess[first] / total, 0.0),)
     return ()

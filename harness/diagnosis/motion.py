@@ -30,9 +30,8 @@ class Motion:
 
 def _running(y: FloatArray, width: int) -> FloatArray:
     """Mean over ``width`` samples (odd) around each; shorter at the ends."""
-    half = width // 2
+    half, i = width // 2, np.arange(y.size)
     total = np.concatenate(([0.0], np.cumsum(y)))
-    i = np.arange(y.size)
     lo, hi = np.maximum(i - half, 0), np.minimum(i + half + 1, y.size)
     mean: FloatArray = (total[hi] - total[lo]) / (hi - lo)
     return mean
@@ -44,15 +43,13 @@ def _slope(t: FloatArray, y: FloatArray, width: int) -> FloatArray:
         return np.gradient(y, t)
     s = t - t[0]
     ms, my = _running(s, width), _running(y, width)
-    spread = np.maximum(_running(s * s, width) - ms * ms, 1e-300)
-    slope: FloatArray = (_running(s * y, width) - ms * my) / spread
+    slope: FloatArray = (_running(s * y, width) - ms * my) / np.maximum(_running(s * s, width) - ms * ms, 1e-300)
     return slope
 
 
 def _integral(t: FloatArray, y: FloatArray, period: float) -> FloatArray:
     """Running integral without its drift."""
-    steps = 0.5 * (y[1:] + y[:-1]) * np.diff(t)
-    total = np.concatenate(([0.0], np.cumsum(steps)))
+    total = np.concatenate(([0.0], np.cumsum(0.5 * (y[1:] + y[:-1]) * np.diff(t))))
     width = max(3, round(period / float(np.median(np.diff(t)))) | 1)
     drift = _running(_running(total, width), width) if y.size > 2 * width else np.full(y.size, total.mean())
     return total - drift
@@ -69,21 +66,13 @@ def motion_of(t: FloatArray, channels: Mapping[str, FloatArray], omega: float) -
         x = channels["x"]
         v = channels["v"] if "v" in channels else _slope(t, x, width)
         x = _running(x, width) if width > _LINE else x
-    elif "v" in channels:
-        v = channels["v"]
-        x = _integral(t, v, period)
     else:
-        v = _integral(t, channels["a"], period)
+        v = channels["v"] if "v" in channels else _integral(t, channels["a"], period)
         x = _integral(t, v, period)
-    return Motion(x, v, _rest(t, v, omega), omega)
-
-
-def _rest(t: FloatArray, v: FloatArray, omega: float) -> BoolArray:
-    """Stretches longer than a third of a period without speed to speak of."""
+    # stretches longer than a third of a period without speed to speak of
     slow = np.abs(v) < _SLOW * np.max(np.abs(v))
     edges = np.diff(np.concatenate(([0], slow.astype(np.int8), [0])))
-    found = np.zeros(t.size, dtype=np.bool_)
+    stuck = np.zeros(t.size, dtype=np.bool_)
     for lo, hi in zip(np.flatnonzero(edges == 1), np.flatnonzero(edges == -1), strict=True):
-        if t[hi - 1] - t[lo] > _REST * 2.0 * math.pi / omega:
-            found[lo:hi] = True
-    return found
+        stuck[lo:hi] = t[hi - 1] - t[lo] > _REST * period
+    return Motion(x, v, stuck, omega)

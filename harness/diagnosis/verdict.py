@@ -52,31 +52,27 @@ def judge(found: Search, graded: Contest | None = None) -> Judgement:
 
     graded : how much of the misfit each name takes, where structure is left.
     """
-    named = bool(found.chosen.model.terms)
-    gates = (AMONG_NAMES, SECOND_TERM) if len(found.chosen.model.terms) > 1 else (AMONG_NAMES,)
-    tested = _tested(found, named)
-    if found.left is Left.STRUCTURE and graded is not None:
+    chosen, structure = found.chosen, found.left is Left.STRUCTURE
+    terms = chosen.model.terms
+    gates: tuple[Rule, ...] = (AMONG_NAMES, SECOND_TERM) if len(terms) > 1 else (AMONG_NAMES,)
+    tested = (OVER_SIMULATED, NULL_DRAWS) if found.by_force else (STRUCTURE_NAMED if terms else STRUCTURE,)
+    if structure and graded is not None:
         return Judgement(_BY_GRADE.get(graded.grade, "unexplained"), graded.refined, (*tested, *graded.rules))
-    if found.left is Left.STRUCTURE:
+    if structure:
         return Judgement("unexplained", found.base, (*gates, *tested))
     rival = None if found.by_force else _near_pair(found)
     if rival is not None:
         return Judgement("unexplained", found.base, (*gates, *tested, FLEXIBLE, APART), rival)
     listed = undecided(found)
-    if listed and _has_rivals(found):
-        return Judgement("one_of", found.chosen, (*gates, *tested, *listed))
-    gates = (*gates, *listed, MOST_LIKELY) if listed else gates
-    return Judgement("missing_physics" if named else "adequate", found.chosen, (*gates, *tested))
-
-
-def _has_rivals(found: Search) -> bool:
-    """Whether a lone law that is not decided for is listed: beside what could stand in its place, or with the next
-    where it is less likely than not.
-    """
-    (entry,) = found.chosen.model.terms
-    if stand_ins(found, entry):
-        return True
-    return bool(next_best(found)) and probability(of_search(found), entry.term.name) < MOST_LIKELY.value
+    if listed:
+        # a lone law that is not decided for is listed beside what could stand in its place, or with the next where it
+        # is less likely than not
+        entry = terms[0]
+        unlikely = bool(next_best(found)) and probability(of_search(found), entry.term.name) < MOST_LIKELY.value
+        if stand_ins(found, entry) or unlikely:
+            return Judgement("one_of", chosen, (*gates, *tested, *listed))
+        gates = (*gates, *listed, MOST_LIKELY)
+    return Judgement("missing_physics" if terms else "adequate", chosen, (*gates, *tested))
 
 
 def weighed(found: Search, omega: float) -> Search:
@@ -114,17 +110,6 @@ def _without_a_rate(chosen: Fit) -> bool:
     )
 
 
-def _tested(found: Search, named: bool) -> tuple[Rule, ...]:
-    """The rules of the test of what is left."""
-    if found.by_force:
-        return OVER_SIMULATED, NULL_DRAWS
-    return (STRUCTURE_NAMED if named else STRUCTURE,)
-
-
-def _families(found: Fit) -> frozenset[str]:
-    return frozenset(entry.term.family for entry in found.model.terms)
-
-
 def _near_pair(found: Search) -> Fit | None:
     """The best pair of other families that a pair is not told apart from, None where what was found is decided.
 
@@ -134,5 +119,6 @@ def _near_pair(found: Search) -> Fit | None:
     chosen = found.chosen
     if len(chosen.model.terms) < 2 or all(len(entry.values) < FLEXIBLE.count for entry in chosen.model.terms):
         return None
-    near = [r for r in found.rivals if _families(r) != _families(chosen) and r.bic < chosen.bic + APART.value]
-    return min(near, key=lambda f: f.bic, default=None)
+    own = {entry.term.family for entry in chosen.model.terms}
+    others = (r for r in found.rivals if {entry.term.family for entry in r.model.terms} != own)
+    return min((r for r in others if r.bic < chosen.bic + APART.value), key=lambda f: f.bic, default=None)

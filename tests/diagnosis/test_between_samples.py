@@ -21,8 +21,7 @@ from harness.diagnosis.grading.misfit import misfit
 from harness.diagnosis.input_noise.noisy_base_fit import along
 from harness.diagnosis.pipeline import diagnose, prepare
 from harness.diagnosis.prepare.driven import ALL_FELT
-from harness.diagnosis.prepare.intersample_curve import between_samples, curve, kinks_of
-from harness.diagnosis.prepare.intersample_hold import ACTS_HELD, held
+from harness.diagnosis.prepare.intersample import ACTS_HELD, between_samples, curve, held, kinks_of
 from harness.diagnosis.problems.driven import Driven
 from harness.diagnosis.problems.starts import OneStart, Windows
 from harness.diagnosis.request import Asked

@@ -25,7 +25,6 @@ from harness.estimate.noise import Noise, channel_noise
 from harness.kernels.solve import Scales, simulate, solve
 from harness.model.model import Model, ModelTerm, Restoring
 from harness.model.registry import NAMED
-from harness.model.term import Place
 
 
 def test_where_partials_cannot_be_followed_no_descent_goes(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -151,11 +150,10 @@ def test_a_term_of_a_pair_is_worth_what_is_lost_when_it_is_taken_out_and_the_res
     kept, without = prune(pair, problem, scales)
     assert kept is pair
     found = Search(problem, base, pair, (), (), Left.NOISE, without)
-    place = Place("throughout", "always", ())
-    for i, (entry, other) in enumerate(((cubic, drag), (drag, cubic))):
+    for i, other in enumerate((drag, cubic)):
         alone = truth.with_terms(other)
         expected = fit(alone, problem, free_of(alone, names), scales).bic - pair.bic
-        assert mechanism(found, i, entry, scales.omega, place).delta_bic == pytest.approx(expected, abs=0.1)
+        assert mechanism(found, i, scales.omega).delta_bic == pytest.approx(expected, abs=0.1)
 
 
 BASE = ("c", "k", "f_k", "offset", "x0", "v0")

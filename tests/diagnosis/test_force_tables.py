@@ -13,11 +13,10 @@ from harness.diagnosis.grading.prediction import ratio
 from harness.diagnosis.problems.free_decay import FreeDecay
 from harness.diagnosis.problems.together import Together
 from harness.diagnosis.tables.basis import RUNGS, Rung, basis_of, over_plane, partials
-from harness.diagnosis.tables.curve import table_of
-from harness.diagnosis.tables.drawn import plane_described, surface_of
+from harness.diagnosis.tables.beside import ForceLeft, comes_back, returns
+from harness.diagnosis.tables.describe import plane_described
+from harness.diagnosis.tables.drawn import surface_of, table_of
 from harness.diagnosis.tables.fitted import TableFit
-from harness.diagnosis.tables.force_step import ForceLeft
-from harness.diagnosis.tables.selection import comes_back, returns
 from harness.estimate.noise import Noise
 from harness.model.beyond import beyond
 from harness.model.covariate import Acts, Covariate

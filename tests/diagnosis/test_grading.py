@@ -8,8 +8,8 @@ import pytest
 from harness.core.arrays import FloatArray
 from harness.core.errors import InputError
 from harness.diagnosis.baseline.base_fit import baseline
-from harness.diagnosis.explain.cautions import keeping_time
-from harness.diagnosis.explain.graded import told
+from harness.diagnosis.explain.mechanism import of_misfit
+from harness.diagnosis.explain.sentences import keeping_time
 from harness.diagnosis.fit.model_fit import fit
 from harness.diagnosis.fit.parameters import free_of
 from harness.diagnosis.grading.beginning import after_first_turn, from_the_beginning
@@ -102,7 +102,8 @@ def test_what_a_decay_cannot_part_is_given_beside_it(graded: Graded) -> None:
     """A drag and friction that grows with the load follow one decay alike, whatever their evidence."""
     assert not_parted("quadratic-drag", "load-dependent-friction")
     assert not not_parted("quadratic-drag", "cubic-stiffness")
-    (main,) = told(graded).mechanisms
+    seen = graded.misfit
+    main = of_misfit(graded.named[0], graded, seen.base, seen.problem)
     beside = {a.name for a in main.alternatives}
     worthy = [f.name for f in graded.finalists if f.share > 0.6 and f.gain > GAIN.value and f.name != main.name]
     assert {name for name in worthy if not_parted(main.name, name)} <= beside

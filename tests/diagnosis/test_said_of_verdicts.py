@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from harness.diagnosis.explain.verdict_sentence import sentence_of
+from harness.diagnosis.explain.sentences import sentence_of
 from harness.diagnosis.motion import motion_of
 from harness.diagnosis.outcome import Grade, Verdict
 from harness.diagnosis.rules import LEAST_CYCLES, MOST_LIKELY, Rule

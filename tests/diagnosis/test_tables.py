@@ -8,7 +8,8 @@ import pytest
 
 from harness.core.arrays import FloatArray
 from harness.diagnosis.baseline.base_fit import baseline
-from harness.diagnosis.explain.verdict_sentence import sentence_of
+from harness.diagnosis.explain.sentences import sentence_of
+from harness.diagnosis.fit.observe import COARSE
 from harness.diagnosis.fit.parameters import base_of, free_of
 from harness.diagnosis.grading.misfit import Misfit, misfit
 from harness.diagnosis.grading.prediction import blocks_of, held_out, ratio
@@ -19,11 +20,10 @@ from harness.diagnosis.residual_tests.structure import Left
 from harness.diagnosis.search.search import Search
 from harness.diagnosis.stages import Found
 from harness.diagnosis.tables.basis import RUNGS, Basis, basis_of, partials
-from harness.diagnosis.tables.curve import Blocks, table_of
+from harness.diagnosis.tables.beside import MotionLeft
 from harness.diagnosis.tables.describe import described, gauge_of
-from harness.diagnosis.tables.drawn import ungauged
-from harness.diagnosis.tables.fitted import TableFit, fit_tables
-from harness.diagnosis.tables.selection import finished, tabulated
+from harness.diagnosis.tables.drawn import table_of, ungauged
+from harness.diagnosis.tables.fitted import Blocks, TableFit, minimised
 from harness.estimate.noise import Noise
 from harness.kernels.solve import simulate
 from harness.model.model import Model, ModelTerm
@@ -60,8 +60,13 @@ def magnet() -> Misfit:
 
 @cache
 def fitted_magnet() -> TableFit:
-    seen = magnet()
-    return fit_tables(basis(), basis().model, np.zeros(basis().free.shape[1]), free(), seen.problem, seen.scales, 1e-3)
+    one, model = basis(), basis().model
+    look = left_of(magnet()).seeing(one)(model, free(), None, COARSE)
+    return minimised(one, model, np.zeros(one.free.shape[1]), free(), look, 1e-3)
+
+
+def left_of(seen: Misfit) -> MotionLeft:
+    return MotionLeft(seen, seen.base.model, base_of(seen.base.free))
 
 
 def free() -> tuple:  # type: ignore[type-arg]
@@ -80,10 +85,10 @@ def test_a_law_of_no_catalogue_is_found_with_its_place() -> None:
     seen = magnet()
     before = held_out(seen.base, seen.problem, seen.scales, seen.strokes)
     assert before is not None
-    kept = tabulated(seen, seen.base.model, base_of(seen.base.free), before)
+    kept = left_of(seen).tabulated(before)
     assert kept[0].rung.said == "f(x)"
     assert ratio(kept[0].held, before) < 0.2
-    found = finished(kept[0], seen).fit
+    found = left_of(seen).finished(kept[0]).fit
     table = table_of(found, seen.strokes, seen.scales, (0,), "f(x)", ratio(kept[0].held, before))
     # what the spring and the zero say is not the table's
     true = ungauged(table, np.interp(table.swept + found.model.offset, T_TRUE, well_as_tabled()))
@@ -112,7 +117,7 @@ def test_a_random_misfit_gets_no_table() -> None:
     seen = misfit_of(problem_of(BASE, 0.01 * left))
     before = held_out(seen.base, seen.problem, seen.scales, seen.strokes)
     assert before is not None
-    assert tabulated(seen, seen.base.model, base_of(seen.base.free), before) == ()
+    assert left_of(seen).tabulated(before) == ()
 
 
 @pytest.mark.parametrize("said", [r.said for r in RUNGS])

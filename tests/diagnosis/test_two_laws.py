@@ -9,7 +9,7 @@ import pytest
 
 import harness
 from harness.core.recording import Recording
-from harness.diagnosis.explain.verdict_sentence import sentence_of
+from harness.diagnosis.explain.sentences import sentence_of
 from harness.diagnosis.pipeline import diagnose, explain, fit_base, judge, prepare, search
 from harness.diagnosis.request import Asked
 from harness.diagnosis.residual_tests.structure import Left

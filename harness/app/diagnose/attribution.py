@@ -26,8 +26,8 @@ from harness.diagnosis.attribution.attribute import (
     nearby_of,
 )
 from harness.diagnosis.attribution.reading import Reading, aligned, in_masses_of, trace_channels
-from harness.diagnosis.explain.cautions import left_beside, unadvised
 from harness.diagnosis.explain.engines import shown_by
+from harness.diagnosis.explain.sentences import left_beside, unadvised
 from harness.diagnosis.fit.observe import observe
 from harness.diagnosis.fit.standard_errors import covariances
 from harness.diagnosis.outcome import Outcome

@@ -19,7 +19,7 @@ from harness.core.recording import Recording
 from harness.core.trajectory import Trajectory
 from harness.diagnosis.explain.engines import engine_fit
 from harness.diagnosis.explain.locate import Place, locate, share_within
-from harness.diagnosis.explain.verdict_sentence import sentence_of
+from harness.diagnosis.explain.sentences import sentence_of
 from harness.diagnosis.fit.model_fit import Fit
 from harness.diagnosis.fit.rmse import fit_percent, rmse
 from harness.diagnosis.fit.standard_errors import unit_of

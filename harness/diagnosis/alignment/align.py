@@ -1,12 +1,9 @@
 """Time alignment: global first, then fine; the shift that lays one trace over another, with its error.
 
-Every shift is looked at (coarse), the best few are refined, and so are their neighbours a period away. Two traces of
-the same motion lie over each other to within the noise at one of them. Two that differ are laid release on release,
-since a motion that decays too fast looks like a later piece of the other.
-
-Where two traces may lie over each other: every shift at once, by sums of products over bins of time.
-
-Where a trace begins to move: the event that a simulation and a recording of a free decay have in common.
+Every shift is looked at at once, by sums of products over bins of time; the best few are refined, and so are their
+neighbours a period away. Two traces of the same motion lie over each other to within the noise at one of them. Two that
+differ are laid release on release, the event that a simulation and a recording of a free decay have in common: a motion
+that decays too fast looks like a later piece of the other.
 """
 
 import math
@@ -18,23 +15,21 @@ import numpy as np
 from harness.core.arrays import BoolArray, FloatArray
 from harness.core.errors import InputError
 from harness.core.quantity import Quantity
-from harness.diagnosis.alignment.candidate import Candidate, beyond_clocks, rated, refined
+from harness.diagnosis.alignment.candidate import CLEARLY, Candidate, beyond_clocks, rated, refined
 from harness.diagnosis.alignment.pair import Clock, Pair, Signals
 from harness.estimate.noise import Noise
 
-BINS = 40
+_BINS = 40
 """Bins a period: two curves half a bin apart differ by 0.3 % of their power."""
 _MOST_BINS = 4_000_000
 """Bounds the memory of the transforms: 32 MB a channel."""
 _LEAST_SHARED = 0.15
 """Share of the shorter trace that must lie over the other."""
-_CANDIDATES = 9
-"""Shifts that are refined: bounds the work."""
-_APART = 0.3
-"""Share of a period between candidates."""
+_CANDIDATES, _APART = 9, 0.3
+"""Shifts that are refined, which bounds the work, and the share of a period between two: nearer ones are one."""
 
 
-def candidates(first: Signals, second: Signals, noise: Mapping[str, Noise], period: float) -> list[float]:
+def _candidates(pair: Pair, first: Signals, second: Signals) -> list[float]:
     """Shifts (s, of the first's times) at which the traces differ least, the best first.
 
     A shift saves n log((s^2 + e) / (s0^2 + e)) a channel: n bins overlap, s^2 is the mean square difference, offset
@@ -42,35 +37,45 @@ def candidates(first: Signals, second: Signals, noise: Mapping[str, Noise], peri
     much as a close one, and two traces at rest, or hiding from each other, are worth nothing.
     Raises InputError for traces too long for their period.
     """
-    width = period / BINS
-    total = sum(float(one.t[-1] - one.t[0]) for one in (first, second)) / width
+    traces, width = (first, second), pair.period / _BINS
+    total = sum(float(one.t[-1] - one.t[0]) for one in traces) / width
     if total > _MOST_BINS:
-        found = f"{total / BINS:.3g} periods that the shift may be anywhere in"
-        accepted = f"traces of at most {_MOST_BINS / BINS:.0e} periods together are accepted"
+        found = f"{total / _BINS:.3g} periods that the shift may be anywhere in"
+        accepted = f"traces of at most {_MOST_BINS / _BINS:.0e} periods together are accepted"
         raise InputError("time alignment", found, accepted)
-    # imported when it is needed: it brings half of its library along
     from scipy.signal import correlate
 
-    sizes = [max(int((one.t[-1] - one.t[0]) / width), 1) for one in (first, second)]
+    sizes = [max(int((one.t[-1] - one.t[0]) / width), 1) for one in traces]
     lags = np.arange(1 - sizes[0], sizes[1])
     low, high = np.maximum(0, -lags), np.minimum(sizes[0], sizes[1] - lags)
     count = (high - low).astype(np.float64)
     saved = np.zeros(lags.size)
-    for c, level in noise.items():
-        f, y = (_binned(one.t, one.channels[c], width, n) for one, n in zip((first, second), sizes, strict=True))
+
+    def summed(values: FloatArray, delay: np.ndarray | int) -> FloatArray:
+        """Over what overlaps, by lag."""
+        so_far = np.concatenate([[0.0], np.cumsum(values)])
+        return np.asarray(so_far[high + delay] - so_far[low + delay])
+
+    for c, level in pair.noise.items():
+        f, y = (_binned(one.t, one.channels[c], width, n) for one, n in zip(traces, sizes, strict=True))
         middle, size = 0.5 * (f.mean() + y.mean()), math.sqrt(0.5 * (f.var() + y.var())) or 1.0
         f, y = (f - middle) / size, (y - middle) / size
-        sums = [_between(values, low + d, high + d) for values, d in ((f, 0), (y, lags), (f * f, 0), (y * y, lags))]
+        sums = [summed(values, d) for values, d in ((f, 0), (y, lags), (f * f, 0), (y * y, lags))]
         product = correlate(y, f, method="fft")
         strangers = sums[2] + sums[3] - (sums[0] ** 2 + sums[1] ** 2) / count
         apart = sums[2] + sums[3] - 2.0 * product - (sums[0] - sums[1]) ** 2 / count
-        interval = max(float(np.median(np.diff(one.t))) for one in (first, second))
+        interval = max(float(np.median(np.diff(one.t))) for one in traces)
         e = count * ((level.sigma / size) ** 2 * min(1.0, interval / width) + 1e-6)
         saved += count * np.log((np.maximum(apart, 0.0) + e) / (np.maximum(strangers, 0.0) + e))
-    least = max(_LEAST_SHARED * min(sizes), min(BINS, *sizes))
-    saved[count < least] = math.inf
+    saved[count < max(_LEAST_SHARED * min(sizes), min(_BINS, *sizes))] = math.inf
     shifts = np.asarray(float(second.t[0] - first.t[0]) + lags * width, dtype=np.float64)
-    return _lowest(shifts, saved, _APART * period)
+    padded = np.concatenate([[math.inf], saved, [math.inf]])
+    dips = np.flatnonzero((saved <= padded[:-2]) & (saved <= padded[2:]) & np.isfinite(saved))
+    lowest: list[float] = []
+    for i in dips[np.argsort(saved[dips], kind="stable")]:
+        if all(abs(shifts[i] - one) > _APART * pair.period for one in lowest):
+            lowest.append(float(shifts[i]))
+    return lowest[:_CANDIDATES]
 
 
 def _binned(t: FloatArray, y: FloatArray, width: float, count: int) -> FloatArray:
@@ -79,29 +84,9 @@ def _binned(t: FloatArray, y: FloatArray, width: float, count: int) -> FloatArra
     return np.asarray(np.diff(np.interp(t[0] + width * np.arange(count + 1), t, area)) / width)
 
 
-def _between(values: FloatArray, low: np.ndarray, high: np.ndarray) -> FloatArray:
-    """Sums of values[low:high] for many ranges."""
-    total = np.concatenate([[0.0], np.cumsum(values)])
-    return np.asarray(total[high] - total[low])
-
-
-def _lowest(shifts: FloatArray, saved: FloatArray, apart: float) -> list[float]:
-    """The lowest places of a curve that are no neighbours."""
-    padded = np.concatenate([[math.inf], saved, [math.inf]])
-    dips = np.flatnonzero((saved <= padded[:-2]) & (saved <= padded[2:]) & np.isfinite(saved))
-    found: list[float] = []
-    for i in dips[np.argsort(saved[dips], kind="stable")]:
-        if all(abs(shifts[i] - one) > apart for one in found):
-            found.append(float(shifts[i]))
-        if len(found) == _CANDIDATES:
-            break
-    return found
-
-
-_LEAVES, _SIGMAS = 0.02, 6.0
-"""A channel has left its first value when it is this share of its range, and so many sigma, away."""
-_IN_A_ROW = 3
-"""Samples in a row that must be away: a stray one is none."""
+_LEAVES, _SIGMAS, _IN_A_ROW = 0.02, 6.0, 3
+"""A channel has left its first value when it is this share of its range, and so many sigma, away, for so many samples
+in a row: a stray one is none."""
 _HELD = 0.15
 """Periods after which a channel that has not left its first value was held: from a turning point it leaves by 2 % of
 the range within arccos(0.96) / (2 pi) = 0.045 of a period."""
@@ -109,53 +94,36 @@ _SLOW = 0.02
 """In full motion it leaves within 0.006 of a period; a trace that takes longer began at a turning point."""
 
 
-@dataclass(frozen=True, slots=True)
-class Release:
-    """time : s. held : the trace rests before it, so that the event is seen and not taken to be the first sample."""
-
-    time: float
-    held: bool
-
-
-def release(trace: Signals, noise: Mapping[str, Noise], period: float) -> Release | None:
-    """The release, None for a trace that begins in full motion; period in s."""
-    leaves = [_leaves(trace, c, noise[c], period) for c in ("x", "v", "a") if c in noise]
+def _release(trace: Signals, noise: Mapping[str, Noise], period: float) -> float | None:
+    """When a trace is let go, s; None for one that begins in full motion; period in s."""
+    t, leaves = trace.t, []
+    for c in (c for c in ("x", "v", "a") if c in noise):
+        y = trace.channels[c]
+        begin = max(int(np.searchsorted(t, t[0] + period / 40.0)), 1)
+        away = np.abs(y - np.median(y[:begin])) > max(_SIGMAS * noise[c].sigma, _LEAVES * float(np.ptp(y)))
+        run = np.convolve(away.astype(np.int64), np.ones(_IN_A_ROW, dtype=np.int64), "valid") == _IN_A_ROW
+        found = np.flatnonzero(run)
+        # the last time at which the channel still is where it began
+        leaves.append(float(t[max(int(found[0]) - 1, 0)] if found.size else t[-1]))
     if not leaves:
         return None
-    start = float(trace.t[0])
-    first, last = min(leaves), max(leaves)
-    if first - start > _HELD * period:
-        return Release(first, True)
-    return Release(start, False) if last - start > _SLOW * period else None
-
-
-def _leaves(trace: Signals, c: str, noise: Noise, period: float) -> float:
-    """Last time, s, at which a channel still is where it began."""
-    y = trace.channels[c]
-    begin = max(int(np.searchsorted(trace.t, trace.t[0] + period / 40.0)), 1)
-    away = np.abs(y - np.median(y[:begin])) > max(_SIGMAS * noise.sigma, _LEAVES * float(np.ptp(y)))
-    run = np.convolve(away.astype(np.int64), np.ones(_IN_A_ROW, dtype=np.int64), "valid") == _IN_A_ROW
-    found = np.flatnonzero(run)
-    return float(trace.t[max(int(found[0]) - 1, 0)] if found.size else trace.t[-1])
+    start, first, last = float(t[0]), min(leaves), max(leaves)
+    return first if first - start > _HELD * period else start if last - start > _SLOW * period else None
 
 
 GIVEN = "given"
 """Why a shift has no error."""
 _SHOWS = 3.0
 """Standard errors below which a shift is none."""
-_CLEARLY = 0.25
-"""A shift other than the releases' is taken when it leaves at most this share of the mean square. Of two decays of
-slightly different rate, moving one takes off half: with weight e^(-2s) the variance of s over its mean square."""
 _EVIDENCE = 25.0
-"""Or, where nothing but noise is left, when twice the logarithm of its likelihood ratio is this: five sigma."""
+"""A shift other than the releases' is taken where nothing but noise is left, too, when twice the logarithm of its
+likelihood ratio is this: five sigma."""
 _TOLD = 4
 """Other shifts that are told."""
 _THIN = 20_000
 """Samples with which candidates are refined."""
 LEAST_SHARED = 0.5
 """Share of a trace of which more than half should be shown to speak of it as a whole."""
-_ELSEWHERE = 0.3
-"""Periods from which another shift is another one: candidates are looked for as far apart (coarse)."""
 _NUDGES = (-2.0, -1.5, -1.0, -0.5, 0.5, 1.0, 1.5, 2.0)
 """Sampling intervals by which a shift is pushed, to see whether it falls deeper."""
 _SAME_CLOCK = 0.6
@@ -206,53 +174,58 @@ def align(
     a shift, s, that is taken as it is. Raises InputError when the two are too long for the period, or never overlap.
     """
     if given is not None:
-        why = GIVEN
-        clock = Clock(given)
-        return Alignment(
-            Quantity(given, None, "s", why), Quantity(1.0, None, "1", why), clock, _covered(first, second, clock)
-        )
+        shift, scale, clock = Quantity(given, None, "s", GIVEN), Quantity(1.0, None, "1", GIVEN), Clock(given)
+        return Alignment(shift, scale, clock, _covered(first, second, clock))
     pair = Pair(first, second, noise, period, _THIN)
-    looked = candidates(first, second, noise, period)
+    looked = _candidates(pair, first, second)
     # a motion that differs would pull the clock off the force that is the same
     sets = (None, ("u",)) if "u" in noise else (None,)
-    tried = [refined(pair, Clock(shift, 1.0, pair.origin), period, names=names) for shift in looked for names in sets]
+    tried = [refined(pair, pair.clock(shift), names=names) for shift in looked for names in sets]
     found = [one for one in tried if one is not None]
-    preferred = _preferred(first, second, pair, noise, period)
+    preferred = _preferred(first, second, pair)
     if not found and preferred is None:
         raise InputError("time alignment", "traces that overlap nowhere", "two traces of one motion are accepted")
-    taken = _taken(found, preferred, period)
+    taken = _taken(found, preferred)
     by_release = preferred is taken
-    taken = _deepest(pair, taken, period)
-    scale, taken = rated(pair, taken, period)
-    beside = [replace(taken.clock, shift=taken.clock.shift + k * period) for k in (-1, 1)]
-    around = [refined(pair, clock, period) for clock in beside]
-    others = _distinct([one for one in (*around, *found) if one is not None], taken, period)
-    final = taken.on(Pair(first, second, noise, period), period)
-    shift = final.clock.shift
-    local = final.error(period)
-    clock = final.clock if abs(shift) >= _SHOWS * local else replace(final.clock, shift=0.0)
-    error = local if by_release else math.hypot(local, _cycles(taken, others, period))
+    # what two traces have of noise in common, and what a curve between noisy samples has less of it, makes small dips
+    # beside the true one: the lowest of those within some samples
+    starts = (pair.clock(taken.clock.shift + k * pair.interval, taken.clock.scale) for k in _NUDGES)
+    around = [refined(pair, clock, taken.within, names=taken.names) for clock in starts]
+    taken = min((taken, *(one for one in around if one is not None)), key=lambda one: one.saved)
+    scale, taken = rated(pair, taken)
+    around = [refined(pair, replace(taken.clock, shift=taken.clock.shift + k * period)) for k in (-1, 1)]
+    others: list[Candidate] = []
+    for one in sorted((one for one in (*around, *found) if one is not None), key=lambda one: one.mean_log):
+        # each once, the closest match first
+        if all(abs(one.clock.shift - other.clock.shift) > _APART * period for other in (taken, *others)):
+            others.append(one)
+    final = taken.on(Pair(first, second, noise, period))
+    shift_found, local = final.clock.shift, math.sqrt(float(final.covariance(final.clock.scale != 1.0)[0, 0]))
+    clock = final.clock if abs(shift_found) >= _SHOWS * local else replace(final.clock, shift=0.0)
+    # it may be one of the others, each as likely as its match says
+    weights = np.array([math.exp(-0.5 * min(max(taken.ahead(one), 0.0), 1400.0)) for one in others])
+    away = np.array([one.clock.shift - taken.clock.shift for one in others])
+    cycles = math.sqrt(float(weights @ away**2) / (1.0 + float(weights.sum()))) if others else 0.0
+    shift = Quantity(shift_found, local if by_release else math.hypot(local, cycles), "s")
     told = tuple(Alternative(one.clock.shift, _share(one, taken)) for one in others[:_TOLD])
-    return Alignment(Quantity(shift, error, "s"), scale, clock, _covered(first, second, clock), told)
+    return Alignment(shift, scale, clock, _covered(first, second, clock), told)
 
 
-def _preferred(
-    first: Signals, second: Signals, pair: Pair, noise: Mapping[str, Noise], period: float
-) -> Candidate | None:
+def _preferred(first: Signals, second: Signals, pair: Pair) -> Candidate | None:
     """Release on release where both show one; else one clock for both where they overlap by half by their clocks."""
-    begins = release(first, noise, period), release(second, noise, period)
+    begins = [_release(one, pair.noise, pair.period) for one in (first, second)]
     if begins[0] is not None and begins[1] is not None:
         # only the first half swing: what follows differs by more than the shift
-        span = (begins[1].time - period, begins[1].time + 0.5 * period)
-        return refined(pair, Clock(begins[1].time - begins[0].time, 1.0, pair.origin), period, span)
+        span = (begins[1] - pair.period, begins[1] + 0.5 * pair.period)
+        return refined(pair, pair.clock(begins[1] - begins[0]), span)
     overlap = min(first.t[-1], second.t[-1]) - max(first.t[0], second.t[0])
     if overlap < LEAST_SHARED * min(first.t[-1] - first.t[0], second.t[-1] - second.t[0]):
         return None
-    found = refined(pair, Clock(0.0, 1.0, pair.origin), period)
-    return found if found is not None and abs(found.clock.shift) < _SAME_CLOCK * period else None
+    found = refined(pair, pair.clock(0.0))
+    return found if found is not None and abs(found.clock.shift) < _SAME_CLOCK * pair.period else None
 
 
-def _taken(found: list[Candidate], preferred: Candidate | None, period: float) -> Candidate:
+def _taken(found: list[Candidate], preferred: Candidate | None) -> Candidate:
     """The candidate that saves most, unless the two differ there and are known to begin together elsewhere."""
     if not found:
         assert preferred is not None
@@ -260,8 +233,8 @@ def _taken(found: list[Candidate], preferred: Candidate | None, period: float) -
     best = min(found, key=lambda one: one.saved)
     if preferred is None:
         return best
-    by_noise = best.within_noise and best.ahead(preferred, period) > _EVIDENCE
-    if best.same and (by_noise or _share(best, preferred) < _CLEARLY):
+    by_noise = best.within_noise and best.ahead(preferred) > _EVIDENCE
+    if best.same and (by_noise or _share(best, preferred) < CLEARLY):
         return best
     near = min(found, key=lambda one: abs(one.clock.shift - preferred.clock.shift))
     # the same dip: refined over all samples if they agree there
@@ -270,34 +243,9 @@ def _taken(found: list[Candidate], preferred: Candidate | None, period: float) -
     return preferred
 
 
-def _deepest(pair: Pair, taken: Candidate, period: float) -> Candidate:
-    """The lowest of the dips within some samples of a candidate: what two traces have of noise in common, and what a
-    curve between noisy samples has less of it, makes small ones beside the true one.
-    """
-    starts = (replace(taken.clock, shift=taken.clock.shift + k * pair.interval) for k in _NUDGES)
-    around = [refined(pair, clock, period, taken.within, names=taken.names) for clock in starts]
-    return min((taken, *(one for one in around if one is not None)), key=lambda one: one.saved)
-
-
 def _share(one: Candidate, other: Candidate) -> float:
     """Mean square difference of one over that of the other, each against strangers; the geometric mean of channels."""
     return math.exp(min(one.mean_log - other.mean_log, 700.0))
-
-
-def _distinct(found: list[Candidate], taken: Candidate, period: float) -> list[Candidate]:
-    """Other shifts, each once, the closest match first."""
-    kept: list[Candidate] = []
-    for one in sorted(found, key=lambda one: one.mean_log):
-        if all(abs(one.clock.shift - other.clock.shift) > _ELSEWHERE * period for other in (taken, *kept)):
-            kept.append(one)
-    return kept
-
-
-def _cycles(taken: Candidate, others: list[Candidate], period: float) -> float:
-    """Standard deviation, s, of a shift that may be one of the others, each as likely as its match says."""
-    weights = np.array([math.exp(-0.5 * min(max(taken.ahead(one, period), 0.0), 1400.0)) for one in others])
-    away = np.array([one.clock.shift - taken.clock.shift for one in others])
-    return math.sqrt(float(weights @ away**2) / (1.0 + float(weights.sum()))) if others else 0.0
 
 
 def _covered(first: Signals, second: Signals, clock: Clock) -> BoolArray:

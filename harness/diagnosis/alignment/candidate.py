@@ -1,6 +1,6 @@
 """One way in which two traces may lie over each other: refined, and what it leaves.
 
-Clocks of different rate: seconds of one trace for one of the other.
+Clocks may run at different rates: seconds of one trace for one of the other.
 """
 
 import math
@@ -11,21 +11,17 @@ import numpy as np
 
 from harness.core.arrays import BoolArray, FloatArray
 from harness.core.quantity import Quantity
-from harness.diagnosis.alignment.pair import Clock, Pair
+from harness.diagnosis.alignment.pair import EVERYWHERE, Clock, Pair
 from harness.diagnosis.rules import CLOCK_RATE
 from harness.fit.least_squares import Bounds, Residual, Until, least_squares
 
 _FEWEST = 8
 """Samples of a channel that traces must share."""
-_TURNS = 12
-"""Steps of a refinement; it ends sooner where a shift no longer moves."""
-_MOVED = 1e-6
-"""Standard errors by which a shift may still move when it is found."""
-SAME = 1.5
-"""Mean square over the noise's up to which a channel is that of the same motion."""
-_ALIKE = 1e-3
-"""Or: its share of the mean square of strangers, for traces without noise."""
-EVERYWHERE = (-math.inf, math.inf)
+_TURNS, _MOVED = 12, 1e-6
+"""Steps of a refinement; it ends sooner where a shift moves by no more than so many standard errors."""
+_SAME, _ALIKE = 1.5, 1e-3
+"""Mean square over the noise's up to which a channel is that of the same motion, or, for traces without noise, its
+share of the mean square of strangers."""
 
 
 @dataclass(frozen=True)
@@ -50,7 +46,7 @@ class Candidate:
 
     def alike(self, c: str) -> bool:
         """Whether a channel is the same in both, to within the noise."""
-        return c in self.loud and (self.loud[c] < SAME or self.shares[c] < _ALIKE)
+        return c in self.loud and (self.loud[c] < _SAME or self.shares[c] < _ALIKE)
 
     @property
     def same(self) -> bool:
@@ -60,7 +56,7 @@ class Candidate:
     @property
     def within_noise(self) -> bool:
         """Whether noise is all that is left of every channel."""
-        return all(power < SAME for power in self.loud.values())
+        return all(power < _SAME for power in self.loud.values())
 
     @property
     def saved(self) -> float:
@@ -77,44 +73,45 @@ class Candidate:
         """How far a shift found with fewer samples may be off, s."""
         return 0.25 * (self.within[1] - self.within[0]) if math.isfinite(self.within[0]) else 0.0
 
-    def inflation(self, period: float) -> float:
+    @property
+    def inflation(self) -> float:
         """Variance of a mean over that of as many independent samples: colour of the noise, or a mismatch that says one
         thing for about a quarter of a period.
         """
-        omega = 2.0 * math.pi / period
-        colour = max(self.pair.noise[c].inflation(omega, self.pair.interval) for c in self.names)
+        period, interval = self.pair.period, self.pair.interval
+        colour = max(self.pair.noise[c].inflation(2.0 * math.pi / period, interval) for c in self.names)
         loud = float(np.mean([self.loud[c] for c in self.names]))
-        return max(colour, loud * 0.25 * period / self.pair.interval) if loud > SAME else max(colour, 1.0)
+        return max(colour, loud * 0.25 * period / interval) if loud > _SAME else max(colour, 1.0)
 
-    def ahead(self, other: "Candidate", period: float) -> float:
+    def ahead(self, other: "Candidate") -> float:
         """Twice the logarithm of this one's likelihood over that of another, for as many independent pieces as there
         are: samples of noise, or quarters of a period where more than noise is left.
         """
-        pieces = max(self.inflation(period) / max(float(np.mean(list(self.loud.values()))), 1.0), 1.0)
+        pieces = max(self.inflation / max(float(np.mean(list(self.loud.values()))), 1.0), 1.0)
         return sum(n / pieces * math.log(other.shares[c] / self.shares[c]) for c, n in self.count.items())
 
-    def on(self, pair: Pair, period: float) -> "Candidate":
+    def on(self, pair: Pair) -> "Candidate":
         """The same, refined further on traces that were not thinned."""
-        return refined(pair, self.clock, period, self.within, self.clock.scale != 1.0, self.names) or self
+        return refined(pair, self.clock, self.within, self.clock.scale != 1.0, self.names) or self
 
-    def covariance(self, period: float, rate: bool) -> FloatArray:
+    def covariance(self, rate: bool) -> FloatArray:
         """Of the shift (s), and of the scale where ``rate``: (1, 1) or (2, 2); infinite where nothing moves."""
         partials = self.pair.residual(self.clock, self.keep, self.names).partials[:, : 2 if rate else 1]
-        normal = partials.T @ partials / self.inflation(period)
+        normal = partials.T @ partials / self.inflation
         if not np.all(np.diag(normal) > 0.0):
             return np.full(normal.shape, math.inf)
         size = np.sqrt(np.diag(normal))
         return np.asarray(np.linalg.pinv(normal / np.outer(size, size)) / np.outer(size, size))
 
-    def error(self, period: float) -> float:
-        """Standard error of the shift within its cycle, s."""
-        return math.sqrt(float(self.covariance(period, self.clock.scale != 1.0)[0, 0]))
+    @property
+    def scale(self) -> Quantity:
+        """Of the clock, with its error."""
+        return Quantity(self.clock.scale, math.sqrt(float(self.covariance(True)[1, 1])), "1")
 
 
 def refined(
     pair: Pair,
     start: Clock,
-    period: float,
     within: tuple[float, float] = EVERYWHERE,
     rate: bool = False,
     names: tuple[str, ...] | None = None,
@@ -125,16 +122,12 @@ def refined(
     within : span of the second's clock, s, to look at. names : channels, None for all, or the force alone where it is
     the same in both and the motion is not.
     """
-    free, clock = 2 if rate else 1, start
-    used = names or tuple(pair.noise)
-    bounds = Bounds(
-        np.array([start.shift - 0.5 * period, 0.5])[:free],
-        np.array([start.shift + 0.5 * period, 2.0])[:free],
-        np.array([0.2 * period, 0.05])[:free],
-    )
+    free, clock, period, used = 2 if rate else 1, start, pair.period, names or tuple(pair.noise)
+    low, high = (start.shift - 0.5 * period, 0.5), (start.shift + 0.5 * period, 2.0)
+    bounds = Bounds(*(np.array(one)[:free] for one in (low, high, (0.2 * period, 0.05))))
 
     def clock_of(at: FloatArray) -> Clock:
-        return Clock(float(at[0]), float(at[1]) if rate else start.scale, pair.origin)
+        return pair.clock(float(at[0]), float(at[1]) if rate else start.scale)
 
     for _ in range(_TURNS):
         keep = pair.kept(clock, within)
@@ -149,17 +142,10 @@ def refined(
         moved, clock = abs(float(found.coordinates[0]) - clock.shift), clock_of(found.coordinates)
         if moved**2 * float(np.sum(found.point.partials[:, 0] ** 2)) < _MOVED**2:
             break
-    one = _judged(pair, clock, within)
-    if one is None or names is not None or one.names == used:
-        return one
-    return refined(pair, one.clock, period, within, rate, one.names) or one
-
-
-def _judged(pair: Pair, clock: Clock, within: tuple[float, float]) -> Candidate | None:
-    """What a clock leaves, over all samples; None where the two hardly overlap."""
     keep, seen = pair.kept(clock, within), pair.kept(clock)
     if any(np.count_nonzero(k) < _FEWEST for k in keep.values()):
         return None
+    # what the clock leaves, over all samples
     shares, loud, count = {}, {}, {}
     for c, noise in pair.noise.items():
         second, first, _, _ = pair.left(clock, c, seen[c])
@@ -168,23 +154,25 @@ def _judged(pair: Pair, clock: Clock, within: tuple[float, float]) -> Candidate 
         apart, strangers = float(np.var(second - first)), float(np.var(second) + np.var(first))
         shares[c], loud[c] = (apart + floor) / (strangers + floor), apart / floor
         count[c] = int(np.count_nonzero(seen[c]))
-    return Candidate(pair, clock, keep, within, shares, loud, count)
+    one = Candidate(pair, clock, keep, within, shares, loud, count)
+    if names is not None or one.names == used:
+        return one
+    return refined(pair, one.clock, within, rate, one.names) or one
 
 
 _SHOWS = 4.0
 """Standard errors from which clocks run differently: once in 16000 by chance."""
 _MOST = 0.03
 """Largest difference of rate that is looked for; more is another motion."""
-_STEP = 0.25
-"""Periods by which the ends of the traces move between two rates that are tried."""
-_MOST_TRIED = 41
-"""Rates tried: bounds the work."""
-_CLEARLY = 0.25
-"""Share of the mean square that another rate must leave at most, as another shift (align)."""
+_STEP, _MOST_TRIED = 0.25, 41
+"""Periods by which the ends of the traces move between two rates that are tried, and how many are: bounds the work."""
+CLEARLY = 0.25
+"""Share of the mean square that another rate must leave at most, and another shift than the releases'. Of two decays of
+slightly different rate, moving one takes off half: with weight e^(-2s) the variance of s over its mean square."""
 _DIFFER = "the two differ by more than clocks do, and a clock that is fast cannot be told from a stiffer spring"
 
 
-def rated(pair: Pair, taken: Candidate, period: float) -> tuple[Quantity, Candidate]:
+def rated(pair: Pair, taken: Candidate) -> tuple[Quantity, Candidate]:
     """The scale that lays the two over each other, and the candidate to compare with: with that scale only where it is
     significant and a clock's.
 
@@ -192,58 +180,50 @@ def rated(pair: Pair, taken: Candidate, period: float) -> tuple[Quantity, Candid
     is told that leaves nothing but noise. A motion's own frequency looks the same as the rate of a clock: beyond what
     clocks differ by, a scale is applied only where a force that drives both proves it.
     """
-    starts = [taken.clock] if taken.same else _starts(pair, taken, period)
-    fits = [refined(pair, clock, period, rate=True) for clock in starts]
+    fits = [refined(pair, clock, rate=True) for clock in ([taken.clock] if taken.same else _starts(pair, taken))]
     found = [one for one in fits if one is not None and one.same]
     if not found:
         return Quantity.refused("1", _DIFFER), taken
     best = min(found, key=lambda one: one.saved)
-    error = math.sqrt(float(best.covariance(period, True)[1, 1]))
-    if not math.isfinite(error):
+    scale = best.scale
+    if not math.isfinite(scale.stderr or 0.0):
         return Quantity.refused("1", "the overlap is too short for it"), taken
-    scale = Quantity(best.clock.scale, error, "1")
-    better = taken.same or best.mean_log < taken.mean_log + math.log(_CLEARLY)
-    clocks = not beyond_clocks(scale) or _by_force(pair, best, period)
-    return scale, best if differs(scale) and better and clocks else taken
+    better = taken.same or best.mean_log < taken.mean_log + math.log(CLEARLY)
+    clocks = not beyond_clocks(scale) or _by_force(pair, best)
+    return scale, best if _differs(scale) and better and clocks else taken
 
 
-def differs(scale: Quantity) -> bool:
+def _differs(scale: Quantity) -> bool:
     """Whether two traces run at different rates, by more than chance."""
     return scale.value is not None and abs(scale.value - 1.0) > _SHOWS * (scale.stderr or 0.0)
 
 
 def beyond_clocks(scale: Quantity) -> bool:
     """Whether the rates differ by more than two clocks do."""
-    return differs(scale) and scale.value is not None and abs(scale.value - 1.0) > CLOCK_RATE.value
+    return _differs(scale) and scale.value is not None and abs(scale.value - 1.0) > CLOCK_RATE.value
 
 
-def _by_force(pair: Pair, best: Candidate, period: float) -> bool:
+def _by_force(pair: Pair, best: Candidate) -> bool:
     """Whether the force alone, which no parameter of the motion changes, runs at the same other rate."""
-    if not best.alike("u"):
-        return False
-    alone = refined(pair, best.clock, period, rate=True, names=("u",))
+    alone = refined(pair, best.clock, rate=True, names=("u",)) if best.alike("u") else None
     if alone is None or not alone.alike("u"):
         return False
-    errors = [math.sqrt(float(one.covariance(period, True)[1, 1])) for one in (alone, best)]
-    scale = Quantity(alone.clock.scale, errors[0], "1")
-    return beyond_clocks(scale) and abs(alone.clock.scale - best.clock.scale) < _SHOWS * math.hypot(*errors)
+    errors = math.hypot(alone.scale.stderr or 0.0, best.scale.stderr or 0.0)
+    return beyond_clocks(alone.scale) and abs(alone.clock.scale - best.clock.scale) < _SHOWS * errors
 
 
-def _starts(pair: Pair, taken: Candidate, period: float) -> list[Clock]:
+def _starts(pair: Pair, taken: Candidate) -> list[Clock]:
     """The few clocks that leave least, of all rates tried; the beginning of the overlap stays where it is."""
     t = pair.by_second(taken.clock)[pair.inside(pair.since(taken.clock))]
-    span = float(t[-1] - t[0])
-    step = max(_STEP * period / span, 2.0 * _MOST / (_MOST_TRIED - 1))
+    step = max(_STEP * pair.period / float(t[-1] - t[0]), 2.0 * _MOST / (_MOST_TRIED - 1))
     rates = 1.0 + step * np.arange(-math.floor(_MOST / step), math.floor(_MOST / step) + 1)
     begin = float(t[0]) - taken.clock.shift - pair.origin
-    clocks = [Clock(taken.clock.shift + (1.0 - rate) * begin, float(rate), pair.origin) for rate in rates]
-    return sorted(clocks, key=lambda clock: _apart(pair, clock))[:3]
 
+    def apart(clock: Clock) -> float:
+        keep, total = pair.inside(pair.since(clock)), 0.0
+        for c, noise in pair.noise.items():
+            second, first, _, _ = pair.left(clock, c, keep)
+            total += float(np.mean((second - first) ** 2)) / noise.sigma**2 if second.size else math.inf
+        return total
 
-def _apart(pair: Pair, clock: Clock) -> float:
-    keep = pair.inside(pair.since(clock))
-    total = 0.0
-    for c, noise in pair.noise.items():
-        second, first, _, _ = pair.left(clock, c, keep)
-        total += float(np.mean((second - first) ** 2)) / noise.sigma**2 if second.size else math.inf
-    return total
+    return sorted((pair.clock(taken.clock.shift + (1.0 - rate) * begin, float(rate)) for rate in rates), key=apart)[:3]

@@ -6,7 +6,7 @@ are a least-squares line through many windows.
 """
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -130,26 +130,23 @@ def consistency(
     """Every pair of x, v, a (n,) against each other; t in s, omega of the swing in rad/s. Linear in samples."""
     pairs = [pair for pair in _ORDER if pair[0] in channels and pair[1] in channels]
     ends = limits(t, channels["a"], noise["a"]) if "a" in channels else ()
-    return tuple(
-        _at_limit(pair, ends, angular) if "a" in pair and ends else _pair(t, channels, noise, omega, pair, angular)
-        for pair in pairs
-    )
+    windows, found = _windows(t, _WINDOW * 2.0 * math.pi / omega), []
+    for pair in pairs:
+        unit = _SI[pair[1]].replace("m", "rad", 1) if angular else _SI[pair[1]]
+        if "a" in pair and ends:
+            # of an acceleration whose sensor stood at its limit a gain of what is left of it would say nothing
+            found.append(_refused(pair, unit, limit_said(ends, angular), consistent=False))
+        elif windows.centre.size < _FEWEST:
+            why = f"{windows.centre.size} windows without a gap; {_FEWEST} are needed"
+            found.append(_refused(pair, unit, why, consistent=True))
+        else:
+            found.append(_pair(t, channels, noise, omega, pair, unit, windows))
+    return tuple(found)
 
 
-def _at_limit(pair: tuple[str, str], ends: Sequence[float], angular: bool) -> Consistency:
-    """Of an acceleration whose sensor stood at its limit: a gain of what is left of it would say nothing."""
-    unit, said = _unit(pair[1], angular), limit_said(ends, angular)
-    none = Quantity.refused("1", said)
-    return Consistency(pair, none, Quantity.refused("s", said), Quantity.refused(unit, said), True, False, said)
-
-
-def _unit(channel: str, angular: bool) -> str:
-    return _SI[channel].replace("m", "rad", 1) if angular else _SI[channel]
-
-
-def _late(t: FloatArray, y: FloatArray, windows: _Windows, order: int, lag: float, further: int) -> FloatArray:
-    """Integral (m,) of the derivative of this order of y in windows late by ``lag`` (s); ``further``: by the lag."""
-    return (-1.0) ** (order + further) * _weigh(t, y, windows, order + further, lag)
+def _refused(pair: tuple[str, str], unit: str, why: str, consistent: bool) -> Consistency:
+    gain, lag, offset = (Quantity.refused(of, why) for of in ("1", "s", unit))
+    return Consistency(pair, gain, lag, offset, True, consistent, why)
 
 
 @dataclass(frozen=True, slots=True)
@@ -187,38 +184,31 @@ def _pair(
     noise: Mapping[str, Noise],
     omega: float,
     pair: tuple[str, str],
-    angular: bool,
+    unit: str,
+    windows: _Windows,
 ) -> Consistency:
     first, second = pair
-    order = _ORDER[pair]
-    unit = _unit(second, angular)
-    windows = _windows(t, _WINDOW * 2.0 * math.pi / omega)
-    if windows.centre.size < _FEWEST:
-        why = f"{windows.centre.size} windows without a gap; {_FEWEST} are needed"
-        none = Quantity.refused("1", why)
-        return Consistency(pair, none, Quantity.refused("s", why), Quantity.refused(unit, why), True, True, why)
+    order, interval, limit = _ORDER[pair], float(np.median(np.diff(t))), 0.25 * math.pi / omega
     y, one = _weigh(t, channels[second], windows, 0), _weigh(t, np.ones(t.size), windows, 0)
-    interval = float(np.median(np.diff(t)))
-    limit = 0.25 * math.pi / omega
 
     def evaluated(at: FloatArray) -> _Line:
-        # x late by lag: its window must be late as well
-        return _Line.of(y, one, *(_late(t, channels[first], windows, order, float(at[0]), k) for k in (0, 1)))
+        # x late by lag: its window must be late as well; then the partial by the lag
+        late = ((-1.0) ** n * _weigh(t, channels[first], windows, n, float(at[0])) for n in (order, order + 1))
+        return _Line.of(y, one, *late)
 
     found = least_squares(evaluated, np.zeros(1), Until(share=_DONE), Bounds.of(1, -limit, limit))
     lag, line = float(found.coordinates[0]), found.point
-    gain, offset, left = line.gain, line.offset, line.left
+    gain, left = line.gain, line.left
     design = np.column_stack([line.seen, line.slope, one])
     covariance = _covariance(windows.length, 0, noise[second], interval)
     covariance = covariance + gain**2 * _covariance(windows.length, order, noise[first], interval)
-    jumps = _jumps(t, channels[second], noise[second], windows)
-    errors = _standard_errors(design, left, covariance, jumps)
+    errors = _standard_errors(design, left, covariance, _jumps(t, channels[second], noise[second], windows))
     swing = y - one * (one @ y) / (one @ one)
     related = float(left @ left) < CHANNELS_RELATED.value * float(swing @ swing)
     quantities = (
         Quantity(gain, float(errors[0]), "1"),
         Quantity(lag, float(errors[1]) / (abs(gain) or 1.0), "s"),
-        Quantity(offset, float(errors[2]), unit),
+        Quantity(line.offset, float(errors[2]), unit),
     )
     return _judged(pair, quantities, related)
 
@@ -252,31 +242,29 @@ def _standard_errors(design: FloatArray, left: FloatArray, covariance: FloatArra
     return errors
 
 
-def _off(quantity: Quantity, wanted: float) -> bool:
-    value, error = quantity.value or 0.0, quantity.stderr or 0.0
-    return abs(value - wanted) > CHANNELS_AGREE.value * error
-
-
 def _judged(pair: tuple[str, str], found: tuple[Quantity, Quantity, Quantity], related: bool) -> Consistency:
     gain, lag, offset = found
     first, second = (_NAMES[c] for c in pair)
-    value = gain.value or 0.0
+    value, late, off = (one.value or 0.0 for one in found)
+    wrong = [
+        abs((one.value or 0.0) - wanted) > CHANNELS_AGREE.value * (one.stderr or 0.0)
+        for one, wanted in ((gain, 1.0), (lag, 0.0), (offset, 0.0))
+    ]
     mirrored, related = related and value < 0.0, related and value > 0.0
-    factor = next((text for f, text in _UNITS.items() if abs(math.log(max(value, 1e-300) / f)) < _A_UNIT), None)
-    if related and factor is not None:
-        sentence = f"{second} does not match {first} by a factor of about {factor}; are the units right?"
-        return Consistency(pair, gain, lag, offset, True, False, sentence)
     if not related:
         opposite = " (they move against each other)" if value < 0.0 else ""
         sentence = f"{second} and {first} do not belong together{opposite}"
         return Consistency(pair, gain, lag, offset, False, False, sentence, mirrored)
-    said = []
-    if _off(gain, 1.0):
-        small = f" ({1.0 / value:.4g} times too small)" if value < 1.0 / _FAR else ""
-        said.append(f"is {value:.4g} times what {first} says{small}")
-    if _off(lag, 0.0):
-        said.append(f"is {'early' if (lag.value or 0.0) > 0.0 else 'late'} by {abs(lag.value or 0.0):.3g} s")
-    if _off(offset, 0.0):
-        said.append(f"is offset by {offset.value:.3g} {offset.unit}")
+    factor = next((text for f, text in _UNITS.items() if abs(math.log(max(value, 1e-300) / f)) < _A_UNIT), None)
+    if factor is not None:
+        sentence = f"{second} does not match {first} by a factor of about {factor}; are the units right?"
+        return Consistency(pair, gain, lag, offset, True, False, sentence)
+    small = f" ({1.0 / value:.4g} times too small)" if value < 1.0 / _FAR else ""
+    faults = (
+        f"is {value:.4g} times what {first} says{small}",
+        f"is {'early' if late > 0.0 else 'late'} by {abs(late):.3g} s",
+        f"is offset by {off:.3g} {offset.unit}",
+    )
+    said = [fault for fault, there in zip(faults, wrong, strict=True) if there]
     sentence = f"{second} " + " and ".join(said) if said else f"{second} agrees with {first}"
     return Consistency(pair, gain, lag, offset, True, not said, sentence)

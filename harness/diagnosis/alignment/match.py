@@ -21,6 +21,9 @@ from harness.estimate.noise import Noise, channel_noise
 from harness.estimate.reversals import Kind, NoDecay, period_of
 
 _OWN = {True: ("rad", "rad/s", "rad/s^2"), False: ("m", "m/s", "m/s^2")}
+_KINDS = {"x": Kind.DISPLACEMENT, "v": Kind.VELOCITY, "a": Kind.ACCELERATION}
+_INSTANT = 1e-3
+"""Share of a sampling interval by which instants that are the same may differ: times are written with few digits."""
 
 
 def as_kind_of(one: Recording, other: Recording, option: str = "") -> Recording:
@@ -91,9 +94,6 @@ class Match:
         return {c: self.real[c] - self.sim[c] for c in self.real}
 
 
-_KINDS = {"x": Kind.DISPLACEMENT, "v": Kind.VELOCITY, "a": Kind.ACCELERATION}
-
-
 def swing_of(recording: Recording) -> float:
     """Angular frequency of a recording's motion, rad/s; raises InputError when it does not swing."""
     name = next(c for c in ("x", "v", "a") if c in recording)
@@ -106,12 +106,6 @@ def swing_of(recording: Recording) -> float:
     if not math.isfinite(omega) or omega <= 0.0:
         raise InputError(recording.file, "nothing that swings", "a motion that swings is accepted")
     return omega
-
-
-def noise_of(recording: Recording, omega: float) -> dict[str, Noise]:
-    """Noise of every channel of motion."""
-    period = 2.0 * math.pi / omega
-    return {c: channel_noise(recording.t, recording[c], period) for c in ("x", "v", "a") if c in recording}
 
 
 def match(sim: Recording, real: Recording, given: float | None = None) -> Match:
@@ -131,19 +125,21 @@ def match(sim: Recording, real: Recording, given: float | None = None) -> Match:
         )
     omega = swing_of(real)
     period = 2.0 * math.pi / omega
-    found = noise_of(sim, omega), noise_of(real, omega)
-    noise = {c: _both(found[0][c], found[1][c]) for c in common}
+    ours, theirs = ({c: channel_noise(one.t, one[c], period) for c in "xva" if c in one} for one in (sim, real))
+    found = ours, theirs
+    noise = {c: _both(ours[c], theirs[c]) for c in common}
     if "u" in sim and "u" in real and min(np.ptp(sim["u"]), np.ptp(real["u"])) > 0.0:
         forces = [channel_noise(one.t, one["u"], period, rests=True) for one in (sim, real)]
         aligned = align(sim, real, noise | {"u": _both(*forces)}, period, given)
     else:
         aligned = align(sim, real, noise, period, given)
     same = _same_samples(sim, real, aligned.clock)
-    if same is not None and (given is None or abs(given - same) < _INSTANT * real.interval):
-        exact = Quantity(same, 0.0, "s")
-        clock = Clock(same, 1.0, float(sim.t[0]))
-        aligned = replace(aligned, shift=exact, scale=Quantity(1.0, 0.0, "1"), clock=clock, alternatives=())
-        t, left, right = _shared(sim, real, common, same)
+    if same is not None and (given is None or abs(given - same[0]) < _INSTANT * real.interval):
+        shift, here, there = same
+        clock = Clock(shift, 1.0, float(sim.t[0]))
+        exact, even = Quantity(shift, 0.0, "s"), Quantity(1.0, 0.0, "1")
+        aligned = replace(aligned, shift=exact, scale=even, clock=clock, alternatives=())
+        t, left, right = real.t[there], {c: sim[c][here] for c in common}, {c: real[c][there] for c in common}
     else:
         same, clock = None, aligned.clock
         t, left, right = Pair(sim, real, noise, period).at(clock)
@@ -170,39 +166,21 @@ def match(sim: Recording, real: Recording, given: float | None = None) -> Match:
     )
 
 
-_INSTANT = 1e-3
-"""Share of a sampling interval by which instants that are the same may differ: times are written with few digits."""
-
-
-def _offset(sim: Recording, real: Recording, shift: float) -> tuple[slice, slice]:
-    """Samples of each that lie over the other, one for one, by a shift near ``shift`` (s)."""
-    begin = int(np.argmin(np.abs(real.t - sim.t[0] - shift)))
-    ahead = int(np.argmin(np.abs(sim.t + shift - real.t[0]))) if begin == 0 else 0
+def _same_samples(sim: Recording, real: Recording, clock: Clock) -> tuple[float, slice, slice] | None:
+    """The exact shift, s, and the samples of each, where two hold the same values at the same instants, one for one;
+    None where they do not.
+    """
+    begin = int(np.argmin(np.abs(real.t - sim.t[0] - clock.shift)))
+    ahead = int(np.argmin(np.abs(sim.t + clock.shift - real.t[0]))) if begin == 0 else 0
     count = min(len(sim) - ahead, len(real) - begin)
-    return slice(ahead, ahead + count), slice(begin, begin + count)
-
-
-def _same_samples(sim: Recording, real: Recording, clock: Clock) -> float | None:
-    """The exact shift, s, where the two hold the same values at the same instants; None where they do not."""
-    ours, theirs = _offset(sim, real, clock.shift)
-    if ours.stop - ours.start < MINIMUM_SAMPLES:
+    ours, theirs = slice(ahead, ahead + count), slice(begin, begin + count)
+    if count < MINIMUM_SAMPLES:
         return None
-    shift = float(np.median(real.t[theirs] - sim.t[ours]))
     # a shift of whole digits, as the one who moved the clock wrote it
-    shift = float(np.round(shift, 9))
+    shift = float(np.round(float(np.median(real.t[theirs] - sim.t[ours])), 9))
     together = np.max(np.abs(real.t[theirs] - sim.t[ours] - shift)) <= _INSTANT * real.interval
-    if not together:
-        return None
-    common = [c for c in sim.channels if c in real]
-    return shift if all(np.array_equal(sim[c][ours], real[c][theirs]) for c in common) else None
-
-
-def _shared(
-    sim: Recording, real: Recording, common: list[str], shift: float
-) -> tuple[FloatArray, dict[str, FloatArray], dict[str, FloatArray]]:
-    """Times of the second's clock and the channels of both there, sample on sample."""
-    ours, theirs = _offset(sim, real, shift)
-    return real.t[theirs], {c: sim[c][ours] for c in common}, {c: real[c][theirs] for c in common}
+    alike = together and all(np.array_equal(sim[c][ours], real[c][theirs]) for c in sim.channels if c in real)
+    return (shift, ours, theirs) if alike else None
 
 
 def _both(a: Noise, b: Noise) -> Noise:

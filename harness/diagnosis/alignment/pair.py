@@ -16,10 +16,11 @@ _EVEN = 1.0001
 """Ratio of intervals up to which they are the same: times are written with few digits."""
 _ACROSS = 0.1
 """Share of a period across which a slope is taken: that of a sine comes out 1.6 % low."""
+EVERYWHERE = (-math.inf, math.inf)
 
 
 class Signals(Protocol):
-    """What can be aligned: channels (n,) at times t (n,), s."""
+    """What can be aligned: channels (n,) by name, SI units, at times t (n,), s."""
 
     @property
     def t(self) -> FloatArray:
@@ -27,7 +28,7 @@ class Signals(Protocol):
 
     @property
     def channels(self) -> Mapping[str, FloatArray]:
-        """By name, SI units."""
+        """By name."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -50,34 +51,38 @@ class Clock:
 class Pair:
     """Two traces read at the times of the one that is sampled less densely; the other is interpolated.
 
-    period : of the motion, s. most : samples of the coarse one to look at, evenly thinned. origin of clocks: the first
-    sample of the first trace.
+    noise : of the difference, for each channel to look at. period : of the motion, s. most : samples of the coarse one
+    to look at, evenly thinned. origin of clocks: the first sample of the first trace.
     """
 
     def __init__(
         self, first: Signals, second: Signals, noise: Mapping[str, Noise], period: float, most: int | None = None
     ) -> None:
+        # imported when it is needed: it brings half of its library along
+        from scipy.interpolate import Akima1DInterpolator
+
         intervals = [float(np.median(np.diff(one.t))) for one in (first, second)]
-        self.noise, self.interval, self.origin = noise, max(intervals), float(first.t[0])
+        self.noise, self.period, self.origin = noise, period, float(first.t[0])
         self.onto_second = intervals[0] <= intervals[1] * _EVEN
         self.fine, coarse = (first, second) if self.onto_second else (second, first)
         thin = slice(None, None, 1 if most is None else max(1, coarse.t.size // most))
-        self.interval *= thin.step
+        self.interval = max(intervals) * thin.step
         self.t, self.coarse = coarse.t[thin], {c: coarse.channels[c][thin] for c in noise}
-        from scipy.interpolate import Akima1DInterpolator
-
         # Akima's curve keeps a jump where it is, and is of third order elsewhere
         self.curves = {c: Akima1DInterpolator(self.fine.t, self.fine.channels[c]) for c in noise}
         self.reach = max(0.5 * _ACROSS * period, 0.5 * min(intervals))
+
+    def clock(self, shift: float, scale: float = 1.0) -> Clock:
+        """A clock of the first trace."""
+        return Clock(shift, scale, self.origin)
 
     def at(self, clock: Clock) -> tuple[FloatArray, dict[str, FloatArray], dict[str, FloatArray]]:
         """Shared times of the second's clock (n,), and the channels of both there, the first's moved by ``clock``."""
         since = self.since(clock)
         inside = self.inside(since)
         t, since = self.t[inside], since[inside]
-        fine = {c: np.asarray(self.curves[c](since)) for c in self.noise}
-        if np.array_equal(since, self.fine.t):
-            fine = {c: self.fine.channels[c] for c in self.noise}
+        exact = np.array_equal(since, self.fine.t)
+        fine = {c: self.fine.channels[c] if exact else np.asarray(self.curves[c](since)) for c in self.noise}
         coarse = {c: self.coarse[c][inside] for c in self.noise}
         return (t, fine, coarse) if self.onto_second else (since, coarse, fine)
 
@@ -94,7 +99,7 @@ class Pair:
         """Times of the coarse trace (n,) by the second's clock."""
         return self.t if self.onto_second else clock.onto(self.t)
 
-    def kept(self, clock: Clock, within: tuple[float, float] = (-math.inf, math.inf)) -> dict[str, BoolArray]:
+    def kept(self, clock: Clock, within: tuple[float, float] = EVERYWHERE) -> dict[str, BoolArray]:
         """Samples (n,) of the coarse trace over the other one, in a span of the second's clock, that do not stand alone
         far off.
 
@@ -102,27 +107,23 @@ class Pair:
         """
         since, t = self.since(clock), self.by_second(clock)
         inside = self.inside(since) & (t >= within[0]) & (t <= within[1])
-        kept = {}
-        for c, curve in self.curves.items():
-            kept[c] = inside.copy()
-            if not inside.any():
-                continue
+        kept = {c: inside.copy() for c in self.curves}
+        for c, curve in self.curves.items() if inside.any() else ():
             kept[c][inside] = ~isolated(self.coarse[c][inside] - curve(since[inside]))
         return kept
 
     def left(self, clock: Clock, c: str, keep: BoolArray) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
-        """Of the kept samples of one channel: second, first, slope of the fine one, its times by its own clock."""
-        since = np.clip(self.since(clock)[keep], self.fine.t[0], self.fine.t[-1])
-        shown, own = np.asarray(self.curves[c](since)), self.coarse[c][keep]
-        second, first = (own, shown) if self.onto_second else (shown, own)
-        return second, first, self._slope(c, since), since
+        """Of the kept samples of one channel: second, first, slope of the fine one, its times by its own clock.
 
-    def _slope(self, c: str, t: FloatArray) -> FloatArray:
-        """Slope of the fine trace at times (n,) of its own clock: that of the motion, and not that of its noise, which
-        would pull a shift into dips of its own and promise it sharper than it is.
+        The slope is that of the motion, and not that of its noise, which would pull a shift into dips of its own and
+        promise it sharper than it is.
         """
-        low, high = np.maximum(t - self.reach, self.fine.t[0]), np.minimum(t + self.reach, self.fine.t[-1])
-        return np.asarray((self.curves[c](high) - self.curves[c](low)) / (high - low))
+        curve = self.curves[c]
+        since = np.clip(self.since(clock)[keep], self.fine.t[0], self.fine.t[-1])
+        shown, own = np.asarray(curve(since)), self.coarse[c][keep]
+        low, high = np.maximum(since - self.reach, self.fine.t[0]), np.minimum(since + self.reach, self.fine.t[-1])
+        slope = np.asarray((curve(high) - curve(low)) / (high - low))
+        return (own, shown, slope, since) if self.onto_second else (shown, own, slope, since)
 
     def residual(self, clock: Clock, keep: Mapping[str, BoolArray], names: tuple[str, ...]) -> Residual:
         """Second minus first in units of the noise, with partials (n, 2) by the clock's shift and scale."""

@@ -1,16 +1,13 @@
 """The game of a mismatch: engine, parameters and terms put right in every order; what each brings is its share.
 
 Noise, and what the refined model leaves beyond it, are taken off first: what is divided is the distance of a simulation
-from the refined model, in windows of about a period restarted from the recording's smoothed state.
+from the refined model, in windows of about a period restarted from the recording's smoothed state. Shares are Shapley
+values: what each player brings, averaged over all orders in which the players may come (L. S. Shapley, A value for
+n-person games, Contributions to the Theory of Games II (1953) 307-317).
 
-Shapley values: what each player brings, averaged over all orders in which the players may come.
-
-L. S. Shapley, A value for n-person games, Contributions to the Theory of Games II (1953) 307-317.
-
-How sure shares are: the same game with the refined model moved by what the recording leaves open of it.
-
-A share is a function of the refined model's numbers. Its variance is the sum, over the principal axes of their
-covariance, of the squares of what one standard deviation along the axis does to it: the first order of propagation.
+How sure they are: a share is a function of the refined model's numbers. Its variance is the sum, over the principal
+axes of their covariance, of the squares of what one standard deviation along the axis does to it: the first order of
+propagation, for which the game is played again with the refined model moved so.
 """
 
 import math
@@ -34,8 +31,18 @@ from harness.diagnosis.problem import Problem
 from harness.kernels.solve import Scales
 from harness.model.model import Model
 
+ENGINE, PARAMETERS, TERMS = "engine", "parameters", "missing_physics"
+MOST_SLIPPING = 1.0 / 3.0
+"""Of the windows: where more are out of step within their period, squares say nothing of whose fault it is."""
+_SEEN = 0.02
+"""Share of the whole below which nothing is said."""
+
 Value = Callable[[frozenset[str]], float]
 """What is left when these players have been put right; asked for the same players many times."""
+Distance = Callable[[Model, bool], float]
+"""How far a model is from the refined one; whether the user's engine simulates it."""
+Nearby = Sequence[Sequence[Model]]
+"""For each covariance the models one standard deviation along its axes; the larger error counts."""
 
 
 def saved(players: Sequence[str], left: Value) -> Mapping[str, float]:
@@ -43,42 +50,31 @@ def saved(players: Sequence[str], left: Value) -> Mapping[str, float]:
 
     Negative for a player whose error hides those of others.
     """
-    count = len(players)
-    found = {}
+    count, found = len(players), dict.fromkeys(players, 0.0)
     for player in players:
         others = [other for other in players if other != player]
-        total = 0.0
         for size in range(count):
             weight = math.factorial(size) * math.factorial(count - size - 1) / math.factorial(count)
             for before in map(frozenset, combinations(others, size)):
-                total += weight * (left(before) - left(before | {player}))
-        found[player] = total
+                found[player] += weight * (left(before) - left(before | {player}))
     return found
-
-
-Nearby = Sequence[Sequence[Model]]
-"""For each covariance the models one standard deviation along its axes; the larger error counts."""
 
 
 def nearby_of(found: Fit, matrices: Sequence[FloatArray]) -> Nearby:
     """Models beside a fit, for each covariance (q, q) of its numbers; what a recording does not tell stays as it is."""
-    return [[_moved(found, step) for step in _axes(matrix).T] for matrix in matrices]
-
-
-def _axes(covariance: FloatArray) -> FloatArray:
-    """Steps (q, r) whose squares sum to a covariance, of numbers of any units."""
-    variance = np.diag(covariance)
-    known = np.flatnonzero(np.isfinite(variance) & (variance > 0.0))
-    scale = np.sqrt(variance[known])
-    values, vectors = np.linalg.eigh(covariance[np.ix_(known, known)] / np.outer(scale, scale))
-    steps: FloatArray = np.zeros((variance.size, known.size))
-    steps[known] = scale[:, None] * vectors * np.sqrt(np.maximum(values, 0.0))
-    return steps
-
-
-def _moved(found: Fit, step: FloatArray) -> Model:
-    values = [min(max(v, f.lower), f.upper) for f, v in zip(found.free, found.values + step, strict=True)]
-    return with_values(found.model, found.free, np.array(values))
+    low, high = (np.array([getattr(f, end) for f in found.free]) for end in ("lower", "upper"))
+    nearby = []
+    for covariance in matrices:
+        variance = np.diag(covariance)
+        known = np.flatnonzero(np.isfinite(variance) & (variance > 0.0))
+        scale = np.sqrt(variance[known])
+        # steps whose squares sum to a covariance, of numbers of any units
+        values, vectors = np.linalg.eigh(covariance[np.ix_(known, known)] / np.outer(scale, scale))
+        steps = np.zeros((variance.size, known.size))
+        steps[known] = scale[:, None] * vectors * np.sqrt(np.maximum(values, 0.0))
+        beside = (np.minimum(np.maximum(found.values + step, low), high) for step in steps.T)
+        nearby.append([with_values(found.model, found.free, one) for one in beside])
+    return nearby
 
 
 def errors_of(
@@ -95,11 +91,6 @@ def errors_of(
         name: max(math.sqrt(sum((one[name] - value) ** 2 for one in models)) for models in played)
         for name, value in found.items()
     }
-
-
-ENGINE, PARAMETERS, TERMS = "engine", "parameters", "missing_physics"
-MOST_SLIPPING = 1.0 / 3.0
-"""Of the windows: where more are out of step within their period, squares say nothing of whose fault it is."""
 
 
 class NoSharesError(Exception):
@@ -146,13 +137,6 @@ class Attribution:
         return self.missing_physics > _SEEN and after > before + _SEEN * self.whole
 
 
-_SEEN = 0.02
-"""Share of the whole below which nothing is said."""
-
-Distance = Callable[[Model, bool], float]
-"""How far a model is from the refined one; whether the user's engine simulates it."""
-
-
 def attribute_engine(
     simulate: Simulator, configured: Model, refined: Model, problem: Problem, scales: Scales, dt: float | None = None
 ) -> Attribution:
@@ -161,8 +145,7 @@ def attribute_engine(
     configured : the user's model, else the baseline fit's. Raises SimulationError, NoSharesError where a third of the
     windows slip.
     """
-    seen = restarted(refined, problem, scales)
-    user = _user(configured, refined)
+    seen, user = restarted(refined, problem, scales), _user(configured, refined)
     as_configured = shown_by(simulate, user, seen.problem, dt)[0]
     _refuse_slips(seen, as_configured, "the simulation")
 
@@ -182,17 +165,13 @@ def attribute_model(
     Raises SimulationError, NoSharesError.
     """
 
-    def played(refined: Model) -> Attribution:
-        seen = restarted(refined, problem, scales)
-
+    def played(refined: Model, seen: Restarted) -> Attribution:
         def distance(model: Model, engine: bool) -> float:
             return seen.distance(observe(model, seen.problem, scales=scales).y)
 
         return _played((PARAMETERS, TERMS), distance, configured, refined, problem, scales)
 
-    seen = restarted(refined, problem, scales)
-    _refuse_slips(seen, observe(_user(configured, refined), seen.problem, scales=scales).y, "the model")
-    return _with_errors(played(refined), played, nearby)
+    return _with_errors(played, configured, "the model", refined, problem, scales, nearby)
 
 
 def attribute_trace(
@@ -209,9 +188,8 @@ def attribute_trace(
     configured : the model it was made with, None when it is not known; then what the trace tells of it, engine apart.
     Where it does not, what the trace reads stands for it, and engine and parameters are one share, ``parameters``.
     nearby : models as likely as the refined one. whole : the question at every sample of the recording, which the trace
-    is laid over. Raises InputError for a trace that does
-    not belong to the recording, NoSharesError for one that cannot be read or of which a third of the windows slip;
-    SimulationError.
+    is laid over. Raises InputError for a trace that does not belong to the recording, NoSharesError for one that cannot
+    be read or of which a third of the windows slip; SimulationError.
     """
     on = aligned(trace, problem, scales, whole)
     try:
@@ -222,8 +200,7 @@ def attribute_trace(
     joined = meant is None
     players = (PARAMETERS, TERMS) if joined else (ENGINE, PARAMETERS, TERMS)
 
-    def played(refined: Model) -> Attribution:
-        seen = restarted(refined, problem, scales)
+    def played(refined: Model, seen: Restarted) -> Attribution:
         read = in_masses_of(reading.model, refined)
 
         def distance(model: Model, engine: bool) -> float:
@@ -233,18 +210,30 @@ def attribute_trace(
             left = reading.left if engine else 0.0
             return seen.distance(observe(shown, seen.problem, scales=scales).y) + left
 
-        model = read if meant is None else meant
-        return _played(players, distance, model, refined, problem, scales, joined)
+        return _played(players, distance, read if meant is None else meant, refined, problem, scales, joined)
 
-    seen = restarted(refined, problem, scales)
-    start = _user(reading.model, refined)
-    _refuse_slips(seen, observe(start, seen.problem, scales=scales).y, trace.file)
-    found = _with_errors(played(refined), played, nearby)
+    found = _with_errors(played, reading.model, trace.file, refined, problem, scales, nearby)
     return replace(found, reading=reading, shift=on.clock.shift, joined=joined)
 
 
-def _with_errors(found: Attribution, played: Callable[[Model], Attribution], nearby: Nearby) -> Attribution:
-    return replace(found, errors=errors_of(lambda model: _shares(played(model)), _shares(found), nearby))
+def _with_errors(
+    played: Callable[[Model, Restarted], Attribution],
+    start: Model,
+    name: str,
+    refined: Model,
+    problem: Problem,
+    scales: Scales,
+    nearby: Nearby,
+) -> Attribution:
+    """A game played, and again at models nearby; start : what the simulation begins as, of this name."""
+
+    def shares(model: Model) -> Mapping[str, float]:
+        return _shares(played(model, restarted(model, problem, scales)))
+
+    seen = restarted(refined, problem, scales)
+    _refuse_slips(seen, observe(_user(start, refined), seen.problem, scales=scales).y, name)
+    found = played(refined, seen)
+    return replace(found, errors=errors_of(shares, _shares(found), nearby))
 
 
 def _shares(found: Attribution) -> Mapping[str, float]:
@@ -287,14 +276,10 @@ def _played(
             return 0.0
         return distance(mixed(parameters, terms, refined), engine)
 
-    shares = saved(players, left)
-    remaining = mean_square(observe(refined, problem, scales=scales).y, problem)
+    shares, shown = saved(players, left), observe(refined, problem, scales=scales).y
+    values = whitened(problem, {c: y - shown[c] for c, y in problem.channels.items()})
+    remaining = float(values @ values) / problem.points
     whole = max(left(frozenset()) + remaining, 1e-300)
-    alone = {"": left(frozenset()), **{player: left(frozenset({player})) for player in players}}
-    single = {}
-    for name in BASE:
-        if getattr(user, name) != getattr(refined, name):
-            single[name] = distance(replace(refined, **{name: getattr(user, name)}), False)
     return Attribution(
         engine=shares.get(ENGINE, 0.0) / whole,
         parameters=shares[PARAMETERS] / whole,
@@ -303,13 +288,10 @@ def _played(
         noise=1.0 / whole,
         whole=whole,
         configured=user,
-        alone=alone,
-        by_parameter=single,
+        alone={"": left(frozenset()), **{player: left(frozenset({player})) for player in players}},
+        by_parameter={
+            name: distance(replace(refined, **{name: getattr(user, name)}), False)
+            for name in BASE
+            if getattr(user, name) != getattr(refined, name)
+        },
     )
-
-
-def mean_square(shown: Mapping[str, FloatArray], problem: Problem) -> float:
-    """Mean square of recording minus ``shown`` over the values that count, whitened by the noise."""
-    values = whitened(problem, {c: y - shown[c] for c, y in problem.channels.items()})
-    total = float(values @ values)
-    return total / problem.points

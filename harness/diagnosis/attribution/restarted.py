@@ -21,6 +21,8 @@ from harness.model.model import Model
 
 _FEWEST = 4
 """Samples of a window."""
+_GAP = 3.0
+"""Sampling intervals from which on there is a gap."""
 _IN_STEP = 0.5
 """Correlation over a period below which a motion is out of step: that of cos(s) and cos(1.33 s)."""
 _MOST = 120
@@ -69,13 +71,16 @@ def restarted(refined: Model, problem: Problem, scales: Scales) -> Restarted:
     """Windows of a period along the refined model's motion; raises SimulationError."""
     shown = observe(refined, problem, scales=scales)
     t = problem.t
-    period = 2.0 * math.pi / scales.omega
     begins = [0 if not isinstance(problem.starts, OneStart) else int(np.searchsorted(t, refined.t0, side="left"))]
-    longest = 3.0 * float(np.median(np.diff(t)))
-    while (stop := _next(t, begins[-1], period, longest)) < t.size:
-        begins.append(stop)
-    edges = [*begins, t.size]
-    spans = [(low, high) for low, high in pairwise(edges) if high - low >= _FEWEST]
+    intervals, period = np.diff(t), 2.0 * math.pi / scales.omega
+    gaps = np.flatnonzero(intervals > _GAP * float(np.median(intervals)))
+    while begins[-1] < t.size:
+        # the next begins a period later, or behind a gap
+        at = begins[-1]
+        stop = max(int(np.searchsorted(t, t[at] + period)), at + _FEWEST)
+        within = gaps[(gaps >= at) & (gaps < stop)]
+        begins.append(int(within[0]) + 1 if within.size else min(stop, t.size))
+    spans = [(low, high) for low, high in pairwise(begins) if high - low >= _FEWEST]
     spans = [spans[i] for i in np.unique(np.linspace(0, len(spans) - 1, min(len(spans), _MOST)).astype(int))]
     kept = np.concatenate([np.arange(low, high) for low, high in spans])
     still = shown.mode == Mode.STICK
@@ -93,10 +98,3 @@ def restarted(refined: Model, problem: Problem, scales: Scales) -> Restarted:
     )
     right = observe(refined, part, scales=scales).y
     return Restarted(part, right, {c: noise.sigma for c, noise in problem.noise.items()})
-
-
-def _next(t: FloatArray, start: int, period: float, longest: float) -> int:
-    """Where the next window begins: a period later, or behind a gap (an interval of more than ``longest`` s)."""
-    stop = max(int(np.searchsorted(t, t[start] + period)), start + _FEWEST)
-    gaps = np.flatnonzero(np.diff(t[start : stop + 1]) > longest)
-    return start + int(gaps[0]) + 1 if gaps.size else stop

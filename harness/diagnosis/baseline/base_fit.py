@@ -10,6 +10,7 @@ The base fit of a driven recording, which its inverse dynamics start.
 
 import math
 from collections.abc import Callable, Iterable, Iterator, Sequence
+from contextlib import suppress
 from dataclasses import replace
 from functools import partial
 from itertools import product
@@ -34,16 +35,15 @@ _SHARES = (0.5, 0.15, 0.85)
 """Of the damping that is given to dry friction at a start; the best fit of the three goes on."""
 _CLEARLY_MOVING = 6.0
 """Standard errors of the first speed from which a release from rest need not be tried."""
-_FINER = 4
-"""Lines of a spectrum to a period over the recording."""
-_LEAST_PERIODS = 1.25
-"""Of a swing over the recording: three half-cycles are accepted, and a peak is as wide as a quarter of a period."""
-_FIRST_CYCLES = 2.0
-"""Cycles of the first stretch that is fitted, each next one twice as long."""
-_FEWEST = 24
-"""Samples of such a stretch: four to each of six numbers."""
+_FINER, _LEAST_PERIODS = 4, 1.25
+"""Lines of a spectrum to a period over the recording, and the least periods of a swing: three half-cycles are accepted,
+and a peak is as wide as a quarter of a period."""
+_FIRST_CYCLES, _FEWEST = 2.0, 24
+"""Cycles of the first stretch that is fitted, each next one twice as long; its samples: four to each of six numbers."""
 _FEWEST_AMPLITUDES = 8
 """Samples from which two amplitudes and a mean are read."""
+_THIN = 1500
+"""Samples of a rough fit."""
 _PHYSICS = ("c", "k", "f_k")
 """Base parameters that recordings of one machine share."""
 _TRIED = 3
@@ -82,37 +82,21 @@ def dominant_frequency(t: FloatArray, y: FloatArray) -> float:
     return float(i * step)
 
 
-def _first_cycle(t: FloatArray, y: FloatArray, omega: float) -> tuple[float, float]:
-    """Amplitudes of cosine and sine at omega over the first cycle."""
-    keep = t - t[0] <= 2.0 * math.pi / omega
-    if np.count_nonzero(keep) < _FEWEST_AMPLITUDES:
-        keep = np.arange(t.size) < _FEWEST_AMPLITUDES
-    phase = omega * (t[keep] - t[0])
-    basis = np.column_stack((np.cos(phase), np.sin(phase), np.ones(phase.size)))
-    cosine, sine, _ = np.linalg.lstsq(basis, y[keep], rcond=None)[0]
-    return float(cosine), float(sine)
-
-
 def _decay(t: FloatArray, y: FloatArray, omega: float) -> float:
     """Relative loss of amplitude per radian over the recording: an effective damping ratio."""
     cycle = 2.0 * math.pi / omega
-    edges = np.arange(t[0], t[-1], cycle)
-    peaks = [float(np.ptp(y[(t >= e) & (t < e + cycle)])) for e in edges[:-1]]
-    peaks = [p for p in peaks if p > _ABOVE_NOISE * peaks[0]] if peaks else []
-    if len(peaks) < 2:
+    each = [float(np.ptp(y[(t >= e) & (t < e + cycle)])) for e in np.arange(t[0], t[-1], cycle)[:-1]]
+    seen = [p for p in each if p > _ABOVE_NOISE * each[0]]
+    if len(seen) < 2:
         return 0.05
-    slope = np.polyfit(np.arange(len(peaks)), np.log(peaks), 1)[0]
+    slope = np.polyfit(np.arange(len(seen)), np.log(seen), 1)[0]
     return float(min(max(-slope / (2.0 * math.pi), 1e-4), 0.5))
 
 
 def scales_of(problem: Problem, omega: float) -> Scales:
     """What counts as ordinary in this recording."""
-    if "x" in problem.channels:
-        x = float(np.max(np.abs(problem.channels["x"])))
-    elif "a" in problem.channels:
-        x = float(np.max(np.abs(problem.channels["a"]))) / omega**2
-    else:
-        x = float(np.max(np.abs(problem.channels["v"]))) / omega
+    name, power = next((c, n) for c, n in (("x", 0), ("a", 2), ("v", 1)) if c in problem.channels)
+    x = float(np.max(np.abs(problem.channels[name]))) / omega**power
     return Scales(x, x * omega, omega)
 
 
@@ -123,7 +107,13 @@ def starts(problem: Problem) -> list[Model]:
     omega = dominant_frequency(t, y)
     if not math.isfinite(omega) or omega <= 0.0:
         raise InputError("recording", "nothing that swings", "a free decay is accepted")
-    cosine, sine = _first_cycle(t, y, omega)
+    # amplitudes over the first cycle
+    keep = t - t[0] <= 2.0 * math.pi / omega
+    if np.count_nonzero(keep) < _FEWEST_AMPLITUDES:
+        keep = np.arange(t.size) < _FEWEST_AMPLITUDES
+    phase = omega * (t[keep] - t[0])
+    basis = np.column_stack((np.cos(phase), np.sin(phase), np.ones(phase.size)))
+    cosine, sine, _ = np.linalg.lstsq(basis, y[keep], rcond=None)[0].tolist()
     x0, v0 = {
         "x": (cosine, sine * omega),
         "v": (-sine / omega, cosine),
@@ -148,32 +138,25 @@ def starts(problem: Problem) -> list[Model]:
 
 def _grow(model: Model, problem: Problem, scales: Scales) -> Fit:
     """Fit ever longer stretches, so that the phase never slips."""
-    free = free_of(model, problem.base_names)
-    t = problem.t
+    free, t = free_of(model, problem.base_names), problem.t
     span, cycle = float(t[-1] - t[0]), 2.0 * math.pi / scales.omega
     cycles = _FIRST_CYCLES
     while cycles * cycle < span:
         stop = int(np.searchsorted(t, t[0] + cycles * cycle))
         if stop >= _FEWEST:
-            thin = max(1, stop // 1500)
-            model = fit(model, problem.part(slice(0, stop, thin)), free, scales, 12, COARSE, thorough=False).model
+            part = problem.part(slice(0, stop, max(1, stop // _THIN)))
+            model = fit(model, part, free, scales, 12, COARSE, thorough=False).model
         cycles *= 2.0
     return fit(model, problem, free, scales, thorough=False)
 
 
-def _whole(model: Model, problem: Problem, scales: Scales) -> Fit:
-    """Fit the whole recording at once: right where the spectrum gave the frequency well."""
-    thin = max(1, problem.t.size // 1500)
+def _whole(model: Model, problem: Problem, scales: Scales, swing: Swing | None = None) -> Fit:
+    """Fit the whole recording at once, right where the spectrum gave the frequency well; its swing first, if given."""
     free = free_of(model, problem.base_names)
-    rough = fit(model, problem.part(slice(None, None, thin)), free, scales, 15, COARSE, thorough=False)
-    return fit(rough.model, problem, free, scales, thorough=False)
-
-
-def _by_swing(model: Model, problem: Problem, scales: Scales, swing: Swing) -> Fit:
-    """Fit the swing of the whole recording, then its samples."""
-    free = free_of(model, problem.base_names)
-    rough = fit(swung(model, swing, free, scales), swing.problem, free, scales, 15, COARSE, thorough=False)
-    return fit(rough.model, problem, free, scales, thorough=False)
+    rough = problem.part(slice(None, None, max(1, problem.t.size // _THIN))) if swing is None else swing.problem
+    model = model if swing is None else swung(model, swing, free, scales)
+    found = fit(model, rough, free, scales, 15, COARSE, thorough=False)
+    return fit(found.model, problem, free, scales, thorough=False)
 
 
 def _attempts(models: Sequence[Model], problem: Problem, scales: Scales) -> Iterator[Callable[[], Fit]]:
@@ -184,8 +167,7 @@ def _attempts(models: Sequence[Model], problem: Problem, scales: Scales) -> Iter
     """
     swing = Swing.of(problem, scales.omega)
     if swing is not None:
-        for model in models:
-            yield partial(_by_swing, model, problem, scales, swing)
+        yield from (partial(_whole, model, problem, scales, swing) for model in models)
         if problem.duration * scales.omega > 2.0 * math.pi * _MANY_CYCLES:
             yield partial(_grow, models[0], problem, scales)
             return
@@ -204,12 +186,12 @@ def baseline(problem: Problem) -> tuple[Fit, Scales]:
         return _of_several(problem, [baseline(one) for one in problem.alone])
     models = starts(problem)
     scales = scales_of(problem, math.sqrt(models[0].k / models[0].m))
-    best = _best(_attempts(models, problem, scales), problem, scales)
+    best = _best(_attempts(models, problem, scales))
     best = _with_care(best, replace(problem, acting=()), scales)
     return (enter(best, problem, scales).fit if problem.acting else best), scales
 
 
-def _best(attempts: Iterable[Callable[[], Fit]], problem: Problem, scales: Scales) -> Fit:
+def _best(attempts: Iterable[Callable[[], Fit]], worth: Callable[[Fit], float] = lambda found: found.chi2) -> Fit:
     """The best of several rough fits. Raises SimulationError when none could be simulated."""
     best: Fit | None = None
     why = ""
@@ -219,7 +201,7 @@ def _best(attempts: Iterable[Callable[[], Fit]], problem: Problem, scales: Scale
         except SimulationError as error:
             why = str(error)
             continue
-        if best is None or found.chi2 < best.chi2:
+        if best is None or worth(found) < worth(best):
             best = found
     if best is None:
         raise SimulationError(f"no base fit could be simulated: {why}")
@@ -245,30 +227,21 @@ def _of_several(problem: Problem, alone: Sequence[tuple[Fit, Scales]]) -> tuple[
     scales = scales_of(problem, float(np.median([s.omega for _, s in alone])))
     begun = ({**dict(zip(_PHYSICS, physics, strict=True)), **starts, "t0": models[0].t0} for physics in tries)
     attempts = (partial(_whole, replace(models[0], **one, elsewhere=elsewhere), problem, scales) for one in begun)
-    return _with_care(_best(attempts, problem, scales), problem, scales), scales
+    return _with_care(_best(attempts), problem, scales), scales
 
 
 def at_rest(found: Fit, problem: Problem, scales: Scales) -> Fit:
     """The same fit released from rest, where the recording does not ask for a speed at its start."""
-    for name in base_of(found.free):
-        if parted(name)[0] == "v0":
-            found = _still(found, name, problem, scales)
+    for name in (name for name in base_of(found.free) if parted(name)[0] == "v0"):
+        at = next(i for i, f in enumerate(found.free) if f.name == name)
+        error = math.sqrt(max(float(found.covariance()[at, at]), 0.0)) * math.sqrt(max(1.0, found.chi2 / found.points))
+        if abs(found.values[at]) > _CLEARLY_MOVING * error:
+            continue
+        model = with_values(found.model, (found.free[at],), np.zeros(1))
+        with suppress(SimulationError):
+            still = fit(model, problem, free_of(model, tuple(n for n in base_of(found.free) if n != name)), scales)
+            found = still if still.bic <= found.bic else found
     return found
-
-
-def _still(found: Fit, name: str, problem: Problem, scales: Scales) -> Fit:
-    """The same fit without this speed at a start, where it does as well."""
-    base = tuple(other for other in base_of(found.free) if other != name)
-    at = next(i for i, f in enumerate(found.free) if f.name == name)
-    error = math.sqrt(max(float(found.covariance()[at, at]), 0.0)) * math.sqrt(max(1.0, found.chi2 / found.points))
-    if abs(found.values[at]) > _CLEARLY_MOVING * error:
-        return found
-    model = with_values(found.model, (found.free[at],), np.zeros(1))
-    try:
-        still = fit(model, problem, free_of(model, base), scales)
-    except SimulationError:
-        return found
-    return still if still.bic <= found.bic else found
 
 
 _AT_ONCE = 1e3
@@ -284,23 +257,16 @@ def driven_baseline(problem: Forced) -> tuple[Fit, Scales]:
     """
     model, scales = problem.first, driven_scales(problem, problem.first)
     names = problem.base_names
-    best: Fit | None = None
-    why = ""
     # smoothing rounds off a first motion out of rest, so that a start at rest is looked at too
     still = tuple(name for name in names if name != "v0")
     begun = ((0.0, still), (model.v0, names)) if "v0" in names else ((model.v0, names),)
-    for share, (v0, base) in product(_DRY, begun):
+
+    def begin(share: float, v0: float, base: tuple[str, ...]) -> Fit:
         started = replace(model, f_k=share * model.f_k, v0=v0)
-        try:
-            found = fit(started, problem, free_of(started, base), scales, thorough=False)
-        except SimulationError as error:
-            why = str(error)
-            continue
-        if best is None or found.bic < best.bic:
-            best = found
-    if best is None:
-        raise SimulationError(f"no base fit could be simulated: {why}")
-    return best, scales
+        return fit(started, problem, free_of(started, base), scales, thorough=False)
+
+    attempts = (partial(begin, share, *start) for share, start in product(_DRY, begun))
+    return _best(attempts, lambda found: found.bic), scales
 
 
 def driven_scales(problem: Problem, model: Model) -> Scales:

@@ -24,8 +24,6 @@ from harness.model.term import Term
 
 _ERRORS = 2.0
 """Standard errors that a law could be larger than it was fitted."""
-_SAID = 2
-"""Laws that are said, those that shift a number most."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -54,20 +52,6 @@ def with_systematic(numbers: Mapping[str, Quantity], hidden: tuple[Hidden, ...])
     """Base numbers beside the most that a hidden law could shift each by."""
     most = {name: max((h.shifts[name] for h in hidden if name in h.shifts), default=None) for name in numbers}
     return {name: replace(one, systematic=most[name]) for name, one in numbers.items()}
-
-
-def said(numbers: Mapping[str, Quantity], hidden: tuple[Hidden, ...]) -> tuple[str, ...]:
-    """A sentence on the laws that could shift a number by most of its standard errors; none where there are none."""
-
-    def worst(one: Hidden) -> float:
-        errors = {name: q.stderr for name, q in numbers.items() if q.stderr}
-        return max((one.shifts[name] / error for name, error in errors.items() if name in one.shifts), default=0.0)
-
-    largest = sorted(hidden, key=worst, reverse=True)[:_SAID]
-    if not largest:
-        return ()
-    laws = " or ".join(f"{h.name} with {h.number} up to {h.most:.2g} {h.unit}".removesuffix(" 1") for h in largest)
-    return (f"{laws} could hide in it: beside each number stands what that could shift it by",)
 
 
 def _of_fit(one: Fit, base: Fit, problem: Problem) -> Hidden | None:

@@ -13,7 +13,6 @@ from harness.core.trajectory import Trajectory
 from harness.diagnosis.fit.observe import observe
 from harness.diagnosis.fit.rmse import rms, rmse
 from harness.diagnosis.problem import Problem
-from harness.diagnosis.problems.starts import Start
 from harness.diagnosis.sensors.sensor_model import latest, sensed
 from harness.kernels.solve import Drive, Scales
 from harness.model.model import Model
@@ -73,36 +72,34 @@ def engine_fit(
     """
     exact = observe(refined, problem, scales=scales).y
     step = suitable_step(problem, scales) if dt is None else dt
-    shown, motion = shown_by(simulate, refined, problem, step)
-    own = _own_error(shown, exact, problem)
-    left, ahead = _halvings_left(problem, step) if dt is None else 0, 1
-    while left > 0 and max(own.values()) > _SMALL:
-        finer, finer_motion = shown_by(simulate, refined, problem, step / 2**ahead)
-        finer_own = _own_error(finer, exact, problem)
-        share = max(finer_own.values()) / max(own.values())
+
+    def tried(step: float) -> tuple[dict[str, FloatArray], Trajectory, dict[str, float]]:
+        """What the refined model shows, the engine's motion, and by how much that is off, in units of the noise."""
+        shown, motion = shown_by(simulate, refined, problem, step)
+        counts = {c: w > 0.0 for c, w in problem.weight.items()}
+        return shown, motion, {c: rms(y - exact[c], counts[c]) / problem.noise[c].sigma for c, y in shown.items()}
+
+    def steps(step: float) -> int:
+        return math.ceil(float(problem.t[-1] - problem.t[0]) / step)
+
+    found = tried(step)
+    own, left, ahead = max(found[2].values()), 0, 1
+    if dt is None:
+        # within the work of a run
+        left = min(_HALVINGS, max(int(math.log2(_MOST_STEPS / steps(step))), 0))
+    while left > 0 and own > _SMALL:
+        finer = tried(step / 2**ahead)
+        share = max(finer[2].values()) / own
         if share > _WORTH:
             break
-        step, shown, motion, own = step / 2**ahead, finer, finer_motion, finer_own
-        left -= ahead
-        ahead = min(_halvings_needed(max(own.values()), share ** (1.0 / ahead)), left)
+        step, found, own, left = step / 2**ahead, finer, max(finer[2].values()), left - ahead
+        # how many more, by what each has taken off until now: those between need not be run
+        rate = share ** (1.0 / ahead)
+        ahead = min(max(round(math.log(_SMALL / own) / math.log(rate)), 1) if own > _SMALL else 0, left)
     before, _ = shown_by(simulate, base, problem, step)
-    return EngineFit(
-        {**motion.source.settings, "dt": step, "steps": _steps(problem, step)},
-        rmse(before, problem),
-        rmse(shown, problem),
-        own,
-        motion.source.ignored,
-    )
-
-
-def _halvings_left(problem: Problem, step: float) -> int:
-    """Of a step, within the work of a run."""
-    return min(_HALVINGS, max(int(math.log2(_MOST_STEPS / _steps(problem, step))), 0))
-
-
-def _halvings_needed(own: float, rate: float) -> int:
-    """How many more, by what each has taken off until now: those between need not be run."""
-    return max(round(math.log(_SMALL / own) / math.log(rate)), 1) if own > _SMALL else 0
+    shown, motion, error = found
+    settings = {**motion.source.settings, "dt": step, "steps": steps(step)}
+    return EngineFit(settings, rmse(before, problem), rmse(shown, problem), error, motion.source.ignored)
 
 
 def shown_by(
@@ -112,24 +109,17 @@ def shown_by(
 
     A driven recording is simulated window by window, each from its own start, as the fit does it.
     """
-    parts = [
-        _stretch(simulate, start, problem, problem.t[start.samples] - start.clock, dt)
-        for start in problem.starts.of(model)
-    ]
-    return {c: np.concatenate([shown[c] for shown, _ in parts]) for c in problem.channels}, parts[-1][1]
-
-
-def _stretch(
-    simulate: Simulator, start: Start, problem: Problem, t: FloatArray, dt: float | None
-) -> tuple[dict[str, FloatArray], Trajectory]:
-    """Channels at times t (s) of one run from the model's own start, and the motion behind them."""
-    model = start.model
-    duration = latest(model, t)
-    if duration <= 0.0:
-        raise SimulationError("the recording ends before the slider is released")
-    begin = model.t0 + start.clock
-    motion = simulate(model, duration, dt, problem.drive_over(begin, begin + duration))
-    return sensed(model, t, motion, problem.channels), motion
+    parts: dict[str, list[FloatArray]] = {c: [] for c in problem.channels}
+    for start in problem.starts.of(model):
+        t = problem.t[start.samples] - start.clock
+        duration = latest(start.model, t)
+        if duration <= 0.0:
+            raise SimulationError("the recording ends before the slider is released")
+        begin = start.model.t0 + start.clock
+        motion = simulate(start.model, duration, dt, problem.drive_over(begin, begin + duration))
+        for c, y in sensed(start.model, t, motion, problem.channels).items():
+            parts[c].append(y)
+    return {c: np.concatenate(each) for c, each in parts.items()}, motion
 
 
 def suitable_step(problem: Problem, scales: Scales) -> float:
@@ -137,12 +127,3 @@ def suitable_step(problem: Problem, scales: Scales) -> float:
     interval = float(np.median(np.diff(problem.t)))
     longest = min(_COARSEST, 2.0 * math.pi / scales.omega / _STEPS_A_CYCLE)
     return interval / math.ceil(interval / longest)
-
-
-def _own_error(shown: Mapping[str, FloatArray], exact: Mapping[str, FloatArray], problem: Problem) -> dict[str, float]:
-    """Rms by channel of what an engine shows against the exact, in units of the noise."""
-    return {c: rms(shown[c] - exact[c], problem.weight[c] > 0.0) / problem.noise[c].sigma for c in shown}
-
-
-def _steps(problem: Problem, dt: float) -> int:
-    return math.ceil(float(problem.t[-1] - problem.t[0]) / dt)

@@ -24,12 +24,11 @@ from harness.diagnosis.outcome import Forced, Holdout
 from harness.diagnosis.problem import Problem
 from harness.diagnosis.search.look import evidence
 from harness.diagnosis.search.screen import screen
-from harness.diagnosis.search.search import Search
-from harness.diagnosis.verdict import Judgement
+from harness.diagnosis.stages import Judged
 from harness.kernels.solve import Scales
-from harness.model.model import Model, ModelTerm
+from harness.model.model import Model
 from harness.model.registry import NAMED
-from harness.model.term import Place, Spans
+from harness.model.term import Spans
 
 _TURNS = 5
 """Of five cycles one is held out, each in its turn."""
@@ -37,31 +36,98 @@ _SHOWN = 0.25
 """Share of its time in which an effect must act outside of what is held out, or its spans stay in the fit too."""
 
 
-def _periods(problem: Problem, omega: float) -> Spans:
-    """Every second full period, the first one included."""
-    return _every(problem.t, 2.0 * math.pi / omega, 0, 2)
+def periods_held_out(judged: Judged) -> Holdout:
+    """Rmse by channel of what was held out, of the base and the refined model, and of one term too many where none is
+    needed.
+
+    No spans below two periods, nor where one of them cannot be fitted without what is held out, which is then said.
+    """
+    found, judgement, scales = judged.found.coarse, judged.judgement, judged.found.scales
+    problem, base = found.problem, found.base
+    refined = found.chosen if judgement.refined.model.terms else base
+    prediction = Holdout.none()
+    spans = _every(problem, scales, 0, 2)
+    taken, keep = _inside(problem.t, spans), np.zeros(problem.t.size, dtype=bool)
+    for entry in judgement.refined.model.terms:
+        acts = _inside(
+            problem.t, place_of(entry, judgement.refined, judged.found.search.problem, scales.omega).spans, True
+        )
+        # what is left of the recording would show too little of it to predict it elsewhere
+        if entry.term.only_there or np.sum(acts & ~taken) < _SHOWN * np.sum(acts):
+            keep |= acts
+    out = taken & ~keep
+    if np.any(out):
+        before = _predicted(base, problem, scales, out)
+        after = before if refined is base or before is None else _predicted(refined, problem, scales, out)
+        if before is None or after is None:
+            prediction = Holdout.none("base" if before is None else "refined")
+        else:
+            prediction = Holdout(spans, rmse(before, problem, out), rmse(after, problem, out))
+    if judgement.verdict == "adequate":
+        prediction = replace(prediction, forced=_forced(base, found.singles, problem, scales))
+    return prediction
 
 
-def _turns(problem: Problem, omega: float) -> list[Spans]:
-    """Every fifth full period, from each of the second to the sixth one on."""
-    return [_every(problem.t, 2.0 * math.pi / omega, begin, _TURNS) for begin in range(1, _TURNS + 1)]
+def _forced(base: Fit, singles: Sequence[Fit], problem: Problem, scales: Scales) -> Forced | None:
+    """What the best-ranked term, forced into a base that needs none, does to the prediction of what was held out.
+
+    singles : fits of one term each, best first. None when no term could be put in, below two periods, or
+    where one of the two cannot be fitted without what is held out.
+    """
+    ranked = singles[0] if singles else _most_promising(base, problem, scales)
+    if ranked is None:
+        return None
+    entry = ranked.model.terms[-1]
+    turns = [_inside(problem.t, _every(problem, scales, begin, _TURNS)) for begin in range(1, _TURNS + 1)]
+    if entry.term.only_there:
+        turns = [out & ~_inside(problem.t, place_of(entry, ranked, problem, scales.omega).spans, True) for out in turns]
+    after_events = np.searchsorted(problem.t, base.shown.events.t)
+    beside = np.clip(np.concatenate([after_events, after_events - 1]), 0, problem.t.size - 1)
+    every = np.any(turns, axis=0)
+    every[beside] = False
+    if not np.any(every):
+        return None
+    before, after = ({c: y.copy() for c, y in problem.channels.items()} for _ in range(2))
+    # the base with the term at no effect, from where a fit can only improve on it; none where no value has none
+    idle = next((i for i, p in enumerate(entry.term.parameters) if p.none is not None), None)
+    other = None
+    if idle is not None:
+        values = [*entry.values]
+        values[idle] = entry.term.parameters[idle].none or 0.0
+        other = replace(base.model, terms=(replace(entry, values=tuple(values)),))
+    for out in (out for out in turns if np.any(out)):
+        one, two = _predicted(base, problem, scales, out), _predicted(ranked, problem, scales, out, other)
+        if one is None or two is None:
+            return None
+        for c in problem.channels:
+            before[c][out], after[c][out] = one[c][out], two[c][out]
+    return Forced(entry.term.name, rmse(before, problem, every), rmse(after, problem, every))
 
 
-def _every(t: FloatArray, width: float, begin: int, stride: int) -> Spans:
-    """Stretches of a width (s) that lie whole within t (n,), s: number ``begin`` and every ``stride``-th from there."""
-    count, start = int((t[-1] - t[0]) / width), float(t[0])
-    return tuple((start + i * width, start + (i + 1) * width) for i in range(begin, count, stride))
+def _most_promising(base: Fit, problem: Problem, scales: Scales) -> Fit | None:
+    """A fit of the term that promises most where none was worth one."""
+    for candidate in screen(base, problem, evidence(base, problem, scales), scales, NAMED):
+        free = free_of(candidate.model, base_of(base.free))
+        with suppress(SimulationError):
+            return fit(candidate.model, problem, free, scales, 15, thorough=False)
+    return None
 
 
-def _held_out(problem: Problem, spans: Spans, keep: Spans) -> BoolArray:
-    """Samples in spans, and not in ``keep``."""
-    t = problem.t
-    out = np.zeros(t.size, dtype=bool)
+def _every(problem: Problem, scales: Scales, begin: int, stride: int) -> Spans:
+    """Full periods that lie whole within a recording: number ``begin`` and every ``stride``-th from there."""
+    t, width = problem.t, 2.0 * math.pi / scales.omega
+    start = float(t[0])
+    return tuple(
+        (start + i * width, start + (i + 1) * width) for i in range(begin, int((t[-1] - start) / width), stride)
+    )
+
+
+def _inside(t: FloatArray, spans: Spans, closed: bool = False) -> BoolArray:
+    """Samples (n,) of t (n,), s, in spans; closed : whether a sample at the end of one counts."""
+    found = np.zeros(t.size, dtype=bool)
     for low, high in spans:
-        out |= (t >= low) & (t < high)
-    for low, high in keep:
-        out &= ~((t >= low) & (t <= high))
-    return out
+        found |= (t >= low) & ((t <= high) if closed else (t < high))
+    return found
 
 
 def _predicted(
@@ -81,102 +147,3 @@ def _predicted(
         with suppress(SimulationError):
             return observe(min(fits, key=lambda f: f.chi2).model, problem, (), scales, FINE).y
     return None
-
-
-def _best_ranked(base: Fit, singles: Sequence[Fit], problem: Problem, scales: Scales) -> Fit | None:
-    """The term that ranks first when nothing is missing: by BIC, else (no term was worth a fit) by its promise."""
-    if singles:
-        return singles[0]
-    for candidate in screen(base, problem, evidence(base, problem, scales), scales, NAMED):
-        with suppress(SimulationError):
-            return fit(
-                candidate.model, problem, free_of(candidate.model, base_of(base.free)), scales, 15, thorough=False
-            )
-    return None
-
-
-def forced(base: Fit, singles: Sequence[Fit], problem: Problem, scales: Scales) -> Forced | None:
-    """What the best-ranked term, forced into a base that needs none, does to the prediction of what was held out.
-
-    singles : fits of one term each, best first. None when no term could be put in, below two periods, or
-    where one of the two cannot be fitted without what is held out.
-    """
-    ranked = _best_ranked(base, singles, problem, scales)
-    if ranked is None:
-        return None
-    entry = ranked.model.terms[-1]
-    keep = place_of(entry, ranked, problem, scales.omega).spans if entry.term.only_there else ()
-    outs = [_held_out(problem, spans, keep) for spans in _turns(problem, scales.omega)]
-    every = np.any(outs, axis=0) & ~_beside(problem.t, base.shown.events.t)
-    if not np.any(every):
-        return None
-    before, after = ({c: y.copy() for c, y in problem.channels.items()} for _ in range(2))
-    idle = _idle(ranked, base)
-    for out in (out for out in outs if np.any(out)):
-        one, other = _predicted(base, problem, scales, out), _predicted(ranked, problem, scales, out, idle)
-        if one is None or other is None:
-            return None
-        for c in problem.channels:
-            before[c][out], after[c][out] = one[c][out], other[c][out]
-    return Forced(entry.term.name, rmse(before, problem, every), rmse(after, problem, every))
-
-
-def _beside(t: FloatArray, events: FloatArray) -> BoolArray:
-    """The samples (n,) of t (n,), s, on either side of each event (s)."""
-    found = np.zeros(t.size, dtype=bool)
-    after = np.searchsorted(t, events)
-    found[np.clip(after, 0, t.size - 1)] = True
-    found[np.clip(after - 1, 0, t.size - 1)] = True
-    return found
-
-
-def _idle(ranked: Fit, base: Fit) -> Model | None:
-    """The base with a term at no effect, from where a fit can only improve on it; None where no value has none."""
-    entry = ranked.model.terms[-1]
-    none = next(((i, p.none) for i, p in enumerate(entry.term.parameters) if p.none is not None), None)
-    if none is None:
-        return None
-    values = (*entry.values[: none[0]], none[1], *entry.values[none[0] + 1 :])
-    return replace(base.model, terms=(replace(entry, values=values),))
-
-
-def _shown_nowhere_else(entry: ModelTerm, place: Place, problem: Problem, taken: BoolArray) -> bool:
-    """Whether what is left of a recording shows too little of an effect to predict it elsewhere."""
-    acts = np.zeros(problem.t.size, dtype=bool)
-    for low, high in place.spans:
-        acts |= (problem.t >= low) & (problem.t <= high)
-    return entry.term.only_there or bool(np.sum(acts & ~taken) < _SHOWN * np.sum(acts))
-
-
-def holdout(
-    base: Fit, refined: Fit, problem: Problem, scales: Scales, acting: Sequence[tuple[ModelTerm, Place]]
-) -> Holdout:
-    """Held-out rmse by channel of the base model and the refined one.
-
-    No spans below two periods, nor where one of them cannot be fitted without what is held out, which is then said.
-    """
-    spans = _periods(problem, scales.omega)
-    taken = _held_out(problem, spans, ())
-    keep = tuple(span for entry, own in acting if _shown_nowhere_else(entry, own, problem, taken) for span in own.spans)
-    out = _held_out(problem, spans, keep)
-    if not np.any(out):
-        return Holdout.none()
-    before = _predicted(base, problem, scales, out)
-    if before is None:
-        return Holdout.none("base")
-    after = before if refined is base else _predicted(refined, problem, scales, out)
-    if after is None:
-        return Holdout.none("refined")
-    return Holdout(spans, rmse(before, problem, out), rmse(after, problem, out))
-
-
-def periods_held_out(
-    found: Search, judgement: Judgement, scales: Scales, acting: Sequence[tuple[ModelTerm, Place]]
-) -> Holdout:
-    """What was held out, predicted by the base and the refined model, and by one term too many where none is needed."""
-    problem = found.problem
-    refined = found.base if judgement.refined.model.terms == () else found.chosen
-    prediction = holdout(found.base, refined, problem, scales, acting)
-    if judgement.verdict == "adequate":
-        prediction = replace(prediction, forced=forced(found.base, found.singles, problem, scales))
-    return prediction

@@ -1,6 +1,7 @@
 """What is said of a term that is named: its sentence, parameters, evidence, and what could stand in its place.
 
-What the best model found leaves of a misfit: how much, and what it hangs on.
+A term is named by a search that it explains, or by the grades of a misfit or of a fitted force. Of a misfit stands
+here, too, what the best model found leaves of it: how much, and what it hangs on.
 """
 
 import math
@@ -10,93 +11,23 @@ from dataclasses import replace
 import numpy as np
 
 from harness.core.arrays import FloatArray, IntArray
-from harness.core.quantity import Quantity
 from harness.diagnosis.baseline.words import Strokes
 from harness.diagnosis.fit.model_fit import Fit
 from harness.diagnosis.fit.place import place_of
 from harness.diagnosis.fit.standard_errors import AT_LEAST, term_parameters
 from harness.diagnosis.grading.clocks import on_the_swing
+from harness.diagnosis.grading.contest import Finalist
+from harness.diagnosis.grading.grade import Graded
 from harness.diagnosis.grading.lone import next_best, stand_ins
-from harness.diagnosis.outcome import Alternative, Grade, Mechanism, Remainder
+from harness.diagnosis.grading.prediction import Predicted
+from harness.diagnosis.inverse_dynamics.grade import ForceGraded
+from harness.diagnosis.outcome import Alternative, Grade, Mechanism, Prediction, Remainder
 from harness.diagnosis.problem import Problem
+from harness.diagnosis.rules import DECISIVE
 from harness.diagnosis.search.extend import key_of
-from harness.diagnosis.search.search import Search
+from harness.diagnosis.search.search import Search, under
 from harness.model.model import ModelTerm
-from harness.model.term import Place
-
-_PARTS = 6
-"""Parts of equal counts that a quantity's range is cut into."""
-_SAID = {
-    "x": "a force that depends on position, beyond the spring",
-    "v": "a force that depends on speed, beyond friction and damping",
-    "t": "something that changes with time",
-    "direction": "a force that differs by direction",
-    "amplitude": "something that changes with amplitude",
-}
-_CLEARLY = 0.25
-"""Share from which one quantity is said."""
-
-
-def remainder(base: Fit, refined: Fit, problem: Problem, floor: float) -> Remainder:
-    """What ``refined`` leaves, beside ``base``; both fitted to the problem under the sensors' noise.
-
-    floor : chi-square that noise alone leaves.
-    """
-    excess = max(base.chi2 - floor, 1e-300)
-    share = min(max((refined.chi2 - floor) / excess, 0.0), 1.0)
-    depends = depends_on(refined, problem)
-    return Remainder(share, math.sqrt(refined.chi2 / max(refined.points, 1)), looks_like(depends), depends)
-
-
-def looks_like(depends: Mapping[str, float]) -> str:
-    """What hangs on single quantities, by these shares of it, in a sentence."""
-    first = max(depends, key=lambda name: depends[name])
-    if depends[first] >= _CLEARLY:
-        return f"what is left looks like {_SAID[first]} ({100.0 * depends[first]:.0f} % of it)"
-    return "what is left hangs on no single one of position, speed, time, direction and amplitude"
-
-
-def depends_on(found: Fit, problem: Problem) -> dict[str, float]:
-    """Share of a fit's residual that is a function of one quantity alone; see ``shares_of``."""
-    n = problem.t.size
-    rows = [found.residual[i * n : (i + 1) * n] for i in range(len(problem.channels))]
-    return shares_of(rows, problem.t, found.shown.x, found.shown.v)
-
-
-def shares_of(rows: Sequence[FloatArray], t: FloatArray, x: FloatArray, v: FloatArray) -> dict[str, float]:
-    """Share of residuals, each (n,), that is a function of one quantity alone, corrected for what parts take by chance.
-
-    t (s), x, v (n,) : of the motion.
-
-    The correlation ratio of means over parts, with strokes counted as words (Kelley 1935, Proc. Natl. Acad. Sci. 21,
-    554).
-    """
-    fastest, widest = float(np.max(np.abs(v))), float(np.max(np.abs(x)))
-    size = np.hypot(x * fastest, v * widest)
-    quantities = {"x": x, "v": v, "t": t, "direction": np.sign(v), "amplitude": size}
-    words = max(2.0 * Strokes.by(v).count, 2.0 * _PARTS)
-    return {name: _explained(rows, _parts_of(y), words) for name, y in quantities.items()}
-
-
-def _parts_of(y: FloatArray) -> IntArray:
-    values = np.unique(y)
-    if values.size <= _PARTS:
-        return np.searchsorted(values, y).astype(np.int64)
-    edges = np.quantile(y, np.linspace(0.0, 1.0, _PARTS + 1)[1:-1])
-    return np.searchsorted(edges, y).astype(np.int64)
-
-
-def _explained(rows: Sequence[FloatArray], part: IntArray, words: float) -> float:
-    """Correlation ratio squared over all channels, less chance."""
-    total = sum(float(np.sum(r**2)) for r in rows)
-    if total <= 0.0:
-        return 0.0
-    count = np.bincount(part)
-    used = count > 0
-    between = sum(float(np.sum(np.bincount(part, r)[used] ** 2 / count[used])) for r in rows)
-    taken, k = between / total, float(np.count_nonzero(used))
-    return float(min(max(1.0 - (1.0 - taken) * (words - 1.0) / max(words - k, 1.0), 0.0), 1.0))
-
+from harness.model.registry import not_parted
 
 _SPRING_SEEN = 0.1
 """Of friction and damping: a spring whose force is weaker has no rest position that could be spoken of."""
@@ -104,28 +35,31 @@ _MOST_ALTERNATIVES = 3
 """Names that are not ruled out and are told."""
 
 
-def mechanism(found: Search, index: int, entry: ModelTerm, omega: float, place: Place) -> Mechanism:
-    """All of a named term, the chosen model's number ``index``; place : where it acts. omega : rad/s."""
-    parameters = term_parameters(found.chosen, found.problem, index, omega)
-    return Mechanism(
-        entry=entry,
-        statement=statement_of(entry, parameters, found.chosen),
-        parameters=parameters,
-        delta_bic=_lost_without(found, index),
-        place=place,
-        alternatives=_alternatives(found, entry, omega),
-        share=_share(found, entry),
-    )
+def _of(found: Fit, problem: Problem, index: int, omega: float, explained: bool, delta_bic: float) -> Mechanism:
+    """A term of a fit, number ``index``, with its numbers; explained : whether the fit leaves noise. omega : rad/s."""
+    entry = found.model.terms[index]
+    parameters = term_parameters(found, problem, index, omega, explained)
+    values = {name: f"at least {q}" if q.why == AT_LEAST else str(q) for name, q in parameters.items()}
+    # a spring that is there beside friction and damping; 0 of one that no force shows
+    model, shown = found.model, found.shown
+    rest = model.c * float(np.max(np.abs(shown.v))) + model.f_k
+    stiffness = model.k if model.k * float(np.max(np.abs(shown.x))) > _SPRING_SEEN * rest else 0.0
+    said = entry.term.say({**values, **entry.term.words(entry.values, stiffness)})
+    return Mechanism(entry, said, parameters, delta_bic, place_of(entry, found, problem, omega))
+
+
+def mechanism(found: Search, index: int, omega: float) -> Mechanism:
+    """All of a term of the chosen model."""
+    entry = found.chosen.model.terms[index]
+    one = _of(found.chosen, found.problem, index, omega, True, left_without(found, index).bic - found.chosen.bic)
+    return replace(one, alternatives=_alternatives(found, entry, omega), share=_share(found, entry))
 
 
 def each_of(first: Mechanism, found: Search, omega: float) -> tuple[Mechanism, ...]:
     """A lone law that is listed, with those that could stand in its place, else the next. omega : rad/s."""
     fits = {key_of(f)[0]: f for f in reversed(found.rivals) if len(f.model.terms) == 1}
-    others = []
-    for name in [a.name for a in first.alternatives] or [name for name, _ in next_best(found)]:
-        rival = replace(found, chosen=fits[name])
-        entry = fits[name].model.terms[0]
-        others.append(mechanism(rival, 0, entry, omega, place_of(entry, fits[name], found.problem, omega)))
+    names = [a.name for a in first.alternatives] or [name for name, _ in next_best(found)]
+    others = (mechanism(replace(found, chosen=fits[name]), 0, omega) for name in names)
     return tuple(replace(m, grade=Grade.ONE_OF, alternatives=()) for m in (first, *others))
 
 
@@ -143,11 +77,6 @@ def left_without(found: Search, index: int) -> Fit:
     return found.base if rest is None else rest
 
 
-def _lost_without(found: Search, index: int) -> float:
-    """What BIC loses when a term is taken out of the chosen model and the rest is fitted again."""
-    return left_without(found, index).bic - found.chosen.bic
-
-
 def _alternatives(found: Search, entry: ModelTerm, omega: float) -> tuple[Alternative, ...]:
     """Names that could stand in a term's place; a clock on the swing follows any other, and comes last."""
     listed: list[tuple[bool, float, str]] = []
@@ -157,20 +86,145 @@ def _alternatives(found: Search, entry: ModelTerm, omega: float) -> tuple[Altern
     return tuple(Alternative(name, delta) for _, delta, name in sorted(listed)[:_MOST_ALTERNATIVES])
 
 
-def _said(quantity: Quantity) -> str:
-    """A number as a sentence shows it."""
-    return f"at least {quantity}" if quantity.why == AT_LEAST else str(quantity)
+def of_misfit(finalist: Finalist, graded: Graded, base: Fit, problem: Problem) -> Mechanism:
+    """A law that a misfit was graded by; base : the base fit, under the noise of ``problem``."""
+    seen = under(finalist.fit, problem)
+    one = _of(
+        seen, problem, len(seen.model.terms) - 1, graded.misfit.scales.omega, False, delta_bic=base.bic - seen.bic
+    )
+    assert graded.grade is not None
+    return replace(
+        one,
+        alternatives=_beside_main(finalist, graded) if graded.grade is Grade.MAIN else (),
+        grade=graded.grade,
+        share=finalist.share,
+        held_out=prediction(graded.base_held, finalist.held),
+        forward=prediction(graded.base_run, finalist.run),
+        chance=graded.chance if finalist is graded.named[0] else None,
+    )
 
 
-def statement_of(entry: ModelTerm, parameters: dict[str, Quantity], found: Fit) -> str:
-    """One plain sentence of a term, with its numbers."""
-    values = {name: _said(q) for name, q in parameters.items()}
-    return entry.term.say({**values, **entry.term.words(entry.values, _stiffness(found))})
+def _beside_main(first: Finalist, graded: Graded) -> tuple[Alternative, ...]:
+    """Names that are near, and those that this recording cannot part from the first whatever their evidence says.
+
+    A law of the amplitude and one of the time follow one decay alike, to the shape that small effects give it.
+    """
+    others = [f for f in graded.finalists if f is not first and not f.clock]
+    parted = graded.misfit.problem.parts_amplitude_from_time
+    twins = {f.name for f in others if not parted and f.large and not_parted(first.name, f.name)}
+    found = [Alternative(f.name, first.gain - f.gain) for f in others]
+    listed = [a for a in found if a.delta_bic < DECISIVE.value or a.name in twins]
+    return tuple(sorted(listed, key=lambda a: a.name not in twins))[:_MOST_ALTERNATIVES]
 
 
-def _stiffness(found: Fit) -> float:
-    """Of a spring that is there beside friction and damping; 0 of one that no force shows."""
-    model, shown = found.model, found.shown
-    spring = model.k * float(np.max(np.abs(shown.x)))
-    rest = model.c * float(np.max(np.abs(shown.v))) + model.f_k
-    return model.k if spring > _SPRING_SEEN * rest else 0.0
+def prediction(before: Predicted | None, after: Predicted | None) -> Prediction | None:
+    """What two models miss of the same blocks, as results say it."""
+    if before is None or after is None:
+        return None
+    ratios = after.by_span / np.maximum(before.by_span, 1e-300)
+    return Prediction(before.spans, before.rmse, after.rmse, tuple(float(r) for r in ratios))
+
+
+def of_force(found: Search, graded: ForceGraded, omega: float) -> tuple[Mechanism, ...]:
+    """What is named of a fitted force, the main one first; then what else the search kept beside it. omega : rad/s.
+
+    Last what the base has besides friction, a constant force of an axis that nothing pulls back: it is there whatever
+    else is, and the shares of others are of what it leaves.
+    """
+    finalists = {f.name: f for f in graded.finalists}
+    first = {f.name: i for i, f in enumerate(graded.named)}
+    base, said = len(graded.base.model.terms), list[tuple[int, Mechanism]]()
+    for i in range(base, len(graded.refined.model.terms)) if graded.kept else ():
+        one = mechanism(found, i, omega)
+        again = any(m.name == one.name for _, m in said)
+        one = _with_grade(one, graded, None if again else finalists.get(one.name))
+        if one.name in first and not again:
+            said.append((first[one.name], one))
+            continue
+        # alone a law beside the first, or a further one of its name, may take nothing: it was kept for what the model
+        # is worse without it
+        more = (left_without(found, i).chi2 - found.chosen.chi2) / found.chosen.chi2
+        share = float(np.clip(more * graded.reference.squares / graded.excess, 0.0, 1.0))
+        said.append((len(first), replace(one, grade=Grade.MINOR, share=share)))
+    kept = {m.name for _, m in said}
+    for f in (f for f in graded.named if f.name not in kept):
+        index = len(f.fit.model.terms) - 1
+        alone = replace(found, chosen=f.fit, rivals=found.singles, without=(None,) * index + (graded.ground,))
+        said.append((first[f.name], _with_grade(mechanism(alone, index, omega), graded, f)))
+    ranked = sorted(said, key=lambda one: (one[0], -one[1].delta_bic))
+    of_base = (replace(mechanism(found, i, omega), grade=Grade.EXPLAINS, share=None) for i in range(base))
+    return (*(m for _, m in ranked), *of_base)
+
+
+def _with_grade(said: Mechanism, graded: ForceGraded, one: Finalist | None) -> Mechanism:
+    named = any(f.name == said.name for f in graded.named)
+    said = replace(said, grade=graded.grade if named and graded.grade is not None else Grade.MINOR)
+    if one is None:
+        return said
+    chance = graded.chance if graded.named and said.name == graded.named[0].name else None
+    return replace(said, share=one.share, held_out=prediction(graded.base_held, one.held), chance=chance)
+
+
+_PARTS = 6
+"""Parts of equal counts that a quantity's range is cut into."""
+_SAID = {
+    "x": "a force that depends on position, beyond the spring",
+    "v": "a force that depends on speed, beyond friction and damping",
+    "t": "something that changes with time",
+    "direction": "a force that differs by direction",
+    "amplitude": "something that changes with amplitude",
+}
+_CLEARLY = 0.25
+"""Share from which one quantity is said."""
+
+
+def remainder(base: Fit, refined: Fit, problem: Problem) -> Remainder:
+    """What ``refined`` leaves, beside ``base``; both fitted to the problem under the sensors' noise."""
+    floor, n = float(base.points), problem.t.size
+    share = min(max((refined.chi2 - floor) / max(base.chi2 - floor, 1e-300), 0.0), 1.0)
+    rows = [refined.residual[i * n : (i + 1) * n] for i in range(len(problem.channels))]
+    depends = shares_of(rows, problem.t, refined.shown.x, refined.shown.v)
+    return Remainder(share, math.sqrt(refined.chi2 / max(refined.points, 1)), _looks_like(depends), depends)
+
+
+def remainder_of_force(graded: ForceGraded) -> Remainder:
+    """What the best model found leaves of the force."""
+    measured, left, noise = graded.measured, graded.best, graded.noise
+    share = float(np.clip((left.squares - noise) / graded.excess, 0.0, 1.0))
+    depends = shares_of([left.residual], *(measured.blocks(y) for y in (measured.t, measured.x, measured.v)))
+    over = math.sqrt(left.squares / noise) if noise > 0.0 else math.inf
+    return Remainder(share, over, _looks_like(depends), depends)
+
+
+def _looks_like(depends: Mapping[str, float]) -> str:
+    first = max(depends, key=lambda name: depends[name])
+    if depends[first] >= _CLEARLY:
+        return f"what is left looks like {_SAID[first]} ({100.0 * depends[first]:.0f} % of it)"
+    return "what is left hangs on no single one of position, speed, time, direction and amplitude"
+
+
+def shares_of(rows: Sequence[FloatArray], t: FloatArray, x: FloatArray, v: FloatArray) -> dict[str, float]:
+    """Share of residuals, each (n,), that is a function of one quantity alone, corrected for what parts take by chance.
+
+    t (s), x, v (n,) : of the motion. The correlation ratio of means over parts, with strokes counted as words (Kelley
+    1935, Proc. Natl. Acad. Sci. 21, 554).
+    """
+    size = np.hypot(x * float(np.max(np.abs(v))), v * float(np.max(np.abs(x))))
+    quantities = {"x": x, "v": v, "t": t, "direction": np.sign(v), "amplitude": size}
+    words = max(2.0 * Strokes.by(v).count, 2.0 * _PARTS)
+    return {name: _explained(rows, y, words) for name, y in quantities.items()}
+
+
+def _explained(rows: Sequence[FloatArray], y: FloatArray, words: float) -> float:
+    """Correlation ratio squared over all channels, less chance; y (n,) : the quantity that is cut into parts."""
+    total = sum(float(np.sum(r**2)) for r in rows)
+    if total <= 0.0:
+        return 0.0
+    values = np.unique(y)
+    edges = values if values.size <= _PARTS else np.quantile(y, np.linspace(0.0, 1.0, _PARTS + 1)[1:-1])
+    part: IntArray = np.searchsorted(edges, y).astype(np.int64)
+    count = np.bincount(part)
+    used = count > 0
+    between = sum(float(np.sum(np.bincount(part, r)[used] ** 2 / count[used])) for r in rows)
+    k = float(np.count_nonzero(used))
+    return float(min(max(1.0 - (1.0 - between / total) * (words - 1.0) / max(words - k, 1.0), 0.0), 1.0))

@@ -19,7 +19,7 @@ from harness.diagnosis.inverse_dynamics.measured import BLOCK, Measured
 from harness.diagnosis.inverse_dynamics.search import extended, force_baseline
 from harness.diagnosis.prepare.driven import forced_problem
 from harness.diagnosis.prepare.free_decay import in_common
-from harness.diagnosis.prepare.intersample_hold import ACTS_HELD, held
+from harness.diagnosis.prepare.intersample import ACTS_HELD, held
 from harness.diagnosis.problems.driven import InverseDynamics
 from harness.diagnosis.problems.forces_together import ForcesTogether
 from harness.diagnosis.request import Asked

@@ -8,34 +8,28 @@ from typing import Any
 import numpy as np
 
 from harness.core.errors import SimulationError
-from harness.core.recording import Recording
 from harness.diagnosis.baseline.base_fit import driven_baseline
-from harness.diagnosis.explain.holdout import periods_held_out
 from harness.diagnosis.fit.model_fit import Fit
 from harness.diagnosis.fit.rmse import as_started, motion_followed, only_started
 from harness.diagnosis.input_noise.noisy_base_fit import along, in_turn
 from harness.diagnosis.input_noise.propagation import unlikely
-from harness.diagnosis.inverse_dynamics.covariates import entered
-from harness.diagnosis.inverse_dynamics.prepare import as_it_acts, with_unseen_mass
+from harness.diagnosis.inverse_dynamics.prepare import with_unseen_mass
 from harness.diagnosis.inverse_dynamics.search import by_the_force
 from harness.diagnosis.inverse_dynamics.validate import Judge
 from harness.diagnosis.kinds.inverse_dynamics import FittedForces
 from harness.diagnosis.kinds.kind import Kind
-from harness.diagnosis.outcome import Holdout
-from harness.diagnosis.prepare.driven import ALL_FELT, by_its_force, driven_problem, is_driven
-from harness.diagnosis.prepare.intersample_hold import ACTS_HELD
+from harness.diagnosis.prepare.driven import ALL_FELT, by_its_force
+from harness.diagnosis.prepare.intersample import ACTS_HELD
 from harness.diagnosis.problem import Problem
-from harness.diagnosis.problems.driven import Driven, Forced, InverseDynamics
+from harness.diagnosis.problems.driven import Driven
 from harness.diagnosis.problems.starts import Windows
-from harness.diagnosis.request import Asked
 from harness.diagnosis.residual_tests.structure import Left, left_by
 from harness.diagnosis.rules import AMONG_NAMES, FOLLOWED, FORCE_HELD
 from harness.diagnosis.search.extend import Step, extend, settle
 from harness.diagnosis.search.search import Again, noise_of, once, search, under
-from harness.diagnosis.stages import Based, Found, Judged
+from harness.diagnosis.stages import Based, Found
 from harness.kernels.solve import Scales
-from harness.model.model import Model, ModelTerm
-from harness.model.term import Place
+from harness.model.model import Model
 
 _BY_FORCE = (
     "followed, the base model misses more than half of the motion and no law explains it: the force is fitted instead"
@@ -49,23 +43,6 @@ class DrivenRecordings(Kind[Driven]):
     """See Kind."""
 
     of = Driven
-
-    def suits(self, recording: Recording) -> bool:
-        """Where a measured force acts."""
-        return is_driven(recording)
-
-    def prepare(self, recording: Recording, asked: Asked) -> tuple[Forced, tuple[str, ...]]:
-        """See harness.diagnosis.prepare.driven; one that cannot be followed is one of inverse dynamics.
-
-        Covariates enter there, which are refused where they say nothing of their own.
-        """
-        problem, notes = driven_problem(recording, asked)
-        if asked.covariates and isinstance(problem, InverseDynamics):
-            problem = entered(problem, recording, asked.covariates)
-        if problem.guarded and isinstance(problem, InverseDynamics):
-            problem, said = as_it_acts(problem, recording["u"])
-            notes = (*notes, *said)
-        return with_unseen_mass(problem) if isinstance(problem, InverseDynamics) else problem, notes
 
     def fit_base(self, problem: Driven) -> Based[Any]:
         """Along the base model's own motion; its force is fitted where that cannot be followed."""
@@ -138,10 +115,6 @@ class DrivenRecordings(Kind[Driven]):
             with suppress(SimulationError):
                 found.append(self._followed(whole))
         return min(found, key=lambda other: under(other.fit, based.problem).chi2, default=None)
-
-    def hold_out(self, problem: Driven, judged: Judged, acting: Sequence[tuple[ModelTerm, Place]]) -> Holdout:
-        """Every second full period."""
-        return periods_held_out(judged.found.coarse, judged.judgement, judged.found.scales, acting)
 
     def tried(self, problem: Driven, models: Sequence[Model], scales: Scales) -> list[Mapping[str, float]]:
         """Over the same windows, or from the start of its own base fit."""

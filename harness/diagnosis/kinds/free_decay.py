@@ -8,48 +8,34 @@ from contextlib import suppress
 from dataclasses import replace
 
 from harness.core.errors import InputError, SimulationError
-from harness.core.recording import Recording
 from harness.diagnosis.baseline.base_fit import baseline
 from harness.diagnosis.baseline.swing_seen import refuse_no_swing
 from harness.diagnosis.covariates.following import allowing, enter
-from harness.diagnosis.explain.holdout import periods_held_out
 from harness.diagnosis.fit.model_fit import fit
 from harness.diagnosis.fit.parameters import base_of, free_of
-from harness.diagnosis.fit.rmse import as_started, only_started
+from harness.diagnosis.fit.rmse import only_started
 from harness.diagnosis.integrator_maps.stepped import as_stepped
 from harness.diagnosis.inverse_dynamics.validate import Judge
 from harness.diagnosis.kinds.kind import Kind
-from harness.diagnosis.outcome import Holdout
-from harness.diagnosis.pooling.pooled import Pooled, shared_by, unmasked
+from harness.diagnosis.pooling.pooled import shared_by, unmasked
 from harness.diagnosis.pooling.repeated import own_of_each, sentences
-from harness.diagnosis.prepare.free_decay import free_decay_problem, together
-from harness.diagnosis.problem import P, Problem
+from harness.diagnosis.problem import P
 from harness.diagnosis.problems.free_decay import FreeDecay
 from harness.diagnosis.problems.together import Together
-from harness.diagnosis.request import Asked
 from harness.diagnosis.residual_tests.structure import Left
 from harness.diagnosis.search.extend import settle
 from harness.diagnosis.search.long_recordings import lifted, shortened
 from harness.diagnosis.search.release_transient import after_hand, over_by
 from harness.diagnosis.search.search import Search, noise_of, search, under
-from harness.diagnosis.stages import Based, Found, Judged
+from harness.diagnosis.stages import Based, Found
 from harness.kernels.solve import Scales
-from harness.model.model import Model, ModelTerm, Restoring
-from harness.model.term import Place
+from harness.model.model import Model, Restoring
 
 
 class FreeDecays(Kind[FreeDecay]):
     """See Kind."""
 
     of = FreeDecay
-
-    def suits(self, recording: Recording) -> bool:
-        """Any recording that no force drives."""
-        return True
-
-    def prepare(self, recording: Recording, asked: Asked) -> tuple[FreeDecay, tuple[str, ...]]:
-        """See harness.diagnosis.prepare.free_decay."""
-        return free_decay_problem(recording, asked)
 
     def fit_base(self, problem: FreeDecay) -> Based[FreeDecay]:
         """In means of neighbours where it is very long; covariates enter beside it."""
@@ -100,10 +86,6 @@ class FreeDecays(Kind[FreeDecay]):
         with suppress(SimulationError, InputError):
             return self.fit_base(replace(whole, zero_free=True))
         return None
-
-    def hold_out(self, problem: FreeDecay, judged: Judged, acting: Sequence[tuple[ModelTerm, Place]]) -> Holdout:
-        """Every second full period."""
-        return periods_held_out(judged.found.coarse, judged.judgement, judged.found.scales, acting)
 
     def tried(self, problem: FreeDecay, models: Sequence[Model], scales: Scales) -> list[Mapping[str, float]]:
         """Released as its own base fit is."""
@@ -166,14 +148,6 @@ class DecaysTogether(Kind[Together]):
 
     of = Together
 
-    def suits(self, recording: Recording) -> bool:
-        """No recording by itself."""
-        return False
-
-    def prepare(self, recording: Recording, asked: Asked) -> tuple[Problem, tuple[str, ...]]:
-        """Of one recording there is nothing to pool."""
-        return together([recording], asked)
-
     def fit_base(self, problem: Together) -> Based[Together]:
         """In means of neighbours where they are very long."""
         return based(problem)
@@ -188,23 +162,12 @@ class DecaysTogether(Kind[Together]):
             shared, found = more, search(more.problem, more.base, scales)
             more = unmasked(found, shared)
         found, shared = own_of_each(found, shared)
-        found = _said(found, shared)
+        problem = found.problem
+        assert isinstance(problem, Together)
+        said = sentences(found.chosen, problem, shared, found.explained)
+        found = replace(found, problem=replace(problem, said=said))
         if based.problem.t.size < based.whole.t.size:
             levels = [one.problem.noise for one in shared.compared.alone]
             whole = replace(based.whole.with_own(shared.own).under_levels(levels), said=found.problem.choices)
             return Found(lifted(found, whole, scales), scales, found, pooled=shared)
         return Found(found, scales, found, pooled=shared)
-
-    def hold_out(self, problem: Together, judged: Judged, acting: Sequence[tuple[ModelTerm, Place]]) -> Holdout:
-        """Every second full period."""
-        return periods_held_out(judged.found.coarse, judged.judgement, judged.found.scales, acting)
-
-    def tried(self, problem: Together, models: Sequence[Model], scales: Scales) -> list[Mapping[str, float]]:
-        """From their own starts."""
-        return [as_started(model, problem, scales) for model in models]
-
-
-def _said(found: Search, shared: Pooled[Together]) -> Search:
-    problem = found.problem
-    assert isinstance(problem, Together)
-    return replace(found, problem=replace(problem, said=sentences(found.chosen, problem, shared, found.explained)))

@@ -3,19 +3,15 @@
 The steps of several driven recordings of one machine, whose force is fitted: whether they share it comes first.
 """
 
-from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
 
-from harness.core.recording import Recording
 from harness.diagnosis.explain.force_map import ForceMap, measured_map
 from harness.diagnosis.fit.model_fit import Fit
-from harness.diagnosis.fit.rmse import as_started
 from harness.diagnosis.inverse_dynamics.force_fit import as_fit, simulated
 from harness.diagnosis.inverse_dynamics.holdout import holdout_windows
 from harness.diagnosis.inverse_dynamics.measured import BLOCK, Measured
-from harness.diagnosis.inverse_dynamics.prepare import forces_together
 from harness.diagnosis.inverse_dynamics.search import force_baseline, left_said, search_driven
 from harness.diagnosis.inverse_dynamics.validate import Judge
 from harness.diagnosis.kinds.kind import Kind
@@ -24,15 +20,11 @@ from harness.diagnosis.outcome import Holdout
 from harness.diagnosis.pooling.forces import shared_forces, unmasked_forces
 from harness.diagnosis.pooling.pooled import Pooled
 from harness.diagnosis.pooling.repeated import sentences
-from harness.diagnosis.prepare.driven import driven_problem
-from harness.diagnosis.problems.driven import Forced, InverseDynamics
+from harness.diagnosis.problems.driven import InverseDynamics
 from harness.diagnosis.problems.forces_together import ForcesTogether
-from harness.diagnosis.request import Asked
 from harness.diagnosis.stages import Based, Found, Judged
 from harness.estimate.noise import channel_noise
 from harness.kernels.solve import Scales
-from harness.model.model import Model, ModelTerm
-from harness.model.term import Place
 
 _JUDGED = (
     "terms were kept because the force error on the other recording falls with them, so that its errors took part in"
@@ -44,14 +36,6 @@ class FittedForces(Kind[InverseDynamics]):
     """See Kind."""
 
     of = InverseDynamics
-
-    def suits(self, recording: Recording) -> bool:
-        """No recording by itself: whether its motion can be followed shows when it is made ready."""
-        return False
-
-    def prepare(self, recording: Recording, asked: Asked) -> tuple[Forced, tuple[str, ...]]:
-        """See harness.diagnosis.prepare.driven."""
-        return driven_problem(recording, asked)
 
     def fit_base(self, problem: InverseDynamics) -> Based[InverseDynamics]:
         """By the force."""
@@ -66,13 +50,11 @@ class FittedForces(Kind[InverseDynamics]):
         left = left_said(found.problem, based.whole.drive, found.base.points, done.over)
         return Found(found, done.scales, found, None, (left, *((_JUDGED,) if other else ())), done.graded)
 
-    def hold_out(self, problem: InverseDynamics, judged: Judged, acting: Sequence[tuple[ModelTerm, Place]]) -> Holdout:
+    def hold_out(self, judged: Judged) -> Holdout:
         """Every second window."""
-        return holdout_windows(judged.found.coarse.base, judged.judgement.refined, problem, judged.found.scales)
-
-    def tried(self, problem: InverseDynamics, models: Sequence[Model], scales: Scales) -> list[Mapping[str, float]]:
-        """Over the same windows."""
-        return [as_started(model, problem, scales) for model in models]
+        coarse = judged.found.coarse
+        assert isinstance(coarse.problem, InverseDynamics)
+        return holdout_windows(coarse.base, judged.judgement.refined, coarse.problem, judged.found.scales)
 
     def left_over(self, problem: InverseDynamics, base: Fit, scales: Scales) -> ForceMap:
         """What is left of the measured force itself, where the slider moves."""
@@ -86,10 +68,6 @@ class ForcesOfSeveral(FittedForces):
     """See Kind."""
 
     of: type[InverseDynamics] = ForcesTogether
-
-    def prepare(self, recording: Recording, asked: Asked) -> tuple[ForcesTogether, tuple[str, ...]]:
-        """Of one recording there is nothing to pool."""
-        return forces_together([recording], asked)
 
     def search(self, based: Based[InverseDynamics], other: Judge | None) -> Found:
         """First what the recordings share; a difference may also show only beside what is missing in all of them."""

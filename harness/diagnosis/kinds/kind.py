@@ -8,35 +8,23 @@ from typing import Generic
 import numpy as np
 
 from harness.core.events import Mode
-from harness.core.recording import Recording
 from harness.diagnosis.explain.force_map import ForceMap, force_map
+from harness.diagnosis.explain.holdout import periods_held_out
 from harness.diagnosis.fit.model_fit import Fit
+from harness.diagnosis.fit.rmse import as_started
 from harness.diagnosis.inverse_dynamics.validate import Judge
 from harness.diagnosis.motion import Motion
 from harness.diagnosis.outcome import Holdout
-from harness.diagnosis.problem import P, Problem
-from harness.diagnosis.request import Asked
+from harness.diagnosis.problem import P
 from harness.diagnosis.stages import Based, Found, Judged
 from harness.kernels.solve import Scales
-from harness.model.model import Model, ModelTerm, Restoring
-from harness.model.term import Place
+from harness.model.model import Model, Restoring
 
 
 class Kind(ABC, Generic[P]):
     """A kind of problem. of : its data."""
 
     of: type[P]
-
-    @abstractmethod
-    def suits(self, recording: Recording) -> bool:
-        """Whether a recording is to be made ready as this kind."""
-
-    @abstractmethod
-    def prepare(self, recording: Recording, asked: Asked) -> tuple[Problem, tuple[str, ...]]:
-        """A recording as a problem, and what was done to it, one sentence each.
-
-        Raises InputError for options that contradict the recording and for what cannot be diagnosed, SimulationError.
-        """
 
     @abstractmethod
     def fit_base(self, problem: P) -> Based[P]:
@@ -52,19 +40,16 @@ class Kind(ABC, Generic[P]):
         other : another recording that must confirm what is named. Raises SimulationError.
         """
 
-    @abstractmethod
-    def hold_out(self, problem: P, judged: Judged, acting: Sequence[tuple[ModelTerm, Place]]) -> Holdout:
-        """What took no part in the fits, predicted by the base and the refined model.
+    def hold_out(self, judged: Judged) -> Holdout:
+        """What took no part in the fits, predicted by the base and the refined model: every second full period."""
+        return periods_held_out(judged)
 
-        problem : that of the coarse search. acting : the refined model's terms and where they act.
-        """
-
-    @abstractmethod
     def tried(self, problem: P, models: Sequence[Model], scales: Scales) -> list[Mapping[str, float]]:
         """Rmse by channel of models on a problem that they were not fitted to, nothing fitted but its start.
 
-        Raises InputError, SimulationError.
+        Where the problem has starts of its own, from these. Raises InputError, SimulationError.
         """
+        return [as_started(model, problem, scales) for model in models]
 
     def left_over(self, problem: P, base: Fit, scales: Scales) -> ForceMap:
         """The force that the base model leaves over, per unit mass: from what it leaves of the channels."""

@@ -1,23 +1,16 @@
-"""The kinds there are: of a recording, and of a problem. A further kind is a file beside this one and a line here."""
+"""The kinds of problem there are. A further kind is a file beside this one and a name here."""
 
 from typing import Any
 
-from harness.core.recording import Recording
 from harness.diagnosis.kinds.driven import DrivenRecordings
 from harness.diagnosis.kinds.free_decay import DecaysTogether, FreeDecays
 from harness.diagnosis.kinds.inverse_dynamics import FittedForces, ForcesOfSeveral
 from harness.diagnosis.kinds.kind import Kind
 from harness.diagnosis.problem import Problem
 
-KINDS: tuple[Kind[Any], ...] = (DrivenRecordings(), FittedForces(), FreeDecays(), DecaysTogether(), ForcesOfSeveral())
-"""The first one that suits a recording makes it ready."""
-
-
-def kind_for(recording: Recording) -> Kind[Any]:
-    """The kind that a recording is made ready as."""
-    return next(kind for kind in KINDS if kind.suits(recording))
+_KINDS: tuple[Kind[Any], ...] = (DrivenRecordings(), FittedForces(), FreeDecays(), DecaysTogether(), ForcesOfSeveral())
 
 
 def kind_of(problem: Problem) -> Kind[Any]:
     """The kind of a problem."""
-    return next(kind for kind in KINDS if type(problem) is kind.of)
+    return next(kind for kind in _KINDS if type(problem) is kind.of)

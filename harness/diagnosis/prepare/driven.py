@@ -17,9 +17,8 @@ from harness.diagnosis.fit.observe import COARSE, observe
 from harness.diagnosis.fit.parameters import free_of
 from harness.diagnosis.fit.standard_errors import unit_of
 from harness.diagnosis.input_noise.propagation import force_noise, left_of, unlikely
-from harness.diagnosis.prepare.held import Beside, held_driven
-from harness.diagnosis.prepare.intersample_curve import between_samples
-from harness.diagnosis.prepare.intersample_hold import ACTS_HELD, acting
+from harness.diagnosis.prepare.held import held_driven, spring_beside
+from harness.diagnosis.prepare.intersample import ACTS_HELD, acting, between_samples
 from harness.diagnosis.problems.driven import Driven, Forced, InverseDynamics
 from harness.diagnosis.problems.starts import OneStart, Windows
 from harness.diagnosis.request import Asked
@@ -96,7 +95,11 @@ def _seen(recording: Recording, asked: Asked) -> tuple[Driven, Course, tuple[str
     asked, held = held_driven(asked, course.state, u, recording.angular) if "x" in channels else (asked, ())
     restoring = asked.restoring or Restoring.SPRING
     first = inverse_start(course.state, u, restoring, asked.mass, bool(asked.zero_free))
-    spring = _spring_unsaid(course, u, asked, recording.angular) if restoring is Restoring.NONE else ()
+    k, share, unsaid_spring = spring_beside(course.state, u, asked.mass)
+    if restoring is Restoring.NONE and unsaid_spring:
+        spring = f"a spring of {k:.3g} {'N m/rad' if recording.angular else 'N/m'}"
+        took = f"takes {100.0 * share:.3g} % off what is left of the force"
+        said = (*said, f"{spring} {took}: --restoring spring has it")
     x, v, _ = course.state
     first = replace(first, x0=float(x[0]) - first.offset, v0=float(v[0]), t0=float(t[0]))
     gaps = float(np.max(np.diff(t))) > course.longest
@@ -115,7 +118,7 @@ def _seen(recording: Recording, asked: Asked) -> tuple[Driven, Course, tuple[str
         pulled=(Restoring.PENDULUM,) if unsaid and recording.angular and restoring is Restoring.SPRING else (),
         starts=course.anew(math.inf) if gaps else OneStart(),
     )
-    return problem, course, (*held, *said, *spring)
+    return problem, course, (*held, *said)
 
 
 def _repeats(y: FloatArray) -> BoolArray:
@@ -125,21 +128,10 @@ def _repeats(y: FloatArray) -> BoolArray:
     return same
 
 
-def _spring_unsaid(course: Course, u: FloatArray, asked: Asked, angular: bool) -> tuple[str, ...]:
-    """A sentence on a spring in a recording that is said to have none."""
-    beside = Beside.of(course.state, u, asked.mass)
-    if not beside.is_unsaid:
-        return ()
-    spring = f"a spring of {beside.k:.3g} {'N m/rad' if angular else 'N/m'}"
-    return (f"{spring} takes {100.0 * beside.share:.3g} % off what is left of the force: --restoring spring has it",)
-
-
 def _followed(problem: Driven, course: Course, u: FloatArray, asked: Asked) -> tuple[Forced, tuple[str, ...]]:
     t, first = problem.t, problem.first
-    if asked.covariates:
-        # a model without what they do follows nothing, and how the force acts between samples cannot be told by it
-        return _with_covariates(problem, asked, course)
-    if asked.guarded:
+    if asked.covariates or asked.guarded:
+        # a model without what covariates do follows nothing, and how the force acts between samples cannot be told
         return _by_force(problem, asked, course)
     noise_u = channel_noise(t, u, rests=True)
     if isinstance(problem.starts, Windows):
@@ -185,10 +177,14 @@ def _followed(problem: Driven, course: Course, u: FloatArray, asked: Asked) -> t
 
 
 def _by_force(problem: Driven, asked: Asked, course: Course) -> tuple[InverseDynamics, tuple[str, ...]]:
-    """Fitted by its force."""
-    windows = course.anew(asked.horizon or HORIZON)
-    how = f"the force is fitted, and simulations run over {_said(windows)} of at most {asked.horizon or HORIZON:g} s"
-    return InverseDynamics.of(problem, windows), (f"driven: {how}, each restarted from the smoothed recorded state",)
+    """Fitted by its force, in which it shows how covariates enter."""
+    windows, names = course.anew(asked.horizon or HORIZON), ", ".join(one.name for one in asked.covariates)
+    why, and_given = (f", as {names} acts too,", f" and given {names}") if names else (",", "")
+    how = (
+        f"the force is fitted{why} and simulations run over {_said(windows)} of at most {asked.horizon or HORIZON:g} s"
+    )
+    note = f"driven: {how}, each restarted from the smoothed recorded state{and_given}"
+    return InverseDynamics.of(problem, windows), (note,)
 
 
 def by_its_force(problem: Driven) -> InverseDynamics:
@@ -196,25 +192,20 @@ def by_its_force(problem: Driven) -> InverseDynamics:
     return InverseDynamics.of(problem, Course.of(problem.t, problem.channels, problem.noise).anew(HORIZON))
 
 
-def _with_covariates(problem: Driven, asked: Asked, course: Course) -> tuple[InverseDynamics, tuple[str, ...]]:
-    """Fitted by its force; how covariates enter shows there."""
-    horizon = asked.horizon or HORIZON
-    windows = course.anew(horizon)
-    names = ", ".join(one.name for one in asked.covariates)
-    how = f"the force is fitted, as {names} acts too, and simulations run over {_said(windows)}"
-    note = f"driven: {how} of at most {horizon:g} s, each restarted from the smoothed recorded state and given {names}"
-    return InverseDynamics.of(problem, windows), (note,)
-
-
 def _said(windows: Windows) -> str:
-    count = len(windows.windows)
-    return f"{count} window{'s' if count > 1 else ''}"
+    return f"{len(windows.windows)} window{'s' if len(windows.windows) > 1 else ''}"
 
 
 def _allowing(problem: Driven, model: Model, noise: Noise) -> Driven:
     """The problem under the noise of its force if that shows in a model's motion, and for starts that are not known."""
     shown = observe(model, problem, (), own_scales(problem, model), COARSE)
-    starts, held = _unknown_starts(problem), problem.drive.held
+    starts = None
+    if isinstance(problem.starts, Windows):
+        # standard deviations of the starts of windows, as if next to nothing was known of them
+        starts = np.zeros((problem.t.size, 2))
+        for w in problem.starts.windows:
+            starts[w.start] = _UNKNOWN * w.x_sd, _UNKNOWN * w.v_sd
+    held = problem.drive.held
     return replace(problem, force_noise=force_noise(model, shown, problem.t, noise, problem.noise, starts, held=held))
 
 
@@ -233,13 +224,3 @@ def _felt(problem: Driven, allowed: Driven, model: Model) -> bool:
     own = {c: residual_noise(problem.t, left[c], y, period) for c, y in problem.channels.items()}
     as_it_stands = unlikely(found, replace(problem, noise=own))
     return as_it_stands < unlikely(found, allowed) - DECISIVE.value
-
-
-def _unknown_starts(problem: Driven) -> FloatArray | None:
-    """Standard deviations (n, 2) of the starts of windows, as if next to nothing was known of them; None without."""
-    if not isinstance(problem.starts, Windows):
-        return None
-    start = np.zeros((problem.t.size, 2))
-    for w in problem.starts.windows:
-        start[w.start] = _UNKNOWN * w.x_sd, _UNKNOWN * w.v_sd
-    return start

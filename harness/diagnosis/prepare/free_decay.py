@@ -19,7 +19,7 @@ from harness.diagnosis.prepare.held import held
 from harness.diagnosis.prepare.release import released, without_hand
 from harness.diagnosis.problems.free_decay import FreeDecay
 from harness.diagnosis.problems.together import Together
-from harness.diagnosis.request import Asked, AskedCovariate
+from harness.diagnosis.request import Asked
 from harness.estimate.believed import believed
 from harness.estimate.noise import channel_noise
 from harness.estimate.reversals import Grows, Kind, NoDecay, find_half_cycles
@@ -48,11 +48,10 @@ def free_decay_problem(recording: Recording, asked: Asked) -> tuple[FreeDecay, t
     channels = {c: recording[c] for c in ("x", "v", "a") if c in recording}
     omega = dominant_frequency(recording.t, next(iter(channels.values())))
     period = 2.0 * math.pi / omega if math.isfinite(omega) and omega > 0.0 else None
-    noise = {c: channel_noise(recording.t, y, period) for c, y in channels.items()}
     problem = FreeDecay(
         recording.t,
         channels,
-        noise,
+        {c: channel_noise(recording.t, y, period) for c, y in channels.items()},
         mass=asked.mass,
         angular=recording.angular,
         covariates=values_in(recording, asked.covariates),
@@ -64,14 +63,12 @@ def free_decay_problem(recording: Recording, asked: Asked) -> tuple[FreeDecay, t
         if touched > 0.0:
             why = "no free decay of this slider, as if a hand was not yet off"
             notes = (*notes, f"{touched:.4g} s after the release are left out: {why}")
-    return replace(problem, acting=tuple(_acting(recording, one) for one in asked.covariates)), notes
-
-
-def _acting(recording: Recording, one: AskedCovariate) -> Acting:
-    values = recording.covariates[one.name]
-    noise = channel_noise(recording.t, values).sigma
-    about, unit = float(np.mean(values)), recording.units.get(one.name, "")
-    return Acting(one.name, one.acts, about, unit, noise, one.acts is not None)
+    acting = []
+    for one in asked.covariates:
+        values = recording.covariates[one.name]
+        noise, unit = channel_noise(recording.t, values).sigma, recording.units.get(one.name, "")
+        acting.append(Acting(one.name, one.acts, float(np.mean(values)), unit, noise, one.acts is not None))
+    return replace(problem, acting=tuple(acting)), notes
 
 
 @dataclass(frozen=True, slots=True)
@@ -158,7 +155,7 @@ def in_common(recordings: Sequence[Recording]) -> list[str]:
         has = ", ".join(f"{one.file} has {' and '.join(c for c in ('x', 'v', 'a') if c in one)}" for one in recordings)
         raise InputError("--together", has, "recordings with a channel in common are accepted")
     for one, again in combinations(recordings, 2):
-        if _same(one, again, common):
+        if one.t.size == again.t.size and all(np.array_equal(one[c], again[c]) for c in common):
             found = f"{one.file} and {again.file} hold the same motion, sample for sample"
             raise InputError("--together", found, "recordings that each tell something of their own are accepted")
     kinds = {one.angular for one in recordings}
@@ -167,10 +164,6 @@ def in_common(recordings: Sequence[Recording]) -> list[str]:
         other = next(one.file for one in recordings if not one.angular)
         raise InputError("--together", f"{turning} turns, {other} slides", "recordings of one machine are accepted")
     return common
-
-
-def _same(one: Recording, other: Recording, channels: Sequence[str]) -> bool:
-    return one.t.size == other.t.size and all(np.array_equal(one[c], other[c]) for c in channels)
 
 
 def _alone(recording: Recording, asked: Asked, common: Sequence[str]) -> tuple[FreeDecay, tuple[str, ...]]:

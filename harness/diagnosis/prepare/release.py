@@ -12,7 +12,7 @@ import numpy as np
 from harness.core.arrays import FloatArray
 from harness.core.errors import InputError, SimulationError
 from harness.diagnosis.baseline.base_fit import baseline
-from harness.diagnosis.problem import P, Problem
+from harness.diagnosis.problem import P
 from harness.diagnosis.rules import HAND_SHOWN, HAND_STANDS_OUT, HAND_UNUSUAL, HAND_USUAL
 from harness.estimate.noise import Noise
 from harness.estimate.reversals import HalfCycles
@@ -75,8 +75,8 @@ def _left_hold(
     return max(int(np.searchsorted(t, t[last] - math.sqrt(2.0 * tolerance / max(push, 1e-300)))), 1)
 
 
-def hand_off(problem: Problem, half: float, within: float) -> int:
-    """First sample of a free decay that a hand no longer touches, 0 when none shows.
+def without_hand(problem: P, half: float, within: float = HAND_SHOWN.value) -> tuple[P, float]:
+    """A free decay from the first sample on that a hand no longer touches, and for how long one did, s.
 
     half : of a half-cycle, s. within : half-cycles in which it is looked for.
     """
@@ -84,27 +84,17 @@ def hand_off(problem: Problem, half: float, within: float) -> int:
     first = int(np.searchsorted(t, t[0] + within * half))
     usual = int(np.searchsorted(t, t[0] + (within + HAND_USUAL.value) * half))
     if first < _FEWEST or usual >= t.size:
-        return 0
-    later = np.arange(t.size) >= first
+        return problem, 0.0
     try:
-        found, _ = baseline(problem.weighted(later))
+        found, _ = baseline(problem.weighted(np.arange(t.size) >= first))
     except (InputError, SimulationError):
-        return 0
+        return problem, 0.0
     off = 0
     for name, y in problem.channels.items():
         residual = np.abs(y - found.shown.y[name])
         level = math.sqrt(float(np.mean(residual[first:usual] ** 2)))
-        out = np.flatnonzero(
-            residual[:first] > max(HAND_STANDS_OUT.value * problem.noise[name].sigma, HAND_UNUSUAL.value * level)
-        )
+        stands_out = max(HAND_STANDS_OUT.value * problem.noise[name].sigma, HAND_UNUSUAL.value * level)
+        out = np.flatnonzero(residual[:first] > stands_out)
         if out.size > _CLEAR:
             off = max(off, int(out[-1]) + 1 + _CLEAR)
-    return off
-
-
-def without_hand(problem: P, half: float, within: float = HAND_SHOWN.value) -> tuple[P, float]:
-    """A problem from where the hand is off, and for how long it was not, s. See ``hand_off``."""
-    off = hand_off(problem, half, within)
-    if off == 0:
-        return problem, 0.0
-    return problem.part(slice(off, None)), float(problem.t[off] - problem.t[0])
+    return (problem.part(slice(off, None)), float(t[off] - t[0])) if off else (problem, 0.0)

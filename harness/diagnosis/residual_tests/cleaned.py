@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.fft import dct
@@ -80,40 +80,6 @@ def _repeats(r: FloatArray) -> BoolArray:
     return found
 
 
-@dataclass(frozen=True, slots=True)
-class _Clean:
-    """Samples of a channel that count, as multiples of its floor; the same of the Jacobian."""
-
-    r: FloatArray
-    j: FloatArray
-    kept: BoolArray
-    per_omega: float
-    freedom: int
-    top: int
-
-
-def _clean(r: FloatArray, j: FloatArray, t: FloatArray, omega: float, doubtful: BoolArray | None) -> _Clean:
-    kept = (r != 0.0) & ~_repeats(r)
-    y, partial = r[kept].copy(), j[kept].copy()
-    away = isolated(y)
-    if doubtful is not None:
-        away |= doubtful[kept]
-    # heavier tails than normal ones are cut: what they hold is no structure, but would count as much
-    level = _TAIL * _NORMAL * float(np.median(np.abs(y))) if y.size else 0.0
-    if level > 0.0:
-        np.clip(y, -level, level, out=y)
-    y[away] = 0.0
-    partial[away] = 0.0
-    n = y.size
-    per_omega = n * float(np.median(np.diff(t))) * omega / math.pi
-    top = int(min(BANDS[-1] * per_omega, _WIDEST * n))
-    last = min(n, max(int(_FLOOR_RATIO * top), top + _FEWEST_FLOOR))
-    above = dct(y, norm="ortho")[top:last] ** 2 if n else y
-    # a claimed level far above what is seen is believed: numbers have other errors than noise
-    floor = math.sqrt(max(float(np.mean(above)) if above.size else 1.0, _LOWEST_FLOOR))
-    return _Clean(y / floor, partial / floor, kept, per_omega, max(above.size, 1), top)
-
-
 def channels_of(
     residuals: Mapping[str, FloatArray],
     jacobian: Mapping[str, FloatArray],
@@ -121,21 +87,38 @@ def channels_of(
     omega: float,
     doubtful: Mapping[str, BoolArray],
 ) -> dict[str, Channel]:
-    """Channels without doubtful samples, orthogonal once more to what was fitted."""
-    clean = {c: _clean(r, jacobian[c], t, omega, doubtful.get(c)) for c, r in residuals.items()}
-    clean = {c: one for c, one in clean.items() if one.top >= 1}
+    """Channels without doubtful samples, in units of their floors, orthogonal once more to what was fitted."""
+    clean = {}
+    for c, residual in residuals.items():
+        kept = (residual != 0.0) & ~_repeats(residual)
+        y, partial = residual[kept].copy(), jacobian[c][kept].copy()
+        away = isolated(y)
+        if c in doubtful:
+            away |= doubtful[c][kept]
+        # heavier tails than normal ones are cut: what they hold is no structure, but would count as much
+        level = _TAIL * _NORMAL * float(np.median(np.abs(y))) if y.size else 0.0
+        if level > 0.0:
+            np.clip(y, -level, level, out=y)
+        y[away], partial[away] = 0.0, 0.0
+        n = y.size
+        per_omega = n * float(np.median(np.diff(t))) * omega / math.pi
+        top = int(min(BANDS[-1] * per_omega, _WIDEST * n))
+        last = min(n, max(int(_FLOOR_RATIO * top), top + _FEWEST_FLOOR))
+        above = dct(y, norm="ortho")[top:last] ** 2 if n else y
+        # a claimed level far above what is seen is believed: numbers have other errors than noise
+        floor = math.sqrt(max(float(np.mean(above)) if above.size else 1.0, _LOWEST_FLOOR))
+        if top >= 1:
+            clean[c] = Channel(y / floor, partial / floor, y, y, kept, per_omega, max(above.size, 1), top)
     if not clean:
         return {}
     sizes = np.cumsum([one.r.size for one in clean.values()])[:-1]
-    q = _orthonormal(np.concatenate([one.j for one in clean.values()]))
+    q = _orthonormal(np.concatenate([one.basis for one in clean.values()]))
     r = np.concatenate([one.r for one in clean.values()])
     r -= q @ (q.T @ r)
     out = {}
     for (c, one), part, basis in zip(clean.items(), np.split(r, sizes), np.split(q, sizes), strict=True):
-        coefficients = dct(basis, norm="ortho", axis=0) if basis.shape[1] else basis
-        out[c] = Channel(
-            part, basis, dct(part, norm="ortho"), coefficients, one.kept, one.per_omega, one.freedom, one.top
-        )
+        of_basis = dct(basis, norm="ortho", axis=0) if basis.shape[1] else basis
+        out[c] = replace(one, r=part, basis=basis, c=dct(part, norm="ortho"), q=of_basis)
     return out
 
 

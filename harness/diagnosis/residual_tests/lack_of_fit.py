@@ -5,18 +5,16 @@ fills: low frequencies with the band above them, one spectral line with its surr
 part of the swing with the same floor. What a fit has already taken from the residual is accounted for by its Jacobian.
 Single samples on the wrong side of a jump are set aside: they are flat in frequency but many.
 
-How rare a mean square is over a floor that was itself estimated.
-
-Do the parts of a recording ask for the same parameters as the whole (Nyblom 1989, in blocks)?
-
-To first order a part's own fit takes from its residual what lies along the partials there. These are few directions,
-and a model that only mimics an effect fails in them first, long before its residual looks structured.
+Parts of a recording are asked, too, whether they want the same parameters as the whole (Nyblom 1989, in blocks). To
+first order a part's own fit takes from its residual what lies along the partials there. These are few directions, and a
+model that only mimics an effect fails in them first, long before its residual looks structured.
 """
 
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
+from typing import TypeAlias
 
 import numpy as np
 from scipy.special import fdtrc
@@ -26,12 +24,12 @@ from harness.diagnosis.motion import Motion
 from harness.diagnosis.residual_tests.cleaned import BANDS, Channel, channels_of
 
 
-def over_floor(chi2: float, k: float, m: float) -> float:
+def _over_floor(chi2: float, k: float, m: float) -> float:
     """Chance of a mean square this large over a floor that has m degrees of freedom."""
     return float(fdtrc(k, m, chi2 / k)) if k >= 1.0 else 1.0
 
 
-def spared(chance: Callable[[float], float], chi2: float, spare: float) -> float:
+def _spared(chance: Callable[[float], float], chi2: float, spare: float) -> float:
     """Chance of a chi-square of which ``spare`` may be left besides by what is no structure, all of it here.
 
     chance : of a chi-square. What is spared makes a test say nothing, never that there is too little.
@@ -40,41 +38,33 @@ def spared(chance: Callable[[float], float], chi2: float, spare: float) -> float
     return plain if spare <= 0.0 else max(plain, min(chance(max(chi2 - spare, 0.0)), 0.5))
 
 
+Test: TypeAlias = tuple[str, float, float]
+"""What is tested, its p-value, and the mean square over what noise gives."""
 _MOST_STRETCHES = 8
 """Of equal numbers of half-cycles, which are held against each other."""
 _SEEN = 1e-6
 """Share of its power in a part from which a fitted direction is seen there."""
 
 
-def constancy(
-    channels: Mapping[str, Channel], t: FloatArray, motion: Motion, spare: float = 0.0
-) -> list[tuple[str, float, float]]:
-    """Tests of whether parameters depend on the part of a recording: what is tested, its p-value, mean square.
-
-    t (n,) : s. spare : chi-square that may be left besides by what is no structure.
-    """
-    freedom = float(sum(one.freedom for one in channels.values()))
-    out = []
-    for name, part in _parts(t, motion).items():
-        chi2, k = _taken(channels, part)
-        if k >= 1.0:
-            p = spared(partial(over_floor, k=k, m=freedom), chi2, spare)
-            out.append((f"parameters that differ from {name} to {name}", p, chi2 / k))
-    return out
-
-
-def _parts(t: FloatArray, motion: Motion) -> dict[str, IntArray]:
-    """The number of its part for every sample (n,), for each way to part a recording."""
-    n = t.size
+def _constancy(channels: Mapping[str, Channel], t: FloatArray, motion: Motion, spare: float) -> list[Test]:
+    """Whether parameters depend on the part of a recording, for each way to part it."""
+    freedom, n = float(sum(one.freedom for one in channels.values())), t.size
     turns = (t - t[0]) * motion.omega / (2.0 * math.pi)
     stretch = turns * _MOST_STRETCHES / max(float(turns[-1]), _MOST_STRETCHES)
-    return {
+    parts: dict[str, IntArray] = {
         "half": 2 * np.arange(n) // n,
         "quarter": 4 * np.arange(n) // n,
         "cycle": np.minimum(stretch.astype(np.int64), _MOST_STRETCHES - 1),
         "direction": (motion.v > 0.0).astype(np.int64),
         "side": (motion.x > 0.0).astype(np.int64),
     }
+    out = []
+    for name, part in parts.items():
+        chi2, k = _taken(channels, part)
+        if k >= 1.0:
+            p = _spared(partial(_over_floor, k=k, m=freedom), chi2, spare)
+            out.append((f"parameters that differ from {name} to {name}", p, chi2 / k))
+    return out
 
 
 def _taken(channels: Mapping[str, Channel], part: IntArray) -> tuple[float, float]:
@@ -148,7 +138,7 @@ def _score(c: FloatArray, a: FloatArray) -> tuple[float, float]:
     return chi2 + float(np.sum(b * b / values[free])), max(c.size - lost, 0.0)
 
 
-def _bands(channels: Mapping[str, Channel], spare: float) -> list[tuple[str, float, float]]:
+def _bands(channels: Mapping[str, Channel], spare: float) -> list[Test]:
     out = []
     for end in BANDS:
         c, a, m = [], [], []
@@ -159,12 +149,12 @@ def _bands(channels: Mapping[str, Channel], spare: float) -> list[tuple[str, flo
             m.append(one.freedom)
         chi2, k_free = _score(np.concatenate(c), np.concatenate(a))
         name = f"slow structure, up to {end:g} times the swing's frequency"
-        p = spared(partial(over_floor, k=k_free, m=float(sum(m))), chi2, spare)
+        p = _spared(partial(_over_floor, k=k_free, m=float(sum(m))), chi2, spare)
         out.append((name, p, chi2 / max(k_free, 1.0)))
     return out
 
 
-def _stretches(channels: Mapping[str, Channel], spare: float) -> list[tuple[str, float, float]]:
+def _stretches(channels: Mapping[str, Channel], spare: float) -> list[Test]:
     """The strongest of equal stretches of time, in slow structure within the stretch."""
     out = []
     for count in _STRETCHES:
@@ -178,17 +168,17 @@ def _stretches(channels: Mapping[str, Channel], spare: float) -> list[tuple[str,
             means = cut.reshape(count, inside, block).sum(axis=2) / math.sqrt(block)
             power = np.sum(means**2, axis=1)
             worst = float(np.max(power))
-            p = spared(partial(_of_the_most, count=count, k=float(inside), m=float(one.freedom)), worst, spare)
+            p = _spared(partial(_of_the_most, count=count, k=float(inside), m=float(one.freedom)), worst, spare)
             out.append((f"channel {name} stands out in one {count}th of the time", p, worst / inside))
     return out
 
 
 def _of_the_most(chi2: float, count: int, k: float, m: float) -> float:
     """Chance that the largest of so many is this large."""
-    return -math.expm1(count * math.log1p(-min(over_floor(chi2, k, m), 1.0 - 1e-16)))
+    return -math.expm1(count * math.log1p(-min(_over_floor(chi2, k, m), 1.0 - 1e-16)))
 
 
-def _lines(channels: Mapping[str, Channel]) -> list[tuple[str, float, float]]:
+def _lines(channels: Mapping[str, Channel]) -> list[Test]:
     """The strongest spectral line over its surroundings, at any frequency (Fisher's test with a local level)."""
     out = []
     for name, one in channels.items():
@@ -202,13 +192,13 @@ def _lines(channels: Mapping[str, Channel]) -> list[tuple[str, float, float]]:
         peaks = np.max(rows, axis=1) / level
         i = int(np.argmax(peaks))
         few = power.size < _FEW_SURROUNDINGS * _SURROUNDINGS
-        single = over_floor(2.0 * float(peaks[i]), 2.0, _FEW_FREEDOM if few else _FREEDOM)
+        single = _over_floor(2.0 * float(peaks[i]), 2.0, _FEW_FREEDOM if few else _FREEDOM)
         p = -math.expm1(power.size * math.log1p(-min(single, 1.0 - 1e-16)))
         out.append((f"a line in the spectrum of channel {name}", p, float(peaks[i])))
     return out
 
 
-def _phases(channels: Mapping[str, Channel], motion: Motion, spare: float) -> list[tuple[str, float, float]]:
+def _phases(channels: Mapping[str, Channel], motion: Motion, spare: float) -> list[Test]:
     """Mean residual in parts of the swing, large and small amplitudes apart."""
     turn = np.arctan2(-motion.v / motion.omega, motion.x) / (2.0 * math.pi) + 0.5
     size = np.hypot(motion.x, motion.v / motion.omega)
@@ -228,7 +218,7 @@ def _phases(channels: Mapping[str, Channel], motion: Motion, spare: float) -> li
         )
         m.append(one.freedom)
     chi2, k = _score(np.concatenate(c), np.concatenate(a))
-    p = spared(partial(over_floor, k=k, m=float(sum(m))), chi2, spare)
+    p = _spared(partial(_over_floor, k=k, m=float(sum(m))), chi2, spare)
     return [("a mean that depends on the part of the swing", p, chi2 / max(k, 1.0))]
 
 
@@ -269,7 +259,7 @@ def lack_of_fit(
     tests = _bands(channels, spare) + _stretches(channels, spare) + _lines(channels)
     if motion is not None:
         tests += _phases(channels, motion, spare)
-        tests += constancy(channels, t, motion, spare)
+        tests += _constancy(channels, t, motion, spare)
     p = _combined([test[1] for test in tests])
     name, _, ratio = min(tests, key=lambda test: (test[1], -test[2]))
     if p < _SAID:

@@ -1,9 +1,4 @@
-"""The smoothed course of a driven recording, and the windows that start on it.
-
-The inverse dynamics of a driven recording: force from smoothed motion, by least squares; a start for the fit.
-
-A driven recording cut into windows, each with its start from the smoothed channels.
-"""
+"""The smoothed course of a driven recording, a base model from its inverse dynamics, and windows that start on it."""
 
 import math
 from collections.abc import Mapping
@@ -22,6 +17,8 @@ _MOVING = 0.02
 """Share of the largest speed below which friction may have any value."""
 _FEWEST = 20
 """Moving samples: four to each of five numbers."""
+FEWEST, _AWAY = 8, 8
+"""Samples below which a window is not worth a start, and either side of one in which the slider should not turn."""
 _LEAST = 1e-3
 """Share that a parameter which must not vanish is given where least squares makes it negative."""
 
@@ -94,44 +91,6 @@ def inverse_start(
     )
 
 
-FEWEST = 8
-"""Samples below which a window is not worth a start."""
-_AWAY = 8
-"""Samples either side of a start in which the slider should not turn round."""
-
-
-def windows_of(
-    t: FloatArray, state: tuple[FloatArray, FloatArray, FloatArray], smooth: Mapping[str, Smooth], horizon: float,
-    longest: float,
-) -> tuple[Window, ...]:  # fmt: skip
-    """Windows no longer than ``horizon`` (s) that cover all samples; none spans an interval beyond ``longest`` (s).
-
-    A start next to a reversal, where smoothing rounds off what friction does, is moved forward out of its way.
-    """
-    x, v, _ = state
-    one = smooth["x"] if "x" in smooth else smooth["v"]
-    x_sd = one.value_sd if "x" in smooth else np.full(t.size, float(np.ptp(x)))
-    v_sd = smooth["v"].value_sd if "v" in smooth else one.slope_sd
-    _, last = stretches(t, longest)
-    turns = np.zeros(t.size, dtype=np.int64)
-    turns[1:] = np.cumsum(np.sign(v[1:]) != np.sign(v[:-1]))
-    found = []
-    start = 0
-    while start < t.size:
-        stop = min(int(np.searchsorted(t, t[start] + horizon, side="left")), int(last[start]))
-        if stop < last[start]:
-            stop = _clear_of_turns(turns, start, stop)
-            # nothing is left behind that is too short to be a window of its own
-            stop = int(last[start]) if last[start] - stop < FEWEST else stop
-        found.append(
-            Window(
-                start, stop, float(t[start]), float(x[start]), float(v[start]), float(x_sd[start]), float(v_sd[start])
-            )
-        )
-        start = stop
-    return tuple(found)
-
-
 def _clear_of_turns(turns: IntArray, start: int, stop: int) -> int:
     """The latest sample up to ``stop``, within the last fifth of the window, with no reversal close by."""
     for at in range(stop, max(start + FEWEST, stop - (stop - start) // 5), -1):
@@ -157,5 +116,24 @@ class Course:
         return cls(t, smooth, state_of(t, smooth), longest)
 
     def anew(self, horizon: float) -> Windows:
-        """Windows no longer than a horizon, s; an infinite one leaves the stretches between gaps."""
-        return Windows(windows_of(self.t, self.state, self.smooth, horizon, self.longest), self.t, self.state[1])
+        """Windows no longer than a horizon, s, that cover all samples; an infinite one leaves stretches between gaps.
+
+        A start next to a reversal, where smoothing rounds off what friction does, is moved forward out of its way.
+        """
+        t, (x, v, _), smooth = self.t, self.state, self.smooth
+        one = smooth["x"] if "x" in smooth else smooth["v"]
+        x_sd = one.value_sd if "x" in smooth else np.full(t.size, float(np.ptp(x)))
+        v_sd = smooth["v"].value_sd if "v" in smooth else one.slope_sd
+        _, last = stretches(t, self.longest)
+        turns = np.zeros(t.size, dtype=np.int64)
+        turns[1:] = np.cumsum(np.sign(v[1:]) != np.sign(v[:-1]))
+        found, start = [], 0
+        while start < t.size:
+            stop = min(int(np.searchsorted(t, t[start] + horizon, side="left")), int(last[start]))
+            if stop < last[start]:
+                stop = _clear_of_turns(turns, start, stop)
+                # nothing is left behind that is too short to be a window of its own
+                stop = int(last[start]) if last[start] - stop < FEWEST else stop
+            found.append(Window(start, stop, *(float(y[start]) for y in (t, x, v, x_sd, v_sd))))
+            start = stop
+        return Windows(tuple(found), t, v)

@@ -13,10 +13,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from harness.core.arrays import FloatArray, IntArray
+from harness.core.arrays import FloatArray
 from harness.kernels.layout import lay_out
 from harness.kernels.solve import Scales
-from harness.model.law import D_PARAMETER, INTERNAL_COLUMNS, VALUE
+from harness.model.law import D_PARAMETER, INTERNAL_COLUMNS
 from harness.model.model import Model, ModelTerm, Restoring
 from harness.model.registry import TERMS
 from harness.model.spline import BENDING, KNOTS, SIDE, weight
@@ -141,7 +141,8 @@ def basis_of(rung: Rung, model: Model, base: tuple[str, ...], x: FloatArray, v: 
 
     base : names of the base parameters that are fitted.
     """
-    at = _looks(x, v)
+    moving = np.flatnonzero(v != 0.0)
+    at = moving[:: max(1, moving.size // _LOOKS)]
     entries = tuple(_idle(term, x, v) for term in rung.terms)
     with_tables = replace(model, terms=(*model.terms, *entries))
     first = len(model.terms)
@@ -165,7 +166,12 @@ def basis_of(rung: Rung, model: Model, base: tuple[str, ...], x: FloatArray, v: 
         if e.term.slot is Slot.FRICTION_MODULATION:
             # a factor on friction is as rough as its force
             rough[:, offset[i] : offset[i + 1]] *= model.f_k
-    return Basis(with_tables, places, _left_free(held, shown.shape[1]), rough)
+    free = np.eye(shown.shape[1])
+    if held:
+        # values that none of the functionals sees
+        _, size, rows = np.linalg.svd(np.array(held))
+        free = np.asarray(rows[int(np.count_nonzero(size > _APART * size[0])) :].T, dtype=np.float64)
+    return Basis(with_tables, places, free, rough)
 
 
 def partials(model: Model, index: int, x: FloatArray, v: FloatArray, scales: Scales) -> FloatArray:
@@ -183,28 +189,10 @@ def partials(model: Model, index: int, x: FloatArray, v: FloatArray, scales: Sca
     return found
 
 
-def force(model: Model, index: int, x: FloatArray, v: FloatArray, scales: Scales) -> FloatArray:
-    """What a term's law writes along a motion, (n,)."""
-    entry, laid, row = model.terms[index], lay_out(model, scales.v), np.zeros(INTERNAL_COLUMNS)
-    found = np.zeros(x.size)
-    assert entry.term.law is not None
-    for i, (position, speed) in enumerate(zip(x.tolist(), v.tolist(), strict=True)):
-        row[:] = 0.0
-        entry.term.law(position, speed, laid.theta, laid.term_at[index], row)
-        found[i] = row[VALUE]
-    return found
-
-
 def _values(term: Term) -> int:
     """Values of a table: its parameters but for its ends."""
     assert term.known is not None
     return min(term.known.places)
-
-
-def _looks(x: FloatArray, v: FloatArray) -> IntArray:
-    """Samples in motion, not too many."""
-    moving = np.flatnonzero(v != 0.0)
-    return moving[:: max(1, moving.size // _LOOKS)]
 
 
 def _idle(term: Term, x: FloatArray, v: FloatArray) -> ModelTerm:
@@ -252,12 +240,3 @@ def _gauges(
         own = [column for of, column in named if of is Slot.SMOOTH]
         found.append((by_speed, [*own, v]))
     return found
-
-
-def _left_free(held: list[FloatArray], count: int) -> FloatArray:
-    """Orthonormal columns (count, q) of values that none of the functionals ``held`` (count,) sees."""
-    if not held:
-        return np.eye(count)
-    _, size, rows = np.linalg.svd(np.array(held))
-    seen = int(np.count_nonzero(size > _APART * size[0]))
-    return np.asarray(rows[seen:].T, dtype=np.float64)

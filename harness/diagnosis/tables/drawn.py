@@ -1,35 +1,154 @@
-"""Tables that stay, as people see them: curves and a surface with bands, in words, beside the nearest laws.
+"""Tables that stay, as people see them: curves and a surface with an error, in words, beside the nearest laws.
 
-A fitted table over position and speed as a surface: what it says where the motion was, with one standard error.
-
-Which laws of the catalogue come nearest to a table: the share that each says, with its gauge taken off both.
+The error is the larger of two: the penalised fit read as a posterior (Nychka 1988, J. Am. Stat. Assoc. 83, 1134), its
+noise as large as the scores of strokes scatter, and those scores through the fit (Liang and Zeger 1986). A misfit
+says one thing for half a swing; samples are no independent words. To it is added what else may be in the table: small
+effects that it has taken in are held to be as large, in proportion, as what it leaves of blocks left out; and what a
+rougher table says otherwise, which the blocks ask for and so few words do not allow. How much all of that falls short
+of, simulated machines say (rule table-band).
 """
 
-from dataclasses import dataclass, replace
+import math
+from dataclasses import replace
+from typing import Literal, TypeAlias
 
 import numpy as np
 
 from harness.core.arrays import BoolArray, FloatArray, IntArray
 from harness.diagnosis.baseline.words import Strokes
+from harness.diagnosis.grading.prediction import blocks_of
 from harness.diagnosis.outcome import Surface, Table
 from harness.diagnosis.problem import Problem
+from harness.diagnosis.rules import TABLE_BAND
 from harness.diagnosis.search.screen import applicable
 from harness.diagnosis.tables.basis import partials
-from harness.diagnosis.tables.curve import errors, table_of
-from harness.diagnosis.tables.describe import described
-from harness.diagnosis.tables.fitted import TableFit
-from harness.diagnosis.tables.selection import Tabulated
+from harness.diagnosis.tables.beside import Tabulated
+from harness.diagnosis.tables.describe import described, plane_described
+from harness.diagnosis.tables.fitted import TableFit, rougher
+from harness.fit.covariance import inverse_of
 from harness.kernels.solve import Scales
 from harness.model.model import Model, ModelTerm
 from harness.model.registry import NAMED
-from harness.model.term import Evidence, Slot, Term
+from harness.model.term import Evidence, Slot
 
-POINTS = 41
-"""Along each side of a surface."""
-_CELLS = 12
-"""Along each side: a point is known where the motion was in its cell."""
-_MOSTLY = 0.85
-"""Share of squares from which a surface is called one of resistance, or one of a force."""
+_POINTS, _SIDE, _CELLS = 121, 41, 12
+"""Of a curve; along each side of a surface, and cells there: a point is known where the motion was in its cell."""
+_LEAST_TAKEN = 0.01
+"""Share of the squares that a table takes at least, as the band counts it."""
+_NEAR = 0.5
+"""Share of squares below which a law is not near."""
+_MOST = 3
+"""Names that are told."""
+
+Drawn: TypeAlias = tuple[tuple[int, ...], Table | Surface]
+"""What a table looks like, with its places among the model's terms."""
+
+
+def drawn(
+    first: Tabulated, start: Model, problem: Problem, strokes: Strokes, scales: Scales, held: float, seen: Evidence
+) -> list[Drawn]:
+    """The tables of a rung, on top of ``start``: curves, then the surface.
+
+    strokes : of the residual. scales : what they were fitted in. held : held-out error with them, over that without.
+    seen : of what ``start`` leaves, for laws that are near.
+    """
+    found, named, tables = first.fit, len(start.terms), list[Drawn]()
+    for numbers, form in curves(first, named):
+        table = table_of(found, strokes, scales, numbers, form, held)
+        said = described(table, found.model, problem.angular)
+        near = _nearest(table, start, problem, scales, seen)
+        tables.append((numbers, replace(table, described=said, nearest=near)))
+    both = [i for i, term in enumerate(first.rung.terms, named) if term.known is not None and term.known.of == "x, v"]
+    surface = [((i,), surface_of(found, strokes, scales, i, held, problem.angular)) for i in both[:1]]
+    return [*tables, *surface]
+
+
+def curves(first: Tabulated, named: int) -> list[tuple[tuple[int, ...], str]]:
+    """The tables of a rung that are curves: places among the model's terms, and what each is a function of."""
+    forms = {"x": "f(x)", "v": "f(v)", "|v|": "f(|v|) sgn v"}
+    found: list[tuple[tuple[int, ...], str]] = []
+    for i, term in enumerate(first.rung.terms, start=named):
+        assert term.known is not None
+        if term.known.of == "-v":
+            # the other direction of the one before
+            found[-1] = ((*found[-1][0], i), found[-1][1])
+        elif term.known.of != "x, v":
+            found.append(((i,), "g(x) sgn v" if term.slot is Slot.FRICTION_MODULATION else forms[term.known.of]))
+    return found
+
+
+def table_of(
+    found: TableFit, strokes: Strokes, scales: Scales, numbers: tuple[int, ...], said: str, held: float
+) -> Table:
+    """Some of the tables of a fit as one curve.
+
+    strokes : of the residual, (n,). numbers : of the tables, places among the model's terms. held : held-out error with
+    them, over that without.
+    """
+    strips = sorted((_strip(found, i, scales) for i in numbers), key=lambda one: float(one[0][0]))
+    at, columns = np.concatenate([s for s, _ in strips]), np.vstack([c for _, c in strips])
+    first = found.model.terms[numbers[0]].term
+    unit_force = first.slot is Slot.SMOOTH
+    kind = "" if first.known is None else first.known.of
+    of: Literal["x", "v", "|v|"] = "x" if kind == "x" else "v" if kind in ("v", "-v") or len(strips) > 1 else "|v|"
+    level = math.inf if unit_force else found.model.f_k
+    factor = 1.0 if unit_force else level
+    x, v = found.look.x, found.look.v
+    quantity = {"x": x, "|v|": np.abs(v), "v": v}[of]
+    # in the middle of parts of equal counts: their mean is the motion's
+    looks = np.quantile(quantity[v != 0.0], (np.arange(_POINTS) + 0.5) / _POINTS)
+    # friction is never below none
+    force = np.maximum(factor * (columns @ found.at), -level)
+    size = float(np.sqrt(np.mean(np.interp(looks, at, force) ** 2)))
+    # a modulation of no friction is no force, and its error none
+    stderr = factor * _errors(found, strokes, columns, size / factor if factor > 0.0 else 0.0, held)
+    names = {f.name for f in found.free}
+    gauge: tuple[str, ...] = ("line",) if of != "x" else ("constant",)
+    if of == "x" and unit_force:
+        constant = ("constant",) if "offset" in names else ("level",) if found.model.has_level else ()
+        gauge = (*constant, *(("line",) if "k" in names else ()))
+    return Table(said, of, at, force, stderr, looks, gauge)
+
+
+def _strip(found: TableFit, number: int, scales: Scales) -> tuple[FloatArray, FloatArray]:
+    """One table over the range in which it is known, (m,), and the fit's partials (m, q) of its force there."""
+    entry = found.model.terms[number]
+    known = entry.term.known
+    assert known is not None
+    at, side = np.linspace(*known.ends(entry.values), _POINTS), -1.0 if known.of == "-v" else 1.0
+    x, v = (at, np.ones(_POINTS)) if known.of == "x" else (np.zeros(_POINTS), side * at)
+    rows = partials(found.model, number, x, v, scales) @ found.basis.free[_own(found, number)]
+    return (at, rows) if side > 0.0 else (-at[::-1], rows[::-1])
+
+
+def _own(found: TableFit, number: int) -> list[int]:
+    """Places of a table's values among those of all."""
+    return [c for c, (i, _) in enumerate(found.basis.places) if i == number]
+
+
+def _errors(found: TableFit, strokes: Strokes, columns: FloatArray, size: float, held: float) -> FloatArray:
+    """One standard error of what tables say, (m,), by their partials (m, q); size : rms of it over the motion."""
+    b, curvature = len(found.free), found.curvature
+    inverse = inverse_of(curvature.at(found.strength))
+    cluster, count = strokes.of, strokes.count
+    n, p = cluster.size, found.jacobian.shape[1]
+    scores = np.zeros((count, p))
+    for i in range(found.residual.size // n):
+        rows = slice(i * n, (i + 1) * n)
+        each = found.jacobian[rows] * found.residual[rows, None]
+        scores += np.column_stack([np.bincount(cluster, each[:, j], count) for j in range(p)])
+    # the fit has taken its own share of what the strokes say
+    taken = b + curvature.effective(found.strength)
+    meat = scores.T @ scores * count / max(count - taken, 1.0)
+    inflated = float(np.trace(inverse @ meat)) / max(float(np.trace(inverse @ curvature.seen)), 1e-300)
+    spread = [
+        np.sqrt(np.maximum(np.einsum("ij,jk,ik->i", columns, one[b:, b:], columns), 0.0))
+        for one in (inverse * inflated, inverse @ meat @ inverse)
+    ]
+    beside = size * held / math.sqrt(max(1.0 - held**2, _LEAST_TAKEN))
+    smoothed = columns @ (rougher(found, blocks_of(strokes)) - found.at)
+    said = np.hypot(np.hypot(np.maximum(*spread), beside), smoothed)
+    return np.asarray(TABLE_BAND.value * said, dtype=np.float64)
 
 
 def surface_of(found: TableFit, strokes: Strokes, scales: Scales, number: int, held: float, angular: bool) -> Surface:
@@ -41,16 +160,14 @@ def surface_of(found: TableFit, strokes: Strokes, scales: Scales, number: int, h
     known = entry.term.known
     assert known is not None
     assert known.fast is not None
-    low, high = known.ends(entry.values)
     fast = entry.values[known.fast]
-    x, v = np.linspace(low, high, POINTS), np.linspace(-fast, fast, POINTS)
-    mine = [c for c, (i, _) in enumerate(found.basis.places) if i == number]
-    free = found.basis.free[mine]
-    columns = partials(found.model, number, np.tile(x, POINTS), np.repeat(v, POINTS), scales) @ free
+    x, v = np.linspace(*known.ends(entry.values), _SIDE), np.linspace(-fast, fast, _SIDE)
+    grid = partials(found.model, number, np.tile(x, _SIDE), np.repeat(v, _SIDE), scales)
+    columns = grid @ found.basis.free[_own(found, number)]
     seen = _seen(x, v, found.look.x, found.look.v)
-    force = (columns @ found.at).reshape(POINTS, POINTS)
+    force = (columns @ found.at).reshape(_SIDE, _SIDE)
     size = float(np.sqrt(np.mean(force[seen] ** 2))) if np.any(seen) else 0.0
-    stderr = errors(found, strokes, columns, size, held).reshape(POINTS, POINTS)
+    stderr = _errors(found, strokes, columns, size, held).reshape(_SIDE, _SIDE)
     said = plane_described(x + found.model.offset, v, force, seen, "rad" if angular else "m")
     return Surface(x, v, force, stderr, seen, said)
 
@@ -67,66 +184,34 @@ def _seen(x: FloatArray, v: FloatArray, at_x: FloatArray, at_v: FloatArray) -> B
     return np.asarray(was[np.ix_(cell(v, v), cell(x, x))], dtype=np.bool_)
 
 
-def plane_described(x: FloatArray, v: FloatArray, force: FloatArray, seen: BoolArray, unit: str) -> str:
-    """Whether it resists or pushes, and where most; force, seen (k, m), at v (k,) and x (m,) as a sensor shows it."""
-    both = seen & seen[::-1]
-    odd, even = (np.where(both, 0.5 * (force + sign * force[::-1]), 0.0) for sign in (-1.0, 1.0))
-    whole = float(np.sum(odd**2) + np.sum(even**2))
-    if whole <= 0.0:
-        return "nothing stands out"
-    share = float(np.sum(odd**2)) / whole
-    if share <= _MOSTLY:
-        kind = "a force that is the same in both directions" if share < 1.0 - _MOSTLY else "a force"
-        return f"{kind} that no sum of one of position and one of speed says"
-    drag = np.sum(odd * np.sign(v)[:, None], axis=0) / np.maximum(np.sum(both, axis=0), 1)
-    inside = np.sum(both, axis=0) > 0
-    most = int(np.argmax(np.where(inside, drag, -np.inf)))
-    return f"a resistance that depends on the place too, more than elsewhere about x = {x[most]:.2g} {unit}"
-
-
-_NEAR = 0.5
-"""Share of squares below which a law is not near."""
-_MOST = 3
-"""Names that are told."""
-
-
-def nearest(
+def _nearest(
     table: Table, model: Model, problem: Problem, scales: Scales, seen: Evidence
 ) -> tuple[tuple[str, float], ...]:
-    """Names and shares, nearest first. model : without the table."""
+    """Laws of the catalogue, nearest first, with the share of the table that each says, the gauge taken off both.
+
+    model : without the table.
+    """
     x, v = (table.swept, np.ones(table.swept.size)) if table.of == "x" else (np.zeros(table.swept.size), table.swept)
     slot = Slot.FRICTION_MODULATION if table.form.startswith("g") else Slot.SMOOTH
     target = ungauged(table, np.interp(table.swept, table.at, table.force))
-    whole = float(target @ target)
-    best: dict[str, float] = {}
+    whole, best = float(target @ target), dict[str, float]()
     for term in NAMED:
         if term.slot is not slot or term.amplitude is None or term.changes_in_time:
             continue
         if whole <= 0.0 or not applicable(term, model, problem):
             continue
-        for shapes in _shapes(term, model, seen, x, v, scales):
+        probes = (model.with_terms(ModelTerm(term, values)) for values in term.probes(seen))
+        looks = [partials(with_it, 0, x, v, scales)[:, term.amplitude] for with_it in probes]
+        # what a law looks like at each of its probes: one curve, or a cosine and a sine
+        step = 1 if term.phase is None else 2
+        for shapes in (looks[i : i + step] for i in range(0, len(looks), step)):
             if not any(np.ptp(s) > 0.0 for s in shapes):
                 continue  # a law of the other quantity
             columns = np.column_stack([ungauged(table, s) for s in shapes])
             left = target - columns @ np.linalg.lstsq(columns, target, rcond=1e-10)[0]
-            share = 1.0 - float(left @ left) / whole
-            best[term.name] = max(best.get(term.name, 0.0), share)
+            best[term.name] = max(best.get(term.name, 0.0), 1.0 - float(left @ left) / whole)
     near = sorted(((n, s) for n, s in best.items() if s >= _NEAR), key=lambda one: -one[1])
     return tuple(near[:_MOST])
-
-
-def _shapes(
-    term: Term, model: Model, seen: Evidence, x: FloatArray, v: FloatArray, scales: Scales
-) -> list[list[FloatArray]]:
-    """What a law looks like at each of its probes: one curve, or a cosine and a sine."""
-    assert term.amplitude is not None
-    found = []
-    for values in term.probes(seen):
-        with_it = model.with_terms(ModelTerm(term, values))
-        found.append(partials(with_it, 0, x, v, scales)[:, term.amplitude])
-    if term.phase is None:
-        return [[shape] for shape in found]
-    return [[found[i], found[i + 1]] for i in range(0, len(found), 2)]
 
 
 def ungauged(table: Table, force: FloatArray) -> FloatArray:
@@ -137,69 +222,3 @@ def ungauged(table: Table, force: FloatArray) -> FloatArray:
         return force
     held = np.column_stack(columns)
     return np.asarray(force - held @ np.linalg.lstsq(held, force, rcond=None)[0], dtype=np.float64)
-
-
-@dataclass(frozen=True, slots=True)
-class Drawn:
-    """What a rung's tables look like. tables : curves, each with its places among the model's terms.
-
-    surface : the same of the one that hangs on both; None where there is none.
-    """
-
-    tables: tuple[tuple[tuple[int, ...], Table], ...]
-    surface: tuple[int, Surface] | None
-
-    @classmethod
-    def of(
-        cls,
-        first: Tabulated,
-        start: Model,
-        problem: Problem,
-        strokes: Strokes,
-        scales: Scales,
-        held: float,
-        seen: Evidence,
-    ) -> "Drawn":
-        """The tables of a rung, on top of ``start``.
-
-        strokes : of the residual. scales : what they were fitted in. held : held-out error with them, over that
-        without. seen : of what ``start`` leaves, for laws that are near.
-        """
-        found, named = first.fit, len(start.terms)
-        tables = []
-        for numbers, form in curves(first, named):
-            table = table_of(found, strokes, scales, numbers, form, held)
-            said = described(table, found.model, problem.angular)
-            tables.append(
-                (numbers, replace(table, described=said, nearest=nearest(table, start, problem, scales, seen)))
-            )
-        both = _plane(first, named)
-        if both is None:
-            return cls(tuple(tables), None)
-        return cls(tuple(tables), (both, surface_of(found, strokes, scales, both, held, problem.angular)))
-
-
-def curves(first: Tabulated, named: int) -> list[tuple[tuple[int, ...], str]]:
-    """The tables of a rung that are curves: places among the model's terms, and what each is a function of."""
-    found: list[tuple[tuple[int, ...], str]] = []
-    for i, term in enumerate(first.rung.terms, start=named):
-        assert term.known is not None
-        if term.known.of == "-v":
-            # the other direction of the one before
-            found[-1] = ((*found[-1][0], i), found[-1][1])
-        elif term.known.of != "x, v":
-            found.append(((i,), _forms(term)))
-    return found
-
-
-def _plane(first: Tabulated, named: int) -> int | None:
-    """The place among the model's terms of a rung's table over both, None where it has none."""
-    kinds = [term.known.of for term in first.rung.terms if term.known is not None]
-    return named + kinds.index("x, v") if "x, v" in kinds else None
-
-
-def _forms(term: Term) -> str:
-    assert term.known is not None
-    if term.slot is Slot.FRICTION_MODULATION:
-        return "g(x) sgn v"
-    return {"x": "f(x)", "v": "f(v)", "|v|": "f(|v|) sgn v"}[term.known.of]

@@ -1,30 +1,32 @@
 """Tables as they were fitted, and the one way of fitting them: least squares with a penalty on roughness.
 
-The penalty stands as rows below the recording's own (Craven and Wahba 1979, Numer. Math. 31, 377).
-
-Tables fitted to a motion that is followed: each step of the fit is a simulation with its partials.
+The penalty stands as rows below the recording's own (Craven and Wahba 1979, Numer. Math. 31, 377). How smooth tables
+are inner blocks say, each left out in turn and predicted: the model is linear about a fit, so that no block needs a
+simulation of its own (Stone 1974, J. R. Stat. Soc. B 36, 111).
 """
 
-from collections.abc import Callable
+import math
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
-from harness.core.arrays import FloatArray
-from harness.diagnosis.fit.model_fit import evaluate
-from harness.diagnosis.fit.observe import COARSE, Observation
+from harness.core.arrays import BoolArray, FloatArray
+from harness.diagnosis.fit.observe import Observation
 from harness.diagnosis.fit.parameters import Free, bounds_of, coordinates_of, with_coordinates
-from harness.diagnosis.problem import Problem
 from harness.diagnosis.tables.basis import Basis
 from harness.fit.covariance import inverse_of
 from harness.fit.least_squares import Bounds, Until, least_squares
-from harness.kernels.solve import Effort, Scales
 from harness.model.model import Model
 
 FIRST = 1e-2
 """Penalty of a first fit."""
 _DONE = 1e-3
 """What a step must promise: the units are those of a misfit, thirty a word."""
+_STRENGTHS = tuple(10.0**power for power in range(-5, 4))
+"""Penalties tried, in units at which the penalty weighs as much as the recording."""
+_HALVINGS = 5
+"""Of the step between two penalties, towards the one that uses all the freedom there is."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -88,10 +90,9 @@ class TableFit:
         return float(self.residual @ self.residual)
 
     @property
-    def curvature(self) -> "Curvature":
+    def curvature(self) -> Curvature:
         """About the fit."""
-        seen = self.jacobian.T @ self.jacobian
-        return Curvature(seen, self.penalty.T @ self.penalty, len(self.free))
+        return Curvature(self.jacobian.T @ self.jacobian, self.penalty.T @ self.penalty, len(self.free))
 
     @property
     def effective(self) -> float:
@@ -147,63 +148,111 @@ def minimised(
     at : coordinates (q,) of the tables. seen : a model beside the recording. penalty : rows (r, q), scaled to the
     recording where None is given. Raises SimulationError when the start cannot be seen.
     """
-    b = len(free)
+    b, inner, endless = len(free), bounds_of(free), np.full(at.size, np.inf)
 
     def by_coordinates(look: Look) -> FloatArray:
         return np.hstack((look.jacobian[:, :b], look.jacobian[:, b:] @ basis.free))
 
     if penalty is None:
-        first = by_coordinates(seen(basis.with_values(start, basis.free @ at)))
-        penalty = scaled_penalty(basis, first[:, b:])
+        # in the units in which the recording sees the tables' coordinates
+        penalty, tables = (
+            basis.rough @ basis.free,
+            by_coordinates(seen(basis.with_values(start, basis.free @ at)))[:, b:],
+        )
+        weight = float(np.trace(tables.T @ tables)) / max(float(np.trace(penalty.T @ penalty)), 1e-300)
+        penalty = np.sqrt(weight) * penalty
     rows = np.sqrt(strength) * penalty
 
     def evaluated(z: FloatArray) -> _Point:
         model = basis.with_values(with_coordinates(start, free, z[:b]), basis.free @ z[b:])
         look = seen(model)
-        values = [f.outward(c) for f, c in zip(free, z[:b].tolist(), strict=True)]
-        slopes = np.array([f.slope(v) for f, v in zip(free, values, strict=True)] + [1.0] * at.size)
-        return _Point(model, look, by_coordinates(look), -rows @ z[b:], rows, slopes)
+        slopes = [f.slope(f.outward(c)) for f, c in zip(free, z[:b].tolist(), strict=True)]
+        return _Point(model, look, by_coordinates(look), -rows @ z[b:], rows, np.array(slopes + [1.0] * at.size))
 
-    inner, q = bounds_of(free), at.size
     bounds = Bounds(
-        np.concatenate((inner.lower, np.full(q, -np.inf))),
-        np.concatenate((inner.upper, np.full(q, np.inf))),
-        np.concatenate((inner.longest, np.full(q, np.inf))),
+        np.concatenate((inner.lower, -endless)),
+        np.concatenate((inner.upper, endless)),
+        np.concatenate((inner.longest, endless)),
     )
-    found = least_squares(
-        evaluated, np.concatenate((coordinates_of(start, free), at)), Until(_DONE, 1e-5, iterations), bounds
-    )
+    begin = np.concatenate((coordinates_of(start, free), at))
+    found = least_squares(evaluated, begin, Until(_DONE, 1e-5, iterations), bounds)
     p = found.point
     return TableFit(basis, p.model, free, found.coordinates[b:], strength, penalty, p.look.residual, p.jacobian, p.look)
 
 
-def scaled_penalty(basis: Basis, jacobian: FloatArray) -> FloatArray:
-    """Rows of roughness (r, q), in the units in which the recording sees the tables' coordinates (N, q)."""
-    rows = basis.rough @ basis.free
-    weight = float(np.trace(jacobian.T @ jacobian)) / max(float(np.trace(rows.T @ rows)), 1e-300)
-    return np.asarray(np.sqrt(weight) * rows, dtype=np.float64)
+@dataclass(frozen=True, slots=True)
+class Blocks:
+    """What each block of a recording says of a linear model about a fit: J'J (m, p, p), J'y (m, p), y'y (m,).
 
-
-def fit_tables(
-    basis: Basis,
-    start: Model,
-    at: FloatArray,
-    free: tuple[Free, ...],
-    problem: Problem,
-    scales: Scales,
-    strength: float,
-    penalty: FloatArray | None = None,
-    iterations: int = 12,
-    effort: Effort = COARSE,
-) -> TableFit:
-    """Fit base parameters and tables from a start; see ``minimised``.
-
-    Raises SimulationError when the start cannot be simulated.
+    Number 0 is what is in no block, the largest swings, and is never left out.
     """
-    tables = tuple(Free(place, f"table {i}", -np.inf, np.inf, False) for i, place in enumerate(basis.places))
 
-    def seen(model: Model) -> Look:
-        residual, jacobian, shown = evaluate(model, problem, (*free, *tables), scales, effort)
-        return Look(residual, jacobian, shown.x, shown.v, shown)
+    normal: FloatArray
+    pull: FloatArray
+    size: FloatArray
 
-    return minimised(basis, start, at, free, seen, strength, penalty, iterations)
+    @classmethod
+    def of(cls, found: TableFit, block: FloatArray) -> "Blocks":
+        """block (n,) : number of each sample's block, -1 for those in none."""
+        number = np.tile(block.astype(np.int64) + 1, found.residual.size // block.size)
+        # about the fit: base parameters by what they move, tables by their coordinates
+        y = found.residual + found.jacobian @ np.concatenate((np.zeros(len(found.free)), found.at))
+        parts = [(found.jacobian[p], y[p]) for p in (number == i for i in range(int(number.max()) + 1))]
+        return cls(
+            np.array([j.T @ j for j, _ in parts]),
+            np.array([j.T @ r for j, r in parts]),
+            np.array([r @ r for _, r in parts]),
+        )
+
+    def missed(self, keep: BoolArray, out: BoolArray, penalty: FloatArray) -> float:
+        """Squares missed of the blocks ``out`` by a fit to the blocks ``keep``; penalty (p, p)."""
+        p = inverse_of(self.normal[keep].sum(axis=0) + penalty) @ self.pull[keep].sum(axis=0)
+        return float(self.size[out].sum() - 2.0 * p @ self.pull[out].sum(axis=0) + p @ self.normal[out].sum(axis=0) @ p)
+
+
+def strength_by_blocks(found: TableFit, block: FloatArray, keep: Sequence[int], most: float) -> float:
+    """The penalty at which blocks of ``keep``, left out one at a time, are predicted best.
+
+    most : effective parameters that the tables may have; where none of the penalties tried keeps to it, the largest.
+    """
+    blocks, b, p = Blocks.of(found, block), len(found.free), found.jacobian.shape[1]
+    rough, numbers = np.zeros((p, p)), np.arange(len(blocks.size))
+    rough[b:, b:] = found.penalty.T @ found.penalty
+    kept = np.isin(numbers, [0, *(i + 1 for i in keep)])
+    best, least = _STRENGTHS[-1], np.inf
+    for strength in _within(found, most):
+        missed = sum(blocks.missed(kept & (numbers != i + 1), numbers == i + 1, strength * rough) for i in keep)
+        if missed < least:
+            best, least = strength, missed
+    return best
+
+
+def _within(found: TableFit, most: float) -> list[float]:
+    """The penalties that keep to so many effective parameters, the strongest first, and last the one that uses all."""
+    kept: list[float] = []
+    curvature = found.curvature
+    for strength in reversed(_STRENGTHS):
+        if curvature.effective(strength) > most:
+            if kept:
+                low, high = math.log(strength), math.log(kept[-1])
+                for _ in range(_HALVINGS):
+                    middle = 0.5 * (low + high)
+                    within = curvature.effective(math.exp(middle)) <= most
+                    low, high = (low, middle) if within else (middle, high)
+                kept.append(math.exp(high))
+            break
+        kept.append(strength)
+    return kept
+
+
+def rougher(found: TableFit, block: FloatArray) -> FloatArray:
+    """Coordinates (q,) of the tables as rough as blocks alone would have them, however few words there are.
+
+    Linear about the fit; those of the fit itself where the words do not bound it.
+    """
+    strength = strength_by_blocks(found, block, range(int(block.max()) + 1), np.inf)
+    if strength >= found.strength:
+        return found.at
+    b = len(found.free)
+    y = found.residual + found.jacobian[:, b:] @ found.at
+    return np.asarray((inverse_of(found.curvature.at(strength)) @ (found.jacobian.T @ y))[b:])
