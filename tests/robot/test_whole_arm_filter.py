@@ -11,8 +11,7 @@ from scipy.stats import chi2
 
 from harness.core.arrays import FloatArray
 from harness.robot.smooth import Band
-from harness.robot.whole_arm.design import evidence
-from harness.robot.whole_arm.noise import Noise, Stretches
+from harness.robot.whole_arm.design import Noise, Stretches, evidence
 
 BAND = Band(15.0, 10_001, 1000.0)
 T = np.arange(BAND.size) / BAND.rate

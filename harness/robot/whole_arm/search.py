@@ -22,9 +22,8 @@ from harness.robot.whole_arm.columns import (
     model_candidates,
     signs,
 )
-from harness.robot.whole_arm.design import Design, Named, Part, Parts, Whitened
+from harness.robot.whole_arm.design import Design, Named, Noise, Part, Parts, Stretches, Whitened
 from harness.robot.whole_arm.differentiate import Filtered, differentiate
-from harness.robot.whole_arm.noise import Noise, Stretches
 from harness.robot.whole_arm.perturb import tilted, with_load
 from harness.robot.whole_arm.rules import GUARD, LEAST_SAMPLES, MOST, NAMED, RIVAL, SIZE
 

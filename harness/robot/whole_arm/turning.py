@@ -14,9 +14,8 @@ from scipy.special import betainc
 from harness.core.arrays import BoolArray, FloatArray, IntArray
 from harness.model.terms import backlash, presliding, static_friction
 from harness.robot.whole_arm.columns import DELAY, STRIBECK, Candidate, fall_with_speed, of_friction, signs
-from harness.robot.whole_arm.design import Design, Named, Whitened, evidence_of_chance
+from harness.robot.whole_arm.design import Design, Named, Stretches, Whitened, evidence_of_chance
 from harness.robot.whole_arm.differentiate import Filtered, reversals
-from harness.robot.whole_arm.noise import Stretches
 from harness.robot.whole_arm.rules import (
     AT_EDGE,
     COVERED,
