@@ -3,12 +3,12 @@
 import numpy as np
 from scipy.integrate import solve_ivp
 
+from benchmarks.exact_batch import fill_batch, stack
+from benchmarks.exact_sensitivity import fill_sensitivities
 from benchmarks.registry import Pair, benchmark
 from harness.core.arrays import FloatArray
 from harness.core.slider import PAPER
-from harness.exact.batch import fill_batch, stack
 from harness.exact.decay import Decay, fill_at, fill_uniform
-from harness.exact.sensitivity import fill_sensitivities
 
 _LONG = 4_000_000
 _PAPER = Decay.of(PAPER, 1.0)

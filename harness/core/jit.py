@@ -67,6 +67,7 @@ _INLINED_FROM = {
     "model": ("model", "kernels"),
     "engines": ("model", "kernels", "engines"),
     "diagnosis": ("model", "kernels", "exact", "diagnosis"),
+    "user": ("model", "kernels", "exact"),
 }
 
 
@@ -97,8 +98,7 @@ def compiled(function: F, *, fastmath: bool = False, lean: bool = False) -> F:
     """Compile a plain function with Numba, cached on disk, without the interpreter lock."""
     room = function.__module__.split(".")[1] if function.__module__.startswith("harness.") else "user"
     # kept here because Numba reads it when a function is decorated, and one room must not share another's
-    folder = _ROOT / f"{room}-{_fingerprint(room)}" if room != "user" else _ROOT
-    numba.config.CACHE_DIR = str(folder)  # type: ignore[attr-defined]
+    numba.config.CACHE_DIR = str(_ROOT / f"{room}-{_fingerprint(room)}")  # type: ignore[attr-defined]
     options: dict[str, Any] = {"cache": True, "nogil": True, "error_model": "numpy"}
     if fastmath:
         options["fastmath"] = {"contract", "reassoc", "nsz", "arcp"}

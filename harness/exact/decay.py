@@ -1,10 +1,6 @@
-"""Free decay of any slider, exact: turning points, events and samples.
+"""Free decay of any slider, exact: turning points, events and samples; how long a run should last.
 
 Source: Liang, eqs. 2 to 6, extended to any start, f_s > f_k, and every damping ratio.
-
-How long a run should last.
-
-A constant load on a slider at rest with its spring relaxed: below break-away nothing moves, for ever.
 """
 
 import math

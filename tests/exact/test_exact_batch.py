@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
+from benchmarks.exact_batch import fill_batch, stack
 from harness.core.errors import InputError
-from harness.exact.batch import fill_batch, stack
 from harness.exact.decay import Decay, fill_uniform
 
 

@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 from exact_mp import DIGITS, HighPrecisionDecay
 
+from benchmarks.exact_sensitivity import PARAMETERS, fill_sensitivities
 from harness.core.arrays import FloatArray
 from harness.exact.decay import Decay, fill_at, schedule
-from harness.exact.sensitivity import PARAMETERS, fill_sensitivities
 
 ORDER = ("omega_n", "zeta", "x_k", "x_0", "v_0", "t_0")
 

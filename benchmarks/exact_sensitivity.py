@@ -12,6 +12,7 @@ import numpy as np
 
 from harness.core.arrays import FloatArray
 from harness.core.jit import compiled
+from harness.exact.decay import Decay, check_outputs, check_times, read_only
 from harness.exact.flow import discriminant, flow
 from harness.exact.segments import CENTRE, DIRECTION, POSITION, SPEED, START, half_cycles
 
@@ -102,7 +103,7 @@ def event_partials(omega_n: float, zeta: float, x_k: float, table: FloatArray) -
 
 
 @compiled
-def fill_sensitivities(
+def _fill(
     omega_n: float,
     zeta: float,
     x_k: float,
@@ -117,7 +118,7 @@ def fill_sensitivities(
     dv: FloatArray,
     da: FloatArray,
 ) -> None:
-    """The kernel of ``sensitivity.fill_sensitivities``."""
+    """The kernel of ``fill_sensitivities``."""
     n = t.size
     if n == 0:
         return
@@ -166,3 +167,26 @@ def fill_sensitivities(
                 da[j, p] = rate_accel - jerk * moved
             dx[j, T_0], dv[j, T_0], da[j, T_0] = -dy, -ddy, -jerk
         first = last
+
+
+def fill_sensitivities(
+    decay: Decay,
+    t: FloatArray,
+    x: FloatArray,
+    v: FloatArray,
+    a: FloatArray,
+    dx: FloatArray,
+    dv: FloatArray,
+    da: FloatArray,
+) -> None:
+    """Write x, v, a, each (n,), and their derivatives dx, dv, da, each (n, 6), at times ``t`` (n,) in s.
+
+    Columns as in PARAMETERS, SI units; t_0 is the time of the start (here 0): its column is minus the time derivative.
+    From rest the derivative to v_0 is the one along the motion. x_s has none: it decides only whether the slider
+    sticks. Times do not decrease. At a time of an event the derivative is the one after it.
+    """
+    n = t.size
+    check_outputs((n,), t, x, v, a)
+    check_outputs((n, len(PARAMETERS)), dx, dv, da)
+    check_times(decay, t)
+    _fill(*decay.arguments, read_only(t), x, v, a, dx, dv, da)
