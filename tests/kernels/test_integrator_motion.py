@@ -9,11 +9,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 from kernel_cases import DRIVE, VALUES, difference_error, goal, model, term
 
+from benchmarks.exact_sensitivity import PARAMETERS, fill_sensitivities
 from harness.core.errors import InputError, SimulationError
 from harness.core.events import EventKind
 from harness.core.slider import PAPER, Slider
 from harness.exact.decay import Decay, free_decay
-from harness.exact.sensitivity import PARAMETERS, fill_sensitivities
 from harness.kernels.solve import Drive, Effort, simulate, solve
 from harness.model.model import Model, ModelTerm, Restoring
 
