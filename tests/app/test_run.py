@@ -204,15 +204,15 @@ def scenario_of(file: Path, duration: float | None) -> ModelScenario:
 
 
 @pytest.fixture(scope="module")
-def done(tmp_path_factory: pytest.TempPathFactory) -> tuple[RunResult, Path]:
+def modelled(tmp_path_factory: pytest.TempPathFactory) -> tuple[RunResult, Path]:
     folder = tmp_path_factory.mktemp("model")
     scenario = scenario_of(file_of(MODEL, folder), None)
     return run(RunOptions(scenario, presets=("tuned",)), folder / "out"), folder / "out"
 
 
 @pytest.mark.usefixtures("pybullet")
-def test_engines_move_as_the_reference(done: tuple[RunResult, Path]) -> None:
-    reference, *engines = done[0].traces
+def test_engines_move_as_the_reference(modelled: tuple[RunResult, Path]) -> None:
+    reference, *engines = modelled[0].traces
     assert (reference.source, reference.metrics.max_error_m) == ("reference", 0.0)
     assert [trace.source for trace in engines] == ["mujoco", "pybullet"]
     assert reference.metrics.stick_time_s is not None
@@ -224,8 +224,8 @@ def test_engines_move_as_the_reference(done: tuple[RunResult, Path]) -> None:
         assert trace.metrics.stick_time_s == pytest.approx(reference.metrics.stick_time_s, abs=0.02)
 
 
-def test_what_acts_and_what_is_left_out_is_said(done: tuple[RunResult, Path]) -> None:
-    result, folder = done
+def test_what_acts_and_what_is_left_out_is_said(modelled: tuple[RunResult, Path]) -> None:
+    result, folder = modelled
     assert any(line.startswith("stribeck: ") for line in result.conclusions)
     assert any("sensor-gain change what a sensor makes of it" in line for line in result.conclusions)
     left_out = (folder / "model" / "not_said.txt").read_text(encoding="utf-8")
@@ -233,22 +233,22 @@ def test_what_acts_and_what_is_left_out_is_said(done: tuple[RunResult, Path]) ->
     assert document.load(folder / "model" / "model.json") == MODEL
 
 
-def test_the_page_is_made_again_from_the_trace(done: tuple[RunResult, Path], tmp_path: Path) -> None:
-    again, page = rebuild(done[1], tmp_path / "again.html")
+def test_the_page_is_made_again_from_the_trace(modelled: tuple[RunResult, Path], tmp_path: Path) -> None:
+    again, page = rebuild(modelled[1], tmp_path / "again.html")
     assert isinstance(again, RunResult)
-    assert again.traces == done[0].traces
-    assert again.conclusions == done[0].conclusions
+    assert again.traces == modelled[0].traces
+    assert again.conclusions == modelled[0].conclusions
     assert page.stat().st_size > 100_000
 
 
-def test_a_case_is_made_again_from_what_is_written_of_it(done: tuple[RunResult, Path]) -> None:
-    assert case_of_json(done[0].scenario).describe() == done[0].scenario
+def test_a_case_is_made_again_from_what_is_written_of_it(modelled: tuple[RunResult, Path]) -> None:
+    assert case_of_json(modelled[0].scenario).describe() == modelled[0].scenario
 
 
-def test_it_lasts_until_it_rests_or_ten_periods(done: tuple[RunResult, Path], tmp_path: Path) -> None:
-    rest = done[0].traces[0].metrics.stick_time_s
+def test_it_lasts_until_it_rests_or_ten_periods(modelled: tuple[RunResult, Path], tmp_path: Path) -> None:
+    rest = modelled[0].traces[0].metrics.stick_time_s
     assert rest is not None
-    assert 1.2 * rest <= done[0].scenario["duration_s"] <= 1.3 * rest
+    assert 1.2 * rest <= modelled[0].scenario["duration_s"] <= 1.3 * rest
     endless = Model(1.0, 0.1, 100.0, 0.0, x0=1.0)
     assert scenario_of(file_of(endless, tmp_path), None).duration == pytest.approx(6.3)
     assert scenario_of(file_of(endless, tmp_path), 0.5).duration == 0.5
