@@ -153,7 +153,7 @@ def test_what_a_fitted_force_knows_of_a_name_is_what_a_motion_knows(apart: Force
     assert (decided(found).grade, decided(found).named[0].name) == (Grade.MAIN, first.name)
     other = next(f for f in found.finalists if f.share < 0.05 and not f.clock)
     assert other.company < 0.05
-    assert found.posterior[other.name] < 0.01
+    assert found.posterior.get(other.name, 0.0) < 0.01
 
 
 def forced(t: FloatArray, u: FloatArray, v: FloatArray) -> tuple[ForceFit, Measured]:

@@ -9,7 +9,7 @@ the first turning point on at the latest.
 
 A second law beside the main effect of a machine, where both together explain it to its noise.
 
-On a machine pairs are not looked for: two laws follow a crowd of small effects as well as their own. Beside a main
+On a machine pairs are not looked for: two laws follow a crowd of small effects as well as their own. Beside the likeliest
 effect that stands by itself one more is told, if it leaves noise alone and says more in words of the motion than any
 other by the margin that a main effect has.
 """
@@ -137,9 +137,9 @@ def _mean(values: FloatArray, where: BoolArray) -> float:
 
 
 def with_second(graded: Graded) -> Search | None:
-    """The main effect with the law that explains what it leaves; None where there is none. Raises SimulationError."""
+    """The likeliest name with the law that explains what it leaves; None where there is none. Raises SimulationError."""
     misfit = graded.misfit
-    if graded.grade is not Grade.MAIN or misfit.problem.pairs_searched:
+    if graded.grade not in (Grade.MAIN, Grade.ONE_OF) or misfit.problem.pairs_searched:
         return None
     scales, main = misfit.scales, graded.named[0].fit
     problem = misfit.sensed(noise_of(main, misfit.sensed(misfit.noise), misfit.scales.omega))
