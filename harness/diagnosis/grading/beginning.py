@@ -9,9 +9,9 @@ the first turning point on at the latest.
 
 A second law beside the main effect of a machine, where both together explain it to its noise.
 
-On a machine pairs are not looked for: two laws follow a crowd of small effects as well as their own. Beside the likeliest
-effect that stands by itself one more is told, if it leaves noise alone and says more in words of the motion than any
-other by the margin that a main effect has.
+On a machine pairs are not looked for: two laws follow a crowd of small effects as well as their own. Beside the
+likeliest effect one more is told, if it leaves noise alone and says more in words of the motion than any other by the
+margin that a main effect has.
 """
 
 import math
@@ -137,7 +137,7 @@ def _mean(values: FloatArray, where: BoolArray) -> float:
 
 
 def with_second(graded: Graded) -> Search | None:
-    """The likeliest name with the law that explains what it leaves; None where there is none. Raises SimulationError."""
+    """The likeliest name with the law that explains what it leaves; None where none does. Raises SimulationError."""
     misfit = graded.misfit
     if graded.grade not in (Grade.MAIN, Grade.ONE_OF) or misfit.problem.pairs_searched:
         return None
