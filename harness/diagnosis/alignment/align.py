@@ -75,7 +75,9 @@ def _candidates(pair: Pair, first: Signals, second: Signals) -> list[float]:
     for i in dips[np.argsort(saved[dips], kind="stable")]:
         if all(abs(shifts[i] - one) > _APART * pair.period for one in lowest):
             lowest.append(float(shifts[i]))
-    return lowest[:_CANDIDATES]
+            if len(lowest) == _CANDIDATES:
+                break
+    return lowest
 
 
 def _binned(t: FloatArray, y: FloatArray, width: float, count: int) -> FloatArray:
