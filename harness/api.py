@@ -263,7 +263,10 @@ def diagnose_joint(
     if out is not None:
         return computed(Path(log), asked, options, Path(out))
     with TemporaryDirectory(prefix="friction-harness-") as folder:
-        return computed(Path(log), asked, options, Path(folder) / "joint").model_copy(update={"files": {}})
+        result = computed(Path(log), asked, options, Path(folder) / "joint")
+        # the page is kept, the folder goes
+        result = result.drawn(Path(result.files["report"]).read_text(encoding="utf-8"))
+        return result.model_copy(update={"files": {}})
 
 
 def run_joint(

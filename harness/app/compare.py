@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Mapping
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -78,9 +79,8 @@ def deliver(
         progress("comparing", 1, 3)
         simulated, recorded = of_one_kind(thinned(simulated), thinned(recorded))
         outputs = {name: output.at(file) for name, file in FILES.items()}
-        result, found = result_of(simulated, recorded, command, outputs, shift)
+        result, shown = result_of(simulated, recorded, command, outputs, shift)
         progress("writing trace and report", 2, 3)
-        shown = _shown(result, found, recorded.angular)
         leave(output, result, compare_page(result, shown), compare_scene(simulated, recorded, shown, result))
     return result
 
@@ -91,8 +91,11 @@ def result_of(
     command: str = "",
     outputs: dict[str, str] | None = None,
     shift: float | None = None,
-) -> tuple[CompareResult, Match]:
-    """Compare two traces; shift : of the first, s, None to find it. Raises InputError when nothing is in common."""
+) -> tuple[CompareResult, Shown]:
+    """Compare two traces; shift : of the first, s, None to find it. Returns the result and what its page shows.
+
+    Raises InputError when nothing is in common.
+    """
     sim, real = of_one_kind(sim, real)
     comparison = compared(sim, real, shift)
     found, names = comparison.match, names_of(sim.file, real.file)
@@ -126,15 +129,12 @@ def result_of(
         outputs=outputs or {},
     )
     said = compare_sentences(result, _limits(comparison, sim, real))
-    return result.model_copy(update={"sentences": said}), found
-
-
-def _shown(result: CompareResult, found: Match, angular: bool) -> Shown:
-    """What both show at shared times, with position and speed of each, smoothed where they were not measured."""
+    result = result.model_copy(update={"sentences": said})
+    # position and speed of each are smoothed where they were not measured
     first, second = (motion_of(found.t, channels, found.omega) for channels in (found.sim, found.real))
-    names = (*result.traces,)
     both = {c: (found.sim[c], found.real[c]) for c in found.real}
-    return Shown(found.t, both, ((first.x, first.v), (second.x, second.v)), (names[0], names[1]), angular)
+    shown = Shown(found.t, both, ((first.x, first.v), (second.x, second.v)), names, real.angular)
+    return result.drawn(partial(compare_page, shown=shown)), shown
 
 
 def summary(result: CompareResult) -> tuple[str, list[tuple[str, list[str]]]]:
@@ -147,10 +147,10 @@ def again(stored: StoredTrace, data: Any) -> tuple[CompareResult, Page]:
     aligned = data["aligned"]["shift_s"]
     shift = aligned["value"] if aligned.get("why") == GIVEN else None
     sim, real = stored.recordings
-    result, found = result_of(sim, real, data["command"], data["outputs"], shift)
+    result, shown = result_of(sim, real, data["command"], data["outputs"], shift)
     kept = {"machine": data["machine"], "outputs": data["outputs"]}
     result = CompareResult.model_validate(result.model_dump(by_alias=True) | kept)
-    return result, compare_page(result, _shown(result, found, real.angular))
+    return result, compare_page(result, shown)
 
 
 def names_of(first: str, second: str) -> tuple[str, str]:

@@ -3,6 +3,7 @@
 import math
 import shlex
 from collections.abc import Mapping
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -183,4 +184,4 @@ def result_of(
         machine=this_machine(),
         files=dict(files or {}),
     )
-    return result, motion
+    return result.drawn(partial(identify_page, recording=recording, fitted=motion)), motion

@@ -1,10 +1,12 @@
 """Pieces that several results share; a model as a file (harness.model/1); an installation (harness.doctor/1)."""
 
 from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from importlib import import_module
 from typing import Annotated, Any, Literal, Self
 
 import numpy as np
-from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, model_validator
+from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, PrivateAttr, model_validator
 
 from harness.core.events import Regime
 from harness.core.quantity import Quantity
@@ -32,6 +34,35 @@ class Result(BaseModel):
         """From what was found: its attributes that have the names of fields, and ``more`` beside and before them."""
         own = {name: getattr(found, name) for name in cls.model_fields if name not in more and hasattr(found, name)}
         return cls.model_validate(own | more)
+
+
+@dataclass(slots=True)
+class Drawing:
+    """page : the page of a result as text, or what makes it of the result; no part of what the result says."""
+
+    page: Callable[[Any], Any] | str | None = field(default=None, compare=False, repr=False)
+
+
+class Paged(Result):
+    """A result that a notebook shows as its page, and whose numbers are to be had as a table."""
+
+    _drawing: Drawing = PrivateAttr(default_factory=Drawing)
+
+    def drawn(self, page: Callable[[Any], Any] | str) -> Self:
+        """This result, shown in a notebook by ``page``: its text, or what makes the page of the result."""
+        self._drawing.page = page
+        return self
+
+    def _repr_html_(self) -> str | None:
+        text: str | None = import_module("harness.show.notebook").html(self)
+        return text
+
+    def to_frame(self) -> Any:
+        """Every number with its error and unit as a pandas.DataFrame, indexed by part and quantity.
+
+        Raises InputError where pandas is not installed.
+        """
+        return import_module("harness.show.notebook").frame(self)
 
 
 Floats = Annotated[list[float], BeforeValidator(lambda y: y.tolist() if isinstance(y, np.ndarray) else y)]

@@ -4,7 +4,7 @@ from typing import Literal
 
 from pydantic import Field
 
-from harness.results.common import Machine, P, RecordingInfo, Result, Where
+from harness.results.common import Machine, P, Paged, RecordingInfo, Result, Where
 
 
 class ChannelPair(Result):
@@ -74,7 +74,7 @@ class Largest(Result):
     time_s: float
 
 
-class CompareResult(Result):
+class CompareResult(Paged):
     """harness compare."""
 
     schema_: Literal["harness.compare/2"] = Field(default="harness.compare/2", alias="schema")

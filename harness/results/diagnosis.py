@@ -9,6 +9,7 @@ from harness.results.common import (
     Machine,
     ModelDocument,
     P,
+    Paged,
     RecordingInfo,
     RepeatedResult,
     Result,
@@ -292,7 +293,7 @@ class ReadResult(Result):
     mended: list[str] = Field(description="what was changed or left out to read it, one sentence each")
 
 
-class DiagnosisResult(Result):
+class DiagnosisResult(Paged):
     """harness diagnose, for one recording, or for several of one machine together."""
 
     schema_: Literal["harness.diagnosis/2"] = Field(default="harness.diagnosis/2", alias="schema")

@@ -4,7 +4,7 @@ from typing import Literal
 
 from pydantic import Field
 
-from harness.results.common import Machine, P, RecordingInfo, Result
+from harness.results.common import Machine, P, Paged, RecordingInfo
 from harness.results.diagnosis import FitResult
 from harness.results.run import Estimates
 
@@ -12,7 +12,7 @@ Swing = Literal["spring", "pendulum"]
 """What pulls back."""
 
 
-class IdentifyResult(Result):
+class IdentifyResult(Paged):
     """harness identify."""
 
     schema_: Literal["harness.identify/1"] = Field(default="harness.identify/1", alias="schema")

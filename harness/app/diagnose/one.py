@@ -2,6 +2,7 @@
 
 import tempfile
 from collections.abc import Callable, Mapping, Sequence
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -96,7 +97,9 @@ def deliver(
 def answer(given: Recording | Sequence[Recording], options: DiagnoseOptions) -> DiagnosisResult:
     """Diagnose as ``investigate`` does and leave nothing, the log too; raises InputError, SimulationError."""
     with tempfile.TemporaryDirectory(prefix="friction-harness-") as folder, journal(Path(folder) / LOG):
-        return investigate(given, options).result
+        found = investigate(given, options)
+        page = partial(diagnosis_page, recording=found.recording, simulated=found.simulated)
+        return found.result.drawn(page)
 
 
 def _write(output: OutputFolder, found: Diagnosed, progress: Progress, finish: Finish) -> DiagnosisResult:
