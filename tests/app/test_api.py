@@ -95,9 +95,9 @@ def test_identify_and_compare_take_what_is_in_memory(decay: harness.Recording, t
     assert (tmp_path / "identified" / "report.html").is_file()
     assert harness.identify(decay).estimates == found.estimates
     moved = harness.Recording(decay.t, {name: 1.2 * values for name, values in decay.channels.items()})
-    found = harness.compare(decay, moved)
-    assert found.verdict == "different"
-    assert "<iframe" in (found._repr_html_() or "")
+    compared = harness.compare(decay, moved)
+    assert compared.verdict == "different"
+    assert "<iframe" in (compared._repr_html_() or "")
 
 
 def test_a_model_has_no_motion_before_its_beginning() -> None:
