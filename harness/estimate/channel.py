@@ -210,8 +210,8 @@ def fit_channel(t: FloatArray, y: FloatArray, kind: Kind, drop_first: bool = Fal
     """Fit the free decay in a channel ``y`` (n,) sampled at ``t`` (n,) in s.
 
     drop_first : leave out the first period, which a release by hand distorts. It is also left out when the rest is one
-    motion of the base model and the whole is not; ``dropped`` then says so.
-    Raises NoDecay with the reason when there is no free decay of three half-cycles or more.
+    motion of the base model and the whole is not; ``dropped`` then says so. Raises NoDecay with the reason when there
+    is no free decay of three half-cycles or more.
     """
     spread = float(np.std(y))
     if spread == 0.0:

@@ -1,8 +1,7 @@
 """Method displacement: q from the decrements of the turning points (Liang, eqs. 7 and 8), then x_k from eq. 6.
 
 Eqs. 7 and 8 are eq. 6 with x_k, and with x_k and an offset of the sensor, eliminated. Dividing noisy differences is
-what
-makes them poor; here the same recursion is fitted to all turning points with their covariance, both ends of each
+what makes them poor; here the same recursion is fitted to all turning points with their covariance, both ends of each
 half-cycle counted, and an offset is kept when the data show one.
 
 Turning points of the displacement, and the times at which the speed is zero, read off the fitted forms.
@@ -15,7 +14,7 @@ import numpy as np
 
 from harness.core.arrays import BoolArray, FloatArray
 from harness.estimate.channel import ChannelFit
-from harness.estimate.result import Estimate, Reversal, quantity
+from harness.estimate.result import Estimate, Reversal, damped, quantity
 from harness.estimate.sequence import Model, SequenceFit, fit_sequence, loss_of, powers, whitening
 from harness.estimate.tied import OMEGA
 
@@ -235,8 +234,6 @@ def displacement(fit: ChannelFit, unit: str = "m") -> Estimate:
         notes.append(loss.said)
     elif q <= 0.0:
         return Estimate.refused("the turning points do not decay as eq. 6 says", unit)
-    root = math.sqrt(1.0 + beta * beta)
-    omega_n = omega_d * root
     rows = []
     for i in range(1, count + 1):
         side = float(sides[i - 1])  # of the turning point before
@@ -261,8 +258,7 @@ def displacement(fit: ChannelFit, unit: str = "m") -> Estimate:
             f"x is measured from {offset:.4g} {unit} off the rest position of the spring (eq. 8 rules, eq. 7 cannot)"
         )
     return Estimate(
-        quantity(omega_n, math.hypot(omega_error * root, omega_d * beta / root * beta_error), "rad/s"),
-        quantity(beta / root, beta_error / root**3, "1"),
+        *damped((omega_d, omega_error), (beta, beta_error)),
         quantity(x_k, x_k_error, unit),
         count - 1,
         tuple(rows),

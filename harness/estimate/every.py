@@ -1,7 +1,7 @@
 """All estimators on one recording: arrays in, a figure or a reason out for every method."""
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 
 import numpy as np
 
@@ -19,7 +19,7 @@ from harness.estimate.displacement import (
     reversal_times,
     turning_points,
 )
-from harness.estimate.isolated import constant_decrement, log_decrement
+from harness.estimate.isolated import ASSUMED, isolated
 from harness.estimate.local import acceleration_local
 from harness.estimate.noise import channel_noise
 from harness.estimate.paper import acceleration_paper
@@ -39,8 +39,7 @@ def sensor_lead(acceleration: ChannelFit, displacement: ChannelFit) -> tuple[Qua
     """Phase lead of the accelerometer in rad, and the same in s: x is late against a by that time.
 
     Each channel is fitted with reversals of its own; the lead is how far theirs are apart. Methods that read one
-    channel
-    at that channel's own reversals need no further correction: this is how the lead is removed.
+    channel at that channel's own reversals need no further correction: this is how the lead is removed.
     """
     ours, theirs = reversal_times(acceleration), reversal_times(displacement)
     half = math.pi / acceleration.omega
@@ -62,14 +61,7 @@ def sensor_lead(acceleration: ChannelFit, displacement: ChannelFit) -> tuple[Qua
     return quantity(acceleration.omega * lag, acceleration.omega * error, "rad"), lag
 
 
-METHODS = (
-    "acceleration",
-    "acceleration-local",
-    "acceleration-paper",
-    "displacement",
-    "log-decrement",
-    "constant-decrement",
-)
+METHODS = ("acceleration", "acceleration-local", "acceleration-paper", "displacement", *ASSUMED)
 
 _KINDS = {"x": Kind.DISPLACEMENT, "v": Kind.VELOCITY, "a": Kind.ACCELERATION}
 _FEWEST = 16
@@ -152,18 +144,11 @@ def _acceleration_methods(
 
 
 def _displacement_methods(fits: dict[str, ChannelFit], whys: dict[str, str], unit: str) -> dict[str, Estimate]:
-    out = {}
-    if "x" in fits:
-        out["displacement"] = displacement(fits["x"], unit)
-    else:
-        out["displacement"] = Estimate.refused(whys.get("x", "the displacement is needed and was not given"), unit)
+    why = whys.get("x", "the displacement is needed and was not given")
+    out = {"displacement": displacement(fits["x"], unit) if "x" in fits else Estimate.refused(why, unit)}
     source = next(fits[name] for name in ("x", "a", "v") if name in fits)
     sizes, omega_d = _sizes(source), _frequency(source)
-    isolated: dict[str, Callable[..., Estimate]] = {
-        "log-decrement": log_decrement,
-        "constant-decrement": constant_decrement,
-    }
-    return out | {method: function(*sizes, omega_d, unit) for method, function in isolated.items()}
+    return out | {method: isolated(method, *sizes, omega_d, unit) for method in ASSUMED}
 
 
 def _warnings(t: FloatArray, fits: dict[str, ChannelFit]) -> list[str]:

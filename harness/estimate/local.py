@@ -11,7 +11,7 @@ import math
 import numpy as np
 
 from harness.core.arrays import FloatArray
-from harness.estimate.result import Estimate, Reversal, quantity
+from harness.estimate.result import Estimate, Reversal, damped, quantity
 from harness.estimate.sequence import Model, fit_sequence, loss_of, powers
 
 
@@ -66,10 +66,8 @@ def acceleration_local(
     """omega_n, zeta and x_k (in ``unit``) from single samples of the acceleration a (n,), m/s^2, at t (n,), s.
 
     sigma : noise of one sample. edges (K+1,) : times at which the speed is zero, s; seen : whether the first and the
-    last
-    are such in the data. side : sign of x at the start. omega_d : with its standard error, rad/s. decay : sigma =
-    zeta omega_n, 1/s, to
-    carry a sample over an interval and a half.
+    last are such in the data. side : sign of x at the start. omega_d : with its standard error, rad/s. decay : sigma =
+    zeta omega_n, 1/s, to carry a sample over an interval and a half.
     """
     count = edges.size - 1
     before, after = samples_beside(t, a, edges, (decay, omega_d[0]))
@@ -101,8 +99,7 @@ def acceleration_local(
         notes.append(loss.said)
     elif q_found <= 0.0:
         return Estimate.refused("the samples beside the reversals do not decay", unit)
-    root = math.sqrt(1.0 + beta * beta)
-    omega_n = omega_d[0] * root
+    omega_n = omega_d[0] * math.sqrt(1.0 + beta * beta)
     jumps = sign[1:-1] * (after[1:-1] - before[1:-1])
     per = 0.5 / omega_n**2
     error = math.sqrt(2.0) * sigma * per
@@ -113,8 +110,7 @@ def acceleration_local(
         for time, early, late, jump in zip(edges[1:-1], before[1:-1], after[1:-1], jumps, strict=True)
     )
     return Estimate(
-        quantity(omega_n, math.hypot(omega_d[1] * root, omega_d[0] * beta / root * beta_error), "rad/s"),
-        quantity(beta / root, beta_error / root**3, "1"),
+        *damped(omega_d, (beta, beta_error)),
         quantity(x_k, max(error, scatter) / math.sqrt(jumps.size), unit),
         jumps.size,
         rows,

@@ -21,9 +21,7 @@ def moving_average(a: FloatArray, points: int = POINTS) -> FloatArray:
 
 
 def beside(t: FloatArray, a: FloatArray, times: FloatArray, points: int) -> tuple[FloatArray, FloatArray]:
-    """Averages of ``points`` samples of a (n,) wholly before and wholly after each of ``times`` (m,); nan at the
-    ends.
-    """
+    """Averages of ``points`` samples of a (n,) wholly before and after each of ``times`` (m,); nan at the ends."""
     smooth = moving_average(a, points)
     tolerance = 1e-9 * float(t[-1] - t[0])
     last = np.searchsorted(t, times - tolerance) - points
@@ -46,29 +44,20 @@ def _ratios(change: FloatArray, before: FloatArray, scale: float) -> FloatArray:
     return np.where(real, change / np.where(real, before, 1.0), np.nan)
 
 
-def _by_sums(values: FloatArray) -> FloatArray:
+def by_sums(values: FloatArray) -> FloatArray:
     """zeta from three successive figures (n,), the form of eqs. 7 and 13."""
     sums = values[1:] + values[:-1]
     return _zetas(_ratios(sums[1:], sums[:-1], float(np.max(np.abs(values), initial=0.0))))
 
 
-def _by_differences(values: FloatArray) -> FloatArray:
+def by_differences(values: FloatArray) -> FloatArray:
     """zeta from four successive figures (n,), the form of eqs. 8 and 12."""
     differences = values[2:] - values[:-2]
     return _zetas(_ratios(differences[1:], differences[:-1], float(np.max(np.abs(values), initial=0.0))))
 
 
-def by_eq_12(before: FloatArray) -> FloatArray:
-    """zeta from four successive accelerations before jumps (n,), signed, m/s^2."""
-    return _by_differences(before)
-
-
-def by_eq_13(after: FloatArray) -> FloatArray:
-    """zeta from three successive accelerations after jumps (n,), signed, m/s^2."""
-    return _by_sums(after)
-
-
-def _mean(values: FloatArray, unit: str, what: str) -> Quantity:
+def mean_of(values: FloatArray, unit: str, what: str) -> Quantity:
+    """Mean of single estimates (n,) with the standard error of their scatter; refused without any of ``what``."""
     if values.size == 0:
         return Quantity.refused(unit, f"{what} gave no figure")
     mean = float(np.mean(values))
@@ -102,8 +91,8 @@ def acceleration_paper(
         return Estimate.refused(
             f"{inner.size} reversals are left after the first period, eqs. 12 and 13 need three", unit
         )
-    twelve, thirteen = by_eq_12(before), by_eq_13(after)
-    zeta = _mean(np.concatenate([twelve, thirteen]), "1", "eqs. 12 and 13")
+    twelve, thirteen = by_differences(before), by_sums(after)
+    zeta = mean_of(np.concatenate([twelve, thirteen]), "1", "eqs. 12 and 13")
     if zeta.value is None or abs(zeta.value) >= 1.0:
         return Estimate.refused("eqs. 12 and 13 gave no damping ratio", unit)
     root = math.sqrt(1.0 - zeta.value**2)
@@ -114,7 +103,7 @@ def acceleration_paper(
     return Estimate(
         quantity(omega_n, error, "rad/s"),
         zeta,
-        _mean(single, unit, "eq. 11"),
+        mean_of(single, unit, "eq. 11"),
         inner.size,
         tuple(
             Reversal(float(time), None, float(b), float(p), float(x), scatter)
@@ -122,28 +111,3 @@ def acceleration_paper(
         ),
         notes=("as published: standard errors are the scatter of the averaged figures and know nothing of their bias",),
     )
-
-
-def displacement_paper(
-    t: FloatArray, x: FloatArray, edges: FloatArray, omega_d: tuple[float, float], unit: str = "m"
-) -> Estimate:
-    """The displacement decrement as the paper used it: largest samples, eqs. 7 and 8 and then 6, first period
-    dropped, averaged.
-
-    Arguments as for acceleration_paper, x (n,) in m. Kept for the table that compares with the paper's.
-    """
-    half = math.pi / omega_d[0]
-    times = edges[edges > edges[0] + 1.5 * half]
-    turning = []
-    for time in times:
-        part = x[slice(*np.searchsorted(t, [time - 0.25 * half, time + 0.25 * half]))]
-        turning.append(float(part[np.argmax(np.abs(part))]) if part.size else math.nan)
-    points = np.array(turning)
-    zeta = _mean(np.concatenate([_by_sums(points), _by_differences(points)]), "1", "eqs. 7 and 8")
-    if zeta.value is None or abs(zeta.value) >= 1.0:
-        return Estimate.refused("eqs. 7 and 8 gave no damping ratio", unit)
-    root = math.sqrt(1.0 - zeta.value**2)
-    q = math.exp(-math.pi * zeta.value / root)
-    single = np.sign(points[:-1]) * (points[1:] + q * points[:-1]) / (1.0 + q)
-    omega_n = omega_d[0] / root
-    return Estimate(quantity(omega_n, omega_d[1] / root, "rad/s"), zeta, _mean(single, unit, "eq. 6"), points.size)

@@ -117,6 +117,13 @@ def quantity(value: float, stderr: float, unit: str) -> Quantity:
     return Quantity(float(value), float(stderr), unit)
 
 
+def damped(omega_d: tuple[float, float], beta: tuple[float, float]) -> tuple[Quantity, Quantity]:
+    """omega_n (rad/s) and zeta from the damped frequency and beta = zeta/sqrt(1 - zeta^2), each with its error."""
+    root = math.sqrt(1.0 + beta[0] * beta[0])
+    error = math.hypot(omega_d[1] * root, omega_d[0] * beta[0] / root * beta[1])
+    return quantity(omega_d[0] * root, error, "rad/s"), quantity(beta[0] / root, beta[1] / root**3, "1")
+
+
 def rates_to_modal(sigma: float, omega: float, covariance: FloatArray) -> tuple[float, float, float, float]:
     """omega_n, its standard error, zeta, its standard error from sigma = zeta omega_n, omega_d and their (2,2)
     covariance.

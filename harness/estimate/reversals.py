@@ -1,8 +1,7 @@
 """Where the speed changes sign: half-cycles of a free decay, found in noise, in any one channel.
 
 The channel is smoothed over an eighth of a period (which its spectrum gives) and followed with hysteresis. Times are
-good
-to a few samples here; the fit that follows makes them sub-sample (harness.estimate.halfcycles).
+good to a few samples here; the fit that follows makes them sub-sample (harness.estimate.halfcycles).
 """
 
 from dataclasses import dataclass
@@ -136,12 +135,10 @@ def find_half_cycles(t: FloatArray, y: FloatArray, kind: Kind, noise: Noise) -> 
     """Half-cycles of the free decay in channel ``y`` (n,) of the given kind, sampled at ``t`` (n,) in s.
 
     Half-cycles whose swing drowns in the noise at the end are left to the fit, which can add them. A rest before
-    release
-    and after the stop, irregular sampling and short gaps do no harm.
+    release and after the stop, irregular sampling and short gaps do no harm.
 
     Raises NoDecay with the reason when there are fewer than two reversals, when the swing grows, or when half-cycles
-    hold
-    too few samples.
+    hold too few samples.
     """
     period = period_of(t, y, kind, noise)
     grid, signal = _even(t, y)

@@ -111,9 +111,8 @@ def integrate(
     w: model, state and sensitivities at t0. u_t, u_y (k,): knots of a drive in N, linear between them or held from each
     to the next, constant outside, empty for none. h_stick: longest step while it sticks, s. at_once, pace: at no time
     more steps than at_once + pace (1/s) times what is simulated, so that a place that cannot be passed costs little,
-    and never more than most.
-    x, v, a (N,), mode_out (N,), dx, dv, da (N, q), events (m, 5): filled.
-    Returns status, number of events, number of steps, last time reached.
+    and never more than most. x, v, a (N,), mode_out (N,), dx, dv, da (N, q), events (m, 5): filled. Returns status,
+    number of events, number of steps, last time reached.
     """
     spec, theta = w.spec, w.theta
     n, q_count, samples, knots = spec[N_STATE], w.count[ACROSS], t_out.size, u_t.size

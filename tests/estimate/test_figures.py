@@ -15,16 +15,15 @@ import numpy as np
 import pytest
 from unchanged import by_place, differences, flat, known, noisy, write
 
+from benchmarks import table1
 from harness.core.arrays import FloatArray
 from harness.core.errors import InputError
 from harness.core.recording import Recording
 from harness.core.slider import Slider
-from harness.estimate import table1
 from harness.estimate.channel import fit_channel
 from harness.estimate.displacement import displacement
 from harness.estimate.every import estimate_all
 from harness.estimate.noise import channel_noise
-from harness.estimate.paper import displacement_paper
 from harness.estimate.reversals import Kind
 from harness.estimate.saturation import within_range
 from harness.exact.decay import Decay, free_decay
@@ -117,8 +116,8 @@ def _paper() -> Any:
     slow = made(end=3.0, count=900)
     fit = fit_channel(slow.t, slow.x, Kind.DISPLACEMENT)
     return [
-        displacement_paper(slow.t, slow.x, fit.edges, (fit.omega, 0.01)),
-        displacement_paper(slow.t, slow.x, fit.edges[:3], (fit.omega, 0.01)),
+        table1.displacement_paper(slow.t, slow.x, fit.edges, (fit.omega, 0.01)),
+        table1.displacement_paper(slow.t, slow.x, fit.edges[:3], (fit.omega, 0.01)),
         displacement(fit, "rad"),
         table1.table(setup=replace(table1.Setup(), starts=(5e-3, 5.2e-3), rate=250.0)),
         table1.table(Slider(2.0, 0.5, 900.0, 0.4), replace(table1.Setup(), starts=(4e-3,) * 2, rate=200.0, seed=4)),

@@ -5,9 +5,9 @@ import math
 import numpy as np
 import pytest
 
+from benchmarks.table1 import PHASE, run, table
 from harness.core.slider import EXPERIMENT
-from harness.estimate.paper import acceleration_paper, by_eq_12, by_eq_13
-from harness.estimate.table1 import PHASE, run, table
+from harness.estimate.paper import acceleration_paper, by_differences, by_sums
 from harness.exact.decay import Decay, free_decay
 
 OMEGA_D = 10.0 * math.sqrt(1.0 - 0.05**2)
@@ -49,8 +49,8 @@ def test_five_points_at_a_millisecond_read_too_much_friction() -> None:
 
 def test_equations_12_and_13_are_exact_at_the_jumps() -> None:
     events = free_decay(Decay(10.0, 0.05, 0.03), np.linspace(0.0, 2.6, 50)).events
-    assert by_eq_12(events.a_before[:7]) == pytest.approx([0.05] * 4, abs=1e-12)
-    assert by_eq_13(events.a_after[:7]) == pytest.approx([0.05] * 5, abs=1e-12)
+    assert by_differences(events.a_before[:7]) == pytest.approx([0.05] * 4, abs=1e-12)
+    assert by_sums(events.a_after[:7]) == pytest.approx([0.05] * 5, abs=1e-12)
 
 
 def test_table_1_simulated() -> None:
