@@ -15,9 +15,9 @@ from drawing import FIRST, GREY, SECOND, Panel, drawing, rounded
 from harness.core.arrays import FloatArray
 from harness.diagnosis.baseline.base_fit import baseline
 from harness.diagnosis.fit.model_fit import Fit
-from harness.diagnosis.fit.observe import observe
 from harness.diagnosis.pipeline import fit_base, search
 from harness.diagnosis.problems.free_decay import FreeDecay
+from harness.diagnosis.problems.simulated import observe
 from harness.estimate.noise import Noise
 from harness.model.model import Model, ModelTerm
 from harness.model.registry import TERMS

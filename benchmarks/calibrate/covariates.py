@@ -9,9 +9,9 @@ import numpy as np
 from benchmarks.calibrate.calibration import Calibration, head, quantiles, stands
 from harness.core.arrays import FloatArray
 from harness.core.recording import Recording
-from harness.diagnosis.fit.observe import observe
 from harness.diagnosis.pipeline import diagnose, prepare
 from harness.diagnosis.problems.free_decay import FreeDecay
+from harness.diagnosis.problems.simulated import observe
 from harness.diagnosis.request import Asked, AskedCovariate
 from harness.diagnosis.rules import DECISIVE
 from harness.estimate.noise import Noise

@@ -17,14 +17,14 @@ from benchmarks.calibrate.tables import GOAL, WITHIN, number_of, rate_of, within
 from harness.core.arrays import FloatArray
 from harness.core.recording import Recording
 from harness.diagnosis.baseline.base_fit import driven_scales
-from harness.diagnosis.fit.parameters import free_of
 from harness.diagnosis.grading.prediction import ratio
-from harness.diagnosis.inverse_dynamics.asked import inverse_force
 from harness.diagnosis.inverse_dynamics.force_fit import fit_force
-from harness.diagnosis.inverse_dynamics.measured import Measured
 from harness.diagnosis.inverse_dynamics.strokes import force_words
+from harness.diagnosis.parameters import free_of
 from harness.diagnosis.pipeline import prepare
+from harness.diagnosis.problems.asked import inverse_force
 from harness.diagnosis.problems.driven import InverseDynamics
+from harness.diagnosis.problems.measured import Measured
 from harness.diagnosis.request import Asked
 from harness.diagnosis.rules import PATH_AGAIN, TABLE_BETTER, TABLE_ERRORS, TABLE_WORDS
 from harness.diagnosis.tables.beside import ForceLeft, time_again

@@ -6,11 +6,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from benchmarks.calibrate.calibration import Calibration, head, quantiles, stands
-from harness.diagnosis.fit.parameters import free_of
 from harness.diagnosis.inverse_dynamics.force_fit import fit_force
-from harness.diagnosis.inverse_dynamics.measured import Measured
+from harness.diagnosis.parameters import free_of
 from harness.diagnosis.pipeline import fit_base, judge, prepare, search
 from harness.diagnosis.problems.driven import Forced
+from harness.diagnosis.problems.measured import Measured
 from harness.diagnosis.request import Asked
 from harness.diagnosis.rules import GUARD_SPEED
 from harness.engines.models import folder

@@ -21,10 +21,10 @@ from benchmarks.calibrate.static_force import static_force
 from harness.core.arrays import FloatArray
 from harness.core.recording import Recording
 from harness.diagnosis.baseline.base_fit import baseline
-from harness.diagnosis.fit.parameters import base_of
 from harness.diagnosis.grading.misfit import misfit
 from harness.diagnosis.grading.prediction import held_out, ratio
 from harness.diagnosis.outcome import Table
+from harness.diagnosis.parameters import base_of
 from harness.diagnosis.problem import Problem
 from harness.diagnosis.residual_tests.structure import Left, left_by
 from harness.diagnosis.rules import TABLE_BAND, TABLE_BETTER, TABLE_ERRORS, TABLE_WORDS

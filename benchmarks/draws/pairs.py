@@ -10,9 +10,9 @@ from benchmarks.draws.shared import Answer
 from harness.core.errors import HarnessError
 from harness.core.recording import Recording
 from harness.diagnosis.fit.model_fit import fit
-from harness.diagnosis.fit.observe import observe
-from harness.diagnosis.fit.parameters import free_of
+from harness.diagnosis.parameters import free_of
 from harness.diagnosis.problems.free_decay import FreeDecay
+from harness.diagnosis.problems.simulated import observe
 from harness.estimate.noise import Noise
 from harness.kernels.solve import Scales
 from harness.model.model import Model, ModelTerm

@@ -15,7 +15,7 @@ from harness.core.arrays import BoolArray, FloatArray, IntArray
 from harness.core.recording import Recording
 from harness.diagnosis.covariates.values import Acting
 from harness.diagnosis.problems.force_noise import ForceNoise
-from harness.diagnosis.problems.starts import OneStart, Start, Starts
+from harness.diagnosis.starts import OneStart, Start, Starts
 from harness.estimate.noise import Noise
 from harness.kernels.solve import Drive
 from harness.model.model import Model, Restoring

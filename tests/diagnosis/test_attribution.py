@@ -17,7 +17,7 @@ from harness.diagnosis.attribution.attribute import (
 )
 from harness.diagnosis.attribution.reading import aligned, in_masses_of
 from harness.diagnosis.fit.model_fit import fit
-from harness.diagnosis.fit.parameters import free_of, values_of
+from harness.diagnosis.parameters import free_of, values_of
 from harness.diagnosis.problem import Problem
 from harness.diagnosis.problems.free_decay import FreeDecay
 from harness.estimate.noise import Noise

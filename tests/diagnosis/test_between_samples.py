@@ -15,18 +15,18 @@ from harness.core.recording import Recording
 from harness.diagnosis.baseline.base_fit import driven_baseline
 from harness.diagnosis.fit.fitted_states import begun
 from harness.diagnosis.fit.model_fit import Fit, fit
-from harness.diagnosis.fit.observe import COARSE, observe
-from harness.diagnosis.fit.parameters import free_of
 from harness.diagnosis.grading.misfit import misfit
 from harness.diagnosis.input_noise.noisy_base_fit import along
+from harness.diagnosis.parameters import free_of
 from harness.diagnosis.pipeline import diagnose, prepare
 from harness.diagnosis.prepare.driven import ALL_FELT
 from harness.diagnosis.prepare.intersample import ACTS_HELD, between_samples, curve, held, kinks_of
 from harness.diagnosis.problems.driven import Driven
-from harness.diagnosis.problems.starts import OneStart, Windows
+from harness.diagnosis.problems.simulated import COARSE, observe
 from harness.diagnosis.request import Asked
 from harness.diagnosis.search.few_pieces import in_few_pieces, projected
 from harness.diagnosis.search.search import noise_of, under
+from harness.diagnosis.starts import OneStart, Windows
 from harness.estimate.noise import Noise
 from harness.kernels.solve import Drive, Scales, solve
 from harness.model.model import Model, ModelTerm, Restoring

@@ -11,18 +11,18 @@ import pytest
 from harness.core.arrays import FloatArray
 from harness.core.errors import InputError
 from harness.core.recording import Recording
-from harness.diagnosis.fit.observe import observe
-from harness.diagnosis.fit.parameters import free_of, values_of, with_values
 from harness.diagnosis.fit.standard_errors import base_parameters
-from harness.diagnosis.inverse_dynamics.asked import given_force, inverse_force
 from harness.diagnosis.inverse_dynamics.force_fit import ForceFit, fit_force
-from harness.diagnosis.inverse_dynamics.measured import Measured
 from harness.diagnosis.inverse_dynamics.search import force_baseline
 from harness.diagnosis.kinds.known import kind_of
 from harness.diagnosis.outcome import Outcome
+from harness.diagnosis.parameters import free_of, values_of, with_values
 from harness.diagnosis.pipeline import diagnose, fit_base, prepare
+from harness.diagnosis.problems.asked import given_force, inverse_force
 from harness.diagnosis.problems.driven import InverseDynamics
 from harness.diagnosis.problems.free_decay import FreeDecay
+from harness.diagnosis.problems.measured import Measured
+from harness.diagnosis.problems.simulated import observe
 from harness.diagnosis.request import Asked, AskedCovariate
 from harness.diagnosis.residual_tests.structure import structure
 from harness.diagnosis.rules import STRUCTURE

@@ -13,18 +13,18 @@ from harness.core.errors import InputError
 from harness.core.recording import Recording
 from harness.diagnosis.baseline.base_fit import driven_baseline
 from harness.diagnosis.fit.model_fit import fit
-from harness.diagnosis.fit.observe import observe
-from harness.diagnosis.fit.parameters import free_of
 from harness.diagnosis.inverse_dynamics.force_fit import fit_force
-from harness.diagnosis.inverse_dynamics.measured import Measured
 from harness.diagnosis.inverse_dynamics.protocol import DIRECTED, PUBLISHED, SYMMETRIC, find_ripple, periods
 from harness.diagnosis.inverse_dynamics.validate import Judge
+from harness.diagnosis.parameters import free_of
 from harness.diagnosis.pipeline import prepare
 from harness.diagnosis.problems.driven import Driven, Forced, InverseDynamics
-from harness.diagnosis.problems.starts import Windows
+from harness.diagnosis.problems.measured import Measured
+from harness.diagnosis.problems.simulated import observe
 from harness.diagnosis.request import Asked
 from harness.diagnosis.search.search import noise_of, under
 from harness.diagnosis.smoothed_state.local_cubics import smoothed
+from harness.diagnosis.starts import Windows
 from harness.io.options import ReadOptions
 from harness.io.recording import read_recording
 from harness.kernels.solve import Drive, solve
@@ -129,7 +129,7 @@ def test_partials_over_windows_are_those_of_central_differences(terms: tuple[Mod
     free = free_of(model, ("m", "c", "f_k"))
     by = tuple(f.by for f in free)
     shown = observe(model, problem, by).dy["x"]
-    from harness.diagnosis.fit.parameters import values_of, with_values
+    from harness.diagnosis.parameters import values_of, with_values
 
     values = values_of(model, free)
     for i, value in enumerate(values):

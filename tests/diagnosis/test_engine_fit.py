@@ -14,20 +14,20 @@ from harness.diagnosis.attribution.attribute import Attribution, attribute_engin
 from harness.diagnosis.baseline.base_fit import baseline
 from harness.diagnosis.explain.engines import engine_fit, suitable_step
 from harness.diagnosis.fit.model_fit import fit
-from harness.diagnosis.fit.observe import observe
-from harness.diagnosis.fit.parameters import free_of
 from harness.diagnosis.integrator_maps.stepped import as_stepped
 from harness.diagnosis.outcome import Outcome
+from harness.diagnosis.parameters import free_of
 from harness.diagnosis.pipeline import explain, judge, prepare
 from harness.diagnosis.problem import Problem
 from harness.diagnosis.problems.driven import Driven
 from harness.diagnosis.problems.free_decay import FreeDecay
-from harness.diagnosis.problems.starts import Window, Windows
+from harness.diagnosis.problems.simulated import observe
 from harness.diagnosis.request import Asked
 from harness.diagnosis.residual_tests.structure import Left
 from harness.diagnosis.search.search import Search
 from harness.diagnosis.sensors.sensor_model import motion_at, sensed
 from harness.diagnosis.stages import Found
+from harness.diagnosis.starts import Window, Windows
 from harness.engines.simulator import EngineSimulator
 from harness.estimate.noise import Noise
 from harness.kernels.solve import Drive, Scales, simulate, solve

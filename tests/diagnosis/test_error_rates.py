@@ -14,10 +14,10 @@ from harness.diagnosis.outcome import Outcome
 from harness.diagnosis.pipeline import diagnose, fit_base, prepare
 from harness.diagnosis.problem import Problem
 from harness.diagnosis.problems.free_decay import FreeDecay
-from harness.diagnosis.problems.starts import Windows
 from harness.diagnosis.request import Asked
 from harness.diagnosis.residual_tests.structure import structure
 from harness.diagnosis.rules import STRUCTURE
+from harness.diagnosis.starts import Windows
 from harness.estimate.noise import channel_noise
 from harness.model.model import Restoring
 from harness.proof.plant.cases import Case, control, draw

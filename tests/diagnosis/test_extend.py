@@ -13,10 +13,10 @@ from harness.diagnosis.baseline.base_fit import baseline
 from harness.diagnosis.explain.mechanism import mechanism
 from harness.diagnosis.fit import model_fit
 from harness.diagnosis.fit.model_fit import Fit, chi2_of, fit
-from harness.diagnosis.fit.observe import Observation, observe
-from harness.diagnosis.fit.parameters import Free, base_of, free_of, values_of, with_values
 from harness.diagnosis.fit.swing_fit import Swing, swung
+from harness.diagnosis.parameters import Free, base_of, free_of, values_of, with_values
 from harness.diagnosis.problems.free_decay import FreeDecay
+from harness.diagnosis.problems.simulated import Observation, observe
 from harness.diagnosis.residual_tests.structure import Left
 from harness.diagnosis.search.extend import extend, prune
 from harness.diagnosis.search.look import Recorded, frequencies, within

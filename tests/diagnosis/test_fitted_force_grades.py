@@ -13,16 +13,16 @@ from harness.core.recording import Recording
 from harness.diagnosis.grading.contest import decided
 from harness.diagnosis.inverse_dynamics.force_fit import ForceFit
 from harness.diagnosis.inverse_dynamics.left_over import left_over
-from harness.diagnosis.inverse_dynamics.measured import BLOCK, Measured
 from harness.diagnosis.inverse_dynamics.search import ForceSearch, force_baseline, search_driven
 from harness.diagnosis.inverse_dynamics.strokes import force_words, period_of
 from harness.diagnosis.outcome import Grade, Outcome
 from harness.diagnosis.pipeline import diagnose, prepare
 from harness.diagnosis.problems.driven import Driven, InverseDynamics
-from harness.diagnosis.problems.starts import Windows
+from harness.diagnosis.problems.measured import BLOCK, Measured
 from harness.diagnosis.request import Asked
 from harness.diagnosis.residual_tests.structure import Left
 from harness.diagnosis.rules import PERIODS_COUNTED
+from harness.diagnosis.starts import Windows
 from harness.kernels.solve import Drive, solve
 from harness.model.model import Model, ModelTerm, Restoring
 

@@ -11,12 +11,12 @@ from harness.core.arrays import FloatArray
 from harness.core.events import EventKind, Mode
 from harness.core.recording import Recording
 from harness.diagnosis.baseline.base_fit import driven_baseline
-from harness.diagnosis.fit.observe import Observation, observe
 from harness.diagnosis.input_noise.noisy_base_fit import along
 from harness.diagnosis.input_noise.propagation import force_noise
 from harness.diagnosis.pipeline import diagnose, prepare
 from harness.diagnosis.problems.driven import Driven
 from harness.diagnosis.problems.force_noise import ForceNoise
+from harness.diagnosis.problems.simulated import Observation, observe
 from harness.diagnosis.request import Asked
 from harness.diagnosis.rules import DECISIVE
 from harness.estimate.noise import Noise

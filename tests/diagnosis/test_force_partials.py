@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 from harness.core.arrays import FloatArray
-from harness.diagnosis.fit.parameters import Free, free_of, values_of, with_values
-from harness.diagnosis.inverse_dynamics.asked import given_force
 from harness.diagnosis.inverse_dynamics.force_screen import sayable
-from harness.diagnosis.inverse_dynamics.measured import BLOCK, Laid, Measured
+from harness.diagnosis.parameters import Free, free_of, values_of, with_values
+from harness.diagnosis.problems.asked import given_force
+from harness.diagnosis.problems.measured import BLOCK, Laid, Measured
 from harness.model.covariate import Acts, Covariate
 from harness.model.elsewhere import Elsewhere
 from harness.model.model import Model, ModelTerm

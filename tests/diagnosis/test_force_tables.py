@@ -8,8 +8,8 @@ import pytest
 
 from benchmarks.calibrate.force_tables import Moved, left_of, moved
 from harness.core.arrays import BoolArray, FloatArray
-from harness.diagnosis.fit.parameters import base_of
 from harness.diagnosis.grading.prediction import ratio
+from harness.diagnosis.parameters import base_of
 from harness.diagnosis.problems.free_decay import FreeDecay
 from harness.diagnosis.problems.together import Together
 from harness.diagnosis.tables.basis import RUNGS, Rung, basis_of, over_plane, partials

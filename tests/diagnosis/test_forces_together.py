@@ -13,16 +13,16 @@ from harness.app.shared.reading import ReadOptions, read
 from harness.core.arrays import FloatArray
 from harness.core.errors import InputError
 from harness.core.recording import Recording
-from harness.diagnosis.fit.observe import observe
-from harness.diagnosis.fit.parameters import Free, free_of
 from harness.diagnosis.inverse_dynamics.force_fit import fit_force
-from harness.diagnosis.inverse_dynamics.measured import BLOCK, Measured
 from harness.diagnosis.inverse_dynamics.prepare import forces_together
 from harness.diagnosis.inverse_dynamics.strokes import force_words
+from harness.diagnosis.parameters import Free, free_of
 from harness.diagnosis.pipeline import prepare_together
 from harness.diagnosis.pooling.forces import shared_forces
 from harness.diagnosis.pooling.pooled import Pooled, differences
 from harness.diagnosis.problems.forces_together import ForcesTogether
+from harness.diagnosis.problems.measured import BLOCK, Measured
+from harness.diagnosis.problems.simulated import observe
 from harness.diagnosis.request import Asked
 from harness.diagnosis.rules import POOLED
 from harness.kernels.solve import Drive, Scales, solve

@@ -11,13 +11,13 @@ from harness.diagnosis.baseline.base_fit import baseline
 from harness.diagnosis.explain.mechanism import of_misfit
 from harness.diagnosis.explain.sentences import keeping_time
 from harness.diagnosis.fit.model_fit import fit
-from harness.diagnosis.fit.parameters import free_of
 from harness.diagnosis.grading.beginning import after_first_turn, from_the_beginning
 from harness.diagnosis.grading.contest import Finalist, decided, in_step
 from harness.diagnosis.grading.friction_split import resplit
 from harness.diagnosis.grading.grade import Graded, grade
 from harness.diagnosis.grading.misfit import misfit
 from harness.diagnosis.outcome import Grade
+from harness.diagnosis.parameters import free_of
 from harness.diagnosis.pipeline import fit_base, search
 from harness.diagnosis.problems.free_decay import FreeDecay
 from harness.diagnosis.rules import BEGINS_ALIKE, GAIN, SAME_CLOCK, SHARE_OF_MISFIT

@@ -11,8 +11,8 @@ from harness.core.recording import Recording
 from harness.diagnosis.baseline.base_fit import baseline
 from harness.diagnosis.baseline.residual_noise import residual_noise
 from harness.diagnosis.fit.model_fit import fit
-from harness.diagnosis.fit.parameters import free_of
 from harness.diagnosis.fit.standard_errors import AT_LEAST, base_parameters, clustered_covariance, term_parameters
+from harness.diagnosis.parameters import free_of
 from harness.diagnosis.pipeline import diagnose, prepare
 from harness.diagnosis.problems import force_noise
 from harness.diagnosis.request import Asked

@@ -9,13 +9,13 @@ import pytest
 from harness.core.arrays import FloatArray
 from harness.diagnosis.baseline.base_fit import baseline
 from harness.diagnosis.explain.sentences import sentence_of
-from harness.diagnosis.fit.observe import COARSE
-from harness.diagnosis.fit.parameters import base_of, free_of
 from harness.diagnosis.grading.misfit import Misfit, misfit
 from harness.diagnosis.grading.prediction import blocks_of, held_out, ratio
 from harness.diagnosis.outcome import Grade, Table
+from harness.diagnosis.parameters import base_of, free_of
 from harness.diagnosis.pipeline import explain, judge
 from harness.diagnosis.problems.free_decay import FreeDecay
+from harness.diagnosis.problems.simulated import COARSE
 from harness.diagnosis.residual_tests.structure import Left
 from harness.diagnosis.search.search import Search
 from harness.diagnosis.stages import Found

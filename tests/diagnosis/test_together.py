@@ -9,11 +9,11 @@ from harness.core.arrays import FloatArray
 from harness.core.errors import InputError
 from harness.core.recording import Recording
 from harness.diagnosis.explain.next_experiment import releases
-from harness.diagnosis.fit.observe import observe
-from harness.diagnosis.fit.parameters import free_of, values_of, with_values
 from harness.diagnosis.fit.standard_errors import base_parameters
 from harness.diagnosis.outcome import Outcome
+from harness.diagnosis.parameters import free_of, values_of, with_values
 from harness.diagnosis.pipeline import diagnose, fit_base, prepare, prepare_together
+from harness.diagnosis.problems.simulated import observe
 from harness.diagnosis.problems.together import Together
 from harness.diagnosis.request import Asked
 from harness.diagnosis.residual_tests.lack_of_fit import lack_of_fit

@@ -28,10 +28,10 @@ from harness.diagnosis.attribution.attribute import (
 from harness.diagnosis.attribution.reading import Reading, aligned, in_masses_of, trace_channels
 from harness.diagnosis.explain.engines import shown_by
 from harness.diagnosis.explain.sentences import left_beside, unadvised
-from harness.diagnosis.fit.observe import observe
 from harness.diagnosis.fit.standard_errors import covariances
 from harness.diagnosis.outcome import Outcome
 from harness.diagnosis.problem import Problem
+from harness.diagnosis.problems.simulated import observe
 from harness.engines.simulator import EngineSimulator
 from harness.model.document import load as load_model
 from harness.model.model import Model

@@ -7,10 +7,10 @@ import numpy as np
 
 from harness.core.recording import Recording
 from harness.core.trajectory import Source, Trajectory
-from harness.diagnosis.fit.observe import observe
 from harness.diagnosis.outcome import Outcome
 from harness.diagnosis.pooling.own import SAID
 from harness.diagnosis.problem import Problem
+from harness.diagnosis.problems.simulated import observe
 from harness.engines import model_files
 from harness.io.store import write_text
 from harness.kernels.solve import Scales

@@ -16,9 +16,9 @@ from harness.core.arrays import FloatArray, IntArray
 from harness.core.quantity import Quantity
 from harness.diagnosis.fit.model_fit import Fit
 from harness.diagnosis.fit.standard_errors import plain_parameters
-from harness.diagnosis.inverse_dynamics.asked import inverse_force
 from harness.diagnosis.kinds.known import kind_of
 from harness.diagnosis.outcome import Outcome
+from harness.diagnosis.problems.asked import inverse_force
 from harness.model.terms import static_friction
 from harness.results.common import P, Where
 from harness.results.diagnosis import DiagnosisResult, FitResult, MechanismResult

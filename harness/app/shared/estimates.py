@@ -9,9 +9,9 @@ from harness.core.arrays import FloatArray
 from harness.core.errors import InputError, SimulationError
 from harness.core.recording import Recording
 from harness.diagnosis.baseline.base_fit import baseline
-from harness.diagnosis.fit.observe import observe
 from harness.diagnosis.pipeline import prepare
 from harness.diagnosis.problems.free_decay import FreeDecay
+from harness.diagnosis.problems.simulated import observe
 from harness.diagnosis.request import Asked
 from harness.estimate.believed import believed, without_limited
 from harness.estimate.every import estimate_all

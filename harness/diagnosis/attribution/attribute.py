@@ -25,9 +25,9 @@ from harness.diagnosis.attribution.reading import BASE, Reading, aligned, in_mas
 from harness.diagnosis.attribution.restarted import Restarted, restarted
 from harness.diagnosis.explain.engines import Simulator, shown_by
 from harness.diagnosis.fit.model_fit import Fit, whitened
-from harness.diagnosis.fit.observe import observe
-from harness.diagnosis.fit.parameters import with_values
+from harness.diagnosis.parameters import with_values
 from harness.diagnosis.problem import Problem
+from harness.diagnosis.problems.simulated import observe
 from harness.kernels.solve import Scales
 from harness.model.model import Model
 

@@ -17,14 +17,14 @@ from harness.core.recording import Recording
 from harness.diagnosis.alignment.align import LEAST_SHARED, Alignment, align
 from harness.diagnosis.baseline.base_fit import baseline, driven_baseline
 from harness.diagnosis.fit.model_fit import Fit, fit
-from harness.diagnosis.fit.observe import COARSE
-from harness.diagnosis.fit.parameters import free_of
 from harness.diagnosis.integrator_maps.maps import Scheme
 from harness.diagnosis.integrator_maps.stepped import SOFT, steps_of
+from harness.diagnosis.parameters import free_of
 from harness.diagnosis.pipeline import prepare
 from harness.diagnosis.prepare.driven import is_driven
 from harness.diagnosis.problem import Problem
 from harness.diagnosis.problems.driven import Forced
+from harness.diagnosis.problems.simulated import COARSE
 from harness.diagnosis.request import Asked
 from harness.diagnosis.sensors.sensor_model import channels_at
 from harness.kernels.solve import Scales

@@ -13,9 +13,9 @@ import numpy as np
 
 from harness.core.arrays import FloatArray
 from harness.core.events import Mode
-from harness.diagnosis.fit.observe import observe
 from harness.diagnosis.problem import Problem
-from harness.diagnosis.problems.starts import OneStart, Window, Windows
+from harness.diagnosis.problems.simulated import observe
+from harness.diagnosis.starts import OneStart, Window, Windows
 from harness.kernels.solve import Scales
 from harness.model.model import Model
 

@@ -21,12 +21,12 @@ from harness.core.arrays import FloatArray, IntArray
 from harness.core.errors import InputError, SimulationError
 from harness.diagnosis.covariates.following import enter
 from harness.diagnosis.fit.model_fit import Fit, fit
-from harness.diagnosis.fit.observe import COARSE
-from harness.diagnosis.fit.parameters import base_of, free_of, with_values
 from harness.diagnosis.fit.swing_fit import Swing, swung
 from harness.diagnosis.motion import motion_of
+from harness.diagnosis.parameters import base_of, free_of, with_values
 from harness.diagnosis.problem import Problem
 from harness.diagnosis.problems.driven import Forced
+from harness.diagnosis.problems.simulated import COARSE
 from harness.kernels.solve import Scales
 from harness.model.elsewhere import Elsewhere, parted
 from harness.model.model import Model

@@ -15,8 +15,8 @@ from harness.core.arrays import FloatArray
 from harness.core.errors import InputError, SimulationError
 from harness.diagnosis.covariates.values import NAMED, Acting, Rival, little, said
 from harness.diagnosis.fit.model_fit import Fit, evaluate, fit
-from harness.diagnosis.fit.parameters import base_of, free_of, with_friction
 from harness.diagnosis.input_noise.propagation import force_noise
+from harness.diagnosis.parameters import base_of, free_of, with_friction
 from harness.diagnosis.problem import P, Problem
 from harness.diagnosis.rules import COVARIATE_VARIES
 from harness.estimate.noise import Noise

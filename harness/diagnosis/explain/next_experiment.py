@@ -15,13 +15,13 @@ import numpy as np
 
 from harness.core.errors import SimulationError
 from harness.diagnosis.fit.model_fit import Fit, whitened
-from harness.diagnosis.fit.observe import COARSE, observe
 from harness.diagnosis.grading.grade import Graded
 from harness.diagnosis.outcome import Grade, Mechanism
 from harness.diagnosis.problem import Problem
-from harness.diagnosis.problems.starts import OneStart
+from harness.diagnosis.problems.simulated import COARSE, observe
 from harness.diagnosis.search.extend import key_of
 from harness.diagnosis.search.search import Search
+from harness.diagnosis.starts import OneStart
 from harness.kernels.solve import By, Scales
 from harness.model.elsewhere import parted
 from harness.model.model import Model, Restoring

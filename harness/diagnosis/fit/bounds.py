@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from harness.core.arrays import FloatArray
-from harness.diagnosis.fit.parameters import Free, values_of, with_values
+from harness.diagnosis.parameters import Free, values_of, with_values
 from harness.diagnosis.problem import Problem
 from harness.kernels.solve import Scales
 from harness.model.elsewhere import parted

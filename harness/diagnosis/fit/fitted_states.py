@@ -7,9 +7,9 @@ import numpy as np
 
 from harness.core.arrays import FloatArray
 from harness.core.errors import SimulationError
-from harness.diagnosis.fit.observe import COARSE, observe
 from harness.diagnosis.problem import P, Problem
-from harness.diagnosis.problems.starts import OneStart, Window
+from harness.diagnosis.problems.simulated import COARSE, observe
+from harness.diagnosis.starts import OneStart, Window
 from harness.fit.covariance import covariance_of
 from harness.fit.least_squares import Residual, Until, least_squares
 from harness.kernels.solve import By, Scales

@@ -14,9 +14,9 @@ from harness.core.arrays import FloatArray
 from harness.core.errors import SimulationError
 from harness.core.events import Events
 from harness.diagnosis.fit.bounds import within
-from harness.diagnosis.fit.observe import FINE, Observation, observe
-from harness.diagnosis.fit.parameters import Free, bounds_of, coordinates_of, values_of, with_coordinates, with_values
+from harness.diagnosis.parameters import Free, bounds_of, coordinates_of, values_of, with_coordinates, with_values
 from harness.diagnosis.problem import Problem
+from harness.diagnosis.problems.simulated import FINE, Observation, observe
 from harness.fit.covariance import covariance_of
 from harness.fit.least_squares import Descent, Stop, Until, least_squares
 from harness.kernels.solve import Effort, Scales

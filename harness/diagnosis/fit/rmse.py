@@ -10,9 +10,9 @@ import numpy as np
 
 from harness.core.arrays import BoolArray, FloatArray
 from harness.diagnosis.fit.model_fit import fit
-from harness.diagnosis.fit.observe import observe
-from harness.diagnosis.fit.parameters import free_of
+from harness.diagnosis.parameters import free_of
 from harness.diagnosis.problem import Problem
+from harness.diagnosis.problems.simulated import observe
 from harness.kernels.solve import Scales
 from harness.model.model import Model
 

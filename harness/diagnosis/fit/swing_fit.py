@@ -16,9 +16,9 @@ from scipy import sparse
 from harness.core.arrays import BoolArray, ComplexArray, FloatArray
 from harness.diagnosis.fit.bounds import within
 from harness.diagnosis.fit.model_fit import downhill
-from harness.diagnosis.fit.observe import COARSE, Observation, observe
-from harness.diagnosis.fit.parameters import Free
+from harness.diagnosis.parameters import Free
 from harness.diagnosis.problem import Problem
+from harness.diagnosis.problems.simulated import COARSE, Observation, observe
 from harness.fit.least_squares import Until
 from harness.kernels.solve import Scales
 from harness.model.model import Model

@@ -25,12 +25,12 @@ from harness.core.arrays import BoolArray, FloatArray
 from harness.core.errors import SimulationError
 from harness.diagnosis.baseline.words import evidence, margin_of, words_beside
 from harness.diagnosis.fit.model_fit import Fit, fit
-from harness.diagnosis.fit.observe import COARSE
-from harness.diagnosis.fit.parameters import base_of, free_of
 from harness.diagnosis.grading.grade import Graded, grade
 from harness.diagnosis.grading.misfit import misfit
 from harness.diagnosis.outcome import Grade
+from harness.diagnosis.parameters import base_of, free_of
 from harness.diagnosis.problem import Problem
+from harness.diagnosis.problems.simulated import COARSE
 from harness.diagnosis.residual_tests.structure import Left, left_by
 from harness.diagnosis.rules import BEGINS_ALIKE, GAIN, LEAST_RATIO, SECOND_TERM
 from harness.diagnosis.search.extend import extend, key_of, prune, settle

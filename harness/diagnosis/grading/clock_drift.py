@@ -9,10 +9,10 @@ import numpy as np
 from harness.core.arrays import FloatArray
 from harness.core.errors import SimulationError
 from harness.diagnosis.fit.model_fit import Fit, fit
-from harness.diagnosis.fit.observe import observe
-from harness.diagnosis.fit.parameters import free_of
+from harness.diagnosis.parameters import free_of
 from harness.diagnosis.problem import P, Problem
 from harness.diagnosis.problems.free_decay import FreeDecay
+from harness.diagnosis.problems.simulated import observe
 from harness.diagnosis.residual_tests.structure import Left, left_by
 from harness.diagnosis.rules import CLOCK_DRIFT
 from harness.diagnosis.search.extend import settle

@@ -10,7 +10,7 @@ from dataclasses import replace
 
 from harness.core.errors import SimulationError
 from harness.diagnosis.fit.model_fit import Fit, fit
-from harness.diagnosis.fit.parameters import base_of
+from harness.diagnosis.parameters import base_of
 from harness.diagnosis.problem import Problem
 from harness.kernels.solve import Scales
 from harness.model.model import Model

@@ -13,8 +13,8 @@ from harness.core.cores import each
 from harness.core.errors import SimulationError
 from harness.diagnosis.baseline.words import Strokes
 from harness.diagnosis.fit.model_fit import Fit, fit
-from harness.diagnosis.fit.observe import FINE, observe
 from harness.diagnosis.problem import Problem
+from harness.diagnosis.problems.simulated import FINE, observe
 from harness.kernels.solve import Scales
 from harness.model.term import Spans
 

@@ -10,12 +10,12 @@ import numpy as np
 from harness.core.errors import SimulationError
 from harness.diagnosis.fit.fitted_states import begun
 from harness.diagnosis.fit.model_fit import Fit, fit, whitened
-from harness.diagnosis.fit.observe import COARSE, observe
 from harness.diagnosis.input_noise.propagation import as_it_shows, force_noise
 from harness.diagnosis.problems.driven import Driven
 from harness.diagnosis.problems.force_noise import FAR, ForceNoise
-from harness.diagnosis.problems.starts import Windows
+from harness.diagnosis.problems.simulated import COARSE, observe
 from harness.diagnosis.rules import INPUT_NOISE_DRAWS
+from harness.diagnosis.starts import Windows
 from harness.kernels.solve import Scales
 
 _TURNS = 6

@@ -15,8 +15,8 @@ import numpy as np
 from harness.core.arrays import FloatArray
 from harness.diagnosis.baseline.residual_noise import residual_noise
 from harness.diagnosis.fit.model_fit import Fit, fit, whitened
-from harness.diagnosis.fit.parameters import base_of, free_of
 from harness.diagnosis.integrator_maps.maps import SCHEMES, Scheme, Stepping, stepped
+from harness.diagnosis.parameters import base_of, free_of
 from harness.diagnosis.problem import Problem
 from harness.diagnosis.residual_tests.lack_of_fit import lack_of_fit
 from harness.diagnosis.residual_tests.structure import Left

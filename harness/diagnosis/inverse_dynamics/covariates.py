@@ -13,10 +13,10 @@ from harness.core.arrays import FloatArray
 from harness.core.errors import InputError
 from harness.core.recording import Recording
 from harness.diagnosis.covariates.values import NAMED, Rival, little, said, values_in
-from harness.diagnosis.fit.parameters import free_of
 from harness.diagnosis.inverse_dynamics.force_fit import ForceFit, fit_force
-from harness.diagnosis.inverse_dynamics.measured import BLOCK, Measured
+from harness.diagnosis.parameters import free_of
 from harness.diagnosis.problems.driven import InverseDynamics
+from harness.diagnosis.problems.measured import BLOCK, Measured
 from harness.diagnosis.request import AskedCovariate
 from harness.diagnosis.rules import COVARIATE_VARIES
 from harness.estimate.noise import channel_noise

@@ -14,10 +14,10 @@ import numpy as np
 from harness.core.arrays import FloatArray
 from harness.core.errors import SimulationError
 from harness.diagnosis.fit.model_fit import Fit
-from harness.diagnosis.fit.observe import COARSE, Observation, observe
-from harness.diagnosis.fit.parameters import Free, bounds_of, coordinates_of, values_of, with_coordinates
-from harness.diagnosis.inverse_dynamics.measured import Measured
+from harness.diagnosis.parameters import Free, bounds_of, coordinates_of, values_of, with_coordinates
 from harness.diagnosis.problem import Problem
+from harness.diagnosis.problems.measured import Measured
+from harness.diagnosis.problems.simulated import COARSE, Observation, observe
 from harness.fit.autocorrelation import Memory, memory
 from harness.fit.covariance import covariance_of
 from harness.fit.least_squares import Stop, Until, least_squares

@@ -8,11 +8,11 @@ import numpy as np
 
 from harness.core.arrays import FloatArray
 from harness.diagnosis.baseline.base_fit import peaks
-from harness.diagnosis.fit.parameters import free_of
 from harness.diagnosis.inverse_dynamics.force_fit import ForceFit
-from harness.diagnosis.inverse_dynamics.measured import Measured
 from harness.diagnosis.inverse_dynamics.protocol import periods
+from harness.diagnosis.parameters import free_of
 from harness.diagnosis.problem import Problem
+from harness.diagnosis.problems.measured import Measured
 from harness.diagnosis.search.look import Recorded, within
 from harness.diagnosis.search.screen import applicable, with_amplitudes
 from harness.kernels.solve import Scales

@@ -9,7 +9,6 @@ from harness.core.arrays import BoolArray, FloatArray
 from harness.diagnosis.baseline.base_fit import dominant_frequency
 from harness.diagnosis.baseline.words import evidence
 from harness.diagnosis.fit.model_fit import Fit
-from harness.diagnosis.fit.observe import Observation
 from harness.diagnosis.fit.standard_errors import leading, loosest
 from harness.diagnosis.grading.clocks import in_step, on_the_swing
 from harness.diagnosis.grading.contest import Contest, Finalist, decided
@@ -19,10 +18,11 @@ from harness.diagnosis.inverse_dynamics.force_fit import ForceFit, as_fit, fit_f
 from harness.diagnosis.inverse_dynamics.force_screen import seen_in
 from harness.diagnosis.inverse_dynamics.holdout import left_out
 from harness.diagnosis.inverse_dynamics.left_over import LeftOver
-from harness.diagnosis.inverse_dynamics.measured import Measured
 from harness.diagnosis.inverse_dynamics.strokes import ForceWords, force_words
 from harness.diagnosis.outcome import Grade
 from harness.diagnosis.problems.driven import InverseDynamics
+from harness.diagnosis.problems.measured import Measured
+from harness.diagnosis.problems.simulated import Observation
 from harness.diagnosis.rules import CONFIRMED, FORCE_POSTERIOR, GAIN, SHARE_OF_EXCESS, Weights
 from harness.diagnosis.search.against import in_company
 from harness.kernels.solve import Scales

@@ -11,13 +11,13 @@ import numpy as np
 from harness.core.arrays import BoolArray, FloatArray
 from harness.core.errors import SimulationError
 from harness.diagnosis.fit.model_fit import Fit
-from harness.diagnosis.fit.observe import COARSE, observe
 from harness.diagnosis.fit.rmse import rmse
 from harness.diagnosis.grading.prediction import Predicted
 from harness.diagnosis.inverse_dynamics.force_fit import refitted
-from harness.diagnosis.inverse_dynamics.measured import Measured
 from harness.diagnosis.outcome import Holdout
 from harness.diagnosis.problems.driven import InverseDynamics
+from harness.diagnosis.problems.measured import Measured
+from harness.diagnosis.problems.simulated import COARSE, observe
 from harness.kernels.solve import Scales
 from harness.model.model import Model
 

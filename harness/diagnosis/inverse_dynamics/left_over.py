@@ -17,11 +17,11 @@ import numpy as np
 
 from harness.core.arrays import FloatArray
 from harness.core.errors import SimulationError
-from harness.diagnosis.fit.observe import COARSE, observe
 from harness.diagnosis.fit.rmse import motion_followed
 from harness.diagnosis.inverse_dynamics.force_fit import ForceFit, fit_force
-from harness.diagnosis.inverse_dynamics.measured import Measured
 from harness.diagnosis.problems.driven import InverseDynamics
+from harness.diagnosis.problems.measured import Measured
+from harness.diagnosis.problems.simulated import COARSE, observe
 from harness.diagnosis.residual_tests.structure import Left
 from harness.diagnosis.rules import NULL_DRAWS, OVER_SIMULATED
 from harness.diagnosis.smoothed_state.state import Course

@@ -13,15 +13,15 @@ import numpy as np
 from harness.core.arrays import FloatArray
 from harness.core.errors import InputError, SimulationError
 from harness.core.recording import Recording
-from harness.diagnosis.fit.parameters import free_of
 from harness.diagnosis.inverse_dynamics.force_fit import ROUGHLY, fit_force
-from harness.diagnosis.inverse_dynamics.measured import BLOCK, Measured
 from harness.diagnosis.inverse_dynamics.search import extended, force_baseline
+from harness.diagnosis.parameters import free_of
 from harness.diagnosis.prepare.driven import forced_problem
 from harness.diagnosis.prepare.free_decay import in_common
 from harness.diagnosis.prepare.intersample import ACTS_HELD, held
 from harness.diagnosis.problems.driven import InverseDynamics
 from harness.diagnosis.problems.forces_together import ForcesTogether
+from harness.diagnosis.problems.measured import BLOCK, Measured
 from harness.diagnosis.request import Asked
 from harness.diagnosis.rules import FORCE_HELD, MASS_UNSEEN
 from harness.kernels.solve import Drive

@@ -13,7 +13,7 @@ import numpy as np
 
 from harness.core.arrays import FloatArray
 from harness.diagnosis.baseline.base_fit import peaks
-from harness.diagnosis.inverse_dynamics.asked import inverse_force
+from harness.diagnosis.problems.asked import inverse_force
 from harness.model.model import Model
 
 _FASTER, _LONGER = 2.5, 4

@@ -21,17 +21,17 @@ import numpy as np
 from harness.core.errors import SimulationError
 from harness.diagnosis.baseline.base_fit import driven_scales
 from harness.diagnosis.fit.model_fit import Fit
-from harness.diagnosis.fit.parameters import base_of, free_of
 from harness.diagnosis.fit.rmse import motion_followed
 from harness.diagnosis.fit.standard_errors import unit_of
 from harness.diagnosis.inverse_dynamics.force_fit import DONE, ROUGHLY, ForceFit, as_fit, fit_force, simulated
 from harness.diagnosis.inverse_dynamics.force_screen import starts, whole_in
 from harness.diagnosis.inverse_dynamics.grade import Fitted, ForceGraded, graded
 from harness.diagnosis.inverse_dynamics.left_over import LeftOver, left_over, taken_by_chance
-from harness.diagnosis.inverse_dynamics.measured import Measured
 from harness.diagnosis.inverse_dynamics.validate import Judge
+from harness.diagnosis.parameters import base_of, free_of
 from harness.diagnosis.problem import Problem
 from harness.diagnosis.problems.driven import Driven, InverseDynamics
+from harness.diagnosis.problems.measured import Measured
 from harness.diagnosis.residual_tests.structure import Left
 from harness.diagnosis.rules import AMONG_NAMES, DECISIVE, MOST_FORCE_TERMS, MOVES, PREDICTS_WORSE
 from harness.diagnosis.search.search import Search, less_each

@@ -8,7 +8,7 @@ import numpy as np
 from harness.core.arrays import FloatArray, IntArray
 from harness.diagnosis.baseline.words import Strokes
 from harness.diagnosis.inverse_dynamics.force_fit import ForceFit
-from harness.diagnosis.inverse_dynamics.measured import Measured
+from harness.diagnosis.problems.measured import Measured
 from harness.diagnosis.rules import DRIVE_REPEATS, MOST_WORDS, PERIODS_COUNTED, STROKE_CUT
 
 _LOOKED_AT = 2000

@@ -7,8 +7,8 @@ import numpy as np
 
 from harness.core.arrays import FloatArray
 from harness.core.recording import Recording
-from harness.diagnosis.inverse_dynamics.asked import inverse_force
 from harness.diagnosis.inverse_dynamics.protocol import PUBLISHED, Filtered
+from harness.diagnosis.problems.asked import inverse_force
 from harness.diagnosis.rules import CONFIRMED
 from harness.model.model import Model, ModelTerm
 from harness.model.term import Slot

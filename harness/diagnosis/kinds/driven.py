@@ -22,12 +22,12 @@ from harness.diagnosis.prepare.driven import ALL_FELT, by_its_force
 from harness.diagnosis.prepare.intersample import ACTS_HELD
 from harness.diagnosis.problem import Problem
 from harness.diagnosis.problems.driven import Driven
-from harness.diagnosis.problems.starts import Windows
 from harness.diagnosis.residual_tests.structure import Left, left_by
 from harness.diagnosis.rules import AMONG_NAMES, FOLLOWED, FORCE_HELD
 from harness.diagnosis.search.extend import Step, extend, settle
 from harness.diagnosis.search.search import Again, noise_of, once, search, under
 from harness.diagnosis.stages import Based, Found
+from harness.diagnosis.starts import Windows
 from harness.kernels.solve import Scales
 from harness.model.model import Model
 

@@ -12,11 +12,11 @@ from harness.diagnosis.baseline.base_fit import baseline
 from harness.diagnosis.baseline.swing_seen import refuse_no_swing
 from harness.diagnosis.covariates.following import allowing, enter
 from harness.diagnosis.fit.model_fit import fit
-from harness.diagnosis.fit.parameters import base_of, free_of
 from harness.diagnosis.fit.rmse import only_started
 from harness.diagnosis.integrator_maps.stepped import as_stepped
 from harness.diagnosis.inverse_dynamics.validate import Judge
 from harness.diagnosis.kinds.kind import Kind
+from harness.diagnosis.parameters import base_of, free_of
 from harness.diagnosis.pooling.pooled import shared_by, unmasked
 from harness.diagnosis.pooling.repeated import own_of_each, sentences
 from harness.diagnosis.problem import P

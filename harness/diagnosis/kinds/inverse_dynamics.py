@@ -11,7 +11,6 @@ from harness.diagnosis.explain.force_map import ForceMap, measured_map
 from harness.diagnosis.fit.model_fit import Fit
 from harness.diagnosis.inverse_dynamics.force_fit import as_fit, simulated
 from harness.diagnosis.inverse_dynamics.holdout import holdout_windows
-from harness.diagnosis.inverse_dynamics.measured import BLOCK, Measured
 from harness.diagnosis.inverse_dynamics.search import force_baseline, left_said, search_driven
 from harness.diagnosis.inverse_dynamics.validate import Judge
 from harness.diagnosis.kinds.kind import Kind
@@ -22,6 +21,7 @@ from harness.diagnosis.pooling.pooled import Pooled
 from harness.diagnosis.pooling.repeated import sentences
 from harness.diagnosis.problems.driven import InverseDynamics
 from harness.diagnosis.problems.forces_together import ForcesTogether
+from harness.diagnosis.problems.measured import BLOCK, Measured
 from harness.diagnosis.stages import Based, Found, Judged
 from harness.estimate.noise import channel_noise
 from harness.kernels.solve import Scales

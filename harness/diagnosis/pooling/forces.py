@@ -16,16 +16,16 @@ from harness.core.arrays import FloatArray
 from harness.core.errors import SimulationError
 from harness.diagnosis.baseline.base_fit import driven_scales
 from harness.diagnosis.baseline.words import evidence
-from harness.diagnosis.fit.parameters import base_of, free_of
 from harness.diagnosis.fit.standard_errors import base_parameters
 from harness.diagnosis.inverse_dynamics.force_fit import ForceFit, as_fit, fit_force, simulated
-from harness.diagnosis.inverse_dynamics.measured import Measured
 from harness.diagnosis.inverse_dynamics.search import extended
 from harness.diagnosis.inverse_dynamics.strokes import force_words
+from harness.diagnosis.parameters import base_of, free_of
 from harness.diagnosis.pooling.own import CANDIDATES, Alone, Compared
 from harness.diagnosis.pooling.pooled import MOST, Pooled
 from harness.diagnosis.problems.driven import InverseDynamics
 from harness.diagnosis.problems.forces_together import ForcesTogether
+from harness.diagnosis.problems.measured import Measured
 from harness.diagnosis.rules import DECISIVE, OWN, POOLED
 from harness.kernels.solve import Scales
 from harness.model.elsewhere import named

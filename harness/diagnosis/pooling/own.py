@@ -22,8 +22,8 @@ from harness.core.quantity import Quantity
 from harness.diagnosis.baseline.base_fit import baseline
 from harness.diagnosis.baseline.words import Strokes, evidence, words_of
 from harness.diagnosis.fit.model_fit import Fit, fit
-from harness.diagnosis.fit.parameters import base_of, free_of
 from harness.diagnosis.fit.standard_errors import base_parameters, covariances
+from harness.diagnosis.parameters import base_of, free_of
 from harness.diagnosis.problem import Problem
 from harness.diagnosis.problems.together import Together
 from harness.diagnosis.residual_tests.structure import Left, left_by

@@ -13,8 +13,8 @@ import numpy as np
 from harness.core.errors import SimulationError
 from harness.core.quantity import Quantity
 from harness.diagnosis.fit.model_fit import Fit, fit
-from harness.diagnosis.fit.parameters import free_of
 from harness.diagnosis.fit.standard_errors import base_parameters, term_parameters
+from harness.diagnosis.parameters import free_of
 from harness.diagnosis.pooling.forces import force_alone
 from harness.diagnosis.pooling.own import PHYSICS, SAID, Alone
 from harness.diagnosis.pooling.pooled import Differs, Pooled, differences

@@ -13,17 +13,17 @@ from harness.diagnosis.baseline.base_fit import driven_scales, own_scales
 from harness.diagnosis.baseline.residual_noise import residual_noise
 from harness.diagnosis.fit.fitted_states import begun
 from harness.diagnosis.fit.model_fit import fit
-from harness.diagnosis.fit.observe import COARSE, observe
-from harness.diagnosis.fit.parameters import free_of
 from harness.diagnosis.fit.standard_errors import unit_of
 from harness.diagnosis.input_noise.propagation import force_noise, left_of, unlikely
+from harness.diagnosis.parameters import free_of
 from harness.diagnosis.prepare.held import held_driven, spring_beside
 from harness.diagnosis.prepare.intersample import ACTS_HELD, acting, between_samples
 from harness.diagnosis.problems.driven import Driven, Forced, InverseDynamics
-from harness.diagnosis.problems.starts import OneStart, Windows
+from harness.diagnosis.problems.simulated import COARSE, observe
 from harness.diagnosis.request import Asked
 from harness.diagnosis.rules import DECISIVE, FORCE_HELD
 from harness.diagnosis.smoothed_state.state import Course, inverse_start
+from harness.diagnosis.starts import OneStart, Windows
 from harness.estimate.noise import Noise, channel_noise
 from harness.estimate.saturation import within_range
 from harness.estimate.stray import stray_in

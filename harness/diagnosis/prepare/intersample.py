@@ -19,12 +19,12 @@ from harness.core.arrays import BoolArray, FloatArray, IntArray
 from harness.core.errors import SimulationError
 from harness.diagnosis.baseline.base_fit import driven_scales, own_scales
 from harness.diagnosis.fit.model_fit import Fit, fit, whitened
-from harness.diagnosis.fit.observe import COARSE, observe
-from harness.diagnosis.fit.parameters import free_of
 from harness.diagnosis.input_noise.noisy_base_fit import in_turn
+from harness.diagnosis.parameters import free_of
 from harness.diagnosis.problems.driven import Driven
-from harness.diagnosis.problems.starts import Windows
+from harness.diagnosis.problems.simulated import COARSE, observe
 from harness.diagnosis.rules import FORCE_HELD
+from harness.diagnosis.starts import Windows
 from harness.kernels.solve import Drive
 from harness.model.model import Model
 

@@ -12,7 +12,7 @@ import numpy as np
 from harness.core.arrays import FloatArray, IntArray
 from harness.core.recording import Recording
 from harness.diagnosis.problem import Problem
-from harness.diagnosis.problems.starts import Windows
+from harness.diagnosis.starts import Windows
 from harness.kernels.solve import Drive
 from harness.model.model import Model, Restoring
 

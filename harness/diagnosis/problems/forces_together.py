@@ -12,8 +12,8 @@ import numpy as np
 
 from harness.diagnosis.problem import Problem
 from harness.diagnosis.problems.driven import InverseDynamics
-from harness.diagnosis.problems.starts import Driven, SeveralWindows, Start
 from harness.diagnosis.problems.together import typical
+from harness.diagnosis.starts import Driven, SeveralWindows, Start
 from harness.kernels.solve import Drive
 from harness.model.elsewhere import Elsewhere, named
 from harness.model.model import Model

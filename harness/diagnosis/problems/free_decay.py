@@ -13,8 +13,8 @@ import numpy as np
 from harness.core.arrays import FloatArray, IntArray
 from harness.diagnosis.motion import motion_of
 from harness.diagnosis.problem import Problem
-from harness.diagnosis.problems.starts import InMotion
 from harness.diagnosis.rules import HAS_BEGUN
+from harness.diagnosis.starts import InMotion
 from harness.estimate.noise import channel_noise
 
 _SEEN = 6.0

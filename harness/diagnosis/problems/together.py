@@ -13,8 +13,8 @@ import numpy as np
 from harness.core.arrays import BoolArray, FloatArray, IntArray
 from harness.diagnosis.problem import Problem
 from harness.diagnosis.problems.free_decay import FreeDecay
-from harness.diagnosis.problems.starts import OneStart, Several, Stretch
 from harness.diagnosis.rules import AMPLITUDES_APART
+from harness.diagnosis.starts import OneStart, Several, Stretch
 from harness.estimate.noise import Noise
 from harness.model.elsewhere import named
 

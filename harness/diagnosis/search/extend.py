@@ -10,10 +10,10 @@ from harness.core.cores import each
 from harness.core.errors import SimulationError
 from harness.diagnosis.baseline.base_fit import at_rest
 from harness.diagnosis.fit.model_fit import Fit, chi2_of, fit
-from harness.diagnosis.fit.observe import COARSE
-from harness.diagnosis.fit.parameters import base_of, free_of, with_friction
 from harness.diagnosis.fit.swing_fit import Swing, swung
+from harness.diagnosis.parameters import base_of, free_of, with_friction
 from harness.diagnosis.problem import Problem
+from harness.diagnosis.problems.simulated import COARSE
 from harness.diagnosis.rules import DECISIVE, PERIOD_SEEN
 from harness.diagnosis.search.against import far_out
 from harness.diagnosis.search.few_pieces import for_looks

@@ -20,8 +20,8 @@ from scipy.linalg import solveh_banded
 from harness.core.arrays import FloatArray
 from harness.core.errors import SimulationError
 from harness.diagnosis.fit.model_fit import Fit
-from harness.diagnosis.fit.observe import COARSE, Observation, observe
 from harness.diagnosis.problem import P
+from harness.diagnosis.problems.simulated import COARSE, Observation, observe
 from harness.kernels.solve import Drive, Scales
 from harness.model.model import Model
 

@@ -10,8 +10,8 @@ import numpy as np
 
 from harness.diagnosis.baseline.base_fit import baseline
 from harness.diagnosis.fit.model_fit import Fit, fit
-from harness.diagnosis.fit.observe import observe
 from harness.diagnosis.problem import P, Problem
+from harness.diagnosis.problems.simulated import observe
 from harness.diagnosis.search.extend import key_of
 from harness.diagnosis.search.few_pieces import condensed
 from harness.diagnosis.search.search import Search, noise_of

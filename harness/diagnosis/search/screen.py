@@ -16,9 +16,9 @@ from harness.core.cores import each
 from harness.core.errors import SimulationError
 from harness.diagnosis.fit.bounds import brought_within
 from harness.diagnosis.fit.model_fit import Fit, evaluate, whitened
-from harness.diagnosis.fit.observe import COARSE, observe
-from harness.diagnosis.fit.parameters import free_of, with_values
+from harness.diagnosis.parameters import free_of, with_values
 from harness.diagnosis.problem import Problem
+from harness.diagnosis.problems.simulated import COARSE, observe
 from harness.diagnosis.search.few_pieces import for_looks
 from harness.kernels.solve import By, Scales
 from harness.model.model import Model, ModelTerm

@@ -18,7 +18,7 @@ import numpy as np
 from harness.core.errors import SimulationError
 from harness.diagnosis.baseline.residual_noise import coloured_whole, residual_noise, window_of
 from harness.diagnosis.fit.model_fit import Fit, fit, whitened
-from harness.diagnosis.fit.parameters import base_of, free_of
+from harness.diagnosis.parameters import base_of, free_of
 from harness.diagnosis.problem import P, Problem
 from harness.diagnosis.residual_tests.structure import Left, left_by, structure
 from harness.diagnosis.rules import AMONG_NAMES, COLOUR_ALONE, DECISIVE, MOST_TERMS, SECOND_TERM

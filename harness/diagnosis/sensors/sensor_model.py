@@ -1,6 +1,6 @@
 """What the sensors of a model make of a motion: slot O, composed, with partials.
 
-Each sensor's law stands in its term's file. ``read`` is the composition; harness.diagnosis.fit.observe reads the
+Each sensor's law stands in its term's file. ``read`` is the composition; harness.diagnosis.problems.simulated reads the
 reference through it, with partials, and ``sensed`` a motion from any origin.
 
 A simulated motion at the times of a recording, faithful to jumps of the acceleration at reversals.

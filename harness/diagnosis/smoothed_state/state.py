@@ -8,8 +8,8 @@ import numpy as np
 
 from harness.core.arrays import BoolArray, FloatArray, IntArray
 from harness.core.errors import InputError
-from harness.diagnosis.problems.starts import Window, Windows
 from harness.diagnosis.smoothed_state.local_cubics import Smooth, longest_interval, smoothed, stretches
+from harness.diagnosis.starts import Window, Windows
 from harness.estimate.noise import Noise
 from harness.model.model import Model, Restoring
 

@@ -18,16 +18,16 @@ import numpy as np
 from harness.core.arrays import BoolArray, FloatArray, IntArray
 from harness.core.errors import SimulationError
 from harness.diagnosis.fit.model_fit import evaluate
-from harness.diagnosis.fit.observe import COARSE, FINE, observe
-from harness.diagnosis.fit.parameters import Free, base_of, free_of, with_friction
 from harness.diagnosis.grading.misfit import Misfit
 from harness.diagnosis.grading.prediction import Predicted, blocks_of, by_blocks, ratio, surely_less
 from harness.diagnosis.inverse_dynamics.force_fit import ForceFit
 from harness.diagnosis.inverse_dynamics.grade import held_out as held_out_alone
 from harness.diagnosis.inverse_dynamics.holdout import left_out
-from harness.diagnosis.inverse_dynamics.measured import BLOCK, Measured
 from harness.diagnosis.inverse_dynamics.strokes import ForceWords
+from harness.diagnosis.parameters import Free, base_of, free_of, with_friction
 from harness.diagnosis.problem import Problem
+from harness.diagnosis.problems.measured import BLOCK, Measured
+from harness.diagnosis.problems.simulated import COARSE, FINE, observe
 from harness.diagnosis.rules import PATH_AGAIN, PATH_APART, TABLE_BETTER, TABLE_ERRORS, TABLE_WORDS
 from harness.diagnosis.tables.basis import RUNGS, Basis, Rung, basis_of, over_plane
 from harness.diagnosis.tables.fitted import FIRST, Look, TableFit, minimised, strength_by_blocks

@@ -10,7 +10,6 @@ from harness.core.errors import SimulationError
 from harness.core.quantity import Quantity
 from harness.diagnosis.explain.mechanism import prediction, remainder, remainder_of_force
 from harness.diagnosis.fit.model_fit import Fit, whitened
-from harness.diagnosis.fit.parameters import base_of
 from harness.diagnosis.fit.place import place_of
 from harness.diagnosis.fit.standard_errors import base_parameters, unit_of
 from harness.diagnosis.grading.grade import Graded
@@ -20,6 +19,7 @@ from harness.diagnosis.inverse_dynamics.force_screen import seen_in
 from harness.diagnosis.inverse_dynamics.grade import ForceGraded
 from harness.diagnosis.inverse_dynamics.holdout import predicted_windows
 from harness.diagnosis.outcome import Grade, Holdout, Mechanism, Outcome, Prediction, Remainder, Surface, Table
+from harness.diagnosis.parameters import base_of
 from harness.diagnosis.problem import Problem
 from harness.diagnosis.problems.driven import InverseDynamics
 from harness.diagnosis.rules import TABLE_BAND, TABLE_BETTER, TABLE_ERRORS, TABLE_OVER_NOISE, TABLE_WORDS

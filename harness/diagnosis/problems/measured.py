@@ -8,9 +8,9 @@ import numpy as np
 
 from harness.core.arrays import BoolArray, FloatArray, IntArray
 from harness.core.errors import SimulationError
-from harness.diagnosis.fit.parameters import Free, in_recording
-from harness.diagnosis.inverse_dynamics.asked import Path, asked, given_force, inverse_force
+from harness.diagnosis.parameters import Free, in_recording
 from harness.diagnosis.problem import Problem
+from harness.diagnosis.problems.asked import Path, asked, given_force, inverse_force
 from harness.diagnosis.problems.driven import Forced
 from harness.diagnosis.rules import GUARD_SPEED
 from harness.diagnosis.smoothed_state.local_cubics import Smooth, inner, longest_interval, smoothed, smoothed_alike

@@ -14,8 +14,8 @@ import numpy as np
 from harness.core.arrays import FloatArray, IntArray, ModeArray
 from harness.core.events import Events
 from harness.diagnosis.problem import Problem
-from harness.diagnosis.problems.starts import Start
 from harness.diagnosis.sensors.sensor_model import Kinematics, Reading, lag_of, read
+from harness.diagnosis.starts import Start
 from harness.kernels.solve import By, Effort, Scales, Solution, solve
 from harness.model.covariate import Acts, Covariate
 from harness.model.given import GIVEN

@@ -14,8 +14,8 @@ import numpy as np
 
 from harness.core.arrays import BoolArray, FloatArray, IntArray
 from harness.core.jit import compiled
-from harness.diagnosis.fit.observe import factor, frictionless, frictionless_terms, pushed
-from harness.diagnosis.fit.parameters import Free
+from harness.diagnosis.parameters import Free
+from harness.diagnosis.problems.simulated import factor, frictionless, frictionless_terms, pushed
 from harness.kernels.integrate import mode_moving
 from harness.kernels.layout import Layout, lay_out
 from harness.kernels.rhs import rhs
