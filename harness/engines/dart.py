@@ -30,7 +30,6 @@ class DartBody(Stepped):
         self._world.addSkeleton(self._skeleton)
 
     def limit(self, force: float) -> None:
-        """See Stepped.limit."""
         self._joint.setCoulombFriction(0, force)
 
     def step(self, push: float) -> tuple[float, float, float]:
@@ -54,10 +53,8 @@ class DartEngine(SteppedEngine):
     shipped_dt: ClassVar[float] = 1e-3
 
     def planned(self, task: Task, settings: dict[str, Any]) -> tuple[Plan, tuple[str, ...]]:
-        """See SteppedEngine.planned."""
         own = not settings["leapfrog"]
         return Plan(task, settings, Native(spring=own, damping=own, implicit=own)), ()
 
     def body(self, plan: Plan, settings: dict[str, Any]) -> Stepped:
-        """See SteppedEngine.body."""
         return DartBody(plan)

@@ -94,7 +94,6 @@ class DrakeBody(Stepped):
             self._scene.AssignRole(self._scene_context, source, surface, properties, RoleAssign.kReplace)
 
     def step(self, push: float) -> tuple[float, float, float]:
-        """See Stepped.step."""
         self._push.GetMutableData().get_mutable_value().SetAtIndex(0, push)
         self._steps += 1
         self._simulator.AdvanceTo(self._steps * self._dt)
@@ -117,7 +116,6 @@ class DrakeBody(Stepped):
         return float(self._sign * x)
 
     def floor(self) -> tuple[float, float]:
-        """See Stepped.floor."""
         return (self._lift.get_translation(self._context), self._normal) if self._rubs else (0.0, 0.0)
 
 
@@ -134,7 +132,6 @@ class DrakeEngine(SteppedEngine):
     }
 
     def words(self, route: Route, shipped: bool, dt: float) -> dict[str, Any]:
-        """See SteppedEngine.words."""
         if route != "contact":
             return {}
         return {
@@ -143,11 +140,9 @@ class DrakeEngine(SteppedEngine):
         }
 
     def body(self, plan: Plan, settings: dict[str, Any]) -> Stepped:
-        """See SteppedEngine.body."""
         return DrakeBody(plan, settings)
 
     def simulate(self, task: Task) -> Trajectory:
-        """See Engine.simulate."""
         try:
             return super().simulate(task)
         except RuntimeError as error:

@@ -93,7 +93,6 @@ def export(slider: Slider, into: Path, restoring: Restoring = "spring") -> dict[
 
 
 def text_of(tree: Any) -> bytes:
-    """A tree as a file."""
     text: bytes = etree.tostring(tree, xml_declaration=True, encoding="utf-8")
     return text
 

@@ -53,13 +53,11 @@ class NewtonBody(Stepped):
         self._force = np.zeros(1, dtype=np.float32)
 
     def limit(self, force: float) -> None:
-        """See Stepped.limit."""
         self._model.joint_friction.assign(np.array([force], dtype=np.float32))
         self._solver.notify_model_changed(newton.ModelFlags.JOINT_DOF_PROPERTIES)
         self._limit = force
 
     def step(self, push: float) -> tuple[float, float, float]:
-        """See Stepped.step."""
         q, speed = self._q, self._speed
         self._force[0] = push
         self._control.joint_f.assign(self._force)
@@ -98,10 +96,8 @@ class NewtonEngine(SteppedEngine):
         }
 
     def body(self, plan: Plan, settings: dict[str, Any]) -> Stepped:
-        """See SteppedEngine.body."""
         return NewtonBody(plan, settings)
 
     def ignored(self, task: Task, settings: dict[str, Any]) -> tuple[str, ...]:
-        """See SteppedEngine.ignored."""
         silent = f"friction: {settings['solver']} has none in a joint and does not say so"
         return (SINGLE_PRECISION,) if settings["solver"] == SOLVERS[0] else (SINGLE_PRECISION, silent)

@@ -49,7 +49,6 @@ class PhysxEngine(SteppedEngine):
         raise NotImplementedError
 
     def ignored(self, task: Task, settings: dict[str, Any]) -> tuple[str, ...]:
-        """See SteppedEngine.ignored."""
         lines = [SINGLE_PRECISION]
         if settings["solverType"] == "PGS" and not settings["enableExternalForcesEveryIteration"]:
             lines.append("enableExternalForcesEveryIteration: PGS takes a force once a step anyway")

@@ -152,7 +152,6 @@ class PhysxBody(Stepped):
         return self._q.item(), after, self._momentum.friction(q, v, after, push, self._limit)
 
     def close(self) -> None:
-        """Let go of the stage."""
         for binding in (self._position, self._speed, self._force, self._friction):
             binding.destroy()
         self._physics.wait_task(self._physics.detach_ovstage())
@@ -168,11 +167,9 @@ class PhysxHere(PhysxEngine):
         _begin()
 
     def body(self, plan: Plan, settings: dict[str, Any]) -> Stepped:
-        """See SteppedEngine.body."""
         return PhysxBody(plan, settings)
 
     def simulate(self, task: Task) -> Trajectory:
-        """See Engine.simulate."""
         with warnings.catch_warnings():
             # 0.7 calls its tensor bindings deprecated; they are there, and one call each
             warnings.simplefilter("ignore", DeprecationWarning)

@@ -85,7 +85,6 @@ class PybulletBody(Stepped):
         pybullet.resetJointState(self.body, LIFT, -settings["contactSlop"], 0.0, physicsClientId=self.client)
 
     def limit(self, force: float) -> None:
-        """See Stepped.limit."""
         if self._on_floor:
             # the floor's coefficient is 1: PyBullet multiplies the two
             mu = coefficient(self._plan.task.scenario.slider, force)
@@ -115,13 +114,11 @@ class PybulletBody(Stepped):
         return float(self.substeps * friction)
 
     def floor(self) -> tuple[float, float]:
-        """See Stepped.floor."""
         if not self._on_floor:
             return 0.0, 0.0
         return float(pybullet.getJointState(self.body, LIFT, physicsClientId=self.client)[0]), self._normal
 
     def close(self) -> None:
-        """See Stepped.close."""
         pybullet.disconnect(self.client)
 
 
@@ -161,15 +158,12 @@ class PybulletEngine(SteppedEngine):
         }
 
     def planned(self, task: Task, settings: dict[str, Any]) -> tuple[Plan, tuple[str, ...]]:
-        """See SteppedEngine.planned."""
         return Plan(task, settings, NATIVE), ()
 
     def body(self, plan: Plan, settings: dict[str, Any]) -> Stepped:
-        """See SteppedEngine.body."""
         return PybulletBody(plan, settings)
 
     def motion(self, plan: Plan, body: Stepped, settings: dict[str, Any]) -> Motion:
-        """See SteppedEngine.motion."""
         found = moved(plan, body)
         if settings["numSubSteps"] <= 1:
             return found
@@ -177,7 +171,6 @@ class PybulletEngine(SteppedEngine):
         return replace(found, friction=newton_friction(plan.task, found.x, found.v, found.a, found.applied))
 
     def ignored(self, task: Task, settings: dict[str, Any]) -> tuple[str, ...]:
-        """See SteppedEngine.ignored."""
         lines = [
             "URDF spring: the format has none, -k x is applied as a force that PyBullet holds over each step",
             "MJCF: loadMJCF would ignore stiffness, damping and frictionloss, so the URDF is loaded",

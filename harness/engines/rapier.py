@@ -52,7 +52,6 @@ class RapierJoint(Stepped):
         self.limit(0.0)
 
     def limit(self, force: float) -> None:
-        """See Stepped.limit."""
         text = _JOINT.format(m=self._plan.task.scenario.slider.m, k=self._k, c=self._c, f=force)
         options = mjcf.MjcfLoaderOptions(make_roots_fixed=True, create_colliders_from_collision_shapes=False)
         robot, _ = mjcf.MjcfRobot.from_str(text, options)
@@ -102,13 +101,11 @@ class RapierBox(Stepped):
         self._normal = self._mu = 0.0
 
     def limit(self, force: float) -> None:
-        """See Stepped.limit."""
         self._mu = coefficient(self._slider, force)
         for handle in (self._ground, self._shape):
             self._world.colliders[handle].friction = self._mu
 
     def step(self, push: float) -> tuple[float, float, float]:
-        """See Stepped.step."""
         body, before = self._body, self._body.linvel.x
         body.reset_forces(True)
         body.add_force((push, 0.0, 0.0), True)
@@ -121,7 +118,6 @@ class RapierBox(Stepped):
         return body.translation.x, after, friction
 
     def floor(self) -> tuple[float, float]:
-        """See Stepped.floor."""
         return self._body.translation.z - HALF[2], self._normal
 
 
@@ -143,9 +139,7 @@ class RapierEngine(SteppedEngine):
         }
 
     def body(self, plan: Plan, settings: dict[str, Any]) -> Stepped:
-        """See SteppedEngine.body."""
         return RapierBox(plan, settings) if plan.task.route == "contact" else RapierJoint(plan, settings)
 
     def ignored(self, task: Task, settings: dict[str, Any]) -> tuple[str, ...]:
-        """See SteppedEngine.ignored."""
         return IGNORED

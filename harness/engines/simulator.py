@@ -29,7 +29,6 @@ class EngineSimulator:
 
     @property
     def name(self) -> str:
-        """Name of the engine."""
         return self.engine.name
 
     def __call__(self, model: Model, duration: float, dt: float | None, drive: Measured | None) -> Trajectory:

@@ -324,7 +324,6 @@ class SteppedEngine(Engine):
         return own_or_pushed(task, settings)
 
     def presets(self, route: Route, preset: Preset, dt: float | None = None) -> dict[str, Any]:
-        """See Engine.presets."""
         shipped = preset == "as-shipped"
         step = dt or (self.shipped_dt if shipped else TUNED_DT)
         return {"dt": step, "leapfrog": not shipped, **self.words(route, shipped, step)}
@@ -337,7 +336,6 @@ class SteppedEngine(Engine):
         return settings
 
     def simulate(self, task: Task) -> Trajectory:
-        """See Engine.simulate."""
         settings = self.settled(task)
         plan, ignored = self.planned(task, settings)
         with quiet(logging.getLogger(f"harness.engines.{self.name}")):

@@ -59,7 +59,6 @@ DEFAULT = Tolerance(1e-3, 1e-9, "a metric without an entry of its own")
 
 
 def tolerance(metric: str) -> Tolerance:
-    """The tolerance of a metric."""
     return TOLERANCES.get(metric, DEFAULT)
 
 
@@ -165,7 +164,6 @@ class Ladder:
     steps: dict[tuple[str, ...], dict[float, float]] = field(default_factory=dict)
 
     def add(self, row: Mapping[str, Any]) -> None:
-        """Take one row (Row.as_dict)."""
         metric = ERRORS.get(row["scenario"])
         if metric is None or row["draw"] or row["error"] is not None or row["dt_s"] is None:
             return

@@ -119,7 +119,6 @@ class Row:
     error: str | None = field(default=None)
 
     def as_dict(self) -> dict[str, Any]:
-        """Plain data."""
         return asdict(self)
 
 
@@ -136,7 +135,6 @@ def run_row(engine: Engine, spec: Spec) -> Row:
 
 
 def task(spec: Spec) -> Task:
-    """The simulation a spec asks for."""
     return Task(spec.scenario, spec.route, spec.base, spec.dt, dict(spec.changed))
 
 
@@ -150,7 +148,6 @@ def measure_row(trace: Trajectory, scenario: Scenario) -> Metrics:
 
 
 def succeeded(spec: Spec, trace: Trajectory, metrics: Metrics) -> Row:
-    """The row of a run that was completed."""
     source = trace.source
     wall = source.wall_s
     return Row(
@@ -168,7 +165,6 @@ def succeeded(spec: Spec, trace: Trajectory, metrics: Metrics) -> Row:
 
 
 def failed(spec: Spec, reason: str) -> Row:
-    """The row of a run that could not be completed."""
     changed = dict(spec.changed)
     return Row(
         **_identity(spec),

@@ -106,7 +106,6 @@ class Point:
     scenarios: set[str] = field(default_factory=set)
 
     def add(self, row: Row) -> None:
-        """Take one row of these settings."""
         if row["error"] is not None:
             return
         self.scenarios.add(row["scenario"])

@@ -46,7 +46,6 @@ class Sizes:
 
     @property
     def total(self) -> int:
-        """Recordings of all groups."""
         return self.singles + self.controls + self.pairs + self.outside + self.machines
 
     @property
@@ -60,7 +59,6 @@ class Sizes:
 
     @classmethod
     def of(cls, said: Mapping[str, int]) -> "Sizes":
-        """As a transcript holds it."""
         return cls(**{field.name: int(said.get(field.name, 0)) for field in fields(cls)})
 
 

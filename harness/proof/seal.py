@@ -22,7 +22,6 @@ SCHEMA = "harness.proof-transcript/1"
 
 
 def digest(data: bytes) -> str:
-    """SHA-256 in hex."""
     return hashlib.sha256(data).hexdigest()
 
 

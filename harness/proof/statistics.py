@@ -26,7 +26,6 @@ class Rate:
 
     @classmethod
     def of(cls, outcomes: Sequence[bool]) -> "Rate":
-        """The share of true outcomes."""
         n, k = len(outcomes), sum(map(bool, outcomes))
         if n == 0:
             return cls(0, 0, None, None, None)
@@ -36,7 +35,6 @@ class Rate:
         return cls(k, n, k / n, low, high)
 
     def as_dict(self) -> dict[str, float | int | None]:
-        """For JSON."""
         return asdict(self)
 
 
@@ -115,14 +113,12 @@ class Figure:
 
     @property
     def sentence(self) -> str:
-        """What falls short."""
         value = self.judged
         shown = "unknown" if value is None else f"{100.0 * value:.1f} %" if self.share else f"{value:.3g}"
         bound = "lower bound " if self.asked.of_low else ""
         return f"{self.asked.label}: {bound}{shown}, {self.asked.said} is asked"
 
     def as_dict(self) -> dict[str, Any]:
-        """As results hold it."""
         said = {"key": self.key, "label": self.asked.label, "asked": self.asked.said, "met": self.met}
         return {**said, "share": self.share, "hits": None, **self.found.as_dict()}
 

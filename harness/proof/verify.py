@@ -92,7 +92,6 @@ def check_plan(ledger: Ledger) -> list[str]:
 
 
 def planned_jobs(ledger: Ledger) -> list[Job]:
-    """The jobs of the plan, from the revealed seed."""
     return plan(Sizes.of(ledger.content(STEPS[0])["sizes"]), int(ledger.content(STEPS[3])["seed"]["value"]))
 
 

@@ -196,7 +196,6 @@ def by(key: Any, of: Callable[[Any, Any], Shown]) -> Callable[[Any], Shown]:
 
 
 def cell(value: Shown) -> Cell:
-    """What stands in a table for a value."""
     return value if isinstance(value, Cell) else Cell(value if isinstance(value, str) else number(value))
 
 
@@ -224,7 +223,6 @@ class Reasons:
 
     @property
     def footnotes(self) -> list[str]:
-        """Each with its mark."""
         return [f"{self.mark(why)} {why}" for why in self._said]
 
 

@@ -148,7 +148,6 @@ def trajectory_of(columns: Mapping[str, FloatArray], about: Mapping[str, Any]) -
 
 
 def pack_recording(recording: Recording) -> bytes:
-    """Everything a recording holds."""
     columns = {"t": recording.t} | {_CHANNEL + name: values for name, values in recording.channels.items()}
     about = {
         "kind": "recording",
@@ -163,7 +162,6 @@ def pack_recording(recording: Recording) -> bytes:
 
 
 def recording_of(columns: Mapping[str, FloatArray], about: Mapping[str, Any]) -> Recording:
-    """The recording whose packed bytes unpack to this."""
     channels = {name.removeprefix(_CHANNEL): column for name, column in columns.items() if name != "t"}
     return Recording(
         columns["t"],

@@ -126,7 +126,6 @@ class Scene:
 
     @property
     def views(self) -> Iterator[View]:
-        """All of them."""
         return _views(self.layout)
 
 

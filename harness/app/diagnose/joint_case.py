@@ -53,12 +53,10 @@ class JointCase:
 
     @property
     def name(self) -> str:
-        """Of the folder."""
         return f"{Path(self.log.file).name.split('.')[0]}-{self.joint}"
 
     @property
     def settings(self) -> dict[str, Any]:
-        """Every option in force."""
         return {**self.options.settings(), "robot": self.asked.settings()}
 
     def robot(self, paste: JointPaste | None, **more: Any) -> RobotResult:

@@ -64,7 +64,6 @@ class Many:
         return sum(isinstance(answer, FailedDiagnosis) for answer in self.answers)
 
     def json(self) -> str:
-        """The array, as files hold it."""
         return "[\n" + ",\n".join(to_json(answer).rstrip("\n") for answer in self.answers) + "\n]\n"
 
 

@@ -84,7 +84,6 @@ class RobotOptions:
         return None
 
     def settings(self) -> dict[str, Any]:
-        """Every option in force, as results hold it."""
         return {
             "robot": str(self.file.absolute()),
             "joint": self.joint,
@@ -255,7 +254,6 @@ class DiagnoseOptions:
         return self.zero == "free"
 
     def settings(self) -> dict[str, Any]:
-        """Every option in force, as results hold it."""
         r = self.reading
         return {
             "columns": r.columns,

@@ -103,7 +103,6 @@ class _Proof:
         self._worked = partial(worked, progress=progress, jobs=options.jobs, cluster=options.cluster)
 
     def run(self) -> ProofResult:
-        """All phases; the result."""
         with resumable(self._folder, lambda: "what is done is kept"):
             if self._options.resume:
                 self._check()
@@ -236,7 +235,6 @@ def now() -> str:
 
 
 def code_digest() -> str:
-    """The hash of every source file of the program."""
     found = hashlib.sha256()
     for file in sorted(CODE.rglob("*.py")):
         found.update(file.relative_to(CODE).as_posix().encode() + b"\0" + file.read_bytes())

@@ -57,12 +57,10 @@ class Store:
             shutil.rmtree(self.secret.parent)
 
     def keep_drawn(self, drawn: Mapping[str, Any]) -> None:
-        """Write a drawn recording with its answer beside the seed."""
         with explained(self.folder):
             write_private(self.secret.parent / f"{drawn['index']:05d}.json", drawn)
 
     def drawn(self) -> dict[int, dict[str, Any]]:
-        """Drawn recordings by their index."""
         found = {}
         for file in sorted(self.secret.parent.glob("[0-9]*.json")):
             with suppress(OSError, ValueError):
@@ -80,15 +78,12 @@ class Store:
                 os.utime(path, (0, 0))
 
     def names(self) -> list[str]:
-        """Names of all recordings."""
         return sorted(file.stem for file in (self.folder / RECORDINGS).glob("*.csv"))
 
     def recording(self, name: str) -> bytes:
-        """A recording."""
         return (self.folder / RECORDINGS / f"{name}.csv").read_bytes()
 
     def keep_answer(self, line: Mapping[str, Any]) -> None:
-        """Append an answer of a diagnoser to those there are."""
         with explained(self.folder):
             (self.folder / WORKING).mkdir(exist_ok=True)
             with (self.folder / WORKING / ANSWERS).open("a", encoding="utf-8") as file:
@@ -132,7 +127,6 @@ class Store:
             shutil.rmtree(self.folder / WORKING)
 
     def write(self, name: str, text: str) -> None:
-        """Write a file, whole or not at all."""
         write_text(self.folder / name, text)
 
 

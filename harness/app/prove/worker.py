@@ -29,7 +29,6 @@ class DrawTask:
 
     @property
     def key(self) -> str:
-        """The job's place."""
         return str(self.job.index)
 
 
@@ -47,7 +46,6 @@ class BlindTask:
 
     @property
     def key(self) -> str:
-        """Who answers which recording."""
         return f"{self.who} {self.name}"
 
 
@@ -62,7 +60,6 @@ def draw_one(task: DrawTask) -> dict[str, Any]:
 
 
 def draw_failed(task: DrawTask, why: str) -> dict[str, Any]:
-    """A job that was given up."""
     return {"index": task.job.index, "error": f"{' + '.join(task.job.kinds) or 'control'}: {why}"}
 
 

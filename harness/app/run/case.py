@@ -125,7 +125,6 @@ class ModelScenario:
 
     @property
     def decays(self) -> bool:
-        """See SuiteCase."""
         return True
 
     @property
@@ -174,7 +173,6 @@ class ModelScenario:
         return estimate_all(spring.t, x=spring["x"], a=spring["a"], unit="rad")
 
     def describe(self) -> dict[str, Any]:
-        """See SuiteCase.describe."""
         model = self.model
         said: dict[str, Any] = {
             "name": self.name,
@@ -190,7 +188,6 @@ class ModelScenario:
         return said
 
     def conclusions(self, traces: Sequence[TraceResult]) -> list[str]:
-        """See SuiteCase.conclusions."""
         said = []
         for entry in self.model.terms:
             values = (f"{value:.6g}" for value in entry.values)
@@ -238,7 +235,6 @@ Case: TypeAlias = SuiteCase | ModelScenario
 
 
 def case_of(scenario: Scenario | ModelScenario) -> Case:
-    """The case of a scenario."""
     return scenario if isinstance(scenario, ModelScenario) else SuiteCase(scenario)
 
 

@@ -50,7 +50,6 @@ def _shown(model: Model, recording: Recording) -> dict[str, FloatArray]:
 
 
 def estimates_of(estimation: Estimation) -> dict[str, Estimates]:
-    """Every method's estimate by its name."""
     return {
         method: Estimates.taken_from(
             one, per_reversal=[each.as_dict() for each in one.per_reversal], guard_s=one.guard, lead_s=one.lead

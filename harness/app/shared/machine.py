@@ -36,7 +36,6 @@ def cores() -> int:
 
 
 def this_machine(seeds: dict[str, int] | None = None) -> Machine:
-    """The machine and the packages a result is made with."""
     packages = {name: found for name in PACKAGES if (found := package_version(name)) is not None}
     return Machine(
         python=platform.python_version(),

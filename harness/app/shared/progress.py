@@ -45,7 +45,6 @@ class Pace:
         self._first, self._began, self._told = 0, 0.0, 0.0
 
     def tell(self, step: str, done: int, total: int) -> None:
-        """A Progress."""
         now = self._now()
         if total != self._total or done < self._done:
             self._first, self._began = done, now

@@ -99,7 +99,6 @@ def _recording(trajectory: Trajectory) -> Recording:
 
 
 def recording_info(recording: Recording, noise: Mapping[str, Noise]) -> RecordingInfo:
-    """What a result says about a recording."""
     return RecordingInfo(
         file=recording.file,
         sha256=recording.sha256,

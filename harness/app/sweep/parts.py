@@ -32,7 +32,6 @@ def compute(spec: Spec) -> dict[str, Any]:
 
 
 def failed_row(spec: Spec, why: str) -> dict[str, Any]:
-    """The row of a spec that could not be computed."""
     return failed(spec, why).as_dict()
 
 
@@ -59,7 +58,6 @@ class Parts:
 
     @property
     def folder(self) -> Path:
-        """Where the parts are."""
         return self._folder
 
     def write(self, rows: Sequence[Row]) -> None:

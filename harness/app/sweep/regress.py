@@ -184,7 +184,6 @@ def junit(result: RegressResult, names: Iterable[str]) -> str:
 
 
 def sentence(moved: Moved) -> str:
-    """One move in a line."""
     if not moved.metric:
         return f"{moved.verdict}: {moved.why}"
     return f"{moved.metric} {moved.verdict}: {moved.before} -> {moved.after}, allowed {moved.why}"

@@ -68,7 +68,6 @@ class SweepOptions:
 
     @property
     def matrix(self) -> Matrix:
-        """The rows of it."""
         routes = tuple(route for route in ROUTES if not self.routes or route in self.routes)
         return Matrix(routes, self.presets, self.steps, self.short, self.sliders)
 
@@ -94,14 +93,12 @@ class Sweep:
         yield from Parts(self.folder).read()
 
     def convergence(self) -> list[Convergence]:
-        """Measured orders, from the rows on disk."""
         ladder = Ladder()
         for row in self.rows():
             ladder.add(row)
         return [Convergence(**asdict(order)) for order in ladder.orders()]
 
     def files(self) -> dict[str, str]:
-        """What the folder holds."""
         there = {"result": RESULT, "report": PAGE, "rows": "rows", "traces": TRACES, "log": LOG}
         return {name: str(self.folder / path) for name, path in there.items() if (self.folder / path).exists()}
 

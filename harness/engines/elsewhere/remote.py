@@ -48,7 +48,6 @@ class Worker:
         return value
 
     def close(self) -> None:
-        """End the process."""
         process, self._process = self._process, None
         if process is None:
             return
@@ -99,11 +98,9 @@ class Elsewhere(Engine):
     found: ClassVar[str]
 
     def version(self) -> str:
-        """Version of the engine's package over there."""
         return self.found
 
     def presets(self, route: Route, preset: Preset, dt: float | None = None) -> dict[str, Any]:
-        """See Engine.presets."""
         settings: dict[str, Any] = self.worker.ask("presets", route, preset, dt)
         return settings
 

@@ -60,11 +60,9 @@ class MujocoEngine(Engine):
     native: ClassVar[Kinds] = JOINT
 
     def presets(self, route: Route, preset: Preset, dt: float | None = None) -> dict[str, Any]:
-        """Settings of a preset; see Engine.presets."""
         return table.presets(route, preset, dt)
 
     def simulate(self, task: Task) -> Trajectory:
-        """Run a task; see Engine.simulate."""
         settings = resolve(self, task)
         table.check(settings)
         ignored = table.unused(settings, self.presets(task.route, "as-shipped", task.dt), task.route)

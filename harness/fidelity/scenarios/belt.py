@@ -124,13 +124,11 @@ class BeltKind(Kind):
         return Scenario(self.name, slider, start, speed, periods * cycle.period, Belt(speed))
 
     def chosen(self, given: Mapping[str, float]) -> Scenario:
-        """See Kind.chosen."""
         only(self.name, given, (*VALUES, "duration"))
         found = self.ride(with_values(OWN.sticky, given), OWN.belt_speed)
         return replace(found, duration=given.get("duration", found.duration))
 
     def exact(self, scenario: Scenario, t: FloatArray) -> Trajectory:
-        """See Kind.exact."""
         speed = belt_speed(scenario)
         cycle = cycle_of(scenario.slider, speed)
         waited = (scenario.x0 - cycle.stick_x) / speed
@@ -141,7 +139,6 @@ class BeltKind(Kind):
         return replace(found, t=t, events=replace(found.events, t=found.events.t - ahead))
 
     def answers(self, scenario: Scenario) -> Answers:
-        """See Kind.answers."""
         speed = belt_speed(scenario)
         cycle = cycle_of(scenario.slider, speed)
         return {
@@ -153,7 +150,6 @@ class BeltKind(Kind):
         }
 
     def measure(self, trace: Trajectory, scenario: Scenario) -> Metrics:
-        """See Kind.measure."""
         return measure_belt(trace, belt_speed(scenario))
 
 

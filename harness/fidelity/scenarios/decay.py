@@ -45,7 +45,6 @@ class DecayKind(Kind):
     reach: float = 1.0
 
     def of_suite(self, sliders: Sliders, scale: float) -> Scenario:
-        """See Kind.of_suite."""
         slider = scaled(scaled(sliders.decay, scale), self.friction)
         return self.release(slider, plain(plain(scale * sliders.x0) * self.reach))
 
@@ -69,7 +68,6 @@ class DecayKind(Kind):
         return free_decay(scenario, t)
 
     def answers(self, scenario: Scenario) -> Answers:
-        """See Kind.answers."""
         slider = scenario.slider
         known = {"x_k_m": slider.x_k, "zeta": slider.zeta}
         start = Decay.of_scenario(scenario)
@@ -81,7 +79,6 @@ class DecayKind(Kind):
         return known
 
     def measure(self, trace: Trajectory, scenario: Scenario) -> Metrics:
-        """See Kind.measure."""
         return measure_decay(trace, scenario)
 
 

@@ -79,7 +79,6 @@ class HoldKind(Kind):
         return Scenario(self.name, slider, 0.0, 0.0, self.duration if duration is None else duration, force)
 
     def chosen(self, given: Mapping[str, float]) -> Scenario:
-        """See Kind.chosen."""
         only(self.name, given, (*VALUES, "duration"))
         slider = with_values(self.of_suite(OWN, 1.0).slider, given)
         if slider.break_away == 0.0:
@@ -96,12 +95,10 @@ class HoldKind(Kind):
         return Trajectory(t, still + scenario.x0, still, still, Source("reference", "exact"), force, mode)
 
     def answers(self, scenario: Scenario) -> Answers:
-        """See Kind.answers."""
         assert isinstance(scenario.action, Hold)
         return {"creep_m_s": creep(scenario.slider, scenario.action)}
 
     def measure(self, trace: Trajectory, scenario: Scenario) -> Metrics:
-        """See Kind.measure."""
         return measure_hold(trace)
 
 

@@ -115,7 +115,6 @@ class Spoiled:
     total: Mapping[str, float]
 
     def spoil(self, clean: Mapping[str, FloatArray], rng: np.random.Generator) -> dict[str, FloatArray]:
-        """The channels as recorded."""
         return {c: self.noise.spoil(c, clean[c], rng) for c in self.noise.sigma}
 
 

@@ -37,7 +37,6 @@ class Hand:
     shift: float = 0.0
 
     def holds(self, model: PlantModel) -> PlantModel:
-        """The plant in this hand."""
         if self.until > 0.0:
             model = replace(model, release=self.until)
         if self.fades <= 0.0:
@@ -80,7 +79,6 @@ class Rig:
     gain: Mapping[str, float] = field(default_factory=dict)
 
     def scale(self, channel: str) -> float:
-        """The size that a channel has."""
         b = self.base
         return {"x": b.length, "v": b.speed, "a": b.length * b.omega_n**2}[channel]
 

@@ -61,7 +61,6 @@ def weights(of: Reading, noise: Mapping[str, float]) -> dict[str, float]:
 
 
 def total(misfit: Mapping[str, float], weight: Mapping[str, float]) -> float:
-    """Misfit of all channels by their weights."""
     return sum(w * misfit[c] for c, w in weight.items())
 
 
@@ -138,7 +137,6 @@ class Small:
     left: Mapping[str, Mapping[str, float]]
 
     def times(self, factor: float, base: Base) -> "Small":
-        """Each so many times as strong."""
         effects = {name: scaled(name, one, factor, base) for name, one in self.effects.items()}
         left = {name: {c: m * factor**2 for c, m in one.items()} for name, one in self.left.items()}
         return Small(effects, left)

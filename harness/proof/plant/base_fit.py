@@ -191,7 +191,6 @@ class Seen:
         return np.concatenate([whiten(seen[c][:n] - said[c], self.sigma[c], self.correlation) for c in seen])
 
     def r2(self, said: Channels) -> dict[str, float]:
-        """Coefficient of determination of each channel."""
         return {
             c: 1.0 - float(np.sum((y - said[c]) ** 2) / np.sum((y - y.mean()) ** 2)) for c, y in self.channels.items()
         }

@@ -60,12 +60,10 @@ class Case:
 
     @property
     def mechanisms(self) -> tuple[str, ...]:
-        """Names of what is hidden."""
         return tuple(self.effects)
 
     @property
     def seen(self) -> Seen:
-        """What a fit is given."""
         channels = {c: self.recorded[c] for c in self.channels}
         return Seen(channels, {c: self.noise.total(c) for c in self.channels}, self.noise.correlation)
 
@@ -240,7 +238,6 @@ def _bounds(chi2_truth: float, loss: float) -> tuple[float, float]:
 
 
 def truth(case: Case) -> dict[str, Any]:
-    """The answer of a case as it is written down."""
     base, noise, effects = case.base, case.noise, case.effects
 
     def judged(name: str) -> dict[str, Any]:

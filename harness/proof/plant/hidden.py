@@ -63,7 +63,6 @@ class Noise:
     step: dict[str, float] | None = None
 
     def spoil(self, channel: str, clean: FloatArray, rng: np.random.Generator) -> FloatArray:
-        """The channel as recorded."""
         white = rng.standard_normal(clean.size)
         r = self.correlation
         if r != 0.0:

@@ -10,7 +10,6 @@ from harness.show.report.page import made_with
 
 
 def dataset_page(result: DatasetResult) -> Page:
-    """The drive axis."""
     headline = " ".join(result.found) or "Nothing beyond viscous and Coulomb friction was found."
     sections = [
         verdict(headline, [f"Still unexplained: {result.unexplained}", *result.diagnosis.warnings]),
@@ -57,7 +56,6 @@ def _cell(value: float | None, stderr: float | None = None) -> Cell:
 
 
 def machines_page(result: MachinesResult) -> Page:
-    """Recordings of real machines."""
     rows = result.rows
     named = sum(row.verdict in ("missing_physics", "main_effect") for row in rows)
     listed = sum(row.verdict == "one_of" for row in rows)

@@ -255,7 +255,6 @@ def _units(result: DiagnosisResult) -> dict[str, str]:
 
 
 def _models(result: DiagnosisResult) -> Section:
-    """Parameters of both models."""
     reasons, units, noise = Reasons(), _units(result), result.recording.noise
     parameters, channels = result.baseline.parameters, list(result.baseline.rmse)
     fitted = channels if result.fit_percent else []
@@ -379,7 +378,6 @@ def _rules(result: DiagnosisResult) -> Section:
 
 
 def _engines(result: DiagnosisResult) -> Section:
-    """Both models in the engines."""
     units, channels = _units(result), list(result.baseline.rmse)
     columns = []
     for c in channels:
