@@ -12,19 +12,16 @@ from pathlib import Path
 
 import click
 import pytest
-from interruptible import listening
+from killing import ROOT, ended, environment, stopped
 
 from harness.cli import progress
 from harness.cli.main import COMPLETION, cli, run
 from harness.core.errors import InputError, did_you_mean
-from harness.core.jit import cache_folder
 from harness.engines import registry
 from harness.engines.base import PRESETS, choice
 from harness.fidelity.kind import kind
 from harness.model.registry import term
 
-CHECKOUT = Path(__file__).resolve().parents[2]
-COMMAND = [sys.executable, "-m", "harness.cli"]
 NO_HOME = "/proc/no-home"
 """A home that nobody can make, root neither."""
 
@@ -36,26 +33,13 @@ def patient(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(progress, "UNSEEN_S", 600.0)
 
 
-def environment(**changes: str) -> dict[str, str]:
-    kept = {k: v for k, v in os.environ.items() if not k.startswith(("XDG_", "HARNESS_"))}
-    return {**kept, "PYTHONPATH": str(CHECKOUT), "NUMBA_CACHE_DIR": str(cache_folder()), **changes}
-
-
 @pytest.mark.usefixtures("pybullet")
 def test_run_works_without_a_home_and_standard_output_is_json_alone(tmp_path: Path) -> None:
     # one engine, the one whose library writes to the streams; all of them are run beside the use case
     line = ["run", "--engine", "pybullet", "--preset", "tuned", "--json", "-", "--quiet"]
-    done = subprocess.run(
-        [*COMMAND, *line],
-        stdin=subprocess.DEVNULL,
-        capture_output=True,
-        text=True,
-        check=False,
-        cwd=tmp_path,
-        env=environment(HOME=NO_HOME),
-    )
-    assert (done.returncode, done.stderr) == (0, "")
-    result = json.loads(done.stdout)
+    code, out, said = ended(line, tmp_path, HOME=NO_HOME)
+    assert (code, said) == (0, "")
+    result = json.loads(out)
     assert result["schema"] == "harness.run/1"
     assert result["command"] == f"harness {' '.join(line)}"
     (folder,) = (tmp_path / "reports").iterdir()
@@ -73,27 +57,9 @@ def test_the_cache_of_kernels_needs_no_home() -> None:
 
 @pytest.mark.parametrize("stop", [signal.SIGINT, signal.SIGTERM])
 def test_an_interruption_leaves_nothing(tmp_path: Path, stop: signal.Signals) -> None:
-    line = [
-        *COMMAND, "run", "--engine", "mujoco", "--preset", "tuned", "--duration", "200", "--dt", "1e-4", "--json",
-        "-", "--quiet",
-    ]  # fmt: skip
-    with subprocess.Popen(
-        line,
-        stdout=subprocess.PIPE,
-        stderr=subprocess.PIPE,
-        text=True,
-        cwd=tmp_path,
-        env=environment(),
-        preexec_fn=listening,  # noqa: PLW1509  (no thread is running)
-    ) as started:
-        deadline = time.monotonic() + 60.0
-        while not list(tmp_path.glob("reports/.*.partial/log.txt")):
-            assert time.monotonic() < deadline
-            assert started.poll() is None
-            time.sleep(0.02)
-        started.send_signal(stop)
-        out, err = started.communicate(timeout=120)
-    assert (started.returncode, out, err) == (130, "", "harness: interrupted; nothing was written\n")
+    line = "run --engine mujoco --preset tuned --duration 200 --dt 1e-4 --json - --quiet"
+    said = stopped(line.split(), tmp_path, "reports/.*.partial/log.txt", stop)
+    assert said == (130, "", "harness: interrupted; nothing was written\n")
     assert list(tmp_path.iterdir()) == []
 
 
@@ -220,7 +186,7 @@ def test_help_keeps_within_eighty_columns(monkeypatch: pytest.MonkeyPatch, capfd
 
 def test_the_package_is_a_program() -> None:
     line = [sys.executable, "-m", "harness", "--version"]
-    done = subprocess.run(line, capture_output=True, text=True, cwd=CHECKOUT, check=True)
+    done = subprocess.run(line, capture_output=True, text=True, cwd=ROOT, check=True)
     assert done.stdout.startswith("harness, version ")
 
 
@@ -251,7 +217,7 @@ def test_each_shell_gets_its_script(
     monkeypatch.setenv(COMPLETION, f"{shell}_source")
     assert run([]) == 0
     assert f"{COMPLETION}={shell}_complete" in capfd.readouterr().out
-    assert f"{COMPLETION}={shell}_source harness" in (CHECKOUT / "docs" / "terminal.md").read_text()
+    assert f"{COMPLETION}={shell}_source harness" in (ROOT / "docs" / "terminal.md").read_text()
 
 
 @pytest.mark.parametrize(
@@ -272,9 +238,9 @@ def test_what_completion_offers(
     "line",
     [
         ["diagnose", "nosuch.csv", "--json", "found.json"],
-        ["diagnose", str(CHECKOUT / "README.md"), "--sim", "nosuch.csv"],
+        ["diagnose", str(ROOT / "README.md"), "--sim", "nosuch.csv"],
         ["identify", "nosuch.csv"],
-        ["compare", str(CHECKOUT / "README.md"), "nosuch.csv"],
+        ["compare", str(ROOT / "README.md"), "nosuch.csv"],
         ["run", "--model", "nosuch.csv"],
         ["regress", "--baseline", "nosuch.csv"],
         ["report", "nosuch.csv"],
@@ -290,7 +256,7 @@ def test_a_file_that_is_not_there_is_refused_before_anything_heavy_is_loaded(lin
         "heavy = {'numba', 'scipy', 'numpy', 'pydantic', 'pint', 'rich', 'mujoco', 'pybullet', 'pyarrow', 'h5py'}\n"
         "print(code, sorted(heavy & set(sys.modules)))\n"
     )
-    environment = {**os.environ, "PYTHONPATH": str(CHECKOUT)}
+    environment = {**os.environ, "PYTHONPATH": str(ROOT)}
     done = subprocess.run(
         [sys.executable, "-c", program], capture_output=True, text=True, cwd=tmp_path, env=environment, check=True
     )

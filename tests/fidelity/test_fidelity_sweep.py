@@ -2,6 +2,7 @@
 
 import json
 import math
+import signal
 import subprocess
 import sys
 from collections import Counter
@@ -16,12 +17,14 @@ import pytest
 import sweep_deaths
 from dask_cluster import two_workers
 from jsonschema import Draft202012Validator
+from killing import stopped
 
 from harness.app.shared.pool import Cluster, LocalPool
 from harness.app.shared.rows import completed
 from harness.app.sweep import sweep as room
 from harness.app.sweep.parts import Parts, failed_row
 from harness.app.sweep.sweep import SweepOptions, sweep
+from harness.cli.main import run
 from harness.core.errors import HarnessError, StoreError
 from harness.core.writing import explained
 from harness.results.generate import schema_text
@@ -89,6 +92,24 @@ def test_a_damaged_part_is_set_aside_and_only_its_rows_are_computed_again(swept:
         " its rows are computed again",
     )
     assert physics(rows_of(folder)) == physics(rows)
+
+
+def test_an_interrupted_sweep_goes_on_to_the_same_rows(swept: room.Sweep, tmp_path: Path) -> None:
+    """By the command, called again as it says when somebody stops it."""
+    folder = tmp_path / "out"
+    line = f"sweep --engine mujoco --route joint --dt 0.002 --jobs 1 --quiet --out {folder}"
+    code, out, said = stopped(line.split(), tmp_path, "out/rows/part-*.parquet", signal.SIGINT)
+    alone = physics([row for row in swept.rows() if row["engine"] == "mujoco"])
+    kept = rows_of(folder)
+    assert 0 < len(kept) < len(alone)
+    assert (code, out) == (130, "")
+    assert f"{len(kept)} of {len(alone)} rows are kept" in said
+    assert f"--resume --out {folder} " in said
+    assert not list(folder.glob("rows/.*"))
+    assert run([*line.split(), "--resume"]) == 0
+    rows = rows_of(folder)
+    assert rows[: len(kept)] == kept  # with the seconds they took: they are not computed again
+    assert physics(rows) == alone
 
 
 @pytest.mark.parametrize("content", [b"", b"PAR1", b"nothing like it" * 100])

@@ -1,5 +1,6 @@
 """The examples of docs/extending.md, as a package that somebody installed: each is one file, and each works."""
 
+import json
 import re
 import struct
 import subprocess
@@ -12,6 +13,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+import harness
 from harness.cli.main import run
 from harness.core import apart
 from harness.core.arrays import FloatArray
@@ -22,6 +24,7 @@ from harness.engines import registry as engines
 from harness.engines.base import Task
 from harness.exact.decay import free_decay
 from harness.fidelity import kind as scenarios
+from harness.fidelity import scenarios as own_scenarios
 from harness.io import registry as readers
 from harness.io.recording import read_recording
 from harness.kernels.examine import examine
@@ -50,7 +53,8 @@ def package(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
     monkeypatch.undo()
     _forget()
     for name in FILES:
-        sys.modules.pop(name.removesuffix(".py"), None)
+        for module in (name.removesuffix(".py"), f"{own_scenarios.__name__}.{name.removesuffix('.py')}"):
+            sys.modules.pop(module, None)
 
 
 def _points(groups: Mapping[str, Mapping[str, str]]) -> str:
@@ -111,11 +115,29 @@ def test_the_reader_is_found_by_its_suffix(package: Path) -> None:
     assert "files of the rig (.rig)" in readers.formats()
 
 
-def test_the_scenario_is_one_of_the_suite(package: Path) -> None:
-    scenario = scenarios.chosen("hold-80", {})
-    assert scenario in scenarios.suite("joint").values()
-    trace = engines.load("mujoco").simulate(Task(scenario))
-    assert scenarios.kind("hold-80").measure(trace, scenario)["creep_m_s"] == pytest.approx(0.0, abs=1e-3)
+def shipped_creep(name: str, folder: Path) -> float:
+    """Creep of MuJoCo as shipped under a load that is held, m/s."""
+    result = harness.run(name, engines=["mujoco"], preset="as-shipped", out=folder / name)
+    assert result.traces[1].metrics.creep_m_s is not None
+    return result.traces[1].metrics.creep_m_s
+
+
+def test_the_scenario_is_run_and_swept(package: Path, capfd: pytest.CaptureFixture[str]) -> None:
+    creep = 1.6 * shipped_creep("hold-50", package)  # in proportion to the load
+    assert shipped_creep("hold-80", package) == pytest.approx(creep, rel=0.05)
+    line = "sweep --engine mujoco --route joint --preset as-shipped --dt 0.004 --jobs 1 --quiet --json - --out"
+    assert run([*line.split(), str(package / "sweep")]) == 0
+    rows = [row for row in json.loads(capfd.readouterr().out)["rows"] if row["scenario"] == "hold-80"]
+    assert rows[0]["metrics"]["creep_m_s"] == pytest.approx(creep, rel=0.05)
+
+
+def test_a_scenario_in_the_folder_is_run(package: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    folder = package / "scenarios"
+    folder.mkdir()
+    (package / "my_scenario.py").rename(folder / "my_scenario.py")
+    (package / "my_rig-1.dist-info" / "entry_points.txt").write_text("")
+    monkeypatch.setattr(own_scenarios, "__path__", [*own_scenarios.__path__, str(folder)])
+    assert shipped_creep("hold-80", package) == pytest.approx(1.6 * shipped_creep("hold-50", package), rel=0.05)
 
 
 def test_the_command_is_one_of_the_commands(package: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -1,6 +1,7 @@
-"""Commands that are killed: as processes of a session of their own, of which nothing may stay."""
+"""Commands that are killed or interrupted: processes of a session of their own, of which nothing may stay."""
 
 import os
+import signal
 import subprocess
 import sys
 import time
@@ -21,6 +22,11 @@ def environment(**changes: str) -> dict[str, str]:
     return {**kept, "PYTHONPATH": str(ROOT), "NUMBA_CACHE_DIR": str(cache_folder()), **changes}
 
 
+def _listening() -> None:
+    """SIGINT as a terminal would deliver it: a test run started in the background hands on that it is ignored."""
+    signal.signal(signal.SIGINT, signal.default_int_handler)
+
+
 def started(line: Sequence[str], place: Path, **changes: str) -> "subprocess.Popen[str]":
     """A command in the folder ``place``, in a session of its own."""
     return subprocess.Popen(
@@ -32,6 +38,7 @@ def started(line: Sequence[str], place: Path, **changes: str) -> "subprocess.Pop
         cwd=place,
         env=environment(**changes),
         start_new_session=True,
+        preexec_fn=_listening,  # noqa: PLW1509  (no thread is running)
     )
 
 
@@ -39,6 +46,19 @@ def ended(line: Sequence[str], place: Path, **changes: str) -> tuple[int, str, s
     """Exit code, standard output and standard error of a command that nobody disturbs."""
     with started(line, place, **changes) as process:
         out, err = process.communicate(timeout=600)
+    return process.returncode, out, err
+
+
+def stopped(line: Sequence[str], place: Path, there: str, how: signal.Signals) -> tuple[int, str, str]:
+    """As ``ended``, of a command that gets a signal once there is a file like ``there`` in its folder."""
+    with started(line, place) as process:
+        limit = time.monotonic() + 60.0
+        while not any(place.glob(there)):
+            assert time.monotonic() < limit
+            assert process.poll() is None
+            time.sleep(0.01)
+        process.send_signal(how)
+        out, err = process.communicate(timeout=120)
     return process.returncode, out, err
 
 
