@@ -23,7 +23,7 @@ MAY: dict[str, frozenset[str]] = {
     "fit": frozenset({"core"}),
     "estimate": frozenset({"core", "fit"}),
     "engines": frozenset({"core", "model", "kernels"}),
-    "fidelity": frozenset({"core", "exact", "estimate", "engines.base"}),
+    "fidelity": frozenset({"core", "results", "exact", "estimate", "engines.base"}),
     "diagnosis": frozenset({"core", "model", "kernels", "fit", "estimate"}),
     "robot": frozenset({"core", "model", "engines", "fit", "diagnosis"}),
     "proof": frozenset({"core"}),

@@ -6,7 +6,9 @@ Order of convergence in the step, measured from rows that differ in nothing else
 import math
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
-from typing import Any, Literal
+from typing import Any
+
+from harness.results.sweep import Convergence, Moved, Verdict
 
 
 @dataclass(frozen=True, slots=True)
@@ -58,31 +60,11 @@ TOLERANCES: dict[str, Tolerance] = {
 DEFAULT = Tolerance(1e-3, 1e-9, "a metric without an entry of its own")
 
 
-def tolerance(metric: str) -> Tolerance:
-    return TOLERANCES.get(metric, DEFAULT)
-
-
 Row = Mapping[str, Any]
-Verdict = Literal["worse", "better", "lost", "gained", "fails", "works", "missing", "new"]
 REGRESSIONS: frozenset[str] = frozenset({"worse", "lost", "fails", "missing"})
 
 KEPT = ("engine", "version", "environment", "route", "scenario", "dt_s", "metrics", "exact", "error")
 """What a baseline keeps of a row; never how fast it was."""
-
-
-@dataclass(frozen=True, slots=True)
-class Move:
-    """One thing that changed. metric : "" for a whole row. before, after : the metric, None where there is none.
-
-    why : the tolerance with its origin, or the reason of a row that fails.
-    """
-
-    name: str
-    metric: str
-    before: float | None
-    after: float | None
-    verdict: Verdict
-    why: str
 
 
 def kept(row: Row) -> dict[str, Any]:
@@ -90,40 +72,40 @@ def kept(row: Row) -> dict[str, Any]:
     return {name: row[name] for name in KEPT}
 
 
-def moves(name: str, before: Row | None, after: Row | None) -> Iterator[Move]:
+def moves(name: str, before: Row | None, after: Row | None) -> Iterator[Moved]:
     """What changed in one row; nothing when all is within tolerance."""
+
+    def whole(verdict: Verdict, why: str) -> Moved:
+        return Moved(name=name, metric="", before=None, after=None, verdict=verdict, why=why)
+
     if before is None or after is None:
         if after is not None:
-            yield Move(name, "", None, None, "new", "the baseline does not have this row")
+            yield whole("new", "the baseline does not have this row")
         else:
-            yield Move(name, "", None, None, "missing", "the matrix does not have this row any more")
-        return
-    if before["error"] or after["error"]:
-        if after["error"] and not before["error"]:
-            yield Move(name, "", None, None, "fails", str(after["error"]))
-        elif before["error"] and not after["error"]:
-            yield Move(name, "", None, None, "works", f"it failed before: {before['error']}")
-        return
-    for metric in dict.fromkeys([*before["metrics"], *after["metrics"]]):
-        move = _moved(name, metric, before, after)
-        if move is not None:
-            yield move
+            yield whole("missing", "the matrix does not have this row any more")
+    elif after["error"] and not before["error"]:
+        yield whole("fails", str(after["error"]))
+    elif before["error"] and not after["error"]:
+        yield whole("works", f"it failed before: {before['error']}")
+    elif not before["error"]:
+        for metric in dict.fromkeys([*before["metrics"], *after["metrics"]]):
+            old, new = before["metrics"].get(metric), after["metrics"].get(metric)
+            if found := _judged(metric, old, new, after):
+                yield Moved(name=name, metric=metric, before=old, after=new, verdict=found[0], why=found[1])
 
 
-def _moved(name: str, metric: str, before: Row, after: Row) -> Move | None:
-    old, new = before["metrics"].get(metric), after["metrics"].get(metric)
-    limit = tolerance(metric)
-    if old is None and new is None:
-        return None
+def _judged(metric: str, old: float | None, new: float | None, after: Row) -> tuple[Verdict, str] | None:
+    """What a metric that moved is, and why: the tolerance with its origin."""
+    limit = TOLERANCES.get(metric, DEFAULT)
     if old is None or new is None:
-        return Move(name, metric, old, new, "lost" if new is None else "gained", limit.origin)
+        return None if old is new else ("lost" if new is None else "gained", limit.origin)
     if limit.allows(old, new, after["dt_s"]):
         return None
     # an exact value makes "worse" mean farther from it; errors and creep are measured from 0
     truth = float(after["exact"].get(metric, 0.0))
     steps = f" + {limit.steps:g} steps" if limit.steps else ""
     allowed = f"{limit.relative:g} x baseline + {limit.absolute:g}{steps} ({limit.origin})"
-    return Move(name, metric, old, new, "worse" if abs(new - truth) > abs(old - truth) else "better", allowed)
+    return "worse" if abs(new - truth) > abs(old - truth) else "better", allowed
 
 
 ERRORS: dict[str, str] = {
@@ -140,21 +122,7 @@ ROUNDING = 1e-12
 """Errors below this share of the exact value (or of 1) are rounding, not the scheme's; they are left out."""
 
 
-@dataclass(frozen=True, slots=True)
-class Order:
-    """error ~ dt^order over these steps. spread : largest factor between an error and the fitted line."""
-
-    engine: str
-    version: str
-    route: str
-    preset: str
-    integrator: str
-    scenario: str
-    metric: str
-    dt_s: list[float]
-    error: list[float]
-    order: float
-    spread: float
+_ABOUT = ("engine", "version", "route", "preset", "integrator", "scenario")
 
 
 @dataclass(slots=True)
@@ -177,20 +145,19 @@ class Ladder:
         # settings that follow the step are the same settings
         changed = ",".join(sorted(name for name in row["changed"] if not name.startswith("sol") or name == "solver"))
         solver = str(row["settings"].get("solver", ""))
-        about = ("engine", "version", "route", "preset", "integrator", "scenario")
-        group = (*(str(row[name]) for name in about), metric, changed, solver, row["environment"])
+        group = (*(str(row[name]) for name in _ABOUT), metric, changed, solver, row["environment"])
         self.steps.setdefault(group, {})[row["dt_s"]] = error
 
-    def orders(self) -> list[Order]:
+    def orders(self) -> list[Convergence]:
         """The slope of log error over log dt of every setting with enough steps."""
         found = []
         for group, errors in self.steps.items():
             if len(errors) >= FEWEST:
                 dt = sorted(errors, reverse=True)
-                order, spread = slope(dt, [errors[step] for step in dt])
-                engine, version, route, preset, scheme, scenario, metric = group[:7]
                 sizes = [errors[step] for step in dt]
-                found.append(Order(engine, version, route, preset, scheme, scenario, metric, dt, sizes, order, spread))
+                order, spread = slope(dt, sizes)
+                about = dict(zip((*_ABOUT, "metric"), group, strict=False))
+                found.append(Convergence(**about, dt_s=dt, error=sizes, order=order, spread=spread))
         return sorted(found, key=lambda one: (one.engine, one.route, one.preset, one.integrator, one.scenario))
 
 

@@ -4,7 +4,7 @@ import hashlib
 import json
 import math
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass, field
+from dataclasses import asdict, dataclass
 from typing import Any
 
 from harness.core.errors import HarnessError, InputError
@@ -14,6 +14,7 @@ from harness.core.trajectory import Trajectory
 from harness.engines.base import Engine, Preset, Route, Task
 from harness.fidelity.kind import Metrics, kind_of
 from harness.fidelity.metrics import measure_contact, recovered
+from harness.results.sweep import SweepRow
 
 
 def describe(scenario: Scenario) -> dict[str, Any]:
@@ -91,38 +92,7 @@ class Spec:
         return hashlib.sha256(json.dumps(about, sort_keys=True).encode()).hexdigest()[:16]
 
 
-@dataclass(frozen=True, slots=True)
-class Row:
-    """What came out of a Spec. exact : exact values of those metrics that have one. error : why there are none."""
-
-    key: str
-    name: str
-    engine: str
-    version: str
-    environment: str
-    route: str
-    preset: str
-    settings: dict[str, Any]
-    changed: dict[str, Any]
-    ignored: list[str]
-    integrator: str
-    dt_s: float | None
-    scenario: str
-    slider: dict[str, float]
-    setup: dict[str, Any]
-    draw: int
-    metrics: Metrics
-    exact: dict[str, float]
-    samples: int = 0
-    wall_s: float | None = None
-    steps_per_s: float | None = None
-    error: str | None = field(default=None)
-
-    def as_dict(self) -> dict[str, Any]:
-        return asdict(self)
-
-
-def run_row(engine: Engine, spec: Spec) -> Row:
+def run_row(engine: Engine, spec: Spec) -> SweepRow:
     """Simulate and measure; whatever goes wrong becomes the row's ``error``."""
     try:
         trace = engine.simulate(task(spec))
@@ -147,10 +117,10 @@ def measure_row(trace: Trajectory, scenario: Scenario) -> Metrics:
     return {name: value if value is None or math.isfinite(value) else None for name, value in found.items()}
 
 
-def succeeded(spec: Spec, trace: Trajectory, metrics: Metrics) -> Row:
+def succeeded(spec: Spec, trace: Trajectory, metrics: Metrics) -> SweepRow:
     source = trace.source
     wall = source.wall_s
-    return Row(
+    return SweepRow(
         **_identity(spec),
         settings={name: _plain(value) for name, value in source.settings.items()},
         ignored=list(source.ignored),
@@ -161,12 +131,13 @@ def succeeded(spec: Spec, trace: Trajectory, metrics: Metrics) -> Row:
         samples=len(trace),
         wall_s=wall,
         steps_per_s=(len(trace) - 1) / wall if wall else None,
+        error=None,
     )
 
 
-def failed(spec: Spec, reason: str) -> Row:
+def failed(spec: Spec, reason: str) -> SweepRow:
     changed = dict(spec.changed)
-    return Row(
+    return SweepRow(
         **_identity(spec),
         settings={name: _plain(value) for name, value in changed.items()},
         ignored=[],
@@ -174,6 +145,9 @@ def failed(spec: Spec, reason: str) -> Row:
         dt_s=spec.dt,
         metrics={},
         exact={},
+        samples=0,
+        wall_s=None,
+        steps_per_s=None,
         error=" ".join(reason.split()),
     )
 

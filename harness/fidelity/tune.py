@@ -14,8 +14,9 @@ from harness.core.errors import HarnessError
 from harness.core.scenario import Scenario
 from harness.engines.base import Engine, Preset, Route
 from harness.fidelity.kind import Sliders, drawn, suite
-from harness.fidelity.row import Row, Spec, run_row, task
+from harness.fidelity.row import Spec, run_row, task
 from harness.fidelity.scores import Point
+from harness.results.sweep import SweepRow
 
 Choice = Mapping[str, Any]
 
@@ -198,7 +199,7 @@ class Trial:
     _costs: dict[str, float] = field(default_factory=dict)
     _suites: dict[int, list[Scenario]] = field(default_factory=dict)
 
-    def rows(self, changed: dict[str, Any], draws: Sequence[int], base: Preset = "as-shipped") -> list[Row]:
+    def rows(self, changed: dict[str, Any], draws: Sequence[int], base: Preset = "as-shipped") -> list[SweepRow]:
         """Every scenario of these suites with a preset's settings and these changes."""
         found = []
         for draw in draws:
@@ -250,13 +251,13 @@ class Trial:
         return Spec(self.engine.name, self.engine.version(), self.route, base, base, settings, self.dt, scenario, draw)
 
 
-def score_of(rows: Sequence[Row]) -> float:
+def score_of(rows: Sequence[SweepRow]) -> float:
     """The score of rows of one set of settings; inf when one could not be run."""
     if any(row.error is not None for row in rows):
         return math.inf
-    point = Point(rows[0].as_dict())
+    point = Point(rows[0].model_dump())
     for row in rows:
-        point.add(row.as_dict())
+        point.add(row.model_dump())
     return point.score
 
 

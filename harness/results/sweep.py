@@ -84,6 +84,9 @@ class Baseline(Result):
     rows: dict[str, BaselineRow]
 
 
+Verdict = Literal["worse", "better", "lost", "gained", "fails", "works", "missing", "new"]
+
+
 class Moved(Result):
     """One thing that is not as it was."""
 
@@ -91,7 +94,7 @@ class Moved(Result):
     metric: str = Field(description="empty when the whole row changed")
     before: float | None
     after: float | None
-    verdict: Literal["worse", "better", "lost", "gained", "fails", "works", "missing", "new"]
+    verdict: Verdict
     why: str
 
 

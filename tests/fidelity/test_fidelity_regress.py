@@ -36,7 +36,7 @@ def rows_with(setting: str, value: Any) -> room.Rows:
     """The short rows of MuJoCo's joint, with a setting changed behind the back of the matrix."""
     engine = registry.load("mujoco")
     specs = Matrix(("joint",), short=True).specs({"mujoco": engine})
-    return {s.name: kept(run_row(engine, replace(s, changed=((setting, value),))).as_dict()) for s in specs}
+    return {s.name: kept(run_row(engine, replace(s, changed=((setting, value),))).model_dump()) for s in specs}
 
 
 @pytest.fixture(scope="module")
@@ -103,8 +103,8 @@ def test_noise_in_speed_is_not(rows: room.Rows, baseline: Path) -> None:
     engine = registry.load("mujoco")
     spec = next(iter(Matrix(("joint",), short=True).specs({"mujoco": engine})))
     run = run_row(engine, spec)
-    noisy = replace(run, wall_s=7.0 * (run.wall_s or 1.0), steps_per_s=(run.steps_per_s or 1.0) / 7.0)
-    slow = rows | {spec.name: kept(noisy.as_dict())}
+    noisy = run.model_copy(update={"wall_s": 7.0 * (run.wall_s or 1.0), "steps_per_s": (run.steps_per_s or 1.0) / 7.0})
+    slow = rows | {spec.name: kept(noisy.model_dump())}
     assert slow == rows
     assert room.compared(baseline, slow, ONE).moved == []
 

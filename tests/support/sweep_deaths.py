@@ -22,7 +22,7 @@ def light(one: Spec) -> dict[str, Any]:
     """A row without a simulation; one of them takes its process down."""
     if one.preset == KILLER:
         os.kill(os.getpid(), signal.SIGKILL)
-    return failed(one, "light").as_dict()
+    return failed(one, "light").model_dump()
 
 
 def slow(one: Spec) -> dict[str, Any]:
@@ -38,4 +38,4 @@ def sleepy(one: Spec) -> dict[str, Any]:
     """A row that never ends."""
     if dict(one.changed)["number"] >= 40:
         time.sleep(600.0)
-    return failed(one, "light").as_dict()
+    return failed(one, "light").model_dump()

@@ -24,15 +24,15 @@ def compute(spec: Spec) -> dict[str, Any]:
         try:
             engine = _load(spec.engine)
         except HarnessError as error:
-            return failed(spec, str(error)).as_dict()
+            return failed(spec, str(error)).model_dump()
         found = engine.version()
         if found != spec.version:
-            return failed(spec, f"this worker has {spec.engine} {found}, not {spec.version}").as_dict()
-        return run_row(engine, spec).as_dict()
+            return failed(spec, f"this worker has {spec.engine} {found}, not {spec.version}").model_dump()
+        return run_row(engine, spec).model_dump()
 
 
 def failed_row(spec: Spec, why: str) -> dict[str, Any]:
-    return failed(spec, why).as_dict()
+    return failed(spec, why).model_dump()
 
 
 Row = dict[str, Any]

@@ -127,7 +127,7 @@ def _result(
     return RegressResult(
         baseline=path,
         rows=len(after),
-        moved=[Moved.taken_from(move) for move in found],
+        moved=found,
         regressions=sum(move.verdict in REGRESSIONS for move in found),
         not_run=not_run,
         versions=versions,

@@ -4,7 +4,7 @@ import json
 import logging
 import time
 from collections.abc import Callable, Iterator
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from functools import partial
 from itertools import chain
 from pathlib import Path
@@ -96,7 +96,7 @@ class Sweep:
         ladder = Ladder()
         for row in self.rows():
             ladder.add(row)
-        return [Convergence(**asdict(order)) for order in ladder.orders()]
+        return ladder.orders()
 
     def files(self) -> dict[str, str]:
         there = {"result": RESULT, "report": PAGE, "rows": "rows", "traces": TRACES, "log": LOG}

@@ -16,10 +16,9 @@ from harness.engines import registry
 from harness.engines.base import ROUTES, TUNED_DT, Route, choice
 from harness.fidelity.kind import Sliders
 from harness.fidelity.paste import paste
-from harness.fidelity.row import Row
 from harness.fidelity.scores import COLUMNS, distance
 from harness.fidelity.tune import HELD_OUT, SEARCH, Subject, Trial, score_of, search, space, tunable
-from harness.results.sweep import TunedFigure, TunedJoint, TuneResult
+from harness.results.sweep import SweepRow, TunedFigure, TunedJoint, TuneResult
 from harness.robot.arm import Arm, load_arm
 from harness.robot.own_model import loosened, looseness, words
 from harness.robot.paste import JointPaste
@@ -168,12 +167,12 @@ def tune(
     )
 
 
-def _figures(before: list[Row], after: list[Row]) -> list[TunedFigure]:
+def _figures(before: list[SweepRow], after: list[SweepRow]) -> list[TunedFigure]:
     found = []
     for scenario, figure in COLUMNS:
         means = []
         for rows in (before, after):
-            values = [distance(row.as_dict(), figure) for row in rows if row.scenario == scenario]
+            values = [distance(row.model_dump(), figure) for row in rows if row.scenario == scenario]
             known = [value for value in values if value is not None]
             means.append(sum(known) / len(known) if known else None)
         if means != [None, None]:
