@@ -2,42 +2,41 @@
 
 from collections.abc import Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING
 
-from harness.cli.output import say, say_as_it_is, with_error
-from harness.cli.tables import show
+from harness.cli.output import figure, say, say_all, say_as_it_is, say_paste, with_error
+from harness.cli.tables import show_rows
 
 if TYPE_CHECKING:
-    from rich.table import Table
-
     from harness.app.diagnose.many import Many
     from harness.results.common import RepeatedResult
-    from harness.results.diagnosis import (
-        AttributionResult,
-        DiagnosisResult,
-        FitResult,
-        MechanismResult,
-        PredictionResult,
-    )
+    from harness.results.diagnosis import AttributionResult, DiagnosisResult, PredictionResult
     from harness.results.fleet import FleetResult
     from harness.results.robot import RobotResult, SimulatedResult
 
 
 def say_diagnosis(result: "DiagnosisResult") -> None:
     """One diagnosis: the sentence, both fits, what was named, and what stands beside it."""
-    for line in result.recording.notes:
-        say(f"- {line}")
+    say_all(result.recording.notes)
     say(result.statement)
-    show(_fits(result))
+    _fits(result)
     if result.own:
-        show(_own(result))
-        show(repeated_table(result.together))
-        for one in result.own:
-            for line in one.differs:
-                say(f"- {Path(one.file).name}: {line}")
-    graded = [m for m in result.mechanisms if m.grade != "explains"]
-    if graded:
-        show(_grades(graded))
+        _own(result)
+        show_repeated(result.together)
+        say_all(f"{Path(one.file).name}: {line}" for one in result.own for line in one.differs)
+    if graded := [m for m in result.mechanisms if m.grade != "explains"]:
+        rows = [
+            (
+                m.name,
+                m.grade,
+                figure(m.probability, ".2f"),
+                figure(m.share, ".0f", " %", 100.0),
+                _ratio(m.holdout),
+                _ratio(m.forward),
+            )
+            for m in graded
+        ]
+        show_rows(("mechanism", "grade", "P", "of misfit", "held out", "free run"), rows, ("mechanism", "grade"))
         say("P: probability of being the main effect")
         say("of misfit: share of the mean square beyond noise that it takes off alone")
         say("held out: error after over before, blocks of cycles; free run: the last 40 %")
@@ -50,61 +49,45 @@ def say_diagnosis(result: "DiagnosisResult") -> None:
             others = ", ".join(f"{a.name} (by {a.delta_bic:.1f})" for a in mechanism.alternatives)
             say(f"- not ruled out in place of {mechanism.name}: {others}")
     if result.robot is not None:
-        _print_robot(result.robot)
+        _robot(result.robot)
     if result.attribution is not None and (result.settings.get("sim") or result.settings.get("model")):
-        _print_shares(result.attribution)
-    for line in [*([result.next_experiment] if result.next_experiment else []), *result.warnings]:
-        say(f"- {line}")
+        _shares(result.attribution)
+    say_all([*filter(None, [result.next_experiment]), *result.warnings])
     say_as_it_is(f"report: {result.files['report']}")
 
 
-def _matches(found: "RobotResult") -> "Table":
-    """The log against its model, joint by joint."""
-    from rich.table import Table
-
-    table = Table(title="logged on modelled torque")
-    for column in ("joint", "by", "correlation", "slope", "what looks wrong"):
-        table.add_column(column)
-    for one in found.match:
-        numbers = ("-" if x is None else f"{x:.3g}" for x in (one.correlation, one.slope))
-        table.add_row(one.joint, one.by or "-", *numbers, one.suspicion or "-")
-    return table
-
-
-def _print_robot(found: "RobotResult") -> None:
+def _robot(found: "RobotResult") -> None:
     """The log against its model, the joint's own equation, and what to paste."""
     if found.match:
-        show(_matches(found))
+        heads = ("joint", "by", "correlation", "slope", "what looks wrong")
+        rows = [
+            (m.joint, m.by or "-", figure(m.correlation, ".3g"), figure(m.slope, ".3g"), m.suspicion or "-")
+            for m in found.match
+        ]
+        show_rows(heads, rows, heads, "logged on modelled torque")
     if found.reduction is not None:
         say(f"- {found.reduction.said}")
     if found.confounded:
         say(f"- this log cannot tell apart: {'; '.join(' and '.join(pair) for pair in found.confounded)}")
     if found.simulated:
-        _print_simulated(found.simulated)
-    if not found.paste.mjcf:
-        return
-    if found.paste.warning:
-        say(found.paste.warning)
-    say("to paste into your model (MJCF; URDF with PyBullet's calls):")
-    for line in (found.paste.mjcf, *found.paste.urdf.splitlines()):
-        say_as_it_is(f"  {line}")
+        _simulated(found.simulated)
+    if found.paste.mjcf:
+        if found.paste.warning:
+            say(found.paste.warning)
+        say_paste(found.paste)
 
 
-def _print_simulated(simulated: list["SimulatedResult"]) -> None:
+def _simulated(simulated: list["SimulatedResult"]) -> None:
     """The model in engines against the log, as it is and with what is pasted."""
-    from rich.table import Table
-
     windows = next((f", windows of {one.window_s:g} s" for one in simulated if one.window_s), "")
     say(f"your model driven by the torque of the log, rms of simulation minus log{windows}:")
-    table = Table()
-    for heading in ("engine", "x as it is", "x pasted", "v as it is", "v pasted"):
-        table.add_column(heading, justify="left" if heading == "engine" else "right", no_wrap=True)
-    for one in simulated:
-        if one.error is not None:
-            say(f"- {one.engine}: {one.error}")
-            continue
-        table.add_row(one.engine, *(f"{side[c]:.3g}" for c in ("x", "v") for side in (one.before, one.after)))
-    show(table)
+    say_all(f"{one.engine}: {one.error}" for one in simulated if one.error is not None)
+    rows = [
+        (one.engine, *(f"{side[c]:.3g}" for c in ("x", "v") for side in (one.before, one.after)))
+        for one in simulated
+        if one.error is None
+    ]
+    show_rows(("engine", "x as it is", "x pasted", "v as it is", "v pasted"), rows)
 
 
 def _units(result: "DiagnosisResult") -> dict[str, str]:
@@ -117,158 +100,108 @@ def _units(result: "DiagnosisResult") -> dict[str, str]:
 
 def _held_out(result: "DiagnosisResult") -> str:
     """Errors on what took no part in the fits, before and after."""
-    held = result.holdout
-    units = _units(result)
+    held, units = result.holdout, _units(result)
     both = (f"rmse {c} {y:.4g} to {held.refined_rmse[c]:.4g} {units[c]}" for c, y in held.baseline_rmse.items())
     return ", ".join(both) or "no figure"
 
 
-def _print_shares(found: "AttributionResult") -> None:
+def _shares(found: "AttributionResult") -> None:
     """Whose mismatch it is, what the simulation reads beside the recording, and what to change in it."""
-    from rich.table import Table
-
     say("whose mismatch it is, % of the mean square:")
-    table = Table()
-    for bar in found.bars:
-        table.add_column(bar.name, justify="right")
-    table.add_row(*(f"{100.0 * bar.share:.1f}" for bar in found.bars))
-    show(table)
+    show_rows([bar.name for bar in found.bars], [[f"{100.0 * bar.share:.1f}" for bar in found.bars]], ("",))
     if found.reads is not None:
-        table = Table()
         own = "your trace reads" if found.engine is None else "your simulation has"
-        for heading in ("", own, "the recording reads"):
-            table.add_column(heading, justify="right" if heading else "left", no_wrap=True)
-        for name, read in found.reads.items():
-            if name in found.recording:
-                table.add_row(name, with_error(read), with_error(found.recording[name]))
-        show(table)
-    for sentence in found.sentences:
-        say(f"- {sentence}")
+        rows = [
+            (name, with_error(read), with_error(found.recording[name]))
+            for name, read in found.reads.items()
+            if name in found.recording
+        ]
+        show_rows(("", own, "the recording reads"), rows)
+    say_all(found.sentences)
     if found.changes:
         say("to change in your simulation:")
-        for change in found.changes:
-            say(f"- {change.said}")
+        say_all(change.said for change in found.changes)
 
 
-def _fits(result: "DiagnosisResult") -> "Table":
+def _fits(result: "DiagnosisResult") -> None:
     """Both models side by side: a column each, so that a terminal of 80 columns holds every digit."""
-    from rich.table import Table
-
     fits = [result.baseline, *([result.refined] if result.mechanisms else [])]
-    units = _units(result)
-    table = Table()
-    table.add_column("", no_wrap=True)
-    for heading in ("viscous and Coulomb", "refined")[: len(fits)]:
-        table.add_column(heading, justify="right", no_wrap=True)
+    units, rows = _units(result), list[tuple[str, ...]]()
     if result.mechanisms:
         # several that explain are in one model together; of several that are graded the best alone, or a table
         added = dict.fromkeys(term.name for term in result.refined_model.terms)
-        table.add_row("term", "-", "\n".join(added) or "-")
-    table.add_row("chi2 a point", *(_chi2(fit) for fit in fits))
+        rows.append(("term", "-", "\n".join(added) or "-"))
+    rows.append(("chi2 a point", *(figure(fit.chi2_per_point) for fit in fits)))
     if result.fit_percent is not None:
-        sides = [result.fit_percent.baseline, result.fit_percent.refined]
-        for c in result.fit_percent.baseline:
-            table.add_row(f"fit of {c}", *(f"{side[c]:.4g} %" for side in sides[: len(fits)]))
-    for c in result.baseline.rmse:
-        table.add_row(f"rmse {c}", *(f"{fit.rmse[c]:.4g} {units[c]}" for fit in fits))
+        sides = [result.fit_percent.baseline, result.fit_percent.refined][: len(fits)]
+        rows += [(f"fit of {c}", *(f"{side[c]:.4g} %" for side in sides)) for c in sides[0]]
+    rows += [(f"rmse {c}", *(f"{fit.rmse[c]:.4g} {units[c]}" for fit in fits)) for c in result.baseline.rmse]
     for name in dict.fromkeys(name for fit in fits for name in fit.parameters):
-        table.add_row(name, *(with_error(f.parameters[name]) if name in f.parameters else "-" for f in fits))
-    return table
+        rows.append((name, *(with_error(f.parameters.get(name)) for f in fits)))
+    show_rows(("", "viscous and Coulomb", "refined")[: len(fits) + 1], rows)
 
 
-def _own(result: "DiagnosisResult") -> "Table":
+def _own(result: "DiagnosisResult") -> None:
     """A line a recording: where it starts, its zero, and what both models leave of it."""
-    from rich.table import Table
-
-    table = Table()
     channel = next(iter(result.baseline.rmse))
     unit = _units(result)[channel]
-    columns = ["recording", "x0", *(["zero"] if result.own[0].zero else []), f"noise {channel}\n{unit}"]
-    for heading in (*columns, f"rmse {channel}\n{unit}", *([f"refined\n{unit}"] if result.mechanisms else [])):
-        table.add_column(heading, justify="left" if heading == "recording" else "right", no_wrap=heading != "recording")
+    heads = ["recording", "x0", *(["zero"] if result.own[0].zero else []), f"noise {channel}\n{unit}"]
+    rows = []
     for one in result.own:
         noise = one.noise[channel]
         cells = [Path(one.file).name, f"{one.start['x0'].value:.4g} {one.start['x0'].unit}"]
         cells += [f"{one.zero.value:.4g} {one.zero.unit}"] if one.zero else []
         cells += [noise if isinstance(noise, str) else f"{noise:.3g}", f"{one.baseline_rmse[channel]:.3g}"]
-        table.add_row(*cells, *([f"{one.rmse[channel]:.3g}"] if result.mechanisms else []))
-    return table
+        rows.append([*cells, *([f"{one.rmse[channel]:.3g}"] if result.mechanisms else [])])
+    show_rows([*heads, f"rmse {channel}\n{unit}", *([f"refined\n{unit}"] if result.mechanisms else [])], rows)
 
 
-def repeated_table(together: Mapping[str, "RepeatedResult"]) -> "Table":
+def show_repeated(together: Mapping[str, "RepeatedResult"]) -> None:
     """A line a parameter: value from all recordings, error of one, spread beyond it, who stands out."""
-    from rich.table import Table
-
-    table = Table()
-    for heading in ("parameter", "of all", "error of one", "spread between", "stands out"):
-        table.add_column(heading, justify="left" if heading in ("parameter", "stands out") else "right")
-    for name, one in together.items():
-        out = ", ".join(Path(file).name for file in one.outliers)
-        table.add_row(name, with_error(one.value), f"{one.within:.2g}", f"{one.between:.2g}", out or "-")
-    return table
-
-
-def _grades(mechanisms: list["MechanismResult"]) -> "Table":
-    """A line a mechanism: how much of what is missing it is, and how it predicts."""
-    from rich.table import Table
-
-    table = Table()
-    for heading in ("mechanism", "grade", "P", "of misfit", "held out", "free run"):
-        justify: Literal["left", "right"] = "left" if heading in ("mechanism", "grade") else "right"
-        table.add_column(heading, justify=justify, no_wrap=True)
-    for m in mechanisms:
-        share = "-" if m.share is None else f"{100.0 * m.share:.0f} %"
-        likely = "-" if m.probability is None else f"{m.probability:.2f}"
-        table.add_row(m.name, m.grade, likely, share, _ratio(m.holdout), _ratio(m.forward))
-    return table
+    rows = [
+        (
+            name,
+            with_error(one.value),
+            f"{one.within:.2g}",
+            f"{one.between:.2g}",
+            ", ".join(Path(file).name for file in one.outliers) or "-",
+        )
+        for name, one in together.items()
+    ]
+    heads = ("parameter", "of all", "error of one", "spread between", "stands out")
+    show_rows(heads, rows, ("parameter", "stands out"))
 
 
 def _ratio(found: "PredictionResult | None") -> str:
-    """Error after over before, of the channel where it is largest."""
-    if found is None:
-        return "-"
-    ratios = [found.refined_rmse[c] / before for c, before in found.baseline_rmse.items() if before > 0.0]
-    return f"x {max(ratios):.2g}" if ratios else "-"
-
-
-def _chi2(fit: "FitResult") -> str:
-    return "-" if fit.chi2_per_point is None else f"{fit.chi2_per_point:.4g}"
+    return figure(None if found is None else found.ratio, ".2g", before="x ")
 
 
 def say_many(many: "Many") -> None:
     """Several: a line each."""
-    from rich.table import Table
-
     from harness.results.diagnosis import FailedDiagnosis
 
-    table = Table()
-    for heading in ("recording", "verdict", "left out", "chi2 a point before", "after"):
-        table.add_column(heading, justify="right" if "chi2" in heading or heading == "after" else "left")
+    rows = []
     for answer in many.answers:
         name = Path(answer.recording.file).name
         if isinstance(answer, FailedDiagnosis):
-            table.add_row(name, "error", answer.error, "", "")
+            rows.append((name, "error", answer.error, "", ""))
             continue
         left_out = ", ".join(m.name for m in answer.mechanisms) or "-"
-        table.add_row(name, answer.verdict, left_out, _chi2(answer.baseline), _chi2(answer.refined))
-    show(table)
+        chi2 = [figure(fit.chi2_per_point) for fit in (answer.baseline, answer.refined)]
+        rows.append((name, answer.verdict, left_out, chi2[0], chi2[1]))
+    heads = ("recording", "verdict", "left out", "chi2 a point before", "after")
+    show_rows(heads, rows, heads[:3])
     say(f"{len(many.answers)} recordings, {many.failed} failed")
     if many.fleet is not None:
-        _print_fleet(many.fleet)
+        _fleet(many.fleet)
     say_as_it_is(f"report: {many.folder / 'index.html'}")
 
 
-def _print_fleet(fleet: "FleetResult") -> None:
+def _fleet(fleet: "FleetResult") -> None:
     """Friction of joints over logs of one robot."""
-    from rich.table import Table
-
-    table = Table()
-    heads = ("joint", *(Path(log.file).name for log in fleet.logs), "the same?")
-    for heading in heads:
-        table.add_column(heading, justify="left" if heading == "joint" else "right")
+    rows = []
     for row in fleet.rows:
-        cells = ["-" if value is None else with_error(value) for value in row.values]
-        table.add_row(f"{row.joint} {row.parameter}", *cells, "differs" if row.differs else f"{row.chance:.2g}")
-    show(table)
-    for said in fleet.statements:
-        say(f"- {said}")
+        same = "differs" if row.differs else f"{row.chance:.2g}"
+        rows.append((f"{row.joint} {row.parameter}", *map(with_error, row.values), same))
+    show_rows(("joint", *(Path(log.file).name for log in fleet.logs), "the same?"), rows)
+    say_all(fleet.statements)

@@ -22,6 +22,7 @@ from harness.core.quantity import Quantity
 if TYPE_CHECKING:
     from harness.app.shared.progress import Progress
     from harness.results.common import P
+    from harness.results.robot import PasteResult
 
 R = TypeVar("R")
 
@@ -133,12 +134,24 @@ def say_as_it_is(text: str) -> None:
     click.echo(visible(text))
 
 
+def say_all(sentences: Iterable[str]) -> None:
+    """Print each as an item of a list."""
+    for sentence in sentences:
+        say(f"- {sentence}")
+
+
 def say_left_out() -> None:
     """Name the engines that are usually taken and that this Python cannot have."""
     from harness.app.shared.machine import left_out
 
-    for sentence in left_out():
-        say(f"- {sentence}")
+    say_all(left_out())
+
+
+def say_paste(paste: "PasteResult") -> None:
+    """Print what goes into a robot's model."""
+    say("to paste into your model (MJCF; URDF with PyBullet's calls):")
+    for line in (paste.mjcf, *paste.urdf.splitlines()):
+        say_as_it_is(f"  {line}")
 
 
 def this_line() -> str:
@@ -147,9 +160,14 @@ def this_line() -> str:
     return shlex.join(["harness", *sys.argv[1:]]) if is_ours else ""
 
 
-def with_error(number: "P", said: str = "") -> str:
+def figure(value: float | None, spec: str = ".4g", after: str = "", times: float = 1.0, before: str = "") -> str:
+    """A number with what stands before and after it, "-" for none."""
+    return "-" if value is None else f"{before}{times * value:{spec}}{after}"
+
+
+def with_error(number: "P | None", said: str = "") -> str:
     """A value to the second digit of its standard error, "-" for one that was refused; said : a unit said elsewhere."""
-    if number.value is None:
+    if number is None or number.value is None:
         return "-"
     unit = "" if number.unit in ("1", said) else f" {number.unit}"
     if not number.stderr:

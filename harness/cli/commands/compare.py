@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from harness.cli.options import output_options, reading_options, trace_option
-from harness.cli.output import Output, say, say_as_it_is, this_line, with_error
+from harness.cli.output import Output, say, say_all, say_as_it_is, this_line, with_error
 from harness.cli.tables import show_rows
 from harness.core.bounded import check_file
 from harness.core.errors import InputError
@@ -89,6 +89,5 @@ def _print(result: "CompareResult") -> None:
             share = "" if where.share is None else f", {100.0 * where.share:.0f} % of the mismatch"
             say(f"- {where.regime}: {where.condition}{share}")
     read = {f"{Path(one.file).name}: {note}" for one in result.recordings for note in one.notes}
-    for sentence in [*sorted(read), *result.sentences]:
-        say(f"- {sentence}")
+    say_all([*sorted(read), *result.sentences])
     say_as_it_is(f"report: {result.outputs['report']}")

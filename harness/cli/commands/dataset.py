@@ -6,12 +6,12 @@ from typing import TYPE_CHECKING
 import click
 
 from harness.cli.options import jobs_option, output_options
-from harness.cli.output import Output, say, say_as_it_is, this_line
+from harness.cli.output import Output, figure, say, say_all, say_as_it_is, this_line
 from harness.cli.tables import show_rows
 from harness.core.errors import InputError
 
 if TYPE_CHECKING:
-    from harness.results.dataset import DatasetResult, FoundResult, MachinesResult
+    from harness.results.dataset import DatasetResult, MachinesResult
 
 
 @click.command(short_help="Published recordings: what others found beside ours.")
@@ -68,41 +68,29 @@ def _print_machines(result: "MachinesResult") -> None:
             row.name,
             row.verdict,
             "\n".join(f"{m.name} ({m.grade})" for m in row.found) or "-",
-            "\n".join(map(_share, row.found)) or "-",
-            "\n".join("-" if m.holdout is None else f"x {m.holdout:.2g}" for m in row.found) or "-",
+            "\n".join(figure(m.share, ".0f", " %", 100.0) for m in row.found) or "-",
+            "\n".join(figure(m.holdout, ".2g", before="x ") for m in row.found) or "-",
         )
         for row in result.rows
     ]
     heads = ("machine", "verdict", "named or listed", "takes off", "held out")
     show_rows(heads, rows, heads[:3])
-    for row in result.rows:
-        if row.verdict == "error":
-            say(f"- {row.name}: {row.said}")
+    say_all(f"{row.name}: {row.said}" for row in result.rows if row.verdict == "error")
     if result.absent:
         say(f"- not in the folder: {', '.join(result.absent)}")
     say_as_it_is(f"report: {result.files['page']}")
-
-
-def _share(found: "FoundResult") -> str:
-    return "-" if found.share is None else f"{100.0 * found.share:.0f} %"
 
 
 def _print(result: "DatasetResult") -> None:
     rows = [
         (
             row.label,
-            _said(row.mass_kg),
-            ", ".join(_said(value) for value in row.viscous),
-            *(_said(value) for value in (row.dry_n, row.offset_n, row.fit_error_percent, row.cross_error_percent)),
+            figure(row.mass_kg),
+            ", ".join(figure(value) for value in row.viscous),
+            *(figure(value) for value in (row.dry_n, row.offset_n, row.fit_error_percent, row.cross_error_percent)),
         )
         for row in result.rows
     ]
     show_rows(("model", "mass kg", "viscous N s/m", "dry N", "offset N", "fit %", "cross %"), rows)
-    for sentence in result.found:
-        say(f"- {sentence}")
-    say(f"- {result.unexplained}")
+    say_all([*result.found, result.unexplained])
     say_as_it_is(f"report: {result.files['page']}")
-
-
-def _said(value: float | None) -> str:
-    return "-" if value is None else f"{value:.4g}"

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from harness.cli.options import output_options, reading_options, trace_option
-from harness.cli.output import Output, say, say_as_it_is, this_line, with_error
+from harness.cli.output import Output, say, say_all, say_as_it_is, this_line, with_error
 from harness.cli.tables import show_rows
 from harness.core.bounded import check_file
 
@@ -63,6 +63,5 @@ def _print(result: "IdentifyResult") -> None:
     if result.baseline is not None:
         chi2 = result.baseline.chi2_per_point
         say(f"viscous and Coulomb friction fitted to all channels: chi2 {chi2:.3g} a point (1 is the noise)")
-    for line in [*result.warnings, *found.notes, *refused]:
-        say(f"- {line}")
+    say_all([*result.warnings, *found.notes, *refused])
     say_as_it_is(f"report: {result.files['report']}")

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from harness.cli.options import json_options, log_options
-from harness.cli.output import Output, say
+from harness.cli.output import Output, figure, say, say_all
 from harness.cli.tables import show_rows
 from harness.core.errors import InputError
 
@@ -56,14 +56,13 @@ def _print(result: "LogResult") -> None:
             say(f"{topic.name}:")
         if topic.ranges:
             _joints(topic)
-        for note in topic.notes:
-            say(f"- {note}")
+        say_all(topic.notes)
 
 
 def _topics(topics: "list[Topic]") -> None:
     rows = []
     for topic in topics[:_MOST]:
-        rate = "-" if topic.rate_hz is None else f"{topic.rate_hz:.4g}"
+        rate = figure(topic.rate_hz)
         joints, gaps = str(len(topic.joints) or "-"), str(len(topic.gaps_s) or "-")
         rows.append([topic.name, topic.type.rpartition("/")[2], str(topic.count), rate, joints, gaps])
     show_rows(("topic", "type", "count", "Hz", "joints", "gaps"), rows, ("topic", "type"))

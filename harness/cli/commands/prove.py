@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 import click
 
 from harness.cli.options import jobs_option, output_options, refuse
-from harness.cli.output import Output, say, this_line
+from harness.cli.output import Output, figure, say, say_all, this_line
 from harness.cli.tables import show_rows
 from harness.core.errors import InputError
 
@@ -79,8 +79,7 @@ def command(
 
 
 def _print_check(check: "ProofCheck") -> None:
-    for line in [*check.wrong, *check.notes]:
-        say(f"- {line}")
+    say_all([*check.wrong, *check.notes])
     again = f"{check.drawn_again} of {check.recordings} recordings drawn again, {check.identical} the same to the bit"
     say(f"{check.folder}: {'accepted' if check.accepted else 'rejected'}; {again}")
 
@@ -91,27 +90,24 @@ def _print(result: "ProofResult") -> None:
         ("figure", "found", "95 % interval", "cases", "asked", ""),
         [
             (
-                figure.label,
-                _said(figure, figure.value),
-                f"{_said(figure, figure.low)} to {_said(figure, figure.high)}",
-                str(figure.cases),
-                figure.asked,
-                state[figure.met],
+                one.label,
+                _said(one, one.value),
+                f"{_said(one, one.low)} to {_said(one, one.high)}",
+                str(one.cases),
+                one.asked,
+                state[one.met],
             )
-            for figure in result.figures
+            for one in result.figures
         ],
         ("figure", "asked", ""),
         None if result.evidence else "no evidence: too few recordings for the figures to say anything",
     )
     if result.not_tested:
         say(f"- not tested: {', '.join(result.not_tested)}")
-    for line in [*result.shortfalls, *result.given_up]:
-        say(f"- {line}")
+    say_all([*result.shortfalls, *result.given_up])
     right = sum(case.right for case in result.cases)
     say(f"{len(result.cases)} recordings, {right} answered right, seed {result.seed}")
 
 
-def _said(figure: "ProofFigure", value: float | None) -> str:
-    if value is None:
-        return "-"
-    return f"{100.0 * value:.1f} %" if figure.share else f"{value:.3g}"
+def _said(of: "ProofFigure", value: float | None) -> str:
+    return figure(value, ".1f", " %", 100.0) if of.share else figure(value, ".3g")

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 import click
 
 from harness.cli.options import engines_option, jobs_option, json_options
-from harness.cli.output import Output, say
+from harness.cli.output import Output, figure, say, say_all
 from harness.cli.tables import show_rows
 from harness.core.bounded import check_file
 from harness.core.errors import InputError
@@ -84,14 +84,11 @@ def command(
 def _print(result: "RegressResult") -> None:
     if result.moved:
         heads = ("row", "metric", "baseline", "now", "verdict")
-        rows = [(one.name, one.metric, _number(one.before), _number(one.after), one.verdict) for one in result.moved]
+        rows = [
+            (one.name, one.metric, figure(one.before, ".6g"), figure(one.after, ".6g"), one.verdict)
+            for one in result.moved
+        ]
         show_rows(heads, rows, heads)
-        for why in dict.fromkeys(f"{moved.metric or moved.name}: {moved.why}" for moved in result.moved):
-            say(f"- {why}")
-    for engine in result.not_run:
-        say(f"- {engine} is in the baseline but not installed here")
+        say_all(dict.fromkeys(f"{moved.metric or moved.name}: {moved.why}" for moved in result.moved))
+    say_all(f"{engine} is in the baseline but not installed here" for engine in result.not_run)
     say(f"{result.rows} rows compared, {len(result.moved)} moves, {result.regressions} regressions")
-
-
-def _number(value: float | None) -> str:
-    return "-" if value is None else f"{value:.6g}"

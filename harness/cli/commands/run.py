@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 import click
 
 from harness.cli.options import Joint, engines_option, output_options, robot_options
-from harness.cli.output import Output, say, say_as_it_is, say_left_out, this_line
+from harness.cli.output import Output, say, say_all, say_as_it_is, say_left_out, say_paste, this_line
 from harness.cli.tables import show_rows
 from harness.core.bounded import check_file
 from harness.core.errors import InputError
@@ -91,11 +91,8 @@ def command(
 
 
 def _print_joint(result: "JointRunResult") -> None:
-    for sentence in result.conclusions:
-        say(f"- {sentence}")
-    say("to paste into your model (MJCF; URDF with PyBullet's calls):")
-    for line in (result.paste.mjcf, *result.paste.urdf.splitlines()):
-        say_as_it_is(f"  {line}")
+    say_all(result.conclusions)
+    say_paste(result.paste)
     say_as_it_is(f"report: {result.files['report']}")
 
 
@@ -105,6 +102,5 @@ def _print(result: "RunResult") -> None:
     about, heads, lines = summary(result)
     say(about)
     show_rows(heads, lines)
-    for sentence in result.conclusions:
-        say(f"- {sentence}")
+    say_all(result.conclusions)
     say_as_it_is(f"report: {result.files['report']}")

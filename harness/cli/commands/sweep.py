@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 import click
 
 from harness.cli.options import engines_option, jobs_option, output_options
-from harness.cli.output import Output, say, say_as_it_is, this_line
+from harness.cli.output import Output, say, say_all, say_as_it_is, this_line
 from harness.cli.tables import show_rows
 
 if TYPE_CHECKING:
@@ -72,8 +72,7 @@ def _print(result: "Sweep") -> None:
 
     heads, lines = summary(result)
     show_rows(heads, lines, heads[:3], "as shipped and tuned against exact, the suite's own sliders")
-    for note in result.notes:
-        say(f"- {note}")
+    say_all(result.notes)
     rate = f"{60.0 * result.computed / result.wall_s:.0f} rows a minute"
     say(f"{result.total} rows, {result.computed} computed now ({rate}), {result.failed} could not be run")
     say_as_it_is(f"report: {result.folder / 'report.html'}")

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 import click
 
 from harness.cli.options import Joint, json_options, robot_options
-from harness.cli.output import Output, say, say_as_it_is
+from harness.cli.output import Output, figure, say, say_as_it_is
 from harness.cli.tables import show_rows
 from harness.core.errors import InputError
 
@@ -51,7 +51,7 @@ def _print(result: "TuneResult") -> None:
     what = result.route if result.robot is None else result.robot.joint
     say(f"{result.engine} {result.version}, {what}, step {result.dt_s * 1e3:g} ms: distance from exact")
     before = "as shipped" if result.robot is None else "as the file has it"
-    rows = [(figure.name, _percent(figure.before), _percent(figure.after)) for figure in result.figures]
+    rows = [(one.name, *(figure(y, ".3g", " %", 100.0) for y in (one.before, one.after))) for one in result.figures]
     show_rows(("figure", before, "found"), rows)
     say_as_it_is(result.paste)
     where = "on sliders not searched on" if result.robot is None else "in poses not searched in"
@@ -60,7 +60,3 @@ def _print(result: "TuneResult") -> None:
         f" {result.score_preset:.3g} with the preset tuned; it costs {result.cost:.2f} times what ships"
         f" ({result.searched} settings scored)"
     )
-
-
-def _percent(value: float | None) -> str:
-    return "-" if value is None else f"{100.0 * value:.3g} %"
