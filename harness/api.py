@@ -61,17 +61,18 @@ def load(
     start: float | None = None,
     stop: float | None = None,
     drop_nan: bool = False,
+    run: int | None = None,
     trace: str | None = None,
 ) -> Recording:
     """Read a recording of any accepted format, in SI units.
 
     columns : as --columns, "t=t,x=qm[mm]". skip_rows : lines before the header. rate : Hz, where no column gives the
-    time. start, stop : s, the part to keep. drop_nan : leave out rows in which a channel has no value. trace : which
-    one of a .rrd. Raises InputError naming what is wrong, and where.
+    time. start, stop : s, the part to keep. drop_nan : leave out rows in which a channel has no value. run : which of a
+    file that holds several. trace : which one of a .rrd. Raises InputError naming what is wrong, and where.
     """
     from harness.app.shared.reading import ReadOptions, read
 
-    return read(Path(path), ReadOptions(columns, skip_rows, rate, start, stop, drop_nan), trace)
+    return read(Path(path), ReadOptions(columns, skip_rows, rate, start, stop, drop_nan, run=run), trace)
 
 
 def identify(

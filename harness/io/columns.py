@@ -32,6 +32,28 @@ ENDINGS: dict[str, dict[str, str]] = {
     "u": {"n": "N", "mn": "mN", "kn": "kN", "nm": "N*m", "n_m": "N*m", "mnm": "mN*m", "lbf": "lbf"},
 }
 """Units that the ending of a name gives, by channel."""
+_WORDS: dict[str, str] = {
+    "t": "time zeit temps tiempo tempo tijd tid czas čas aika idő zaman timestamp clock millis время 时间 時間 시간",
+    "x": "position displacement deflection distance angle theta height elongation encoder winkel weg auslenkung ort "
+    "lage abstand strecke posición desplazamiento distancia ángulo angulo altura déplacement allongement posizione "
+    "spostamento angolo posição posicao deslocamento positie verplaatsing hoek vinkel läge avstånd położenie kąt "
+    "przemieszczenie poloha výchylka úhel sijainti kulma konum açı положение угол смещение 位置 位移 角度 変位 위치 "
+    "변위 각도",
+    "v": "velocity speed gyroscope gyro omega rate geschwindigkeit drehrate vitesse velocidad velocità velocita "
+    "velocidade snelheid hastighet prędkość rychlost nopeus hız скорость 速度 속도",
+    "a": "acceleration accelerometer accel beschleunigung accélération aceleración aceleracion accelerazione "
+    "aceleração versnelling przyspieszenie zrychlení kiihtyvyys ivme ускорение 加速度 가속도",
+    "u": "force torque kraft drehmoment fuerza forza força kracht siła síla voima kuvvet сила couple 力 힘",
+}
+_WORD = {word: channel for channel, words in _WORDS.items() for word in words.split()}
+"""Words that say a channel within a longer name, in a dozen languages; in compounds the last one does."""
+_SHORT = 4
+"""Letters of a word that must stand alone."""
+_MARK = re.compile(r"^(?P<mark>[^:]{1,60}):\s*(?P<name>\S.*)$")
+_DIGITS = re.compile(r"(?<!_s)\d+")
+_RUN = re.compile(
+    r"[\s,_-]*\b(?:run|trial|series|serie|set|lauf|versuch|messung|essai|prova|ensayo)?\s*#?\s*$", re.IGNORECASE
+)
 _SHELLS = frozenset("'\"$`\\!")
 """Signs that would not come through quotes as they are."""
 _INDEX = re.compile(r"(\[\d{1,4}\]|\.\d{1,4}|_\d{1,4})$")
@@ -71,6 +93,38 @@ def meaning(name: str) -> Meaning | None:
     return None
 
 
+def word_of(name: str) -> str:
+    """The channel that a word within a longer name says ("Winkelgeschwindigkeit", "位置"), "" where none does."""
+    text = name.lower()
+    ends: list[tuple[int, int, str]] = []
+    for word, channel in _WORD.items():
+        at = text.rfind(word)
+        alone = at >= 0 and (at == 0 or not text[at - 1].isalpha()) and not text[at + len(word) :][:1].isalpha()
+        if alone or (at >= 0 and (len(word) > _SHORT or not word.isascii())):
+            ends.append((at + len(word), len(word), channel))
+    return max(ends)[2] if ends else ""
+
+
+def marked(name: str) -> tuple[tuple[str, ...], str]:
+    """What a run or a joint shares ("Run 1: Time", "Position #2", "theta1"), and the name without it."""
+    found = _MARK.match(name)
+    if found is not None:
+        return (found["mark"],), found["name"]
+    digits = tuple(_DIGITS.findall(name))
+    return digits, _RUN.sub("", _DIGITS.sub("", name)).rstrip(" ._") if digits else name
+
+
+def unit_ending(name: str, channel: str = "") -> tuple[str, str] | None:
+    """Channel and unit that the ending of a name gives ("x1_rad", "knee_deg_s"); None where it gives none."""
+    stem = name.strip().lower()
+    for cut in (i for i, letter in enumerate(stem) if letter == "_"):
+        tail = stem[cut + 1 :]
+        for of in (channel,) if channel else CHANNELS:
+            if len(tail) > 1 and tail in ENDINGS[of]:
+                return of, ENDINGS[of][tail]
+    return None
+
+
 def candidates(names: Sequence[str]) -> dict[str, list[int]]:
     """Positions of the columns that may be each channel, by name; one that has the channel's own stands alone."""
     found: dict[str, list[int]] = {}
@@ -86,8 +140,9 @@ def candidates(names: Sequence[str]) -> dict[str, list[int]]:
 
 def quoted(name: str, position: int) -> str:
     """A column as --columns takes it between double quotes of a shell: its name, in quotes where it needs them, #N
-    where it has none or holds what a shell reads.
+    where it has none, a very long one, or one that holds what a shell reads.
     """
+    name = name if len(name) <= _LONGEST_NAME else ""
     if _PLAIN.match(name):
         return name
     return f"'{name}'" if name and not _SHELLS & set(name) else f"#{position + 1}"
@@ -115,8 +170,8 @@ class Mapping:
     unit: str | None = None
 
 
-_LONGEST = 2000
-"""Characters of ``--columns``."""
+_LONGEST, _LONGEST_NAME = 2000, 200
+"""Characters of ``--columns``, and of a name that is printed in it."""
 
 
 def _split(text: str) -> list[str]:

@@ -17,7 +17,7 @@ class ReadOptions:
 
     columns : the text of --columns. skip_rows : lines before the header. rate : Hz, where no column gives the time.
     start, stop : s, the part to keep (--from, --to). drop_nan : leave out rows in which a channel has no value.
-    covariates : further columns, by name (--covariate).
+    covariates : further columns, by name (--covariate). run : which run of a file that holds several, from 1.
     """
 
     columns: str | None = None
@@ -27,10 +27,13 @@ class ReadOptions:
     stop: float | None = None
     drop_nan: bool = False
     covariates: tuple[str, ...] = ()
+    run: int | None = None
 
     def __post_init__(self) -> None:
         if self.skip_rows < 0:
             raise InputError("--skip-rows", f"{self.skip_rows}", "0 or more is accepted")
+        if self.run is not None and self.run < 1:
+            raise InputError("--run", f"{self.run}", "1 or more is accepted")
         if self.rate is not None:
             positive("--rate", self.rate, "Hz")
         for name, value in (("--from", self.start), ("--to", self.stop)):
@@ -49,6 +52,7 @@ class ReadOptions:
             "" if self.start is None else f"--from {self.start:.9g}",
             "" if self.stop is None else f"--to {self.stop:.9g}",
             "--drop-nan" if self.drop_nan else "",
+            "" if self.run is None else f"--run {self.run}",
             *(f"--covariate '{name}'" for name in self.covariates),
         ]
         return " ".join(one for one in said if one)

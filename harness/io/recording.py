@@ -93,7 +93,7 @@ def _range_of(sizes: FloatArray, others: FloatArray, unit: float) -> float:
 
 _POINTER = b"version https://git-lfs"
 _MOST_LOST = 0.05
-"""Share of the samples whose time may not rise: rows written twice, a clock set back once."""
+"""Share of the samples that may be left out unasked: rows written twice, a clock set back once, an empty cell."""
 RrdReader = Callable[[Path], Recording]
 """Reads our own .rrd; passed in, since this room does not know the viewer's library."""
 
@@ -132,24 +132,26 @@ def _check_rows(table: Table, channel: str, values: FloatArray, rows: IntArray) 
         raise RefusedError(where, found, accepted, [{"drop_nan": True}] if np.isnan(value) else ())
 
 
-def _in_order(table: Table, t: FloatArray, rows: IntArray, others: str) -> tuple[BoolArray, str | None]:
-    """Which samples stay so that times (n,), s, rise, and the sentence that says which do not.
+def _in_order(table: Table, t: FloatArray, rows: IntArray) -> tuple[FloatArray, BoolArray, str | None]:
+    """Times (n,), s, which samples stay so that they rise, and the sentence that says what was done.
 
-    others : --columns without the time. Raises RefusedError where more than a few do not.
+    A few that do not come after the one before are left out; where a clock is too coarse for its samples, those of an
+    even one that it agrees with throughout take its place. Raises InputError where neither will do.
     """
     after = rising(t)
     lost = np.flatnonzero(~after)
     if lost.size == 0:
-        return after, None
+        return t, after, None
     row = table.row(int(rows[lost[0]]))
     if lost.size <= max(_MOST_LOST * t.size, 1):
         many = f"{lost.size} sample{'s' if lost.size > 1 else ''}"
-        return after, f"{many} whose time does not come after the one before ({row}) left out."
+        return t, after, f"{many} whose time does not come after the one before ({row}) left out."
     rate = even_rate(t)
     if rate is not None:
-        where, again = f"{table.path}: {row}, column t", int(np.count_nonzero(np.diff(t) == 0.0))
-        found = f"{again} of {t.size} times repeat the one before, as a clock too coarse or late stamps do"
-        raise RefusedError(where, found, "times that increase are accepted", [{"columns": others, "rate": rate}])
+        again = int(np.count_nonzero(np.diff(t) == 0.0))
+        said = f"{again} of {t.size} times repeat the one before ({row}): an even clock of {rate:.6g} Hz is taken"
+        even = t[0] + (rows - rows[0]) / rate
+        return even, np.ones(t.size, bool), f"{said}, from which none is further off than its own step."
     i = int(lost[0])
     found = f"time {t[i]:.9g} s does not come after {t[i - 1]:.9g} s"
     raise InputError(f"{table.path}: {row}, column t", found, "times that increase are accepted")
@@ -219,10 +221,12 @@ def _read_or_propose(path: Path, digest: str, options: ReadOptions) -> Recording
 
 def _read(path: Path, digest: str, options: ReadOptions) -> Recording:
     table = _open(path, options)
-    mappings, guessed = chosen(table, options.columns, options.rate)
+    choice = chosen(table, options)
+    mappings, guessed = choice.mappings, choice.guessed
     read = products(table, mappings)
     dated = counted_from(table, mappings)
     notes: list[str | None] = [said(table, mappings, {c: unit for c, (_, unit) in read.items()}, guessed)]
+    notes += choice.notes
     for channel in sorted(guessed & {"v", "a", "u"}):
         if len(read) > 2 and _still(read[channel][0]):
             del read[channel]
@@ -241,10 +245,11 @@ def _read(path: Path, digest: str, options: ReadOptions) -> Recording:
     if last < rows.size:
         mended.append(f"The last {rows.size - last} rows, without a value in these columns, are left out.")
         rows = rows[:last]
-    if options.drop_nan:
-        whole = rows[~np.any([np.isnan(values[rows]) for values in every], axis=0)]
-        dropped, rows = rows.size - whole.size, whole
-        mended.append(f"{dropped} rows without a value are left out (--drop-nan)." if dropped else None)
+    whole = rows[~np.any([np.isnan(values[rows]) for values in every], axis=0)]
+    if rows.size > whole.size and (options.drop_nan or rows.size - whole.size <= max(_MOST_LOST * rows.size, 1)):
+        first, many = table.row(int(np.setdiff1d(rows, whole)[0])), rows.size - whole.size
+        mended.append(f"{many} rows without a value, the first of them {first}, are left out.")
+        rows = whole
     if options.rate is not None:
         with np.errstate(over="ignore"):
             t = rows.astype(np.float64) / options.rate
@@ -253,8 +258,7 @@ def _read(path: Path, digest: str, options: ReadOptions) -> Recording:
         t, notes_of_t = _stamped(*read["t"], rows, dated)
         notes += notes_of_t
         _check_rows(table, "t", t, rows)
-        paste = ",".join(f"{c}={quoted_of(table, m)}" for c, m in mappings.items() if c != "t" and c in read)
-        after, lost = _in_order(table, t, rows, paste)
+        t, after, lost = _in_order(table, t, rows)
         t, rows = t[after], rows[after]
         mended.append(lost)
     keep = _kept(path, t, options)

@@ -72,10 +72,23 @@ _OFF, _COARSE = 2.0, 0.9
 again; and the quantile of the steps that is the clock's, above which there may be gaps."""
 
 
+SCALES = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9}
+_SLOWEST = 2.0
+"""s between samples at which nobody records a motion."""
+
+
+def clock_unit(t: FloatArray) -> str:
+    """The unit of times (n,) that no name tells: that of whole numbers too far apart for s, "" where it may be s."""
+    if t.size < 2 or np.any(t != np.round(t)):
+        return ""
+    step = float(np.median(np.diff(t)))
+    return next((unit for unit in ("ms", "us", "ns") if step * SCALES[unit] < _SLOWEST), "") if step >= _SLOWEST else ""
+
+
 def since_first(t: FloatArray, unit: Unit) -> tuple[FloatArray, str | None]:
     """Stamps of shape (n,) as read, in s: from the first where they count from 1970, and the sentence that says so.
 
-    unit : what the header says; where it says nothing, the size of the stamps tells.
+    unit : what the header says; where it says nothing, the size of the stamps tells, or that they are whole numbers.
     """
     first = float(t[0]) if t.size else 0.0
     for low, high, name, factor in _EPOCHS:
@@ -84,6 +97,8 @@ def since_first(t: FloatArray, unit: Unit) -> tuple[FloatArray, str | None]:
             when = datetime.fromtimestamp(first * factor, UTC).strftime("%Y-%m-%d %H:%M:%S")
             said = f"Stamps count {name} since 1970: t is counted from the first, {when} UTC."
             return (t - first) * factor, said
+    if not unit.text and (whole := clock_unit(t)):
+        return t * SCALES[whole], f"Times are whole numbers without a unit, too far apart for s: read as {whole}."
     return t * unit.factor, None
 
 

@@ -17,6 +17,16 @@ _TWOFOLD = re.compile(rf"\b({'|'.join(_ONE_OF)})s?\b", re.IGNORECASE)
 _PLAIN = re.compile(r"^[\w\s*/^().%°²³⁻¹·-]{1,60}$")
 _LARGE_EXPONENT = re.compile(r"(?:\*\*|\^)[\s(+-]*(?:\d{2,}|[^\d\s])|\*\*[^*]*\*\*|\^[^^]*\^")
 
+_BEHIND = re.compile(
+    r"^(?P<name>[^\[(]*[^\[(\s])\s*[\[(](?P<unit>[^\[\]()\d][^\[\]()]*)[\])]\s*(?P<tail>[^\[\]()]*\d)$"
+)
+_BARE = re.compile(r"^(?P<name>\S.*?)(?:\s*/\s*|\s+in\s+|,\s+)(?P<unit>\S+)$")
+_USUAL_UNITS = (
+    "s ms us µs ns min m mm cm km um µm rad deg ° mrad rev m/s mm/s cm/s km/h rad/s deg/s °/s rpm 1/min "
+    "m/s^2 m/s² m/s2 m/s**2 mm/s² g mg rad/s^2 rad/s² deg/s^2 °/s² N mN kN Nm mNm Ncm N·m"
+)
+_USUAL = frozenset(_USUAL_UNITS.split())
+"""Units that are taken for one without brackets."""
 _RUN_TOGETHER = re.compile(r"^(?P<force>[munµμkM]?N)(?P<length>m|cm|mm)$")
 _BY_HYPHEN = re.compile(r"^(?P<one>[A-Za-z]+)(?P<sign>[-·*. ])(?P<other>[A-Za-z]+)$")
 _WEIGHTS = {"lb": "lbf", "lbs": "lbf", "oz": "ozf", "kg": "kgf", "g": "gf"}
@@ -69,9 +79,14 @@ SI = Unit("", 1.0, False)
 def split_header(header: str) -> tuple[str, str | None]:
     """Split ``x [mm]`` or ``Time (s)`` into name and unit; the unit is None when there are no brackets.
 
-    ``position[0]`` is the name of an element, and stays whole.
+    ``position[0]`` is the name of an element, and stays whole. What stands behind the brackets, ``Time (s) Run #1``,
+    belongs to the name; ``w / rad``, ``Weg in mm`` and ``t, ms`` are of the same kind.
     """
     text = header.strip()
+    if behind := _BEHIND.match(text):
+        return f"{behind['name']} {behind['tail']}", behind["unit"].strip()
+    if (bare := _BARE.match(text)) and bare["unit"] in _USUAL:
+        return bare["name"], bare["unit"]
     for opening, closing in ("[]", "()"):
         name, bracket, unit = text[:-1].rpartition(opening)
         if text.endswith(closing) and bracket and name.strip() and closing not in unit and not unit.strip().isdigit():
@@ -134,3 +149,12 @@ def parse_unit(where: str, channel: str, text: str | None) -> Unit:
             accepted += f"; a sensor's or a motor's own scale brings it, as {_SCALED[channel]} in --columns"
         raise InputError(where, f"'{text}' is a unit of another kind ({kind})", accepted)
     return Unit(text, float(base.magnitude), "radian" in str(base.units))
+
+
+def is_unit_of(channel: str, text: str) -> bool:
+    """Whether a text is a unit of a channel."""
+    try:
+        parse_unit("", channel, text)
+    except InputError:
+        return False
+    return True

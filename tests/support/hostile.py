@@ -178,12 +178,12 @@ def text(content: str) -> Make:
 
 
 HOSTILE: dict[str, tuple[Make, str]] = {
-    "return.csv": (table("0.095,\r0.3"), "row 21 (line 22): 1 cells; 2, as in the first row, are accepted"),
+    "return.csv": (table("0.095,\r0.3\r0.4\r0.5"), "): 1 cells; 2, as in the first row, are accepted"),
     "cell.csv": (table("0.095," + "1" * 140_000 + "x"), "cells of at most 131072 characters are accepted"),
     "line.csv": (table("0.095," + "1," * 600_000), "lines of at most 1048576 are accepted"),
     "escape.csv": (table("0.095,\x1b[31mred\x07"), r"column x: the text '\x1b[31mred\x07'; a number is accepted"),
-    "header.csv": (table(header="t,x" + " " * 50_000 + "["), "...; columns named t and one or more of x, v, a"),
-    "escaped.csv": (table(header="t,\x1b[31mx"), r"the columns t, \x1b[31mx; "),
+    "header.csv": (table(header="t,x" + " " * 50_000 + "y [kg]"), "...; columns named t and one or more of x, v, a"),
+    "escaped.csv": (table(header="t,\x1b[31mx [kg]"), r"the columns t, \x1b[31mx; "),
     "times.csv": (table(scale="T e300"), "at most 9e+09 in size is accepted"),
     "large.csv": (table(scale="X e300"), "at most 1e+20 in size is accepted"),
     "small.csv": (table(scale="X e-300"), "column x: a range of 1.86e-300; one of 1e-20 or more is accepted"),

@@ -262,6 +262,7 @@ class DiagnoseOptions:
             "from_s": r.start,
             "to_s": r.stop,
             "drop_nan": r.drop_nan,
+            "run": r.run,
             "trace": self.trace,
             "model": _said(self.model),
             "sim": _said(self.sim),

@@ -14,7 +14,6 @@ from harness.core.arrays import FloatArray
 from harness.core.bounded import read_bytes, unpacked
 from harness.core.errors import InputError
 from harness.io.columns import candidates
-from harness.io.options import RefusedError
 from harness.io.reader import Reader
 from harness.io.table import Table
 from harness.io.times import Clock
@@ -30,6 +29,8 @@ _UTF_16 = (b"\xff\xfe", b"\xfe\xff")
 """Its mark, in either order of bytes."""
 _LOOKED, _ROWS = 60, 3
 """Lines at the beginning in which a table's first is looked for, and rows that make one."""
+_MOST_ODD = 0.05
+"""Lines of another width that are left out, for each row before them."""
 _COMMENT = ("#", "%")
 _BRACKETS = re.compile(r"^[\[(]\s*([^\[\]()]*?)\s*[\])]$")
 _DECIMAL_COMMA = re.compile(r"^[+-]?\d+,\d+([eE][+-]?\d+)?$")
@@ -91,7 +92,8 @@ def _separator(lines: Sequence[str]) -> tuple[str, str]:
     return ";" if single else "", "."
 
 
-def _layout(path: Path, data: bytes | bytearray, skip_rows: int) -> _Layout:
+def _layout(path: Path, data: bytes | bytearray, skip_rows: int) -> tuple[_Layout, str | None]:
+    """How a table is laid out, and the sentence that says what was passed over before it."""
     head = bytes(data[:_HEAD])
     lines = head.split(b"\n")
     if len(data) > _HEAD and len(lines) > 1:
@@ -111,27 +113,28 @@ def _layout(path: Path, data: bytes | bytearray, skip_rows: int) -> _Layout:
     body = [entry for entry in shown if not entry[2].startswith(_COMMENT)]
     if not body:
         raise InputError(str(path), "no rows", "a header and at least 50 rows are accepted")
-    sample = [text for _, _, text in body[:20]]
-    separator, decimal = _separator(sample)
+    separator, decimal = _separator([text for _, _, text in body[:_LOOKED]])
+    above = _preamble(path, [(n, text) for n, _, text in body[:_LOOKED]], separator, decimal)
+    passed = f"Lines {body[0][0]} to {body[above - 1][0]}, above the table, are passed over." if above else None
+    body = body[above:]
     number, start, first = body[0]
     where = f"{path}: line {number}"
-    _refuse_preamble(path, [(n, text) for n, _, text in body[:_LOOKED]], separator, decimal)
     cells = _cells(where, first, separator)
     if _has_number(cells, decimal):
-        comments = [text.lstrip("#% ") for n, _, text in shown if n < number]
+        comments = [text.lstrip("#% ") for n, _, text in shown if n < number and text.startswith(_COMMENT)]
         named = _header(where, comments[-1], separator) if comments else []
         fields = tuple(named) if len(named) == len(cells) else ("",) * len(cells)
-        return _Layout(separator, decimal, fields, start, number)
+        return _Layout(separator, decimal, fields, start, number), passed
     cells = _header(where, first, separator)
     if len(body) == 1:
         raise InputError(str(path), "0 rows under the header", "at least 50 are accepted")
     units = _units(cells, [_cells(f"{path}: line {n}", text, separator) for n, _, text in body[1:3]], decimal)
     number, start, _ = body[2] if units else body[1]
-    return _Layout(separator, decimal, tuple(cells), start, number, units)
+    return _Layout(separator, decimal, tuple(cells), start, number, units), passed
 
 
-def _refuse_preamble(path: Path, lines: Sequence[tuple[int, str]], separator: str, decimal: str) -> None:
-    """Raise RefusedError, with the --skip-rows that passes over them, for lines of another width before the table.
+def _preamble(path: Path, lines: Sequence[tuple[int, str]], separator: str, decimal: str) -> int:
+    """How many of the first lines, of another width than the rows or of text, stand above a table and its header.
 
     lines : number and text of each of the first ones that are no comment.
     """
@@ -148,15 +151,10 @@ def _refuse_preamble(path: Path, lines: Sequence[tuple[int, str]], separator: st
     while begin > 0 and len(rows[begin - 1]) == width and is_row(rows[begin - 1], decimal):
         begin -= 1
     if (not mixed and width in (len(rows[0]), len(of_names(0)))) or len(rows) - begin < _ROWS:
-        return
+        return 0
     above = [i for i in (begin - 1, begin - 2) if i >= 0 and len(of_names(i)) == width]
     channels = [i for i in above if candidates([split_header(name)[0] for name in of_names(i)])]
-    first = min(channels or above[:1], default=begin)
-    count = "text" if mixed else f"{len(rows[0])} cell{'s' if len(rows[0]) > 1 else ''}"
-    numbers = "numbers" if mixed else str(width)
-    found = f"{count}, where the rows from line {lines[begin][0]} on have {numbers}"
-    accepted = "a header, and rows of as many cells, are accepted"
-    raise RefusedError(f"{path}: line {lines[0][0]}", found, accepted, [{"skip_rows": lines[first][0] - 1}])
+    return min(channels or above[:1], default=begin)
 
 
 def _is_all_numbers(cells: Sequence[str], decimal: str) -> bool:
@@ -236,10 +234,11 @@ class TextTable(Table):
 
     def __init__(self, path: Path, skip_rows: int = 0) -> None:
         self._data = _bytes(path)
-        self._layout = _layout(path, self._data, skip_rows)
+        self._layout, passed = _layout(path, self._data, skip_rows)
         names, units = split_headers(self._layout.fields)
         units |= {i: unit for i, unit in enumerate(self._layout.units) if unit}
         super().__init__(path, names, units, self._layout.fields)
+        self.mended += [passed] if passed else []
 
     def read(self, positions: Sequence[int]) -> list[FloatArray]:
         """See Table."""
@@ -270,8 +269,11 @@ class TextTable(Table):
         return [np.asarray(table.column(names[i]).to_numpy(), dtype=np.float64) for i in positions]
 
     def _rows(self) -> Iterator[tuple[int, list[str]]]:
-        """Line number and cells of every row but those that hold no number at all, and a last one that is cut short."""
+        """Line number and cells of every row but those that hold no number at all, a last one that is cut short, and a
+        few of another width. Raises InputError where these are more.
+        """
         start, line, begun = self._layout.offset, self._layout.line, False
+        width, odd, rows = len(self.names), 0, 0
         while start < len(self._data):
             end = self._data.find(b"\n", start)
             end = len(self._data) if end < 0 else end
@@ -281,10 +283,19 @@ class TextTable(Table):
             text = _decode(self._data[start:end]).strip(" ")
             if text.strip() and not text.startswith(_COMMENT):
                 cells = _cells(where, text, self._layout.separator)
-                if len(cells) < len(self.names) and not self._data[end:].strip():
+                if len(cells) < width and not self._data[end:].strip():
                     self._leave_out(f"Line {line}, the last one, is cut short: left out.")
+                elif len(cells) != width:
+                    odd += 1
+                    if odd > 1 + _MOST_ODD * rows:
+                        where, accepted = (
+                            f"{self.path}: row {rows + 1} (line {line})",
+                            "as in the first row, are accepted",
+                        )
+                        raise InputError(where, f"{len(cells)} cells", f"{width}, {accepted}")
+                    self._leave_out(f"Line {line} has {len(cells)} cells where the others have {width}: left out.")
                 elif not begun or any(self._says(cell) for cell in cells):
-                    begun = True
+                    begun, rows = True, rows + 1
                     yield line, cells
                 else:
                     self._leave_out(f"Line {line} holds text and no number: left out.")
@@ -301,11 +312,7 @@ class TextTable(Table):
     def _read_slowly(self, positions: Sequence[int]) -> list[FloatArray]:
         """Cell by cell: to say where the fast reader stumbled, or to read what only it could not."""
         columns, clocks = [array("d") for _ in positions], [Clock() for _ in positions]
-        width = len(self.names)
         for row, (line, cells) in enumerate(self._rows(), 1):
-            if len(cells) != width:
-                where = f"{self.path}: row {row} (line {line})"
-                raise InputError(where, f"{len(cells)} cells", f"{width}, as in the first row, are accepted")
             for column, clock, i in zip(columns, clocks, positions, strict=True):
                 value = _number(cells[i], self._layout.decimal)
                 if value is None and (clock.first or not column):

@@ -1,0 +1,258 @@
+"""What each column of a table may be, by its unit, its name and its numbers; the readings that follow, the best first.
+
+Unit goes before name: rad/s is a speed whatever it is called. Numbers rule out: a time rises, and what stays, counts
+or has no value is no channel; and a column that follows the slope of another is its speed. What was commanded is never
+taken for what was measured. Columns that share a mark (``Run 1:``, ``#2``, a number) belong together; where each mark
+has a time of its own, each is a run.
+"""
+
+import re
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from harness.core.arrays import FloatArray
+from harness.core.errors import InputError
+from harness.io.columns import ANGLES, CHANNELS, is_commanded, marked, meaning, unit_ending, word_of
+from harness.io.table import Table
+from harness.io.times import SCALES, clock_unit
+from harness.io.units import is_unit_of, parse_unit
+
+_MOST_COLUMNS, _MOST_SAMPLES, _MOST_SPEEDS = 64, 20_000, 16
+"""Columns that are looked at; of these, samples and columns at which slopes are compared."""
+_RISES = 0.99
+"""Share of its steps by which a time goes on: a clock may be set back once."""
+_HALF = 0.5
+"""Share of values that a channel has at least, within its run."""
+_MARGIN = 2.0
+"""Times the spread of the next one that a column must move to be taken for the one meant: an axis beside the one of the
+motion shows less than half of it up to 26 degrees between them."""
+_FOLLOWS, _GAIN = 0.9, 0.05
+"""Correlation with another's slope from which a column is its speed, and by how much it may differ from it."""
+_SI = {"x": "m", "v": "m/s", "a": "m/s^2", "u": "N"}
+_TURN = 2.0 * np.pi
+_SCALED, _NUMBERS, _NAME, _UNIT = range(-1, 3)
+"""By what a column's channel is told, the strongest last; a voltage or a count needs its scale first."""
+_COUNTS = {"row", "index", "idx", "sample", "frame", "count", "id", "nr", "no", "cycle", "step", "line"}
+"""Words of a column that counts rows."""
+_NO_SIGN = re.compile(r"^abs|absolute|magnitude|norm|\bsigma|\bstd|uncertainty", re.IGNORECASE)
+_RAW = re.compile(
+    r"^(?:counts?|cts|ticks?|steps?|raw|lsb|adu|pulses?|px|pixels?|a\.?u\.?|m?v|volts?|%|-|1)?$", re.IGNORECASE
+)
+"""Units of sensors that give no unit of motion."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Column:
+    """A column that can be a channel.
+
+    position : from 0. said : as --columns takes it, name : without its mark and unit. channel : the one that unit, name
+    or numbers say, "" where nothing does; told : by which of them. unit : its text, "" where nothing says one; given :
+    whether that must stand beside it. mark : what a run or a joint shares. rises : whether it can be a time.
+    values (n,) : as they stand.
+    """
+
+    position: int
+    said: str
+    name: str
+    channel: str
+    told: int
+    unit: str
+    given: bool
+    mark: tuple[str, ...]
+    rises: bool
+    values: FloatArray = field(repr=False)
+
+    @property
+    def spread(self) -> float:
+        """Standard deviation of its values."""
+        return float(np.nanstd(self.values))
+
+    @property
+    def angular(self) -> bool | None:
+        """Whether its unit is one of an angle; None where none is told."""
+        return parse_unit("", self.channel, self.unit).angular if self.unit and self.channel in CHANNELS else None
+
+    @property
+    def axis(self) -> str:
+        """The letter at the end of its name, of x, y and z."""
+        found = re.search(r"(?:^|[\W_])([xyz])\W*$", self.name.lower())
+        return found[1] if found else ""
+
+    def as_channel(self, channel: str) -> str:
+        """One entry of --columns."""
+        return f"{channel}={self.said}" + (f"[{self.unit}]" if self.given and self.unit else "")
+
+
+@dataclass(frozen=True, slots=True)
+class Reading:
+    """One way to read a table. columns : the text of --columns. clear : whether no other is nearly as good."""
+
+    columns: str
+    clear: bool
+
+
+def runs_of(table: Table, timed: bool = True) -> list[list[Reading]]:
+    """The runs of a table, each with its readings, the likeliest first; one where there are none side by side.
+
+    timed : whether a column must give the time; there is no run where none can.
+    """
+    columns = list(_columns(table))
+    times = [one for one in columns if one.channel == "t" and one.rises]
+    times = times or sorted((one for one in columns if not one.channel and one.rises), key=_unevenness)[:1]
+    moving = [one for one in columns if one not in times and one.channel != "t"]
+    if not timed:
+        return [list(_readings([one for one in columns if one.channel != "t"], None))]
+    clocks = {one.mark: one for one in sorted(times, key=lambda one: one.told)}
+    own = [mark for mark in dict.fromkeys(one.mark for one in times) if any(one.mark == mark for one in moving)]
+    if len(own) < max(len(clocks), 2):
+        return [list(_readings(moving, max(times, key=lambda one: one.told)))] if times else []
+    return [list(_readings([one for one in moving if one.mark == mark], clocks[mark])) for mark in own]
+
+
+def _unevenness(one: Column) -> float:
+    steps = np.diff(one.values[np.isfinite(one.values)])
+    return round(float(np.std(steps) / max(np.mean(steps), np.finfo(float).tiny)), 2)
+
+
+def _readings(columns: Sequence[Column], t: Column | None) -> Iterator[Reading]:
+    moving = [one for one in (columns if t is None else _with_speeds(columns, t)) if one.channel != "count"]
+    clock = [] if t is None else [t.as_channel("t")]
+    for leading, clear in _leading(moving):
+        channel = leading.channel or "x"
+        beside = {channel: leading}
+        for other in CHANNELS[1:]:
+            found = None if other in beside else _beside(leading, other, moving, t)
+            beside |= {} if found is None else {other: found}
+        whole = ",".join([*clock, *(beside[c].as_channel(c) for c in CHANNELS if c in beside)])
+        yield Reading(whole, clear)
+        alone = ",".join([*clock, leading.as_channel(channel)])
+        if alone != whole:
+            yield Reading(alone, False)
+
+
+def _leading(moving: Sequence[Column]) -> Iterator[tuple[Column, bool]]:
+    """Columns of the motion to begin with, and whether each is the one that is meant.
+
+    Position goes before speed before acceleration before what says nothing; among those of one channel what is told
+    better, then what moves more.
+    """
+    none = True
+    for channel in ("x", "v", "a", ""):
+        those = sorted((one for one in moving if one.channel == channel), key=lambda one: -one.told)
+        first = [one for one in those if one.told == those[0].told]
+        most = max(first, key=lambda one: one.spread, default=None)
+        others = [one for one in first if one is not most]
+        alike = [
+            one
+            for one in others
+            if most and (most.spread <= _MARGIN * one.spread or one.unit != most.unit or not channel)
+        ]
+        if not alike and most is not None:
+            those.remove(most)
+            those.insert(0, most)
+        for one in those:
+            yield one, none and not alike and one is most and one.told > _SCALED
+        none = none and not those
+
+
+def _beside(leading: Column, channel: str, moving: Sequence[Column], t: Column | None) -> Column | None:
+    """The column of another channel that belongs to a motion, of its mark and its kind of unit; None where several may.
+
+    A speed without a unit that is the slope as the numbers stand has the unit of the position.
+    """
+    those = [one for one in moving if one.channel == channel and one.mark == leading.mark and one.told > _SCALED]
+    those = [one for one in those if None in (one.angular, leading.angular) or one.angular == leading.angular]
+    if len(those) > 1 and leading.axis:
+        those = [one for one in those if one.axis == leading.axis]
+    if channel == "v" and t is not None:
+        slopes = [one for one in those if _follows(t, leading, one)]
+        those = slopes or those
+        if len(those) == 1 and leading.unit and not those[0].unit and _follows(t, leading, those[0], _GAIN):
+            return replace(those[0], unit=f"{leading.unit}/s", given=True)
+    return those[0] if len(those) == 1 else None
+
+
+def _with_speeds(columns: Sequence[Column], t: Column) -> list[Column]:
+    """The columns; one of an unknown channel that is the slope of another, or follows that of a count, is a speed."""
+    found = list(columns)
+    unknown = [i for i, one in enumerate(found) if not one.channel][:_MOST_SPEEDS]
+    bases = [i for i, one in enumerate(found) if one.channel in ("", "x", "count")][:_MOST_SPEEDS]
+    for j in bases:
+        base = found[j]
+        for i in unknown:
+            gain = None if base.channel == "count" else _GAIN
+            if (
+                i != j
+                and not found[i].channel
+                and base.channel in ("", "x", "count")
+                and _follows(t, base, found[i], gain)
+            ):
+                found[i] = replace(found[i], channel="v")
+                found[j] = base if base.channel else replace(base, channel="x")
+    return found
+
+
+def _follows(t: Column, x: Column, other: Column, gain: float | None = None) -> bool:
+    """Whether a column follows the slope of another over time; with ``gain``, whether it is that but for so much."""
+    some = slice(None, _MOST_SAMPLES)
+    with np.errstate(all="ignore"):
+        slope = np.gradient(x.values[some], t.values[some] * SCALES.get(t.unit, 1.0))
+    both = np.isfinite(slope) & np.isfinite(other.values[some])
+    s, y = slope[both], other.values[some][both]
+    power = float(s @ s)
+    if s.size < 2 or power == 0.0 or np.ptp(y) == 0.0 or np.ptp(s) == 0.0:
+        return False
+    near = gain is None or abs(float(s @ y) / power - 1.0) < gain
+    return near and float(np.corrcoef(s, y)[0, 1]) > _FOLLOWS
+
+
+def _columns(table: Table) -> Iterator[Column]:
+    for i in range(min(len(table.names), _MOST_COLUMNS)):
+        header = table.headers[i]
+        if is_commanded(header) or _NO_SIGN.search(header):
+            continue
+        try:
+            values = table.read([i])[0]
+        except InputError:
+            continue
+        known = np.flatnonzero(np.isfinite(values))
+        told = values[known]
+        if told.size < max(_HALF * (known[-1] + 1 if known.size else 0), 2) or np.all(told == told[0]):
+            continue
+        mark, name = marked(table.names[i])
+        channel, by, unit = _by_name(name, table.units.get(i))
+        steps = np.diff(told)
+        if _is_count(header, told, steps):
+            channel = "count"
+        rises = float(np.mean(steps > 0.0)) >= _RISES or (channel == "t" and float(np.mean(steps >= 0.0)) >= _RISES)
+        if channel in ("", "t") and rises and not unit:
+            unit = clock_unit(told)
+        if channel == "x" and not unit and name.strip().lower() in ANGLES:
+            unit = "deg" if float(np.ptp(told)) > _TURN and bool(np.any(np.diff(np.sign(told)))) else "rad"
+        if channel != "other":
+            given = unit != table.units.get(i)
+            yield Column(i, table.quoted(i), name, channel, by, unit, given, mark, rises, values)
+
+
+def _by_name(name: str, unit: str | None) -> tuple[str, int, str]:
+    """The channel of a column, what tells it, and the unit; "other" for what is none, "" where nothing is said."""
+    means = meaning(name)
+    named = means.channel if means is not None else word_of(name)
+    if unit is not None and not _RAW.match(unit):
+        fits = [c for c in CHANNELS if is_unit_of(c, unit)]
+        return (named if named in fits else fits[0] if fits else "other"), _UNIT, unit
+    if unit is not None:
+        return (named if named in _SI else ""), _SCALED, _SI.get(named, "m")
+    if means is not None:
+        return named, _UNIT if means.unit else _NAME, means.unit or ""
+    ending = unit_ending(name, named)
+    return (ending[0], _UNIT, ending[1]) if ending else (named, _NAME if named else _NUMBERS, "")
+
+
+def _is_count(header: str, told: FloatArray, steps: FloatArray) -> bool:
+    """Whether a column numbers its rows."""
+    whole = bool(np.all(told == np.round(told)))
+    named = bool(_COUNTS & set(re.split(r"[^a-z]+", header.lower())))
+    return whole and (bool(np.all((steps == 0.0) | (steps == 1.0))) or (named and bool(np.all(steps >= 0.0))))
