@@ -17,6 +17,8 @@ _TWOFOLD = re.compile(rf"\b({'|'.join(_ONE_OF)})s?\b", re.IGNORECASE)
 _PLAIN = re.compile(r"^[\w\s*/^().%°²³⁻¹·-]{1,60}$")
 _LARGE_EXPONENT = re.compile(r"(?:\*\*|\^)[\s(+-]*(?:\d{2,}|[^\d\s])|\*\*[^*]*\*\*|\^[^^]*\^")
 
+_LONGEST = 200
+"""Characters of a header in which a unit is looked for behind the name."""
 _BEHIND = re.compile(
     r"^(?P<name>[^\[(]*[^\[(\s])\s*[\[(](?P<unit>[^\[\]()\d][^\[\]()]*)[\])]\s*(?P<tail>[^\[\]()]*\d)$"
 )
@@ -83,9 +85,10 @@ def split_header(header: str) -> tuple[str, str | None]:
     belongs to the name; ``w / rad``, ``Weg in mm`` and ``t, ms`` are of the same kind.
     """
     text = header.strip()
-    if behind := _BEHIND.match(text):
+    short = text if len(text) <= _LONGEST else ""
+    if behind := _BEHIND.match(short):
         return f"{behind['name']} {behind['tail']}", behind["unit"].strip()
-    if (bare := _BARE.match(text)) and bare["unit"] in _USUAL:
+    if (bare := _BARE.match(short)) and bare["unit"] in _USUAL:
         return bare["name"], bare["unit"]
     for opening, closing in ("[]", "()"):
         name, bracket, unit = text[:-1].rpartition(opening)
