@@ -237,6 +237,15 @@ def test_an_effect_is_named_with_its_numbers_in_its_joint_alone(name: str) -> No
         assert str(value) in told.statement or name == BACKLASH
 
 
+@pytest.mark.parametrize("name", [PRESLIDING, BACKLASH])
+def test_a_turn_within_a_coarse_encoders_steps_is_no_rest(name: str) -> None:
+    """At its slowest a joint stays for a while within two steps of 0.4 mrad, as far as its acceleration says."""
+    plant, motion = machine()
+    coarse = with_effect(replace(plant, counts=2**14), JOINT, CASES[name][0])
+    found = whole_arm(log_of(coarse, motion), arm(), lowpass=LOWPASS)
+    assert (name, f"joint{JOINT + 1}") in found.named
+
+
 def test_load_and_position_of_one_gravity_joint_are_a_pair() -> None:
     """Alone in its plane, a joint's load is a function of its position: neither can be named without the other."""
     plant, motion = machine()

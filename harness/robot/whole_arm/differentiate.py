@@ -10,7 +10,7 @@ from harness.core.arrays import BoolArray, FloatArray
 from harness.core.errors import InputError
 from harness.core.robot.joint_log import JointLog
 from harness.robot.arm import Arm
-from harness.robot.smooth import Band, rests, white_sd
+from harness.robot.smooth import Band, rests, turning, white_sd
 from harness.robot.whole_arm.rules import EITHER_WAY, GUARD, LEAST_SAMPLES, RESTING, STICKS, SURE
 
 LEAST_SECONDS = 3.0
@@ -27,6 +27,8 @@ _OFF, _STEPPED = 0.1, 0.9
 """Of a step: nearer to a whole multiple, more than this share of changes are an encoder's."""
 _NOISES = 3.0
 """Standard deviations of a position that scatters about one place."""
+_OWN = 0.5
+"""Share by which what a joint's accelerations before and after say of its turn may be wrong."""
 _COLUMNS, _FIT = 9.0, 3.0
 """Samples a second at which columns are formed and at which torque is fitted, in f_lowpass."""
 
@@ -40,8 +42,8 @@ class Filtered:
     (M, nv), from which columns are formed. out : band of the m samples before the ends were cut. velocity_noise (k,) :
     standard deviation of v. position_step (k,) : rad, the encoder's. torque_noise (k,) : what white noise of the
     recorded torque leaves after the filter, N m. rests : by joint, (r, 2), s, from when to when it stayed within its
-    encoder's steps and noise for longer than a reversal takes (rule sticks). seconds : of the log. notes : what was
-    done, one sentence each.
+    encoder's steps and noise for longer (rule sticks) than its acceleration takes to turn it. seconds : of the log.
+    notes : what was done, one sentence each.
     """
 
     joints: tuple[str, ...]
@@ -157,8 +159,11 @@ def differentiate(
         level = max(2.0 * noise**2 / rate, quantum**2 / 12.0 * 2.0 / rate)
         quanta.append(quantum)
         speeds.append(math.sqrt(level * (2 * math.pi) ** 2 * cut**3 / 3.0))
-        width = max(int(STICKS.value / cut / (even[1] - even[0])), 1)
-        still.append(even[np.column_stack(rests(q[:, i], 2.0 * max(quantum, _NOISES * noise), width + 1))])
+        within, width = 2.0 * max(quantum, _NOISES * noise), max(int(STICKS.value / cut * rate), 1)
+        first, last = rests(q[:, i], within, width + 1)
+        turn = turning(q[:, i], within, first, last, max(int(GUARD.value / cut * rate), 1))
+        longer = last - first > turn + np.maximum(0.5 * width, _OWN * turn)
+        still.append(even[np.column_stack((first, last))[longer]])
     position, speed, acceleration = (y[kept] for y in band.filtered(q, out, 2))
     q_fine, v_fine = band.filtered(q, fine, 1)
     moved = band.filtered(torque, out, late=late)[0][kept]
