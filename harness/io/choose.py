@@ -75,7 +75,7 @@ def _by_names(table: Table, rate: float | None) -> Chosen | None:
     if any(len(positions) > 1 for positions in found.values()):
         return None
     x = found.get("x", [0])[0]
-    if x not in table.units and table.names[x].strip().lower() in ANGLES:
+    if not table.own or (x not in table.units and table.names[x].strip().lower() in ANGLES):
         return None
     if not set(found) & {"x", "v", "a"} or ("t" not in found and rate is None):
         return None

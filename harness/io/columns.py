@@ -52,7 +52,8 @@ _SHORT = 4
 _MARK = re.compile(r"^(?P<mark>[^:]{1,60}):\s*(?P<name>\S.*)$")
 _DIGITS = re.compile(r"(?<!_s)\d+")
 _RUN = re.compile(
-    r"[\s,_-]*\b(?:run|trial|series|serie|set|lauf|versuch|messung|essai|prova|ensayo)?\s*#?\s*$", re.IGNORECASE
+    r"[\s,_-]*\(?\b(?:run|trial|series|serie|set|lauf|versuch|messung|essai|prova|ensayo)[\s_]*#?\s*(\d+)\)?\s*$",
+    re.IGNORECASE,
 )
 _SHELLS = frozenset("'\"$`\\!")
 """Signs that would not come through quotes as they are."""
@@ -107,11 +108,13 @@ def word_of(name: str) -> str:
 
 def marked(name: str) -> tuple[tuple[str, ...], str]:
     """What a run or a joint shares ("Run 1: Time", "Position #2", "theta1"), and the name without it."""
-    found = _MARK.match(name)
+    found, run = _MARK.match(name), _RUN.search(name)
     if found is not None:
         return (found["mark"],), found["name"]
+    if run is not None:
+        return (run[1],), name[: run.start()]
     digits = tuple(_DIGITS.findall(name))
-    return digits, _RUN.sub("", _DIGITS.sub("", name)).rstrip(" ._") if digits else name
+    return digits, _DIGITS.sub("", name).rstrip(" ._#") if digits else name
 
 
 def unit_ending(name: str, channel: str = "") -> tuple[str, str] | None:

@@ -3,7 +3,7 @@
 import hashlib
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from pathlib import Path
 from typing import Any
 
@@ -15,6 +15,7 @@ from harness.core.bounded import MOST_BYTES, check_file, check_size
 from harness.core.errors import InputError
 from harness.core.recording import CHANNELS, LARGEST, LONGEST_TIME, MINIMUM_SAMPLES, Recording
 from harness.io.choose import chosen, products, quoted_of, said
+from harness.io.columns import parse_columns
 from harness.io.options import ReadOptions, RefusedError, tried
 from harness.io.registry import BAGS, formats, kind_of, reader_of
 from harness.io.table import Table
@@ -221,12 +222,13 @@ def _read_or_propose(path: Path, digest: str, options: ReadOptions) -> Recording
 
 def _read(path: Path, digest: str, options: ReadOptions) -> Recording:
     table = _open(path, options)
+    options, step = _with_own_rate(table, options)
     choice = chosen(table, options)
     mappings, guessed = choice.mappings, choice.guessed
     read = products(table, mappings)
     dated = counted_from(table, mappings)
     notes: list[str | None] = [said(table, mappings, {c: unit for c, (_, unit) in read.items()}, guessed)]
-    notes += choice.notes
+    notes += [*choice.notes, step]
     for channel in sorted(guessed & {"v", "a", "u"}):
         if len(read) > 2 and _still(read[channel][0]):
             del read[channel]
@@ -285,6 +287,13 @@ def _read(path: Path, digest: str, options: ReadOptions) -> Recording:
         columns={c: quoted_of(table, mappings[c], unit) for c, (_, unit) in read.items()},
         mended=tuple(filter(None, mended)),
     )
+
+
+def _with_own_rate(table: Table, options: ReadOptions) -> tuple[ReadOptions, str | None]:
+    """The options, with the rate of a file that says its step in place of times, and the sentence that says so."""
+    if table.rate is None or options.rate is not None or "t" in parse_columns(options.columns or "x=#1"):
+        return options, None
+    return replace(options, rate=table.rate), f"The file says the step between its samples: {1.0 / table.rate:.6g} s."
 
 
 def _stamped(stamps: FloatArray, unit: Unit, rows: IntArray, dated: str | None) -> tuple[FloatArray, list[str | None]]:

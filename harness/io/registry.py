@@ -1,6 +1,8 @@
-"""Formats by the suffix of a file: those of harness.io.readers, then those that other packages register.
+"""Formats by the suffix of a file, and layouts of text: those of harness.io.readers and harness.io.layouts, then those
+that other packages register.
 
-A package adds one by an entry point of group ``harness.readers`` whose value is the Reader ("package.module:READER").
+A package adds one by an entry point of group ``harness.readers`` whose value is the Reader ("package.module:READER"),
+or of group ``harness.layouts``, the Layout.
 """
 
 import pkgutil
@@ -8,27 +10,41 @@ from collections.abc import Mapping
 from functools import cache
 from importlib import import_module
 from pathlib import Path
+from types import ModuleType
+from typing import TypeVar
 
 from harness.core.errors import InputError
 from harness.core.registered import registered
-from harness.io import readers
+from harness.io import layouts, readers
+from harness.io.layout import Layout
 from harness.io.reader import Reader
 
-GROUP = "harness.readers"
+K = TypeVar("K")
+GROUP, LAYOUTS = "harness.readers", "harness.layouts"
 OURS = ".rrd"
 """Our own traces, read by another room."""
 BAGS = (".bag", ".db3", ".mcap")
 """Of robots: what is in them hangs on a robot's model, so that they are read as logs."""
 
 
+def _own(folder: ModuleType, kind: type[K]) -> list[K]:
+    """What the files of a folder make of this kind."""
+    files = [import_module(f"{folder.__name__}.{found.name}") for found in pkgutil.iter_modules(folder.__path__)]
+    return [one for file in files for one in vars(file).values() if isinstance(one, kind)]
+
+
+@cache
+def all_layouts() -> tuple[Layout, ...]:
+    """Every layout of text."""
+    return (*_own(layouts, Layout), *(one for _, one in registered(LAYOUTS, Layout, "layout")))
+
+
 @cache
 def by_suffix() -> Mapping[str, Reader]:
     """Every reader by each of its suffixes. Raises InputError for a suffix that is taken."""
-    files = [import_module(f"{readers.__name__}.{found.name}") for found in pkgutil.iter_modules(readers.__path__)]
-    own = (one for file in files for one in vars(file).values() if isinstance(one, Reader))
     found: dict[str, Reader] = {}
     for reader in (
-        *sorted(own, key=lambda r: (not r.text, r.name)),
+        *sorted(_own(readers, Reader), key=lambda r: (not r.text, r.name)),
         *(r for _, r in registered(GROUP, Reader, "reader")),
     ):
         for suffix in reader.suffixes:

@@ -99,6 +99,9 @@ def runs_of(table: Table, timed: bool = True) -> list[list[Reading]]:
     timed : whether a column must give the time; there is no run where none can.
     """
     columns = list(_columns(table))
+    if any(one.name.strip() == "x" for one in columns):  # then what is called y is another axis of it
+        axes = [one.name.strip() in ("y", "z") and not one.channel for one in columns]
+        columns = [replace(one, channel="x", told=_NAME) if y else one for one, y in zip(columns, axes, strict=True)]
     times = [one for one in columns if one.channel == "t" and one.rises]
     times = times or sorted((one for one in columns if not one.channel and one.rises), key=_unevenness)[:1]
     moving = [one for one in columns if one not in times and one.channel != "t"]

@@ -21,7 +21,8 @@ class Table(ABC):
     path : the file. names : of the columns in order, units split off, "" where a column has no name.
     units : unit text of columns whose header carries one, by position. headers : as they stand in the file.
     dated : of columns read that are dates or times of day, by position: the first, from which they are counted in s.
-    mended : what was left out of the file so that it could be read, one sentence each.
+    mended : what was left out of the file so that it could be read, one sentence each. rate : Hz, where the file says
+    its step and holds no times. own : whether columns called x, v, a are what this program calls so.
     """
 
     def __init__(
@@ -31,6 +32,8 @@ class Table(ABC):
         self.headers = tuple(names if headers is None else headers)
         self.dated: dict[int, str] = {}
         self.mended: list[str] = []
+        self.rate: float | None = None
+        self.own = True
 
     @abstractmethod
     def read(self, positions: Sequence[int]) -> list[FloatArray]:

@@ -14,6 +14,7 @@ from harness.core.arrays import FloatArray
 from harness.core.bounded import read_bytes, unpacked
 from harness.core.errors import InputError
 from harness.io.columns import candidates
+from harness.io.layout import Head, separator_of
 from harness.io.reader import Reader
 from harness.io.table import Table
 from harness.io.times import Clock
@@ -33,9 +34,8 @@ _MOST_ODD = 0.05
 """Lines of another width that are left out, for each row before them."""
 _COMMENT = ("#", "%")
 _BRACKETS = re.compile(r"^[\[(]\s*([^\[\]()]*?)\s*[\])]$")
-_DECIMAL_COMMA = re.compile(r"^[+-]?\d+,\d+([eE][+-]?\d+)?$")
 _FORTRAN = re.compile(r"^([+-]?\d*\.?\d+|[+-]?\d+\.)[dD]([+-]?\d{1,3})$")
-_MISSING = ("na", "n/a", "null", "none")
+_MISSING = ("na", "n/a", "null", "none", "\N{INFINITY}", "-\N{INFINITY}")
 """What loggers write for no value, besides nothing and nan."""
 
 
@@ -76,20 +76,12 @@ def _cells(where: str, line: str, separator: str) -> list[str]:
         raise InputError(where, f"unreadable ({error})", accepted) from None
 
 
-def _separator(lines: Sequence[str]) -> tuple[str, str]:
-    """The separator and decimal mark of these lines."""
-    last = lines[-1]
-    text = any(character.isalpha() for character in lines[0])
-    if "," not in lines[0] and text and all(map(_DECIMAL_COMMA.match, lines[1:])):
-        # one name above each pair of digits: a single column
-        return ";", ","
-    for separator in (";", "\t", ","):
-        if separator in last:
-            comma_decimal = separator != "," and "," in last and "." not in last
-            return separator, "," if comma_decimal else "."
-    # a single column's name may have blanks
-    single = len(last.split()) == 1 and not any("," in line for line in lines)
-    return ";" if single else "", "."
+def _known(data: bytes | bytearray) -> Head | None:
+    """The table of a text that one of the layouts knows; None where none does."""
+    from harness.io.registry import all_layouts
+
+    lines = [_decode(line).rstrip("\r") for line in bytes(data[:_HEAD]).split(b"\n")[:_LOOKED]]
+    return next((head for layout in all_layouts() if (head := layout.find(lines)) is not None), None)
 
 
 def _layout(path: Path, data: bytes | bytearray, skip_rows: int) -> tuple[_Layout, str | None]:
@@ -113,7 +105,7 @@ def _layout(path: Path, data: bytes | bytearray, skip_rows: int) -> tuple[_Layou
     body = [entry for entry in shown if not entry[2].startswith(_COMMENT)]
     if not body:
         raise InputError(str(path), "no rows", "a header and at least 50 rows are accepted")
-    separator, decimal = _separator([text for _, _, text in body[:_LOOKED]])
+    separator, decimal = separator_of([text for _, _, text in body[:_LOOKED]])
     above = _preamble(path, [(n, text) for n, _, text in body[:_LOOKED]], separator, decimal)
     passed = f"Lines {body[0][0]} to {body[above - 1][0]}, above the table, are passed over." if above else None
     body = body[above:]
@@ -234,11 +226,24 @@ class TextTable(Table):
 
     def __init__(self, path: Path, skip_rows: int = 0) -> None:
         self._data = _bytes(path)
-        self._layout, passed = _layout(path, self._data, skip_rows)
+        head = None if skip_rows else _known(self._data)
+        if head is not None and head.plain is not None:
+            self._data = "\n".join(map(head.plain, _decode(self._data).split("\n"))).encode()
+        if head is None or head.first is None:
+            self._layout, passed = _layout(path, self._data, skip_rows)
+        else:
+            above = self._data[: 2 * _HEAD].split(b"\n")
+            offset = sum(len(line) + 1 for line in above[: head.first])
+            more = len(_cells(str(path), _decode(above[head.first]).strip(" \r"), head.separator)) - len(head.fields)
+            fields = (*head.fields, *[""] * more)
+            self._layout = _Layout(head.separator, head.decimal, fields, offset, head.first + 1, head.units)
+            passed = None
         names, units = split_headers(self._layout.fields)
         units |= {i: unit for i, unit in enumerate(self._layout.units) if unit}
         super().__init__(path, names, units, self._layout.fields)
         self.mended += [passed] if passed else []
+        if head is not None:
+            self.rate, self.own = head.rate, head.own
 
     def read(self, positions: Sequence[int]) -> list[FloatArray]:
         """See Table."""
@@ -336,7 +341,7 @@ class TextTable(Table):
 
 TEXT = Reader(
     name="text tables, also gzipped",
-    suffixes=(".csv", ".txt", ".dat", ".tsv", ".asc", ".tab"),
+    suffixes=(".csv", ".txt", ".dat", ".tsv", ".asc", ".tab", ".lvm", ".log", ".prn"),
     open=TextTable,
     text=True,
 )

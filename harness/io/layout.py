@@ -1,0 +1,59 @@
+"""What is known of how a program lays out a table in text; a file in harness/io/layouts makes one."""
+
+import re
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+DECIMAL_COMMA = re.compile(r"^[+-]?\d+,\d+([eE][+-]?\d+)?$")
+NUMBER = re.compile(r"^[+-]?(?:\d+(?:[.,]\d*)?|[.,]\d+)(?:[eE][+-]?\d+)?$|^nan$", re.IGNORECASE)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Head:
+    """Where a table stands in a text.
+
+    first : index of its first row among the lines; None where it is to be looked for. fields, units : of its columns, a
+    unit "" where none is said. separator : "" for runs of blanks. decimal : mark. rate : Hz, where the file says its
+    step and gives no time. own : whether x, v, a may be taken for this program's names. plain : what each line is to
+    be replaced by first.
+    """
+
+    first: int | None = None
+    fields: tuple[str, ...] = ()
+    units: tuple[str, ...] = ()
+    separator: str = "\t"
+    decimal: str = "."
+    rate: float | None = None
+    own: bool = True
+    plain: Callable[[str], str] | None = None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Layout:
+    """How a program lays out a table. name : as messages say it. find : the table in the first lines, None where they
+    are none of it; it must bear whatever stands in them.
+    """
+
+    name: str
+    find: Callable[[Sequence[str]], Head | None]
+
+
+def separator_of(lines: Sequence[str]) -> tuple[str, str]:
+    """The separator and decimal mark of lines, the last of which is a row."""
+    last = lines[-1]
+    text = any(character.isalpha() for character in lines[0])
+    if "," not in lines[0] and text and all(map(DECIMAL_COMMA.match, lines[1:])):
+        # one name above each pair of digits: a single column
+        return ";", ","
+    for separator in (";", "\t", ","):
+        if separator in last:
+            comma_decimal = separator != "," and "," in last and "." not in last
+            return separator, "," if comma_decimal else "."
+    # a single column's name may have blanks
+    single = len(last.split()) == 1 and not any("," in line for line in lines)
+    return ";" if single else "", "."
+
+
+def is_row(cells: Sequence[str]) -> bool:
+    """Whether these are numbers, or empty, and not all of them empty."""
+    return any(cell.strip() for cell in cells) and all(not c.strip() or NUMBER.match(c.strip()) for c in cells)

@@ -1,0 +1,20 @@
+"""ODrive's logs: positions in turns, speeds in turns a second, currents in A, of several axes beside each other."""
+
+import re
+from collections.abc import Sequence
+
+from harness.io.layout import Head, Layout
+
+_OURS = re.compile(r"odrive|axis\d\.|encoder\.(?:pos|vel)_estimate|\b(?:pos|vel)_estimate\b", re.IGNORECASE)
+_UNITS = (("pos", "turn"), ("vel", "turn/s"), ("current", "A"), ("iq", "A"), ("torque", "N*m"))
+
+
+def _find(lines: Sequence[str]) -> Head | None:
+    fields = [cell.strip().strip('"') for cell in lines[0].split(",")] if lines else []
+    if len(fields) < 2 or not all(_OURS.search(field) for field in fields[1:]):
+        return None
+    units = [next((unit for word, unit in _UNITS if word in field.lower()), "") for field in fields[1:]]
+    return Head(first=1, fields=tuple(fields), units=("s", *units), separator=",")
+
+
+LAYOUT = Layout(name="ODrive", find=_find)

@@ -1,0 +1,282 @@
+"""Recordings of one motion as other programs write them, with their traps; what should be read stands beside each.
+
+Each writer gets a folder, the motion and a generator, and gives the file and what is wanted of it, in SI.
+"""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+Wanted = Mapping[str, np.ndarray]
+
+
+@dataclass(frozen=True)
+class Motion:
+    """A free decay: t (n,), s; x, v, a in m or rad and their derivatives; all of them as written to so many digits."""
+
+    t: np.ndarray
+    x: np.ndarray
+    v: np.ndarray
+    a: np.ndarray
+
+
+def drawn(rng: np.random.Generator) -> Motion:
+    """A decay of some ten cycles, at rest before it is let go."""
+    n, rate = int(rng.integers(500, 900)), float(rng.choice([50.0, 100.0, 200.0]))
+    t = np.arange(n) / rate
+    w, zeta, x0 = 2.0 * np.pi * 10.0 / t[-1], rng.uniform(0.005, 0.03), rng.uniform(0.05, 0.4)
+    pole = complex(-zeta, np.sqrt(1.0 - zeta**2)) * w
+    z = x0 * np.exp(pole * t)
+    return Motion(t, z.real, (pole * z).real, (pole * pole * z).real)
+
+
+def lines(path: Path, *text: str, end: str = "\n") -> Path:
+    path.write_text(end.join(text) + end, encoding="utf-8")
+    return path
+
+
+def rows(separator: str, *columns: np.ndarray, digits: str = "%.6f", comma: bool = False) -> list[str]:
+    """Numbers as text; nan is left blank."""
+    table = np.stack(columns, axis=1)
+    said = [["" if np.isnan(v) else digits % v for v in row] for row in table]
+    return [separator.join(cell.replace(".", ",") if comma else cell for cell in row) for row in said]
+
+
+def _axes(m: np.ndarray, rng: np.random.Generator) -> list[np.ndarray]:
+    """Three axes of a sensor, of which one sees the motion."""
+    noise = 0.02 * np.std(m) * rng.standard_normal((3, m.size))
+    noise[1] += m
+    return [*noise, np.sqrt(np.sum(noise**2, axis=0))]
+
+
+def phyphox_gyroscope(folder: Path, m: Motion, rng: np.random.Generator) -> tuple[Path, Wanted]:
+    names = [*(f"Gyroscope {c} (rad/s)" for c in "xyz"), "Absolute (rad/s)"]
+    axes = _axes(m.v, rng)
+    head = ",".join(f'"{name}"' for name in ["Time (s)", *names])
+    return lines(folder / "Raw Data.csv", head, *rows(",", m.t, *axes, digits="%.9E")), {"t": m.t, "v": axes[1]}
+
+
+def phyphox_german(folder: Path, m: Motion, rng: np.random.Generator) -> tuple[Path, Wanted]:
+    names = [f"Lineare Beschleunigung {c} (m/s^2)" for c in "xyz"]
+    axes = _axes(m.a, rng)
+    head = ";".join(f'"{name}"' for name in ["Zeit (s)", *names, "Absolute Beschleunigung (m/s^2)"])
+    body = rows(";", m.t, *axes, digits="%.9E", comma=True)
+    return lines(folder / "Rohdaten.csv", head, *body), {"t": m.t, "a": axes[1]}
+
+
+def _runs(m: Motion, rng: np.random.Generator, count: int = 3) -> list[Motion]:
+    """Repetitions, the first the longest."""
+    sizes = [m.t.size, *(int(m.t.size * rng.uniform(0.6, 0.95)) for _ in range(count - 1))]
+    found: list[Motion] = []
+    for size in sizes:
+        k = 1.0 if not found else rng.uniform(0.7, 1.2)
+        parts = [
+            np.pad(y[:size].astype(float), (0, m.t.size - size), constant_values=np.nan) for y in (m.t, m.x, m.v, m.a)
+        ]
+        found.append(Motion(parts[0], k * parts[1], k * parts[2], k * parts[3]))
+    return found
+
+
+def vernier_runs(folder: Path, m: Motion, rng: np.random.Generator) -> tuple[Path, Wanted]:
+    runs = _runs(m, rng)
+    head = ",".join(f"Run {k}: Time (s),Run {k}: Position (m)" for k in range(1, 4))
+    body = rows(",", *(y for run in runs for y in (run.t, run.x)))
+    return lines(folder / "all.csv", head, *body), {"t": m.t, "x": m.x}
+
+
+def graphical_analysis(folder: Path, m: Motion, rng: np.random.Generator) -> tuple[Path, Wanted]:
+    runs = _runs(m, rng, 2)
+    head = ",".join(
+        f"Data Set {k}:Time(s),Data Set {k}:Angle(rad),Data Set {k}:Angular Velocity(rad/s)" for k in (1, 2)
+    )
+    body = rows(",", *(y for run in runs for y in (run.t, run.x, run.v)))
+    return lines(folder / "ga.csv", head, *body), {"t": m.t, "x": m.x, "v": m.v}
+
+
+def logger_pro_latest(folder: Path, m: Motion, rng: np.random.Generator) -> tuple[Path, Wanted]:
+    head = "Latest: Time (s),Latest: Position (m),Latest: Velocity (m/s),Latest: Acceleration (m/s²)"
+    return lines(folder / "latest.csv", head, *rows(",", m.t, m.x, m.v, m.a)), {"t": m.t, "x": m.x, "v": m.v, "a": m.a}
+
+
+def logger_pro_text(folder: Path, m: Motion, rng: np.random.Generator) -> tuple[Path, Wanted]:
+    head = ["Vernier Format 2", "pendulum.cmbl 3/14/2023 15:09:26 .", "Run 1", "Time\tPosition\tVelocity", "T\tX\tV"]
+    body = [line + "\t" for line in rows("\t", m.t, 100.0 * m.x, 100.0 * m.v)]
+    return lines(folder / "run.txt", *head, "s\tcm\tcm/s", "", *body, end="\r\n"), {"t": m.t, "x": m.x, "v": m.v}
+
+
+def capstone(folder: Path, m: Motion, rng: np.random.Generator) -> tuple[Path, Wanted]:
+    runs = _runs(m, rng, 2)
+    names = ("Time (s)", "Angle, Ch P1 (rad)", "Angular Velocity, Ch P1 (rad/s)")
+    head = ",".join(f'"{name} Run #{k}"' for k in (1, 2) for name in names)
+    body = rows(",", *(y for run in runs for y in (run.t, run.x, run.v)), digits="%.5f")
+    return lines(folder / "capstone.csv", head, *body), {"t": m.t, "x": m.x, "v": m.v}
+
+
+def arduino_banner(folder: Path, m: Motion, rng: np.random.Generator) -> tuple[Path, Wanted]:
+    counts, start = np.round(512.0 + 1000.0 * m.x), int(rng.integers(900, 5000))
+    body = rows(",", np.round(1e3 * m.t) + start, counts, digits="%d")
+    path = lines(folder / "serial.log", "v1.3.2", "HX711 ready", "millis,adc", *body)
+    path.write_text(path.read_text() + body[-1][: len(body[-1]) // 2])
+    return path, {"t": m.t + start / 1e3, "x": counts}
+
+
+def arduino_monitor(folder: Path, m: Motion, rng: np.random.Generator) -> tuple[Path, Wanted]:
+    said = [
+        f"14:{3 + int((11 + t) // 60):02d}:{(11 + t) % 60:06.3f} -> {1e3 * x:.2f}"
+        for t, x in zip(m.t, m.x, strict=True)
+    ]
+    return lines(folder / "monitor.txt", *said), {"t": m.t, "x": np.round(1e3 * m.x, 2)}
+
+
+def arduino_plotter(folder: Path, m: Motion, rng: np.random.Generator) -> tuple[Path, Wanted]:
+    said = [f"t_ms:{1e3 * t:.0f} pos_mm:{1e3 * x:.3f}" for t, x in zip(m.t, m.x, strict=True)]
+    return lines(folder / "plotter.txt", *said), {"t": m.t, "x": m.x}
+
+
+def _lvm(m: Motion, times: bool, comma: bool, labels: tuple[str, str]) -> list[str]:
+    step = f"{m.t[1]:.6f}"
+
+    def two(word: str) -> str:
+        return f"{word}\t{word}"
+
+    zero = "0.0000000000000000E+0"
+    head = ["LabVIEW Measurement\t", "Writer_Version\t2", "Reader_Version\t2", "Separator\tTab"]
+    head += [
+        f"Decimal_Separator\t{',' if comma else '.'}",
+        "Multi_Headings\tNo",
+        f"X_Columns\t{'One' if times else 'No'}",
+    ]
+    head += [
+        "Time_Pref\tRelative",
+        "Operator\tlab",
+        "Date\t2021/03/04",
+        "Time\t10:11:12,1234567",
+        "***End_of_Header***\t",
+        "",
+    ]
+    head += [
+        "Channels\t2\t\t",
+        f"Samples\t{two(str(m.t.size))}\t",
+        f"Date\t{two('2021/03/04')}\t",
+        f"Y_Unit_Label\t{labels[0]}\t{labels[1]}\t",
+    ]
+    head += [
+        f"X_Dimension\t{two('Time')}\t",
+        f"X0\t{two(zero)}\t",
+        f"Delta_X\t{two(step)}\t",
+        "***End_of_Header***\t\t\t",
+    ]
+    head = [line.replace(".", ",") if comma and line.startswith(("X0", "Delta")) else line for line in head]
+    return [*head, "X_Value\tPosition\tAcceleration\tComment"]
+
+
+def labview(folder: Path, m: Motion, rng: np.random.Generator) -> tuple[Path, Wanted]:
+    body = rows("\t", m.t, 1e3 * m.x, m.a)
+    return lines(folder / "a.lvm", *_lvm(m, True, False, ("mm", "m/s^2")), *body), {"t": m.t, "x": m.x, "a": m.a}
+
+
+def labview_by_step(folder: Path, m: Motion, rng: np.random.Generator) -> tuple[Path, Wanted]:
+    body = rows("\t", np.nan * m.t, m.x, m.a, digits="%.7f", comma=True)
+    return lines(folder / "a.txt", *_lvm(m, False, True, ("m", "m/s^2")), *body), {"t": m.t, "x": m.x, "a": m.a}
+
+
+def cassy(folder: Path, m: Motion, rng: np.random.Generator) -> tuple[Path, Wanted]:
+    head = ["\ufeffMIN=0\t-5", "MAX=60\t5", "SCALE=60\t5", "DEC=1\t3", 'DEF="Zeit" t / s\t"Winkel" &a / °']
+    body = rows("\t", m.t, np.rad2deg(m.x), digits="%.7g", comma=True)
+    return lines(folder / "cassy.txt", *head, *body), {"t": m.t, "x": m.x}
+
+
+def tracker(folder: Path, m: Motion, rng: np.random.Generator) -> tuple[Path, Wanted]:
+    """What hangs on a spring moves along y; the zero is that of the picture."""
+    beside = 1e-3 * rng.standard_normal(m.t.size)
+    mark = str(rng.choice(["\t", ","]))
+    body = rows(mark, m.t, 0.213 + beside, m.x - 0.11, digits="%.6E")
+    return lines(folder / "tracker.txt", "mass_A", mark.join("txy"), *body), {"t": m.t, "x": m.x - 0.11}
+
+
+def odrive(folder: Path, m: Motion, rng: np.random.Generator) -> tuple[Path, Wanted]:
+    t = np.cumsum(rng.uniform(0.02, 0.08, m.t.size))
+    names = [f"ODrive {k} {word}" for word in ("Position", "Velocity", "Current") for k in range(4)]
+    none, still = np.full(t.size, np.nan), np.full(t.size, 1.7)
+    columns = [none, still, m.x, none, none, 0.0 * t, m.v, none, none, 0.02 + 0.0 * t, 0.1 * m.a, none]
+    body = [line.replace(",,", ",NaN,").replace(",,", ",NaN,") for line in rows(",", t, *columns)]
+    wanted = {"t": t, "x": 2.0 * np.pi * m.x, "v": 2.0 * np.pi * m.v}
+    return lines(folder / "odrive.csv", ",".join(["time", *names]), *body), wanted
+
+
+def picoscope(folder: Path, m: Motion, rng: np.random.Generator) -> tuple[Path, Wanted]:
+    body = rows(",", 1e3 * m.t, m.a / 9.80665)
+    body[7] = body[7].partition(",")[0] + ",∞"
+    keep = np.arange(m.t.size) != 7
+    return lines(folder / "pico.csv", "Time,Channel A", "(ms),(g)", "", *body), {"t": m.t[keep], "a": m.a[keep]}
+
+
+def mujoco(folder: Path, m: Motion, rng: np.random.Generator) -> tuple[Path, Wanted]:
+    body = rows(",", m.t, m.x, m.v, m.a, digits="%.9g")
+    return lines(folder / "sim.csv", "time,qpos,qvel,qacc", *body), {"t": m.t, "x": m.x, "v": m.v, "a": m.a}
+
+
+def microcontroller(folder: Path, m: Motion, rng: np.random.Generator) -> tuple[Path, Wanted]:
+    """No names, whole ms, one step back."""
+    ms = np.round(1e3 * m.t)
+    at = int(rng.integers(100, 300))
+    ms[at] = ms[at - 1] - 3
+    keep = np.arange(ms.size) != at
+    return lines(folder / "data.txt", *rows("\t", ms, 1e3 * m.x, digits="%.0f")), {
+        "t": ms[keep] / 1e3,
+        "x": np.round(1e3 * m.x)[keep],
+    }
+
+
+def rig(folder: Path, m: Motion, rng: np.random.Generator) -> tuple[Path, Wanted]:
+    """Two lines of text, names, units, comments, duplicates, empty cells, a gap, a trailing line of units."""
+    t = m.t + 0.095 * (m.t > m.t[300])
+    body = rows(",", t, 1e3 * m.x, digits="%.5f")
+    lost = np.isin(np.arange(t.size), [120, 131])
+    body = [line.partition(",")[0] + "," if gone else line for line, gone in zip(body, lost, strict=True)]
+    body[40:40] = ["# belt slipped", body[39], body[39]]
+    text = ["# Rig 4, operator AB", "# sampling 200 Hz", "Time,Displacement", "(s),(mm)", *body, "(s),(mm)"]
+    return lines(folder / "rig.csv", *text), {"t": t[~lost], "x": m.x[~lost]}
+
+
+NAMES = [
+    ("Zeit [s]", "Auslenkung [mm]"), ("temps (s)", "déplacement (mm)"), ("tiempo;s", "posición;mm"),
+    ("tempo /s", "spostamento /mm"), ("tijd in s", "verplaatsing in mm"), ("czas [s]", "położenie [mm]"),
+    ("时间 (s)", "位移 (mm)"), ("время, s", "смещение, mm"), ("tid (s)", "läge (mm)"), ("čas [s]", "poloha [mm]"),
+    ("zaman (s)", "konum (mm)"), ("時間[s]", "変位[mm]"),
+]  # fmt: skip
+
+
+def languages(folder: Path, m: Motion, rng: np.random.Generator) -> tuple[Path, Wanted]:
+    t, x = NAMES[int(rng.integers(len(NAMES)))]
+    head = [f"{t}|{x}".replace(";", "|").replace("|", "\t")] if ";" not in t else [f"{t[:6]}\t{x[:8]}", "s\tmm"]
+    other = 20.0 + 0.01 * rng.standard_normal(m.t.size)
+    head[0] += "\tT"
+    head[1:] = [line + "\t°C" for line in head[1:]]
+    return lines(folder / "a.txt", *head, *rows("\t", m.t, 1e3 * m.x, other)), {"t": m.t, "x": m.x}
+
+
+def water_pendulum(folder: Path, m: Motion, rng: np.random.Generator) -> tuple[Path, Wanted]:
+    """Runs side by side, stamps of three digits, degrees that no name tells."""
+    runs = _runs(m, rng)
+    head = ";".join(f"t{k};theta{k};omega{k}" for k in (1, 2, 3))
+    scale = 40.0 / np.max(m.x)
+    body = rows(";", *(y for run in runs for y in (run.t, scale * run.x, scale * run.v)), digits="%.2E")
+    return lines(folder / "runs.csv", head, *body), {
+        "t": m.t,
+        "x": np.deg2rad(scale * m.x),
+        "v": np.deg2rad(scale * m.v),
+    }
+
+
+Writer = Callable[[Path, Motion, np.random.Generator], tuple[Path, Wanted]]
+WRITERS: dict[str, Writer] = {
+    one.__name__: one
+    for one in (
+        phyphox_gyroscope, phyphox_german, vernier_runs, graphical_analysis, logger_pro_latest, logger_pro_text,
+        capstone, arduino_banner, arduino_monitor, arduino_plotter, labview, labview_by_step, cassy, tracker,
+        odrive, picoscope, mujoco, microcontroller, rig, languages, water_pendulum,
+    )
+}  # fmt: skip
