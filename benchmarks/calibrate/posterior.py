@@ -5,7 +5,6 @@ with a prior about those of motion for a fitted force, of which draws are few; w
 that took no part in them.
 """
 
-import math
 from collections import Counter
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
@@ -118,18 +117,26 @@ def measure_force(seed: int, index: int) -> Row | None:
 
 def fitted(rows: Sequence[Row], middle: FloatArray | None = None) -> FloatArray:
     """Weights (p,) of the largest likelihood with a small prior, about ``middle`` (p,), or none."""
+    rows = [row for row in rows if row.names]
     every = np.concatenate([row.features for row in rows])
     scatter, mean = every.std(axis=0), every.mean(axis=0)
     scatter[0], mean[0] = 1.0, 0.0
     scatter[scatter == 0.0] = 1.0
     prior = np.zeros(every.shape[1]) if middle is None else middle * scatter
+    x, sizes = (every - mean) / scatter, np.array([len(row.names) for row in rows])
+    first = np.cumsum(sizes) - sizes
+    right = np.array([start + row.place - 1 for start, row in zip(first, rows, strict=True) if row.place])
 
-    def missed(w: FloatArray) -> float:
-        likely = (softmax(list((row.features - mean) @ (w / scatter)))[row.place] for row in rows)
-        away = (w - prior)[1:]
-        return -sum(math.log(max(p, 1e-12)) for p in likely) + 0.5 * _RIDGE * float(away @ away)
+    def missed(w: FloatArray) -> tuple[float, FloatArray]:
+        """Minus the logarithm of what is likely, and its gradient (p,)."""
+        odds, away = x @ w, np.append(0.0, (w - prior)[1:])
+        most = np.maximum(np.maximum.reduceat(odds, first), 0.0)
+        parts = np.exp(-most) + np.add.reduceat(np.exp(odds - np.repeat(most, sizes)), first)
+        whole = most + np.log(parts)
+        slope = x.T @ np.exp(odds - np.repeat(whole, sizes)) - x[right].sum(axis=0) + _RIDGE * away
+        return float(whole.sum() - odds[right].sum() + 0.5 * _RIDGE * away @ away), slope
 
-    w: FloatArray = minimize(missed, prior, method="BFGS").x / scatter
+    w: FloatArray = minimize(missed, prior, jac=True, method="BFGS").x / scatter
     w[0] -= w[1:] @ mean[1:]
     return w
 
