@@ -58,10 +58,10 @@ def load_at_start(task: Task, dt: float) -> float:
 def _start_of(task: Task, dt: float) -> tuple[float, float, float, FloatArray, FloatArray]:
     """Arguments of a law at t = 0, its states moved as they will be then."""
     assert task.law is not None
-    scenario, state = task.scenario, task.law.state.copy()
+    scenario, (state, params) = task.scenario, task.law.own()
     if task.law.advance is not None:
-        task.law.advance(0.0, scenario.x0, scenario.v0, dt, state, task.law.params)
-    return 0.0, scenario.x0, scenario.v0, state, task.law.params
+        task.law.advance(0.0, scenario.x0, scenario.v0, dt, state, params)
+    return 0.0, scenario.x0, scenario.v0, state, params
 
 
 def held_at_start(task: Task, dt: float) -> bool:

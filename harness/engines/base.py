@@ -39,7 +39,7 @@ class ForceLaw:
         ratio f_s/f_k. Evaluated as ``force`` is.
     advance : (t, x, v, dt, state, params) -> None, called once at the start of every step with the state of that
         moment; moves internal states (a bristle, a Maxwell branch) in place. ``force`` sees what it left behind.
-    params, state : float64 vectors handed to all three; a run works on its own copy of ``state``.
+    params, state : float64 vectors handed to all three; a run works on its ``own`` copies.
     """
 
     force: Function | None = None
@@ -53,6 +53,10 @@ class ForceLaw:
         object.__setattr__(self, "state", vector("force law: state", self.state))
         if self.force is None and self.level is None:
             raise InputError("force law", "neither force nor level", "at least one of them is accepted")
+
+    def own(self) -> tuple[FloatArray, FloatArray]:
+        """State and params of one run; writable, as MuJoCo hands them on: a law is compiled once for all engines."""
+        return self.state.copy(), self.params.copy()
 
 
 @dataclass(frozen=True, slots=True)

@@ -180,7 +180,7 @@ def stepped_through(plan: Plan, body: Stepped) -> Motion:
     """Every route, with force laws, levels of friction and break-away decided step by step."""
     task, dt, scale = plan.task, plan.dt, plan.scale
     slider, law, route = task.scenario.slider, task.law, task.route
-    state = np.zeros(0) if law is None else law.state.copy()
+    state, params = (np.zeros(0), np.zeros(0)) if law is None else law.own()
     ratio = slider.break_away / slider.f_k if slider.f_k > 0.0 else 1.0
     excess = slider.break_away if slider.f_k == 0.0 else 0.0
     switched = not plan.native.break_away
@@ -199,11 +199,11 @@ def stepped_through(plan: Plan, body: Stepped) -> Motion:
             if plan.leapfrog:
                 v += 0.5 * (speed - last)  # the joint's speed is that of half a step ago
             if law.advance is not None:
-                law.advance(t, x, v, dt, state, law.params)
+                law.advance(t, x, v, dt, state, params)
             if law.force is not None:
-                force += law.force(t, x, v, state, law.params)
+                force += law.force(t, x, v, state, params)
             if law.level is not None:
-                level = law.level(t, x, v, state, law.params)
+                level = law.level(t, x, v, state, params)
         limit = level * ratio + excess if stuck and switched else level
         push, others = plan.push(q, speed, t, force)
         if route == "law":
