@@ -17,14 +17,13 @@ from benchmarks.calibrate.tables import GOAL, WITHIN, number_of, rate_of, within
 from harness.core.arrays import FloatArray
 from harness.core.recording import Recording
 from harness.diagnosis.baseline.base_fit import driven_scales
+from harness.diagnosis.fit.model_fit import fit
 from harness.diagnosis.grading.prediction import ratio
-from harness.diagnosis.inverse_dynamics.force_fit import fit_force
 from harness.diagnosis.inverse_dynamics.strokes import force_words
 from harness.diagnosis.parameters import free_of
 from harness.diagnosis.pipeline import prepare
 from harness.diagnosis.problems.asked import inverse_force
-from harness.diagnosis.problems.driven import InverseDynamics
-from harness.diagnosis.problems.measured import Measured
+from harness.diagnosis.problems.inverse import InverseDynamics
 from harness.diagnosis.request import Asked
 from harness.diagnosis.rules import PATH_AGAIN, TABLE_BETTER, TABLE_ERRORS, TABLE_WORDS
 from harness.diagnosis.tables.beside import ForceLeft, time_again
@@ -176,18 +175,17 @@ def left_of(machine: Moved) -> tuple[ForceLeft, InverseDynamics]:
     problem, _ = prepare(machine.recording, Asked(machine.model.restoring, guarded=True))
     assert isinstance(problem, InverseDynamics)
     problem = replace(problem, guarded=False)
-    measured = Measured.of(problem)
     first = replace(problem.first, terms=machine.model.terms)
-    start = fit_force(first, measured, free_of(first, problem.base_names))
     scales = driven_scales(problem, problem.first)
-    return ForceLeft(start, measured, force_words(start, measured), scales), problem
+    start = fit(first, problem, free_of(first, problem.base_names), scales)
+    return ForceLeft(start, problem, force_words(start.memory, problem.measured), scales), problem
 
 
 def measure(seed: int, index: int) -> Row:
     """A machine, and the tables of what its base leaves. Raises HarnessError for what cannot be fitted."""
     group, machine = _GROUPS[index % len(_GROUPS)], moved(seed, index)
     left, _ = left_of(machine)
-    start, measured, words, scales = left.start, left.measured, left.words, left.scales
+    start, measured, words, scales = left.start, left.problem.measured, left.words, left.scales
     before = left.predicted()
     row = Row(group, machine.name, time_again(measured.t, measured.x, measured.v), _fading(seed, index))
     kept = () if before is None else left.tabulated(before)

@@ -1,15 +1,15 @@
 """What is left out of a robot's joint beside its reversals: what friction comes to, and what is named for nothing."""
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from benchmarks.calibrate.calibration import Calibration, head, quantiles, stands
-from harness.diagnosis.inverse_dynamics.force_fit import fit_force
+from harness.diagnosis.fit.model_fit import fit
 from harness.diagnosis.parameters import free_of
 from harness.diagnosis.pipeline import fit_base, judge, prepare, search
-from harness.diagnosis.problems.driven import Forced
+from harness.diagnosis.problems.inverse import InverseDynamics
 from harness.diagnosis.problems.measured import Measured
 from harness.diagnosis.request import Asked
 from harness.diagnosis.rules import GUARD_SPEED
@@ -46,11 +46,12 @@ def measure(seed: int, index: int) -> Draw | None:
     one = one_joint(log, coupling(arm, log, joint).reduced)
     free = None if one.restoring == "none" else True
     problem, _ = prepare(one.recording, Asked(Restoring(one.restoring), free, guarded=True))
-    if not isinstance(problem, Forced):
+    if not isinstance(problem, InverseDynamics):
         return None
     errors = {}
     for share in _SHARES:
-        found = fit_force(problem.first, Measured.of(problem, share), free_of(problem.first, problem.base_names))
+        guarded = replace(problem, fixed=Measured.of(problem, share))
+        found = fit(problem.first, guarded, free_of(problem.first, problem.base_names))
         errors[share] = abs(found.model.f_k / own.f_k - 1.0)
     return Draw(errors, judge(search(fit_base(problem))).judgement.verdict == "adequate")
 

@@ -27,7 +27,7 @@ from harness.diagnosis.grading.grade import Graded, grade
 from harness.diagnosis.grading.misfit import misfit
 from harness.diagnosis.inverse_dynamics.search import search_driven
 from harness.diagnosis.outcome import Grade
-from harness.diagnosis.problems.driven import InverseDynamics
+from harness.diagnosis.problems.inverse import InverseDynamics
 from harness.diagnosis.residual_tests.structure import Left, left_by
 from harness.diagnosis.rules import (
     FORCE_POSTERIOR,

@@ -137,15 +137,15 @@ def base_of(free: tuple[Free, ...]) -> tuple[str, ...]:
     return tuple(f.name for f in free if isinstance(f.by, str))
 
 
-def in_recording(f: Free, model: Model, recording: int) -> Free | None:
-    """A fitted number as it stands in the model of one recording by itself; None where that has one of its own."""
-    if isinstance(f.by, tuple):
-        return f
-    stem, of = parted(f.by)
+def in_recording(number: By, model: Model, recording: int) -> By | None:
+    """A number as it stands in the model of one recording by itself; None where that has one of its own."""
+    if isinstance(number, tuple):
+        return number
+    stem, of = parted(number)
     if of == recording:
-        return replace(f, by=stem)
+        return stem
     own = model.elsewhere[recording - 1].names if recording else ()
-    return f if of == 0 and stem not in own else None
+    return number if of == 0 and stem not in own else None
 
 
 def with_friction(model: Model, base: tuple[str, ...], scales: Scales) -> Model | None:

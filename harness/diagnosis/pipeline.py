@@ -29,15 +29,14 @@ from harness.diagnosis.grading.clock_drift import off_the_clock, with_clock
 from harness.diagnosis.grading.grade import Graded, grade
 from harness.diagnosis.grading.misfit import misfit
 from harness.diagnosis.grading.posterior import of_contest, of_search, probability
-from harness.diagnosis.inverse_dynamics.covariates import entered
-from harness.diagnosis.inverse_dynamics.prepare import as_it_acts, forces_together, with_unseen_mass
+from harness.diagnosis.inverse_dynamics.prepare import as_it_acts, forces_together, with_covariates, with_unseen_mass
 from harness.diagnosis.inverse_dynamics.validate import Judge
 from harness.diagnosis.kinds.known import kind_of
 from harness.diagnosis.outcome import Grade, Holdout, Outcome, Tried
 from harness.diagnosis.prepare.driven import driven_problem, is_driven
 from harness.diagnosis.prepare.free_decay import free_decay_problem, together
 from harness.diagnosis.problem import Problem
-from harness.diagnosis.problems.driven import InverseDynamics
+from harness.diagnosis.problems.inverse import InverseDynamics
 from harness.diagnosis.request import Asked
 from harness.diagnosis.residual_tests.structure import Left
 from harness.diagnosis.rules import COVARIATES, POOLING
@@ -88,7 +87,7 @@ def prepare(recording: Recording, asked: Asked) -> tuple[Problem, tuple[str, ...
     if not isinstance(problem, InverseDynamics):
         return problem, notes
     if asked.covariates:
-        problem = entered(problem, recording, asked.covariates)
+        problem = with_covariates(problem, recording, asked.covariates)
     if problem.guarded:
         problem, said = as_it_acts(problem, recording["u"])
         notes = (*notes, *said)

@@ -11,14 +11,34 @@ from typing import ClassVar, Self, TypeVar
 
 import numpy as np
 
-from harness.core.arrays import BoolArray, FloatArray, IntArray
+from harness.core.arrays import BoolArray, FloatArray, IntArray, ModeArray
+from harness.core.events import Events
 from harness.core.recording import Recording
 from harness.diagnosis.covariates.values import Acting
 from harness.diagnosis.problems.force_noise import ForceNoise
 from harness.diagnosis.starts import OneStart, Start, Starts
 from harness.estimate.noise import Noise
-from harness.kernels.solve import Drive
+from harness.kernels.solve import By, Drive, Effort, Scales
 from harness.model.model import Model, Restoring
+
+SETTLED = 1e-5
+"""A step that promises less in chi-square, of what a value leaves on average, changes nothing that one could see."""
+
+
+@dataclass(frozen=True, slots=True)
+class Observation:
+    """What a model shows of a recording: rows y[c] (m,) with partials dy[c] (m, q), and the motion behind them.
+
+    x, v, a, mode : (n,), with the events between them.
+    """
+
+    y: dict[str, FloatArray]
+    dy: dict[str, FloatArray]
+    x: FloatArray
+    v: FloatArray
+    a: FloatArray
+    mode: ModeArray
+    events: Events
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -62,6 +82,38 @@ class Problem(ABC):
     def points(self) -> int:
         """Measured values that count, but for those that starts take."""
         return max(int(sum(np.count_nonzero(w) for w in self.weight.values())) - self.starts.taken, 1)
+
+    @property
+    def rows(self) -> Mapping[str, FloatArray]:
+        """What a model is fitted to, by name, (m,) each: the channels, sample by sample."""
+        return self.channels
+
+    @abstractmethod
+    def shows(self, model: Model, by: tuple[By, ...], scales: Scales | None, effort: Effort) -> Observation:
+        """What a model shows of the rows, with partials by numbers of it. Raises SimulationError."""
+
+    def left(self, shown: Observation) -> dict[str, FloatArray]:
+        """What of the rows a model leaves, (m,) each."""
+        return {c: y - shown.y[c] for c, y in self.rows.items()}
+
+    def by_sample(self, residual: FloatArray) -> dict[str, FloatArray]:
+        """A fit's residual (N,) as (n,) for every row, in units of the noise of one value."""
+        return dict(zip(self.rows, residual.reshape(len(self.rows), -1), strict=True))
+
+    @property
+    def simulated(self) -> bool:
+        """Whether a look at a model is a simulation, which fewer samples make cheaper."""
+        return True
+
+    @property
+    def settled(self) -> tuple[float, float]:
+        """Gain of a step, and share of chi-square, below which nobody could see what it changes."""
+        return SETTLED, SETTLED / self.points
+
+    @property
+    def seams(self) -> tuple[int, ...] | None:
+        """Where a further recording begins in rows whose residuals stay coloured; None of rows that are whitened."""
+        return None
 
     @property
     def in_newtons(self) -> bool:
@@ -116,11 +168,6 @@ class Problem(ABC):
         """Whether what is slow beside a sample can be the sensors' own: beside a noisy force it is the force's."""
         return self.force_noise is None or not self.force_noise.noise.found
 
-    @property
-    def errors_allow_for_misfit(self) -> bool:
-        """Whether the covariance of a fit counts all that it leaves, noise or not."""
-        return False
-
     def own_noise(self, left: Mapping[str, Noise]) -> dict[str, Noise]:
         """The sensors' own noise, where a model leaves ``left``; what is left of it beside a noisy force."""
         force = self.force_noise
@@ -129,13 +176,13 @@ class Problem(ABC):
         return {c: force.own(c, n, self.noise[c]) for c, n in left.items()}
 
     def whitened(self, values: Mapping[str, FloatArray]) -> dict[str, FloatArray]:
-        """Residuals (n,) or partials (n, q) of every channel in units of the noise, neighbours independent.
+        """Residuals (m,) or partials (m, q) of every row in units of the noise, neighbours independent.
 
         Beside a noisy force all channels tell of it together: each sample counts as what it adds to those before.
         """
         if self.force_noise is None:
             return apart(self, values)
-        own = {c: values[c] for c in self.channels}
+        own = {c: values[c] for c in self.rows}
         return self.force_noise.whitened(self.t, self.noise, self.weight, own)[0]
 
     @property
@@ -188,6 +235,10 @@ class Problem(ABC):
     def under_noise(self, noise: Mapping[str, Noise]) -> Self:
         """The same with each channel's noise so, and no other: what noise of a force does is no longer allowed for."""
         return replace(self, noise=noise, force_noise=None)
+
+    def giving(self, covariate: str, values: FloatArray) -> Self:
+        """The same with other values (n,) of a covariate, which no filter changes."""
+        return replace(self, covariates={**self.covariates, covariate: values})
 
     def drive_over(self, begin: float, end: float) -> Drive | None:
         """The force that acts between two times, s, in time since the first."""

@@ -32,3 +32,23 @@ def covariance_of(partials: FloatArray) -> FloatArray:
     triangle = np.linalg.qr(partials / scale, mode="r")
     inverse = np.linalg.pinv(triangle, rcond=math.sqrt(_SEEN)) / scale[:, None]
     return np.asarray(inverse @ inverse.T, dtype=np.float64)
+
+
+def coloured_covariance(
+    partials: FloatArray, residual: FloatArray, lags: int, begins: tuple[int, ...] = ()
+) -> FloatArray:
+    """Covariance (q, q) of numbers with these partials (n, q), colour and uneven size of a residual (n,) allowed for.
+
+    lags : over which the two may go together. begins : of further series laid behind the first (Newey and West 1987,
+    Econometrica 55, 703).
+    """
+    moments = partials * residual[:, None]
+    middle = moments.T @ moments
+    for lag in range(1, lags + 1):
+        for own in np.split(moments, begins):
+            across = own[lag:].T @ own[:-lag]
+            middle += (1.0 - lag / (lags + 1.0)) * (across + across.T)
+    size, count = partials.shape
+    middle *= size / max(size - count, 1)
+    bread = covariance_of(partials)
+    return np.asarray(bread @ middle @ bread, dtype=np.float64)

@@ -17,7 +17,8 @@ from harness.diagnosis.inverse_dynamics.search import by_the_force
 from harness.diagnosis.kinds import driven
 from harness.diagnosis.pipeline import diagnose, prepare
 from harness.diagnosis.prepare.held import spring_beside
-from harness.diagnosis.problems.driven import Driven, InverseDynamics
+from harness.diagnosis.problems.driven import Driven
+from harness.diagnosis.problems.inverse import InverseDynamics
 from harness.diagnosis.request import Asked
 from harness.diagnosis.rules import FOLLOWED
 from harness.kernels.solve import Drive, solve

@@ -11,17 +11,16 @@ import pytest
 from harness.core.arrays import FloatArray
 from harness.core.errors import InputError
 from harness.core.recording import Recording
+from harness.diagnosis.fit.model_fit import Fit, fit
 from harness.diagnosis.fit.standard_errors import base_parameters
-from harness.diagnosis.inverse_dynamics.force_fit import ForceFit, fit_force
 from harness.diagnosis.inverse_dynamics.search import force_baseline
 from harness.diagnosis.kinds.known import kind_of
 from harness.diagnosis.outcome import Outcome
 from harness.diagnosis.parameters import free_of, values_of, with_values
 from harness.diagnosis.pipeline import diagnose, fit_base, prepare
 from harness.diagnosis.problems.asked import given_force, inverse_force
-from harness.diagnosis.problems.driven import InverseDynamics
 from harness.diagnosis.problems.free_decay import FreeDecay
-from harness.diagnosis.problems.measured import Measured
+from harness.diagnosis.problems.inverse import InverseDynamics
 from harness.diagnosis.problems.simulated import observe
 from harness.diagnosis.request import Asked, AskedCovariate
 from harness.diagnosis.residual_tests.structure import structure
@@ -73,10 +72,10 @@ def cylinder(acts: Acts, seconds: float = 24.0, seed: int = 3) -> Recording:
     )
 
 
-def fitted(recording: Recording, *asked: AskedCovariate) -> tuple[InverseDynamics, ForceFit]:
+def fitted(recording: Recording, *asked: AskedCovariate) -> tuple[InverseDynamics, Fit]:
     problem, _ = prepare(recording, Asked(Restoring.NONE, covariates=asked))
     assert isinstance(problem, InverseDynamics)
-    return problem, fit_force(problem.first, Measured.of(problem), free_of(problem.first, problem.base_names))
+    return problem, fit(problem.first, problem, free_of(problem.first, problem.base_names))
 
 
 @pytest.mark.parametrize("acts", list(Acts))
@@ -170,7 +169,7 @@ def test_a_force_has_a_level_of_its_own_where_its_covariate_has_its_mean() -> No
     for recording in (plain, shifted):
         problem = prepare(recording, Asked(Restoring.NONE, covariates=(AskedCovariate("P", Acts.FORCE),)))[0]
         assert isinstance(problem, InverseDynamics)
-        found.append(force_baseline(problem)[1].model)
+        found.append(force_baseline(problem)[0].model)
     levels = [model.covariates[0].level for model in found]
     assert levels[1] - levels[0] == pytest.approx(-40.0, abs=1e-6)
     assert found[0].covariates[0].gain == pytest.approx(found[1].covariates[0].gain, rel=1e-6)
@@ -188,9 +187,9 @@ def test_a_mass_that_the_force_does_not_show_is_taken_so_large_that_its_motion_c
     assert isinstance(problem, InverseDynamics)
     assert problem.mass is not None
     assert any("does not show the mass" in said for said in problem.choices)
-    measured, base, _ = force_baseline(problem)
+    (base, _), measured = force_baseline(problem), problem.measured
     rms = float(np.sqrt(np.mean(measured.blocks(measured.a) ** 2)))
-    assert problem.mass * rms <= 0.1001 * math.sqrt(base.squares / base.residual.size)
+    assert problem.mass * rms <= 0.1001 * math.sqrt(base.chi2 / base.residual.size)
     assert base.model.f_k == pytest.approx(2.0, rel=0.02)
 
 

@@ -13,13 +13,13 @@ from harness.core.errors import InputError
 from harness.core.recording import Recording
 from harness.diagnosis.baseline.base_fit import driven_baseline
 from harness.diagnosis.fit.model_fit import fit
-from harness.diagnosis.inverse_dynamics.force_fit import fit_force
 from harness.diagnosis.inverse_dynamics.protocol import DIRECTED, PUBLISHED, SYMMETRIC, find_ripple, periods
+from harness.diagnosis.inverse_dynamics.search import force_baseline
 from harness.diagnosis.inverse_dynamics.validate import Judge
 from harness.diagnosis.parameters import free_of
 from harness.diagnosis.pipeline import prepare
-from harness.diagnosis.problems.driven import Driven, Forced, InverseDynamics
-from harness.diagnosis.problems.measured import Measured
+from harness.diagnosis.problems.driven import Driven
+from harness.diagnosis.problems.inverse import InverseDynamics
 from harness.diagnosis.problems.simulated import observe
 from harness.diagnosis.request import Asked
 from harness.diagnosis.search.search import noise_of, under
@@ -86,7 +86,7 @@ def test_force_is_fitted_over_windows_within_errors_that_allow_for_colour() -> N
     problem, notes = prepare(recording, Asked(Restoring.NONE))
     assert "windows of at most 1 s" in notes[0]
     assert isinstance(problem, InverseDynamics)
-    found = fit_force(problem.first, Measured.of(problem), free_of(problem.first, problem.base_names))
+    found = fit(problem.first, problem, free_of(problem.first, problem.base_names))
     errors = np.sqrt(np.diag(found.covariance()))
     assert np.all(np.abs(found.model.m - 2.0) < 4.0 * errors[0])
     assert np.all(np.abs(np.array([found.model.c, found.model.f_k]) - (3.0, 1.5)) < 4.0 * errors[1:])
@@ -103,11 +103,11 @@ def test_ripple_of_a_fast_axis_is_found_over_its_travel() -> None:
 def test_direction_dependent_friction_beats_the_base_and_has_its_value() -> None:
     truth = replace(TRUTH, terms=(ModelTerm.named("asymmetric-viscous", c_diff=0.6),))
     problem, _ = prepare(driven(truth), Asked(Restoring.NONE))
-    assert isinstance(problem, Forced)
-    found, scales = driven_baseline(problem)
+    assert isinstance(problem, InverseDynamics)
+    found, scales = force_baseline(problem)
     model = replace(found.model, terms=(ModelTerm.named("asymmetric-viscous", c_diff=0.0),))
     better = fit(model, problem, free_of(model, problem.base_names), scales)
-    problem = replace(problem, noise=noise_of(better, problem, scales.omega))
+    problem = problem.levelled(better.residual, better.memory.independent)
     better, before = fit(better.model, problem, better.free, scales), under(found, problem)
     assert before.bic - better.bic > 1000.0
     assert better.model.terms[0].values[0] == pytest.approx(0.6, rel=0.02)
@@ -228,10 +228,9 @@ def test_ripple_of_the_screw_is_in_each_file(axis: Judge) -> None:
 def test_force_fit_finds_the_published_axis(axis: Judge, recordings: Path) -> None:
     problem, _ = prepare(read_recording(recordings / "emps" / "DATA_EMPS.mat", COLUMNS), Asked(Restoring.NONE))
     assert isinstance(problem, InverseDynamics)
-    measured = Measured.of(problem)
-    base = fit_force(problem.first, measured, free_of(problem.first, problem.base_names))
+    base = fit(problem.first, problem, free_of(problem.first, problem.base_names))
     model = replace(base.model, terms=(ModelTerm.named("asymmetric-viscous", c_diff=0.0),))
-    turned = fit_force(model, measured, free_of(model, problem.base_names))
+    turned = fit(model, problem, free_of(model, problem.base_names))
     fitted, cross = axis.errors(turned.model)
     assert fitted < PUBLISHED_DIRECTED_ERROR
     # our own figures, a little above what the protocol itself leaves with this law, 3.051 and 5.336

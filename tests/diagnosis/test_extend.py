@@ -2,7 +2,6 @@
 
 import math
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 import pytest
@@ -11,36 +10,40 @@ from harness.core.arrays import FloatArray
 from harness.core.errors import SimulationError
 from harness.diagnosis.baseline.base_fit import baseline
 from harness.diagnosis.explain.mechanism import mechanism
-from harness.diagnosis.fit import model_fit
 from harness.diagnosis.fit.model_fit import Fit, chi2_of, fit
 from harness.diagnosis.fit.swing_fit import Swing, swung
 from harness.diagnosis.parameters import Free, base_of, free_of, values_of, with_values
+from harness.diagnosis.problem import Observation
 from harness.diagnosis.problems.free_decay import FreeDecay
-from harness.diagnosis.problems.simulated import Observation, observe
+from harness.diagnosis.problems.simulated import observe
 from harness.diagnosis.residual_tests.structure import Left
 from harness.diagnosis.search.extend import extend, prune
 from harness.diagnosis.search.look import Recorded, frequencies, within
 from harness.diagnosis.search.search import Search
 from harness.estimate.noise import Noise, channel_noise
-from harness.kernels.solve import Scales, simulate, solve
+from harness.kernels.solve import By, Effort, Scales, simulate, solve
 from harness.model.model import Model, ModelTerm, Restoring
 from harness.model.registry import NAMED
 
 
-def test_where_partials_cannot_be_followed_no_descent_goes(monkeypatch: pytest.MonkeyPatch) -> None:
-    t = np.linspace(0.0, 8.0, 1200)
-    true = Model(1.0, 0.3, 100.0, 0.4, x0=0.1, terms=(ModelTerm.named("cubic-stiffness", k3=900.0),))
-    x = simulate(true, t).x + 1e-4 * np.random.default_rng(1).standard_normal(t.size)
-    problem = FreeDecay(t, {"x": x}, {"x": channel_noise(t, x)})
-    base, scales = baseline(problem)
-    followed = observe
+class FollowedBelow(FreeDecay):
+    """A decay whose partials cannot be followed beside a stiff spring."""
 
-    def only_below(model: Model, *rest: Any) -> Observation:
-        shown = followed(model, *rest)
+    __slots__ = ()
+
+    def shows(self, model: Model, by: tuple[By, ...], scales: Scales | None, effort: Effort) -> Observation:
+        shown = super().shows(model, by, scales, effort)
         (cubic,) = model.terms
         return shown if cubic.values[0] < 300.0 else replace(shown, dy={"x": np.nan * shown.dy["x"]})
 
-    monkeypatch.setattr(model_fit, "observe", only_below)
+
+def test_where_partials_cannot_be_followed_no_descent_goes() -> None:
+    t = np.linspace(0.0, 8.0, 1200)
+    true = Model(1.0, 0.3, 100.0, 0.4, x0=0.1, terms=(ModelTerm.named("cubic-stiffness", k3=900.0),))
+    x = simulate(true, t).x + 1e-4 * np.random.default_rng(1).standard_normal(t.size)
+    channels, noise = {"x": x}, {"x": channel_noise(t, x)}
+    base, scales = baseline(FreeDecay(t, channels, noise))
+    problem = FollowedBelow(t, channels, noise)
     free = free_of(true, base_of(base.free))
 
     def begun(k3: float) -> Fit:

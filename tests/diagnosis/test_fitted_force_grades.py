@@ -11,18 +11,19 @@ import pytest
 from harness.core.arrays import FloatArray
 from harness.core.recording import Recording
 from harness.diagnosis.grading.contest import decided
-from harness.diagnosis.inverse_dynamics.force_fit import ForceFit
 from harness.diagnosis.inverse_dynamics.left_over import left_over
 from harness.diagnosis.inverse_dynamics.search import ForceSearch, force_baseline, search_driven
 from harness.diagnosis.inverse_dynamics.strokes import force_words, period_of
 from harness.diagnosis.outcome import Grade, Outcome
 from harness.diagnosis.pipeline import diagnose, prepare
-from harness.diagnosis.problems.driven import Driven, InverseDynamics
+from harness.diagnosis.problems.driven import Driven
+from harness.diagnosis.problems.inverse import InverseDynamics
 from harness.diagnosis.problems.measured import BLOCK, Measured
 from harness.diagnosis.request import Asked
 from harness.diagnosis.residual_tests.structure import Left
 from harness.diagnosis.rules import PERIODS_COUNTED
 from harness.diagnosis.starts import Windows
+from harness.fit.autocorrelation import Memory, memory
 from harness.kernels.solve import Drive, solve
 from harness.model.model import Model, ModelTerm, Restoring
 
@@ -71,10 +72,10 @@ SOUND: dict[str, tuple[Model, dict[str, float]]] = {
 @pytest.mark.parametrize(("truth", "noise"), SOUND.values(), ids=SOUND)
 def test_a_sound_model_leaves_no_more_than_noise(truth: Model, noise: Mapping[str, float]) -> None:
     problem = by_force(recorded(truth, 3000, **noise), truth.restoring)
-    _, base, scales = force_baseline(problem)
+    base, scales = force_baseline(problem)
     over = left_over(base, problem, scales)
     assert over.left is Left.NOISE
-    assert over.noise == pytest.approx(base.squares / base.residual.size, rel=0.5)
+    assert over.noise == pytest.approx(base.chi2 / base.residual.size, rel=0.5)
 
 
 def test_beside_a_stand_friction_is_not_known() -> None:
@@ -86,8 +87,8 @@ def test_beside_a_stand_friction_is_not_known() -> None:
     run = solve(Model(20.0, 3.0, stiff, 15.0), t, drive=Drive(t, stiff * way))
     read = run.x + 1e-6 * np.random.default_rng(1).standard_normal(t.size)
     problem = by_force(Recording(t, {"x": read, "u": stiff * (way - run.x)}))
-    _, base, _ = force_baseline(problem)
-    assert math.sqrt(base.squares / base.residual.size) < 15.0 / 30.0
+    base, _ = force_baseline(problem)
+    assert math.sqrt(base.chi2 / base.residual.size) < 15.0 / 30.0
     assert base.model.m == pytest.approx(20.0, rel=0.02)
 
 
@@ -156,21 +157,20 @@ def test_what_a_fitted_force_knows_of_a_name_is_what_a_motion_knows(apart: Force
     assert found.posterior.get(other.name, 0.0) < 0.01
 
 
-def forced(t: FloatArray, u: FloatArray, v: FloatArray) -> tuple[ForceFit, Measured]:
+def forced(t: FloatArray, u: FloatArray, v: FloatArray) -> tuple[Memory, Measured]:
     """A residual of white noise beside a force."""
     blocks = t.size // BLOCK
     measured = Measured(t, np.cumsum(v) * (t[1] - t[0]), v, np.gradient(v, t), u, np.ones(blocks, dtype=np.bool_))
-    residual = np.random.default_rng(1).standard_normal(blocks)
-    return ForceFit(AXIS, (), residual, np.zeros((blocks, 0))), measured
+    return memory(np.random.default_rng(1).standard_normal(blocks)), measured
 
 
 @pytest.mark.parametrize("repeats", [4, 9])
 def test_periods_after_the_third_say_nothing_new(repeats: int) -> None:
     t = np.arange(repeats * 2000) / 1000.0
     u = np.sin(np.pi * t) + 0.4 * np.sin(2.0 * np.pi * t + 1.0)
-    fit, measured = forced(t, u, np.cos(np.pi * t))
+    left, measured = forced(t, u, np.cos(np.pi * t))
     assert period_of(measured) == pytest.approx(2.0, abs=0.011)
-    words = force_words(fit, measured)
+    words = force_words(left, measured)
     whole, first = words.pieces.count, np.unique(words.pieces.of[measured.blocks(t) < PERIODS_COUNTED.value * 2.0])
     assert whole > first.size
     assert words.words == min(first.size, 60)
@@ -178,10 +178,10 @@ def test_periods_after_the_third_say_nothing_new(repeats: int) -> None:
 
 def test_long_strokes_are_cut_and_no_piece_spans_a_reversal() -> None:
     t = np.arange(12_000) / 1000.0
-    fit, measured = forced(t, waves(t), np.cos(3.0 * t))
-    pieces, direction = force_words(fit, measured).pieces, np.sign(measured.blocks(measured.v))
+    left, measured = forced(t, waves(t), np.cos(3.0 * t))
+    pieces, direction = force_words(left, measured).pieces, np.sign(measured.blocks(measured.v))
     for piece in range(pieces.count):
         inside = pieces.of == piece
         assert np.unique(direction[inside]).size == 1
-        assert np.count_nonzero(inside) >= 2.0 * fit.memory.time or np.ptp(np.flatnonzero(inside)) > 0
+        assert np.count_nonzero(inside) >= 2.0 * left.time or np.ptp(np.flatnonzero(inside)) > 0
     assert pieces.count > np.count_nonzero(np.diff(direction))

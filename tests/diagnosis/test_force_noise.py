@@ -14,9 +14,10 @@ from harness.diagnosis.baseline.base_fit import driven_baseline
 from harness.diagnosis.input_noise.noisy_base_fit import along
 from harness.diagnosis.input_noise.propagation import force_noise
 from harness.diagnosis.pipeline import diagnose, prepare
+from harness.diagnosis.problem import Observation
 from harness.diagnosis.problems.driven import Driven
 from harness.diagnosis.problems.force_noise import ForceNoise
-from harness.diagnosis.problems.simulated import Observation, observe
+from harness.diagnosis.problems.simulated import observe
 from harness.diagnosis.request import Asked
 from harness.diagnosis.rules import DECISIVE
 from harness.estimate.noise import Noise

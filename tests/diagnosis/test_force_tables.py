@@ -64,7 +64,10 @@ def test_a_force_of_no_catalogue_is_found_along_the_way() -> None:
 
 def test_what_is_held_out_lies_within_what_was_seen() -> None:
     left = seen(MAGNET)[1]
-    for y in (left.measured.blocks(left.measured.x), left.measured.blocks(left.measured.v)):
+    for y in (
+        left.problem.measured.blocks(left.problem.measured.x),
+        left.problem.measured.blocks(left.problem.measured.v),
+    ):
         out = left.block >= 0
         assert y[~out].min() <= y[out].min()
         assert y[~out].max() >= y[out].max()

@@ -13,7 +13,7 @@ from harness.app.shared.reading import ReadOptions, read
 from harness.core.arrays import FloatArray
 from harness.core.errors import InputError
 from harness.core.recording import Recording
-from harness.diagnosis.inverse_dynamics.force_fit import fit_force
+from harness.diagnosis.fit.model_fit import fit
 from harness.diagnosis.inverse_dynamics.prepare import forces_together
 from harness.diagnosis.inverse_dynamics.strokes import force_words
 from harness.diagnosis.parameters import Free, free_of
@@ -141,10 +141,10 @@ def test_nothing_reaches_over_the_seam() -> None:
             np.testing.assert_allclose(getattr(own, name), getattr(by_itself, name), atol=1e-12)
     for w in problem.starts.windows:
         assert any(at.start <= w.start < w.stop <= at.stop for at in problem.places)
-    base = fit_force(problem.first, measured, free_of(problem.first, problem.base_names))
-    (seam,) = base.begins
+    base = fit(problem.first, problem, free_of(problem.first, problem.base_names))
+    (seam,) = base.seams or ()
     assert seam == np.count_nonzero(measured.moving[: 1500 // BLOCK])
-    pieces = force_words(base, measured).pieces
+    pieces = force_words(base.memory, measured).pieces
     assert pieces.of[seam] != pieces.of[seam - 1]
 
 

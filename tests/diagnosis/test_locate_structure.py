@@ -16,8 +16,8 @@ from harness.diagnosis.grading.prediction import Predicted, surely_less
 from harness.diagnosis.inverse_dynamics import holdout as windows
 from harness.diagnosis.motion import Motion
 from harness.diagnosis.pipeline import diagnose, explain, fit_base, judge, prepare, search
-from harness.diagnosis.problems.driven import InverseDynamics
 from harness.diagnosis.problems.free_decay import FreeDecay
+from harness.diagnosis.problems.inverse import InverseDynamics
 from harness.diagnosis.request import Asked
 from harness.diagnosis.residual_tests.lack_of_fit import lack_of_fit
 from harness.diagnosis.rules import LAW_KNOWN
@@ -212,7 +212,7 @@ def test_a_fitted_force_without_its_held_out_windows(monkeypatch: pytest.MonkeyP
     assert whole.holdout.spans
     # the force that nobody measured is more than noise, and no law
     assert whole.verdict == "unexplained"
-    monkeypatch.setattr(windows, "refitted", fails)
+    monkeypatch.setattr(windows, "fit", fails)
     outcome = explain(judged)
     assert (outcome.holdout.spans, outcome.holdout.baseline_rmse, outcome.holdout.refined_rmse) == ((), {}, {})
     assert "the base model, fitted to the rest, cannot be followed" in " ".join(outcome.warnings)

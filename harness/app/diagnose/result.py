@@ -158,8 +158,7 @@ def _fit_result(found: Fit, outcome: Outcome, of: Mapping[str, Quantity]) -> Fit
 def _places(outcome: Outcome) -> list[Where]:
     """Up to three places that hold the base model's mismatch; the whole, where there is one that lies nowhere apart."""
     problem, shown = outcome.problem, outcome.base.shown
-    n = problem.t.size
-    residuals = {c: outcome.base.residual[i * n : (i + 1) * n] for i, c in enumerate(problem.channels)}
+    residuals = problem.by_sample(outcome.base.residual)
     motion = Motion(shown.x, shown.v, shown.mode == Mode.STICK, outcome.scales.omega)
     found = locate(residuals, problem.t, motion, unit="rad" if problem.angular else "m")
     if not found and outcome.verdict != "adequate":

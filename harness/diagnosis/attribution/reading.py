@@ -24,6 +24,7 @@ from harness.diagnosis.pipeline import prepare
 from harness.diagnosis.prepare.driven import is_driven
 from harness.diagnosis.problem import Problem
 from harness.diagnosis.problems.driven import Forced
+from harness.diagnosis.problems.inverse import InverseDynamics
 from harness.diagnosis.problems.simulated import COARSE
 from harness.diagnosis.request import Asked
 from harness.diagnosis.sensors.sensor_model import channels_at
@@ -277,6 +278,7 @@ def _prepared(trace: Recording, problem: Problem, on: Alignment, every: bool = F
     seen = Recording(trace.t[::step], {c: y[::step] for c, y in channels.items()}, trace.file, angular=problem.angular)
     asked = Asked(problem.restoring, problem.zero_free, problem.mass, None)
     own, _ = prepare(seen, asked)
+    own = own.followed if isinstance(own, InverseDynamics) else own
     precise = min(problem.noise[c].sigma / float(np.std(y)) for c, y in problem.channels.items())
     level = {c: problem.noise[c].sigma if c in problem.noise else precise * float(np.std(trace[c])) for c in names}
     noise = {c: replace(n, sigma=max(n.sigma, level[c]), phi=0.0) if c in level else n for c, n in own.noise.items()}

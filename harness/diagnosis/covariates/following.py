@@ -1,6 +1,6 @@
-"""How a measured covariate enters a recording that is followed: each way is fitted beside the base model.
+"""How a measured covariate enters: as a force, on friction or on damping, each fitted beside the base model.
 
-The three are compared by what they leave, in values that count as independent, as where a force is fitted.
+The three are compared by what they leave, in values that count as independent.
 
 What the noise of a covariate does: the slider has not felt it, a simulation that is given the column does.
 """
@@ -31,7 +31,7 @@ _LEAST = 0.1
 def allowing(problem: P, base: Fit) -> P:
     """The problem with the noise of its covariates, as a force, allowed for where it shows; base : a fit of it."""
     model, variance = base.model, 0.0
-    sigma = {one.name: one.noise for one in problem.acting}
+    sigma = {one.name: one.noise.sigma for one in problem.acting}
     speed = math.sqrt(float(np.mean(base.shown.v**2)))
     for one in model.covariates:
         size = {Acts.FORCE: 1.0, Acts.FRICTION: model.f_k, Acts.DAMPING: model.c * speed}[one.acts]
@@ -82,7 +82,9 @@ def enter(base: Fit, problem: Problem, scales: Scales) -> Entered:
         if not ways and refused:
             parts = ", ".join(f"as {NAMED[acts]} {100.0 * (1.0 - share):.3g} %" for acts, share in refused.items())
             accepted = "one that varies by itself beyond its noise is accepted"
-            raise InputError(f"covariate {one.name}", f"the base model and time say what it does: {parts}", accepted)
+            raise InputError(
+                f"{one.file}: covariate {one.name}", f"the base model and time say what it does: {parts}", accepted
+            )
         if not ways:
             raise SimulationError(f"no model with {one.name} could be simulated")
         best = ways[0]
@@ -124,16 +126,15 @@ def _own(one: Acting, start: Model, base: Fit, problem: Problem, scales: Scales)
     others, t = np.arange(len(free)) != at, problem.t
 
     def columns(values: FloatArray) -> FloatArray:
-        given = replace(problem, covariates={**problem.covariates, one.name: values})
-        return evaluate(start, given, free, scales)[1]
+        return evaluate(start, problem.giving(one.name, values), free, scales)[1]
 
-    jacobian = columns(problem.covariates[one.name])
+    jacobian = evaluate(start, problem, free, scales)[1]
     change, steady = jacobian[:, at], columns(np.full(t.size, one.about + 1.0))[:, at]
     in_time = columns(one.about + t - float(np.mean(t)))[:, at]
     alone = _left(change, steady[:, None])
     rest = _left(change, np.column_stack((jacobian[:, others], steady, in_time)))
     left, whole = float(rest @ rest), max(float(alone @ alone), 1e-300)
-    least = (COVARIATE_VARIES.value * one.noise) ** 2 / _BLOCK * float(steady @ steady)
+    least = (COVARIATE_VARIES.value * one.noise.of_means(_BLOCK).sigma) ** 2 * float(steady @ steady)
     return left / whole, left <= max(least, _ALONE * whole)
 
 

@@ -14,25 +14,33 @@ from harness.core.errors import InputError
 from harness.core.recording import Recording
 from harness.diagnosis.request import AskedCovariate
 from harness.diagnosis.rules import COVARIATE_APART, COVARIATE_VARIES, DECISIVE
-from harness.estimate.noise import channel_noise
+from harness.estimate.noise import Noise, channel_noise
 from harness.fit.autocorrelation import memory
 from harness.model.covariate import Acts, Covariate
 
 
 @dataclass(frozen=True, slots=True)
 class Acting:
-    """A covariate of a recording that is followed.
+    """A covariate of a recording.
 
     acts : how it enters, None where that is to be found. about : its mean. unit : "" where the recording gives none.
-    noise : of a sample, in its unit. asked : whether somebody said how it enters.
+    noise : of it, in its unit. file : of the recording. asked : whether somebody said how it enters.
     """
 
     name: str
     acts: Acts | None
     about: float
     unit: str
-    noise: float
+    noise: Noise
+    file: str
     asked: bool = False
+
+    @classmethod
+    def of(cls, recording: Recording, one: AskedCovariate) -> "Acting":
+        """As it was asked for."""
+        values, unit = recording.covariates[one.name], recording.units.get(one.name, "")
+        noise = channel_noise(recording.t, values)
+        return cls(one.name, one.acts, float(np.mean(values)), unit, noise, recording.file, one.acts is not None)
 
     def entering(self, acts: Acts, levelled: bool) -> Covariate:
         """In a model, with no effect yet; levelled : whether the level of a force can be told from the zero."""

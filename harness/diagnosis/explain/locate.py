@@ -62,9 +62,9 @@ def share_within(place: acting.Place, base: Fit, problem: Problem) -> float | No
     inside = np.zeros(t.size, dtype=np.bool_)
     for low, high in place.spans:
         inside |= (t >= low) & (t <= high)
-    squares = base.residual.reshape(-1, t.size) ** 2
-    total = float(squares.sum())
-    return float(squares[:, inside].sum()) / total if total > 0.0 else None
+    squares = sum(np.square(row) for row in problem.by_sample(base.residual).values())
+    total = float(np.sum(squares))
+    return float(np.sum(squares, where=inside)) / total if total > 0.0 else None
 
 
 class _Split(NamedTuple):

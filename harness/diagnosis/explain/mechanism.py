@@ -143,13 +143,13 @@ def of_force(found: Search, graded: ForceGraded, omega: float) -> tuple[Mechanis
             continue
         # alone a law beside the first, or a further one of its name, may take nothing: it was kept for what the model
         # is worse without it
-        more = (left_without(found, i).chi2 - found.chosen.chi2) / found.chosen.chi2
-        share = float(np.clip(more * graded.reference.squares / graded.excess, 0.0, 1.0))
+        more = left_without(found, i).chi2 - found.chosen.chi2
+        share = float(np.clip(more / graded.excess, 0.0, 1.0))
         said.append((len(first), replace(one, grade=Grade.MINOR, share=share)))
     kept = {m.name for _, m in said}
     for f in (f for f in graded.named if f.name not in kept):
         index = len(f.fit.model.terms) - 1
-        alone = replace(found, chosen=f.fit, rivals=found.singles, without=(None,) * index + (graded.ground,))
+        alone = replace(found, chosen=f.fit, rivals=found.singles, without=(None,) * index + (graded.base,))
         said.append((first[f.name], _with_grade(mechanism(alone, index, omega), graded, f)))
     ranked = sorted(said, key=lambda one: (one[0], -one[1].delta_bic))
     of_base = (replace(mechanism(found, i, omega), grade=Grade.EXPLAINS, share=None) for i in range(base))
@@ -180,19 +180,19 @@ _CLEARLY = 0.25
 
 def remainder(base: Fit, refined: Fit, problem: Problem) -> Remainder:
     """What ``refined`` leaves, beside ``base``; both fitted to the problem under the sensors' noise."""
-    floor, n = float(base.points), problem.t.size
+    floor = float(base.points)
     share = min(max((refined.chi2 - floor) / max(base.chi2 - floor, 1e-300), 0.0), 1.0)
-    rows = [refined.residual[i * n : (i + 1) * n] for i in range(len(problem.channels))]
+    rows = list(problem.by_sample(refined.residual).values())
     depends = shares_of(rows, problem.t, refined.shown.x, refined.shown.v)
     return Remainder(share, math.sqrt(refined.chi2 / max(refined.points, 1)), _looks_like(depends), depends)
 
 
 def remainder_of_force(graded: ForceGraded) -> Remainder:
     """What the best model found leaves of the force."""
-    measured, left, noise = graded.measured, graded.best, graded.noise
-    share = float(np.clip((left.squares - noise) / graded.excess, 0.0, 1.0))
+    measured, left, noise = graded.problem.measured, graded.best, graded.noise
+    share = float(np.clip((left.chi2 - noise) / graded.excess, 0.0, 1.0))
     depends = shares_of([left.residual], *(measured.blocks(y) for y in (measured.t, measured.x, measured.v)))
-    over = math.sqrt(left.squares / noise) if noise > 0.0 else math.inf
+    over = math.sqrt(left.chi2 / noise) if noise > 0.0 else math.inf
     return Remainder(share, over, _looks_like(depends), depends)
 
 

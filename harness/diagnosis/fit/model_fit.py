@@ -15,9 +15,10 @@ from harness.core.errors import SimulationError
 from harness.core.events import Events
 from harness.diagnosis.fit.bounds import within
 from harness.diagnosis.parameters import Free, bounds_of, coordinates_of, values_of, with_coordinates, with_values
-from harness.diagnosis.problem import Problem
-from harness.diagnosis.problems.simulated import FINE, Observation, observe
-from harness.fit.covariance import covariance_of
+from harness.diagnosis.problem import Observation, Problem
+from harness.diagnosis.problems.simulated import FINE
+from harness.fit.autocorrelation import Memory, memory
+from harness.fit.covariance import coloured_covariance, covariance_of
 from harness.fit.least_squares import Descent, Stop, Until, least_squares
 from harness.kernels.solve import Effort, Scales
 from harness.model.model import Model
@@ -79,9 +80,8 @@ _LEFT_OUT = (3.0, 1.5)
 _NEAR = 3.5
 """Standard deviations from which a sample beside a jump is looked at twice."""
 
-_DONE = 1e-5
-"""A step that promises less than this in chi-square, of what a value leaves on average, changes nothing that anybody
-could see."""
+_REACH = 2.0
+"""Correlation times over which partials and a coloured residual may go together."""
 _HASTY = 1e-5
 """Of chi-square: a hasty descent that gains less in a step is near enough to be compared."""
 
@@ -90,9 +90,9 @@ _HASTY = 1e-5
 class Fit:
     """A model fitted to a recording.
 
-    chi2 : sum of squares in units of the noise. points : values fitted. residual : (N,) whitened, channels one after
+    chi2 : sum of squares in units of the noise. points : values fitted. residual : (N,) whitened, rows one after
     another. jacobian : (N, q), whitened, by the fitted numbers themselves. shown : what the sensors would have shown.
-    stop : why the descent ended.
+    stop : why the descent ended. seams : see Problem.
     """
 
     model: Model
@@ -103,11 +103,25 @@ class Fit:
     jacobian: FloatArray
     shown: Observation
     stop: Stop
+    seams: tuple[int, ...] | None = None
 
     @property
     def bic(self) -> float:
         """Bayesian information criterion with known noise: chi2 + q ln N."""
         return self.chi2 + len(self.free) * math.log(max(self.points, 2))
+
+    @property
+    def memory(self) -> Memory:
+        """How long the residual remembers."""
+        return memory(self.residual, begins=self.seams or ())
+
+    def bic_of(self, independent: float, spare: float = 0.0) -> float:
+        """Bayesian information criterion for noise of unknown level and so many independent values.
+
+        spare : chi-square a value, taken off by chance alone, which does not count.
+        """
+        squares = self.chi2 + spare * self.residual.size
+        return independent * math.log(squares) + len(self.free) * math.log(independent)
 
     @property
     def as_named(self) -> bool:
@@ -130,14 +144,20 @@ class Fit:
         return values_of(self.model, self.free)
 
     def covariance(self) -> FloatArray:
-        """Covariance of the fitted numbers, (q, q), for noise as estimated; numbers on a bound have none."""
-        return covariance_of(self.jacobian)
+        """Covariance of the fitted numbers, (q, q), for noise as estimated; numbers on a bound have none.
+
+        Of a residual that is coloured by that of its own with the partials, whatever its size (Newey and West 1987).
+        """
+        if self.seams is None:
+            return covariance_of(self.jacobian)
+        lags = min(math.ceil(_REACH * self.memory.time), self.residual.size - 1)
+        return coloured_covariance(self.jacobian, self.residual, lags, self.seams)
 
 
 def whitened(problem: Problem, values: Mapping[str, FloatArray]) -> FloatArray:
-    """Residuals (n,) or partials (n, q) of all channels whitened, one channel after another."""
+    """Residuals (m,) or partials (m, q) of all rows whitened, one row after another."""
     white = problem.whitened(values)
-    return np.concatenate([white[c] for c in problem.channels])
+    return np.concatenate([white[c] for c in problem.rows])
 
 
 def evaluate(
@@ -151,9 +171,8 @@ def evaluate(
 
     Raises SimulationError where model or partials cannot be followed.
     """
-    shown = observe(model, problem, tuple(f.by for f in free), scales, effort)
-    residual = whitened(problem, {c: y - shown.y[c] for c, y in problem.channels.items()})
-    jacobian = whitened(problem, shown.dy)
+    shown = problem.shows(model, tuple(f.by for f in free), scales, effort)
+    residual, jacobian = whitened(problem, problem.left(shown)), whitened(problem, shown.dy)
     if not np.isfinite(jacobian).all():
         # beside a law that is all but a jump, partials may grow beyond all bounds where the motion does not
         raise SimulationError("what the fitted numbers change of the motion could not be followed")
@@ -171,10 +190,13 @@ def _descend(
 ) -> Fit:
     """The nearest fit downhill; share : of chi-square, that a step must gain to be followed by another."""
     free = within(free, model, problem, scales)
-    until = Until(_DONE, max(share, _DONE / problem.points), iterations)
+    gain, least = problem.settled
+    until = Until(gain, max(share, least), iterations)
     found = downhill(model, free, lambda m: evaluate(m, problem, free, scales, effort), until)
     at = found.point
-    return Fit(at.model, free, at.squares, problem.points, at.residual, at.jacobian, at.shown, found.stop)
+    return Fit(
+        at.model, free, at.squares, problem.points, at.residual, at.jacobian, at.shown, found.stop, problem.seams
+    )
 
 
 def fit(

@@ -103,7 +103,7 @@ def covariances(found: Fit, problem: Problem, omega: float, explained: bool) -> 
     quantised and jittered noise, by curvature alone 89.7 %.
     """
     inflated = found.covariance() * inflation(found) ** 2
-    if problem.errors_allow_for_misfit:
+    if found.seams is not None:
         return (inflated,)
     scatter = clustered_covariance(found, problem, omega)
     few = explained and half_swings(problem, omega) < _ENOUGH * len(found.free)

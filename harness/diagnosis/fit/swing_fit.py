@@ -17,8 +17,8 @@ from harness.core.arrays import BoolArray, ComplexArray, FloatArray
 from harness.diagnosis.fit.bounds import within
 from harness.diagnosis.fit.model_fit import downhill
 from harness.diagnosis.parameters import Free
-from harness.diagnosis.problem import Problem
-from harness.diagnosis.problems.simulated import COARSE, Observation, observe
+from harness.diagnosis.problem import Observation, Problem
+from harness.diagnosis.problems.simulated import COARSE, observe
 from harness.fit.least_squares import Until
 from harness.kernels.solve import Scales
 from harness.model.model import Model

@@ -15,9 +15,8 @@ from harness.core.arrays import BoolArray, FloatArray, IntArray
 from harness.core.events import EventKind, Events, Mode
 from harness.core.jit import compiled
 from harness.diagnosis.fit.model_fit import Fit
-from harness.diagnosis.problem import Problem, apart
+from harness.diagnosis.problem import Observation, Problem, apart
 from harness.diagnosis.problems.force_noise import ForceNoise
-from harness.diagnosis.problems.simulated import Observation
 from harness.diagnosis.rules import DECISIVE
 from harness.estimate.noise import Noise
 from harness.model.model import Model, Restoring

@@ -17,9 +17,9 @@ import numpy as np
 
 from harness.core.arrays import FloatArray
 from harness.core.errors import SimulationError
+from harness.diagnosis.fit.model_fit import Fit, fit
 from harness.diagnosis.fit.rmse import motion_followed
-from harness.diagnosis.inverse_dynamics.force_fit import ForceFit, fit_force
-from harness.diagnosis.problems.driven import InverseDynamics
+from harness.diagnosis.problems.inverse import InverseDynamics, Q
 from harness.diagnosis.problems.measured import Measured
 from harness.diagnosis.problems.simulated import COARSE, observe
 from harness.diagnosis.residual_tests.structure import Left
@@ -36,20 +36,19 @@ _ON_THE_WAY = 99.0
 """% of the motion (NRMSE)."""
 
 
-def draws(
-    current: ForceFit, problem: InverseDynamics, scales: Scales, count: int
-) -> Iterator[tuple[ForceFit, Measured]]:
+def draws(current: Fit, problem: Q, scales: Scales, count: int) -> Iterator[tuple[Fit, Q]]:
     """A fitted model as the truth, recorded and fitted again, so many times. Raises SimulationError."""
     parts = problem.alone or (problem,)
     each = [_Moved.by(current.model.of_recording(r), one, scales) for r, one in enumerate(parts)]
     # of the same way the same blocks
-    same = Measured.of(problem).moving if problem.restoring is Restoring.NONE else None
+    same = problem.measured.moving if problem.restoring is Restoring.NONE else None
     random = np.random.default_rng(0)
     for _ in range(count):
         drawn = Measured.of_several([Measured.of(one.drawn(random)) for one in each], problem)
         if same is not None:
             drawn = drawn.part(same)
-        yield fit_force(current.model, drawn, current.free), drawn
+        again = replace(problem, fixed=drawn)
+        yield fit(current.model, again, current.free, scales), again
 
 
 @dataclass(frozen=True, slots=True)
@@ -92,9 +91,7 @@ class _Moved:
         return replace(problem, channels=channels, drive=replace(drive, u=force))
 
 
-def taken_by_chance(
-    current: ForceFit, problem: InverseDynamics, scales: Scales, further: Callable[[ForceFit, Measured], list[ForceFit]]
-) -> float:
+def taken_by_chance(current: Fit, problem: Q, scales: Scales, further: Callable[[Fit, Q], list[Fit]]) -> float:
     """Squares of force, N^2 a value, that the best of ``further`` takes off a true model: the most of some draws.
 
     0 where the model cannot be simulated: then it says nothing of what chance does.
@@ -104,8 +101,7 @@ def taken_by_chance(
         for before, drawn in draws(current, problem, scales, NULL_DRAWS.count):
             after = further(before, drawn)
             if after:
-                squares = min(f.squares for f in after)
-                most = max(most, (before.squares - squares) / before.residual.size)
+                most = max(most, (before.chi2 - min(f.chi2 for f in after)) / before.residual.size)
     return most
 
 
@@ -131,7 +127,7 @@ class LeftOver:
         return Left.NOISE if self.ratio <= OVER_SIMULATED.value else Left.STRUCTURE
 
 
-def left_over(found: ForceFit, problem: InverseDynamics, scales: Scales) -> LeftOver:
+def left_over(found: Fit, problem: InverseDynamics, scales: Scales) -> LeftOver:
     """What a model leaves of a force beside what it would leave if it were the whole truth.
 
     In means over ever longer stretches too: what noise leaves is fast, what a law leaves is slow.

@@ -13,16 +13,18 @@ import numpy as np
 from harness.core.arrays import FloatArray
 from harness.core.errors import InputError, SimulationError
 from harness.core.recording import Recording
-from harness.diagnosis.inverse_dynamics.force_fit import ROUGHLY, fit_force
+from harness.diagnosis.covariates.following import enter
+from harness.diagnosis.covariates.values import Acting, values_in
+from harness.diagnosis.fit.model_fit import fit
 from harness.diagnosis.inverse_dynamics.search import extended, force_baseline
 from harness.diagnosis.parameters import free_of
 from harness.diagnosis.prepare.driven import forced_problem
 from harness.diagnosis.prepare.free_decay import in_common
 from harness.diagnosis.prepare.intersample import ACTS_HELD, held
-from harness.diagnosis.problems.driven import InverseDynamics
 from harness.diagnosis.problems.forces_together import ForcesTogether
-from harness.diagnosis.problems.measured import BLOCK, Measured
-from harness.diagnosis.request import Asked
+from harness.diagnosis.problems.inverse import InverseDynamics
+from harness.diagnosis.problems.measured import BLOCK
+from harness.diagnosis.request import Asked, AskedCovariate
 from harness.diagnosis.rules import FORCE_HELD, MASS_UNSEEN
 from harness.kernels.solve import Drive
 from harness.model.model import Restoring
@@ -41,8 +43,23 @@ def as_it_acts(problem: InverseDynamics, u: FloatArray) -> tuple[InverseDynamics
 
 def _left(problem: InverseDynamics, drive: Drive) -> float:
     """Sum of squares of the force that the base model leaves, N^2."""
-    measured = Measured.of(replace(problem, drive=drive))
-    return fit_force(problem.first, measured, free_of(problem.first, problem.base_names)).squares
+    acting = replace(problem, drive=drive)
+    return fit(acting.first, acting, free_of(acting.first, acting.base_names)).chi2
+
+
+def with_covariates(
+    problem: InverseDynamics, recording: Recording, asked: tuple[AskedCovariate, ...]
+) -> InverseDynamics:
+    """The problem with its covariates, and the rough base model with each where it enters best.
+
+    Raises InputError for one that is no column, hardly varies, or follows from the base model and time.
+    """
+    acting = tuple(Acting.of(recording, one) for one in asked)
+    problem = replace(problem, covariates=values_in(recording, asked), acting=acting)
+    base, scales = force_baseline(problem)
+    found = enter(base, problem, scales)
+    first = replace(problem.first, covariates=found.fit.model.covariates)
+    return replace(problem, first=first, enters=found.said, acting=found.acting)
 
 
 def with_unseen_mass(problem: InverseDynamics) -> InverseDynamics:
@@ -53,11 +70,11 @@ def with_unseen_mass(problem: InverseDynamics) -> InverseDynamics:
     """
     if not problem.mass_names:
         return problem
-    measured, base, scales = force_baseline(problem)
+    base, scales, measured = *force_baseline(problem), problem.measured
     a = float(np.sqrt(np.mean(measured.blocks(measured.a) ** 2)))
     if a <= 0.0:
         return problem
-    best = min((base, *extended(base, measured, problem, scales, ROUGHLY)), key=lambda found: found.squares)
+    best = min((base, *extended(base, problem, scales, thorough=False)), key=lambda found: found.chi2)
     mass = MASS_UNSEEN.value * float(np.sqrt(np.mean(best.residual**2))) / a
     if best.model.m >= mass:
         return problem

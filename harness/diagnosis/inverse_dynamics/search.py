@@ -20,23 +20,22 @@ import numpy as np
 
 from harness.core.errors import SimulationError
 from harness.diagnosis.baseline.base_fit import driven_scales
-from harness.diagnosis.fit.model_fit import Fit
+from harness.diagnosis.fit.model_fit import Fit, fit
 from harness.diagnosis.fit.rmse import motion_followed
 from harness.diagnosis.fit.standard_errors import unit_of
-from harness.diagnosis.inverse_dynamics.force_fit import DONE, ROUGHLY, ForceFit, as_fit, fit_force, simulated
 from harness.diagnosis.inverse_dynamics.force_screen import starts, whole_in
-from harness.diagnosis.inverse_dynamics.grade import Fitted, ForceGraded, graded
+from harness.diagnosis.inverse_dynamics.grade import ForceGraded, graded_by
 from harness.diagnosis.inverse_dynamics.left_over import LeftOver, left_over, taken_by_chance
 from harness.diagnosis.inverse_dynamics.validate import Judge
 from harness.diagnosis.parameters import base_of, free_of
 from harness.diagnosis.problem import Problem
-from harness.diagnosis.problems.driven import Driven, InverseDynamics
-from harness.diagnosis.problems.measured import Measured
+from harness.diagnosis.problems.driven import Driven
+from harness.diagnosis.problems.inverse import InverseDynamics
+from harness.diagnosis.problems.simulated import COARSE, observe
 from harness.diagnosis.residual_tests.structure import Left
 from harness.diagnosis.rules import AMONG_NAMES, DECISIVE, MOST_FORCE_TERMS, MOVES, PREDICTS_WORSE
-from harness.diagnosis.search.search import Search, less_each
+from harness.diagnosis.search.search import Search, less_each, under
 from harness.diagnosis.smoothed_state.state import Course
-from harness.estimate.noise import Noise
 from harness.fit.autocorrelation import ENOUGH
 from harness.kernels.solve import Drive, Scales
 from harness.model.model import Model, ModelTerm, Restoring
@@ -48,14 +47,19 @@ _LOOKED_AT = 5
 """Names that are extended by a further one."""
 
 
-def force_baseline(problem: InverseDynamics) -> tuple[Measured, ForceFit, Scales]:
-    """What was measured, the base model fitted to its force, and what counts as ordinary.
+def force_baseline(problem: InverseDynamics) -> tuple[Fit, Scales]:
+    """The base model fitted to the force, and what counts as ordinary.
 
     Raises SimulationError when little moves or the base model cannot be fitted.
     """
-    measured = Measured.of(problem)
-    base = fit_force(problem.first, measured, free_of(problem.first, problem.base_names))
-    return measured, base, driven_scales(problem, problem.first)
+    scales = driven_scales(problem, problem.first)
+    return fit(problem.first, problem, free_of(problem.first, problem.base_names), scales), scales
+
+
+def moving(found: Fit, problem: InverseDynamics, scales: Scales) -> Fit:
+    """The same with the model's own motion over the windows. Raises SimulationError where it cannot be simulated."""
+    motion = observe(found.model, problem, (), scales, COARSE)
+    return replace(found, shown=replace(motion, y={**motion.y, **found.shown.y}, dy=found.shown.dy))
 
 
 @dataclass(frozen=True, slots=True)
@@ -73,72 +77,69 @@ def search_driven(problem: InverseDynamics, judge: Judge | None = None) -> Force
 
     Raises SimulationError when not even the base model can be fitted.
     """
-    measured, base, scales = force_baseline(problem)
-    ground = _pushed(base, measured, problem, judge) or base
-    chosen, singles, rivals, path = _grown(ground, base, measured, problem, scales, judge)
-    if chosen is not ground is not base and not _pushes(chosen, measured):
+    base, scales = force_baseline(problem)
+    ground = _pushed(base, problem, scales, judge) or base
+    chosen, singles, rivals, path = _grown(ground, base, problem, scales, judge)
+    if chosen is not ground is not base and not _pushes(chosen, problem, scales):
         # what pushed is in the law that was found besides
         ground = base
-        chosen, singles, rivals, path = _grown(ground, base, measured, problem, scales, judge)
+        chosen, singles, rivals, path = _grown(ground, base, problem, scales, judge)
     if chosen is ground is not base:
         # nothing is left beside the push, which is then what is missing
-        ground, singles = base, extended(base, measured, problem, scales) or [base]
+        ground, singles = base, extended(base, problem, scales) or [base]
     over = left_over(chosen, problem, scales)
-    level = (chosen.squares / chosen.residual.size) ** 0.5
-    problem = replace(problem, noise={**problem.noise, "u": Noise(level, True, 0.0, 0.0)})
+    # a law that says the force but moves worse than the base model is no name either
+    as_well = 100.0 - PREDICTS_WORSE.value * (100.0 - _followed(base, problem, scales))
+    laws = [f for f in singles if f is not ground and _moves(f, as_well, problem, scales)]
+    problem = problem.levelled(chosen.residual, chosen.memory.independent)
 
-    shown = simulated(base, problem, scales)
-    first = as_fit(base, problem, measured, chosen, shown)
-    last = first
-    if chosen is not base:
-        last = as_fit(chosen, problem, measured, chosen, simulated(chosen, problem, scales))
+    first = moving(under(base, problem), problem, scales)
+    last = first if chosen is base else moving(under(chosen, problem), problem, scales)
 
-    def seen(fits: list[ForceFit]) -> tuple[Fit, ...]:
+    def seen(fits: list[Fit]) -> tuple[Fit, ...]:
         # their evidence counts alone: nobody looks at what they would have shown
-        again = (last if f is chosen else as_fit(f, problem, measured, chosen, shown) for f in fits)
+        again = (last if f is chosen else under(f, problem) for f in fits)
         return tuple(sorted(again, key=lambda f: f.bic))
 
     alone, rest = seen(singles), seen([*rivals, *(f for f in path if all(f is not r for r in rivals))])
-    fitted = [f if f is None else as_fit(f, problem, measured, chosen, shown) for f in _refitted(chosen, measured)]
-    without = less_each(last, fitted, (*alone, *rest))
+    without = less_each(last, list(_refitted(last, problem, scales)), (*alone, *rest))
     left = over.left if _predicts(last, first, problem) else Left.STRUCTURE
     search = Search(problem, first, last, alone, rest, left, without, by_force=True)
     if left is Left.NOISE:
         return ForceSearch(search, scales, over, None)
-    fitted_to = Fitted(problem, measured, scales, ground, chosen, shown)
-    # a law that says the force but moves worse than the base model is no name either
-    as_well = 100.0 - PREDICTS_WORSE.value * (100.0 - _followed(base, problem, scales))
-    laws = [f for f in singles if f is not ground and _moves(f, as_well, problem, scales)]
-    return ForceSearch(search, scales, over, graded(fitted_to, last, laws, over, judge is not None))
+    names = [under(f, problem) for f in laws]
+    graded = graded_by(under(ground, problem), last, names, problem, scales, over, judged=judge is not None)
+    return ForceSearch(search, scales, over, _with_motion(graded, problem, scales))
+
+
+def _with_motion(graded: ForceGraded, problem: InverseDynamics, scales: Scales) -> ForceGraded:
+    """With the motion of what is named."""
+    named = tuple(replace(f, fit=moving(f.fit, problem, scales)) for f in graded.named)
+    return replace(graded, named=named, best=graded.best if graded.kept else named[0].fit)
 
 
 def _grown(
-    ground: ForceFit,
-    base: ForceFit,
-    measured: Measured,
-    problem: InverseDynamics,
-    scales: Scales,
-    judge: Judge | None,
-) -> tuple[ForceFit, list[ForceFit], list[ForceFit], list[ForceFit]]:
+    ground: Fit, base: Fit, problem: InverseDynamics, scales: Scales, judge: Judge | None
+) -> tuple[Fit, list[Fit], list[Fit], list[Fit]]:
     """The model that the search comes to, one law more at a time; single laws, the last step's rivals, and the path."""
     chosen, singles, rivals, path = ground, [ground], [ground], [base, *([] if ground is base else [ground])]
-    further = partial(extended, problem=problem, scales=scales, done=ROUGHLY)
+    further = partial(extended, scales=scales, thorough=False)
     least = min(MOVES.value, _followed(base, problem, scales))
     for _ in range(MOST_FORCE_TERMS.count):
-        found = extended(chosen, measured, problem, scales)
+        found = extended(chosen, problem, scales)
         if chosen is ground:
             singles = found or singles
         if not found:
             break
         rivals = found
         independent = found[0].memory.independent
-        most = chosen.bic(independent) - (AMONG_NAMES if chosen is ground else DECISIVE).value
-        better = [f for f in found[:_LOOKED_AT] if f.bic(independent) < most]
+        most = chosen.bic_of(independent) - (AMONG_NAMES if chosen is ground else DECISIVE).value
+        better = [f for f in found[:_LOOKED_AT] if f.bic_of(independent) < most]
         if judge is not None:
             better = [f for f in better if judge.confirms(chosen.model, f.model)]
         elif better:
             chance = taken_by_chance(chosen, problem, scales, further)
-            better = [f for f in better if f.bic(independent, chance) < most]
+            better = [f for f in better if f.bic_of(independent, chance) < most]
         # what moves otherwise or cannot be followed is no model of the motion, however well it says the force
         kept = next((f for f in better if _moves(f, least, problem, scales)), None)
         if kept is None:
@@ -148,13 +149,13 @@ def _grown(
     return chosen, singles, rivals, path
 
 
-def _pushes(found: ForceFit, measured: Measured) -> bool:
+def _pushes(found: Fit, problem: InverseDynamics, scales: Scales) -> bool:
     """Whether a model that begins with a constant force is worse without it."""
-    bare, independent = next(_refitted(found, measured)), found.memory.independent
-    return bare is None or bare.bic(independent) > found.bic(independent) + AMONG_NAMES.value
+    bare, independent = next(_refitted(found, problem, scales)), found.memory.independent
+    return bare is None or bare.bic_of(independent) > found.bic_of(independent) + AMONG_NAMES.value
 
 
-def _pushed(base: ForceFit, measured: Measured, problem: InverseDynamics, judge: Judge | None) -> ForceFit | None:
+def _pushed(base: Fit, problem: InverseDynamics, scales: Scales, judge: Judge | None) -> Fit | None:
     """The base model with a constant force, which an axis without a spring has beside what else is missing.
 
     A weight or a tilt is no rival of other laws: what they take is a share of what it leaves. None where it is not
@@ -164,11 +165,11 @@ def _pushed(base: ForceFit, measured: Measured, problem: InverseDynamics, judge:
         return None
     model = replace(base.model, terms=(ModelTerm(_PUSH, (0.0,)),))
     try:
-        found = fit_force(model, measured, free_of(model, base_of(base.free)))
+        found = fit(model, problem, free_of(model, base_of(base.free)), scales)
     except SimulationError:
         return None
     independent = found.memory.independent
-    seen = found.bic(independent) < base.bic(independent) - AMONG_NAMES.value
+    seen = found.bic_of(independent) < base.bic_of(independent) - AMONG_NAMES.value
     return found if seen and (judge is None or judge.confirms(base.model, found.model)) else None
 
 
@@ -180,49 +181,47 @@ def _predicts(found: Fit, base: Fit, problem: InverseDynamics) -> bool:
     return missed <= PREDICTS_WORSE.value * usual
 
 
-def _moves(found: ForceFit, least: float, problem: InverseDynamics, scales: Scales) -> bool:
+def _moves(found: Fit, least: float, problem: InverseDynamics, scales: Scales) -> bool:
     """Whether a model's own motion over the windows can be simulated and follows at least so much (%)."""
     percent = _followed(found, problem, scales)
     return percent > -math.inf and percent >= least
 
 
-def _followed(found: ForceFit, problem: InverseDynamics, scales: Scales) -> float:
+def _followed(found: Fit, problem: InverseDynamics, scales: Scales) -> float:
     """NRMSE fit of a model's own motion, %; -inf where it cannot be simulated."""
     try:
-        return motion_followed(simulated(found, problem, scales).y, problem)
+        return motion_followed(moving(found, problem, scales).shown.y, problem)
     except SimulationError:
         return -math.inf
 
 
-def _refitted(found: ForceFit, measured: Measured) -> Iterator[ForceFit | None]:
+def _refitted(found: Fit, problem: InverseDynamics, scales: Scales) -> Iterator[Fit | None]:
     """A model of several terms less each of them in turn, fitted again; None where a law overflows."""
     terms = found.model.terms
     for i in range(len(terms)):
         model = replace(found.model, terms=terms[:i] + terms[i + 1 :])
         try:
-            yield fit_force(model, measured, free_of(model, base_of(found.free)))
+            yield fit(model, problem, free_of(model, base_of(found.free)), scales)
         except SimulationError:
             yield None
 
 
-def extended(
-    current: ForceFit, measured: Measured, problem: InverseDynamics, scales: Scales, done: float = DONE
-) -> list[ForceFit]:
-    """Fits with one more law, the best of each, best first by evidence. done : see ``fit_force``."""
-    best: dict[str, ForceFit] = {}
+def extended(current: Fit, problem: InverseDynamics, scales: Scales, thorough: bool = True) -> list[Fit]:
+    """Fits with one more law, the best of each, best first by evidence. thorough : see ``fit``."""
+    best: dict[str, Fit] = {}
     base = base_of(current.free)
-    for model in starts(current, measured, problem, scales):
+    for model in starts(current, problem, scales):
         try:
-            found = fit_force(model, measured, free_of(model, base), done)
+            found = fit(model, problem, free_of(model, base), scales, thorough=thorough)
         except SimulationError:
             continue
         key = model.terms[-1].term.key
-        if whole_in(found.model, measured) and (key not in best or found.squares < best[key].squares):
+        if whole_in(found.model, problem.measured) and (key not in best or found.chi2 < best[key].chi2):
             best[key] = found
     if not best:
         return []
-    independent = min(best.values(), key=lambda f: f.squares).memory.independent
-    return sorted(best.values(), key=lambda f: f.bic(independent))
+    independent = min(best.values(), key=lambda f: f.chi2).memory.independent
+    return sorted(best.values(), key=lambda f: f.bic_of(independent))
 
 
 def left_said(problem: Problem, drive: Drive, independent: int, over: LeftOver) -> str:
@@ -256,8 +255,8 @@ def by_the_force(problem: Driven, base: Model) -> tuple[Model, ...]:
     """
     with suppress(SimulationError):
         forces = InverseDynamics.of(problem, Course.of(problem.t, problem.channels, problem.noise).anew(math.inf))
-        measured, found, scales = force_baseline(forces)
-        laws = extended(found, measured, forces, scales)[:_LAWS]
+        found, scales = force_baseline(forces)
+        laws = extended(found, forces, scales)[:_LAWS]
         return tuple(_released_as(base, one.model) for one in laws)
     return ()
 

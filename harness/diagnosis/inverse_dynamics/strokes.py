@@ -7,9 +7,9 @@ import numpy as np
 
 from harness.core.arrays import FloatArray, IntArray
 from harness.diagnosis.baseline.words import Strokes
-from harness.diagnosis.inverse_dynamics.force_fit import ForceFit
 from harness.diagnosis.problems.measured import Measured
 from harness.diagnosis.rules import DRIVE_REPEATS, MOST_WORDS, PERIODS_COUNTED, STROKE_CUT
+from harness.fit.autocorrelation import Memory
 
 _LOOKED_AT = 2000
 """Values of the force in which a period is looked for."""
@@ -30,9 +30,9 @@ class ForceWords:
     period: float | None
 
 
-def force_words(base: ForceFit, measured: Measured) -> ForceWords:
-    """Words of what the base model leaves of a force."""
-    t, memory = measured.blocks(measured.t), base.memory
+def force_words(memory: Memory, measured: Measured) -> ForceWords:
+    """Words of what a model leaves of a force; memory : of that."""
+    t = measured.blocks(measured.t)
     strokes = _parted(Strokes.by(measured.blocks(measured.v)).of, measured.begins)
     of = _cut(strokes, STROKE_CUT.value * memory.time)
     periods = [period_of(one) for one in measured.each]

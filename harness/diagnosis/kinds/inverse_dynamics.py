@@ -9,9 +9,8 @@ import numpy as np
 
 from harness.diagnosis.explain.force_map import ForceMap, measured_map
 from harness.diagnosis.fit.model_fit import Fit
-from harness.diagnosis.inverse_dynamics.force_fit import as_fit, simulated
 from harness.diagnosis.inverse_dynamics.holdout import holdout_windows
-from harness.diagnosis.inverse_dynamics.search import force_baseline, left_said, search_driven
+from harness.diagnosis.inverse_dynamics.search import force_baseline, left_said, moving, search_driven
 from harness.diagnosis.inverse_dynamics.validate import Judge
 from harness.diagnosis.kinds.kind import Kind
 from harness.diagnosis.motion import Motion
@@ -19,9 +18,10 @@ from harness.diagnosis.outcome import Holdout
 from harness.diagnosis.pooling.forces import shared_forces, unmasked_forces
 from harness.diagnosis.pooling.pooled import Pooled
 from harness.diagnosis.pooling.repeated import sentences
-from harness.diagnosis.problems.driven import InverseDynamics
 from harness.diagnosis.problems.forces_together import ForcesTogether
-from harness.diagnosis.problems.measured import BLOCK, Measured
+from harness.diagnosis.problems.inverse import InverseDynamics
+from harness.diagnosis.problems.measured import BLOCK
+from harness.diagnosis.search.search import under
 from harness.diagnosis.stages import Based, Found, Judged
 from harness.estimate.noise import channel_noise
 from harness.kernels.solve import Scales
@@ -39,9 +39,9 @@ class FittedForces(Kind[InverseDynamics]):
 
     def fit_base(self, problem: InverseDynamics) -> Based[InverseDynamics]:
         """By the force."""
-        measured, base, scales = force_baseline(problem)
-        shown = simulated(base, problem, scales)
-        return Based(problem, problem, as_fit(base, problem, measured, base, shown), scales)
+        base, scales = force_baseline(problem)
+        level = problem.levelled(base.residual, base.memory.independent)
+        return Based(problem, problem, moving(under(base, level), level, scales), scales)
 
     def search(self, based: Based[InverseDynamics], other: Judge | None) -> Found:
         """A law is kept if it takes more off than chance does, or if another recording confirms it."""
@@ -58,7 +58,7 @@ class FittedForces(Kind[InverseDynamics]):
 
     def left_over(self, problem: InverseDynamics, base: Fit, scales: Scales) -> ForceMap:
         """What is left of the measured force itself, where the slider moves."""
-        measured = Measured.of(problem)
+        measured = problem.measured
         left = (measured.u - measured.needed(base.model)) / base.model.m
         motion = Motion(measured.x, measured.v, ~np.repeat(measured.moving, BLOCK), scales.omega)
         return measured_map(measured.t, left, channel_noise(measured.t, left).sigma, motion)

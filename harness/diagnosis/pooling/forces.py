@@ -2,7 +2,7 @@
 
 The base model is fitted to the force of each by itself. The differences of its numbers are held against the errors of
 both, jointly, as an F of as many values as the forces count as: what is left of a force is coloured, and its errors
-are those of Newey and West (see ``inverse_dynamics.force_fit``). Where they differ by more, each number is made every
+are those of Newey and West (see ``Fit.covariance``). Where they differ by more, each number is made every
 recording's own in turn, and held against the best law of the catalogue that all would share.
 """
 
@@ -16,17 +16,17 @@ from harness.core.arrays import FloatArray
 from harness.core.errors import SimulationError
 from harness.diagnosis.baseline.base_fit import driven_scales
 from harness.diagnosis.baseline.words import evidence
+from harness.diagnosis.fit.model_fit import Fit, fit
 from harness.diagnosis.fit.standard_errors import base_parameters
-from harness.diagnosis.inverse_dynamics.force_fit import ForceFit, as_fit, fit_force, simulated
-from harness.diagnosis.inverse_dynamics.search import extended
+from harness.diagnosis.inverse_dynamics.search import extended, moving
 from harness.diagnosis.inverse_dynamics.strokes import force_words
 from harness.diagnosis.parameters import base_of, free_of
 from harness.diagnosis.pooling.own import CANDIDATES, Alone, Compared
 from harness.diagnosis.pooling.pooled import MOST, Pooled
-from harness.diagnosis.problems.driven import InverseDynamics
 from harness.diagnosis.problems.forces_together import ForcesTogether
-from harness.diagnosis.problems.measured import Measured
+from harness.diagnosis.problems.inverse import InverseDynamics
 from harness.diagnosis.rules import DECISIVE, OWN, POOLED
+from harness.diagnosis.search.search import under
 from harness.kernels.solve import Scales
 from harness.model.elsewhere import named
 from harness.model.model import Model, Restoring
@@ -40,7 +40,7 @@ class Freed:
 
     stem: str
     problem: ForcesTogether
-    fit: ForceFit
+    fit: Fit
     gain: float
 
 
@@ -50,35 +50,36 @@ def shared_forces(problem: ForcesTogether) -> Pooled[ForcesTogether]:
     Raises SimulationError when little moves or the base model cannot be fitted.
     """
     scales = driven_scales(problem, problem.first)
-    fits = [fit_force(one.first, Measured.of(one), free_of(one.first, one.base_names)) for one in problem.each]
-    problem = problem.under_levels([max((f.squares / f.residual.size) ** 0.5, 1e-300) for f in fits])
-    measured = Measured.of(problem)
+    fits = [fit(one.first, one, free_of(one.first, one.base_names), scales) for one in problem.each]
+    problem = problem.under_levels([max((f.chi2 / f.residual.size) ** 0.5, 1e-300) for f in fits])
     alone = tuple(_alone(one, f, scales) for one, f in zip(problem.each, fits, strict=True))
     seen = _compared(alone, fits)
-    base = fit_force(problem.first, measured, free_of(problem.first, problem.base_names))
+    base = fit(problem.first, problem, free_of(problem.first, problem.base_names), scales)
     if seen.chance < POOLED.value:
-        problem, base = _parted(base, problem, measured, scales)
-    shown = simulated(base, problem, scales)
-    return Pooled(problem, as_fit(base, problem, measured, base, shown), scales, seen)
+        problem, base = _parted(base, problem, scales)
+    return Pooled(problem, _shown(base, problem, scales), scales, seen)
 
 
 def unmasked_forces(found: Model, before: Pooled[ForcesTogether]) -> Pooled[ForcesTogether] | None:
     """Recordings with one more parameter of their own, where one shows beside the laws that were found."""
-    problem = before.problem
+    problem, scales = before.problem, before.scales
     if not found.terms or len(before.own) >= MOST:
         return None
-    measured = Measured.of(problem)
-    best = fit_force(found, measured, free_of(found, problem.base_names))
-    each = freed(best, problem, measured)
+    each = freed(fit(found, problem, free_of(found, problem.base_names), scales), problem, scales)
     if not each or each[0].gain < OWN.value + DECISIVE.value:
         return None
     problem = each[0].problem
-    base = fit_force(problem.first, measured, free_of(problem.first, problem.base_names))
-    shown = simulated(base, problem, before.scales)
-    return replace(before, problem=problem, base=as_fit(base, problem, measured, base, shown))
+    base = fit(problem.first, problem, free_of(problem.first, problem.base_names), scales)
+    return replace(before, problem=problem, base=_shown(base, problem, scales))
 
 
-def freed(found: ForceFit, problem: ForcesTogether, measured: Measured) -> list[Freed]:
+def _shown(found: Fit, problem: InverseDynamics, scales: Scales) -> Fit:
+    """Under the level that it leaves, with its motion. Raises SimulationError."""
+    level = problem.levelled(found.residual, found.memory.independent)
+    return moving(under(found, level), level, scales)
+
+
+def freed(found: Fit, problem: ForcesTogether, scales: Scales) -> list[Freed]:
     """Every parameter that may differ, alone, most evidence first."""
     more = len(problem.each) - 1
     seen = []
@@ -89,9 +90,9 @@ def freed(found: ForceFit, problem: ForcesTogether, measured: Measured) -> list[
         names = dict.fromkeys((*base_of(found.free), *(named(stem, r) for r in range(1, more + 1))))
         model = _having(found.model, stem)
         with suppress(SimulationError):
-            better = fit_force(model, measured, free_of(model, tuple(names)))
-            words = min(force_words(better, measured).pieces.count, better.memory.independent)
-            gain = evidence(found.squares, better.squares, max(words, 1.0), more, float(len(CANDIDATES)))
+            better = fit(model, problem, free_of(model, tuple(names)), scales)
+            words = min(force_words(better.memory, problem.measured).pieces.count, better.memory.independent)
+            gain = evidence(found.chi2, better.chi2, max(words, 1.0), more, float(len(CANDIDATES)))
             seen.append(Freed(stem, other, better, gain))
     return sorted(seen, key=lambda one: -one.gain)
 
@@ -101,19 +102,16 @@ def _having(model: Model, stem: str) -> Model:
     return replace(model, elsewhere=tuple(one.having(**{stem: value}) for one in model.elsewhere))
 
 
-def _parted(
-    base: ForceFit, problem: ForcesTogether, measured: Measured, scales: Scales
-) -> tuple[ForcesTogether, ForceFit]:
-    laws: list[ForceFit] | None = None
+def _parted(base: Fit, problem: ForcesTogether, scales: Scales) -> tuple[ForcesTogether, Fit]:
     while len(problem.starts.own) < MOST:
-        each = freed(base, problem, measured)
+        each = freed(base, problem, scales)
         if not each or each[0].gain < OWN.value:
             break
         best = each[0]
-        laws = extended(base, measured, problem, scales)
+        laws = extended(base, problem, scales)
         independent = best.fit.memory.independent
         # a law that says as much leaves one machine, which is the simpler thing to say
-        if laws and laws[0].bic(independent) < best.fit.bic(independent) + DECISIVE.value:
+        if laws and laws[0].bic_of(independent) < best.fit.bic_of(independent) + DECISIVE.value:
             break
         problem, base = best.problem, best.fit
     return problem, base
@@ -121,17 +119,15 @@ def _parted(
 
 def force_alone(problem: InverseDynamics, model: Model, scales: Scales) -> Alone:
     """A recording by itself with the terms of a model. Raises SimulationError."""
-    return _alone(problem, fit_force(model, Measured.of(problem), free_of(model, problem.base_names)), scales)
+    return _alone(problem, fit(model, problem, free_of(model, problem.base_names), scales), scales)
 
 
-def _alone(problem: InverseDynamics, found: ForceFit, scales: Scales) -> Alone:
-    measured = Measured.of(problem)
-    shown = simulated(found, problem, scales)
-    fit = as_fit(found, problem, measured, found, shown)
-    return Alone(problem, fit, scales, True, base_parameters(fit, problem, scales.omega, True))
+def _alone(problem: InverseDynamics, found: Fit, scales: Scales) -> Alone:
+    shown = _shown(found, problem, scales)
+    return Alone(problem, shown, scales, True, base_parameters(shown, problem, scales.omega, True))
 
 
-def _compared(alone: tuple[Alone, ...], fits: Sequence[ForceFit]) -> Compared:
+def _compared(alone: tuple[Alone, ...], fits: Sequence[Fit]) -> Compared:
     """Chi-square of what recordings say about what they say together, and the values that its errors rest on."""
     names = [name for name in _PHYSICS if all(name in base_of(f.free) for f in fits)]
     size = len(names)

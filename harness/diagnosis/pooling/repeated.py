@@ -19,9 +19,9 @@ from harness.diagnosis.pooling.forces import force_alone
 from harness.diagnosis.pooling.own import PHYSICS, SAID, Alone
 from harness.diagnosis.pooling.pooled import Differs, Pooled, differences
 from harness.diagnosis.problem import Problem
-from harness.diagnosis.problems.driven import InverseDynamics
 from harness.diagnosis.problems.forces_together import ForcesTogether
 from harness.diagnosis.problems.free_decay import FreeDecay
+from harness.diagnosis.problems.inverse import InverseDynamics
 from harness.diagnosis.problems.together import Together
 from harness.diagnosis.residual_tests.structure import Left, left_by
 from harness.diagnosis.rules import POOLED

@@ -18,7 +18,8 @@ from harness.diagnosis.input_noise.propagation import force_noise, left_of, unli
 from harness.diagnosis.parameters import free_of
 from harness.diagnosis.prepare.held import held_driven, spring_beside
 from harness.diagnosis.prepare.intersample import ACTS_HELD, acting, between_samples
-from harness.diagnosis.problems.driven import Driven, Forced, InverseDynamics
+from harness.diagnosis.problems.driven import Driven, Forced
+from harness.diagnosis.problems.inverse import InverseDynamics
 from harness.diagnosis.problems.simulated import COARSE, observe
 from harness.diagnosis.request import Asked
 from harness.diagnosis.rules import DECISIVE, FORCE_HELD

@@ -63,12 +63,7 @@ def free_decay_problem(recording: Recording, asked: Asked) -> tuple[FreeDecay, t
         if touched > 0.0:
             why = "no free decay of this slider, as if a hand was not yet off"
             notes = (*notes, f"{touched:.4g} s after the release are left out: {why}")
-    acting = []
-    for one in asked.covariates:
-        values = recording.covariates[one.name]
-        noise, unit = channel_noise(recording.t, values).sigma, recording.units.get(one.name, "")
-        acting.append(Acting(one.name, one.acts, float(np.mean(values)), unit, noise, one.acts is not None))
-    return replace(problem, acting=tuple(acting)), notes
+    return replace(problem, acting=tuple(Acting.of(recording, one) for one in asked.covariates)), notes
 
 
 @dataclass(frozen=True, slots=True)

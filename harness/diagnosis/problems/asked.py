@@ -8,13 +8,12 @@ The force a model asks for to move as recorded, sample by sample.
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from typing import Final
+from typing import Final, TypeAlias
 
 import numpy as np
 
 from harness.core.arrays import BoolArray, FloatArray, IntArray
 from harness.core.jit import compiled
-from harness.diagnosis.parameters import Free
 from harness.diagnosis.problems.simulated import factor, frictionless, frictionless_terms, pushed
 from harness.kernels.integrate import mode_moving
 from harness.kernels.layout import Layout, lay_out
@@ -26,6 +25,8 @@ from harness.model.law import MASS
 from harness.model.model import Model
 from harness.model.term import History
 
+Numbers: TypeAlias = tuple[By | None, ...]
+"""Numbers of a model."""
 NOWHERE: Final = -1
 """Of a number that the force does not hang on."""
 OFFSET: Final = -2
@@ -101,66 +102,62 @@ class Path:
         return found
 
 
-def asked(model: Model, path: Path, free: tuple[Free | None, ...] = ()) -> tuple[FloatArray, FloatArray]:
-    """Force (b,), N, that a model asks for, mean over the blocks that count, and its partials (b, q) by ``free``.
+def asked(model: Model, path: Path, by: Numbers = ()) -> tuple[FloatArray, FloatArray]:
+    """Force (b,), N, that a model asks for, mean over the blocks that count, and its partials (b, q) by numbers of it.
 
     Covariates act as they were measured. Internal states are as each term says that the motion leaves them; what it
-    says nothing of moves with the slider. None among ``free`` is a number that the model has not.
+    says nothing of moves with the slider. None is a number that the model has not.
     """
     if not model.covariates:
-        return _asked(model, path, np.ones(path.t.size), free)
+        return _asked(model, path, np.ones(path.t.size), by)
     dry, wet = (factor(model, path.given, acts) for acts in (Acts.FRICTION, Acts.DAMPING))
     if dry.ndim:
         # all of it by the factor, and what is no friction back to what it was
-        force, by = _asked(model, path, dry, free)
-        bare_force, bare_by = _asked(frictionless(model), path, dry - 1.0, _without_friction(model, free))
-        force, by = force - bare_force, by - bare_by
+        force, partials = _asked(model, path, dry, by)
+        bare, bare_partials = _asked(frictionless(model), path, dry - 1.0, _without_friction(model, by))
+        force, partials = force - bare, partials - bare_partials
     else:
-        force, by = _asked(model, path, np.ones(path.t.size), free)
+        force, partials = _asked(model, path, np.ones(path.t.size), by)
     slowed = path.means(wet * path.v) - path.means(path.v) if wet.ndim else np.zeros(force.size)
     force = force + model.c * slowed - path.means(np.broadcast_to(pushed(model, path.given), path.t.shape))
-    for q, f in enumerate(free):
-        if f is None:
-            continue
-        if f.by == "c":
-            by[:, q] += slowed
+    for q, number in enumerate(by):
+        if number == "c":
+            partials[:, q] += slowed
         for one in model.covariates:
-            if f.by not in one.fitted:
+            if number not in one.fitted:
                 continue
-            effect = one.effect_by(str(f.by), path.given[one.name])
+            effect = one.effect_by(str(number), path.given[one.name])
             match one.acts:
                 case Acts.FORCE:
-                    by[:, q] = -path.means(effect)
+                    partials[:, q] = -path.means(effect)
                 case Acts.DAMPING:
-                    by[:, q] = model.c * path.means(np.where(wet > 0.0, effect, 0.0) * path.v)
+                    partials[:, q] = model.c * path.means(np.where(wet > 0.0, effect, 0.0) * path.v)
                 case Acts.FRICTION:
                     effect = np.where(dry > 0.0, effect, 0.0)
-                    by[:, q] = _asked(model, path, effect)[0] - _asked(frictionless(model), path, effect)[0]
-    return force, by
+                    partials[:, q] = _asked(model, path, effect)[0] - _asked(frictionless(model), path, effect)[0]
+    return force, partials
 
 
-def _asked(
-    model: Model, path: Path, weight: FloatArray, free: tuple[Free | None, ...] = ()
-) -> tuple[FloatArray, FloatArray]:
+def _asked(model: Model, path: Path, weight: FloatArray, by: Numbers = ()) -> tuple[FloatArray, FloatArray]:
     """The same without covariates, each sample times its weight (n,)."""
     layout = lay_out(model, max(float(np.max(np.abs(path.v))), 1e-300))
-    places = np.array([_place(f, layout) for f in free], dtype=np.int64)
-    inside, inside_by = _states_inside(model, layout, path.t, path.v, tuple(None if f is None else f.by for f in free))
+    places = np.array([_place(number, layout) for number in by], dtype=np.int64)
+    inside, inside_by = _states_inside(model, layout, path.t, path.v, by)
     work = workspace(
         layout.spec, layout.theta, len(layout.names), np.empty(0, np.int64), np.ones(layout.start.size), layout.start,
         np.zeros((layout.start.size, 0)),
     )  # fmt: skip
     size = int(np.count_nonzero(path.counts))
-    force, by = np.empty(size), np.empty((size, len(free)))
+    force, partials = np.empty(size), np.empty((size, len(by)))
     by_blocks(
         path.t, path.x - model.offset, path.v, path.a, inside, inside_by, model.m, weight, path.counts, places, work,
-        force, by,
+        force, partials,
     )  # fmt: skip
-    return force, by
+    return force, partials
 
 
 def _states_inside(
-    model: Model, layout: Layout, t: FloatArray, v: FloatArray, by: tuple[By | None, ...] = ()
+    model: Model, layout: Layout, t: FloatArray, v: FloatArray, by: Numbers = ()
 ) -> tuple[FloatArray, FloatArray]:
     """Internal states (n, k) as the motion leaves them, and their partials (k, n, q) by numbers of the model.
 
@@ -185,29 +182,25 @@ def _states_inside(
     return inside, moved
 
 
-def _place(f: Free | None, layout: Layout) -> int:
+def _place(number: By | None, layout: Layout) -> int:
     """Where a number stands in theta, or why not."""
-    if f is None:
-        return NOWHERE
-    if isinstance(f.by, tuple):
-        return layout.term_at[f.by[0]] + f.by[1]
-    if f.by == "offset":
+    if isinstance(number, tuple):
+        return layout.term_at[number[0]] + number[1]
+    if number == "offset":
         return OFFSET
-    return layout.names.index(f.by) if f.by in layout.names else NOWHERE
+    return layout.names.index(number) if number in layout.names else NOWHERE
 
 
-def _without_friction(model: Model, free: tuple[Free | None, ...]) -> tuple[Free | None, ...]:
+def _without_friction(model: Model, by: Numbers) -> Numbers:
     """The numbers as they stand in the model without friction; None for those that are gone."""
     kept = frictionless_terms(model)
 
-    def there(f: Free | None) -> Free | None:
-        if f is None:
-            return None
-        if isinstance(f.by, tuple):
-            return replace(f, by=(kept.index(f.by[0]), f.by[1])) if f.by[0] in kept else None
-        return None if f.by == "f_k" else f
+    def there(number: By | None) -> By | None:
+        if isinstance(number, tuple):
+            return (kept.index(number[0]), number[1]) if number[0] in kept else None
+        return None if number == "f_k" else number
 
-    return tuple(there(f) for f in free)
+    return tuple(there(number) for number in by)
 
 
 def given_force(

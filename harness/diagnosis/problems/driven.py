@@ -1,7 +1,4 @@
-"""A driven recording: a measured force acts, whose own noise may show in the motion.
-
-A driven recording whose force is fitted: no force that is known says its motion well enough to follow it.
-"""
+"""A driven recording: a measured force acts, whose own noise may show in the motion."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
@@ -11,9 +8,10 @@ import numpy as np
 
 from harness.core.arrays import FloatArray, IntArray
 from harness.core.recording import Recording
-from harness.diagnosis.problem import Problem
+from harness.diagnosis.problem import Observation, Problem
+from harness.diagnosis.problems.simulated import observe
 from harness.diagnosis.starts import Windows
-from harness.kernels.solve import Drive
+from harness.kernels.solve import By, Drive, Effort, Scales
 from harness.model.model import Model, Restoring
 
 
@@ -92,6 +90,10 @@ class Driven(Forced):
     otherwise: tuple[Drive, ...] = ()
     pulled: tuple[Restoring, ...] = ()
 
+    def shows(self, model: Model, by: tuple[By, ...], scales: Scales | None, effort: Effort) -> Observation:
+        """By simulation."""
+        return observe(model, self, by, scales, effort)
+
     @property
     def other_ways(self) -> tuple[Self, ...]:
         """With the force acting in each of the other ways, and pulled back by what else it may be in each of all."""
@@ -115,48 +117,3 @@ class Driven(Forced):
             small = self.part(slice(None, None, size))
             return small, self.points / max(small.points, 1)
         return Forced.condensed(self, shown, size)
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class InverseDynamics(Forced):
-    """The force is what is fitted; the motion over the windows is only shown.
-
-    enters : how each covariate was found to enter, and that a mass was not seen, one sentence each.
-    """
-
-    starts: Windows = field()
-    enters: tuple[str, ...] = ()
-
-    @property
-    def alone(self) -> tuple["InverseDynamics", ...]:
-        """Each recording by itself, where there are several."""
-        return ()
-
-    @property
-    def choices(self) -> tuple[str, ...]:
-        """How covariates enter, and what mass was taken."""
-        return self.enters
-
-    @property
-    def errors_allow_for_misfit(self) -> bool:
-        """Always: they come from the residual's own covariance with the partials."""
-        return True
-
-    @classmethod
-    def of(cls, driven: Driven, windows: Windows) -> "InverseDynamics":
-        """The same recording, with its force fitted."""
-        return cls(
-            driven.t,
-            driven.channels,
-            driven.noise,
-            weight=driven.weight,
-            mass=driven.mass,
-            restoring=driven.restoring,
-            zero_free=driven.zero_free,
-            angular=driven.angular,
-            starts=windows,
-            drive=driven.drive,
-            first=driven.first,
-            covariates=driven.covariates,
-            guarded=driven.guarded,
-        )

@@ -11,7 +11,7 @@ from typing import ClassVar, Self
 import numpy as np
 
 from harness.diagnosis.problem import Problem
-from harness.diagnosis.problems.driven import InverseDynamics
+from harness.diagnosis.problems.inverse import InverseDynamics
 from harness.diagnosis.problems.together import typical
 from harness.diagnosis.starts import Driven, SeveralWindows, Start
 from harness.kernels.solve import Drive
@@ -26,13 +26,13 @@ _APART = 20.0
 class ForcesTogether(InverseDynamics):
     """See InverseDynamics.
 
-    each : the recordings by themselves, on their own clocks. left : of what each leaves of its force, over that of
-    all, see ``levels``. said : what was found of the recordings before the search, one sentence each.
+    each : the recordings by themselves, on their own clocks. levels : of what each leaves of its force, over that of
+    all. said : what was found of the recordings before the search, one sentence each.
     """
 
     starts: SeveralWindows = field()
     each: tuple[InverseDynamics, ...]
-    left: tuple[float, ...]
+    levels: tuple[float, ...]
     said: tuple[str, ...] = ()
     provides: ClassVar[frozenset[str]] = frozenset({"driven"})
 
@@ -73,7 +73,7 @@ class ForcesTogether(InverseDynamics):
             first=replace(first.first, elsewhere=elsewhere),
             guarded=first.guarded,
             each=tuple(each),
-            left=(1.0,) * len(each),
+            levels=(1.0,) * len(each),
         )
 
     @property
@@ -85,11 +85,6 @@ class ForcesTogether(InverseDynamics):
     def clocks(self) -> tuple[float, ...]:
         """Where each recording's own time is zero, s."""
         return tuple(s.clock for s in self.starts.stretches)
-
-    @property
-    def levels(self) -> tuple[float, ...]:
-        """By which what is left of each is weighed."""
-        return self.left
 
     @property
     def places(self) -> tuple[slice, ...]:
@@ -120,11 +115,11 @@ class ForcesTogether(InverseDynamics):
         sizes = np.array([one.t.size for one in self.each], dtype=np.float64)
         level = np.array(left)
         typical_level = float(np.exp(np.sum(sizes * np.log(level)) / np.sum(sizes)))
-        return replace(self, left=tuple((level / typical_level).tolist()))
+        return replace(self, levels=tuple((level / typical_level).tolist()), fixed=None)
 
     def with_own(self, own: tuple[str, ...]) -> Self:
         """The same with these base parameters each recording's own."""
-        return replace(self, starts=replace(self.starts, own=own))
+        return replace(self, starts=replace(self.starts, own=own), fixed=self.measured)
 
     def with_mass(self, mass: float, model: Model, enters: tuple[str, ...]) -> Self:
         """The same with a mass that is not fitted, in each recording too."""

@@ -12,10 +12,13 @@ import numpy as np
 
 from harness.core.arrays import FloatArray, IntArray
 from harness.diagnosis.motion import motion_of
-from harness.diagnosis.problem import Problem
+from harness.diagnosis.problem import Observation, Problem
+from harness.diagnosis.problems.simulated import observe
 from harness.diagnosis.rules import HAS_BEGUN
 from harness.diagnosis.starts import InMotion
 from harness.estimate.noise import channel_noise
+from harness.kernels.solve import By, Effort, Scales
+from harness.model.model import Model
 
 _SEEN = 6.0
 """Standard deviations of noise between two turning points: what is nearer may be noise."""
@@ -88,6 +91,10 @@ class FreeDecay(Problem):
     enters: tuple[str, ...] = ()
     clock: tuple[FloatArray, FloatArray] | None = None
     provides: ClassVar[frozenset[str]] = frozenset({"one-clock"})
+
+    def shows(self, model: Model, by: tuple[By, ...], scales: Scales | None, effort: Effort) -> Observation:
+        """By simulation."""
+        return observe(model, self, by, scales, effort)
 
     @property
     def choices(self) -> tuple[str, ...]:

@@ -8,13 +8,14 @@ import numpy as np
 
 from harness.core.arrays import BoolArray, FloatArray, IntArray
 from harness.core.errors import SimulationError
-from harness.diagnosis.parameters import Free, in_recording
+from harness.diagnosis.parameters import in_recording
 from harness.diagnosis.problem import Problem
 from harness.diagnosis.problems.asked import Path, asked, given_force, inverse_force
 from harness.diagnosis.problems.driven import Forced
 from harness.diagnosis.rules import GUARD_SPEED
 from harness.diagnosis.smoothed_state.local_cubics import Smooth, inner, longest_interval, smoothed, smoothed_alike
 from harness.diagnosis.smoothed_state.state import state_of
+from harness.kernels.solve import By
 from harness.model.model import Model
 
 BLOCK = 10
@@ -150,19 +151,18 @@ class Measured:
         """The motion, and which blocks of it count."""
         return Path(self.t, self.x, self.v, self.a, self.covariates, self.moving)
 
-    def asked(self, model: Model) -> FloatArray:
-        """Force (m,), N, that a model needs for this motion, mean over the blocks that count."""
-        return self.asked_by(model, ())[0]
+    def asked(self, model: Model, by: tuple[By, ...] = ()) -> tuple[FloatArray, FloatArray]:
+        """Force (m,), N, that a model needs for this motion, mean over the blocks that count, and its partials (m, q).
 
-    def asked_by(self, model: Model, free: tuple[Free, ...]) -> tuple[FloatArray, FloatArray]:
-        """The same with its partials (m, q) by the free numbers."""
+        by : the numbers whose partials are wanted.
+        """
         if not self.laid:
-            return asked(model, self.path, free)
+            return asked(model, self.path, by)
         found = [
-            asked(model.of_recording(r), one.path, tuple(in_recording(f, model, r) for f in free))
+            asked(model.of_recording(r), one.path, tuple(in_recording(number, model, r) for number in by))
             for r, one in enumerate(self.each)
         ]
-        return np.concatenate([force for force, _ in found]), np.concatenate([by for _, by in found])
+        return np.concatenate([force for force, _ in found]), np.concatenate([partials for _, partials in found])
 
     def needed(self, model: Model) -> FloatArray:
         """Force (n,), N, that a model needs for this motion."""

@@ -6,14 +6,14 @@ A motion with covariates as they were measured: laws with tables of them, and pa
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, fields, replace
+from dataclasses import fields, replace
 from typing import TypeAlias
 
 import numpy as np
 
-from harness.core.arrays import FloatArray, IntArray, ModeArray
+from harness.core.arrays import FloatArray, IntArray
 from harness.core.events import Events
-from harness.diagnosis.problem import Problem
+from harness.diagnosis.problem import Observation, Problem
 from harness.diagnosis.sensors.sensor_model import Kinematics, Reading, lag_of, read
 from harness.diagnosis.starts import Start
 from harness.kernels.solve import By, Effort, Scales, Solution, solve
@@ -112,19 +112,6 @@ COARSE = Effort(1e-6, 600)
 
 Samples: TypeAlias = IntArray | slice
 """Which of a motion's samples a channel shows; all of them without a copy."""
-
-
-@dataclass(frozen=True, slots=True)
-class Observation:
-    """Predicted channels y[c] (n,) with partials dy[c] (n, q), and the motion behind them (x, v, mode at t)."""
-
-    y: dict[str, FloatArray]
-    dy: dict[str, FloatArray]
-    x: FloatArray
-    v: FloatArray
-    a: FloatArray
-    mode: ModeArray
-    events: Events
 
 
 def _is_sensor(model: Model, by: By) -> bool:

@@ -11,12 +11,15 @@ from typing import Self
 import numpy as np
 
 from harness.core.arrays import BoolArray, FloatArray, IntArray
-from harness.diagnosis.problem import Problem
+from harness.diagnosis.problem import Observation, Problem
 from harness.diagnosis.problems.free_decay import FreeDecay
+from harness.diagnosis.problems.simulated import observe
 from harness.diagnosis.rules import AMPLITUDES_APART
 from harness.diagnosis.starts import OneStart, Several, Stretch
 from harness.estimate.noise import Noise
+from harness.kernels.solve import By, Effort, Scales
 from harness.model.elsewhere import named
+from harness.model.model import Model
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -68,6 +71,10 @@ class Together(Problem):
             level=level,
             said=said,
         )
+
+    def shows(self, model: Model, by: tuple[By, ...], scales: Scales | None, effort: Effort) -> Observation:
+        """By simulation."""
+        return observe(model, self, by, scales, effort)
 
     @property
     def places(self) -> tuple[slice, ...]:

@@ -20,8 +20,8 @@ from scipy.linalg import solveh_banded
 from harness.core.arrays import FloatArray
 from harness.core.errors import SimulationError
 from harness.diagnosis.fit.model_fit import Fit
-from harness.diagnosis.problem import P
-from harness.diagnosis.problems.simulated import COARSE, Observation, observe
+from harness.diagnosis.problem import Observation, P
+from harness.diagnosis.problems.simulated import COARSE, observe
 from harness.kernels.solve import Drive, Scales
 from harness.model.model import Model
 
@@ -53,8 +53,10 @@ _EMPTY = 1e-12
 def for_looks(current: Fit, problem: P, scales: Scales, samples: int) -> tuple[P, float]:
     """A problem of about this many samples, its force in few pieces, and by how much its chi-square falls short.
 
-    current : fitted to ``problem``.
+    current : fitted to ``problem``. Itself where a look is no simulation.
     """
+    if not problem.simulated:
+        return problem, 1.0
     small, scale_up = condensed(problem, current.shown, samples, scales.omega)
     return in_few_pieces(small, current.model, scales), scale_up
 

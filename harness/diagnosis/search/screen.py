@@ -18,7 +18,7 @@ from harness.diagnosis.fit.bounds import brought_within
 from harness.diagnosis.fit.model_fit import Fit, evaluate, whitened
 from harness.diagnosis.parameters import free_of, with_values
 from harness.diagnosis.problem import Problem
-from harness.diagnosis.problems.simulated import COARSE, observe
+from harness.diagnosis.problems.simulated import COARSE
 from harness.diagnosis.search.few_pieces import for_looks
 from harness.kernels.solve import By, Scales
 from harness.model.model import Model, ModelTerm
@@ -110,7 +110,7 @@ def _responses(model: Model, problem: Problem, batch: list[_Probe], scales: Scal
             by.append((first + len(entries), amplitude))
             entries.append(ModelTerm(probe.term, values))
     extended = replace(model, terms=(*model.terms, *entries))
-    shown = observe(extended, problem, tuple(by), scales, COARSE)
+    shown = problem.shows(extended, tuple(by), scales, COARSE)
     return whitened(problem, shown.dy)
 
 

@@ -113,8 +113,7 @@ def noise_of(found: Fit, problem: Problem, omega: float) -> dict[str, Noise]:
 def under(found: Fit, problem: Problem) -> Fit:
     """The same model seen with another noise."""
     shown = found.shown
-    residual = whitened(problem, {c: y - shown.y[c] for c, y in problem.channels.items()})
-    jacobian = whitened(problem, shown.dy)
+    residual, jacobian = whitened(problem, problem.left(shown)), whitened(problem, shown.dy)
     return replace(found, residual=residual, jacobian=jacobian, chi2=float(residual @ residual), points=problem.points)
 
 

@@ -17,15 +17,14 @@ import numpy as np
 
 from harness.core.arrays import BoolArray, FloatArray, IntArray
 from harness.core.errors import SimulationError
-from harness.diagnosis.fit.model_fit import evaluate
+from harness.diagnosis.fit.model_fit import Fit, evaluate, whitened
 from harness.diagnosis.grading.misfit import Misfit
 from harness.diagnosis.grading.prediction import Predicted, blocks_of, by_blocks, ratio, surely_less
-from harness.diagnosis.inverse_dynamics.force_fit import ForceFit
-from harness.diagnosis.inverse_dynamics.grade import held_out as held_out_alone
-from harness.diagnosis.inverse_dynamics.holdout import left_out
+from harness.diagnosis.inverse_dynamics.holdout import held_out, left_out
 from harness.diagnosis.inverse_dynamics.strokes import ForceWords
 from harness.diagnosis.parameters import Free, base_of, free_of, with_friction
 from harness.diagnosis.problem import Problem
+from harness.diagnosis.problems.inverse import InverseDynamics
 from harness.diagnosis.problems.measured import BLOCK, Measured
 from harness.diagnosis.problems.simulated import COARSE, FINE, observe
 from harness.diagnosis.rules import PATH_AGAIN, PATH_APART, TABLE_BETTER, TABLE_ERRORS, TABLE_WORDS
@@ -216,23 +215,25 @@ class MotionLeft(Beside):
 class ForceLeft(Beside):
     """What is left of a measured force."""
 
-    def __init__(self, start: ForceFit, measured: Measured, words: ForceWords, scales: Scales) -> None:
-        block, squares = _covered(words, measured), _CHI2_A_WORD * words.words
+    def __init__(self, start: Fit, problem: InverseDynamics, words: ForceWords, scales: Scales) -> None:
+        block, squares = _covered(words, problem.measured), _CHI2_A_WORD * words.words
         super().__init__(start.model, base_of(start.free), block, words.words, squares, scales)
-        self.start, self.measured, self.words = start, measured, words
-        # from force to the units of a misfit
-        self.weight = math.sqrt(squares / max(start.squares, 1e-300))
+        self.start, self.problem, self.words = start, problem, words
+        # from the problem's units to those of a misfit
+        self.weight = math.sqrt(squares / max(start.chi2, 1e-300))
+        measured = problem.measured
         inside = np.repeat(measured.moving, BLOCK)
         self.motion = measured.x[inside] - start.model.offset, measured.v[inside]
 
     @property
     def returns(self) -> bool:
         """See ``comes_back``."""
-        return comes_back(*(self.measured.blocks(y) for y in (self.measured.t, self.measured.x, self.measured.v)))
+        measured = self.problem.measured
+        return comes_back(*(measured.blocks(y) for y in (measured.t, measured.x, measured.v)))
 
-    def predicted(self, other: ForceFit | None = None) -> Predicted | None:
+    def predicted(self, other: Fit | None = None) -> Predicted | None:
         """What the start, or another model without a table, misses of what is held out."""
-        return held_out_alone(other or self.start, self.measured, self.block)
+        return held_out(other or self.start, self.problem, self.block)
 
     def path(self, model: Model) -> tuple[FloatArray, FloatArray]:
         """As it was measured, wherever the force is fitted."""
@@ -240,21 +241,20 @@ class ForceLeft(Beside):
 
     def seeing(self, basis: Basis) -> Seeing:
         """Tables are seen as they are at first, without any force: what is asked for is linear in their values."""
-        terms, numbers = basis.model.terms, {f.by: f for f in free_of(basis.model, ())}
+        terms, problem, weight = basis.model.terms, self.problem, self.weight
         # a factor on friction grows with it
         rubs = np.array([terms[i].term.slot is Slot.FRICTION_MODULATION for i, _ in basis.places])
-        measured, weight = self.measured, self.weight
-        by_values = measured.even(measured.asked_by(basis.model, tuple(numbers[place] for place in basis.places))[1])
+        by_values = whitened(problem, problem.shows(basis.model, basis.places, self.scales, COARSE).dy)
 
         def seen(start: Model, free: tuple[Free, ...], keep: BoolArray | None, _: Effort) -> Callable[[Model], Look]:
-            by = measured.even(measured.asked_by(start, free)[1])
+            by = evaluate(start, problem, free, self.scales, COARSE)[1]
             kept = slice(None) if keep is None else keep
 
             def look(model: Model) -> Look:
                 columns = by_values
                 if np.any(rubs):
                     columns = np.where(rubs, columns * (model.f_k / basis.model.f_k), columns)
-                residual = measured.even(measured.blocks(measured.u) - measured.asked(model))
+                residual = evaluate(model, problem, (), self.scales, COARSE)[0]
                 return Look((weight * residual)[kept], weight * np.hstack((by, columns))[kept], *self.motion)
 
             return look
@@ -267,11 +267,15 @@ class ForceLeft(Beside):
 
     def missed(self, refitted: Callable[[BoolArray], Model]) -> Predicted | None:
         """Of blocks of strokes."""
-        return left_out(self.measured, self.block, refitted)
+        return left_out(self.problem, self.block, lambda part: refitted(self._inside(part)))
 
-    def over(self, found: TableFit, keep: BoolArray) -> Model:
-        """The tables' model fitted to the values (m,) that are kept alone, as smooth as it was."""
-        return self.again(found, self.seeing(found.basis), found.strength, keep).model
+    def over(self, found: TableFit, part: InverseDynamics) -> Model:
+        """The tables' model fitted to the values that count in a part of the problem, as smooth as it was."""
+        return self.again(found, self.seeing(found.basis), found.strength, self._inside(part)).model
+
+    def _inside(self, part: InverseDynamics) -> BoolArray:
+        """Which of the values (m,) count in a part of the problem."""
+        return part.measured.moving[self.problem.measured.moving]
 
 
 def _covered(words: ForceWords, measured: Measured) -> FloatArray:

@@ -13,7 +13,7 @@ import numpy as np
 
 from harness.core.arrays import BoolArray, FloatArray
 from harness.diagnosis.parameters import Free, bounds_of, coordinates_of, with_coordinates
-from harness.diagnosis.problems.simulated import Observation
+from harness.diagnosis.problem import Observation
 from harness.diagnosis.tables.basis import Basis
 from harness.fit.covariance import inverse_of
 from harness.fit.least_squares import Bounds, Until, least_squares

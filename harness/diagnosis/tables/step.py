@@ -14,14 +14,14 @@ from harness.diagnosis.fit.place import place_of
 from harness.diagnosis.fit.standard_errors import base_parameters, unit_of
 from harness.diagnosis.grading.grade import Graded
 from harness.diagnosis.grading.prediction import Predicted, ratio
-from harness.diagnosis.inverse_dynamics.force_fit import ForceFit, as_fit, simulated
 from harness.diagnosis.inverse_dynamics.force_screen import seen_in
 from harness.diagnosis.inverse_dynamics.grade import ForceGraded
 from harness.diagnosis.inverse_dynamics.holdout import predicted_windows
 from harness.diagnosis.outcome import Grade, Holdout, Mechanism, Outcome, Prediction, Remainder, Surface, Table
 from harness.diagnosis.parameters import base_of
 from harness.diagnosis.problem import Problem
-from harness.diagnosis.problems.driven import InverseDynamics
+from harness.diagnosis.problems.inverse import InverseDynamics
+from harness.diagnosis.problems.simulated import COARSE, observe
 from harness.diagnosis.rules import TABLE_BAND, TABLE_BETTER, TABLE_ERRORS, TABLE_OVER_NOISE, TABLE_WORDS
 from harness.diagnosis.search.look import evidence
 from harness.diagnosis.tables.beside import ForceLeft, MotionLeft, Tabulated, improves
@@ -94,7 +94,7 @@ def with_force_tables(outcome: Outcome, graded: ForceGraded) -> Outcome:
     # in the place of what was kept without a headline, or on top of it
     starts = [graded.best] if main or graded.best is graded.base else [graded.base, graded.best]
     for start in starts:
-        beside = ForceLeft(start, graded.measured, graded.counted, outcome.scales)
+        beside = ForceLeft(start, graded.problem, graded.counted, outcome.scales)
         before = beside.predicted()
         kept = () if before is None else beside.tabulated(before)
         # what was listed, or is a small part, is a model too
@@ -119,18 +119,21 @@ def _of_force(
 
     before : what is missed without one. Raises SimulationError.
     """
-    found, start, measured, scales = kept[0].fit, beside.start, graded.measured, outcome.scales
+    found, start, scales = kept[0].fit, beside.start, outcome.scales
     # windows that tables took no part in; what misses more of a channel than the base model does is no model of it
-    windows = predicted_windows(problem, lambda part: beside.over(found, part.moving[measured.moving]), scales)
+    windows = predicted_windows(problem, lambda part: beside.over(found, part), scales)
     most = outcome.holdout.baseline_rmse
     if windows is not None and any(size > most.get(channel, math.inf) for channel, size in windows.items()):
         return None
-    # by its base parameters, in newtons; its partials are what the tables cannot take over
-    b = len(found.free)
-    by = found.beside(found.jacobian[:, :b], found.jacobian[:, b:])
-    after = ForceFit(found.model, found.free, found.residual / beside.weight, by / beside.weight, measured.begins)
-    refined = as_fit(after, problem, measured, graded.reference, simulated(after, problem, scales))
-    seen, independent = seen_in(start, measured, problem, scales), graded.reference.memory.independent
+    # by its base parameters; its partials are what the tables cannot take over
+    b, weight = len(found.free), beside.weight
+    by = found.beside(found.jacobian[:, :b], found.jacobian[:, b:]) / weight
+    motion, residual = observe(found.model, problem, (), scales, COARSE), found.residual / weight
+    after = Fit(
+        found.model, found.free, float(residual @ residual), problem.points, residual, by, motion, Stop.CONVERGED,
+        problem.seams,
+    )  # fmt: skip
+    seen, independent = seen_in(start, problem, scales), float(problem.points)
     holdout = outcome.holdout
     if windows is None:
         holdout = Holdout.none("refined")
@@ -143,9 +146,9 @@ def _of_force(
         outcome,
         kept,
         drawn(kept[0], start.model, problem, beside.words.pieces, scales, ratio(kept[0].held, before), seen),
-        refined,
-        share=(start.squares - after.squares) / graded.excess,
-        gained=start.bic(independent) - after.bic(independent) - found.effective * math.log(independent),
+        after,
+        share=(start.chi2 - after.chi2) / graded.excess,
+        gained=start.bic_of(independent) - after.bic_of(independent) - found.effective * math.log(independent),
         doubt="" if period is None else doubt,
         predicted=prediction(before if start is graded.base else beside.predicted(graded.base), kept[0].held),
         holdout=holdout,

@@ -1,0 +1,174 @@
+"""A driven recording whose force is fitted: no force that is known says its motion well enough to follow it.
+
+What a real drive leaves over is a force that no law of the model says (ripple, bending, heat), far above what its
+encoder's noise makes of it; so the force that a model asks for to move as recorded is what is fitted. What is left is
+coloured and of no known level: neighbouring values say the same thing, so that a sum of squares counts as that of fewer
+values, and standard errors come from the residual's own covariance with the partials.
+"""
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from typing import Self, TypeVar
+
+import numpy as np
+
+from harness.core.arrays import BoolArray, FloatArray
+from harness.core.events import Events
+from harness.diagnosis.problem import Observation
+from harness.diagnosis.problems.driven import Driven, Forced
+from harness.diagnosis.problems.measured import Measured
+from harness.diagnosis.starts import Windows
+from harness.estimate.noise import Noise
+from harness.kernels.solve import By, Effort, Scales
+from harness.model.model import Model
+
+_SETTLED = 1e-9
+"""Share of the sum of squares below which a step is the last."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class InverseDynamics(Forced):
+    """The force is what is fitted, as means over blocks of samples; the motion over the windows is only shown.
+
+    enters : how each covariate was found to enter, and that a mass was not seen, one sentence each. fixed : motion and
+    force, where they are not as the channels and the drive have them; see ``measured``. independent : values that the
+    force left over counts as; None as long as its level, the noise of "u", is not known.
+    """
+
+    starts: Windows = field()
+    enters: tuple[str, ...] = ()
+    fixed: Measured | None = None
+    independent: float | None = None
+    _measured: Measured | None = field(init=False, default=None, repr=False, compare=False)
+
+    @classmethod
+    def of(cls, driven: Driven, windows: Windows) -> "InverseDynamics":
+        """The same recording, with its force fitted."""
+        return cls(
+            driven.t,
+            driven.channels,
+            driven.noise,
+            weight=driven.weight,
+            mass=driven.mass,
+            restoring=driven.restoring,
+            zero_free=driven.zero_free,
+            angular=driven.angular,
+            starts=windows,
+            drive=driven.drive,
+            first=driven.first,
+            covariates=driven.covariates,
+            guarded=driven.guarded,
+        )
+
+    @property
+    def measured(self) -> Measured:
+        """Motion and force, smoothed alike. Raises SimulationError when little moves."""
+        if self.fixed is not None:
+            return self.fixed
+        if self._measured is None:
+            object.__setattr__(self, "_measured", Measured.of(self))
+        assert self._measured is not None
+        return self._measured
+
+    @property
+    def rows(self) -> Mapping[str, FloatArray]:
+        """The force, N, mean over the blocks that count."""
+        return {"u": self.measured.blocks(self.measured.u)}
+
+    def shows(self, model: Model, by: tuple[By, ...], scales: Scales | None, effort: Effort) -> Observation:
+        """The force that a model asks for, and the motion as it was measured."""
+        seen = self.measured
+        force, partials = seen.asked(model, by)
+        moving = np.repeat(seen.moving, seen.t.size // seen.moving.size)
+        mode = np.where(moving, np.sign(seen.v), 0.0).astype(np.int8)
+        return Observation({"u": force}, {"u": partials}, seen.x, seen.v, seen.a, mode, Events())
+
+    def whitened(self, values: Mapping[str, FloatArray]) -> dict[str, FloatArray]:
+        """Over the level of its recording, in ``unit``s: what is left stays coloured."""
+        return {"u": self.measured.even(values["u"]) * self.unit}
+
+    @property
+    def unit(self) -> float:
+        """Of one over a newton: the squares left by what gave the level count as its independent values."""
+        if self.independent is None:
+            return 1.0
+        return math.sqrt(self.independent / np.count_nonzero(self.measured.moving)) / self.noise["u"].sigma
+
+    @property
+    def points(self) -> int:
+        """Independent values; all of them as long as the level is not known."""
+        size = float(np.count_nonzero(self.measured.moving)) if self.independent is None else self.independent
+        return max(round(size), 1)
+
+    def by_sample(self, residual: FloatArray) -> dict[str, FloatArray]:
+        """The force left over, zero where it is not fitted."""
+        seen, out = self.measured, np.zeros(self.t.size)
+        blocks = np.zeros(seen.moving.size)
+        blocks[seen.moving] = residual * math.sqrt(residual.size / self.points)
+        out[: seen.t.size] = np.repeat(blocks, seen.t.size // blocks.size)
+        return {"u": out}
+
+    @property
+    def simulated(self) -> bool:
+        """Never."""
+        return False
+
+    @property
+    def settled(self) -> tuple[float, float]:
+        """By the share alone: there is no level that is known."""
+        return 0.0, _SETTLED
+
+    @property
+    def seams(self) -> tuple[int, ...]:
+        """Where each further recording begins."""
+        return self.measured.begins
+
+    @property
+    def alone(self) -> tuple["InverseDynamics", ...]:
+        """Each recording by itself, where there are several."""
+        return ()
+
+    @property
+    def choices(self) -> tuple[str, ...]:
+        """How covariates enter, and what mass was taken."""
+        return self.enters
+
+    @property
+    def followed(self) -> Driven:
+        """The same recording with its motion followed, over the windows."""
+        return Driven(
+            self.t,
+            self.channels,
+            self.noise,
+            weight=self.weight,
+            mass=self.mass,
+            restoring=self.restoring,
+            zero_free=self.zero_free,
+            angular=self.angular,
+            starts=self.starts,
+            drive=self.drive,
+            first=self.first,
+            covariates=self.covariates,
+            guarded=self.guarded,
+        )
+
+    def giving(self, covariate: str, values: FloatArray) -> Self:
+        """See Problem."""
+        seen = self.measured
+        return replace(self, fixed=replace(seen, covariates={**seen.covariates, covariate: values[: seen.t.size]}))
+
+    def kept(self, keep: BoolArray) -> Self:
+        """The same with only these (m,) of the values counting."""
+        moving = self.measured.moving.copy()
+        moving[moving] = keep
+        return replace(self, fixed=self.measured.part(moving))
+
+    def levelled(self, residual: FloatArray, independent: float) -> Self:
+        """With what a model leaves, (m,), N, as the level of noise, which counts as so many independent values."""
+        level = math.sqrt(float(residual @ residual) / residual.size)
+        noise = {**self.noise, "u": Noise(level, True, 0.0, 0.0)}
+        return replace(self, noise=noise, independent=independent, fixed=self.measured)
+
+
+Q = TypeVar("Q", bound=InverseDynamics)
