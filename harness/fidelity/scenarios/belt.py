@@ -13,20 +13,7 @@ from harness.core.scenario import Belt, Scenario
 from harness.core.slider import Slider
 from harness.core.trajectory import Trajectory
 from harness.exact.belt import LimitCycle, limit_cycle
-from harness.fidelity.kind import (
-    OWN,
-    VALUES,
-    Answers,
-    Figure,
-    Kind,
-    Metrics,
-    Sliders,
-    exact,
-    one,
-    only,
-    speed_of_belt,
-    with_values,
-)
+from harness.fidelity import kind as suite
 from harness.fidelity.metrics import falling
 
 NEAR = 0.01
@@ -107,10 +94,10 @@ PERIODS = 8
 
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
-class BeltKind(Kind):
+class BeltKind(suite.Kind):
     """Eight periods of stick-slip, started half way through a stick."""
 
-    def of_suite(self, sliders: Sliders, scale: float) -> Scenario:
+    def of_suite(self, sliders: suite.Sliders, scale: float) -> Scenario:
         """See Kind.of_suite; the motion is slow enough for a box, so that it is the same on every route."""
         return self.ride(sliders.sticky, sliders.belt_speed)
 
@@ -124,8 +111,8 @@ class BeltKind(Kind):
         return Scenario(self.name, slider, start, speed, periods * cycle.period, Belt(speed))
 
     def chosen(self, given: Mapping[str, float]) -> Scenario:
-        only(self.name, given, (*VALUES, "duration"))
-        found = self.ride(with_values(OWN.sticky, given), OWN.belt_speed)
+        suite.only(self.name, given, (*suite.VALUES, "duration"))
+        found = self.ride(suite.with_values(suite.OWN.sticky, given), suite.OWN.belt_speed)
         return replace(found, duration=given.get("duration", found.duration))
 
     def exact(self, scenario: Scenario, t: FloatArray) -> Trajectory:
@@ -138,7 +125,7 @@ class BeltKind(Kind):
         found = cycle.sample(t + ahead)
         return replace(found, t=t, events=replace(found.events, t=found.events.t - ahead))
 
-    def answers(self, scenario: Scenario) -> Answers:
+    def answers(self, scenario: Scenario) -> suite.Answers:
         speed = belt_speed(scenario)
         cycle = cycle_of(scenario.slider, speed)
         return {
@@ -149,7 +136,7 @@ class BeltKind(Kind):
             "stick_deviation_m_s": 0.0,
         }
 
-    def measure(self, trace: Trajectory, scenario: Scenario) -> Metrics:
+    def measure(self, trace: Trajectory, scenario: Scenario) -> suite.Metrics:
         return measure_belt(trace, belt_speed(scenario))
 
 
@@ -171,9 +158,11 @@ BELT = BeltKind(
     name="belt",
     place=4,
     figures=(
-        Figure("belt period", "period_s", exact("period_s"), "period of stick-slip"),
-        Figure("stick share", "stick_fraction", one, "share of the period that sticks, difference"),
-        Figure("stick speed", "stick_deviation_m_s", speed_of_belt, "speed against the belt while it sticks"),
+        suite.Figure("belt period", "period_s", suite.exact("period_s"), "period of stick-slip"),
+        suite.Figure("stick share", "stick_fraction", suite.one, "share of the period that sticks, difference"),
+        suite.Figure(
+            "stick speed", "stick_deviation_m_s", suite.speed_of_belt, "speed against the belt while it sticks"
+        ),
     ),
 )
 """Stick-slip on a belt."""

@@ -9,30 +9,13 @@ from harness.core.scenario import Scenario
 from harness.core.slider import Slider
 from harness.core.trajectory import Trajectory
 from harness.exact.decay import Decay, free_decay, never_sticks, schedule, until_rest
-from harness.fidelity.kind import (
-    OWN,
-    VALUES,
-    Answers,
-    Figure,
-    Kind,
-    Metrics,
-    Sliders,
-    one,
-    only,
-    period,
-    plain,
-    release,
-    scale_of,
-    scaled,
-    with_values,
-    x_k,
-)
+from harness.fidelity import kind as suite
 from harness.fidelity.metrics import measure_decay
 
 
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
-class DecayKind(Kind):
+class DecayKind(suite.Kind):
     """A release from rest.
 
     duration : s, in a suite; it should leave time at rest, in which creep shows. shown : s, of harness run.
@@ -44,9 +27,9 @@ class DecayKind(Kind):
     friction: float = 1.0
     reach: float = 1.0
 
-    def of_suite(self, sliders: Sliders, scale: float) -> Scenario:
-        slider = scaled(scaled(sliders.decay, scale), self.friction)
-        return self.release(slider, plain(plain(scale * sliders.x0) * self.reach))
+    def of_suite(self, sliders: suite.Sliders, scale: float) -> Scenario:
+        slider = suite.scaled(suite.scaled(sliders.decay, scale), self.friction)
+        return self.release(slider, suite.plain(suite.plain(scale * sliders.x0) * self.reach))
 
     def release(self, slider: Slider, x0: float, duration: float | None = None) -> Scenario:
         """The scenario of a slider that has the right friction already; x0 in m, duration in s."""
@@ -54,12 +37,12 @@ class DecayKind(Kind):
 
     def chosen(self, given: Mapping[str, float]) -> Scenario:
         """See Kind.chosen; with values of its own it lasts a fifth longer than it takes to stick, or ten periods."""
-        values = VALUES if self.friction > 0.0 else ("m", "c", "k")
-        only(self.name, given, (*values, "x0", "v0", "duration"))
-        own = replace(self.of_suite(OWN, scale_of(self.routes[0])), duration=self.shown)
+        values = suite.VALUES if self.friction > 0.0 else ("m", "c", "k")
+        suite.only(self.name, given, (*values, "x0", "v0", "duration"))
+        own = replace(self.of_suite(suite.OWN, suite.scale_of(self.routes[0])), duration=self.shown)
         if not given:
             return own
-        slider, x0, v0 = with_values(own.slider, given), given.get("x0", own.x0), given.get("v0", own.v0)
+        slider, x0, v0 = suite.with_values(own.slider, given), given.get("x0", own.x0), given.get("v0", own.v0)
         duration = given["duration"] if "duration" in given else until_rest(Decay.of(slider, x0, v0))
         return Scenario(self.name, slider, x0, v0, duration)
 
@@ -67,7 +50,7 @@ class DecayKind(Kind):
         """See Kind.exact; a closed form."""
         return free_decay(scenario, t)
 
-    def answers(self, scenario: Scenario) -> Answers:
+    def answers(self, scenario: Scenario) -> suite.Answers:
         slider = scenario.slider
         known = {"x_k_m": slider.x_k, "zeta": slider.zeta}
         start = Decay.of_scenario(scenario)
@@ -78,7 +61,7 @@ class DecayKind(Kind):
                 known |= {"stick_time_s": float(found.stick_time), "half_cycles": halves, "creep_m_s": 0.0}
         return known
 
-    def measure(self, trace: Trajectory, scenario: Scenario) -> Metrics:
+    def measure(self, trace: Trajectory, scenario: Scenario) -> suite.Metrics:
         return measure_decay(trace, scenario)
 
 
@@ -88,14 +71,16 @@ FREE_DECAY = DecayKind(
     duration=3.5,
     shown=3.0,
     figures=(
-        Figure("position", "max_error_m", release, "position error, over the release; at best the integrator's"),
-        Figure("x_k wide", "x_k_rel_error", one, "friction as read outside a guard at each reversal"),
-        Figure("x_k narrow", "x_k_local_rel_error", one, "friction as read at the reversal itself"),
-        Figure("zeta", "zeta_rel_error", one, "damping ratio as the estimator reads it"),
-        Figure("lead", "reversal_lead_s", period, "friction reverses before the speed, over the period"),
-        Figure("rest", "rest_error_m", x_k, "place of rest, over x_k"),
-        Figure("energy", "energy_error", one, "largest error of the energy balance, over the start's"),
-        Figure("lift", "lift_m", release, "contact: height over the floor, over the release"),
+        suite.Figure(
+            "position", "max_error_m", suite.release, "position error, over the release; at best the integrator's"
+        ),
+        suite.Figure("x_k wide", "x_k_rel_error", suite.one, "friction as read outside a guard at each reversal"),
+        suite.Figure("x_k narrow", "x_k_local_rel_error", suite.one, "friction as read at the reversal itself"),
+        suite.Figure("zeta", "zeta_rel_error", suite.one, "damping ratio as the estimator reads it"),
+        suite.Figure("lead", "reversal_lead_s", suite.period, "friction reverses before the speed, over the period"),
+        suite.Figure("rest", "rest_error_m", suite.x_k, "place of rest, over x_k"),
+        suite.Figure("energy", "energy_error", suite.one, "largest error of the energy balance, over the start's"),
+        suite.Figure("lift", "lift_m", suite.release, "contact: height over the floor, over the release"),
     ),
 )
 """The paper's case: a release with viscous and dry friction."""
@@ -106,7 +91,9 @@ FREE_DECAY_NO_FRICTION = DecayKind(
     duration=3.0,
     shown=3.0,
     friction=0.0,
-    figures=(Figure("integrator", "max_error_m", release, "position error without friction, over the release"),),
+    figures=(
+        suite.Figure("integrator", "max_error_m", suite.release, "position error without friction, over the release"),
+    ),
 )
 """The same slider without dry friction: what the integrator alone gets wrong."""
 

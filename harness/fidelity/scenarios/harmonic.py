@@ -13,21 +13,7 @@ from harness.core.scenario import Harmonic, Scenario
 from harness.core.slider import Slider
 from harness.core.trajectory import Trajectory
 from harness.exact.harmonic import driven, response
-from harness.fidelity.kind import (
-    OWN,
-    VALUES,
-    Answers,
-    Figure,
-    Kind,
-    Metrics,
-    Sliders,
-    exact,
-    one,
-    only,
-    plain,
-    scaled,
-    with_values,
-)
+from harness.fidelity import kind as suite
 from harness.fidelity.metrics import highest
 
 LAST = 4
@@ -71,18 +57,18 @@ PERIODS = 10
 
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
-class HarmonicKind(Kind):
+class HarmonicKind(suite.Kind):
     """Ten periods, started on the exact periodic motion, so that a run shows what an engine makes of it.
 
     drive : which of a suite's forces.
     """
 
-    drive: Callable[[Sliders], Harmonic]
+    drive: Callable[[suite.Sliders], Harmonic]
 
-    def of_suite(self, sliders: Sliders, scale: float) -> Scenario:
+    def of_suite(self, sliders: suite.Sliders, scale: float) -> Scenario:
         drive = self.drive(sliders)
-        force = Harmonic(plain(scale * drive.amplitude), drive.omega)
-        return self.shake(scaled(sliders.driven, scale), force)
+        force = Harmonic(suite.plain(scale * drive.amplitude), drive.omega)
+        return self.shake(suite.scaled(sliders.driven, scale), force)
 
     def shake(self, slider: Slider, drive: Harmonic, periods: int = PERIODS) -> Scenario:
         """The scenario of a slider under a force."""
@@ -91,8 +77,8 @@ class HarmonicKind(Kind):
         return Scenario(self.name, slider, float(start[1]), float(start[2]), duration, drive)
 
     def chosen(self, given: Mapping[str, float]) -> Scenario:
-        only(self.name, given, (*VALUES, "duration"))
-        found = self.shake(with_values(OWN.driven, given), self.drive(OWN))
+        suite.only(self.name, given, (*suite.VALUES, "duration"))
+        found = self.shake(suite.with_values(suite.OWN.driven, given), self.drive(suite.OWN))
         return replace(found, duration=given.get("duration", found.duration))
 
     def exact(self, scenario: Scenario, t: FloatArray) -> Trajectory:
@@ -100,11 +86,11 @@ class HarmonicKind(Kind):
         end = float(t[-1]) + 1e-9
         return driven(scenario.slider, force_of(scenario), scenario.x0, scenario.v0, end).sample(t)
 
-    def answers(self, scenario: Scenario) -> Answers:
+    def answers(self, scenario: Scenario) -> suite.Answers:
         found = response(scenario.slider, force_of(scenario))
         return {"amplitude_m": found.amplitude, "stop_fraction": found.stop_fraction}
 
-    def measure(self, trace: Trajectory, scenario: Scenario) -> Metrics:
+    def measure(self, trace: Trajectory, scenario: Scenario) -> suite.Metrics:
         return measure_harmonic(trace, force_of(scenario).omega)
 
 
@@ -117,7 +103,9 @@ HARMONIC = HarmonicKind(
     name="harmonic",
     place=5,
     drive=lambda sliders: sliders.drive,
-    figures=(Figure("forced", "amplitude_m", exact("amplitude_m"), "amplitude without stops (Den Hartog)"),),
+    figures=(
+        suite.Figure("forced", "amplitude_m", suite.exact("amplitude_m"), "amplitude without stops (Den Hartog)"),
+    ),
 )
 """Den Hartog's case of a harmonic force, without stops."""
 
@@ -126,8 +114,8 @@ HARMONIC_STOPS = HarmonicKind(
     place=6,
     drive=lambda sliders: sliders.stopping,
     figures=(
-        Figure("forced, stops", "amplitude_m", exact("amplitude_m"), "amplitude with two stops a period"),
-        Figure("stop share", "stop_fraction", one, "share of the period that stops, difference"),
+        suite.Figure("forced, stops", "amplitude_m", suite.exact("amplitude_m"), "amplitude with two stops a period"),
+        suite.Figure("stop share", "stop_fraction", suite.one, "share of the period that stops, difference"),
     ),
 )
 """A weaker and slower harmonic force: the slider stops twice a period."""

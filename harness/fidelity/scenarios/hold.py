@@ -13,21 +13,7 @@ from harness.core.scenario import Hold, Scenario
 from harness.core.slider import Slider
 from harness.core.trajectory import Source, Trajectory
 from harness.exact.decay import creep
-from harness.fidelity.kind import (
-    OWN,
-    VALUES,
-    Answers,
-    Figure,
-    Kind,
-    Metrics,
-    Row,
-    Sliders,
-    only,
-    period,
-    plain,
-    with_values,
-    x_k,
-)
+from harness.fidelity import kind as suite
 
 
 def measure_hold(trace: Trajectory) -> dict[str, float | None]:
@@ -53,34 +39,34 @@ SOFT = 0.01
 """Stiffness of a hold over that of the free decay: creep must not unload it."""
 
 
-def creep_scale(row: Row) -> float:
+def creep_scale(row: suite.Row) -> float:
     """x_k in a period of the free decay, to which the soft spring does not belong, m/s."""
     k = float(row["slider"]["k"]) / SOFT
     slider = {**row["slider"], "k": k}
-    return x_k({"slider": slider}) / period({"slider": slider})
+    return suite.x_k({"slider": slider}) / suite.period({"slider": slider})
 
 
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
-class HoldKind(Kind):
+class HoldKind(suite.Kind):
     """A load of ``share`` of break-away for half a second; the spring is soft, so that creep does not unload it."""
 
     share: float
     duration: float = 0.5
 
-    def of_suite(self, sliders: Sliders, scale: float) -> Scenario:
+    def of_suite(self, sliders: suite.Sliders, scale: float) -> Scenario:
         """See Kind.of_suite; a box at rest does not lift, so friction is the same on every route."""
         slider = sliders.decay
-        return self.load(Slider(slider.m, 0.0, plain(SOFT * slider.k), slider.f_k))
+        return self.load(Slider(slider.m, 0.0, suite.plain(SOFT * slider.k), slider.f_k))
 
     def load(self, slider: Slider, duration: float | None = None) -> Scenario:
         """The scenario of a slider; duration in s."""
-        force = Hold(plain(self.share * slider.break_away))
+        force = Hold(suite.plain(self.share * slider.break_away))
         return Scenario(self.name, slider, 0.0, 0.0, self.duration if duration is None else duration, force)
 
     def chosen(self, given: Mapping[str, float]) -> Scenario:
-        only(self.name, given, (*VALUES, "duration"))
-        slider = with_values(self.of_suite(OWN, 1.0).slider, given)
+        suite.only(self.name, given, (*suite.VALUES, "duration"))
+        slider = suite.with_values(self.of_suite(suite.OWN, 1.0).slider, given)
         if slider.break_away == 0.0:
             raise InputError("--f-k", "0, and nothing holds the slider", "friction above 0 is accepted")
         return self.load(slider, given.get("duration"))
@@ -94,11 +80,11 @@ class HoldKind(Kind):
         force = np.full(t.size, scenario.action.force)
         return Trajectory(t, still + scenario.x0, still, still, Source("reference", "exact"), force, mode)
 
-    def answers(self, scenario: Scenario) -> Answers:
+    def answers(self, scenario: Scenario) -> suite.Answers:
         assert isinstance(scenario.action, Hold)
         return {"creep_m_s": creep(scenario.slider, scenario.action)}
 
-    def measure(self, trace: Trajectory, scenario: Scenario) -> Metrics:
+    def measure(self, trace: Trajectory, scenario: Scenario) -> suite.Metrics:
         return measure_hold(trace)
 
 
@@ -106,7 +92,9 @@ HOLD_50 = HoldKind(
     name="hold-50",
     place=2,
     share=0.5,
-    figures=(Figure("creep 50 %", "creep_m_s", creep_scale, "creep in one period at half of break-away, over x_k"),),
+    figures=(
+        suite.Figure("creep 50 %", "creep_m_s", creep_scale, "creep in one period at half of break-away, over x_k"),
+    ),
 )
 """A load of half of break-away."""
 
@@ -114,6 +102,8 @@ HOLD_97 = HoldKind(
     name="hold-97",
     place=3,
     share=0.97,
-    figures=(Figure("creep 97 %", "creep_m_s", creep_scale, "creep in one period at 97 % of break-away, over x_k"),),
+    figures=(
+        suite.Figure("creep 97 %", "creep_m_s", creep_scale, "creep in one period at 97 % of break-away, over x_k"),
+    ),
 )
 """A load of 97 % of break-away."""

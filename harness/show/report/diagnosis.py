@@ -18,27 +18,7 @@ from harness.results.diagnosis import (
     PredictionResult,
 )
 from harness.results.fleet import FleetResult
-from harness.show.blocks import (
-    Block,
-    Card,
-    Cards,
-    Cell,
-    Code,
-    Column,
-    Folded,
-    Items,
-    Page,
-    Reasons,
-    Row,
-    Section,
-    Table,
-    by,
-    lines,
-    measured,
-    or_nothing,
-    tabulated,
-    verdict,
-)
+from harness.show import blocks as b
 from harness.show.numbers import NONE, number, quantity
 from harness.show.report.diagnosis_figures import Curves, evidence, left, model_names, nameless, shares
 from harness.show.report.identify import samples_of
@@ -76,13 +56,13 @@ def diagnosis_page(
     recording: Recording,
     simulated: Sequence[Trajectory],
     robot: Shown | None = None,
-) -> Page:
+) -> b.Page:
     """simulated : base model and refined model at the recording's times, extra "shown x" and the like what their
     sensors show, and behind them the user's own simulation where there is one. robot : where it is of a robot's joint.
     """
     seen, told = Curves(recording, simulated, result), result.attribution
     sections = [
-        verdict(result.statement.replace("+-", "\u00b1"), gained(result), heading="Verdict"),
+        b.verdict(result.statement.replace("+-", "\u00b1"), gained(result), heading="Verdict"),
         *([] if robot is None else joint_beside(result, robot)),
         seen.before(),
         *([_own(result)] if result.own else []),
@@ -91,16 +71,16 @@ def diagnosis_page(
         *([nameless(result)] if result.tables or result.surface else []),
         _models(result),
         *([evidence(result)] if result.evidence else []),
-        Section("Residual by time", seen.residuals()),
+        b.Section("Residual by time", seen.residuals()),
         seen.phase_plane(),
         _heldout(result),
     ]
     if more := said(result):
-        sections.append(verdict("", more, heading="What to know besides"))
+        sections.append(b.verdict("", more, heading="What to know besides"))
     if told is not None:
         sections.append(shares(told))
         if change := to_change(told):
-            sections.append(verdict("", change, heading="What to change in your simulation"))
+            sections.append(b.verdict("", change, heading="What to change in your simulation"))
     if result.engines:
         sections.append(_engines(result))
     if result.rules:
@@ -110,7 +90,7 @@ def diagnosis_page(
     name = "the recording on standard input" if about.file == "-" else PurePath(about.file).name
     if result.recordings:
         name = f"{len(result.recordings)} recordings of one machine"
-    return Page(f"What a simulation leaves out of {name}", samples_of(about), sections)
+    return b.Page(f"What a simulation leaves out of {name}", samples_of(about), sections)
 
 
 def to_change(attribution: AttributionResult) -> list[str]:
@@ -162,25 +142,27 @@ def said(result: DiagnosisResult) -> list[str]:
     return [_capital(sentence) for sentence in sentences]
 
 
-def index_page(answers: Sequence[Answer], folder: Path, command: str, fleet: FleetResult | None = None) -> Page:
+def index_page(answers: Sequence[Answer], folder: Path, command: str, fleet: FleetResult | None = None) -> b.Page:
     """The page of many, which lies in ``folder``. fleet : what they say together, of one robot."""
     counts = Counter(m.name for answer in answers for m in answer.mechanisms)
     named = ", ".join(f"{name} ({count})" for name, count in counts.most_common())
     headline = f"Left out: {named}." if named else "No physics was found to be left out."
     failed = [f"{one.recording.file}: {one.error}" for one in answers if isinstance(one, FailedDiagnosis)]
     rows = [
-        Row(PurePath(answer.recording.file).name, [Cell(text) for text in _entry(answer)], link=_link(answer, folder))
+        b.Row(
+            PurePath(answer.recording.file).name, [b.Cell(text) for text in _entry(answer)], link=_link(answer, folder)
+        )
         for answer in answers
     ]
     heads = ("verdict", "left out", "not ruled out", "chi-square per point before", "after")
-    blocks: list[Block] = [Table("recording", [Column(head, str) for head in heads], rows)]
+    blocks: list[b.Block] = [b.Table("recording", [b.Column(head, str) for head in heads], rows)]
     if command:
-        blocks.append(Code(command, intro="This command makes it again:"))
-    first = fleet_sections(fleet) if fleet else [verdict(headline, failed, heading="Over all recordings")]
+        blocks.append(b.Code(command, intro="This command makes it again:"))
+    first = fleet_sections(fleet) if fleet else [b.verdict(headline, failed, heading="Over all recordings")]
     verdicts = Counter(str(answer.verdict) for answer in answers)
     line = ", ".join(f"{verdicts[verdict]} {words}" for verdict, words in VERDICTS.items() if verdicts[verdict])
-    return Page(
-        f"What simulations leave out of {len(answers)} recordings", line, [*first, Section("Recordings", blocks)]
+    return b.Page(
+        f"What simulations leave out of {len(answers)} recordings", line, [*first, b.Section("Recordings", blocks)]
     )
 
 
@@ -197,32 +179,34 @@ def _entry(answer: Answer) -> list[str]:
     return [VERDICTS[answer.verdict], ", ".join(m.name for m in answer.mechanisms), others, *chi2]
 
 
-def _own(result: DiagnosisResult) -> Section:
+def _own(result: DiagnosisResult) -> b.Section:
     """A row a recording, of several."""
     first, helped = result.own[0], bool(result.mechanisms)
     length = first.start["x0"].unit
     columns = [
-        Column("begins at", lambda one: one.begins_s, "s", "on the axis of time on which all lie"),
-        Column("start", lambda one: measured(one.start["x0"]), length),
-        *([Column("zero", lambda one: measured(one.zero), length)] if first.zero else []),
+        b.Column("begins at", lambda one: one.begins_s, "s", "on the axis of time on which all lie"),
+        b.Column("start", lambda one: b.measured(one.start["x0"]), length),
+        *([b.Column("zero", lambda one: b.measured(one.zero), length)] if first.zero else []),
     ]
     for c in first.rmse:
         columns += [
-            Column(f"noise of {c}", by(c, lambda one, c: _noise(one.noise[c], 3))),
-            Column(f"rmse of {c}", by(c, lambda one, c: number(one.baseline_rmse[c], 3)), "", "viscous and Coulomb"),
+            b.Column(f"noise of {c}", b.by(c, lambda one, c: _noise(one.noise[c], 3))),
+            b.Column(
+                f"rmse of {c}", b.by(c, lambda one, c: number(one.baseline_rmse[c], 3)), "", "viscous and Coulomb"
+            ),
         ]
         columns += (
-            [Column("refined", by(c, lambda one, c: number(one.rmse[c], 3)), "", f"rmse of {c}")] if helped else []
+            [b.Column("refined", b.by(c, lambda one, c: number(one.rmse[c], 3)), "", f"rmse of {c}")] if helped else []
         )
-    alone = [Column(n, by(n, lambda one, n: measured(one.alone[n])), p.unit) for n, p in first.alone.items()]
+    alone = [b.Column(n, b.by(n, lambda one, n: b.measured(one.alone[n])), p.unit) for n, p in first.alone.items()]
     caption = "Viscous and Coulomb friction fitted to each by itself."
     tables = [
-        tabulated("recording", columns, result.own, _file, lambda one: "; ".join(one.differs)),
-        tabulated("recording", alone, result.own, _file, caption=caption),
+        b.tabulated("recording", columns, result.own, _file, lambda one: "; ".join(one.differs)),
+        b.tabulated("recording", alone, result.own, _file, caption=caption),
     ]
     if result.together:
         tables.append(_together(result.together))
-    return Section("Recordings of one machine", tables)
+    return b.Section("Recordings of one machine", tables)
 
 
 def _file(one: OwnResult) -> str:
@@ -233,19 +217,19 @@ def _noise(value: float | str | None, digits: int = 4) -> str:
     return number(value, digits) if isinstance(value, float) else str(value or NONE)
 
 
-def _together(together: Mapping[str, RepeatedResult]) -> Table:
+def _together(together: Mapping[str, RepeatedResult]) -> b.Table:
     """What recordings say together of each parameter."""
     columns = [
-        Column("of all", lambda one: measured(one[1].value), "", "its error counts the spread between recordings"),
-        Column(
+        b.Column("of all", lambda one: b.measured(one[1].value), "", "its error counts the spread between recordings"),
+        b.Column(
             "error of one", lambda one: number(one[1].within, 2), "", "standard error of a single recording's value"
         ),
-        Column("spread between", lambda one: number(one[1].between, 2), "", "standard deviation beyond those errors"),
-        Column("stands out", lambda one: ", ".join(PurePath(file).name for file in one[1].outliers) or "none"),
+        b.Column("spread between", lambda one: number(one[1].between, 2), "", "standard deviation beyond those errors"),
+        b.Column("stands out", lambda one: ", ".join(PurePath(file).name for file in one[1].outliers) or "none"),
     ]
     caption = "The model above fitted to each by itself."
     rows = list(together.items())
-    return tabulated("parameter", columns, rows, lambda one: f"{one[0]}, {one[1].value.unit}", caption=caption)
+    return b.tabulated("parameter", columns, rows, lambda one: f"{one[0]}, {one[1].value.unit}", caption=caption)
 
 
 def _units(result: DiagnosisResult) -> dict[str, str]:
@@ -254,99 +238,107 @@ def _units(result: DiagnosisResult) -> dict[str, str]:
     return {"x": "rad", "v": "rad/s", "a": "rad/s²"} if angular else {"x": "m", "v": "m/s", "a": "m/s²"}
 
 
-def _models(result: DiagnosisResult) -> Section:
-    reasons, units, noise = Reasons(), _units(result), result.recording.noise
+def _models(result: DiagnosisResult) -> b.Section:
+    reasons, units, noise = b.Reasons(), _units(result), result.recording.noise
     parameters, channels = result.baseline.parameters, list(result.baseline.rmse)
     fitted = channels if result.fit_percent else []
     columns = [
-        *(Column(name, str, quantity(p)[2]) for name, p in parameters.items()),
-        Column("chi-square per point", str, "", "1 when only noise is left"),
-        *(Column(f"fit of {c}", str, "%", "100 (1 - |y - y_model| / |y - mean y|), NRMSE") for c in fitted),
-        *(Column(f"rmse of {c}", str, units.get(c, "")) for c in channels),
+        *(b.Column(name, str, quantity(p)[2]) for name, p in parameters.items()),
+        b.Column("chi-square per point", str, "", "1 when only noise is left"),
+        *(b.Column(f"fit of {c}", str, "%", "100 (1 - |y - y_model| / |y - mean y|), NRMSE") for c in fitted),
+        *(b.Column(f"rmse of {c}", str, units.get(c, "")) for c in channels),
     ]
     rows = []
     shares = [{}, {}] if result.fit_percent is None else [result.fit_percent.baseline, result.fit_percent.refined]
     for fit, share, label in zip((result.baseline, result.refined), shares, model_names(result), strict=False):
-        cells = [measured(fit.parameters.get(name), reasons) for name in parameters]
-        cells += [Cell(number(fit.chi2_per_point, 4)), *(Cell(number(share.get(c), 4)) for c in fitted)]
-        rows.append(Row(label, [*cells, *(Cell(number(fit.rmse.get(c), 4)) for c in channels)]))
-    none = [Cell("")]
-    cells = [*none * len(parameters), Cell("1"), *none * len(fitted), *(Cell(_noise(noise.get(c))) for c in channels)]
-    rows.append(Row("noise", cells, "estimated from the data"))
+        cells = [b.measured(fit.parameters.get(name), reasons) for name in parameters]
+        cells += [b.Cell(number(fit.chi2_per_point, 4)), *(b.Cell(number(share.get(c), 4)) for c in fitted)]
+        rows.append(b.Row(label, [*cells, *(b.Cell(number(fit.rmse.get(c), 4)) for c in channels)]))
+    none = [b.Cell("")]
+    cells = [
+        *none * len(parameters),
+        b.Cell("1"),
+        *none * len(fitted),
+        *(b.Cell(_noise(noise.get(c))) for c in channels),
+    ]
+    rows.append(b.Row("noise", cells, "estimated from the data"))
     caption = "Below each value: one standard error."
-    return Section("Fit before and after", [Table("model", columns, rows, caption, "", reasons.footnotes)])
+    return b.Section("Fit before and after", [b.Table("model", columns, rows, caption, "", reasons.footnotes)])
 
 
-def _mechanisms(result: DiagnosisResult) -> Section:
+def _mechanisms(result: DiagnosisResult) -> b.Section:
     """How much of what is missing each is, how it predicts, what else it could be; then its parameters."""
     columns = [
-        Column("grade", lambda one: _GRADES[one.grade]),
-        Column("P", lambda one: number(one.probability, 2), "", "probability of being what is missing"),
-        Column(
+        b.Column("grade", lambda one: _GRADES[one.grade]),
+        b.Column("P", lambda one: number(one.probability, 2), "", "probability of being what is missing"),
+        b.Column(
             "share of the misfit",
             lambda one: number(None if one.share is None else 100.0 * one.share, 3),
             "%",
             "of the mean square beyond noise that it takes off alone",
         ),
-        Column(
+        b.Column(
             "held-out error",
             lambda one: _ratios(one.holdout),
             "after / before",
             "blocks of cycles that took no part in the fit",
         ),
-        Column(
+        b.Column(
             "free-run error",
             lambda one: _ratios(one.forward),
             "after / before",
             "the last 40 %, from a fit of the first 60 %",
         ),
-        Column("not ruled out", _others, "worse by, BIC"),
+        b.Column("not ruled out", _others, "worse by, BIC"),
     ]
-    graded = tabulated("mechanism", columns, result.mechanisms, lambda one: one.name, lambda one: one.family)
-    return Section("What was left out", [graded, *map(_parameters, result.mechanisms)])
+    graded = b.tabulated("mechanism", columns, result.mechanisms, lambda one: one.name, lambda one: one.family)
+    return b.Section("What was left out", [graded, *map(_parameters, result.mechanisms)])
 
 
-def _others(one: MechanismResult) -> Cell:
+def _others(one: MechanismResult) -> b.Cell:
     found = [f"{a.name} ({number(a.delta_bic, 2)})" for a in one.alternatives]
-    return lines(found or [NONE])
+    return b.lines(found or [NONE])
 
 
-def _parameters(one: MechanismResult) -> Table:
-    reasons = Reasons()
+def _parameters(one: MechanismResult) -> b.Table:
+    reasons = b.Reasons()
     spans, place = one.where.time_s, one.where
     when = f"{number(spans[0][0], 4)} to {number(spans[-1][1], 4)} s" if spans else NONE
     many = f" in {len(spans)} spans" if len(spans) > 1 else ""
     columns = [
-        *(Column(name, by(p, lambda _, p: measured(p, reasons)), quantity(p)[2]) for name, p in one.parameters.items()),
-        Column("evidence", lambda one: one.delta_bic, "BIC", "what BIC loses without it"),
-        Column("acts", lambda _: Cell(place.condition, [f"{place.regime}, {when}{many}"])),
+        *(
+            b.Column(name, b.by(p, lambda _, p: b.measured(p, reasons)), quantity(p)[2])
+            for name, p in one.parameters.items()
+        ),
+        b.Column("evidence", lambda one: one.delta_bic, "BIC", "what BIC loses without it"),
+        b.Column("acts", lambda _: b.Cell(place.condition, [f"{place.regime}, {when}{many}"])),
     ]
     caption = one.statement.replace("+-", "\u00b1")
-    return tabulated(
+    return b.tabulated(
         "mechanism", columns, [one], lambda one: one.name, lambda one: one.family, reasons=reasons, caption=caption
     )
 
 
-def _ratios(found: PredictionResult | None) -> Cell:
+def _ratios(found: PredictionResult | None) -> b.Cell:
     """Error after over before: the largest of the channels, all of them below it."""
     if found is None:
-        return Cell(NONE)
+        return b.Cell(NONE)
     pairs = [(c, found.refined_rmse[c] / b) for c, b in found.baseline_rmse.items() if b > 0.0]
     notes = [f"{c} {number(r, 2)}" for c, r in pairs] if len(pairs) > 1 else []
-    return Cell(number(max((r for _, r in pairs), default=None), 2), notes)
+    return b.Cell(number(max((r for _, r in pairs), default=None), 2), notes)
 
 
-def _heldout(result: DiagnosisResult) -> Section:
+def _heldout(result: DiagnosisResult) -> b.Section:
     """Prediction of samples left out of the fits."""
     held, units, noise = result.holdout, _units(result), result.recording.noise
     title = "Prediction of what was held out"
     if not held.spans_s:
-        return Section(title, or_nothing([]))
+        return b.Section(title, b.or_nothing([]))
     columns = [
-        Column("rmse before", lambda c: held.baseline_rmse[c]),
-        Column("rmse after", held.refined_rmse.get),
-        Column("after over before", lambda c: number(_over(held.refined_rmse.get(c), held.baseline_rmse[c]), 3)),
-        Column("noise", lambda c: _noise(noise.get(c))),
+        b.Column("rmse before", lambda c: held.baseline_rmse[c]),
+        b.Column("rmse after", held.refined_rmse.get),
+        b.Column("after over before", lambda c: number(_over(held.refined_rmse.get(c), held.baseline_rmse[c]), 3)),
+        b.Column("noise", lambda c: _noise(noise.get(c))),
     ]
     spans = ", ".join(f"{low:.4g} to {high:.4g} s" for low, high in held.spans_s[:_MOST_SPANS])
     more = f" and {len(held.spans_s) - _MOST_SPANS} more" if len(held.spans_s) > _MOST_SPANS else ""
@@ -358,46 +350,48 @@ def _heldout(result: DiagnosisResult) -> Section:
     )
     if held.given:
         caption += f" Given, not predicted: {', '.join(held.given)}."
-    table = tabulated("channel", columns, list(held.baseline_rmse), str, lambda c: units.get(c, ""), caption=caption)
-    return Section(title, [table])
+    table = b.tabulated("channel", columns, list(held.baseline_rmse), str, lambda c: units.get(c, ""), caption=caption)
+    return b.Section(title, [table])
 
 
 def _over(after: float | None, before: float) -> float | None:
     return None if after is None or not before else after / before
 
 
-def _rules(result: DiagnosisResult) -> Section:
+def _rules(result: DiagnosisResult) -> b.Section:
     """Numbers that moved the verdict, folded."""
     columns = [
-        Column("value", lambda rule: rule.value),
-        Column("unit", lambda rule: rule.unit),
-        Column("origin", lambda rule: Cell("", [rule.origin])),
+        b.Column("value", lambda rule: rule.value),
+        b.Column("unit", lambda rule: rule.unit),
+        b.Column("origin", lambda rule: b.Cell("", [rule.origin])),
     ]
-    table = tabulated("rule", columns, result.rules, lambda rule: rule.name)
-    return Section("Rules that decided", [Folded(f"{len(result.rules)} rules with their values and origins", [table])])
+    table = b.tabulated("rule", columns, result.rules, lambda rule: rule.name)
+    return b.Section(
+        "Rules that decided", [b.Folded(f"{len(result.rules)} rules with their values and origins", [table])]
+    )
 
 
-def _engines(result: DiagnosisResult) -> Section:
+def _engines(result: DiagnosisResult) -> b.Section:
     units, channels = _units(result), list(result.baseline.rmse)
     columns = []
     for c in channels:
         unit = units.get(c, "")
-        columns += [Column(f"rmse of {c} before", str, unit), Column(f"rmse of {c} after", str, unit)]
+        columns += [b.Column(f"rmse of {c} before", str, unit), b.Column(f"rmse of {c} after", str, unit)]
         hint = "rms against the exact motion of the refined model"
-        columns.append(Column(f"own error in {c}", str, "noise", hint))
+        columns.append(b.Column(f"own error in {c}", str, "noise", hint))
     rows, cards = [], []
     for name, engine in result.engines.items():
         label = f"{name} {engine.version}".strip()
         if engine.error:
-            rows.append(Row(label, [Cell("could not be run"), *[Cell(NONE)] * (len(columns) - 1)], engine.error))
+            rows.append(b.Row(label, [b.Cell("could not be run"), *[b.Cell(NONE)] * (len(columns) - 1)], engine.error))
             continue
         found = (engine.baseline_rmse, engine.refined_rmse, engine.own_error)
         step = engine.settings.get("dt")
-        cells = [Cell(number(one.get(c), 4)) for c in channels for one in found]
-        rows.append(Row(label, cells, f"step {step * 1e3:.4g} ms" if step else ""))
+        cells = [b.Cell(number(one.get(c), 4)) for c in channels for one in found]
+        rows.append(b.Row(label, cells, f"step {step * 1e3:.4g} ms" if step else ""))
         line = f"step {step * 1e3:.6g} ms" if step else ""
-        cards.append(Card(label, "var(--muted)", line, engine.ignored, settings_of(engine.settings)))
-    blocks: list[Block] = [Table("engine", columns, rows, _ENGINES), Cards(cards)]
+        cards.append(b.Card(label, "var(--muted)", line, engine.ignored, settings_of(engine.settings)))
+    blocks: list[b.Block] = [b.Table("engine", columns, rows, _ENGINES), b.Cards(cards)]
     if result.model_left_out:
-        blocks.append(Items(result.model_left_out, "What the exported MJCF and URDF cannot say"))
-    return Section("In the engines", blocks)
+        blocks.append(b.Items(result.model_left_out, "What the exported MJCF and URDF cannot say"))
+    return b.Section("In the engines", blocks)

@@ -14,21 +14,7 @@ from harness.results.prove import (
     ProofResult,
     RateResult,
 )
-from harness.show.blocks import (
-    Block,
-    Cell,
-    Code,
-    Column,
-    Items,
-    Page,
-    Row,
-    Section,
-    Table,
-    Text,
-    or_nothing,
-    tabulated,
-    verdict,
-)
+from harness.show import blocks as b
 from harness.show.numbers import number
 from harness.show.report.page import made_with
 from harness.show.report.proof_figures import BAD, GOOD, confusion, detection, intervals
@@ -61,7 +47,7 @@ LIMITS = (
 _AGAIN = "This recomputes every hash, every score and every recording, and names whatever was changed:"
 
 
-def proof_page(result: ProofResult, order: Sequence[str], transcript: Sequence[Mapping[str, Any]]) -> Page:
+def proof_page(result: ProofResult, order: Sequence[str], transcript: Sequence[Mapping[str, Any]]) -> b.Page:
     """order : names of the catalogue in their order. transcript : ("step", "at", "hash") of each entry."""
     sizes = result.sizes
     sentences = [f"Falls short: {line}." for line in result.shortfalls]
@@ -74,7 +60,7 @@ def proof_page(result: ProofResult, order: Sequence[str], transcript: Sequence[M
         )
     sentences += [f"Given up: {line}" for line in result.given_up]
     sections = [
-        verdict(_headline(result), sentences),
+        b.verdict(_headline(result), sentences),
         _figures(result.figures, result.forced, result.by_source),
     ]
     if result.confusion:
@@ -85,24 +71,24 @@ def proof_page(result: ProofResult, order: Sequence[str], transcript: Sequence[M
     others = [_baselines(result.baselines)] if result.baselines else []
     others += [_must_fail(result.must_fail)] if result.must_fail else []
     if others:
-        sections.append(Section("Beside others", others))
-    entries = tabulated(
+        sections.append(b.Section("Beside others", others))
+    entries = b.tabulated(
         "transcript",
         [
-            Column("at, UTC", lambda entry: entry["at"]),
-            Column("hash of the entry", lambda entry: Cell(Markup("<code>{}</code>").format(entry["hash"]))),
+            b.Column("at, UTC", lambda entry: entry["at"]),
+            b.Column("hash of the entry", lambda entry: b.Cell(Markup("<code>{}</code>").format(entry["hash"]))),
         ],
         transcript,
         lambda entry: entry["step"],
     )
-    sealed: list[Block] = [Items(TOLD, ordered=True), Code("harness prove --verify DIR", intro=_AGAIN), entries]
+    sealed: list[b.Block] = [b.Items(TOLD, ordered=True), b.Code("harness prove --verify DIR", intro=_AGAIN), entries]
     sections += [
         _missed(result.cases),
-        Section("How it was sealed", [*sealed, Text(LIMITS)]),
+        b.Section("How it was sealed", [*sealed, b.Text(LIMITS)]),
         made_with(result.machine, result.files, result.command),
     ]
     kind = "" if result.evidence else "no evidence: "
-    return Page(
+    return b.Page(
         "The sealed proof", f"{kind}{len(result.cases)} recordings, sealed answers, seed {result.seed}", sections
     )
 
@@ -127,35 +113,35 @@ def _headline(result: ProofResult) -> str:
 
 def _figures(
     figures: Sequence[ProofFigure], forced: ForcedFigure, by_source: Mapping[str, Sequence[ProofFigure]]
-) -> Section:
+) -> b.Section:
     """forced : controls with a term forced in."""
     columns = [
-        Column("found", lambda one: Cell(_amount(one.value, one.share), grade=_grade(one.met))),
-        Column("95 % interval", _interval, "", "exact (Clopper-Pearson) for a share, resampled for a median"),
-        Column("cases", lambda one: str(one.cases)),
-        Column("asked", lambda one: one.asked),
+        b.Column("found", lambda one: b.Cell(_amount(one.value, one.share), grade=_grade(one.met))),
+        b.Column("95 % interval", _interval, "", "exact (Clopper-Pearson) for a share, resampled for a median"),
+        b.Column("cases", lambda one: str(one.cases)),
+        b.Column("asked", lambda one: one.asked),
     ]
     caption = "Green: reached. Red: falls short. No colour: nothing is asked."
-    table = tabulated("figure", columns, figures, lambda one: one.label, caption=caption)
+    table = b.tabulated("figure", columns, figures, lambda one: one.label, caption=caption)
     if by_source:  # recordings of machines alone have no such controls
         met = None if forced.worst is None else forced.worst <= 1.05
-        cells = [Cell(number(forced.worst, 4), grade=_grade(met)), Cell(""), Cell(str(forced.cases))]
-        last = Row("held-out rmse of controls, a term forced in, largest", [*cells, Cell("at most 1.05")])
-        table = Table(table.corner, columns, [*table.rows, last], caption)
+        cells = [b.Cell(number(forced.worst, 4), grade=_grade(met)), b.Cell(""), b.Cell(str(forced.cases))]
+        last = b.Row("held-out rmse of controls, a term forced in, largest", [*cells, b.Cell("at most 1.05")])
+        table = b.Table(table.corner, columns, [*table.rows, last], caption)
     shares = [
         (one.label, one, {True: GOOD, False: BAD, None: "#7a8594"}[one.met], f"{one.hits} of {one.cases}")
         for one in figures
         if one.share
     ]
-    blocks: list[Block] = [table, intervals("figures", shares, "Shares with their exact 95 % intervals.")]
+    blocks: list[b.Block] = [table, intervals("figures", shares, "Shares with their exact 95 % intervals.")]
     if len(by_source) > 1:
         heads = [figure.label for figure in next(iter(by_source.values()))]
         rows = [
-            Row(name, [Cell(_amount(one.value, one.share), (f"of {one.cases}",)) for one in found])
+            b.Row(name, [b.Cell(_amount(one.value, one.share), (f"of {one.cases}",)) for one in found])
             for name, found in by_source.items()
         ]
-        blocks.append(Table("recordings made by", [Column(head, str) for head in heads], rows, title="By source"))
-    return Section("Figures", blocks)
+        blocks.append(b.Table("recordings made by", [b.Column(head, str) for head in heads], rows, title="By source"))
+    return b.Section("Figures", blocks)
 
 
 def _grade(met: bool | None) -> int | None:
@@ -173,33 +159,33 @@ def _interval(figure: ProofFigure) -> str:
     return f"{low.removesuffix(' %')} to {high}"
 
 
-def _by_name(rates: Mapping[str, RateResult], not_tested: Sequence[str]) -> Section:
+def _by_name(rates: Mapping[str, RateResult], not_tested: Sequence[str]) -> b.Section:
     """rates : share named by name. not_tested : names that did not occur."""
     rows = []
     for name, rate in rates.items():
         color = GOOD if rate.hits == rate.cases else BAD if (rate.value or 0.0) < 0.5 else "#d99a2b"
         rows.append((name, rate, color, f"{rate.hits} of {rate.cases}"))
     caption = "Single effects that were named, with exact 95 % intervals. Green: every one of them."
-    blocks: list[Block] = [intervals("by-name", rows, caption)] if rows else []
+    blocks: list[b.Block] = [intervals("by-name", rows, caption)] if rows else []
     missing = Markup("<strong>Not tested</strong>, since these names did not occur alone: {}.")
     said = missing.format(", ".join(not_tested)) if not_tested else "Every name of the catalogue occurred alone."
-    return Section("Name by name", [*blocks, Text(said)])
+    return b.Section("Name by name", [*blocks, b.Text(said)])
 
 
-def _missed(cases: Sequence[ProofCase]) -> Section:
+def _missed(cases: Sequence[ProofCase]) -> b.Section:
     """Every recording that was not answered right, group by group."""
     columns = [
-        Column("said", lambda case: case.said),
-        Column("not ruled out", lambda case: ", ".join(case.near) or number(None)),
-        Column("recorded", _recorded),
-        Column("samples", lambda case: str(case.points)),
-        Column(
+        b.Column("said", lambda case: case.said),
+        b.Column("not ruled out", lambda case: ", ".join(case.near) or number(None)),
+        b.Column("recorded", _recorded),
+        b.Column("samples", lambda case: str(case.points)),
+        b.Column(
             "loss of the base fit",
             lambda case: number(case.loss, 3),
             "",
             "chi-square that viscous and Coulomb friction lose to the truth",
         ),
-        Column("R² of it", lambda case: f"{case.r2:.4f}"),
+        b.Column("R² of it", lambda case: f"{case.r2:.4f}"),
     ]
     tables = []
     for group, title in GROUPS.items():
@@ -211,9 +197,9 @@ def _missed(cases: Sequence[ProofCase]) -> Section:
         caption = f"{len(here) - len(wrong)} of {len(here)} answered right.{more}"
         shown = wrong[:MOST_ROWS]
         tables.append(
-            tabulated("hidden", columns, shown, _hidden, lambda case: case.name, caption=caption, title=title)
+            b.tabulated("hidden", columns, shown, _hidden, lambda case: case.name, caption=caption, title=title)
         )
-    return Section("What was not answered right", or_nothing(tables))
+    return b.Section("What was not answered right", b.or_nothing(tables))
 
 
 def _recorded(case: ProofCase) -> str:
@@ -224,48 +210,48 @@ def _hidden(case: ProofCase) -> str:
     return " + ".join(case.hidden) or "nothing"
 
 
-def _baselines(margins: Sequence[BaselineMargin]) -> Table:
+def _baselines(margins: Sequence[BaselineMargin]) -> b.Table:
     """Ours beside what a practitioner would do."""
 
-    def margin(one: BaselineMargin) -> Cell:
+    def margin(one: BaselineMargin) -> b.Cell:
         if one.value is None:
-            return Cell(number(None))
+            return b.Cell(number(None))
         between = f"{_amount(one.low, one.share)} to {_amount(one.high, one.share)}"
-        return Cell(_amount(one.value, one.share), (between,), 0 if one.beaten else 4)
+        return b.Cell(_amount(one.value, one.share), (between,), 0 if one.beaten else 4)
 
     columns = [
-        Column("compared by", lambda one: one.what or one.why),
-        Column("ours", lambda one: _amount(one.ours, one.share)),
-        Column("theirs", lambda one: _amount(one.theirs, one.share)),
-        Column("margin", margin, "", "by how much ours is better, with its 95 % interval, resampled in pairs"),
-        Column("cases", lambda one: str(one.cases), "", "recordings on which the other has something to work on"),
+        b.Column("compared by", lambda one: one.what or one.why),
+        b.Column("ours", lambda one: _amount(one.ours, one.share)),
+        b.Column("theirs", lambda one: _amount(one.theirs, one.share)),
+        b.Column("margin", margin, "", "by how much ours is better, with its 95 % interval, resampled in pairs"),
+        b.Column("cases", lambda one: str(one.cases), "", "recordings on which the other has something to work on"),
     ]
     caption = "On the very same recordings. Green: the interval of the margin lies above none."
-    return tabulated(
+    return b.tabulated(
         "baseline", columns, margins, lambda one: one.name, lambda one: one.about, caption=caption, title="Baselines"
     )
 
 
-def _must_fail(rows: Sequence[MustFail]) -> Table:
+def _must_fail(rows: Sequence[MustFail]) -> b.Table:
     """What diagnosers that look at nothing would have scored."""
 
-    def rated(of: Callable[[MustFail], RateResult], grade: int | None = None) -> Callable[[MustFail], Cell]:
-        def cell(one: MustFail) -> Cell:
+    def rated(of: Callable[[MustFail], RateResult], grade: int | None = None) -> Callable[[MustFail], b.Cell]:
+        def cell(one: MustFail) -> b.Cell:
             rate = of(one)
             if rate.value is None or rate.low is None or rate.high is None:
-                return Cell(number(None))
+                return b.Cell(number(None))
             note = f"{100.0 * rate.low:.1f} to {100.0 * rate.high:.1f} %"
-            return Cell(f"{100.0 * rate.value:.1f} %", (note,), grade)
+            return b.Cell(f"{100.0 * rate.value:.1f} %", (note,), grade)
 
         return cell
 
     columns = [
-        Column("single effects named", rated(lambda one: one.named, 4)),
-        Column("false alarms", rated(lambda one: one.false_alarms)),
-        Column("wrong or nothing outside the catalogue", rated(lambda one: one.misled)),
+        b.Column("single effects named", rated(lambda one: one.named, 4)),
+        b.Column("false alarms", rated(lambda one: one.false_alarms)),
+        b.Column("wrong or nothing outside the catalogue", rated(lambda one: one.misled)),
     ]
     caption = "Scores worth having condemn these, on the very same recordings."
-    return tabulated(
+    return b.tabulated(
         "a diagnoser that",
         columns,
         rows,

@@ -12,23 +12,7 @@ from harness.results.diagnosis import DiagnosisResult
 from harness.results.fleet import FleetResult, FleetRow
 from harness.results.robot import EntryResult, JointResult, MatchResult, PasteResult, RobotResult, SimulatedResult
 from harness.results.run import JointRunResult
-from harness.show.blocks import (
-    Block,
-    Cell,
-    Code,
-    Column,
-    Figure,
-    Items,
-    Page,
-    Row,
-    Section,
-    Table,
-    by,
-    measured,
-    or_nothing,
-    tabulated,
-    verdict,
-)
+from harness.show import blocks as b
 from harness.show.numbers import number, of_engines, of_names
 from harness.show.plots import GROUP, axes, curve, dots, per, some
 from harness.show.report.page import made_with
@@ -45,49 +29,49 @@ def _robot_of(result: DiagnosisResult) -> RobotResult:
     return result.robot
 
 
-def arm_page(result: DiagnosisResult, shown: Shown) -> Page:
+def arm_page(result: DiagnosisResult, shown: Shown) -> b.Page:
     """Friction of an arm's joints, and the torque that is left."""
     robot = _robot_of(result)
     assert robot.arm is not None
     torque, *more = joint_beside(result, shown)
     sections = [
-        verdict(result.statement.replace("+-", "\u00b1"), result.warnings),
+        b.verdict(result.statement.replace("+-", "\u00b1"), result.warnings),
         torque,
         _joints(robot.arm.joints, robot.joint),
         _found(robot.arm.found),
         *more,
         made_with(result.machine, result.files, result.command),
     ]
-    return Page(f"Friction of {robot.joint}", result.recording.file, sections)
+    return b.Page(f"Friction of {robot.joint}", result.recording.file, sections)
 
 
-def match_page(result: DiagnosisResult) -> Page:
+def match_page(result: DiagnosisResult) -> b.Page:
     """Of a log that does not go together with its model."""
     robot = _robot_of(result)
     sections = [
-        verdict(result.statement, result.warnings),
+        b.verdict(result.statement, result.warnings),
         _matches(robot.match),
         made_with(result.machine, result.files, result.command),
     ]
-    return Page(f"Log and model of {robot.joint}", result.recording.file, sections)
+    return b.Page(f"Log and model of {robot.joint}", result.recording.file, sections)
 
 
-def joint_beside(result: DiagnosisResult, shown: Shown) -> list[Section]:
+def joint_beside(result: DiagnosisResult, shown: Shown) -> list[b.Section]:
     """What is said of any robot's joint: torque that is left, engines against the log, pairs, what to paste."""
     robot, unit = _robot_of(result), result.baseline.parameters["f_k"].unit
     pairs = [" and ".join(pair) for pair in robot.confounded]
     return [
         _torque(robot.joint, shown.left, unit),
         *([_in_engines(robot.joint, robot.simulated, shown.motions, moved_in(unit))] if robot.simulated else []),
-        *([verdict("", pairs, heading="What this log cannot tell apart")] if pairs else []),
+        *([b.verdict("", pairs, heading="What this log cannot tell apart")] if pairs else []),
         *([_matches(robot.match)] if robot.match else []),
         _to_paste(robot.paste, result.model_left_out),
     ]
 
 
-def _torque(joint: str, left: Left, unit: str) -> Section:
+def _torque(joint: str, left: Left, unit: str) -> b.Section:
     """joint : whose torque is drawn. unit : of it, of a hinge N m."""
-    figures, place = list[Figure](), moved_in(unit)
+    figures, place = list[b.Figure](), moved_in(unit)
     rows = left.get(joint, np.empty((0, 5)))
     rows = rows[:: max(1, -(-rows.shape[0] // _POINTS))]
     caption = "Guarded samples: the torque minus the rigid model, Coulomb and viscous friction and an offset."
@@ -104,21 +88,21 @@ def _torque(joint: str, left: Left, unit: str) -> Section:
             for of, column, color in ((BEFORE_NAME, 3, BEFORE), (AFTER_NAME, 4, AFTER))
         ]
         layout = axes(f"{name} / {per(along)}", f"torque left / ({unit})", showlegend=True)
-        figures.append(Figure(f"left-{name}", traces, layout, said))
-    return Section(f"Torque that is left of {joint}", figures if joint in left else [])
+        figures.append(b.Figure(f"left-{name}", traces, layout, said))
+    return b.Section(f"Torque that is left of {joint}", figures if joint in left else [])
 
 
-def _in_engines(joint: str, simulated: Sequence[SimulatedResult], motions: Sequence[Motion], place: str) -> Section:
+def _in_engines(joint: str, simulated: Sequence[SimulatedResult], motions: Sequence[Motion], place: str) -> b.Section:
     """motions : one an engine. place : rad or m."""
 
     def rms(side: str, c: str) -> Callable[[SimulatedResult], str]:
         return lambda one: number(getattr(one, side)[c], 3)
 
     columns = [
-        Column("position, as it is", rms("before", "x"), place, "rms of simulation minus log"),
-        Column(_PASTED, rms("after", "x"), place),
-        Column("speed, as it is", rms("before", "v"), f"{place}/s"),
-        Column(_PASTED, rms("after", "v"), f"{place}/s"),
+        b.Column("position, as it is", rms("before", "x"), place, "rms of simulation minus log"),
+        b.Column(_PASTED, rms("after", "x"), place),
+        b.Column("speed, as it is", rms("before", "v"), f"{place}/s"),
+        b.Column(_PASTED, rms("after", "v"), f"{place}/s"),
     ]
     notes = []
     for one in simulated:
@@ -128,7 +112,7 @@ def _in_engines(joint: str, simulated: Sequence[SimulatedResult], motions: Seque
         f"{joint} is driven by the torque of the log and the other joints are led along it, in windows of"
         f" {window:g} s that each begin at the smoothed log."
     )  # fmt: skip
-    table = tabulated(
+    table = b.tabulated(
         "engine",
         columns,
         [one for one in simulated if not one.error],
@@ -137,10 +121,10 @@ def _in_engines(joint: str, simulated: Sequence[SimulatedResult], motions: Seque
         caption=caption,
         footnotes=notes,
     )
-    return Section("Your model against the log, before and after", [table, *engine_figures(motions, place)])
+    return b.Section("Your model against the log, before and after", [table, *engine_figures(motions, place)])
 
 
-def engine_figures(motions: Sequence[Motion], place: str) -> list[Figure]:
+def engine_figures(motions: Sequence[Motion], place: str) -> list[b.Figure]:
     """Engine minus log, before and after, over time. place : rad or m."""
     found = []
     for motion in motions:
@@ -149,7 +133,7 @@ def engine_figures(motions: Sequence[Motion], place: str) -> list[Figure]:
             for said, y, color in ((_AS_IT_IS, motion.before, BEFORE), (_PASTED, motion.after, AFTER))
         ]
         layout = axes("time / s", f"{motion.engine} minus log / {place}", showlegend=True)
-        found.append(Figure(f"engine-{motion.engine}", traces, layout, "", GROUP, 280))
+        found.append(b.Figure(f"engine-{motion.engine}", traces, layout, "", GROUP, 280))
     return found
 
 
@@ -157,107 +141,107 @@ def _version(one: SimulatedResult) -> str:
     return f"{one.engine} {one.version}".strip()
 
 
-def _matches(match: Sequence[MatchResult]) -> Section:
+def _matches(match: Sequence[MatchResult]) -> b.Section:
     columns = [
-        Column("by", lambda one: one.by or "-", "", "what loads the joint"),
-        Column("correlation", lambda one: _or_none(one.correlation), "", "of logged and modelled torque"),
-        Column("slope", lambda one: _or_none(one.slope), "", "logged over modelled torque"),
-        Column("offset", lambda one: number(one.offset, 3)),
-        Column("what looks wrong", lambda one: Cell(one.suspicion or "-", (one.option,) if one.option else ())),
+        b.Column("by", lambda one: one.by or "-", "", "what loads the joint"),
+        b.Column("correlation", lambda one: _or_none(one.correlation), "", "of logged and modelled torque"),
+        b.Column("slope", lambda one: _or_none(one.slope), "", "logged over modelled torque"),
+        b.Column("offset", lambda one: number(one.offset, 3)),
+        b.Column("what looks wrong", lambda one: b.Cell(one.suspicion or "-", (one.option,) if one.option else ())),
     ]
-    tables = [tabulated("joint", columns, match, lambda one: one.joint)] if match else []
-    return Section("The log against its model", or_nothing(tables))
+    tables = [b.tabulated("joint", columns, match, lambda one: one.joint)] if match else []
+    return b.Section("The log against its model", b.or_nothing(tables))
 
 
-def _to_paste(paste: PasteResult, left_out: Sequence[str] = ()) -> Section:
+def _to_paste(paste: PasteResult, left_out: Sequence[str] = ()) -> b.Section:
     """left_out : what those formats have no word for, a sentence each."""
     dynamics, _, calls = paste.urdf.partition("\n")
-    blocks: list[Block] = [
-        Code(paste.mjcf, "MJCF, in the joint's element"),
-        Code(dynamics, "URDF, in the joint's element"),
+    blocks: list[b.Block] = [
+        b.Code(paste.mjcf, "MJCF, in the joint's element"),
+        b.Code(dynamics, "URDF, in the joint's element"),
     ]
-    blocks += [Code(calls, "PyBullet, for what it does not read of a URDF")] if calls else []
-    blocks += [Items(left_out, "What these formats have no word for")] if left_out else []
-    return Section("What to paste into the model", blocks)
+    blocks += [b.Code(calls, "PyBullet, for what it does not read of a URDF")] if calls else []
+    blocks += [b.Items(left_out, "What these formats have no word for")] if left_out else []
+    return b.Section("What to paste into the model", blocks)
 
 
-def _joints(joints: Sequence[JointResult], first: str) -> Section:
+def _joints(joints: Sequence[JointResult], first: str) -> b.Section:
     """first : the one that was asked for."""
     columns = [
-        Column("Coulomb", lambda one: _with_unit(one.f_k)),
-        Column("viscous", lambda one: _with_unit(one.c)),
-        Column("offset", lambda one: _with_unit(one.offset)),
-        Column("left, base", lambda one: number(one.held_out_before, 3), "", "rms of torque that was not fitted"),
-        Column("left, model", lambda one: number(one.held_out_after, 3), "", "the same with everything named"),
-        Column(
+        b.Column("Coulomb", lambda one: _with_unit(one.f_k)),
+        b.Column("viscous", lambda one: _with_unit(one.c)),
+        b.Column("offset", lambda one: _with_unit(one.offset)),
+        b.Column("left, base", lambda one: number(one.held_out_before, 3), "", "rms of torque that was not fitted"),
+        b.Column("left, model", lambda one: number(one.held_out_after, 3), "", "the same with everything named"),
+        b.Column(
             "over noise",
             lambda one: number(one.over_noise, 3),
             "",
             "rms of what is left over that of the torque's noise",
         ),
     ]
-    table = tabulated(
+    table = b.tabulated(
         "joint", columns, joints, lambda one: one.joint, lambda one: "asked for" if one.joint == first else ""
     )
-    return Section("Friction of every joint", [table])
+    return b.Section("Friction of every joint", [table])
 
 
-def _with_unit(p: P) -> Cell:
+def _with_unit(p: P) -> b.Cell:
     if p.value is None:
-        return Cell("-", (p.why or "",))
+        return b.Cell("-", (p.why or "",))
     notes = () if p.stderr is None else (f"\u00b1 {p.stderr:.2g}",)
-    return Cell(number(p.value, 4), (*notes, p.unit))
+    return b.Cell(number(p.value, 4), (*notes, p.unit))
 
 
-def _found(found: Sequence[EntryResult]) -> Section:
+def _found(found: Sequence[EntryResult]) -> b.Section:
     """Everything named, of friction and of the model."""
     columns = [
-        Column("of", lambda one: one.joint or "the arm"),
-        Column("or", lambda one: ", ".join(filter(None, (one.partner, *one.rivals))) or "-"),
-        Column("grade", lambda one: one.grade),
-        Column("takes off", lambda one: f"{100.0 * one.share:.0f}", "%"),
-        Column("evidence", lambda one: number(one.evidence, 3)),
+        b.Column("of", lambda one: one.joint or "the arm"),
+        b.Column("or", lambda one: ", ".join(filter(None, (one.partner, *one.rivals))) or "-"),
+        b.Column("grade", lambda one: one.grade),
+        b.Column("takes off", lambda one: f"{100.0 * one.share:.0f}", "%"),
+        b.Column("evidence", lambda one: number(one.evidence, 3)),
     ]
-    tables = [tabulated("name", columns, found, lambda one: one.name)] if found else []
-    return Section("What is named beside it", or_nothing(tables))
+    tables = [b.tabulated("name", columns, found, lambda one: one.name)] if found else []
+    return b.Section("What is named beside it", b.or_nothing(tables))
 
 
-def joint_page(result: JointRunResult, held: Sequence[Trajectory], swings: Sequence[Trajectory]) -> Page:
+def joint_page(result: JointRunResult, held: Sequence[Trajectory], swings: Sequence[Trajectory]) -> b.Page:
     """A robot's joint in the engines. held, swings : its motions."""
     first, *rest = result.conclusions
     sections = [
-        verdict(first, rest),
+        b.verdict(first, rest),
         *([_scores(result, held, swings)] if result.scores else []),
         *([_servo(result)] if result.servo is not None else []),
         _to_paste(result.paste),
         made_with(result.machine, result.files, result.command),
     ]
-    return Page(f"What engines make of {result.joint}", result.file, sections)
+    return b.Page(f"What engines make of {result.joint}", result.file, sections)
 
 
-def _scores(result: JointRunResult, held: Sequence[Trajectory], swings: Sequence[Trajectory]) -> Section:
+def _scores(result: JointRunResult, held: Sequence[Trajectory], swings: Sequence[Trajectory]) -> b.Section:
     """Creep and lead, in numbers and as motions."""
     unit, scale = _moved(result)
     columns = [
-        Column("creep", str, f"{unit}/s", "under the load; a real joint does not move"),
-        Column("lead", str, "ms", "by which friction turns round before the speed"),
+        b.Column("creep", str, f"{unit}/s", "under the load; a real joint does not move"),
+        b.Column("lead", str, "ms", "by which friction turns round before the speed"),
     ]
     rows, notes = [], []
     for one in result.scores:
         if one.error:
             notes.append(f"{one.engine} {one.preset}: {one.error}")
             continue
-        cells = [Cell(_or_none(one.creep, scale)), Cell(_or_none(one.reversal_lead_s, 1e3))]
-        rows.append(Row(f"{one.engine} {one.preset}", cells, f"step {1e3 * (one.dt_s or 0.0):.3g} ms"))
+        cells = [b.Cell(_or_none(one.creep, scale)), b.Cell(_or_none(one.reversal_lead_s, 1e3))]
+        rows.append(b.Row(f"{one.engine} {one.preset}", cells, f"step {1e3 * (one.dt_s or 0.0):.3g} ms"))
     for own in result.as_it_is:
         creep = "it diverges" if own.diverges_after else _or_none(own.creep, scale)
         label = f"your file itself, {own.engine} {own.preset}"
-        rows.append(Row(label, [Cell(creep), Cell("-")], f"step {1e3 * own.dt_s:.3g} ms"))
-    table = Table("engine", columns, rows, footnotes=notes)
-    return Section("Creep and lead", [table, *motion_figures(result, held, swings)])
+        rows.append(b.Row(label, [b.Cell(creep), b.Cell("-")], f"step {1e3 * own.dt_s:.3g} ms"))
+    table = b.Table("engine", columns, rows, footnotes=notes)
+    return b.Section("Creep and lead", [table, *motion_figures(result, held, swings)])
 
 
-def motion_figures(result: JointRunResult, held: Sequence[Trajectory], swings: Sequence[Trajectory]) -> list[Figure]:
+def motion_figures(result: JointRunResult, held: Sequence[Trajectory], swings: Sequence[Trajectory]) -> list[b.Figure]:
     """Creep under the load, and the swing, by engine."""
     figures, (unit, scale) = [], _moved(result)
     for name, motions in (("creep", held), ("swing", swings)):
@@ -266,7 +250,7 @@ def motion_figures(result: JointRunResult, held: Sequence[Trajectory], swings: S
             curve(one.source.label, one.t, (one.x - (one.x[0] if name == "creep" else 0.0)) * scale, color, unit, 1.8)
             for one, color in zip(motions, hues, strict=True)
         ]
-        figures.append(Figure(name, traces, axes("time / s", f"{name} / {unit}", showlegend=True), "", "", 300))
+        figures.append(b.Figure(name, traces, axes("time / s", f"{name} / {unit}", showlegend=True), "", "", 300))
     return some(figures)
 
 
@@ -275,7 +259,7 @@ def _moved(result: JointRunResult) -> tuple[str, float]:
     return ("mm", 1e3) if result.slides else ("deg", float(np.degrees(1.0)))
 
 
-def _servo(result: JointRunResult) -> Section:
+def _servo(result: JointRunResult) -> b.Section:
     """What a step does to the servo of the joint."""
     servo = result.servo
     assert servo is not None
@@ -285,29 +269,29 @@ def _servo(result: JointRunResult) -> Section:
 
     unit = "N s/m" if result.slides else "N m s/rad"
     columns = [
-        Column("false damping", told("false_damping"), unit, "beyond what was asked for"),
-        Column("zeta", told("zeta")),
+        b.Column("false damping", told("false_damping"), unit, "beyond what was asked for"),
+        b.Column("zeta", told("zeta")),
     ]
     caption = f"It has zeta {_or_none(servo.zeta)}; the step is {1e3 * servo.step_s:.3g} ms."
-    table = tabulated("who computes it", columns, servo.scores, lambda one: one.who, caption=caption)
-    return Section("What the step does to its servo", [table])
+    table = b.tabulated("who computes it", columns, servo.scores, lambda one: one.who, caption=caption)
+    return b.Section("What the step does to its servo", [table])
 
 
 def _or_none(value: float | None, times: float = 1.0) -> str:
     return "-" if value is None else number(value * times, 3)
 
 
-def fleet_sections(fleet: FleetResult) -> list[Section]:
+def fleet_sections(fleet: FleetResult) -> list[b.Section]:
     """What logs of one robot say together: which joint's friction is not the same in all."""
     first, *more = (said.replace("+-", "\u00b1") for said in fleet.statements)
     logs = [PurePath(log.file).name for log in fleet.logs]
     trends = dict.fromkeys(t.name for row in fleet.rows for t in row.trends)
     columns = [
-        *(Column(name, by(i, lambda row, i: _or_dash(row.values[i]))) for i, name in enumerate(logs)),
-        Column("the same?", _same, "", "probability of such a scatter where it is"),
-        *(Column(f"per {name}", by(name, _slope)) for name in trends),
+        *(b.Column(name, b.by(i, lambda row, i: _or_dash(row.values[i]))) for i, name in enumerate(logs)),
+        b.Column("the same?", _same, "", "probability of such a scatter where it is"),
+        *(b.Column(f"per {name}", b.by(name, _slope)) for name in trends),
     ]
-    table = tabulated(
+    table = b.tabulated(
         "joint",
         columns,
         fleet.rows,
@@ -315,26 +299,26 @@ def fleet_sections(fleet: FleetResult) -> list[Section]:
         lambda row: row.mean.unit,
     )
     return [
-        verdict(first, more, heading="Over all logs"),
-        Section("Joints over logs", [table]),
-        Section("How far each log is from the mean", some([_spread(fleet, logs, name) for name in _FRICTION])),
+        b.verdict(first, more, heading="Over all logs"),
+        b.Section("Joints over logs", [table]),
+        b.Section("How far each log is from the mean", some([_spread(fleet, logs, name) for name in _FRICTION])),
     ]
 
 
-def _or_dash(p: P | None, grade: int | None = None) -> Cell:
-    return Cell("-") if p is None else measured(p, grade=grade)
+def _or_dash(p: P | None, grade: int | None = None) -> b.Cell:
+    return b.Cell("-") if p is None else b.measured(p, grade=grade)
 
 
-def _same(row: FleetRow) -> Cell:
-    return Cell("differs" if row.differs else number(row.chance, 2), (), 4 if row.differs else 0)
+def _same(row: FleetRow) -> b.Cell:
+    return b.Cell("differs" if row.differs else number(row.chance, 2), (), 4 if row.differs else 0)
 
 
-def _slope(row: FleetRow, name: str) -> Cell:
+def _slope(row: FleetRow, name: str) -> b.Cell:
     one = next((trend for trend in row.trends if trend.name == name), None)
-    return Cell("-") if one is None else _or_dash(one.slope, 4 if one.differs else None)
+    return b.Cell("-") if one is None else _or_dash(one.slope, 4 if one.differs else None)
 
 
-def _spread(fleet: FleetResult, logs: Sequence[str], parameter: str) -> Figure:
+def _spread(fleet: FleetResult, logs: Sequence[str], parameter: str) -> b.Figure:
     """Friction of every joint over its mean, with two errors."""
     traces = []
     rows = [(row, row.mean.value) for row in fleet.rows if row.parameter == parameter and row.mean.value]
@@ -354,4 +338,4 @@ def _spread(fleet: FleetResult, logs: Sequence[str], parameter: str) -> Figure:
         )
     layout = axes("log", f"{_FRICTION[parameter]} friction over the mean", showlegend=True)
     layout["xaxis"]["type"] = "category"
-    return Figure(f"fleet-{parameter}", traces, layout, "Bars are two standard errors." if traces else "", "", 320)
+    return b.Figure(f"fleet-{parameter}", traces, layout, "Bars are two standard errors." if traces else "", "", 320)

@@ -8,23 +8,7 @@ from typing import Any
 from harness.core.trajectory import Trajectory
 from harness.results.common import P
 from harness.results.run import Estimates, RunResult, TraceResult
-from harness.show.blocks import (
-    Block,
-    Card,
-    Cards,
-    Cell,
-    Column,
-    Facts,
-    Folded,
-    Page,
-    Reasons,
-    Row,
-    Section,
-    Table,
-    Text,
-    grade,
-    verdict,
-)
+from harness.show import blocks as b
 from harness.show.decimate import reversal_times
 from harness.show.numbers import (
     DECAY,
@@ -63,7 +47,7 @@ _ACTING = {
 """What acts on the slider, by the kind of action."""
 
 
-def run_page(result: RunResult, trajectories: Sequence[Trajectory]) -> Page:
+def run_page(result: RunResult, trajectories: Sequence[Trajectory]) -> b.Page:
     """trajectories : the first is the reference, in the order of those traces of the result that have no error."""
     scenario = result.scenario
     traces = [trace for trace in result.traces if not trace.error]
@@ -72,21 +56,21 @@ def run_page(result: RunResult, trajectories: Sequence[Trajectory]) -> Page:
     decays = scenario.get("action") is None
     units = units_of(scenario)
     turns = len(turning(trajectories[0].events)) > 0 and reversal_times(trajectories[0]).size > 0
-    sections = [verdict(headline(traces, units), failed)]
+    sections = [b.verdict(headline(traces, units), failed)]
     if turns:
         sections.append(reversal_section(trajectories, units))
     sections.append(motion_section(trajectories, units))
     if result.conclusions:
-        sections.append(verdict("", result.conclusions, [_label(trace) for trace in traces], "Engine by engine"))
+        sections.append(b.verdict("", result.conclusions, [_label(trace) for trace in traces], "Engine by engine"))
     sections.append(_scorecard(traces, scenario, palette))
     if decays:
         sections.append(_estimates(traces, scenario, palette))
     sections += [
-        Section("Phase portrait", [phase_figure(trajectories, decays, units)]),
+        b.Section("Phase portrait", [phase_figure(trajectories, decays, units)]),
         _sources(traces, palette, without_step(scenario)),
         made_with(result.machine, result.files, result.command),
     ]
-    return Page("Dry friction, engine by engine", _subtitle(result, traces), sections)
+    return b.Page("Dry friction, engine by engine", _subtitle(result, traces), sections)
 
 
 def _subtitle(result: RunResult, traces: Sequence[TraceResult]) -> str:
@@ -137,47 +121,47 @@ def _sentence(preset: str, traces: Sequence[TraceResult], unit: str) -> str:
     return text[0].upper() + text[1:] + "."
 
 
-def _scorecard(traces: Sequence[TraceResult], scenario: Mapping[str, Any], palette: Sequence[str]) -> Section:
+def _scorecard(traces: Sequence[TraceResult], scenario: Mapping[str, Any], palette: Sequence[str]) -> b.Section:
     """traces : the exact reference first. palette : a CSS colour each."""
     shown = measured(traces, scenario)
     small = units_of(scenario).small
     found = [trace.metrics.model_dump() for trace in traces]
     headings = [heading(metric) for metric in shown]
-    columns = [Column(one.head, str, re.sub(r"^mm\b", small, one.unit), one.hint) for one in headings]
-    columns.append(Column("run time", str, "ms", "wall clock time of the simulation"))
+    columns = [b.Column(one.head, str, re.sub(r"^mm\b", small, one.unit), one.hint) for one in headings]
+    columns.append(b.Column("run time", str, "ms", "wall clock time of the simulation"))
     rows = []
     for trace, metrics, color in zip(traces, found, palette, strict=True):
         cells = [_metric(scenario, metric, metrics.get(metric), found[0].get(metric)) for metric in shown]
-        cells.append(Cell(number(None if trace.wall_s is None else trace.wall_s * 1e3, 3)))
+        cells.append(b.Cell(number(None if trace.wall_s is None else trace.wall_s * 1e3, 3)))
         step = without_step(scenario) if trace.dt_s is None else f"step {trace.dt_s * 1e3:.4g} ms"
-        rows.append(Row(_label(trace), cells, f"{trace.version}, {step}".lstrip(", "), color))
+        rows.append(b.Row(_label(trace), cells, f"{trace.version}, {step}".lstrip(", "), color))
     caption = (
         "Colours run from green (as good as exact) to red (off by more than 5 % of the start, the friction "
         "displacement x_k or the period, whichever the figure belongs to). A dash: there is no such figure."
     )
-    table = Table("source", columns, rows, caption)
-    return Section("Scorecard", [Folded("Each source by each figure", [table], open=True)])
+    table = b.Table("source", columns, rows, caption)
+    return b.Section("Scorecard", [b.Folded("Each source by each figure", [table], open=True)])
 
 
-def _metric(scenario: Mapping[str, Any], metric: str, value: float | None, exact: float | None) -> Cell:
+def _metric(scenario: Mapping[str, Any], metric: str, value: float | None, exact: float | None) -> b.Cell:
     """A metric, graded by its distance from the exact motion's own."""
     if metric == "half_cycles":
         same = None if value is None or exact is None else 4 * (value != exact)
-        return Cell(number(None) if value is None else str(value), grade=same)
+        return b.Cell(number(None) if value is None else str(value), grade=same)
     if metric == "stick_time_s":
         if value is None and exact is not None:
-            return Cell("never", grade=4)
-        return Cell(number(value, 5), grade=_graded(scenario, metric, value, exact))
+            return b.Cell("never", grade=4)
+        return b.Cell(number(value, 5), grade=_graded(scenario, metric, value, exact))
     digits = 2 if metric == "energy_error" else 4
     shown = number(None if value is None else value * heading(metric).factor, digits)
-    return Cell(shown, grade=_graded(scenario, metric, value, 0.0 if metric in DECAY else exact))
+    return b.Cell(shown, grade=_graded(scenario, metric, value, 0.0 if metric in DECAY else exact))
 
 
 def _graded(scenario: Mapping[str, Any], metric: str, value: float | None, exact: float | None) -> int | None:
     scale = scales(scenario).get(metric)
     if scale is None and exact is not None:
         scale = 1.0 if metric.endswith("fraction") else abs(exact)
-    return None if value is None or exact is None or not scale else grade((value - exact) / scale)
+    return None if value is None or exact is None or not scale else b.grade((value - exact) / scale)
 
 
 def measured(traces: Sequence[TraceResult], scenario: Mapping[str, Any]) -> list[str]:
@@ -205,31 +189,33 @@ def true_values(scenario: Mapping[str, Any]) -> Mapping[str, float]:
     return truth if isinstance(truth, Mapping) else {}
 
 
-def _estimates(traces: Sequence[TraceResult], scenario: Mapping[str, Any], palette: Sequence[str]) -> Section:
+def _estimates(traces: Sequence[TraceResult], scenario: Mapping[str, Any], palette: Sequence[str]) -> b.Section:
     """scenario : its slider gives the true values where it is known."""
     title = "Friction and damping as the estimators read them"
     found = dict.fromkeys(method for trace in traces for method in trace.estimates)
     methods = [m for m in METHODS if m in found] + [m for m in found if m not in METHODS]
     if not methods:
-        return Section(title, [Text("No estimator was run.")])
+        return b.Section(title, [b.Text("No estimator was run.")])
     tables = []
     for name, label in QUANTITIES.items():
-        truth, reasons = true_values(scenario).get(name), Reasons(letter)
+        truth, reasons = true_values(scenario).get(name), b.Reasons(letter)
         rows = [
-            Row(_label(trace), [estimated(trace.estimates.get(m), name, truth, reasons) for m in methods], color=color)
+            b.Row(
+                _label(trace), [estimated(trace.estimates.get(m), name, truth, reasons) for m in methods], color=color
+            )
             for trace, color in zip(traces, palette, strict=True)
         ]
         unit = next((quantity(p_of(one, name))[2] for trace in traces for one in trace.estimates.values()), "")
         put_in = "" if truth is None else f", put in as {truth * _SHOWN_FACTOR[unit]:.6g} {unit}".rstrip()
-        columns = [Column(method, str, unit, METHODS.get(method, "")) for method in methods]
-        tables.append(Table("source", columns, rows, "", label + put_in, reasons.footnotes))
+        columns = [b.Column(method, str, unit, METHODS.get(method, "")) for method in methods]
+        tables.append(b.Table("source", columns, rows, "", label + put_in, reasons.footnotes))
     said = (
         "Below each value: one standard error, and the deviation from what was put in. The gap between acceleration and"
         "\nacceleration-local measures how far an engine smears the jump of the acceleration."
     )
-    explained = Facts({method: METHODS[method] for method in methods if method in METHODS})
+    explained = b.Facts({method: METHODS[method] for method in methods if method in METHODS})
     summary = f"{len(tables)} tables: every method on every source"
-    return Section(title, [Text(said), Folded("The methods", [explained]), Folded(summary, tables)])
+    return b.Section(title, [b.Text(said), b.Folded("The methods", [explained]), b.Folded(summary, tables)])
 
 
 def p_of(estimate: Estimates, name: str) -> P:
@@ -238,21 +224,21 @@ def p_of(estimate: Estimates, name: str) -> P:
     return found
 
 
-def estimated(estimate: Estimates | None, name: str, truth: float | None, reasons: Reasons) -> Cell:
+def estimated(estimate: Estimates | None, name: str, truth: float | None, reasons: b.Reasons) -> b.Cell:
     """One estimate; a reason for what is missing is added to ``reasons`` and marked with its letter."""
     if estimate is None:
-        return Cell("\u2013")
+        return b.Cell("\u2013")
     p = p_of(estimate, name)
     value, stderr, _ = quantity(p)
     mark = reasons.mark(p.why) if p.why else "()"
     if p.value is None:
-        return Cell("\u2013", [mark], hint=p.why or "")
+        return b.Cell("\u2013", [mark], hint=p.why or "")
     notes = [f"± {stderr}" if stderr else mark]
     relative = None
     if truth:
         relative = (p.value - truth) / truth
         notes.append(percent(relative))
-    return Cell(value, notes, grade(relative), " ".join([*([p.why] if p.why else []), *estimate.notes]))
+    return b.Cell(value, notes, b.grade(relative), " ".join([*([p.why] if p.why else []), *estimate.notes]))
 
 
 def percent(relative: float) -> str:
@@ -268,15 +254,15 @@ def letter(index: int) -> str:
     return (letter(index // 26 - 1) if index >= 26 else "") + chr(ord("a") + index % 26)
 
 
-def _sources(traces: Sequence[TraceResult], palette: Sequence[str], exact: str) -> Section:
+def _sources(traces: Sequence[TraceResult], palette: Sequence[str], exact: str) -> b.Section:
     """exact : how one without a step moves."""
     cards = []
     for trace, color in zip(traces, palette, strict=True):
         step = f"{exact}, no step" if trace.dt_s is None else f"step {trace.dt_s * 1e3:.6g} ms"
         line = f"version {trace.version}, {step}" if trace.version else step
-        cards.append(Card(_label(trace), color, line, trace.ignored, settings_of(trace.settings)))
-    blocks: list[Block] = [Cards(cards)]
-    return Section("Engines, settings, and what is ignored", blocks)
+        cards.append(b.Card(_label(trace), color, line, trace.ignored, settings_of(trace.settings)))
+    blocks: list[b.Block] = [b.Cards(cards)]
+    return b.Section("Engines, settings, and what is ignored", blocks)
 
 
 def settings_of(settings: Mapping[str, Any]) -> dict[str, str]:

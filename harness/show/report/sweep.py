@@ -12,8 +12,7 @@ from harness.fidelity.kind import Figure, Row, release
 from harness.fidelity.laws import DAMPING, MASS, SERVOS, STEP, STIFFNESS, WITHOUT_EFFECT
 from harness.fidelity.scores import COLUMNS, Card, badness, cards, front, points, settings_of
 from harness.results.sweep import Convergence
-from harness.show import blocks
-from harness.show.blocks import Block, Cell, Column, Folded, Section, Table, Text, by, grade, tabulated, verdict
+from harness.show import blocks as b
 from harness.show.numbers import number
 from harness.show.plots import Trace, axes, dots, plain
 from harness.show.sentences.sweep import about, headline, sentences
@@ -60,9 +59,9 @@ class _Engines:
     def color(self, engine: str, version: str) -> str:
         return _COLORS[sorted(set(self.names.values())).index(self.names[engine, version]) % len(_COLORS)]
 
-    def table(self, corner: str, columns: Sequence[Column], rows: Sequence[Row], caption: str) -> Table:
+    def table(self, corner: str, columns: Sequence[b.Column], rows: Sequence[Row], caption: str) -> b.Table:
         """A line a row, each under its engine and, where the corner says so, its route."""
-        return tabulated(
+        return b.tabulated(
             corner,
             columns,
             rows,
@@ -75,7 +74,7 @@ class _Engines:
 
 def sweep_sections(
     rows: Sequence[Row], orders: Sequence[Convergence], worst: Sequence[Worst], notes: Sequence[str]
-) -> list[Section]:
+) -> list[b.Section]:
     """rows : of the suite's own sliders. orders : measured. worst : the worst of them. notes : what to say besides."""
     places = {(row["engine"], row["version"]): row["environment"] for row in rows}
     several = {name for name, _ in places if sum(name == other for other, _ in places) > 1}
@@ -90,16 +89,16 @@ def sweep_sections(
     lifting = [row for row in alike if row["scenario"].startswith("free-decay") and row["slider"]["f_k"] > 0.0]
     lifting = [row for row in lifting if row["metrics"].get("lift_m") is not None]
     return [
-        verdict(headline(scored), heading="Conclusions"),
+        b.verdict(headline(scored), heading="Conclusions"),
         _scorecard(scored, engines),
-        verdict("", said, [about(card) for card in scored], "What to change, and what stays wrong"),
+        b.verdict("", said, [about(card) for card in scored], "What to change, and what stays wrong"),
         _pareto(rows, engines),
         _orders(orders, engines),
         _creep(alike, engines),
         *([_lift(lifting, engines)] if lifting else []),
         *([_worst(worst, engines)] if worst else []),
         _servos(),
-        verdict("", [*silent, _SILENT], [one.engine for one in WITHOUT_EFFECT], "Words that do nothing"),
+        b.verdict("", [*silent, _SILENT], [one.engine for one in WITHOUT_EFFECT], "Words that do nothing"),
     ]
 
 
@@ -119,13 +118,13 @@ def _one_step_each(rows: Sequence[Row]) -> list[Row]:
     return [row for row in rows if row["dt_s"] is not None and row["dt_s"] == nearest[settings(row)]]
 
 
-def _scorecard(scored: Sequence[Card], engines: _Engines) -> Section:
+def _scorecard(scored: Sequence[Card], engines: _Engines) -> b.Section:
     caption = (
         "Distance from the exact answer, relative, as shipped beside tuned: green is as good as exact (below "
         "0.01 %), red is off by more than 5 %. Small, below it, the measured value. What a column means, and every "
         "setting behind a figure, shows on hovering."
     )
-    tables: list[Table] = []
+    tables: list[b.Table] = []
     for route, title in ROUTES.items():
         lines = [card for card in scored if card.route == route]
         heads = {id(card): f"{engines.name(card.engine, card.version)} {card.preset}" for card in lines}
@@ -137,9 +136,9 @@ def _scorecard(scored: Sequence[Card], engines: _Engines) -> Section:
                 groups.setdefault(group, []).append(figure)
         for group, figures in groups.items():
             tables.append(
-                tabulated(
+                b.tabulated(
                     "engine",
-                    [Column(one.label, by(one, _scored), "", one.good) for one in figures],
+                    [b.Column(one.label, b.by(one, _scored), "", one.good) for one in figures],
                     lines,
                     lambda card: heads[id(card)],  # noqa: B023  (called at once)
                     lambda card: f"{card.version}, {'' if card.dt_s is None else f'{card.dt_s * 1e3:.4g} ms'}",
@@ -150,10 +149,10 @@ def _scorecard(scored: Sequence[Card], engines: _Engines) -> Section:
                 )
             )
             notes = []
-    return Section("Scorecard", tables or [Text("There is nothing to show.")])
+    return b.Section("Scorecard", tables or [b.Text("There is nothing to show.")])
 
 
-def _scored(card: Card, figure: Figure) -> Cell:
+def _scored(card: Card, figure: Figure) -> b.Cell:
     """The cell of a figure: its distance from exact, and the metric itself in a unit for people."""
     value = card.values.get(figure.label)
     text, metric = number(None) if value is None else f"{number(100.0 * value, 2)} %", figure.metric
@@ -162,10 +161,10 @@ def _scored(card: Card, figure: Figure) -> Cell:
     notes = () if physical is None else (f"{physical * factor:.4g} {unit}".rstrip(),)
     settings = next(iter(card.rows.values()))["settings"] if card.rows else {}
     hint = ", ".join(f"{name} {value}" for name, value in settings.items() if name not in ("route", "restoring"))
-    return Cell(text, notes, grade(value, STEPS), hint)
+    return b.Cell(text, notes, b.grade(value, STEPS), hint)
 
 
-def _pareto(rows: Sequence[Row], engines: _Engines) -> Section:
+def _pareto(rows: Sequence[Row], engines: _Engines) -> b.Section:
     """Score over cost of every set of settings."""
     figures, every = [], points(rows)
     caption = (
@@ -194,15 +193,15 @@ def _pareto(rows: Sequence[Row], engines: _Engines) -> Section:
         layout["title"] = {"text": title, "font": {"size": 13}, "x": 0.01, "y": 0.99}
         for axis in ("xaxis", "yaxis"):
             layout[axis] |= _LOG
-        figures.append(blocks.Figure(f"pareto-{route}", traces, layout, caption, height=400))
-    return Section("Error against cost", figures)
+        figures.append(b.Figure(f"pareto-{route}", traces, layout, caption, height=400))
+    return b.Section("Error against cost", figures)
 
 
-def _orders(orders: Sequence[Convergence], engines: _Engines) -> Section:
+def _orders(orders: Sequence[Convergence], engines: _Engines) -> b.Section:
     def color(one: Convergence) -> str:
         return engines.color(one.engine, one.version)
 
-    drawn: list[Block] = []
+    drawn: list[b.Block] = []
     for scenario, what in (("free-decay-no-friction", "without friction"), ("free-decay", "with friction")):
         traces = [
             plain(
@@ -222,19 +221,19 @@ def _orders(orders: Sequence[Convergence], engines: _Engines) -> Section:
         layout["yaxis"] |= _LOG
         if traces:
             said = f"Free decay {what}, joint route."
-            drawn.append(blocks.Figure(f"order-{scenario}", traces, layout, said, height=420))
+            drawn.append(b.Figure(f"order-{scenario}", traces, layout, said, height=420))
     columns = [
-        Column("scenario", lambda one: one.scenario),
-        Column("metric", lambda one: one.metric),
-        Column("order", lambda one: number(one.order, 3)),
-        Column("scatter", lambda one: f"x{one.spread:.2g}"),
-        Column("finest error", lambda one: number(one.error[-1], 2)),
+        b.Column("scenario", lambda one: one.scenario),
+        b.Column("metric", lambda one: one.metric),
+        b.Column("order", lambda one: number(one.order, 3)),
+        b.Column("scatter", lambda one: f"x{one.spread:.2g}"),
+        b.Column("finest error", lambda one: number(one.error[-1], 2)),
     ]
     caption = (
         "error ~ step^order. Without friction the order is the scheme's; with friction a reversal falls somewhere "
         "between two steps, which leaves order 1 and a scatter: the largest factor between an error and the line."
     )
-    table = tabulated(
+    table = b.tabulated(
         "setting",
         columns,
         orders,
@@ -243,11 +242,11 @@ def _orders(orders: Sequence[Convergence], engines: _Engines) -> Section:
         color,
         caption=caption,
     )
-    every = Folded("All measured orders", [table]) if orders else Text("No setting was run at three steps or more.")
-    return Section("Convergence in the step", [*drawn, every])
+    every = b.Folded("All measured orders", [table]) if orders else b.Text("No setting was run at three steps or more.")
+    return b.Section("Convergence in the step", [*drawn, every])
 
 
-def _creep(rows: Sequence[Row], engines: _Engines) -> Section:
+def _creep(rows: Sequence[Row], engines: _Engines) -> b.Section:
     """Creep at both loads, a line for both rows of the same settings."""
     found: dict[tuple[str, ...], dict[str, Any]] = {}
     for row in rows:
@@ -255,62 +254,62 @@ def _creep(rows: Sequence[Row], engines: _Engines) -> Section:
             key = (row["engine"], row["version"], row["route"], settings_of(row))
             found.setdefault(key, dict(row))[row["scenario"]] = row["metrics"]["creep_m_s"]
 
-    def creep(row: Row, load: str) -> Cell:
+    def creep(row: Row, load: str) -> b.Cell:
         speed = row.get(load)
         shown = number(None if speed is None else speed * 1e6, 3)
-        return Cell(shown, grade=grade(speed, (1e-9, 1e-7, 1e-6, 1e-4)))
+        return b.Cell(shown, grade=b.grade(speed, (1e-9, 1e-7, 1e-6, 1e-4)))
 
     columns = [
-        Column("at 50 %", by("hold-50", creep), "µm/s", "creep at half of the break-away force"),
-        Column("at 97 %", by("hold-97", creep), "µm/s", "creep at 97 % of the break-away force"),
+        b.Column("at 50 %", b.by("hold-50", creep), "µm/s", "creep at half of the break-away force"),
+        b.Column("at 97 %", b.by("hold-97", creep), "µm/s", "creep at 97 % of the break-away force"),
     ]
     caption = "A slider held below break-away does not move; what moves here is the engine's. Colour: against 1 µm/s."
-    return Section(
+    return b.Section(
         "Creep under a static load", [engines.table("engine, route", columns, list(found.values()), caption)]
     )
 
 
-def _lift(rows: Sequence[Row], engines: _Engines) -> Section:
+def _lift(rows: Sequence[Row], engines: _Engines) -> b.Section:
     """Where a box stays on its floor."""
 
     def shown(metric: str, factor: float, steps: tuple[float, float, float, float], relative: bool) -> Any:
-        def cell(row: Row) -> Cell:
+        def cell(row: Row) -> b.Cell:
             value = row["metrics"][metric] if metric != "lift_m" else max(0.0, row["metrics"][metric])
             share = value / release(row) if relative else value
-            return Cell(number((share if factor == _PERCENT else value) * factor, 3), grade=grade(share, steps))
+            return b.Cell(number((share if factor == _PERCENT else value) * factor, 3), grade=b.grade(share, steps))
 
         return cell
 
     columns = [
-        Column("release", lambda row: number(release(row), 3), "m"),
-        Column(
+        b.Column("release", lambda row: number(release(row), 3), "m"),
+        b.Column(
             "mu v / g",
             lambda row: number(row["metrics"]["mu_v_over_g_s"] * 1e3, 3),
             "ms",
             "largest coefficient of friction times speed over gravity",
         ),
-        Column("lift", shown("lift_m", 1e3, STEPS, True), "mm", "largest height over the place of rest"),
-        Column(
+        b.Column("lift", shown("lift_m", 1e3, STEPS, True), "mm", "largest height over the place of rest"),
+        b.Column(
             "normal force off by",
             shown("normal_error", _PERCENT, (1e-3, 1e-2, 0.1, 1.0), False),
             "%",
             "largest |N/(m g) - 1|",
         ),
-        Column("position error", shown("max_error_m", _PERCENT, STEPS, True), "%", "over the release"),
+        b.Column("position error", shown("max_error_m", _PERCENT, STEPS, True), "%", "over the release"),
     ]
     caption = (
         "A friction cone that is solved as one turns sliding into lift, at a rate of mu v against gravity. The same "
         "free decay at one, three and ten times the size: a box stays on the floor where lift stays green."
     )
-    return Section("Contact: lift against mu v", [engines.table("engine", columns, rows, caption)])
+    return b.Section("Contact: lift against mu v", [engines.table("engine", columns, rows, caption)])
 
 
-def _worst(found: Sequence[Worst], engines: _Engines) -> Section:
+def _worst(found: Sequence[Worst], engines: _Engines) -> b.Section:
     said = Markup(
         "The rows that are farthest from exact, with the exact motion over the engine's. Each is a trace that opens in"
         " the viewer: <code>harness view FILE</code>."
     )
-    drawn: list[Block] = [Text(said)]
+    drawn: list[b.Block] = [b.Text(said)]
     for place, one in enumerate(found, 1):
         row, t = one.row, one.engine.t
         chosen = np.unique(np.linspace(0, t.size - 1, min(_DRAWN, t.size)).astype(np.int64))
@@ -321,24 +320,24 @@ def _worst(found: Sequence[Worst], engines: _Engines) -> Section:
         line = f"{settings_of(row)}: worst figure off by {number(100.0 * badness(row), 3)} %."
         file = f"traces/{one.file}"
         drawn += [
-            Text(f"{place}. {row['engine']} {row['version']}, {row['route']}, {row['scenario']}", "heading"),
-            Text(line, "table-caption", (file, file)),
-            blocks.Figure(f"worst-{place}", curves, axes("time / s", "position / mm"), height=260),
+            b.Text(f"{place}. {row['engine']} {row['version']}, {row['route']}, {row['scenario']}", "heading"),
+            b.Text(line, "table-caption", (file, file)),
+            b.Figure(f"worst-{place}", curves, axes("time / s", "position / mm"), height=260),
         ]
-    return Section("Worst rows", drawn)
+    return b.Section("Worst rows", drawn)
 
 
-def _servos() -> Section:
+def _servos() -> b.Section:
     about = (
         f"What the way a servo is computed does to its damping, from the laws of docs/fidelity.md: stiffness "
         f"{STIFFNESS:g} N/m, step {STEP * 1e3:g} ms, {MASS:g} kg, {DAMPING:g} N s/m."
     )
     columns = [
-        Column("false damping", lambda one: f"{one.false_damping:+.3g}" if one.false_damping else "0", "N s/m"),
-        Column("ζ becomes", lambda one: Cell(number(one.zeta, 3), grade=grade(one.zeta / SERVOS[0].zeta - 1.0))),
+        b.Column("false damping", lambda one: f"{one.false_damping:+.3g}" if one.false_damping else "0", "N s/m"),
+        b.Column("ζ becomes", lambda one: b.Cell(number(one.zeta, 3), grade=b.grade(one.zeta / SERVOS[0].zeta - 1.0))),
     ]
     heads = [f"{'own drive' if one.own else 'held torque'}, n = {one.n}" for one in SERVOS]
     notes = [f"{head}: {one.who}." for head, one in zip(heads, SERVOS, strict=True)]
     named = dict(zip(SERVOS, heads, strict=True))
-    table = tabulated("n sub-steps", columns, SERVOS, named.__getitem__, caption=about, footnotes=notes)
-    return Section("A robot's servo", [table])
+    table = b.tabulated("n sub-steps", columns, SERVOS, named.__getitem__, caption=about, footnotes=notes)
+    return b.Section("A robot's servo", [table])
