@@ -23,8 +23,8 @@ from harness.diagnosis.fit.rmse import rmse
 from harness.diagnosis.fit.standard_errors import base_parameters
 from harness.diagnosis.pipeline import fit_base
 from harness.diagnosis.residual_tests.structure import Left, left_by
-from harness.estimate.believed import without_limited
 from harness.estimate.result import Estimate, Estimation
+from harness.estimate.saturation import without_limited
 from harness.io.options import ReadOptions
 from harness.results.common import P
 from harness.results.diagnosis import FitResult

@@ -16,10 +16,18 @@ import numpy as np
 from harness.core.arrays import FloatArray
 from harness.core.quiet import quiet
 from harness.core.trajectory import Trajectory
-from harness.engines.actions import acceleration_at_start, belt_speed, driving_force, held_at_start, restoring_force
 from harness.engines.base import TUNED_DT, Engine, Preset, Route, Task, choice, resolve
 from harness.engines.joint_words import GRAVITY
-from harness.engines.samples import UNSATURATED, Motion, trajectory
+from harness.engines.samples import (
+    UNSATURATED,
+    Motion,
+    acceleration_at_start,
+    belt_speed,
+    driving_force,
+    held_at_start,
+    restoring_force,
+    trajectory,
+)
 
 
 @dataclass(frozen=True, slots=True)

@@ -19,10 +19,9 @@ from harness.estimate.displacement import (
     reversal_times,
     turning_points,
 )
-from harness.estimate.isolated import ASSUMED, isolated
 from harness.estimate.local import acceleration_local
 from harness.estimate.noise import channel_noise
-from harness.estimate.paper import acceleration_paper
+from harness.estimate.paper import ASSUMED, acceleration_paper, isolated
 from harness.estimate.result import Estimate, Estimation, quantity
 from harness.estimate.reversals import Kind, NoDecay
 from harness.estimate.tied import OFFSET, OMEGA, T0

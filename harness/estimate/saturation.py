@@ -3,16 +3,20 @@
 A sensor at its limit gives the very same number for several samples, and the motion runs into that number and out of it
 at full speed. A slider that turns round, rests or is held gives equal numbers too, but it comes to them with a speed
 that goes to zero: a parabola through the samples beside the run then ends at the run, and does not go on beyond it.
+
+What of a recording is believed to show the motion: neither the end of a sensor's range nor samples that stray.
 """
 
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 
 import numpy as np
 
 from harness.core.arrays import BoolArray, FloatArray
+from harness.core.errors import InputError
 from harness.core.recording import Recording
 from harness.estimate.noise import Noise, channel_noise
-from harness.estimate.stray import without
+from harness.estimate.stray import without, without_stray
 
 _FEWEST = 3
 """Equal samples that show a limit: of a free motion without quantisation no two are equal."""
@@ -131,3 +135,33 @@ def _goes_beyond(t: FloatArray, y: FloatArray, times: FloatArray, noise: Noise) 
     error = max(noise.sigma, 0.5 * noise.step) * np.sqrt(np.einsum("ij,jk,ik->i", there, inverse, there))
     least = max(_STEPS * noise.step, -_BEYOND * float(y.min()))
     return bool(np.any((said > _CLEAR * error) & (said > least)))
+
+
+def believed(recording: Recording, channels: Sequence[str]) -> tuple[Recording, tuple[str, ...]]:
+    """A recording without samples of these channels that are no measurement, and a sentence on each kind of them.
+
+    Raises InputError where too few samples are left.
+    """
+    # a short stop at the end of a range would count as straying
+    recording, beyond = within_range(recording, channels)
+    recording, stray = without_stray(recording, channels)
+    return recording, (*beyond, *stray)
+
+
+def without_limited(recording: Recording) -> tuple[Recording, tuple[str, ...]]:
+    """A recording without an acceleration whose sensor stood at its limit, and a sentence on it.
+
+    Friction makes an acceleration jump at its extremes, which then lie beyond the limit: what is left of it says little
+    of friction, and says it wrongly. Raises InputError where nothing else was recorded.
+    """
+    ends = limits(recording.t, recording["a"], channel_noise(recording.t, recording["a"])) if "a" in recording else ()
+    if not ends:
+        return recording, ()
+    at = np.isin(recording["a"], ends)
+    stops, many = limit_said(ends, recording.angular), int(np.count_nonzero(at))
+    others = {c: y for c, y in recording.channels.items() if c != "a"}
+    if not any(c in others for c in ("x", "v")):
+        found = f"{stops}: {many} samples, and its reversals lie beyond"
+        # a diagnosis fits the limit beside the motion
+        raise InputError(f"{recording.file}: channel a", found, f"try: harness diagnose {recording.file}")
+    return replace(recording, channels=others), (f"{stops}: {many} samples, and it was not used",)

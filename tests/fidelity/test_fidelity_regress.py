@@ -12,8 +12,8 @@ from jsonschema import Draft202012Validator
 from lxml import etree
 
 from harness.app.sweep import regress as room
+from harness.app.sweep.report import keep_worst, recomputed
 from harness.app.sweep.sweep import SweepOptions, sweep
-from harness.app.sweep.traces import keep_worst, recomputed
 from harness.cli.commands.regress import command
 from harness.core.errors import InputError
 from harness.engines import registry

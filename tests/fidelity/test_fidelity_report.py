@@ -7,9 +7,8 @@ from typing import TYPE_CHECKING, Any
 import pytest
 from browsed import open_page
 
-from harness.app.sweep.report import finish
+from harness.app.sweep.report import finish, worst_rows
 from harness.app.sweep.sweep import Sweep, SweepOptions, sweep
-from harness.app.sweep.traces import worst_rows
 from harness.fidelity.compare import Ladder, slope
 from harness.fidelity.laws import SERVOS, WITHOUT_EFFECT
 from harness.fidelity.scores import FLOOR, LABELS, badness, cards, distance, figures_of, front, points

@@ -3,7 +3,7 @@
 import logging
 import math
 import time
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from os import PathLike
 from pathlib import Path
@@ -25,9 +25,11 @@ from harness.engines import registry
 from harness.engines.base import PRESETS, TUNED_DT, Preset, choice
 from harness.fidelity import kind as suite
 from harness.model.model import Model, Restoring
+from harness.results.common import P
 from harness.results.run import Metrics, RunResult, TraceResult
 from harness.robot.own_model import is_own, own_model
-from harness.show.report.run import run_page
+from harness.show.numbers import heading
+from harness.show.report.run import metrics_shown, run_page
 from harness.show.report.run_scene import run_scene
 from harness.show.scene import notes_of
 
@@ -220,3 +222,55 @@ def measured(trajectory: Trajectory, case: Case) -> TraceResult:
         # the estimators know free decays alone
         estimates=estimates_of(case.estimated(trajectory)) if case.decays else {},
     )
+
+
+Lines = list[list[str]]
+
+
+def summary(result: RunResult) -> tuple[str, tuple[str, ...], Lines]:
+    """What it shows, headings, and a line for every source."""
+    if result.scenario.get("action") is None:
+        turns = (result.scenario.get("model") or {}).get("restoring") == "pendulum"
+        unit = "mrad" if turns else "mm"
+        heads: tuple[str, ...] = (
+            f"x_k {unit}", f"x_k at reversal {unit}", "zeta", f"error {unit}", f"creep {unit}/s", "stick s", "lead ms"
+        )  # fmt: skip
+        about = "x_k and zeta as the estimators read them; error, creep, rest and lead against the exact motion"
+        return about, ("source", "step ms", *heads), [_line(trace, _decay) for trace in result.traces]
+    shown = metrics_shown(result.traces, result.scenario)
+    headings = [heading(metric) for metric in shown]
+
+    def figures(trace: TraceResult) -> list[str]:
+        found = trace.metrics.model_dump()
+        return [_number(found.get(metric), one.factor) for metric, one in zip(shown, headings, strict=True)]
+
+    heads = tuple(f"{one.head} {one.unit}".strip() for one in headings)
+    about = "each figure beside that of the exact motion, which comes first"
+    return about, ("source", "step ms", *heads), [_line(trace, figures) for trace in result.traces]
+
+
+def _line(trace: TraceResult, figures: Callable[[TraceResult], list[str]]) -> list[str]:
+    label = f"{trace.source} {trace.preset}"
+    return [label, "failed"] if trace.error is not None else [label, _number(trace.dt_s, 1e3), *figures(trace)]
+
+
+def _decay(trace: TraceResult) -> list[str]:
+    guarded, local = trace.estimates.get("acceleration"), trace.estimates.get("acceleration-local")
+    metrics = trace.metrics
+    return [
+        _estimate(guarded.x_k if guarded else None, 1e3),
+        _estimate(local.x_k if local else None, 1e3),
+        _estimate(guarded.zeta if guarded else None, 1.0),
+        _number(metrics.max_error_m, 1e3),
+        _number(metrics.creep_m_s, 1e3),
+        _number(metrics.stick_time_s, 1.0),
+        _number(metrics.reversal_lead_s, 1e3),
+    ]
+
+
+def _number(value: float | None, scale: float) -> str:
+    return "-" if value is None else f"{value * scale:.4g}"
+
+
+def _estimate(number: P | None, scale: float) -> str:
+    return "-" if number is None else _number(number.value, scale)

@@ -13,9 +13,9 @@ from harness.diagnosis.pipeline import prepare
 from harness.diagnosis.problems.free_decay import FreeDecay
 from harness.diagnosis.problems.simulated import observe
 from harness.diagnosis.request import Asked
-from harness.estimate.believed import believed, without_limited
 from harness.estimate.every import estimate_all
 from harness.estimate.result import Estimate, Estimation
+from harness.estimate.saturation import believed, without_limited
 from harness.model.model import Model, Restoring
 from harness.results.identify import Swing
 from harness.results.run import Estimates

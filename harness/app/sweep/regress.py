@@ -10,8 +10,8 @@ from pydantic import ValidationError
 
 from harness.app.shared.machine import this_machine
 from harness.app.shared.progress import SILENT, Progress
+from harness.app.sweep.report import recomputed
 from harness.app.sweep.sweep import SweepOptions, sweep
-from harness.app.sweep.traces import recomputed
 from harness.core.bounded import MOST_DOCUMENT_BYTES, read_bytes
 from harness.core.errors import InputError
 from harness.engines import registry

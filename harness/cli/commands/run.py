@@ -97,7 +97,7 @@ def _print_joint(result: "JointRunResult") -> None:
 
 
 def _print(result: "RunResult") -> None:
-    from harness.app.run.table import summary
+    from harness.app.run.run import summary
 
     about, heads, lines = summary(result)
     say(about)

@@ -15,9 +15,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from harness.core.angular import about_an_axis
 from harness.core.arrays import FloatArray
-from harness.core.quantity import Quantity
+from harness.core.quantity import Quantity, about_an_axis
 from harness.diagnosis.fit.model_fit import Fit
 from harness.diagnosis.problem import Problem
 from harness.model.covariate import Acts, Covariate

@@ -20,9 +20,9 @@ from harness.diagnosis.prepare.release import released, without_hand
 from harness.diagnosis.problems.free_decay import FreeDecay
 from harness.diagnosis.problems.together import Together
 from harness.diagnosis.request import Asked
-from harness.estimate.believed import believed
 from harness.estimate.noise import channel_noise
 from harness.estimate.reversals import Grows, Kind, NoDecay, find_half_cycles
+from harness.estimate.saturation import believed
 from harness.model.model import Restoring
 
 _KINDS = {"x": Kind.DISPLACEMENT, "v": Kind.VELOCITY, "a": Kind.ACCELERATION}

@@ -9,10 +9,10 @@ from harness.core.arrays import FloatArray
 from harness.core.errors import SimulationError
 from harness.core.scenario import Harmonic, Hold
 from harness.engines import models
-from harness.engines.actions import belt_speed, held_at_start
 from harness.engines.base import ForceLaw, Task
 from harness.engines.joint_words import GRAVITY, JointWords, coefficient
 from harness.engines.mujoco.callback import SLOTS, Slot
+from harness.engines.samples import belt_speed, held_at_start
 
 _STAGES = {"RK4": 4}
 

@@ -123,7 +123,7 @@ def _sentence(preset: str, traces: Sequence[TraceResult], unit: str) -> str:
 
 def _scorecard(traces: Sequence[TraceResult], scenario: Mapping[str, Any], palette: Sequence[str]) -> b.Section:
     """traces : the exact reference first. palette : a CSS colour each."""
-    shown = measured(traces, scenario)
+    shown = metrics_shown(traces, scenario)
     small = units_of(scenario).small
     found = [trace.metrics.model_dump() for trace in traces]
     headings = [heading(metric) for metric in shown]
@@ -164,7 +164,7 @@ def _graded(scenario: Mapping[str, Any], metric: str, value: float | None, exact
     return None if value is None or exact is None or not scale else b.grade((value - exact) / scale)
 
 
-def measured(traces: Sequence[TraceResult], scenario: Mapping[str, Any]) -> list[str]:
+def metrics_shown(traces: Sequence[TraceResult], scenario: Mapping[str, Any]) -> list[str]:
     """Metrics that a table of these traces shows, in order: a free decay's always, others where one trace has them."""
     found = [trace.metrics.model_dump() for trace in traces]
     every = dict.fromkeys([*DECAY, *(metric for metrics in found for metric in metrics)])
