@@ -121,7 +121,11 @@ def main(args: Sequence[str] | None = None) -> NoReturn:
 
     0 done; 1 a check failed; 2 bad input or usage, with one line on standard error; 130 interrupted.
     """
-    _fill_standard_descriptors()
+    for descriptor in (0, 1, 2):  # where one is closed, no file of ours is to be taken for a standard stream
+        try:
+            os.fstat(descriptor)
+        except OSError:
+            os.open(os.devnull, os.O_RDWR)  # takes the lowest that is free
     one_thread()
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, io.TextIOWrapper):  # a locale without the letter in question shows its number
@@ -129,15 +133,6 @@ def main(args: Sequence[str] | None = None) -> NoReturn:
     logging.captureWarnings(True)  # what libraries warn of goes to the log, where one is kept
     heed()
     sys.exit(run(args))
-
-
-def _fill_standard_descriptors() -> None:
-    """Open the null device where 0, 1 or 2 is closed, so that no file of ours is taken for a standard stream."""
-    for descriptor in (0, 1, 2):
-        try:
-            os.fstat(descriptor)
-        except OSError:
-            os.open(os.devnull, os.O_RDWR)  # takes the lowest that is free
 
 
 def run(args: Sequence[str] | None = None) -> int:

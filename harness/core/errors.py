@@ -66,8 +66,5 @@ def visible(text: str) -> str:
     """
     if text.isprintable():
         return text
-    return "".join(_escaped(c) if c not in _KEPT and unicodedata.category(c)[0] == "C" else c for c in text)
-
-
-def _escaped(character: str) -> str:
-    return character.encode("unicode_escape").decode("ascii")
+    obeyed = {c for c in text if c not in _KEPT and unicodedata.category(c)[0] == "C"}
+    return "".join(c.encode("unicode_escape").decode("ascii") if c in obeyed else c for c in text)

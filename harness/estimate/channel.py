@@ -97,11 +97,6 @@ class ChannelFit:
         return self.separate.guard
 
 
-def _least_guard(t: FloatArray) -> float:
-    """Half a sample: a sample at the reversal itself belongs to neither side."""
-    return 0.5 * float(np.median(np.diff(t)))
-
-
 def _tied_start(fit: SeparateFit) -> FloatArray:
     """Start of the tied fit (6,): half-cycle time by regression, swings by linear least squares on the separate
     ones.
@@ -284,7 +279,9 @@ def _fit_once(
     interval = float(np.median(np.diff(t)))
     half = cycles.half_time
     floor = noise.sigma**2
-    edges, start = _without_slivers(cycles.edges, half), (0.05 * math.pi / half, math.pi / half)
+    edges, start = cycles.edges, (0.05 * math.pi / half, math.pi / half)
+    # a last piece that is too short to be fitted by itself goes
+    edges = edges[:-1] if edges.size > 3 and edges[-1] - edges[-2] < 0.4 * half else edges
     if seed is not None:
         edges, start = seed.separate.edges, (seed.separate.sigma, seed.separate.omega)
     separate = fit_separately(t, y, kind, edges, WIDEST * half, start)
@@ -297,7 +294,7 @@ def _fit_once(
     if separate.variance > max(0.25 * float(np.var(y)), 3.0 * floor):
         raise NoDecay("the motion between reversals is no damped oscillation: no free decay")
     _refuse_driven(t, y, separate, floor)
-    guard = _least_guard(t)
+    guard = 0.5 * interval  # a sample at the reversal itself belongs to neither side
     if kind is not Kind.DISPLACEMENT:  # the displacement itself has no jump
         guard = max(guard, find_guard(t, y, separate, max(separate.variance, floor)))
     separate = fit_separately(t, y, kind, separate.edges, guard, (separate.sigma, separate.omega))
@@ -327,11 +324,6 @@ def _fit_once(
     if len(separate) < 2:
         raise NoDecay("no two half-cycles in a row look like a damped oscillation: no free decay")
     return ChannelFit(kind, t, y, noise, cycles, separate, tied, holds, offset, inflation, dropped)
-
-
-def _without_slivers(edges: FloatArray, half: float) -> FloatArray:
-    """The same edges; the last piece goes when it is too short to be fitted by itself."""
-    return edges[:-1] if edges.size > 3 and edges[-1] - edges[-2] < 0.4 * half else edges
 
 
 def _inside(edges: FloatArray, t: FloatArray) -> FloatArray:

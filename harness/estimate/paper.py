@@ -17,14 +17,9 @@ from harness.estimate.result import Estimate, Reversal, damped, quantity
 POINTS = 5
 
 
-def moving_average(a: FloatArray, points: int = POINTS) -> FloatArray:
-    """Centred moving average of an odd number of points, (n - points + 1,): only where all points exist."""
-    return np.convolve(a, np.full(points, 1.0 / points), mode="valid")
-
-
 def beside(t: FloatArray, a: FloatArray, times: FloatArray, points: int) -> tuple[FloatArray, FloatArray]:
     """Averages of ``points`` samples of a (n,) wholly before and after each of ``times`` (m,); nan at the ends."""
-    smooth = moving_average(a, points)
+    smooth = np.convolve(a, np.full(points, 1.0 / points), mode="valid")
     tolerance = 1e-9 * float(t[-1] - t[0])
     last = np.searchsorted(t, times - tolerance) - points
     first = np.searchsorted(t, times + tolerance, side="right")

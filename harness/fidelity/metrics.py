@@ -172,7 +172,8 @@ def measure_contact(trace: Trajectory, slider: Slider) -> dict[str, float | None
     return {
         "lift_m": lift_m(trace),
         "normal_error": normal_error(trace, slider),
-        "mu_v_over_g_s": mu_v_over_g(trace, slider),
+        # largest coefficient of friction x speed / g in s: a cone solved as one lifts a box at its rate
+        "mu_v_over_g_s": float(slider.f_k / (slider.m * GRAVITY) * np.max(np.abs(trace.v)) / GRAVITY),
     }
 
 
@@ -185,11 +186,6 @@ def lift_m(trace: Trajectory) -> float:
 def normal_error(trace: Trajectory, slider: Slider) -> float:
     """Largest |N/(m g) - 1|. Good: below 1e-3; 1 means that the box leaves the floor."""
     return float(np.max(np.abs(trace.extra["normal_force"] / (slider.m * GRAVITY) - 1.0)))
-
-
-def mu_v_over_g(trace: Trajectory, slider: Slider) -> float:
-    """Largest coefficient of friction x speed / g in s: a cone solved as one lifts a box at its rate."""
-    return float(slider.f_k / (slider.m * GRAVITY) * np.max(np.abs(trace.v)) / GRAVITY)
 
 
 WIDE, NARROW = "acceleration", "acceleration-local"

@@ -64,7 +64,9 @@ def draw_series(kind: str, seed: int, series: int = 0, losses: Sequence[float] =
     if kind not in FAMILY or kind == "static-friction":
         raise InputError("kind", kind, "a name of the catalogue that shows in a free decay is accepted")
     case, loss = _faintest(kind, seed, series)
-    price = free_numbers(case) * math.log(case.base.samples * len(case.channels))
+    # numbers that a model with the effect has more than the base; a law without parameters has none
+    more = sum(isinstance(value, float) for values in case.effects.values() for value in values.values())
+    price = more * math.log(case.base.samples * len(case.channels))
     steps = []
     for wanted in losses:
         scale = math.sqrt(loss / wanted)
@@ -90,11 +92,6 @@ def clean_loss(case: Case) -> float:
         raise InputError("noise", "coloured or quantised", "white is accepted")
     seen = Seen({c: case.clean[c] for c in case.channels}, noise.sigma)
     return fit_decay(base.times, seen, (base.omega_n, base.zeta, base.x_k, base.x0, base.v0)).chi2
-
-
-def free_numbers(case: Case) -> int:
-    """Numbers that a model with the effect has more than the base; a law without parameters has none."""
-    return sum(isinstance(value, float) for values in case.effects.values() for value in values.values())
 
 
 @dataclass(frozen=True, slots=True)

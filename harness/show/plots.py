@@ -1,6 +1,6 @@
 """Pieces of plots that several pages draw: curves, points, bars, axes, lines across, the bar of zooms."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -57,7 +57,9 @@ def orbit(line: Trace, t: FloatArray, x: FloatArray, y: FloatArray, hover: str =
 
 def thinned(figure: Figure, budget: int) -> list[Trace]:
     """Its traces, curves with about ``budget`` samples at most: those over the same times keep the same samples."""
-    over = {id(one): one.get("t", one["x"]) for one in figure.traces if _is_long(one)}
+    # of a curve over time, or an orbit, there are more samples than one sees
+    long = [one for one in figure.traces if "t" in one or one.get("meta", {}).get("curve")]
+    over = {id(one): one.get("t", one["x"]) for one in long}
     together: dict[int, list[FloatArray]] = {}
     for one in figure.traces:
         if id(one) in over:
@@ -75,11 +77,6 @@ def thinned(figure: Figure, budget: int) -> list[Trace]:
 def is_plane(figure: Figure) -> bool:
     """Whether its curves are orbits."""
     return any("t" in trace or "now" in trace for trace in figure.traces)
-
-
-def _is_long(trace: Mapping[str, Any]) -> bool:
-    """Whether it is a curve over time or an orbit, whose samples are more than one sees."""
-    return "t" in trace or bool(trace.get("meta", {}).get("curve"))
 
 
 def plain(name: str, x: Any, y: Any, color: str, width: float = 1.5, **more: Any) -> Trace:

@@ -86,7 +86,10 @@ def write_trace(path: Path, scene: s.Scene) -> None:
             _stream(pipe, scene)
         # the threads and the memory of a stream that is closed stay, and a call with many recordings has many
         rerun_bindings.flush_and_cleanup_orphaned_recordings()
-        _check_whole(part, path)
+        try:  # a file without its closing manifest was cut short, whatever the library has said
+            _reader(part).store()
+        except (RerunWarning, ValueError, OSError, RuntimeError) as error:
+            raise StoreError(f"{path}: could not be written to its end; room on the disk is accepted") from error
 
 
 def _stream(pipe: Pipe, scene: s.Scene) -> None:
@@ -115,14 +118,6 @@ def _reader(path: Path) -> RrdReader:
     with warnings.catch_warnings():
         warnings.simplefilter("error", RerunWarning)
         return RrdReader(path)
-
-
-def _check_whole(part: Path, path: Path) -> None:
-    """A file without its closing manifest was cut short, whatever the library has said."""
-    try:
-        _reader(part).store()
-    except (RerunWarning, ValueError, OSError, RuntimeError) as error:
-        raise StoreError(f"{path}: could not be written to its end; room on the disk is accepted") from error
 
 
 def _send_properties(recording: rr.RecordingStream, properties: Mapping[str, Any]) -> None:

@@ -87,7 +87,9 @@ def result_of(
     shared = _shared(recording, outcome, options, user)
     info = recording_info(recording, problem.noise)
     notes = [*info.notes, *(f"{note[0].upper()}{note[1:]}." for note in prepared.notes)]
-    covariates = outcome.refined.model.covariates
+    covariates, best = outcome.refined.model.covariates, dict[str, Tried]()
+    for one in sorted(outcome.evidence, key=lambda one: -one.delta_bic):
+        best.setdefault(one.name, one)
     return DiagnosisResult.taken_from(
         outcome,
         recording=info.model_copy(update={"notes": notes}),
@@ -116,7 +118,7 @@ def result_of(
         ),
         engines=engines,
         attribution=shared.result,
-        evidence=_best_of_each(outcome),
+        evidence=list(best.values()),
         consistent_channels={"-".join(c.pair): ChannelPair.taken_from(c, lag_s=c.lag) for c in prepared.channels},
         residual_map=None,
         baseline_model=to_document(base.model),
@@ -198,13 +200,6 @@ def _surface(surface: Surface, problem: Problem) -> SurfaceResult:
         force_unit=unit_of("N", problem),
         gauge="no force of position alone and none of speed alone, which are the other tables'",
     )
-
-
-def _best_of_each(outcome: Outcome) -> list[Tried]:
-    """The evidence for each name, best first."""
-    ordered = sorted(outcome.evidence, key=lambda one: -one.delta_bic)
-    best = {one.name: one for one in reversed(ordered)}
-    return [one for one in ordered if best[one.name] is one]
 
 
 def _in_engine(name: str, outcome: Outcome, options: DiagnoseOptions) -> EngineResult:

@@ -2,7 +2,7 @@
 
 import math
 
-from harness.results.run import AsItIsResult, JointRunResult, JointScore, ServoCure, StopResult
+from harness.results.run import AsItIsResult, JointRunResult, ServoCure
 
 _COMPENSATED = 0.99
 """Of gravity's torque, below which what is left is told."""
@@ -10,13 +10,6 @@ _NOTHING = 1e-12
 """m/s or rad/s, below which a solver's rounding is no creep."""
 _SOFT_S = 0.2
 """s, ten of MuJoCo's time constants as shipped: what softness may cost until a joint has stopped."""
-
-
-def creep_said(result: JointRunResult, score: JointScore) -> str:
-    """Creep in degrees or millimetres a second."""
-    if score.creep is None:
-        return "-"
-    return _speed(result, score.creep)
 
 
 def conclusions(result: JointRunResult) -> list[str]:
@@ -45,10 +38,11 @@ def conclusions(result: JointRunResult) -> list[str]:
         if score.error is not None:
             said.append(f"{score.engine} {score.preset} could not be run: {score.error}.")
             continue
+        creep = "-" if score.creep is None else _speed(result, score.creep)
         lead = "-" if score.reversal_lead_s is None else f"{score.reversal_lead_s * 1e3:.3g} ms"
         said.append(
             f"{score.engine} {score.preset}, step {1e3 * (score.dt_s or 0.0):.3g} ms: {result.joint} creeps at"
-            f" {creep_said(result, score)}, and friction turns round {lead} before the speed."
+            f" {creep}, and friction turns round {lead} before the speed."
         )
     return said + _servo(result)
 
@@ -74,7 +68,7 @@ def _itself(result: JointRunResult, one: AsItIsResult) -> list[str]:
     if one.differs is not None:
         said.append(one.differs)
     stop = one.stop
-    if stop is not None and _pushes_on(one, stop):
+    if stop is not None and (stop.time_s is None or stop.time_s > stop.exact_time_s + _SOFT_S):
         took = "more than 4 s" if stop.time_s is None or stop.travel is None else (
             f"{stop.time_s:.3g} s and {_place(result, stop.travel)}"
         )  # fmt: skip
@@ -84,11 +78,6 @@ def _itself(result: JointRunResult, one: AsItIsResult) -> list[str]:
             f' {exact}: noslip makes friction push on beside joint damping; noslip_iterations="0" mends it.'
         )
     return said
-
-
-def _pushes_on(one: AsItIsResult, stop: StopResult) -> bool:
-    """Whether it stops later than softness makes it: friction as shipped takes some time constants of .02 s."""
-    return stop.time_s is None or stop.time_s > stop.exact_time_s + _SOFT_S
 
 
 def _servo(result: JointRunResult) -> list[str]:

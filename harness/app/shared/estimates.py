@@ -1,6 +1,5 @@
 """The estimators on a recording, and their estimates in the form of the results."""
 
-from collections.abc import Container, Mapping
 from dataclasses import replace
 
 import numpy as np
@@ -14,7 +13,7 @@ from harness.diagnosis.problems.free_decay import FreeDecay
 from harness.diagnosis.problems.simulated import observe
 from harness.diagnosis.request import Asked
 from harness.estimate.every import estimate_all
-from harness.estimate.result import Estimate, Estimation
+from harness.estimate.result import Estimation
 from harness.estimate.saturation import believed, without_limited
 from harness.model.model import Model, Restoring
 from harness.results.identify import Swing
@@ -62,14 +61,6 @@ WHOLE = {"acceleration": ("a", "v"), "displacement": ("x",)}
 """Methods that know both viscous and dry friction, with the channels they read; where they fail, nothing else holds."""
 
 
-def why_no_decay(methods: Mapping[str, Estimate], channels: Container[str]) -> str | None:
-    """The reasons why no method of the whole model gives a figure from these channels; None when one does."""
-    tried = [methods[name] for name, wanted in WHOLE.items() if any(channel in channels for channel in wanted)]
-    if any(estimate.zeta.value is not None and estimate.x_k.value is not None for estimate in tried):
-        return None
-    return "; ".join(dict.fromkeys(estimate.x_k.why or "" for estimate in tried))
-
-
 FREE = "a free decay of at least three half-cycles is accepted"
 
 
@@ -80,7 +71,10 @@ def estimate(recording: Recording, restoring: Swing = "spring") -> Estimation:
 
     Raises InputError with the reason when it is driven, or shows no free decay.
     """
-    refuse_driven(recording)
+    if "u" in recording and np.any(recording["u"] != 0.0):
+        largest = float(np.max(np.abs(recording["u"])))
+        found = f"a driven recording (a force of up to {largest:.3g} N acts), which is no free decay"
+        raise InputError(f"{recording.file}: channel u", found, FREE)
     recording, unused = without_limited(recording)
     recording, beyond = believed(recording, ("x", "v"))
     beyond = (*unused, *beyond)
@@ -88,15 +82,9 @@ def estimate(recording: Recording, restoring: Swing = "spring") -> Estimation:
         recording = as_spring(recording)
     x, v, a = (recording.channels.get(name) for name in ("x", "v", "a"))
     estimation = estimate_all(recording.t, x, v, a, unit="rad" if recording.angular else "m")
-    why = why_no_decay(estimation.methods, recording.channels)
-    if why is not None:
+    wanted = [name for name, channels in WHOLE.items() if any(channel in recording for channel in channels)]
+    tried = [estimation.methods[name] for name in wanted]
+    if not any(one.zeta.value is not None and one.x_k.value is not None for one in tried):
+        why = "; ".join(dict.fromkeys(one.x_k.why or "" for one in tried))
         raise InputError(recording.file, f"no estimate is possible: {why}", FREE)
     return replace(estimation, warnings=(*beyond, *estimation.warnings)) if beyond else estimation
-
-
-def refuse_driven(recording: Recording) -> None:
-    """Raise InputError when a measured force acts: that is no free decay."""
-    if "u" in recording and np.any(recording["u"] != 0.0):
-        largest = float(np.max(np.abs(recording["u"])))
-        found = f"a driven recording (a force of up to {largest:.3g} N acts), which is no free decay"
-        raise InputError(f"{recording.file}: channel u", found, FREE)

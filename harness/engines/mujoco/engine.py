@@ -89,17 +89,15 @@ class MujocoEngine(Engine):
                         states, sensors = _rolled_out(model, data, steps)
                 finally:
                     mujoco.set_mjcb_passive(previous)
-            _sound(data, warnings)
+            if any(data.warning[kind].number for kind in _UNSOUND):
+                raise SimulationError(f"mujoco: the run diverged ({' '.join(warnings[:1])})")
             motion = _motion(task, settings, forces, states, sensors)
             wall = time.perf_counter() - started
         return trajectory(self, task, settings, ignored, motion, wall)
 
 
-def _sound(data: Any, warnings: list[str]) -> None:
-    """Raise SimulationError when MuJoCo warned of a state that is not finite or too large to be true."""
-    unsound = (mujoco.mjtWarning.mjWARN_BADQPOS, mujoco.mjtWarning.mjWARN_BADQVEL, mujoco.mjtWarning.mjWARN_BADQACC)
-    if any(data.warning[kind].number for kind in unsound):
-        raise SimulationError(f"mujoco: the run diverged ({' '.join(warnings[:1])})")
+_UNSOUND = (mujoco.mjtWarning.mjWARN_BADQPOS, mujoco.mjtWarning.mjWARN_BADQVEL, mujoco.mjtWarning.mjWARN_BADQACC)
+"""What MuJoCo warns of where a state is not finite or too large to be true."""
 
 
 def install(data: Any) -> None:

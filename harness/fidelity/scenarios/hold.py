@@ -16,11 +16,6 @@ from harness.exact.decay import creep
 from harness.fidelity import kind as suite
 
 
-def measure_hold(trace: Trajectory) -> dict[str, float | None]:
-    """Every metric of a hold."""
-    return {"creep_m_s": creep_m_s(trace), "drift_m": drift_m(trace)}
-
-
 def creep_m_s(trace: Trajectory) -> float:
     """Mean velocity in m/s over the later half of the hold, when what a soft contact needs to build up is over.
 
@@ -85,7 +80,7 @@ class HoldKind(suite.Kind):
         return {"creep_m_s": creep(scenario.slider, scenario.action)}
 
     def measure(self, trace: Trajectory, scenario: Scenario) -> suite.Metrics:
-        return measure_hold(trace)
+        return {"creep_m_s": creep_m_s(trace), "drift_m": drift_m(trace)}
 
 
 HOLD_50 = HoldKind(

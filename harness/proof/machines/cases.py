@@ -82,19 +82,16 @@ class Sealed:
 
 
 def _is_same(name: str, own: Values, sealed: Values, base: Base) -> bool:
+    """Whether each number lies where it may: that of a strength between weaker and stronger, any other where it is."""
     if own.keys() != sealed.keys():
         return False
     weak, strong = (scaled(name, own, factor, base) for factor in (1.0 / MOST_MOVED, MOST_MOVED))
-    return all(_is_within(sealed[key], *_reach(own[key], weak[key], strong[key])) for key in own)
-
-
-def _reach(own: float, weak: float, strong: float) -> tuple[float, float]:
-    """Where a number may lie: that of a strength anywhere between weaker and stronger, any other where it is."""
-    return (own, own) if weak == strong else (min(own, weak, strong), max(own, weak, strong))
-
-
-def _is_within(said: Any, low: float, high: float) -> bool:
-    return isinstance(said, int | float) and low - SAME * abs(low) <= said <= high + SAME * abs(high)
+    for key, said in sealed.items():
+        reach = (own[key], *((weak[key], strong[key]) if weak[key] != strong[key] else ()))
+        low, high = min(reach), max(reach)
+        if not isinstance(said, int | float) or not low - SAME * abs(low) <= said <= high + SAME * abs(high):
+            return False
+    return True
 
 
 OVER = (1.5, 20.0)

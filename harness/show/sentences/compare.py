@@ -41,7 +41,8 @@ def compare_sentences(result: CompareResult, limits: Sequence[str]) -> list[str]
         ]
         if alike:
             said.append(f"same within their errors: {', '.join(alike)}")
-        said.append(largest_words(result))
+        most, value = result.largest, shown_value(abs(result.largest.value), result.largest.unit)
+        said.append(f"largest difference: {value} in {most.channel} at {most.time_s:.4g} s")
         fits = ", ".join(f"{value:.1f} % of {c}" for c, value in result.fit_percent.items())
         said.append(f"{name} fits {other} by {fits} (NRMSE)")
     said += _clock(result, name)
@@ -75,13 +76,6 @@ def difference_words(one: Difference) -> str:
     figures = [figure_words(p) for p in (one.first, one.second)]
     far = "" if one.significance is None else f" ({number(one.significance, 2)} standard errors)"
     return f"{more if first > second else less}: {symbol} {figures[0]} against {figures[1]}{far}"
-
-
-def largest_words(result: CompareResult) -> str:
-    """The largest difference, where and of what."""
-    largest = result.largest
-    value = shown_value(abs(largest.value), largest.unit)
-    return f"largest difference: {value} in {largest.channel} at {largest.time_s:.4g} s"
 
 
 def faster_words(result: CompareResult) -> str:

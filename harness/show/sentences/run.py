@@ -12,11 +12,6 @@ CLOSE = 0.02
 """Estimates within this share of the truth are right for most purposes."""
 
 
-def decay_sentences(trace: TraceResult, scenario: Scenario) -> list[str]:
-    """Friction at the reversals, damping, rest: what there is to say of one engine's trace."""
-    return [text for say in (_friction, _damping, _rest) if (text := say(trace, scenario)) is not None]
-
-
 def _x_k(trace: TraceResult, method: str) -> float | None:
     estimate = trace.estimates.get(method)
     return None if estimate is None else estimate.x_k.value
@@ -86,12 +81,12 @@ def conclusions(traces: Sequence[TraceResult], scenario: Scenario) -> list[str]:
             said.append(f"{name} could not be run: {trace.error}")
             continue
         if scenario.action is None:
-            found = decay_sentences(trace, scenario)
+            found = [text for say in (_friction, _damping, _rest) if (text := say(trace, scenario)) is not None]
         else:
             found = [*_creep(trace), *_against(trace, traces[0])]
         if (trace.metrics.lift_m or 0.0) > LIFTED:
             found.append(f"the box leaves the floor, by at most {mm(trace.metrics.lift_m or 0.0)}.")
-        found += [text for text in (position_error(trace),) if text is not None]
+        found += filter(None, [position_error(trace)])
         said += [f"{name}: {text}" for text in found]
     return said
 
