@@ -26,7 +26,7 @@ MAY: dict[str, frozenset[str]] = {
     "fidelity": frozenset({"core", "results", "exact", "estimate", "engines.base"}),
     "diagnosis": frozenset({"core", "model", "kernels", "fit", "estimate"}),
     "robot": frozenset({"core", "model", "engines", "fit", "diagnosis"}),
-    "proof": frozenset({"core"}),
+    "proof": frozenset({"core", "results"}),
     "io": frozenset({"core"}),
     "show": frozenset({"core", "results", "fidelity"}),
     "cli": frozenset({"app", "core", "results"}),

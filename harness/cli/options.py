@@ -14,6 +14,7 @@ from harness.core.errors import InputError
 from harness.core.registered import names
 
 F = TypeVar("F", bound=Callable[..., Any])
+PATH = click.Path(path_type=Path)
 
 
 def group(name: str, make: Callable[..., Any], *options: Callable[[F], F]) -> Callable[[F], F]:
@@ -46,10 +47,9 @@ _JSON = click.option(
     help='Write the result as JSON; "-" is standard output, and nothing else is on it.',
 )
 _QUIET = click.option("--quiet", "-q", is_flag=True, help="No table and no progress.")
-_OUT = click.option(
-    "--out", type=click.Path(path_type=Path), metavar="DIR", help="Output folder, new or empty.  [reports/NAME-TIME]"
-)
+_OUT = click.option("--out", type=PATH, metavar="DIR", help="Output folder, new or empty.  [reports/NAME-TIME]")
 jobs_option = click.option("--jobs", type=click.IntRange(min=1), metavar="N", help="Processes to use.  [all cores]")
+cluster_option = click.option("--cluster", metavar="ADDRESS", help="A dask scheduler, such as tcp://127.0.0.1:8786.")
 json_options = group("to", Output, _JSON, _QUIET)
 """--json, --quiet."""
 output_options = group("to", Output, _OUT, _JSON, _QUIET)
@@ -113,7 +113,7 @@ def _joint(robot: Path | None, joint: str | None, gravity: Gravity | None) -> Jo
 robot_options = group(
     "robot",
     _joint,
-    click.option("--robot", type=click.Path(path_type=Path), metavar="FILE", help="A robot's model, MJCF or URDF."),
+    click.option("--robot", type=PATH, metavar="FILE", help="A robot's model, MJCF or URDF."),
     click.option("--joint", metavar="NAME", help="Which joint of it.  [the only one that moves]"),
     click.option("--gravity", type=float, nargs=3, metavar="X Y Z", help="m/s^2, at the base.  [the model's]"),
 )

@@ -16,10 +16,11 @@ import numpy as np
 from harness.core.arrays import FloatArray
 from harness.core.errors import InputError
 from harness.proof.plant.base_fit import Seen, fit_decay
-from harness.proof.plant.cases import Case, draw, record, truth
+from harness.proof.plant.cases import Case, draw, fitted, measured, truth
 from harness.proof.plant.effects import FAMILY
 from harness.proof.score import Answer, Result, Truth
-from harness.proof.statistics import LEVEL, RESAMPLES, Rate
+from harness.proof.statistics import RESAMPLES, TAILS, Rate
+from harness.results.prove import Detection, DetectionLevel
 
 LOSSES = (1e4, 2000.0, 400.0, 80.0, 16.0, 3.0)
 KINDS = (
@@ -72,8 +73,8 @@ def draw_series(kind: str, seed: int, series: int = 0, losses: Sequence[float] =
         scale = math.sqrt(loss / wanted)
         noise = replace(case.noise, sigma={c: scale * s for c, s in case.noise.sigma.items()})
         unit = np.random.default_rng([seed, 3, series])
-        spoiled = record(case.base, case.effects, case.setting, case.channels, noise, unit)
-        steps.append(Step(spoiled, series, wanted, price))
+        spoiled = measured(case.base, case.effects, case.setting, case.channels, noise, unit)
+        steps.append(Step(fitted(spoiled), series, wanted, price))
     return steps
 
 
@@ -94,31 +95,7 @@ def clean_loss(case: Case) -> float:
     return fit_decay(base.times, seen, (base.omega_n, base.zeta, base.x_k, base.x0, base.v0)).chi2
 
 
-@dataclass(frozen=True, slots=True)
-class Level:
-    """Cases at one loss, how many are named, and how many would pay their price."""
-
-    loss: float
-    named: Rate
-    payable: int
-
-
-@dataclass(frozen=True, slots=True)
-class Curve:
-    """Share named against likelihood loss.
-
-    levels : largest loss first. half, low, high : loss at which half are named, with its bootstrap interval over cases;
-    None where the curve does not cross a half. limit : median of k ln N over the cases.
-    """
-
-    levels: tuple[Level, ...]
-    half: float | None
-    low: float | None
-    high: float | None
-    limit: float | None
-
-
-def curve(answers: Mapping[str, Truth], results: Mapping[str, Result]) -> Curve:
+def curve(answers: Mapping[str, Truth], results: Mapping[str, Result]) -> Detection:
     """The curve from answers of steps and verdicts by file; a file without verdict is one that was not named."""
     losses = sorted({float(a["loss"]) for a in answers.values()}, reverse=True)
     series = sorted({int(a["series"]) for a in answers.values()})
@@ -133,10 +110,12 @@ def curve(answers: Mapping[str, Truth], results: Mapping[str, Result]) -> Curve:
     for j, loss in enumerate(losses):
         seen = np.isfinite(named[:, j])
         rate = Rate.of([bool(x) for x in named[seen, j]])
-        levels.append(Level(loss, rate, int(np.count_nonzero(price[seen] < loss))))
+        payable = int(np.count_nonzero(price[seen] < loss))
+        levels.append(DetectionLevel(loss=loss, named=rate, payable=payable))
     half = _half(named, losses)
     low, high = _interval(named, losses) if half is not None else (None, None)
-    return Curve(tuple(levels), half, low, high, float(np.median(price)) if series else None)
+    limit = float(np.median(price)) if series else None
+    return Detection(levels=levels, half=half, low=low, high=high, limit=limit)
 
 
 def _half(named: FloatArray, losses: Sequence[float]) -> float | None:
@@ -164,5 +143,5 @@ def _interval(named: FloatArray, losses: Sequence[float]) -> tuple[float | None,
         half = _half(picked, losses)
         ends = losses[0] if np.nanmean(picked[:, 0]) < 0.5 else losses[-1]
         found.append(ends if half is None else half)
-    low, high = np.quantile(found, [0.5 * (1.0 - LEVEL), 0.5 * (1.0 + LEVEL)])
+    low, high = np.quantile(found, TAILS)
     return float(low), float(high)

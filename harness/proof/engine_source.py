@@ -21,7 +21,7 @@ from scipy.interpolate import CubicHermiteSpline
 from harness.core.arrays import FloatArray
 from harness.core.errors import InputError, SimulationError
 from harness.core.quiet import quiet
-from harness.proof.plant.cases import MOST_TRIES, Case, accepted, draw, record
+from harness.proof.plant.cases import MOST_TRIES, Case, accepted, draw, fitted, measured
 from harness.proof.plant.effects import ALIENS, KINDS
 from harness.proof.plant.integrate import Machine, PlantRun, driven
 from harness.proof.plant.model import PlantModel
@@ -57,8 +57,8 @@ def draw_engine(
     for _ in range(MOST_TRIES):
         plan = draw(kind, rng, noise=noise)
         # what the plant made is thrown away: its noise too is drawn anew
-        again = record(plan.base, plan.effects, plan.setting, plan.channels, plan.noise, rng, motion, engine)
-        case = accepted(again)
+        again = measured(plan.base, plan.effects, plan.setting, plan.channels, plan.noise, rng, motion, engine)
+        case = accepted(fitted(again))
         if case is not None:
             return case
     raise SimulationError(f"{engine}: no concealed and decidable draw of {' + '.join(kinds)} in {MOST_TRIES} tries")

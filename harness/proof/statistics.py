@@ -2,40 +2,33 @@
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, dataclass
-from typing import Any
+from typing import Any, Self
 
 import numpy as np
 from scipy.stats import beta
 
 from harness.core.arrays import FloatArray
+from harness.results.prove import RateResult
 
 LEVEL = 0.95
 RESAMPLES = 2000
 TAILS = (0.5 * (1.0 - LEVEL), 0.5 * (1.0 + LEVEL))
 
 
-@dataclass(frozen=True, slots=True)
-class Rate:
+class Rate(RateResult):
     """A share of cases with its exact (Clopper-Pearson) 95 % interval; all None when there was no case."""
 
-    hits: int
-    cases: int
-    value: float | None
-    low: float | None
-    high: float | None
-
     @classmethod
-    def of(cls, outcomes: Sequence[bool]) -> "Rate":
+    def of(cls, outcomes: Sequence[bool]) -> Self:
         n, k = len(outcomes), sum(map(bool, outcomes))
         if n == 0:
-            return cls(0, 0, None, None, None)
-        tail = 0.5 * (1.0 - LEVEL)
-        low = float(beta.ppf(tail, k, n - k + 1)) if k > 0 else 0.0
-        high = float(beta.ppf(1.0 - tail, k + 1, n - k)) if k < n else 1.0
-        return cls(k, n, k / n, low, high)
+            return cls(hits=0, cases=0, value=None, low=None, high=None)
+        low = float(beta.ppf(TAILS[0], k, n - k + 1)) if k > 0 else 0.0
+        high = float(beta.ppf(1.0 - TAILS[0], k + 1, n - k)) if k < n else 1.0
+        return cls(hits=k, cases=n, value=k / n, low=low, high=high)
 
-    def as_dict(self) -> dict[str, float | int | None]:
-        return asdict(self)
+    def as_dict(self) -> dict[str, Any]:
+        return self.model_dump()
 
 
 @dataclass(frozen=True, slots=True)

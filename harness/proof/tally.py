@@ -3,10 +3,9 @@
 import json
 import random
 from collections.abc import Callable, Mapping
-from dataclasses import asdict
 from typing import Any
 
-from harness.proof.beside import ABOUT, beside, shortfalls
+from harness.proof.beside import beside, shortfalls
 from harness.proof.detection import curve
 from harness.proof.machines import score as of_machines
 from harness.proof.machines.kinds import GROUPS as MACHINE_GROUPS
@@ -65,8 +64,8 @@ def tally(answers: Mapping[str, Truth], verdicts: Mapping[str, Verdicts], seed: 
         "shortfalls": short,
         "by_source": by_source,
         "must_fail": _must_fail(scored, seed) if scored else [],
-        "baselines": [{**asdict(one), "about": ABOUT[one.name], "beaten": one.beaten} for one in margins],
-        "detection": asdict(curve(steps, ours)) if steps else None,
+        "baselines": [one.model_dump() for one in margins],
+        "detection": curve(steps, ours).model_dump() if steps else None,
         "cases": [_case(name, answers[name], ours.get(name)) for name in sorted(answers)],
     }
 

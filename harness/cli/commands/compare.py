@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from harness.cli.options import output_options, reading_options, trace_option
+from harness.cli.options import PATH, output_options, reading_options, trace_option
 from harness.cli.output import Output, say, say_all, say_as_it_is, this_line, with_error
 from harness.cli.tables import show_rows
 from harness.core.bounded import check_file
@@ -17,8 +17,8 @@ if TYPE_CHECKING:
 
 
 @click.command(short_help="Two traces of any origin: where they part, and in what way.")
-@click.argument("sim", type=click.Path(path_type=Path))
-@click.argument("real", type=click.Path(path_type=Path))
+@click.argument("sim", type=PATH)
+@click.argument("real", type=PATH)
 @reading_options
 @trace_option
 @click.option("--sim-columns", metavar="MAP", help="Columns of SIM, where they are not those of REAL.")

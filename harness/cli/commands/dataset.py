@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from harness.cli.options import jobs_option, output_options
+from harness.cli.options import PATH, jobs_option, output_options
 from harness.cli.output import Output, figure, say, say_all, say_as_it_is, this_line
 from harness.cli.tables import show_rows
 from harness.core.errors import InputError
@@ -16,10 +16,8 @@ if TYPE_CHECKING:
 
 @click.command(short_help="Published recordings: what others found beside ours.")
 @click.argument("name", metavar="emps|machines", type=click.Choice(["emps", "machines"]))
-@click.option("--from", "folder", type=click.Path(path_type=Path), metavar="DIR", help="Folder of the files.")
-@click.option(
-    "--download", "into", type=click.Path(path_type=Path), metavar="DIR", help="emps: download them here first."
-)
+@click.option("--from", "folder", type=PATH, metavar="DIR", help="Folder of the files.")
+@click.option("--download", "into", type=PATH, metavar="DIR", help="emps: download them here first.")
 @jobs_option
 @output_options
 def command(name: str, folder: Path | None, into: Path | None, jobs: int | None, to: Output) -> int:

@@ -5,12 +5,13 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import click
 
 from harness.cli.diagnosis_tables import say_diagnosis, say_many
 from harness.cli.options import (
+    PATH,
     Joint,
     engines_option,
     group,
@@ -25,18 +26,13 @@ from harness.cli.output import Output, say_left_out, this_line
 from harness.core.bounded import check_file
 from harness.core.errors import InputError
 
-if TYPE_CHECKING:
-    from harness.app.diagnose.options import DiagnoseOptions
-
 STANDARD_INPUT = "-"
 
 
 @click.command(short_help="Which physics a simulation leaves out of a recording, and the model that has it.")
-@click.argument("recordings", metavar="RECORDING...", nargs=-1, required=True, type=click.Path(path_type=Path))
-@click.option(
-    "--model", type=click.Path(path_type=Path), metavar="FILE", help="Your simulation: model.json, MJCF or URDF."
-)
-@click.option("--sim", type=click.Path(path_type=Path), metavar="TRACE", help="A trace of your own simulation.")
+@click.argument("recordings", metavar="RECORDING...", nargs=-1, required=True, type=PATH)
+@click.option("--model", type=PATH, metavar="FILE", help="Your simulation: model.json, MJCF or URDF.")
+@click.option("--sim", type=PATH, metavar="TRACE", help="A trace of your own simulation.")
 @group(
     "sim_reading",
     dict,
@@ -44,7 +40,7 @@ STANDARD_INPUT = "-"
     click.option("--sim-skip-rows", type=int, default=0, metavar="N", help="Lines before the header of --sim."),
     click.option("--sim-rate", type=float, metavar="HZ", help="Sampling rate of --sim without times."),
 )
-@click.option("--validate", type=click.Path(path_type=Path), metavar="RECORDING", help="Try both models on this one.")
+@click.option("--validate", type=PATH, metavar="RECORDING", help="Try both models on this one.")
 @click.option("--horizon", type=float, metavar="S", help="Driven: windows, each its own start.  [whole, or 1]")
 @click.option("--zero", metavar="spring|free", help="What x is measured from.  [chosen at the base fit]")
 @click.option(
@@ -86,7 +82,7 @@ STANDARD_INPUT = "-"
 )
 @click.option(
     "--conditions",
-    type=click.Path(path_type=Path),
+    type=PATH,
     metavar="FILE",
     help="Of logs of one robot: a CSV with a column file and numbers, such as temperature.",
 )
@@ -159,13 +155,24 @@ def command(
     if options.robot is not None and several:
         options = replace(options, robot=replace(options.robot, any_joint=options.robot.joint is None))
     _refuse_beside(cluster, several, together, resume, jobs)
+    from harness.app.diagnose import many as room
+
+    with _named(recordings) as named, to.told() as progress:
+        if several:
+            many = room.diagnose_all(
+                named, options, to.out, jobs, resume, progress, this_line(), cluster=cluster, conditions=conditions
+            )
+        elif together:
+            one = room.diagnose_together(named, options, to.out, progress, this_line())
+        else:
+            one = room.diagnose(named[0][0], options, to.out, progress, this_line(), named[0][1])
     if several:
-        code = _many(recordings, options, jobs, resume, cluster, conditions, to)
+        to.give(many, say_many, room.Many.json)
     else:
-        code = _one(recordings, options, together, to)
+        to.give(one, say_diagnosis)
     if to.tables and not engines:
         say_left_out()
-    return code
+    return 1 if several and many.failed else 0
 
 
 def _refuse_beside(cluster: str | None, several: bool, together: bool, resume: bool, jobs: int | None) -> None:
@@ -177,37 +184,6 @@ def _refuse_beside(cluster: str | None, several: bool, together: bool, resume: b
     if together:
         accepted = "it is accepted with several that are diagnosed each"
         refuse("given with --together", accepted, resume=resume, jobs=jobs)
-
-
-def _one(recordings: tuple[Path, ...], options: "DiagnoseOptions", together: bool, to: Output) -> int:
-    from harness.app.diagnose.many import diagnose, diagnose_together
-
-    with _named(recordings) as named, to.told() as progress:
-        if together:
-            result = diagnose_together(named, options, to.out, progress, this_line())
-        else:
-            result = diagnose(named[0][0], options, to.out, progress, this_line(), named[0][1])
-    to.give(result, say_diagnosis)
-    return 0
-
-
-def _many(
-    recordings: tuple[Path, ...],
-    options: "DiagnoseOptions",
-    jobs: int | None,
-    resume: bool,
-    cluster: str | None,
-    conditions: Path | None,
-    to: Output,
-) -> int:
-    from harness.app.diagnose.many import Many, diagnose_all
-
-    with _named(recordings) as named, to.told() as progress:
-        many = diagnose_all(
-            named, options, to.out, jobs, resume, progress, this_line(), cluster=cluster, conditions=conditions
-        )
-    to.give(many, say_many, Many.json)
-    return 1 if many.failed else 0
 
 
 @contextmanager

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from harness.cli.options import output_options, reading_options, trace_option
+from harness.cli.options import PATH, output_options, reading_options, trace_option
 from harness.cli.output import Output, say, say_all, say_as_it_is, this_line, with_error
 from harness.cli.tables import show_rows
 from harness.core.bounded import check_file
@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 
 @click.command(short_help="Natural frequency, damping and friction from a recorded free decay.")
-@click.argument("recording", type=click.Path(path_type=Path))
+@click.argument("recording", type=PATH)
 @click.option("--restoring", type=click.Choice(["spring", "pendulum"]), default="spring", help="What pulls it back.")
 @reading_options
 @trace_option

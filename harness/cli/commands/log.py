@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from harness.cli.options import json_options, log_options
+from harness.cli.options import PATH, json_options, log_options
 from harness.cli.output import Output, figure, say, say_all
 from harness.cli.tables import show_rows
 from harness.core.errors import InputError
@@ -20,7 +20,7 @@ _CALLED = {"magnitude": "|effort|"}
 
 
 @click.command(short_help="What a log of a robot's joints holds: topics, joints, rates, what is odd.")
-@click.argument("file", type=click.Path(path_type=Path))
+@click.argument("file", type=PATH)
 @log_options
 @json_options
 def command(file: Path, reading: dict[str, Any], to: Output) -> int:

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from harness.cli.options import jobs_option, output_options, refuse
+from harness.cli.options import PATH, cluster_option, jobs_option, output_options, refuse
 from harness.cli.output import Output, figure, say, say_all, this_line
 from harness.cli.tables import show_rows
 from harness.core.errors import InputError
@@ -21,9 +21,9 @@ if TYPE_CHECKING:
 @click.option("--outside", type=click.IntRange(min=0), metavar="N", help="With an effect no catalogue holds.  [60]")
 @click.option("--machines", is_flag=True, help="600 recordings of machines instead, half of them controls.")
 @click.option("--short", is_flag=True, help="24 recordings in all: no evidence. With --verify: draw 24 again.")
-@click.option("--verify", type=click.Path(path_type=Path), metavar="DIR", help="Recompute a proof; run nothing.")
+@click.option("--verify", type=PATH, metavar="DIR", help="Recompute a proof; run nothing.")
 @click.option("--resume", is_flag=True, help="Go on with the proof that --out holds.")
-@click.option("--cluster", metavar="ADDRESS", help="A dask scheduler, such as tcp://127.0.0.1:8786.")
+@cluster_option
 @jobs_option
 @output_options
 def command(

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from harness.cli.options import engines_option, jobs_option, json_options
+from harness.cli.options import PATH, engines_option, jobs_option, json_options
 from harness.cli.output import Output, figure, say, say_all
 from harness.cli.tables import show_rows
 from harness.core.bounded import check_file
@@ -16,10 +16,10 @@ if TYPE_CHECKING:
 
 
 @click.command(short_help="A sweep against a baseline: what moved, and whether that is a regression.")
-@click.option("--baseline", type=click.Path(path_type=Path), metavar="FILE", help="Rows to compare with.")
+@click.option("--baseline", type=PATH, metavar="FILE", help="Rows to compare with.")
 @click.option("--update", is_flag=True, help="Write the rows to --baseline instead of comparing.")
-@click.option("--traces", type=click.Path(path_type=Path), metavar="DIR", help="Recompute from .rrd files; no engine.")
-@click.option("--junit", "junit_to", type=click.Path(path_type=Path), metavar="FILE", help="Write JUnit XML.")
+@click.option("--traces", type=PATH, metavar="DIR", help="Recompute from .rrd files; no engine.")
+@click.option("--junit", "junit_to", type=PATH, metavar="FILE", help="Write JUnit XML.")
 @engines_option("all installed")
 @click.option("--route", "routes", multiple=True, metavar="joint|contact|law", help="Route; may repeat.  [all]")
 @click.option("--short", is_flag=True, help="What ships and what is tuned, at one step each: for every change.")

@@ -4,13 +4,13 @@ from pathlib import Path
 
 import click
 
-from harness.cli.options import json_options
+from harness.cli.options import PATH, json_options
 from harness.cli.output import Output, say_as_it_is
 
 
 @click.command(short_help="Make a page again, from its .rrd alone.")
-@click.argument("place", metavar="DIR|FILE.rrd", type=click.Path(path_type=Path))
-@click.option("--out", type=click.Path(path_type=Path), metavar="FILE", help="The page, a new file.")
+@click.argument("place", metavar="DIR|FILE.rrd", type=PATH)
+@click.option("--out", type=PATH, metavar="FILE", help="The page, a new file.")
 @json_options
 def command(place: Path, out: Path | None, to: Output) -> int:
     """Make an HTML page again from the .rrd in DIR, or from FILE.rrd alone.

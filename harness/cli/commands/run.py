@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from harness.cli.options import Joint, engines_option, output_options, robot_options
+from harness.cli.options import PATH, Joint, engines_option, output_options, robot_options
 from harness.cli.output import Output, say, say_all, say_as_it_is, say_left_out, say_paste, this_line
 from harness.cli.tables import show_rows
 from harness.core.bounded import check_file
@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 @click.option("--duration", type=float, metavar="S", help="Length of the run.  [3, or until it rests]")
 @click.option(
     "--model",
-    type=click.Path(path_type=Path),
+    type=PATH,
     metavar="FILE",
     help="Run this model, model.json as harness diagnose writes it or an MJCF or URDF of one joint with --x0.",
 )

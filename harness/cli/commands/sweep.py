@@ -4,7 +4,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from harness.cli.options import engines_option, jobs_option, output_options
+from harness.cli.options import cluster_option, engines_option, jobs_option, output_options
 from harness.cli.output import Output, say, say_all, say_as_it_is, this_line
 from harness.cli.tables import show_rows
 
@@ -30,7 +30,7 @@ def _worst(context: click.Context, option: click.Parameter, value: str | None) -
 @click.option("--sliders", type=click.IntRange(min=0), default=0, metavar="N", help="Random sliders besides.  [0]")
 @click.option("--short", is_flag=True, help="What ships and what is tuned, at one step each.")
 @click.option("--keep-traces", "keep", callback=_worst, metavar="worst:N", help="Keep the worst N rows as .rrd.")
-@click.option("--cluster", metavar="ADDRESS", help="A dask scheduler, such as tcp://127.0.0.1:8786.")
+@cluster_option
 @click.option("--resume", is_flag=True, help="Go on with the rows that --out holds; nothing is computed again.")
 @jobs_option
 @output_options

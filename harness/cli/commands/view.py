@@ -4,9 +4,11 @@ from pathlib import Path
 
 import click
 
+from harness.cli.options import PATH
+
 
 @click.command(short_help="Open runs in the rerun viewer.")
-@click.argument("places", metavar="DIR|FILE.rrd...", nargs=-1, required=True, type=click.Path(path_type=Path))
+@click.argument("places", metavar="DIR|FILE.rrd...", nargs=-1, required=True, type=PATH)
 @click.option("--web", is_flag=True, help="In the browser instead of a window.")
 @click.option(
     "--save",

@@ -97,24 +97,16 @@ FREE_DECAY_NO_FRICTION = DecayKind(
 )
 """The same slider without dry friction: what the integrator alone gets wrong."""
 
-FREE_DECAY_X3 = DecayKind(
-    name="free-decay-x3",
-    place=7,
-    duration=3.5,
-    shown=3.5,
-    friction=3.0,
-    reach=3.0,
-    routes=("contact",),
+FREE_DECAY_X3, FREE_DECAY_X10 = (
+    DecayKind(
+        name=f"free-decay-x{n:g}",
+        place=place,
+        duration=3.5,
+        shown=3.5,
+        friction=n,
+        reach=n,
+        routes=("contact",),
+    )
+    for n, place in ((3.0, 7), (10.0, 8))
 )
-"""A box on the floor, let go three times as far away with three times the friction, until it lifts."""
-
-FREE_DECAY_X10 = DecayKind(
-    name="free-decay-x10",
-    place=8,
-    duration=3.5,
-    shown=3.5,
-    friction=10.0,
-    reach=10.0,
-    routes=("contact",),
-)
-"""A box on the floor, let go ten times as far away with ten times the friction, until it lifts."""
+"""A box on the floor, let go so many times as far away with as many times the friction, until it lifts."""

@@ -83,22 +83,20 @@ class HoldKind(suite.Kind):
         return {"creep_m_s": creep_m_s(trace), "drift_m": drift_m(trace)}
 
 
-HOLD_50 = HoldKind(
-    name="hold-50",
-    place=2,
-    share=0.5,
-    figures=(
-        suite.Figure("creep 50 %", "creep_m_s", creep_scale, "creep in one period at half of break-away, over x_k"),
-    ),
+HOLD_50, HOLD_97 = (
+    HoldKind(
+        name=f"hold-{100.0 * share:g}",
+        place=place,
+        share=share,
+        figures=(
+            suite.Figure(
+                f"creep {100.0 * share:g} %",
+                "creep_m_s",
+                creep_scale,
+                f"creep in one period at {said} of break-away, over x_k",
+            ),
+        ),
+    )
+    for share, place, said in ((0.5, 2, "half"), (0.97, 3, "97 %"))
 )
-"""A load of half of break-away."""
-
-HOLD_97 = HoldKind(
-    name="hold-97",
-    place=3,
-    share=0.97,
-    figures=(
-        suite.Figure("creep 97 %", "creep_m_s", creep_scale, "creep in one period at 97 % of break-away, over x_k"),
-    ),
-)
-"""A load of 97 % of break-away."""
+"""Loads of half of break-away, and of 97 %."""

@@ -127,8 +127,8 @@ def draw(
         base = _base(rng, setting, kinds)
         effects = {name: DRAWS[name](base, rng) for name in kinds}
         try:
-            found = record(base, effects, setting, _channels(rng, setting, kinds), _noise(rng, base, noise), rng)
-            case = accepted(found)
+            seen = _channels(rng, setting, kinds), _noise(rng, base, noise), rng
+            case = accepted(fitted(measured(base, effects, setting, *seen)))
         except SimulationError:
             continue
         if case is not None:
@@ -154,7 +154,7 @@ def measured(
     motion: Motion = simulate,
     source: str = "plant",
 ) -> Case:
-    """Simulate and spoil; see ``record``."""
+    """Simulate and spoil. motion : what makes the motion, with the name ``source``. Raises SimulationError."""
     model, sensors = build(base, effects)
     run, clean = sensors.read(model, base.times, motion)
     recorded = {"t": base.times, **{c: noise.spoil(c, clean[c], rng) for c in channels}}
@@ -164,25 +164,12 @@ def measured(
     return Case(effects, channels, recorded, clean, base, noise, setting, region, source)
 
 
-def record(
-    base: Base,
-    effects: Mapping[str, Mapping[str, Any]],
-    setting: str,
-    channels: str,
-    noise: Noise,
-    rng: np.random.Generator,
-    motion: Motion = simulate,
-    source: str = "plant",
-) -> Case:
-    """Simulate, spoil, fit the base; whether it serves is not asked.
-
-    motion : what makes the motion, with the name ``source``. Raises SimulationError when it fails.
-    """
-    case = measured(base, effects, setting, channels, noise, rng, motion, source)
+def fitted(case: Case) -> Case:
+    """The case with its base fit; whether it serves is not asked."""
     at_truth = _chi2_truth(case)
     fit = _fit_base(case, at_truth)
     excess = fit.chi2 - at_truth
-    parts = dict.fromkeys(effects, excess)
+    parts = dict.fromkeys(case.effects, excess)
     return replace(case, base_chi2_excess=excess, base_r2=tuple(fit.r2.values()), part_chi2_excess=parts)
 
 
