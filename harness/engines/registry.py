@@ -4,11 +4,13 @@ NAME@PYTHON is the engine NAME in another interpreter: another version of it, or
 """
 
 import sys
+from collections.abc import Sequence
 from importlib.metadata import EntryPoint, entry_points
 from importlib.util import find_spec
 
+from harness.core.checks import positive
 from harness.core.errors import InputError, SimulationError, did_you_mean
-from harness.engines.base import Engine
+from harness.engines.base import PRESETS, Engine, Preset, choice
 from harness.engines.elsewhere.remote import engine_in
 
 GROUP = "harness.engines"
@@ -50,6 +52,21 @@ def check(name: str, where: str = "engine") -> None:
         if not found:
             accepted = "none is registered: install the package"
         raise InputError(where, repr(name), accepted)
+
+
+def check_asked(engines: Sequence[str], presets: Sequence[str] = (), dt: float | None = None) -> None:
+    """Raise InputError for an engine or a preset that there is not, and for a step, s, not above 0: as options."""
+    if dt is not None:
+        positive("--dt", dt, "s")
+    for preset in presets:
+        choice("--preset", preset, PRESETS)
+    for name in engines:
+        check(name, "--engine")
+
+
+def runs(engines: Sequence[str], presets: Sequence[str]) -> list[tuple[str, Preset]]:
+    """Engine and preset of every run; an engine that is asked for twice is run once."""
+    return [(name, preset) for name in dict.fromkeys(engines) for preset in PRESETS if preset in presets]
 
 
 def load(name: str) -> Engine:

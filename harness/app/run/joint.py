@@ -9,15 +9,14 @@ from harness.app.run.joint_servo import itself_in, servo_scores
 from harness.app.run.joint_words import conclusions
 from harness.app.shared.leaving import FILES, leave, leaving
 from harness.app.shared.machine import this_machine
-from harness.app.shared.parts import reduction_of
+from harness.app.shared.parts import only_joint, reduction_of
 from harness.app.shared.progress import SILENT, Progress
-from harness.core.checks import positive
-from harness.core.errors import InputError, SimulationError
+from harness.core.errors import SimulationError
 from harness.core.scenario import Hold, Scenario
 from harness.core.slider import Slider
 from harness.core.trajectory import Source, Trajectory
 from harness.engines import registry
-from harness.engines.base import PRESETS, Preset, Settings, Task, choice
+from harness.engines.base import PRESETS, Preset, Settings, Task
 from harness.fidelity.metrics import reversal_lead_s
 from harness.fidelity.scenarios.hold import creep_m_s
 from harness.results.robot import PasteResult
@@ -104,18 +103,11 @@ class JointRun:
     dt: float | None = None
 
     def __post_init__(self) -> None:
-        if self.dt is not None:
-            positive("--dt", self.dt, "s")
-        for preset in self.presets:
-            choice("--preset", preset, PRESETS)
-        for name in self.engines:
-            registry.check(name, "--engine")
+        registry.check_asked(self.engines, self.presets, self.dt)
 
     @property
     def plan(self) -> list[tuple[str, Preset]]:
-        """Engine and preset of every run; an engine that is asked for twice is run once."""
-        names = dict.fromkeys(self.engines or registry.usual())
-        return [(name, preset) for name in names for preset in PRESETS if preset in (self.presets or PRESETS)]
+        return registry.runs(self.engines or registry.usual(), self.presets or PRESETS)
 
 
 def run_joint(
@@ -126,9 +118,7 @@ def run_joint(
     Raises InputError for a model or a joint that cannot be used, StoreError.
     """
     arm = load_arm(asked.file, asked.gravity, fixed=True)
-    joint = arm.joints[0] if asked.joint is None and len(arm.joints) == 1 else asked.joint
-    if joint is None:
-        raise InputError("--joint", "not given", f"a joint of {arm.file} is accepted: {', '.join(arm.joints)}")
+    joint = asked.joint or only_joint(arm)
     own = reduced(arm, joint)
     with leaving(f"run-{joint}", out) as output:
         result, motions = _computed(arm, own, asked, progress, command)

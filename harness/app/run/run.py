@@ -17,7 +17,6 @@ from harness.app.shared.leaving import FILES, leave, leaving
 from harness.app.shared.machine import this_machine
 from harness.app.shared.progress import SILENT, Progress
 from harness.core import __version__
-from harness.core.checks import positive
 from harness.core.errors import InputError, SimulationError
 from harness.core.scenario import FREE_DECAY, Scenario
 from harness.core.trajectory import Source, Trajectory
@@ -53,16 +52,10 @@ class RunOptions:
     dt: float | None = None
 
     def __post_init__(self) -> None:
-        if self.dt is not None:
-            positive("--dt", self.dt, "s")
-            if "tuned" not in self.presets:
-                raise InputError(
-                    "--dt", "given with --preset as-shipped", "it is accepted with tuned: as shipped has its own"
-                )
-        for preset in self.presets:
-            choice("--preset", preset, PRESETS)
-        for name in self.engines:
-            registry.check(name, "--engine")
+        registry.check_asked(self.engines, self.presets, self.dt)
+        if self.dt is not None and "tuned" not in self.presets:
+            accepted = "it is accepted with tuned: as shipped has its own"
+            raise InputError("--dt", "given with --preset as-shipped", accepted)
         if self.scenario.duration / self.interval > MOST_SAMPLES:
             found = f"{self.scenario.duration / self.interval:.3g} samples"
             raise InputError("--duration", found, f"at most {MOST_SAMPLES} steps of --dt are accepted")
@@ -107,8 +100,7 @@ class RunOptions:
 
     @property
     def plan(self) -> list[tuple[str, Preset]]:
-        """Engine and preset of every run; an engine that is asked for twice is run once."""
-        return [(name, preset) for name in dict.fromkeys(self.engines) for preset in PRESETS if preset in self.presets]
+        return registry.runs(self.engines, self.presets)
 
 
 def _of_model(model: Given, scenario: str | None, given: Mapping[str, float | None]) -> ModelScenario:

@@ -1,8 +1,16 @@
-"""A robot's joint with the others still, in the form of the results."""
+"""A robot's joint with the others still: which one is meant, and its equation in the form of the results."""
 
+from harness.core.errors import InputError
 from harness.results.robot import ReductionResult
 from harness.robot.arm import Arm
 from harness.robot.reduction import Reduced
+
+
+def only_joint(arm: Arm) -> str:
+    """The one joint of an arm, where none is named; raises InputError where there are several."""
+    if len(arm.joints) != 1:
+        raise InputError("--joint", "not given", f"a joint of {arm.file} is accepted: {', '.join(arm.joints)}")
+    return arm.joints[0]
 
 
 def reduction_of(arm: Arm, own: Reduced) -> ReductionResult:

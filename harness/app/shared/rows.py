@@ -2,12 +2,13 @@
 
 import math
 import time
-from collections import deque
+from collections import Counter, deque
 from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import FIRST_COMPLETED, CancelledError, Future, wait
 from contextlib import contextmanager
+from itertools import islice
 from pathlib import Path
-from typing import Generic, Protocol, TypeVar
+from typing import Protocol, TypeVar
 
 from harness.app.shared.machine import cores
 from harness.app.shared.pool import Cluster, LocalPool, Workers
@@ -122,11 +123,42 @@ def completed(
     When a worker dies, every row that was in work is tried again by itself, so that the one that killed it is found and
     becomes a row with that reason, and the others lose nothing.
     """
-    queue = _Queue(iter(specs), workers, compute, failed, chances)
+    todo, running = iter(specs), dict[Future[Row], Spec]()
+    suspects, deaths = deque[Spec](), Counter[str]()
+
+    def hand_out(some: Iterable[Spec]) -> None:
+        for spec in some:
+            try:
+                future = workers.executor.submit(compute, spec)
+            except RuntimeError as error:  # a pool that broke while nobody looked
+                future = Future()
+                future.set_exception(error)
+            running[future] = spec
+
+    def ended() -> tuple[list[Row], list[Spec]]:
+        """Rows that are done, and specs whose worker died."""
+        rows, lost = [], []
+        for future in [future for future in running if future.done()]:
+            spec = running.pop(future)
+            error = CancelledError() if future.cancelled() else future.exception()
+            if error is None:
+                rows.append(future.result())
+            elif workers.died(error):
+                lost.append(spec)
+            else:
+                rows.append(failed(spec, f"internal error, {type(error).__name__}: {error}"))
+        return rows, lost
+
     patience, since = math.inf if idle is None else idle[0], time.monotonic()
-    while queue.busy():
-        alone = len(queue.running) == 1
-        done, _ = wait(queue.running, min(patience, LOOK_S), FIRST_COMPLETED)
+    while True:
+        if suspects and not running:
+            hand_out([suspects.popleft()])
+        elif not suspects:
+            hand_out(islice(todo, AHEAD * workers.count - len(running)))
+        if not running:
+            return
+        alone = len(running) == 1
+        done, _ = wait(running, min(patience, LOOK_S), FIRST_COMPLETED)
         if not done:
             workers.attend()
             if idle is not None and time.monotonic() - since >= patience:
@@ -134,79 +166,18 @@ def completed(
                 since = time.monotonic()
             continue
         since = time.monotonic()
-        rows, lost = queue.collect()
+        rows, lost = ended()
+        if lost:
+            # a local pool that broke ends all its futures within moments; a cluster goes on with them
+            wait(running, timeout=MOMENTS)
+            more_rows, more_lost = ended()
+            rows, lost = rows + more_rows, lost + more_lost
         yield from rows
         if lost:
             workers.renew()
-            yield from queue.suspect(lost, alone)
-
-
-class _Queue(Generic[Spec, Row]):
-    """Rows to do, rows in work, and rows under suspicion of killing workers, which are tried one at a time."""
-
-    def __init__(
-        self,
-        todo: Iterator[Spec],
-        workers: Workers,
-        compute: Callable[[Spec], Row],
-        failed: Callable[[Spec, str], Row],
-        chances: int,
-    ) -> None:
-        self.running: dict[Future[Row], Spec] = {}
-        self._todo, self._workers, self._compute, self._failed = todo, workers, compute, failed
-        self._chances = chances
-        self._suspects: deque[Spec] = deque()
-        self._deaths: dict[str, int] = {}
-
-    def busy(self) -> bool:
-        """Hand out what can be; whether anything is in work now."""
-        if self._suspects:
-            if not self.running:
-                self._hand_out(self._suspects.popleft())
-            return True
-        while len(self.running) < AHEAD * self._workers.count:
-            spec = next(self._todo, None)
-            if spec is None:
-                break
-            self._hand_out(spec)
-        return bool(self.running)
-
-    def _hand_out(self, spec: Spec) -> None:
-        try:
-            future = self._workers.executor.submit(self._compute, spec)
-        except RuntimeError as error:  # a pool that broke while nobody looked
-            future = Future()
-            future.set_exception(error)
-        self.running[future] = spec
-
-    def collect(self) -> tuple[list[Row], list[Spec]]:
-        """Rows that are done, and specs whose worker died; both leave ``running``."""
-        rows, lost = self._ended()
-        if lost:
-            # a local pool that broke ends all its futures within moments; a cluster goes on with them
-            wait(self.running, timeout=MOMENTS)
-            more_rows, more_lost = self._ended()
-            rows, lost = rows + more_rows, lost + more_lost
-        return rows, lost
-
-    def _ended(self) -> tuple[list[Row], list[Spec]]:
-        rows, lost = [], []
-        for future in [future for future in self.running if future.done()]:
-            spec = self.running.pop(future)
-            error = CancelledError() if future.cancelled() else future.exception()
-            if error is None:
-                rows.append(future.result())
-            elif self._workers.died(error):
-                lost.append(spec)
-            else:
-                rows.append(self._failed(spec, f"internal error, {type(error).__name__}: {error}"))
-        return rows, lost
-
-    def suspect(self, lost: list[Spec], alone: bool) -> Iterator[Row]:
-        """Try these again, one at a time; those that had their chances become rows."""
         for spec in lost:
-            self._deaths[spec.key] = self._deaths.get(spec.key, 0) + alone
-            if self._deaths[spec.key] >= self._chances:
-                yield self._failed(spec, f"its worker process died, {self._chances} times out of {self._chances}")
+            deaths[spec.key] += alone
+            if deaths[spec.key] >= chances:
+                yield failed(spec, f"its worker process died, {chances} times out of {chances}")
             else:
-                self._suspects.append(spec)
+                suspects.append(spec)

@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from harness.app.shared.machine import this_machine
+from harness.app.shared.parts import only_joint
 from harness.app.shared.progress import SILENT, Progress
 from harness.core.checks import positive
 from harness.core.errors import InputError, SimulationError
@@ -53,9 +54,7 @@ def tune_joint(
     friction.
     """
     arm = load_arm(file, gravity)
-    joint = arm.joints[0] if joint is None and len(arm.joints) == 1 else joint
-    if joint is None:
-        raise InputError("--joint", "not given", f"a joint of {arm.file} is accepted: {', '.join(arm.joints)}")
+    joint = joint or only_joint(arm)
     at = arm.index(joint)
     f_k, c = float(arm.frictionloss[at]), float(arm.damping[at])
     if f_k == 0.0:

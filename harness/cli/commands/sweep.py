@@ -1,6 +1,6 @@
 """harness sweep."""
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import click
 
@@ -34,19 +34,7 @@ def _worst(context: click.Context, option: click.Parameter, value: str | None) -
 @click.option("--resume", is_flag=True, help="Go on with the rows that --out holds; nothing is computed again.")
 @jobs_option
 @output_options
-def command(
-    engines: tuple[str, ...],
-    routes: tuple[str, ...],
-    presets: tuple[str, ...],
-    steps: tuple[float, ...],
-    sliders: int,
-    short: bool,
-    keep: int,
-    cluster: str | None,
-    resume: bool,
-    jobs: int | None,
-    to: Output,
-) -> int:
+def command(to: Output, **chosen: Any) -> int:
     """The friction-fidelity matrix: every engine, route, setting, step and scenario against exact answers.
 
     Rows go to Parquet files in the output folder as they are done, and from there into result.json and report.html.
@@ -59,7 +47,7 @@ def command(
     from harness.app.sweep.report import finish
     from harness.app.sweep.sweep import Sweep, SweepOptions, sweep
 
-    options = SweepOptions(engines, routes, presets, steps, short, sliders, jobs, cluster, keep, resume)
+    options = SweepOptions(**chosen)
     with to.told() as progress:
         result = sweep(options, to.out, progress, this_line())
         finish(result, options, progress)
