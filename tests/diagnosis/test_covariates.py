@@ -197,7 +197,7 @@ OMEGA, X, K3 = 7.0, 0.3, 25.0
 ZETA, X_K = 0.01, 0.0015
 GAINS = {Acts.FORCE: 0.3, Acts.FRICTION: 0.3, Acts.DAMPING: 0.4}
 T: FloatArray = 0.021 * np.arange(400, dtype=np.float64)
-FINE = 600
+STEPS = 600
 """Steps between samples."""
 
 
@@ -212,8 +212,8 @@ def stepped(acts: Acts | None, pendulum: bool = False, cubic: float = 0.0) -> Fl
 
     Semi-implicit steps of 35 us; friction takes off what speed there is and no more (Moreau's projection).
     """
-    h = (T[1] - T[0]) / FINE
-    t = np.arange((T.size - 1) * FINE + 1) * h
+    h = (T[1] - T[0]) / STEPS
+    t = np.arange((T.size - 1) * STEPS + 1) * h
     change = (GAINS[acts] if acts else 0.0) * (column(t) - float(np.mean(column(T))))
     push = change if acts is Acts.FORCE else np.zeros(t.size)
     dry = X_K * OMEGA**2 * (1.0 + change if acts is Acts.FRICTION else np.ones(t.size))
@@ -225,7 +225,7 @@ def stepped(acts: Acts | None, pendulum: bool = False, cubic: float = 0.0) -> Fl
         free = v + h * (force - damping * v - back)
         v = math.copysign(max(abs(free) - h * friction, 0.0), free)
         x += h * v
-    return np.array(path)[::FINE]
+    return np.array(path)[::STEPS]
 
 
 def decay(acts: Acts | None, pendulum: bool = False, cubic: float = 0.0, seed: int = 1) -> Recording:
