@@ -119,8 +119,10 @@ def partial(folder: Path) -> list[str]:
     return sorted(str(path.relative_to(folder)) for path in folder.rglob("*.partial"))
 
 
-def killed_at_random(name: str, place: Path, times: int) -> None:
-    case, chance = CASES[name], random.Random(17)
+@pytest.mark.full
+@pytest.mark.parametrize("name", CASES)
+def test_commands_that_are_killed_ten_times(name: str, tmp_path: Path) -> None:
+    case, chance, times, place = CASES[name], random.Random(17), 10, tmp_path
     recordings(place)
     began = time.monotonic()
     assert ended(case.line, place) == (0, "", "")
@@ -136,15 +138,3 @@ def killed_at_random(name: str, place: Path, times: int) -> None:
         assert partial(place) == []
         shutil.rmtree(place / "out")
     assert at_work >= times // 2
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("name", ["sweep", pytest.param("run", marks=pytest.mark.full)])
-def test_a_command_that_is_killed_leaves_nothing_that_looks_done(name: str, tmp_path: Path) -> None:
-    killed_at_random(name, tmp_path, 1)
-
-
-@pytest.mark.full
-@pytest.mark.parametrize("name", CASES)
-def test_commands_that_are_killed_ten_times(name: str, tmp_path: Path) -> None:
-    killed_at_random(name, tmp_path, 10)

@@ -94,22 +94,27 @@ def test_a_damaged_part_is_set_aside_and_only_its_rows_are_computed_again(swept:
     assert physics(rows_of(folder)) == physics(rows)
 
 
-def test_an_interrupted_sweep_goes_on_to_the_same_rows(swept: room.Sweep, tmp_path: Path) -> None:
-    """By the command, called again as it says when somebody stops it."""
+@pytest.mark.parametrize("how", [signal.SIGINT, signal.SIGKILL])
+def test_a_stopped_sweep_goes_on_to_the_same_rows(how: signal.Signals, swept: room.Sweep, tmp_path: Path) -> None:
+    """By the command, which says how to go on where it can."""
     folder = tmp_path / "out"
     line = f"sweep --engine mujoco --route joint --dt 0.002 --jobs 1 --quiet --out {folder}"
-    code, out, said = stopped(line.split(), tmp_path, "out/rows/part-*.parquet", signal.SIGINT)
+    code, out, said = stopped(line.split(), tmp_path, "out/rows/part-*.parquet", how)
     alone = physics([row for row in swept.rows() if row["engine"] == "mujoco"])
     kept = rows_of(folder)
     assert 0 < len(kept) < len(alone)
-    assert (code, out) == (130, "")
-    assert f"{len(kept)} of {len(alone)} rows are kept" in said
-    assert f"--resume --out {folder} " in said
-    assert not list(folder.glob("rows/.*"))
+    assert not (folder / "result.json").exists()
+    assert (code, out) == (130 if how is signal.SIGINT else -how, "")
+    if how is signal.SIGINT:
+        assert f"{len(kept)} of {len(alone)} rows are kept" in said
+        assert f"--resume --out {folder} " in said
+        assert not list(folder.glob("rows/.*"))
     assert run([*line.split(), "--resume"]) == 0
     rows = rows_of(folder)
     assert rows[: len(kept)] == kept  # with the seconds they took: they are not computed again
     assert physics(rows) == alone
+    assert not list(folder.rglob("*.partial"))
+    SweepResult.model_validate_json((folder / "result.json").read_text())
 
 
 @pytest.mark.parametrize("content", [b"", b"PAR1", b"nothing like it" * 100])

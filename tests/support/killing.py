@@ -51,35 +51,36 @@ def ended(line: Sequence[str], place: Path, **changes: str) -> tuple[int, str, s
 
 def stopped(line: Sequence[str], place: Path, there: str, how: signal.Signals) -> tuple[int, str, str]:
     """As ``ended``, of a command that gets a signal once there is a file like ``there`` in its folder."""
-    with started(line, place) as process:
-        limit = time.monotonic() + 60.0
-        while not any(place.glob(there)):
-            assert time.monotonic() < limit
-            assert process.poll() is None
-            time.sleep(0.01)
-        process.send_signal(how)
-        out, err = process.communicate(timeout=120)
-    return process.returncode, out, err
+    process = started(line, place)
+    limit = time.monotonic() + 60.0
+    while not any(place.glob(there)):
+        assert time.monotonic() < limit
+        assert process.poll() is None
+        time.sleep(0.01)
+    process.send_signal(how)
+    return _left(process)
 
 
 def killed(line: Sequence[str], place: Path, after_s: float) -> bool:
-    """Kill a command after a time; whether it was still at work.
-
-    Its worker processes are left to themselves: that none of them goes on is asserted.
-    """
+    """Kill a command after a time; whether it was still at work."""
     process = started(line, place)
     try:
         process.wait(after_s)
     except subprocess.TimeoutExpired:
         process.kill()
-        # not until standard output ends, which workers hold open
-        process.wait()
+    return _left(process)[0] < 0
+
+
+def _left(process: "subprocess.Popen[str]") -> tuple[int, str, str]:
+    """What a process that ends has said; its workers are left to themselves: that none of them goes on is asserted."""
+    # not until standard output ends, which workers hold open
+    process.wait(60)
     limit = time.monotonic() + 10.0
     while left := session(process.pid):
         assert time.monotonic() < limit, f"these go on: {left}"
         time.sleep(0.05)
-    process.communicate()
-    return process.returncode < 0
+    out, err = process.communicate()
+    return process.returncode, out, err
 
 
 def session(leader: int) -> Mapping[int, str]:
