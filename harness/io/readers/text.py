@@ -95,12 +95,13 @@ def _layout(path: Path, data: bytes | bytearray, skip_rows: int) -> tuple[_Layou
         raise InputError(f"{path}: --skip-rows", found, "fewer than there are is accepted")
     offset = sum(len(line) + 1 for line in lines[:skip_rows])
     shown: list[tuple[int, int, str]] = []
+    tabbed = False
     for number, raw in enumerate(lines[skip_rows:], skip_rows + 1):
         text = _decode(raw).strip()
         if text:
             # an empty last cell, where tabs part the names
-            tabbed = any("\t" in one for _, _, one in shown)
             shown.append((number, offset, _decode(raw).strip(" \r") if tabbed else text))
+            tabbed = tabbed or "\t" in shown[-1][2]
         offset += len(raw) + 1
     body = [entry for entry in shown if not entry[2].startswith(_COMMENT)]
     if not body:
